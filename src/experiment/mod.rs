@@ -1,0 +1,1 @@
+//! Runs the stages; the only room that sees all.

@@ -1,0 +1,1 @@
+//! One identification method per file, and the list.

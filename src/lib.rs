@@ -1,0 +1,22 @@
+//! Identify the dynamics of a two-wheel mobile robot from its logs, see where the model fails,
+//! and learn which physical effect is missing.
+//!
+//! The data flows one way, in six stages: a [`recording`] is measured, [`identify`] fits a
+//! [`model`] (a sum of physical [`effects`]) to it, [`compare`] simulates the fit and sets it
+//! against the measurement, [`diagnose`] names the effect that is missing, [`study`] holds all
+//! results as plain data, and [`report`] draws them.
+
+pub mod catalogue;
+pub mod math;
+pub mod robot;
+pub mod recording;
+pub mod effects;
+pub mod model;
+pub mod simulate;
+pub mod identify;
+pub mod compare;
+pub mod diagnose;
+pub mod study;
+pub mod report;
+pub mod io;
+pub mod experiment;

@@ -1,0 +1,298 @@
+//! The scalar that physics is written in: `f64`, or a dual number that carries exact derivatives.
+
+use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
+
+/// A real number, or one that carries derivatives; every physical effect is written over it once.
+///
+/// `f64` gives values, [`Dual`] gives values and exact partial derivatives (forward-mode
+/// automatic differentiation).
+pub trait Real:
+    Copy
+    + std::fmt::Debug
+    + Send
+    + Sync
+    + From<f64>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+    + MulAssign
+    + Add<f64, Output = Self>
+    + Sub<f64, Output = Self>
+    + Mul<f64, Output = Self>
+    + Div<f64, Output = Self>
+    + 'static
+{
+    /// The value without derivatives.
+    fn value(self) -> f64;
+
+    /// Applies a function whose value and first derivative at `self.value()` are given.
+    #[must_use]
+    fn chain(self, value: f64, derivative: f64) -> Self;
+
+    /// e to the power of `self`.
+    #[must_use]
+    fn exp(self) -> Self {
+        let e = self.value().exp();
+        self.chain(e, e)
+    }
+    /// Natural logarithm.
+    #[must_use]
+    fn ln(self) -> Self {
+        let x = self.value();
+        self.chain(x.ln(), 1.0 / x)
+    }
+    /// Sine of an angle [rad].
+    #[must_use]
+    fn sin(self) -> Self {
+        let (s, c) = self.value().sin_cos();
+        self.chain(s, c)
+    }
+    /// Cosine of an angle [rad].
+    #[must_use]
+    fn cos(self) -> Self {
+        let (s, c) = self.value().sin_cos();
+        self.chain(c, -s)
+    }
+    /// Square root.
+    #[must_use]
+    fn sqrt(self) -> Self {
+        let r = self.value().sqrt();
+        self.chain(r, 0.5 / r)
+    }
+    /// Hyperbolic tangent.
+    #[must_use]
+    fn tanh(self) -> Self {
+        let h = self.value().tanh();
+        self.chain(h, 1.0 - h * h)
+    }
+    /// Error function, erf(x) = 2/sqrt(pi) int_0^x exp(-s^2) ds.
+    #[must_use]
+    fn erf(self) -> Self {
+        let x = self.value();
+        self.chain(libm::erf(x), std::f64::consts::FRAC_2_SQRT_PI * (-x * x).exp())
+    }
+    /// Absolute value; the derivative is [`sgn`], so zero at zero.
+    #[must_use]
+    fn abs(self) -> Self {
+        let x = self.value();
+        self.chain(x.abs(), sgn(x))
+    }
+    /// `self` to a real power; `self` must be positive unless the power is an integer.
+    #[must_use]
+    fn powf(self, power: f64) -> Self {
+        let x = self.value();
+        self.chain(x.powf(power), power * x.powf(power - 1.0))
+    }
+    /// The square.
+    #[must_use]
+    fn squared(self) -> Self {
+        self * self
+    }
+}
+
+/// The sign with sgn(0) = 0, as the paper's friction term needs it (`f64::signum(0.0)` is 1).
+///
+/// # Examples
+/// ```
+/// use amigo_ident::math::sgn;
+/// assert_eq!((sgn(-2.0), sgn(0.0), sgn(3.0)), (-1.0, 0.0, 1.0));
+/// ```
+#[must_use]
+pub fn sgn(x: f64) -> f64 {
+    if x > 0.0 {
+        1.0
+    } else if x < 0.0 {
+        -1.0
+    } else {
+        0.0
+    }
+}
+
+impl Real for f64 {
+    #[inline]
+    fn value(self) -> f64 {
+        self
+    }
+    #[inline]
+    fn chain(self, value: f64, _derivative: f64) -> Self {
+        value
+    }
+}
+
+/// A value with its `N` partial derivatives.
+///
+/// # Examples
+/// ```
+/// use amigo_ident::math::{Dual, Real};
+/// let x = Dual::<2>::variable(3.0, 0);
+/// let y = Dual::<2>::variable(2.0, 1);
+/// let f = x * y + x.sin();
+/// assert!((f.partial[0] - (2.0 + 3.0_f64.cos())).abs() < 1e-15); // df/dx = y + cos x
+/// assert_eq!(f.partial[1], 3.0); // df/dy = x
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dual<const N: usize> {
+    /// The value.
+    pub value: f64,
+    /// The partial derivatives with respect to the `N` variables.
+    pub partial: [f64; N],
+}
+
+impl<const N: usize> Dual<N> {
+    /// A constant: all partial derivatives are zero.
+    #[must_use]
+    pub const fn constant(value: f64) -> Self {
+        Self { value, partial: [0.0; N] }
+    }
+
+    /// Variable number `index`: its own partial derivative is one.
+    ///
+    /// # Panics
+    /// If `index >= N`.
+    #[must_use]
+    pub fn variable(value: f64, index: usize) -> Self {
+        let mut partial = [0.0; N];
+        partial[index] = 1.0;
+        Self { value, partial }
+    }
+
+    #[inline]
+    fn combine(self, other: Self, value: f64, by_self: f64, by_other: f64) -> Self {
+        let mut partial = [0.0; N];
+        for i in 0..N {
+            partial[i] = by_self * self.partial[i] + by_other * other.partial[i];
+        }
+        Self { value, partial }
+    }
+}
+
+impl<const N: usize> From<f64> for Dual<N> {
+    fn from(value: f64) -> Self {
+        Self::constant(value)
+    }
+}
+
+impl<const N: usize> Real for Dual<N> {
+    #[inline]
+    fn value(self) -> f64 {
+        self.value
+    }
+    #[inline]
+    fn chain(self, value: f64, derivative: f64) -> Self {
+        Self { value, partial: self.partial.map(|d| derivative * d) }
+    }
+}
+
+impl<const N: usize> Add for Dual<N> {
+    type Output = Self;
+    #[inline]
+    fn add(self, o: Self) -> Self {
+        self.combine(o, self.value + o.value, 1.0, 1.0)
+    }
+}
+impl<const N: usize> Sub for Dual<N> {
+    type Output = Self;
+    #[inline]
+    fn sub(self, o: Self) -> Self {
+        self.combine(o, self.value - o.value, 1.0, -1.0)
+    }
+}
+impl<const N: usize> Mul for Dual<N> {
+    type Output = Self;
+    #[inline]
+    fn mul(self, o: Self) -> Self {
+        self.combine(o, self.value * o.value, o.value, self.value)
+    }
+}
+impl<const N: usize> Div for Dual<N> {
+    type Output = Self;
+    #[inline]
+    fn div(self, o: Self) -> Self {
+        let q = self.value / o.value;
+        self.combine(o, q, 1.0 / o.value, -q / o.value)
+    }
+}
+impl<const N: usize> Neg for Dual<N> {
+    type Output = Self;
+    #[inline]
+    fn neg(self) -> Self {
+        self.chain(-self.value, -1.0)
+    }
+}
+impl<const N: usize> Add<f64> for Dual<N> {
+    type Output = Self;
+    #[inline]
+    fn add(self, o: f64) -> Self {
+        Self { value: self.value + o, ..self }
+    }
+}
+impl<const N: usize> Sub<f64> for Dual<N> {
+    type Output = Self;
+    #[inline]
+    fn sub(self, o: f64) -> Self {
+        Self { value: self.value - o, ..self }
+    }
+}
+impl<const N: usize> Mul<f64> for Dual<N> {
+    type Output = Self;
+    #[inline]
+    fn mul(self, o: f64) -> Self {
+        self.chain(self.value * o, o)
+    }
+}
+impl<const N: usize> Div<f64> for Dual<N> {
+    type Output = Self;
+    #[inline]
+    fn div(self, o: f64) -> Self {
+        self.chain(self.value / o, 1.0 / o)
+    }
+}
+impl<const N: usize> AddAssign for Dual<N> {
+    #[inline]
+    fn add_assign(&mut self, o: Self) {
+        *self = *self + o;
+    }
+}
+impl<const N: usize> SubAssign for Dual<N> {
+    #[inline]
+    fn sub_assign(&mut self, o: Self) {
+        *self = *self - o;
+    }
+}
+impl<const N: usize> MulAssign for Dual<N> {
+    #[inline]
+    fn mul_assign(&mut self, o: Self) {
+        *self = *self * o;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A formula that uses every function of the trait.
+    fn formula<T: Real>(x: T, y: T) -> T {
+        (x * y).exp() / (x.squared() + 1.0).sqrt() - (y * 2.0).sin() * x.cos()
+            + x.tanh() * y.abs() / 3.0
+            + x.erf()
+            + (x + 2.0).ln()
+            + x.powf(1.5)
+            - y
+    }
+
+    #[test]
+    fn derivatives_of_every_function_equal_central_differences() {
+        let (x, y, h) = (0.7, -0.4, 1e-6);
+        let d = formula(Dual::<2>::variable(x, 0), Dual::<2>::variable(y, 1));
+        let dx = (formula(x + h, y) - formula(x - h, y)) / (2.0 * h);
+        let dy = (formula(x, y + h) - formula(x, y - h)) / (2.0 * h);
+        assert_eq!(d.value, formula(x, y));
+        // central differences: truncation h^2 ~ 1e-12, rounding eps/h ~ 1e-10
+        assert!((d.partial[0] - dx).abs() < 1e-9, "{} {dx}", d.partial[0]);
+        assert!((d.partial[1] - dy).abs() < 1e-9, "{} {dy}", d.partial[1]);
+    }
+}

@@ -1,0 +1,1 @@
+//! Study to blocks to HTML and PNG.

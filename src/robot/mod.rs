@@ -1,0 +1,1 @@
+//! The robot itself: state, construction data, kinematics, equations of motion.

@@ -1,0 +1,1 @@
+//! All results of one experiment: plain data, serialisable.
