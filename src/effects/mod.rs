@@ -1,1 +1,118 @@
 //! One physical effect per file, and the list.
+//!
+//! A model is a sum of effects: `mass(x; p) dω + torque(x; p) + dry friction = drive(M; p)`.
+//! An author writes [`Physics`] once, over any [`Real`] scalar; the program sees the object-safe
+//! [`Effect`], which evaluates it with plain numbers or with exact derivatives.
+
+mod effect;
+mod motion;
+
+pub use effect::{Effect, Jet, Physics};
+pub use motion::{Coupling, DIRECTIONS, Motion, Terms, along};
+
+use crate::catalogue;
+
+/// How an effect treats mechanical energy; every registered effect is tested against its claim.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+pub enum Energy {
+    /// Stores and returns it (inertia, gravity, springs).
+    Stores,
+    /// The torque is perpendicular to the motion.
+    DoesNoWork,
+    /// Takes energy out, never puts any in, for parameters within their ranges.
+    Dissipates,
+    /// May put energy in or changes what the drive delivers (offset, gain, ripple).
+    Supplies,
+}
+
+/// How a parameter enters the moment equation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+pub enum ParameterKind {
+    /// The torque is proportional to it, so least squares applies.
+    Linear,
+    /// It shapes the torque (a width, a time constant, a threshold).
+    Shape,
+}
+
+/// What is fixed about a parameter of an effect.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct ParameterSpec {
+    /// Symbol, unique over the catalogue.
+    pub symbol: String,
+    /// What it means, in a few words.
+    pub meaning: String,
+    /// SI unit for moments in N m; `N m` in it is replaced when the drive is in V or A.
+    pub unit: String,
+    /// Smallest and largest value that make sense physically.
+    pub range: (f64, f64),
+    /// A value of ordinary size on a robot like the AmigoBot: where a search starts.
+    pub typical: f64,
+    /// Linear or shape.
+    pub kind: ParameterKind,
+}
+
+impl ParameterSpec {
+    /// A parameter that the torque is proportional to.
+    #[must_use]
+    pub fn linear(
+        symbol: &str,
+        meaning: &str,
+        unit: &str,
+        range: (f64, f64),
+        typical: f64,
+    ) -> Self {
+        Self {
+            symbol: symbol.into(),
+            meaning: meaning.into(),
+            unit: unit.into(),
+            range,
+            typical,
+            kind: ParameterKind::Linear,
+        }
+    }
+
+    /// A parameter that shapes the torque.
+    #[must_use]
+    pub fn shape(symbol: &str, meaning: &str, unit: &str, range: (f64, f64), typical: f64) -> Self {
+        Self { kind: ParameterKind::Shape, ..Self::linear(symbol, meaning, unit, range, typical) }
+    }
+}
+
+/// What the catalogue prints of an effect.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Description {
+    /// The id used in experiment files.
+    pub id: String,
+    /// Its name in words.
+    pub title: String,
+    /// What it adds to the equation of motion, in plain text.
+    pub equation: String,
+    /// The physical cause.
+    pub cause: String,
+    /// How it shows in measured data.
+    pub signature: String,
+    /// Which driving makes it visible.
+    pub excitation: String,
+    /// Ids of effects that no wheel recording can tell from this one.
+    pub equivalent: Vec<String>,
+}
+
+catalogue! {
+    dyn Effect;
+    inertia::Inertia,
+    centrifugal::Centrifugal,
+    coulomb_friction::CoulombFriction,
+    viscous_friction::ViscousFriction,
+}
+
+/// The ids of the base model, in the order of its parameters a1..a5.
+pub const BASE: [&str; 3] = ["inertia", "centrifugal", "coulomb_friction"];
+
+/// The registered effect of that id.
+#[must_use]
+pub fn find(id: &str) -> Option<Box<dyn Effect>> {
+    all().into_iter().find(|effect| effect.id() == id)
+}
+
+#[cfg(test)]
+mod contract;

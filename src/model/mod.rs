@@ -1,1 +1,7 @@
-//! Effects added up.
+//! Effects added up: mass, torque, dry friction, drive, and named bounded parameters.
+
+mod linearise;
+mod model;
+
+pub use linearise::{Linearisation, solve_mass};
+pub use model::{Model, ModelError, Parameter};

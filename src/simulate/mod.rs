@@ -1,1 +1,13 @@
-//! Motion from a model.
+//! Motion from a model: an integrator with exact stick and slip, and what is built on it.
+
+mod friction;
+mod sensitivity;
+mod simulation;
+mod stepper;
+
+pub use friction::{Contact, contact};
+pub use sensitivity::{Sensitivities, simulate_with_sensitivities};
+pub use simulation::{Hold, Input, SimulateError, simulate};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,48 @@
+//! The centre of mass off the axle: forces that turn with the robot.
+
+use super::{Description, Energy, Motion, ParameterSpec, Physics, Terms};
+use crate::math::Real;
+
+/// Centrifugal moments of a centre of mass at distance l2 behind the axle.
+///
+/// ```text
+/// a3 w2 (w2 - w1)   on wheel 1
+/// a3 w1 (w1 - w2)   on wheel 2
+/// ```
+/// Source: paper, eq. (14). The two do no work together: w1 w2 (w2 - w1) + w2 w1 (w1 - w2) = 0.
+#[derive(Clone, Debug, Default)]
+pub struct Centrifugal;
+
+impl Physics for Centrifugal {
+    fn description(&self) -> Description {
+        Description {
+            id: "centrifugal".into(),
+            title: "Centrifugal moments".into(),
+            equation: "a3 w2 (w2 - w1) on wheel 1, a3 w1 (w1 - w2) on wheel 2".into(),
+            cause: "the centre of mass lies behind (a3 > 0) or ahead of (a3 < 0) the axle".into(),
+            signature: "moment in proportion to turn rate times speed".into(),
+            excitation: "fast curves; nothing of it shows when driving straight".into(),
+            equivalent: vec![],
+        }
+    }
+
+    fn parameters(&self) -> Vec<ParameterSpec> {
+        vec![ParameterSpec::linear(
+            "a3",
+            "centrifugal constant",
+            "kg m^2",
+            (-1e4, 1e4),
+            3e-4,
+        )]
+    }
+
+    fn energy(&self) -> Energy {
+        Energy::DoesNoWork
+    }
+
+    fn terms<T: Real>(&self, x: &Motion<T>, p: &[T]) -> Terms<T> {
+        let [w1, w2] = x.omega;
+        let torque = [p[0] * w2 * (w2 - w1), p[0] * w1 * (w1 - w2)]; // eq. (14)
+        Terms { torque, ..Terms::zero() }
+    }
+}

@@ -1,0 +1,47 @@
+//! Dry friction on each wheel.
+
+use super::{Description, Energy, Motion, ParameterSpec, Physics, Terms};
+use crate::math::Real;
+
+/// Coulomb (dry) friction, one level a wheel; at rest it takes any value up to the level.
+///
+/// ```text
+/// a4 sgn(w1)   on wheel 1
+/// a5 sgn(w2)   on wheel 2
+/// ```
+/// Source: paper, eq. (14). Deviation: at w = 0 the paper's sgn(0) = 0 lets a wheel creep under
+/// any moment; here friction at rest holds up to its level.
+#[derive(Clone, Debug, Default)]
+pub struct CoulombFriction;
+
+impl Physics for CoulombFriction {
+    fn description(&self) -> Description {
+        Description {
+            id: "coulomb_friction".into(),
+            title: "Coulomb friction".into(),
+            equation: "a4 sgn(w1) on wheel 1, a5 sgn(w2) on wheel 2".into(),
+            cause: "dry friction in bearings and gears, rolling resistance N f".into(),
+            signature: "a moment that steps when the wheel reverses; standstill under small moments"
+                .into(),
+            excitation: "any motion; reversals separate it from an offset".into(),
+            equivalent: vec![],
+        }
+    }
+
+    fn parameters(&self) -> Vec<ParameterSpec> {
+        let range = (0.0, 1e4);
+        vec![
+            ParameterSpec::linear("a4", "Coulomb level, wheel 1", "N m", range, 0.1),
+            ParameterSpec::linear("a5", "Coulomb level, wheel 2", "N m", range, 0.1),
+        ]
+    }
+
+    fn energy(&self) -> Energy {
+        Energy::Dissipates
+    }
+
+    fn terms<T: Real>(&self, _x: &Motion<T>, p: &[T]) -> Terms<T> {
+        let zero = T::from(0.0);
+        Terms { level: [p[0], p[1], zero, zero], ..Terms::zero() } // eq. (14)
+    }
+}

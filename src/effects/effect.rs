@@ -1,0 +1,104 @@
+//! The two faces of an effect: what its author writes, and what the program sees.
+
+use super::{Coupling, Description, Energy, Motion, ParameterSpec, Terms};
+use crate::math::{Dual, Real};
+
+/// A dual number with eight partial derivatives. Effects see their instant with the partials
+/// (alpha1, alpha2, omega1, omega2, own parameters 0..4); drives see the parameters only.
+pub type Jet = Dual<8>;
+
+/// What the author of an effect writes, once, over any scalar. At most four parameters.
+///
+/// Everything has a default of "nothing", so an effect states only what it does.
+pub trait Physics: Send + Sync + 'static {
+    /// Names, equation and signature for the catalogue.
+    fn description(&self) -> Description;
+
+    /// Its parameters, in the order in which `p` holds them.
+    fn parameters(&self) -> Vec<ParameterSpec>;
+
+    /// Its energy role.
+    fn energy(&self) -> Energy;
+
+    /// Contribution to mass, torque and dry friction at one instant.
+    fn terms<T: Real>(&self, _x: &Motion<T>, _p: &[T]) -> Terms<T> {
+        Terms::zero()
+    }
+
+    /// Turns the recorded drive into the one that acts, for the whole run:
+    /// `t` [s] and `m` [N m] have one row a sample. `None`: unchanged.
+    fn drive<T: Real>(&self, _t: &[f64], _m: &[[T; 2]], _p: &[T]) -> Option<Vec<[T; 2]>> {
+        None
+    }
+
+    /// A body behind the measured wheel, where the effect is one.
+    fn coupling<T: Real>(&self, _x: &Motion<T>, _p: &[T]) -> Option<Coupling<T>> {
+        None
+    }
+
+    /// Whether [`Physics::drive`] changes anything.
+    fn acts_on_drive(&self) -> bool {
+        false
+    }
+}
+
+/// An effect as the program sees it: [`Physics`] without its type parameters.
+pub trait Effect: Send + Sync {
+    /// Names, equation and signature.
+    fn description(&self) -> Description;
+    /// The id used in experiment files.
+    fn id(&self) -> String {
+        self.description().id
+    }
+    /// Its parameters.
+    fn parameters(&self) -> Vec<ParameterSpec>;
+    /// Its energy role.
+    fn energy(&self) -> Energy;
+    /// [`Physics::terms`] with plain numbers.
+    fn terms(&self, x: &Motion<f64>, p: &[f64]) -> Terms<f64>;
+    /// [`Physics::terms`] with derivatives.
+    fn terms_jet(&self, x: &Motion<Jet>, p: &[Jet]) -> Terms<Jet>;
+    /// [`Physics::drive`] with plain numbers.
+    fn drive(&self, t: &[f64], m: &[[f64; 2]], p: &[f64]) -> Option<Vec<[f64; 2]>>;
+    /// [`Physics::drive`] with derivatives.
+    fn drive_jet(&self, t: &[f64], m: &[[Jet; 2]], p: &[Jet]) -> Option<Vec<[Jet; 2]>>;
+    /// [`Physics::coupling`] with plain numbers.
+    fn coupling(&self, x: &Motion<f64>, p: &[f64]) -> Option<Coupling<f64>>;
+    /// [`Physics::coupling`] with derivatives.
+    fn coupling_jet(&self, x: &Motion<Jet>, p: &[Jet]) -> Option<Coupling<Jet>>;
+    /// Whether it changes the drive.
+    fn acts_on_drive(&self) -> bool;
+}
+
+impl<P: Physics> Effect for P {
+    fn description(&self) -> Description {
+        Physics::description(self)
+    }
+    fn parameters(&self) -> Vec<ParameterSpec> {
+        Physics::parameters(self)
+    }
+    fn energy(&self) -> Energy {
+        Physics::energy(self)
+    }
+    fn terms(&self, x: &Motion<f64>, p: &[f64]) -> Terms<f64> {
+        Physics::terms(self, x, p)
+    }
+    fn terms_jet(&self, x: &Motion<Jet>, p: &[Jet]) -> Terms<Jet> {
+        Physics::terms(self, x, p)
+    }
+    fn drive(&self, t: &[f64], m: &[[f64; 2]], p: &[f64]) -> Option<Vec<[f64; 2]>> {
+        Physics::drive(self, t, m, p)
+    }
+    fn drive_jet(&self, t: &[f64], m: &[[Jet; 2]], p: &[Jet]) -> Option<Vec<[Jet; 2]>> {
+        Physics::drive(self, t, m, p)
+    }
+    fn coupling(&self, x: &Motion<f64>, p: &[f64]) -> Option<Coupling<f64>> {
+        Physics::coupling(self, x, p)
+    }
+    fn coupling_jet(&self, x: &Motion<Jet>, p: &[Jet]) -> Option<Coupling<Jet>> {
+        Physics::coupling(self, x, p)
+    }
+    fn acts_on_drive(&self) -> bool {
+        Physics::acts_on_drive(self)
+    }
+}

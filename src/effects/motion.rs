@@ -1,0 +1,116 @@
+//! What an effect sees of the robot's motion, and what it answers.
+
+use crate::math::Real;
+use crate::robot::Robot;
+
+/// The four directions in which dry friction can hold the two wheels: wheel 1, wheel 2,
+/// turning (w1 - w2) and forward (w1 + w2).
+pub const DIRECTIONS: [[f64; 2]; 4] = [[1.0, 0.0], [0.0, 1.0], [1.0, -1.0], [1.0, 1.0]];
+
+/// The speed of the wheels along one of the [`DIRECTIONS`] [rad/s].
+#[must_use]
+pub fn along<T: Real>(direction: usize, omega: &[T; 2]) -> T {
+    match direction {
+        0 => omega[0],
+        1 => omega[1],
+        2 => omega[0] - omega[1],
+        _ => omega[0] + omega[1],
+    }
+}
+
+/// The instant at which an effect is evaluated.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion<'a, T> {
+    /// Time since the start of the recording [s].
+    pub t: f64,
+    /// Wheel angles [rad]; wheel 1 (right) first.
+    pub alpha: [T; 2],
+    /// Wheel speeds [rad/s].
+    pub omega: [T; 2],
+    /// Variance of (alpha1, alpha2, omega1, omega2) where the motion is an estimate: a filter
+    /// asks for the mean of a kinked or fast function over it. Zero in simulation.
+    pub variance: [f64; 4],
+    /// The robot's construction data.
+    pub robot: &'a Robot,
+}
+
+impl<T: Real> Motion<'_, T> {
+    /// Speed of the axle's centre, v_A = r/2 (w1 + w2) [m/s].  eq. (11)
+    #[must_use]
+    pub fn forward_speed(&self) -> T {
+        (self.omega[0] + self.omega[1]) * (0.5 * self.robot.r())
+    }
+
+    /// Turn rate, beta_dot = r/(2 l1) (w1 - w2) [rad/s].  eq. (11)
+    #[must_use]
+    pub fn turn_rate(&self) -> T {
+        (self.omega[0] - self.omega[1]) * (0.5 * self.robot.r() / self.robot.l1())
+    }
+
+    /// Heading from the wheel angles, beta = r/(2 l1) (alpha1 - alpha2) [rad].
+    #[must_use]
+    pub fn heading(&self) -> T {
+        (self.alpha[0] - self.alpha[1]) * (0.5 * self.robot.r() / self.robot.l1())
+    }
+}
+
+/// What effects add to the equation of motion
+/// `mass dω + torque + Σ_j d_j level_j sgn(d_j·ω) = M`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Terms<T> {
+    /// Symmetric mass matrix as (m11, m12, m22) [kg m^2].
+    pub mass: [T; 3],
+    /// Resisting moment on each wheel [N m].
+    pub torque: [T; 2],
+    /// Dry-friction level along each of the [`DIRECTIONS`], not negative [N m].
+    pub level: [T; 4],
+}
+
+impl<T: Real> Terms<T> {
+    /// No contribution.
+    #[must_use]
+    pub fn zero() -> Self {
+        let zero = T::from(0.0);
+        Self { mass: [zero; 3], torque: [zero; 2], level: [zero; 4] }
+    }
+
+    /// Adds another contribution.
+    pub fn add(&mut self, other: &Self) {
+        for i in 0..3 {
+            self.mass[i] += other.mass[i];
+        }
+        for i in 0..2 {
+            self.torque[i] += other.torque[i];
+        }
+        for i in 0..4 {
+            self.level[i] += other.level[i];
+        }
+    }
+
+    /// The moment these terms need at acceleration `a` [rad/s^2] when dry friction acts with
+    /// signs `s`: `mass a + torque + Σ_j d_j level_j s_j` [N m].
+    #[must_use]
+    pub fn moment(&self, a: &[f64; 2], s: &[f64; 4]) -> [T; 2] {
+        let [m11, m12, m22] = self.mass;
+        let mut out =
+            [m11 * a[0] + m12 * a[1] + self.torque[0], m12 * a[0] + m22 * a[1] + self.torque[1]];
+        for (j, d) in DIRECTIONS.iter().enumerate() {
+            for i in 0..2 {
+                out[i] += self.level[j] * (d[i] * s[j]);
+            }
+        }
+        out
+    }
+}
+
+/// A body behind the measured wheel: the wheel (rotor) of inertia `rotor` is joined to the rest
+/// of the robot by a spring and a damper, which adds two speeds and two twists to the state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coupling<T> {
+    /// Inertia on the measured side, part of a1 [kg m^2].
+    pub rotor: T,
+    /// Torsional stiffness [N m/rad]; zero for a pure slip law.
+    pub stiffness: T,
+    /// Torsional damping or slip stiffness [N m s/rad].
+    pub damping: T,
+}

@@ -1,0 +1,127 @@
+//! Exact first derivatives of a model, and the dynamics solved from it.
+
+use super::{Model, ModelError};
+use crate::effects::{Jet, Motion, Terms};
+use crate::math::Dual;
+
+/// The moment balance `mass a + torque + Σ d_j level_j s_j` and its derivatives at one instant.
+#[derive(Clone, Debug)]
+pub struct Linearisation {
+    /// Values.
+    pub terms: Terms<f64>,
+    /// Derivatives of the two moments with respect to (alpha1, alpha2, omega1, omega2), at fixed
+    /// acceleration and friction signs.
+    pub by_state: [[f64; 4]; 2],
+    /// Derivatives of the two moments with respect to each parameter of the model (those that act
+    /// through the drive have zero here).
+    pub by_parameter: Vec<[f64; 2]>,
+}
+
+impl Linearisation {
+    /// Room for the derivatives of a model with `parameters` parameters.
+    #[must_use]
+    pub fn new(parameters: usize) -> Self {
+        Self {
+            terms: Terms::zero(),
+            by_state: [[0.0; 4]; 2],
+            by_parameter: vec![[0.0; 2]; parameters],
+        }
+    }
+}
+
+impl Model {
+    /// Writes values and exact derivatives of the moment balance at acceleration `a` [rad/s^2]
+    /// and friction signs `s` (one for each of [`crate::effects::DIRECTIONS`]) into `out`, which
+    /// is made for this model: the inner loop of every estimator allocates nothing.
+    ///
+    /// # Panics
+    /// If `p` or `out` do not have one entry a parameter.
+    pub fn linearise(
+        &self,
+        x: &Motion<f64>,
+        p: &[f64],
+        a: &[f64; 2],
+        s: &[f64; 4],
+        out: &mut Linearisation,
+    ) {
+        let jet = Motion {
+            t: x.t,
+            alpha: [Dual::variable(x.alpha[0], 0), Dual::variable(x.alpha[1], 1)],
+            omega: [Dual::variable(x.omega[0], 2), Dual::variable(x.omega[1], 3)],
+            variance: x.variance,
+            robot: x.robot,
+        };
+        out.terms = Terms::zero();
+        out.by_state = [[0.0; 4]; 2];
+        for (e, effect) in self.effects().iter().enumerate() {
+            let slots = self.slots(e);
+            let mut own = [Jet::constant(0.0); 4];
+            for (k, j) in slots.clone().enumerate() {
+                own[k] = Dual::variable(p[j], 4 + k);
+            }
+            let terms = effect.terms_jet(&jet, &own[..slots.len()]);
+            out.terms.add(&Terms {
+                mass: terms.mass.map(|v| v.value),
+                torque: terms.torque.map(|v| v.value),
+                level: terms.level.map(|v| v.value),
+            });
+            for (i, moment) in terms.moment(a, s).iter().enumerate() {
+                for k in 0..4 {
+                    out.by_state[i][k] += moment.partial[k];
+                }
+                for (k, j) in slots.clone().enumerate() {
+                    out.by_parameter[j][i] = moment.partial[4 + k];
+                }
+            }
+        }
+    }
+
+    /// Derivatives of the acting drive with respect to every parameter: `[j][k]` is that of
+    /// sample k by parameter j; empty for parameters that do not act through the drive.
+    ///
+    /// # Panics
+    /// If drive effects have more than eight parameters together.
+    #[must_use]
+    pub fn drive_derivatives(
+        &self,
+        t: &[f64],
+        recorded: &[[f64; 2]],
+        p: &[f64],
+    ) -> (Vec<[f64; 2]>, Vec<Vec<[f64; 2]>>) {
+        let mut derivatives = vec![Vec::new(); p.len()];
+        if !self.acts_on_drive() {
+            return (recorded.to_vec(), derivatives);
+        }
+        let mut m: Vec<[Jet; 2]> = recorded.iter().map(|row| row.map(Jet::constant)).collect();
+        let mut taken = Vec::new();
+        for (e, effect) in self.effects().iter().enumerate().filter(|(_, e)| e.acts_on_drive()) {
+            let own: Vec<Jet> = self
+                .slots(e)
+                .map(|j| {
+                    taken.push(j);
+                    Dual::variable(p[j], taken.len() - 1)
+                })
+                .collect();
+            if let Some(changed) = effect.drive_jet(t, &m, &own) {
+                m = changed;
+            }
+        }
+        for (slot, &j) in taken.iter().enumerate() {
+            derivatives[j] = m.iter().map(|row| row.map(|v| v.partial[slot])).collect();
+        }
+        (m.iter().map(|row| row.map(|v| v.value)).collect(), derivatives)
+    }
+}
+
+/// Solves `mass x = b` for a symmetric 2x2 mass matrix.
+///
+/// # Errors
+/// If the matrix is not positive definite.
+pub fn solve_mass(mass: &[f64; 3], b: &[f64; 2]) -> Result<[f64; 2], ModelError> {
+    let [m11, m12, m22] = *mass;
+    let determinant = m11 * m22 - m12 * m12;
+    if !(m11 > 0.0 && determinant > 0.0) {
+        return Err(ModelError::MassNotPositive { m11, m12, m22 });
+    }
+    Ok([(m22 * b[0] - m12 * b[1]) / determinant, (m11 * b[1] - m12 * b[0]) / determinant])
+}

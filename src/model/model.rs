@@ -1,0 +1,268 @@
+//! A model: a robot, the effects it is made of, and their parameters.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use crate::effects::{self, BASE, Coupling, Effect, Motion, ParameterKind, ParameterSpec, Terms};
+use crate::robot::Robot;
+
+/// Why effects do not make a model.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ModelError {
+    /// No such effect in the catalogue.
+    #[error("no effect is called `{id}`{}; `experiment effects` lists them", hint(near))]
+    UnknownEffect {
+        /// As written.
+        id: String,
+        /// The closest id.
+        near: Option<String>,
+    },
+    /// The effect is in the model already.
+    #[error("the effect `{id}` stands in the model twice; remove one")]
+    Repeated {
+        /// The id.
+        id: String,
+    },
+    /// No such parameter.
+    #[error("the model has no parameter `{symbol}`; it has {known}")]
+    UnknownParameter {
+        /// As written.
+        symbol: String,
+        /// All symbols.
+        known: String,
+    },
+    /// The mass matrix cannot be inverted.
+    #[error(
+        "the mass matrix is not positive definite (m11 = {m11}, m12 = {m12}, m22 = {m22}); a1 must exceed |a2|"
+    )]
+    MassNotPositive {
+        /// Entry.
+        m11: f64,
+        /// Entry.
+        m12: f64,
+        /// Entry.
+        m22: f64,
+    },
+}
+
+fn hint(near: &Option<String>) -> String {
+    near.as_ref().map_or(String::new(), |near| format!("; did you mean `{near}`?"))
+}
+
+/// One parameter of a model.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Parameter {
+    /// Id of the effect it belongs to.
+    pub effect: String,
+    /// Symbol, meaning, unit, range.
+    pub spec: ParameterSpec,
+    /// Held at this value instead of estimated.
+    pub fixed: Option<f64>,
+}
+
+/// A robot and the effects that act on it; parameter vectors `p` hold one value a parameter, in
+/// the order of [`Model::parameters`], base first (a1..a5).
+#[derive(Clone)]
+pub struct Model {
+    robot: Robot,
+    effects: Vec<Arc<dyn Effect>>,
+    slots: Vec<Range<usize>>,
+    parameters: Vec<Parameter>,
+}
+
+impl std::fmt::Debug for Model {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Model").field("effects", &self.effect_ids()).finish_non_exhaustive()
+    }
+}
+
+impl Model {
+    /// The paper's model, eq. (14): inertia, centrifugal moments, Coulomb friction.
+    ///
+    /// # Examples
+    /// ```
+    /// use amigo_ident::{model::Model, robot::Robot};
+    /// let model = Model::base(Robot::amigobot());
+    /// assert_eq!(model.symbols(), ["a1", "a2", "a3", "a4", "a5"]);
+    /// ```
+    #[must_use]
+    pub fn base(robot: Robot) -> Self {
+        let mut model = Self { robot, effects: vec![], slots: vec![], parameters: vec![] };
+        for id in BASE {
+            model.push(effects::find(id).expect("the base effects are registered").into());
+        }
+        model
+    }
+
+    /// The base model with effects of the catalogue added.
+    ///
+    /// # Errors
+    /// Unknown or repeated ids.
+    pub fn with_effects<S: AsRef<str>>(robot: Robot, ids: &[S]) -> Result<Self, ModelError> {
+        ids.iter().try_fold(Self::base(robot), |model, id| model.add(id.as_ref()))
+    }
+
+    /// This model with one more effect of the catalogue.
+    ///
+    /// # Errors
+    /// Unknown or repeated ids.
+    pub fn add(&self, id: &str) -> Result<Self, ModelError> {
+        let effect = effects::find(id).ok_or_else(|| {
+            let near = effects::all()
+                .iter()
+                .map(|e| e.id())
+                .max_by(|a, b| strsim::jaro_winkler(a, id).total_cmp(&strsim::jaro_winkler(b, id)))
+                .filter(|near| strsim::jaro_winkler(near, id) > 0.8);
+            ModelError::UnknownEffect { id: id.into(), near }
+        })?;
+        self.add_effect(effect.into())
+    }
+
+    /// This model with one more effect, registered or custom.
+    ///
+    /// # Errors
+    /// If an effect of that id is in the model already.
+    pub fn add_effect(&self, effect: Arc<dyn Effect>) -> Result<Self, ModelError> {
+        if self.effects.iter().any(|present| present.id() == effect.id()) {
+            return Err(ModelError::Repeated { id: effect.id() });
+        }
+        let mut model = self.clone();
+        model.push(effect);
+        Ok(model)
+    }
+
+    fn push(&mut self, effect: Arc<dyn Effect>) {
+        let start = self.parameters.len();
+        let id = effect.id();
+        let specs = effect.parameters().into_iter();
+        self.parameters.extend(specs.map(|spec| Parameter {
+            effect: id.clone(),
+            spec,
+            fixed: None,
+        }));
+        self.slots.push(start..self.parameters.len());
+        self.effects.push(effect);
+    }
+
+    /// This model with a parameter held at a value.
+    ///
+    /// # Errors
+    /// Unknown symbols.
+    pub fn fix(&self, symbol: &str, value: f64) -> Result<Self, ModelError> {
+        let index = self.index_of(symbol)?;
+        let mut model = self.clone();
+        model.parameters[index].fixed = Some(value);
+        Ok(model)
+    }
+
+    /// The place of a parameter in `p`.
+    ///
+    /// # Errors
+    /// Unknown symbols.
+    pub fn index_of(&self, symbol: &str) -> Result<usize, ModelError> {
+        self.parameters.iter().position(|p| p.spec.symbol == symbol).ok_or_else(|| {
+            ModelError::UnknownParameter { symbol: symbol.into(), known: self.symbols().join(", ") }
+        })
+    }
+
+    /// The robot.
+    #[must_use]
+    pub fn robot(&self) -> &Robot {
+        &self.robot
+    }
+    /// The effects, base first.
+    #[must_use]
+    pub fn effects(&self) -> &[Arc<dyn Effect>] {
+        &self.effects
+    }
+    /// Where the parameters of effect number `e` stand in `p`.
+    #[must_use]
+    pub fn slots(&self, e: usize) -> Range<usize> {
+        self.slots[e].clone()
+    }
+    /// Ids of the effects, base first.
+    #[must_use]
+    pub fn effect_ids(&self) -> Vec<String> {
+        self.effects.iter().map(|e| e.id()).collect()
+    }
+    /// Ids of the effects beyond the base.
+    #[must_use]
+    pub fn added_ids(&self) -> Vec<String> {
+        self.effect_ids().split_off(BASE.len())
+    }
+    /// All parameters, in the order of `p`.
+    #[must_use]
+    pub fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+    /// All symbols, in the order of `p`.
+    #[must_use]
+    pub fn symbols(&self) -> Vec<String> {
+        self.parameters.iter().map(|p| p.spec.symbol.clone()).collect()
+    }
+    /// Places in `p` that are estimated.
+    #[must_use]
+    pub fn free(&self) -> Vec<usize> {
+        (0..self.parameters.len()).filter(|&j| self.parameters[j].fixed.is_none()).collect()
+    }
+    /// Places in `p` that are estimated and enter linearly, as terms (not through the drive).
+    #[must_use]
+    pub fn linear(&self) -> Vec<usize> {
+        let of_drive: Vec<bool> = (0..self.effects.len())
+            .flat_map(|e| self.slots(e).map(move |_| e))
+            .map(|e| self.effects[e].acts_on_drive())
+            .collect();
+        self.free()
+            .into_iter()
+            .filter(|&j| self.parameters[j].spec.kind == ParameterKind::Linear && !of_drive[j])
+            .collect()
+    }
+    /// A start for searches: fixed values, construction values for a1..a5, typical ones elsewhere.
+    #[must_use]
+    pub fn initial(&self) -> Vec<f64> {
+        let a = self.robot.construction.parameters();
+        let base = [a.a1, a.a2, a.a3, a.a4, a.a5];
+        self.parameters
+            .iter()
+            .enumerate()
+            .map(|(j, p)| p.fixed.or(base.get(j).copied()).unwrap_or(p.spec.typical))
+            .collect()
+    }
+
+    /// Mass, torque and dry-friction levels at one instant.
+    #[must_use]
+    pub fn terms(&self, x: &Motion<f64>, p: &[f64]) -> Terms<f64> {
+        let mut sum = Terms::zero();
+        for (effect, slots) in self.effects.iter().zip(&self.slots) {
+            sum.add(&effect.terms(x, &p[slots.clone()]));
+        }
+        sum
+    }
+
+    /// The body behind the wheels, where an effect of the model is one (the first that is).
+    #[must_use]
+    pub fn coupling(&self, x: &Motion<f64>, p: &[f64]) -> Option<Coupling<f64>> {
+        self.effects
+            .iter()
+            .zip(&self.slots)
+            .find_map(|(effect, slots)| effect.coupling(x, &p[slots.clone()]))
+    }
+
+    /// Whether an effect of the model changes the drive.
+    #[must_use]
+    pub fn acts_on_drive(&self) -> bool {
+        self.effects.iter().any(|effect| effect.acts_on_drive())
+    }
+
+    /// The drive that acts, from the recorded one: every drive effect in turn.
+    #[must_use]
+    pub fn drive(&self, t: &[f64], recorded: &[[f64; 2]], p: &[f64]) -> Vec<[f64; 2]> {
+        let mut m = recorded.to_vec();
+        for (effect, slots) in self.effects.iter().zip(&self.slots) {
+            if let Some(changed) = effect.drive(t, &m, &p[slots.clone()]) {
+                m = changed;
+            }
+        }
+        m
+    }
+}

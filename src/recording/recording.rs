@@ -1,0 +1,424 @@
+//! One recording: wheel angles, wheel speeds and drive over time.
+
+use std::ops::Range;
+
+/// The unit of the drive; inertias and frictions come out per that unit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum DriveUnit {
+    /// Moments at the wheels [N m].
+    #[default]
+    #[serde(rename = "N m")]
+    NewtonMetre,
+    /// Motor voltages [V].
+    #[serde(rename = "V")]
+    Volt,
+    /// Motor currents [A].
+    #[serde(rename = "A")]
+    Ampere,
+}
+
+impl DriveUnit {
+    /// As written in files and on axes.
+    #[must_use]
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::NewtonMetre => "N m",
+            Self::Volt => "V",
+            Self::Ampere => "A",
+        }
+    }
+
+    /// The unit of a parameter whose unit is `unit` when the drive is in N m.
+    ///
+    /// # Examples
+    /// ```
+    /// use amigo_ident::recording::DriveUnit;
+    /// assert_eq!(DriveUnit::Volt.of("N m s/rad"), "V s/rad");
+    /// assert_eq!(DriveUnit::Volt.of("kg m^2"), "V s^2/rad");
+    /// assert_eq!(DriveUnit::Volt.of("rad/s"), "rad/s");
+    /// ```
+    #[must_use]
+    pub fn of(self, unit: &str) -> String {
+        match self {
+            Self::NewtonMetre => unit.to_string(),
+            _ => unit
+                .replace("kg m^2", &format!("{} s^2/rad", self.symbol()))
+                .replace("N m", self.symbol()),
+        }
+    }
+}
+
+/// The columns of a recording before they are checked; row k of each belongs to `t[k]`.
+#[derive(Clone, Debug, Default)]
+pub struct Channels {
+    /// Time [s], strictly increasing.
+    pub t: Vec<f64>,
+    /// Wheel angles [rad], right wheel first; `None` where not measured.
+    pub alpha: Option<Vec<[f64; 2]>>,
+    /// Wheel speeds [rad/s]; `None` where not measured.
+    pub omega: Option<Vec<[f64; 2]>>,
+    /// Drive of each wheel [`DriveUnit`].
+    pub moment: Vec<[f64; 2]>,
+}
+
+/// Which channels were measured and which were computed from the other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Measured {
+    /// Angles were measured (else integrated from the speeds).
+    pub alpha: bool,
+    /// Speeds were measured (else differenced from the angles).
+    pub omega: bool,
+}
+
+/// Why columns do not make a recording. Rows count from 1, the first row of data.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum RecordingError {
+    /// Too short to say anything.
+    #[error("{name}: {samples} samples; at least {needed} are needed to see a motion")]
+    TooShort {
+        /// Recording.
+        name: String,
+        /// Found.
+        samples: usize,
+        /// Expected at least.
+        needed: usize,
+    },
+    /// Time stands still or goes backwards.
+    #[error(
+        "{name}, row {row}: t = {t} s does not exceed {previous} s of the row before; sort the rows or remove the repeated one"
+    )]
+    TimeNotIncreasing {
+        /// Recording.
+        name: String,
+        /// Row, from 1.
+        row: usize,
+        /// Time of that row [s].
+        t: f64,
+        /// Time of the row before [s].
+        previous: f64,
+    },
+    /// NaN or infinity.
+    #[error(
+        "{name}, row {row}: {column} is {value}; every value must be a finite number (remove the row: gaps in time are allowed)"
+    )]
+    NotFinite {
+        /// Recording.
+        name: String,
+        /// Row, from 1.
+        row: usize,
+        /// Column of the contract.
+        column: String,
+        /// Found.
+        value: f64,
+    },
+    /// Columns of different length.
+    #[error("{name}: column {column} has {found} rows and t has {expected}")]
+    Length {
+        /// Recording.
+        name: String,
+        /// Column group.
+        column: String,
+        /// Found.
+        found: usize,
+        /// Expected.
+        expected: usize,
+    },
+    /// Neither angles nor speeds.
+    #[error(
+        "{name}: neither wheel angles (alpha1, alpha2) nor wheel speeds (dalpha1, dalpha2) are there; one of the two is needed"
+    )]
+    NoMotion {
+        /// Recording.
+        name: String,
+    },
+}
+
+/// A checked recording: finite values, strictly increasing time, angles and speeds both there.
+#[derive(Clone, Debug)]
+pub struct Recording {
+    name: String,
+    t: Vec<f64>,
+    alpha: Vec<[f64; 2]>,
+    omega: Vec<[f64; 2]>,
+    moment: Vec<[f64; 2]>,
+    measured: Measured,
+    drive_unit: DriveUnit,
+    pieces: Vec<Range<usize>>,
+}
+
+/// Fewest samples of a recording: fourth differences and a line need that many.
+const MINIMUM_SAMPLES: usize = 10;
+/// A step in time of more than this many median steps is a gap.
+const GAP: f64 = 4.0;
+
+impl Recording {
+    /// Checks the columns and completes the missing ones.
+    ///
+    /// Missing angles are integrated from the speeds (trapezoid), missing speeds are the slope of
+    /// the parabola through three neighbouring angles; neither crosses a gap.
+    ///
+    /// # Errors
+    /// [`RecordingError`], with the row counted from 1.
+    pub fn new(
+        name: impl Into<String>,
+        channels: Channels,
+        drive_unit: DriveUnit,
+    ) -> Result<Self, RecordingError> {
+        let name = name.into();
+        let Channels { t, alpha, omega, moment } = channels;
+        check(&name, &t, alpha.as_deref(), omega.as_deref(), &moment)?;
+        let measured = Measured { alpha: alpha.is_some(), omega: omega.is_some() };
+        let pieces = pieces(&t);
+        let (alpha, omega) = match (alpha, omega) {
+            (Some(alpha), Some(omega)) => (alpha, omega),
+            (Some(alpha), None) => {
+                let omega = differentiate(&t, &alpha, &pieces);
+                (alpha, omega)
+            }
+            (None, Some(omega)) => (integrate(&t, &omega), omega),
+            (None, None) => return Err(RecordingError::NoMotion { name }),
+        };
+        Ok(Self { name, t, alpha, omega, moment, measured, drive_unit, pieces })
+    }
+
+    /// Its name, usually that of the file.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+    /// Time [s].
+    #[must_use]
+    pub fn t(&self) -> &[f64] {
+        &self.t
+    }
+    /// Wheel angles [rad].
+    #[must_use]
+    pub fn alpha(&self) -> &[[f64; 2]] {
+        &self.alpha
+    }
+    /// Wheel speeds [rad/s].
+    #[must_use]
+    pub fn omega(&self) -> &[[f64; 2]] {
+        &self.omega
+    }
+    /// Recorded drive [`DriveUnit`].
+    #[must_use]
+    pub fn moment(&self) -> &[[f64; 2]] {
+        &self.moment
+    }
+    /// What was measured and what was computed.
+    #[must_use]
+    pub fn measured(&self) -> Measured {
+        self.measured
+    }
+    /// Unit of the drive.
+    #[must_use]
+    pub fn drive_unit(&self) -> DriveUnit {
+        self.drive_unit
+    }
+    /// Number of samples.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.t.len()
+    }
+    /// Never true: an empty recording is refused.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.t.is_empty()
+    }
+    /// Index ranges without a gap in time, in order.
+    #[must_use]
+    pub fn pieces(&self) -> &[Range<usize>] {
+        &self.pieces
+    }
+    /// From the first to the last sample [s].
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        self.t[self.t.len() - 1] - self.t[0]
+    }
+    /// Median step in time [s].
+    #[must_use]
+    pub fn step(&self) -> f64 {
+        median_step(&self.t)
+    }
+
+    /// The same recording with another drive, as a drive effect sees it.
+    ///
+    /// # Panics
+    /// If the length differs.
+    #[must_use]
+    pub fn with_moment(&self, moment: Vec<[f64; 2]>) -> Self {
+        assert_eq!(moment.len(), self.len(), "one row of the drive a sample");
+        Self { moment, ..self.clone() }
+    }
+
+    /// The samples of an index range as a recording of its own.
+    ///
+    /// # Errors
+    /// If fewer than ten samples remain.
+    pub fn cut(&self, range: Range<usize>) -> Result<Self, RecordingError> {
+        let channels = Channels {
+            t: self.t[range.clone()].to_vec(),
+            alpha: self.measured.alpha.then(|| self.alpha[range.clone()].to_vec()),
+            omega: self.measured.omega.then(|| self.omega[range.clone()].to_vec()),
+            moment: self.moment[range].to_vec(),
+        };
+        Self::new(self.name.clone(), channels, self.drive_unit)
+    }
+}
+
+fn check(
+    name: &str,
+    t: &[f64],
+    alpha: Option<&[[f64; 2]]>,
+    omega: Option<&[[f64; 2]]>,
+    moment: &[[f64; 2]],
+) -> Result<(), RecordingError> {
+    if t.len() < MINIMUM_SAMPLES {
+        let (samples, needed) = (t.len(), MINIMUM_SAMPLES);
+        return Err(RecordingError::TooShort { name: name.into(), samples, needed });
+    }
+    let not_finite = |row: usize, column: &str, value: f64| RecordingError::NotFinite {
+        name: name.into(),
+        row: row + 1,
+        column: column.into(),
+        value,
+    };
+    for (k, &time) in t.iter().enumerate() {
+        if !time.is_finite() {
+            return Err(not_finite(k, "t", time));
+        }
+        if k > 0 && time <= t[k - 1] {
+            let (row, previous) = (k + 1, t[k - 1]);
+            return Err(RecordingError::TimeNotIncreasing {
+                name: name.into(),
+                row,
+                t: time,
+                previous,
+            });
+        }
+    }
+    for (column, values) in [("alpha", alpha), ("dalpha", omega), ("M", Some(moment))] {
+        let Some(values) = values else { continue };
+        if values.len() != t.len() {
+            return Err(RecordingError::Length {
+                name: name.into(),
+                column: column.into(),
+                found: values.len(),
+                expected: t.len(),
+            });
+        }
+        for (k, row) in values.iter().enumerate() {
+            if let Some(i) = row.iter().position(|v| !v.is_finite()) {
+                return Err(not_finite(k, &format!("{column}{}", i + 1), row[i]));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn median_step(t: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = t.windows(2).map(|w| w[1] - w[0]).collect();
+    let middle = steps.len() / 2;
+    *steps.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+fn pieces(t: &[f64]) -> Vec<Range<usize>> {
+    let limit = GAP * median_step(t);
+    let mut out = Vec::new();
+    let mut start = 0;
+    for k in 1..t.len() {
+        if t[k] - t[k - 1] > limit {
+            out.push(start..k);
+            start = k;
+        }
+    }
+    out.push(start..t.len());
+    out
+}
+
+fn integrate(t: &[f64], omega: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let mut alpha = vec![[0.0; 2]; t.len()];
+    for k in 1..t.len() {
+        for i in 0..2 {
+            alpha[k][i] =
+                alpha[k - 1][i] + 0.5 * (t[k] - t[k - 1]) * (omega[k][i] + omega[k - 1][i]);
+        }
+    }
+    alpha
+}
+
+fn differentiate(t: &[f64], alpha: &[[f64; 2]], pieces: &[Range<usize>]) -> Vec<[f64; 2]> {
+    let mut omega = vec![[0.0; 2]; t.len()];
+    for piece in pieces.iter().filter(|piece| piece.len() >= 2) {
+        for k in piece.clone() {
+            let (before, after) = (k.max(piece.start + 1) - 1, (k + 1).min(piece.end - 1));
+            for i in 0..2 {
+                let slope = |a: usize, b: usize| (alpha[b][i] - alpha[a][i]) / (t[b] - t[a]);
+                omega[k][i] = if before < k && after > k {
+                    let (h0, h1) = (t[k] - t[before], t[after] - t[k]);
+                    (slope(before, k) * h1 + slope(k, after) * h0) / (h0 + h1)
+                } else {
+                    slope(before, after)
+                };
+            }
+        }
+    }
+    omega
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn channels(n: usize) -> Channels {
+        let t: Vec<f64> = (0..n).map(|k| 0.01 * k as f64).collect();
+        let omega = t.iter().map(|&t| [t.sin(), 2.0 * t]).collect();
+        Channels { moment: vec![[0.1, 0.2]; n], alpha: None, omega: Some(omega), t }
+    }
+
+    #[test]
+    fn missing_angles_are_integrated_from_the_speeds() {
+        let r = Recording::new("a", channels(200), DriveUnit::NewtonMetre).unwrap();
+        let (t, a) = (r.t()[199], r.alpha()[199]);
+        // trapezoid: h^2/12 T max|w''| = 1.7e-5
+        assert!((a[0] - (1.0 - t.cos())).abs() < 2e-5 && (a[1] - t * t).abs() < 1e-12);
+        assert!(!r.measured().alpha && r.measured().omega);
+    }
+
+    #[test]
+    fn missing_speeds_are_exact_for_parabolas_even_where_sampling_is_uneven() {
+        let t: Vec<f64> = (0..50).map(|k| 0.01 * k as f64 + 0.003 * (k % 3) as f64).collect();
+        let alpha = t.iter().map(|&t| [t * t, 3.0 * t]).collect();
+        let c = Channels { moment: vec![[0.0; 2]; 50], alpha: Some(alpha), omega: None, t };
+        let r = Recording::new("a", c, DriveUnit::NewtonMetre).unwrap();
+        for k in 1..49 {
+            assert!((r.omega()[k][0] - 2.0 * r.t()[k]).abs() < 1e-12);
+            assert!((r.omega()[k][1] - 3.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_gap_in_time_splits_the_recording_and_is_not_differenced_across() {
+        let mut c = channels(40);
+        for t in &mut c.t[20..] {
+            *t += 1.0;
+        }
+        let r = Recording::new("a", c, DriveUnit::NewtonMetre).unwrap();
+        assert_eq!(r.pieces(), [0..20, 20..40]);
+    }
+
+    #[test]
+    fn bad_values_are_named_with_row_and_column() {
+        let mut c = channels(20);
+        c.t[7] = c.t[6];
+        let e = Recording::new("run1.csv", c, DriveUnit::NewtonMetre).unwrap_err().to_string();
+        assert!(e.starts_with("run1.csv, row 8: t = 0.06 s does not exceed 0.06 s"), "{e}");
+        let mut c = channels(20);
+        c.moment[3][1] = f64::NAN;
+        let e = Recording::new("run1.csv", c, DriveUnit::NewtonMetre).unwrap_err().to_string();
+        assert!(e.starts_with("run1.csv, row 4: M2 is NaN"), "{e}");
+        let e = Recording::new("x", channels(2), DriveUnit::NewtonMetre).unwrap_err().to_string();
+        assert!(e.contains("2 samples; at least 10"), "{e}");
+    }
+}

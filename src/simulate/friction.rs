@@ -1,0 +1,191 @@
+//! Dry friction at rest is set-valued: which directions stick and which slip is solved exactly.
+
+use crate::effects::{DIRECTIONS, Terms, along};
+use crate::math::sgn;
+use crate::model::{ModelError, solve_mass};
+
+/// How each of the four friction directions acts: sliding with a sign, or sticking.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// Sign of the friction in each of [`DIRECTIONS`]; zero where it sticks or has no level.
+    pub sign: [f64; 4],
+    /// Directions that stick: the speed along them is zero and stays so.
+    pub stuck: [bool; 4],
+    /// The acceleration that results [rad/s^2].
+    pub acceleration: [f64; 2],
+}
+
+impl Contact {
+    /// The one direction in which the wheels can still accelerate: `None` if all are free,
+    /// `Some([0, 0])` if none is.
+    #[must_use]
+    pub fn freedom(&self) -> Option<[f64; 2]> {
+        let mut stuck = (0..4).filter(|&j| self.stuck[j]);
+        match (stuck.next(), stuck.next()) {
+            (None, _) => None,
+            (Some(j), None) => Some(perpendicular(j)),
+            _ => Some([0.0; 2]),
+        }
+    }
+}
+
+/// The direction along which the wheels move when direction `j` sticks.
+#[must_use]
+pub(super) fn perpendicular(j: usize) -> [f64; 2] {
+    let [d1, d2] = DIRECTIONS[j];
+    [-d2, d1]
+}
+
+/// Which directions stick, which slip and how the wheels accelerate.
+///
+/// ```text
+/// minimise over a:  1/2 a' A a - a' b + Σ_{j at rest} level_j |d_j·a|,
+/// b = M - torque - Σ_{j moving} d_j level_j sgn(d_j·ω)
+/// ```
+/// Source: Gauss' principle of least constraint with Coulomb friction (Moreau); for the two
+/// wheels alone it is the four-case complementarity problem stick/slip x stick/slip. The function
+/// is strictly convex with kinks along lines through the origin, so its minimum is the best of
+/// the origin, the minimum along each kink, and the minimum in each sector.
+///
+/// `terms` [kg m^2, N m], `moment` [N m], `omega` [rad/s]. A direction is at rest where the speed
+/// along it is exactly zero.
+///
+/// # Errors
+/// If the mass matrix is not positive definite.
+pub fn contact(
+    terms: &Terms<f64>,
+    moment: &[f64; 2],
+    omega: &[f64; 2],
+) -> Result<Contact, ModelError> {
+    let mut b = [moment[0] - terms.torque[0], moment[1] - terms.torque[1]];
+    let mut sign = [0.0; 4];
+    let mut resting = [0_usize; 4];
+    let mut count = 0;
+    for j in 0..4 {
+        let level = terms.level[j];
+        let speed = along(j, omega);
+        if level <= 0.0 {
+            continue;
+        }
+        if speed == 0.0 {
+            resting[count] = j;
+            count += 1;
+            continue;
+        }
+        sign[j] = sgn(speed);
+        for i in 0..2 {
+            b[i] -= DIRECTIONS[j][i] * level * sign[j];
+        }
+    }
+    let resting = &resting[..count];
+    let free = solve_mass(&terms.mass, &b)?;
+    if resting.is_empty() {
+        return Ok(Contact { sign, stuck: [false; 4], acceleration: free });
+    }
+    let acceleration = least_constraint(terms, &b, resting);
+    let mut stuck = [false; 4];
+    for &j in resting {
+        let rate = along(j, &acceleration);
+        sign[j] = sgn(rate);
+        stuck[j] = rate == 0.0;
+    }
+    Ok(Contact { sign, stuck, acceleration })
+}
+
+/// The minimum of the convex function in the docs of [`contact`]; a kink candidate is exactly on
+/// its kink, so that `along` gives an exact zero.
+fn least_constraint(terms: &Terms<f64>, b: &[f64; 2], resting: &[usize]) -> [f64; 2] {
+    let [m11, m12, m22] = terms.mass;
+    let quadratic = |a: &[f64; 2]| {
+        0.5 * (m11 * a[0] * a[0] + 2.0 * m12 * a[0] * a[1] + m22 * a[1] * a[1])
+            - a[0] * b[0]
+            - a[1] * b[1]
+    };
+    let cost = |a: &[f64; 2]| {
+        quadratic(a) + resting.iter().map(|&j| terms.level[j] * along(j, a).abs()).sum::<f64>()
+    };
+    let mut best = ([0.0; 2], 0.0);
+    let mut consider = |a: [f64; 2]| {
+        let value = cost(&a);
+        if value < best.1 {
+            best = (a, value);
+        }
+    };
+    for &j in resting {
+        let n = perpendicular(j);
+        let force = n[0] * b[0] + n[1] * b[1];
+        let hold: f64 = resting.iter().map(|&k| terms.level[k] * along(k, &n).abs()).sum();
+        let mass = m11 * n[0] * n[0] + 2.0 * m12 * n[0] * n[1] + m22 * n[1] * n[1];
+        let q = sgn(force) * (force.abs() - hold).max(0.0) / mass;
+        consider([n[0] * q, n[1] * q]);
+    }
+    for pattern in 0..1_usize << resting.len() {
+        let side = |k: usize| if pattern >> k & 1 == 1 { 1.0 } else { -1.0 };
+        let mut force = *b;
+        for (k, &j) in resting.iter().enumerate() {
+            for i in 0..2 {
+                force[i] -= DIRECTIONS[j][i] * terms.level[j] * side(k);
+            }
+        }
+        let Ok(a) = solve_mass(&terms.mass, &force) else { continue };
+        if resting.iter().enumerate().all(|(k, &j)| along(j, &a) * side(k) > 0.0) {
+            consider(a);
+        }
+    }
+    best.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{Rng, SeedableRng};
+
+    fn terms(level: [f64; 4]) -> Terms<f64> {
+        Terms { mass: [0.032, -0.0024, 0.032], torque: [0.0; 2], level }
+    }
+
+    #[test]
+    fn wheels_at_rest_stay_while_the_moments_are_below_the_level() {
+        let c = contact(&terms([0.125, 0.125, 0.0, 0.0]), &[0.12, -0.1], &[0.0; 2]).unwrap();
+        assert_eq!((c.acceleration, c.stuck), ([0.0; 2], [true, true, false, false]));
+    }
+
+    #[test]
+    fn one_wheel_breaks_away_and_the_other_is_held_against_the_coupling() {
+        let c = contact(&terms([0.125, 0.125, 0.0, 0.0]), &[0.3, 0.0], &[0.0; 2]).unwrap();
+        assert_eq!(c.stuck, [false, true, false, false]);
+        assert_eq!(c.acceleration[1], 0.0);
+        assert!((c.acceleration[0] - (0.3 - 0.125) / 0.032).abs() < 1e-12);
+    }
+
+    #[test]
+    fn straight_driving_is_held_straight_by_scrub_friction() {
+        let c = contact(&terms([0.1, 0.1, 0.05, 0.0]), &[0.30, 0.28], &[3.0, 3.0]).unwrap();
+        assert_eq!(c.stuck, [false, false, true, false]);
+        assert!((c.acceleration[0] - c.acceleration[1]).abs() == 0.0);
+        assert!((c.acceleration[0] - (0.58 - 0.2) / (2.0 * (0.032 - 0.0024))).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_choice_is_the_minimum_of_the_convex_function_over_random_cases() {
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(1);
+        for _ in 0..2000 {
+            let mut level = [0.0; 4];
+            level.iter_mut().for_each(|l| *l = f64::max(0.0, rng.random_range(-0.1..0.2)));
+            let t = terms(level);
+            let m = [rng.random_range(-0.5..0.5), rng.random_range(-0.5..0.5)];
+            let c = contact(&t, &m, &[0.0; 2]).unwrap();
+            let cost = |a: [f64; 2]| {
+                0.5 * (0.032 * (a[0] * a[0] + a[1] * a[1]) - 0.0048 * a[0] * a[1])
+                    - a[0] * m[0]
+                    - a[1] * m[1]
+                    + (0..4).map(|j| level[j] * along(j, &a).abs()).sum::<f64>()
+            };
+            let at = cost(c.acceleration);
+            for _ in 0..20 {
+                let near = c.acceleration.map(|a| a + rng.random_range(-0.5..0.5));
+                assert!(cost(near) >= at - 1e-12, "{c:?} {near:?}");
+            }
+        }
+    }
+}

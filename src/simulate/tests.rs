@@ -1,0 +1,130 @@
+//! Simulation against exact solutions and differences.
+
+use super::*;
+use crate::model::Model;
+use crate::robot::{Robot, State};
+
+fn time(n: usize, step: f64) -> Vec<f64> {
+    (0..n).map(|k| step * k as f64).collect()
+}
+
+/// Moments that start, reverse and stop both wheels.
+fn lively(t: &[f64]) -> Vec<[f64; 2]> {
+    t.iter()
+        .map(|&t| [0.35 * (2.1 * t).sin() + 0.05, 0.3 * (1.7 * t + 0.4).sin() * (0.3 * t).cos()])
+        .collect()
+}
+
+#[test]
+fn a_wheel_pushed_and_released_follows_the_exact_parabola_and_stops() {
+    // straight driving: inertia a1 + a2, both wheels alike; pushed 1 s with 0.2 N m, then coasting
+    let model = Model::base(Robot::amigobot());
+    let p = model.initial();
+    let (inertia, friction) = (p[0] + p[1], p[3]);
+    let t = time(301, 0.01);
+    let moment: Vec<_> = t.iter().map(|&t| if t < 0.995 { [0.2; 2] } else { [0.0; 2] }).collect();
+    let input = Input { t: &t, moment: &moment, hold: Hold::Constant };
+    let motion = simulate(&model, &p, &input, State::default()).unwrap();
+    let top = (0.2 - friction) / inertia;
+    assert!((motion[100].omega[0] - top).abs() < 1e-12); // Runge-Kutta is exact for lines
+    let stop = top * inertia / friction;
+    let angle = 0.5 * top + 0.5 * top * stop;
+    assert_eq!(motion[300].omega, [0.0; 2]);
+    assert!((motion[300].alpha[0] - angle).abs() < 1e-8, "event located to 1e-12 of a step");
+}
+
+#[test]
+fn the_step_size_does_not_matter_even_through_reversals() {
+    let model = Model::base(Robot::amigobot()).add("viscous_friction").unwrap();
+    let p = model.initial();
+    let fine = time(40_001, 0.0005);
+    let coarse = time(1001, 0.02);
+    let coarse_moment = lively(&coarse);
+    // the same piecewise linear drive, given at forty times the rate
+    let fine_moment: Vec<_> = fine
+        .iter()
+        .map(|&t| {
+            let k = ((t / 0.02).floor() as usize).min(999);
+            let c = t / 0.02 - k as f64;
+            [0, 1].map(|i| coarse_moment[k][i] * (1.0 - c) + coarse_moment[k + 1][i] * c)
+        })
+        .collect();
+    let run = |t: &[f64], m: &[[f64; 2]]| {
+        let input = Input { t, moment: m, hold: Hold::Linear };
+        simulate(&model, &p, &input, State::default()).unwrap()
+    };
+    let (a, b) = (run(&coarse, &coarse_moment), run(&fine, &fine_moment));
+    let worst = (0..1001)
+        .flat_map(|k| (0..2).map(move |i| (k, i)))
+        .map(|(k, i)| (a[k].omega[i] - b[40 * k].omega[i]).abs())
+        .fold(0.0, f64::max);
+    assert!(worst < 1e-7, "{worst}"); // 20 ms against 0.5 ms: fourth order between events
+}
+
+#[test]
+fn friction_never_makes_energy() {
+    let model = Model::base(Robot::amigobot());
+    let p = model.initial();
+    let t = time(2001, 0.01);
+    let moment = lively(&t);
+    let input = Input { t: &t, moment: &moment, hold: Hold::Linear };
+    let motion = simulate(&model, &p, &input, State::default()).unwrap();
+    let energy = |s: &State| {
+        let w = s.omega;
+        0.5 * p[0] * (w[0] * w[0] + w[1] * w[1]) + p[1] * w[0] * w[1]
+    };
+    for k in 1..t.len() {
+        // work of the drive over the sample, Simpson with the middle from the mean speed
+        let work: f64 = (0..2)
+            .map(|i| {
+                let (m, w) = (
+                    [moment[k - 1][i], moment[k][i]],
+                    [motion[k - 1].omega[i], motion[k].omega[i]],
+                );
+                0.01 * (m[0] * w[0] + m[1] * w[1] + (m[0] + m[1]) * (w[0] + w[1])) / 6.0
+            })
+            .sum();
+        let gained = energy(&motion[k]) - energy(&motion[k - 1]);
+        assert!(gained <= work + 1e-4, "sample {k}: {gained} > {work}");
+    }
+}
+
+#[test]
+fn sensitivities_equal_central_differences_through_stops_and_reversals() {
+    let model = Model::base(Robot::amigobot()).add("viscous_friction").unwrap();
+    let p = model.initial();
+    let t = time(601, 0.01);
+    let moment = lively(&t);
+    let input = Input { t: &t, moment: &moment, hold: Hold::Linear };
+    let start = State { alpha: [0.1, -0.2], omega: [0.5, -0.3] };
+    let (motion, s) = simulate_with_sensitivities(&model, &p, &input, start).unwrap();
+    assert_eq!(motion, simulate(&model, &p, &input, start).unwrap());
+    for j in 0..p.len() {
+        let h = 1e-4 * p[j].abs().max(1e-3);
+        let run = |sign: f64| {
+            let mut q = p.clone();
+            q[j] += sign * h;
+            simulate(&model, &q, &input, start).unwrap()
+        };
+        let (up, down) = (run(1.0), run(-1.0));
+        for k in (0..601).step_by(20) {
+            for i in 0..2 {
+                let d = (up[k].omega[i] - down[k].omega[i]) / (2.0 * h);
+                let e = s.at(k, 2 + i, j);
+                // truncation of the differences, h^2 times the third derivative
+                assert!((d - e).abs() < 1e-4 * (1.0 + d.abs()), "{j} {k} {i}: {d} {e}");
+            }
+        }
+    }
+    for j in 0..2 {
+        let run = |sign: f64| {
+            let mut x = start;
+            x.omega[j] += sign * 1e-6;
+            simulate(&model, &p, &input, x).unwrap()
+        };
+        let (up, down) = (run(1.0), run(-1.0));
+        let d = (up[600].alpha[0] - down[600].alpha[0]) / 2e-6;
+        let e = s.at(600, 0, p.len() + 2 + j);
+        assert!((d - e).abs() < 1e-4 * (1.0 + d.abs()), "{d} {e}");
+    }
+}
