@@ -1,1 +1,24 @@
 //! One identification method per file, and the list.
+//!
+//! Every method takes the same [`Task`] (a model and training recordings) and returns the same
+//! [`Fit`]; not converging is a status of the fit, not an error.
+
+mod fit;
+mod method;
+
+pub use fit::{Estimate, Fit, Status, Trace, Work};
+pub use method::{Identifier, IdentifyError, MethodDescription, OptionError, Task, from_options};
+
+use crate::catalogue;
+
+catalogue! {
+    dyn Identifier;
+    torque_regression::TorqueRegression,
+    output_error::OutputError,
+}
+
+/// The registered method of that name, with its default options.
+#[must_use]
+pub fn find(name: &str) -> Option<Box<dyn Identifier>> {
+    all().into_iter().find(|method| method.describe().name == name)
+}

@@ -1,10 +1,14 @@
 //! Motion from a model: an integrator with exact stick and slip, and what is built on it.
 
+pub mod dynamics;
+mod emulator;
 mod friction;
 mod sensitivity;
 mod simulation;
 mod stepper;
 
+pub use dynamics::{Dynamics, PhysicalDynamics};
+pub use emulator::{Gain, GainError, Structure, emulate};
 pub use friction::{Contact, contact};
 pub use sensitivity::{Sensitivities, simulate_with_sensitivities};
 pub use simulation::{Hold, Input, SimulateError, simulate};

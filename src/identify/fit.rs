@@ -1,0 +1,142 @@
+//! What a method found.
+
+use std::sync::Arc;
+
+use nalgebra::DMatrix;
+
+use crate::model::Model;
+use crate::simulate::{Dynamics, PhysicalDynamics};
+
+/// One estimated parameter; never a bare number.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Estimate {
+    /// Symbol.
+    pub symbol: String,
+    /// Unit for the drive unit of the recordings.
+    pub unit: String,
+    /// Value.
+    pub value: f64,
+    /// Standard error; infinite where the data cannot give the parameter, zero where it is fixed.
+    pub std_error: f64,
+    /// 95 % interval.
+    pub interval: (f64, f64),
+    /// Whether the data can give it.
+    pub identifiable: bool,
+    /// Held at its value instead of estimated.
+    pub fixed: bool,
+}
+
+impl Estimate {
+    /// An estimate with the normal 95 % interval, value ± 1.96 standard errors.
+    #[must_use]
+    pub fn new(symbol: &str, unit: String, value: f64, std_error: f64) -> Self {
+        let identifiable = std_error.is_finite();
+        let reach = 1.959_963_984_540_054 * std_error;
+        Self {
+            symbol: symbol.into(),
+            unit,
+            value,
+            std_error,
+            interval: (value - reach, value + reach),
+            identifiable,
+            fixed: false,
+        }
+    }
+}
+
+/// How a method ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Status {
+    /// At a minimum, or solved in closed form.
+    Converged,
+    /// Stopped by the limit of iterations.
+    IterationLimit,
+    /// No step lowers the cost, but the gradient is not zero.
+    Stalled,
+}
+
+/// What a fit cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Work {
+    /// Iterations of the method.
+    pub iterations: usize,
+    /// Passes over the data: simulations, filter runs, regressions.
+    pub evaluations: usize,
+}
+
+/// Estimates that converge over time or over iterations, for drawing.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Trace {
+    /// What runs along the axis, with its unit: `time [s]`, `iteration`.
+    pub axis: String,
+    /// Positions along it.
+    pub at: Vec<f64>,
+    /// Names of the curves.
+    pub names: Vec<String>,
+    /// One row a position, one value a curve.
+    pub values: Vec<Vec<f64>>,
+}
+
+/// A model identified by a method.
+#[derive(Clone)]
+pub struct Fit {
+    /// Name of the method.
+    pub method: String,
+    /// What was identified, able to move.
+    pub dynamics: Arc<dyn Dynamics>,
+    /// One estimate a parameter of the physical model; empty for others.
+    pub estimates: Vec<Estimate>,
+    /// Covariance of all parameters (zero rows where fixed, infinite variance where the data
+    /// cannot give one).
+    pub covariance: Option<DMatrix<f64>>,
+    /// How it ended.
+    pub status: Status,
+    /// What it cost.
+    pub work: Work,
+    /// Sentences for the reader: what the data cannot give, which bound is active.
+    pub notes: Vec<String>,
+    /// Curves for drawing.
+    pub traces: Vec<Trace>,
+}
+
+impl Fit {
+    /// A physical fit: `p` has one value a parameter of `model`, `covariance` is that of all of
+    /// them; an infinite variance marks what the data cannot give.
+    #[must_use]
+    pub fn physical(
+        method: &str,
+        model: &Model,
+        p: Vec<f64>,
+        covariance: DMatrix<f64>,
+        drive_unit: crate::recording::DriveUnit,
+    ) -> Self {
+        let estimates = model
+            .parameters()
+            .iter()
+            .enumerate()
+            .map(|(j, parameter)| {
+                let fixed = parameter.fixed.is_some();
+                let std_error = if fixed { 0.0 } else { covariance[(j, j)].sqrt() };
+                let unit = drive_unit.of(&parameter.spec.unit);
+                Estimate { fixed, ..Estimate::new(&parameter.spec.symbol, unit, p[j], std_error) }
+            })
+            .collect();
+        Self {
+            method: method.into(),
+            dynamics: Arc::new(PhysicalDynamics { model: model.clone(), p }),
+            estimates,
+            covariance: Some(covariance),
+            status: Status::Converged,
+            work: Work::default(),
+            notes: vec![],
+            traces: vec![],
+        }
+    }
+
+    /// The estimate of a symbol.
+    #[must_use]
+    pub fn estimate(&self, symbol: &str) -> Option<&Estimate> {
+        self.estimates.iter().find(|e| e.symbol == symbol)
+    }
+}

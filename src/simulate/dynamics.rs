@@ -1,0 +1,78 @@
+//! Anything that moves under a drive: a physical model with values, or a fuzzy emulator.
+
+use super::{Input, SimulateError, contact, simulate};
+use crate::effects::Motion;
+use crate::model::Model;
+use crate::robot::State;
+
+/// What a method identified, able to move. Physics and fuzzy emulators alike.
+pub trait Dynamics: Send + Sync {
+    /// Wheel acceleration [rad/s^2] at time `t` [s] since the start under the acting drive [N m];
+    /// the right-hand side f + G u of eq. (17).
+    ///
+    /// # Errors
+    /// Where the dynamics has no acceleration.
+    fn acceleration(
+        &self,
+        t: f64,
+        state: &State,
+        moment: &[f64; 2],
+    ) -> Result<[f64; 2], SimulateError>;
+
+    /// The acting drive from the recorded one.
+    fn drive(&self, t: &[f64], recorded: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        let _ = t;
+        recorded.to_vec()
+    }
+
+    /// Free simulation from the recorded drive, one state a sample.
+    ///
+    /// # Errors
+    /// A diverging motion, or dynamics without acceleration.
+    fn simulate(&self, input: &Input, start: State) -> Result<Vec<State>, SimulateError>;
+
+    /// The physical model and its parameter values, where the dynamics is one.
+    fn physical(&self) -> Option<(&Model, &[f64])> {
+        None
+    }
+}
+
+/// A physical model with parameter values.
+#[derive(Clone, Debug)]
+pub struct PhysicalDynamics {
+    /// The model.
+    pub model: Model,
+    /// One value a parameter.
+    pub p: Vec<f64>,
+}
+
+impl Dynamics for PhysicalDynamics {
+    fn acceleration(
+        &self,
+        t: f64,
+        state: &State,
+        moment: &[f64; 2],
+    ) -> Result<[f64; 2], SimulateError> {
+        let x = Motion {
+            t,
+            alpha: state.alpha,
+            omega: state.omega,
+            variance: [0.0; 4],
+            robot: self.model.robot(),
+        };
+        let terms = self.model.terms(&x, &self.p);
+        Ok(contact(&terms, moment, &state.omega)?.acceleration)
+    }
+
+    fn drive(&self, t: &[f64], recorded: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        self.model.drive(t, recorded, &self.p)
+    }
+
+    fn simulate(&self, input: &Input, start: State) -> Result<Vec<State>, SimulateError> {
+        simulate(&self.model, &self.p, input, start)
+    }
+
+    fn physical(&self) -> Option<(&Model, &[f64])> {
+        Some((&self.model, &self.p))
+    }
+}
