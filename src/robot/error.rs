@@ -1,0 +1,39 @@
+//! What can be wrong with the data of a robot.
+
+use thiserror::Error;
+
+/// A robot whose data cannot be used.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum RobotError {
+    /// A construction value is not a finite number in its range.
+    #[error("robot: {key} = {found}, expected {expected}; {key} is the {meaning}")]
+    Value {
+        /// Key of the experiment file, for example `l1_m`.
+        key: &'static str,
+        /// What the key means, in words.
+        meaning: &'static str,
+        /// Value found, in the unit of the key.
+        found: f64,
+        /// Range that is allowed, in words.
+        expected: &'static str,
+    },
+    /// The two wheels have different masses, which eq. (15) does not provide for.
+    #[error(
+        "robot: m2_kg = {m2}, expected m1_kg = {m1}: the equations hold for equal wheels; give \
+         both the mean mass and add the effect lateral_com for the difference"
+    )]
+    UnequalWheels {
+        /// Mass of wheel 1 [kg].
+        m1: f64,
+        /// Mass of wheel 2 [kg].
+        m2: f64,
+    },
+    /// A motor constant is not a finite number above zero.
+    #[error("motor: {key} = {found}, expected a finite number above zero; see its data sheet")]
+    Motor {
+        /// Field of [`Motor`](crate::robot::Motor).
+        key: &'static str,
+        /// Value found, in the unit of the field.
+        found: f64,
+    },
+}
