@@ -202,16 +202,22 @@ mod tests {
     }
 
     #[test]
-    fn the_inner_wheel_of_a_left_turn_is_pushed_by_the_mass_behind_the_axle() {
-        // S behind the axle, turning left (w1 > w2 > 0) at constant speeds: the centripetal force
-        // toward the centre of the turn acts behind the axle and turns the robot clockwise, so
-        // the right wheel needs more than friction if it is to hold the turn, the left less:
-        // c1 = a3 w2 (w2 - w1) < 0?  The force on S points to the left; at a lever l2 behind A it
-        // has the moment -l2 F, so the wheels must supply it: M2 rises, M1 falls.
-        let a = Construction::amigobot().parameters();
-        let state = State { alpha: [0.0; 2], omega: [6.0, 2.0] };
+    fn the_centrifugal_moments_hold_the_frame_on_its_circle() {
+        // Force balance of a steady left turn, worked out on its own: S lies l2 behind A, so the
+        // frame needs m4 l2 beta_dot² forward (half from each wheel) and m4 v beta_dot to the
+        // left at S, whose moment about A is -l2 m4 v beta_dot (from the wheels at +-l1).
+        let c = Construction::amigobot();
+        let a = c.parameters();
+        let (w1, w2) = (6.0, 2.0);
+        let v = c.r_m / 2.0 * (w1 + w2);
+        let beta_dot = c.r_m / (2.0 * c.l1_m) * (w1 - w2);
+        let forward = c.r_m / 2.0 * c.m4_kg * c.l2_m * beta_dot * beta_dot;
+        let turning = c.r_m / (2.0 * c.l1_m) * c.m4_kg * c.l2_m * v * beta_dot;
+        let state = State { alpha: [0.0; 2], omega: [w1, w2] };
         let [m1, m2] = a.inverse(&state, [0.0, 0.0]);
-        assert!(m1 < a.a4 && m2 > a.a5, "{m1} {m2}");
+        // rounding of sums of size 0.1
+        assert!((m1 - (forward - turning + a.a4)).abs() < 1e-15, "{m1}");
+        assert!((m2 - (forward + turning + a.a5)).abs() < 1e-15, "{m2}");
     }
 
     #[test]

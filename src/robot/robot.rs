@@ -1,30 +1,119 @@
-//! A robot: a name and its construction data.
+//! The robot: a name and its construction.
 
-use super::Construction;
+use serde::{Deserialize, Serialize};
 
-/// A robot.
-#[derive(Clone, Debug, PartialEq)]
+use super::{BaseParameters, Construction, RobotError, preset};
+
+/// A two-wheel robot: its name and what it is built of.
+///
+/// # Examples
+/// ```
+/// use amigo_ident::robot::Robot;
+/// let robot = Robot::default();
+/// assert_eq!(robot.name, "amigobot");
+/// assert_eq!(robot.kappa(), 0.5); // l2 / l1 = 0.06 m / 0.12 m
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Robot {
-    /// Its name.
+    /// Name, as reports print it.
     pub name: String,
-    /// Construction data.
+    /// What the robot is built of.
     pub construction: Construction,
 }
 
 impl Robot {
-    /// The paper's robot.
+    /// A robot from its construction data.
+    ///
+    /// # Errors
+    /// The construction data do not pass [`Construction::check`].
+    pub fn new(name: impl Into<String>, construction: Construction) -> Result<Self, RobotError> {
+        construction.check()?;
+        Ok(Self { name: name.into(), construction })
+    }
+
+    /// The AmigoBot of the paper.
     #[must_use]
     pub fn amigobot() -> Self {
         Self { name: "amigobot".into(), construction: Construction::amigobot() }
     }
-    /// Half track [m].
+
+    /// A robot by the name of its preset; `None` if there is no such preset.
     #[must_use]
-    pub fn l1(&self) -> f64 {
+    pub fn from_preset(name: &str) -> Option<Self> {
+        preset(name).map(|p| Self { name: p.name.into(), construction: p.construction })
+    }
+
+    /// Half track l1 [m].
+    #[inline]
+    #[must_use]
+    pub const fn l1(&self) -> f64 {
         self.construction.l1_m
     }
-    /// Wheel radius [m].
+
+    /// Distance l2 of the centre of mass of the frame behind the axle [m].
+    #[inline]
     #[must_use]
-    pub fn r(&self) -> f64 {
+    pub const fn l2(&self) -> f64 {
+        self.construction.l2_m
+    }
+
+    /// Distance l5 of the caster behind the axle [m].
+    #[inline]
+    #[must_use]
+    pub const fn l5(&self) -> f64 {
+        self.construction.l5_m
+    }
+
+    /// Radius r of the driven wheels [m].
+    #[inline]
+    #[must_use]
+    pub const fn r(&self) -> f64 {
         self.construction.r_m
+    }
+
+    /// Ratio kappa = l2 / l1 [1].
+    #[inline]
+    #[must_use]
+    pub fn kappa(&self) -> f64 {
+        self.l2() / self.l1()
+    }
+
+    /// Moment of inertia Iz1 of a wheel about its axle [kg m²].
+    #[inline]
+    #[must_use]
+    pub const fn wheel_inertia(&self) -> f64 {
+        self.construction.iz1_kg_m2
+    }
+
+    /// The parameters a1..a5 that the construction implies, eq. (15).
+    #[must_use]
+    pub fn parameters(&self) -> BaseParameters {
+        self.construction.parameters()
+    }
+}
+
+impl Default for Robot {
+    fn default() -> Self {
+        Self::amigobot()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_default_robot_is_the_amigobot_of_the_presets() {
+        assert_eq!(Robot::default(), Robot::from_preset("amigobot").unwrap());
+        assert_eq!(Robot::from_preset("no such robot"), None);
+    }
+
+    #[test]
+    fn a_robot_of_bad_data_is_refused() {
+        let bad = Construction { r_m: 0.0, ..Construction::amigobot() };
+        assert!(matches!(Robot::new("x", bad), Err(RobotError::Value { key: "r_m", .. })));
+        let robot = Robot::new("x", Construction::amigobot()).unwrap();
+        assert_eq!((robot.l1(), robot.l2(), robot.l5(), robot.r()), (0.12, 0.06, 0.12, 0.05));
+        assert_eq!(robot.wheel_inertia(), 0.025);
     }
 }
