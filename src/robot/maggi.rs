@@ -31,7 +31,7 @@
 
 use nalgebra::{Matrix2x5, Matrix5, Vector2, Vector5};
 
-use super::{Construction, State, kinematics};
+use super::{Construction, State};
 use crate::math::{Dual, Real, sgn};
 
 /// Forces of the floor on one wheel, in the plane of contact.
