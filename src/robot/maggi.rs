@@ -29,9 +29,9 @@
 //! - (13): in both equations `- r³ m4 l2/(4 l1²) w1 w2`, with `+ w2²` in the first and `+ w1²`
 //!   in the second; the three last terms of the coefficient a2 are subtracted.
 
-use nalgebra::{Matrix2x5, Matrix5, Vector2, Vector5};
+use nalgebra::{Matrix2x5, Matrix5, Vector2, Vector5, matrix};
 
-use super::{Construction, State, kinematics};
+use super::{Construction, State};
 use crate::math::{Dual, Real, sgn};
 
 /// Forces of the floor on one wheel, in the plane of contact.
@@ -114,33 +114,13 @@ pub fn inertia_matrix(c: &Construction, beta: f64) -> Matrix5<f64> {
     let yaw = 2.0 * c.m1_kg * c.l1_m * c.l1_m + 2.0 * c.ix1_kg_m2 + c.iz4_kg_m2 + s * c.l2_m;
     let iz1 = c.iz1_kg_m2;
     // eq. (8)
-    Matrix5::from_row_slice(&[
-        mass,
-        0.0,
-        s * sin,
-        0.0,
-        0.0, //
-        0.0,
-        mass,
-        -s * cos,
-        0.0,
-        0.0, //
-        s * sin,
-        -s * cos,
-        yaw,
-        0.0,
-        0.0, //
-        0.0,
-        0.0,
-        0.0,
-        iz1,
-        0.0, //
-        0.0,
-        0.0,
-        0.0,
-        0.0,
-        iz1,
-    ])
+    matrix![
+        mass,    0.0,      s * sin,  0.0, 0.0;
+        0.0,     mass,     -s * cos, 0.0, 0.0;
+        s * sin, -s * cos, yaw,      0.0, 0.0;
+        0.0,     0.0,      0.0,      iz1, 0.0;
+        0.0,     0.0,      0.0,      0.0, iz1
+    ]
 }
 
 /// Matrix C(q, q') of centrifugal and Coriolis terms of eq. (9), for a heading beta [rad] and a
@@ -148,11 +128,11 @@ pub fn inertia_matrix(c: &Construction, beta: f64) -> Matrix5<f64> {
 #[must_use]
 pub fn coriolis_matrix(c: &Construction, beta: f64, beta_dot: f64) -> Matrix5<f64> {
     let (sin, cos) = beta.sin_cos();
-    let mut matrix = Matrix5::zeros();
+    let mut coriolis = Matrix5::zeros();
     // eq. (9)
-    matrix[(0, 2)] = c.m4_kg * c.l2_m * beta_dot * cos;
-    matrix[(1, 2)] = c.m4_kg * c.l2_m * beta_dot * sin;
-    matrix
+    coriolis[(0, 2)] = c.m4_kg * c.l2_m * beta_dot * cos;
+    coriolis[(1, 2)] = c.m4_kg * c.l2_m * beta_dot * sin;
+    coriolis
 }
 
 /// Generalised forces Q of eq. (10) [N, N, N m, N m, N m].
@@ -182,36 +162,20 @@ pub fn maggi_coefficients(c: &Construction, beta: f64) -> Matrix2x5<f64> {
     let (sin, cos) = beta.sin_cos();
     let (half, turn) = (c.r_m / 2.0, c.r_m / (2.0 * c.l1_m));
     // eq. (12)
-    Matrix2x5::new(
-        half * cos,
-        half * sin,
-        turn,
-        1.0,
-        0.0, //
-        half * cos,
-        half * sin,
-        -turn,
-        0.0,
-        1.0,
-    )
+    matrix![
+        half * cos, half * sin, turn,  1.0, 0.0;
+        half * cos, half * sin, -turn, 0.0, 1.0
+    ]
 }
 
 /// Rate of the coefficients C_ij along a motion with a turn rate [rad/s].
 fn maggi_coefficients_rate(c: &Construction, beta: f64, beta_dot: f64) -> Matrix2x5<f64> {
     let (sin, cos) = beta.sin_cos();
     let half = c.r_m / 2.0 * beta_dot;
-    Matrix2x5::new(
-        -half * sin,
-        half * cos,
-        0.0,
-        0.0,
-        0.0, //
-        -half * sin,
-        half * cos,
-        0.0,
-        0.0,
-        0.0,
-    )
+    matrix![
+        -half * sin, half * cos, 0.0, 0.0, 0.0;
+        -half * sin, half * cos, 0.0, 0.0, 0.0
+    ]
 }
 
 /// A motion that rolls without slip: coordinates, velocities and accelerations.
