@@ -67,7 +67,9 @@ pub enum IdentifyError {
         remedy: String,
     },
     /// Nothing is left after samples near rest and at ends were dropped.
-    #[error("{method}: {usable} usable samples are left of {samples} (the wheels stand still or the pieces are too short); record longer motion")]
+    #[error(
+        "{method}: {usable} usable samples are left of {samples} (the wheels stand still or the pieces are too short); record longer motion"
+    )]
     TooFewSamples {
         /// Method.
         method: String,

@@ -4,7 +4,9 @@
 //! [`Fit`]; not converging is a status of the fit, not an error.
 
 mod fit;
+pub mod kalman;
 mod method;
+pub mod start;
 
 pub use fit::{Estimate, Fit, Status, Trace, Work};
 pub use method::{Identifier, IdentifyError, MethodDescription, OptionError, Task, from_options};
@@ -13,8 +15,7 @@ use crate::catalogue;
 
 catalogue! {
     dyn Identifier;
-    torque_regression::TorqueRegression,
-    output_error::OutputError,
+    prediction_error::PredictionError,
 }
 
 /// The registered method of that name, with its default options.

@@ -23,7 +23,9 @@ pub struct Gain(pub [[f64; 4]; 4]);
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum GainError {
     /// A - K has a pole that does not decay.
-    #[error("A - K is not strictly stable: a pole has real part {real:.4} 1/s; eq. (20) needs all below zero (K = 0 alone is allowed, as pure simulation)")]
+    #[error(
+        "A - K is not strictly stable: a pole has real part {real:.4} 1/s; eq. (20) needs all below zero (K = 0 alone is allowed, as pure simulation)"
+    )]
     Unstable {
         /// Largest real part [1/s].
         real: f64,

@@ -3,6 +3,8 @@
 pub mod dynamics;
 mod emulator;
 mod friction;
+mod made;
+mod movement;
 mod sensitivity;
 mod simulation;
 mod stepper;
@@ -10,6 +12,8 @@ mod stepper;
 pub use dynamics::{Dynamics, PhysicalDynamics};
 pub use emulator::{Gain, GainError, Structure, emulate};
 pub use friction::{Contact, contact};
+pub use made::{NoiseLevel, Recorder, record};
+pub use movement::{Movement, Reference, Segment};
 pub use sensitivity::{Sensitivities, simulate_with_sensitivities};
 pub use simulation::{Hold, Input, SimulateError, simulate};
 

@@ -1,0 +1,316 @@
+//! The likelihood of a set of recordings, and its maximum over parameters and noise.
+
+use argmin::core::{CostFunction, Executor, State as _};
+use argmin::solver::neldermead::NelderMead;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::ProcessNoise;
+use super::pass::{Columns, NoColumns, Pass, PassSettings, Prepared, filter_pass};
+use crate::identify::{IdentifyError, Status};
+use crate::model::{Model, ModelError};
+use crate::simulate::Hold;
+
+/// Recordings ready for the filter.
+#[derive(Clone)]
+pub struct Likelihood<'a> {
+    /// One independent run of the filter each.
+    pub prepared: Vec<Prepared<'a>>,
+    /// The drive between samples.
+    pub hold: Hold,
+    /// Whether the slow unknown moment is part of the noise model.
+    pub slow_moment: bool,
+}
+
+/// Where a maximisation ended.
+#[derive(Clone, Debug)]
+pub struct Maximum {
+    /// Parameters of the model.
+    pub p: Vec<f64>,
+    /// Noise.
+    pub noise: ProcessNoise,
+    /// Log-likelihood.
+    pub log_likelihood: f64,
+    /// Information of all parameters.
+    pub information: DMatrix<f64>,
+    /// The passes at the maximum, one a recording.
+    pub passes: Vec<Pass>,
+    /// How it ended.
+    pub status: Status,
+    /// Gauss-Newton steps.
+    pub iterations: usize,
+    /// Passes over all recordings.
+    pub evaluations: usize,
+}
+
+/// Largest number of Gauss-Newton steps.
+const STEPS: usize = 40;
+/// A step that raises the log-likelihood by less is the last.
+const GAIN: f64 = 1e-4;
+
+impl Likelihood<'_> {
+    /// One pass over every recording, in parallel.
+    ///
+    /// # Errors
+    /// If the mass matrix is not positive definite.
+    pub fn passes(
+        &self,
+        model: &Model,
+        p: &[f64],
+        noise: &ProcessNoise,
+        derivatives: bool,
+        columns: &[&dyn Columns],
+    ) -> Result<Vec<Pass>, ModelError> {
+        let settings =
+            PassSettings { noise: *noise, hold: self.hold, derivatives, keep_states: false };
+        self.prepared
+            .par_iter()
+            .enumerate()
+            .map(|(r, prepared)| {
+                let none: &dyn Columns = &NoColumns;
+                let columns = columns.get(r).copied().unwrap_or(none);
+                filter_pass(model, p, prepared, &settings, columns)
+            })
+            .collect()
+    }
+
+    /// Log-likelihood alone.
+    #[must_use]
+    pub fn value(&self, model: &Model, p: &[f64], noise: &ProcessNoise) -> Option<f64> {
+        let passes = self.passes(model, p, noise, false, &[]).ok()?;
+        let sum: f64 = passes.iter().map(|pass| pass.log_likelihood).sum();
+        sum.is_finite().then_some(sum)
+    }
+
+    /// Noise to start with: that of differences, no slow moment.
+    #[must_use]
+    pub fn initial_noise(&self) -> ProcessNoise {
+        let count = self.prepared.len().max(1) as f64;
+        let rms = self.moment_rms();
+        let seen = self.prepared.iter().map(|p| p.moment_noise).sum::<f64>() / count;
+        ProcessNoise { sigma_m: seen.max(1e-4 * rms), sigma_d: 0.0, tau_d: 1.0 }
+    }
+
+    /// Root mean square of the recorded drive [N m].
+    #[must_use]
+    pub fn moment_rms(&self) -> f64 {
+        let (mut sum, mut count) = (0.0, 0_usize);
+        for prepared in &self.prepared {
+            for m in prepared.recording.moment() {
+                sum += m[0] * m[0] + m[1] * m[1];
+                count += 2;
+            }
+        }
+        (sum / count.max(1) as f64).sqrt().max(1e-12)
+    }
+
+    /// The most likely noise at fixed parameters, from `start`, by Nelder-Mead on the logarithms.
+    #[must_use]
+    pub fn noise(
+        &self,
+        model: &Model,
+        p: &[f64],
+        start: &ProcessNoise,
+        evaluations: usize,
+    ) -> (ProcessNoise, usize) {
+        let rms = self.moment_rms();
+        let step = self.prepared.iter().map(|p| p.recording.step()).fold(f64::MAX, f64::min);
+        let slow = self.slow_moment;
+        let search = NoiseSearch { likelihood: self, model, p, rms, step };
+        let first = search.to_logs(start);
+        let dimensions = if slow { 3 } else { 1 };
+        let origin: Vec<f64> = first[..dimensions].to_vec();
+        let mut simplex = vec![origin.clone()];
+        for i in 0..dimensions {
+            let mut corner = origin.clone();
+            corner[i] += if i == 1 && start.sigma_d == 0.0 { 2.0 } else { 0.5 };
+            simplex.push(corner);
+        }
+        let solver = NelderMead::new(simplex).with_sd_tolerance(0.01);
+        let Ok(solver) = solver else { return (*start, 0) };
+        let run = Executor::new(search, solver)
+            .configure(|state| state.max_iters(evaluations as u64))
+            .run();
+        let Ok(run) = run else { return (*start, 0) };
+        let count = run.state().get_func_counts().values().sum::<u64>() as usize;
+        let search = NoiseSearch { likelihood: self, model, p, rms, step };
+        let best = run.state().get_best_param().map_or(*start, |x| search.from_logs(x));
+        (best, count)
+    }
+
+    /// Maximises the likelihood over the free parameters by Gauss-Newton and over the noise.
+    ///
+    /// ```text
+    /// δθ = H⁻¹ g   (H scaled to unit diagonal, damped where a step fails)
+    /// ```
+    ///
+    /// # Errors
+    /// If no likelihood can be computed at the start.
+    pub fn maximise(
+        &self,
+        model: &Model,
+        start: &[f64],
+        noise: Option<ProcessNoise>,
+        method: &str,
+    ) -> Result<Maximum, IdentifyError> {
+        let mut p = start.to_vec();
+        let refresh = noise.is_none();
+        let mut noise = noise.unwrap_or_else(|| self.initial_noise());
+        let mut evaluations = 0;
+        if refresh {
+            let (best, count) = self.noise(model, &p, &noise, 40);
+            noise = best;
+            evaluations += count;
+        }
+        let mut iterations = 0;
+        let mut status = Status::IterationLimit;
+        let rounds = if refresh { 3 } else { 1 };
+        for round in 0..rounds {
+            let steps = if round + 1 < rounds { 4 } else { STEPS };
+            let (ended, taken, used) = self.climb(model, &mut p, &noise, steps, method)?;
+            (status, iterations, evaluations) = (ended, iterations + taken, evaluations + used);
+            if refresh && round + 1 < rounds {
+                let (best, count) = self.noise(model, &p, &noise, 40);
+                noise = best;
+                evaluations += count;
+            }
+        }
+        let passes = self.passes(model, &p, &noise, true, &[])?;
+        let log_likelihood = passes.iter().map(|pass| pass.log_likelihood).sum();
+        let information = passes.iter().map(|pass| &pass.information).sum();
+        evaluations += 1;
+        Ok(Maximum {
+            p,
+            noise,
+            log_likelihood,
+            information,
+            passes,
+            status,
+            iterations,
+            evaluations,
+        })
+    }
+
+    /// Gauss-Newton steps at fixed noise; moves `p` and returns status, steps and passes.
+    fn climb(
+        &self,
+        model: &Model,
+        p: &mut Vec<f64>,
+        noise: &ProcessNoise,
+        steps: usize,
+        method: &str,
+    ) -> Result<(Status, usize, usize), IdentifyError> {
+        let free = model.free();
+        let mut evaluations = 0;
+        for iteration in 0..steps {
+            let passes = self.passes(model, p, noise, true, &[])?;
+            evaluations += 1;
+            let value: f64 = passes.iter().map(|pass| pass.log_likelihood).sum();
+            if !value.is_finite() {
+                let reason = "the likelihood is not finite".to_string();
+                return Err(IdentifyError::NoStart { method: method.into(), reason });
+            }
+            let h: DMatrix<f64> = passes.iter().map(|pass| &pass.information).sum();
+            let g: DVector<f64> = passes.iter().map(|pass| &pass.score).sum();
+            let step = newton_step(&h, &g, &free);
+            let promised = 0.5 * step.iter().zip(&free).map(|(s, &j)| s * g[j]).sum::<f64>();
+            if promised < GAIN {
+                return Ok((Status::Converged, iteration, evaluations));
+            }
+            let mut share = 1.0;
+            let moved = loop {
+                let mut trial = p.clone();
+                for (s, &j) in step.iter().zip(&free) {
+                    let range = model.parameters()[j].spec.range;
+                    // a shape outside its range has no meaning; linear ones may cross zero, so
+                    // that an effect that is not there scatters around it
+                    let limited = matches!(
+                        model.parameters()[j].spec.kind,
+                        crate::effects::ParameterKind::Shape
+                    );
+                    trial[j] += share * s;
+                    if limited {
+                        trial[j] = trial[j].clamp(range.0, range.1);
+                    }
+                }
+                evaluations += 1;
+                match self.value(model, &trial, noise) {
+                    Some(at) if at > value - 1e-9 * value.abs().max(1.0) => {
+                        *p = trial;
+                        break at - value;
+                    }
+                    _ => share *= 0.5,
+                }
+                if share < 1e-4 {
+                    return Ok((Status::Stalled, iteration, evaluations));
+                }
+            };
+            if moved < GAIN && share == 1.0 {
+                return Ok((Status::Converged, iteration + 1, evaluations));
+            }
+        }
+        Ok((Status::IterationLimit, steps, evaluations))
+    }
+}
+
+/// `H⁻¹ g` over the free columns, with H scaled to unit diagonal; directions that the data do not
+/// give stay where they are.
+fn newton_step(h: &DMatrix<f64>, g: &DVector<f64>, free: &[usize]) -> Vec<f64> {
+    let n = free.len();
+    let scale: Vec<f64> = free.iter().map(|&j| h[(j, j)].max(1e-300).sqrt()).collect();
+    let scaled = DMatrix::from_fn(n, n, |i, k| h[(free[i], free[k])] / (scale[i] * scale[k]));
+    let right = DVector::from_fn(n, |i, _| g[free[i]] / scale[i]);
+    let eigen = scaled.symmetric_eigen();
+    let mut step = DVector::zeros(n);
+    for k in 0..n {
+        let value = eigen.eigenvalues[k];
+        if value > 1e-10 {
+            let v = eigen.eigenvectors.column(k);
+            step += v * (v.dot(&right) / value);
+        }
+    }
+    (0..n).map(|i| step[i] / scale[i]).collect()
+}
+
+struct NoiseSearch<'a> {
+    likelihood: &'a Likelihood<'a>,
+    model: &'a Model,
+    p: &'a [f64],
+    rms: f64,
+    step: f64,
+}
+
+impl NoiseSearch<'_> {
+    fn to_logs(&self, noise: &ProcessNoise) -> [f64; 3] {
+        [
+            noise.sigma_m.max(1e-6 * self.rms).ln(),
+            noise.sigma_d.max(1e-3 * self.rms).ln(),
+            noise.tau_d.ln(),
+        ]
+    }
+
+    fn from_logs(&self, x: &[f64]) -> ProcessNoise {
+        let bounded = |x: f64, low: f64, high: f64| x.exp().clamp(low, high);
+        let mut noise = ProcessNoise {
+            sigma_m: bounded(x[0], 1e-6 * self.rms, 1e2 * self.rms),
+            sigma_d: 0.0,
+            tau_d: 1.0,
+        };
+        if let [_, d, tau] = x {
+            noise.sigma_d = bounded(*d, 1e-5 * self.rms, 10.0 * self.rms);
+            // faster than a few samples it is white noise of the drive under another name
+            noise.tau_d = bounded(*tau, 5.0 * self.step, 60.0);
+        }
+        noise
+    }
+}
+
+impl CostFunction for NoiseSearch<'_> {
+    type Param = Vec<f64>;
+    type Output = f64;
+    fn cost(&self, x: &Vec<f64>) -> Result<f64, argmin::core::Error> {
+        let noise = self.from_logs(x);
+        // the search must see a finite number everywhere
+        Ok(self.likelihood.value(self.model, self.p, &noise).map_or(1e300, |v| -v))
+    }
+}

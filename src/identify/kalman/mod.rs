@@ -1,0 +1,27 @@
+//! The extended Kalman filter that whitens the data: one pass gives the likelihood, its score and
+//! its information for parameters and for any further torque columns.
+//!
+//! State: (alpha1, alpha2, omega1, omega2, d1, d2), d a slow unknown moment on each wheel
+//! (Ornstein-Uhlenbeck: standard deviation `sigma_d`, time constant `tau_d`).
+
+mod accumulate;
+mod likelihood;
+mod pass;
+mod standstill;
+mod step;
+
+pub use accumulate::Information;
+pub use likelihood::{Likelihood, Maximum};
+pub use pass::{Columns, Instant, NoColumns, Pass, PassSettings, Prepared, filter_pass, prepare};
+pub use standstill::standstill;
+
+/// Noise of the process: what the recorded drive does not explain.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct ProcessNoise {
+    /// White noise of the recorded drive, one draw a sample [N m].
+    pub sigma_m: f64,
+    /// Standard deviation of a slow unknown moment [N m].
+    pub sigma_d: f64,
+    /// Its time constant [s].
+    pub tau_d: f64,
+}

@@ -1,0 +1,344 @@
+//! One run of the filter over a recording.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::ProcessNoise;
+use super::accumulate::Information;
+use super::standstill::standstill;
+use super::step::{Covariance, Mean, Predicted, Sample, correct, move_parameters, predict};
+use crate::effects::Motion;
+use crate::model::{Linearisation, Model, ModelError};
+use crate::recording::Recording;
+use crate::simulate::Hold;
+
+/// Length of the blocks whose scores are kept apart, for errors that survive a wrong noise
+/// model [s].
+const BLOCK: f64 = 5.0;
+
+/// Torque columns that ride along in a pass: anything whose coefficient is zero in the model.
+pub trait Columns: Sync {
+    /// How many.
+    fn count(&self) -> usize;
+    /// Writes the torque each column would add to the DRIVE side for a coefficient of one [N m].
+    fn torque(&self, at: &Instant, out: &mut [[f64; 2]]);
+}
+
+/// No columns.
+pub struct NoColumns;
+
+impl Columns for NoColumns {
+    fn count(&self) -> usize {
+        0
+    }
+    fn torque(&self, _: &Instant, _: &mut [[f64; 2]]) {}
+}
+
+/// Where a column is evaluated: the filter's state at one step.
+pub struct Instant<'a> {
+    /// Number of the sample at the start of the step.
+    pub sample: usize,
+    /// Filtered motion with its variance.
+    pub motion: Motion<'a, f64>,
+    /// Mean acceleration over the step [rad/s^2].
+    pub acceleration: [f64; 2],
+    /// Statistically linearised sgn along each friction direction (zero where the model has no
+    /// friction along it).
+    pub sign: [f64; 4],
+    /// Variance of w1 - w2 and of w1 + w2 [rad^2/s^2].
+    pub spread: [f64; 2],
+    /// Acting drive over the step [N m].
+    pub drive: [f64; 2],
+}
+
+/// What of a recording the filter needs and what does not change between passes.
+#[derive(Clone, Debug)]
+pub struct Prepared<'a> {
+    /// The recording.
+    pub recording: &'a Recording,
+    /// Wheels that stand still.
+    pub still: Vec<[bool; 2]>,
+    /// Variances of (alpha1, alpha2, omega1, omega2).
+    pub variance: [f64; 4],
+    /// Channels that are measured on their own.
+    pub used: [bool; 4],
+    /// Noise of the drive from differences [N m].
+    pub moment_noise: f64,
+}
+
+/// Prepares a recording: noise from differences, standstill, channels.
+#[must_use]
+pub fn prepare(recording: &Recording) -> Prepared<'_> {
+    let noise = recording.noise();
+    let measured = recording.measured();
+    // a channel without any visible noise still has rounding; nothing is known exactly
+    let floor = |sigma: f64, scale: f64| (sigma * sigma).max((1e-6 * scale).powi(2));
+    let largest = |values: &[[f64; 2]], i: usize| {
+        values.iter().map(|v| v[i].abs()).fold(0.0, f64::max).max(1e-3)
+    };
+    let variance = [
+        floor(noise.alpha[0], 1.0),
+        floor(noise.alpha[1], 1.0),
+        floor(noise.omega[0], largest(recording.omega(), 0)),
+        floor(noise.omega[1], largest(recording.omega(), 1)),
+    ];
+    Prepared {
+        recording,
+        still: standstill(recording, &noise.alpha, &noise.omega),
+        variance,
+        used: [measured.alpha, measured.alpha, measured.omega, measured.omega],
+        moment_noise: 0.5 * (noise.moment[0] + noise.moment[1]),
+    }
+}
+
+/// What a pass is run with.
+#[derive(Clone, Copy, Debug)]
+pub struct PassSettings {
+    /// Process noise.
+    pub noise: ProcessNoise,
+    /// The drive between samples.
+    pub hold: Hold,
+    /// Whether derivatives are carried (else only the likelihood).
+    pub derivatives: bool,
+    /// Whether the filtered states are kept.
+    pub keep_states: bool,
+}
+
+/// What a pass gives.
+#[derive(Clone, Debug)]
+pub struct Pass {
+    /// Log-likelihood of the innovations.
+    pub log_likelihood: f64,
+    /// Information of parameters and columns.
+    pub information: DMatrix<f64>,
+    /// Score of parameters and columns.
+    pub score: DVector<f64>,
+    /// Scores of blocks of 5 s.
+    pub blocks: Vec<DVector<f64>>,
+    /// Σ e²/S of each channel.
+    pub squares: [f64; 4],
+    /// Innovations of each channel.
+    pub count: [usize; 4],
+    /// Filtered states and variances of (alpha1, alpha2, omega1, omega2, d1, d2), where kept.
+    pub states: Vec<([f64; 6], [f64; 6])>,
+}
+
+impl Pass {
+    fn new(columns: usize) -> Self {
+        Self {
+            log_likelihood: 0.0,
+            information: DMatrix::zeros(columns, columns),
+            score: DVector::zeros(columns),
+            blocks: vec![],
+            squares: [0.0; 4],
+            count: [0; 4],
+            states: vec![],
+        }
+    }
+
+    /// Mean normalised innovation squared over all channels; one where the noise is as assumed.
+    #[must_use]
+    pub fn normalised_innovation(&self) -> f64 {
+        self.squares.iter().sum::<f64>() / self.count.iter().sum::<usize>().max(1) as f64
+    }
+}
+
+/// Runs the filter over a recording, piece by piece.
+///
+/// # Errors
+/// If the mass matrix is not positive definite.
+pub fn filter_pass(
+    model: &Model,
+    p: &[f64],
+    prepared: &Prepared,
+    settings: &PassSettings,
+    columns: &dyn Columns,
+) -> Result<Pass, ModelError> {
+    let recording = prepared.recording;
+    let (drive, by_parameter) = model.drive_derivatives(recording.t(), recording.moment(), p);
+    let width = if settings.derivatives { p.len() + columns.count() } else { 0 };
+    let mut run = Run {
+        model,
+        p,
+        prepared,
+        settings,
+        columns,
+        drive: &drive,
+        by_parameter: &by_parameter,
+        acts: by_parameter.iter().any(|d| !d.is_empty()),
+        psi: vec![[0.0; 6]; width],
+        row: vec![0.0; width],
+        extra: vec![[0.0; 2]; if width > 0 { columns.count() } else { 0 }],
+        drive_row: vec![[0.0; 2]; p.len()],
+        work: Linearisation::new(p.len()),
+        information: Information::new(width),
+        block: DVector::zeros(width),
+        block_end: recording.t()[0] + BLOCK,
+        out: Pass::new(width),
+    };
+    for piece in recording.pieces() {
+        run.piece(piece.clone())?;
+    }
+    run.out.blocks.push(run.block);
+    (run.out.information, run.out.score) = run.information.finish();
+    Ok(run.out)
+}
+
+struct Run<'a> {
+    model: &'a Model,
+    p: &'a [f64],
+    prepared: &'a Prepared<'a>,
+    settings: &'a PassSettings,
+    columns: &'a dyn Columns,
+    drive: &'a [[f64; 2]],
+    by_parameter: &'a [Vec<[f64; 2]>],
+    acts: bool,
+    psi: Vec<[f64; 6]>,
+    row: Vec<f64>,
+    extra: Vec<[f64; 2]>,
+    drive_row: Vec<[f64; 2]>,
+    work: Linearisation,
+    information: Information,
+    block: DVector<f64>,
+    block_end: f64,
+    out: Pass,
+}
+
+impl Run<'_> {
+    fn piece(&mut self, piece: std::ops::Range<usize>) -> Result<(), ModelError> {
+        let (mut mean, mut covariance) = self.start(piece.start);
+        self.psi.iter_mut().for_each(|column| *column = [0.0; 6]);
+        self.keep(&mean, &covariance);
+        for k in piece.start + 1..piece.end {
+            let sample = self.sample(k);
+            // borrow of the drive row ends before psi moves
+            let sample = Sample { by_parameter: &[], ..sample };
+            let predicted = predict(
+                self.model,
+                self.p,
+                &self.settings.noise,
+                &sample,
+                &mut mean,
+                &mut covariance,
+                &mut self.work,
+            )?;
+            if self.settings.derivatives {
+                self.carry(k, &sample, &predicted);
+            }
+            self.measure(k, &mut mean, &mut covariance);
+            self.keep(&mean, &covariance);
+        }
+        Ok(())
+    }
+
+    fn start(&self, k: usize) -> (Mean, Covariance) {
+        let (a, w) = (self.prepared.recording.alpha()[k], self.prepared.recording.omega()[k]);
+        let still = self.prepared.still[k];
+        let mean = Mean::from_row_slice(&[
+            a[0],
+            a[1],
+            if still[0] { 0.0 } else { w[0] },
+            if still[1] { 0.0 } else { w[1] },
+            0.0,
+            0.0,
+        ]);
+        let mut covariance = Covariance::zeros();
+        let step = self.prepared.recording.step();
+        for i in 0..2 {
+            let [alpha, omega] = [self.prepared.variance[i], self.prepared.variance[2 + i]];
+            // a channel that was computed from the other starts as uncertain as that makes it
+            covariance[(i, i)] = if self.prepared.used[i] { alpha } else { 1e-12 };
+            covariance[(2 + i, 2 + i)] =
+                if self.prepared.used[2 + i] { omega } else { 2.0 * alpha / (step * step) };
+            covariance[(4 + i, 4 + i)] = self.settings.noise.sigma_d.powi(2);
+        }
+        (mean, covariance)
+    }
+
+    fn sample(&self, k: usize) -> Sample<'static> {
+        let recording = self.prepared.recording;
+        let t = recording.t();
+        let (m0, m1) = (self.drive[k - 1], self.drive[k]);
+        let drive = match self.settings.hold {
+            Hold::Linear => [0.5 * (m0[0] + m1[0]), 0.5 * (m0[1] + m1[1])],
+            Hold::Constant => m0,
+        };
+        let raw = recording.moment();
+        let still = [0, 1].map(|i| self.prepared.still[k - 1][i] && self.prepared.still[k][i]);
+        Sample {
+            t: t[k - 1] - t[0],
+            step: t[k] - t[k - 1],
+            drive,
+            change: [0, 1].map(|i| raw[k][i] - raw[k - 1][i]),
+            by_parameter: &[],
+            still,
+        }
+    }
+
+    fn carry(&mut self, k: usize, sample: &Sample, predicted: &Predicted) {
+        if !self.extra.is_empty() {
+            let at = Instant {
+                sample: k - 1,
+                motion: Motion {
+                    t: sample.t + 0.5 * sample.step,
+                    alpha: predicted.alpha,
+                    omega: predicted.omega,
+                    variance: predicted.variance,
+                    robot: self.model.robot(),
+                },
+                acceleration: predicted.acceleration,
+                sign: predicted.sign,
+                spread: predicted.spread,
+                drive: sample.drive,
+            };
+            self.columns.torque(&at, &mut self.extra);
+        }
+        if self.acts {
+            for (row, d) in self.drive_row.iter_mut().zip(self.by_parameter) {
+                if d.is_empty() {
+                    continue;
+                }
+                *row = match self.settings.hold {
+                    Hold::Linear => [0, 1].map(|i| 0.5 * (d[k - 1][i] + d[k][i])),
+                    Hold::Constant => d[k - 1],
+                };
+            }
+        }
+        let by_parameter: &[[f64; 2]] = if self.acts { &self.drive_row } else { &[] };
+        let sample = Sample { by_parameter, ..*sample };
+        move_parameters(predicted, &self.work, &sample, &self.extra, &mut self.psi);
+    }
+
+    fn measure(&mut self, k: usize, mean: &mut Mean, covariance: &mut Covariance) {
+        let recording = self.prepared.recording;
+        let (a, w) = (recording.alpha()[k], recording.omega()[k]);
+        for (i, value) in [a[0], a[1], w[0], w[1]].into_iter().enumerate() {
+            if !self.prepared.used[i] {
+                continue;
+            }
+            let variance = self.prepared.variance[i];
+            let (e, s) =
+                correct(i, value, variance, mean, covariance, &mut self.psi, &mut self.row);
+            self.out.log_likelihood -= 0.5 * ((2.0 * std::f64::consts::PI * s).ln() + e * e / s);
+            self.out.squares[i] += e * e / s;
+            self.out.count[i] += 1;
+            if self.settings.derivatives {
+                self.information.add(&self.row, e, s);
+                for (b, v) in self.block.iter_mut().zip(&self.row) {
+                    *b += v * e / s;
+                }
+            }
+        }
+        if self.settings.derivatives && recording.t()[k] > self.block_end {
+            let empty = DVector::zeros(self.block.len());
+            self.out.blocks.push(std::mem::replace(&mut self.block, empty));
+            self.block_end += BLOCK;
+        }
+    }
+
+    fn keep(&mut self, mean: &Mean, covariance: &Covariance) {
+        if self.settings.keep_states {
+            let variance = std::array::from_fn(|i| covariance[(i, i)]);
+            self.out.states.push((std::array::from_fn(|i| mean[i]), variance));
+        }
+    }
+}

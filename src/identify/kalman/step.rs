@@ -1,0 +1,301 @@
+//! One prediction and one correction of the filter.
+
+use nalgebra::{Matrix2, SMatrix, SVector};
+
+use super::ProcessNoise;
+use crate::effects::{DIRECTIONS, Motion, along};
+use crate::math::Real;
+use crate::model::{Linearisation, Model, ModelError};
+
+/// alpha1, alpha2, omega1, omega2, d1, d2.
+pub(super) type Mean = SVector<f64, 6>;
+/// Their covariance.
+pub(super) type Covariance = SMatrix<f64, 6, 6>;
+
+/// Variance of a wheel that is known to stand still [rad^2/s^2].
+const STILL: f64 = 1e-10;
+
+/// The drive over one sample.
+pub(super) struct Sample<'a> {
+    /// Time at the start, since the start of the recording [s].
+    pub(super) t: f64,
+    /// Length [s].
+    pub(super) step: f64,
+    /// Acting drive that the step uses [N m].
+    pub(super) drive: [f64; 2],
+    /// Change of the recorded drive over the sample [N m].
+    pub(super) change: [f64; 2],
+    /// Derivative of `drive` by each parameter; empty where no effect acts on the drive.
+    pub(super) by_parameter: &'a [[f64; 2]],
+    /// Wheels that stand still over the sample.
+    pub(super) still: [bool; 2],
+}
+
+/// What a prediction did, for the columns that ride along.
+pub(super) struct Predicted {
+    /// Linear map of a torque on the wheels to the state after the step.
+    pub(super) gain: SMatrix<f64, 6, 2>,
+    /// Transition matrix.
+    pub(super) transition: Covariance,
+    /// Mean acceleration over the step [rad/s^2].
+    pub(super) acceleration: [f64; 2],
+    /// Friction signs, statistically linearised.
+    pub(super) sign: [f64; 4],
+    /// Where the step was linearised.
+    pub(super) alpha: [f64; 2],
+    /// Where the step was linearised.
+    pub(super) omega: [f64; 2],
+    /// Spread there.
+    pub(super) variance: [f64; 4],
+    /// Variance of w1 - w2 and of w1 + w2.
+    pub(super) spread: [f64; 2],
+}
+
+/// Moves mean and covariance over one sample, and the derivatives `psi` (6 x columns, the first
+/// ones the parameters of the model) with it.
+///
+/// Every sgn is replaced by its mean over the filter's own spread, erf(v / sqrt(2 V)), and the
+/// variance that the mean leaves out becomes process noise; a wheel that may pass through rest
+/// within the step adds the whole friction as noise, so the step is skipped softly. The step is
+/// implicit in the friction (its slope is stiff) and of second order elsewhere.
+pub(super) fn predict(
+    model: &Model,
+    p: &[f64],
+    noise: &ProcessNoise,
+    sample: &Sample,
+    mean: &mut Mean,
+    covariance: &mut Covariance,
+    work: &mut Linearisation,
+) -> Result<Predicted, ModelError> {
+    let h = sample.step;
+    let omega = [mean[2], mean[3]];
+    let x = Motion {
+        t: sample.t + 0.5 * h,
+        alpha: [mean[0] + 0.5 * h * omega[0], mean[1] + 0.5 * h * omega[1]],
+        omega,
+        variance: [covariance[(0, 0)], covariance[(1, 1)], covariance[(2, 2)], covariance[(3, 3)]],
+        robot: model.robot(),
+    };
+    let cross = 2.0 * covariance[(2, 3)];
+    let sum = covariance[(2, 2)] + covariance[(3, 3)];
+    let spread = [sum - cross, sum + cross];
+    let terms = model.terms(&x, p);
+    let mobility = mobility(&terms.mass, sample.still)?;
+    let (mut sign, mut slope, mut rest) = ([0.0; 4], [0.0; 4], [0.0; 4]);
+    for (j, d) in DIRECTIONS.iter().enumerate() {
+        let level = terms.level[j].max(0.0);
+        if level == 0.0 {
+            continue;
+        }
+        let d = SVector::<f64, 2>::from_row_slice(d);
+        let along_d = (d.transpose() * covariance.fixed_view::<2, 2>(2, 2) * d)[0];
+        let kick = level * h * (d.transpose() * mobility * d)[0];
+        let variance = (along_d + 0.25 * kick * kick).max(STILL);
+        let v = along(j, &omega);
+        sign[j] = Real::erf(v / (2.0 * variance).sqrt());
+        let density =
+            (-0.5 * v * v / variance).exp() / (2.0 * std::f64::consts::PI * variance).sqrt();
+        slope[j] = 2.0 * density;
+        rest[j] =
+            level * level * (1.0 - sign[j] * sign[j] - slope[j] * slope[j] * variance).max(0.0);
+    }
+    model.linearise(&x, p, &[0.0; 2], &sign, work);
+    let resisting = terms.moment(&[0.0; 2], &sign);
+    let smooth = Matrix2::new(
+        work.by_state[0][2],
+        work.by_state[0][3],
+        work.by_state[1][2],
+        work.by_state[1][3],
+    );
+    let mut stiff = Matrix2::zeros();
+    for (j, d) in DIRECTIONS.iter().enumerate() {
+        let d = SVector::<f64, 2>::from_row_slice(d);
+        stiff += d * d.transpose() * (terms.level[j].max(0.0) * slope[j]);
+    }
+    let implicit = Matrix2::identity() + mobility * (smooth * (0.5 * h) + stiff * h);
+    let Some(phi) = implicit.try_inverse() else {
+        let [m11, m12, m22] = terms.mass;
+        return Err(ModelError::MassNotPositive { m11, m12, m22 });
+    };
+    let force = SVector::<f64, 2>::new(
+        sample.drive[0] + mean[4] - resisting[0],
+        sample.drive[1] + mean[5] - resisting[1],
+    );
+    let reach = phi * mobility;
+    let acceleration = reach * force;
+    for (j, variance) in rest.iter_mut().enumerate() {
+        let level = terms.level[j].max(0.0);
+        if level == 0.0 {
+            continue;
+        }
+        let d = SVector::<f64, 2>::from_row_slice(&DIRECTIONS[j]);
+        let along_d = (d.transpose() * covariance.fixed_view::<2, 2>(2, 2) * d)[0];
+        let pass = d.dot(&acceleration).abs() * h + 2.0 * along_d.max(0.0).sqrt();
+        if along(j, &omega).abs() < pass {
+            *variance += level * level;
+        }
+    }
+    let transition = transition(h, noise, &reach, &stiff, work);
+    let mut gain = SMatrix::<f64, 6, 2>::zeros();
+    gain.fixed_view_mut::<2, 2>(0, 0).copy_from(&(reach * (0.5 * h * h)));
+    gain.fixed_view_mut::<2, 2>(2, 0).copy_from(&(reach * h));
+    let after = omega_after(&omega, &acceleration, h, sample.still);
+    for i in 0..2 {
+        mean[i] += 0.5 * h * (omega[i] + after[i]);
+        mean[2 + i] = after[i];
+        mean[4 + i] *= transition[(4 + i, 4 + i)];
+    }
+    let mut torque_noise = Matrix2::zeros();
+    for i in 0..2 {
+        let between = (sample.change[i].powi(2) - 6.0 * noise.sigma_m.powi(2)).max(0.0) / 12.0;
+        torque_noise[(i, i)] += noise.sigma_m.powi(2) + between;
+    }
+    for (j, d) in DIRECTIONS.iter().enumerate() {
+        let d = SVector::<f64, 2>::from_row_slice(d);
+        torque_noise += d * d.transpose() * rest[j];
+    }
+    *covariance =
+        transition * *covariance * transition.transpose() + gain * torque_noise * gain.transpose();
+    let slow = noise.sigma_d.powi(2) * (1.0 - transition[(4, 4)].powi(2));
+    for i in 0..2 {
+        covariance[(4 + i, 4 + i)] += slow;
+        if sample.still[i] {
+            freeze(covariance, mean, i);
+        }
+    }
+    let acceleration = [acceleration[0], acceleration[1]];
+    model.linearise(&x, p, &acceleration, &sign, work);
+    let (alpha, variance) = (x.alpha, x.variance);
+    Ok(Predicted { gain, transition, acceleration, sign, alpha, omega, variance, spread })
+}
+
+/// Moves the derivatives over the step: `psi <- F psi + G f`, `f` the derivative of the moment
+/// balance by each parameter (column).
+pub(super) fn move_parameters(
+    predicted: &Predicted,
+    work: &Linearisation,
+    sample: &Sample,
+    extra: &[[f64; 2]],
+    psi: &mut [[f64; 6]],
+) {
+    let f = &predicted.transition;
+    let g = &predicted.gain;
+    let parameters = work.by_parameter.len();
+    for (j, column) in psi.iter_mut().enumerate() {
+        let torque = if j < parameters {
+            let drive = sample.by_parameter.get(j).copied().unwrap_or([0.0; 2]);
+            [drive[0] - work.by_parameter[j][0], drive[1] - work.by_parameter[j][1]]
+        } else {
+            extra[j - parameters]
+        };
+        let old = *column;
+        for i in 0..4 {
+            column[i] = g[(i, 0)] * torque[0] + g[(i, 1)] * torque[1];
+            for k in 0..6 {
+                column[i] += f[(i, k)] * old[k];
+            }
+        }
+        for i in 4..6 {
+            column[i] = f[(i, i)] * old[i];
+        }
+        for i in 0..2 {
+            if sample.still[i] {
+                column[i] = old[i];
+                column[2 + i] = 0.0;
+            }
+        }
+    }
+}
+
+/// The inverse mass matrix; a wheel that stands still does not move, the other one moves alone.
+fn mobility(mass: &[f64; 3], still: [bool; 2]) -> Result<Matrix2<f64>, ModelError> {
+    let [m11, m12, m22] = *mass;
+    let determinant = m11 * m22 - m12 * m12;
+    if !(m11 > 0.0 && m22 > 0.0 && determinant > 0.0) {
+        return Err(ModelError::MassNotPositive { m11, m12, m22 });
+    }
+    Ok(match still {
+        [false, false] => Matrix2::new(m22, -m12, -m12, m11) / determinant,
+        [false, true] => Matrix2::new(1.0 / m11, 0.0, 0.0, 0.0),
+        [true, false] => Matrix2::new(0.0, 0.0, 0.0, 1.0 / m22),
+        [true, true] => Matrix2::zeros(),
+    })
+}
+
+fn transition(
+    h: f64,
+    noise: &ProcessNoise,
+    reach: &Matrix2<f64>,
+    stiff: &Matrix2<f64>,
+    work: &Linearisation,
+) -> Covariance {
+    let mut f = Covariance::identity();
+    let decay = if noise.sigma_d > 0.0 { (-h / noise.tau_d).exp() } else { 0.0 };
+    // F = I - h reach (C + K) with reach = Phi A^-1, C the smooth slope and K that of friction
+    let mut by = SMatrix::<f64, 2, 6>::zeros();
+    for i in 0..2 {
+        for k in 0..2 {
+            by[(i, k)] = -work.by_state[i][k];
+            by[(i, 2 + k)] =
+                -work.by_state[i][2 + k] - 0.5 * h * work.by_state[i][k] - stiff[(i, k)];
+            by[(i, 4 + k)] = f64::from(i == k);
+        }
+    }
+    let step = reach * by * h;
+    for i in 0..2 {
+        for k in 0..6 {
+            f[(2 + i, k)] += step[(i, k)];
+            f[(i, k)] += 0.5 * h * step[(i, k)];
+        }
+        f[(i, 2 + i)] += h;
+        f[(4 + i, 4 + i)] = decay;
+    }
+    f
+}
+
+fn omega_after(
+    omega: &[f64; 2],
+    acceleration: &SVector<f64, 2>,
+    h: f64,
+    still: [bool; 2],
+) -> [f64; 2] {
+    [0, 1].map(|i| if still[i] { 0.0 } else { omega[i] + h * acceleration[i] })
+}
+
+fn freeze(covariance: &mut Covariance, mean: &mut Mean, i: usize) {
+    mean[2 + i] = 0.0;
+    for k in 0..6 {
+        covariance[(2 + i, k)] = 0.0;
+        covariance[(k, 2 + i)] = 0.0;
+    }
+    covariance[(2 + i, 2 + i)] = STILL;
+}
+
+/// One scalar measurement of state `i`: returns innovation and its variance, corrects mean,
+/// covariance and derivatives; `psi_row` receives the derivative of the prediction by every column.
+pub(super) fn correct(
+    i: usize,
+    value: f64,
+    variance: f64,
+    mean: &mut Mean,
+    covariance: &mut Covariance,
+    psi: &mut [[f64; 6]],
+    psi_row: &mut [f64],
+) -> (f64, f64) {
+    let e = value - mean[i];
+    let s = covariance[(i, i)] + variance;
+    let gain: Mean = covariance.column(i) / s;
+    let row = covariance.row(i).clone_owned();
+    *mean += gain * e;
+    *covariance -= gain * row;
+    // rounding must not make the covariance asymmetric
+    *covariance = (*covariance + covariance.transpose()) * 0.5;
+    for (out, column) in psi_row.iter_mut().zip(psi.iter_mut()) {
+        let predicted = column[i];
+        *out = predicted;
+        for k in 0..6 {
+            column[k] -= gain[k] * predicted;
+        }
+    }
+    (e, s)
+}
