@@ -1,6 +1,6 @@
 //! Anything that moves under a drive: a physical model with values, or a fuzzy emulator.
 
-use super::{Input, SimulateError, contact, simulate};
+use super::{Input, SimulateError, contact, simulate, simulate_acting};
 use crate::effects::Motion;
 use crate::model::Model;
 use crate::robot::State;
@@ -30,6 +30,21 @@ pub trait Dynamics: Send + Sync {
     /// # Errors
     /// A diverging motion, or dynamics without acceleration.
     fn simulate(&self, input: &Input, start: State) -> Result<Vec<State>, SimulateError>;
+
+    /// Simulation of a part of a recording: `input.moment` is the acting drive ([`Dynamics::drive`]
+    /// over the whole recording) and time counts from `origin` [s].
+    ///
+    /// # Errors
+    /// As [`Dynamics::simulate`].
+    fn simulate_part(
+        &self,
+        input: &Input,
+        origin: f64,
+        start: State,
+    ) -> Result<Vec<State>, SimulateError> {
+        let _ = origin;
+        self.simulate(input, start)
+    }
 
     /// The physical model and its parameter values, where the dynamics is one.
     fn physical(&self) -> Option<(&Model, &[f64])> {
@@ -70,6 +85,15 @@ impl Dynamics for PhysicalDynamics {
 
     fn simulate(&self, input: &Input, start: State) -> Result<Vec<State>, SimulateError> {
         simulate(&self.model, &self.p, input, start)
+    }
+
+    fn simulate_part(
+        &self,
+        input: &Input,
+        origin: f64,
+        start: State,
+    ) -> Result<Vec<State>, SimulateError> {
+        simulate_acting(&self.model, &self.p, input, origin, start)
     }
 
     fn physical(&self) -> Option<(&Model, &[f64])> {

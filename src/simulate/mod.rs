@@ -15,7 +15,7 @@ pub use friction::{Contact, contact};
 pub use made::{NoiseLevel, Recorder, record};
 pub use movement::{Movement, Reference, Segment};
 pub use sensitivity::{Sensitivities, simulate_with_sensitivities};
-pub use simulation::{Hold, Input, SimulateError, simulate};
+pub use simulation::{Hold, Input, SimulateError, simulate, simulate_acting};
 
 #[cfg(test)]
 mod tests;

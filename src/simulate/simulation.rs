@@ -68,7 +68,23 @@ pub fn simulate(
     start: State,
 ) -> Result<Vec<State>, SimulateError> {
     let drive = model.drive(input.t, input.moment, p);
-    let mut stepper = Stepper::new(model, p, input.t[0], start);
+    simulate_acting(model, p, &Input { moment: &drive, ..*input }, input.t[0], start)
+}
+
+/// Simulates a part of a recording: as [`simulate`], but `input.moment` is the acting drive, drive
+/// effects applied over the whole recording, and effects count time from `origin` [s].
+///
+/// # Errors
+/// As [`simulate`].
+pub fn simulate_acting(
+    model: &Model,
+    p: &[f64],
+    input: &Input,
+    origin: f64,
+    start: State,
+) -> Result<Vec<State>, SimulateError> {
+    let drive = input.moment;
+    let mut stepper = Stepper::new(model, p, origin, start);
     let mut motion = Vec::with_capacity(input.t.len());
     motion.push(start);
     for k in 1..input.t.len() {

@@ -1,0 +1,326 @@
+//! The moment that the model misses, as a function of anything: speed, heading, time.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::effects::Motion;
+use crate::identify::kalman::{Columns, Instant, Likelihood, ProcessNoise};
+use crate::model::{Model, ModelError};
+use crate::recording::{LocalMotion, Recording};
+
+/// What the missing moment may depend on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Variable {
+    /// Speed of wheel 1 [rad/s].
+    Omega1,
+    /// Speed of wheel 2 [rad/s].
+    Omega2,
+    /// Acceleration of wheel 1 [rad/s^2].
+    Acceleration1,
+    /// Acceleration of wheel 2 [rad/s^2].
+    Acceleration2,
+    /// Speed of the axle's centre [m/s].
+    ForwardSpeed,
+    /// Turn rate [rad/s].
+    TurnRate,
+    /// Heading [rad], modulo a turn.
+    Heading,
+    /// Angle of wheel 1 [rad], modulo a turn.
+    Alpha1,
+    /// Angle of wheel 2 [rad], modulo a turn.
+    Alpha2,
+    /// Time since the start [s].
+    Time,
+    /// Drive of wheel 1 [N m].
+    Moment1,
+    /// Drive of wheel 2 [N m].
+    Moment2,
+}
+
+impl Variable {
+    /// All variables.
+    pub const ALL: [Self; 12] = [
+        Self::Omega1,
+        Self::Omega2,
+        Self::Acceleration1,
+        Self::Acceleration2,
+        Self::ForwardSpeed,
+        Self::TurnRate,
+        Self::Heading,
+        Self::Alpha1,
+        Self::Alpha2,
+        Self::Time,
+        Self::Moment1,
+        Self::Moment2,
+    ];
+
+    /// In words, for sentences.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Omega1 => "speed of wheel 1",
+            Self::Omega2 => "speed of wheel 2",
+            Self::Acceleration1 => "acceleration of wheel 1",
+            Self::Acceleration2 => "acceleration of wheel 2",
+            Self::ForwardSpeed => "forward speed",
+            Self::TurnRate => "turn rate",
+            Self::Heading => "heading",
+            Self::Alpha1 => "angle of wheel 1",
+            Self::Alpha2 => "angle of wheel 2",
+            Self::Time => "time",
+            Self::Moment1 => "drive of wheel 1",
+            Self::Moment2 => "drive of wheel 2",
+        }
+    }
+
+    /// Unit, for a drive of `drive_unit`.
+    #[must_use]
+    pub fn unit(self, drive_unit: &'static str) -> &'static str {
+        match self {
+            Self::Omega1 | Self::Omega2 | Self::TurnRate => "rad/s",
+            Self::Acceleration1 | Self::Acceleration2 => "rad/s²",
+            Self::ForwardSpeed => "m/s",
+            Self::Heading | Self::Alpha1 | Self::Alpha2 => "rad",
+            Self::Time => "s",
+            Self::Moment1 | Self::Moment2 => drive_unit,
+        }
+    }
+
+    fn at(self, motion: &Motion<f64>, acceleration: &[f64; 2], moment: &[f64; 2]) -> f64 {
+        let turn = |x: f64| x.rem_euclid(std::f64::consts::TAU);
+        match self {
+            Self::Omega1 => motion.omega[0],
+            Self::Omega2 => motion.omega[1],
+            Self::Acceleration1 => acceleration[0],
+            Self::Acceleration2 => acceleration[1],
+            Self::ForwardSpeed => motion.forward_speed(),
+            Self::TurnRate => motion.turn_rate(),
+            Self::Heading => turn(motion.heading()),
+            Self::Alpha1 => turn(motion.alpha[0]),
+            Self::Alpha2 => turn(motion.alpha[1]),
+            Self::Time => motion.t,
+            Self::Moment1 => moment[0],
+            Self::Moment2 => moment[1],
+        }
+    }
+}
+
+/// The missing moment in one bin of a variable.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Bin {
+    /// Middle of the bin.
+    pub at: f64,
+    /// Missing moment on wheel 1 and wheel 2 [N m].
+    pub moment: [f64; 2],
+    /// Their standard errors.
+    pub std_error: [f64; 2],
+}
+
+/// How the missing moment depends on a variable.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Dependence {
+    /// The variable.
+    pub variable: Variable,
+    /// Bins in order.
+    pub bins: Vec<Bin>,
+    /// Test statistic: chi-square with `rank` degrees of freedom where nothing is missing.
+    pub statistic: f64,
+    /// Degrees of freedom.
+    pub rank: usize,
+    /// -ln of the p-value.
+    pub log_significance: f64,
+}
+
+/// All dependences, the strongest first.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct MissingMoment {
+    /// One per variable.
+    pub dependences: Vec<Dependence>,
+}
+
+/// Bins of a variable.
+const BINS: usize = 12;
+/// Directions of the binned information below this share are left out.
+const WEAK: f64 = 1e-4;
+
+/// The missing moment over every variable, by a score test: indicator columns of each bin ride
+/// along in one filter pass at the fitted parameters, and what the parameters could still take up
+/// is projected out.
+///
+/// ```text
+/// I = H_JJ - H_JB H_BB⁻¹ H_BJ,  s = g_J - H_JB H_BB⁻¹ g_B,  T = s' I⁺ s ~ χ²(rank I)
+/// moment in a bin = s/I ± 1/√I
+/// ```
+///
+/// # Errors
+/// If the model has no acceleration.
+pub fn missing_moment(
+    model: &Model,
+    p: &[f64],
+    noise: &ProcessNoise,
+    likelihood: &Likelihood,
+) -> Result<MissingMoment, ModelError> {
+    let recordings: Vec<&Recording> = likelihood.prepared.iter().map(|p| p.recording).collect();
+    let motions: Vec<Vec<LocalMotion>> = recordings.iter().map(|r| r.local_motion()).collect();
+    let edges = Variable::ALL.map(|v| edges(v, model, &recordings, &motions));
+    let columns = Bins { edges: &edges };
+    let all: Vec<&dyn Columns> = recordings.iter().map(|_| &columns as &dyn Columns).collect();
+    let passes = likelihood.passes(model, p, noise, true, &all)?;
+    let h: DMatrix<f64> = passes.iter().map(|pass| &pass.information).sum();
+    let g: DVector<f64> = passes.iter().map(|pass| &pass.score).sum();
+    let base = model.free();
+    let mut dependences: Vec<Dependence> = Variable::ALL
+        .iter()
+        .enumerate()
+        .map(|(v, &variable)| {
+            let start = p.len() + v * 2 * BINS;
+            let columns: Vec<usize> = (start..start + 2 * BINS).collect();
+            dependence(variable, &edges[v], &h, &g, &base, &columns)
+        })
+        .collect();
+    dependences.sort_by(|a, b| b.log_significance.total_cmp(&a.log_significance));
+    Ok(MissingMoment { dependences })
+}
+
+/// Edges that give every bin about as many samples, from the 1 % to the 99 % point.
+fn edges(
+    variable: Variable,
+    model: &Model,
+    recordings: &[&Recording],
+    motions: &[Vec<LocalMotion>],
+) -> Vec<f64> {
+    let mut values = Vec::new();
+    for (recording, motion) in recordings.iter().zip(motions) {
+        for (k, m) in motion.iter().enumerate().step_by(3) {
+            let x = Motion {
+                t: recording.t()[k] - recording.t()[0],
+                alpha: m.alpha,
+                omega: m.omega,
+                variance: [0.0; 4],
+                robot: model.robot(),
+            };
+            values.push(variable.at(&x, &m.acceleration, &recording.moment()[k]));
+        }
+    }
+    values.sort_by(f64::total_cmp);
+    (0..=BINS)
+        .map(|b| values[((values.len() - 1) as f64 * b as f64 / BINS as f64).round() as usize])
+        .collect()
+}
+
+struct Bins<'a> {
+    edges: &'a [Vec<f64>; 12],
+}
+
+impl Columns for Bins<'_> {
+    fn count(&self) -> usize {
+        Variable::ALL.len() * 2 * BINS
+    }
+
+    fn torque(&self, at: &Instant, out: &mut [[f64; 2]]) {
+        out.iter_mut().for_each(|column| *column = [0.0; 2]);
+        for (v, variable) in Variable::ALL.iter().enumerate() {
+            let value = variable.at(&at.motion, &at.acceleration, &at.drive);
+            let inner = &self.edges[v][1..BINS];
+            let bin = inner.partition_point(|edge| *edge <= value);
+            out[v * 2 * BINS + 2 * bin] = [1.0, 0.0];
+            out[v * 2 * BINS + 2 * bin + 1] = [0.0, 1.0];
+        }
+    }
+}
+
+fn dependence(
+    variable: Variable,
+    edges: &[f64],
+    h: &DMatrix<f64>,
+    g: &DVector<f64>,
+    base: &[usize],
+    columns: &[usize],
+) -> Dependence {
+    let (information, score) = project(h, g, base, columns);
+    let (statistic, rank) = score_statistic(&information, &score);
+    let bins = (0..BINS)
+        .map(|b| {
+            let entry = |i: usize| {
+                let j = 2 * b + i;
+                let (info, s) = (information[(j, j)], score[j]);
+                let weak = info < 1e-8 * h[(columns[j], columns[j])] || info <= 0.0;
+                if weak { (f64::NAN, f64::NAN) } else { (s / info, 1.0 / info.sqrt()) }
+            };
+            let (one, two) = (entry(0), entry(1));
+            Bin {
+                at: 0.5 * (edges[b] + edges[b + 1]),
+                moment: [one.0, two.0],
+                std_error: [one.1, two.1],
+            }
+        })
+        .collect();
+    let log_significance = log_significance(statistic, rank);
+    Dependence { variable, bins, statistic, rank, log_significance }
+}
+
+/// Information and score of `columns` after the `base` columns took up what they can.
+#[must_use]
+pub fn project(
+    h: &DMatrix<f64>,
+    g: &DVector<f64>,
+    base: &[usize],
+    columns: &[usize],
+) -> (DMatrix<f64>, DVector<f64>) {
+    let (nb, nc) = (base.len(), columns.len());
+    let scale: Vec<f64> = base.iter().map(|&j| 1.0 / h[(j, j)].max(1e-300).sqrt()).collect();
+    let bb = DMatrix::from_fn(nb, nb, |i, k| h[(base[i], base[k])] * scale[i] * scale[k]);
+    let bj = DMatrix::from_fn(nb, nc, |i, k| h[(base[i], columns[k])] * scale[i]);
+    let gb = DVector::from_fn(nb, |i, _| g[base[i]] * scale[i]);
+    let inverse = bb.pseudo_inverse(1e-10).unwrap_or_else(|_| DMatrix::zeros(nb, nb));
+    let taken = &inverse * &bj;
+    let information =
+        DMatrix::from_fn(nc, nc, |i, k| h[(columns[i], columns[k])]) - bj.transpose() * &taken;
+    let score = DVector::from_fn(nc, |i, _| g[columns[i]]) - taken.transpose() * gb;
+    (information, score)
+}
+
+/// `T = s' I⁺ s` and the rank of I; directions below 1e-4 of the largest, after scaling to unit
+/// diagonal, are left out.
+#[must_use]
+pub fn score_statistic(information: &DMatrix<f64>, score: &DVector<f64>) -> (f64, usize) {
+    let n = score.len();
+    let scale: Vec<f64> = (0..n)
+        .map(|j| {
+            let d = information[(j, j)];
+            if d > 0.0 { 1.0 / d.sqrt() } else { 0.0 }
+        })
+        .collect();
+    let scaled = DMatrix::from_fn(n, n, |i, k| information[(i, k)] * scale[i] * scale[k]);
+    let right = DVector::from_fn(n, |i, _| score[i] * scale[i]);
+    let eigen = scaled.symmetric_eigen();
+    let largest = eigen.eigenvalues.iter().copied().fold(0.0, f64::max);
+    let (mut statistic, mut rank) = (0.0, 0);
+    for (value, v) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+        if *value > WEAK * largest.max(1e-300) {
+            statistic += v.dot(&right).powi(2) / value;
+            rank += 1;
+        }
+    }
+    (statistic, rank)
+}
+
+/// -ln P(χ²_k > T), accurate far into the tail.
+///
+/// ```text
+/// -ln P ≈ T/2 - (k/2 - 1) ln(T/2) + ln Γ(k/2)   where the tail underflows
+/// ```
+#[must_use]
+pub fn log_significance(statistic: f64, rank: usize) -> f64 {
+    use statrs::distribution::{ChiSquared, ContinuousCDF};
+    if rank == 0 || statistic <= 0.0 {
+        return 0.0;
+    }
+    let k = rank as f64;
+    let p = ChiSquared::new(k).map_or(1.0, |d| d.sf(statistic));
+    if p > 1e-280 {
+        return -p.ln();
+    }
+    let half = 0.5 * statistic;
+    half - (0.5 * k - 1.0) * half.ln() + statrs::function::gamma::ln_gamma(0.5 * k)
+}

@@ -1,0 +1,112 @@
+//! A smooth look at a recording without any model: the local motion around each sample.
+
+use super::Recording;
+
+/// Half width of the neighbourhood [s], and its limits in samples.
+const HALF_WIDTH: f64 = 0.06;
+const FEWEST: usize = 3;
+const MOST: usize = 30;
+
+/// Motion around one sample, from a parabola through the angles and speeds of its neighbours.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LocalMotion {
+    /// Wheel angles [rad].
+    pub alpha: [f64; 2],
+    /// Wheel speeds [rad/s].
+    pub omega: [f64; 2],
+    /// Wheel accelerations [rad/s^2].
+    pub acceleration: [f64; 2],
+    /// Variance of the speeds that the noise of the channels leaves [rad^2/s^2].
+    pub omega_variance: [f64; 2],
+    /// Variance of the angles [rad^2].
+    pub alpha_variance: [f64; 2],
+}
+
+impl Recording {
+    /// The local motion around every sample: weighted least squares of
+    /// `alpha = c0 + c1 τ + ½ c2 τ²` and `omega = c1 + c2 τ` over ± 0.06 s (at least three
+    /// samples to either side, fewer at the ends of a piece), each channel weighted by its noise.
+    #[must_use]
+    pub fn local_motion(&self) -> Vec<LocalMotion> {
+        let noise = self.noise();
+        let half = ((HALF_WIDTH / self.step()).round() as usize).clamp(FEWEST, MOST);
+        let mut out = vec![LocalMotion::default(); self.len()];
+        for piece in self.pieces() {
+            for k in piece.clone() {
+                let from = k.saturating_sub(half).max(piece.start);
+                let to = (k + half + 1).min(piece.end);
+                for i in 0..2 {
+                    let sigma = [noise.alpha[i].max(1e-9), noise.omega[i].max(1e-9)];
+                    self.fit_parabola(from..to, k, i, sigma, &mut out[k]);
+                }
+            }
+        }
+        out
+    }
+
+    fn fit_parabola(
+        &self,
+        range: std::ops::Range<usize>,
+        k: usize,
+        i: usize,
+        sigma: [f64; 2],
+        out: &mut LocalMotion,
+    ) {
+        let measured = self.measured();
+        let mut normal = nalgebra::Matrix3::<f64>::zeros();
+        let mut right = nalgebra::Vector3::<f64>::zeros();
+        for n in range {
+            let tau = self.t()[n] - self.t()[k];
+            let mut add = |row: [f64; 3], value: f64, sigma: f64| {
+                let row = nalgebra::Vector3::from(row);
+                normal += row * row.transpose() / (sigma * sigma);
+                right += row * (value / (sigma * sigma));
+            };
+            if measured.alpha {
+                let value = self.alpha()[n][i] - self.alpha()[k][i];
+                add([1.0, tau, 0.5 * tau * tau], value, sigma[0]);
+            }
+            if measured.omega {
+                add([0.0, 1.0, tau], self.omega()[n][i], sigma[1]);
+            }
+        }
+        if !measured.alpha {
+            normal[(0, 0)] = 1.0;
+        }
+        let scale = nalgebra::Vector3::from_fn(|j, _| 1.0 / normal[(j, j)].max(1e-300).sqrt());
+        let scaled = normal.component_mul(&(scale * scale.transpose()));
+        let Some(inverse) = scaled.try_inverse() else {
+            out.alpha[i] = self.alpha()[k][i];
+            out.omega[i] = self.omega()[k][i];
+            return;
+        };
+        let covariance = inverse.component_mul(&(scale * scale.transpose()));
+        let c = covariance * right;
+        out.alpha[i] = self.alpha()[k][i] + c[0];
+        out.omega[i] = c[1];
+        out.acceleration[i] = c[2];
+        out.omega_variance[i] = covariance[(1, 1)].max(0.0);
+        out.alpha_variance[i] = if measured.alpha { covariance[(0, 0)].max(0.0) } else { 0.0 };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Channels, DriveUnit, Recording};
+
+    #[test]
+    fn a_parabola_is_found_exactly() {
+        let t: Vec<f64> = (0..60).map(|k| 0.01 * f64::from(k) + 0.002 * f64::from(k % 2)).collect();
+        let alpha = t.iter().map(|t| [1.0 + 2.0 * t + 1.5 * t * t, -t]).collect();
+        let omega = t.iter().map(|t| [2.0 + 3.0 * t, -1.0]).collect();
+        let moment = vec![[0.0; 2]; 60];
+        let c = Channels { t, alpha: Some(alpha), omega: Some(omega), moment };
+        let r = Recording::new("a", c, DriveUnit::NewtonMetre).unwrap();
+        for (k, m) in r.local_motion().iter().enumerate() {
+            let t = r.t()[k];
+            assert!((m.omega[0] - (2.0 + 3.0 * t)).abs() < 1e-6, "{k} {m:?}");
+            assert!((m.acceleration[0] - 3.0).abs() < 1e-5, "{k} {m:?}");
+            assert!((m.alpha[1] + t).abs() < 1e-6);
+        }
+    }
+}
