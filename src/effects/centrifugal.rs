@@ -27,13 +27,7 @@ impl Physics for Centrifugal {
     }
 
     fn parameters(&self) -> Vec<ParameterSpec> {
-        vec![ParameterSpec::linear(
-            "a3",
-            "centrifugal constant",
-            "kg m^2",
-            (-1e4, 1e4),
-            3e-4,
-        )]
+        vec![ParameterSpec::linear("a3", "centrifugal constant", "kg m^2", (-1e4, 1e4), 3e-4)]
     }
 
     fn energy(&self) -> Energy {

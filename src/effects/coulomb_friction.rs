@@ -21,8 +21,8 @@ impl Physics for CoulombFriction {
             title: "Coulomb friction".into(),
             equation: "a4 sgn(w1) on wheel 1, a5 sgn(w2) on wheel 2".into(),
             cause: "dry friction in bearings and gears, rolling resistance N f".into(),
-            signature: "a moment that steps when the wheel reverses; standstill under small moments"
-                .into(),
+            signature:
+                "a moment that steps when the wheel reverses; standstill under small moments".into(),
             excitation: "any motion; reversals separate it from an offset".into(),
             equivalent: vec![],
         }

@@ -7,7 +7,14 @@ use crate::math::{Dual, Real};
 /// (alpha1, alpha2, omega1, omega2, own parameters 0..4); drives see the parameters only.
 pub type Jet = Dual<8>;
 
-/// What the author of an effect writes, once, over any scalar. At most four parameters.
+/// Parameters of an effect that a [`Jet`] has room for.
+pub const DIFFERENTIATED: usize = 4;
+
+/// Most parameters of an effect: those that are differentiated, and behind them one whole number
+/// (an order), which has no derivative.
+pub const MOST_PARAMETERS: usize = DIFFERENTIATED + 1;
+
+/// What the author of an effect writes, once, over any scalar, with at most [`MOST_PARAMETERS`].
 ///
 /// Everything has a default of "nothing", so an effect states only what it does.
 pub trait Physics: Send + Sync + 'static {

@@ -7,7 +7,7 @@
 mod effect;
 mod motion;
 
-pub use effect::{Effect, Jet, Physics};
+pub use effect::{DIFFERENTIATED, Effect, Jet, MOST_PARAMETERS, Physics};
 pub use motion::{Coupling, DIRECTIONS, Motion, Terms, along};
 
 use crate::catalogue;
@@ -103,6 +103,31 @@ catalogue! {
     centrifugal::Centrifugal,
     coulomb_friction::CoulombFriction,
     viscous_friction::ViscousFriction,
+    viscous_friction_1::ViscousFriction1,
+    viscous_friction_2::ViscousFriction2,
+    back_emf::BackEmf,
+    coulomb_asymmetry::CoulombAsymmetry,
+    stribeck::Stribeck,
+    quadratic_drag::QuadraticDrag,
+    torque_offset::TorqueOffset,
+    slope::Slope,
+    turning_scrub::TurningScrub,
+    yaw_viscous::YawViscous,
+    caster_drag::CasterDrag,
+    payload::Payload,
+    lateral_com::LateralCom,
+    wheel_radius_mismatch::WheelRadiusMismatch,
+    actuator_lag::ActuatorLag,
+    actuator_delay::ActuatorDelay,
+    torque_gain::TorqueGain,
+    torque_saturation::TorqueSaturation,
+    backlash_deadzone::BacklashDeadzone,
+    torque_ripple::TorqueRipple,
+    wheel_eccentricity::WheelEccentricity,
+    friction_warmup::FrictionWarmup,
+    load_transfer_friction::LoadTransferFriction,
+    wheel_slip::WheelSlip,
+    compliance::Compliance,
 }
 
 /// The ids of the base model, in the order of its parameters a1..a5.

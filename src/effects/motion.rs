@@ -105,6 +105,11 @@ impl<T: Real> Terms<T> {
 
 /// A body behind the measured wheel: the wheel (rotor) of inertia `rotor` is joined to the rest
 /// of the robot by a spring and a damper, which adds two speeds and two twists to the state.
+///
+/// Effects that store energy or do no work act on the body, at its own speeds and angles; all
+/// others act on the measured wheel. The body has the mass matrix of the model less `rotor` on
+/// the diagonal. That is positive definite only if `rotor` is below the smallest eigenvalue of
+/// the mass matrix (a1 - |a2| in the base model), so a simulation takes at most nine tenths of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coupling<T> {
     /// Inertia on the measured side, part of a1 [kg m^2].

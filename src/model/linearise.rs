@@ -1,7 +1,7 @@
 //! Exact first derivatives of a model, and the dynamics solved from it.
 
 use super::{Model, ModelError};
-use crate::effects::{Jet, Motion, Terms};
+use crate::effects::{DIFFERENTIATED, Jet, MOST_PARAMETERS, Motion, Terms};
 use crate::math::Dual;
 
 /// The moment balance `mass a + torque + Σ d_j level_j s_j` and its derivatives at one instant.
@@ -55,9 +55,13 @@ impl Model {
         out.by_state = [[0.0; 4]; 2];
         for (e, effect) in self.effects().iter().enumerate() {
             let slots = self.slots(e);
-            let mut own = [Jet::constant(0.0); 4];
+            let mut own = [Jet::constant(0.0); MOST_PARAMETERS];
             for (k, j) in slots.clone().enumerate() {
-                own[k] = Dual::variable(p[j], 4 + k);
+                own[k] = if k < DIFFERENTIATED {
+                    Dual::variable(p[j], 4 + k)
+                } else {
+                    Dual::constant(p[j])
+                };
             }
             let terms = effect.terms_jet(&jet, &own[..slots.len()]);
             out.terms.add(&Terms {
@@ -69,7 +73,7 @@ impl Model {
                 for k in 0..4 {
                     out.by_state[i][k] += moment.partial[k];
                 }
-                for (k, j) in slots.clone().enumerate() {
+                for (k, j) in slots.clone().enumerate().take(DIFFERENTIATED) {
                     out.by_parameter[j][i] = moment.partial[4 + k];
                 }
             }

@@ -14,6 +14,9 @@ pub(super) type Vector = [f64; 8];
 const LONGEST_STEP: f64 = 0.02;
 /// Largest product of internal step and fastest rate of a coupling that stays accurate.
 const STIFF: f64 = 0.5;
+/// Largest share of the robot's smallest inertia that the rotor of a coupling takes, so that the
+/// body behind it keeps a positive mass.
+const LARGEST_ROTOR: f64 = 0.9;
 /// A speed that no wheel reaches [rad/s].
 const SPEED_LIMIT: f64 = 1e6;
 /// Halvings of a step that locate an event to 1e-12 of it.
@@ -117,11 +120,20 @@ impl<'m> Stepper<'m> {
     /// How many internal steps one sample takes.
     fn pieces(&self, from: f64, to: f64) -> usize {
         let mut longest = LONGEST_STEP;
-        if let Some(c) = self.model.coupling(&self.motion(from, &self.y), self.p) {
-            let rate = (c.damping / c.rotor).max((c.stiffness / c.rotor).sqrt());
+        if let Some(rate) = self.coupling_rate(from) {
             longest = longest.min(STIFF / rate);
         }
         (((to - from) / longest) - 1e-9).ceil().clamp(1.0, 1e4) as usize
+    }
+
+    /// The fastest rate of a coupling [1/s], set by the lighter of rotor and body.
+    fn coupling_rate(&self, t: f64) -> Option<f64> {
+        let x = self.motion(t, &self.y);
+        let c = self.model.coupling(&x, self.p)?;
+        let smallest = smallest_inertia(&self.model.terms(&x, self.p).mass);
+        let rotor = c.rotor.min(LARGEST_ROTOR * smallest);
+        let mobility = 1.0 / rotor + 1.0 / (smallest - rotor);
+        Some((c.damping * mobility).max((c.stiffness * mobility).sqrt()))
     }
 
     fn piece(
@@ -222,13 +234,21 @@ impl<'m> Stepper<'m> {
         if !self.coupled {
             return (self.model.terms(&x, self.p), moment, None);
         }
-        let coupling = self.model.coupling(&x, self.p).expect("coupled models have one");
+        let Some(coupling) = self.model.coupling(&x, self.p) else {
+            return (self.model.terms(&x, self.p), moment, None);
+        };
+        let behind = Motion { alpha: [y[0] - y[6], y[1] - y[7]], omega: [y[4], y[5]], ..x };
         let (mut wheel, mut body) = (Terms::zero(), Terms::zero());
         for (e, effect) in self.model.effects().iter().enumerate() {
-            let terms = effect.terms(&x, &self.p[self.model.slots(e)]);
-            if self.body[e] { body.add(&terms) } else { wheel.add(&terms) }
+            let p = &self.p[self.model.slots(e)];
+            if self.body[e] {
+                body.add(&effect.terms(&behind, p));
+            } else {
+                wheel.add(&effect.terms(&x, p));
+            }
         }
         let Coupling { rotor, stiffness, damping } = coupling;
+        let rotor = rotor.min(LARGEST_ROTOR * smallest_inertia(&body.mass));
         wheel.mass = [rotor, 0.0, rotor];
         body.mass = [body.mass[0] - rotor, body.mass[1], body.mass[2] - rotor];
         let passed = [0, 1].map(|i| stiffness * y[6 + i] + damping * (y[2 + i] - y[4 + i]));
@@ -311,6 +331,12 @@ fn constrained(
         None => solve_mass(&terms.mass, &b),
         Some(n) => Ok(along_freedom(&terms.mass, &b, &n)),
     }
+}
+
+/// The smaller eigenvalue of a mass matrix [kg m^2].
+fn smallest_inertia(mass: &[f64; 3]) -> f64 {
+    let [m11, m12, m22] = *mass;
+    0.5 * (m11 + m22) - (0.5 * (m11 - m22)).hypot(m12)
 }
 
 /// `n (n·b)/(n' A n)`, or zero where nothing is free.

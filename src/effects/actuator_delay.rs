@@ -1,0 +1,79 @@
+//! Pure delay between the recorded moment and the wheel.
+
+use super::{Description, Energy, ParameterSpec, Physics};
+use crate::math::Real;
+
+/// The moment acts later than it was recorded.
+///
+/// ```text
+/// M(t) = M_recorded(t - delay)
+/// ```
+/// Linear interpolation between the samples; before the start the first sample, after the end
+/// (for a negative delay) the last.
+///
+/// Source: definition of a transport delay.
+#[derive(Clone, Debug, Default)]
+pub struct ActuatorDelay;
+
+impl Physics for ActuatorDelay {
+    fn description(&self) -> Description {
+        Description {
+            id: "actuator_delay".into(),
+            title: "Actuator delay".into(),
+            equation: "M(t) = recorded M(t - delay)".into(),
+            cause: "bus and controller cycles between the recording and the motor".into(),
+            signature: "missing moment in proportion to the rate of change of the moment".into(),
+            excitation: "quick changes of the moment; below about 8 ms it looks like a lag, and \
+                         half a sample is a matter of timing"
+                .into(),
+            equivalent: vec![],
+        }
+    }
+
+    fn parameters(&self) -> Vec<ParameterSpec> {
+        vec![ParameterSpec::shape("delay", "delay", "s", (0.0, 1.0), 0.02)]
+    }
+
+    fn energy(&self) -> Energy {
+        Energy::Supplies
+    }
+
+    fn acts_on_drive(&self) -> bool {
+        true
+    }
+
+    fn drive<T: Real>(&self, t: &[f64], m: &[[T; 2]], p: &[T]) -> Option<Vec<[T; 2]>> {
+        let last = m.len().checked_sub(1)?;
+        let mut k = 0;
+        let delayed = t.iter().map(|&t_now| {
+            let at = -p[0] + t_now;
+            while k < last && t[k + 1] <= at.value() {
+                k += 1;
+            }
+            if k == last || at.value() <= t[0] {
+                return m[k];
+            }
+            let share = (at - T::from(t[k])) / (t[k + 1] - t[k]);
+            [0, 1].map(|i| m[k][i] + share * (m[k + 1][i] - m[k][i]))
+        });
+        Some(delayed.collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn uneven_samples_are_interpolated_and_the_start_is_held() {
+        let t = [0.0, 0.1, 0.3, 0.4];
+        let m = [[1.0, 0.0], [2.0, 0.0], [6.0, 0.0], [8.0, 0.0]];
+        let real: Vec<f64> =
+            ActuatorDelay.drive(&t, &m, &[0.15]).unwrap().iter().map(|m| m[0]).collect();
+        // at t - 0.15 = -0.15, -0.05, 0.15, 0.25
+        for (found, expected) in real.iter().zip([1.0, 1.0, 3.0, 5.0]) {
+            assert!((found - expected).abs() < 1e-14, "{real:?}");
+        }
+        assert_eq!(ActuatorDelay.drive(&t, &m, &[0.0]).unwrap(), m.to_vec());
+    }
+}

@@ -1,0 +1,45 @@
+//! Back-EMF of the motor left in the recorded moment.
+
+use super::{Description, Energy, Motion, ParameterSpec, Physics, Terms};
+use crate::math::Real;
+
+/// The recorded moment exceeds the real one by k_e w: it was computed from the motor voltage
+/// without the back-EMF.
+///
+/// ```text
+/// k_e w1   on wheel 1
+/// k_e w2   on wheel 2
+/// ```
+/// Source: DC motor without inductance, M = n k (U - k n w)/R for gear ratio n and motor
+/// constant k, so that k_e = n^2 k^2/R when n k U/R is what was recorded. The same columns as
+/// viscous friction: no recording of the wheels can tell the two apart.
+#[derive(Clone, Debug, Default)]
+pub struct BackEmf;
+
+impl Physics for BackEmf {
+    fn description(&self) -> Description {
+        Description {
+            id: "back_emf".into(),
+            title: "Back-EMF".into(),
+            equation: "k_e w1 on wheel 1, k_e w2 on wheel 2".into(),
+            cause: "the moment was recorded as if proportional to the motor voltage".into(),
+            signature: "as viscous friction: missing moment in proportion to wheel speed".into(),
+            excitation: "different steady speeds; only a measured motor current tells it from \
+                         viscous friction"
+                .into(),
+            equivalent: vec!["viscous_friction".into()],
+        }
+    }
+
+    fn parameters(&self) -> Vec<ParameterSpec> {
+        vec![ParameterSpec::linear("k_e", "back-EMF constant", "N m s/rad", (0.0, 1e3), 0.003)]
+    }
+
+    fn energy(&self) -> Energy {
+        Energy::Dissipates
+    }
+
+    fn terms<T: Real>(&self, x: &Motion<T>, p: &[T]) -> Terms<T> {
+        Terms { torque: x.omega.map(|w| p[0] * w), ..Terms::zero() }
+    }
+}

@@ -1,0 +1,77 @@
+//! Mass and inertia above the construction data.
+
+use super::{Description, Energy, Motion, ParameterSpec, Physics, Terms};
+use crate::math::Real;
+
+/// A load on the axle: extra mass and extra yaw inertia.
+///
+/// ```text
+/// mass matrix  + r^2/4 mp (1 1; 1 1) + r^2/(4 l1^2) ip (1 -1; -1 1)
+/// ```
+/// Derived here from the kinetic energy mp v_A^2/2 + ip β_dot^2/2. It is another a1 and a2 and can
+/// be told from them only where these are held at their construction values.
+///
+/// Deviation: the load's centre of mass is taken to be above the axle (no change of a3), and the
+/// Coulomb levels are left as they are.
+#[derive(Clone, Debug, Default)]
+pub struct Payload;
+
+impl Physics for Payload {
+    fn description(&self) -> Description {
+        Description {
+            id: "payload".into(),
+            title: "Payload".into(),
+            equation: "r^2/4 mp (dw1 + dw2) (1,1) + r^2/(4 l1^2) ip (dw1 - dw2) (1,-1)".into(),
+            cause: "mass carried beyond the construction data".into(),
+            signature: "missing moment in proportion to acceleration".into(),
+            excitation: "speeding up and braking, straight (mp) and turning (ip); it only makes \
+                         sense where a1 and a2 are fixed at construction values"
+                .into(),
+            equivalent: vec!["inertia".into()],
+        }
+    }
+
+    fn parameters(&self) -> Vec<ParameterSpec> {
+        vec![
+            ParameterSpec::linear("mp", "extra mass", "kg", (0.0, 1e3), 0.5),
+            ParameterSpec::linear("ip", "extra yaw inertia", "kg m^2", (0.0, 1e3), 0.01),
+        ]
+    }
+
+    fn energy(&self) -> Energy {
+        Energy::Stores
+    }
+
+    fn terms<T: Real>(&self, x: &Motion<T>, p: &[T]) -> Terms<T> {
+        let (r, l1) = (x.robot.r(), x.robot.l1());
+        let forward = p[0] * (0.25 * r * r);
+        let turning = p[1] * (0.25 * r * r / (l1 * l1));
+        Terms { mass: [forward + turning, forward - turning, forward + turning], ..Terms::zero() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::{Construction, Robot};
+
+    #[test]
+    fn a_load_on_the_axle_is_what_a_heavier_robot_built_that_way_has() {
+        let robot = Robot::amigobot();
+        let plain = &robot.construction;
+        let x =
+            Motion { t: 0.0, alpha: [0.0; 2], omega: [0.0; 2], variance: [0.0; 4], robot: &robot };
+        let mass = Payload.terms(&x, &[0.7, 0.03]).mass;
+        // 0.7 kg more frame at l2, less the yaw inertia that it has there about the axle
+        let yaw = 0.03 - 0.7 * plain.l2_m * plain.l2_m;
+        let heavy = Construction {
+            m4_kg: plain.m4_kg + 0.7,
+            iz4_kg_m2: plain.iz4_kg_m2 + yaw,
+            ..plain.clone()
+        };
+        let (a, b) = (plain.parameters(), heavy.parameters());
+        assert!((mass[0] - (b.a1 - a.a1)).abs() < 1e-16, "rounding of terms of 0.03 kg m^2");
+        assert!((mass[1] - (b.a2 - a.a2)).abs() < 1e-16);
+        assert_eq!(mass[0], mass[2]);
+    }
+}

@@ -1,0 +1,92 @@
+//! An inclined floor.
+
+use super::{Description, Energy, Motion, ParameterSpec, Physics, Terms};
+use crate::math::Real;
+use crate::robot::Robot;
+
+/// Weight on an inclined floor: a moment that turns with the heading.
+///
+/// ```text
+/// G (cos(β - β_u) (1, 1) + k sin(β - β_u) (1, -1)),   g_c = G cos β_u,  g_s = G sin β_u
+/// = g_c (cos β (1, 1) + k sin β (1, -1)) + g_s (sin β (1, 1) - k cos β (1, -1))
+/// G = m g sin(inclination) r/2,  m = m4 + 2 m1,  k = (l2/l1) m4/m,  β_u uphill heading
+/// ```
+/// Derived here: the height of the centre of mass along the uphill direction u is
+/// u·(A - l (cos β, sin β)) with l = l2 m4/m behind the axle (the wheels' mass sits on it). Its
+/// rate times m g sin(inclination) is the power the wheels need; with v_A = r/2 (w1 + w2) and
+/// β_dot = r/(2 l1) (w1 - w2) the factors of w1 and w2 are the moments above.
+///
+/// The heading comes from the wheel angles; where these start is absorbed by β_u.
+#[derive(Clone, Debug, Default)]
+pub struct Slope;
+
+/// Share of the turning moment, k in the docs of [`Slope`].
+fn lever(robot: &Robot) -> f64 {
+    let body = &robot.construction;
+    body.l2_m / body.l1_m * body.m4_kg / (body.m4_kg + body.m1_kg + body.m2_kg)
+}
+
+impl Physics for Slope {
+    fn description(&self) -> Description {
+        Description {
+            id: "slope".into(),
+            title: "Inclined floor".into(),
+            equation: "g_c (cos(beta) (1,1) + k sin(beta) (1,-1)) + g_s (sin(beta) (1,1) \
+                       - k cos(beta) (1,-1)), k = l2 m4/(l1 (m4 + 2 m1))"
+                .into(),
+            cause: "the floor is not level: weight pulls downhill".into(),
+            signature: "missing moment goes round once with the heading".into(),
+            excitation: "driving in several headings, full turns; one heading alone shows only an \
+                         offset"
+                .into(),
+            equivalent: vec![],
+        }
+    }
+
+    fn parameters(&self) -> Vec<ParameterSpec> {
+        let range = (-1e3, 1e3);
+        vec![
+            ParameterSpec::linear("g_c", "weight moment at heading 0", "N m", range, 0.02),
+            ParameterSpec::linear("g_s", "weight moment at heading 90 degrees", "N m", range, 0.02),
+        ]
+    }
+
+    fn energy(&self) -> Energy {
+        Energy::Stores
+    }
+
+    fn terms<T: Real>(&self, x: &Motion<T>, p: &[T]) -> Terms<T> {
+        let (cos, sin) = (x.heading().cos(), x.heading().sin());
+        let both = p[0] * cos + p[1] * sin;
+        let turning = (p[0] * sin - p[1] * cos) * lever(x.robot);
+        Terms { torque: [both + turning, both - turning], ..Terms::zero() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_power_of_the_moments_is_the_rate_of_the_potential_energy() {
+        let robot = Robot::amigobot();
+        let body = &robot.construction;
+        let (pull, uphill) = (1.7_f64, 0.6_f64); // N a kg of mass along the floor, rad
+        let weight = |mass: f64| pull * mass;
+        let total = body.m4_kg + 2.0 * body.m1_kg;
+        let g = weight(total) * robot.r() / 2.0;
+        let (alpha, omega) = ([2.0, -1.5], [7.0, 3.0]);
+        let x = Motion { t: 0.0, alpha, omega, variance: [0.0; 4], robot: &robot };
+        let torque = Slope.terms(&x, &[g * uphill.cos(), g * uphill.sin()]).torque;
+        // height of frame and wheels after a short time, A moving along the heading
+        let potential = |dt: f64| {
+            let beta = x.heading() + x.turn_rate() * dt;
+            let middle = x.heading() + 0.5 * x.turn_rate() * dt;
+            let along = x.forward_speed() * dt * (middle - uphill).cos();
+            weight(total) * along - weight(body.m4_kg) * body.l2_m * (beta - uphill).cos()
+        };
+        let power = (potential(1e-5) - potential(-1e-5)) / 2e-5;
+        let found = torque[0] * omega[0] + torque[1] * omega[1];
+        assert!((found - power).abs() < 1e-8, "{found} {power}"); // differences: eps/h
+    }
+}

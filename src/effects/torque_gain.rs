@@ -1,0 +1,45 @@
+//! A wrong gain of one moment.
+
+use super::{Description, Energy, ParameterSpec, Physics};
+use crate::math::Real;
+
+/// The moment recorded for wheel 1 is wrong by a factor.
+///
+/// ```text
+/// M1 = (1 + g) M1_recorded,   M2 = M2_recorded
+/// ```
+/// Source: definition. A factor common to both wheels cannot be seen: it scales a1..a5 together.
+/// So the gain of wheel 1 stands relative to that of wheel 2, and a wrong factor on wheel 2 shows
+/// here with the opposite sign and scaled a1..a5.
+#[derive(Clone, Debug, Default)]
+pub struct TorqueGain;
+
+impl Physics for TorqueGain {
+    fn description(&self) -> Description {
+        Description {
+            id: "torque_gain".into(),
+            title: "Moment gain".into(),
+            equation: "M1 = (1 + g) recorded M1".into(),
+            cause: "wrong torque constant, gear ratio or amplifier gain on one wheel".into(),
+            signature: "missing moment on wheel 1 in proportion to its moment".into(),
+            excitation: "large moments of either sign, hard starts and brakes".into(),
+            equivalent: vec![],
+        }
+    }
+
+    fn parameters(&self) -> Vec<ParameterSpec> {
+        vec![ParameterSpec::linear("g", "relative error of the gain", "", (-0.9, 2.0), 0.05)]
+    }
+
+    fn energy(&self) -> Energy {
+        Energy::Supplies
+    }
+
+    fn acts_on_drive(&self) -> bool {
+        true
+    }
+
+    fn drive<T: Real>(&self, _t: &[f64], m: &[[T; 2]], p: &[T]) -> Option<Vec<[T; 2]>> {
+        Some(m.iter().map(|&[m1, m2]| [(p[0] + 1.0) * m1, m2]).collect())
+    }
+}

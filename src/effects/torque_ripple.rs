@@ -1,0 +1,64 @@
+//! Cogging: a moment that repeats several times a turn.
+
+use super::{Description, Energy, Motion, ParameterSpec, Physics, Terms};
+use crate::math::Real;
+
+/// A moment that repeats n times per turn of the wheel, with its own phase on each wheel.
+///
+/// ```text
+/// rs1 sin(n alpha1) + rc1 cos(n alpha1)   on wheel 1
+/// rs2 sin(n alpha2) + rc2 cos(n alpha2)   on wheel 2
+/// ```
+/// Amplitude sqrt(rs^2 + rc^2), phase atan2(rc, rs). The order n is a whole number from 2 up: it
+/// is rounded, stands behind the four amplitudes and has no derivative. Order 1 is
+/// `wheel_eccentricity`.
+///
+/// Source: Fourier series of cogging and commutation ripple. Where an angle is an estimate with
+/// variance P the mean over N(alpha, P) is taken: the factor exp(-n^2 P/2).
+#[derive(Clone, Debug, Default)]
+pub struct TorqueRipple;
+
+impl Physics for TorqueRipple {
+    fn description(&self) -> Description {
+        Description {
+            id: "torque_ripple".into(),
+            title: "Torque ripple".into(),
+            equation: "rs sin(n alpha) + rc cos(n alpha) on each wheel, n a whole number above 1"
+                .into(),
+            cause: "cogging and commutation of the motor, teeth of the gear".into(),
+            signature: "missing moment that repeats n times per turn of a wheel".into(),
+            excitation: "slow driving over many turns; n = 1 is wheel_eccentricity".into(),
+            equivalent: vec![],
+        }
+    }
+
+    fn parameters(&self) -> Vec<ParameterSpec> {
+        let amplitude =
+            |symbol, meaning| ParameterSpec::linear(symbol, meaning, "N m", (-1e3, 1e3), 0.01);
+        vec![
+            amplitude("rs1", "sine amplitude, wheel 1"),
+            amplitude("rc1", "cosine amplitude, wheel 1"),
+            amplitude("rs2", "sine amplitude, wheel 2"),
+            amplitude("rc2", "cosine amplitude, wheel 2"),
+            ParameterSpec::shape("n", "order, a whole number", "", (2.0, 60.0), 6.0),
+        ]
+    }
+
+    fn energy(&self) -> Energy {
+        Energy::Supplies
+    }
+
+    fn terms<T: Real>(&self, x: &Motion<T>, p: &[T]) -> Terms<T> {
+        periodic(p[4].value().round(), x, &[p[0], p[1], p[2], p[3]])
+    }
+}
+
+/// The moments of one order; `p`: sine and cosine amplitude of wheel 1, then of wheel 2.
+pub(super) fn periodic<T: Real>(order: f64, x: &Motion<T>, p: &[T; 4]) -> Terms<T> {
+    let torque = [0, 1].map(|i| {
+        let angle = x.alpha[i] * order;
+        let mean = (-0.5 * order * order * x.variance[i]).exp();
+        (p[2 * i] * angle.sin() + p[2 * i + 1] * angle.cos()) * mean
+    });
+    Terms { torque, ..Terms::zero() }
+}
