@@ -227,7 +227,7 @@ impl Candidate {
             }
             Form::Instant => {
                 let sign = signs(at);
-                let mut p = [0.0; 4];
+                let mut p = [0.0; 8];
                 p[..self.p.len()].copy_from_slice(&self.p);
                 for (column, &j) in out.iter_mut().zip(&self.linear) {
                     p[j] = 1.0;

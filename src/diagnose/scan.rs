@@ -137,6 +137,9 @@ fn score(
         estimate: vec![0.0; n],
         size,
     };
+    if n == 0 {
+        return none(size);
+    }
     if (0..n).any(|j| {
         let own_part = h[(own[j], own[j])];
         own_part.is_nan() || information[(j, j)] <= COLLINEAR * own_part
