@@ -7,16 +7,16 @@
 //! results as plain data, and [`report`] draws them.
 
 pub mod catalogue;
-pub mod math;
-pub mod robot;
-pub mod recording;
-pub mod effects;
-pub mod model;
-pub mod simulate;
-pub mod identify;
 pub mod compare;
 pub mod diagnose;
-pub mod study;
-pub mod report;
-pub mod io;
+pub mod effects;
 pub mod experiment;
+pub mod identify;
+pub mod io;
+pub mod math;
+pub mod model;
+pub mod recording;
+pub mod report;
+pub mod robot;
+pub mod simulate;
+pub mod study;
