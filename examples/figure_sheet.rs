@@ -1,12 +1,13 @@
-//! Draws one figure of every kind into the folder given as argument: the place to look at changes
-//! of the drawing code.
+//! Draws one figure of every kind, and a page of all blocks, into the folder given as argument: the
+//! place to look at changes of the drawing code.
 
 use std::path::PathBuf;
 
+use amigo_ident::report::block::{Block, Cell, Column, Table, Text, Tone};
 use amigo_ident::report::figure::{
     Axis, BarSeries, Bars, ColorMap, Dash, Direction, ErrorBar, Figure, HeatMap, Layer, Panel, Role,
 };
-use amigo_ident::report::{figure_to_png, figure_to_svg};
+use amigo_ident::report::{PageContent, SectionContent, figure_to_png, figure_to_svg, page};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| "sheet".to_owned()));
@@ -23,6 +24,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             figure_to_svg(&figure)?,
         )?;
     }
+    std::fs::write(folder.join("page.html"), page(&content())?)?;
     Ok(())
 }
 
@@ -257,4 +259,95 @@ fn map() -> Figure {
             Panel::new(Axis::linear("ω₁", "rad/s"), Axis::linear("ω₂", "rad/s"))
                 .with(Layer::HeatMap(rms)),
         )
+}
+
+fn content() -> PageContent {
+    let section = |id: &str, title: &str, blocks| SectionContent {
+        id: id.to_owned(),
+        title: title.to_owned(),
+        blocks,
+    };
+    PageContent {
+        title: "Floor run of 3 March".to_owned(),
+        subtitle: "floor.toml · 2 recordings · 12 s at 200 Hz · program 0.1.0 · seed 1".to_owned(),
+        sections: vec![
+            section("verdict", "What is missing", verdict()),
+            section("fit", "How well the model follows", fit()),
+            section("evidence", "Evidence", pictures()),
+        ],
+        footer: "Repeat with: experiment floor.toml\nSHA-256 of the recording: 5d41402abc4b2a76"
+            .to_owned(),
+    }
+}
+
+fn verdict() -> Vec<Block> {
+    vec![
+        Block::verdict(
+            Tone::Bad,
+            "A friction term is missing: Coulomb friction explains 93 % of the excess.",
+            "Gain in log likelihood 412 ± 8; the next candidate gains 35. p < 10⁻⁹ against the noise floor.",
+        ),
+        Block::verdict(Tone::Notice, "The data cannot tell a4 from a5.", "Rank 4 of 5; record a turn."),
+        Block::verdict(Tone::Good, "The wheels' encoders agree with the noise model.", ""),
+        Block::paragraph(
+            Text::from("Add ")
+                .code("coulomb_friction")
+                .plain(" to the model and run again. The estimate of ")
+                .strong("a₃")
+                .plain(" moves by less than its standard error."),
+        ),
+        Block::Equation("a₁ ω̇₁ + a₂ ω̇₂ + a₃ ω₂ (ω₁ − ω₂) + a₄ sgn ω₁ = M₁\na₂ ω̇₁ + a₁ ω̇₂ − a₃ ω₁ (ω₁ − ω₂) + a₅ sgn ω₂ = M₂".into()),
+        Block::Code("experiment --set model.effects='[\"inertia\", \"coulomb_friction\"]' floor.toml".into()),
+    ]
+}
+
+fn fit() -> Vec<Block> {
+    let mut table = Table::new(
+        "Estimates of the paper's parameters by output error.",
+        vec![
+            Column::text("Parameter"),
+            Column::text("Meaning"),
+            Column::number("Estimate", "kg m², N m"),
+            Column::number("p-value", ""),
+            Column::number("Share of ISE", "%"),
+        ],
+    );
+    let rows = [
+        ("a1", "inertia of a wheel and its share of the body", 0.0412, 0.0003, 1e-12, 0.81),
+        ("a2", "coupling inertia", -0.0041, 0.0009, 2.3e-5, 0.12),
+        ("a3", "centrifugal coupling", 1.2e-4, 2.1e-5, 0.034, 0.05),
+        ("a4", "Coulomb friction of wheel 1", 0.081, f64::INFINITY, 0.5, 0.02),
+        ("a5", "Coulomb friction of wheel 2", f64::NAN, 0.1, f64::NAN, f64::NAN),
+    ];
+    for (name, meaning, value, error, p, share) in rows {
+        let estimate = Cell::estimate(value, error);
+        let estimate = if error.is_infinite() { estimate.tone(Tone::Bad) } else { estimate };
+        table.push(vec![
+            Cell::text(name).strong(),
+            Cell::text(meaning),
+            estimate,
+            Cell::p_value(p),
+            Cell::number(100.0 * share).bar(share),
+        ]);
+    }
+    let aid = "Dots are what the encoders measured, the line what the model predicts from the start. Grey ranges are turns.";
+    vec![
+        Block::Heading("Estimates".into()),
+        table.into(),
+        Block::Heading("Simulation".into()),
+        time_series().with_how_to_read(aid).into(),
+        Block::list(["straight driving: within the noise", "turning: 3.1 times the noise"]),
+        residuals().interactive().into(),
+    ]
+}
+
+fn pictures() -> Vec<Block> {
+    vec![
+        evidence().with_caption("Bars: gain; whiskers: bootstrap interval.").into(),
+        convergence().interactive().into(),
+        intervals().interactive().into(),
+        groups().into(),
+        map().into(),
+        Block::HowToRead("Red cells move together, blue ones against each other.".into()),
+    ]
 }

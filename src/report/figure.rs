@@ -315,6 +315,16 @@ impl Layer {
         Self::HLine { at, label: label.into(), role, dash: Dash::Dashed }
     }
 
+    /// Order of drawing: shades lie lowest, bands above them, remarks on top of everything.
+    pub(super) fn height(&self) -> u8 {
+        match self {
+            Self::Shade { .. } | Self::HeatMap(_) => 0,
+            Self::Band { .. } => 1,
+            Self::Text { .. } => 3,
+            _ => 2,
+        }
+    }
+
     /// A dashed vertical reference line.
     pub fn vline(at: f64, label: impl Into<String>, role: Role) -> Self {
         Self::VLine { at, label: label.into(), role, dash: Dash::Dashed }

@@ -1,6 +1,6 @@
 //! Study to blocks to HTML and PNG.
 //!
-//! A section returns [`block::Block`]s; [`page`] turns sections into one self-contained HTML file,
+//! A section returns [`block::Block`]s; [`page()`] turns sections into one self-contained HTML file,
 //! [`figure_to_png`] and [`figure_to_svg`] turn a [`figure::Figure`] into a picture. Everything here
 //! is a pure function to strings and bytes: writing files is another room's work.
 
@@ -9,6 +9,7 @@ mod error;
 pub mod figure;
 mod fonts;
 pub mod format;
+pub mod page;
 pub mod palette;
 mod plot;
 mod polyline;
@@ -16,4 +17,5 @@ mod raster;
 mod scale;
 
 pub use error::ReportError;
+pub use page::{Page, PageContent, Picture, SectionContent, page, render_page};
 pub use raster::{figure_to_png, figure_to_svg};

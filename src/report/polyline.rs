@@ -18,7 +18,8 @@ pub(super) fn decimate(run: &[Point], columns: usize) -> Vec<Point> {
     }
     let (first, last) = (run[0].0, run[run.len() - 1].0);
     let width = (last - first) / columns as f64;
-    if !(width > 0.0) || run.windows(2).any(|pair| pair[1].0 < pair[0].0) {
+    let turns_back = run.windows(2).any(|pair| pair[1].0 < pair[0].0);
+    if turns_back || width <= 0.0 {
         let stride = run.len().div_ceil(limit);
         return run.iter().copied().step_by(stride).chain(run.last().copied()).collect();
     }

@@ -57,3 +57,6 @@ fn tree(figure: &Figure) -> Result<Tree, ReportError> {
     Tree::from_str(&svg, &options)
         .map_err(|source| ReportError::Svg { figure: figure.id.clone(), source })
 }
+
+#[cfg(test)]
+mod tests;

@@ -10,7 +10,9 @@ use super::pen::{AXIS_LABEL, Anchor, CATEGORY, PANEL_TITLE, TICK_LABEL};
 use super::plan::{Frame, GAP, Marks, Plan, heat_map};
 
 /// Longest upright name below a plot [px].
-const UPRIGHT: f64 = 120.0;
+const UPRIGHT: f64 = 150.0;
+/// Names up to this length are never turned [px].
+const SHORT: f64 = 44.0;
 
 /// Horizontal grid lines, or vertical ones where the y axis holds names.
 pub(super) fn grid(canvas: &Canvas<'_>, plan: &Plan<'_>, frame: &Frame) -> Result<(), ReportError> {
@@ -35,11 +37,10 @@ pub(super) fn grid(canvas: &Canvas<'_>, plan: &Plan<'_>, frame: &Frame) -> Resul
 /// Axis lines and tick labels.
 pub(super) fn axes(canvas: &Canvas<'_>, plan: &Plan<'_>, frame: &Frame) -> Result<(), ReportError> {
     let rect = frame.rect;
-    if heat_map(plan.panel).is_none() {
+    let is_map = heat_map(plan.panel).is_some();
+    // where bars stand, at zero or at the border, is drawn with them
+    if !is_map && plan.x_names.is_none() {
         canvas.line(&[(rect.left, rect.bottom), (rect.right, rect.bottom)], AXIS, 1.0, 1.0)?;
-        if plan.y_names.is_some() {
-            canvas.line(&[(rect.left, rect.top), (rect.left, rect.bottom)], AXIS, 1.0, 1.0)?;
-        }
     }
     y_axis(canvas, plan, frame)?;
     x_axis(canvas, plan, frame)
@@ -130,6 +131,14 @@ pub(super) fn names_below(names: &[String], width: f64) -> NamesBelow {
         let height = GAP + most * CATEGORY.line_height();
         return NamesBelow { names, upright: false, stride: 1, height };
     }
+    let widest = names.iter().map(|name| CATEGORY.width(name)).fold(0.0, f64::max);
+    if widest <= SHORT {
+        // short names, numbers above all: rather leave some out than turn them
+        let names: Vec<_> = names.iter().map(|name| vec![name.clone()]).collect();
+        let stride = ((widest + 8.0) / slot).ceil().max(1.0) as usize;
+        let height = GAP + CATEGORY.line_height();
+        return NamesBelow { names, upright: false, stride, height };
+    }
     let shortened: Vec<_> =
         names.iter().map(|name| vec![CATEGORY.shorten(name, UPRIGHT)]).collect();
     let longest = shortened.iter().map(|name| CATEGORY.width(&name[0])).fold(0.0, f64::max);
@@ -165,21 +174,28 @@ pub(super) fn header(
     frame: &Frame,
 ) -> Result<(), ReportError> {
     let (cell, rect) = (frame.cell, frame.rect);
-    let mut y = cell.top;
     if !plan.panel.title.is_empty() {
         let title = PANEL_TITLE.shorten(&plan.panel.title, cell.width());
-        canvas.text(&title, (cell.left, y + PANEL_TITLE.size), Anchor::Start, PANEL_TITLE)?;
-        y += PANEL_TITLE.line_height() + 4.0;
+        canvas.text(
+            &title,
+            (cell.left, cell.top + PANEL_TITLE.size),
+            Anchor::Start,
+            PANEL_TITLE,
+        )?;
     }
     let label = plan.y_label(&plan.y_marks(rect.height()));
     let row = AXIS_LABEL.line_height() + 5.0;
-    let mut baseline = y + AXIS_LABEL.size;
+    // the labels of a row of panels stand in line, next to their plots; legends above them
+    let baseline = rect.top - 10.0;
     if plan.legend_beside_label {
-        legend_line(canvas, &plan.legend, (cell.right, baseline), Anchor::End, cell.width())?;
+        let right = if heat_map(plan.panel).is_some() { cell.right } else { rect.right };
+        legend_line(canvas, &plan.legend, (right, baseline), Anchor::End, cell.width())?;
     } else {
-        for line in legend::lines(&plan.legend, cell.width()) {
-            legend_line(canvas, line, (cell.left, baseline), Anchor::Start, cell.width())?;
-            baseline += row;
+        let lines = legend::lines(&plan.legend, cell.width());
+        let lowest = if label.is_empty() { baseline } else { baseline - row };
+        for (i, line) in lines.iter().rev().enumerate() {
+            let at = (cell.left, lowest - i as f64 * row);
+            legend_line(canvas, line, at, Anchor::Start, cell.width())?;
         }
     }
     let label = AXIS_LABEL.shorten(&label, cell.width());

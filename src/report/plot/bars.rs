@@ -1,9 +1,9 @@
 //! Bars over categories.
 
 use crate::report::ReportError;
-use crate::report::figure::{Bars, Direction};
-use crate::report::palette::{INK, Role};
-use crate::report::polyline::{Rect, clip_line};
+use crate::report::figure::{Bars, Direction, Panel};
+use crate::report::palette::{AXIS, INK, Role, SURFACE};
+use crate::report::polyline::Rect;
 
 use super::canvas::Canvas;
 use super::pen::{Anchor, LEGEND};
@@ -19,26 +19,51 @@ struct Place {
 }
 
 pub(super) fn draw(canvas: &Canvas<'_>, bars: &Bars, frame: &Frame) -> Result<(), ReportError> {
-    let count = bars.series.len().max(1) as f64;
     for (s, series) in bars.series.iter().enumerate() {
         for (i, value) in series.values.iter().enumerate().take(bars.categories.len()) {
-            let across = |share: f64| {
-                let at = i as f64 + 0.5 + FILLED * (share / count - 0.5);
-                if bars.direction == Direction::Horizontal { frame.y(at) } else { frame.x(at) }
-            };
-            let (a, b) = (across(s as f64), across(s as f64 + 1.0));
-            // a sliver of paper between bars of one category
-            let sliver = if count > 1.0 { 0.5 } else { 0.0 };
-            let place = Place { low: a.min(b) + sliver, high: a.max(b) - sliver };
+            let place = place(bars, frame, s, i);
             let role = if bars.highlight == Some(i) { Role::Highlight } else { series.role };
-            let interval = series.intervals.get(i).copied();
-            let text = series.text.get(i).map_or("", String::as_str);
             bar(canvas, bars.direction, frame, &place, *value, role)?;
-            let end = whisker(canvas, bars.direction, frame, &place, interval)?;
-            value_text(canvas, bars.direction, frame, &place, (*value, end), text)?;
+            whisker(canvas, bars.direction, frame, &place, series.intervals.get(i).copied())?;
+        }
+    }
+    let (rect, zero) = (frame.rect, along(bars.direction, frame, 0.0));
+    let foot = match bars.direction {
+        Direction::Horizontal => [(zero, rect.top), (zero, rect.bottom)],
+        Direction::Vertical => [(rect.left, zero), (rect.right, zero)],
+    };
+    canvas.line(&foot, AXIS, 1.0, 1.0)
+}
+
+/// The texts at the ends of the bars, above everything else.
+pub(super) fn value_texts(
+    canvas: &Canvas<'_>,
+    panel: &Panel,
+    frame: &Frame,
+) -> Result<(), ReportError> {
+    let Some(bars) = super::plan::bars(panel) else { return Ok(()) };
+    for (s, series) in bars.series.iter().enumerate() {
+        for (i, text) in series.text.iter().enumerate().take(bars.categories.len()) {
+            let value = series.values.get(i).copied().unwrap_or(f64::NAN);
+            let whisker = series.intervals.get(i).copied().unwrap_or((value, value));
+            let ends = [value, whisker.0, whisker.1].into_iter().filter(|v| !v.is_nan());
+            let ends: Vec<f64> = ends.map(|v| along(bars.direction, frame, v)).collect();
+            value_text(canvas, bars.direction, frame, &place(bars, frame, s, i), &ends, text)?;
         }
     }
     Ok(())
+}
+
+fn place(bars: &Bars, frame: &Frame, series: usize, category: usize) -> Place {
+    let count = bars.series.len().max(1) as f64;
+    let across = |share: f64| {
+        let at = category as f64 + 0.5 + FILLED * (share / count - 0.5);
+        if bars.direction == Direction::Horizontal { frame.y(at) } else { frame.x(at) }
+    };
+    let (a, b) = (across(series as f64), across(series as f64 + 1.0));
+    // a sliver of paper between bars of one category
+    let sliver = if count > 1.0 { 0.5 } else { 0.0 };
+    Place { low: a.min(b) + sliver, high: a.max(b) - sliver }
 }
 
 /// Place of a value along the bars, within the plot; values a log axis cannot show stand at its start.
@@ -75,19 +100,18 @@ fn bar(
         }
         Direction::Vertical => Rect { left: place.low, right: place.high, top: near, bottom: far },
     };
-    canvas.rectangle(rect, role.color(), 0.88)
+    canvas.rectangle(rect, role.color(), 1.0)
 }
 
-/// Draws the whisker; returns the place of its outer end.
 fn whisker(
     canvas: &Canvas<'_>,
     direction: Direction,
     frame: &Frame,
     place: &Place,
     interval: Option<(f64, f64)>,
-) -> Result<Option<f64>, ReportError> {
+) -> Result<(), ReportError> {
     let Some((lower, upper)) = interval.filter(|(l, u)| !l.is_nan() && !u.is_nan()) else {
-        return Ok(None);
+        return Ok(());
     };
     let middle = (place.low + place.high) / 2.0;
     let cap = (0.3 * (place.high - place.low)).min(4.0);
@@ -96,24 +120,22 @@ fn whisker(
         Direction::Horizontal => (along, across),
         Direction::Vertical => (across, along),
     };
-    for part in clip_line(&[turned(from, middle), turned(to, middle)], frame.rect) {
-        canvas.line(&part, INK, 1.3, 1.0)?;
-    }
+    canvas.line(&[turned(from, middle), turned(to, middle)], INK, 1.3, 1.0)?;
     for (end, value) in [(from, lower), (to, upper)] {
         if value.is_finite() {
             canvas.line(&[turned(end, middle - cap), turned(end, middle + cap)], INK, 1.3, 1.0)?;
         }
     }
-    Ok(Some(if direction == Direction::Horizontal { from.max(to) } else { from.min(to) }))
+    Ok(())
 }
 
-/// Text behind the end of the bar and its whisker; in front of it where there is no room.
+/// Text behind the far end of the bar and its whisker, on a strip of paper.
 fn value_text(
     canvas: &Canvas<'_>,
     direction: Direction,
     frame: &Frame,
     place: &Place,
-    (value, whisker): (f64, Option<f64>),
+    ends: &[f64],
     text: &str,
 ) -> Result<(), ReportError> {
     if text.is_empty() {
@@ -121,18 +143,25 @@ fn value_text(
     }
     let middle = (place.low + place.high) / 2.0;
     let zero = along(direction, frame, 0.0);
-    let end = if value.is_nan() { zero } else { along(direction, frame, value) };
-    match direction {
+    let (text, left, baseline) = match direction {
         Direction::Horizontal => {
-            let end = end.max(zero).max(whisker.unwrap_or(end));
+            let end = ends.iter().copied().fold(zero, f64::max);
             let x = (end + 6.0).min(frame.cell.right - LEGEND.width(text));
-            canvas.text(text, (x, middle + LEGEND.half_capital()), Anchor::Start, LEGEND)
+            (text.to_owned(), x, middle + LEGEND.half_capital())
         }
         Direction::Vertical => {
-            let end = end.min(zero).min(whisker.unwrap_or(end));
-            let y = (end - 5.0).max(frame.rect.top + LEGEND.size);
+            let end = ends.iter().copied().fold(zero, f64::min);
             let text = LEGEND.shorten(text, 1.4 * (place.high - place.low));
-            canvas.text(&text, (middle, y), Anchor::Middle, LEGEND)
+            let x = middle - LEGEND.width(&text) / 2.0;
+            (text, x, (end - 5.0).max(frame.rect.top + LEGEND.size))
         }
-    }
+    };
+    let paper = Rect {
+        left: left - 2.0,
+        right: left + LEGEND.width(&text) + 2.0,
+        top: baseline - 0.8 * LEGEND.size,
+        bottom: baseline + 0.1 * LEGEND.size,
+    };
+    canvas.rectangle(paper, SURFACE, 0.85)?;
+    canvas.text(&text, (left, baseline), Anchor::Start, LEGEND)
 }

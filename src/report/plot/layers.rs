@@ -12,9 +12,9 @@ use super::pen::{Anchor, LEGEND};
 use super::plan::Frame;
 
 /// Opacity of bands.
-pub(super) const BAND: f64 = 0.22;
+pub(in crate::report) const BAND: f64 = 0.25;
 /// Opacity of shaded ranges.
-pub(super) const SHADE: f64 = 0.13;
+pub(in crate::report) const SHADE: f64 = 0.2;
 
 /// Shades lie lowest, bands above them, everything else above both in the given order.
 pub(super) fn draw(
@@ -22,14 +22,8 @@ pub(super) fn draw(
     layers: &[Layer],
     frame: &Frame,
 ) -> Result<(), ReportError> {
-    let height = |layer: &Layer| match layer {
-        Layer::Shade { .. } | Layer::HeatMap(_) => 0,
-        Layer::Band { .. } => 1,
-        Layer::Text { .. } => 3,
-        _ => 2,
-    };
     let mut ordered: Vec<&Layer> = layers.iter().collect();
-    ordered.sort_by_key(|layer| height(layer));
+    ordered.sort_by_key(|layer| layer.height());
     ordered.into_iter().try_for_each(|layer| draw_layer(canvas, layer, frame))
 }
 
@@ -97,6 +91,9 @@ fn polyline(
             continue;
         }
         let thinned = decimate(run, 1000);
+        // a thick pen would turn a noisy line into a blot
+        let crowded = thinned.len() as f64 > 1.5 * frame.rect.width();
+        let width = if crowded { width.min(0.9) } else { width };
         for part in clip_line(&thinned, frame.rect) {
             stroke(canvas, &part, color, width, dash)?;
         }

@@ -17,6 +17,8 @@ use super::figure::Figure;
 use super::palette::SURFACE;
 use super::polyline::Rect;
 use super::scale::Scale;
+pub(super) use layers::{BAND as BAND_ALPHA, SHADE as SHADE_ALPHA};
+
 use canvas::Canvas;
 use pen::{Anchor, SUBTITLE, TITLE};
 use plan::{Frame, Plan};
@@ -63,6 +65,7 @@ pub(super) fn draw(figure: &Figure, purpose: Purpose) -> Result<String, ReportEr
             axes::grid(&canvas, plan, frame)?;
             layers::draw(&canvas, &plan.panel.layers, frame)?;
             axes::axes(&canvas, plan, frame)?;
+            bars::value_texts(&canvas, plan.panel, frame)?;
             axes::header(&canvas, plan, frame)?;
         }
         canvas.finish()?;
@@ -127,6 +130,12 @@ fn plans(figure: &Figure) -> Vec<Plan<'_>> {
     plans
 }
 
+/// The ranges of x and y that each panel shows.
+pub(super) fn panel_ranges(figure: &Figure) -> Vec<((f64, f64), (f64, f64))> {
+    let range = |scale: Scale| (scale.first, scale.last);
+    plans(figure).iter().map(|plan| (range(plan.x), range(plan.y))).collect()
+}
+
 struct Placed {
     frames: Vec<Frame>,
     bottom: f64,
@@ -139,7 +148,7 @@ fn place(figure: &Figure, plans: &mut [Plan<'_>], inner: f64, top: f64, margin: 
     let alone = plans.len() <= columns;
     let mut heights: Vec<f64> = plans
         .chunks(columns)
-        .map(|row| row.iter().map(|plan| plan.wanted_height(alone)).fold(0.0, f64::max))
+        .map(|row| row.iter().map(|plan| plan.wanted_height(cell_width, alone)).fold(0.0, f64::max))
         .collect();
     let height_of = |heights: &[f64], i: usize| heights[i / columns];
     for (i, plan) in plans.iter_mut().enumerate() {

@@ -9,6 +9,8 @@ use super::pen::{AXIS_LABEL, CATEGORY, PANEL_TITLE, TICK_LABEL};
 
 /// Pixels between plot and tick labels.
 pub(super) const GAP: f64 = 7.0;
+/// Names left of a plot take at most this share of the width.
+const NAMES_SHARE: f64 = 0.34;
 /// A pixel place farther out than this is as good as at infinity.
 const FAR: f64 = 1e6;
 
@@ -73,9 +75,12 @@ impl<'a> Plan<'a> {
                 Direction::Vertical => (&mut y, &panel.y, extent(panel, Along::Y)),
             };
             if axis.range.is_none() {
-                let has_text = bars.series.iter().any(|series| !series.text.is_empty());
-                *scale = Scale::new(axis, values.into_iter(), if has_text { 0.16 } else { 0.06 });
+                *scale = Scale::new(axis, values.into_iter(), 0.06);
                 start_at_zero(scale, bars);
+                let has_text = bars.series.iter().any(|series| !series.text.is_empty());
+                if has_text && scale.kind == AxisScale::Linear {
+                    scale.last += 0.1 * (scale.last - scale.first);
+                }
             }
         }
         let across =
@@ -116,16 +121,18 @@ impl<'a> Plan<'a> {
     }
 
     /// Height the panel would like its plot to have [px].
-    pub(super) fn wanted_height(&self, alone: bool) -> f64 {
-        let names = self.y_names.as_ref().map(Vec::len);
-        match (names, bars(self.panel)) {
-            (Some(count), Some(bars)) => {
-                let slot = (14.0 * bars.series.len() as f64 + 10.0).max(26.0);
-                (count as f64 * slot).clamp(60.0, 1400.0)
+    pub(super) fn wanted_height(&self, cell_width: f64, alone: bool) -> f64 {
+        match (&self.y_names, bars(self.panel)) {
+            (Some(names), Some(bars)) => {
+                let broken = |name: &String| CATEGORY.width(name) > NAMES_SHARE * cell_width;
+                let lines = if names.iter().any(broken) { 2.0 } else { 1.0 };
+                let slot = (14.0 * bars.series.len() as f64 + 10.0)
+                    .max(10.0 + lines * CATEGORY.line_height());
+                (names.len() as f64 * slot).clamp(60.0, 1400.0)
             }
-            (Some(count), None) => {
-                let slot = if count > 30 { 14.0 } else { 30.0 };
-                (count as f64 * slot).clamp(90.0, 1400.0)
+            (Some(names), None) => {
+                let count = names.len() as f64;
+                (30.0 * count).min(340.0).max(14.0 * count).clamp(90.0, 1400.0)
             }
             _ if alone => 300.0,
             _ => 170.0,
@@ -136,7 +143,7 @@ impl<'a> Plan<'a> {
     pub(super) fn left(&self, cell_width: f64, height: f64) -> f64 {
         let widest = match self.y_marks(height) {
             Marks::Names(names) => {
-                let most = 0.34 * cell_width;
+                let most = NAMES_SHARE * cell_width;
                 let lines = names.iter().flat_map(|name| CATEGORY.fit(name, most, 2));
                 lines.map(|line| CATEGORY.width(&line)).fold(0.0, f64::max)
             }
@@ -186,7 +193,7 @@ impl<'a> Plan<'a> {
         let row = AXIS_LABEL.line_height() + 5.0;
         let legend_width: f64 = self.legend.iter().map(Entry::width).sum();
         let label_width = AXIS_LABEL.width(&label);
-        self.legend_beside_label = label_width + 24.0 + legend_width <= cell_width;
+        self.legend_beside_label = label_width + 24.0 + legend_width <= cell_width - self.right();
         let rows = match (label.is_empty(), self.legend.is_empty()) {
             (true, true) => 0.0,
             (false, true) => 1.0,
@@ -265,10 +272,10 @@ fn start_at_zero(scale: &mut Scale, bars: &Bars) {
     }
     let ends =
         || bars.series.iter().flat_map(|s| s.values.iter().copied().chain(ends_of(&s.intervals)));
-    if ends().all(|v| !(v < 0.0)) {
+    if !ends().any(|v| v < 0.0) {
         scale.first = 0.0;
     }
-    if ends().all(|v| !(v > 0.0)) {
+    if !ends().any(|v| v > 0.0) {
         scale.last = 0.0;
     }
     if scale.first >= scale.last {
