@@ -1,1 +1,11 @@
-//! Which effect is missing.
+//! Which effect is missing: candidates, evidence, equivalence, the verdict, the next run.
+
+mod candidate;
+mod refit;
+mod scan;
+mod stepwise;
+
+pub use candidate::{Candidate, Form, candidates};
+pub use refit::{Refit, refit};
+pub use scan::{Score, scan};
+pub use stepwise::{Diagnosis, Ranked, Settings, diagnose};

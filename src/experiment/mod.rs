@@ -1,1 +1,7 @@
-//! Runs the stages; the only room that sees all.
+//! Runs the stages of an experiment; the only room that sees all.
+
+mod plan;
+mod run;
+
+pub use plan::{DiagnosisPlan, Measured, MethodPlan, Plan};
+pub use run::{RunError, run};

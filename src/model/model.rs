@@ -144,6 +144,21 @@ impl Model {
         self.effects.push(effect);
     }
 
+    /// This model without effect number `e`; parameters held at a value stay held.
+    #[must_use]
+    pub fn without(&self, e: usize) -> Self {
+        let mut model =
+            Self { robot: self.robot.clone(), effects: vec![], slots: vec![], parameters: vec![] };
+        for (k, effect) in self.effects.iter().enumerate().filter(|(k, _)| *k != e) {
+            let start = model.parameters.len();
+            model.push(effect.clone());
+            for (new, old) in (start..).zip(self.slots(k)) {
+                model.parameters[new].fixed = self.parameters[old].fixed;
+            }
+        }
+        model
+    }
+
     /// This model with a parameter held at a value.
     ///
     /// # Errors

@@ -1,1 +1,21 @@
 //! Study to blocks to HTML and PNG.
+//!
+//! A section returns [`block::Block`]s; [`page()`] turns sections into one self-contained HTML file,
+//! [`figure_to_png`] and [`figure_to_svg`] turn a [`figure::Figure`] into a picture. Everything here
+//! is a pure function to strings and bytes: writing files is another room's work.
+
+pub mod block;
+mod error;
+pub mod figure;
+mod fonts;
+pub mod format;
+pub mod page;
+pub mod palette;
+mod plot;
+mod polyline;
+mod raster;
+mod scale;
+
+pub use error::ReportError;
+pub use page::{Page, PageContent, Picture, SectionContent, page, render_page};
+pub use raster::{figure_to_png, figure_to_svg};

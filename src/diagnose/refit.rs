@@ -1,0 +1,142 @@
+//! Refit: the likelihood of the model with a candidate in it, and its evidence.
+
+use nalgebra::DMatrix;
+
+use super::candidate::{Candidate, Form};
+use super::scan::{PRIOR_SHARE, Score};
+use crate::compare::project;
+use crate::effects::ParameterKind;
+use crate::identify::IdentifyError;
+use crate::identify::kalman::{Likelihood, Maximum, ProcessNoise};
+use crate::model::Model;
+
+/// A model with one candidate added, fitted.
+#[derive(Clone)]
+pub struct Refit {
+    /// The model with the effect.
+    pub model: Model,
+    /// Its maximum.
+    pub maximum: Maximum,
+    /// Log-evidence over the model without it.
+    pub evidence: f64,
+    /// Gain in log-likelihood.
+    pub gain: f64,
+    /// Wald statistic of its linear parameters (chi-square).
+    pub wald: f64,
+    /// Whether its parameters are within their ranges.
+    pub in_range: bool,
+}
+
+/// Adds the candidate to the model and maximises the likelihood over all parameters and the noise.
+///
+/// ```text
+/// E* = Δll - ½ ln|1 + Π½ I Π½| - ½ θ'Π⁻¹θ - ln(grid)
+/// ```
+///
+/// # Errors
+/// If the likelihood has no value at the start.
+pub fn refit(
+    model: &Model,
+    base: &Maximum,
+    candidate: &Candidate,
+    score: &Score,
+    likelihood: &Likelihood,
+) -> Result<Refit, IdentifyError> {
+    let mut extended = model.add_effect(candidate.effect.clone())?;
+    let start = start(candidate, score);
+    let mut p = base.p.clone();
+    p.extend(&start);
+    // an order of ripple is a whole number: it stays where the grid found it
+    if candidate.id == "torque_ripple" {
+        for (value, spec) in start.iter().zip(candidate.effect.parameters()) {
+            if spec.kind == ParameterKind::Shape {
+                extended = extended.fix(&spec.symbol, *value)?;
+            }
+        }
+    }
+    let maximum = maximise(&extended, &p, base.noise, likelihood)?;
+    let gain = maximum.log_likelihood - base.log_likelihood;
+    Ok(judge(extended, maximum, gain, candidate, score, likelihood))
+}
+
+/// Two rounds of parameters, noise, parameters.
+fn maximise(
+    model: &Model,
+    p: &[f64],
+    noise: ProcessNoise,
+    likelihood: &Likelihood,
+) -> Result<Maximum, IdentifyError> {
+    let first = likelihood.maximise(model, p, Some(noise), "diagnosis")?;
+    let (noise, _) = likelihood.noise(model, &first.p, &noise, 45);
+    likelihood.maximise(model, &first.p, Some(noise), "diagnosis")
+}
+
+/// Where the search for the candidate's parameters starts.
+fn start(candidate: &Candidate, score: &Score) -> Vec<f64> {
+    let specs = candidate.effect.parameters();
+    let mut p = candidate.p.clone();
+    match &candidate.form {
+        Form::Instant => {
+            for (value, &j) in score.estimate.iter().zip(&candidate.linear) {
+                p[j] = *value;
+            }
+        }
+        Form::Signal(_) => match candidate.linear.first() {
+            Some(&j) => p[j] = score.estimate[0],
+            // a time shift: its column was per second, so the estimate is the time itself
+            None if specs[0].unit == "s" => p[0] = score.estimate[0],
+            None => {}
+        },
+    }
+    for (value, spec) in p.iter_mut().zip(&specs) {
+        if spec.kind == ParameterKind::Shape {
+            *value = value.clamp(spec.range.0, spec.range.1);
+        }
+    }
+    p
+}
+
+fn judge(
+    model: Model,
+    maximum: Maximum,
+    gain: f64,
+    candidate: &Candidate,
+    score: &Score,
+    likelihood: &Likelihood,
+) -> Refit {
+    let first = model.parameters().len() - candidate.p.len();
+    let own: Vec<usize> = if candidate.linear.is_empty() {
+        (first..first + candidate.p.len()).collect()
+    } else {
+        candidate.linear.iter().map(|j| first + j).collect()
+    };
+    let base: Vec<usize> = model.free().into_iter().filter(|j| !own.contains(j)).collect();
+    let g = nalgebra::DVector::zeros(maximum.information.nrows());
+    let (information, _) = project(&maximum.information, &g, &base, &own);
+    let rms = likelihood.moment_rms();
+    let n = own.len();
+    let theta = nalgebra::DVector::from_fn(n, |j, _| maximum.p[own[j]]);
+    let prior = nalgebra::DVector::from_fn(n, |j, _| {
+        let size = score.size[j.min(score.size.len() - 1)];
+        // a threshold is no coefficient: its prior is as wide as itself
+        let threshold = candidate.linear.is_empty()
+            && candidate.effect.parameters()[j].unit != "s";
+        if threshold { theta[j].abs().max(1e-12) } else { PRIOR_SHARE * rms / size }
+    });
+    let whitened = DMatrix::from_fn(n, n, |i, k| prior[i] * information[(i, k)] * prior[k]);
+    let occam = (DMatrix::identity(n, n) + whitened).determinant().max(1.0).ln();
+    let misfit: f64 = (0..n).map(|j| (theta[j] / prior[j]).powi(2)).sum();
+    let evidence = gain - 0.5 * occam - 0.5 * misfit - (candidate.grid as f64).ln();
+    let wald = theta.dot(&(&information * &theta));
+    let specs = candidate.effect.parameters();
+    let in_range = specs.iter().zip(&maximum.p[first..]).all(|(s, v)| {
+        // at the edge of a shape's range the effect is another one in disguise
+        let inside = *v > s.range.0 && *v < s.range.1;
+        if s.kind == ParameterKind::Shape && candidate.id != "torque_ripple" {
+            inside
+        } else {
+            *v >= s.range.0 && *v <= s.range.1
+        }
+    });
+    Refit { model, maximum, evidence, gain, wald, in_range }
+}

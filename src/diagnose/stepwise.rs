@@ -1,0 +1,239 @@
+//! Forward steps with re-ranking and backward pruning: how many effects are missing.
+
+use rayon::prelude::*;
+
+use super::candidate::{Candidate, candidates};
+use super::refit::{Refit, refit};
+use super::scan::{Score, scan};
+use crate::identify::IdentifyError;
+use crate::identify::kalman::{Likelihood, Maximum};
+use crate::model::Model;
+use crate::recording::Recording;
+
+/// What the diagnosis is asked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Ids of the candidates; empty: all.
+    pub candidates: Vec<String>,
+    /// Stated false-alarm rate over the whole catalogue.
+    pub false_alarm: f64,
+    /// Most effects that are added.
+    pub max_effects: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { candidates: vec![], false_alarm: 0.05, max_effects: 4 }
+    }
+}
+
+impl Settings {
+    /// Least -ln p of a score for the stated false-alarm rate: the rate is shared by some 500
+    /// looks (columns, shapes, and the part of them that is not independent).
+    #[must_use]
+    pub fn threshold(&self) -> f64 {
+        500.0_f64.ln() - self.false_alarm.ln()
+    }
+}
+
+/// Least log-evidence of a refitted effect.
+const EVIDENCE: f64 = 6.0;
+/// Effects whose Wald statistic falls below this, once others are in, are dropped again.
+const KEEP: f64 = 14.0;
+/// Candidates that are refitted in full.
+const REFITTED: usize = 7;
+
+/// A candidate of one step.
+#[derive(Clone)]
+pub struct Ranked {
+    /// The candidate at its best shape.
+    pub candidate: Candidate,
+    /// Scan.
+    pub score: Score,
+    /// Refit, for the best of the scan.
+    pub refit: Option<Refit>,
+}
+
+impl Ranked {
+    /// What candidates are ranked by: evidence of the refit and gain on recordings left out.
+    #[must_use]
+    pub fn rank(&self) -> f64 {
+        match &self.refit {
+            Some(r) if r.in_range => r.evidence + self.score.cross_gain.min(r.gain.max(0.0)),
+            Some(_) => f64::NEG_INFINITY,
+            None => self.score.evidence.min(0.0),
+        }
+    }
+
+    /// Log-evidence, of the refit where there is one.
+    #[must_use]
+    pub fn evidence(&self) -> f64 {
+        match &self.refit {
+            Some(r) if r.in_range => r.evidence,
+            Some(_) => f64::NEG_INFINITY,
+            None => self.score.evidence,
+        }
+    }
+}
+
+/// Everything the forward search found.
+#[derive(Clone)]
+pub struct Diagnosis {
+    /// The model as given, fitted.
+    pub base: (Model, Maximum),
+    /// Candidates of the first step, best first.
+    pub ranking: Vec<Ranked>,
+    /// The fitted model after each accepted effect, in order.
+    pub steps: Vec<(String, Model, Maximum)>,
+    /// Effects that the last step cannot tell from the one it added, per step.
+    pub equals: Vec<Vec<String>>,
+}
+
+impl Diagnosis {
+    /// The last model and its maximum.
+    #[must_use]
+    pub fn last(&self) -> (&Model, &Maximum) {
+        match self.steps.last() {
+            Some((_, model, maximum)) => (model, maximum),
+            None => (&self.base.0, &self.base.1),
+        }
+    }
+
+    /// Ids of the effects found, first found first.
+    #[must_use]
+    pub fn found(&self) -> Vec<String> {
+        let present = self.last().0.effect_ids();
+        self.steps.iter().map(|s| s.0.clone()).filter(|id| present.contains(id)).collect()
+    }
+}
+
+/// Searches the effects that are missing from `model`: scan, refit, accept, prune, again.
+///
+/// # Errors
+/// If the model as given cannot be fitted.
+pub fn diagnose(
+    model: &Model,
+    start: &[f64],
+    likelihood: &Likelihood,
+    settings: &Settings,
+) -> Result<Diagnosis, IdentifyError> {
+    let base = likelihood.maximise(model, start, None, "diagnosis")?;
+    let mut out = Diagnosis {
+        base: (model.clone(), base.clone()),
+        ranking: vec![],
+        steps: vec![],
+        equals: vec![],
+    };
+    let (mut model, mut maximum) = (model.clone(), base);
+    for step in 0..settings.max_effects.max(1) {
+        let mut ranking = rank(&model, &maximum, likelihood, settings)?;
+        let best = ranking.first().filter(|best| accepted(best, likelihood, settings)).cloned();
+        let equals = equals(&ranking);
+        if step == 0 {
+            out.ranking = std::mem::take(&mut ranking);
+        }
+        let Some(best) = best else { break };
+        if settings.max_effects == 0 {
+            break;
+        }
+        let Some(refit) = best.refit else { break };
+        let given = out.base.0.effects().len();
+        let older = given..model.effects().len();
+        (model, maximum) = prune(refit.model, refit.maximum, older, likelihood)?;
+        out.steps.push((best.candidate.id.clone(), model.clone(), maximum.clone()));
+        out.equals.push(equals);
+    }
+    Ok(out)
+}
+
+/// Scan of all candidates, refit of the best, ranked.
+fn rank(
+    model: &Model,
+    maximum: &Maximum,
+    likelihood: &Likelihood,
+    settings: &Settings,
+) -> Result<Vec<Ranked>, IdentifyError> {
+    let recordings: Vec<&Recording> = likelihood.prepared.iter().map(|p| p.recording).collect();
+    let all = candidates(model, &settings.candidates, &recordings);
+    let scores = scan(model, &maximum.p, &maximum.noise, likelihood, &all)?;
+    let mut ranked: Vec<Ranked> = Vec::new();
+    for (candidate, score) in all.into_iter().zip(scores) {
+        match ranked.iter_mut().find(|r| r.candidate.id == candidate.id) {
+            Some(present) if present.score.evidence >= score.evidence => {}
+            Some(present) => *present = Ranked { candidate, score, refit: None },
+            None => ranked.push(Ranked { candidate, score, refit: None }),
+        }
+    }
+    ranked.sort_by(|a, b| b.score.evidence.total_cmp(&a.score.evidence));
+    // a scan that shows nothing near the threshold needs no refits
+    let worth = |r: &Ranked| r.score.log_significance > 0.5 * settings.threshold();
+    let count = ranked.iter().take(REFITTED).take_while(|r| worth(r)).count();
+    ranked[..count].par_iter_mut().for_each(|r| {
+        r.refit = refit(model, maximum, &r.candidate, &r.score, likelihood).ok();
+    });
+    ranked.sort_by(|a, b| b.rank().total_cmp(&a.rank()));
+    Ok(ranked)
+}
+
+/// Whether the best candidate is needed at the stated false-alarm rate.
+fn accepted(best: &Ranked, likelihood: &Likelihood, settings: &Settings) -> bool {
+    let crossed = likelihood.prepared.len() < 2 || best.score.cross_gain > 0.0;
+    best.refit.as_ref().is_some_and(|r| r.in_range)
+        && best.evidence() > EVIDENCE
+        && best.score.log_significance > settings.threshold()
+        && crossed
+}
+
+/// Effects within three nats of the best, and those that are the same by their equations.
+fn equals(ranking: &[Ranked]) -> Vec<String> {
+    let Some(best) = ranking.first() else { return vec![] };
+    let mut out = best.candidate.effect.description().equivalent;
+    for other in &ranking[1..] {
+        let near = other.refit.is_some() && other.rank() > best.rank() - 3.0;
+        if near && !out.contains(&other.candidate.id) {
+            out.push(other.candidate.id.clone());
+        }
+    }
+    out
+}
+
+/// Drops effects that an earlier step added (`older`) and the last one made needless: Wald statistic below 14 or a parameter out
+/// of its range.
+fn prune(
+    model: Model,
+    maximum: Maximum,
+    older: std::ops::Range<usize>,
+    likelihood: &Likelihood,
+) -> Result<(Model, Maximum), IdentifyError> {
+    for e in older.clone() {
+        let own: Vec<usize> = model
+            .slots(e)
+            .filter(|&j| model.parameters()[j].spec.kind == crate::effects::ParameterKind::Linear)
+            .collect();
+        if own.is_empty() {
+            continue;
+        }
+        let base: Vec<usize> = model.free().into_iter().filter(|j| !own.contains(j)).collect();
+        let zero = nalgebra::DVector::zeros(maximum.information.nrows());
+        let (information, _) =
+            crate::compare::project(&maximum.information, &zero, &base, &own);
+        let theta = nalgebra::DVector::from_fn(own.len(), |j, _| maximum.p[own[j]]);
+        let wald = theta.dot(&(information * &theta));
+        let outside = own.iter().any(|&j| {
+            let range = model.parameters()[j].spec.range;
+            maximum.p[j] < range.0 || maximum.p[j] > range.1
+        });
+        if wald < KEEP || outside {
+            let slots = model.slots(e);
+            let smaller = model.without(e);
+            let p: Vec<f64> = (0..maximum.p.len())
+                .filter(|j| !slots.contains(j))
+                .map(|j| maximum.p[j])
+                .collect();
+            let again =
+                likelihood.maximise(&smaller, &p, Some(maximum.noise), "diagnosis")?;
+            return prune(smaller, again, older.start..older.end - 1, likelihood);
+        }
+    }
+    Ok((model, maximum))
+}

@@ -1,0 +1,87 @@
+//! An experiment ready to run: everything resolved, nothing left to look up.
+
+use crate::identify::Identifier;
+use crate::model::Model;
+use crate::recording::Recording;
+use crate::simulate::{Gain, Hold};
+use crate::study::Role;
+
+/// A recording with its use and provenance.
+pub struct Measured {
+    /// Use.
+    pub role: Role,
+    /// The recording.
+    pub recording: Recording,
+    /// SHA-256 of its file.
+    pub sha256: Option<String>,
+    /// What the quality check says.
+    pub findings: Vec<String>,
+}
+
+/// A method with its options.
+pub struct MethodPlan {
+    /// Name.
+    pub name: String,
+    /// In words.
+    pub title: String,
+    /// Options as written.
+    pub options: String,
+    /// The configured method.
+    pub method: Box<dyn Identifier>,
+}
+
+/// What the diagnosis is asked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DiagnosisPlan {
+    /// Ids of the candidates; empty: all of the catalogue.
+    pub candidates: Vec<String>,
+    /// Stated false-alarm rate.
+    pub false_alarm: f64,
+    /// Most effects that are added.
+    pub max_effects: usize,
+}
+
+/// An experiment ready to run.
+pub struct Plan {
+    /// Name of the result folder.
+    pub name: String,
+    /// Heading.
+    pub title: String,
+    /// The experiment file as run.
+    pub file: String,
+    /// Model to fit.
+    pub model: Model,
+    /// Recordings; at least one to train on.
+    pub recordings: Vec<Measured>,
+    /// The drive between samples.
+    pub hold: Hold,
+    /// Methods to compare.
+    pub methods: Vec<MethodPlan>,
+    /// Gain of the emulator.
+    pub gain: Gain,
+    /// Diagnosis, if asked for.
+    pub diagnosis: Option<DiagnosisPlan>,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// True parameters of made data.
+    pub truth: Vec<(String, f64)>,
+}
+
+impl Plan {
+    /// The recordings of a role.
+    #[must_use]
+    pub fn of(&self, role: Role) -> Vec<Recording> {
+        self.recordings
+            .iter()
+            .filter(|m| m.role == role)
+            .map(|m| m.recording.clone())
+            .collect()
+    }
+
+    /// The recordings on which errors are judged: validation, or train where there is none.
+    #[must_use]
+    pub fn judged(&self) -> Vec<Recording> {
+        let validation = self.of(Role::Validation);
+        if validation.is_empty() { self.of(Role::Train) } else { validation }
+    }
+}

@@ -1,0 +1,283 @@
+//! What a section of the report is made of. All text is plain: the page escapes it.
+
+use super::figure::Figure;
+use super::format;
+
+/// One element of a section.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Block {
+    /// A heading within the section.
+    Heading(String),
+    /// A paragraph.
+    Paragraph(Text),
+    /// A finding in one sentence, with what it rests on.
+    Verdict {
+        /// Good, doubtful or bad.
+        tone: Tone,
+        /// The finding.
+        sentence: String,
+        /// What it rests on; empty for none.
+        detail: String,
+    },
+    /// A table.
+    Table(Table),
+    /// A figure.
+    Figure(Box<Figure>),
+    /// An equation in plain Unicode; line breaks are kept.
+    Equation(String),
+    /// A reading aid, folded away.
+    HowToRead(String),
+    /// A list.
+    List(Vec<Text>),
+    /// Verbatim text: commands, configuration.
+    Code(String),
+}
+
+impl Block {
+    /// A paragraph of plain text.
+    pub fn paragraph(text: impl Into<Text>) -> Self {
+        Self::Paragraph(text.into())
+    }
+
+    /// A finding.
+    pub fn verdict(tone: Tone, sentence: impl Into<String>, detail: impl Into<String>) -> Self {
+        Self::Verdict { tone, sentence: sentence.into(), detail: detail.into() }
+    }
+
+    /// A list of plain items.
+    pub fn list<T: Into<Text>>(items: impl IntoIterator<Item = T>) -> Self {
+        Self::List(items.into_iter().map(Into::into).collect())
+    }
+}
+
+impl From<Figure> for Block {
+    fn from(figure: Figure) -> Self {
+        Self::Figure(Box::new(figure))
+    }
+}
+
+impl From<Table> for Block {
+    fn from(table: Table) -> Self {
+        Self::Table(table)
+    }
+}
+
+/// How a finding sounds; the page shows a colour and a word, never the colour alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Tone {
+    /// As it should be.
+    Good,
+    /// Neither good nor bad.
+    #[default]
+    Neutral,
+    /// Read on before relying on it.
+    Notice,
+    /// Something is wrong.
+    Bad,
+}
+
+/// Running text with optional emphasis.
+///
+/// ```
+/// use amigo_ident::report::block::Text;
+/// let text = Text::from("The data cannot tell ").strong("a4").plain(" from ").strong("a5");
+/// assert_eq!(text.to_plain(), "The data cannot tell a4 from a5");
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub struct Text(pub Vec<Span>);
+
+/// A piece of running text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Span {
+    /// As it is.
+    Plain(String),
+    /// Stressed.
+    Strong(String),
+    /// A name that can be typed: a key, a command, a file.
+    Code(String),
+}
+
+impl Text {
+    /// Adds plain text.
+    pub fn plain(mut self, text: impl Into<String>) -> Self {
+        self.0.push(Span::Plain(text.into()));
+        self
+    }
+
+    /// Adds stressed text.
+    pub fn strong(mut self, text: impl Into<String>) -> Self {
+        self.0.push(Span::Strong(text.into()));
+        self
+    }
+
+    /// Adds a name that can be typed.
+    pub fn code(mut self, text: impl Into<String>) -> Self {
+        self.0.push(Span::Code(text.into()));
+        self
+    }
+
+    /// The text without emphasis.
+    pub fn to_plain(&self) -> String {
+        let piece = |span: &Span| match span {
+            Span::Plain(text) | Span::Strong(text) | Span::Code(text) => text.clone(),
+        };
+        self.0.iter().map(piece).collect()
+    }
+}
+
+impl From<&str> for Text {
+    fn from(text: &str) -> Self {
+        Self::default().plain(text)
+    }
+}
+
+impl From<String> for Text {
+    fn from(text: String) -> Self {
+        Self::default().plain(text)
+    }
+}
+
+/// A table with a caption. The reader can sort it by any column.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Table {
+    /// What the table shows.
+    pub caption: String,
+    /// The columns.
+    pub columns: Vec<Column>,
+    /// The rows; short ones are filled with empty cells, surplus cells are left out.
+    pub rows: Vec<Vec<Cell>>,
+}
+
+impl Table {
+    /// A table without rows.
+    pub fn new(caption: impl Into<String>, columns: Vec<Column>) -> Self {
+        Self { caption: caption.into(), columns, rows: Vec::new() }
+    }
+
+    /// Adds a row.
+    pub fn push(&mut self, row: Vec<Cell>) {
+        self.rows.push(row);
+    }
+}
+
+/// One column of a table.
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub struct Column {
+    /// Heading.
+    pub title: String,
+    /// Unit, without brackets; empty for none.
+    pub unit: String,
+    /// Text to the left, numbers to the right.
+    pub align: Align,
+}
+
+impl Column {
+    /// A column of text.
+    pub fn text(title: impl Into<String>) -> Self {
+        Self { title: title.into(), ..Self::default() }
+    }
+
+    /// A column of numbers; `unit` may be empty.
+    pub fn number(title: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self { title: title.into(), unit: unit.into(), align: Align::Right }
+    }
+}
+
+/// Side to which a column is set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Align {
+    /// Text.
+    #[default]
+    Left,
+    /// Numbers.
+    Right,
+}
+
+/// One cell of a table.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Cell {
+    /// What is shown.
+    pub text: String,
+    /// What the column is sorted by; `None`: the text.
+    pub sort_by: Option<f64>,
+    /// Stressed.
+    pub strong: bool,
+    /// Colour by meaning.
+    pub tone: Option<Tone>,
+    /// Length of a bar behind the text, 0 to 1.
+    pub bar: Option<f64>,
+}
+
+impl Cell {
+    /// A cell of text.
+    pub fn text(text: impl Into<String>) -> Self {
+        Self { text: text.into(), ..Self::default() }
+    }
+
+    /// A number with four significant digits.
+    pub fn number(value: f64) -> Self {
+        Self { text: format::number(value), sort_by: Some(value), ..Self::default() }
+    }
+
+    /// A whole number.
+    pub fn count(value: usize) -> Self {
+        Self { text: format::count(value), sort_by: Some(value as f64), ..Self::default() }
+    }
+
+    /// A value with its standard error, digits by the error.
+    pub fn estimate(value: f64, std_error: f64) -> Self {
+        let text = format::estimate(value, std_error);
+        Self { text, sort_by: Some(value), ..Self::default() }
+    }
+
+    /// A p-value without its "p =".
+    pub fn p_value(p: f64) -> Self {
+        let text = format::p_value(p);
+        let text = text.trim_start_matches("p ").trim_start_matches("= ").to_owned();
+        Self { text, sort_by: Some(p), ..Self::default() }
+    }
+
+    /// A number written in the caller's own way and sorted by its value.
+    pub fn formatted(text: impl Into<String>, value: f64) -> Self {
+        Self { text: text.into(), sort_by: Some(value), ..Self::default() }
+    }
+
+    /// Stresses the cell.
+    pub fn strong(mut self) -> Self {
+        self.strong = true;
+        self
+    }
+
+    /// Colours the cell by meaning.
+    pub fn tone(mut self, tone: Tone) -> Self {
+        self.tone = Some(tone);
+        self
+    }
+
+    /// Adds a bar behind the text; the length is clamped to 0 to 1, NaN gives none.
+    pub fn bar(mut self, length: f64) -> Self {
+        self.bar = (!length.is_nan()).then(|| length.clamp(0.0, 1.0));
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_write_numbers_by_the_one_formatter() {
+        assert_eq!(Cell::estimate(0.1234, 0.01).text, "0.123 ± 0.010");
+        assert_eq!(Cell::number(f64::NAN).text, "–");
+        assert_eq!(Cell::p_value(1e-12).text, "< 10⁻⁹");
+        assert_eq!(Cell::p_value(0.25).text, "0.25");
+        assert_eq!(Cell::number(1.0).bar(7.0).bar, Some(1.0));
+        assert_eq!(Cell::number(1.0).bar(f64::NAN).bar, None);
+    }
+
+    #[test]
+    fn a_figure_id_becomes_a_safe_file_stem() {
+        assert_eq!(Figure::new("../a b/ω.png", "").file_stem(), "a-b---png");
+        assert_eq!(Figure::new("", "").file_stem(), "figure");
+    }
+}

@@ -1,0 +1,421 @@
+//! A figure as plain data: what is shown, not how it is drawn.
+
+pub use super::palette::Role;
+
+/// One picture: a heading and panels, drawn to SVG, PNG or a page.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// File stem and anchor; characters other than letters, digits, `-` and `_` are replaced.
+    pub id: String,
+    /// What the reader should see, in one line.
+    pub title: String,
+    /// Smaller grey line under the title: conditions, sample size.
+    pub subtitle: String,
+    /// Text under the figure on the page.
+    pub caption: String,
+    /// How a newcomer reads this kind of figure; folded away on the page.
+    pub how_to_read: String,
+    /// The panels, row by row.
+    pub panels: Vec<Panel>,
+    /// Panels side by side; the rest go below. Zero counts as one.
+    pub columns: usize,
+    /// All panels show the same x range, and only the lowest of a column carries tick labels.
+    pub shared_x: bool,
+    /// The page lets the reader zoom (panels of numbers only; bars and heat maps stay pictures).
+    pub interactive: bool,
+    /// Width and height; the height may be left to the panels.
+    pub size: Size,
+}
+
+/// Size of a figure in CSS pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Size {
+    /// Width [px].
+    pub width: f64,
+    /// Height [px]; `None`: as the panels need.
+    pub height: Option<f64>,
+}
+
+impl Default for Size {
+    fn default() -> Self {
+        Self { width: 820.0, height: None }
+    }
+}
+
+impl Figure {
+    /// A figure without panels, one column, x shared between the panels.
+    pub fn new(id: impl Into<String>, title: impl Into<String>) -> Self {
+        Self {
+            id: id.into(),
+            title: title.into(),
+            subtitle: String::new(),
+            caption: String::new(),
+            how_to_read: String::new(),
+            panels: Vec::new(),
+            columns: 1,
+            shared_x: true,
+            interactive: false,
+            size: Size::default(),
+        }
+    }
+
+    /// Sets the line under the title.
+    pub fn with_subtitle(mut self, text: impl Into<String>) -> Self {
+        self.subtitle = text.into();
+        self
+    }
+
+    /// Sets the text under the figure.
+    pub fn with_caption(mut self, text: impl Into<String>) -> Self {
+        self.caption = text.into();
+        self
+    }
+
+    /// Sets the reading aid.
+    pub fn with_how_to_read(mut self, text: impl Into<String>) -> Self {
+        self.how_to_read = text.into();
+        self
+    }
+
+    /// Adds a panel.
+    pub fn with_panel(mut self, panel: Panel) -> Self {
+        self.panels.push(panel);
+        self
+    }
+
+    /// Sets the number of panels side by side; their x axes are then their own.
+    pub fn with_columns(mut self, columns: usize) -> Self {
+        self.columns = columns;
+        self.shared_x = false;
+        self
+    }
+
+    /// Lets the reader zoom on the page.
+    pub fn interactive(mut self) -> Self {
+        self.interactive = true;
+        self
+    }
+
+    /// The id with everything but ASCII letters, digits, `-` and `_` replaced by `-`.
+    pub fn file_stem(&self) -> String {
+        let keep = |c: char| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' };
+        let stem: String = self.id.chars().map(keep).collect();
+        let stem = stem.trim_matches('-');
+        if stem.is_empty() { "figure".to_owned() } else { stem.to_owned() }
+    }
+
+    /// Whether the page can let the reader zoom: asked for, and every panel is made of numbers.
+    pub fn is_interactive(&self) -> bool {
+        let numeric = |layer: &Layer| !matches!(layer, Layer::Bars(_) | Layer::HeatMap(_));
+        self.interactive && self.panels.iter().all(|panel| panel.layers.iter().all(numeric))
+    }
+}
+
+/// One pair of axes and what is drawn on them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Panel {
+    /// Heading of the panel; empty for none.
+    pub title: String,
+    /// Horizontal axis.
+    pub x: Axis,
+    /// Vertical axis.
+    pub y: Axis,
+    /// Drawn in this order, shades and bands first.
+    pub layers: Vec<Layer>,
+}
+
+impl Panel {
+    /// A panel without layers.
+    pub fn new(x: Axis, y: Axis) -> Self {
+        Self { title: String::new(), x, y, layers: Vec::new() }
+    }
+
+    /// Sets the heading.
+    pub fn with_title(mut self, title: impl Into<String>) -> Self {
+        self.title = title.into();
+        self
+    }
+
+    /// Adds a layer.
+    pub fn with(mut self, layer: Layer) -> Self {
+        self.layers.push(layer);
+        self
+    }
+}
+
+/// One axis.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Axis {
+    /// What is shown.
+    pub label: String,
+    /// Its unit, without brackets; empty for none.
+    pub unit: String,
+    /// Linear or logarithmic.
+    pub scale: AxisScale,
+    /// First and last value; `None`: as the data need.
+    pub range: Option<(f64, f64)>,
+}
+
+impl Axis {
+    /// A linear axis.
+    pub fn linear(label: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self { label: label.into(), unit: unit.into(), ..Self::default() }
+    }
+
+    /// A logarithmic axis; values that are not positive are left out.
+    pub fn log(label: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self { scale: AxisScale::Log, ..Self::linear(label, unit) }
+    }
+
+    /// An axis of categories or one whose label says itself.
+    pub fn unlabelled() -> Self {
+        Self::default()
+    }
+
+    /// Fixes the range.
+    pub fn with_range(mut self, first: f64, last: f64) -> Self {
+        self.range = Some((first, last));
+        self
+    }
+}
+
+/// How an axis maps values to places.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum AxisScale {
+    /// Equal steps for equal differences.
+    #[default]
+    Linear,
+    /// Equal steps for equal ratios.
+    Log,
+}
+
+/// How a line is broken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Dash {
+    /// Unbroken.
+    #[default]
+    Solid,
+    /// Dashes.
+    Dashed,
+    /// Dots.
+    Dotted,
+}
+
+/// One thing drawn on a panel. Labels go to the legend; an empty label stays out of it. Values that
+/// are not finite break a line and leave out a point.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Layer {
+    /// A polyline.
+    Line {
+        /// Corners (x, y).
+        points: Vec<(f64, f64)>,
+        /// Legend entry.
+        label: String,
+        /// Meaning, hence colour.
+        role: Role,
+        /// Stroke width [px].
+        width: f64,
+        /// Dash pattern.
+        dash: Dash,
+    },
+    /// Dots.
+    Points {
+        /// Centres (x, y).
+        points: Vec<(f64, f64)>,
+        /// Legend entry.
+        label: String,
+        /// Meaning, hence colour.
+        role: Role,
+        /// Radius [px].
+        radius: f64,
+        /// Opacity, 0 to 1.
+        alpha: f64,
+    },
+    /// The area between two curves over the same x.
+    Band {
+        /// Places.
+        x: Vec<f64>,
+        /// Lower edge.
+        lower: Vec<f64>,
+        /// Upper edge.
+        upper: Vec<f64>,
+        /// Legend entry.
+        label: String,
+        /// Meaning, hence colour.
+        role: Role,
+    },
+    /// Bars over categories.
+    Bars(Bars),
+    /// Coloured cells.
+    HeatMap(HeatMap),
+    /// A horizontal reference line.
+    HLine {
+        /// Value on the y axis.
+        at: f64,
+        /// Legend entry.
+        label: String,
+        /// Meaning, hence colour.
+        role: Role,
+        /// Dash pattern.
+        dash: Dash,
+    },
+    /// A vertical reference line.
+    VLine {
+        /// Value on the x axis.
+        at: f64,
+        /// Legend entry.
+        label: String,
+        /// Meaning, hence colour.
+        role: Role,
+        /// Dash pattern.
+        dash: Dash,
+    },
+    /// Ranges of x laid in a pale colour: regimes.
+    Shade {
+        /// Ranges (from, to).
+        ranges: Vec<(f64, f64)>,
+        /// Legend entry.
+        label: String,
+        /// Meaning, hence colour.
+        role: Role,
+    },
+    /// Values with whiskers; an infinite whisker runs to the edge.
+    ErrorBars {
+        /// The values.
+        points: Vec<ErrorBar>,
+        /// Legend entry.
+        label: String,
+        /// Meaning, hence colour.
+        role: Role,
+    },
+    /// A remark at a place in the panel.
+    Text {
+        /// Place of the text's left end, on the baseline.
+        at: (f64, f64),
+        /// The remark.
+        text: String,
+        /// Meaning, hence colour.
+        role: Role,
+    },
+}
+
+impl Layer {
+    /// A solid line, 1.8 px.
+    pub fn line(points: Vec<(f64, f64)>, label: impl Into<String>, role: Role) -> Self {
+        Self::Line { points, label: label.into(), role, width: 1.8, dash: Dash::Solid }
+    }
+
+    /// Dots of 1.6 px radius, 45 % opaque: overlapping measurements darken.
+    pub fn points(points: Vec<(f64, f64)>, label: impl Into<String>, role: Role) -> Self {
+        Self::Points { points, label: label.into(), role, radius: 1.6, alpha: 0.45 }
+    }
+
+    /// A dashed horizontal reference line.
+    pub fn hline(at: f64, label: impl Into<String>, role: Role) -> Self {
+        Self::HLine { at, label: label.into(), role, dash: Dash::Dashed }
+    }
+
+    /// Order of drawing: shades lie lowest, bands above them, remarks on top of everything.
+    pub(super) fn height(&self) -> u8 {
+        match self {
+            Self::Shade { .. } | Self::HeatMap(_) => 0,
+            Self::Band { .. } => 1,
+            Self::Text { .. } => 3,
+            _ => 2,
+        }
+    }
+
+    /// A dashed vertical reference line.
+    pub fn vline(at: f64, label: impl Into<String>, role: Role) -> Self {
+        Self::VLine { at, label: label.into(), role, dash: Dash::Dashed }
+    }
+}
+
+/// A value with an interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ErrorBar {
+    /// Place.
+    pub x: f64,
+    /// Value.
+    pub y: f64,
+    /// Lower end of the whisker.
+    pub lower: f64,
+    /// Upper end of the whisker.
+    pub upper: f64,
+}
+
+/// Bars over categories, one bar per series and category.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bars {
+    /// Names of the categories, first at the top or left.
+    pub categories: Vec<String>,
+    /// The series side by side within a category.
+    pub series: Vec<BarSeries>,
+    /// Direction of the bars.
+    pub direction: Direction,
+    /// The category drawn in the highlight colour.
+    pub highlight: Option<usize>,
+}
+
+/// Direction of bars.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Direction {
+    /// Categories from top to bottom: long names fit.
+    #[default]
+    Horizontal,
+    /// Categories from left to right.
+    Vertical,
+}
+
+/// One value per category.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BarSeries {
+    /// Legend entry.
+    pub label: String,
+    /// Meaning, hence colour.
+    pub role: Role,
+    /// One value per category; missing ones are left out.
+    pub values: Vec<f64>,
+    /// Whiskers (lower, upper) per category; empty for none.
+    pub intervals: Vec<(f64, f64)>,
+    /// Text at the end of each bar; empty for none.
+    pub text: Vec<String>,
+}
+
+impl BarSeries {
+    /// A series without whiskers and text.
+    pub fn new(label: impl Into<String>, role: Role, values: Vec<f64>) -> Self {
+        Self { label: label.into(), role, values, intervals: Vec::new(), text: Vec::new() }
+    }
+}
+
+/// A table of coloured cells.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeatMap {
+    /// Row names, top to bottom.
+    pub rows: Vec<String>,
+    /// Column names, left to right.
+    pub columns: Vec<String>,
+    /// `values[row][column]`; NaN or missing: an empty cell.
+    pub values: Vec<Vec<f64>>,
+    /// Text in the cells, same shape; empty for none.
+    pub text: Vec<Vec<String>>,
+    /// Which colours.
+    pub colors: ColorMap,
+    /// What the colour shows.
+    pub label: String,
+    /// Its unit; empty for none.
+    pub unit: String,
+    /// Values at the two ends of the colour bar; `None`: as the data need.
+    pub range: Option<(f64, f64)>,
+}
+
+/// The two kinds of colour map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum ColorMap {
+    /// Blue, white, red about zero: signed values.
+    Diverging,
+    /// Pale to dark: magnitudes.
+    #[default]
+    Sequential,
+}

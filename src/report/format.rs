@@ -1,0 +1,306 @@
+//! Every number a reader sees is written here: significant digits, U+2212 minus, powers of ten as
+//! superscripts, one word for "the data cannot tell".
+
+/// What stands where a value is missing (NaN).
+pub const MISSING: &str = "–";
+/// What stands where an estimate has no finite uncertainty.
+pub const NOT_IDENTIFIABLE: &str = "not identifiable";
+
+/// A number with four significant digits.
+///
+/// ```
+/// use amigo_ident::report::format::number;
+/// assert_eq!(number(-0.123456), "−0.1235");
+/// assert_eq!(number(1.23e-7), "1.23 × 10⁻⁷");
+/// assert_eq!(number(f64::NAN), "–");
+/// ```
+pub fn number(value: f64) -> String {
+    significant(value, 4)
+}
+
+/// A number with the given significant digits; trailing zeros behind the point are dropped, and
+/// values below 10⁻³ or from 10⁵ on are written with a power of ten.
+pub fn significant(value: f64, digits: usize) -> String {
+    let Some(exponent) = decimal_exponent(value, digits) else {
+        return special(value);
+    };
+    if !(-3..5).contains(&exponent) {
+        return scientific(value, digits);
+    }
+    let decimals = (digits as i32 - 1 - exponent).max(0) as usize;
+    // 12345 at four digits stays 12345: rounding digits in front of the point away would mislead
+    minus(trim_zeros(&format!("{value:.decimals$}")))
+}
+
+/// A number as mantissa times a power of ten, "1.23 × 10⁻⁴".
+pub fn scientific(value: f64, digits: usize) -> String {
+    let Some(exponent) = decimal_exponent(value, digits) else {
+        return special(value);
+    };
+    let text = format!("{value:.*e}", digits.max(1) - 1);
+    let mantissa = text.split('e').next().unwrap_or_default();
+    minus(format!("{} × {}", trim_zeros(mantissa), power_of_ten(exponent)))
+}
+
+/// A number with a fixed count of decimals, no power of ten; "−0.00" is written "0.00".
+pub fn fixed(value: f64, decimals: usize) -> String {
+    if !value.is_finite() {
+        return special(value);
+    }
+    let text = format!("{value:.decimals$}");
+    let is_zero = text.bytes().all(|b| matches!(b, b'-' | b'0' | b'.'));
+    minus(if is_zero { text.trim_start_matches('-').to_owned() } else { text })
+}
+
+/// `10ⁿ`.
+pub fn power_of_ten(exponent: i32) -> String {
+    format!("10{}", superscript(exponent))
+}
+
+/// An integer in superscript characters.
+pub fn superscript(value: i32) -> String {
+    let sign = if value < 0 { "⁻" } else { "" };
+    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    let digits = value.unsigned_abs().to_string();
+    sign.chars().chain(digits.bytes().map(|b| DIGITS[usize::from(b - b'0')])).collect()
+}
+
+/// A value with its standard error, "0.1230 ± 0.0045": the error to two significant digits, the
+/// value to the same decimal place. A common power of ten stands outside the brackets.
+///
+/// Not a number: [`MISSING`]. Infinite error: [`NOT_IDENTIFIABLE`].
+///
+/// ```
+/// use amigo_ident::report::format::estimate;
+/// assert_eq!(estimate(0.12304, 0.00451), "0.1230 ± 0.0045");
+/// assert_eq!(estimate(1.234e-5, 2.0e-7), "(1.234 ± 0.020) × 10⁻⁵");
+/// assert_eq!(estimate(1.0, f64::INFINITY), "not identifiable");
+/// ```
+pub fn estimate(value: f64, std_error: f64) -> String {
+    if value.is_nan() {
+        return MISSING.to_owned();
+    }
+    if value.is_infinite() || std_error.is_infinite() {
+        return NOT_IDENTIFIABLE.to_owned();
+    }
+    if std_error.is_nan() || std_error < 0.0 {
+        return format!("{} ± {MISSING}", number(value));
+    }
+    if std_error == 0.0 {
+        return number(value);
+    }
+    let error_exponent = decimal_exponent(std_error, 2).unwrap_or(0);
+    let exponent = decimal_exponent(value, 4).unwrap_or(error_exponent).max(error_exponent);
+    if error_exponent < -6 || !(-3..5).contains(&exponent) {
+        let scale = |v: f64| scale_by_power_of_ten(v, -exponent);
+        // beyond 12 decimals binary rounding would be printed
+        let decimals = (exponent - error_exponent + 1).clamp(0, 12) as usize;
+        let (value, error) = (fixed(scale(value), decimals), fixed(scale(std_error), decimals));
+        if exponent == 0 {
+            return format!("{value} ± {error}");
+        }
+        return format!("({value} ± {error}) × {}", power_of_ten(exponent));
+    }
+    let decimals = (1 - error_exponent).max(0) as usize;
+    format!("{} ± {}", fixed(value, decimals), fixed(std_error, decimals))
+}
+
+/// A value with its interval, "0.123 [0.119, 0.127]".
+pub fn interval(value: f64, lower: f64, upper: f64) -> String {
+    if value.is_nan() {
+        return MISSING.to_owned();
+    }
+    if !value.is_finite() || lower == f64::NEG_INFINITY && upper == f64::INFINITY {
+        return NOT_IDENTIFIABLE.to_owned();
+    }
+    format!("{} [{}, {}]", number(value), number(lower), number(upper))
+}
+
+/// A p-value as a sentence part: "p = 0.012", "p = 3.2 × 10⁻⁵", "p < 10⁻⁹".
+///
+/// ```
+/// use amigo_ident::report::format::p_value;
+/// assert_eq!(p_value(0.01234), "p = 0.012");
+/// assert_eq!(p_value(1e-30), "p < 10⁻⁹");
+/// ```
+pub fn p_value(p: f64) -> String {
+    match p {
+        p if !(0.0..=1.0).contains(&p) => format!("p = {MISSING}"),
+        p if p < 1e-9 => format!("p < {}", power_of_ten(-9)),
+        p if p < 1e-3 => format!("p = {}", scientific(p, 2)),
+        p if p < 0.0995 => format!("p = {}", significant(p, 2)),
+        p => format!("p = {}", fixed(p, 2)),
+    }
+}
+
+/// A share as percent with two significant digits: 0.0123 is "1.2 %".
+pub fn percent(share: f64) -> String {
+    if !share.is_finite() {
+        return special(share);
+    }
+    let percent = 100.0 * share;
+    let text = if percent.abs() >= 99.5 { fixed(percent, 0) } else { significant(percent, 2) };
+    format!("{text} %")
+}
+
+/// A number and its unit, "0.1235 kg m²"; the unit is left out where the value is missing.
+pub fn with_unit(value: f64, unit: &str) -> String {
+    if unit.is_empty() || value.is_nan() {
+        return number(value);
+    }
+    format!("{} {unit}", number(value))
+}
+
+/// A value with an SI prefix, three significant digits: `si(0.00123, "s")` is "1.23 ms".
+pub fn si(value: f64, unit: &str) -> String {
+    const PREFIXES: [(i32, &str); 9] = [
+        (-12, "p"),
+        (-9, "n"),
+        (-6, "µ"),
+        (-3, "m"),
+        (0, ""),
+        (3, "k"),
+        (6, "M"),
+        (9, "G"),
+        (12, "T"),
+    ];
+    let exponent = decimal_exponent(value, 3).unwrap_or(0);
+    let group = 3 * exponent.div_euclid(3);
+    let prefix = PREFIXES.iter().find(|(power, _)| *power == group);
+    match prefix {
+        Some((power, prefix)) if value.is_finite() => {
+            format!("{} {prefix}{unit}", significant(scale_by_power_of_ten(value, -power), 3))
+        }
+        _ => with_unit(value, unit),
+    }
+}
+
+/// A count with thin spaces between thousands: "12 345".
+pub fn count(value: usize) -> String {
+    let digits = value.to_string();
+    let mut text = String::with_capacity(digits.len() + digits.len() / 3);
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) && digits.len() > 4 {
+            text.push('\u{2009}');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// The value rounded to the given significant digits (six where data are embedded in a page).
+pub fn round_significant(value: f64, digits: usize) -> f64 {
+    format!("{value:.*e}", digits.max(1) - 1).parse().unwrap_or(value)
+}
+
+/// Exponent of the leading digit after rounding; zero for zero, nothing for NaN and infinities.
+fn decimal_exponent(value: f64, digits: usize) -> Option<i32> {
+    if !value.is_finite() {
+        return None;
+    }
+    format!("{value:.*e}", digits.max(1) - 1).split('e').nth(1)?.parse().ok()
+}
+
+/// `value · 10^power`, exact to rounding also where 10^power itself would overflow.
+fn scale_by_power_of_ten(value: f64, power: i32) -> f64 {
+    let half = power / 2;
+    value * 10f64.powi(half) * 10f64.powi(power - half)
+}
+
+fn special(value: f64) -> String {
+    match value {
+        v if v == f64::INFINITY => "∞".to_owned(),
+        v if v == f64::NEG_INFINITY => "−∞".to_owned(),
+        _ => MISSING.to_owned(),
+    }
+}
+
+fn trim_zeros(text: &str) -> String {
+    if !text.contains('.') {
+        return text.to_owned();
+    }
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+fn minus(text: impl AsRef<str>) -> String {
+    let text = text.as_ref();
+    let text = if text == "-0" { "0" } else { text };
+    text.replace('-', "−")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_keep_their_significant_digits() {
+        assert_eq!(number(0.0), "0");
+        assert_eq!(number(-0.0), "0");
+        assert_eq!(number(3.0), "3");
+        assert_eq!(number(1234.56), "1235");
+        assert_eq!(number(12_345.6), "12346");
+        assert_eq!(number(123_456.0), "1.235 × 10⁵");
+        assert_eq!(number(0.001), "0.001");
+        assert_eq!(number(0.000_999_96), "0.001");
+        assert_eq!(number(9.999_6), "10");
+        assert_eq!(number(-1.5e-300), "−1.5 × 10⁻³⁰⁰");
+        assert_eq!(number(f64::INFINITY), "∞");
+        assert_eq!(number(f64::NEG_INFINITY), "−∞");
+        assert_eq!(scientific(1.234e-4, 3), "1.23 × 10⁻⁴");
+    }
+
+    #[test]
+    fn an_estimate_is_written_to_the_digits_of_its_error() {
+        assert_eq!(estimate(12.345, 0.67), "12.35 ± 0.67");
+        assert_eq!(estimate(12.345, 1.7), "12.3 ± 1.7");
+        assert_eq!(estimate(1234.5, 170.0), "1234 ± 170");
+        assert_eq!(estimate(-0.000_1, 0.02), "0.000 ± 0.020");
+        assert_eq!(estimate(0.5, 0.0996), "0.50 ± 0.10");
+        assert_eq!(estimate(2.0e6, 1.0e4), "(2.000 ± 0.010) × 10⁶");
+        assert_eq!(estimate(1e-300, 1e-301), "(1.00 ± 0.10) × 10⁻³⁰⁰");
+        assert_eq!(estimate(1.0, 1e-9), "1.0000000000 ± 0.0000000010");
+        assert_eq!(estimate(0.0, 0.5), "0.00 ± 0.50");
+        assert_eq!(estimate(0.25, 0.0), "0.25");
+    }
+
+    #[test]
+    fn what_the_data_cannot_tell_is_said_in_words() {
+        assert_eq!(estimate(f64::NAN, 1.0), "–");
+        assert_eq!(estimate(1.0, f64::NAN), "1 ± –");
+        assert_eq!(estimate(f64::INFINITY, 1.0), "not identifiable");
+        assert_eq!(interval(1.0, f64::NEG_INFINITY, f64::INFINITY), "not identifiable");
+        assert_eq!(interval(1.0, 0.5, f64::INFINITY), "1 [0.5, ∞]");
+        assert_eq!(interval(f64::NAN, 0.0, 1.0), "–");
+    }
+
+    #[test]
+    fn p_values_never_claim_more_than_nine_zeros() {
+        assert_eq!(p_value(0.0), "p < 10⁻⁹");
+        assert_eq!(p_value(3.21e-5), "p = 3.2 × 10⁻⁵");
+        assert_eq!(p_value(0.049), "p = 0.049");
+        assert_eq!(p_value(0.0999), "p = 0.10");
+        assert_eq!(p_value(0.5), "p = 0.50");
+        assert_eq!(p_value(1.0), "p = 1.00");
+        assert_eq!(p_value(f64::NAN), "p = –");
+        assert_eq!(p_value(1.5), "p = –");
+    }
+
+    #[test]
+    fn units_prefixes_and_counts() {
+        assert_eq!(si(0.00123, "s"), "1.23 ms");
+        assert_eq!(si(999.9, "Hz"), "1 kHz");
+        assert_eq!(si(0.0, "s"), "0 s");
+        assert_eq!(si(1e-20, "s"), "1 × 10⁻²⁰ s");
+        assert_eq!(with_unit(0.5, "kg m²"), "0.5 kg m²");
+        assert_eq!(with_unit(f64::NAN, "m"), "–");
+        assert_eq!(percent(0.01234), "1.2 %");
+        assert_eq!(percent(0.9999), "100 %");
+        assert_eq!(percent(-1.5), "−150 %");
+        assert_eq!(count(1234), "1234");
+        assert_eq!(count(1_234_567), "1\u{2009}234\u{2009}567");
+        assert_eq!(fixed(-0.001, 2), "0.00");
+        assert_eq!(superscript(-120), "⁻¹²⁰");
+        assert_eq!(round_significant(1.234_567_89, 6), 1.234_57);
+        assert!(round_significant(f64::NAN, 6).is_nan());
+    }
+}

@@ -1,0 +1,174 @@
+//! Blocks as HTML. Every text is escaped by maud; only drawings made here pass as they are.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD as BASE64;
+use maud::{Markup, PreEscaped, html};
+
+use super::Drawn;
+use crate::report::block::{Align, Block, Cell, Span, Table, Text, Tone};
+
+/// Writes blocks in order and numbers figures and tables through the page.
+pub(super) struct Writer<'a> {
+    drawn: std::slice::Iter<'a, Drawn<'a>>,
+    figures: usize,
+    tables: usize,
+}
+
+impl<'a> Writer<'a> {
+    pub(super) fn new(drawn: &'a [Drawn<'a>]) -> Self {
+        Self { drawn: drawn.iter(), figures: 0, tables: 0 }
+    }
+
+    pub(super) fn blocks(&mut self, blocks: &[Block]) -> Markup {
+        html! { @for block in blocks { (self.block(block)) } }
+    }
+
+    fn block(&mut self, block: &Block) -> Markup {
+        match block {
+            Block::Heading(heading) => html! { h3 { (heading) } },
+            Block::Paragraph(paragraph) => html! { p { (text(paragraph)) } },
+            Block::Verdict { tone, sentence, detail } => verdict(*tone, sentence, detail),
+            Block::Table(shown) => {
+                self.tables += 1;
+                table(shown, self.tables)
+            }
+            // the figures were drawn in the order in which they are met here
+            Block::Figure(_) => match self.drawn.next() {
+                Some(drawn) => {
+                    self.figures += 1;
+                    figure(drawn, self.figures)
+                }
+                None => Markup::default(),
+            },
+            Block::Equation(equation) => html! { div.equation role="math" { (equation) } },
+            Block::HowToRead(aid) => how_to_read(aid),
+            Block::List(items) => html! { ul { @for item in items { li { (text(item)) } } } },
+            Block::Code(code) => html! { pre { code { (code) } } },
+        }
+    }
+}
+
+fn text(text: &Text) -> Markup {
+    html! {
+        @for span in &text.0 {
+            @match span {
+                Span::Plain(text) => (text),
+                Span::Strong(text) => strong { (text) },
+                Span::Code(text) => code { (text) },
+            }
+        }
+    }
+}
+
+fn verdict(tone: Tone, sentence: &str, detail: &str) -> Markup {
+    let word = match tone {
+        Tone::Good => "✓",
+        Tone::Neutral => "",
+        Tone::Notice => "!",
+        Tone::Bad => "✗",
+    };
+    html! {
+        div.verdict.(tone_name(tone)) {
+            p.sentence {
+                @if !word.is_empty() { span.word { (word) } }
+                (sentence)
+            }
+            @if !detail.is_empty() { p.detail { (detail) } }
+        }
+    }
+}
+
+fn tone_name(tone: Tone) -> &'static str {
+    match tone {
+        Tone::Good => "good",
+        Tone::Neutral => "neutral",
+        Tone::Notice => "notice",
+        Tone::Bad => "bad",
+    }
+}
+
+fn how_to_read(aid: &str) -> Markup {
+    html! { details { summary { "How to read this" } p { (aid) } } }
+}
+
+fn table(table: &Table, number: usize) -> Markup {
+    let class = |align: Align| if align == Align::Right { "number" } else { "" };
+    html! {
+        div.table {
+            table.sortable {
+                caption { b { "Table " (number) } (table.caption) }
+                thead {
+                    tr {
+                        @for column in &table.columns {
+                            th scope="col" class=(class(column.align)) {
+                                (column.title)
+                                @if !column.unit.is_empty() { " " span.unit { "[" (column.unit) "]" } }
+                            }
+                        }
+                    }
+                }
+                tbody {
+                    @for row in &table.rows {
+                        tr {
+                            @for (i, column) in table.columns.iter().enumerate() {
+                                @match row.get(i) {
+                                    Some(shown) => (cell(shown, class(column.align))),
+                                    None => td {},
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn cell(cell: &Cell, align: &str) -> Markup {
+    let tone = cell.tone.map_or(String::new(), |tone| format!("tone-{}", tone_name(tone)));
+    let classes = [align, &tone, if cell.bar.is_some() { "bar" } else { "" }];
+    let classes: Vec<&str> = classes.into_iter().filter(|class| !class.is_empty()).collect();
+    let style = cell.bar.map(|length| format!("--length:{length:.4}"));
+    // an empty value marks a missing one; scripts read "Infinity", not "inf"
+    let value = cell.sort_by.map(|value| match value {
+        v if v.is_nan() => String::new(),
+        v if v.is_infinite() => format!("{}Infinity", if v < 0.0 { "-" } else { "" }),
+        v => format!("{v}"),
+    });
+    html! {
+        td class=[(!classes.is_empty()).then(|| classes.join(" "))] style=[style] data-value=[value] {
+            @if cell.strong { strong { (cell.text) } } @else { (cell.text) }
+        }
+    }
+}
+
+fn figure(drawn: &Drawn<'_>, number: usize) -> Markup {
+    let figure = drawn.figure;
+    let png = format!("data:image/png;base64,{}", BASE64.encode(&drawn.png));
+    let file = format!("{}.png", drawn.file_stem);
+    let alt = [&figure.title, &figure.caption].map(String::as_str).join(". ");
+    html! {
+        figure id={ "figure-" (drawn.file_stem) } data-interactive[drawn.data.is_some()] {
+            h4 { (figure.title) }
+            @if !figure.subtitle.is_empty() { p.subtitle { (figure.subtitle) } }
+            @match &drawn.svg {
+                Some(svg) => div.picture role="img" aria-label=(alt) { (PreEscaped(svg)) },
+                None => div.picture { img src=(png) alt=(alt); },
+            }
+            @if let Some(data) = &drawn.data {
+                div.plot {}
+                script type="application/json" { (PreEscaped(data)) }
+            }
+            figcaption {
+                b { "Figure " (number) }
+                (figure.caption)
+                @if drawn.svg.is_some() {
+                    a.download href=(png) download=(file) { "Download PNG" }
+                } @else {
+                    a.download data-picture hidden download=(file) { "Download PNG" }
+                }
+            }
+            @if !figure.how_to_read.is_empty() { (how_to_read(&figure.how_to_read)) }
+        }
+    }
+}

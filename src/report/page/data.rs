@@ -1,0 +1,253 @@
+//! The data of an interactive figure as JSON for the page's script.
+
+use serde::Serialize;
+
+use crate::report::ReportError;
+use crate::report::figure::{Axis, AxisScale, Dash, Figure, Layer};
+use crate::report::format::round_significant;
+use crate::report::palette::Role;
+use crate::report::plot::{BAND_ALPHA, SHADE_ALPHA, panel_ranges};
+use crate::report::polyline::{Point, decimate, runs};
+
+/// A line keeps about four points for each of these columns.
+const COLUMNS: usize = 1000;
+/// Dots shown at most.
+const DOTS: usize = 4000;
+/// Height of a panel, alone and among others [px].
+const HEIGHT: (f64, f64) = (340.0, 190.0);
+
+#[derive(Serialize)]
+struct FigureData {
+    columns: usize,
+    shared: bool,
+    /// Columns of x values; layers refer to them by index, since most share one.
+    xs: Vec<Vec<f64>>,
+    panels: Vec<PanelData>,
+}
+
+#[derive(Serialize)]
+struct PanelData {
+    title: String,
+    x: AxisData,
+    y: AxisData,
+    height: f64,
+    layers: Vec<LayerData>,
+}
+
+#[derive(Serialize)]
+struct AxisData {
+    label: String,
+    unit: String,
+    log: bool,
+    range: (f64, f64),
+}
+
+#[derive(Serialize, Default)]
+struct LayerData {
+    kind: &'static str,
+    label: String,
+    color: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    x: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    y: Option<Vec<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    low: Option<Vec<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    high: Option<Vec<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ranges: Option<Vec<(f64, f64)>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    at: Option<serde_json::Value>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    text: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    width: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    radius: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    alpha: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    dash: Option<&'static str>,
+}
+
+/// The data, with `<` written as `\u003c` so that no text can close the script element.
+pub(super) fn json(figure: &Figure) -> Result<String, ReportError> {
+    let alone = figure.panels.len() <= figure.columns.max(1);
+    let mut xs = Vec::new();
+    let mut panels = Vec::new();
+    for (panel, (x_range, y_range)) in figure.panels.iter().zip(panel_ranges(figure)) {
+        panels.push(PanelData {
+            title: panel.title.clone(),
+            x: axis(&panel.x, x_range),
+            y: axis(&panel.y, y_range),
+            height: if alone { HEIGHT.0 } else { HEIGHT.1 },
+            layers: ordered(&panel.layers).map(|l| layer(l, y_range, &mut xs)).collect(),
+        });
+    }
+    let data = FigureData { columns: figure.columns.max(1), shared: figure.shared_x, xs, panels };
+    let text = serde_json::to_string(&data)
+        .map_err(|source| ReportError::Data { figure: figure.id.clone(), source })?;
+    Ok(text.replace('<', "\\u003c"))
+}
+
+/// Shades lowest, bands above them, remarks on top: as in the printed picture.
+fn ordered(layers: &[Layer]) -> impl Iterator<Item = &Layer> {
+    let mut ordered: Vec<&Layer> = layers.iter().collect();
+    ordered.sort_by_key(|layer| layer.height());
+    ordered.into_iter()
+}
+
+fn axis(axis: &Axis, range: (f64, f64)) -> AxisData {
+    AxisData {
+        label: axis.label.clone(),
+        unit: axis.unit.clone(),
+        log: axis.scale == AxisScale::Log,
+        range: (round_significant(range.0, 9), round_significant(range.1, 9)),
+    }
+}
+
+fn layer(layer: &Layer, y_range: (f64, f64), xs: &mut Vec<Vec<f64>>) -> LayerData {
+    let round = |values: Vec<f64>| -> Vec<f64> {
+        values.into_iter().map(|v| round_within(v, y_range)).collect()
+    };
+    let base = |kind: &'static str, label: &str, role: Role| LayerData {
+        kind,
+        label: label.to_owned(),
+        color: role.css_variable(),
+        ..LayerData::default()
+    };
+    match layer {
+        Layer::Line { points, label, role, width, dash } => {
+            let (x, y) = split(&thinned(points));
+            LayerData {
+                x: Some(share(x, xs)),
+                y: Some(round(y)),
+                width: Some(*width),
+                dash: dash_name(*dash),
+                ..base("line", label, *role)
+            }
+        }
+        Layer::Points { points, label, role, radius, alpha } => {
+            let stride = points.len().div_ceil(DOTS).max(1);
+            let (x, y) = split(&points.iter().copied().step_by(stride).collect::<Vec<_>>());
+            LayerData {
+                x: Some(share(x, xs)),
+                y: Some(round(y)),
+                radius: Some(*radius),
+                alpha: Some(*alpha),
+                ..base("dots", label, *role)
+            }
+        }
+        Layer::Band { x, lower, upper, label, role } => {
+            let stride = x.len().div_ceil(DOTS).max(1);
+            let edge = |values: &[f64]| {
+                // an infinite edge is drawn to the border, far beyond any zoom
+                let far = 1e3 * (y_range.1 - y_range.0);
+                let finite = |v: f64| {
+                    if v.is_nan() { v } else { v.clamp(y_range.0 - far, y_range.1 + far) }
+                };
+                round(values.iter().step_by(stride).map(|v| finite(*v)).collect())
+            };
+            LayerData {
+                x: Some(share(x.iter().copied().step_by(stride).collect(), xs)),
+                low: Some(edge(lower)),
+                high: Some(edge(upper)),
+                alpha: Some(BAND_ALPHA),
+                ..base("band", label, *role)
+            }
+        }
+        Layer::HLine { at, label, role, dash } => LayerData {
+            at: Some((*at).into()),
+            dash: dash_name(*dash),
+            ..base("hline", label, *role)
+        },
+        Layer::VLine { at, label, role, dash } => LayerData {
+            at: Some((*at).into()),
+            dash: dash_name(*dash),
+            ..base("vline", label, *role)
+        },
+        Layer::Shade { ranges, label, role } => LayerData {
+            ranges: Some(ranges.clone()),
+            alpha: Some(SHADE_ALPHA),
+            ..base("shade", label, *role)
+        },
+        Layer::ErrorBars { points, label, role } => {
+            let column = |pick: fn(&crate::report::figure::ErrorBar) -> f64| -> Vec<f64> {
+                points.iter().map(pick).collect()
+            };
+            let within = |values: Vec<f64>| {
+                let far = 1e3 * (y_range.1 - y_range.0);
+                round(
+                    values.into_iter().map(|v| v.clamp(y_range.0 - far, y_range.1 + far)).collect(),
+                )
+            };
+            LayerData {
+                x: Some(share(column(|p| p.x), xs)),
+                y: Some(round(column(|p| p.y))),
+                low: Some(within(column(|p| p.lower))),
+                high: Some(within(column(|p| p.upper))),
+                ..base("bars", label, *role)
+            }
+        }
+        Layer::Text { at, text, role } => LayerData {
+            at: Some(vec![at.0, at.1].into()),
+            text: Some(text.clone()),
+            ..base("text", "", *role)
+        },
+        // never on an interactive figure: see Figure::is_interactive
+        Layer::Bars(_) | Layer::HeatMap(_) => base("text", "", Role::Ink),
+    }
+}
+
+/// Each unbroken stretch thinned; a missing point between stretches keeps them apart.
+fn thinned(points: &[Point]) -> Vec<Point> {
+    let stretches = runs(points).count().max(1);
+    let mut kept = Vec::new();
+    for run in runs(points) {
+        if !kept.is_empty() {
+            kept.push((f64::NAN, f64::NAN));
+        }
+        let columns = (COLUMNS * run.len()).div_ceil(points.len()).max(1);
+        kept.extend(decimate(run, if stretches == 1 { COLUMNS } else { columns }));
+    }
+    kept
+}
+
+fn split(points: &[Point]) -> (Vec<f64>, Vec<f64>) {
+    points.iter().copied().unzip()
+}
+
+/// Index of a column of x values, stored once.
+fn share(x: Vec<f64>, xs: &mut Vec<Vec<f64>>) -> usize {
+    let x: Vec<f64> = x.into_iter().map(|v| round_significant(v, 7)).collect();
+    let same = |a: &Vec<f64>| {
+        a.len() == x.len() && a.iter().zip(&x).all(|(a, b)| a.to_bits() == b.to_bits())
+    };
+    xs.iter().position(same).unwrap_or_else(|| {
+        xs.push(x);
+        xs.len() - 1
+    })
+}
+
+/// Rounded to a hundred-thousandth of the range shown, and never finer than six digits.
+fn round_within(value: f64, range: (f64, f64)) -> f64 {
+    let span = (range.1 - range.0).abs();
+    let decimals = 5 - span.log10().ceil() as i32;
+    if !value.is_finite()
+        || !(0..=12).contains(&decimals)
+        || range.0 > 0.0 && range.1 > 100.0 * range.0
+    {
+        return round_significant(value, 6);
+    }
+    let rounded: f64 = format!("{value:.*}", decimals as usize).parse().unwrap_or(value);
+    round_significant(rounded, 6)
+}
+
+fn dash_name(dash: Dash) -> Option<&'static str> {
+    match dash {
+        Dash::Solid => None,
+        Dash::Dashed => Some("dashed"),
+        Dash::Dotted => Some("dotted"),
+    }
+}

@@ -1,0 +1,408 @@
+// Figures one can look into: drag to zoom, shift-drag to pan, double-click to reset, panels in step,
+// values under the cursor. The data lie beside each figure as JSON; nothing is loaded. Without
+// scripting the printed picture stays in place.
+"use strict";
+(() => {
+  const MARGIN = { top: 6, right: 22, bottom: 24 };
+  const FONT = "Inter, system-ui, sans-serif";
+  const SUPERSCRIPT = "⁰¹²³⁴⁵⁶⁷⁸⁹";
+
+  // ---- numbers ---------------------------------------------------------------------------------
+  const superscript = (n) => (n < 0 ? "⁻" : "") + [...String(Math.abs(n))].map((d) => SUPERSCRIPT[d]).join("");
+  const minus = (text) => text.replace("-", "−");
+
+  function format(value, digits = 4) {
+    if (value === null || Number.isNaN(value)) return "–";
+    if (value === 0) return "0";
+    const [mantissa, exponent] = value.toExponential(digits - 1).split("e");
+    const power = Number(exponent);
+    if (power < -3 || power > 4) return minus(`${Number(mantissa)}`) + ` × 10${superscript(power)}`;
+    return minus(value.toFixed(Math.max(0, digits - 1 - power)));
+  }
+
+  // ---- scales ----------------------------------------------------------------------------------
+  const share = (axis, [a, b], v) => axis.log ? Math.log(v / a) / Math.log(b / a) : (v - a) / (b - a);
+  const value = (axis, [a, b], s) => axis.log ? a * Math.pow(b / a, s) : a + s * (b - a);
+
+  function ticks(axis, [a, b], count) {
+    if (axis.log && b / a >= 10) return logTicks(a, b, count);
+    const rough = (b - a) / Math.max(1, count);
+    const power = Math.pow(10, Math.floor(Math.log10(rough)));
+    const step = [1, 2, 2.5, 5, 10].find((n) => n * power >= rough * 0.999999) * power;
+    const size = Math.floor(Math.log10(Math.max(Math.abs(a), Math.abs(b)) * (1 + 1e-9)));
+    const exponent = size < -3 || size > 4 ? 3 * Math.floor(size / 3) : 0;
+    const magnitude = Math.floor(Math.log10(step) + 1e-9);
+    const half = Math.abs(step / Math.pow(10, magnitude) - 2.5) < 1e-6 ? 1 : 0;
+    const decimals = Math.min(15, Math.max(0, exponent - magnitude + half));
+    const list = [];
+    for (let i = Math.ceil(a / step - 1e-6); i <= Math.floor(b / step + 1e-6) && list.length < 100; i++) {
+      const shown = (i * step / Math.pow(10, exponent)).toFixed(decimals);
+      list.push({ at: i * step, label: minus(Number(shown) === 0 ? shown.replace("-", "") : shown) });
+    }
+    return { list, exponent };
+  }
+
+  function logTicks(a, b, count) {
+    const [from, to] = [Math.ceil(Math.log10(a) - 1e-6), Math.floor(Math.log10(b) + 1e-6)];
+    const stride = Math.max(1, Math.ceil((to - from + 1) / count));
+    const plain = from >= -3 && to <= 4;
+    const list = [];
+    for (let e = from; e <= to; e++) {
+      if (e % stride !== 0) continue;
+      const label = plain ? String(Number(Math.pow(10, e).toPrecision(1))) : "10" + superscript(e);
+      list.push({ at: Math.pow(10, e), label });
+    }
+    return { list, exponent: 0 };
+  }
+
+  function axisLabel(axis, exponent) {
+    const unit = [exponent ? "10" + superscript(exponent) : "", axis.unit].filter(Boolean).join("\u2009");
+    return unit ? `${axis.label} [${unit}]`.trim() : axis.label;
+  }
+
+  // ---- building the figure ---------------------------------------------------------------------
+  function element(tag, className, text = "") {
+    const made = document.createElement(tag);
+    made.className = className;
+    made.textContent = text;
+    return made;
+  }
+
+  function build(figure) {
+    const data = JSON.parse(figure.querySelector("script[type='application/json']").textContent);
+    const plot = figure.querySelector(".plot");
+    plot.style.gridTemplateColumns = `repeat(${Math.min(data.columns, data.panels.length)}, minmax(0, 1fr))`;
+    const state = { data, shared: data.shared, cursor: null, panels: [] };
+    data.panels.forEach((panel, index) => {
+      const box = element("div", "panel");
+      if (panel.title) box.append(element("p", "panel-title", panel.title));
+      const head = element("div", "panel-head");
+      const label = element("span", "axis-label");
+      const legend = element("span", "legend");
+      head.append(label, legend);
+      const canvas = document.createElement("canvas");
+      canvas.tabIndex = 0;
+      canvas.setAttribute("role", "img");
+      canvas.setAttribute("aria-label", `${axisLabel(panel.y, 0)} over ${axisLabel(panel.x, 0)}`);
+      canvas.style.height = `${panel.height}px`;
+      box.append(head, canvas);
+      plot.append(box);
+      const below = index + data.columns >= data.panels.length || !data.shared;
+      const view = { panel, canvas, label, keys: [], x: [...panel.x.range], y: [...panel.y.range], below };
+      panel.layers.forEach((layer) => {
+        layer.xs = data.xs[layer.x] || [];
+        layer.sorted = layer.xs.every((v, i) => i === 0 || v >= layer.xs[i - 1]);
+        if (layer.label) view.keys.push(legendKey(legend, layer));
+      });
+      state.panels.push(view);
+      listen(state, view);
+    });
+    const tools = element("p", "tools");
+    const reset = element("button", "reset", "Reset view");
+    reset.type = "button";
+    reset.addEventListener("click", () => resetView(state));
+    tools.append(reset, element("span", "", "Drag to zoom, shift-drag to pan, ctrl-wheel to zoom, double-click to reset."));
+    plot.after(tools);
+    figure.classList.add("live");
+    const redraw = () => draw(state);
+    new ResizeObserver(redraw).observe(plot);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
+    document.fonts.ready.then(redraw);
+    redraw();
+  }
+
+  function legendKey(legend, layer) {
+    const key = element("span", "key");
+    const sample = element("i", `sample ${layer.kind} ${layer.dash || ""}`);
+    sample.style.color = `var(${layer.color})`;
+    const reading = element("output", "");
+    key.append(sample, layer.label, reading);
+    legend.append(key);
+    return { layer, reading };
+  }
+
+  // ---- zooming ---------------------------------------------------------------------------------
+  function partners(state, view) {
+    return state.shared ? state.panels : [view];
+  }
+
+  function setX(state, view, range) {
+    const [a, b] = range;
+    const far = 1e-9 * Math.max(Math.abs(a), Math.abs(b));
+    if (!(b - a > far) || !Number.isFinite(b - a)) return;
+    partners(state, view).forEach((other) => { other.x = [a, b]; });
+  }
+
+  function resetView(state) {
+    state.panels.forEach((view) => {
+      view.x = [...view.panel.x.range];
+      view.y = [...view.panel.y.range];
+    });
+    draw(state);
+  }
+
+  function zoomAbout(state, view, s, factor) {
+    const at = (t) => value(view.panel.x, view.x, t);
+    setX(state, view, [at(s - s * factor), at(s + (1 - s) * factor)]);
+    draw(state);
+  }
+
+  function pan(state, view, start, dx, dy) {
+    const moved = (axis, range, by) => [value(axis, range, by), value(axis, range, 1 + by)];
+    setX(state, view, moved(view.panel.x, start.x, -dx));
+    view.y = moved(view.panel.y, start.y, dy);
+    draw(state);
+  }
+
+  function listen(state, view) {
+    const { canvas } = view;
+    let drag = null;
+    const place = (event) => {
+      const box = canvas.getBoundingClientRect();
+      const area = view.area;
+      return {
+        x: Math.min(1, Math.max(0, (event.clientX - box.left - area.left) / area.width)),
+        y: Math.min(1, Math.max(0, (event.clientY - box.top - area.top) / area.height)),
+      };
+    };
+    canvas.addEventListener("pointerdown", (event) => {
+      if (event.button !== 0) return;
+      canvas.setPointerCapture(event.pointerId);
+      drag = { from: place(event), pan: event.shiftKey, x: view.x, y: view.y };
+    });
+    canvas.addEventListener("pointermove", (event) => {
+      const to = place(event);
+      state.cursor = { view, ...to };
+      if (drag && drag.pan) return pan(state, view, drag, to.x - drag.from.x, to.y - drag.from.y);
+      view.box = drag ? { from: drag.from, to } : null;
+      draw(state);
+    });
+    canvas.addEventListener("pointerup", (event) => {
+      const zoom = drag && !drag.pan;
+      const from = drag && drag.from;
+      drag = null;
+      view.box = null;
+      if (zoom) zoomTo(state, view, from, place(event));
+      draw(state);
+    });
+    canvas.addEventListener("pointercancel", () => { drag = view.box = null; draw(state); });
+    canvas.addEventListener("pointerleave", () => { state.cursor = null; draw(state); });
+    canvas.addEventListener("dblclick", () => resetView(state));
+    canvas.addEventListener("wheel", (event) => {
+      // a bare wheel scrolls the page
+      if (!event.ctrlKey && !event.shiftKey) return;
+      event.preventDefault();
+      zoomAbout(state, view, place(event).x, (event.deltaY || event.deltaX) > 0 ? 1.25 : 0.8);
+    }, { passive: false });
+    canvas.addEventListener("keydown", (event) => {
+      const keys = {
+        "+": () => zoomAbout(state, view, 0.5, 0.8),
+        "-": () => zoomAbout(state, view, 0.5, 1.25),
+        ArrowLeft: () => pan(state, view, view, 0.1, 0),
+        ArrowRight: () => pan(state, view, view, -0.1, 0),
+        Escape: () => resetView(state),
+      };
+      if (!keys[event.key]) return;
+      event.preventDefault();
+      keys[event.key]();
+    });
+  }
+
+  // A flat drag takes a range of x, a high one also a range of y.
+  function zoomTo(state, view, from, to) {
+    const { width, height } = view.area;
+    const { x, y } = view.panel;
+    const sorted = (a, b) => (a < b ? [a, b] : [b, a]);
+    const [left, right] = sorted(from.x, to.x);
+    const [top, bottom] = sorted(from.y, to.y);
+    if ((right - left) * width < 4) return;
+    const high = (bottom - top) * height > 24;
+    if (high) view.y = [value(y, view.y, 1 - bottom), value(y, view.y, 1 - top)];
+    setX(state, view, [value(x, view.x, left), value(x, view.x, right)]);
+  }
+
+  // ---- drawing ---------------------------------------------------------------------------------
+  function draw(state) {
+    const style = getComputedStyle(document.documentElement);
+    const color = (name) => style.getPropertyValue(name).trim();
+    const prepared = state.panels.map((view) => {
+      const context = view.canvas.getContext("2d");
+      context.font = `11.5px ${FONT}`;
+      const plotHeight = view.panel.height - MARGIN.top - MARGIN.bottom - (view.below ? 20 : 0);
+      const y = ticks(view.panel.y, view.y, Math.min(10, Math.max(2, plotHeight / 42)));
+      const width = Math.max(...y.list.map((tick) => context.measureText(tick.label).width), 10);
+      return { view, context, y, plotHeight, left: width + 9 };
+    });
+    // aligned left axes; side by side each column would only lose room, so all share the widest
+    const left = Math.max(...prepared.map((panel) => panel.left));
+    prepared.forEach((panel) => drawPanel(state, { ...panel, left, color }));
+  }
+
+  function drawPanel(state, { view, context, y, plotHeight, left, color }) {
+    const { canvas, panel } = view;
+    const ratio = window.devicePixelRatio || 1;
+    const width = canvas.clientWidth;
+    canvas.width = Math.round(width * ratio);
+    canvas.height = Math.round(panel.height * ratio);
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    context.font = `11.5px ${FONT}`;
+    const area = { left, top: MARGIN.top, width: Math.max(20, width - left - MARGIN.right), height: plotHeight };
+    view.area = area;
+    const px = (v) => area.left + clamp(share(panel.x, view.x, v)) * area.width;
+    const py = (v) => area.top + (1 - clamp(share(panel.y, view.y, v))) * area.height;
+    const x = ticks(panel.x, view.x, Math.max(1, area.width / 80));
+    view.label.textContent = axisLabel(panel.y, y.exponent);
+    context.lineWidth = 1;
+    context.textBaseline = "middle";
+    context.textAlign = "right";
+    for (const tick of y.list) {
+      segment(context, color("--grid"), area.left, py(tick.at), area.left + area.width, py(tick.at));
+      context.fillStyle = color("--muted");
+      context.fillText(tick.label, area.left - 7, py(tick.at));
+    }
+    context.save();
+    context.beginPath();
+    context.rect(area.left, area.top - 1, area.width, area.height + 2);
+    context.clip();
+    for (const layer of panel.layers) drawLayer(context, layer, px, py, area, color);
+    drawCursor(context, state, view, area, color);
+    context.restore();
+    const foot = area.top + area.height;
+    segment(context, color("--axis"), area.left, foot, area.left + area.width, foot);
+    context.textAlign = "center";
+    context.textBaseline = "top";
+    for (const tick of x.list) {
+      segment(context, color("--axis"), px(tick.at), foot, px(tick.at), foot + 4.5);
+      context.fillStyle = color("--muted");
+      if (view.below) context.fillText(tick.label, px(tick.at), foot + 8);
+    }
+    context.fillStyle = color("--ink");
+    context.font = `12px ${FONT}`;
+    if (view.below) context.fillText(axisLabel(panel.x, x.exponent), area.left + area.width / 2, foot + 27);
+    readOut(state, view);
+  }
+
+  // canvas coordinates beyond this are cut off by some browsers
+  const clamp = (s) => Math.min(1e4, Math.max(-1e4, s));
+
+  function segment(context, style, x1, y1, x2, y2) {
+    context.strokeStyle = style;
+    context.beginPath();
+    context.moveTo(x1, y1);
+    context.lineTo(x2, y2);
+    context.stroke();
+  }
+
+  function drawLayer(context, layer, px, py, area, color) {
+    context.strokeStyle = context.fillStyle = color(layer.color);
+    context.lineWidth = layer.width || 1.5;
+    context.lineJoin = "round";
+    context.setLineDash({ dashed: [6, 4], dotted: [1.5, 3] }[layer.dash] || []);
+    const [right, foot] = [area.left + area.width, area.top + area.height];
+    const kinds = {
+      line: () => { trace(context, layer.xs, layer.y, px, py); context.stroke(); },
+      dots: () => {
+        context.globalAlpha = layer.alpha;
+        layer.xs.forEach((x, i) => {
+          if (x === null || layer.y[i] === null) return;
+          context.beginPath();
+          context.arc(px(x), py(layer.y[i]), layer.radius, 0, 7);
+          context.fill();
+        });
+      },
+      band: () => {
+        context.globalAlpha = layer.alpha;
+        context.beginPath();
+        const whole = layer.xs.map((_, i) => i).filter((i) => layer.low[i] !== null && layer.high[i] !== null);
+        whole.forEach((i) => context.lineTo(px(layer.xs[i]), py(layer.high[i])));
+        whole.reverse().forEach((i) => context.lineTo(px(layer.xs[i]), py(layer.low[i])));
+        context.fill();
+      },
+      shade: () => {
+        context.globalAlpha = layer.alpha;
+        layer.ranges.forEach(([a, b]) => context.fillRect(px(a), area.top, px(b) - px(a), area.height));
+      },
+      hline: () => segment(context, color(layer.color), area.left, py(layer.at), right, py(layer.at)),
+      vline: () => segment(context, color(layer.color), px(layer.at), area.top, px(layer.at), foot),
+      bars: () => layer.xs.forEach((x, i) => {
+        segment(context, color(layer.color), px(x), py(layer.low[i]), px(x), py(layer.high[i]));
+        context.beginPath();
+        context.arc(px(x), py(layer.y[i]), 3.2, 0, 7);
+        context.fill();
+      }),
+      text: () => {
+        context.textAlign = "left";
+        context.textBaseline = "alphabetic";
+        context.font = `12px ${FONT}`;
+        context.fillText(layer.text, px(layer.at[0]), py(layer.at[1]));
+      },
+    };
+    kinds[layer.kind]();
+    context.globalAlpha = 1;
+    context.setLineDash([]);
+  }
+
+  function trace(context, xs, ys, px, py) {
+    context.beginPath();
+    let broken = true;
+    xs.forEach((x, i) => {
+      if (x === null || ys[i] === null) { broken = true; return; }
+      if (broken) context.moveTo(px(x), py(ys[i])); else context.lineTo(px(x), py(ys[i]));
+      broken = false;
+    });
+  }
+
+  function drawCursor(context, state, view, area, color) {
+    const { cursor } = state;
+    if (cursor && (cursor.view === view || state.shared)) {
+      context.globalAlpha = 0.6;
+      const x = area.left + cursor.x * area.width;
+      segment(context, color("--muted"), x, area.top, x, area.top + area.height);
+      context.globalAlpha = 1;
+    }
+    if (!view.box) return;
+    const { from, to } = view.box;
+    const high = Math.abs(to.y - from.y) * area.height > 24;
+    context.fillStyle = color("--muted");
+    context.globalAlpha = 0.25;
+    context.fillRect(
+      area.left + from.x * area.width,
+      high ? area.top + from.y * area.height : area.top,
+      (to.x - from.x) * area.width,
+      high ? (to.y - from.y) * area.height : area.height,
+    );
+    context.globalAlpha = 1;
+  }
+
+  // Values of the nearest samples beside the legend, the place of the cursor beside the axis label.
+  function readOut(state, view) {
+    const { cursor } = state;
+    const here = cursor && (cursor.view === view || state.shared);
+    const at = here ? value(view.panel.x, view.x, cursor.x) : null;
+    for (const { layer, reading } of view.keys) {
+      const readable = here && layer.y && layer.sorted;
+      const index = readable ? nearest(layer.xs, at) : -1;
+      reading.textContent = index < 0 ? "" : format(layer.y[index]);
+    }
+    if (cursor && cursor.view === view) {
+      const height = value(view.panel.y, view.y, 1 - cursor.y);
+      view.label.textContent += `   (${format(at)}, ${format(height)})`;
+    }
+  }
+
+  function nearest(xs, at) {
+    let [low, high] = [0, xs.length - 1];
+    while (high - low > 1) {
+      const middle = (low + high) >> 1;
+      if (xs[middle] <= at) low = middle; else high = middle;
+    }
+    return high < 0 || Math.abs(xs[low] - at) <= Math.abs(xs[high] - at) ? Math.min(low, high) : high;
+  }
+
+  for (const figure of document.querySelectorAll("figure[data-interactive]")) build(figure);
+  // the picture is embedded once: the link takes it from the image
+  for (const link of document.querySelectorAll("a[data-picture]")) {
+    link.href = link.closest("figure").querySelector(".picture img").src;
+    link.hidden = false;
+  }
+})();

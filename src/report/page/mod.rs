@@ -1,0 +1,264 @@
+//! Sections as one self-contained HTML file: nothing is loaded from anywhere, and a content
+//! security policy says so to the browser.
+
+mod blocks;
+mod data;
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD as BASE64;
+use maud::{DOCTYPE, PreEscaped, html};
+use rayon::prelude::*;
+use sha2::{Digest, Sha256};
+
+use super::ReportError;
+use super::block::Block;
+use super::figure::Figure;
+use super::fonts::{FAMILY, REGULAR, SEMI_BOLD};
+use super::palette::{AXIS, DARK_PARTNERS, GRID, INK, MUTED, Rgb, Role, SURFACE, css_variable};
+use super::plot::{Purpose, draw};
+use super::raster::figure_to_png;
+
+const INTERACTIVE: &str = include_str!("interactive.js");
+const SORT: &str = include_str!("sort.js");
+const STYLE: &str = include_str!("style.css");
+
+/// What a page says.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct PageContent {
+    /// Heading and window title.
+    pub title: String,
+    /// One line of provenance: file, date, program version.
+    pub subtitle: String,
+    /// The sections, in order.
+    pub sections: Vec<SectionContent>,
+    /// Closing remarks; line breaks are kept.
+    pub footer: String,
+}
+
+/// One section of a page.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct SectionContent {
+    /// Anchor.
+    pub id: String,
+    /// Heading and entry in the navigation.
+    pub title: String,
+    /// What it is made of.
+    pub blocks: Vec<Block>,
+}
+
+/// A page and the pictures on it, each drawn once.
+#[derive(Clone, Debug)]
+pub struct Page {
+    /// The file.
+    pub html: String,
+    /// The figures as PNG, in the order of the page.
+    pub pictures: Vec<Picture>,
+}
+
+/// A figure as PNG.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// File name without extension; unique on the page.
+    pub file_stem: String,
+    /// The bytes of the file.
+    pub png: Vec<u8>,
+}
+
+/// A figure drawn for the page.
+struct Drawn<'a> {
+    figure: &'a Figure,
+    file_stem: String,
+    /// Drawing that follows the page's colours; only where the figure stays a picture.
+    svg: Option<String>,
+    png: Vec<u8>,
+    data: Option<String>,
+}
+
+/// Writes the page. Where the pictures are wanted as files too, [`render_page`] returns both.
+///
+/// # Errors
+/// [`ReportError`] if a figure cannot be drawn.
+///
+/// # Examples
+/// ```
+/// use amigo_ident::report::{PageContent, SectionContent, block::Block, page};
+/// let section = SectionContent {
+///     id: "result".into(),
+///     title: "Result".into(),
+///     blocks: vec![Block::paragraph("1 < 2")],
+/// };
+/// let content = PageContent { title: "Run 1".into(), sections: vec![section], ..Default::default() };
+/// assert!(page(&content)?.contains("1 &lt; 2"));
+/// # Ok::<(), amigo_ident::report::ReportError>(())
+/// ```
+pub fn page(content: &PageContent) -> Result<String, ReportError> {
+    Ok(render_page(content)?.html)
+}
+
+/// Writes the page and returns its figures as PNG beside it.
+///
+/// # Errors
+/// [`ReportError`] if a figure cannot be drawn.
+pub fn render_page(content: &PageContent) -> Result<Page, ReportError> {
+    let drawn = draw_figures(content)?;
+    let html = write(content, &drawn);
+    let pictures = drawn.into_iter().map(|d| Picture { file_stem: d.file_stem, png: d.png });
+    Ok(Page { html, pictures: pictures.collect() })
+}
+
+fn draw_figures(content: &PageContent) -> Result<Vec<Drawn<'_>>, ReportError> {
+    let figures =
+        content.sections.iter().flat_map(|section| &section.blocks).filter_map(
+            |block| match block {
+                Block::Figure(figure) => Some(figure.as_ref()),
+                _ => None,
+            },
+        );
+    let mut named: Vec<(&Figure, String)> = Vec::new();
+    for figure in figures {
+        let stem = unique(figure.file_stem(), |stem| named.iter().all(|(_, taken)| taken != stem));
+        named.push((figure, stem));
+    }
+    named
+        .into_par_iter()
+        .map(|(figure, file_stem)| {
+            let png = figure_to_png(figure)?;
+            let interactive = figure.is_interactive();
+            let svg = if interactive { None } else { Some(draw(figure, Purpose::Inline)?) };
+            let data = if interactive { Some(data::json(figure)?) } else { None };
+            Ok(Drawn { figure, file_stem, svg, png, data })
+        })
+        .collect()
+}
+
+/// The name, numbered from 2 on where it is taken.
+fn unique(name: String, is_free: impl Fn(&str) -> bool) -> String {
+    if is_free(&name) {
+        return name;
+    }
+    let numbered = (2..).map(|n: usize| format!("{name}-{n}"));
+    numbered.into_iter().find(|name| is_free(name)).unwrap_or(name)
+}
+
+fn write(content: &PageContent, drawn: &[Drawn<'_>]) -> String {
+    let ids = section_ids(content);
+    let mut writer = blocks::Writer::new(drawn);
+    let sections: Vec<_> = content.sections.iter().map(|s| writer.blocks(&s.blocks)).collect();
+    let style = format!("{}{}{STYLE}", font_faces(), colors());
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta http-equiv="Content-Security-Policy" content=(policy());
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                title { (content.title) }
+                style { (PreEscaped(style)) }
+            }
+            body {
+                div.layout {
+                    nav aria-label="Sections" {
+                        ol {
+                            @for (section, id) in content.sections.iter().zip(&ids) {
+                                li { a href={ "#" (id) } { (section.title) } }
+                            }
+                        }
+                    }
+                    main {
+                        header {
+                            h1 { (content.title) }
+                            p.provenance { (content.subtitle) }
+                        }
+                        @for ((section, id), blocks) in content.sections.iter().zip(&ids).zip(&sections) {
+                            section id=(id) {
+                                h2 { (section.title) }
+                                (blocks)
+                            }
+                        }
+                        @if !content.footer.is_empty() { footer { (content.footer) } }
+                    }
+                }
+                script { (PreEscaped(SORT)) }
+                script { (PreEscaped(INTERACTIVE)) }
+            }
+        }
+    }
+    .into_string()
+}
+
+/// Anchors without spaces, unique on the page; figures have a prefix of their own.
+fn section_ids(content: &PageContent) -> Vec<String> {
+    let mut ids: Vec<String> = Vec::new();
+    for section in &content.sections {
+        let keep = |c: char| if c.is_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
+        let id: String = section.id.chars().map(keep).collect();
+        let id = if id.is_empty() { "section".to_owned() } else { id };
+        ids.push(unique(format!("s-{id}"), |id| ids.iter().all(|taken| taken != id)));
+    }
+    ids
+}
+
+/// Nothing is loaded; only our two scripts run, named by their hashes.
+fn policy() -> String {
+    let hash = |script: &str| format!("'sha256-{}'", BASE64.encode(Sha256::digest(script)));
+    format!(
+        "default-src 'none'; img-src data:; font-src data:; style-src 'unsafe-inline'; \
+         script-src {} {}; base-uri 'none'; form-action 'none'",
+        hash(SORT),
+        hash(INTERACTIVE)
+    )
+}
+
+fn font_faces() -> String {
+    let face = |bytes: &[u8], weight: &str| {
+        format!(
+            "@font-face{{font-family:{FAMILY};font-weight:{weight};\
+             src:url(data:font/ttf;base64,{})}}\n",
+            BASE64.encode(bytes)
+        )
+    };
+    face(REGULAR, "400") + &face(SEMI_BOLD, "600 700")
+}
+
+/// The palette as custom properties, their partners in the dark, and the rules by which drawings
+/// follow them. On printed paper the light colours hold.
+fn colors() -> String {
+    let declare = |dark: bool| -> String {
+        let pick = |pair: &(Rgb, Rgb)| if dark { pair.1 } else { pair.0 };
+        let declare = |pair| format!("{}:{};", css_variable(pair_light(pair)), pick(pair).hex());
+        DARK_PARTNERS.iter().map(declare).collect()
+    };
+    let named = |name: &str, color: Rgb| format!("--{name}:var({});", css_variable(color));
+    let roles = [
+        named("ink", INK),
+        named("muted", MUTED),
+        named("axis", AXIS),
+        named("grid", GRID),
+        named("paper", SURFACE),
+        named("link", Role::Measured.color()),
+        "--good:#00734F;--notice:#8F5F00;--bad:#B23C00;--tint:#F4F6F8;--track:#D5E6F3;".to_owned(),
+    ];
+    let dark = "--good:#3CCB9F;--notice:#F2B52C;--bad:#FF8A4A;--tint:#1F252D;--track:#1F3F5A;";
+    let follow = |(light, _): &(Rgb, Rgb)| {
+        let (hex, variable) = (light.hex(), css_variable(*light));
+        format!(
+            ".picture svg [fill=\"{hex}\"]{{fill:var({variable})}}\
+             .picture svg [stroke=\"{hex}\"]{{stroke:var({variable})}}\n"
+        )
+    };
+    format!(
+        ":root{{{}{}}}\n@media screen and (prefers-color-scheme:dark){{:root{{{}{dark}}}}}\n{}",
+        declare(false),
+        roles.concat(),
+        declare(true),
+        DARK_PARTNERS.iter().map(follow).collect::<String>()
+    )
+}
+
+fn pair_light(pair: &(Rgb, Rgb)) -> Rgb {
+    pair.0
+}
+
+#[cfg(test)]
+mod tests;

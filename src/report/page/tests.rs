@@ -1,0 +1,103 @@
+use super::*;
+use crate::report::block::{Cell, Column, Table, Text, Tone};
+use crate::report::figure::{Axis, Layer, Panel};
+
+fn with_blocks(blocks: Vec<Block>) -> PageContent {
+    let section = SectionContent { id: "a b".into(), title: "<script>t".into(), blocks };
+    PageContent {
+        title: "<script>alert(1)</script>".into(),
+        subtitle: "a & b".into(),
+        sections: vec![section.clone(), section],
+        footer: "\"end\"".into(),
+    }
+}
+
+fn series(id: &str) -> Figure {
+    let points = (0..50_000).map(|i| (f64::from(i) * 1e-3, (f64::from(i) * 0.01).sin()));
+    let panel = Panel::new(Axis::linear("</script>", "s"), Axis::linear("y", ""))
+        .with(Layer::line(points.collect(), "</script><b>", Role::Model));
+    Figure::new(id, "<img onerror=1>").with_panel(panel).interactive()
+}
+
+#[test]
+fn every_text_is_escaped_and_only_our_scripts_stand_on_the_page() {
+    let evil = "<script>x</script>&\"'";
+    let mut table = Table::new(evil, vec![Column::number(evil, evil)]);
+    table.push(vec![Cell::text(evil).tone(Tone::Bad).bar(0.5), Cell::text("surplus")]);
+    table.push(vec![]);
+    let mut still = series("still");
+    still.interactive = false;
+    let html = page(&with_blocks(vec![
+        Block::Heading(evil.into()),
+        Block::paragraph(Text::from(evil).strong(evil).code(evil)),
+        Block::verdict(Tone::Notice, evil, evil),
+        Block::HowToRead(evil.into()),
+        Block::Equation(evil.into()),
+        Block::Code(evil.into()),
+        Block::list([evil]),
+        table.into(),
+        series("live").into(),
+        still.into(),
+    ]))
+    .unwrap();
+    // two scripts of ours at the end and one data block per live figure and section
+    assert_eq!(html.matches("<script").count(), 4);
+    assert_eq!(html.matches("</script>").count(), 4);
+    assert!(!html.contains("<img onerror") && !html.contains("<b>\""));
+    assert!(html.contains("\\u003c/script>"));
+    assert!(
+        !html.contains("http://") || html.matches("http://").all(|_| html.contains("www.w3.org"))
+    );
+}
+
+#[test]
+fn the_policy_names_the_hashes_of_the_scripts_as_written() {
+    let html = page(&PageContent::default()).unwrap();
+    for (i, script) in [SORT, INTERACTIVE].into_iter().enumerate() {
+        let written = html.split("<script>").nth(i + 1).unwrap();
+        let written = written.split("</script>").next().unwrap();
+        assert_eq!(written, script);
+        assert!(html.contains(&format!("sha256-{}", BASE64.encode(Sha256::digest(written)))));
+    }
+    assert!(html.contains("default-src 'none'"));
+}
+
+#[test]
+fn figures_are_drawn_once_named_apart_and_returned() {
+    let page = render_page(&with_blocks(vec![series("run").into()])).unwrap();
+    let stems: Vec<&str> = page.pictures.iter().map(|p| p.file_stem.as_str()).collect();
+    assert_eq!(stems, ["run", "run-2"]);
+    assert!(page.pictures.iter().all(|p| p.png.starts_with(b"\x89PNG")));
+    assert!(page.html.contains("id=\"s-a-b\"") && page.html.contains("id=\"s-a-b-2\""));
+    // 50 000 samples must not make a heavy page: two copies, each below 250 kB of data and picture
+    assert!(page.html.len() < 900_000, "{} bytes", page.html.len());
+}
+
+#[test]
+fn embedded_data_are_valid_json_with_gaps_as_null() {
+    let points = vec![(0.0, 1.0), (1.0, f64::NAN), (2.0, 3.0), (3.0, f64::INFINITY)];
+    let panel = Panel::new(Axis::linear("t", "s"), Axis::linear("y", ""))
+        .with(Layer::line(points.clone(), "a", Role::Model))
+        .with(Layer::points(points, "b", Role::Measured))
+        .with(Layer::hline(f64::NAN, "c", Role::Ink))
+        .with(Layer::Band {
+            x: vec![0.0, 1.0],
+            lower: vec![f64::NEG_INFINITY, f64::NAN],
+            upper: vec![2.0, 2.0],
+            label: String::new(),
+            role: Role::NoiseFloor,
+        });
+    let text = data::json(&Figure::new("f", "").with_panel(panel)).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let layers = &json["panels"][0]["layers"];
+    assert_eq!(layers[1]["y"], serde_json::json!([1.0, null, 3.0]));
+    assert_eq!(json["xs"][1], serde_json::json!([0.0, null, 2.0]));
+    assert!(layers[0]["low"][0].as_f64().unwrap() < -1000.0);
+    assert!(layers[0]["low"][1].is_null());
+}
+
+#[test]
+fn the_same_content_gives_the_same_bytes() {
+    let content = with_blocks(vec![series("run").into()]);
+    assert_eq!(page(&content).unwrap(), page(&content).unwrap());
+}

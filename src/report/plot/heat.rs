@@ -1,0 +1,110 @@
+//! Heat maps and their colour bar.
+
+use crate::report::ReportError;
+use crate::report::figure::{Axis, AxisScale, ColorMap, HeatMap};
+use crate::report::palette::{AXIS, CELL_EMPTY, MUTED, Rgb, diverging, sequential, text_on};
+use crate::report::polyline::Rect;
+use crate::report::scale::Scale;
+
+use super::canvas::Canvas;
+use super::pen::{Anchor, Pen, TICK_LABEL};
+use super::plan::Frame;
+
+/// Room to the right of the plot for the colour bar and its labels [px].
+pub(super) const BAR_ROOM: f64 = 82.0;
+/// Anti-aliasing would show the seams between cells that only touch.
+const OVERLAP: f64 = 0.25;
+
+/// What the colour shows.
+pub(super) fn label(map: &HeatMap) -> String {
+    let axis = Axis::linear(map.label.clone(), map.unit.clone());
+    scale(map).ticks(5.0).axis_label(&axis)
+}
+
+fn scale(map: &HeatMap) -> Scale {
+    let axis = Axis { range: map.range, ..Axis::default() };
+    let values = || map.values.iter().flatten().copied().filter(|v| v.is_finite());
+    if map.colors == ColorMap::Sequential {
+        return Scale::new(&axis, values(), 0.0);
+    }
+    let given = map.range.map(|(a, b)| a.abs().max(b.abs()));
+    let largest = given.unwrap_or_else(|| values().fold(0.0, |most: f64, v| most.max(v.abs())));
+    let largest = if largest.is_finite() && largest > 0.0 { largest.min(1e300) } else { 1.0 };
+    Scale { kind: AxisScale::Linear, first: -largest, last: largest }
+}
+
+fn color(map: &HeatMap, share: f64) -> Rgb {
+    match map.colors {
+        ColorMap::Diverging => diverging(2.0 * share - 1.0),
+        ColorMap::Sequential => sequential(share),
+    }
+}
+
+pub(super) fn draw(canvas: &Canvas<'_>, map: &HeatMap, frame: &Frame) -> Result<(), ReportError> {
+    let scale = scale(map);
+    for row in 0..map.rows.len() {
+        for column in 0..map.columns.len() {
+            let value = map.values.get(row).and_then(|values| values.get(column));
+            let text = map.text.get(row).and_then(|texts| texts.get(column));
+            let rect = Rect {
+                left: frame.x(column as f64),
+                right: frame.x(column as f64 + 1.0),
+                top: frame.y(row as f64),
+                bottom: frame.y(row as f64 + 1.0),
+            };
+            let value = value.copied().unwrap_or(f64::NAN);
+            cell(canvas, map, rect, scale.share(value), text.map_or("", String::as_str))?;
+        }
+    }
+    color_bar(canvas, map, &scale, frame)
+}
+
+fn cell(
+    canvas: &Canvas<'_>,
+    map: &HeatMap,
+    rect: Rect,
+    share: f64,
+    text: &str,
+) -> Result<(), ReportError> {
+    let fill = if share.is_nan() { CELL_EMPTY } else { color(map, share) };
+    let covered = Rect { right: rect.right + OVERLAP, bottom: rect.bottom + OVERLAP, ..rect };
+    canvas.rectangle(covered, fill, 1.0)?;
+    let size = (0.42 * rect.height()).clamp(8.0, 12.0);
+    let pen = Pen::new(size, text_on(fill));
+    if pen.width(text) + 4.0 > rect.width() || size + 2.0 > rect.height() {
+        return Ok(());
+    }
+    let middle = ((rect.left + rect.right) / 2.0, (rect.top + rect.bottom) / 2.0);
+    canvas.text(text, (middle.0, middle.1 + pen.half_capital()), Anchor::Middle, pen)
+}
+
+fn color_bar(
+    canvas: &Canvas<'_>,
+    map: &HeatMap,
+    scale: &Scale,
+    frame: &Frame,
+) -> Result<(), ReportError> {
+    const STEPS: usize = 64;
+    let height = frame.rect.height().min(220.0);
+    let bar = Rect {
+        left: frame.rect.right + 16.0,
+        right: frame.rect.right + 28.0,
+        top: frame.rect.top,
+        bottom: frame.rect.top + height,
+    };
+    let step = height / STEPS as f64;
+    for i in 0..STEPS {
+        let top = bar.top + i as f64 * step;
+        let overlap = if i + 1 < STEPS { OVERLAP } else { 0.0 };
+        let slice = Rect { top, bottom: top + step + overlap, ..bar };
+        canvas.rectangle(slice, color(map, 1.0 - (i as f64 + 0.5) / STEPS as f64), 1.0)?;
+    }
+    let ticks = scale.ticks((height / 40.0).clamp(2.0, 6.0));
+    for tick in ticks.ticks {
+        let y = bar.bottom - scale.share(tick.at) * height;
+        canvas.line(&[(bar.right, y), (bar.right + 4.0, y)], AXIS, 1.0, 1.0)?;
+        let at = (bar.right + 7.0, y + TICK_LABEL.half_capital());
+        canvas.text(&tick.label, at, Anchor::Start, TICK_LABEL.with_color(MUTED))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,198 @@
+//! Lines, dots, bands, shades, whiskers and remarks.
+
+use crate::report::ReportError;
+use crate::report::figure::{Dash, ErrorBar, Layer};
+use crate::report::palette::{Rgb, Role, SURFACE};
+use crate::report::polyline::{
+    Point, Rect, clip_line, clip_polygon, dashes, decimate, runs, thin_dots,
+};
+
+use super::canvas::Canvas;
+use super::pen::{Anchor, LEGEND};
+use super::plan::Frame;
+
+/// Opacity of bands.
+pub(in crate::report) const BAND: f64 = 0.25;
+/// Opacity of shaded ranges.
+pub(in crate::report) const SHADE: f64 = 0.2;
+
+/// Shades lie lowest, bands above them, everything else above both in the given order.
+pub(super) fn draw(
+    canvas: &Canvas<'_>,
+    layers: &[Layer],
+    frame: &Frame,
+) -> Result<(), ReportError> {
+    let mut ordered: Vec<&Layer> = layers.iter().collect();
+    ordered.sort_by_key(|layer| layer.height());
+    ordered.into_iter().try_for_each(|layer| draw_layer(canvas, layer, frame))
+}
+
+fn draw_layer(canvas: &Canvas<'_>, layer: &Layer, frame: &Frame) -> Result<(), ReportError> {
+    let rect = frame.rect;
+    match layer {
+        Layer::Line { points, role, width, dash, .. } => {
+            polyline(canvas, points, frame, role.color(), *width, *dash)
+        }
+        Layer::Points { points, role, radius, alpha, .. } => {
+            let places: Vec<Point> =
+                points.iter().map(|p| frame.at(*p)).filter(|p| rect.contains(*p)).collect();
+            let thinned = if places.len() > 4000 { thin_dots(&places, 1.0) } else { places };
+            thinned.iter().try_for_each(|place| canvas.dot(*place, *radius, role.color(), *alpha))
+        }
+        Layer::Band { x, lower, upper, role, .. } => band(canvas, (x, lower, upper), frame, *role),
+        Layer::Bars(bars) => super::bars::draw(canvas, bars, frame),
+        Layer::HeatMap(map) => super::heat::draw(canvas, map, frame),
+        Layer::HLine { at, role, dash, .. } => {
+            let y = frame.y(*at);
+            let line = [(rect.left, y), (rect.right, y)];
+            inside(y, rect.top, rect.bottom, || stroke(canvas, &line, role.color(), 1.5, *dash))
+        }
+        Layer::VLine { at, role, dash, .. } => {
+            let x = frame.x(*at);
+            let line = [(x, rect.top), (x, rect.bottom)];
+            inside(x, rect.left, rect.right, || stroke(canvas, &line, role.color(), 1.5, *dash))
+        }
+        Layer::Shade { ranges, role, .. } => ranges.iter().try_for_each(|(from, to)| {
+            let left = frame.x(from.min(*to)).max(rect.left);
+            let right = frame.x(from.max(*to)).min(rect.right);
+            let area = Rect { left, right, ..rect };
+            if left < right { canvas.rectangle(area, role.color(), SHADE) } else { Ok(()) }
+        }),
+        Layer::ErrorBars { points, role, .. } => {
+            points.iter().try_for_each(|point| whisker(canvas, point, frame, role.color()))
+        }
+        Layer::Text { at, text, role } => remark(canvas, *at, text, frame, *role),
+    }
+}
+
+fn inside(
+    place: f64,
+    from: f64,
+    to: f64,
+    draw: impl FnOnce() -> Result<(), ReportError>,
+) -> Result<(), ReportError> {
+    if (from..=to).contains(&place) { draw() } else { Ok(()) }
+}
+
+fn polyline(
+    canvas: &Canvas<'_>,
+    points: &[Point],
+    frame: &Frame,
+    color: Rgb,
+    width: f64,
+    dash: Dash,
+) -> Result<(), ReportError> {
+    let places: Vec<Point> = points.iter().map(|p| frame.at(*p)).collect();
+    for run in runs(&places) {
+        if let [single] = run {
+            if frame.rect.contains(*single) {
+                canvas.dot(*single, width, color, 1.0)?;
+            }
+            continue;
+        }
+        let thinned = decimate(run, 1000);
+        // a thick pen would turn a noisy line into a blot
+        let crowded = thinned.len() as f64 > 1.5 * frame.rect.width();
+        let width = if crowded { width.min(0.9) } else { width };
+        for part in clip_line(&thinned, frame.rect) {
+            stroke(canvas, &part, color, width, dash)?;
+        }
+    }
+    Ok(())
+}
+
+/// A line, unbroken or in dashes.
+pub(super) fn stroke(
+    canvas: &Canvas<'_>,
+    line: &[Point],
+    color: Rgb,
+    width: f64,
+    dash: Dash,
+) -> Result<(), ReportError> {
+    let pattern = match dash {
+        Dash::Solid => return canvas.line(line, color, width, 1.0),
+        Dash::Dashed => (3.5 * width, 2.5 * width),
+        Dash::Dotted => (width, 1.6 * width),
+    };
+    dashes(line, pattern).iter().try_for_each(|part| canvas.line(part, color, width, 1.0))
+}
+
+/// Infinite edges run to the border; a missing edge breaks the band.
+fn band(
+    canvas: &Canvas<'_>,
+    (x, lower, upper): (&[f64], &[f64], &[f64]),
+    frame: &Frame,
+    role: Role,
+) -> Result<(), ReportError> {
+    // an edge that a logarithmic axis cannot show lies below it
+    let edge = |v: f64| {
+        let place = frame.y(v);
+        if place.is_nan() && !v.is_nan() { frame.rect.bottom } else { place }
+    };
+    let columns: Vec<(f64, f64, f64)> = x
+        .iter()
+        .zip(lower.iter().zip(upper))
+        .map(|(x, (low, high))| (frame.x(*x), edge(*low), edge(*high)))
+        .collect();
+    let missing = |c: &(f64, f64, f64)| c.0.is_nan() || c.1.is_nan() || c.2.is_nan();
+    for run in columns.split(missing) {
+        let low: Vec<Point> = run.iter().map(|c| (c.0, c.1)).collect();
+        let high: Vec<Point> = run.iter().map(|c| (c.0, c.2)).collect();
+        let mut outline = decimate(&high, 500);
+        outline.extend(decimate(&low, 500).into_iter().rev());
+        canvas.polygon(&clip_polygon(&outline, frame.rect), role.color(), BAND)?;
+    }
+    Ok(())
+}
+
+fn whisker(
+    canvas: &Canvas<'_>,
+    point: &ErrorBar,
+    frame: &Frame,
+    color: Rgb,
+) -> Result<(), ReportError> {
+    const CAP: f64 = 3.5;
+    let rect = frame.rect;
+    let x = frame.x(point.x);
+    if !(rect.left..=rect.right).contains(&x) {
+        return Ok(());
+    }
+    let (low, high) = (frame.y(point.lower), frame.y(point.upper));
+    if !low.is_nan() && !high.is_nan() {
+        let ends = [(x, low), (x, high)];
+        for part in clip_line(&ends, rect) {
+            canvas.line(&part, color, 1.5, 1.0)?;
+        }
+        for (_, y) in ends {
+            let cap = [(x - CAP, y), (x + CAP, y)];
+            inside(y, rect.top, rect.bottom, || canvas.line(&cap, color, 1.5, 1.0))?;
+        }
+    }
+    let y = frame.y(point.y);
+    inside(y, rect.top, rect.bottom, || canvas.dot((x, y), 3.2, color, 1.0))
+}
+
+fn remark(
+    canvas: &Canvas<'_>,
+    at: Point,
+    text: &str,
+    frame: &Frame,
+    role: Role,
+) -> Result<(), ReportError> {
+    let (x, y) = frame.at(at);
+    if !frame.rect.contains((x, y)) {
+        return Ok(());
+    }
+    let pen = LEGEND.with_color(role.color());
+    let width = pen.width(text);
+    let x = x.min(frame.rect.right - width - 4.0).max(frame.rect.left + 4.0);
+    let y = y.max(frame.rect.top + pen.size);
+    let paper = Rect {
+        left: x - 3.0,
+        top: y - pen.size,
+        right: x + width + 3.0,
+        bottom: y + 0.35 * pen.size,
+    };
+    canvas.rectangle(paper, SURFACE, 0.8)?;
+    canvas.text(text, (x, y), Anchor::Start, pen)
+}

@@ -1,0 +1,144 @@
+//! A legend in one line, or as many as it needs, without a box.
+
+use crate::report::ReportError;
+use crate::report::figure::{Dash, Layer, Panel};
+use crate::report::palette::Role;
+use crate::report::polyline::Rect;
+
+use super::canvas::Canvas;
+use super::layers::stroke;
+use super::pen::{Anchor, LEGEND};
+
+const SWATCH: f64 = 20.0;
+const BETWEEN: f64 = 18.0;
+
+/// How a series looks in the legend.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Sample {
+    Line(Dash),
+    Dots,
+    Patch(f64),
+    Whisker,
+    /// Words only: what the colour bar shows.
+    None,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Entry {
+    pub(super) label: String,
+    pub(super) role: Role,
+    pub(super) sample: Sample,
+}
+
+impl Entry {
+    pub(super) fn width(&self) -> f64 {
+        self.swatch() + LEGEND.width(&self.label) + BETWEEN
+    }
+
+    fn swatch(&self) -> f64 {
+        if self.sample == Sample::None { 0.0 } else { SWATCH + 6.0 }
+    }
+
+    fn draw(
+        &self,
+        canvas: &Canvas<'_>,
+        x: f64,
+        baseline: f64,
+        room: f64,
+    ) -> Result<(), ReportError> {
+        let middle = baseline - LEGEND.half_capital();
+        let color = self.role.color();
+        let square = |half: f64| Rect {
+            left: x,
+            top: middle - half,
+            right: x + SWATCH,
+            bottom: middle + half,
+        };
+        match self.sample {
+            Sample::Line(dash) => {
+                stroke(canvas, &[(x, middle), (x + SWATCH, middle)], color, 2.0, dash)?;
+            }
+            Sample::Dots => {
+                for share in [0.2, 0.5, 0.8] {
+                    canvas.dot((x + share * SWATCH, middle), 2.2, color, 0.8)?;
+                }
+            }
+            Sample::Patch(alpha) => canvas.rectangle(square(5.0), color, alpha)?,
+            Sample::Whisker => {
+                canvas.line(&[(x, middle), (x + SWATCH, middle)], color, 1.5, 1.0)?;
+                canvas.dot((x + SWATCH / 2.0, middle), 3.0, color, 1.0)?;
+            }
+            Sample::None => {}
+        }
+        let label = LEGEND.shorten(&self.label, room - self.swatch());
+        canvas.text(&label, (x + self.swatch(), baseline), Anchor::Start, LEGEND)
+    }
+}
+
+/// The entries of a panel, each once.
+pub(super) fn entries(panel: &Panel) -> Vec<Entry> {
+    let mut entries: Vec<Entry> = Vec::new();
+    let mut add = |label: &str, role: Role, sample: Sample| {
+        let entry = Entry { label: label.to_owned(), role, sample };
+        if !label.is_empty() && !entries.contains(&entry) {
+            entries.push(entry);
+        }
+    };
+    for layer in &panel.layers {
+        match layer {
+            Layer::Line { label, role, dash, .. }
+            | Layer::HLine { label, role, dash, .. }
+            | Layer::VLine { label, role, dash, .. } => add(label, *role, Sample::Line(*dash)),
+            Layer::Points { label, role, .. } => add(label, *role, Sample::Dots),
+            Layer::Band { label, role, .. } => {
+                add(label, *role, Sample::Patch(super::layers::BAND))
+            }
+            Layer::Shade { label, role, .. } => {
+                add(label, *role, Sample::Patch(super::layers::SHADE));
+            }
+            Layer::ErrorBars { label, role, .. } => add(label, *role, Sample::Whisker),
+            Layer::Bars(bars) => {
+                for series in &bars.series {
+                    add(&series.label, series.role, Sample::Patch(1.0));
+                }
+            }
+            Layer::HeatMap(map) => add(&super::heat::label(map), Role::Ink, Sample::None),
+            Layer::Text { .. } => {}
+        }
+    }
+    entries
+}
+
+/// The entries broken into lines of at most the width.
+pub(super) fn lines(entries: &[Entry], width: f64) -> Vec<&[Entry]> {
+    let mut lines = Vec::new();
+    let (mut start, mut used) = (0, 0.0);
+    for (i, entry) in entries.iter().enumerate() {
+        if i > start && used + entry.width() - BETWEEN > width {
+            lines.push(&entries[start..i]);
+            (start, used) = (i, 0.0);
+        }
+        used += entry.width();
+    }
+    if start < entries.len() {
+        lines.push(&entries[start..]);
+    }
+    lines
+}
+
+/// Draws one line of entries; `x` is its left or right end.
+pub(super) fn draw_line(
+    canvas: &Canvas<'_>,
+    line: &[Entry],
+    (x, baseline): (f64, f64),
+    anchor: Anchor,
+    room: f64,
+) -> Result<(), ReportError> {
+    let total: f64 = line.iter().map(Entry::width).sum::<f64>() - BETWEEN;
+    let mut x = if anchor == Anchor::End { x - total } else { x };
+    for entry in line {
+        entry.draw(canvas, x, baseline, room)?;
+        x += entry.width();
+    }
+    Ok(())
+}

@@ -1,0 +1,213 @@
+//! A figure drawn to SVG by plotters: the only folder that knows the library.
+//!
+//! plotters writes strokes, fills and text; scales, ticks, layout and clipping are ours, because
+//! its axes clamp data to the border and cannot align panels.
+
+mod axes;
+mod bars;
+mod canvas;
+mod heat;
+mod layers;
+mod legend;
+mod pen;
+mod plan;
+
+use super::ReportError;
+use super::figure::Figure;
+use super::palette::SURFACE;
+use super::polyline::Rect;
+use super::scale::Scale;
+pub(super) use layers::{BAND as BAND_ALPHA, SHADE as SHADE_ALPHA};
+
+use canvas::Canvas;
+use pen::{Anchor, SUBTITLE, TITLE};
+use plan::{Frame, Plan};
+
+/// Where the drawing will stand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Purpose {
+    /// By itself: on white paper, with its title.
+    Standalone,
+    /// On a page that writes the title and chooses the paper.
+    Inline,
+}
+
+const MARGIN: f64 = 14.0;
+const BETWEEN_COLUMNS: f64 = 26.0;
+const BETWEEN_ROWS: f64 = 12.0;
+
+/// Draws a figure.
+///
+/// # Errors
+/// [`ReportError::Font`] and [`ReportError::Draw`] if the library refuses.
+pub(super) fn draw(figure: &Figure, purpose: Purpose) -> Result<String, ReportError> {
+    pen::register_fonts()?;
+    let width = if figure.size.width.is_finite() { figure.size.width } else { 820.0 };
+    let width = width.clamp(240.0, 4000.0).round();
+    let margin = if purpose == Purpose::Standalone { MARGIN } else { 2.0 };
+    let inner = width - 2.0 * margin;
+    let heading = Heading::new(figure, inner, purpose);
+    let mut plans = plans(figure);
+    let top = margin + heading.height();
+    let placed = place(figure, &mut plans, inner, top, margin);
+    let size = (width as u32, (placed.bottom + margin).ceil() as u32);
+
+    let mut svg = String::new();
+    {
+        let canvas = Canvas::new(&mut svg, size, &figure.id)?;
+        if purpose == Purpose::Standalone {
+            let sheet =
+                Rect { left: 0.0, top: 0.0, right: f64::from(size.0), bottom: f64::from(size.1) };
+            canvas.rectangle(sheet, SURFACE, 1.0)?;
+        }
+        heading.draw(&canvas, margin)?;
+        for (plan, frame) in plans.iter().zip(&placed.frames) {
+            axes::grid(&canvas, plan, frame)?;
+            layers::draw(&canvas, &plan.panel.layers, frame)?;
+            axes::axes(&canvas, plan, frame)?;
+            bars::value_texts(&canvas, plan.panel, frame)?;
+            axes::header(&canvas, plan, frame)?;
+        }
+        canvas.finish()?;
+    }
+    Ok(canvas::tidy(&svg, size))
+}
+
+struct Heading {
+    title: Vec<String>,
+    subtitle: Vec<String>,
+}
+
+impl Heading {
+    fn new(figure: &Figure, width: f64, purpose: Purpose) -> Self {
+        if purpose == Purpose::Inline {
+            return Self { title: Vec::new(), subtitle: Vec::new() };
+        }
+        let (title, subtitle) = (&figure.title, &figure.subtitle);
+        Self { title: TITLE.wrap(title, width), subtitle: SUBTITLE.wrap(subtitle, width) }
+    }
+
+    fn height(&self) -> f64 {
+        let lines = self.title.len() as f64 * TITLE.line_height()
+            + self.subtitle.len() as f64 * SUBTITLE.line_height();
+        if lines > 0.0 { lines + 12.0 } else { 0.0 }
+    }
+
+    fn draw(&self, canvas: &Canvas<'_>, margin: f64) -> Result<(), ReportError> {
+        let mut y = margin;
+        let titles = self.title.iter().map(|line| (line, TITLE));
+        for (line, pen) in titles.chain(self.subtitle.iter().map(|line| (line, SUBTITLE))) {
+            canvas.text(line, (margin, y + pen.size), Anchor::Start, pen)?;
+            y += pen.line_height();
+        }
+        Ok(())
+    }
+}
+
+/// Plans the panels: x ranges in step where shared, each legend entry once.
+fn plans(figure: &Figure) -> Vec<Plan<'_>> {
+    let columns = figure.columns.max(1);
+    let count = figure.panels.len();
+    let mut plans: Vec<Plan<'_>> = figure.panels.iter().map(Plan::new).collect();
+    if figure.shared_x {
+        let union = |shared: Option<Scale>, x: Scale| Some(shared.map_or(x, |s| s.union(x)));
+        let numeric = |plan: &&Plan<'_>| plan.x_names.is_none();
+        let shared = plans.iter().filter(numeric).map(|plan| plan.x).fold(None, union);
+        for (i, plan) in plans.iter_mut().enumerate() {
+            let Some(shared) = shared.filter(|s| plan.x_names.is_none() && s.kind == plan.x.kind)
+            else {
+                continue;
+            };
+            plan.x = shared;
+            plan.shows_x = i + columns >= count;
+        }
+    }
+    let mut seen: Vec<legend::Entry> = Vec::new();
+    for plan in &mut plans {
+        plan.legend.retain(|entry| !seen.contains(entry));
+        seen.extend(plan.legend.iter().cloned());
+    }
+    plans
+}
+
+/// The ranges of x and y that each panel shows.
+pub(super) fn panel_ranges(figure: &Figure) -> Vec<((f64, f64), (f64, f64))> {
+    let range = |scale: Scale| (scale.first, scale.last);
+    plans(figure).iter().map(|plan| (range(plan.x), range(plan.y))).collect()
+}
+
+struct Placed {
+    frames: Vec<Frame>,
+    bottom: f64,
+}
+
+/// Lays the panels out in a grid: left axes of a column and plots of a row in line.
+fn place(figure: &Figure, plans: &mut [Plan<'_>], inner: f64, top: f64, margin: f64) -> Placed {
+    let columns = figure.columns.clamp(1, plans.len().max(1));
+    let cell_width = (inner - BETWEEN_COLUMNS * (columns - 1) as f64) / columns as f64;
+    let alone = plans.len() <= columns;
+    let mut heights: Vec<f64> = plans
+        .chunks(columns)
+        .map(|row| row.iter().map(|plan| plan.wanted_height(cell_width, alone)).fold(0.0, f64::max))
+        .collect();
+    let height_of = |heights: &[f64], i: usize| heights[i / columns];
+    for (i, plan) in plans.iter_mut().enumerate() {
+        plan.measure_above(cell_width, height_of(&heights, i));
+    }
+    let sides: Vec<(f64, f64)> = (0..columns)
+        .map(|column| {
+            let own = plans.iter().enumerate().skip(column).step_by(columns);
+            own.fold((0.0, 0.0), |(left, right): (f64, f64), (i, plan)| {
+                let needed = plan.left(cell_width, height_of(&heights, i));
+                (left.max(needed), right.max(plan.right()))
+            })
+        })
+        .collect();
+    let plot_width = |column: usize| (cell_width - sides[column].0 - sides[column].1).max(40.0);
+    let around: Vec<(f64, f64)> = plans
+        .chunks(columns)
+        .map(|row| {
+            let above = row.iter().map(|plan| plan.above).fold(0.0, f64::max);
+            let below = row.iter().enumerate().map(|(c, plan)| plan.below(plot_width(c)));
+            (above, below.fold(0.0, f64::max))
+        })
+        .collect();
+    stretch(figure, &mut heights, &around, top + margin);
+
+    let mut frames = Vec::with_capacity(plans.len());
+    let mut y = top;
+    for (r, row) in plans.chunks(columns).enumerate() {
+        let (above, below) = around[r];
+        for (c, plan) in row.iter().enumerate() {
+            let left = margin + c as f64 * (cell_width + BETWEEN_COLUMNS);
+            let cell = Rect {
+                left,
+                top: y,
+                right: left + cell_width,
+                bottom: y + above + heights[r] + below,
+            };
+            let start = left + sides[c].0;
+            let rect = Rect {
+                left: start,
+                top: y + above,
+                right: start + plot_width(c),
+                bottom: y + above + heights[r],
+            };
+            frames.push(Frame { cell, rect, x: plan.x, y: plan.y });
+        }
+        y += above + heights[r] + below + BETWEEN_ROWS;
+    }
+    Placed { frames, bottom: if plans.is_empty() { top } else { y - BETWEEN_ROWS } }
+}
+
+/// Stretches the plots to a height asked for, down to 40 px each.
+fn stretch(figure: &Figure, heights: &mut [f64], around: &[(f64, f64)], outside: f64) {
+    let Some(height) = figure.size.height.filter(|h| h.is_finite() && !heights.is_empty()) else {
+        return;
+    };
+    let surroundings: f64 = around.iter().map(|(above, below)| above + below).sum();
+    let gaps = BETWEEN_ROWS * (heights.len() - 1) as f64;
+    let room = height.min(10_000.0) - outside - surroundings - gaps;
+    let factor = room / heights.iter().sum::<f64>();
+    heights.iter_mut().for_each(|plot| *plot = (*plot * factor).max(40.0));
+}

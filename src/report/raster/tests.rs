@@ -1,0 +1,189 @@
+use super::*;
+use crate::report::figure::{
+    Axis, BarSeries, Bars, ColorMap, Dash, Direction, ErrorBar, HeatMap, Layer, Panel, Role, Size,
+};
+use crate::report::page::{PageContent, SectionContent, render_page};
+
+/// Values that break careless drawing code, as series.
+fn awkward() -> Vec<(&'static str, Vec<(f64, f64)>)> {
+    vec![
+        ("empty", vec![]),
+        ("single", vec![(1.0, 2.0)]),
+        ("constant", (0..10).map(|i| (f64::from(i), 3.0)).collect()),
+        ("one place", vec![(1.0, 1.0); 5]),
+        ("missing", vec![(f64::NAN, f64::NAN); 4]),
+        ("gaps", vec![(0.0, 1.0), (1.0, f64::NAN), (2.0, 2.0), (f64::INFINITY, 3.0), (4.0, 1.0)]),
+        ("infinite", vec![(0.0, f64::INFINITY), (1.0, f64::NEG_INFINITY), (2.0, 0.0)]),
+        ("huge", vec![(-1e308, -1e308), (0.0, 0.0), (1e308, 1e308)]),
+        ("tiny", vec![(0.0, 1e-320), (1e-310, 5e-324), (1e-300, 1e-300)]),
+        ("nearly constant", vec![(0.0, 1.0), (1.0, 1.0 + 1e-15)]),
+        ("negative", vec![(-2.0, -3.0), (-1.0, -1e-9)]),
+        ("backwards", vec![(3.0, 0.0), (1.0, 2.0), (2.0, 1.0)]),
+        ("many", (0..30_000).map(|i| (f64::from(i), f64::from(i % 7) - 3.0)).collect()),
+    ]
+}
+
+/// Every kind of layer made of numbers.
+fn layers(points: &[(f64, f64)]) -> Vec<Layer> {
+    let (x, y): (Vec<f64>, Vec<f64>) = points.iter().copied().unzip();
+    let bar = |p: &(f64, f64)| ErrorBar { x: p.0, y: p.1, lower: p.1 - 1.0, upper: f64::INFINITY };
+    vec![
+        Layer::line(points.to_vec(), "line", Role::Model),
+        Layer::Line {
+            points: points.iter().take(50).copied().collect(),
+            label: "<dots> & \"more\"\u{0}\u{7}".into(),
+            role: Role::Ink,
+            width: 1.0,
+            dash: Dash::Dotted,
+        },
+        Layer::points(points.to_vec(), "points", Role::Measured),
+        Layer::Band {
+            upper: y.iter().map(|v| v + 1.0).collect(),
+            lower: y.clone(),
+            x: x.clone(),
+            label: "band".into(),
+            role: Role::NoiseFloor,
+        },
+        Layer::hline(y.first().copied().unwrap_or(f64::NAN), "h", Role::Highlight),
+        Layer::vline(x.first().copied().unwrap_or(f64::NAN), "v", Role::Wheel1),
+        Layer::Shade {
+            ranges: points.iter().take(50).copied().collect(),
+            label: "shade".into(),
+            role: Role::Wheel2,
+        },
+        Layer::ErrorBars {
+            points: points.iter().take(50).map(bar).collect(),
+            label: "bars".into(),
+            role: Role::Series(9),
+        },
+        Layer::Text {
+            at: points.first().copied().unwrap_or((f64::NAN, 0.0)),
+            text: "here".into(),
+            role: Role::Ink,
+        },
+    ]
+}
+
+fn awkward_figures() -> Vec<Figure> {
+    let mut figures = Vec::new();
+    for (name, points) in awkward() {
+        let mut figure =
+            Figure::new(name, format!("<script> {name}")).with_columns(2).interactive();
+        for axes in [
+            (Axis::linear("x", "s"), Axis::linear("y", "rad/s")),
+            (Axis::log("x", "s"), Axis::log("y", "rad/s")),
+        ] {
+            let mut panel = Panel::new(axes.0, axes.1).with_title(name);
+            panel.layers = layers(&points);
+            figure = figure.with_panel(panel);
+        }
+        figures.push(figure);
+        let values: Vec<f64> = points.iter().take(30).map(|p| p.1).collect();
+        figures.push(named_figure(name, &values, Direction::Horizontal));
+        figures.push(named_figure(name, &values, Direction::Vertical));
+    }
+    figures
+}
+
+/// Bars and both kinds of heat map with names too long for their place.
+fn named_figure(name: &str, values: &[f64], direction: Direction) -> Figure {
+    let names: Vec<String> = (0..values.len())
+        .map(|i| format!("effect {i} with a name beyond all room & reason"))
+        .collect();
+    let mut series = BarSeries::new("gain", Role::Series(0), values.to_vec());
+    series.intervals = values.iter().map(|v| (v - 1.0, v * 2.0)).collect();
+    series.text = values.iter().map(|v| format!("{v:.3e}")).collect();
+    let bars =
+        Bars { categories: names.clone(), series: vec![series], direction, highlight: Some(99) };
+    let map = |colors| {
+        Layer::HeatMap(HeatMap {
+            rows: names.clone(),
+            columns: names.clone(),
+            values: values.iter().map(|_| values.to_vec()).collect(),
+            text: vec![vec!["1.00".into()]],
+            colors,
+            label: "size".into(),
+            unit: "N m".into(),
+            range: None,
+        })
+    };
+    let value = match direction {
+        Direction::Horizontal => Panel::new(Axis::linear("gain", ""), Axis::unlabelled()),
+        Direction::Vertical => Panel::new(Axis::unlabelled(), Axis::log("gain", "")),
+    };
+    let plain = || Panel::new(Axis::unlabelled(), Axis::unlabelled());
+    Figure::new(format!("{name}-named"), "")
+        .with_panel(value.with(Layer::Bars(bars)))
+        .with_panel(plain().with(map(ColorMap::Diverging)))
+        .with_panel(plain().with(map(ColorMap::Sequential)))
+}
+
+#[test]
+fn every_layer_draws_every_awkward_series_without_panic() {
+    for figure in awkward_figures() {
+        let svg = figure_to_svg(&figure).unwrap_or_else(|e| panic!("{}: {e}", figure.id));
+        assert!(svg.starts_with("<svg"), "{}", figure.id);
+        assert!(!svg.contains("NaN") && !svg.contains("inf"), "{}", figure.id);
+        // text became paths
+        assert!(!svg.contains("<text"), "{}", figure.id);
+    }
+}
+
+#[test]
+fn a_page_of_awkward_figures_is_written() {
+    let blocks = awkward_figures().into_iter().map(Into::into).collect();
+    let section = SectionContent { id: "all".into(), title: "all".into(), blocks };
+    let page = render_page(&PageContent { sections: vec![section], ..Default::default() }).unwrap();
+    assert_eq!(page.pictures.len(), 3 * awkward().len());
+}
+
+#[test]
+fn a_png_has_two_pixels_per_css_pixel_and_repeats_to_the_byte() {
+    let mut figure = Figure::new("size", "Title").with_panel(
+        Panel::new(Axis::linear("t", "s"), Axis::linear("y", "")).with(Layer::line(
+            vec![(0.0, 0.0), (1.0, 1.0)],
+            "",
+            Role::Model,
+        )),
+    );
+    figure.size = Size { width: 500.0, height: Some(400.0) };
+    let png = figure_to_png(&figure).unwrap();
+    let number = |at: usize| u32::from_be_bytes(png[at..at + 4].try_into().unwrap());
+    // IHDR: width and height follow the eight bytes of signature and eight of chunk header
+    assert_eq!(number(16), 1000);
+    assert!((790..=802).contains(&number(20)), "{}", number(20));
+    assert_eq!(png, figure_to_png(&figure).unwrap());
+}
+
+#[test]
+fn absurd_sizes_and_no_panels_are_drawn_all_the_same() {
+    for size in [f64::NAN, f64::INFINITY, -1.0, 0.0, 1e9] {
+        let mut figure = Figure::new("absurd", "A title that must be broken into several lines");
+        figure.size = Size { width: size, height: Some(1.0) };
+        assert!(figure_to_svg(&figure).is_ok(), "{size}");
+    }
+}
+
+#[test]
+fn the_picture_shows_the_line_where_the_data_are() {
+    // a horizontal line at the middle of the axis: its pixels are vermilion, those above it white
+    let points = vec![(0.0, 0.5), (1.0, 0.5)];
+    let y = Axis::linear("", "").with_range(0.0, 1.0);
+    let panel = Panel::new(Axis::linear("", ""), y).with(Layer::Line {
+        points,
+        label: String::new(),
+        role: Role::Model,
+        width: 4.0,
+        dash: Dash::Solid,
+    });
+    let png = figure_to_png(&Figure::new("line", "").with_panel(panel)).unwrap();
+    let picture = Pixmap::decode_png(&png).unwrap();
+    let is = |x: u32, y: u32, color: (u8, u8, u8)| {
+        picture.pixel(x, y).is_some_and(|p| (p.red(), p.green(), p.blue()) == color)
+    };
+    let x = picture.width() / 2;
+    let rows: Vec<u32> = (0..picture.height()).filter(|y| is(x, *y, (0xD5, 0x5E, 0x00))).collect();
+    // 4 px at two pixels each, one lost to anti-aliasing at either side at most
+    assert!((7..=9).contains(&rows.len()), "{rows:?}");
+    assert!(is(x, rows[0] - 4, (0xFF, 0xFF, 0xFF)));
+}

@@ -1,1 +1,0 @@
-//! All results of one experiment: plain data, serialisable.

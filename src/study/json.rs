@@ -1,0 +1,170 @@
+//! `results.json`: what other programs read. Its schema is fixed by the contract.
+
+use serde_json::{Map, Value, json};
+
+use super::{DiagnosisStudy, MethodStudy, Performance, Role, Study};
+use crate::identify::{Estimate, Status};
+
+/// Version of the layout of `results.json`.
+pub const SCHEMA: u32 = 1;
+
+/// The results of a study. Numbers that are not finite are null.
+#[must_use]
+pub fn results(study: &Study) -> Value {
+    let mut out = json!({
+        "schema": SCHEMA,
+        "experiment": study.experiment,
+        "title": study.title,
+        "program": { "name": env!("CARGO_PKG_NAME"), "version": study.version },
+        "seed": study.seed,
+        "robot": study.robot,
+        "model": { "effects": study.effects },
+        "drive_unit": study.drive_unit,
+        "emulator": { "gain": study.emulator_gain },
+        "recordings": recordings(study),
+        "methods": study.methods.iter().map(|m| method(study, m)).collect::<Vec<_>>(),
+        "noise_floor": floor(study),
+        "failures": study.failures,
+        "versions": study.versions,
+    });
+    if !study.truth.is_empty() {
+        let truth: Map<String, Value> =
+            study.truth.iter().map(|(s, v)| (s.clone(), json!(v))).collect();
+        out["truth"] = Value::Object(truth);
+    }
+    if let Some(d) = &study.diagnosis {
+        out["diagnosis"] = diagnosis(d);
+    }
+    out
+}
+
+fn recordings(study: &Study) -> Vec<Value> {
+    study
+        .recordings
+        .iter()
+        .map(|r| {
+            json!({
+                "role": r.role.name(),
+                "file": r.file,
+                "sha256": r.sha256,
+                "samples": r.samples,
+                "duration_s": r.duration_s,
+                "rate_hz": r.rate_hz,
+                "noise": {
+                    "alpha1": r.noise.alpha[0], "alpha2": r.noise.alpha[1],
+                    "dalpha1": r.noise.omega[0], "dalpha2": r.noise.omega[1],
+                    "M1": r.noise.moment[0], "M2": r.noise.moment[1],
+                },
+                "findings": r.findings,
+            })
+        })
+        .collect()
+}
+
+fn estimate(e: &Estimate) -> Value {
+    json!({
+        "symbol": e.symbol,
+        "value": e.value,
+        "std_error": e.std_error,
+        "ci95": [e.interval.0, e.interval.1],
+        "unit": e.unit,
+        "identifiable": e.identifiable,
+        "fixed": e.fixed,
+    })
+}
+
+fn by_role(study: &Study, value: impl Fn(usize) -> f64) -> Value {
+    let mut out = Map::new();
+    for role in [Role::Train, Role::Validation] {
+        let values: Vec<f64> = (0..study.recordings.len())
+            .filter(|&r| study.recordings[r].role == role)
+            .map(&value)
+            .collect();
+        if !values.is_empty() {
+            out.insert(role.name().into(), json!(values));
+        }
+    }
+    Value::Object(out)
+}
+
+fn method(study: &Study, m: &MethodStudy) -> Value {
+    if let Some(reason) = &m.failure {
+        return json!({
+            "method": m.name, "status": "failed", "reason": reason, "seconds": m.seconds,
+            "parameters": [],
+        });
+    }
+    let of = |value: &dyn Fn(&Performance) -> f64| {
+        by_role(study, |r| m.performance.get(r).map_or(f64::NAN, value))
+    };
+    json!({
+        "method": m.name,
+        "options": m.options,
+        "status": m.status.map_or("converged", status),
+        "seconds": m.seconds,
+        "iterations": m.work.iterations,
+        "evaluations": m.work.evaluations,
+        "parameters": m.estimates.iter().map(estimate).collect::<Vec<_>>(),
+        "correlations": m.correlations,
+        "notes": m.notes,
+        "ise": of(&|p| p.ise[0] + p.ise[1]),
+        "window_rms": of(&|p| p.window_rms),
+        "ise_emulator": {
+            "parallel": of(&|p| p.ise_parallel),
+            "serial_parallel": of(&|p| p.ise_serial_parallel),
+        },
+    })
+}
+
+fn status(status: Status) -> &'static str {
+    match status {
+        Status::Converged => "converged",
+        Status::IterationLimit => "iteration_limit",
+        Status::Stalled => "stalled",
+    }
+}
+
+fn floor(study: &Study) -> Value {
+    json!({
+        "ise": by_role(study, |r| study.recordings[r].floor.ise.iter().sum()),
+        "window_rms": by_role(study, |r| study.recordings[r].floor.window_rms),
+    })
+}
+
+fn diagnosis(d: &DiagnosisStudy) -> Value {
+    let ranking: Vec<Value> = d
+        .ranking
+        .iter()
+        .map(|c| {
+            json!({
+                "effect": c.effect,
+                "probability": c.probability,
+                "indistinguishable": c.indistinguishable,
+                "p_value": c.p_value,
+                "log_significance": c.log_significance,
+                "evidence": c.evidence,
+                "delta_bic": c.delta_bic,
+                "ise_validation_before": c.ise_validation_before,
+                "ise_validation_after": c.ise_validation_after,
+                "window_rms_validation_before": c.window_before,
+                "window_rms_validation_after": c.window_after,
+                "torque_rms": c.torque_rms,
+                "words": c.words,
+                "parameters": c.parameters.iter().map(estimate).collect::<Vec<_>>(),
+            })
+        })
+        .collect();
+    json!({
+        "verdict": d.verdict,
+        "sentence": d.sentence,
+        "found": d.found,
+        "ranking": ranking,
+        "staircase": d.staircase,
+        "unexplained_fraction": d.unexplained_fraction,
+        "next_run": d.next_run,
+        "false_alarm": d.false_alarm,
+        "dependences": d.missing_moment.as_ref().map(|m| m.dependences.iter().map(|d| json!({
+            "variable": d.variable, "log_significance": d.log_significance,
+        })).collect::<Vec<_>>()),
+    })
+}

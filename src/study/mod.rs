@@ -1,0 +1,323 @@
+//! All results of one experiment: plain data, serialisable.
+//!
+//! A study holds no files and no models, only what was found; the report draws it and
+//! [`results`] turns it into the JSON that other programs read.
+
+mod json;
+
+pub use json::{SCHEMA, results};
+
+use serde::Serialize;
+
+use crate::compare::{Failure, Floor, MissingMoment};
+use crate::identify::{Estimate, Status, Trace, Work};
+use crate::recording::{DriveUnit, Measured, Noise, Regime};
+
+/// What a recording is used for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Role {
+    /// Parameters are fitted to it.
+    Train,
+    /// The error is judged on it.
+    Validation,
+}
+
+impl Role {
+    /// As in results.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Train => "train",
+            Self::Validation => "validation",
+        }
+    }
+}
+
+/// A recording of the experiment, with what was measured.
+#[derive(Clone, Debug, Serialize)]
+pub struct RecordingStudy {
+    /// Its use.
+    pub role: Role,
+    /// File or made name.
+    pub file: String,
+    /// SHA-256 of the file; `None` for made data.
+    pub sha256: Option<String>,
+    /// Samples.
+    pub samples: usize,
+    /// First to last sample [s].
+    pub duration_s: f64,
+    /// Median rate [Hz].
+    pub rate_hz: f64,
+    /// Which channels were measured.
+    pub measured: Measured,
+    /// Noise of the channels.
+    pub noise: Noise,
+    /// What the quality check says, worst first.
+    pub findings: Vec<String>,
+    /// Error of the right model.
+    pub floor: Floor,
+    /// Time [s].
+    pub t: Vec<f64>,
+    /// Angles [rad].
+    pub alpha: Vec<[f64; 2]>,
+    /// Speeds [rad/s].
+    pub omega: Vec<[f64; 2]>,
+    /// Smoothed acceleration [rad/s^2].
+    pub acceleration: Vec<[f64; 2]>,
+    /// Recorded drive.
+    pub moment: Vec<[f64; 2]>,
+    /// Regime of driving.
+    pub regimes: Vec<Regime>,
+    /// Path of the axle's centre: x [m], y [m], heading [rad].
+    pub path: Vec<[f64; 3]>,
+}
+
+/// A method on one recording.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Performance {
+    /// Quality index of the free simulation per wheel [rad^2/s].
+    pub ise: [f64; 2],
+    /// Root mean square error over windows of 2 s [rad/s].
+    pub window_rms: f64,
+    /// Quality index of the emulator in parallel structure [rad^2/s].
+    pub ise_parallel: f64,
+    /// Quality index of the emulator in serial-parallel structure [rad^2/s].
+    pub ise_serial_parallel: f64,
+    /// Wheel speeds of the free simulation [rad/s].
+    pub free: Vec<[f64; 2]>,
+    /// Wheel speeds over windows [rad/s].
+    pub windows: Vec<[f64; 2]>,
+    /// Emulator states in parallel structure (alpha1, alpha2, omega1, omega2).
+    pub emulator: Vec<[f64; 4]>,
+}
+
+/// What a method found, or why it found nothing.
+#[derive(Clone, Debug, Serialize)]
+pub struct MethodStudy {
+    /// Name in the experiment file.
+    pub name: String,
+    /// In words.
+    pub title: String,
+    /// Options that differ from the defaults, as written.
+    pub options: String,
+    /// Why there is no fit.
+    pub failure: Option<String>,
+    /// How it ended.
+    pub status: Option<Status>,
+    /// Wall time [s].
+    pub seconds: f64,
+    /// Work.
+    pub work: Work,
+    /// Parameters.
+    pub estimates: Vec<Estimate>,
+    /// Correlations between the parameters, row by row; empty where there are none.
+    pub correlations: Vec<Vec<f64>>,
+    /// Sentences.
+    pub notes: Vec<String>,
+    /// Curves.
+    pub traces: Vec<Trace>,
+    /// One per recording of the experiment.
+    pub performance: Vec<Performance>,
+    /// The fuzzy system, where the method fits one.
+    pub fuzzy: Option<FuzzyStudy>,
+}
+
+/// A fuzzy Takagi-Sugeno pair as numbers to draw.
+#[derive(Clone, Debug, Serialize)]
+pub struct FuzzyStudy {
+    /// Speeds at which memberships are drawn, per input [rad/s].
+    pub grid: [Vec<f64>; 2],
+    /// Membership functions per input on that grid.
+    pub memberships: [Vec<Vec<f64>>; 2],
+    /// Consequents (constant part) of f31 and f41, rule i1 * count + i2.
+    pub consequents: [Vec<f64>; 2],
+    /// Output surfaces of f31 and f41 on the grid, row w1, column w2 [rad/s^2].
+    pub surface: [Vec<Vec<f64>>; 2],
+}
+
+/// An effect tried by the diagnosis.
+#[derive(Clone, Debug, Serialize)]
+pub struct Candidate {
+    /// Id.
+    pub effect: String,
+    /// Posterior probability among the candidates.
+    pub probability: f64,
+    /// Effects that this data cannot tell from it.
+    pub indistinguishable: Vec<String>,
+    /// Of the score test.
+    pub p_value: f64,
+    /// -ln of it, where it underflows.
+    pub log_significance: f64,
+    /// Log-evidence over the model without it.
+    pub evidence: f64,
+    /// Fall of the Bayesian information criterion.
+    pub delta_bic: f64,
+    /// Quality index on validation without and with it [rad^2/s].
+    pub ise_validation_before: f64,
+    /// With it.
+    pub ise_validation_after: f64,
+    /// Window error on validation without and with it [rad/s].
+    pub window_before: f64,
+    /// With it.
+    pub window_after: f64,
+    /// Its parameters.
+    pub parameters: Vec<Estimate>,
+    /// Root mean square torque of it [N m].
+    pub torque_rms: f64,
+    /// Evidence in words.
+    pub words: String,
+}
+
+/// The verdict of a diagnosis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// Nothing is missing at the stated false-alarm rate.
+    ModelSufficient,
+    /// Effects of the catalogue are missing.
+    EffectsMissing,
+    /// Something is missing that no candidate explains.
+    UnknownEffect,
+}
+
+/// One step of the staircase: the model with one more effect.
+#[derive(Clone, Debug, Serialize)]
+pub struct Step {
+    /// Effect added; `None` for the first.
+    pub added: Option<String>,
+    /// Quality index on validation [rad^2/s].
+    pub ise_validation: f64,
+    /// Window error on validation [rad/s].
+    pub window_rms_validation: f64,
+}
+
+/// What the diagnosis says.
+#[derive(Clone, Debug, Serialize)]
+pub struct DiagnosisStudy {
+    /// Verdict.
+    pub verdict: Verdict,
+    /// The verdict in one sentence.
+    pub sentence: String,
+    /// Effects found, first found first.
+    pub found: Vec<String>,
+    /// Candidates of the first step, best first.
+    pub ranking: Vec<Candidate>,
+    /// Error with each effect found.
+    pub staircase: Vec<Step>,
+    /// Share of what can be explained that is left.
+    pub unexplained_fraction: f64,
+    /// What to drive next, in words.
+    pub next_run: Option<String>,
+    /// Stated false-alarm rate.
+    pub false_alarm: f64,
+    /// How the missing moment depends on each variable, before anything is added.
+    pub missing_moment: Option<MissingMoment>,
+}
+
+/// A version of the model that was run before: the staircase over the user's own versions.
+#[derive(Clone, Debug, PartialEq, Serialize, serde::Deserialize)]
+pub struct Version {
+    /// Effects of the model beyond the base.
+    pub effects: Vec<String>,
+    /// Window error on the judged recordings [rad/s].
+    pub window_rms: f64,
+    /// Quality index on the judged recordings [rad^2/s].
+    pub ise: f64,
+    /// Window error of the noise floor [rad/s].
+    pub floor: f64,
+}
+
+/// One experiment.
+#[derive(Clone, Debug, Serialize)]
+pub struct Study {
+    /// Name of the folder.
+    pub experiment: String,
+    /// Heading.
+    pub title: String,
+    /// Version of the program.
+    pub version: String,
+    /// Seed.
+    pub seed: u64,
+    /// The experiment file as run.
+    pub file: String,
+    /// Robot.
+    pub robot: String,
+    /// Effects of the model beyond the base.
+    pub effects: Vec<String>,
+    /// Unit of the drive.
+    pub drive_unit: DriveUnit,
+    /// Recordings.
+    pub recordings: Vec<RecordingStudy>,
+    /// Methods.
+    pub methods: Vec<MethodStudy>,
+    /// The method whose fit is shown in detail.
+    pub reference: Option<usize>,
+    /// Gain K of the emulator on the wheel speeds [1/s].
+    pub emulator_gain: f64,
+    /// Where the reference fit fails.
+    pub failures: Vec<Failure>,
+    /// How its missing moment depends on each variable.
+    pub missing_moment: Option<MissingMoment>,
+    /// Diagnosis, where asked for.
+    pub diagnosis: Option<DiagnosisStudy>,
+    /// Earlier versions of the model, oldest first, this one last.
+    pub versions: Vec<Version>,
+    /// True parameters of made data.
+    pub truth: Vec<(String, f64)>,
+}
+
+impl Study {
+    /// The recordings on which errors are judged: validation, or train where there is none.
+    #[must_use]
+    pub fn judged(&self) -> Vec<usize> {
+        let with = |role: Role| -> Vec<usize> {
+            (0..self.recordings.len()).filter(|&r| self.recordings[r].role == role).collect()
+        };
+        let validation = with(Role::Validation);
+        if validation.is_empty() { with(Role::Train) } else { validation }
+    }
+
+    /// The role of the judged recordings in words.
+    #[must_use]
+    pub fn judged_words(&self) -> &'static str {
+        if self.recordings.iter().any(|r| r.role == Role::Validation) {
+            "validation"
+        } else {
+            "training (no validation recording is given)"
+        }
+    }
+
+    /// Root mean square window error of a method over the judged recordings [rad/s].
+    #[must_use]
+    pub fn judged_window_rms(&self, method: &MethodStudy) -> f64 {
+        self.pooled(|r| method.performance.get(r).map_or(f64::NAN, |p| p.window_rms))
+    }
+
+    /// Root mean square window error of the noise floor over the judged recordings [rad/s].
+    #[must_use]
+    pub fn judged_floor(&self) -> f64 {
+        self.pooled(|r| self.recordings[r].floor.window_rms)
+    }
+
+    /// Summed quality index of a method over the judged recordings [rad^2/s].
+    #[must_use]
+    pub fn judged_ise(&self, method: &MethodStudy) -> f64 {
+        let one = |r: &usize| method.performance.get(*r).map_or(f64::NAN, |p| p.ise[0] + p.ise[1]);
+        self.judged().iter().map(one).sum()
+    }
+
+    fn pooled(&self, rms: impl Fn(usize) -> f64) -> f64 {
+        let judged = self.judged();
+        let samples: f64 = judged.iter().map(|&r| self.recordings[r].samples as f64).sum();
+        let sum: f64 =
+            judged.iter().map(|&r| self.recordings[r].samples as f64 * rms(r).powi(2)).sum();
+        (sum / samples).sqrt()
+    }
+
+    /// The method shown in detail.
+    #[must_use]
+    pub fn reference_method(&self) -> Option<&MethodStudy> {
+        self.methods.get(self.reference?)
+    }
+}
