@@ -6,9 +6,11 @@
 
 mod effect;
 mod motion;
+mod text;
 
 pub use effect::{DIFFERENTIATED, Effect, Jet, MOST_PARAMETERS, Physics};
 pub use motion::{Coupling, DIRECTIONS, Motion, Terms, along};
+pub use text::{details, details_of, overview};
 
 use crate::catalogue;
 
