@@ -122,7 +122,16 @@ fn main() {
         }
     }
     cases.retain(|c| only.as_deref().is_none_or(|o| c.hidden.join("+") == o));
-    let rows: Vec<(String, bool)> = cases.par_iter().map(judge).collect();
+    let rows: Vec<(String, bool)> = cases
+        .par_iter()
+        .map(|case| {
+            let row = judge(case);
+            if std::env::args().any(|a| a == "--verbose") {
+                println!("{}", row.0);
+            }
+            row
+        })
+        .collect();
     let right = rows.iter().filter(|r| r.1).count();
     for (line, _) in &rows {
         println!("{line}");

@@ -126,7 +126,7 @@ impl Likelihood<'_> {
             corner[i] += if i == 1 && start.sigma_d == 0.0 { 2.0 } else { 0.5 };
             simplex.push(corner);
         }
-        let solver = NelderMead::new(simplex).with_sd_tolerance(0.01);
+        let solver = NelderMead::new(simplex).with_sd_tolerance(0.1);
         let Ok(solver) = solver else { return (*start, 0) };
         let run = Executor::new(search, solver)
             .configure(|state| state.max_iters(evaluations as u64))

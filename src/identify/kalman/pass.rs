@@ -220,6 +220,7 @@ impl Run<'_> {
                 &mut mean,
                 &mut covariance,
                 &mut self.work,
+                self.settings.derivatives,
             )?;
             if self.settings.derivatives {
                 self.carry(k, &sample, &predicted);
