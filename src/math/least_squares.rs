@@ -55,8 +55,8 @@ pub struct LinearFit {
 /// Source: G. H. Golub, C. F. Van Loan, *Matrix Computations*, 4th ed., 5.3 and 5.5.
 ///
 /// # Errors
-/// If lengths differ, a value is not finite, a weight is negative, or there are not more rows of
-/// positive weight than columns. A deficient rank is not an error: it is told in the result.
+/// If lengths differ, a value is not finite, a weight is negative, there is no column, or there are
+/// not more rows of positive weight than columns. A deficient rank is not an error: it is told in the result.
 ///
 /// # Examples
 /// ```
@@ -205,6 +205,10 @@ fn check(
     y: &DVector<f64>,
     weights: Option<&DVector<f64>>,
 ) -> Result<usize, MathError> {
+    if x.ncols() == 0 {
+        let setting = "number of columns";
+        return Err(MathError::OutOfRange { setting, found: 0.0, expected: "1 or more" });
+    }
     check_length("the right-hand side", y.len(), x.nrows())?;
     for column in x.column_iter() {
         check_finite("the design matrix", column.iter())?;
