@@ -4,8 +4,10 @@ mod candidate;
 mod refit;
 mod scan;
 mod stepwise;
+mod verdict;
 
 pub use candidate::{Candidate, Form, candidates};
 pub use refit::{Refit, refit};
 pub use scan::{Score, scan};
 pub use stepwise::{Diagnosis, Ranked, Settings, diagnose};
+pub use verdict::{Conclusion, Errors, conclude, probabilities};

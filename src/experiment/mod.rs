@@ -1,5 +1,6 @@
 //! Runs the stages of an experiment; the only room that sees all.
 
+mod diagnosis;
 mod plan;
 mod run;
 

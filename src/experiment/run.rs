@@ -89,6 +89,9 @@ pub fn run(plan: &Plan) -> Result<Study, RunError> {
         truth: plan.truth.clone(),
     };
     locate(plan, &*right, &mut study)?;
+    if let Some(asked) = &plan.diagnosis {
+        study.diagnosis = Some(super::diagnosis::run_diagnosis(plan, asked, &study)?);
+    }
     Ok(study)
 }
 
