@@ -18,7 +18,7 @@ use super::palette::{AXIS, DARK_PARTNERS, GRID, INK, MUTED, Rgb, Role, SURFACE, 
 use super::plot::{Purpose, draw};
 use super::raster::figure_to_png;
 
-const INTERACTIVE: &str = include_str!("interactive.js");
+const INTERACTIVE: &str = concat!(include_str!("scales.js"), include_str!("interactive.js"));
 const SORT: &str = include_str!("sort.js");
 const STYLE: &str = include_str!("style.css");
 
