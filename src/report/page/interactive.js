@@ -4,7 +4,7 @@
 "use strict";
 (() => {
   const MARGIN = { top: 6, right: 22, bottom: 24 };
-  const FONT = "Inter, system-ui, sans-serif";
+  const FONT = "Inter, system-ui, 'DejaVu Sans', sans-serif";
 
   // ---- building the figure ---------------------------------------------------------------------
   function element(tag, className, text = "") {
@@ -38,7 +38,7 @@
       panel.layers.forEach((layer) => {
         layer.xs = data.xs[layer.x] || [];
         layer.travel = travel(layer.y || []);
-        layer.sorted = layer.xs.every((v, i) => i === 0 || v >= layer.xs[i - 1]);
+        layer.sorted = layer.xs.every((v, i) => i === 0 || v === null || v >= layer.xs[i - 1]);
       });
       const ground = (layer) => layer.kind === "band" || layer.kind === "shade";
       [...panel.layers].sort((a, b) => ground(a) - ground(b))
@@ -283,6 +283,7 @@
       hline: () => segment(context, color(layer.color), area.left, py(layer.at), right, py(layer.at)),
       vline: () => segment(context, color(layer.color), px(layer.at), area.top, px(layer.at), foot),
       bars: () => layer.xs.forEach((x, i) => {
+        if ([x, layer.y[i], layer.low[i], layer.high[i]].includes(null)) return;
         const ends = [py(layer.low[i]), py(layer.high[i])];
         segment(context, color(layer.color), px(x), ends[0], px(x), ends[1]);
         ends.forEach((y) => segment(context, color(layer.color), px(x) - 3.5, y, px(x) + 3.5, y));
