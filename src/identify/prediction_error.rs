@@ -62,6 +62,11 @@ impl Identifier for PredictionError {
     }
 
     fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
+        if task.model.is_coupled() {
+            let reason = "a body behind the wheels (wheel_slip, compliance) has states that this \
+                          filter does not carry; use output_error";
+            return Err(IdentifyError::Unsupported { method: NAME.into(), reason: reason.into() });
+        }
         let first = start::start(task, NAME)?;
         let likelihood = Likelihood {
             prepared: task.train.iter().map(prepare).collect(),
