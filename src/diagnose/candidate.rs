@@ -197,6 +197,18 @@ pub fn smoothed_drive(recording: &Recording) -> Vec<[f64; 2]> {
 }
 
 impl Candidate {
+    /// The same candidate with its signals made for other recordings.
+    #[must_use]
+    pub fn for_recordings(&self, recordings: &[&Recording]) -> Self {
+        let form = match self.form {
+            Form::Instant => Form::Instant,
+            Form::Signal(_) => {
+                Form::Signal(Arc::new(signals(&self.effect, &self.p, &self.linear, recordings)))
+            }
+        };
+        Self { form, ..self.clone() }
+    }
+
     /// Number of columns.
     #[must_use]
     pub fn columns(&self) -> usize {

@@ -4,7 +4,8 @@ use super::plan::{DiagnosisPlan, Plan};
 use super::run::RunError;
 use crate::compare::{MissingMoment, ise, missing_moment, simulate_recording, window_rms};
 use crate::diagnose::{
-    Conclusion, Diagnosis, Errors, Ranked, Settings, conclude, diagnose, probabilities,
+    Conclusion, Diagnosis, Errors, Limits, Proposal, Ranked, Rivals, Settings, conclude, diagnose,
+    next_run, probabilities,
 };
 use crate::identify::kalman::{Likelihood, Maximum, prepare};
 use crate::identify::start::covariance_of_free;
@@ -14,6 +15,10 @@ use crate::recording::{LocalMotion, Recording};
 use crate::simulate::{PhysicalDynamics, SimulateError};
 use crate::study::{Candidate, DiagnosisStudy, Role, Step, Study, Verdict};
 
+/// Floor that a proposed manoeuvre keeps to, a square of this side [m].
+const FLOOR: f64 = 2.0;
+/// Its length [s].
+const DURATION: f64 = 20.0;
 /// Candidates whose error on the judged recordings is simulated.
 const JUDGED: usize = 8;
 
@@ -84,6 +89,7 @@ pub(super) fn run_diagnosis(
     let missed =
         |model: &Model, m: &Maximum| missing_moment(model, &m.p, &m.noise, &likelihood);
     let left = missed(last, maximum)?;
+    let proposal = propose(&diagnosis, &likelihood, plan.seed);
     let found = diagnosis.found();
     let conclusion = conclude(found.len(), &errors, &left);
     Ok(DiagnosisStudy {
@@ -97,7 +103,8 @@ pub(super) fn run_diagnosis(
         ranking: ranking(&diagnosis, &judge, before, floor)?,
         staircase: staircase(&diagnosis, &judge, before)?,
         unexplained_fraction: errors.unexplained(),
-        next_run: next_run(&diagnosis),
+        next_run: advice(&diagnosis, proposal.as_ref()),
+        proposal,
         false_alarm: asked.false_alarm,
         missing_moment: Some(missed(&plan.model, &diagnosis.base.1)?),
     })
@@ -282,12 +289,35 @@ fn sentence(
     }
 }
 
-/// What to drive next, where two effects cannot be told apart.
-fn next_run(diagnosis: &Diagnosis) -> Option<String> {
+/// The manoeuvre that would tell the best candidate from the nearest one that this data cannot
+/// tell from it.
+fn propose(diagnosis: &Diagnosis, likelihood: &Likelihood, seed: u64) -> Option<Proposal> {
+    let best = diagnosis.ranking.first()?;
+    let same = best.candidate.effect.description().equivalent;
+    let rival = diagnosis.equals.first()?.iter().find(|e| !same.contains(e))?;
+    let rival = diagnosis.ranking.iter().find(|r| r.candidate.id == *rival)?;
+    let recordings = || likelihood.prepared.iter().map(|p| p.recording);
+    let largest = |value: &dyn Fn(&Recording) -> f64| recordings().map(value).fold(0.0, f64::max);
+    let peak = |rows: &[[f64; 2]]| rows.iter().flatten().fold(0.0_f64, |a, v| a.max(v.abs()));
+    let limits = Limits {
+        speed: largest(&|r| peak(r.omega())),
+        moment: 1.2 * largest(&|r| peak(r.moment())),
+        floor: FLOOR,
+        duration: DURATION,
+    };
+    let rivals = Rivals {
+        effects: [&best.candidate, &rival.candidate],
+        sizes: [&best.score.estimate, &rival.score.estimate],
+    };
+    let (model, maximum) = &diagnosis.base;
+    next_run(model, &maximum.p, &maximum.noise, likelihood, &rivals, &limits, seed)
+}
+
+/// What to drive next, in words, where two effects cannot be told apart.
+fn advice(diagnosis: &Diagnosis, proposal: Option<&Proposal>) -> Option<String> {
     let best = diagnosis.ranking.first()?;
     let equals = diagnosis.equals.first()?;
     let same = best.candidate.effect.description();
-    let near: Vec<&String> = equals.iter().filter(|e| !same.equivalent.contains(e)).collect();
     let mut out = Vec::new();
     if !same.equivalent.is_empty() {
         out.push(format!(
@@ -297,11 +327,22 @@ fn next_run(diagnosis: &Diagnosis) -> Option<String> {
             same.equivalent.join(" or ")
         ));
     }
-    for other in near {
-        let description = crate::effects::find(other).map(|e| e.description())?;
+    for other in equals.iter().filter(|e| !same.equivalent.contains(e)) {
+        let Some(description) = crate::effects::find(other).map(|e| e.description()) else {
+            continue;
+        };
         out.push(format!(
             "To tell {} from {other}, record: {}; and: {}.",
             same.id, same.excitation, description.excitation
+        ));
+    }
+    if let Some(proposal) = proposal {
+        out.push(format!(
+            "A manoeuvre of {:.0} s that does it is written to next_run.csv (set-points) and \
+             next_run.toml (segments); driven once, it names the right one with a probability of \
+             {:.1} %.",
+            proposal.movement.duration(),
+            100.0 * proposal.probability
         ));
     }
     (!out.is_empty()).then(|| out.join(" "))
