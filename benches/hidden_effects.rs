@@ -72,7 +72,7 @@ fn recordings(case: &Case) -> Vec<Recording> {
             let shape = matches!(symbol, "ws" | "tw" | "n" | "limit");
             let value = value.unwrap_or(parameter.spec.typical);
             p[j] = match symbol {
-                "limit" => value / case.size,
+                "limit" => value * case.size.powf(-0.35),
                 _ if shape => value,
                 _ => value * case.size,
             };
