@@ -1,6 +1,6 @@
 //! Anything that moves under a drive: a physical model with values, or a fuzzy emulator.
 
-use super::{Input, SimulateError, contact, simulate};
+use super::{FuzzyDynamics, Input, SimulateError, contact, simulate};
 use crate::effects::Motion;
 use crate::model::Model;
 use crate::robot::State;
@@ -33,6 +33,11 @@ pub trait Dynamics: Send + Sync {
 
     /// The physical model and its parameter values, where the dynamics is one.
     fn physical(&self) -> Option<(&Model, &[f64])> {
+        None
+    }
+
+    /// The fuzzy emulator, where the dynamics is one.
+    fn fuzzy(&self) -> Option<&FuzzyDynamics> {
         None
     }
 }
