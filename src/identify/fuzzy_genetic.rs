@@ -51,7 +51,11 @@ const OPTIONS: [(&str, &str, &str); 4] = [
     ("population", "40", "individuals (4 or more)"),
     ("generations", "100", "generations"),
     ("reach", "5.0", "half the interval of every consequent, about the start, in rad/s^2"),
-    ("start", "\"friction\"", "\"friction\" level, \"closed_form\" or \"zero\""),
+    (
+        "start",
+        "\"friction\"",
+        "\"friction\" level, \"closed_form\", the \"best\" of the two, or \"zero\"",
+    ),
 ];
 /// Individuals that survive as they are.
 const ELITE: usize = 2;

@@ -33,7 +33,7 @@ pub struct FuzzyGradient {
 impl Default for FuzzyGradient {
     fn default() -> Self {
         let settings = Settings::default();
-        Self { settings, iterations: 300, start: Start::ClosedForm }
+        Self { settings, iterations: 300, start: Start::Best }
     }
 }
 
@@ -41,7 +41,11 @@ impl Default for FuzzyGradient {
 const NAME: &str = "fuzzy_gradient";
 const OPTIONS: [(&str, &str, &str); 2] = [
     ("iterations", "300", "iterations at the most"),
-    ("start", "\"closed_form\"", "\"closed_form\", \"friction\" level or \"zero\""),
+    (
+        "start",
+        "\"best\"",
+        "\"friction\" level, \"closed_form\", the \"best\" of the two, or \"zero\"",
+    ),
 ];
 
 impl Identifier for FuzzyGradient {

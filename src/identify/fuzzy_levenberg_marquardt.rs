@@ -36,7 +36,7 @@ pub struct FuzzyLevenbergMarquardt {
 impl Default for FuzzyLevenbergMarquardt {
     fn default() -> Self {
         let settings = Settings::default();
-        Self { settings, iterations: 60, continuation: true, start: Start::ClosedForm }
+        Self { settings, iterations: 60, continuation: true, start: Start::Best }
     }
 }
 
@@ -47,8 +47,8 @@ const OPTIONS: [(&str, &str, &str); 3] = [
     ("continuation", "true", "lower the gain step by step from 20 1/s (parallel structure)"),
     (
         "start",
-        "\"closed_form\"",
-        "without continuation: \"closed_form\", \"friction\" level or \"zero\"",
+        "\"best\"",
+        "without continuation: \"friction\" level, \"closed_form\", the \"best\" of the two, or \"zero\"",
     ),
 ];
 

@@ -47,7 +47,11 @@ const OPTIONS: [(&str, &str, &str); 4] = [
     ("sweeps", "6", "rounds through all consequents"),
     ("reach", "10.0", "half the interval of every search, about the start, in rad/s^2"),
     ("evaluations", "20", "evaluations of one search at the most"),
-    ("start", "\"friction\"", "\"friction\" level, \"closed_form\" or \"zero\""),
+    (
+        "start",
+        "\"friction\"",
+        "\"friction\" level, \"closed_form\", the \"best\" of the two, or \"zero\"",
+    ),
 ];
 /// Relative fall over a sweep below which it has converged.
 const TOLERANCE: f64 = 1e-4;

@@ -31,7 +31,7 @@ pub struct FuzzyNelderMead {
 impl Default for FuzzyNelderMead {
     fn default() -> Self {
         let settings = Settings::default();
-        Self { settings, iterations: 4000, edge: 0.5, start: Start::ClosedForm }
+        Self { settings, iterations: 4000, edge: 0.5, start: Start::Best }
     }
 }
 
@@ -40,7 +40,11 @@ const NAME: &str = "fuzzy_nelder_mead";
 const OPTIONS: [(&str, &str, &str); 3] = [
     ("iterations", "4000", "moves of the simplex at the most"),
     ("edge", "0.5", "edge of the first simplex in rad/s^2"),
-    ("start", "\"closed_form\"", "\"closed_form\", \"friction\" level or \"zero\""),
+    (
+        "start",
+        "\"best\"",
+        "\"friction\" level, \"closed_form\", the \"best\" of the two, or \"zero\"",
+    ),
 ];
 
 impl Identifier for FuzzyNelderMead {

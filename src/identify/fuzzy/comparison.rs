@@ -68,3 +68,25 @@ fn systems_compared() {
     ];
     panic!("{}", table(&[0.0, 1.0, 2.0, 10.0], &cases));
 }
+
+#[test]
+#[ignore = "a measurement, some seconds"]
+fn ridges_compared() {
+    let name = "fuzzy_levenberg_marquardt";
+    let cases = [
+        (name, "ridge = 1e-8"),
+        (name, "ridge = 1e-7"),
+        (name, "ridge = 1e-6"),
+        (name, "ridge = 1e-5"),
+        (name, "ridge = 1e-4"),
+        (name, "ridge = 1e-3"),
+        (name, "ridge = 1e-6\nconsequents = \"affine\""),
+        (name, "ridge = 1e-5\nconsequents = \"affine\""),
+        (name, "ridge = 1e-4\nconsequents = \"affine\""),
+        (name, "ridge = 1e-3\nconsequents = \"affine\""),
+        ("fuzzy_least_squares", "ridge = 1e-5"),
+        ("fuzzy_least_squares", "ridge = 1e-4"),
+        ("fuzzy_least_squares", "ridge = 1e-3"),
+    ];
+    panic!("{}", table(&[0.0, 1.0, 2.0], &cases));
+}

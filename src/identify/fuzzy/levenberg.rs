@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::problem::{Journal, Problem};
+use super::settings::Start;
 use crate::identify::{IdentifyError, Status};
 use crate::simulate::Structure;
 
@@ -91,7 +92,8 @@ const LADDER: [f64; 8] = [20.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1];
 const ENOUGH: f64 = 1e-3;
 
 /// Levenberg-Marquardt at gains of 20, 10, 5, ... 1/s down to that of `problem`, each from the
-/// consequents of the one before; the first from the closed form.
+/// consequents of the one before; the first from the closed form or the friction level, whichever
+/// costs less.
 ///
 /// A high gain holds the emulator at the data, where the cost is nearly quadratic. The
 /// serial-parallel structure is linear in the consequents and needs the last gain alone.
@@ -110,7 +112,7 @@ pub fn continuation(
     let mut gains: Vec<f64> =
         LADDER.into_iter().filter(|k| parallel && *k > problem.gain).collect();
     gains.push(problem.gain);
-    let mut theta = problem.with_gain(gains[0]).closed_form(level, ridge, method)?;
+    let mut theta = Start::Best.of(&problem.with_gain(gains[0]), level, ridge, method)?;
     let (mut iterations, mut status) = (0, Status::Converged);
     for (i, &gain) in gains.iter().enumerate() {
         let last = i + 1 == gains.len();

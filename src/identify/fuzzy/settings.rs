@@ -45,6 +45,8 @@ pub enum InputGain {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Start {
+    /// At the friction level or at the closed form, whichever has the lower cost.
+    Best,
     /// All consequents at the friction level, -a4/(a1 + a2) where both wheels run forward.
     Friction,
     /// At the least squares of the serial-parallel structure.
@@ -246,6 +248,11 @@ impl Start {
             Self::Friction => Ok(level.clone()),
             Self::Zero => Ok(DVector::zeros(level.len())),
             Self::ClosedForm => problem.closed_form(level, ridge, method),
+            Self::Best => {
+                let solved = problem.closed_form(level, ridge, method)?;
+                let worse = problem.cost(solved.as_slice()) > problem.cost(level.as_slice());
+                Ok(if worse { level.clone() } else { solved })
+            }
         }
     }
 }
