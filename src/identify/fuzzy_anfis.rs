@@ -13,7 +13,8 @@ use crate::simulate::Structure;
 ///
 /// ```text
 /// repeat:  theta  = arg min ISE at fixed premises  (closed form; parallel: Levenberg-Marquardt)
-///          premises -= step · gradient / |gradient|,  step up by 1.2 after a fall, halved after a rise
+///          premises -= step · gradient / |gradient|
+///          step up by 1.2 after a fall of the cost, halved after a rise
 /// ```
 /// The premises are counted in units of their spacing. Centres keep their order, and widths stay
 /// between a fifth and three times the first.

@@ -57,7 +57,7 @@ impl Identifier for FuzzyGradient {
             source: "Liu and Nocedal 1989; Moré and Thuente 1994".into(),
             use_when: "there are so many rules that the matrix of Levenberg-Marquardt is too large"
                 .into(),
-            avoid_when: "there are 36 rules: fuzzy_levenberg_marquardt needs a tenth of the \
+            avoid_when: "there are 36 rules: fuzzy_levenberg_marquardt needs a twentieth of the \
                          evaluations"
                 .into(),
             options: described(&OPTIONS),

@@ -15,7 +15,7 @@ use super::{Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task
 /// down to the gain asked for
 /// ```
 /// A high gain holds the emulator at the data, so that the first cost is almost quadratic; without
-/// this continuation the parallel structure with a low gain sticks far from its minimum.
+/// this continuation pure simulation (K = 0) ends a fifth above its minimum or far from it.
 ///
 /// Source: the paper, eq. (19); Marquardt, SIAM J. 11 (1963); continuation: Allgower and Georg,
 /// Numerical Continuation Methods (1990).
@@ -48,7 +48,8 @@ const OPTIONS: [(&str, &str, &str); 3] = [
     (
         "start",
         "\"best\"",
-        "without continuation: \"friction\" level, \"closed_form\", the \"best\" of the two, or \"zero\"",
+        "without continuation: \"friction\" level, \"closed_form\", the \"best\" of the two, or \
+         \"zero\"",
     ),
 ];
 

@@ -80,7 +80,7 @@ impl Problem {
 
     /// Number of consequents, both outputs together.
     #[must_use]
-    pub fn len(&self) -> usize {
+    pub fn consequents(&self) -> usize {
         self.system.parameters().len()
     }
 
@@ -95,7 +95,7 @@ impl Problem {
     pub fn friction_level(&self, parameters: BaseParameters) -> DVector<f64> {
         let model = StateSpace::new(BaseParameters { a3: 0.0, ..parameters });
         let (rules, terms) = (self.system.rules(), self.system.consequents().terms());
-        let mut theta = DVector::zeros(self.len());
+        let mut theta = DVector::zeros(self.consequents());
         for rule in 0..rules {
             // a centre at zero takes the side on which its input range lies
             let omega = [0, 1].map(|i| {
@@ -123,7 +123,7 @@ impl Problem {
             }
         }
         let strong = |k: &usize| strongest[k / terms % rules] >= 0.01;
-        (0..self.len()).filter(strong).collect()
+        (0..self.consequents()).filter(strong).collect()
     }
 
     fn system_with(&self, theta: &[f64]) -> TakagiSugeno {
@@ -149,7 +149,7 @@ impl Problem {
     #[must_use]
     pub fn normal(&self, theta: &[f64], premises: bool) -> Option<Normal> {
         let system = self.system_with(theta);
-        let columns = self.len() + if premises { system.premises().len() } else { 0 };
+        let columns = self.consequents() + if premises { system.premises().len() } else { 0 };
         let parts: Vec<Option<Rows>> = self
             .pieces
             .par_iter()
@@ -184,7 +184,7 @@ impl Problem {
         method: &str,
     ) -> Result<DVector<f64>, IdentifyError> {
         let system = self.system_with(about.as_slice());
-        let n = self.len() / 2;
+        let n = self.consequents() / 2;
         let parts: Vec<Rows> = self
             .pieces
             .par_iter()

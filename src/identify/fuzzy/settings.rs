@@ -15,7 +15,8 @@ use crate::simulate::{Consequents, Defuzzification, Gain, MOST_MEMBERSHIPS, Stru
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Range {
-    /// `"data"`: from the smallest to the largest measured speed of each wheel.
+    /// `"data"`: from the smallest to the largest measured speed of each wheel, and a tenth of
+    /// that length beyond, so that rules at the friction level hold the emulator at the edges.
     Named(NamedRange),
     /// `[low, high]` for both wheels [rad/s]; the paper's is `[0, 30]`.
     Given([f64; 2]),
@@ -87,7 +88,7 @@ impl Default for Settings {
             structure: Structure::Parallel,
             gain: 1.0,
             input_gain: InputGain::Construction,
-            ridge: 1e-7,
+            ridge: 1e-5,
         }
     }
 }
@@ -98,7 +99,8 @@ const SHARED: [(&str, &str, &str); 8] = [
     (
         "range",
         "\"data\"",
-        "over which speeds they are spread: \"data\", \"paper\" (0 to 30 rad/s) or [low, high] in rad/s; beyond, the output is that of the edge",
+        "over which speeds they are spread: \"data\" (measured speeds and a tenth beyond), \
+         \"paper\" (0 to 30 rad/s) or [low, high] in rad/s; beyond, the output is that of the edge",
     ),
     ("consequents", "\"constant\"", "\"constant\" or \"affine\""),
     ("defuzzification", "\"weighted_average\"", "\"weighted_average\" or \"weighted_sum\""),
@@ -107,9 +109,10 @@ const SHARED: [(&str, &str, &str); 8] = [
     (
         "input_gain",
         "\"construction\"",
-        "G from a1, a2 of the \"construction\" data, or \"fitted\" by prediction error first (always so where the drive is not in N m)",
+        "G from a1, a2 of the \"construction\" data, or \"fitted\" by prediction error first \
+         (always so where the drive is not in N m)",
     ),
-    ("ridge", "1e-7", "pull to the friction level, relative to the mean square sensitivity"),
+    ("ridge", "1e-5", "pull to the friction level, relative to the mean square sensitivity"),
 ];
 
 /// The rows of a description: those every fuzzy method has, then its own.
@@ -179,7 +182,7 @@ impl Settings {
         method: &str,
     ) -> Result<(Problem, DVector<f64>), IdentifyError> {
         let parameters = self.parameters(task)?;
-        if !(parameters.a1 > parameters.a2.abs()) {
+        if parameters.a1 <= 0.0 || parameters.determinant() <= 0.0 {
             return Err(IdentifyError::NoStart {
                 method: method.into(),
                 reason: format!(
@@ -209,7 +212,7 @@ impl Settings {
                 let ends = |(low, high): (f64, f64), w: f64| (low.min(w), high.max(w));
                 let (low, high) = speeds.fold((f64::INFINITY, f64::NEG_INFINITY), ends);
                 // a wheel that hardly moves still needs a range
-                let widen = (0.5 - 0.5 * (high - low)).max(0.0);
+                let widen = (0.1 * (high - low)).max(0.5 - 0.5 * (high - low));
                 (low - widen, high + widen)
             }),
         }
