@@ -2,7 +2,7 @@
 //!
 //! All on the paper's movement (22 s, 100 Hz) at noise level N2 (0.05 rad/s, 1e-3 rad, 5e-3 N m),
 //! noise floor 2 T sigma² = 0.110 rad²/s; times on two cores. `repeat` is the same movement with
-//! other noise, `other` a rich movement of 25 s up to 12 rad/s, both run with the same K and structure.
+//! other noise, `other` a rich movement of 25 s up to 12 rad/s, both with the same K and structure.
 //! Run with `cargo test --release --lib fuzzy::comparison -- --ignored --nocapture`.
 
 use std::time::Instant;

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::{Journal, Limits, Problem, Settings, continuation};
 use crate::identify::{Fit, Task, find};
 use crate::model::Model;
-use crate::recording::Recording;
+use crate::recording::{Channels, DriveUnit, Recording};
 use crate::robot::Robot;
 use crate::simulate::{Consequents, Gain, Hold, Movement, NoiseLevel, Recorder, Structure};
 use crate::simulate::{emulate, record};
@@ -246,4 +246,48 @@ fn rules_that_no_recording_excites_are_not_trained_and_not_trusted() {
     assert!(fuzzy.covers(&[4.0, 4.0]) && !fuzzy.covers(&[20.0, 4.0]));
     assert!(fit.notes.iter().any(|n| n.contains("of 36 rules were excited")), "{:?}", fit.notes);
     assert!(fit.notes.iter().any(|n| n.contains("clamped")), "{:?}", fit.notes);
+}
+
+/// The same motion with other columns.
+fn changed(
+    recording: &Recording,
+    unit: DriveUnit,
+    row: impl Fn(usize) -> (f64, [f64; 2], [f64; 2]),
+) -> Recording {
+    let rows: Vec<_> = (0..recording.len()).map(row).collect();
+    let channels = Channels {
+        t: rows.iter().map(|r| r.0).collect(),
+        alpha: None,
+        omega: Some(rows.iter().map(|r| r.1).collect()),
+        moment: rows.iter().map(|r| r.2).collect(),
+    };
+    Recording::new("changed", channels, unit).unwrap()
+}
+
+#[test]
+fn drives_in_volts_get_a_fitted_gain_and_reach_the_same_ise() {
+    let rich = made(&Movement::rich(&Robot::amigobot(), 4, 15.0, 8.0), 11);
+    let volts = changed(&rich, DriveUnit::Volt, |k| {
+        (rich.t()[k], rich.omega()[k], rich.moment()[k].map(|m| 20.0 * m))
+    });
+    let name = "fuzzy_levenberg_marquardt";
+    let newton = run(name, "input_gain = \"fitted\"", &[rich], 0);
+    let volt = run(name, "", &[volts], 0);
+    let g = |fit: &Fit| fit.dynamics.fuzzy().unwrap().input_gain[0][0];
+    // the two likelihood fits differ in their measured angles and noise start
+    assert!((20.0 * g(&volt) / g(&newton) - 1.0).abs() < 0.01, "{} {}", g(&volt), g(&newton));
+}
+
+#[test]
+fn gaps_in_time_and_a_wheel_that_stands_still_are_no_obstacle() {
+    let whole = short(12);
+    let odd = changed(&whole, DriveUnit::NewtonMetre, |k| {
+        let t = whole.t()[k] + if k > 200 { 3.0 } else { 0.0 };
+        (t, [whole.omega()[k][0], 0.0], whole.moment()[k])
+    });
+    for name in ["fuzzy_least_squares", "fuzzy_levenberg_marquardt", "fuzzy_anfis"] {
+        let fit = run(name, "", std::slice::from_ref(&odd), 0);
+        let parameters = fit.dynamics.fuzzy().unwrap().system.parameters();
+        assert!(parameters.iter().all(|p| p.is_finite()), "{name}");
+    }
 }
