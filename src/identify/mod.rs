@@ -4,6 +4,7 @@
 //! [`Fit`]; not converging is a status of the fit, not an error.
 
 mod fit;
+pub mod fuzzy;
 pub mod kalman;
 mod method;
 pub mod start;
@@ -16,6 +17,13 @@ use crate::catalogue;
 catalogue! {
     dyn Identifier;
     prediction_error::PredictionError,
+    fuzzy_least_squares::FuzzyLeastSquares,
+    fuzzy_levenberg_marquardt::FuzzyLevenbergMarquardt,
+    fuzzy_gradient::FuzzyGradient,
+    fuzzy_line_search::FuzzyLineSearch,
+    fuzzy_nelder_mead::FuzzyNelderMead,
+    fuzzy_genetic::FuzzyGenetic,
+    fuzzy_anfis::FuzzyAnfis,
 }
 
 /// The registered method of that name, with its default options.
