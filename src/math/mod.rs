@@ -1,9 +1,13 @@
 //! Numbers only: no robot, no file.
 
+pub mod descent;
 pub mod distribution;
 mod error;
 pub mod filter;
+pub mod integrate;
 pub mod least_squares;
+pub mod membership;
+pub mod noise;
 pub mod robust;
 pub mod savitzky_golay;
 pub mod scalar;
