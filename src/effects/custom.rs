@@ -84,7 +84,7 @@ pub enum CustomError {
         /// `torque1` or `torque2`.
         key: &'static str,
         /// What the reader of formulas says.
-        source: ExpressionError,
+        source: Box<ExpressionError>,
     },
     /// A parameter that is called linear but is not.
     #[error(
@@ -125,12 +125,12 @@ pub enum CustomError {
 /// # Examples
 /// ```
 /// use amigo_ident::effects::{Custom, CustomDefinition, Effect, ParameterSpec};
-/// let hysteresis = Custom::new("square_root_drag", CustomDefinition {
+/// let drag = Custom::new("square_root_drag", CustomDefinition {
 ///     torque1: "k_r * sgn(w) * sqrt(abs(w))".into(),
 ///     parameters: vec![ParameterSpec::linear("k_r", "drag", "N m s^0.5", (0.0, 10.0), 0.01)],
 ///     ..CustomDefinition::default()
 /// }).unwrap();
-/// assert_eq!(hysteresis.id(), "square_root_drag");
+/// assert_eq!(drag.id(), "square_root_drag");
 /// ```
 #[derive(Clone, Debug)]
 pub struct Custom {
@@ -154,9 +154,9 @@ impl Custom {
             .chain(definition.parameters.iter().map(|spec| spec.symbol.as_str()))
             .collect();
         let read = |key: &'static str, text: &str| {
-            parse(text)
-                .and_then(|formula| formula.bind(&names))
-                .map_err(|source| CustomError::Formula { id: id.into(), key, source })
+            parse(text).and_then(|formula| formula.bind(&names)).map_err(|source| {
+                CustomError::Formula { id: id.into(), key, source: source.into() }
+            })
         };
         let torque1 = read("torque1", &definition.torque1)?;
         let torque2 = definition.torque2.as_ref().map(|text| read("torque2", text)).transpose()?;
