@@ -4,10 +4,12 @@
 //! An author writes [`Physics`] once, over any [`Real`](crate::math::Real); the program sees the object-safe
 //! [`Effect`], which evaluates it with plain numbers or with exact derivatives.
 
+mod custom;
 mod effect;
 mod motion;
 mod text;
 
+pub use custom::{Custom, CustomDefinition, CustomError, QUANTITIES};
 pub use effect::{DIFFERENTIATED, Effect, Jet, MOST_PARAMETERS, Physics};
 pub use motion::{Coupling, DIRECTIONS, Motion, Terms, along};
 pub use text::{details, details_of, overview};

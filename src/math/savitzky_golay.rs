@@ -31,7 +31,7 @@ impl SavitzkyGolay {
     /// # Errors
     /// If the window is even or one, or not longer than the order.
     pub fn new(window: usize, order: usize) -> Result<Self, MathError> {
-        if window % 2 == 0 || window < 3 {
+        if window.is_multiple_of(2) || window < 3 {
             let (setting, expected) = ("Savitzky-Golay window [samples]", "odd, at least 3");
             return Err(MathError::OutOfRange { setting, found: window as f64, expected });
         }
