@@ -8,9 +8,12 @@ pub mod fuzzy;
 pub mod kalman;
 mod method;
 pub mod start;
+mod text;
 
 pub use fit::{Estimate, Fit, Status, Trace, Work};
 pub use method::{Identifier, IdentifyError, MethodDescription, OptionError, Task, from_options};
+
+pub use text::{details, overview};
 
 use crate::catalogue;
 
