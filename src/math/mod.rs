@@ -13,6 +13,7 @@ pub mod robust;
 pub mod savitzky_golay;
 pub mod scalar;
 mod singular_values;
+pub mod spectrum;
 pub mod symmetric;
 
 pub use descent::{MinimiseOptions, Minimum, MinimumStatus, Quadratic, minimise};
@@ -25,4 +26,5 @@ pub use noise::{NoiseEstimate, white_noise};
 pub use robust::{RobustFit, fit_huber};
 pub use savitzky_golay::SavitzkyGolay;
 pub use scalar::{Dual, Real, sgn};
+pub use spectrum::{Oscillation, oscillations};
 pub use symmetric::{Identified, information_to_covariance};
