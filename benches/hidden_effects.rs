@@ -157,7 +157,8 @@ fn judge(case: &Case) -> (String, bool) {
     let right = found == wanted
         || (found.len() == wanted.len()
             && found.iter().zip(&wanted).all(|(f, w)| {
-                amigo_ident::effects::find(f).is_some_and(|e| e.description().equivalent.contains(w))
+                amigo_ident::effects::find(f)
+                    .is_some_and(|e| e.description().equivalent.contains(w))
             }));
     let top: Vec<String> = d
         .ranking

@@ -228,6 +228,11 @@ fn report(outcomes: &[Outcome], quiet: bool) {
     let failed: Vec<&str> =
         outcomes.iter().filter(|o| o.result.is_err()).map(|o| o.name.as_str()).collect();
     if !failed.is_empty() {
-        eprintln!("{} of {} experiments failed: {}", failed.len(), outcomes.len(), failed.join(", "));
+        eprintln!(
+            "{} of {} experiments failed: {}",
+            failed.len(),
+            outcomes.len(),
+            failed.join(", ")
+        );
     }
 }

@@ -109,22 +109,14 @@ fn grid(
             if let Some(j) = shape {
                 p[j] = value;
             }
-            let linear: Vec<usize> = (0..specs.len())
-                .filter(|&j| specs[j].kind == ParameterKind::Linear)
-                .collect();
+            let linear: Vec<usize> =
+                (0..specs.len()).filter(|&j| specs[j].kind == ParameterKind::Linear).collect();
             let form = if effect.acts_on_drive() {
                 Form::Signal(Arc::new(signals(effect, &p, &linear, recordings)))
             } else {
                 Form::Instant
             };
-            Candidate {
-                id: id.into(),
-                effect: effect.clone(),
-                p,
-                linear,
-                grid: count,
-                form,
-            }
+            Candidate { id: id.into(), effect: effect.clone(), p, linear, grid: count, form }
         })
         .collect()
 }
@@ -189,8 +181,8 @@ pub fn smoothed_drive(recording: &Recording) -> Vec<[f64; 2]> {
         for k in piece.clone() {
             let half = 2.min(k - piece.start).min(piece.end - 1 - k);
             let count = (2 * half + 1) as f64;
-            out[k] = [0, 1]
-                .map(|i| m[k - half..=k + half].iter().map(|v| v[i]).sum::<f64>() / count);
+            out[k] =
+                [0, 1].map(|i| m[k - half..=k + half].iter().map(|v| v[i]).sum::<f64>() / count);
         }
     }
     out
@@ -255,8 +247,7 @@ impl Candidate {
 /// Friction signs in all directions; those that the model has none of are smoothed by the spread
 /// of the filter's speeds.
 fn signs(at: &Instant) -> [f64; 4] {
-    let spread =
-        [at.motion.variance[2], at.motion.variance[3], at.spread[0], at.spread[1]];
+    let spread = [at.motion.variance[2], at.motion.variance[3], at.spread[0], at.spread[1]];
     let mut sign = at.sign;
     for j in 0..DIRECTIONS.len() {
         if sign[j] == 0.0 {

@@ -191,8 +191,7 @@ impl Search<'_> {
             high - low
         };
         let room = extent(0).max(extent(1)) / self.limits.floor;
-        let largest =
-            run.moment().iter().flatten().fold(0.0_f64, |a, m| a.max(m.abs()));
+        let largest = run.moment().iter().flatten().fold(0.0_f64, |a, m| a.max(m.abs()));
         let fastest = run.omega().iter().flatten().fold(0.0_f64, |a, w| a.max(w.abs()));
         let over = |ratio: f64| (1.0_f64 / ratio.max(1.0)).powi(8);
         over(room) * over(largest / self.limits.moment) * over(fastest / (1.1 * self.limits.speed))
@@ -227,7 +226,8 @@ fn mutate(
     // the length stays what was asked for
     let movement = Movement { segments };
     let factor = limits.duration / movement.duration();
-    let stretch = |s: &Segment| Segment { hold_s: s.hold_s * factor, blend_s: s.blend_s * factor, ..*s };
+    let stretch =
+        |s: &Segment| Segment { hold_s: s.hold_s * factor, blend_s: s.blend_s * factor, ..*s };
     let out = Movement { segments: movement.segments.iter().map(stretch).collect() };
     if rng.random::<f64>() < 0.1 { shuffled(out, rng) } else { out }
 }

@@ -119,8 +119,7 @@ fn judge(
     let prior = nalgebra::DVector::from_fn(n, |j, _| {
         let size = score.size[j.min(score.size.len() - 1)];
         // a threshold is no coefficient: its prior is as wide as itself
-        let threshold = candidate.linear.is_empty()
-            && candidate.effect.parameters()[j].unit != "s";
+        let threshold = candidate.linear.is_empty() && candidate.effect.parameters()[j].unit != "s";
         if threshold { theta[j].abs().max(1e-12) } else { PRIOR_SHARE * rms / size }
     });
     let whitened = DMatrix::from_fn(n, n, |i, k| prior[i] * information[(i, k)] * prior[k]);

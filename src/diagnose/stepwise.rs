@@ -215,8 +215,7 @@ fn prune(
         }
         let base: Vec<usize> = model.free().into_iter().filter(|j| !own.contains(j)).collect();
         let zero = nalgebra::DVector::zeros(maximum.information.nrows());
-        let (information, _) =
-            crate::compare::project(&maximum.information, &zero, &base, &own);
+        let (information, _) = crate::compare::project(&maximum.information, &zero, &base, &own);
         let theta = nalgebra::DVector::from_fn(own.len(), |j, _| maximum.p[own[j]]);
         let wald = theta.dot(&(information * &theta));
         let outside = own.iter().any(|&j| {
@@ -226,12 +225,9 @@ fn prune(
         if wald < KEEP || outside {
             let slots = model.slots(e);
             let smaller = model.without(e);
-            let p: Vec<f64> = (0..maximum.p.len())
-                .filter(|j| !slots.contains(j))
-                .map(|j| maximum.p[j])
-                .collect();
-            let again =
-                likelihood.maximise(&smaller, &p, Some(maximum.noise), "diagnosis")?;
+            let p: Vec<f64> =
+                (0..maximum.p.len()).filter(|j| !slots.contains(j)).map(|j| maximum.p[j]).collect();
+            let again = likelihood.maximise(&smaller, &p, Some(maximum.noise), "diagnosis")?;
             return prune(smaller, again, older.start..older.end - 1, likelihood);
         }
     }

@@ -60,8 +60,7 @@ impl Errors {
 /// Concludes from what was found, the errors, and what the last model still misses.
 #[must_use]
 pub fn conclude(found: usize, errors: &Errors, left: &MissingMoment) -> Conclusion {
-    let structure =
-        left.dependences.first().is_some_and(|d| d.log_significance > STRUCTURE);
+    let structure = left.dependences.first().is_some_and(|d| d.log_significance > STRUCTURE);
     if structure && errors.above_floor() && (found == 0 || errors.unexplained() > UNEXPLAINED) {
         Conclusion::Unknown
     } else if found == 0 {

@@ -16,8 +16,11 @@ pub fn check(file: &Path, set: &[String]) -> Result<String, ExperimentError> {
     let _ = writeln!(out, "{}: {}", file.display(), plan.title);
     let _ = writeln!(out, "  robot       {}", plan.model.robot().name);
     let added = plan.model.added_ids();
-    let effects =
-        if added.is_empty() { "base model".into() } else { format!("base + {}", added.join(" + ")) };
+    let effects = if added.is_empty() {
+        "base model".into()
+    } else {
+        format!("base + {}", added.join(" + "))
+    };
     let _ = writeln!(out, "  model       {effects}: {}", plan.model.symbols().join(", "));
     for measured in &plan.recordings {
         let r = &measured.recording;
@@ -42,7 +45,9 @@ pub fn check(file: &Path, set: &[String]) -> Result<String, ExperimentError> {
         Some(d) if d.candidates.is_empty() => {
             format!("all effects, false-alarm rate {} %", 100.0 * d.false_alarm)
         }
-        Some(d) => format!("{}, false-alarm rate {} %", d.candidates.join(", "), 100.0 * d.false_alarm),
+        Some(d) => {
+            format!("{}, false-alarm rate {} %", d.candidates.join(", "), 100.0 * d.false_alarm)
+        }
     };
     let _ = writeln!(out, "  diagnosis   {diagnosis}");
     let _ = writeln!(out, "  next        experiment {}", file.display());

@@ -86,8 +86,7 @@ pub(super) fn run_diagnosis(
         after: after.window_rms.powi(2),
         floor: floor * floor,
     };
-    let missed =
-        |model: &Model, m: &Maximum| missing_moment(model, &m.p, &m.noise, &likelihood);
+    let missed = |model: &Model, m: &Maximum| missing_moment(model, &m.p, &m.noise, &likelihood);
     let left = missed(last, maximum)?;
     let proposal = propose(&diagnosis, &likelihood, plan.seed);
     let found = diagnosis.found();
@@ -171,17 +170,13 @@ fn candidate(
     judge: &Judge,
 ) -> Candidate {
     let score = &ranked.score;
-    let torque_rms = score
-        .estimate
-        .iter()
-        .zip(&score.size)
-        .map(|(e, s)| (e * s).powi(2))
-        .sum::<f64>()
-        .sqrt();
+    let torque_rms =
+        score.estimate.iter().zip(&score.size).map(|(e, s)| (e * s).powi(2)).sum::<f64>().sqrt();
     let samples: f64 = judge.recordings.iter().map(|r| r.len() as f64).sum();
-    let delta_bic = ranked.refit.as_ref().map_or(f64::NAN, |r| {
-        2.0 * r.gain - ranked.candidate.p.len() as f64 * samples.ln()
-    });
+    let delta_bic = ranked
+        .refit
+        .as_ref()
+        .map_or(f64::NAN, |r| 2.0 * r.gain - ranked.candidate.p.len() as f64 * samples.ln());
     Candidate {
         effect: ranked.candidate.id.clone(),
         probability,

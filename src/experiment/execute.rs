@@ -81,7 +81,10 @@ pub fn load(file: &Path, set: &[String]) -> Result<Plan, ExperimentError> {
     let parsed = ExperimentFile::parse(&file.display().to_string(), &text, set)?;
     let mut plan = resolve(file, &text, &parsed)?;
     if !set.is_empty() {
-        plan.file = format!("# run with {}\n{text}", set.iter().map(|s| format!("--set {s}")).collect::<Vec<_>>().join(" "));
+        plan.file = format!(
+            "# run with {}\n{text}",
+            set.iter().map(|s| format!("--set {s}")).collect::<Vec<_>>().join(" ")
+        );
     }
     Ok(plan)
 }

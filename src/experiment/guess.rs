@@ -18,8 +18,7 @@ pub(super) struct Guess {
 /// Words that stand for a quantity, the best first; `1` and `2` or right and left are added.
 const TIME: [&str; 6] = ["t", "time", "timestamp", "time_s", "t_s", "seconds"];
 const ANGLE: [&str; 6] = ["alpha", "angle", "position", "pos", "theta", "enc"];
-const SPEED: [&str; 8] =
-    ["dalpha", "omega", "velocity", "speed", "vel", "rpm", "w", "wheel_speed"];
+const SPEED: [&str; 8] = ["dalpha", "omega", "velocity", "speed", "vel", "rpm", "w", "wheel_speed"];
 const DRIVE: [&str; 10] =
     ["M", "moment", "torque", "tau", "effort", "current", "i", "voltage", "volt", "V"];
 const RIGHT: [&str; 5] = ["1", "_1", "_r", "_right", "right"];
@@ -105,7 +104,8 @@ impl Guess {
             })
             .collect();
         if entries.is_empty() {
-            "# columns  = { t = \"time\", dalpha1 = { name = \"right_rpm\", unit = \"rpm\" } }".into()
+            "# columns  = { t = \"time\", dalpha1 = { name = \"right_rpm\", unit = \"rpm\" } }"
+                .into()
         } else {
             format!("columns    = {{ {} }}   # guessed: check", entries.join(", "))
         }

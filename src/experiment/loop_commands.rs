@@ -56,10 +56,8 @@ pub fn new_file(recordings: &[PathBuf], output: Option<&Path>) -> Result<String,
 /// An unknown effect, one that is there already, or a run that fails; the file is then unchanged.
 pub fn add_effect(effect: &str, file: &Path, out: &Path) -> Result<String, ExperimentError> {
     let text = read_text(file)?;
-    let wrong = |message: String| ExperimentError::Meaning {
-        file: file.display().to_string(),
-        message,
-    };
+    let wrong =
+        |message: String| ExperimentError::Meaning { file: file.display().to_string(), message };
     let before = load(file, &[])?;
     before.model.add(effect).map_err(|e| wrong(e.to_string()))?;
     let mut document: toml_edit::DocumentMut =
@@ -70,8 +68,7 @@ pub fn add_effect(effect: &str, file: &Path, out: &Path) -> Result<String, Exper
         .ok_or_else(|| wrong("model is no table".into()))?
         .entry("effects")
         .or_insert(toml_edit::value(toml_edit::Array::new()));
-    let effects =
-        effects.as_array_mut().ok_or_else(|| wrong("model.effects is no list".into()))?;
+    let effects = effects.as_array_mut().ok_or_else(|| wrong("model.effects is no list".into()))?;
     effects.push(effect);
     let options =
         RunOptions { out: out.to_path_buf(), set: vec![], resume: false, progress: false };

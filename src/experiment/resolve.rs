@@ -173,7 +173,9 @@ fn methods(tables: &[Table]) -> Result<Vec<MethodPlan>, Meaning> {
             match options.remove("name") {
                 Some(toml::Value::String(name)) => method(&name, &options),
                 Some(other) => Err(words(format!("[[method]]: name = {other} must be text"))),
-                None => Err(words("[[method]] has no name; `experiment methods` lists them".into())),
+                None => {
+                    Err(words("[[method]] has no name; `experiment methods` lists them".into()))
+                }
             }
         })
         .collect()
@@ -230,11 +232,7 @@ fn diagnosis(file: &ExperimentFile) -> Result<Option<DiagnosisPlan>, Meaning> {
     }))
 }
 
-fn measured(
-    path: &Path,
-    entry: &RecordingsEntry,
-    robot: &Robot,
-) -> Result<Vec<Measured>, Meaning> {
+fn measured(path: &Path, entry: &RecordingsEntry, robot: &Robot) -> Result<Vec<Measured>, Meaning> {
     let mut columns = ColumnMap::default();
     for (key, column) in &entry.columns {
         columns.set(key, &column.name, column.unit.as_deref(), column.scale)?;

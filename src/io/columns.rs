@@ -27,16 +27,22 @@ pub struct Unit;
 
 const TIME: &[(&str, f64)] = &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
-const ANGLE: &[(&str, f64)] =
-    &[("rad", 1.0), ("deg", DEGREE), ("rev", std::f64::consts::TAU)];
+const ANGLE: &[(&str, f64)] = &[("rad", 1.0), ("deg", DEGREE), ("rev", std::f64::consts::TAU)];
 const SPEED: &[(&str, f64)] = &[
     ("rad/s", 1.0),
     ("deg/s", DEGREE),
     ("rpm", std::f64::consts::TAU / 60.0),
     ("rev/s", std::f64::consts::TAU),
 ];
-const DRIVE: &[(&str, f64)] =
-    &[("N m", 1.0), ("mN m", 1e-3), ("N cm", 1e-2), ("V", 1.0), ("mV", 1e-3), ("A", 1.0), ("mA", 1e-3)];
+const DRIVE: &[(&str, f64)] = &[
+    ("N m", 1.0),
+    ("mN m", 1e-3),
+    ("N cm", 1e-2),
+    ("V", 1.0),
+    ("mV", 1e-3),
+    ("A", 1.0),
+    ("mA", 1e-3),
+];
 
 impl Unit {
     /// Factor from a unit to that of the contract.
@@ -51,23 +57,24 @@ impl Unit {
             _ => ("a drive", DRIVE),
         };
         let plain = |u: &str| u.replace(['·', '*', ' '], "").to_lowercase();
-        known.iter().find(|(name, _)| plain(name) == plain(unit)).map(|(_, f)| *f).ok_or_else(|| {
-            let known: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
-            IoError::Unit {
-                column: column.into(),
-                unit: unit.into(),
-                quantity: quantity.into(),
-                known: known.join(", "),
-            }
-        })
+        known.iter().find(|(name, _)| plain(name) == plain(unit)).map(|(_, f)| *f).ok_or_else(
+            || {
+                let known: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
+                IoError::Unit {
+                    column: column.into(),
+                    unit: unit.into(),
+                    quantity: quantity.into(),
+                    known: known.join(", "),
+                }
+            },
+        )
     }
 }
 
 impl Default for ColumnMap {
     fn default() -> Self {
-        let plain = |name: &'static str| {
-            (name, Column { name: name.into(), factor: 1.0, named: false })
-        };
+        let plain =
+            |name: &'static str| (name, Column { name: name.into(), factor: 1.0, named: false });
         Self(CONTRACT.into_iter().map(plain).collect())
     }
 }
@@ -110,7 +117,9 @@ mod tests {
 
     #[test]
     fn units_become_si() {
-        assert!((Unit::factor("dalpha1", "rpm").unwrap() * 60.0 - std::f64::consts::TAU).abs() < 1e-12);
+        assert!(
+            (Unit::factor("dalpha1", "rpm").unwrap() * 60.0 - std::f64::consts::TAU).abs() < 1e-12
+        );
         assert_eq!(Unit::factor("M1", "Nm").unwrap(), 1.0);
         let e = Unit::factor("dalpha1", "knots").unwrap_err().to_string();
         assert!(e.contains("`knots` is not known for a speed") && e.contains("rpm"), "{e}");

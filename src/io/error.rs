@@ -46,7 +46,9 @@ pub enum IoError {
         present: String,
     },
     /// Text where a number is needed.
-    #[error("{file}, row {row}: {column} is `{text}`; expected a number (rows count from 1 below the header)")]
+    #[error(
+        "{file}, row {row}: {column} is `{text}`; expected a number (rows count from 1 below the header)"
+    )]
     NotANumber {
         /// File.
         file: String,
@@ -80,7 +82,9 @@ pub enum IoError {
         known: String,
     },
     /// A key of `columns` that is no column of the contract.
-    #[error("columns.{column} is no column of a recording; they are t, alpha1, alpha2, dalpha1, dalpha2, M1, M2")]
+    #[error(
+        "columns.{column} is no column of a recording; they are t, alpha1, alpha2, dalpha1, dalpha2, M1, M2"
+    )]
     UnknownColumn {
         /// As written.
         column: String,

@@ -64,7 +64,8 @@ pub fn headers(path: &Path) -> Result<Headers, IoError> {
     })?;
     let text = text.trim_start_matches('\u{feff}').trim();
     let count = |c: char| text.matches(c).count();
-    let separator = [',', ';', '\t'].into_iter().max_by_key(|c| (count(*c), *c == ',')).unwrap_or(',');
+    let separator =
+        [',', ';', '\t'].into_iter().max_by_key(|c| (count(*c), *c == ',')).unwrap_or(',');
     let names = text.split(separator).map(|n| n.trim().trim_matches('"').to_string()).collect();
     Ok(Headers { names, separator: separator as u8 })
 }
@@ -282,8 +283,6 @@ pub fn write_parquet_table(path: &Path, columns: &[TableColumn]) -> Result<Vec<u
     });
     let mut frame = DataFrame::new(height, series).map_err(|e| format(path, "Parquet", &e))?;
     let mut bytes = Vec::new();
-    ParquetWriter::new(&mut bytes)
-        .finish(&mut frame)
-        .map_err(|e| format(path, "Parquet", &e))?;
+    ParquetWriter::new(&mut bytes).finish(&mut frame).map_err(|e| format(path, "Parquet", &e))?;
     Ok(bytes)
 }

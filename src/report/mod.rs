@@ -19,5 +19,5 @@ mod scale;
 
 pub use error::ReportError;
 pub use page::{Page, PageContent, Picture, SectionContent, page, render_page};
-pub use render::{Rendered, render};
 pub use raster::{figure_to_png, figure_to_svg};
+pub use render::{Rendered, render};

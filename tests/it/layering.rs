@@ -5,8 +5,18 @@ use std::path::{Path, PathBuf};
 
 /// Rooms in the order in which they may import: each one only those before it.
 const ORDER: [&str; 12] = [
-    "math", "robot", "recording", "effects", "model", "simulate", "identify", "compare",
-    "diagnose", "study", "report", "experiment",
+    "math",
+    "robot",
+    "recording",
+    "effects",
+    "model",
+    "simulate",
+    "identify",
+    "compare",
+    "diagnose",
+    "study",
+    "report",
+    "experiment",
 ];
 
 /// External crates and the only places that may name them.

@@ -49,7 +49,8 @@ pub(super) fn with_words<T>(
 
 /// The number (from 1) and text of the line at a byte offset.
 fn line_of(text: &str, offset: usize) -> (usize, String) {
-    let offset = (0..=offset.min(text.len())).rev().find(|&o| text.is_char_boundary(o)).unwrap_or(0);
+    let offset =
+        (0..=offset.min(text.len())).rev().find(|&o| text.is_char_boundary(o)).unwrap_or(0);
     let number = text[..offset].matches('\n').count() + 1;
     let line = text.lines().nth(number - 1).unwrap_or_default();
     (number, line.to_string())

@@ -75,7 +75,10 @@ impl<'de> Deserialize<'de> for ColumnEntry {
             scale: f64,
         }
         #[derive(Deserialize)]
-        #[serde(untagged, expecting = "a column name, or { name = \"…\", unit = \"…\", scale = 1.0 }")]
+        #[serde(
+            untagged,
+            expecting = "a column name, or { name = \"…\", unit = \"…\", scale = 1.0 }"
+        )]
         enum Entry {
             Name(String),
             Full(Full),
@@ -270,7 +273,8 @@ impl ExperimentFile {
                 return Err(wrong("[recordings]", message.into()));
             }
             (Some(_), Some(_)) => {
-                let message = "and [recordings] are both there; an experiment has one source of data";
+                let message =
+                    "and [recordings] are both there; an experiment has one source of data";
                 return Err(wrong("[simulation]", message.into()));
             }
             (Some(r), None) if r.train.is_empty() => {
@@ -308,13 +312,16 @@ impl SimulationEntry {
             && name != "paper"
             && name != "rich"
         {
-            let message = format!("= \"{name}\" is no movement; use \"paper\", \"rich\" or segments");
+            let message =
+                format!("= \"{name}\" is no movement; use \"paper\", \"rich\" or segments");
             return Err(wrong("simulation.movement", message));
         }
         if let MovementEntry::Segments(segments) = &self.movement {
             let length: f64 = segments.iter().map(|s| s.blend_s + s.hold_s).sum();
             let sound = segments.iter().all(|s| {
-                s.blend_s >= 0.0 && s.hold_s >= 0.0 && s.speed_m_s.is_finite()
+                s.blend_s >= 0.0
+                    && s.hold_s >= 0.0
+                    && s.speed_m_s.is_finite()
                     && s.turn_rad_s.is_finite()
             });
             if !sound || !(0.5..=1e5).contains(&length) {

@@ -59,10 +59,14 @@ fn values_that_make_no_sense_are_named_with_their_key() {
     let s = "[simulation]\nmovement = \"paper\"\n";
     assert!(error("title = \"x\"\n").contains("[recordings] is missing"));
     assert!(error("[recordings]\ntrain = []\n").contains("recordings.train is empty"));
-    assert!(error("[simulation]\nmovement = \"loop\"\n").contains("simulation.movement = \"loop\""));
+    assert!(
+        error("[simulation]\nmovement = \"loop\"\n").contains("simulation.movement = \"loop\"")
+    );
     assert!(error("[simulation]\nnoise = { dalpha = -1.0 }\n").contains("simulation.noise"));
     assert!(error(&format!("{s}[diagnosis]\nfalse_alarm = 2.0\n")).contains("between 0 and 1"));
-    assert!(error(&format!("{s}[emulator]\ngain = 1.0\npoles = [-1.0, -2.0]\n")).contains("keep one"));
+    assert!(
+        error(&format!("{s}[emulator]\ngain = 1.0\npoles = [-1.0, -2.0]\n")).contains("keep one")
+    );
 }
 
 #[test]
