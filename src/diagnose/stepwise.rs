@@ -38,6 +38,8 @@ impl Settings {
 
 /// Least log-evidence of a refitted effect.
 const EVIDENCE: f64 = 6.0;
+/// Log-evidence that needs no second witness.
+const OVERWHELMING: f64 = 50.0;
 /// Effects whose Wald statistic falls below this, once others are in, are dropped again.
 const KEEP: f64 = 14.0;
 /// Candidates that are refitted in full.
@@ -177,7 +179,11 @@ fn rank(
 
 /// Whether the best candidate is needed at the stated false-alarm rate.
 fn accepted(best: &Ranked, likelihood: &Likelihood, settings: &Settings) -> bool {
-    let crossed = likelihood.prepared.len() < 2 || best.score.cross_gain > 0.0;
+    // the gain on recordings left out decides where the evidence is thin; it is computed at the
+    // noise of the model without the effect, which a gross effect makes far too large
+    let crossed = likelihood.prepared.len() < 2
+        || best.score.cross_gain > 0.0
+        || best.evidence() > OVERWHELMING;
     best.refit.as_ref().is_some_and(|r| r.in_range)
         && best.evidence() > EVIDENCE
         && best.score.log_significance > settings.threshold()
