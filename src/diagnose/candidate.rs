@@ -141,9 +141,7 @@ fn grid(
 /// Grid of the shape parameter of an effect.
 fn shape_values(id: &str, typical: f64, scale: &Scale) -> Vec<f64> {
     match id {
-        "stribeck" => {
-            [0.15, 0.3, 0.6, 1.2, 2.4].map(|w| w * scale.speed / AMIGOBOT_SPEED).to_vec()
-        }
+        "stribeck" => [0.15, 0.3, 0.6, 1.2, 2.4].map(|w| w * scale.speed / AMIGOBOT_SPEED).to_vec(),
         "friction_warmup" => {
             [2.0, 5.0, 10.0, 20.0, 40.0].into_iter().filter(|t| *t < 2.0 * scale.duration).collect()
         }

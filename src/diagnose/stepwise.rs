@@ -38,6 +38,9 @@ impl Settings {
 
 /// Least log-evidence of a refitted effect.
 const EVIDENCE: f64 = 6.0;
+/// Least size of an effect that is worth a place in the model, as a share of the rms drive: with
+/// little noise far smaller ones are significant, and no model is exact.
+const PRACTICAL: f64 = 0.005;
 /// Log-evidence that needs no second witness.
 const OVERWHELMING: f64 = 50.0;
 /// Effects whose Wald statistic falls below this, once others are in, are dropped again.
@@ -184,7 +187,11 @@ fn accepted(best: &Ranked, likelihood: &Likelihood, settings: &Settings) -> bool
     let crossed = likelihood.prepared.len() < 2
         || best.score.cross_gain > 0.0
         || best.evidence() > OVERWHELMING;
-    best.refit.as_ref().is_some_and(|r| r.in_range)
+    let size: f64 =
+        best.score.estimate.iter().zip(&best.score.size).map(|(e, s)| (e * s).powi(2)).sum();
+    let worth = size.sqrt() > PRACTICAL * likelihood.moment_rms();
+    worth
+        && best.refit.as_ref().is_some_and(|r| r.in_range)
         && best.evidence() > EVIDENCE
         && best.score.log_significance > settings.threshold()
         && crossed

@@ -5,8 +5,10 @@
 
 mod fit;
 pub mod fuzzy;
+mod identifiability;
 pub mod kalman;
 mod method;
+mod regressor;
 pub mod start;
 mod text;
 
@@ -20,6 +22,8 @@ use crate::catalogue;
 catalogue! {
     dyn Identifier;
     prediction_error::PredictionError,
+    output_error::OutputError,
+    torque_regression::TorqueRegression,
     fuzzy_least_squares::FuzzyLeastSquares,
     fuzzy_levenberg_marquardt::FuzzyLevenbergMarquardt,
     fuzzy_gradient::FuzzyGradient,

@@ -45,10 +45,8 @@ pub fn start(task: &Task, method: &str) -> Result<Vec<f64>, IdentifyError> {
 /// Least squares with columns scaled to unit norm and weak directions left out.
 fn minimum_norm(x: &DMatrix<f64>, y: &DVector<f64>) -> DVector<f64> {
     // a column of zeros (no turning, no a3) keeps a coefficient of zero
-    let scale: Vec<f64> = x
-        .column_iter()
-        .map(|c| if c.norm() > 0.0 { c.norm() } else { 1.0 })
-        .collect();
+    let scale: Vec<f64> =
+        x.column_iter().map(|c| if c.norm() > 0.0 { c.norm() } else { 1.0 }).collect();
     let scaled = DMatrix::from_fn(x.nrows(), x.ncols(), |i, j| x[(i, j)] / scale[j]);
     let solution = scaled.svd(true, true).solve(y, 1e-6).expect("both factors were asked for");
     DVector::from_fn(x.ncols(), |j, _| solution[j] / scale[j])
@@ -89,7 +87,8 @@ fn weak_rows(
         while centre + half < piece.end {
             let window = centre - half..centre + half + 1;
             for wheel in 0..2 {
-                if let Some(row) = weak_row(model, p, linear, recording, &drive, &window, wheel, rest)
+                if let Some(row) =
+                    weak_row(model, p, linear, recording, &drive, &window, wheel, rest)
                 {
                     rows.push(row);
                 }
