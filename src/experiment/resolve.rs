@@ -87,6 +87,9 @@ fn robot(table: Option<&Table>) -> Result<Robot, Meaning> {
         let near = nearest(unknown, &known);
         return Err(words(format!("[robot]: unknown key `{unknown}`{near}")));
     }
+    if let Some((key, value)) = rest.iter().find(|(_, v)| !v.is_float() && !v.is_integer()) {
+        return Err(words(format!("[robot]: {key} = {value} must be a number")));
+    }
     // keys that are written replace those of the preset; without one all must be there
     let mut values = Table::new();
     if let Some(robot) = &base {

@@ -194,16 +194,15 @@ fn read_csv(path: &Path, headers: &Headers, names: &[String]) -> Result<DataFram
         .clone()
         .with_columns(Some(names.iter().map(|n| n.as_str().into()).collect()))
         .with_schema_overwrite(Some(Arc::new(schema)));
-    match read(fast) {
-        Ok(frame) => Ok(frame),
-        // slow but exact: decimal commas, spaces, and which row holds text that is no number
-        Err(first) => match read(options) {
-            Ok(frame) => by_cell(path, headers, &frame, names),
-            Err(_) if first.to_string().contains("empty") => {
-                Err(IoError::Empty { file: path.display().to_string() })
-            }
-            Err(_) => Err(format(path, "CSV", &first)),
-        },
+    if let Ok(frame) = read(fast)
+        && frame.columns().iter().all(|c| c.null_count() == 0)
+    {
+        return Ok(frame);
+    }
+    // slow but exact: decimal commas, spaces, blank lines, which row holds text that is no number
+    match read(options) {
+        Ok(frame) => by_cell(path, headers, &frame, names),
+        Err(e) => Err(format(path, "CSV", &e)),
     }
 }
 
@@ -220,13 +219,15 @@ fn by_cell(
     let columns: Vec<&PolarsColumn> =
         names.iter().filter_map(|n| frame.select_at_idx(place(n))).collect();
     let texts = columns.iter().map(|c| c.str()).collect::<Result<Vec<_>, _>>().map_err(wrong)?;
+    let all = frame.columns().iter().map(|c| c.str()).collect::<Result<Vec<_>, _>>();
+    let all = all.map_err(wrong)?;
     let mut values = vec![Vec::with_capacity(frame.height()); texts.len()];
     for row in 0..frame.height() {
-        let cells: Vec<&str> = texts.iter().map(|t| t.get(row).unwrap_or_default()).collect();
-        if cells.iter().all(|c| c.trim().is_empty()) && row + 1 == frame.height() {
-            break;
+        if all.iter().all(|t| t.get(row).unwrap_or_default().trim().is_empty()) {
+            continue; // a blank line
         }
-        for (j, cell) in cells.into_iter().enumerate() {
+        for (j, text) in texts.iter().enumerate() {
+            let cell = text.get(row).unwrap_or_default();
             let value = number(cell, headers.separator != b',');
             values[j].push(value.ok_or_else(|| not_a_number(path, row, &names[j], cell))?);
         }
