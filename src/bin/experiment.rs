@@ -5,7 +5,7 @@ use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use amigo_ident::experiment::{self, Outcome, RunOptions};
+use amigo_ident::experiment::{self, Outcome, Plan, RunOptions};
 use amigo_ident::{effects, identify};
 use clap::{CommandFactory, Parser, Subcommand};
 use rayon::prelude::*;
@@ -202,6 +202,7 @@ fn run(run: &Run) -> ExitCode {
             return ExitCode::from(WRONG);
         }
     };
+    warn(&plans, run.quiet);
     let outcomes: Vec<Outcome> =
         plans.into_par_iter().map(|plan| experiment::execute(plan, &options)).collect();
     let index = (outcomes.len() > 1).then(|| experiment::write_index(&outcomes, &options));
@@ -211,6 +212,16 @@ fn run(run: &Run) -> ExitCode {
     }
     let failed = outcomes.iter().filter(|o| o.result.is_err()).count();
     ExitCode::from(if failed > 0 { FAILED } else { 0 })
+}
+
+/// What the quality check found in the recordings.
+fn warn(plans: &[Plan], quiet: bool) {
+    let measured = plans.iter().flat_map(|plan| plan.recordings.iter().map(move |m| (plan, m)));
+    for (plan, m) in measured.filter(|_| !quiet) {
+        for finding in &m.findings {
+            eprintln!("warning: {}: {}: {finding}", plan.name, m.recording.name());
+        }
+    }
 }
 
 /// One short verdict an experiment, and what failed.

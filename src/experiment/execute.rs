@@ -7,7 +7,7 @@ use super::file::ExperimentFile;
 use super::plan::Plan;
 use super::resolve::resolve;
 use super::run::run;
-use crate::io::{ResultFolder, read_text, write_csv, write_whole};
+use crate::io::{ResultFolder, check_writable, read_text, write_csv, write_whole};
 use crate::study::{DiagnosisStudy, Study, Version, results};
 
 /// How experiments are run.
@@ -55,6 +55,9 @@ pub fn load_all(
 ) -> Result<Vec<Plan>, Vec<ExperimentError>> {
     let mut plans: Vec<Plan> = Vec::new();
     let mut errors = Vec::new();
+    if let Err(e) = check_writable(&options.out) {
+        errors.push(e.into());
+    }
     for file in files {
         match load(file, &options.set) {
             Ok(plan) if plans.iter().any(|p| p.name == plan.name) => {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::ExperimentError;
 use super::execute::{RunOptions, execute, load};
-use crate::io::{ColumnMap, headers, read_recording, read_text, write_whole};
+use crate::io::{ColumnMap, check_writable, headers, read_recording, read_text, write_whole};
 use crate::recording::DriveUnit;
 
 /// Looks at recordings and writes a commented experiment file.
@@ -55,6 +55,7 @@ pub fn new_file(recordings: &[PathBuf], output: Option<&Path>) -> Result<String,
 /// # Errors
 /// An unknown effect, one that is there already, or a run that fails; the file is then unchanged.
 pub fn add_effect(effect: &str, file: &Path, out: &Path) -> Result<String, ExperimentError> {
+    check_writable(out)?;
     let text = read_text(file)?;
     let wrong =
         |message: String| ExperimentError::Meaning { file: file.display().to_string(), message };

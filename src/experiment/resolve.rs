@@ -87,6 +87,9 @@ fn robot(table: Option<&Table>) -> Result<Robot, Meaning> {
         let near = nearest(unknown, &known);
         return Err(words(format!("[robot]: unknown key `{unknown}`{near}")));
     }
+    if let Some((key, value)) = rest.iter().find(|(_, v)| !v.is_float() && !v.is_integer()) {
+        return Err(words(format!("[robot]: {key} = {value} must be a number")));
+    }
     // keys that are written replace those of the preset; without one all must be there
     let mut values = Table::new();
     if let Some(robot) = &base {
@@ -97,7 +100,14 @@ fn robot(table: Option<&Table>) -> Result<Robot, Meaning> {
     values.extend(rest);
     let construction: Construction = toml::Value::Table(values)
         .try_into()
-        .map_err(|e: toml::de::Error| words(format!("[robot]: {}", e.message())))?;
+        .map_err(|e: toml::de::Error| {
+            let remedy = if base.is_some() {
+                ""
+            } else {
+                "; without a preset all construction data must be there, or add preset = \"amigobot\""
+            };
+            words(format!("[robot]: {}{remedy}", e.message()))
+        })?;
     let name = base.map_or_else(|| "custom".into(), |r| format!("{} (changed)", r.name));
     Ok(Robot::new(name, construction)?)
 }
@@ -240,14 +250,24 @@ fn measured(path: &Path, entry: &RecordingsEntry, robot: &Robot) -> Result<Vec<M
     let folder = path.parent().unwrap_or_else(|| Path::new("."));
     let train = entry.train.iter().map(|f| (Role::Train, f));
     let all: Vec<_> = train.chain(entry.validation.iter().map(|f| (Role::Validation, f))).collect();
-    all.into_par_iter()
+    let measured = all
+        .into_par_iter()
         .map(|(role, file)| {
             let file: PathBuf = folder.join(file);
             let (recording, sha256) = read_recording(&file, &columns, entry.drive_unit)?;
             let findings = super::quality::findings(&recording, robot);
             Ok(Measured { role, recording, sha256: Some(sha256), findings })
         })
-        .collect()
+        .collect::<Result<Vec<_>, Meaning>>()?;
+    let train = measured.iter().filter(|m| m.role == Role::Train).map(|m| &m.recording);
+    if super::quality::without_drive(train) {
+        return Err(words(format!(
+            "recordings.train: M1 and M2 are zero throughout ({}); without a drive the parameters \
+             have no scale, so record the moments, or name their columns",
+            entry.train.join(", ")
+        )));
+    }
+    Ok(measured)
 }
 
 type Made = (Vec<Measured>, Hold, u64, Vec<(String, f64)>);

@@ -19,6 +19,12 @@ pub enum IoError {
         /// Path.
         file: String,
     },
+    /// A file in place of a folder.
+    #[error("{path} is a file; results need a folder, name another with --out")]
+    NotAFolder {
+        /// Path.
+        path: String,
+    },
     /// Nothing in it.
     #[error("{file} is empty; expected a header and rows of numbers")]
     Empty {

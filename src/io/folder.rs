@@ -58,6 +58,19 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
     Ok(())
 }
 
+/// Checks that files can be written into a folder, or that it can be made; makes nothing.
+///
+/// # Errors
+/// A file in its place or above it, and a folder that cannot be written.
+pub fn check_writable(folder: &Path) -> Result<(), IoError> {
+    let there = folder.ancestors().find(|p| p.exists() && !p.as_os_str().is_empty());
+    let there = there.unwrap_or(Path::new("."));
+    if !there.is_dir() {
+        return Err(IoError::NotAFolder { path: there.display().to_string() });
+    }
+    tempfile::tempfile_in(there).map(|_| ()).map_err(|e| IoError::system(there, &e))
+}
+
 /// The folder of an experiment's results. Files are collected in memory and written at the end,
 /// `results.json` last: a folder with a `results.json` of a run is complete.
 #[derive(Debug)]

@@ -7,5 +7,5 @@ mod table;
 
 pub use columns::{Column, ColumnMap, Unit};
 pub use error::IoError;
-pub use folder::{ResultFolder, read_text, sha256, write_whole};
+pub use folder::{ResultFolder, check_writable, read_text, sha256, write_whole};
 pub use table::{Headers, TableColumn, headers, read_recording, write_csv, write_parquet_table};

@@ -157,10 +157,13 @@ fn wanted(
 }
 
 fn missing(path: &Path, headers: &Headers, key: &str, name: &str) -> IoError {
+    // without signs between: they outweigh the rest of names as short as M_2
+    let bare = |n: &str| n.to_lowercase().replace(|c: char| !c.is_alphanumeric(), "");
     let near = headers
         .names
         .iter()
-        .map(|n| (strsim::jaro_winkler(&n.to_lowercase(), &name.to_lowercase()), n))
+        .filter(|n| !CONTRACT.contains(&n.as_str()))
+        .map(|n| (strsim::jaro_winkler(&bare(n), &bare(name)), n))
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .filter(|(score, _)| *score > 0.8)
         .map(|(_, n)| n.clone());
@@ -174,83 +177,96 @@ fn missing(path: &Path, headers: &Headers, key: &str, name: &str) -> IoError {
 }
 
 fn read_csv(path: &Path, headers: &Headers, names: &[String]) -> Result<DataFrame, IoError> {
-    let read = |data_type: DataType| -> Result<DataFrame, PolarsError> {
-        let schema: Schema = names.iter().map(|n| (n.as_str().into(), data_type.clone())).collect();
-        let parse = CsvParseOptions::default()
-            .with_separator(headers.separator)
-            .with_comment_prefix(Some("#"))
-            .with_decimal_comma(headers.separator == b';')
-            .with_truncate_ragged_lines(true);
-        CsvReadOptions::default()
-            .with_has_header(true)
-            .with_infer_schema_length(Some(0))
-            .with_columns(Some(names.iter().map(|n| n.as_str().into()).collect()))
-            .with_schema_overwrite(Some(Arc::new(schema)))
-            .with_chunk_size(NonZeroUsize::MIN.get().max(1 << 16))
-            .with_parse_options(parse)
-            .try_into_reader_with_file_path(Some(path.to_path_buf()))?
-            .finish()
+    let parse = CsvParseOptions::default()
+        .with_separator(headers.separator)
+        .with_comment_prefix(Some("#"))
+        .with_truncate_ragged_lines(true);
+    let options = CsvReadOptions::default()
+        .with_has_header(true)
+        .with_infer_schema_length(Some(0))
+        .with_chunk_size(NonZeroUsize::MIN.get().max(1 << 16))
+        .with_parse_options(parse);
+    let read = |options: CsvReadOptions| {
+        options.try_into_reader_with_file_path(Some(path.to_path_buf()))?.finish()
     };
-    match read(DataType::Float64) {
-        Ok(frame) => Ok(frame),
-        // slow but exact: which row holds the text that is no number
-        Err(first) => match read(DataType::String) {
-            Ok(frame) => Err(bad_cell(path, &frame, names).unwrap_or(format(path, "CSV", &first))),
-            Err(_) if first.to_string().contains("empty") => {
-                Err(IoError::Empty { file: path.display().to_string() })
-            }
-            Err(_) => Err(format(path, "CSV", &first)),
-        },
+    let schema: Schema = names.iter().map(|n| (n.as_str().into(), DataType::Float64)).collect();
+    let fast = options
+        .clone()
+        .with_columns(Some(names.iter().map(|n| n.as_str().into()).collect()))
+        .with_schema_overwrite(Some(Arc::new(schema)));
+    if let Ok(frame) = read(fast)
+        && frame.columns().iter().all(|c| c.null_count() == 0)
+    {
+        return Ok(frame);
+    }
+    // slow but exact: decimal commas, spaces, blank lines, which row holds text that is no number
+    match read(options) {
+        Ok(frame) => by_cell(path, headers, &frame, names),
+        Err(e) => Err(format(path, "CSV", &e)),
     }
 }
 
-fn bad_cell(path: &Path, frame: &DataFrame, names: &[String]) -> Option<IoError> {
-    let mut first: Option<IoError> = None;
-    let mut first_row = usize::MAX;
-    for name in names {
-        let column = frame.column(name).ok()?.str().ok()?;
-        for (k, cell) in column.iter().enumerate().take(first_row) {
-            let text = cell.unwrap_or_default();
-            if text.trim().parse::<f64>().is_err() {
-                first_row = k;
-                first = Some(IoError::NotANumber {
-                    file: path.display().to_string(),
-                    row: k + 1,
-                    column: name.clone(),
-                    text: text.chars().take(40).collect(),
-                });
-                break;
-            }
+/// The wanted columns of a frame of text, cell by cell.
+fn by_cell(
+    path: &Path,
+    headers: &Headers,
+    frame: &DataFrame,
+    names: &[String],
+) -> Result<DataFrame, IoError> {
+    let wrong = |e: PolarsError| format(path, "CSV", &e);
+    // by place: the header may hold spaces around the names
+    let place = |name: &String| headers.names.iter().position(|n| n == name).unwrap_or_default();
+    let columns: Vec<&PolarsColumn> =
+        names.iter().filter_map(|n| frame.select_at_idx(place(n))).collect();
+    let texts = columns.iter().map(|c| c.str()).collect::<Result<Vec<_>, _>>().map_err(wrong)?;
+    let all = frame.columns().iter().map(|c| c.str()).collect::<Result<Vec<_>, _>>();
+    let all = all.map_err(wrong)?;
+    let mut values = vec![Vec::with_capacity(frame.height()); texts.len()];
+    for row in 0..frame.height() {
+        if all.iter().all(|t| t.get(row).unwrap_or_default().trim().is_empty()) {
+            continue; // a blank line
+        }
+        for (j, text) in texts.iter().enumerate() {
+            let cell = text.get(row).unwrap_or_default();
+            let value = number(cell, headers.separator != b',');
+            values[j].push(value.ok_or_else(|| not_a_number(path, row, &names[j], cell))?);
         }
     }
-    first
+    let height = values.first().map_or(0, Vec::len);
+    let columns = names.iter().zip(values);
+    let columns = columns.map(|(n, v)| Series::new(n.as_str().into(), v).into()).collect();
+    DataFrame::new(height, columns).map_err(wrong)
+}
+
+/// A cell as a number; a comma may be the decimal sign where it does not separate columns.
+fn number(cell: &str, decimal_comma: bool) -> Option<f64> {
+    let cell = cell.trim().trim_matches('"').trim();
+    let parsed = cell.parse().ok();
+    if parsed.is_none() && decimal_comma { cell.replacen(',', ".", 1).parse().ok() } else { parsed }
+}
+
+fn not_a_number(path: &Path, row: usize, column: &str, text: &str) -> IoError {
+    IoError::NotANumber {
+        file: path.display().to_string(),
+        row: row + 1,
+        column: column.into(),
+        text: text.chars().take(40).collect(),
+    }
 }
 
 fn numbers(path: &Path, frame: &DataFrame, name: &str) -> Result<Vec<f64>, IoError> {
     let wrong = |e: PolarsError| format(path, "table", &e);
     let column = frame.column(name).map_err(wrong)?;
     if matches!(column.dtype(), DataType::String) {
-        let error = bad_cell(path, frame, &[name.to_string()]);
-        let text = |e: PolarsError| format(path, "table", &e);
-        if let Some(error) = error {
-            return Err(error);
-        }
-        let column = column.cast(&DataType::Float64).map_err(text)?;
-        return Ok(column.f64().map_err(text)?.iter().map(|v| v.unwrap_or(f64::NAN)).collect());
+        let texts = column.str().map_err(wrong)?;
+        let cells = texts.iter().map(Option::unwrap_or_default).enumerate();
+        return cells
+            .map(|(k, c)| number(c, true).ok_or_else(|| not_a_number(path, k, name, c)))
+            .collect();
     }
     let column = column.cast(&DataType::Float64).map_err(wrong)?;
-    let values = column.f64().map_err(wrong)?;
-    for (k, value) in values.iter().enumerate() {
-        if value.is_none() {
-            return Err(IoError::NotANumber {
-                file: path.display().to_string(),
-                row: k + 1,
-                column: name.into(),
-                text: String::new(),
-            });
-        }
-    }
-    Ok(values.iter().map(|v| v.unwrap_or(f64::NAN)).collect())
+    let values = column.f64().map_err(wrong)?.iter().enumerate();
+    values.map(|(k, v)| v.ok_or_else(|| not_a_number(path, k, name, ""))).collect()
 }
 
 /// A recording as CSV in the columns of the contract.

@@ -293,6 +293,21 @@ impl ExperimentFile {
                 return Err(wrong("diagnosis.candidates", message));
             }
         }
+        for (key, values) in self.grid.iter().flatten() {
+            let empty = match values {
+                toml::Value::Array(values) => values.is_empty(),
+                toml::Value::Table(t) => t.get("count").is_some_and(|c| c.as_integer() == Some(0)),
+                _ => false,
+            };
+            if empty {
+                let message = "has no value; give at least one, or remove the key".to_string();
+                return Err(wrong(&format!("grid.{key}"), message));
+            }
+        }
+        if self.grid.as_ref().is_some_and(Table::is_empty) {
+            let message = "has no key; name what varies, for example noise_scale = [0.5, 1, 2]";
+            return Err(wrong("[grid]", message.into()));
+        }
         let given = [
             self.emulator.gain.is_some(),
             self.emulator.poles.is_some(),
