@@ -7,6 +7,7 @@ mod error;
 mod estimates;
 mod execute;
 mod file;
+mod fuzzy_study;
 mod guess;
 mod loop_commands;
 mod plan;

@@ -51,7 +51,7 @@ const NAME: &str = "torque_regression";
 /// Noise that the chosen cut-off lets into the acceleration, as a share of its rms.
 const NOISE_SHARE: f64 = 0.02;
 /// Near rest: below this share of the top speed.
-const REST: f64 = 0.025;
+const REST: f64 = 0.005;
 /// Length of the filter's answer [s Hz]: seconds times cut-off.
 const REACH: f64 = 0.35;
 /// Blocks within which residuals may be correlated [s].

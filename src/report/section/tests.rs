@@ -1,0 +1,1 @@
+//! Sections on full and almost empty studies.
