@@ -37,6 +37,9 @@ pub fn check(file: &Path, set: &[String]) -> Result<String, ExperimentError> {
         for finding in &measured.findings {
             let _ = writeln!(out, "              {finding}");
         }
+        for note in super::quality::notes(r, plan.model.robot()) {
+            let _ = writeln!(out, "              note: {note}");
+        }
     }
     let methods: Vec<&str> = plan.methods.iter().map(|m| m.name.as_str()).collect();
     let _ = writeln!(out, "  methods     {}", methods.join(", "));

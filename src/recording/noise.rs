@@ -108,7 +108,7 @@ fn smallest_step(values: &[[f64; 2]], i: usize) -> f64 {
 
 /// The step of a quantised channel: many neighbours are equal and all others differ by multiples
 /// of one step; zero where the channel is not quantised.
-fn quantum(values: &[[f64; 2]], i: usize) -> f64 {
+pub(super) fn quantum(values: &[[f64; 2]], i: usize) -> f64 {
     let equal = values.windows(2).filter(|w| w[1][i] == w[0][i]).count();
     let step = smallest_step(values, i);
     if equal * 20 < values.len() || step == 0.0 {

@@ -1,0 +1,133 @@
+//! What is wrong with a recording, or could be better, in words and before anything is fitted.
+//!
+//! All checks look at the recording alone (and, for units of length, at the wheel radius): timing,
+//! every channel by itself, the channels against each other, and what the driving excites.
+
+mod channel;
+mod excitation;
+mod motion;
+mod timing;
+mod window;
+
+use super::Recording;
+use crate::robot::Robot;
+use window::windows;
+
+/// How much a finding matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Severity {
+    /// Good to know; results are not worse for it.
+    Note,
+    /// Results may be worse, or some parameters cannot be found.
+    Warning,
+    /// Results will be wrong unless it is mended.
+    Problem,
+}
+
+impl Severity {
+    /// In a word.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Note => "note",
+            Self::Warning => "warning",
+            Self::Problem => "problem",
+        }
+    }
+}
+
+/// Something that was noticed, and what to do about it.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Finding {
+    /// How much it matters.
+    pub severity: Severity,
+    /// What was seen.
+    pub what: String,
+    /// What to do, or what follows from it.
+    pub remedy: String,
+}
+
+impl Finding {
+    fn new(severity: Severity, what: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self { severity, what: what.into(), remedy: remedy.into() }
+    }
+}
+
+impl std::fmt::Display for Finding {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}: {}", self.what, self.remedy)
+    }
+}
+
+/// Gaps in time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Gaps {
+    /// How many.
+    pub count: usize,
+    /// The longest [s]; zero without any.
+    pub longest: f64,
+}
+
+/// What the quality check says of a recording.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Quality {
+    /// Rows a second: one over the median step [Hz].
+    pub rate_hz: f64,
+    /// Standard deviation of the step outside gaps, over the median step [1].
+    pub jitter: f64,
+    /// Gaps in time.
+    pub gaps: Gaps,
+    /// Everything noticed, the worst first.
+    pub findings: Vec<Finding>,
+}
+
+impl Quality {
+    /// The findings of at least a severity, the worst first.
+    pub fn at_least(&self, severity: Severity) -> impl Iterator<Item = &Finding> {
+        self.findings.iter().filter(move |f| f.severity >= severity)
+    }
+}
+
+/// Names of the wheels in findings.
+const WHEELS: [&str; 2] = ["wheel 1 (right)", "wheel 2 (left)"];
+
+/// Checks a recording.
+///
+/// # Examples
+/// ```
+/// use amigo_ident::recording::{Channels, DriveUnit, Recording, Severity, quality};
+/// use amigo_ident::robot::Robot;
+/// let t: Vec<f64> = (0..1000).map(|k| 0.01 * f64::from(k)).collect();
+/// let omega = t.iter().map(|t| [3.0 * t.sin(), 0.0]).collect();
+/// let moment = t.iter().map(|t| [0.1 * t.cos() + 0.1 * t.sin().signum(), 0.0]).collect();
+/// let channels = Channels { t, alpha: None, omega: Some(omega), moment };
+/// let recording = Recording::new("run.csv", channels, DriveUnit::NewtonMetre).unwrap();
+/// let found = quality(&recording, &Robot::amigobot());
+/// assert!(found.at_least(Severity::Warning).any(|f| f.what.contains("wheel 2 (left) never moves")));
+/// ```
+#[must_use]
+pub fn quality(recording: &Recording, robot: &Robot) -> Quality {
+    let (rate_hz, jitter, gaps) = timing::measure(recording);
+    let mut findings = timing::findings(recording, jitter, gaps);
+    findings.extend(channel::findings(recording));
+    let windows = windows(recording);
+    findings.extend(motion::findings(recording, &windows, robot));
+    findings.extend(excitation::findings(recording, &windows));
+    // stable: within a severity in the order of the checks
+    findings.sort_by_key(|f| std::cmp::Reverse(f.severity));
+    Quality { rate_hz, jitter, gaps, findings }
+}
+
+/// The value below which a share of all absolute values lies; zero of none.
+fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
+    let mut sizes: Vec<f64> = values.map(f64::abs).collect();
+    if sizes.is_empty() {
+        return 0.0;
+    }
+    let place = ((sizes.len() - 1) as f64 * share).round() as usize;
+    *sizes.select_nth_unstable_by(place, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests;

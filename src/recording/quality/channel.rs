@@ -1,0 +1,185 @@
+//! Checks of every channel by itself: constant values, limits, spikes, jumps, coarse steps.
+
+use super::super::Recording;
+use super::super::noise::quantum;
+use super::{Finding, Severity, WHEELS, quantile};
+
+/// A spike stands out of both neighbours by this many times the ordinary zigzag.
+const SPIKE: f64 = 8.0;
+/// Share of samples that are left out when the ordinary zigzag is measured.
+const RARE: f64 = 0.02;
+/// A jump of an angle is at least this large [rad].
+const JUMP: f64 = 0.3;
+/// A limit is reached in at least this many samples, and in this share of them.
+const AT_LIMIT: (usize, f64) = (20, 0.005);
+/// Above this share at the extreme, the drive is a command of constant size.
+const CONSTANT_COMMAND: f64 = 0.4;
+
+pub(super) fn findings(r: &Recording) -> Vec<Finding> {
+    let mut out = Vec::new();
+    for i in 0..2 {
+        out.extend(still(r, i));
+        out.extend(constant_drive(r, i));
+        out.extend(limit(r, i));
+        if r.measured().alpha {
+            out.extend(jumps(r, i));
+            out.extend(spikes(r, "alpha", i, r.alpha()));
+        }
+        if r.measured().omega {
+            out.extend(coarse_speed(r, i));
+            out.extend(spikes(r, "dalpha", i, r.omega()));
+        }
+        out.extend(spikes(r, "M", i, r.moment()));
+    }
+    out
+}
+
+fn extremes(values: &[[f64; 2]], i: usize) -> (f64, f64) {
+    values
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v[i]), high.max(v[i])))
+}
+
+fn still(r: &Recording, i: usize) -> Option<Finding> {
+    let (low, high) = extremes(r.omega(), i);
+    let top = quantile(r.omega().iter().flatten().copied(), 0.99);
+    // an encoder at rest may flicker by a step
+    (high.max(-low) <= 1e-3 * top || (low, high) == (0.0, 0.0)).then(|| {
+        Finding::new(
+            Severity::Warning,
+            format!("{} never moves", WHEELS[i]),
+            "its friction and inertia cannot be seen; check its encoder, or drive both wheels",
+        )
+    })
+}
+
+fn constant_drive(r: &Recording, i: usize) -> Option<Finding> {
+    let (low, high) = extremes(r.moment(), i);
+    if low < high {
+        return None;
+    }
+    let name = format!("M{}", i + 1);
+    Some(if low == 0.0 {
+        let remedy = format!("{} coasts, or its drive was not recorded", WHEELS[i]);
+        Finding::new(Severity::Warning, format!("{name} is zero throughout"), remedy)
+    } else {
+        let what = format!("{name} is {low} {} throughout", r.drive_unit().symbol());
+        Finding::new(Severity::Warning, what, "vary the drive; a constant one shows little")
+    })
+}
+
+/// Many samples exactly at the largest or smallest drive.
+fn limit(r: &Recording, i: usize) -> Option<Finding> {
+    let (low, high) = extremes(r.moment(), i);
+    if low == high {
+        return None;
+    }
+    let count = |x: f64| if x == 0.0 { 0 } else { r.moment().iter().filter(|m| m[i] == x).count() };
+    let (extreme, samples) = [low, high].map(|x| (x, count(x))).into_iter().max_by_key(|c| c.1)?;
+    let both = count(low) + count(high);
+    let share = both as f64 / r.len() as f64;
+    if samples < AT_LIMIT.0 || share < AT_LIMIT.1 || on_few_levels(r, i) {
+        return None;
+    }
+    let what = format!(
+        "M{} is exactly {extreme} {} at its extreme, {:.1} % of the samples",
+        i + 1,
+        r.drive_unit().symbol(),
+        100.0 * share
+    );
+    Some(if share > CONSTANT_COMMAND {
+        Finding::new(Severity::Note, what, "a command of constant size")
+    } else {
+        let remedy = "the drive or its sensor is at a limit; what is recorded there may not be \
+                      what acts (see the effect torque_saturation)";
+        Finding::new(Severity::Warning, what, remedy)
+    })
+}
+
+/// Whether a channel is so coarse that every level is met often, the extreme ones too.
+fn on_few_levels(r: &Recording, i: usize) -> bool {
+    let step = quantum(r.moment(), i);
+    let (low, high) = extremes(r.moment(), i);
+    step > 0.0 && high - low < 40.0 * step
+}
+
+/// How far a sample stands out of both its neighbours, on the same side; zero where it does not.
+fn zigzag(w: &[[f64; 2]], i: usize) -> f64 {
+    let (before, after) = (w[1][i] - w[0][i], w[1][i] - w[2][i]);
+    if before * after > 0.0 { before.abs().min(after.abs()) } else { 0.0 }
+}
+
+fn spikes(r: &Recording, name: &str, i: usize, values: &[[f64; 2]]) -> Option<Finding> {
+    let sizes = || values.windows(3).map(|w| zigzag(w, i));
+    let positive = || sizes().filter(|z| *z > 0.0);
+    let range = quantile(values.iter().map(|v| v[i]), 0.99);
+    let ordinary = quantile(positive(), 1.0 - RARE).max(quantum(values, i));
+    let limit = (SPIKE * quantile(positive(), 0.5)).max(2.0 * ordinary).max(0.05 * range);
+    let found: Vec<usize> =
+        sizes().enumerate().filter(|(_, z)| *z > limit).map(|(k, _)| k + 1).collect();
+    let first = *found.first()?;
+    Some(Finding::new(
+        Severity::Warning,
+        format!(
+            "{name}{} has {} (first at t = {:.3} s: {:.4} between {:.4} and {:.4})",
+            i + 1,
+            number(found.len(), "spike"),
+            r.t()[first],
+            values[first][i],
+            values[first - 1][i],
+            values[first + 1][i]
+        ),
+        "single wrong samples; remove their rows, gaps in time are allowed",
+    ))
+}
+
+fn number(count: usize, what: &str) -> String {
+    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
+}
+
+/// Steps of an angle that the speed cannot explain.
+fn jumps(r: &Recording, i: usize) -> Option<Finding> {
+    let (t, alpha, omega) = (r.t(), r.alpha(), r.omega());
+    let pairs = || r.pieces().iter().flat_map(|p| p.start + 1..p.end);
+    let step = |k: usize| alpha[k][i] - alpha[k - 1][i];
+    let unexplained = |k: usize| {
+        if r.measured().omega {
+            step(k) - 0.5 * (t[k] - t[k - 1]) * (omega[k][i] + omega[k - 1][i])
+        } else {
+            step(k)
+        }
+    };
+    let limit = (6.0 * quantile(pairs().map(unexplained), 0.98)).max(JUMP);
+    let found: Vec<usize> = pairs().filter(|&k| unexplained(k).abs() > limit).collect();
+    let first = *found.first()?;
+    let size = step(first);
+    let turns = size.abs() / std::f64::consts::TAU;
+    let cause = if (turns - 1.0).abs() < 0.05 {
+        "the angle wraps at a full turn; count on beyond it"
+    } else {
+        "the counter wraps or counts were lost; unwrap it before, or leave the angles out"
+    };
+    Some(Finding::new(
+        Severity::Problem,
+        format!(
+            "alpha{} has {} (first at t = {:.3} s: {size:+.3} rad in one step)",
+            i + 1,
+            number(found.len(), "jump"),
+            t[first]
+        ),
+        cause,
+    ))
+}
+
+/// Speeds in steps that are a visible part of the speed itself.
+fn coarse_speed(r: &Recording, i: usize) -> Option<Finding> {
+    let step = quantum(r.omega(), i);
+    let top = quantile(r.omega().iter().map(|w| w[i]), 0.95);
+    (r.measured().alpha && step > 0.05 * top && top > 0.0).then(|| {
+        Finding::new(
+            Severity::Note,
+            format!("dalpha{} comes in steps of {step:.4} rad/s", i + 1),
+            "it seems to be counted from a coarse encoder; the angles hold more",
+        )
+    })
+}

@@ -1,0 +1,77 @@
+//! Checks of the time column: rate, jitter, gaps, length, sensors slower than the log.
+
+use super::super::Recording;
+use super::{Finding, Gaps, Severity};
+
+/// Slowest rate at which starts and stops are still resolved [Hz].
+const SLOW: f64 = 20.0;
+/// Jitter from which on even steps are not a good description [1].
+const UNEVEN: f64 = 0.3;
+/// Shortest recording worth fitting [s]: two windows over which errors are judged.
+const SHORT: f64 = 4.0;
+/// Shortest piece between gaps over which an error is judged [s].
+const PIECE: f64 = 2.0;
+
+/// Rate [Hz], jitter [1] and gaps.
+pub(super) fn measure(r: &Recording) -> (f64, f64, Gaps) {
+    let (t, step) = (r.t(), r.step());
+    let (mut square, mut count) = (0.0, 0_usize);
+    for piece in r.pieces() {
+        for w in t[piece.clone()].windows(2) {
+            square += ((w[1] - w[0]) / step - 1.0).powi(2);
+            count += 1;
+        }
+    }
+    let jumps = r.pieces().windows(2).map(|p| t[p[1].start] - t[p[0].end - 1]);
+    let gaps = Gaps { count: r.pieces().len() - 1, longest: jumps.fold(0.0, f64::max) };
+    (1.0 / step, (square / count.max(1) as f64).sqrt(), gaps)
+}
+
+pub(super) fn findings(r: &Recording, jitter: f64, gaps: Gaps) -> Vec<Finding> {
+    let mut out = Vec::new();
+    let rate = 1.0 / r.step();
+    if r.duration() < SHORT {
+        out.push(Finding::new(
+            Severity::Warning,
+            format!("the recording lasts {:.2} s", r.duration()),
+            format!("record at least {SHORT:.0} s, better 20 s; or check the unit of t"),
+        ));
+    }
+    if rate < SLOW {
+        out.push(Finding::new(
+            Severity::Warning,
+            format!("{rate:.3} rows a second"),
+            format!("record at {SLOW:.0} Hz or more; or check the unit of t"),
+        ));
+    }
+    if jitter > UNEVEN {
+        out.push(Finding::new(
+            Severity::Warning,
+            format!("the step in time varies by {:.0} %", 100.0 * jitter),
+            "write the time of measurement, not that of arrival",
+        ));
+    }
+    if gaps.count > 0 {
+        let short = r.pieces().iter().filter(|p| r.t()[p.end - 1] - r.t()[p.start] < PIECE).count();
+        let severity =
+            if 2 * short > r.pieces().len() { Severity::Warning } else { Severity::Note };
+        let plural = if gaps.count == 1 { "gap" } else { "gaps" };
+        out.push(Finding::new(
+            severity,
+            format!("{} {plural} in time, the longest {:.3} s", gaps.count, gaps.longest),
+            format!("gaps are left out; {short} pieces are too short to judge an error on"),
+        ));
+    }
+    let new = r.fresh().iter().filter(|f| **f).count();
+    if new < r.len() {
+        out.push(Finding::new(
+            Severity::Note,
+            format!(
+                "{:.0} % of the rows repeat the sensors",
+                100.0 * (1.0 - new as f64 / r.len() as f64)
+            ),
+            "repeated rows are not counted as measurements",
+        ));
+    }
+    out
+}
