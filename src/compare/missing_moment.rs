@@ -129,6 +129,8 @@ pub struct Dependence {
     pub rank: usize,
     /// -ln of the p-value.
     pub log_significance: f64,
+    /// Root mean square of the curve over bins and wheels, its own noise taken off [N m].
+    pub size: f64,
 }
 
 /// All dependences, the strongest first.
@@ -186,7 +188,8 @@ pub fn missing_moment(
             let (statistic, rank) = test(&h, &g, &base, &columns);
             let bins = curve(&edges[v], &curve_h, &curve_g, &base, &columns);
             let log_significance = log_significance(statistic, rank);
-            Dependence { variable, bins, statistic, rank, log_significance }
+            let size = size(&bins);
+            Dependence { variable, bins, statistic, rank, log_significance, size }
         })
         .collect();
     dependences.sort_by(|a, b| b.log_significance.total_cmp(&a.log_significance));
@@ -243,6 +246,19 @@ impl Columns for Bins<'_> {
 fn test(h: &DMatrix<f64>, g: &DVector<f64>, base: &[usize], columns: &[usize]) -> (f64, usize) {
     let (information, score) = project(h, g, base, columns);
     score_statistic(&information, &score)
+}
+
+fn size(bins: &[Bin]) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for bin in bins {
+        for (m, s) in bin.moment.iter().zip(&bin.std_error) {
+            if m.is_finite() && s.is_finite() {
+                sum += m * m - s * s;
+                count += 1.0;
+            }
+        }
+    }
+    f64::max(sum / f64::max(count, 1.0), 0.0).sqrt()
 }
 
 /// The curve of the missing moment: all bins of a variable together, by the pseudo-inverse (what

@@ -12,4 +12,4 @@ pub use next_run::{Limits, Proposal, Rivals, next_run};
 pub use refit::{Refit, refit};
 pub use scan::{Score, scan};
 pub use stepwise::{Diagnosis, Ranked, Settings, diagnose};
-pub use verdict::{Conclusion, Errors, conclude, probabilities};
+pub use verdict::{Conclusion, Errors, conclude, probabilities, structure};

@@ -1,7 +1,7 @@
 //! The verdict: nothing is missing, these effects are, or something unknown is.
 
 use super::stepwise::Ranked;
-use crate::compare::MissingMoment;
+use crate::compare::{Dependence, MissingMoment};
 
 /// What the diagnosis concludes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,6 +29,8 @@ pub struct Errors {
 /// Least -ln p of the strongest dependence of the missing moment that counts as structure: the
 /// largest of twelve tests on recordings with nothing hidden stayed below it.
 const STRUCTURE: f64 = 16.0;
+/// Least size of a dependence, as a share of the rms drive.
+const WORTH: f64 = 0.02;
 /// Error above the floor, as a ratio of standard deviations, that is worth a word.
 const ABOVE_FLOOR: f64 = 1.1;
 /// Effects that leave more than this share of the explainable error do not explain it.
@@ -57,10 +59,16 @@ impl Errors {
     }
 }
 
-/// Concludes from what was found, the errors, and what the last model still misses.
+/// The strongest dependence that counts as structure: significant, and larger than 2 % of the
+/// root mean square drive `rms` [N m].
 #[must_use]
-pub fn conclude(found: usize, errors: &Errors, left: &MissingMoment) -> Conclusion {
-    let structure = left.dependences.first().is_some_and(|d| d.log_significance > STRUCTURE);
+pub fn structure(left: &MissingMoment, rms: f64) -> Option<&Dependence> {
+    left.dependences.iter().find(|d| d.log_significance > STRUCTURE && d.size > WORTH * rms)
+}
+
+/// Concludes from what was found, the errors, and whether the last model leaves structure.
+#[must_use]
+pub fn conclude(found: usize, errors: &Errors, structure: bool) -> Conclusion {
     if structure && errors.above_floor() && (found == 0 || errors.unexplained() > UNEXPLAINED) {
         Conclusion::Unknown
     } else if found == 0 {
@@ -84,9 +92,9 @@ pub fn probabilities(ranking: &[Ranked]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compare::{Dependence, Variable};
+    use crate::compare::Variable;
 
-    fn left(log_significance: f64) -> MissingMoment {
+    fn left(log_significance: f64, size: f64) -> MissingMoment {
         MissingMoment {
             dependences: vec![Dependence {
                 variable: Variable::Heading,
@@ -94,6 +102,7 @@ mod tests {
                 statistic: 0.0,
                 rank: 1,
                 log_significance,
+                size,
             }],
         }
     }
@@ -101,18 +110,25 @@ mod tests {
     #[test]
     fn a_model_at_the_floor_is_sufficient_whatever_was_tried() {
         let errors = Errors { before: 1.01, after: 1.01, floor: 1.0 };
-        assert_eq!(conclude(0, &errors, &left(40.0)), Conclusion::Sufficient);
+        assert_eq!(conclude(0, &errors, true), Conclusion::Sufficient);
         assert_eq!(errors.unexplained(), 0.0);
+    }
+
+    #[test]
+    fn structure_is_significant_and_worth_a_word() {
+        assert!(structure(&left(40.0, 0.01), 0.2).is_some());
+        assert!(structure(&left(40.0, 0.001), 0.2).is_none());
+        assert!(structure(&left(5.0, 0.01), 0.2).is_none());
     }
 
     #[test]
     fn structure_above_the_floor_that_nothing_explains_is_unknown() {
         let errors = Errors { before: 4.0, after: 4.0, floor: 1.0 };
-        assert_eq!(conclude(0, &errors, &left(40.0)), Conclusion::Unknown);
+        assert_eq!(conclude(0, &errors, true), Conclusion::Unknown);
         let errors = Errors { before: 4.0, after: 3.0, floor: 1.0 };
-        assert_eq!(conclude(1, &errors, &left(40.0)), Conclusion::Unknown);
+        assert_eq!(conclude(1, &errors, true), Conclusion::Unknown);
         let errors = Errors { before: 4.0, after: 1.1, floor: 1.0 };
-        assert_eq!(conclude(1, &errors, &left(2.0)), Conclusion::Missing);
+        assert_eq!(conclude(1, &errors, false), Conclusion::Missing);
         assert!((errors.unexplained() - 0.1 / 3.0).abs() < 1e-12);
     }
 }

@@ -2,10 +2,10 @@
 
 use super::plan::{DiagnosisPlan, Plan};
 use super::run::RunError;
-use crate::compare::{MissingMoment, ise, missing_moment, simulate_recording, window_rms};
+use crate::compare::{Dependence, ise, missing_moment, simulate_recording, window_rms};
 use crate::diagnose::{
     Conclusion, Diagnosis, Errors, Limits, Proposal, Ranked, Rivals, Settings, conclude, diagnose,
-    next_run, probabilities,
+    next_run, probabilities, structure,
 };
 use crate::identify::kalman::{Likelihood, Maximum, prepare};
 use crate::identify::start::covariance_of_free;
@@ -87,17 +87,27 @@ pub(super) fn run_diagnosis(
         floor: floor * floor,
     };
     let missed = |model: &Model, m: &Maximum| missing_moment(model, &m.p, &m.noise, &likelihood);
-    let left = missed(last, maximum)?;
+    // what is left may show on the recordings that were not fitted alone: training on one kind
+    // of motion lets the parameters take up an effect
+    let elsewhere = Likelihood {
+        prepared: judge.recordings.iter().map(prepare).collect(),
+        ..likelihood.clone()
+    };
+    let left =
+        [missed(last, maximum)?, missing_moment(last, &maximum.p, &maximum.noise, &elsewhere)?];
+    let rms = likelihood.moment_rms();
+    let left: Vec<&Dependence> = left.iter().filter_map(|l| structure(l, rms)).collect();
+    let left = left.into_iter().max_by(|a, b| a.log_significance.total_cmp(&b.log_significance));
     let proposal = propose(&diagnosis, &likelihood, plan.seed);
     let found = diagnosis.found();
-    let conclusion = conclude(found.len(), &errors, &left);
+    let conclusion = conclude(found.len(), &errors, left.is_some());
     Ok(DiagnosisStudy {
         verdict: match conclusion {
             Conclusion::Sufficient => Verdict::ModelSufficient,
             Conclusion::Missing => Verdict::EffectsMissing,
             Conclusion::Unknown => Verdict::UnknownEffect,
         },
-        sentence: sentence(conclusion, &diagnosis, &errors, &left, asked.false_alarm),
+        sentence: sentence(conclusion, &diagnosis, &errors, left, asked.false_alarm),
         found,
         ranking: ranking(&diagnosis, &judge, before, floor)?,
         staircase: staircase(&diagnosis, &judge, before)?,
@@ -243,11 +253,11 @@ fn sentence(
     conclusion: Conclusion,
     diagnosis: &Diagnosis,
     errors: &Errors,
-    left: &MissingMoment,
+    left: Option<&Dependence>,
     false_alarm: f64,
 ) -> String {
     let percent = 100.0 * errors.unexplained();
-    let depends = left.dependences.first().map_or("nothing in particular", |d| d.variable.words());
+    let depends = left.map_or("nothing in particular", |d| d.variable.words());
     match conclusion {
         Conclusion::Sufficient => format!(
             "Nothing is missing: no effect of the catalogue is needed at a false-alarm rate of \

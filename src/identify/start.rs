@@ -21,6 +21,9 @@ const REST: f64 = 0.025;
 pub fn start(task: &Task, method: &str) -> Result<Vec<f64>, IdentifyError> {
     let mut p = task.model.initial();
     let linear = task.model.linear();
+    if linear.is_empty() {
+        return Ok(p);
+    }
     let mut rows = Vec::new();
     for recording in task.train {
         weak_rows(task.model, &p, &linear, recording, &mut rows);

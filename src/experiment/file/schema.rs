@@ -288,6 +288,10 @@ impl ExperimentFile {
                 let message = format!("= {} must lie between 0 and 1", d.false_alarm);
                 return Err(wrong("diagnosis.false_alarm", message));
             }
+            if d.max_effects == 0 {
+                let message = "= 0 lets nothing be found; use at least 1".to_string();
+                return Err(wrong("diagnosis.max_effects", message));
+            }
             if matches!(&d.candidates, CandidatesEntry::All(word) if word != "all") {
                 let message = "must be \"all\" or a list of effects".to_string();
                 return Err(wrong("diagnosis.candidates", message));

@@ -48,7 +48,10 @@ const STEPS: usize = 40;
 /// Longest time constant of the slow moment [s].
 const SLOWEST: f64 = 1.0;
 /// A step that raises the log-likelihood by less is the last.
-const GAIN: f64 = 1e-4;
+const GAIN: f64 = 2e-3;
+/// Where no step raises it, but the score promises less than this, the maximum is reached: the
+/// score leaves out how the filter's gain depends on the parameters, so it need not vanish there.
+const SLACK: f64 = 0.1;
 
 impl Likelihood<'_> {
     /// One pass over every recording, in parallel.
@@ -244,10 +247,11 @@ impl Likelihood<'_> {
                     _ => share *= 0.5,
                 }
                 if share < 1e-4 {
-                    return Ok((Status::Stalled, iteration, evaluations));
+                    let status = if promised < SLACK { Status::Converged } else { Status::Stalled };
+                    return Ok((status, iteration, evaluations));
                 }
             };
-            if moved < GAIN && share == 1.0 {
+            if moved < GAIN {
                 return Ok((Status::Converged, iteration + 1, evaluations));
             }
         }
