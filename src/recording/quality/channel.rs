@@ -112,9 +112,10 @@ fn zigzag(w: &[[f64; 2]], i: usize) -> f64 {
 fn spikes(r: &Recording, name: &str, i: usize, values: &[[f64; 2]]) -> Option<Finding> {
     let sizes = || values.windows(3).map(|w| zigzag(w, i));
     let positive = || sizes().filter(|z| *z > 0.0);
-    let range = quantile(values.iter().map(|v| v[i]), 0.99);
+    // a drive that steps at a reversal has a corner, which is no spike
+    let (low, high) = extremes(values, i);
     let ordinary = quantile(positive(), 1.0 - RARE).max(quantum(values, i));
-    let limit = (SPIKE * quantile(positive(), 0.5)).max(2.0 * ordinary).max(0.05 * range);
+    let limit = (SPIKE * quantile(positive(), 0.5)).max(2.0 * ordinary).max(0.2 * (high - low));
     let found: Vec<usize> =
         sizes().enumerate().filter(|(_, z)| *z > limit).map(|(k, _)| k + 1).collect();
     let first = *found.first()?;
