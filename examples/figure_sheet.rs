@@ -56,7 +56,7 @@ fn time_series() -> Figure {
         .with_panel(panel(1.0, "ω₁"))
         .with_panel(panel(-1.0, "ω₂"))
         .with_panel(
-            Panel::new(Axis::linear("time", "s"), Axis::linear("residual of ω₁", "rad/s"))
+            Panel::new(Axis::linear("time", "s"), Axis::linear("residual of ω̇₁", "rad/s"))
                 .with(Layer::Band {
                     x: vec![0.0, 12.0],
                     lower: vec![-0.1; 2],

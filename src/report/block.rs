@@ -227,7 +227,9 @@ impl Cell {
     /// A value with its standard error, digits by the error.
     pub fn estimate(value: f64, std_error: f64) -> Self {
         let text = format::estimate(value, std_error);
-        Self { text, sort_by: Some(value), ..Self::default() }
+        // what cannot be identified is sorted with the missing values
+        let sort_by = if std_error.is_infinite() { f64::NAN } else { value };
+        Self { text, sort_by: Some(sort_by), ..Self::default() }
     }
 
     /// A p-value without its "p =".

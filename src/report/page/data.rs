@@ -82,7 +82,9 @@ pub(super) fn json(figure: &Figure) -> Result<String, ReportError> {
             x: axis(&panel.x, x_range),
             y: axis(&panel.y, y_range),
             height: if alone { HEIGHT.0 } else { HEIGHT.1 },
-            layers: ordered(&panel.layers).map(|l| layer(l, y_range, &mut xs)).collect(),
+            layers: ordered(&panel.layers)
+                .map(|l| layer(l, x_range, far(&panel.y, y_range), y_range, &mut xs))
+                .collect(),
         });
     }
     let data = FigureData { columns: figure.columns.max(1), shared: figure.shared_x, xs, panels };
@@ -93,9 +95,32 @@ pub(super) fn json(figure: &Figure) -> Result<String, ReportError> {
 
 /// Shades lowest, bands above them, remarks on top: as in the printed picture.
 fn ordered(layers: &[Layer]) -> impl Iterator<Item = &Layer> {
-    let mut ordered: Vec<&Layer> = layers.iter().collect();
+    let placed = |layer: &&Layer| match layer {
+        Layer::HLine { at, .. } | Layer::VLine { at, .. } => at.is_finite(),
+        Layer::Text { at, .. } => at.0.is_finite() && at.1.is_finite(),
+        _ => true,
+    };
+    let mut ordered: Vec<&Layer> = layers.iter().filter(placed).collect();
     ordered.sort_by_key(|layer| layer.height());
     ordered.into_iter()
+}
+
+/// Where infinite edges and whiskers end: far beyond what can be zoomed to, yet a number.
+fn far(axis: &Axis, range: (f64, f64)) -> (f64, f64) {
+    match axis.scale {
+        AxisScale::Log => (range.0 / 1e3, range.1 * 1e3),
+        AxisScale::Linear => {
+            let far = 1e3 * (range.1 - range.0);
+            (range.0 - far, range.1 + far)
+        }
+    }
+}
+
+/// Shaded ranges cut to the axis, which turns infinite ends into numbers.
+fn within(ranges: &[(f64, f64)], (first, last): (f64, f64)) -> Vec<(f64, f64)> {
+    let (low, high) = (first.min(last), first.max(last));
+    let known = ranges.iter().filter(|(a, b)| !a.is_nan() && !b.is_nan());
+    known.map(|(a, b)| (a.clamp(low, high), b.clamp(low, high))).collect()
 }
 
 fn axis(axis: &Axis, range: (f64, f64)) -> AxisData {
@@ -107,7 +132,13 @@ fn axis(axis: &Axis, range: (f64, f64)) -> AxisData {
     }
 }
 
-fn layer(layer: &Layer, y_range: (f64, f64), xs: &mut Vec<Vec<f64>>) -> LayerData {
+fn layer(
+    layer: &Layer,
+    x_range: (f64, f64),
+    far: (f64, f64),
+    y_range: (f64, f64),
+    xs: &mut Vec<Vec<f64>>,
+) -> LayerData {
     let round = |values: Vec<f64>| -> Vec<f64> {
         values.into_iter().map(|v| round_within(v, y_range)).collect()
     };
@@ -142,12 +173,7 @@ fn layer(layer: &Layer, y_range: (f64, f64), xs: &mut Vec<Vec<f64>>) -> LayerDat
         Layer::Band { x, lower, upper, label, role } => {
             let stride = x.len().div_ceil(DOTS).max(1);
             let edge = |values: &[f64]| {
-                // an infinite edge is drawn to the border, far beyond any zoom
-                let far = 1e3 * (y_range.1 - y_range.0);
-                let finite = |v: f64| {
-                    if v.is_nan() { v } else { v.clamp(y_range.0 - far, y_range.1 + far) }
-                };
-                round(values.iter().step_by(stride).map(|v| finite(*v)).collect())
+                round(values.iter().step_by(stride).map(|v| v.clamp(far.0, far.1)).collect())
             };
             LayerData {
                 x: Some(share(x.iter().copied().step_by(stride).collect(), xs)),
@@ -168,7 +194,7 @@ fn layer(layer: &Layer, y_range: (f64, f64), xs: &mut Vec<Vec<f64>>) -> LayerDat
             ..base("vline", label, *role)
         },
         Layer::Shade { ranges, label, role } => LayerData {
-            ranges: Some(ranges.clone()),
+            ranges: Some(within(ranges, x_range)),
             alpha: Some(SHADE_ALPHA),
             ..base("shade", label, *role)
         },
@@ -177,10 +203,7 @@ fn layer(layer: &Layer, y_range: (f64, f64), xs: &mut Vec<Vec<f64>>) -> LayerDat
                 points.iter().map(pick).collect()
             };
             let within = |values: Vec<f64>| {
-                let far = 1e3 * (y_range.1 - y_range.0);
-                round(
-                    values.into_iter().map(|v| v.clamp(y_range.0 - far, y_range.1 + far)).collect(),
-                )
+                round(values.into_iter().map(|v| v.clamp(far.0, far.1)).collect())
             };
             LayerData {
                 x: Some(share(column(|p| p.x), xs)),

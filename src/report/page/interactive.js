@@ -4,61 +4,7 @@
 "use strict";
 (() => {
   const MARGIN = { top: 6, right: 22, bottom: 24 };
-  const FONT = "Inter, system-ui, sans-serif";
-  const SUPERSCRIPT = "⁰¹²³⁴⁵⁶⁷⁸⁹";
-
-  // ---- numbers ---------------------------------------------------------------------------------
-  const superscript = (n) => (n < 0 ? "⁻" : "") + [...String(Math.abs(n))].map((d) => SUPERSCRIPT[d]).join("");
-  const minus = (text) => text.replace("-", "−");
-
-  function format(value, digits = 4) {
-    if (value === null || Number.isNaN(value)) return "–";
-    if (value === 0) return "0";
-    const [mantissa, exponent] = value.toExponential(digits - 1).split("e");
-    const power = Number(exponent);
-    if (power < -3 || power > 4) return minus(`${Number(mantissa)}`) + ` × 10${superscript(power)}`;
-    return minus(value.toFixed(Math.max(0, digits - 1 - power)));
-  }
-
-  // ---- scales ----------------------------------------------------------------------------------
-  const share = (axis, [a, b], v) => axis.log ? Math.log(v / a) / Math.log(b / a) : (v - a) / (b - a);
-  const value = (axis, [a, b], s) => axis.log ? a * Math.pow(b / a, s) : a + s * (b - a);
-
-  function ticks(axis, [a, b], count) {
-    if (axis.log && b / a >= 10) return logTicks(a, b, count);
-    const rough = (b - a) / Math.max(1, count);
-    const power = Math.pow(10, Math.floor(Math.log10(rough)));
-    const step = [1, 2, 2.5, 5, 10].find((n) => n * power >= rough * 0.999999) * power;
-    const size = Math.floor(Math.log10(Math.max(Math.abs(a), Math.abs(b)) * (1 + 1e-9)));
-    const exponent = size < -3 || size > 4 ? 3 * Math.floor(size / 3) : 0;
-    const magnitude = Math.floor(Math.log10(step) + 1e-9);
-    const half = Math.abs(step / Math.pow(10, magnitude) - 2.5) < 1e-6 ? 1 : 0;
-    const decimals = Math.min(15, Math.max(0, exponent - magnitude + half));
-    const list = [];
-    for (let i = Math.ceil(a / step - 1e-6); i <= Math.floor(b / step + 1e-6) && list.length < 100; i++) {
-      const shown = (i * step / Math.pow(10, exponent)).toFixed(decimals);
-      list.push({ at: i * step, label: minus(Number(shown) === 0 ? shown.replace("-", "") : shown) });
-    }
-    return { list, exponent };
-  }
-
-  function logTicks(a, b, count) {
-    const [from, to] = [Math.ceil(Math.log10(a) - 1e-6), Math.floor(Math.log10(b) + 1e-6)];
-    const stride = Math.max(1, Math.ceil((to - from + 1) / count));
-    const plain = from >= -3 && to <= 4;
-    const list = [];
-    for (let e = from; e <= to; e++) {
-      if (e % stride !== 0) continue;
-      const label = plain ? String(Number(Math.pow(10, e).toPrecision(1))) : "10" + superscript(e);
-      list.push({ at: Math.pow(10, e), label });
-    }
-    return { list, exponent: 0 };
-  }
-
-  function axisLabel(axis, exponent) {
-    const unit = [exponent ? "10" + superscript(exponent) : "", axis.unit].filter(Boolean).join("\u2009");
-    return unit ? `${axis.label} [${unit}]`.trim() : axis.label;
-  }
+  const FONT = "Inter, system-ui, 'DejaVu Sans', sans-serif";
 
   // ---- building the figure ---------------------------------------------------------------------
   function element(tag, className, text = "") {
@@ -91,9 +37,12 @@
       const view = { panel, canvas, label, keys: [], x: [...panel.x.range], y: [...panel.y.range], below };
       panel.layers.forEach((layer) => {
         layer.xs = data.xs[layer.x] || [];
-        layer.sorted = layer.xs.every((v, i) => i === 0 || v >= layer.xs[i - 1]);
-        if (layer.label) view.keys.push(legendKey(legend, layer));
+        layer.travel = travel(layer.y || []);
+        layer.sorted = layer.xs.every((v, i) => i === 0 || v === null || v >= layer.xs[i - 1]);
       });
+      const ground = (layer) => layer.kind === "band" || layer.kind === "shade";
+      [...panel.layers].sort((a, b) => ground(a) - ground(b))
+        .forEach((layer) => { if (layer.label) view.keys.push(legendKey(legend, layer)); });
       state.panels.push(view);
       listen(state, view);
     });
@@ -109,6 +58,11 @@
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
     document.fonts.ready.then(redraw);
     redraw();
+  }
+
+  // All ups and downs of a curve added.
+  function travel(ys) {
+    return ys.reduce((sum, y, i) => sum + (i && y !== null && ys[i - 1] !== null ? Math.abs(y - ys[i - 1]) : 0), 0);
   }
 
   function legendKey(legend, layer) {
@@ -229,7 +183,7 @@
       const context = view.canvas.getContext("2d");
       context.font = `11.5px ${FONT}`;
       const plotHeight = view.panel.height - MARGIN.top - MARGIN.bottom - (view.below ? 20 : 0);
-      const y = ticks(view.panel.y, view.y, Math.min(10, Math.max(2, plotHeight / 42)));
+      const y = ticks(view.panel.y, view.y, Math.min(10, Math.max(2, plotHeight / 38)));
       const width = Math.max(...y.list.map((tick) => context.measureText(tick.label).width), 10);
       return { view, context, y, plotHeight, left: width + 9 };
     });
@@ -264,7 +218,10 @@
     context.beginPath();
     context.rect(area.left, area.top - 1, area.width, area.height + 2);
     context.clip();
-    for (const layer of panel.layers) drawLayer(context, layer, px, py, area, color);
+    const [from, to] = panel.x.range.map((v) => share(panel.x, view.x, v));
+    // a line that goes up and down by more than this looks like a blot under a thick pen
+    const crowd = 8 * area.width / area.height * Math.abs(view.y[1] - view.y[0]) * (to - from);
+    for (const layer of panel.layers) drawLayer(context, layer, px, py, area, color, crowd);
     drawCursor(context, state, view, area, color);
     context.restore();
     const foot = area.top + area.height;
@@ -293,9 +250,10 @@
     context.stroke();
   }
 
-  function drawLayer(context, layer, px, py, area, color) {
+  function drawLayer(context, layer, px, py, area, color, crowd) {
     context.strokeStyle = context.fillStyle = color(layer.color);
-    context.lineWidth = layer.width || 1.5;
+    const crowded = layer.kind === "line" && layer.travel > crowd;
+    context.lineWidth = Math.min(layer.width || 1.5, crowded ? 0.9 : 10);
     context.lineJoin = "round";
     context.setLineDash({ dashed: [6, 4], dotted: [1.5, 3] }[layer.dash] || []);
     const [right, foot] = [area.left + area.width, area.top + area.height];
@@ -325,7 +283,10 @@
       hline: () => segment(context, color(layer.color), area.left, py(layer.at), right, py(layer.at)),
       vline: () => segment(context, color(layer.color), px(layer.at), area.top, px(layer.at), foot),
       bars: () => layer.xs.forEach((x, i) => {
-        segment(context, color(layer.color), px(x), py(layer.low[i]), px(x), py(layer.high[i]));
+        if ([x, layer.y[i], layer.low[i], layer.high[i]].includes(null)) return;
+        const ends = [py(layer.low[i]), py(layer.high[i])];
+        segment(context, color(layer.color), px(x), ends[0], px(x), ends[1]);
+        ends.forEach((y) => segment(context, color(layer.color), px(x) - 3.5, y, px(x) + 3.5, y));
         context.beginPath();
         context.arc(px(x), py(layer.y[i]), 3.2, 0, 7);
         context.fill();
@@ -334,7 +295,13 @@
         context.textAlign = "left";
         context.textBaseline = "alphabetic";
         context.font = `12px ${FONT}`;
-        context.fillText(layer.text, px(layer.at[0]), py(layer.at[1]));
+        const width = context.measureText(layer.text).width;
+        const x = Math.min(px(layer.at[0]), right - width - 4);
+        const y = Math.max(py(layer.at[1]), area.top + 12);
+        context.fillStyle = color("--paper");
+        context.fillRect(x - 3, y - 12, width + 6, 16);
+        context.fillStyle = color(layer.color);
+        context.fillText(layer.text, x, y);
       },
     };
     kinds[layer.kind]();

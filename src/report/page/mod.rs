@@ -18,7 +18,7 @@ use super::palette::{AXIS, DARK_PARTNERS, GRID, INK, MUTED, Rgb, Role, SURFACE, 
 use super::plot::{Purpose, draw};
 use super::raster::figure_to_png;
 
-const INTERACTIVE: &str = include_str!("interactive.js");
+const INTERACTIVE: &str = concat!(include_str!("scales.js"), include_str!("interactive.js"));
 const SORT: &str = include_str!("sort.js");
 const STYLE: &str = include_str!("style.css");
 
@@ -210,11 +210,13 @@ fn policy() -> String {
     )
 }
 
+/// The embedded typeface, without its combining accents: it carries no anchors for them, and a
+/// browser would set the dot of ω̇ beside the letter. Such letters come from the reader's system.
 fn font_faces() -> String {
     let face = |bytes: &[u8], weight: &str| {
         format!(
             "@font-face{{font-family:{FAMILY};font-weight:{weight};\
-             src:url(data:font/ttf;base64,{})}}\n",
+             unicode-range:U+0-2FF,U+370-10FFFF;src:url(data:font/ttf;base64,{})}}\n",
             BASE64.encode(bytes)
         )
     };

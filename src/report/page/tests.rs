@@ -80,6 +80,11 @@ fn embedded_data_are_valid_json_with_gaps_as_null() {
         .with(Layer::line(points.clone(), "a", Role::Model))
         .with(Layer::points(points, "b", Role::Measured))
         .with(Layer::hline(f64::NAN, "c", Role::Ink))
+        .with(Layer::Shade {
+            ranges: vec![(1.0, f64::INFINITY)],
+            label: String::new(),
+            role: Role::NoiseFloor,
+        })
         .with(Layer::Band {
             x: vec![0.0, 1.0],
             lower: vec![f64::NEG_INFINITY, f64::NAN],
@@ -90,10 +95,13 @@ fn embedded_data_are_valid_json_with_gaps_as_null() {
     let text = data::json(&Figure::new("f", "").with_panel(panel)).unwrap();
     let json: serde_json::Value = serde_json::from_str(&text).unwrap();
     let layers = &json["panels"][0]["layers"];
-    assert_eq!(layers[1]["y"], serde_json::json!([1.0, null, 3.0]));
+    // shade, band, line and dots; the line at no place is left out
+    assert_eq!(layers.as_array().unwrap().len(), 4);
+    assert_eq!(layers[0]["ranges"], serde_json::json!([[1.0, 2.0]]));
+    assert_eq!(layers[2]["y"], serde_json::json!([1.0, null, 3.0]));
     assert_eq!(json["xs"][1], serde_json::json!([0.0, null, 2.0]));
-    assert!(layers[0]["low"][0].as_f64().unwrap() < -1000.0);
-    assert!(layers[0]["low"][1].is_null());
+    assert!(layers[1]["low"][0].as_f64().unwrap() < -1000.0);
+    assert!(layers[1]["low"][1].is_null());
 }
 
 #[test]

@@ -60,7 +60,7 @@ fn y_axis(canvas: &Canvas<'_>, plan: &Plan<'_>, frame: &Frame) -> Result<(), Rep
         Marks::Names(names) => {
             let slot = rect.height() / names.len().max(1) as f64;
             let lines = if slot >= 2.0 * CATEGORY.line_height() { 2 } else { 1 };
-            let stride = (CATEGORY.size / slot).ceil().max(1.0) as usize;
+            let stride = (1.2 * CATEGORY.size / slot).ceil().max(1.0) as usize;
             for (i, name) in names.iter().enumerate().step_by(stride) {
                 let lines = CATEGORY.fit(name, rect.left - GAP - frame.cell.left + 0.5, lines);
                 let middle = frame.y(i as f64 + 0.5) + CATEGORY.half_capital();

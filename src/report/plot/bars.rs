@@ -162,6 +162,6 @@ fn value_text(
         top: baseline - 0.8 * LEGEND.size,
         bottom: baseline + 0.1 * LEGEND.size,
     };
-    canvas.rectangle(paper, SURFACE, 0.85)?;
+    canvas.rectangle(paper, SURFACE, 1.0)?;
     canvas.text(&text, (left, baseline), Anchor::Start, LEGEND)
 }

@@ -12,8 +12,8 @@ use super::plan::Frame;
 
 /// Room to the right of the plot for the colour bar and its labels [px].
 pub(super) const BAR_ROOM: f64 = 82.0;
-/// Anti-aliasing would show the seams between cells that only touch.
-const OVERLAP: f64 = 0.25;
+/// Cells reach a pixel below their later neighbours: anti-aliasing would show a seam.
+const OVERLAP: f64 = 1.0;
 
 /// What the colour shows.
 pub(super) fn label(map: &HeatMap) -> String {
@@ -53,22 +53,22 @@ pub(super) fn draw(canvas: &Canvas<'_>, map: &HeatMap, frame: &Frame) -> Result<
                 bottom: frame.y(row as f64 + 1.0),
             };
             let value = value.copied().unwrap_or(f64::NAN);
-            cell(canvas, map, rect, scale.share(value), text.map_or("", String::as_str))?;
+            let overlap = |more: bool| if more { OVERLAP } else { 0.0 };
+            let covered = Rect {
+                right: rect.right + overlap(column + 1 < map.columns.len()),
+                bottom: rect.bottom + overlap(row + 1 < map.rows.len()),
+                ..rect
+            };
+            let fill = scale.share(value);
+            let fill = if fill.is_nan() { CELL_EMPTY } else { color(map, fill) };
+            canvas.rectangle(covered, fill, 1.0)?;
+            cell_text(canvas, rect, fill, text.map_or("", String::as_str))?;
         }
     }
     color_bar(canvas, map, &scale, frame)
 }
 
-fn cell(
-    canvas: &Canvas<'_>,
-    map: &HeatMap,
-    rect: Rect,
-    share: f64,
-    text: &str,
-) -> Result<(), ReportError> {
-    let fill = if share.is_nan() { CELL_EMPTY } else { color(map, share) };
-    let covered = Rect { right: rect.right + OVERLAP, bottom: rect.bottom + OVERLAP, ..rect };
-    canvas.rectangle(covered, fill, 1.0)?;
+fn cell_text(canvas: &Canvas<'_>, rect: Rect, fill: Rgb, text: &str) -> Result<(), ReportError> {
     let size = (0.42 * rect.height()).clamp(8.0, 12.0);
     let pen = Pen::new(size, text_on(fill));
     if pen.width(text) + 4.0 > rect.width() || size + 2.0 > rect.height() {

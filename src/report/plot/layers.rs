@@ -91,8 +91,9 @@ fn polyline(
             continue;
         }
         let thinned = decimate(run, 1000);
-        // a thick pen would turn a noisy line into a blot
-        let crowded = thinned.len() as f64 > 1.5 * frame.rect.width();
+        // a line that goes up and down this much looks like a blot under a thick pen
+        let travel: f64 = thinned.windows(2).map(|pair| (pair[1].1 - pair[0].1).abs()).sum();
+        let crowded = travel > 8.0 * frame.rect.width();
         let width = if crowded { width.min(0.9) } else { width };
         for part in clip_line(&thinned, frame.rect) {
             stroke(canvas, &part, color, width, dash)?;

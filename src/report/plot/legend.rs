@@ -106,6 +106,8 @@ pub(super) fn entries(panel: &Panel) -> Vec<Entry> {
             Layer::Text { .. } => {}
         }
     }
+    // what was drawn comes before what it is seen against
+    entries.sort_by_key(|entry| matches!(entry.sample, Sample::Patch(alpha) if alpha < 1.0));
     entries
 }
 

@@ -116,7 +116,7 @@ impl<'a> Plan<'a> {
     pub(super) fn y_marks(&self, height: f64) -> Marks {
         match &self.y_names {
             Some(names) => Marks::Names(names.clone()),
-            None => Marks::Numbers(self.y.ticks((height / 42.0).clamp(2.0, 10.0))),
+            None => Marks::Numbers(self.y.ticks((height / 38.0).clamp(2.0, 10.0))),
         }
     }
 
