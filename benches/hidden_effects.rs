@@ -72,7 +72,7 @@ fn recordings(case: &Case) -> Vec<Recording> {
             let shape = matches!(symbol, "ws" | "tw" | "n" | "limit");
             let value = value.unwrap_or(parameter.spec.typical);
             p[j] = match symbol {
-                "limit" => value / case.size,
+                "limit" => value * case.size.powf(-0.35),
                 _ if shape => value,
                 _ => value * case.size,
             };
@@ -122,7 +122,16 @@ fn main() {
         }
     }
     cases.retain(|c| only.as_deref().is_none_or(|o| c.hidden.join("+") == o));
-    let rows: Vec<(String, bool)> = cases.par_iter().map(judge).collect();
+    let rows: Vec<(String, bool)> = cases
+        .par_iter()
+        .map(|case| {
+            let row = judge(case);
+            if std::env::args().any(|a| a == "--verbose") {
+                println!("{}", row.0);
+            }
+            row
+        })
+        .collect();
     let right = rows.iter().filter(|r| r.1).count();
     for (line, _) in &rows {
         println!("{line}");
@@ -148,7 +157,8 @@ fn judge(case: &Case) -> (String, bool) {
     let right = found == wanted
         || (found.len() == wanted.len()
             && found.iter().zip(&wanted).all(|(f, w)| {
-                amigo_ident::effects::find(f).is_some_and(|e| e.description().equivalent.contains(w))
+                amigo_ident::effects::find(f)
+                    .is_some_and(|e| e.description().equivalent.contains(w))
             }));
     let top: Vec<String> = d
         .ranking

@@ -6,6 +6,9 @@
 //! against the measurement, [`diagnose`] names the effect that is missing, [`study`] holds all
 //! results as plain data, and [`report`] draws them.
 
+// rustdoc takes a unit in brackets, [rad], for a link
+#![allow(rustdoc::broken_intra_doc_links)]
+
 pub mod catalogue;
 pub mod compare;
 pub mod diagnose;

@@ -1,3 +1,249 @@
-//! The command line.
+//! The command line: reads arguments, calls the library, prints; nothing is computed here.
+#![allow(clippy::print_stdout, clippy::print_stderr)]
 
-fn main() {}
+use std::io::IsTerminal;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use amigo_ident::experiment::{self, Outcome, Plan, RunOptions};
+use amigo_ident::{effects, identify};
+use clap::{CommandFactory, Parser, Subcommand};
+use rayon::prelude::*;
+
+/// Identify a two-wheel robot from its logs, see where the model fails, and learn which physical
+/// effect is missing.
+#[derive(Parser)]
+#[command(name = "experiment", version, args_conflicts_with_subcommands = true)]
+#[command(after_help = "Start with: experiment new LOG.csv -o my.toml; experiment my.toml\n\
+                        Exit codes: 0 done, 1 an experiment failed, 2 wrong usage, file or data")]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    run: Run,
+}
+
+#[derive(clap::Args)]
+struct Run {
+    /// Experiment files to run.
+    #[arg(value_name = "FILE.toml")]
+    files: Vec<PathBuf>,
+    /// Folder that receives one result folder per experiment.
+    #[arg(long, default_value = "reports", value_name = "DIR")]
+    out: PathBuf,
+    /// Threads to use; all cores unless given.
+    #[arg(long, value_name = "N")]
+    jobs: Option<usize>,
+    /// Override a key of the files, TOML syntax: --set simulation.seed=7
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Print nothing but errors.
+    #[arg(long)]
+    quiet: bool,
+    /// Keep the finished cells of an interrupted grid.
+    #[arg(long)]
+    resume: bool,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Look at recordings and write a ready, commented experiment file.
+    New {
+        /// Recordings (CSV or Parquet); the last of several becomes the validation recording.
+        #[arg(required = true, value_name = "RECORDING")]
+        recordings: Vec<PathBuf>,
+        /// The file to write; the name of the first recording unless given.
+        #[arg(short, long, value_name = "FILE.toml")]
+        output: Option<PathBuf>,
+    },
+    /// Add a physical effect to a file's model, run it, show the error before and after.
+    Add {
+        /// Id of the effect; `experiment effects` lists them.
+        effect: String,
+        /// The experiment file.
+        #[arg(value_name = "FILE.toml")]
+        file: PathBuf,
+        /// Folder of the result folders.
+        #[arg(long, default_value = "reports", value_name = "DIR")]
+        out: PathBuf,
+    },
+    /// Check files and recordings without fitting; say what would be done.
+    Check {
+        /// Experiment files.
+        #[arg(required = true, value_name = "FILE.toml")]
+        files: Vec<PathBuf>,
+        /// Override a key of the files.
+        #[arg(long, value_name = "KEY=VALUE")]
+        set: Vec<String>,
+    },
+    /// The catalogue of physical effects, or one of them in full.
+    Effects {
+        /// Id of an effect.
+        effect: Option<String>,
+    },
+    /// The identification methods, or one of them in full.
+    Methods {
+        /// Name of a method.
+        method: Option<String>,
+    },
+    /// Write a completion script for a shell to standard output.
+    Completions {
+        /// The shell.
+        shell: clap_complete::Shell,
+    },
+}
+
+/// Wrong usage, file or data.
+const WRONG: u8 = 2;
+/// An experiment failed.
+const FAILED: u8 = 1;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    match cli.command {
+        None => run(&cli.run),
+        Some(Command::New { recordings, output }) => {
+            print_or_complain(experiment::new_file(&recordings, output.as_deref()))
+        }
+        Some(Command::Add { effect, file, out }) => {
+            print_or_complain(experiment::add_effect(&effect, &file, &out))
+        }
+        Some(Command::Check { files, set }) => check(&files, &set),
+        Some(Command::Effects { effect: None }) => print(&effects::overview()),
+        Some(Command::Effects { effect: Some(id) }) => {
+            let ids = effects::all().iter().map(|e| e.id()).collect();
+            print_or_unknown(effects::details(&id), "effect", &id, ids)
+        }
+        Some(Command::Methods { method: None }) => print(&identify::overview()),
+        Some(Command::Methods { method: Some(name) }) => {
+            let names = identify::all().iter().map(|m| m.describe().name).collect();
+            print_or_unknown(identify::details(&name), "method", &name, names)
+        }
+        Some(Command::Completions { shell }) => {
+            let mut command = Cli::command();
+            clap_complete::generate(shell, &mut command, "experiment", &mut std::io::stdout());
+            ExitCode::SUCCESS
+        }
+    }
+}
+
+fn print(text: &str) -> ExitCode {
+    // a closed pipe (| head) is no error of ours
+    let _ = std::io::Write::write_all(&mut std::io::stdout(), text.as_bytes());
+    ExitCode::SUCCESS
+}
+
+fn print_or_complain(result: Result<String, experiment::ExperimentError>) -> ExitCode {
+    match result {
+        Ok(text) => print(&text),
+        Err(e) => complain(&e),
+    }
+}
+
+fn complain(e: &experiment::ExperimentError) -> ExitCode {
+    eprintln!("error: {e}");
+    ExitCode::from(if e.is_wrong_input() { WRONG } else { FAILED })
+}
+
+fn print_or_unknown(text: Option<String>, kind: &str, name: &str, known: Vec<String>) -> ExitCode {
+    if let Some(text) = text {
+        return print(&text);
+    }
+    let near = known
+        .iter()
+        .max_by(|a, b| strsim::jaro_winkler(a, name).total_cmp(&strsim::jaro_winkler(b, name)));
+    let hint = near.filter(|n| strsim::jaro_winkler(n, name) > 0.75);
+    let hint = hint.map_or(String::new(), |n| format!("; did you mean `{n}`?"));
+    eprintln!("error: no {kind} is called `{name}`{hint}\n`experiment {kind}s` lists them");
+    ExitCode::from(WRONG)
+}
+
+fn check(files: &[PathBuf], set: &[String]) -> ExitCode {
+    let mut code = ExitCode::SUCCESS;
+    for file in files {
+        match experiment::check(file, set) {
+            Ok(text) => {
+                print(&text);
+            }
+            Err(e) => code = complain(&e),
+        }
+    }
+    code
+}
+
+fn run(run: &Run) -> ExitCode {
+    if run.files.is_empty() {
+        let _ = Cli::command().print_help();
+        return ExitCode::from(WRONG);
+    }
+    if let Some(jobs) = run.jobs {
+        if jobs == 0 {
+            eprintln!("error: --jobs 0: at least one thread is needed");
+            return ExitCode::from(WRONG);
+        }
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build_global();
+        if let Err(e) = pool {
+            eprintln!("error: --jobs {jobs}: {e}");
+            return ExitCode::from(WRONG);
+        }
+    }
+    let options = RunOptions {
+        out: run.out.clone(),
+        set: run.set.clone(),
+        resume: run.resume,
+        progress: !run.quiet && std::io::stderr().is_terminal(),
+    };
+    let plans = match experiment::load_all(&run.files, &options) {
+        Ok(plans) => plans,
+        Err(errors) => {
+            for e in &errors {
+                eprintln!("error: {e}");
+            }
+            return ExitCode::from(WRONG);
+        }
+    };
+    warn(&plans, run.quiet);
+    let outcomes: Vec<Outcome> =
+        plans.into_par_iter().map(|plan| experiment::execute(plan, &options)).collect();
+    let index = (outcomes.len() > 1).then(|| experiment::write_index(&outcomes, &options));
+    report(&outcomes, run.quiet);
+    if let Some(Err(e)) = index {
+        return complain(&e);
+    }
+    let failed = outcomes.iter().filter(|o| o.result.is_err()).count();
+    ExitCode::from(if failed > 0 { FAILED } else { 0 })
+}
+
+/// What the quality check found in the recordings.
+fn warn(plans: &[Plan], quiet: bool) {
+    let measured = plans.iter().flat_map(|plan| plan.recordings.iter().map(move |m| (plan, m)));
+    for (plan, m) in measured.filter(|_| !quiet) {
+        for finding in &m.findings {
+            eprintln!("warning: {}: {}: {finding}", plan.name, m.recording.name());
+        }
+    }
+}
+
+/// One short verdict an experiment, and what failed.
+fn report(outcomes: &[Outcome], quiet: bool) {
+    for outcome in outcomes {
+        match &outcome.result {
+            Ok(done) if !quiet => {
+                println!("{}: {}", outcome.name, done.verdict);
+                println!("    {}", done.report.display());
+            }
+            Ok(_) => {}
+            Err(e) => eprintln!("error: {}: {e}", outcome.name),
+        }
+    }
+    let failed: Vec<&str> =
+        outcomes.iter().filter(|o| o.result.is_err()).map(|o| o.name.as_str()).collect();
+    if !failed.is_empty() {
+        eprintln!(
+            "{} of {} experiments failed: {}",
+            failed.len(),
+            outcomes.len(),
+            failed.join(", ")
+        );
+    }
+}

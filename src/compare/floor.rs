@@ -39,6 +39,7 @@ pub fn noise_floor(
     seed: u64,
 ) -> Result<Floor, SimulateError> {
     let noise = recording.noise();
+    let single = recording.is_single_axis();
     let acting = Acting::new(dynamics, recording, recording.moment());
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let t = recording.t();
@@ -51,7 +52,12 @@ pub fn noise_floor(
         let moment: Vec<[f64; 2]> = recording
             .moment()
             .iter()
-            .map(|m| [0, 1].map(|i| m[i] + noise.moment[i] * normal(&mut rng)))
+            .map(|m| {
+                // one axis written down twice has one noise
+                let first = normal(&mut rng);
+                let second = if single { first } else { normal(&mut rng) };
+                [m[0] + noise.moment[0] * first, m[1] + noise.moment[1] * second]
+            })
             .collect();
         let acting = Acting::new(dynamics, recording, &moment);
         let drawn = all(&acting, motion, &whole, hold, Some(&mut rng))?;
@@ -97,8 +103,11 @@ fn all(
         let mut local = motion[range.start];
         let mut first = start(&local);
         if let Some(rng) = rng.as_deref_mut() {
+            let draws = [normal(rng), normal(rng)];
+            let single = local.omega[0] == local.omega[1];
             for i in 0..2 {
-                local.omega[i] += local.omega_variance[i].sqrt() * normal(rng);
+                let draw = if single { draws[0] } else { draws[i] };
+                local.omega[i] += local.omega_variance[i].sqrt() * draw;
             }
             // a wheel that counted as resting stays so: the draw is about the noise of its speed
             for i in 0..2 {

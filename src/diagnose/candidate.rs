@@ -8,9 +8,11 @@ use crate::math::{Real, sgn};
 use crate::model::Model;
 use crate::recording::Recording;
 
-/// Speeds below this share of the fastest are smoothed over where an effect brings a friction
+/// Speeds below this share of the top speed are smoothed over where an effect brings a friction
 /// direction of its own (the model has no filter variance for it).
 const REST: f64 = 0.004;
+/// Top speed of the AmigoBot, to which the grid of Stribeck speeds belongs [rad/s].
+const AMIGOBOT_SPEED: f64 = 12.0;
 
 /// An effect at one value of its shape, ready to ride along in a filter pass.
 #[derive(Clone)]
@@ -27,6 +29,8 @@ pub struct Candidate {
     pub grid: usize,
     /// How a column is computed.
     pub form: Form,
+    /// Speed below which a friction direction of its own is smoothed [rad/s].
+    rest: f64,
 }
 
 /// How the column of a candidate is computed.
@@ -61,6 +65,9 @@ pub fn candidates(model: &Model, named: &[String], recordings: &[&Recording]) ->
         let effect: Arc<dyn Effect> = effect.into();
         out.extend(grid(&id, &effect, &scale, recordings));
     }
+    if recordings.iter().all(|r| r.is_single_axis()) {
+        out.retain(|candidate| candidate.treats_wheels_alike(model, recordings[0]));
+    }
     out
 }
 
@@ -69,6 +76,7 @@ struct Scale {
     moment: f64,
     step: f64,
     duration: f64,
+    speed: f64,
 }
 
 impl Scale {
@@ -79,7 +87,8 @@ impl Scale {
             .fold(0.0_f64, |a, m| a.max(m.abs()));
         let step = recordings.iter().map(|r| r.step()).fold(0.0, f64::max);
         let duration = recordings.iter().map(|r| r.duration()).fold(0.0, f64::max);
-        Self { moment: largest, step, duration }
+        let speed = recordings.iter().map(|r| r.top_speed()).fold(0.0, f64::max);
+        Self { moment: largest, step, duration, speed }
     }
 }
 
@@ -109,9 +118,8 @@ fn grid(
             if let Some(j) = shape {
                 p[j] = value;
             }
-            let linear: Vec<usize> = (0..specs.len())
-                .filter(|&j| specs[j].kind == ParameterKind::Linear)
-                .collect();
+            let linear: Vec<usize> =
+                (0..specs.len()).filter(|&j| specs[j].kind == ParameterKind::Linear).collect();
             let form = if effect.acts_on_drive() {
                 Form::Signal(Arc::new(signals(effect, &p, &linear, recordings)))
             } else {
@@ -124,6 +132,7 @@ fn grid(
                 linear,
                 grid: count,
                 form,
+                rest: REST * scale.speed,
             }
         })
         .collect()
@@ -132,7 +141,7 @@ fn grid(
 /// Grid of the shape parameter of an effect.
 fn shape_values(id: &str, typical: f64, scale: &Scale) -> Vec<f64> {
     match id {
-        "stribeck" => vec![0.15, 0.3, 0.6, 1.2, 2.4],
+        "stribeck" => [0.15, 0.3, 0.6, 1.2, 2.4].map(|w| w * scale.speed / AMIGOBOT_SPEED).to_vec(),
         "friction_warmup" => {
             [2.0, 5.0, 10.0, 20.0, 40.0].into_iter().filter(|t| *t < 2.0 * scale.duration).collect()
         }
@@ -189,14 +198,39 @@ pub fn smoothed_drive(recording: &Recording) -> Vec<[f64; 2]> {
         for k in piece.clone() {
             let half = 2.min(k - piece.start).min(piece.end - 1 - k);
             let count = (2 * half + 1) as f64;
-            out[k] = [0, 1]
-                .map(|i| m[k - half..=k + half].iter().map(|v| v[i]).sum::<f64>() / count);
+            out[k] =
+                [0, 1].map(|i| m[k - half..=k + half].iter().map(|v| v[i]).sum::<f64>() / count);
         }
     }
     out
 }
 
 impl Candidate {
+    /// The same candidate with its signals made for other recordings.
+    #[must_use]
+    pub fn for_recordings(&self, recordings: &[&Recording]) -> Self {
+        let form = match self.form {
+            Form::Instant => Form::Instant,
+            Form::Signal(_) => {
+                Form::Signal(Arc::new(signals(&self.effect, &self.p, &self.linear, recordings)))
+            }
+        };
+        Self { form, ..self.clone() }
+    }
+
+    /// Whether the effect can act the same on both wheels of a single axis: one column that does,
+    /// or a column a wheel.
+    fn treats_wheels_alike(&self, model: &Model, recording: &Recording) -> bool {
+        if self.columns() != 1 {
+            return true;
+        }
+        let (motion, mut row) = (recording.local_motion(), [[0.0; 2]]);
+        motion.iter().enumerate().step_by(11).all(|(k, m)| {
+            self.torque(0, &instant(model, recording, k, m), &mut row);
+            (row[0][0] - row[0][1]).abs() <= 1e-9 * row[0][0].abs()
+        })
+    }
+
     /// Number of columns.
     #[must_use]
     pub fn columns(&self) -> usize {
@@ -226,7 +260,7 @@ impl Candidate {
                 out[0] = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
             }
             Form::Instant => {
-                let sign = signs(at);
+                let sign = signs(at, self.rest);
                 let mut p = [0.0; 8];
                 p[..self.p.len()].copy_from_slice(&self.p);
                 for (column, &j) in out.iter_mut().zip(&self.linear) {
@@ -242,18 +276,40 @@ impl Candidate {
 
 /// Friction signs in all directions; those that the model has none of are smoothed by the spread
 /// of the filter's speeds.
-fn signs(at: &Instant) -> [f64; 4] {
-    let spread =
-        [at.motion.variance[2], at.motion.variance[3], at.spread[0], at.spread[1]];
+fn signs(at: &Instant, rest: f64) -> [f64; 4] {
+    let spread = [at.motion.variance[2], at.motion.variance[3], at.spread[0], at.spread[1]];
     let mut sign = at.sign;
     for j in 0..DIRECTIONS.len() {
         if sign[j] == 0.0 {
             let v = along(j, &at.motion.omega);
-            let width = (2.0 * spread[j].max(0.0) + (12.0 * REST).powi(2)).sqrt();
+            let width = (2.0 * spread[j].max(0.0) + rest * rest).sqrt();
             sign[j] = if width > 0.0 { Real::erf(v / width) } else { sgn(v) };
         }
     }
     sign
+}
+
+/// An instant of the smooth motion, where no filter has run.
+fn instant<'a>(
+    model: &'a Model,
+    recording: &Recording,
+    k: usize,
+    m: &crate::recording::LocalMotion,
+) -> Instant<'a> {
+    Instant {
+        sample: k,
+        motion: Motion {
+            t: recording.t()[k] - recording.t()[0],
+            alpha: m.alpha,
+            omega: m.omega,
+            variance: [0.0; 4],
+            robot: model.robot(),
+        },
+        acceleration: m.acceleration,
+        sign: [0.0; 4],
+        spread: [0.0; 2],
+        drive: recording.moment()[k],
+    }
 }
 
 /// The effect of a candidate seen on a smooth motion, to know its size: root mean square of each
@@ -266,20 +322,7 @@ pub fn column_size(candidate: &Candidate, model: &Model, recordings: &[&Recordin
     for (r, recording) in recordings.iter().enumerate() {
         let motion = recording.local_motion();
         for (k, m) in motion.iter().enumerate().step_by(7) {
-            let at = Instant {
-                sample: k,
-                motion: Motion {
-                    t: recording.t()[k] - recording.t()[0],
-                    alpha: m.alpha,
-                    omega: m.omega,
-                    variance: [0.0; 4],
-                    robot: model.robot(),
-                },
-                acceleration: m.acceleration,
-                sign: [0.0; 4],
-                spread: [0.0; 2],
-                drive: recording.moment()[k],
-            };
+            let at = instant(model, recording, k, m);
             candidate.torque(r, &at, &mut row);
             for (sum, torque) in sums.iter_mut().zip(&row) {
                 *sum += torque[0] * torque[0] + torque[1] * torque[1];

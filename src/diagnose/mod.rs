@@ -1,11 +1,15 @@
 //! Which effect is missing: candidates, evidence, equivalence, the verdict, the next run.
 
 mod candidate;
+mod next_run;
 mod refit;
 mod scan;
 mod stepwise;
+mod verdict;
 
 pub use candidate::{Candidate, Form, candidates};
+pub use next_run::{Limits, Proposal, Rivals, next_run};
 pub use refit::{Refit, refit};
 pub use scan::{Score, scan};
 pub use stepwise::{Diagnosis, Ranked, Settings, diagnose};
+pub use verdict::{Conclusion, Errors, conclude, probabilities};

@@ -43,9 +43,14 @@ pub fn refit(
     likelihood: &Likelihood,
 ) -> Result<Refit, IdentifyError> {
     let mut extended = model.add_effect(candidate.effect.clone())?;
-    let start = start(candidate, score);
+    let mut start = start(candidate, score);
     let mut p = base.p.clone();
     p.extend(&start);
+    if let Some(shift) = best_shift(&extended, &p, base, candidate, likelihood) {
+        start[0] = shift;
+        let last = p.len() - start.len();
+        p[last] = shift;
+    }
     // an order of ripple is a whole number: it stays where the grid found it
     if candidate.id == "torque_ripple" {
         for (value, spec) in start.iter().zip(candidate.effect.parameters()) {
@@ -57,6 +62,47 @@ pub fn refit(
     let maximum = maximise(&extended, &p, base.noise, likelihood)?;
     let gain = maximum.log_likelihood - base.log_likelihood;
     Ok(judge(extended, maximum, gain, candidate, score, likelihood))
+}
+
+/// Shifts in time that are tried, in samples: a long delay is out of reach of a linear step.
+const SHIFTS: [f64; 7] = [0.0, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
+
+/// Least share of samples that a saturation must clip to be one.
+const CLIPPED: f64 = 0.01;
+
+/// A limit that next to no sample reaches explains outliers, not a drive.
+fn clips_enough(candidate: &Candidate, own: &[f64], likelihood: &Likelihood) -> bool {
+    if candidate.id != "torque_saturation" {
+        return true;
+    }
+    let rows = || likelihood.prepared.iter().flat_map(|p| p.recording.moment()).flatten();
+    let clipped = rows().filter(|m| m.abs() > own[0]).count();
+    clipped as f64 > CLIPPED * rows().count() as f64
+}
+
+/// For a lag or delay: the best of the scan's estimate and a grid of shifts, by likelihood.
+fn best_shift(
+    model: &Model,
+    p: &[f64],
+    base: &Maximum,
+    candidate: &Candidate,
+    likelihood: &Likelihood,
+) -> Option<f64> {
+    let spec = &candidate.effect.parameters()[0];
+    if !candidate.linear.is_empty() || spec.unit != "s" {
+        return None;
+    }
+    let first = p.len() - candidate.p.len();
+    let step = likelihood.prepared.iter().map(|r| r.recording.step()).fold(f64::MAX, f64::min);
+    let mut shifts = vec![p[first]];
+    shifts.extend(SHIFTS.map(|s| s * step).iter().filter(|s| **s < spec.range.1.min(0.3)));
+    let value = |shift: f64| {
+        let mut trial = p.to_vec();
+        trial[first] = shift;
+        likelihood.value(model, &trial, &base.noise).unwrap_or(f64::NEG_INFINITY)
+    };
+    let scored = shifts.into_iter().map(|shift| (value(shift), shift));
+    scored.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, shift)| shift)
 }
 
 /// Two rounds of parameters, noise, parameters.
@@ -119,8 +165,7 @@ fn judge(
     let prior = nalgebra::DVector::from_fn(n, |j, _| {
         let size = score.size[j.min(score.size.len() - 1)];
         // a threshold is no coefficient: its prior is as wide as itself
-        let threshold = candidate.linear.is_empty()
-            && candidate.effect.parameters()[j].unit != "s";
+        let threshold = candidate.linear.is_empty() && candidate.effect.parameters()[j].unit != "s";
         if threshold { theta[j].abs().max(1e-12) } else { PRIOR_SHARE * rms / size }
     });
     let whitened = DMatrix::from_fn(n, n, |i, k| prior[i] * information[(i, k)] * prior[k]);
@@ -138,5 +183,6 @@ fn judge(
             *v >= s.range.0 && *v <= s.range.1
         }
     });
+    let in_range = in_range && clips_enough(candidate, &maximum.p[first..], likelihood);
     Refit { model, maximum, evidence, gain, wald, in_range }
 }

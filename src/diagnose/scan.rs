@@ -155,8 +155,7 @@ fn score(
     }
     let (statistic, rank) = score_statistic(&information, &right);
     let prior = DVector::from_fn(n, |j, _| PRIOR_SHARE * rms / size[j]);
-    let whitened =
-        DMatrix::from_fn(n, n, |i, k| prior[i] * information[(i, k)] * prior[k]);
+    let whitened = DMatrix::from_fn(n, n, |i, k| prior[i] * information[(i, k)] * prior[k]);
     let tempered = DMatrix::identity(n, n) + &whitened;
     let scaled = DVector::from_fn(n, |j, _| prior[j] * right[j]);
     let solved = tempered.clone().lu().solve(&scaled).unwrap_or_else(|| DVector::zeros(n));

@@ -38,6 +38,11 @@ impl Settings {
 
 /// Least log-evidence of a refitted effect.
 const EVIDENCE: f64 = 6.0;
+/// Least size of an effect that is worth a place in the model, as a share of the rms drive: with
+/// little noise far smaller ones are significant, and no model is exact.
+const PRACTICAL: f64 = 0.005;
+/// Log-evidence that needs no second witness.
+const OVERWHELMING: f64 = 50.0;
 /// Effects whose Wald statistic falls below this, once others are in, are dropped again.
 const KEEP: f64 = 14.0;
 /// Candidates that are refitted in full.
@@ -177,8 +182,16 @@ fn rank(
 
 /// Whether the best candidate is needed at the stated false-alarm rate.
 fn accepted(best: &Ranked, likelihood: &Likelihood, settings: &Settings) -> bool {
-    let crossed = likelihood.prepared.len() < 2 || best.score.cross_gain > 0.0;
-    best.refit.as_ref().is_some_and(|r| r.in_range)
+    // the gain on recordings left out decides where the evidence is thin; it is computed at the
+    // noise of the model without the effect, which a gross effect makes far too large
+    let crossed = likelihood.prepared.len() < 2
+        || best.score.cross_gain > 0.0
+        || best.evidence() > OVERWHELMING;
+    let size: f64 =
+        best.score.estimate.iter().zip(&best.score.size).map(|(e, s)| (e * s).powi(2)).sum();
+    let worth = size.sqrt() > PRACTICAL * likelihood.moment_rms();
+    worth
+        && best.refit.as_ref().is_some_and(|r| r.in_range)
         && best.evidence() > EVIDENCE
         && best.score.log_significance > settings.threshold()
         && crossed
@@ -215,8 +228,7 @@ fn prune(
         }
         let base: Vec<usize> = model.free().into_iter().filter(|j| !own.contains(j)).collect();
         let zero = nalgebra::DVector::zeros(maximum.information.nrows());
-        let (information, _) =
-            crate::compare::project(&maximum.information, &zero, &base, &own);
+        let (information, _) = crate::compare::project(&maximum.information, &zero, &base, &own);
         let theta = nalgebra::DVector::from_fn(own.len(), |j, _| maximum.p[own[j]]);
         let wald = theta.dot(&(information * &theta));
         let outside = own.iter().any(|&j| {
@@ -226,12 +238,9 @@ fn prune(
         if wald < KEEP || outside {
             let slots = model.slots(e);
             let smaller = model.without(e);
-            let p: Vec<f64> = (0..maximum.p.len())
-                .filter(|j| !slots.contains(j))
-                .map(|j| maximum.p[j])
-                .collect();
-            let again =
-                likelihood.maximise(&smaller, &p, Some(maximum.noise), "diagnosis")?;
+            let p: Vec<f64> =
+                (0..maximum.p.len()).filter(|j| !slots.contains(j)).map(|j| maximum.p[j]).collect();
+            let again = likelihood.maximise(&smaller, &p, Some(maximum.noise), "diagnosis")?;
             return prune(smaller, again, older.start..older.end - 1, likelihood);
         }
     }

@@ -48,3 +48,33 @@ impl Physics for Compliance {
         Some(Coupling { rotor, stiffness: p[0], damping: p[1] })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::model::Model;
+    use crate::robot::{Robot, State};
+    use crate::simulate::{Hold, Input, simulate};
+
+    #[test]
+    fn a_pushed_robot_oscillates_as_the_exact_two_inertia_solution() {
+        let robot = Robot::amigobot();
+        let a = robot.construction.parameters();
+        let model = Model::base(robot).add("compliance").unwrap();
+        let mut p = model.initial();
+        (p[3], p[4], p[6]) = (0.0, 0.0, 0.0); // no friction, no damping
+        let (motor, push, spring) = (0.025, 0.2, p[5]);
+        let body = a.a1 + a.a2 - motor;
+        let t: Vec<f64> = (0..51).map(|k| 0.01 * f64::from(k)).collect();
+        let moment = vec![[push; 2]; 51];
+        let input = Input { t: &t, moment: &moment, hold: Hold::Constant };
+        let motion = simulate(&model, &p, &input, State::default()).unwrap();
+        let frequency = (spring * (1.0 / motor + 1.0 / body)).sqrt();
+        for (t, state) in t.iter().zip(&motion) {
+            // rigid motion plus an oscillation of w - u from rest
+            let twist_rate = push / motor / frequency * (frequency * t).sin();
+            let w = (push * t + body * twist_rate) / (motor + body);
+            // Runge-Kutta at frequency times step 0.5 or less: phase error 0.5^5/120 a step
+            assert!((state.omega[0] - w).abs() < 2e-3, "{t}: {} {w}", state.omega[0]);
+        }
+    }
+}

@@ -1,14 +1,18 @@
 //! One physical effect per file, and the list.
 //!
 //! A model is a sum of effects: `mass(x; p) dω + torque(x; p) + dry friction = drive(M; p)`.
-//! An author writes [`Physics`] once, over any [`Real`] scalar; the program sees the object-safe
+//! An author writes [`Physics`] once, over any [`Real`](crate::math::Real); the program sees the object-safe
 //! [`Effect`], which evaluates it with plain numbers or with exact derivatives.
 
+mod custom;
 mod effect;
 mod motion;
+mod text;
 
+pub use custom::{Custom, CustomDefinition, CustomError, QUANTITIES};
 pub use effect::{DIFFERENTIATED, Effect, Jet, MOST_PARAMETERS, Physics};
 pub use motion::{Coupling, DIRECTIONS, Motion, Terms, along};
+pub use text::{details, details_of, overview};
 
 use crate::catalogue;
 

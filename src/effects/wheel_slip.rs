@@ -45,3 +45,76 @@ impl Physics for WheelSlip {
         Some(Coupling { rotor, stiffness: T::from(0.0), damping: p[0] })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::model::Model;
+    use crate::robot::{Robot, State};
+    use crate::simulate::{Hold, Input, simulate};
+
+    /// Straight ahead without friction, both wheels pushed with 0.2 N m for 1 s.
+    fn pushed(stiffness: f64) -> Vec<State> {
+        let model = Model::base(Robot::amigobot()).add("wheel_slip").unwrap();
+        let mut p = model.initial();
+        (p[3], p[4], p[5]) = (0.0, 0.0, stiffness);
+        let t: Vec<f64> = (0..101).map(|k| 0.01 * f64::from(k)).collect();
+        let moment = vec![[0.2; 2]; 101];
+        let input = Input { t: &t, moment: &moment, hold: Hold::Constant };
+        simulate(&model, &p, &input, State::default()).unwrap()
+    }
+
+    #[test]
+    fn a_pushed_robot_slips_as_the_exact_two_inertia_solution() {
+        let a = Robot::amigobot().construction.parameters();
+        let (wheel, stiffness, push) = (0.025, 0.3, 0.2);
+        let body = a.a1 + a.a2 - wheel;
+        let rate = stiffness * (1.0 / wheel + 1.0 / body);
+        for (k, state) in pushed(stiffness).iter().enumerate() {
+            let t = 0.01 * k as f64;
+            // slip speed w - u relaxes to push/wheel/rate; momentum wheel w + body u = push t
+            let slip = push / wheel / rate * (1.0 - (-rate * t).exp());
+            let w = (push * t + body * slip) / (wheel + body);
+            // Runge-Kutta, rate times step 0.5 or less: 0.5^5/120 of the slip, decaying
+            assert!((state.omega[0] - w).abs() < 1e-4, "{k}: {} {w}", state.omega[0]);
+            assert_eq!(state.omega[0], state.omega[1]);
+        }
+    }
+
+    #[test]
+    fn without_slip_the_robot_moves_as_the_rigid_one() {
+        let a = Robot::amigobot().construction.parameters();
+        let rigid = 0.2 / (a.a1 + a.a2); // w after 1 s
+        let found = pushed(20.0)[100].omega[0];
+        // slip speed of 0.2 N m body/(wheel + body)/20 N m s/rad = 1.5e-3 rad/s at the most
+        assert!((found - rigid).abs() < 2e-3, "{found} {rigid}");
+    }
+
+    #[test]
+    fn a_robot_lighter_than_its_wheels_of_construction_still_moves() {
+        let model = Model::base(Robot::amigobot()).add("wheel_slip").unwrap();
+        let mut p = model.initial();
+        (p[0], p[3], p[4]) = (0.02, 0.0, 0.0); // a1 below Iz1 = 0.025
+        let t: Vec<f64> = (0..101).map(|k| 0.01 * f64::from(k)).collect();
+        let moment = vec![[0.2; 2]; 101];
+        let input = Input { t: &t, moment: &moment, hold: Hold::Constant };
+        let found = simulate(&model, &p, &input, State::default()).unwrap()[100].omega[0];
+        // momentum is kept: w exceeds push t/(a1 + a2) by the share of the slip speed, below 2 %
+        let rigid = 0.2 / (p[0] + p[1]);
+        assert!(found > rigid && found < 1.02 * rigid, "{found} {rigid}");
+    }
+
+    #[test]
+    fn a_released_robot_comes_to_rest_and_stays() {
+        for id in ["wheel_slip", "compliance"] {
+            let model = Model::base(Robot::amigobot()).add(id).unwrap();
+            let t: Vec<f64> = (0..401).map(|k| 0.01 * f64::from(k)).collect();
+            let moment: Vec<_> =
+                t.iter().map(|&t| if t < 1.0 { [0.3, 0.2] } else { [0.0; 2] }).collect();
+            let input = Input { t: &t, moment: &moment, hold: Hold::Constant };
+            let motion = simulate(&model, &model.initial(), &input, State::default()).unwrap();
+            assert!(motion[100].omega[0] > 3.0, "{id}");
+            // 0.125 N m over 0.03 kg m^2 stops 6 rad/s in 1.4 s
+            assert!(motion[300..].iter().all(|state| state.omega == [0.0; 2]), "{id}");
+        }
+    }
+}

@@ -1,7 +1,23 @@
 //! Runs the stages of an experiment; the only room that sees all.
 
+mod check;
+mod custom;
+mod diagnosis;
+mod error;
+mod estimates;
+mod execute;
+mod file;
+mod guess;
+mod loop_commands;
 mod plan;
+mod quality;
+mod resolve;
 mod run;
 
+pub use check::check;
+pub use error::ExperimentError;
+pub use execute::{Done, Outcome, RunOptions, execute, load, load_all, write_index};
+pub use file::{ExperimentFile, FileError};
+pub use loop_commands::{add_effect, new_file};
 pub use plan::{DiagnosisPlan, Measured, MethodPlan, Plan};
 pub use run::{RunError, run};

@@ -71,11 +71,7 @@ impl Plan {
     /// The recordings of a role.
     #[must_use]
     pub fn of(&self, role: Role) -> Vec<Recording> {
-        self.recordings
-            .iter()
-            .filter(|m| m.role == role)
-            .map(|m| m.recording.clone())
-            .collect()
+        self.recordings.iter().filter(|m| m.role == role).map(|m| m.recording.clone()).collect()
     }
 
     /// The recordings on which errors are judged: validation, or train where there is none.

@@ -34,8 +34,7 @@ pub enum RunError {
 }
 
 /// Methods in the order in which their fit is preferred for the detailed comparison.
-const PREFERRED: [&str; 4] =
-    ["prediction_error", "weak_form", "output_error", "torque_regression"];
+const PREFERRED: [&str; 4] = ["prediction_error", "weak_form", "output_error", "torque_regression"];
 
 /// Runs an experiment.
 ///
@@ -89,6 +88,9 @@ pub fn run(plan: &Plan) -> Result<Study, RunError> {
         truth: plan.truth.clone(),
     };
     locate(plan, &*right, &mut study)?;
+    if let Some(asked) = &plan.diagnosis {
+        study.diagnosis = Some(super::diagnosis::run_diagnosis(plan, asked, &study)?);
+    }
     Ok(study)
 }
 
@@ -109,7 +111,9 @@ fn reference(fits: &[(Result<Fit, String>, f64)]) -> Option<usize> {
     PREFERRED
         .iter()
         .find_map(|name| named(name))
-        .or_else(|| fits.iter().position(|(f, _)| f.as_ref().is_ok_and(|f| f.dynamics.physical().is_some())))
+        .or_else(|| {
+            fits.iter().position(|(f, _)| f.as_ref().is_ok_and(|f| f.dynamics.physical().is_some()))
+        })
         .or_else(|| fits.iter().position(|(fit, _)| fit.is_ok()))
 }
 
@@ -185,9 +189,7 @@ fn method_study(
 fn correlations(covariance: &nalgebra::DMatrix<f64>) -> Vec<Vec<f64>> {
     let n = covariance.nrows();
     let scale: Vec<f64> = (0..n).map(|j| covariance[(j, j)].sqrt()).collect();
-    (0..n)
-        .map(|i| (0..n).map(|j| covariance[(i, j)] / (scale[i] * scale[j])).collect())
-        .collect()
+    (0..n).map(|i| (0..n).map(|j| covariance[(i, j)] / (scale[i] * scale[j])).collect()).collect()
 }
 
 fn performance(

@@ -4,18 +4,33 @@
 //! [`Fit`]; not converging is a status of the fit, not an error.
 
 mod fit;
+pub mod fuzzy;
+mod identifiability;
 pub mod kalman;
 mod method;
+mod regressor;
 pub mod start;
+mod text;
 
 pub use fit::{Estimate, Fit, Status, Trace, Work};
 pub use method::{Identifier, IdentifyError, MethodDescription, OptionError, Task, from_options};
+
+pub use text::{details, overview};
 
 use crate::catalogue;
 
 catalogue! {
     dyn Identifier;
     prediction_error::PredictionError,
+    output_error::OutputError,
+    torque_regression::TorqueRegression,
+    fuzzy_least_squares::FuzzyLeastSquares,
+    fuzzy_levenberg_marquardt::FuzzyLevenbergMarquardt,
+    fuzzy_gradient::FuzzyGradient,
+    fuzzy_line_search::FuzzyLineSearch,
+    fuzzy_nelder_mead::FuzzyNelderMead,
+    fuzzy_genetic::FuzzyGenetic,
+    fuzzy_anfis::FuzzyAnfis,
 }
 
 /// The registered method of that name, with its default options.

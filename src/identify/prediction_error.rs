@@ -1,8 +1,8 @@
 //! Prediction-error maximum likelihood: the default method.
 
-use nalgebra::DMatrix;
 use serde::Deserialize;
 
+use super::identifiability::identified;
 use super::kalman::{Likelihood, Maximum, prepare};
 use super::{
     Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task, from_options, start,
@@ -62,6 +62,11 @@ impl Identifier for PredictionError {
     }
 
     fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
+        if task.model.is_coupled() {
+            let reason = "a body behind the wheels (wheel_slip, compliance) has states that this \
+                          filter does not carry; use output_error";
+            return Err(IdentifyError::Unsupported { method: NAME.into(), reason: reason.into() });
+        }
         let first = start::start(task, NAME)?;
         let likelihood = Likelihood {
             prepared: task.train.iter().map(prepare).collect(),
@@ -74,18 +79,23 @@ impl Identifier for PredictionError {
 }
 
 fn fit(task: &Task, maximum: Maximum) -> Fit {
-    let covariance = covariance(task, &maximum);
+    let known = identified(task.model, &maximum.p, &maximum.information, task.train);
     let unit = task.train[0].drive_unit();
-    let mut fit = Fit::physical(NAME, task.model, maximum.p, covariance, unit);
+    let mut fit = Fit::physical(NAME, task.model, maximum.p, known.covariance, unit);
+    fit.notes = known.notes;
+    let noise = maximum.noise;
+    fit.notes.push(format!(
+        "Noise of the drive: {:.3e} white, {:.3e} slow with a time constant of {:.2} s \
+         (standard deviations, {}).",
+        noise.sigma_m,
+        noise.sigma_d,
+        noise.tau_d,
+        unit.symbol()
+    ));
     fit.status = maximum.status;
     fit.work.iterations = maximum.iterations;
     fit.work.evaluations = maximum.evaluations;
     fit
-}
-
-/// Inverse information of the free parameters; infinite variance where the data give nothing.
-fn covariance(task: &Task, maximum: &Maximum) -> DMatrix<f64> {
-    super::start::covariance_of_free(task.model, &maximum.information)
 }
 
 #[cfg(test)]

@@ -9,8 +9,9 @@ use crate::recording::Recording;
 
 /// Half width of a test function [s].
 const HALF_WIDTH: f64 = 0.25;
-/// Windows that touch a slower wheel are dropped: what friction does there is not sgn(w) [rad/s].
-const REST: f64 = 0.3;
+/// Windows that touch a wheel slower than this share of the top speed are dropped: what friction
+/// does there is not sgn(w).
+const REST: f64 = 0.025;
 
 /// A first guess of all parameters: weak-form least squares for the linear ones with the shape
 /// parameters at their typical values, fixed ones as they are.
@@ -43,7 +44,9 @@ pub fn start(task: &Task, method: &str) -> Result<Vec<f64>, IdentifyError> {
 
 /// Least squares with columns scaled to unit norm and weak directions left out.
 fn minimum_norm(x: &DMatrix<f64>, y: &DVector<f64>) -> DVector<f64> {
-    let scale: Vec<f64> = x.column_iter().map(|c| c.norm().max(1e-300)).collect();
+    // a column of zeros (no turning, no a3) keeps a coefficient of zero
+    let scale: Vec<f64> =
+        x.column_iter().map(|c| if c.norm() > 0.0 { c.norm() } else { 1.0 }).collect();
     let scaled = DMatrix::from_fn(x.nrows(), x.ncols(), |i, j| x[(i, j)] / scale[j]);
     let solution = scaled.svd(true, true).solve(y, 1e-6).expect("both factors were asked for");
     DVector::from_fn(x.ncols(), |j, _| solution[j] / scale[j])
@@ -78,12 +81,15 @@ fn weak_rows(
     let drive = model.drive(t, recording.moment(), p);
     let half = ((HALF_WIDTH / recording.step()).round() as usize).max(4);
     let stride = (half / 2).max(1);
+    let rest = REST * recording.top_speed();
     for piece in recording.pieces() {
         let mut centre = piece.start + half;
         while centre + half < piece.end {
             let window = centre - half..centre + half + 1;
             for wheel in 0..2 {
-                if let Some(row) = weak_row(model, p, linear, recording, &drive, &window, wheel) {
+                if let Some(row) =
+                    weak_row(model, p, linear, recording, &drive, &window, wheel, rest)
+                {
                     rows.push(row);
                 }
             }
@@ -100,11 +106,12 @@ fn weak_row(
     drive: &[[f64; 2]],
     window: &std::ops::Range<usize>,
     wheel: usize,
+    rest: f64,
 ) -> Option<(Vec<f64>, f64)> {
     let t = recording.t();
     let omega = recording.omega();
     let sign = omega[window.start].map(f64::signum);
-    if window.clone().any(|k| (0..2).any(|i| omega[k][i] * sign[i] < REST)) {
+    if window.clone().any(|k| (0..2).any(|i| omega[k][i] * sign[i] < rest)) {
         return None;
     }
     let (middle, reach) =
@@ -142,13 +149,13 @@ fn weak_row(
             let torque = terms.moment(&[0.0; 2], &signs)[wheel];
             dt * (weight * torque - slope * momentum)
         };
-        let rest = balance(&unit);
+        let given = balance(&unit);
         for (column, &j) in linear.iter().enumerate() {
             unit[j] = 1.0;
-            row[column] += balance(&unit) - rest;
+            row[column] += balance(&unit) - given;
             unit[j] = 0.0;
         }
-        right += dt * weight * drive[k][wheel] - rest;
+        right += dt * weight * drive[k][wheel] - given;
     }
     Some((row, right))
 }

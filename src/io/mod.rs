@@ -1,1 +1,11 @@
-//! The only room that touches files.
+//! The only room that touches files: recordings, text, result folders.
+
+mod columns;
+mod error;
+mod folder;
+mod table;
+
+pub use columns::{Column, ColumnMap, Unit};
+pub use error::IoError;
+pub use folder::{ResultFolder, check_writable, read_text, sha256, write_whole};
+pub use table::{Headers, TableColumn, headers, read_recording, write_csv, write_parquet_table};

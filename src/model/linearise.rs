@@ -15,6 +15,8 @@ pub struct Linearisation {
     /// Derivatives of the two moments with respect to each parameter of the model (those that act
     /// through the drive have zero here).
     pub by_parameter: Vec<[f64; 2]>,
+    /// What each effect adds, with its own derivatives.
+    effects: Vec<Terms<Jet>>,
 }
 
 impl Linearisation {
@@ -25,6 +27,7 @@ impl Linearisation {
             terms: Terms::zero(),
             by_state: [[0.0; 4]; 2],
             by_parameter: vec![[0.0; 2]; parameters],
+            effects: vec![],
         }
     }
 }
@@ -44,6 +47,14 @@ impl Model {
         s: &[f64; 4],
         out: &mut Linearisation,
     ) {
+        self.evaluate(x, p, out);
+        self.differentiate(a, s, out);
+    }
+
+    /// The first half of [`Model::linearise`]: every effect once, its values summed in `out.terms`.
+    /// A caller that chooses signs and acceleration by the values goes on with
+    /// [`Model::differentiate`], which may be repeated.
+    pub fn evaluate(&self, x: &Motion<f64>, p: &[f64], out: &mut Linearisation) {
         let jet = Motion {
             t: x.t,
             alpha: [Dual::variable(x.alpha[0], 0), Dual::variable(x.alpha[1], 1)],
@@ -52,7 +63,7 @@ impl Model {
             robot: x.robot,
         };
         out.terms = Terms::zero();
-        out.by_state = [[0.0; 4]; 2];
+        out.effects.clear();
         for (e, effect) in self.effects().iter().enumerate() {
             let slots = self.slots(e);
             let mut own = [Jet::constant(0.0); MOST_PARAMETERS];
@@ -69,11 +80,20 @@ impl Model {
                 torque: terms.torque.map(|v| v.value),
                 level: terms.level.map(|v| v.value),
             });
+            out.effects.push(terms);
+        }
+    }
+
+    /// The second half of [`Model::linearise`]: derivatives at acceleration `a` and signs `s` of
+    /// what [`Model::evaluate`] left in `out`.
+    pub fn differentiate(&self, a: &[f64; 2], s: &[f64; 4], out: &mut Linearisation) {
+        out.by_state = [[0.0; 4]; 2];
+        for (e, terms) in out.effects.iter().enumerate() {
             for (i, moment) in terms.moment(a, s).iter().enumerate() {
                 for k in 0..4 {
                     out.by_state[i][k] += moment.partial[k];
                 }
-                for (k, j) in slots.clone().enumerate().take(DIFFERENTIATED) {
+                for (k, j) in self.slots(e).enumerate().take(DIFFERENTIATED) {
                     out.by_parameter[j][i] = moment.partial[4 + k];
                 }
             }

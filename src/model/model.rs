@@ -263,6 +263,19 @@ impl Model {
             .find_map(|(effect, slots)| effect.coupling(x, &p[slots.clone()]))
     }
 
+    /// Whether an effect of the model puts a body behind the measured wheels.
+    #[must_use]
+    pub fn is_coupled(&self) -> bool {
+        let x = Motion {
+            t: 0.0,
+            alpha: [0.0; 2],
+            omega: [0.0; 2],
+            variance: [0.0; 4],
+            robot: &self.robot,
+        };
+        self.coupling(&x, &self.initial()).is_some()
+    }
+
     /// Whether an effect of the model changes the drive.
     #[must_use]
     pub fn acts_on_drive(&self) -> bool {

@@ -3,6 +3,7 @@
 mod local;
 mod noise;
 mod recording;
+mod refresh;
 mod regime;
 
 pub use local::LocalMotion;

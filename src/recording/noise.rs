@@ -28,25 +28,35 @@ impl Recording {
     /// the noise of its steps, q / sqrt(12).
     #[must_use]
     pub fn noise(&self) -> Noise {
-        let channel = |values: &[[f64; 2]]| [0, 1].map(|i| self.channel_noise(values, i));
+        // rows that only repeat a slow sensor say nothing of its noise
+        let channel = |values: &[[f64; 2]], sensed: bool| {
+            [0, 1].map(|i| self.channel_noise(values, i, sensed))
+        };
         Noise {
-            alpha: channel(self.alpha()),
-            omega: channel(self.omega()),
-            moment: channel(self.moment()),
+            alpha: channel(self.alpha(), true),
+            omega: channel(self.omega(), true),
+            moment: channel(self.moment(), false),
         }
     }
 
-    fn channel_noise(&self, values: &[[f64; 2]], i: usize) -> f64 {
-        let block = ((BLOCK / self.step()) as usize).max(SHORTEST);
+    fn channel_noise(&self, values: &[[f64; 2]], i: usize, sensed: bool) -> f64 {
+        let fresh = self.fresh().iter().filter(|f| **f).count().max(1);
+        let step = if sensed { self.duration() / fresh as f64 } else { self.step() };
+        let block = ((BLOCK / step) as usize).max(SHORTEST);
         let mut variances = Vec::new();
         for piece in self.pieces() {
-            let column: Vec<f64> = values[piece.clone()].iter().map(|v| v[i]).collect();
+            let column: Vec<f64> = piece
+                .clone()
+                .filter(|&k| !sensed || self.fresh()[k])
+                .map(|k| values[k][i])
+                .collect();
             for part in column.chunks(block).filter(|part| part.len() >= SHORTEST) {
                 variances.push(fourth_difference_variance(part));
             }
         }
-        // blocks in which a coarse channel does not move at all say nothing of its noise
-        variances.retain(|v| *v > 0.0);
+        // blocks in which a coarse encoder does not move at all say nothing of its noise; a drive
+        // that holds its value has none
+        variances.retain(|v| *v > 0.0 || !sensed);
         if variances.is_empty() {
             return smallest_step(values, i) / 12.0_f64.sqrt();
         }
@@ -55,6 +65,34 @@ impl Recording {
         variance.sqrt().max(quantum(values, i) / 12.0_f64.sqrt())
     }
 }
+
+impl Recording {
+    /// Whether the speeds were smoothed by the logger, or computed from the angles: their fourth
+    /// differences are then not those of white noise, whose neighbours correlate by -0.8.
+    #[must_use]
+    pub fn speeds_are_smoothed(&self) -> bool {
+        let (mut product, mut square) = (0.0, 0.0);
+        for piece in self.pieces() {
+            for i in 0..2 {
+                let v: Vec<f64> = piece
+                    .clone()
+                    .filter(|&k| self.fresh()[k])
+                    .map(|k| self.omega()[k][i])
+                    .collect();
+                let d: Vec<f64> = v
+                    .windows(5)
+                    .map(|w| w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4])
+                    .collect();
+                product += d.windows(2).map(|w| w[0] * w[1]).sum::<f64>();
+                square += d.iter().map(|x| x * x).sum::<f64>();
+            }
+        }
+        square > 0.0 && product / square > SMOOTH
+    }
+}
+
+/// Correlation of neighbouring fourth differences above which speeds count as smoothed.
+const SMOOTH: f64 = -0.6;
 
 fn fourth_difference_variance(v: &[f64]) -> f64 {
     let squares: f64 =

@@ -144,6 +144,7 @@ pub struct Recording {
     measured: Measured,
     drive_unit: DriveUnit,
     pieces: Vec<Range<usize>>,
+    fresh: Vec<bool>,
 }
 
 /// Fewest samples of a recording: fourth differences and a line need that many.
@@ -178,7 +179,8 @@ impl Recording {
             (None, Some(omega)) => (integrate(&t, &omega), omega),
             (None, None) => return Err(RecordingError::NoMotion { name }),
         };
-        Ok(Self { name, t, alpha, omega, moment, measured, drive_unit, pieces })
+        let fresh = super::refresh::fresh(&alpha, &omega, measured);
+        Ok(Self { name, t, alpha, omega, moment, measured, drive_unit, pieces, fresh })
     }
 
     /// Its name, usually that of the file.
@@ -230,6 +232,27 @@ impl Recording {
     #[must_use]
     pub fn pieces(&self) -> &[Range<usize>] {
         &self.pieces
+    }
+    /// Whether both wheels carry the very same numbers: one axis written down twice. Nothing that
+    /// sets the wheels apart can then be known.
+    #[must_use]
+    pub fn is_single_axis(&self) -> bool {
+        let same = |rows: &[[f64; 2]]| rows.iter().all(|r| r[0] == r[1]);
+        same(&self.alpha) && same(&self.omega) && same(&self.moment)
+    }
+    /// Whether the sensors gave a new value at each sample: loggers that write faster than their
+    /// sensors refresh repeat the last one.
+    #[must_use]
+    pub fn fresh(&self) -> &[bool] {
+        &self.fresh
+    }
+    /// Wheel speed that the faster wheel exceeds in one sample of a hundred [rad/s]: the scale of
+    /// "slow" and "fast" for this recording.
+    #[must_use]
+    pub fn top_speed(&self) -> f64 {
+        let mut speeds: Vec<f64> = self.omega.iter().map(|w| w[0].abs().max(w[1].abs())).collect();
+        let place = (speeds.len() - 1) * 99 / 100;
+        speeds.select_nth_unstable_by(place, f64::total_cmp).1.max(1e-9)
     }
     /// From the first to the last sample [s].
     #[must_use]

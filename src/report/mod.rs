@@ -14,8 +14,10 @@ pub mod palette;
 mod plot;
 mod polyline;
 mod raster;
+mod render;
 mod scale;
 
 pub use error::ReportError;
 pub use page::{Page, PageContent, Picture, SectionContent, page, render_page};
 pub use raster::{figure_to_png, figure_to_svg};
+pub use render::{Rendered, render};

@@ -1,6 +1,6 @@
 //! Anything that moves under a drive: a physical model with values, or a fuzzy emulator.
 
-use super::{Input, SimulateError, contact, simulate, simulate_acting};
+use super::{FuzzyDynamics, Input, SimulateError, contact, simulate, simulate_acting};
 use crate::effects::Motion;
 use crate::model::Model;
 use crate::robot::State;
@@ -48,6 +48,11 @@ pub trait Dynamics: Send + Sync {
 
     /// The physical model and its parameter values, where the dynamics is one.
     fn physical(&self) -> Option<(&Model, &[f64])> {
+        None
+    }
+
+    /// The fuzzy emulator, where the dynamics is one.
+    fn fuzzy(&self) -> Option<&FuzzyDynamics> {
         None
     }
 }

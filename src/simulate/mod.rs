@@ -3,19 +3,23 @@
 pub mod dynamics;
 mod emulator;
 mod friction;
+mod fuzzy_dynamics;
 mod made;
 mod movement;
 mod sensitivity;
 mod simulation;
 mod stepper;
+mod takagi_sugeno;
 
 pub use dynamics::{Dynamics, PhysicalDynamics};
 pub use emulator::{Gain, GainError, Structure, emulate};
 pub use friction::{Contact, contact};
+pub use fuzzy_dynamics::FuzzyDynamics;
 pub use made::{NoiseLevel, Recorder, record};
 pub use movement::{Movement, Reference, Segment};
 pub use sensitivity::{Sensitivities, simulate_with_sensitivities};
 pub use simulation::{Hold, Input, SimulateError, simulate, simulate_acting};
+pub use takagi_sugeno::{Consequents, Defuzzification, Gaussian, MOST_MEMBERSHIPS, TakagiSugeno};
 
 #[cfg(test)]
 mod tests;

@@ -50,16 +50,7 @@ pub fn simulate_with_sensitivities(
     input: &Input,
     start: State,
 ) -> Result<(Vec<State>, Sensitivities), SimulateError> {
-    if model.effects().iter().enumerate().any(|(e, effect)| {
-        let x = crate::effects::Motion {
-            t: 0.0,
-            alpha: start.alpha,
-            omega: start.omega,
-            variance: [0.0; 4],
-            robot: model.robot(),
-        };
-        effect.coupling(&x, &p[model.slots(e)]).is_some()
-    }) {
+    if model.is_coupled() {
         return by_differences(model, p, input, start);
     }
     let (drive, derivatives) = model.drive_derivatives(input.t, input.moment, p);

@@ -162,6 +162,7 @@ fn diagnosis(d: &DiagnosisStudy) -> Value {
         "staircase": d.staircase,
         "unexplained_fraction": d.unexplained_fraction,
         "next_run": d.next_run,
+        "next_movement": d.proposal,
         "false_alarm": d.false_alarm,
         "dependences": d.missing_moment.as_ref().map(|m| m.dependences.iter().map(|d| json!({
             "variable": d.variable, "log_significance": d.log_significance,

@@ -209,6 +209,8 @@ pub struct DiagnosisStudy {
     pub unexplained_fraction: f64,
     /// What to drive next, in words.
     pub next_run: Option<String>,
+    /// The manoeuvre that tells the best two apart, where one can.
+    pub proposal: Option<crate::diagnose::Proposal>,
     /// Stated false-alarm rate.
     pub false_alarm: f64,
     /// How the missing moment depends on each variable, before anything is added.

@@ -45,6 +45,8 @@ pub struct Maximum {
 
 /// Largest number of Gauss-Newton steps.
 const STEPS: usize = 40;
+/// Longest time constant of the slow moment [s].
+const SLOWEST: f64 = 1.0;
 /// A step that raises the log-likelihood by less is the last.
 const GAIN: f64 = 1e-4;
 
@@ -126,7 +128,7 @@ impl Likelihood<'_> {
             corner[i] += if i == 1 && start.sigma_d == 0.0 { 2.0 } else { 0.5 };
             simplex.push(corner);
         }
-        let solver = NelderMead::new(simplex).with_sd_tolerance(0.01);
+        let solver = NelderMead::new(simplex).with_sd_tolerance(0.1);
         let Ok(solver) = solver else { return (*start, 0) };
         let run = Executor::new(search, solver)
             .configure(|state| state.max_iters(evaluations as u64))
@@ -298,8 +300,9 @@ impl NoiseSearch<'_> {
         };
         if let [_, d, tau] = x {
             noise.sigma_d = bounded(*d, 1e-5 * self.rms, 10.0 * self.rms);
-            // faster than a few samples it is white noise of the drive under another name
-            noise.tau_d = bounded(*tau, 5.0 * self.step, 60.0);
+            // faster than a few samples it is white noise of the drive under another name; slower
+            // than a second it would take a constant offset, or a floor that slopes, for noise
+            noise.tau_d = bounded(*tau, 5.0 * self.step, SLOWEST.max(5.0 * self.step));
         }
         noise
     }

@@ -70,6 +70,8 @@ pub struct Prepared<'a> {
 pub fn prepare(recording: &Recording) -> Prepared<'_> {
     let noise = recording.noise();
     let measured = recording.measured();
+    // speeds that were made from the angles are no measurement of their own
+    let speeds = measured.omega && !(measured.alpha && recording.speeds_are_smoothed());
     // a channel without any visible noise still has rounding; nothing is known exactly
     let floor = |sigma: f64, scale: f64| (sigma * sigma).max((1e-6 * scale).powi(2));
     let largest = |values: &[[f64; 2]], i: usize| {
@@ -85,7 +87,7 @@ pub fn prepare(recording: &Recording) -> Prepared<'_> {
         recording,
         still: standstill(recording, &noise.alpha, &noise.omega),
         variance,
-        used: [measured.alpha, measured.alpha, measured.omega, measured.omega],
+        used: [measured.alpha, measured.alpha, speeds, speeds],
         moment_noise: 0.5 * (noise.moment[0] + noise.moment[1]),
     }
 }
@@ -220,6 +222,7 @@ impl Run<'_> {
                 &mut mean,
                 &mut covariance,
                 &mut self.work,
+                self.settings.derivatives,
             )?;
             if self.settings.derivatives {
                 self.carry(k, &sample, &predicted);
@@ -310,6 +313,9 @@ impl Run<'_> {
 
     fn measure(&mut self, k: usize, mean: &mut Mean, covariance: &mut Covariance) {
         let recording = self.prepared.recording;
+        if !recording.fresh()[k] {
+            return;
+        }
         let (a, w) = (recording.alpha()[k], recording.omega()[k]);
         for (i, value) in [a[0], a[1], w[0], w[1]].into_iter().enumerate() {
             if !self.prepared.used[i] {

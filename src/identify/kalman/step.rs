@@ -66,6 +66,7 @@ pub(super) fn predict(
     mean: &mut Mean,
     covariance: &mut Covariance,
     work: &mut Linearisation,
+    derivatives: bool,
 ) -> Result<Predicted, ModelError> {
     let h = sample.step;
     let omega = [mean[2], mean[3]];
@@ -79,7 +80,8 @@ pub(super) fn predict(
     let cross = 2.0 * covariance[(2, 3)];
     let sum = covariance[(2, 2)] + covariance[(3, 3)];
     let spread = [sum - cross, sum + cross];
-    let terms = model.terms(&x, p);
+    model.evaluate(&x, p, work);
+    let terms = work.terms;
     let mobility = mobility(&terms.mass, sample.still)?;
     let (mut sign, mut slope, mut rest) = ([0.0; 4], [0.0; 4], [0.0; 4]);
     for (j, d) in DIRECTIONS.iter().enumerate() {
@@ -99,7 +101,7 @@ pub(super) fn predict(
         rest[j] =
             level * level * (1.0 - sign[j] * sign[j] - slope[j] * slope[j] * variance).max(0.0);
     }
-    model.linearise(&x, p, &[0.0; 2], &sign, work);
+    model.differentiate(&[0.0; 2], &sign, work);
     let resisting = terms.moment(&[0.0; 2], &sign);
     let smooth = Matrix2::new(
         work.by_state[0][2],
@@ -164,7 +166,9 @@ pub(super) fn predict(
         }
     }
     let acceleration = [acceleration[0], acceleration[1]];
-    model.linearise(&x, p, &acceleration, &sign, work);
+    if derivatives {
+        model.differentiate(&acceleration, &sign, work);
+    }
     let (alpha, variance) = (x.alpha, x.variance);
     Ok(Predicted { gain, transition, acceleration, sign, alpha, omega, variance, spread })
 }

@@ -1,0 +1,118 @@
+//! The verdict: nothing is missing, these effects are, or something unknown is.
+
+use super::stepwise::Ranked;
+use crate::compare::MissingMoment;
+
+/// What the diagnosis concludes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Conclusion {
+    /// Nothing is missing at the stated false-alarm rate.
+    Sufficient,
+    /// The effects found explain what was missing.
+    Missing,
+    /// Something is missing that no candidate explains.
+    Unknown,
+}
+
+/// Errors of the models on the judged recordings, as variances of the window error
+/// [rad^2/s^2].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Errors {
+    /// Of the model as given.
+    pub before: f64,
+    /// Of the model with all effects found.
+    pub after: f64,
+    /// Of the noise floor.
+    pub floor: f64,
+}
+
+/// Least -ln p of the strongest dependence of the missing moment that counts as structure: the
+/// largest of twelve tests on recordings with nothing hidden stayed below it.
+const STRUCTURE: f64 = 16.0;
+/// Error above the floor, as a ratio of standard deviations, that is worth a word.
+const ABOVE_FLOOR: f64 = 1.1;
+/// Effects that leave more than this share of the explainable error do not explain it.
+const UNEXPLAINED: f64 = 0.5;
+
+impl Errors {
+    /// Share of what can be explained that is left: 0 at the floor, 1 where nothing was gained.
+    ///
+    /// ```text
+    /// x = (V_after - V_floor) / (V_before - V_floor)
+    /// ```
+    /// Zero where the model as given is within 2 % of the floor: there is nothing to explain.
+    #[must_use]
+    pub fn unexplained(&self) -> f64 {
+        let explainable = self.before - self.floor;
+        if explainable <= 0.04 * self.floor {
+            return 0.0;
+        }
+        ((self.after - self.floor) / explainable).clamp(0.0, 1.0)
+    }
+
+    /// Whether the last model is visibly above the floor.
+    #[must_use]
+    pub fn above_floor(&self) -> bool {
+        self.after > ABOVE_FLOOR * ABOVE_FLOOR * self.floor
+    }
+}
+
+/// Concludes from what was found, the errors, and what the last model still misses.
+#[must_use]
+pub fn conclude(found: usize, errors: &Errors, left: &MissingMoment) -> Conclusion {
+    let structure = left.dependences.first().is_some_and(|d| d.log_significance > STRUCTURE);
+    if structure && errors.above_floor() && (found == 0 || errors.unexplained() > UNEXPLAINED) {
+        Conclusion::Unknown
+    } else if found == 0 {
+        Conclusion::Sufficient
+    } else {
+        Conclusion::Missing
+    }
+}
+
+/// Posterior probabilities of the candidates of one step, "none of them" included with
+/// log-evidence zero; one per candidate, in order.
+#[must_use]
+pub fn probabilities(ranking: &[Ranked]) -> Vec<f64> {
+    let ranks: Vec<f64> = ranking.iter().map(Ranked::rank).collect();
+    let largest = ranks.iter().copied().fold(0.0, f64::max);
+    let weights: Vec<f64> = ranks.iter().map(|r| (r - largest).exp()).collect();
+    let sum = weights.iter().sum::<f64>() + (-largest).exp();
+    weights.iter().map(|w| w / sum).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::{Dependence, Variable};
+
+    fn left(log_significance: f64) -> MissingMoment {
+        MissingMoment {
+            dependences: vec![Dependence {
+                variable: Variable::Heading,
+                bins: vec![],
+                statistic: 0.0,
+                rank: 1,
+                log_significance,
+            }],
+        }
+    }
+
+    #[test]
+    fn a_model_at_the_floor_is_sufficient_whatever_was_tried() {
+        let errors = Errors { before: 1.01, after: 1.01, floor: 1.0 };
+        assert_eq!(conclude(0, &errors, &left(40.0)), Conclusion::Sufficient);
+        assert_eq!(errors.unexplained(), 0.0);
+    }
+
+    #[test]
+    fn structure_above_the_floor_that_nothing_explains_is_unknown() {
+        let errors = Errors { before: 4.0, after: 4.0, floor: 1.0 };
+        assert_eq!(conclude(0, &errors, &left(40.0)), Conclusion::Unknown);
+        let errors = Errors { before: 4.0, after: 3.0, floor: 1.0 };
+        assert_eq!(conclude(1, &errors, &left(40.0)), Conclusion::Unknown);
+        let errors = Errors { before: 4.0, after: 1.1, floor: 1.0 };
+        assert_eq!(conclude(1, &errors, &left(2.0)), Conclusion::Missing);
+        assert!((errors.unexplained() - 0.1 / 3.0).abs() < 1e-12);
+    }
+}

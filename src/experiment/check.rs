@@ -1,0 +1,55 @@
+//! `experiment check`: what a file would do, without doing it.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use super::error::ExperimentError;
+use super::execute::load;
+
+/// Validates a file and its recordings and says what would be done.
+///
+/// # Errors
+/// Whatever is wrong with file or recordings.
+pub fn check(file: &Path, set: &[String]) -> Result<String, ExperimentError> {
+    let plan = load(file, set)?;
+    let mut out = String::new();
+    let _ = writeln!(out, "{}: {}", file.display(), plan.title);
+    let _ = writeln!(out, "  robot       {}", plan.model.robot().name);
+    let added = plan.model.added_ids();
+    let effects = if added.is_empty() {
+        "base model".into()
+    } else {
+        format!("base + {}", added.join(" + "))
+    };
+    let _ = writeln!(out, "  model       {effects}: {}", plan.model.symbols().join(", "));
+    for measured in &plan.recordings {
+        let r = &measured.recording;
+        let _ = writeln!(
+            out,
+            "  {:<11} {}: {} samples, {:.1} s, {:.0} Hz, {} gaps",
+            measured.role.name(),
+            r.name(),
+            r.len(),
+            r.duration(),
+            1.0 / r.step(),
+            r.pieces().len() - 1
+        );
+        for finding in &measured.findings {
+            let _ = writeln!(out, "              {finding}");
+        }
+    }
+    let methods: Vec<&str> = plan.methods.iter().map(|m| m.name.as_str()).collect();
+    let _ = writeln!(out, "  methods     {}", methods.join(", "));
+    let diagnosis = match &plan.diagnosis {
+        None => "none".to_string(),
+        Some(d) if d.candidates.is_empty() => {
+            format!("all effects, false-alarm rate {} %", 100.0 * d.false_alarm)
+        }
+        Some(d) => {
+            format!("{}, false-alarm rate {} %", d.candidates.join(", "), 100.0 * d.false_alarm)
+        }
+    };
+    let _ = writeln!(out, "  diagnosis   {diagnosis}");
+    let _ = writeln!(out, "  next        experiment {}", file.display());
+    Ok(out)
+}

@@ -1,0 +1,62 @@
+//! Why an experiment did not run.
+
+use super::file::FileError;
+use super::run::RunError;
+use crate::identify::OptionError;
+use crate::io::IoError;
+use crate::model::ModelError;
+use crate::report::ReportError;
+use crate::robot::RobotError;
+use crate::simulate::{GainError, SimulateError};
+
+/// Why an experiment did not run.
+#[derive(Debug, thiserror::Error)]
+pub enum ExperimentError {
+    /// The experiment file.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// A file on disk.
+    #[error(transparent)]
+    Io(#[from] IoError),
+    /// A value of the experiment file, found when it was used.
+    #[error("{file}: {message}")]
+    Meaning {
+        /// File.
+        file: String,
+        /// Place, found, expected, remedy.
+        message: String,
+    },
+    /// Running failed.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// Drawing failed.
+    #[error("the report cannot be drawn: {0}")]
+    Report(#[from] ReportError),
+}
+
+impl ExperimentError {
+    /// Whether usage, file or data are wrong (exit code 2) and not the run (exit code 1).
+    #[must_use]
+    pub fn is_wrong_input(&self) -> bool {
+        matches!(self, Self::File(_) | Self::Io(_) | Self::Meaning { .. })
+    }
+}
+
+/// What can be wrong with the meaning of a file; the file's name is added.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum Meaning {
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    #[error(transparent)]
+    Option(#[from] OptionError),
+    #[error("[emulator]: {0}")]
+    Gain(#[from] GainError),
+    #[error("[robot]: {0}")]
+    Robot(#[from] RobotError),
+    #[error("[simulation]: {0}")]
+    Simulate(#[from] SimulateError),
+    #[error("{0}")]
+    Words(String),
+    #[error(transparent)]
+    Io(#[from] IoError),
+}

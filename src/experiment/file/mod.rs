@@ -1,0 +1,78 @@
+//! The experiment file: what users type, checked before anything runs.
+
+mod error;
+mod schema;
+
+pub use error::FileError;
+#[allow(unused_imports)]
+pub use schema::{
+    CandidatesEntry, ColumnEntry, CustomEntry, CustomParameter, DiagnosisEntry, EmulatorEntry,
+    ExperimentFile, FixedEntry, ModelEntry, MovementEntry, RecordingsEntry, SimulationEntry,
+};
+
+use toml::{Table, Value};
+
+impl ExperimentFile {
+    /// Reads the text of an experiment file. `name` stands in messages; `overrides` are
+    /// `key=value` in TOML syntax with dotted keys, applied in order.
+    ///
+    /// # Errors
+    /// Unknown keys, wrong types and values out of range, with the line and, where close, the key
+    /// that was meant.
+    ///
+    /// # Examples
+    /// ```
+    /// use amigo_ident::experiment::ExperimentFile;
+    /// let text = "[simulation]\nmovement = \"paper\"\nsede = 1\n";
+    /// let error = ExperimentFile::parse("a.toml", text, &[]).unwrap_err().to_string();
+    /// assert!(error.contains("line 3") && error.contains("did you mean `seed`?"), "{error}");
+    /// ```
+    pub fn parse(name: &str, text: &str, overrides: &[String]) -> Result<Self, FileError> {
+        let file: Self = error::with_words(name, text, toml::from_str(text))?;
+        let file = if overrides.is_empty() {
+            file
+        } else {
+            let mut table: Table = error::with_words(name, text, toml::from_str(text))?;
+            for entry in overrides {
+                set(&mut table, entry)?;
+            }
+            Value::Table(table).try_into().map_err(|e: toml::de::Error| FileError::Override {
+                entry: overrides.join(" "),
+                message: error::with_hint(e.message()),
+            })?
+        };
+        file.check(name)?;
+        Ok(file)
+    }
+}
+
+/// Applies one `a.b.c=value`.
+fn set(table: &mut Table, entry: &str) -> Result<(), FileError> {
+    let wrong = |message: String| FileError::Override { entry: entry.into(), message };
+    let (key, value) = entry
+        .split_once('=')
+        .ok_or_else(|| wrong("expected KEY=VALUE, for example simulation.seed=7".into()))?;
+    let parsed: Table = toml::from_str(&format!("value = {value}"))
+        .or_else(|_| toml::from_str(&format!("value = {:?}", value.trim())))
+        .map_err(|e: toml::de::Error| wrong(e.message().to_string()))?;
+    set_value(table, key.trim(), parsed["value"].clone()).map_err(wrong)
+}
+
+/// Puts a value at a dotted key, making tables on the way.
+///
+/// # Errors
+/// If a part of the key is not a table.
+pub(super) fn set_value(table: &mut Table, key: &str, value: Value) -> Result<(), String> {
+    let mut parts: Vec<&str> = key.split('.').collect();
+    let last = parts.pop().unwrap_or_default();
+    let mut place = table;
+    for part in parts {
+        let next = place.entry(part).or_insert_with(|| Value::Table(Table::new()));
+        place = next.as_table_mut().ok_or_else(|| format!("`{part}` of `{key}` is no table"))?;
+    }
+    place.insert(last.to_string(), value);
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;

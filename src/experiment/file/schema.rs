@@ -1,0 +1,370 @@
+//! The keys of an experiment file.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Deserializer};
+use toml::Table;
+
+use super::FileError;
+use crate::recording::DriveUnit;
+use crate::simulate::{Hold, NoiseLevel, Segment};
+
+/// An experiment file.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ExperimentFile {
+    /// Heading of the report.
+    pub title: Option<String>,
+    /// Preset or construction data; the AmigoBot unless given.
+    pub robot: Option<Table>,
+    /// Measured data.
+    pub recordings: Option<RecordingsEntry>,
+    /// Made data.
+    pub simulation: Option<SimulationEntry>,
+    /// The model.
+    pub model: ModelEntry,
+    /// Methods to compare.
+    pub method: Vec<Table>,
+    /// Emulator of eq. (19).
+    pub emulator: EmulatorEntry,
+    /// Diagnosis.
+    pub diagnosis: Option<DiagnosisEntry>,
+    /// Keys over whose combinations the experiment is repeated.
+    pub grid: Option<Table>,
+}
+
+/// `[recordings]`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RecordingsEntry {
+    /// Files to fit.
+    pub train: Vec<String>,
+    /// Files to judge on.
+    #[serde(default)]
+    pub validation: Vec<String>,
+    /// Where column names or units differ from the contract.
+    #[serde(default)]
+    pub columns: BTreeMap<String, ColumnEntry>,
+    /// Unit of the drive.
+    #[serde(default)]
+    pub drive_unit: DriveUnit,
+    /// The drive between samples.
+    #[serde(default)]
+    pub hold: Hold,
+}
+
+/// A column of a file: its name, or name and unit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ColumnEntry {
+    /// Name in the file.
+    pub name: String,
+    /// Unit in the file; that of the contract unless given.
+    pub unit: Option<String>,
+    /// Factor on the value, after the unit.
+    pub scale: f64,
+}
+
+impl<'de> Deserialize<'de> for ColumnEntry {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(deny_unknown_fields)]
+        struct Full {
+            name: String,
+            unit: Option<String>,
+            #[serde(default = "one")]
+            scale: f64,
+        }
+        #[derive(Deserialize)]
+        #[serde(
+            untagged,
+            expecting = "a column name, or { name = \"…\", unit = \"…\", scale = 1.0 }"
+        )]
+        enum Entry {
+            Name(String),
+            Full(Full),
+        }
+        Ok(match Entry::deserialize(deserializer)? {
+            Entry::Name(name) => Self { name, unit: None, scale: 1.0 },
+            Entry::Full(Full { name, unit, scale }) => Self { name, unit, scale },
+        })
+    }
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+/// `[simulation]`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SimulationEntry {
+    /// `paper`, `rich`, or segments written out.
+    pub movement: MovementEntry,
+    /// Effects in the truth that the model may lack: effect, then parameter = value.
+    pub hidden: BTreeMap<String, BTreeMap<String, f64>>,
+    /// Standard deviations of the noise.
+    pub noise: NoiseLevel,
+    /// Seed of noise and rich movements.
+    pub seed: u64,
+    /// Recordings to fit.
+    pub train: usize,
+    /// Recordings to judge on.
+    pub validation: usize,
+    /// Rows a second [Hz].
+    pub rate_hz: f64,
+    /// Steps a second of the robot's controller [Hz].
+    pub control_rate_hz: f64,
+    /// Length of a rich movement [s].
+    pub duration_s: f64,
+    /// Largest wheel speed of a rich movement [rad/s].
+    pub top_speed_rad_s: f64,
+    /// Steps a turn of the encoder.
+    pub encoder_ticks: Option<f64>,
+    /// True values of base parameters that differ from the construction.
+    pub truth: BTreeMap<String, f64>,
+    /// Factor on all noise, for grids.
+    pub noise_scale: f64,
+}
+
+impl Default for SimulationEntry {
+    fn default() -> Self {
+        Self {
+            movement: MovementEntry::Named("rich".into()),
+            hidden: BTreeMap::new(),
+            noise: NoiseLevel::default(),
+            seed: 1,
+            train: 2,
+            validation: 1,
+            rate_hz: 100.0,
+            control_rate_hz: 1000.0,
+            duration_s: 25.0,
+            top_speed_rad_s: 12.0,
+            encoder_ticks: None,
+            truth: BTreeMap::new(),
+            noise_scale: 1.0,
+        }
+    }
+}
+
+/// A movement by name, or written out.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "\"paper\", \"rich\", or a list of segments { speed_m_s, turn_rad_s, blend_s, hold_s }"
+)]
+pub enum MovementEntry {
+    /// `paper` or `rich`.
+    Named(String),
+    /// Segments.
+    Segments(Vec<Segment>),
+}
+
+/// `[model]`.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ModelEntry {
+    /// Effects added to the base.
+    pub effects: Vec<String>,
+    /// Parameters held at a value or at the construction's.
+    pub fixed: BTreeMap<String, FixedEntry>,
+    /// Effects written as formulas.
+    pub custom: Vec<CustomEntry>,
+}
+
+/// A value, or `"construction"`.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(untagged, expecting = "a number or \"construction\"")]
+pub enum FixedEntry {
+    /// At this value.
+    Value(f64),
+    /// At the value of the construction data.
+    Construction(String),
+}
+
+/// `[[model.custom]]`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CustomEntry {
+    /// Id.
+    pub id: String,
+    /// Resisting moment on wheel 1.
+    pub torque1: String,
+    /// Resisting moment on wheel 2; the same formula with the wheels exchanged unless given.
+    pub torque2: Option<String>,
+    /// Parameters by symbol.
+    pub parameters: BTreeMap<String, CustomParameter>,
+    /// What it is, for the report.
+    #[serde(default)]
+    pub description: String,
+}
+
+/// A parameter of a custom effect.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CustomParameter {
+    /// Unit.
+    pub unit: String,
+    /// Smallest and largest value.
+    pub range: (f64, f64),
+    /// Value of ordinary size.
+    pub typical: f64,
+    /// Whether it shapes the torque instead of scaling it.
+    pub shape: bool,
+}
+
+impl Default for CustomParameter {
+    fn default() -> Self {
+        Self { unit: String::new(), range: (-1e6, 1e6), typical: 0.01, shape: false }
+    }
+}
+
+/// `[emulator]`.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct EmulatorEntry {
+    /// K on the wheel speeds [1/s].
+    pub gain: Option<f64>,
+    /// Two poles of each wheel's error [1/s].
+    pub poles: Option<[f64; 2]>,
+    /// The matrix K.
+    pub matrix: Option<[[f64; 4]; 4]>,
+}
+
+/// `[diagnosis]`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct DiagnosisEntry {
+    /// `"all"` or a list of ids.
+    pub candidates: CandidatesEntry,
+    /// Stated false-alarm rate.
+    pub false_alarm: f64,
+    /// Most effects that are added.
+    pub max_effects: usize,
+}
+
+impl Default for DiagnosisEntry {
+    fn default() -> Self {
+        Self { candidates: CandidatesEntry::All("all".into()), false_alarm: 0.05, max_effects: 3 }
+    }
+}
+
+/// `"all"` or ids.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(untagged, expecting = "\"all\" or a list of effects")]
+pub enum CandidatesEntry {
+    /// Only `all` is allowed.
+    All(String),
+    /// Ids.
+    Some(Vec<String>),
+}
+
+impl ExperimentFile {
+    /// Values that are of the right type and still make no sense.
+    pub(super) fn check(&self, file: &str) -> Result<(), FileError> {
+        let wrong = |key: &str, message: String| FileError::Value {
+            file: file.into(),
+            key: key.into(),
+            message,
+        };
+        match (&self.recordings, &self.simulation) {
+            (None, None) => {
+                let message = "is missing; add [recordings] with train = [\"run.csv\"] for measured \
+                               data, or [simulation] for made data";
+                return Err(wrong("[recordings]", message.into()));
+            }
+            (Some(_), Some(_)) => {
+                let message =
+                    "and [recordings] are both there; an experiment has one source of data";
+                return Err(wrong("[simulation]", message.into()));
+            }
+            (Some(r), None) if r.train.is_empty() => {
+                return Err(wrong("recordings.train", "is empty; name at least one file".into()));
+            }
+            (None, Some(s)) => s.check(&wrong)?,
+            _ => {}
+        }
+        if let Some(d) = &self.diagnosis {
+            if !(d.false_alarm > 0.0 && d.false_alarm < 1.0) {
+                let message = format!("= {} must lie between 0 and 1", d.false_alarm);
+                return Err(wrong("diagnosis.false_alarm", message));
+            }
+            if matches!(&d.candidates, CandidatesEntry::All(word) if word != "all") {
+                let message = "must be \"all\" or a list of effects".to_string();
+                return Err(wrong("diagnosis.candidates", message));
+            }
+        }
+        for (key, values) in self.grid.iter().flatten() {
+            let empty = match values {
+                toml::Value::Array(values) => values.is_empty(),
+                toml::Value::Table(t) => t.get("count").is_some_and(|c| c.as_integer() == Some(0)),
+                _ => false,
+            };
+            if empty {
+                let message = "has no value; give at least one, or remove the key".to_string();
+                return Err(wrong(&format!("grid.{key}"), message));
+            }
+        }
+        if self.grid.as_ref().is_some_and(Table::is_empty) {
+            let message = "has no key; name what varies, for example noise_scale = [0.5, 1, 2]";
+            return Err(wrong("[grid]", message.into()));
+        }
+        let given = [
+            self.emulator.gain.is_some(),
+            self.emulator.poles.is_some(),
+            self.emulator.matrix.is_some(),
+        ];
+        if given.iter().filter(|g| **g).count() > 1 {
+            let message = "has more than one of gain, poles and matrix; keep one".to_string();
+            return Err(wrong("[emulator]", message));
+        }
+        Ok(())
+    }
+}
+
+impl SimulationEntry {
+    fn check(&self, wrong: &impl Fn(&str, String) -> FileError) -> Result<(), FileError> {
+        if let MovementEntry::Named(name) = &self.movement
+            && name != "paper"
+            && name != "rich"
+        {
+            let message =
+                format!("= \"{name}\" is no movement; use \"paper\", \"rich\" or segments");
+            return Err(wrong("simulation.movement", message));
+        }
+        if let MovementEntry::Segments(segments) = &self.movement {
+            let length: f64 = segments.iter().map(|s| s.blend_s + s.hold_s).sum();
+            let sound = segments.iter().all(|s| {
+                s.blend_s >= 0.0
+                    && s.hold_s >= 0.0
+                    && s.speed_m_s.is_finite()
+                    && s.turn_rad_s.is_finite()
+            });
+            if !sound || !(0.5..=1e5).contains(&length) {
+                let message = "must have times that are not negative and last at least 0.5 s";
+                return Err(wrong("simulation.movement", message.into()));
+            }
+        }
+        let positive = [
+            ("simulation.rate_hz", self.rate_hz, 1.0, 1e5),
+            ("simulation.control_rate_hz", self.control_rate_hz, 1.0, 1e5),
+            ("simulation.duration_s", self.duration_s, 2.0, 1e5),
+            ("simulation.top_speed_rad_s", self.top_speed_rad_s, 0.1, 1e4),
+        ];
+        for (key, value, low, high) in positive {
+            if !(value >= low && value <= high) {
+                return Err(wrong(key, format!("= {value} must lie between {low} and {high}")));
+            }
+        }
+        let noise = [self.noise.dalpha, self.noise.alpha, self.noise.moment, self.noise_scale];
+        if noise.iter().any(|n| !(*n >= 0.0 && n.is_finite())) {
+            return Err(wrong("simulation.noise", "must be numbers that are not negative".into()));
+        }
+        if self.train == 0 {
+            return Err(wrong("simulation.train", "= 0; at least one recording is needed".into()));
+        }
+        if self.encoder_ticks.is_some_and(|t| !(t >= 1.0)) {
+            return Err(wrong("simulation.encoder_ticks", "must be at least 1".into()));
+        }
+        Ok(())
+    }
+}

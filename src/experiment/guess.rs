@@ -1,0 +1,176 @@
+//! Guesses which column of a log is what, and says so.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use super::loop_commands::drive_unit;
+use crate::recording::DriveUnit;
+
+/// What the columns of a log seem to be.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Guess {
+    /// Contract key, name in the file, unit where it is not that of the contract.
+    pub(super) columns: Vec<(&'static str, String, Option<String>)>,
+    /// Unit of the drive.
+    pub(super) drive_unit: DriveUnit,
+}
+
+/// Words that stand for a quantity, the best first; `1` and `2` or right and left are added.
+const TIME: [&str; 6] = ["t", "time", "timestamp", "time_s", "t_s", "seconds"];
+const ANGLE: [&str; 6] = ["alpha", "angle", "position", "pos", "theta", "enc"];
+const SPEED: [&str; 8] = ["dalpha", "omega", "velocity", "speed", "vel", "rpm", "w", "wheel_speed"];
+const DRIVE: [&str; 10] =
+    ["M", "moment", "torque", "tau", "effort", "current", "i", "voltage", "volt", "V"];
+const RIGHT: [&str; 5] = ["1", "_1", "_r", "_right", "right"];
+const LEFT: [&str; 5] = ["2", "_2", "_l", "_left", "left"];
+
+/// Guesses from the names alone; a name of the contract wins over any other.
+pub(super) fn guess(names: &[String]) -> Guess {
+    let mut columns = Vec::new();
+    let mut put = |key: &'static str, name: Option<&String>| {
+        if let Some(name) = name {
+            columns.push((key, name.clone(), unit(key, name)));
+        }
+    };
+    put("t", TIME.iter().find_map(|w| find(names, |n| n == *w)));
+    let sides = [("alpha1", "alpha2", &ANGLE[..]), ("dalpha1", "dalpha2", &SPEED[..])];
+    for (right, left, words) in sides {
+        put(right, side(names, words, &RIGHT));
+        put(left, side(names, words, &LEFT));
+    }
+    let drive = side(names, &DRIVE, &RIGHT);
+    put("M1", drive);
+    put("M2", side(names, &DRIVE, &LEFT));
+    let drive_unit = drive.map_or(DriveUnit::NewtonMetre, |n| drive_unit(n));
+    Guess { columns, drive_unit }
+}
+
+fn find(names: &[String], fits: impl Fn(&str) -> bool) -> Option<&String> {
+    names.iter().find(|n| fits(bare(n).to_lowercase().as_str()))
+}
+
+/// The name without a unit behind it.
+fn bare(name: &str) -> &str {
+    name.split(['[', '(']).next().unwrap_or(name).trim()
+}
+
+fn side<'a>(names: &'a [String], words: &[&str], ends: &[&str]) -> Option<&'a String> {
+    words.iter().find_map(|word| {
+        ends.iter().find_map(|end| {
+            let word = word.to_lowercase();
+            let trimmed = end.trim_start_matches('_');
+            find(names, |n| n == format!("{word}{end}") || n == format!("{trimmed}_{word}"))
+        })
+    })
+}
+
+/// The unit that a name states, where it is not that of the contract.
+fn unit(key: &str, name: &str) -> Option<String> {
+    let lower = name.to_lowercase();
+    let has = |w: &str| lower.contains(w);
+    let unit = match key {
+        "t" if has("ms") => "ms",
+        "t" if has("us") => "us",
+        "alpha1" | "alpha2" if has("deg") => "deg",
+        "alpha1" | "alpha2" if has("rev") => "rev",
+        "dalpha1" | "dalpha2" if has("rpm") => "rpm",
+        "dalpha1" | "dalpha2" if has("deg") => "deg/s",
+        "M1" | "M2" if has("mnm") => "mN m",
+        _ => return None,
+    };
+    Some(unit.into())
+}
+
+impl Guess {
+    /// The guesses in words.
+    pub(super) fn words(&self) -> String {
+        let mut out = String::from("guessed from the names of the columns (check them):\n");
+        for (key, name, unit) in &self.columns {
+            let unit = unit.as_ref().map_or(String::new(), |u| format!(" in {u}"));
+            let _ = writeln!(out, "  {key:<8} = {name}{unit}");
+        }
+        let _ = writeln!(out, "  drive in {}", self.drive_unit.symbol());
+        out
+    }
+
+    fn entry(&self) -> String {
+        let entries: Vec<String> = self
+            .columns
+            .iter()
+            .filter(|(key, name, unit)| name != key || unit.is_some())
+            .map(|(key, name, unit)| match unit {
+                Some(unit) => format!("{key} = {{ name = {name:?}, unit = {unit:?} }}"),
+                None => format!("{key} = {name:?}"),
+            })
+            .collect();
+        if entries.is_empty() {
+            "# columns  = { t = \"time\", dalpha1 = { name = \"right_rpm\", unit = \"rpm\" } }"
+                .into()
+        } else {
+            format!("columns    = {{ {} }}   # guessed: check", entries.join(", "))
+        }
+    }
+}
+
+/// The text of a commented experiment file; the last of several recordings judges the fit.
+pub(super) fn file_text(
+    recordings: &[PathBuf],
+    folder: &Path,
+    guess: &Guess,
+    said: &[String],
+) -> String {
+    let names: Vec<String> = recordings.iter().map(|r| quoted(r, folder)).collect();
+    let (train, validation) = if names.len() > 1 {
+        (names[..names.len() - 1].join(", "), names[names.len() - 1].clone())
+    } else {
+        (names[0].clone(), String::new())
+    };
+    let hint = if names.len() > 1 { "" } else { "   # add one: errors are then judged on it" };
+    format!(
+        "# What was seen:\n{}\n\n\
+         title = \"\"                  # heading of the report\n\n\
+         [robot]\npreset = \"amigobot\"         # or construction data: l1_m, l2_m, r_m, …\n\n\
+         [recordings]\n\
+         train      = [{train}]\n\
+         validation = [{validation}]{hint}\n\
+         {}\n\
+         drive_unit = {:?}           # \"N m\", \"V\" or \"A\": parameters come out per that unit\n\n\
+         [model]\neffects = []                # `experiment effects` lists them\n\n\
+         [[method]]\nname = \"prediction_error\"   # `experiment methods` lists them\n\n\
+         [diagnosis]\ncandidates  = \"all\"\nfalse_alarm = 0.05\nmax_effects = 3\n",
+        said.join("\n"),
+        guess.entry(),
+        guess.drive_unit.symbol(),
+    )
+}
+
+/// The path of a recording as the file writes it: relative to the file's folder where it can be.
+fn quoted(path: &Path, folder: &Path) -> String {
+    let relative = if folder.as_os_str().is_empty() {
+        path.to_path_buf()
+    } else if let Ok(inner) = path.strip_prefix(folder) {
+        inner.to_path_buf()
+    } else {
+        std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf())
+    };
+    format!("{:?}", relative.to_string_lossy())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn common_names_and_units_are_guessed() {
+        let names = ["time_ms", "right_rpm", "left_rpm", "tau_r", "tau_l"].map(String::from);
+        let g = guess(&names);
+        let of = |key: &str| g.columns.iter().find(|c| c.0 == key).cloned();
+        assert_eq!(of("dalpha1").unwrap().1, "right_rpm");
+        assert_eq!(of("dalpha1").unwrap().2.as_deref(), Some("rpm"));
+        assert_eq!(of("M2").unwrap().1, "tau_l");
+        let names = ["t", "alpha1", "alpha2", "dalpha1", "dalpha2", "V1", "V2"].map(String::from);
+        let g = guess(&names);
+        assert_eq!(g.drive_unit, DriveUnit::Volt);
+        assert_eq!(g.columns.len(), 7);
+    }
+}

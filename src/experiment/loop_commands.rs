@@ -1,0 +1,108 @@
+//! `experiment new` and `experiment add`: how a user starts, and how he goes on.
+
+use std::path::{Path, PathBuf};
+
+use super::error::ExperimentError;
+use super::execute::{RunOptions, execute, load};
+use crate::io::{ColumnMap, check_writable, headers, read_recording, read_text, write_whole};
+use crate::recording::DriveUnit;
+
+/// Looks at recordings and writes a commented experiment file.
+///
+/// # Errors
+/// Recordings that cannot be read, and a file that is there already.
+pub fn new_file(recordings: &[PathBuf], output: Option<&Path>) -> Result<String, ExperimentError> {
+    let first = &recordings[0];
+    let output = output.map_or_else(|| first.with_extension("toml"), Path::to_path_buf);
+    if output.exists() {
+        return Err(ExperimentError::Meaning {
+            file: output.display().to_string(),
+            message: "is there already; name another file with -o".into(),
+        });
+    }
+    let names = headers(first)?.names;
+    let guess = super::guess::guess(&names);
+    let mut columns = ColumnMap::default();
+    for (key, name, unit) in &guess.columns {
+        columns.set(key, name, unit.as_deref(), 1.0)?;
+    }
+    let mut said = Vec::new();
+    for path in recordings {
+        let (r, _) = read_recording(path, &columns, guess.drive_unit)?;
+        said.push(format!(
+            "#   {}: {} samples, {:.1} s at {:.0} Hz, {} gaps",
+            path.display(),
+            r.len(),
+            r.duration(),
+            1.0 / r.step(),
+            r.pieces().len() - 1
+        ));
+    }
+    let folder = output.parent().unwrap_or_else(|| Path::new(""));
+    let text = super::guess::file_text(recordings, folder, &guess, &said);
+    write_whole(&output, text.as_bytes())?;
+    Ok(format!(
+        "wrote {}\n{}next: experiment {}\n",
+        output.display(),
+        guess.words(),
+        output.display()
+    ))
+}
+
+/// Adds an effect to a file's model, keeping its comments and layout, runs it, and says the error
+/// before and after.
+///
+/// # Errors
+/// An unknown effect, one that is there already, or a run that fails; the file is then unchanged.
+pub fn add_effect(effect: &str, file: &Path, out: &Path) -> Result<String, ExperimentError> {
+    check_writable(out)?;
+    let text = read_text(file)?;
+    let wrong =
+        |message: String| ExperimentError::Meaning { file: file.display().to_string(), message };
+    let before = load(file, &[])?;
+    before.model.add(effect).map_err(|e| wrong(e.to_string()))?;
+    let mut document: toml_edit::DocumentMut =
+        text.parse().map_err(|e: toml_edit::TomlError| wrong(e.to_string()))?;
+    let model = document.entry("model").or_insert_with(toml_edit::table);
+    let effects = model
+        .as_table_like_mut()
+        .ok_or_else(|| wrong("model is no table".into()))?
+        .entry("effects")
+        .or_insert(toml_edit::value(toml_edit::Array::new()));
+    let effects = effects.as_array_mut().ok_or_else(|| wrong("model.effects is no list".into()))?;
+    effects.push(effect);
+    let options =
+        RunOptions { out: out.to_path_buf(), set: vec![], resume: false, progress: false };
+    let first = execute(before, &options).result?;
+    write_whole(file, document.to_string().as_bytes())?;
+    let second = load(file, &[]).and_then(|plan| execute(plan, &options).result);
+    let second = match second {
+        Ok(done) => done,
+        Err(e) => {
+            write_whole(file, text.as_bytes())?;
+            return Err(e);
+        }
+    };
+    let (before, after) = (first.window_rms.0, second.window_rms.0);
+    let change = 100.0 * (before - after) / before;
+    Ok(format!(
+        "added {effect} to {}\nwindow error {before:.4} -> {after:.4} rad/s ({change:+.1} % \
+         removed), noise floor {:.4} rad/s\n{}\nreport: {}\n",
+        file.display(),
+        second.window_rms.1,
+        second.verdict,
+        second.report.display()
+    ))
+}
+
+/// The drive unit that a column name or unit stands for.
+pub(super) fn drive_unit(name: &str) -> DriveUnit {
+    let lower = name.to_lowercase();
+    if lower.contains("volt") || lower.starts_with('v') {
+        DriveUnit::Volt
+    } else if lower.contains("current") || lower.contains("amp") || lower.starts_with('i') {
+        DriveUnit::Ampere
+    } else {
+        DriveUnit::NewtonMetre
+    }
+}

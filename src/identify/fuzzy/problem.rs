@@ -1,0 +1,257 @@
+//! The cost of a fuzzy emulator over all training recordings, with its exact derivatives.
+
+use std::cell::RefCell;
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::pass::{Piece, Rows, pass, pass_closed, pass_with_sensitivities};
+use crate::identify::{IdentifyError, Task};
+use crate::robot::BaseParameters;
+use crate::robot::StateSpace;
+use crate::simulate::{FuzzyDynamics, Structure, TakagiSugeno};
+
+/// A cost that stands for "diverges": finite, since searches hang on infinities.
+pub const DIVERGED: f64 = 1e9;
+
+/// Training recordings, a fuzzy system and the emulator of eq. (19) that joins them.
+///
+/// ```text
+/// what' = fhat(what or w; theta) + G u + K (w - what)
+/// ISE(theta) = ∫ (w1 - what1)² + (w2 - what2)² dt        [rad²/s]
+/// ```
+/// theta are the consequents of f31, then those of f41. Every piece of a recording starts from its
+/// first measured speeds.
+#[derive(Clone)]
+pub struct Problem {
+    pieces: Vec<Piece>,
+    /// The system; its consequents are overwritten by theta.
+    pub system: TakagiSugeno,
+    /// G of eq. (18).
+    pub input_gain: [[f64; 2]; 2],
+    /// Where fhat takes its argument from.
+    pub structure: Structure,
+    /// K on both wheel speeds [1/s].
+    pub gain: f64,
+    /// ISE that the noise of the measured speeds alone makes [rad²/s].
+    pub noise_floor: f64,
+}
+
+/// Cost, gradient and Gauss-Newton matrix: ISE(theta + d) ~ cost - 2 g'd + d'H d.
+#[derive(Clone, Debug)]
+pub struct Normal {
+    /// ISE [rad²/s].
+    pub cost: f64,
+    /// ∫ S'e dt: minus half the gradient of the ISE.
+    pub g: DVector<f64>,
+    /// ∫ S'S dt.
+    pub h: DMatrix<f64>,
+}
+
+impl Problem {
+    /// The problem of a task for a fuzzy system and an input gain from `parameters`.
+    #[must_use]
+    pub fn new(
+        task: &Task,
+        system: TakagiSugeno,
+        parameters: BaseParameters,
+        structure: Structure,
+        gain: f64,
+    ) -> Self {
+        let g = StateSpace::new(parameters).g();
+        let input_gain = [[g[(0, 0)], g[(0, 1)]], [g[(1, 0)], g[(1, 1)]]];
+        let pieces: Vec<Piece> =
+            task.train.iter().flat_map(|r| Piece::all(r, &input_gain, task.hold)).collect();
+        let noise_floor = pieces.iter().map(Piece::noise_floor).sum();
+        Self { pieces, system, input_gain, structure, gain, noise_floor }
+    }
+
+    /// The same problem with another gain.
+    #[must_use]
+    pub fn with_gain(&self, gain: f64) -> Self {
+        Self { gain, ..self.clone() }
+    }
+
+    /// The same problem in another structure.
+    #[must_use]
+    pub fn with_structure(&self, structure: Structure) -> Self {
+        Self { structure, ..self.clone() }
+    }
+
+    /// Number of consequents, both outputs together.
+    #[must_use]
+    pub fn consequents(&self) -> usize {
+        self.system.parameters().len()
+    }
+
+    /// Measured wheel speeds of all pieces [rad/s].
+    pub fn speeds(&self) -> impl Iterator<Item = &[f64; 2]> {
+        self.pieces.iter().flat_map(|piece| &piece.omega)
+    }
+
+    /// Consequents at the friction level: f3, f4 of eq. (18) without centrifugal terms, at the
+    /// centre of each rule (-a4/(a1 + a2) where both wheels run forward and a4 = a5).
+    #[must_use]
+    pub fn friction_level(&self, parameters: BaseParameters) -> DVector<f64> {
+        let model = StateSpace::new(BaseParameters { a3: 0.0, ..parameters });
+        let (rules, terms) = (self.system.rules(), self.system.consequents().terms());
+        let mut theta = DVector::zeros(self.consequents());
+        for rule in 0..rules {
+            // a centre at zero takes the side on which its input range lies
+            let omega = [0, 1].map(|i| {
+                let (low, high) = self.system.range()[i];
+                let centre = self.system.centre(rule)[i];
+                if centre == 0.0 { low + high } else { centre }
+            });
+            let f = model.f(&crate::robot::State { omega, ..Default::default() });
+            for o in 0..2 {
+                theta[(o * rules + rule) * terms] = f[o];
+            }
+        }
+        theta
+    }
+
+    /// The consequents that the measured speeds reach: strength of the rule of at least 0.01 in
+    /// some sample. The others do not change the cost noticeably.
+    #[must_use]
+    pub fn reached(&self) -> Vec<usize> {
+        let (rules, terms) = (self.system.rules(), self.system.consequents().terms());
+        let mut strongest = vec![0.0_f64; rules];
+        for omega in self.speeds() {
+            for (most, h) in strongest.iter_mut().zip(self.system.firing(omega)) {
+                *most = most.max(h);
+            }
+        }
+        let strong = |k: &usize| strongest[k / terms % rules] >= 0.01;
+        (0..self.consequents()).filter(strong).collect()
+    }
+
+    fn system_with(&self, theta: &[f64]) -> TakagiSugeno {
+        let mut system = self.system.clone();
+        system.set_parameters(theta);
+        system
+    }
+
+    /// ISE [rad²/s]; [`DIVERGED`] at the most.
+    #[must_use]
+    pub fn cost(&self, theta: &[f64]) -> f64 {
+        let system = self.system_with(theta);
+        let costs: Vec<f64> = self
+            .pieces
+            .par_iter()
+            .map(|piece| pass(&system, piece, self.structure, self.gain).unwrap_or(DIVERGED))
+            .collect();
+        costs.iter().sum::<f64>().min(DIVERGED)
+    }
+
+    /// Cost, gradient and Gauss-Newton matrix over theta, followed by the premises (in the order of
+    /// [`TakagiSugeno::premises`]) if `premises`; `None` where the emulator diverges.
+    #[must_use]
+    pub fn normal(&self, theta: &[f64], premises: bool) -> Option<Normal> {
+        let system = self.system_with(theta);
+        let columns = self.consequents() + if premises { system.premises().len() } else { 0 };
+        let parts: Vec<Option<Rows>> = self
+            .pieces
+            .par_iter()
+            .map(|piece| {
+                let mut rows = Rows::new(columns, 1);
+                let (structure, gain) = (self.structure, self.gain);
+                pass_with_sensitivities(&system, piece, structure, gain, premises, &mut rows)
+                    .then(|| rows.finished())
+            })
+            .collect();
+        let mut sum = Rows::new(columns, 1);
+        for part in parts {
+            sum.add(&part?);
+        }
+        Some(Normal { cost: sum.cost, g: sum.g.column(0).into_owned(), h: sum.h })
+    }
+
+    /// Least squares of the serial-parallel structure in closed form, about `about`.
+    ///
+    /// ```text
+    /// what = what0 + Psi (theta - about),   Psi' = -K Psi + Phi(w)
+    /// minimise ∫ |w - what|² dt + ridge tr(H)/n |theta - about|²,   H = ∫ Psi'Psi dt
+    /// ```
+    /// Phi are the strengths of the rules at the measured speeds; the two outputs share Psi.
+    ///
+    /// # Errors
+    /// If the matrix is not positive definite, as with a ridge of zero and rules never reached.
+    pub fn closed_form(
+        &self,
+        about: &DVector<f64>,
+        ridge: f64,
+        method: &str,
+    ) -> Result<DVector<f64>, IdentifyError> {
+        let system = self.system_with(about.as_slice());
+        let n = self.consequents() / 2;
+        let parts: Vec<Rows> = self
+            .pieces
+            .par_iter()
+            .map(|piece| {
+                let mut rows = Rows::new(n, 2);
+                pass_closed(&system, piece, self.gain, &mut rows);
+                rows.finished()
+            })
+            .collect();
+        let mut sum = Rows::new(n, 2);
+        parts.iter().for_each(|part| sum.add(part));
+        let weight = ridge * sum.h.trace() / n as f64;
+        let factor = (&sum.h + DMatrix::identity(n, n) * weight).cholesky();
+        let Some(factor) = factor else {
+            return Err(IdentifyError::Unsupported {
+                method: method.into(),
+                reason: "the recordings do not reach all rules; set `ridge` above 0".into(),
+            });
+        };
+        let step = factor.solve(&sum.g);
+        Ok(about + DVector::from_iterator(2 * n, step.iter().copied()))
+    }
+
+    /// The emulator with these consequents.
+    #[must_use]
+    pub fn dynamics(&self, theta: &[f64]) -> FuzzyDynamics {
+        let system = self.system_with(theta);
+        FuzzyDynamics::new(system, self.input_gain, self.gain, self.structure, self.speeds())
+    }
+}
+
+/// What searches write down: evaluations, and the best cost whenever it improves.
+#[derive(Clone, Debug, Default)]
+pub struct Journal {
+    inner: RefCell<(usize, Vec<(usize, f64)>)>,
+}
+
+impl Journal {
+    /// Notes one evaluation with its cost.
+    pub fn note(&self, cost: f64) {
+        self.note_many(1, cost);
+    }
+
+    /// Notes several evaluations of which `cost` is the best.
+    pub fn note_many(&self, evaluations: usize, cost: f64) {
+        let mut inner = self.inner.borrow_mut();
+        inner.0 += evaluations;
+        let count = inner.0;
+        if inner.1.last().is_none_or(|&(_, best)| cost < best) {
+            inner.1.push((count, cost));
+        }
+    }
+
+    /// Begins the curve anew (another gain has another cost) but goes on counting.
+    pub fn restart(&self) {
+        self.inner.borrow_mut().1.clear();
+    }
+
+    /// Evaluations so far.
+    #[must_use]
+    pub fn evaluations(&self) -> usize {
+        self.inner.borrow().0
+    }
+
+    /// (evaluation, best cost so far) whenever it fell.
+    #[must_use]
+    pub fn best(&self) -> Vec<(usize, f64)> {
+        self.inner.borrow().1.clone()
+    }
+}

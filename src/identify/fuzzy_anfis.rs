@@ -1,0 +1,184 @@
+//! Fuzzy emulator whose membership functions learn too.
+
+use nalgebra::DVector;
+use serde::Deserialize;
+
+use super::fuzzy::{
+    Journal, Limits, Problem, Settings, continuation, described, finish, levenberg_marquardt,
+};
+use super::{Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task};
+use crate::simulate::Structure;
+
+/// Hybrid learning: consequents by least squares, centres and widths down the gradient.
+///
+/// ```text
+/// repeat:  theta  = arg min ISE at fixed premises  (closed form; parallel: Levenberg-Marquardt)
+///          premises -= step · gradient / |gradient|
+///          step up by 1.2 after a fall of the cost, halved after a rise
+/// ```
+/// The premises are counted in units of their spacing. Centres keep their order, and widths stay
+/// between a fifth and three times the first.
+///
+/// Source: Jang, ANFIS, IEEE Trans. SMC 23 (1993); the paper's conclusion names learning of the
+/// fuzzy sets by neural networks, which this is.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FuzzyAnfis {
+    /// Options of all fuzzy methods.
+    #[serde(skip)]
+    pub settings: Settings,
+    /// Rounds of both steps.
+    pub epochs: usize,
+    /// First step of the premises, in units of their spacing.
+    pub step: f64,
+}
+
+impl Default for FuzzyAnfis {
+    fn default() -> Self {
+        Self { settings: Settings::default(), epochs: 40, step: 0.05 }
+    }
+}
+
+/// Name in experiment files.
+const NAME: &str = "fuzzy_anfis";
+const OPTIONS: [(&str, &str, &str); 2] = [
+    ("epochs", "40", "rounds of fitting consequents and moving premises"),
+    ("step", "0.05", "first step of centres and widths, in units of their spacing"),
+];
+/// Step below which the premises have converged.
+const SMALLEST_STEP: f64 = 1e-4;
+/// Steps tried on the consequents in an epoch, at the most.
+const INNER: usize = 6;
+
+impl Identifier for FuzzyAnfis {
+    fn describe(&self) -> MethodDescription {
+        MethodDescription {
+            name: NAME.into(),
+            title: "Fuzzy emulator: ANFIS, membership functions learn too".into(),
+            equation: "consequents by least squares, then centres and widths by a gradient step, \
+                       in turns"
+                .into(),
+            source: "Jang 1993; Giergiel and Buratowski 2010, conclusion".into(),
+            use_when: "the membership functions cannot bend where friction does: few of them, or \
+                       the paper's range of 0 to 30 rad/s"
+                .into(),
+            avoid_when: "36 rules over the range of the data already reach the noise floor".into(),
+            options: described(&OPTIONS),
+        }
+    }
+
+    fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {
+        let (settings, own) = Settings::split::<Self>(NAME, options, &OPTIONS)?;
+        if !(own.step > 0.0 && own.step <= 1.0) {
+            let message = format!("step = {}; expected above 0, up to 1", own.step);
+            return Err(OptionError { method: NAME.into(), message });
+        }
+        Ok(Box::new(Self { settings, ..own }))
+    }
+
+    fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
+        let (mut problem, level) = self.settings.problem(task, NAME)?;
+        let journal = Journal::default();
+        let ridge = self.settings.ridge;
+        let limits = Limits { iterations: 60, tolerance: 1e-4 };
+        let (theta, ..) = continuation(&problem, &level, ridge, limits, &journal, NAME)?;
+        let mut learner = Learner { theta, level, ridge, journal: &journal };
+        let (epochs, status) = learner.learn(&mut problem, self.epochs, self.step)?;
+        let theta = learner.theta.as_slice();
+        Ok(finish(NAME, &problem, theta, status, epochs, &journal))
+    }
+}
+
+struct Learner<'a> {
+    theta: DVector<f64>,
+    level: DVector<f64>,
+    ridge: f64,
+    journal: &'a Journal,
+}
+
+impl Learner<'_> {
+    /// Moves the premises of `problem` and the consequents here; epochs run, and how it ended.
+    fn learn(
+        &mut self,
+        problem: &mut Problem,
+        epochs: usize,
+        mut step: f64,
+    ) -> Result<(usize, Status), IdentifyError> {
+        let first = problem.system.premises();
+        let scale = spacings(problem);
+        let mut cost = problem.cost(self.theta.as_slice());
+        for epoch in 0..epochs {
+            let Some(direction) = self.downhill(problem, &scale) else {
+                return Ok((epoch, Status::Stalled));
+            };
+            let now = problem.system.premises();
+            let mut moved = problem.clone();
+            let trial: Vec<f64> =
+                (0..now.len()).map(|k| now[k] + step * scale[k] * direction[k]).collect();
+            moved.system.set_premises(&sound(&trial, &first, problem));
+            let theta = self.consequents(&moved)?;
+            let new = moved.cost(theta.as_slice());
+            self.journal.note(new);
+            if new < cost {
+                (*problem, self.theta, cost) = (moved, theta, new);
+                step *= 1.2;
+            } else {
+                step *= 0.5;
+                if step < SMALLEST_STEP {
+                    return Ok((epoch + 1, Status::Converged));
+                }
+            }
+        }
+        Ok((epochs, Status::IterationLimit))
+    }
+
+    /// Unit vector down the gradient of the ISE in the scaled premises.
+    fn downhill(&self, problem: &Problem, scale: &[f64]) -> Option<Vec<f64>> {
+        let normal = problem.normal(self.theta.as_slice(), true)?;
+        self.journal.note(normal.cost);
+        let from = self.theta.len();
+        let slope: Vec<f64> =
+            scale.iter().enumerate().map(|(k, s)| s * normal.g[from + k]).collect();
+        let norm = slope.iter().map(|x| x * x).sum::<f64>().sqrt();
+        (norm > 0.0 && norm.is_finite()).then(|| slope.iter().map(|x| x / norm).collect())
+    }
+
+    fn consequents(&self, problem: &Problem) -> Result<DVector<f64>, IdentifyError> {
+        if problem.structure == Structure::SerialParallel {
+            return problem.closed_form(&self.level, self.ridge, NAME);
+        }
+        let limits = Limits { iterations: INNER, tolerance: 1e-4 };
+        let (theta, level) = (&self.theta, &self.level);
+        let journal = self.journal;
+        Ok(levenberg_marquardt(problem, theta, level, self.ridge, limits, journal).0)
+    }
+}
+
+/// The spacing that each premise is counted in [rad/s].
+fn spacings(problem: &Problem) -> Vec<f64> {
+    let one = |i: usize| {
+        let (low, high) = problem.system.range()[i];
+        let count = problem.system.memberships(i).len();
+        vec![(high - low) / (count - 1) as f64; 2 * count]
+    };
+    [one(0), one(1)].concat()
+}
+
+/// Premises with centres in order and widths within bounds of the `first` ones.
+fn sound(trial: &[f64], first: &[f64], problem: &Problem) -> Vec<f64> {
+    let mut out = trial.to_vec();
+    let mut from = 0;
+    for input in 0..2 {
+        let count = problem.system.memberships(input).len();
+        let (low, high) = problem.system.range()[input];
+        let least = 0.1 * (high - low) / (count - 1) as f64;
+        for k in from + 1..from + count {
+            out[k] = out[k].max(out[k - 1] + least);
+        }
+        for k in from + count..from + 2 * count {
+            out[k] = out[k].clamp(0.2 * first[k], 3.0 * first[k]);
+        }
+        from += 2 * count;
+    }
+    out
+}

@@ -1,0 +1,171 @@
+//! Fuzzy emulator by a genetic algorithm.
+
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
+use serde::Deserialize;
+
+use super::fuzzy::{Journal, Problem, Settings, Start, described, finish};
+use super::{Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task};
+
+/// A real-coded genetic algorithm over the consequents of the rules that the recordings reach.
+///
+/// ```text
+/// parents   best of three drawn at random, twice
+/// child     every gene uniform between the parents' and 30 % beyond on either side (BLX-0.3)
+/// mutation  each gene with 1/n, normal; its size falls from 0.2 reach to 0.002 reach
+/// survivors the two best as they are, children for the rest
+/// ```
+/// All random numbers are drawn in one order from the seed of the task and only the costs are
+/// computed in parallel, so that the result does not depend on the number of threads.
+///
+/// Source: the paper's abstract (genetic algorithms); Eshelman and Schaffer, Foundations of Genetic
+/// Algorithms 2 (1993) for the crossover.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FuzzyGenetic {
+    /// Options of all fuzzy methods.
+    #[serde(skip)]
+    pub settings: Settings,
+    /// Individuals.
+    pub population: usize,
+    /// Generations.
+    pub generations: usize,
+    /// Half the interval of every consequent, about the start [rad/s²].
+    pub reach: f64,
+    /// Where the first individual is.
+    pub start: Start,
+}
+
+impl Default for FuzzyGenetic {
+    fn default() -> Self {
+        let settings = Settings::default();
+        Self { settings, population: 40, generations: 100, reach: 5.0, start: Start::Friction }
+    }
+}
+
+/// Name in experiment files.
+const NAME: &str = "fuzzy_genetic";
+const OPTIONS: [(&str, &str, &str); 4] = [
+    ("population", "40", "individuals (4 or more)"),
+    ("generations", "100", "generations"),
+    ("reach", "5.0", "half the interval of every consequent, about the start, in rad/s^2"),
+    (
+        "start",
+        "\"friction\"",
+        "\"friction\" level, \"closed_form\", the \"best\" of the two, or \"zero\"",
+    ),
+];
+/// Individuals that survive as they are.
+const ELITE: usize = 2;
+/// How far beyond its parents a child may lie, relative to their distance.
+const BEYOND: f64 = 0.3;
+
+impl Identifier for FuzzyGenetic {
+    fn describe(&self) -> MethodDescription {
+        MethodDescription {
+            name: NAME.into(),
+            title: "Fuzzy emulator: genetic algorithm".into(),
+            equation: "tournaments of three, BLX-0.3 crossover, shrinking normal mutation, elite \
+                       of two"
+                .into(),
+            source: "Giergiel and Buratowski 2010, abstract; Eshelman and Schaffer 1993".into(),
+            use_when: "optimisers are compared, or the cost has so many minima that descent from \
+                       one start fails"
+                .into(),
+            avoid_when: "time or accuracy matters: thousands of simulations end above what \
+                         fuzzy_levenberg_marquardt reaches with fifty"
+                .into(),
+            options: described(&OPTIONS),
+        }
+    }
+
+    fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {
+        let (settings, own) = Settings::split::<Self>(NAME, options, &OPTIONS)?;
+        let refuse = |message: String| Err(OptionError { method: NAME.into(), message });
+        if own.population < 4 {
+            return refuse(format!("population = {}; expected 4 or more", own.population));
+        }
+        if !(own.reach > 0.0 && own.reach.is_finite()) {
+            return refuse(format!("reach = {}; expected a number above 0", own.reach));
+        }
+        Ok(Box::new(Self { settings, ..own }))
+    }
+
+    fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
+        let (problem, level) = self.settings.problem(task, NAME)?;
+        let journal = Journal::default();
+        let start = self.start.of(&problem, &level, self.settings.ridge, NAME)?;
+        let theta = self.evolve(&problem, start.as_slice(), task.seed, &journal);
+        let status = Status::IterationLimit;
+        Ok(finish(NAME, &problem, &theta, status, self.generations, &journal))
+    }
+}
+
+/// Genes (steps from the start, in units of the reach, within ±1) and their cost.
+type Individual = (Vec<f64>, f64);
+
+impl FuzzyGenetic {
+    fn evolve(&self, problem: &Problem, start: &[f64], seed: u64, journal: &Journal) -> Vec<f64> {
+        let free = problem.reached();
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let theta = |genes: &[f64]| {
+            let mut theta = start.to_vec();
+            for (&j, gene) in free.iter().zip(genes) {
+                theta[j] += self.reach * gene;
+            }
+            theta
+        };
+        let judge = |children: Vec<Vec<f64>>| -> Vec<Individual> {
+            let costs: Vec<f64> =
+                children.par_iter().map(|genes| problem.cost(&theta(genes))).collect();
+            let best = costs.iter().copied().fold(f64::INFINITY, f64::min);
+            journal.note_many(costs.len(), best);
+            children.into_iter().zip(costs).collect()
+        };
+        let first = (0..self.population).map(|i| {
+            let spread = if i == 0 { 0.0 } else { 1.0 };
+            free.iter().map(|_| spread * rng.random_range(-1.0..=1.0)).collect()
+        });
+        let mut population = judge(first.collect());
+        for generation in 0..self.generations {
+            population.sort_by(|a, b| a.1.total_cmp(&b.1));
+            let left = 1.0 - generation as f64 / self.generations as f64;
+            let size = 0.002 + 0.2 * left * left;
+            let children = (ELITE..self.population)
+                .map(|_| {
+                    let (a, b) =
+                        (tournament(&population, &mut rng), tournament(&population, &mut rng));
+                    child(a, b, size, &mut rng)
+                })
+                .collect();
+            let mut next = judge(children);
+            next.extend(population.drain(..ELITE));
+            population = next;
+        }
+        let best = population.iter().min_by(|a, b| a.1.total_cmp(&b.1));
+        best.map_or_else(|| start.to_vec(), |best| theta(&best.0))
+    }
+}
+
+fn tournament<'a>(population: &'a [Individual], rng: &mut ChaCha8Rng) -> &'a [f64] {
+    // sorted by cost: the smallest of three places wins
+    let place = (0..3).map(|_| rng.random_range(0..population.len())).min().unwrap_or(0);
+    &population[place].0
+}
+
+fn child(a: &[f64], b: &[f64], size: f64, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    let chance = 1.0 / a.len().max(1) as f64;
+    let gene = |(x, y): (&f64, &f64)| {
+        let (low, high) = (x.min(*y), x.max(*y));
+        let beyond = BEYOND * (high - low);
+        let mut gene = low - beyond + (high - low + 2.0 * beyond) * rng.random::<f64>();
+        if rng.random::<f64>() < chance {
+            let normal: f64 = StandardNormal.sample(rng);
+            gene += size * normal;
+        }
+        gene.clamp(-1.0, 1.0)
+    };
+    a.iter().zip(b).map(gene).collect()
+}

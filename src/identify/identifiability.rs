@@ -1,0 +1,127 @@
+//! What the data cannot give, in words, and what they give in its place.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::model::Model;
+use crate::recording::Recording;
+
+/// Covariance of all parameters and what to say about it.
+pub(super) struct Identified {
+    /// Covariance of all parameters; infinite where the data give nothing, zero where fixed.
+    pub(super) covariance: DMatrix<f64>,
+    /// Sentences.
+    pub(super) notes: Vec<String>,
+}
+
+/// Directions with less than this share of the information, after scaling, are not known.
+const WEAK: f64 = 1e-10;
+/// Parameters with less than this part in a direction do not take part in it.
+const PART: f64 = 1e-3;
+
+/// Inverts the information of the free parameters (scaled to unit diagonal) and says which the
+/// data cannot give, which combination of two they give instead, and which motion would help.
+///
+/// `values` has one entry a parameter; `information` is that of all parameters.
+pub(super) fn identified(
+    model: &Model,
+    values: &[f64],
+    information: &DMatrix<f64>,
+    train: &[Recording],
+) -> Identified {
+    let free = model.free();
+    let n = free.len();
+    let scale: Vec<f64> = free
+        .iter()
+        .map(|&j| {
+            let d = information[(j, j)];
+            if d > 0.0 { d.sqrt() } else { 1.0 }
+        })
+        .collect();
+    let scaled =
+        DMatrix::from_fn(n, n, |i, k| information[(free[i], free[k])] / (scale[i] * scale[k]));
+    let eigen = scaled.symmetric_eigen();
+    let total = model.parameters().len();
+    let mut covariance = DMatrix::zeros(total, total);
+    let mut directions = Vec::new();
+    for (value, v) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+        if *value > WEAK {
+            for i in 0..n {
+                for k in 0..n {
+                    covariance[(free[i], free[k])] += v[i] * v[k] / (value * scale[i] * scale[k]);
+                }
+            }
+        } else {
+            directions.push(v.clone_owned());
+        }
+    }
+    let finite = covariance.clone();
+    let mut notes = Vec::new();
+    for direction in &directions {
+        let part: Vec<usize> = (0..n).filter(|&i| direction[i].abs() > PART).collect();
+        for &i in &part {
+            covariance[(free[i], free[i])] = f64::INFINITY;
+        }
+        notes.push(sentence(model, values, &finite, &free, &scale, direction, &part));
+    }
+    if train.iter().all(Recording::is_single_axis) {
+        notes.push(
+            "Both wheels carry the same numbers: this is one axis, so only sums over the two \
+             wheels can be known, and their standard errors count the same data twice (multiply \
+             by 1.41)."
+                .into(),
+        );
+    }
+    Identified { covariance, notes }
+}
+
+/// One sentence about a direction that the data do not give.
+fn sentence(
+    model: &Model,
+    values: &[f64],
+    finite: &DMatrix<f64>,
+    free: &[usize],
+    scale: &[f64],
+    direction: &DVector<f64>,
+    part: &[usize],
+) -> String {
+    let name = |i: usize| model.parameters()[free[i]].spec.symbol.clone();
+    let effect = |i: usize| &model.parameters()[free[i]].effect;
+    let remedy = crate::effects::find(effect(part[0]))
+        .map(|e| e.description().excitation)
+        .unwrap_or_else(|| "richer motion".into());
+    match *part {
+        [i] => format!("The data say nothing of {}; record: {remedy}.", name(i)),
+        [i, k] => {
+            // what is known is the combination across the direction that is not
+            let (di, dk) = (direction[i] / scale[i], direction[k] / scale[k]);
+            let ratio = -di / dk;
+            let (a, b) = (free[i], free[k]);
+            let value = values[a] + values[b] / ratio;
+            let variance =
+                finite[(a, a)] + 2.0 * finite[(a, b)] / ratio + finite[(b, b)] / (ratio * ratio);
+            let weight = 1.0 / ratio;
+            let other = if (weight - 1.0).abs() < 1e-3 {
+                format!("+ {}", name(k))
+            } else if (weight + 1.0).abs() < 1e-3 {
+                format!("- {}", name(k))
+            } else {
+                format!("{weight:+.4} {}", name(k))
+            };
+            format!(
+                "The data cannot tell {} from {}: only {} {other} = {value:.6} ± {:.2e} can be \
+                 known; record: {remedy}.",
+                name(i),
+                name(k),
+                name(i),
+                variance.max(0.0).sqrt()
+            )
+        }
+        _ => {
+            let names: Vec<String> = part.iter().map(|&i| name(i)).collect();
+            format!(
+                "The data cannot give {} one by one, only combinations of them; record: {remedy}.",
+                names.join(", ")
+            )
+        }
+    }
+}

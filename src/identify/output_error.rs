@@ -1,0 +1,292 @@
+//! Output error: maximum likelihood of the free simulation.
+
+use nalgebra::{DMatrix, DVector};
+use serde::Deserialize;
+
+use super::identifiability::identified;
+use super::kalman::{Prepared, prepare};
+use super::{
+    Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task, from_options,
+    start,
+};
+use crate::effects::ParameterKind;
+use crate::math::descent::{MinimiseOptions, MinimumStatus, Quadratic, minimise};
+use crate::model::Model;
+use crate::robot::State;
+use crate::simulate::{Hold, Input, simulate, simulate_with_sensitivities};
+
+/// Simulation-error maximum likelihood (output error).
+///
+/// ```text
+/// minimise ½ Σ_k Σ_i (y_i(k) - x_i(k; θ, x0))² / σ_i²,   i = alpha1, alpha2, omega1, omega2
+/// ```
+/// The whole recording is simulated freely from its moments; the initial state of every piece is
+/// estimated too. Levenberg-Marquardt with exact sensitivities through stops and reversals, from
+/// the weak form (from a guess with too much friction the robot would never move).
+///
+/// Source: Ljung, System Identification (1999), ch. 4; Janot et al. 2014.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct OutputError {
+    /// Most steps.
+    pub iterations: usize,
+}
+
+impl Default for OutputError {
+    fn default() -> Self {
+        Self { iterations: 60 }
+    }
+}
+
+const NAME: &str = "output_error";
+
+impl Identifier for OutputError {
+    fn describe(&self) -> MethodDescription {
+        MethodDescription {
+            name: NAME.into(),
+            title: "Output error (simulation-error maximum likelihood)".into(),
+            equation: "minimise Σ (measured - simulated)²/σ² over angles and speeds of the free \
+                       simulation"
+                .into(),
+            source: "Ljung, System Identification, 1999, ch. 4".into(),
+            use_when: "the moments are exact (noise only in angles and speeds); models with a body \
+                       behind the wheels"
+                .into(),
+            avoid_when: "the moments are noisy: the simulation wanders, estimates scatter, and \
+                         the intervals are far too narrow"
+                .into(),
+            options: vec![("iterations".into(), "60".into(), "most steps".into())],
+        }
+    }
+
+    fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {
+        Ok(Box::new(from_options::<Self>(NAME, options)?))
+    }
+
+    fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
+        let problem = Problem::new(task, start::start(task, NAME)?);
+        let options = MinimiseOptions {
+            max_iterations: self.iterations,
+            relative_tolerance: 1e-9,
+            absolute_tolerance: 1e-6,
+            lower: Some(problem.bound(|range| range.0, f64::NEG_INFINITY)),
+            upper: Some(problem.bound(|range| range.1, f64::INFINITY)),
+            ..MinimiseOptions::default()
+        };
+        let minimum = minimise(
+            &problem.first(),
+            |x| problem.quadratic(x),
+            |x| problem.cost(x),
+            &options,
+        );
+        if minimum.status == MinimumStatus::NoStart {
+            let reason = "the start cannot be simulated".to_string();
+            return Err(IdentifyError::NoStart { method: NAME.into(), reason });
+        }
+        Ok(problem.fit(&minimum))
+    }
+}
+
+/// Parameters that are estimated, then four initial states of every piece.
+struct Problem<'a> {
+    task: &'a Task<'a>,
+    p: Vec<f64>,
+    free: Vec<usize>,
+    pieces: Vec<(usize, std::ops::Range<usize>)>,
+    prepared: Vec<Prepared<'a>>,
+}
+
+impl<'a> Problem<'a> {
+    fn new(task: &'a Task<'a>, p: Vec<f64>) -> Self {
+        let pieces = task
+            .train
+            .iter()
+            .enumerate()
+            .flat_map(|(r, recording)| {
+                recording.pieces().iter().filter(|p| p.len() > 4).map(move |p| (r, p.clone()))
+            })
+            .collect();
+        let prepared = task.train.iter().map(prepare).collect();
+        Self { task, free: task.model.free(), p, pieces, prepared }
+    }
+
+    fn model(&self) -> &Model {
+        self.task.model
+    }
+
+    fn first(&self) -> DVector<f64> {
+        let mut x: Vec<f64> = self.free.iter().map(|&j| self.p[j]).collect();
+        for (r, piece) in &self.pieces {
+            let motion = self.task.train[*r].local_motion();
+            let m = motion[piece.start];
+            let still = self.prepared[*r].still[piece.start];
+            x.extend(m.alpha);
+            x.extend([0, 1].map(|i| if still[i] { 0.0 } else { m.omega[i] }));
+        }
+        DVector::from_vec(x)
+    }
+
+    /// Bounds of shape parameters; the others and the initial states are free.
+    fn bound(&self, side: impl Fn((f64, f64)) -> f64, none: f64) -> DVector<f64> {
+        let count = self.free.len() + 4 * self.pieces.len();
+        DVector::from_fn(count, |i, _| {
+            let parameter = self.free.get(i).map(|&j| &self.model().parameters()[j]);
+            match parameter {
+                Some(p) if p.spec.kind == ParameterKind::Shape => side(p.spec.range),
+                _ => none,
+            }
+        })
+    }
+
+    fn parameters(&self, x: &DVector<f64>) -> Vec<f64> {
+        let mut p = self.p.clone();
+        for (i, &j) in self.free.iter().enumerate() {
+            p[j] = x[i];
+        }
+        p
+    }
+
+    fn start(&self, x: &DVector<f64>, piece: usize) -> State {
+        let at = |i: usize| x[self.free.len() + 4 * piece + i];
+        State { alpha: [at(0), at(1)], omega: [at(2), at(3)] }
+    }
+
+    fn input(&self, r: usize, piece: &std::ops::Range<usize>) -> Input<'a> {
+        let recording = &self.task.train[r];
+        let hold: Hold = self.task.hold;
+        Input {
+            t: &recording.t()[piece.clone()],
+            moment: &recording.moment()[piece.clone()],
+            hold,
+        }
+    }
+
+    /// Residuals of one sample over their standard deviations; zero for channels not measured.
+    fn residual(&self, r: usize, k: usize, state: &State) -> [f64; 4] {
+        let recording = &self.task.train[r];
+        let (a, w) = (recording.alpha()[k], recording.omega()[k]);
+        let measured = [a[0], a[1], w[0], w[1]];
+        let simulated = [state.alpha[0], state.alpha[1], state.omega[0], state.omega[1]];
+        let prepared = &self.prepared[r];
+        std::array::from_fn(|i| {
+            if prepared.used[i] && recording.fresh()[k] {
+                (measured[i] - simulated[i]) / prepared.variance[i].sqrt()
+            } else {
+                0.0
+            }
+        })
+    }
+
+    fn cost(&self, x: &DVector<f64>) -> Option<f64> {
+        let p = self.parameters(x);
+        let mut sum = 0.0;
+        for (n, (r, piece)) in self.pieces.iter().enumerate() {
+            let motion =
+                simulate(self.model(), &p, &self.input(*r, piece), self.start(x, n)).ok()?;
+            for (k, state) in piece.clone().zip(&motion) {
+                sum += self.residual(*r, k, state).iter().map(|e| 0.5 * e * e).sum::<f64>();
+            }
+        }
+        sum.is_finite().then_some(sum)
+    }
+
+    fn quadratic(&self, x: &DVector<f64>) -> Option<Quadratic> {
+        let p = self.parameters(x);
+        let size = x.len();
+        let (mut cost, mut gradient) = (0.0, DVector::zeros(size));
+        let mut hessian = DMatrix::zeros(size, size);
+        for (n, (r, piece)) in self.pieces.iter().enumerate() {
+            let input = self.input(*r, piece);
+            let (motion, s) =
+                simulate_with_sensitivities(self.model(), &p, &input, self.start(x, n)).ok()?;
+            let initial = p.len();
+            let columns: Vec<usize> =
+                self.free.iter().copied().chain(initial..initial + 4).collect();
+            let places: Vec<usize> = (0..self.free.len())
+                .chain(self.free.len() + 4 * n..self.free.len() + 4 * n + 4)
+                .collect();
+            let width = columns.len();
+            let mut block = crate::identify::kalman::Information::new(width);
+            let mut row = vec![0.0; width];
+            for (k, (sample, state)) in piece.clone().zip(&motion).enumerate() {
+                let residual = self.residual(*r, sample, state);
+                for (i, e) in residual.into_iter().enumerate() {
+                    if e == 0.0 && !self.prepared[*r].used[i] {
+                        continue;
+                    }
+                    let sigma = self.prepared[*r].variance[i].sqrt();
+                    let sensitivities = s.row(k, i);
+                    for (out, &c) in row.iter_mut().zip(&columns) {
+                        *out = sensitivities[c] / sigma;
+                    }
+                    cost += 0.5 * e * e;
+                    block.add(&row, e, 1.0);
+                }
+            }
+            let (h, g) = block.finish();
+            for (i, &a) in places.iter().enumerate() {
+                gradient[a] -= g[i];
+                for (k, &b) in places.iter().enumerate() {
+                    hessian[(a, b)] += h[(i, k)];
+                }
+            }
+        }
+        cost.is_finite().then_some(Quadratic { cost, gradient, hessian })
+    }
+
+    fn fit(&self, minimum: &crate::math::descent::Minimum) -> Fit {
+        let p = self.parameters(&minimum.x);
+        let samples: usize = self
+            .pieces
+            .iter()
+            .map(|(r, piece)| piece.len() * self.prepared[*r].used.iter().filter(|u| **u).count())
+            .sum();
+        let degrees = samples.saturating_sub(minimum.x.len()).max(1) as f64;
+        let excess = (2.0 * minimum.cost / degrees).max(1.0);
+        // the initial states are nuisance: what they could take up is projected out
+        let count = self.free.len();
+        let nuisance: Vec<usize> = (count..minimum.x.len()).collect();
+        let own: Vec<usize> = (0..count).collect();
+        let information = schur(&minimum.hessian, &nuisance, &own) / excess;
+        let total = self.p.len();
+        let mut full = DMatrix::zeros(total, total);
+        for (i, &a) in self.free.iter().enumerate() {
+            for (k, &b) in self.free.iter().enumerate() {
+                full[(a, b)] = information[(i, k)];
+            }
+        }
+        let known = identified(self.model(), &p, &full, self.task.train);
+        let unit = self.task.train[0].drive_unit();
+        let mut fit = Fit::physical(NAME, self.model(), p, known.covariance, unit);
+        fit.notes = known.notes;
+        if excess > 2.0 {
+            fit.notes.push(format!(
+                "The simulation misses the data by {:.1} times the noise of the sensors: the \
+                 moments are noisy or an effect is missing, and these intervals are too narrow.",
+                excess.sqrt()
+            ));
+        }
+        fit.status = match minimum.status {
+            MinimumStatus::Converged => Status::Converged,
+            MinimumStatus::MaxIterations => Status::IterationLimit,
+            _ => Status::Stalled,
+        };
+        fit.work.iterations = minimum.iterations;
+        fit.work.evaluations = minimum.evaluations;
+        fit
+    }
+}
+
+/// Information of `own` after `nuisance` took up what it can.
+fn schur(h: &DMatrix<f64>, nuisance: &[usize], own: &[usize]) -> DMatrix<f64> {
+    let (n, m) = (nuisance.len(), own.len());
+    let scale: Vec<f64> = nuisance.iter().map(|&j| 1.0 / h[(j, j)].max(1e-300).sqrt()).collect();
+    let nn = DMatrix::from_fn(n, n, |i, k| h[(nuisance[i], nuisance[k])] * scale[i] * scale[k]);
+    let no = DMatrix::from_fn(n, m, |i, k| h[(nuisance[i], own[k])] * scale[i]);
+    let oo = DMatrix::from_fn(m, m, |i, k| h[(own[i], own[k])]);
+    if n == 0 {
+        return oo;
+    }
+    let inverse = nn.pseudo_inverse(1e-12).unwrap_or_else(|_| DMatrix::zeros(n, n));
+    oo - no.transpose() * inverse * no
+}

@@ -1,0 +1,34 @@
+//! The methods as text for a terminal.
+
+use std::fmt::Write as _;
+
+/// One line a method.
+#[must_use]
+pub fn overview() -> String {
+    let methods: Vec<_> = super::all().iter().map(|m| m.describe()).collect();
+    let width = methods.iter().map(|m| m.name.len()).max().unwrap_or(0);
+    let mut out = String::new();
+    for m in methods {
+        let _ = writeln!(out, "{:<width$}  {}", m.name, m.title);
+    }
+    out.push_str("\n`experiment methods METHOD` tells more of one.\n");
+    out
+}
+
+/// Everything about one method; `None` if there is no such method.
+#[must_use]
+pub fn details(name: &str) -> Option<String> {
+    let m = super::find(name)?.describe();
+    let mut out = format!("{}: {}\n\n  {}\n\n", m.name, m.title, m.equation);
+    let _ = writeln!(out, "source      {}", m.source);
+    let _ = writeln!(out, "use when    {}", m.use_when);
+    let _ = writeln!(out, "avoid when  {}", m.avoid_when);
+    if !m.options.is_empty() {
+        let _ = writeln!(out, "\noptions of its [[method]] block:");
+        let width = m.options.iter().map(|o| o.0.len()).max().unwrap_or(0);
+        for (key, default, meaning) in &m.options {
+            let _ = writeln!(out, "  {key:<width$}  {meaning} (default {default})");
+        }
+    }
+    Some(out)
+}

@@ -1,0 +1,98 @@
+//! What can be wrong with numbers handed to this room.
+
+use thiserror::Error;
+
+/// Input that a numerical method of this room cannot work with.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum MathError {
+    /// Two inputs that must have the same number of rows do not.
+    #[error("{quantity} has {found} rows, expected {expected}; give one value per row")]
+    LengthMismatch {
+        /// The input of the wrong length.
+        quantity: &'static str,
+        /// Its number of rows.
+        found: usize,
+        /// The number of rows wanted.
+        expected: usize,
+    },
+    /// A value is NaN or infinite.
+    #[error("{quantity}, row {row}: the value is not finite; remove or interpolate this sample")]
+    NotFinite {
+        /// The input that holds the value.
+        quantity: &'static str,
+        /// Row of the value, counted from zero.
+        row: usize,
+    },
+    /// There are too few samples for the method.
+    #[error("{method} got {found} samples, needs at least {required}; use a longer recording")]
+    TooFewSamples {
+        /// The method that was asked for.
+        method: &'static str,
+        /// The number of samples given.
+        found: usize,
+        /// The smallest number that works.
+        required: usize,
+    },
+    /// A setting lies outside its range.
+    #[error("{setting} = {found}, expected {expected}")]
+    OutOfRange {
+        /// The setting.
+        setting: &'static str,
+        /// Its value.
+        found: f64,
+        /// The range in words.
+        expected: &'static str,
+    },
+    /// Sample times do not increase.
+    #[error("row {row}: t = {found} does not exceed {previous}; sort or remove repeated samples")]
+    NotIncreasing {
+        /// Row of the offending time, counted from zero.
+        row: usize,
+        /// The time before it.
+        previous: f64,
+        /// The offending time.
+        found: f64,
+    },
+    /// The integration step became too small to change the time: the right-hand side is not
+    /// smooth, or the solution grows without bound.
+    #[error("at t = {time} the integration step shrank to {step}; end before the kink or pole")]
+    StepTooSmall {
+        /// Time reached [s].
+        time: f64,
+        /// Last step tried [s].
+        step: f64,
+    },
+    /// The integration needed more steps than allowed.
+    #[error("at t = {time} after {steps} steps; loosen the tolerance or shorten the interval")]
+    TooManySteps {
+        /// Time reached [s].
+        time: f64,
+        /// Steps taken.
+        steps: usize,
+    },
+}
+
+/// Refuses the first value that is not finite.
+pub(crate) fn check_finite<'a>(
+    quantity: &'static str,
+    values: impl IntoIterator<Item = &'a f64>,
+) -> Result<(), MathError> {
+    match values.into_iter().position(|v| !v.is_finite()) {
+        Some(row) => Err(MathError::NotFinite { quantity, row }),
+        None => Ok(()),
+    }
+}
+
+/// Refuses an input whose length is not the expected one.
+pub(crate) fn check_length(
+    quantity: &'static str,
+    found: usize,
+    expected: usize,
+) -> Result<(), MathError> {
+    if found == expected {
+        Ok(())
+    } else {
+        Err(MathError::LengthMismatch { quantity, found, expected })
+    }
+}

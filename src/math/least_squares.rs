@@ -1,0 +1,285 @@
+//! Weighted linear least squares with an honest account of what the data cannot tell.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::error::{MathError, check_finite, check_length};
+use super::singular_values::{SingularValues, singular_values};
+
+/// Singular values below this share of the largest one count as zero, after every column of the
+/// design matrix was scaled to unit norm.
+pub const RANK_TOLERANCE: f64 = 1e-9;
+
+/// A coefficient takes part in a null direction if its component exceeds this.
+pub const PARTICIPATION: f64 = 1e-3;
+
+/// The result of a linear least-squares fit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinearFit {
+    /// Coefficients; of the many equally good ones in a deficient fit, the shortest (after column
+    /// scaling).
+    pub coefficients: DVector<f64>,
+    /// Covariance of the coefficients; the diagonal is infinite for `unidentifiable` ones.
+    pub covariance: DMatrix<f64>,
+    /// Square roots of the diagonal of `covariance`.
+    pub std_errors: DVector<f64>,
+    /// `y - X b`, not weighted.
+    pub residuals: DVector<f64>,
+    /// Weighted residual sum of squares over `degrees_of_freedom`: the variance of a row of
+    /// weight one.
+    pub residual_variance: f64,
+    /// Rows of positive weight minus `rank`.
+    pub degrees_of_freedom: usize,
+    /// Number of directions in coefficient space the data determine.
+    pub rank: usize,
+    /// Largest over smallest singular value of the scaled design matrix; infinite if that is zero.
+    pub condition: f64,
+    /// Singular values of the scaled design matrix, largest first.
+    pub singular_values: Vec<f64>,
+    /// Indices of the coefficients that take part in a null direction.
+    pub unidentifiable: Vec<usize>,
+    /// One unit column per direction the data cannot see, in coefficients times column norm.
+    pub null_directions: DMatrix<f64>,
+    /// `(X' W X)^-1` (pseudo-inverse where deficient): covariance for unit residual variance.
+    unit_covariance: DMatrix<f64>,
+}
+
+/// Fits `y = X b + e` by weighted least squares.
+///
+/// ```text
+/// b = argmin sum_i w_i (y_i - x_i' b)^2,   cov b = s^2 (X' W X)^-1,   s^2 = r' W r / (n - rank)
+/// ```
+///
+/// Columns are scaled to unit norm, X = QR, R = U S V' by Jacobi rotations; singular values below
+/// [`RANK_TOLERANCE`] times the largest are treated as zero.
+///
+/// Source: G. H. Golub, C. F. Van Loan, *Matrix Computations*, 4th ed., 5.3 and 5.5.
+///
+/// # Errors
+/// If lengths differ, a value is not finite, a weight is negative, there is no column, or there are
+/// not more rows of positive weight than columns. A deficient rank is not an error: it is told in the result.
+///
+/// # Examples
+/// ```
+/// use amigo_ident::math::least_squares::fit;
+/// use nalgebra::{DMatrix, DVector};
+/// // y = 1 + 2 t, with the third column a copy of the second
+/// let x = DMatrix::from_fn(5, 3, |i, j| if j == 0 { 1.0 } else { i as f64 });
+/// let y = DVector::from_fn(5, |i, _| 1.0 + 2.0 * i as f64);
+/// let fit = fit(&x, &y, None)?;
+/// assert_eq!((fit.rank, fit.unidentifiable), (2, vec![1, 2]));
+/// assert!((fit.coefficients[0] - 1.0).abs() < 1e-12 && fit.std_errors[1].is_infinite());
+/// # Ok::<(), amigo_ident::math::MathError>(())
+/// ```
+pub fn fit(
+    x: &DMatrix<f64>,
+    y: &DVector<f64>,
+    weights: Option<&DVector<f64>>,
+) -> Result<LinearFit, MathError> {
+    fit_with_tolerance(x, y, weights, RANK_TOLERANCE)
+}
+
+/// [`fit`] with another relative tolerance for the rank decision.
+///
+/// # Errors
+/// As [`fit`].
+pub fn fit_with_tolerance(
+    x: &DMatrix<f64>,
+    y: &DVector<f64>,
+    weights: Option<&DVector<f64>>,
+    tolerance: f64,
+) -> Result<LinearFit, MathError> {
+    let rows = check(x, y, weights)?;
+    let (mut a, mut b) = (x.clone(), y.clone());
+    if let Some(w) = weights {
+        let root = w.map(f64::sqrt);
+        a.column_iter_mut().for_each(|mut column| column.component_mul_assign(&root));
+        b.component_mul_assign(&root);
+    }
+    let scale = scale_columns(&mut a);
+    let qr = a.qr();
+    qr.q_tr_mul(&mut b);
+    let rotated = b.rows(0, x.ncols()).into_owned();
+    let svd = singular_values(qr.r());
+    let rank = numerical_rank(&svd.values, tolerance);
+
+    let coefficients = solve(&svd, rank, &rotated).component_div(&scale);
+    let unit_covariance = unscale(&pseudo_inverse_of_square(&svd, rank), &scale);
+    let residuals = y - x * &coefficients;
+    let degrees_of_freedom = rows - rank;
+    let residual_variance = weighted_square(&residuals, weights) / degrees_of_freedom as f64;
+    let null_directions = svd.right.columns_range(rank..).into_owned();
+    let unidentifiable = participants(&null_directions);
+    let covariance = blind(&unit_covariance * residual_variance, &unidentifiable);
+    Ok(LinearFit {
+        std_errors: covariance.diagonal().map(f64::sqrt),
+        coefficients,
+        covariance,
+        residuals,
+        residual_variance,
+        degrees_of_freedom,
+        rank,
+        condition: condition(&svd.values),
+        singular_values: svd.values,
+        unidentifiable,
+        null_directions,
+        unit_covariance,
+    })
+}
+
+impl LinearFit {
+    /// `(X' W X)^-1`, the covariance for unit residual variance; infinite on the diagonal of
+    /// `unidentifiable` coefficients.
+    #[must_use]
+    pub fn unit_covariance(&self) -> DMatrix<f64> {
+        blind(self.unit_covariance.clone(), &self.unidentifiable)
+    }
+
+    /// Covariance that stays right when the errors inside a block of rows are correlated and of
+    /// unequal size (cluster-robust "sandwich").
+    ///
+    /// ```text
+    /// C = c (X'WX)^-1 [ sum_b s_b s_b' ] (X'WX)^-1,   s_b = sum_{i in b} w_i r_i x_i
+    /// c = G/(G-1) (n-1)/(n-rank),   G blocks, n rows
+    /// ```
+    ///
+    /// Source: K.-Y. Liang, S. L. Zeger, "Longitudinal data analysis using generalized linear
+    /// models", Biometrika 73 (1986); the factor c is the usual one of Stata and statsmodels.
+    ///
+    /// `x`, `weights` are those of the fit; `blocks` names the block of every row.
+    ///
+    /// # Errors
+    /// If a length differs from that of the fit or there are fewer than two blocks.
+    pub fn sandwich(
+        &self,
+        x: &DMatrix<f64>,
+        weights: Option<&DVector<f64>>,
+        blocks: &[usize],
+    ) -> Result<DMatrix<f64>, MathError> {
+        let rows = self.residuals.len();
+        check_length("the design matrix", x.nrows(), rows)?;
+        check_length("the block index", blocks.len(), rows)?;
+        if let Some(w) = weights {
+            check_length("the weights", w.len(), rows)?;
+        }
+        let mut scores = std::collections::BTreeMap::new();
+        for (row, &block) in blocks.iter().enumerate() {
+            let weight = weights.map_or(1.0, |w| w[row]);
+            let sum = scores.entry(block).or_insert_with(|| DVector::zeros(x.ncols()));
+            *sum += x.row(row).transpose() * (weight * self.residuals[row]);
+        }
+        let count = scores.len();
+        if count < 2 {
+            let method = "a block-robust covariance (blocks)";
+            return Err(MathError::TooFewSamples { method, found: count, required: 2 });
+        }
+        let mut covariance = DMatrix::zeros(x.ncols(), x.ncols());
+        for score in scores.values() {
+            let influence = &self.unit_covariance * score;
+            covariance += &influence * influence.transpose();
+        }
+        let (groups, n) = (count as f64, (self.degrees_of_freedom + self.rank) as f64);
+        covariance *= groups / (groups - 1.0) * (n - 1.0) / self.degrees_of_freedom as f64;
+        Ok(blind(covariance, &self.unidentifiable))
+    }
+}
+
+/// Indices of the parameters whose component in any of the null directions exceeds
+/// [`PARTICIPATION`].
+pub(crate) fn participants(null_directions: &DMatrix<f64>) -> Vec<usize> {
+    // the norm of a row does not depend on the basis chosen for the null space
+    let norms = null_directions.row_iter().map(|row| row.norm());
+    norms.enumerate().filter(|&(_, norm)| norm > PARTICIPATION).map(|(i, _)| i).collect()
+}
+
+/// Sets the variance of the parameters the data are blind to.
+pub(crate) fn blind(mut covariance: DMatrix<f64>, unidentifiable: &[usize]) -> DMatrix<f64> {
+    for &i in unidentifiable {
+        covariance[(i, i)] = f64::INFINITY;
+    }
+    covariance
+}
+
+/// Checks the input and counts the rows of positive weight.
+fn check(
+    x: &DMatrix<f64>,
+    y: &DVector<f64>,
+    weights: Option<&DVector<f64>>,
+) -> Result<usize, MathError> {
+    if x.ncols() == 0 {
+        let setting = "number of columns";
+        return Err(MathError::OutOfRange { setting, found: 0.0, expected: "1 or more" });
+    }
+    check_length("the right-hand side", y.len(), x.nrows())?;
+    for column in x.column_iter() {
+        check_finite("the design matrix", column.iter())?;
+    }
+    check_finite("the right-hand side", y.iter())?;
+    let mut rows = x.nrows();
+    if let Some(w) = weights {
+        check_length("the weights", w.len(), x.nrows())?;
+        check_finite("the weights", w.iter())?;
+        if let Some(&found) = w.iter().find(|&&w| w < 0.0) {
+            return Err(MathError::OutOfRange { setting: "weight", found, expected: ">= 0" });
+        }
+        rows = w.iter().filter(|&&w| w > 0.0).count();
+    }
+    let required = x.ncols() + 1;
+    if rows < required {
+        return Err(MathError::TooFewSamples { method: "least squares", found: rows, required });
+    }
+    Ok(rows)
+}
+
+/// Scales every column to unit norm (a zero column stays) and returns the norms.
+fn scale_columns(a: &mut DMatrix<f64>) -> DVector<f64> {
+    let norms = a.column_iter().map(|c| c.norm()).map(|n| if n > 0.0 { n } else { 1.0 });
+    let scale = DVector::from_iterator(a.ncols(), norms);
+    for (mut column, norm) in a.column_iter_mut().zip(scale.iter()) {
+        column /= *norm;
+    }
+    scale
+}
+
+fn numerical_rank(values: &[f64], tolerance: f64) -> usize {
+    let largest = values.first().copied().unwrap_or(0.0);
+    values.iter().filter(|&&s| s > tolerance * largest).count()
+}
+
+fn condition(values: &[f64]) -> f64 {
+    match (values.first(), values.last()) {
+        (Some(&largest), Some(&smallest)) if smallest > 0.0 => largest / smallest,
+        (Some(_), _) => f64::INFINITY,
+        _ => 1.0,
+    }
+}
+
+fn solve(svd: &SingularValues, rank: usize, b: &DVector<f64>) -> DVector<f64> {
+    let mut solution = DVector::zeros(svd.values.len());
+    for k in 0..rank {
+        let amount = svd.left_scaled.column(k).dot(b) / svd.values[k].powi(2);
+        solution.axpy(amount, &svd.right.column(k), 1.0);
+    }
+    solution
+}
+
+fn pseudo_inverse_of_square(svd: &SingularValues, rank: usize) -> DMatrix<f64> {
+    let mut half = svd.right.columns(0, rank).into_owned();
+    for k in 0..rank {
+        half.column_mut(k).unscale_mut(svd.values[k]);
+    }
+    &half * half.transpose()
+}
+
+fn unscale(covariance: &DMatrix<f64>, scale: &DVector<f64>) -> DMatrix<f64> {
+    let (n, m) = covariance.shape();
+    DMatrix::from_fn(n, m, |i, j| covariance[(i, j)] / (scale[i] * scale[j]))
+}
+
+fn weighted_square(residuals: &DVector<f64>, weights: Option<&DVector<f64>>) -> f64 {
+    let term = |(i, r): (usize, &f64)| weights.map_or(1.0, |w| w[i]) * r * r;
+    residuals.iter().enumerate().map(term).sum()
+}
+
+#[cfg(test)]
+#[path = "least_squares_tests.rs"]
+pub(crate) mod tests;

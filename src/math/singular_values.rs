@@ -1,0 +1,94 @@
+//! Singular values of small matrices by one-sided Jacobi rotations.
+
+use nalgebra::DMatrix;
+
+/// More sweeps than any matrix has been seen to need (about ten).
+const MAX_SWEEPS: usize = 60;
+
+/// Singular value decomposition `A V = U S`, singular values falling.
+#[derive(Debug, Clone)]
+pub(crate) struct SingularValues {
+    /// The columns of U, each times its singular value.
+    pub(crate) left_scaled: DMatrix<f64>,
+    /// Singular values, largest first.
+    pub(crate) values: Vec<f64>,
+    /// The columns are the right singular vectors.
+    pub(crate) right: DMatrix<f64>,
+}
+
+/// Decomposes a finite matrix with at least as many rows as columns.
+///
+/// Rotations make the columns of `A V` orthogonal; small singular values keep their relative
+/// accuracy, which the rank decision needs and a bidiagonal method does not promise.
+///
+/// Source: M. R. Hestenes, "Inversion of matrices by biorthogonalization", SIAM J. 6 (1958).
+pub(crate) fn singular_values(matrix: DMatrix<f64>) -> SingularValues {
+    let columns = matrix.ncols();
+    let mut left = matrix;
+    let mut right = DMatrix::identity(columns, columns);
+    for _ in 0..MAX_SWEEPS {
+        let mut rotated = false;
+        for p in 0..columns {
+            for q in p + 1..columns {
+                rotated |= make_orthogonal(&mut left, &mut right, p, q);
+            }
+        }
+        if !rotated {
+            break;
+        }
+    }
+    let norms: Vec<f64> = left.column_iter().map(|c| c.norm()).collect();
+    let mut order: Vec<usize> = (0..columns).collect();
+    order.sort_by(|&i, &j| norms[j].total_cmp(&norms[i]));
+    SingularValues {
+        left_scaled: left.select_columns(&order),
+        values: order.iter().map(|&i| norms[i]).collect(),
+        right: right.select_columns(&order),
+    }
+}
+
+/// Rotates columns `p` and `q` until they are orthogonal; false if they already were.
+fn make_orthogonal(left: &mut DMatrix<f64>, right: &mut DMatrix<f64>, p: usize, q: usize) -> bool {
+    let (pp, qq) = (left.column(p).norm_squared(), left.column(q).norm_squared());
+    let pq = left.column(p).dot(&left.column(q));
+    if pq.abs() <= 4.0 * f64::EPSILON * (pp * qq).sqrt() {
+        return false;
+    }
+    let zeta = (qq - pp) / (2.0 * pq);
+    let tangent = zeta.signum() / (zeta.abs() + (1.0 + zeta * zeta).sqrt());
+    let cosine = 1.0 / (1.0 + tangent * tangent).sqrt();
+    rotate(left, p, q, cosine, cosine * tangent);
+    rotate(right, p, q, cosine, cosine * tangent);
+    true
+}
+
+fn rotate(m: &mut DMatrix<f64>, p: usize, q: usize, cosine: f64, sine: f64) {
+    for row in 0..m.nrows() {
+        let (a, b) = (m[(row, p)], m[(row, q)]);
+        m[(row, p)] = cosine * a - sine * b;
+        m[(row, q)] = sine * a + cosine * b;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_singular_values_of_a_hilbert_matrix_equal_mpmath() {
+        let hilbert = DMatrix::from_fn(6, 6, |i, j| 1.0 / (i + j + 1) as f64);
+        let svd = singular_values(hilbert.clone());
+        // mpmath.svd at 50 digits; the entries are rounded, so the smallest is good to 1e-17/1e-7
+        assert!((svd.values[0] / 1.618_899_858_924_339 - 1.0).abs() < 1e-14);
+        assert!((svd.values[5] / 1.082_799_484_565_55e-7 - 1.0).abs() < 1e-8);
+        let identity = svd.right.transpose() * &svd.right;
+        assert!((identity - DMatrix::identity(6, 6)).amax() < 1e-14);
+        assert!((hilbert * &svd.right - svd.left_scaled).amax() < 1e-15);
+    }
+
+    #[test]
+    fn a_zero_column_has_a_zero_singular_value() {
+        let svd = singular_values(DMatrix::from_row_slice(2, 2, &[0.0, 3.0, 0.0, 4.0]));
+        assert_eq!(svd.values, [5.0, 0.0]);
+    }
+}

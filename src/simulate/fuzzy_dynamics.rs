@@ -1,0 +1,177 @@
+//! A fuzzy state emulator as dynamics: acceleration = f̂(w1, w2) + G u.
+
+use super::{Dynamics, Hold, Input, SimulateError, Structure, TakagiSugeno};
+use crate::robot::State;
+
+/// Below this strength of its best trained rule a state is outside what was learnt.
+const COVERED: f64 = 0.2;
+/// Longest step of the integrator [s].
+const LONGEST_STEP: f64 = 0.005;
+/// A wheel speed beyond which the motion has left all bounds [rad/s].
+const LIMIT: f64 = 1e4;
+
+/// The two fuzzy systems in the place of f3 and f4 of eq. (18).
+///
+/// ```text
+/// w' = f̂(w) + G u,   f̂ = [f31, f41]      eq. (17), (19) with K = 0
+/// ```
+/// There is no stick and slip in it: what friction does at rest is what the rules learnt.
+///
+/// Source: the paper, section 3, eq. (17), (19).
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct FuzzyDynamics {
+    /// f31 and f41.
+    pub system: TakagiSugeno,
+    /// G [[G31, G32], [G41, G42]] [1/(kg m²), or per drive unit].
+    pub input_gain: [[f64; 2]; 2],
+    /// Rules that the training data excited: strength of at least 0.2 in some sample.
+    pub trained: Vec<bool>,
+    /// Gain K on the wheel speeds with which the rules were fitted [1/s].
+    pub gain: f64,
+    /// Structure in which they were fitted.
+    pub structure: Structure,
+}
+
+impl FuzzyDynamics {
+    /// Marks the rules that `speeds` [rad/s] excite as trained.
+    #[must_use]
+    pub fn new<'a>(
+        system: TakagiSugeno,
+        input_gain: [[f64; 2]; 2],
+        gain: f64,
+        structure: Structure,
+        speeds: impl IntoIterator<Item = &'a [f64; 2]>,
+    ) -> Self {
+        let mut trained = vec![false; system.rules()];
+        for omega in speeds {
+            for (trained, strength) in trained.iter_mut().zip(system.firing(omega)) {
+                *trained |= strength >= COVERED;
+            }
+        }
+        Self { system, input_gain, trained, gain, structure }
+    }
+
+    /// Whether what the systems say at these wheel speeds [rad/s] was learnt from data: within the
+    /// range (and half a spacing beyond), and the strongest trained rule fires with at least 0.2.
+    ///
+    /// # Examples
+    /// ```
+    /// use amigo_ident::simulate::{
+    ///     Consequents, Defuzzification, FuzzyDynamics, Structure, TakagiSugeno};
+    /// let system = TakagiSugeno::uniform(
+    ///     6, [(0.0, 30.0); 2], Consequents::Constant, Defuzzification::WeightedAverage);
+    /// let slow = [[1.0, 1.0], [5.0, 5.0]];
+    /// let g = [[30.0, 2.0], [2.0, 30.0]];
+    /// let learnt = FuzzyDynamics::new(system, g, 1.0, Structure::Parallel, &slow);
+    /// assert!(learnt.covers(&[5.5, 6.0]) && !learnt.covers(&[25.0, 25.0]));
+    /// ```
+    #[must_use]
+    pub fn covers(&self, omega: &[f64; 2]) -> bool {
+        let near = (0..2).all(|i| {
+            let (low, high) = self.system.range()[i];
+            let margin = 0.5 * (high - low) / (self.system.memberships(i).len() - 1) as f64;
+            omega[i] >= low - margin && omega[i] <= high + margin
+        });
+        let firing = self.system.firing(omega);
+        near && firing.iter().zip(&self.trained).any(|(h, trained)| *trained && *h >= COVERED)
+    }
+
+    /// Share of `speeds` [rad/s] that [`Self::covers`] accepts.
+    #[must_use]
+    pub fn coverage(&self, speeds: &[[f64; 2]]) -> f64 {
+        let covered = speeds.iter().filter(|omega| self.covers(omega)).count();
+        covered as f64 / speeds.len().max(1) as f64
+    }
+
+    fn rate(&self, omega: &[f64; 2], u: &[f64; 2]) -> [f64; 2] {
+        let f = self.system.output(omega);
+        [0, 1].map(|i| f[i] + self.input_gain[i][0] * u[0] + self.input_gain[i][1] * u[1])
+    }
+}
+
+impl Dynamics for FuzzyDynamics {
+    fn acceleration(
+        &self,
+        _t: f64,
+        state: &State,
+        moment: &[f64; 2],
+    ) -> Result<[f64; 2], SimulateError> {
+        Ok(self.rate(&state.omega, moment))
+    }
+
+    /// Runge-Kutta 4 in steps of at most 5 ms.
+    fn simulate(&self, input: &Input, start: State) -> Result<Vec<State>, SimulateError> {
+        let mut motion = Vec::with_capacity(input.t.len());
+        motion.push(start);
+        let mut state = start;
+        for k in 1..input.t.len() {
+            let (t, dt) = (input.t[k], input.t[k] - input.t[k - 1]);
+            let from = input.moment[k - 1];
+            let to = if input.hold == Hold::Linear { input.moment[k] } else { from };
+            let steps = ((dt / LONGEST_STEP - 1e-6).ceil() as usize).max(1);
+            for step in 0..steps {
+                let drive = |c: f64| {
+                    let c = (step as f64 + c) / steps as f64;
+                    [0, 1].map(|i| from[i] + c * (to[i] - from[i]))
+                };
+                state = self.step(&state, dt / steps as f64, drive);
+            }
+            if !state.omega.iter().all(|w| w.abs() < LIMIT) {
+                return Err(SimulateError::Diverged { t, limit: LIMIT });
+            }
+            motion.push(state);
+        }
+        Ok(motion)
+    }
+
+    fn fuzzy(&self) -> Option<&Self> {
+        Some(self)
+    }
+}
+
+impl FuzzyDynamics {
+    fn step(&self, state: &State, h: f64, drive: impl Fn(f64) -> [f64; 2]) -> State {
+        let w = state.omega;
+        let plus = |h: f64, k: &[f64; 2]| [0, 1].map(|i| w[i] + h * k[i]);
+        let k1 = self.rate(&w, &drive(0.0));
+        let w2 = plus(0.5 * h, &k1);
+        let k2 = self.rate(&w2, &drive(0.5));
+        let w3 = plus(0.5 * h, &k2);
+        let k3 = self.rate(&w3, &drive(0.5));
+        let w4 = plus(h, &k3);
+        let k4 = self.rate(&w4, &drive(1.0));
+        State {
+            alpha: [0, 1]
+                .map(|i| state.alpha[i] + h / 6.0 * (w[i] + 2.0 * (w2[i] + w3[i]) + w4[i])),
+            omega: [0, 1].map(|i| w[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i])),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulate::{Consequents, Defuzzification};
+
+    #[test]
+    fn constant_rules_give_uniform_acceleration() {
+        let range = [(0.0, 30.0); 2];
+        let mut system = TakagiSugeno::uniform(
+            6,
+            range,
+            Consequents::Constant,
+            Defuzzification::WeightedAverage,
+        );
+        system.set_parameters(&[-4.0; 72]);
+        let g = [[30.0, 2.0], [2.0, 30.0]];
+        let fuzzy = FuzzyDynamics::new(system, g, 1.0, Structure::Parallel, &[]);
+        let t: Vec<f64> = (0..101).map(|k| 0.01 * f64::from(k)).collect();
+        let moment = vec![[0.2, 0.1]; 101];
+        let input = Input { t: &t, moment: &moment, hold: Hold::Linear };
+        let end = fuzzy.simulate(&input, State::default()).unwrap()[100];
+        // w = a t, alpha = a t²/2 with a1 = 30 0.2 + 2 0.1 - 4 = 2.2, a2 = 0.4 + 3 - 4 = -0.6
+        for (i, a) in [2.2, -0.6].into_iter().enumerate() {
+            assert!((end.omega[i] - a).abs() < 1e-12 && (end.alpha[i] - 0.5 * a).abs() < 1e-12);
+        }
+    }
+}

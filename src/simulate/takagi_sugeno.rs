@@ -1,0 +1,376 @@
+//! The Takagi-Sugeno fuzzy systems f31 and f41 of the paper.
+
+use serde::{Deserialize, Serialize};
+
+/// Most membership functions an input may have.
+pub const MOST_MEMBERSHIPS: usize = 16;
+
+/// A Gaussian membership function.
+///
+/// ```text
+/// mu(x) = exp(-(x - c)² / (2 s²))
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Gaussian {
+    /// Centre c [rad/s].
+    pub centre: f64,
+    /// Width s, the standard deviation [rad/s].
+    pub width: f64,
+}
+
+impl Gaussian {
+    /// Membership of `x` [rad/s], in [0, 1].
+    #[must_use]
+    pub fn membership(&self, x: f64) -> f64 {
+        let z = (x - self.centre) / self.width;
+        (-0.5 * z * z).exp()
+    }
+}
+
+/// How the consequents of the rules become one number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Defuzzification {
+    /// Σ strength × consequent / Σ strength.
+    #[default]
+    WeightedAverage,
+    /// Σ strength × consequent.
+    WeightedSum,
+}
+
+/// What a rule concludes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Consequents {
+    /// A number p0.
+    #[default]
+    Constant,
+    /// p0 + p1 (w1 - c1) + p2 (w2 - c2) about the centre (c1, c2) of the rule.
+    Affine,
+}
+
+impl Consequents {
+    /// Numbers a rule holds for one output.
+    #[must_use]
+    pub const fn terms(self) -> usize {
+        match self {
+            Self::Constant => 1,
+            Self::Affine => 3,
+        }
+    }
+}
+
+/// Two Takagi-Sugeno systems over the same inputs, membership functions and rules: f31 and f41.
+///
+/// ```text
+/// rule (i, j): if w1 is mu_i and w2 is nu_j then f31 = p_ij, f41 = q_ij
+/// strength     h_ij = mu_i(w1) nu_j(w2)
+/// f31 = Σ h_ij p_ij / Σ h_ij      (weighted average; without the division: weighted sum)
+/// ```
+/// Every membership function of the first input meets every one of the second: 6 and 6 make 36
+/// rules, numbered r = i m2 + j. The inputs are clamped to their ranges, so that outside (with the
+/// paper's range [0, 30] rad/s: below zero) the systems keep the value at the edge.
+///
+/// Source: the paper, section 3, Fig. 6-11; Takagi and Sugeno, IEEE Trans. SMC 15 (1985).
+///
+/// # Examples
+/// ```
+/// use amigo_ident::simulate::{Consequents, Defuzzification, TakagiSugeno};
+/// let mut system = TakagiSugeno::uniform(
+///     6, [(0.0, 30.0); 2], Consequents::Constant, Defuzzification::WeightedAverage);
+/// assert_eq!(system.rules(), 36);
+/// system.set_parameters(&[-4.0; 72]);
+/// assert!((system.output(&[3.0, 7.0])[1] + 4.0).abs() < 1e-12); // a mean of equal numbers
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TakagiSugeno {
+    memberships: [Vec<Gaussian>; 2],
+    range: [(f64, f64); 2],
+    consequents: Consequents,
+    defuzzification: Defuzzification,
+    /// All consequents of f31, rule by rule, then all of f41.
+    parameters: Vec<f64>,
+}
+
+/// Memberships of one input (normalised for the average) and their slopes.
+#[derive(Clone, Copy)]
+struct Grades {
+    value: [f64; MOST_MEMBERSHIPS],
+    slope: [f64; MOST_MEMBERSHIPS],
+    /// The input, clamped to its range.
+    x: f64,
+    /// 1 within the range, 0 where the input is clamped.
+    inside: f64,
+}
+
+impl TakagiSugeno {
+    /// Membership functions evenly spaced over each range [rad/s], of half-height width equal to
+    /// their spacing (s = spacing / 2.355), and consequents of zero.
+    ///
+    /// # Panics
+    /// If `count` is not in 2..=16 or a range is empty.
+    #[must_use]
+    pub fn uniform(
+        count: usize,
+        range: [(f64, f64); 2],
+        consequents: Consequents,
+        defuzzification: Defuzzification,
+    ) -> Self {
+        assert!((2..=MOST_MEMBERSHIPS).contains(&count), "2 to 16 membership functions");
+        let memberships = range.map(|(low, high)| {
+            assert!(high > low, "a range from low to high");
+            let spacing = (high - low) / (count - 1) as f64;
+            // full width at half height of a Gaussian: 2 sqrt(2 ln 2) s
+            let width = spacing / (8.0 * std::f64::consts::LN_2).sqrt();
+            (0..count).map(|i| Gaussian { centre: low + spacing * i as f64, width }).collect()
+        });
+        let parameters = vec![0.0; 2 * count * count * consequents.terms()];
+        Self { memberships, range, consequents, defuzzification, parameters }
+    }
+
+    /// Membership functions of input 0 (w1) or 1 (w2), Fig. 8 and 9.
+    ///
+    /// # Panics
+    /// If `input` is not 0 or 1.
+    #[must_use]
+    pub fn memberships(&self, input: usize) -> &[Gaussian] {
+        &self.memberships[input]
+    }
+
+    /// Range of each input [rad/s].
+    #[must_use]
+    pub const fn range(&self) -> [(f64, f64); 2] {
+        self.range
+    }
+
+    /// What a rule concludes.
+    #[must_use]
+    pub const fn consequents(&self) -> Consequents {
+        self.consequents
+    }
+
+    /// How the rules are weighed.
+    #[must_use]
+    pub const fn defuzzification(&self) -> Defuzzification {
+        self.defuzzification
+    }
+
+    /// Number of rules.
+    #[must_use]
+    pub fn rules(&self) -> usize {
+        self.memberships[0].len() * self.memberships[1].len()
+    }
+
+    /// The membership functions (i, j) that rule `rule` joins.
+    #[must_use]
+    pub fn rule(&self, rule: usize) -> (usize, usize) {
+        (rule / self.memberships[1].len(), rule % self.memberships[1].len())
+    }
+
+    /// Where rule `rule` fires most [rad/s].
+    ///
+    /// # Panics
+    /// If there is no such rule.
+    #[must_use]
+    pub fn centre(&self, rule: usize) -> [f64; 2] {
+        let (i, j) = self.rule(rule);
+        [self.memberships[0][i].centre, self.memberships[1][j].centre]
+    }
+
+    /// Consequent of a rule for output 0 (f31) or 1 (f41): one number [rad/s²], or three
+    /// [rad/s², 1/s, 1/s].
+    ///
+    /// # Panics
+    /// If there is no such output or rule.
+    #[must_use]
+    pub fn consequent(&self, output: usize, rule: usize) -> &[f64] {
+        let terms = self.consequents.terms();
+        let from = (output * self.rules() + rule) * terms;
+        &self.parameters[from..from + terms]
+    }
+
+    /// All consequents: those of f31 rule by rule, then those of f41.
+    #[must_use]
+    pub fn parameters(&self) -> &[f64] {
+        &self.parameters
+    }
+
+    /// Replaces all consequents.
+    ///
+    /// # Panics
+    /// If the number differs from that of [`Self::parameters`].
+    pub fn set_parameters(&mut self, parameters: &[f64]) {
+        self.parameters.copy_from_slice(parameters);
+    }
+
+    /// Centres and widths: input 1 centres, input 1 widths, input 2 centres, input 2 widths
+    /// [rad/s].
+    #[must_use]
+    pub fn premises(&self) -> Vec<f64> {
+        let mut out = Vec::new();
+        for input in &self.memberships {
+            out.extend(input.iter().map(|m| m.centre));
+            out.extend(input.iter().map(|m| m.width));
+        }
+        out
+    }
+
+    /// Replaces centres and widths, in the order of [`Self::premises`].
+    ///
+    /// # Panics
+    /// If there are too few.
+    pub fn set_premises(&mut self, premises: &[f64]) {
+        let mut rest = premises;
+        for input in &mut self.memberships {
+            let (own, after) = rest.split_at(2 * input.len());
+            let (centres, widths) = own.split_at(input.len());
+            for ((m, &centre), &width) in input.iter_mut().zip(centres).zip(widths) {
+                *m = Gaussian { centre, width };
+            }
+            rest = after;
+        }
+    }
+
+    /// Strength of every rule at wheel speeds `omega` [rad/s]; they add up to one in the weighted
+    /// average.
+    #[must_use]
+    pub fn firing(&self, omega: &[f64; 2]) -> Vec<f64> {
+        let (a, b) = (self.grades(0, omega[0]), self.grades(1, omega[1]));
+        (0..self.rules()).map(|r| self.rule(r)).map(|(i, j)| a.value[i] * b.value[j]).collect()
+    }
+
+    /// [f31, f41] at wheel speeds `omega` [rad/s²].
+    #[must_use]
+    pub fn output(&self, omega: &[f64; 2]) -> [f64; 2] {
+        let (a, b) = (self.grades(0, omega[0]), self.grades(1, omega[1]));
+        self.evaluate(&a, &b, false).0
+    }
+
+    /// [f31, f41] [rad/s²] and their derivatives [output][input] to the wheel speeds [1/s].
+    #[must_use]
+    pub fn output_and_gradient(&self, omega: &[f64; 2]) -> ([f64; 2], [[f64; 2]; 2]) {
+        let (a, b) = (self.grades(0, omega[0]), self.grades(1, omega[1]));
+        self.evaluate(&a, &b, true)
+    }
+
+    /// The regressor of one output: output = basis · consequents of that output.
+    ///
+    /// # Panics
+    /// If `basis` has not one place a consequent of one output.
+    pub fn basis(&self, omega: &[f64; 2], basis: &mut [f64]) {
+        let (a, b) = (self.grades(0, omega[0]), self.grades(1, omega[1]));
+        let terms = self.consequents.terms();
+        let columns = self.memberships[1].len();
+        for (i, m) in self.memberships[0].iter().enumerate() {
+            for (j, n) in self.memberships[1].iter().enumerate() {
+                let strength = a.value[i] * b.value[j];
+                let at = &mut basis[(i * columns + j) * terms..][..terms];
+                at[0] = strength;
+                if terms == 3 {
+                    at[1] = strength * (a.x - m.centre);
+                    at[2] = strength * (b.x - n.centre);
+                }
+            }
+        }
+    }
+
+    /// Derivatives of [f31, f41] to the centres and widths, in the order of [`Self::premises`].
+    #[must_use]
+    pub fn premise_gradient(&self, omega: &[f64; 2]) -> Vec<[f64; 2]> {
+        let (a, b) = (self.grades(0, omega[0]), self.grades(1, omega[1]));
+        let grades = [&a, &b];
+        let (value, _) = self.evaluate(&a, &b, false);
+        let mut out = Vec::new();
+        for input in 0..2 {
+            let count = self.memberships[input].len();
+            let mut widths = Vec::with_capacity(count);
+            for i in 0..count {
+                let m = self.memberships[input][i];
+                let z = (grades[input].x - m.centre) / m.width;
+                // mean of the consequents and of their slopes along the rules that use m
+                let (mut row, mut slope) = ([0.0; 2], [0.0; 2]);
+                for k in 0..self.memberships[1 - input].len() {
+                    let rule = if input == 0 { (i, k) } else { (k, i) };
+                    for o in 0..2 {
+                        let (y, d) = self.conclusion(o, rule, a.x, b.x);
+                        row[o] += grades[1 - input].value[k] * y;
+                        slope[o] += grades[1 - input].value[k] * d[input];
+                    }
+                }
+                let grade = grades[input].value[i];
+                let pull = [0, 1].map(|o| match self.defuzzification {
+                    Defuzzification::WeightedAverage => grade * (row[o] - value[o]),
+                    Defuzzification::WeightedSum => grade * row[o],
+                });
+                out.push([0, 1].map(|o| pull[o] * z / m.width - grade * slope[o]));
+                widths.push(pull.map(|p| p * z * z / m.width));
+            }
+            out.extend(widths);
+        }
+        out
+    }
+
+    fn grades(&self, input: usize, x: f64) -> Grades {
+        let (low, high) = self.range[input];
+        let inside = if x >= low && x <= high { 1.0 } else { 0.0 };
+        let x = x.clamp(low, high);
+        let mut grades =
+            Grades { value: [0.0; MOST_MEMBERSHIPS], slope: [0.0; MOST_MEMBERSHIPS], x, inside };
+        let (mut sum, mut slopes) = (0.0, 0.0);
+        for (i, m) in self.memberships[input].iter().enumerate() {
+            let z = (x - m.centre) / m.width;
+            let value = (-0.5 * z * z).exp();
+            let slope = -z / m.width * value * inside;
+            (grades.value[i], grades.slope[i]) = (value, slope);
+            sum += value;
+            slopes += slope;
+        }
+        if self.defuzzification == Defuzzification::WeightedAverage {
+            // the sum over rules is the product of the sums, so each input is normalised alone
+            let sum = sum.max(1e-300);
+            for i in 0..self.memberships[input].len() {
+                grades.value[i] /= sum;
+                grades.slope[i] = (grades.slope[i] - grades.value[i] * slopes) / sum;
+            }
+        }
+        grades
+    }
+
+    /// What a rule concludes for an output at (x1, x2), with its slopes.
+    fn conclusion(&self, output: usize, rule: (usize, usize), x1: f64, x2: f64) -> (f64, [f64; 2]) {
+        let p = self.consequent(output, rule.0 * self.memberships[1].len() + rule.1);
+        match self.consequents {
+            Consequents::Constant => (p[0], [0.0; 2]),
+            Consequents::Affine => {
+                let (m, n) = (self.memberships[0][rule.0], self.memberships[1][rule.1]);
+                (p[0] + p[1] * (x1 - m.centre) + p[2] * (x2 - n.centre), [p[1], p[2]])
+            }
+        }
+    }
+
+    fn evaluate(&self, a: &Grades, b: &Grades, slopes: bool) -> ([f64; 2], [[f64; 2]; 2]) {
+        let (mut value, mut gradient) = ([0.0; 2], [[0.0; 2]; 2]);
+        for o in 0..2 {
+            for i in 0..self.memberships[0].len() {
+                // along one row of rules: mean, its slope in w2, mean slopes of the consequents
+                let (mut row, mut row2, mut d) = (0.0, 0.0, [0.0; 2]);
+                for j in 0..self.memberships[1].len() {
+                    let (y, slope) = self.conclusion(o, (i, j), a.x, b.x);
+                    row += b.value[j] * y;
+                    if slopes {
+                        row2 += b.slope[j] * y;
+                        d[0] += b.value[j] * slope[0];
+                        d[1] += b.value[j] * slope[1];
+                    }
+                }
+                value[o] += a.value[i] * row;
+                gradient[o][0] += a.slope[i] * row + a.value[i] * d[0] * a.inside;
+                gradient[o][1] += a.value[i] * (row2 + d[1] * b.inside);
+            }
+        }
+        (value, gradient)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,292 @@
+//! Wrong files, wrong data, odd formats: a clear message and the right exit code, or the right
+//! result; never a panic and never half a result.
+
+use crate::support::{Folder, HEADER, Row, csv, motion, on, text};
+use amigo_ident::io::{TableColumn, write_parquet_table};
+
+/// Runs an experiment on a recording of these bytes and expects code 2 with these words.
+fn refused(bytes: impl AsRef<[u8]>, words: &[&str]) {
+    let folder = Folder::new();
+    folder.write("run.csv", bytes).write("e.toml", on("run.csv"));
+    folder.run(&["e.toml"]).says(2, words);
+    assert!(!folder.has("reports"), "nothing may be written before the data are right");
+    folder.run(&["check", "e.toml"]).says(2, words);
+}
+
+/// Runs an experiment on a recording under this name and returns its parameters.
+fn parameters(name: &str, bytes: impl AsRef<[u8]>) -> Vec<(String, f64)> {
+    let folder = Folder::new();
+    folder.write(name, bytes).write("e.toml", on(name));
+    folder.run(&["e.toml"]).says(0, &["e: "]);
+    let results = folder.results("reports/e");
+    let parameters = results["methods"][0]["parameters"].as_array().unwrap().clone();
+    let pair = |p: &serde_json::Value| {
+        (p["symbol"].as_str().unwrap().to_string(), p["value"].as_f64().unwrap())
+    };
+    parameters.iter().map(pair).collect()
+}
+
+fn changed(row: usize, column: usize, value: f64) -> Vec<Row> {
+    let mut rows = motion();
+    rows[row - 1][column] = value;
+    rows
+}
+
+#[test]
+fn an_empty_recording_is_named() {
+    refused("", &["run.csv", "is empty"]);
+    refused("\n\n", &["run.csv", "is empty"]);
+}
+
+#[test]
+fn a_header_without_rows_is_named() {
+    refused(format!("{HEADER}\n"), &["run.csv", "no row of data"]);
+}
+
+#[test]
+fn a_missing_column_is_named_with_the_nearest() {
+    let rows = motion();
+    let header = HEADER.replace("M2", "M_2");
+    let words =
+        ["no column `M2`", "did you mean `M_2`?", "t, dalpha1, dalpha2, M1, M_2", "columns"];
+    refused(text(&rows, &header, ",", |x| x.to_string(), "\n"), &words);
+}
+
+#[test]
+fn text_in_place_of_a_number_is_named_with_row_and_column() {
+    let mut lines: Vec<String> = csv(&motion()).lines().map(String::from).collect();
+    lines[7] = "0.06,1.0,broken,0.1,0.1".into();
+    refused(lines.join("\n"), &["run.csv, row 7", "dalpha2", "`broken`", "expected a number"]);
+    lines[7] = "0.06,1.0,,0.1,0.1".into();
+    refused(lines.join("\n"), &["run.csv, row 7", "dalpha2", "expected a number"]);
+}
+
+#[test]
+fn values_that_are_not_finite_are_named_with_row_and_column() {
+    refused(csv(&changed(12, 3, f64::NAN)), &["run.csv, row 12", "M1 is NaN", "finite"]);
+    refused(csv(&changed(5, 1, f64::INFINITY)), &["run.csv, row 5", "dalpha1 is inf", "finite"]);
+    refused(csv(&changed(5, 0, f64::NAN)), &["run.csv, row 5", "t is NaN", "finite"]);
+}
+
+#[test]
+fn time_that_goes_backwards_or_stands_still_is_named_with_its_row() {
+    refused(csv(&changed(100, 0, 0.5)), &["run.csv, row 100", "t = 0.5 s does not exceed"]);
+    let rows = changed(100, 0, motion()[98][0]);
+    refused(csv(&rows), &["run.csv, row 100", "does not exceed"]);
+}
+
+#[test]
+fn one_sample_and_two_are_too_few() {
+    refused(csv(&motion()[..1]), &["run.csv", "1 samples", "at least"]);
+    refused(csv(&motion()[..2]), &["run.csv", "2 samples", "at least"]);
+}
+
+#[test]
+fn a_folder_or_nothing_in_place_of_a_recording_is_named() {
+    let folder = Folder::new();
+    std::fs::create_dir(folder.path("run.csv")).unwrap();
+    folder.write("e.toml", on("run.csv")).write("gone.toml", on("gone.csv"));
+    folder.run(&["e.toml"]).says(2, &["run.csv", "is a directory"]);
+    folder.run(&["gone.toml"]).says(2, &["gone.csv", "No such file"]);
+    folder.run(&["nothing.toml"]).says(2, &["nothing.toml", "No such file"]);
+    folder.run(&["."]).says(2, &["directory"]);
+    assert!(!folder.has("reports"));
+}
+
+#[test]
+fn moments_that_are_all_zero_are_no_data_and_on_one_wheel_a_warning() {
+    let rows: Vec<Row> = motion().iter().map(|r| [r[0], r[1], r[2], 0.0, 0.0]).collect();
+    refused(csv(&rows), &["e.toml", "M1 and M2 are zero", "run.csv"]);
+    let rows: Vec<Row> = motion().iter().map(|r| [r[0], r[1], r[2], r[3], 0.0]).collect();
+    let folder = Folder::new();
+    folder.write("run.csv", csv(&rows)).write("e.toml", on("run.csv"));
+    folder.run(&["check", "e.toml"]).says(0, &["M2 is zero throughout"]);
+    let ran = folder.run(&["e.toml"]);
+    ran.says(0, &[]);
+    assert!(ran.err.contains("warning: e: run.csv: M2 is zero throughout"), "{}", ran.err);
+}
+
+#[test]
+fn a_wheel_that_never_moves_is_named() {
+    let rows: Vec<Row> = motion().iter().map(|r| [r[0], r[1], 0.0, r[3], 0.0]).collect();
+    let folder = Folder::new();
+    folder.write("run.csv", csv(&rows)).write("e.toml", on("run.csv"));
+    folder.run(&["check", "e.toml"]).says(0, &["wheel 2 (left) never moves"]);
+    let ran = folder.run(&["e.toml"]);
+    // a method may refuse such data; then it says so and nothing is left behind
+    let words = if ran.code == 0 { "e: window error" } else { "the wheels stand still" };
+    ran.says(ran.code.clamp(0, 1), &["warning: e: run.csv: wheel 2 (left) never moves", words]);
+    assert_eq!(folder.has("reports"), ran.code == 0);
+}
+
+#[test]
+fn a_recording_that_is_not_utf_8_is_named() {
+    let mut bytes = csv(&motion()).into_bytes();
+    bytes[0] = 0xff;
+    refused(&bytes, &["run.csv", "UTF-8"]);
+    let mut bytes = csv(&motion()).into_bytes();
+    let middle = bytes.len() / 2;
+    bytes[middle] = 0xff;
+    refused(&bytes, &["run.csv"]);
+}
+
+#[test]
+fn separators_decimal_commas_bom_crlf_and_units_in_headers_change_nothing() {
+    let rows = motion();
+    let plain = parameters("run.csv", csv(&rows));
+    assert!(plain.iter().any(|(s, v)| s == "a1" && (v - 0.0319).abs() < 2e-3), "{plain:?}");
+    let point = |x: f64| x.to_string();
+    let comma = |x: f64| x.to_string().replace('.', ",");
+    let semicolon = HEADER.replace(',', ";");
+    let units = "t [s],dalpha1 [rad/s],dalpha2 [rad/s],M1 [N m],M2 [N m]";
+    let spaced = HEADER.replace(',', ", ");
+    let ways = [
+        ("semicolon, comma", text(&rows, &semicolon, ";", comma, "\n")),
+        ("semicolon, point", text(&rows, &semicolon, ";", point, "\n")),
+        ("tab", text(&rows, &HEADER.replace(',', "\t"), "\t", point, "\n")),
+        ("tab, comma", text(&rows, &HEADER.replace(',', "\t"), "\t", comma, "\n")),
+        ("units", text(&rows, units, ",", point, "\n")),
+        ("byte order mark", format!("\u{feff}{}", csv(&rows))),
+        ("CRLF", text(&rows, HEADER, ",", point, "\r\n")),
+        (
+            "BOM, CRLF, semicolon",
+            format!("\u{feff}{}", text(&rows, &semicolon, ";", comma, "\r\n")),
+        ),
+        ("spaces", text(&rows, &spaced, ", ", point, "\n")),
+        ("comments", format!("# robot 3\n# floor\n{}", csv(&rows))),
+        ("blank lines", format!("\n{}\n\n", csv(&rows))),
+        ("quoted", text(&rows, "\"t\",\"dalpha1\",\"dalpha2\",\"M1\",\"M2\"", ",", point, "\n")),
+    ];
+    for (way, bytes) in ways {
+        assert_eq!(parameters("run.csv", bytes), plain, "{way}");
+    }
+}
+
+fn parquet(rows: &[Row]) -> Vec<u8> {
+    let columns: Vec<TableColumn> = HEADER
+        .split(',')
+        .enumerate()
+        .map(|(j, name)| TableColumn::Number(name.into(), rows.iter().map(|r| r[j]).collect()))
+        .collect();
+    write_parquet_table(std::path::Path::new("run.parquet"), &columns).unwrap()
+}
+
+#[test]
+fn parquet_gives_the_same_results_as_csv() {
+    let rows = motion();
+    assert_eq!(parameters("run.parquet", parquet(&rows)), parameters("run.csv", csv(&rows)));
+}
+
+#[test]
+fn half_a_parquet_file_is_named() {
+    let bytes = parquet(&motion());
+    for part in [&bytes[..bytes.len() / 2], &bytes[..3], &bytes[..0]] {
+        let folder = Folder::new();
+        folder.write("run.parquet", part).write("e.toml", on("run.parquet"));
+        folder.run(&["e.toml"]).says(2, &["run.parquet"]);
+        assert!(!folder.has("reports"));
+    }
+    let mut rows = motion();
+    rows[20][4] = f64::NAN;
+    let folder = Folder::new();
+    folder.write("run.parquet", parquet(&rows)).write("e.toml", on("run.parquet"));
+    folder.run(&["e.toml"]).says(2, &["run.parquet, row 21", "M2 is NaN"]);
+}
+
+/// An experiment file that needs no recording, with a line of its own.
+fn made(more: &str) -> String {
+    format!(
+        "[simulation]\nmovement = \"paper\"\ntrain = 1\nvalidation = 0\n\n\
+         [[method]]\nname = \"prediction_error\"\n\n{more}"
+    )
+}
+
+fn file_refused(text: impl AsRef<[u8]>, words: &[&str]) {
+    let folder = Folder::new();
+    folder.write("e.toml", text);
+    folder.run(&["e.toml"]).says(2, words);
+    folder.run(&["check", "e.toml"]).says(2, words);
+    assert!(!folder.has("reports"));
+}
+
+#[test]
+fn wrong_keys_types_and_names_in_the_experiment_file_are_named() {
+    file_refused(made("[model]\nefects = []\n"), &["e.toml", "line 10", "did you mean `effects`?"]);
+    file_refused(made("[model]\neffects = \"slope\"\n"), &["e.toml", "line 10", "effects"]);
+    file_refused(made("[model]\neffects = [\"slop\"]\n"), &["e.toml", "did you mean `slope`?"]);
+    file_refused(
+        made("[[method]]\nname = \"predictionerror\"\n"),
+        &["did you mean `prediction_error`?"],
+    );
+    file_refused(made("[[method]]\n"), &["[[method]] has no name"]);
+    file_refused(
+        made("[[method]]\nname = \"prediction_error\"\nmax_itertions = 3\n"),
+        &["e.toml", "max_itertions"],
+    );
+    file_refused(
+        made("[diagnosis]\ncandidates = [\"viscos_friction\"]\n"),
+        &["e.toml", "did you mean `viscous_friction`?"],
+    );
+    file_refused("title = \n", &["e.toml", "line 1"]);
+    file_refused("", &["e.toml", "[recordings]"]);
+    file_refused([0x74, 0xff, 0xfe], &["e.toml", "UTF-8"]);
+}
+
+#[test]
+fn a_wrong_robot_is_named() {
+    file_refused(made("[robot]\npreset = \"amigobott\"\n"), &["[robot]", "`amigobot`"]);
+    file_refused(
+        made("[robot]\npreset = \"amigobot\"\nm1_kgs = 3.0\n"),
+        &["[robot]", "`m1_kgs`", "did you mean `m1_kg`?"],
+    );
+    file_refused(made("[robot]\nl1_m = 0.14\n"), &["[robot]", "missing", "preset"]);
+    file_refused(made("[robot]\npreset = \"amigobot\"\nr_m = -1.0\n"), &["[robot]", "r_m"]);
+    file_refused(made("[robot]\npreset = \"amigobot\"\nr_m = \"x\"\n"), &["[robot]", "r_m"]);
+}
+
+#[test]
+fn a_grid_of_nothing_is_named() {
+    file_refused(made("[grid]\nnoise_scale = []\n"), &["e.toml", "grid.noise_scale", "no value"]);
+    file_refused(made("[grid]\nseed = { count = 0 }\n"), &["e.toml", "grid.seed", "no value"]);
+    file_refused(made("[grid]\n"), &["e.toml", "[grid]", "no key"]);
+}
+
+#[test]
+fn a_title_with_markup_is_escaped_in_the_report() {
+    let folder = Folder::new();
+    let script = "<script>alert(1)</script>";
+    folder.write("e.toml", format!("title = \"{script}\"\n{}", made("")));
+    folder.run(&["e.toml"]).says(0, &[]);
+    let page = folder.read("reports/e/report.html");
+    assert!(!page.contains(script));
+    assert!(page.contains("&lt;script&gt;alert(1)"));
+}
+
+#[test]
+fn a_file_in_place_of_the_result_folder_is_named_before_anything_runs() {
+    let folder = Folder::new();
+    folder.write("e.toml", made("")).write("taken", "words");
+    folder.run(&["e.toml", "--out", "taken"]).says(2, &["taken"]);
+    folder.run(&["e.toml", "--out", "taken/deeper"]).says(2, &["taken"]);
+    assert_eq!(folder.read("taken"), "words");
+}
+
+#[test]
+fn the_other_experiment_still_runs_when_one_fails() {
+    let folder = Folder::new();
+    folder.write("good.toml", made("")).write("bad.toml", made(""));
+    std::fs::create_dir(folder.path("reports")).unwrap();
+    folder.write("reports/bad", "a file where the result folder should be");
+    let ran = folder.run(&["bad.toml", "good.toml"]);
+    ran.says(1, &["error: bad: ", "1 of 2 experiments failed: bad", "good: "]);
+    assert!(folder.has("reports/good/results.json") && folder.has("reports/index.html"));
+    assert!(folder.read("reports/index.html").contains("failed"));
+}
+
+#[test]
+fn two_files_of_one_name_are_refused() {
+    let folder = Folder::new();
+    std::fs::create_dir(folder.path("deeper")).unwrap();
+    folder.write("e.toml", made("")).write("deeper/e.toml", made(""));
+    folder.run(&["e.toml", "deeper/e.toml"]).says(2, &["called e"]);
+}
