@@ -16,6 +16,7 @@ mod polyline;
 mod raster;
 mod render;
 mod scale;
+pub mod section;
 
 pub use error::ReportError;
 pub use page::{Page, PageContent, Picture, SectionContent, page, render_page};

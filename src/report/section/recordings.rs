@@ -1,0 +1,84 @@
+//! What was measured, and what is odd about it.
+
+use super::Section;
+use crate::report::block::{Block, Cell, Column, Table, Text};
+use crate::report::format;
+use crate::study::{RecordingStudy, Study};
+
+/// The recordings.
+#[derive(Default)]
+pub struct Recordings;
+
+impl Section for Recordings {
+    fn id(&self) -> &'static str {
+        "recordings"
+    }
+
+    fn title(&self) -> &'static str {
+        "Recordings"
+    }
+
+    fn how_to_read(&self) -> &'static str {
+        "Noise is the standard deviation of each channel, from differences between neighbouring \
+         samples, right wheel / left wheel."
+    }
+
+    fn blocks(&self, study: &Study) -> Vec<Block> {
+        if study.recordings.is_empty() {
+            return vec![];
+        }
+        let columns = vec![
+            Column::text("Use"),
+            Column::text("Recording"),
+            Column::number("Samples", ""),
+            Column::number("Duration", "s"),
+            Column::number("Rate", "Hz"),
+            Column::number("Noise of angles", "rad"),
+            Column::number("Noise of speeds", "rad/s"),
+            Column::number("Noise of drives", study.drive_unit.symbol()),
+            Column::number("Noise floor, windows", "rad/s"),
+            Column::number("Noise floor, quality index", "rad²/s"),
+        ];
+        let mut table = Table::new("The recordings of the experiment.", columns);
+        for recording in &study.recordings {
+            table.push(row(recording));
+        }
+        let mut blocks = vec![table.into()];
+        let findings: Vec<Text> = study
+            .recordings
+            .iter()
+            .flat_map(|r| r.findings.iter().map(|finding| (&r.file, finding)))
+            .map(|(file, finding)| Text::default().strong(file).plain(format!(": {finding}")))
+            .collect();
+        if findings.is_empty() {
+            blocks.push(Block::paragraph("The check of the recordings has no remark."));
+        } else {
+            blocks.push(Block::Heading("What the check of the recordings says".to_owned()));
+            blocks.push(Block::List(findings));
+        }
+        blocks
+    }
+}
+
+fn row(r: &RecordingStudy) -> Vec<Cell> {
+    let pair = |values: [f64; 2]| {
+        let text = values.map(|v| format::significant(v, 2)).join(" / ");
+        Cell::formatted(text, values[0])
+    };
+    let measured = |is: bool, values| {
+        if is { pair(values) } else { Cell::formatted("not measured", f64::NAN) }
+    };
+    let floor = r.floor.ise[0] + r.floor.ise[1];
+    vec![
+        Cell::text(r.role.name()),
+        Cell::text(&r.file),
+        Cell::count(r.samples),
+        Cell::number(r.duration_s),
+        Cell::number(r.rate_hz),
+        measured(r.measured.alpha, r.noise.alpha),
+        measured(r.measured.omega, r.noise.omega),
+        pair(r.noise.moment),
+        Cell::formatted(format::significant(r.floor.window_rms, 3), r.floor.window_rms),
+        Cell::formatted(format::significant(floor, 3), floor),
+    ]
+}
