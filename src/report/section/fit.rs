@@ -189,15 +189,15 @@ fn path(recording: &RecordingStudy, windows: &[[f64; 2]]) -> Figure {
     };
     let panel = Panel::new(x, y)
         .with(line(all.clone(), "", Role::NoiseFloor, 1.0))
-        .with(dots(above(2.0, 4.0), "error 2 to 4 times the noise", Role::Highlight, 2.2))
-        .with(dots(above(4.0, f64::INFINITY), "more than 4 times", Role::Model, 3.4))
+        .with(dots(above(2.0, 4.0), "error 2 to 4 times the noise", Role::Highlight, 1.6))
+        .with(dots(above(4.0, f64::INFINITY), "more than 4 times", Role::Model, 2.6))
         .with(dots(vec![start], "start", Role::Ink, 4.5));
     let shares = [above(2.0, 4.0).len(), above(4.0, f64::INFINITY).len()];
     let share = (shares[0] + shares[1]) as f64 / count.max(1) as f64;
     let title = match count {
         0 => "The way of the robot".to_owned(),
         _ => format!(
-            "On {} of the way the error exceeds twice the measuring noise",
+            "For {} of the time the error exceeds twice the measuring noise",
             format::percent(share)
         ),
     };
@@ -231,7 +231,7 @@ fn smoothed(values: &[f64], rate: f64) -> Vec<f64> {
 /// Axes on which a metre is as long in x as in y, on a figure of fitting size.
 fn equal_axes(points: &[(f64, f64)]) -> (Axis, Axis, Size) {
     // room around the plot for labels, title and legend [px]
-    const AROUND: (f64, f64) = (75.0, 125.0);
+    const AROUND: (f64, f64) = (85.0, 153.0);
     const WIDTH: f64 = 620.0;
     let span = |pick: fn(&(f64, f64)) -> f64| {
         let values = || points.iter().map(pick).filter(|v| v.is_finite());

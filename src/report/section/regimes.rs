@@ -22,7 +22,8 @@ impl Section for Regimes {
     }
 
     fn how_to_read(&self) -> &'static str {
-        "A ratio of 1 means that noise explains the error; a star marks a missing moment that stays \
+        "A ratio of 1 means that noise explains the error, but an error made in one regime is carried \
+         into the next until the window ends; a star marks where a constant moment is missing itself, \
          significant at 5 % after correction for looking at all regimes (Holm)."
     }
 
@@ -35,12 +36,12 @@ impl Section for Regimes {
 }
 
 fn title(failures: &[Failure]) -> String {
-    match failures.iter().find(|f| f.significant) {
+    let significant = failures.iter().filter(|f| f.significant);
+    match significant.min_by(|a, b| a.p_value.total_cmp(&b.p_value)) {
         Some(worst) => format!(
-            "The model fails in {}, {}: {} times the noise",
+            "A moment is missing, most clearly in: {} ({})",
             words::regime(worst.regime),
             words::WHEELS[worst.wheel.saturating_sub(1).min(1)],
-            format::significant(worst.ratio_to_noise, 2)
         ),
         None => "In no regime is a missing moment significant".to_owned(),
     }

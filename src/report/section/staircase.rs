@@ -32,6 +32,7 @@ impl Section for Staircase {
                 .iter()
                 .map(|step| Stair {
                     name: match &step.added {
+                        None if study.effects.is_empty() => "base model".to_owned(),
                         None => words::model(study),
                         Some(id) => format!("+ {}", words::effect(id)),
                     },

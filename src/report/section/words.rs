@@ -12,9 +12,18 @@ pub(super) const OMEGA: [&str; 2] = ["ω₁", "ω₂"];
 /// Symbols of the drives.
 pub(super) const DRIVE: [&str; 2] = ["M₁", "M₂"];
 
-/// A regime in a sentence: "pivot left".
+/// A regime in a sentence: "pivot to the left".
 pub(super) fn regime(regime: Regime) -> String {
-    regime.name().replace('_', " ")
+    match regime {
+        Regime::PivotLeft => "pivot to the left",
+        Regime::PivotRight => "pivot to the right",
+        Regime::CurveLeft => "left curve",
+        Regime::CurveRight => "right curve",
+        Regime::CurveLeftBackward => "left curve backward",
+        Regime::CurveRightBackward => "right curve backward",
+        other => return other.name().replace('_', " "),
+    }
+    .to_owned()
 }
 
 /// A unit with exponents as superscripts: `kg m^2` becomes `kg m²`.
@@ -51,12 +60,6 @@ pub(super) fn list(items: &[String]) -> String {
         [one] => one.clone(),
         [first @ .., last] => format!("{} and {last}", first.join(", ")),
     }
-}
-
-/// The first letter in upper case.
-pub(super) fn sentence_case(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// The name of a method, with its options where another method of the study has the same name.
@@ -110,7 +113,6 @@ mod tests {
         let words = ["a", "b", "c"].map(str::to_owned);
         assert_eq!(list(&words), "a, b and c");
         assert_eq!(list(&words[..1]), "a");
-        assert_eq!(sentence_case("ωx and y"), "Ωx and y");
     }
 
     #[test]
