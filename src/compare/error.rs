@@ -5,7 +5,7 @@ use crate::robot::State;
 use crate::simulate::{Dynamics, Hold, Input, SimulateError};
 
 /// Length of an open-loop window [s].
-pub const WINDOW: f64 = 2.0;
+pub(super) const WINDOW: f64 = 2.0;
 
 /// A recording simulated by a model.
 #[derive(Clone, Debug)]

@@ -169,13 +169,24 @@ pub fn missing_moment(
     let h: DMatrix<f64> = passes.iter().map(|pass| &pass.information).sum();
     let g: DVector<f64> = passes.iter().map(|pass| &pass.score).sum();
     let base = model.free();
+    // the tests keep the slow unknown moment, which would take up most of what the curves are to
+    // show; the curves do without it, at the white noise that then fits
+    let white = Likelihood { slow_moment: false, ..likelihood.clone() };
+    let flat = ProcessNoise { sigma_d: 0.0, ..*noise };
+    let (flat, _) = white.noise(model, p, &flat, 30);
+    let curves = white.passes(model, p, &flat, true, &all)?;
+    let curve_h: DMatrix<f64> = curves.iter().map(|pass| &pass.information).sum();
+    let curve_g: DVector<f64> = curves.iter().map(|pass| &pass.score).sum();
     let mut dependences: Vec<Dependence> = Variable::ALL
         .iter()
         .enumerate()
         .map(|(v, &variable)| {
             let start = p.len() + v * 2 * BINS;
             let columns: Vec<usize> = (start..start + 2 * BINS).collect();
-            dependence(variable, &edges[v], &h, &g, &base, &columns)
+            let (statistic, rank) = test(&h, &g, &base, &columns);
+            let bins = curve(&edges[v], &curve_h, &curve_g, &base, &columns);
+            let log_significance = log_significance(statistic, rank);
+            Dependence { variable, bins, statistic, rank, log_significance }
         })
         .collect();
     dependences.sort_by(|a, b| b.log_significance.total_cmp(&a.log_significance));
@@ -229,23 +240,38 @@ impl Columns for Bins<'_> {
     }
 }
 
-fn dependence(
-    variable: Variable,
+fn test(h: &DMatrix<f64>, g: &DVector<f64>, base: &[usize], columns: &[usize]) -> (f64, usize) {
+    let (information, score) = project(h, g, base, columns);
+    score_statistic(&information, &score)
+}
+
+/// The curve of the missing moment: all bins of a variable together, by the pseudo-inverse (what
+/// the parameters can take up has no part in it).
+fn curve(
     edges: &[f64],
     h: &DMatrix<f64>,
     g: &DVector<f64>,
     base: &[usize],
     columns: &[usize],
-) -> Dependence {
+) -> Vec<Bin> {
     let (information, score) = project(h, g, base, columns);
-    let (statistic, rank) = score_statistic(&information, &score);
-    let bins = (0..BINS)
+    let largest = information.diagonal().max();
+    let inverse = information
+        .clone()
+        .pseudo_inverse(1e-3 * largest.max(1e-300))
+        .unwrap_or_else(|_| DMatrix::zeros(columns.len(), columns.len()));
+    let moment = &inverse * score;
+    (0..BINS)
         .map(|b| {
             let entry = |i: usize| {
                 let j = 2 * b + i;
-                let (info, s) = (information[(j, j)], score[j]);
-                let weak = info < 1e-8 * h[(columns[j], columns[j])] || info <= 0.0;
-                if weak { (f64::NAN, f64::NAN) } else { (s / info, 1.0 / info.sqrt()) }
+                let empty = information[(j, j)] <= 1e-8 * h[(columns[j], columns[j])];
+                let variance = inverse[(j, j)];
+                if empty || variance <= 0.0 {
+                    (f64::NAN, f64::NAN)
+                } else {
+                    (moment[j], variance.sqrt())
+                }
             };
             let (one, two) = (entry(0), entry(1));
             Bin {
@@ -254,9 +280,7 @@ fn dependence(
                 std_error: [one.1, two.1],
             }
         })
-        .collect();
-    let log_significance = log_significance(statistic, rank);
-    Dependence { variable, bins, statistic, rank, log_significance }
+        .collect()
 }
 
 /// Information and score of `columns` after the `base` columns took up what they can.

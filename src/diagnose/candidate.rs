@@ -191,7 +191,7 @@ fn is_time(effect: &Arc<dyn Effect>) -> bool {
 
 /// The recorded drive without its noise: the mean over five samples (two to either side).
 #[must_use]
-pub fn smoothed_drive(recording: &Recording) -> Vec<[f64; 2]> {
+pub(super) fn smoothed_drive(recording: &Recording) -> Vec<[f64; 2]> {
     let m = recording.moment();
     let mut out = m.to_vec();
     for piece in recording.pieces() {
@@ -315,7 +315,11 @@ fn instant<'a>(
 /// The effect of a candidate seen on a smooth motion, to know its size: root mean square of each
 /// column over the recordings [N m per unit].
 #[must_use]
-pub fn column_size(candidate: &Candidate, model: &Model, recordings: &[&Recording]) -> Vec<f64> {
+pub(super) fn column_size(
+    candidate: &Candidate,
+    model: &Model,
+    recordings: &[&Recording],
+) -> Vec<f64> {
     let mut sums = vec![0.0; candidate.columns()];
     let mut count = 0.0;
     let mut row = vec![[0.0; 2]; candidate.columns()];

@@ -80,6 +80,13 @@ fn clips_enough(candidate: &Candidate, own: &[f64], likelihood: &Likelihood) -> 
     clipped as f64 > CLIPPED * rows().count() as f64
 }
 
+/// A shift in time below half a sample is the logger's business, not the robot's.
+fn late_enough(candidate: &Candidate, own: &[f64], likelihood: &Likelihood) -> bool {
+    let shift = candidate.linear.is_empty() && candidate.effect.parameters()[0].unit == "s";
+    let step = likelihood.prepared.iter().map(|p| p.recording.step()).fold(0.0, f64::max);
+    !shift || own[0] > 0.5 * step
+}
+
 /// For a lag or delay: the best of the scan's estimate and a grid of shifts, by likelihood.
 fn best_shift(
     model: &Model,
@@ -183,6 +190,9 @@ fn judge(
             *v >= s.range.0 && *v <= s.range.1
         }
     });
-    let in_range = in_range && clips_enough(candidate, &maximum.p[first..], likelihood);
+    let own = &maximum.p[first..];
+    let in_range = in_range
+        && clips_enough(candidate, own, likelihood)
+        && late_enough(candidate, own, likelihood);
     Refit { model, maximum, evidence, gain, wald, in_range }
 }

@@ -9,7 +9,7 @@ use crate::model::{Model, ModelError};
 use crate::recording::Recording;
 
 /// Prior size of an effect as a share of the root mean square drive: 0.02 N m on the AmigoBot.
-pub const PRIOR_SHARE: f64 = 0.1;
+pub(super) const PRIOR_SHARE: f64 = 0.1;
 /// Prior of a timing error between drive and speeds, in sample steps.
 const TIMING: f64 = 0.3;
 /// Columns that the base explains to better than this share are not looked at.

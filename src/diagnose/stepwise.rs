@@ -37,7 +37,7 @@ impl Settings {
 }
 
 /// Least log-evidence of a refitted effect.
-const EVIDENCE: f64 = 6.0;
+const EVIDENCE: f64 = 8.0;
 /// Least size of an effect that is worth a place in the model, as a share of the rms drive: with
 /// little noise far smaller ones are significant, and no model is exact.
 const PRACTICAL: f64 = 0.005;

@@ -7,6 +7,7 @@ mod error;
 mod estimates;
 mod execute;
 mod file;
+mod fuzzy_study;
 mod guess;
 mod loop_commands;
 mod plan;
@@ -17,7 +18,11 @@ mod run;
 pub use check::check;
 pub use error::ExperimentError;
 pub use execute::{Done, Outcome, RunOptions, execute, load, load_all, write_index};
-pub use file::{ExperimentFile, FileError};
+pub use file::{
+    CandidatesEntry, ColumnEntry, CustomEntry, CustomParameter, DiagnosisEntry, EmulatorEntry,
+    ExperimentFile, FileError, FixedEntry, ModelEntry, MovementEntry, RecordingsEntry,
+    SimulationEntry,
+};
 pub use loop_commands::{add_effect, new_file};
 pub use plan::{DiagnosisPlan, Measured, MethodPlan, Plan};
 pub use run::{RunError, run};

@@ -50,8 +50,9 @@ pub enum Weighting {
 const NAME: &str = "torque_regression";
 /// Noise that the chosen cut-off lets into the acceleration, as a share of its rms.
 const NOISE_SHARE: f64 = 0.02;
-/// Near rest: below this share of the top speed.
-const REST: f64 = 0.025;
+/// Near rest: below this share of the top speed, or three standard deviations of the filtered
+/// speed's noise.
+const REST: f64 = 0.002;
 /// Length of the filter's answer [s Hz]: seconds times cut-off.
 const REACH: f64 = 0.35;
 /// Blocks within which residuals may be correlated [s].
@@ -289,7 +290,9 @@ fn wheel_weights(residuals: &DVector<f64>, wheel: &[usize]) -> DVector<f64> {
 fn usable(omega: &[Vec<f64>; 2], recording: &Recording, cutoff: f64) -> Vec<bool> {
     let samples = omega[0].len();
     let reach = ((REACH / cutoff / recording.step()).ceil() as usize).max(1);
-    let slow = REST * recording.top_speed();
+    let sigma = recording.noise().omega;
+    let left = (2.0 * cutoff * recording.step()).sqrt();
+    let slow = (REST * recording.top_speed()).max(3.0 * left * sigma[0].max(sigma[1]));
     let mut good = vec![true; samples];
     for k in 0..samples {
         let end = k < reach || k + reach >= samples;

@@ -145,7 +145,8 @@ fn wanted(
     }
     let has = |key: &str| out.iter().any(|(k, _)| *k == key);
     let angles = has("alpha1") && has("alpha2");
-    if !angles && !(has("dalpha1") && has("dalpha2")) {
+    let both_speeds = has("dalpha1") && has("dalpha2");
+    if !angles && !both_speeds {
         let key = if has("dalpha1") { "dalpha2" } else { "dalpha1" };
         return Err(missing(path, headers, key, &columns.get(key).name));
     }

@@ -22,3 +22,4 @@ pub use error::ReportError;
 pub use page::{Page, PageContent, Picture, SectionContent, page, render_page};
 pub use raster::{figure_to_png, figure_to_svg};
 pub use render::{Rendered, render};
+pub use section::Section;

@@ -29,7 +29,6 @@ pub mod kinematics;
 pub mod maggi;
 pub mod motor;
 pub mod presets;
-#[expect(clippy::module_inception, reason = "the file is named after the type it holds")]
 pub mod robot;
 pub mod state;
 pub mod state_space;

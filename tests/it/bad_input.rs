@@ -245,6 +245,15 @@ fn a_wrong_robot_is_named() {
 }
 
 #[test]
+fn values_that_are_not_finite_in_the_experiment_file_are_named() {
+    file_refused(made("[model]\nfixed = { a1 = nan }\n"), &["model.fixed.a1", "finite"]);
+    let hidden = "[simulation]\nhidden = { viscous_friction = { b = nan } }\n";
+    file_refused(hidden, &["simulation.hidden.viscous_friction.b", "finite"]);
+    file_refused("[simulation]\ntruth = { a4 = inf }\n", &["simulation.truth.a4", "finite"]);
+    file_refused(made("[diagnosis]\ncandidates = []\n"), &["diagnosis.candidates", "empty"]);
+}
+
+#[test]
 fn a_grid_of_nothing_is_named() {
     file_refused(made("[grid]\nnoise_scale = []\n"), &["e.toml", "grid.noise_scale", "no value"]);
     file_refused(made("[grid]\nseed = { count = 0 }\n"), &["e.toml", "grid.seed", "no value"]);

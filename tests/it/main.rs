@@ -1,5 +1,7 @@
 //! Integration tests: one binary, because every test binary links polars again.
 
+#![allow(clippy::print_stdout)]
+
 mod bad_input;
 mod face;
 mod layering;

@@ -4,7 +4,6 @@ mod error;
 mod schema;
 
 pub use error::FileError;
-#[allow(unused_imports)]
 pub use schema::{
     CandidatesEntry, ColumnEntry, CustomEntry, CustomParameter, DiagnosisEntry, EmulatorEntry,
     ExperimentFile, FixedEntry, ModelEntry, MovementEntry, RecordingsEntry, SimulationEntry,

@@ -292,6 +292,10 @@ impl ExperimentFile {
                 let message = "must be \"all\" or a list of effects".to_string();
                 return Err(wrong("diagnosis.candidates", message));
             }
+            if matches!(&d.candidates, CandidatesEntry::Some(ids) if ids.is_empty()) {
+                let message = "is empty; name effects, or \"all\", or remove [diagnosis]";
+                return Err(wrong("diagnosis.candidates", message.into()));
+            }
         }
         for (key, values) in self.grid.iter().flatten() {
             let empty = match values {
@@ -307,6 +311,11 @@ impl ExperimentFile {
         if self.grid.as_ref().is_some_and(Table::is_empty) {
             let message = "has no key; name what varies, for example noise_scale = [0.5, 1, 2]";
             return Err(wrong("[grid]", message.into()));
+        }
+        for (symbol, entry) in &self.model.fixed {
+            if matches!(entry, FixedEntry::Value(v) if !v.is_finite()) {
+                return Err(wrong(&format!("model.fixed.{symbol}"), "must be finite".into()));
+            }
         }
         let given = [
             self.emulator.gain.is_some(),
@@ -358,6 +367,13 @@ impl SimulationEntry {
         let noise = [self.noise.dalpha, self.noise.alpha, self.noise.moment, self.noise_scale];
         if noise.iter().any(|n| !(*n >= 0.0 && n.is_finite())) {
             return Err(wrong("simulation.noise", "must be numbers that are not negative".into()));
+        }
+        let hidden = self.hidden.iter().flat_map(|(id, values)| {
+            values.iter().map(move |(s, v)| (format!("simulation.hidden.{id}.{s}"), v))
+        });
+        let truth = self.truth.iter().map(|(s, v)| (format!("simulation.truth.{s}"), v));
+        if let Some((key, value)) = hidden.chain(truth).find(|(_, v)| !v.is_finite()) {
+            return Err(wrong(&key, format!("= {value} must be finite")));
         }
         if self.train == 0 {
             return Err(wrong("simulation.train", "= 0; at least one recording is needed".into()));

@@ -136,7 +136,7 @@ impl Likelihood<'_> {
         let Ok(run) = run else { return (*start, 0) };
         let count = run.state().get_func_counts().values().sum::<u64>() as usize;
         let search = NoiseSearch { likelihood: self, model, p, rms, step };
-        let best = run.state().get_best_param().map_or(*start, |x| search.from_logs(x));
+        let best = run.state().get_best_param().map_or(*start, |x| search.noise_at(x));
         (best, count)
     }
 
@@ -291,7 +291,7 @@ impl NoiseSearch<'_> {
         ]
     }
 
-    fn from_logs(&self, x: &[f64]) -> ProcessNoise {
+    fn noise_at(&self, x: &[f64]) -> ProcessNoise {
         let bounded = |x: f64, low: f64, high: f64| x.exp().clamp(low, high);
         let mut noise = ProcessNoise {
             sigma_m: bounded(x[0], 1e-6 * self.rms, 1e2 * self.rms),
@@ -312,7 +312,7 @@ impl CostFunction for NoiseSearch<'_> {
     type Param = Vec<f64>;
     type Output = f64;
     fn cost(&self, x: &Vec<f64>) -> Result<f64, argmin::core::Error> {
-        let noise = self.from_logs(x);
+        let noise = self.noise_at(x);
         // the search must see a finite number everywhere
         Ok(self.likelihood.value(self.model, self.p, &noise).map_or(1e300, |v| -v))
     }

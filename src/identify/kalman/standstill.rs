@@ -33,7 +33,7 @@ pub fn standstill(
                 let (alpha, omega) = (recording.alpha(), recording.omega());
                 let moved = (mean(alpha, k + 1, k + HALF + 1) - mean(alpha, k - HALF, k)).abs();
                 let limit = 3.0 * sigma_alpha[i] * (2.0 / HALF as f64).sqrt();
-                let angle_still = !measured.alpha || moved < limit.max(1e-9).min(ANGLE);
+                let angle_still = !measured.alpha || moved < limit.clamp(1e-9, ANGLE);
                 let speed = mean(omega, k - HALF, k + HALF + 1).abs();
                 let speed_limit = 3.0 * sigma_omega[i] / (2.0 * HALF as f64 + 1.0).sqrt();
                 let speed_still = !measured.omega || speed < speed_limit.max(1e-9);

@@ -67,21 +67,33 @@ pub(super) fn ranges(recording: &RecordingStudy, of: impl Fn(Regime) -> bool) ->
     ranges
 }
 
-/// The regimes to shade: where the model fails significantly, else where the robot turns.
-pub(super) fn shade(study: &Study, recording: &RecordingStudy) -> Option<Layer> {
+/// The regimes in which the model fails significantly, as shades.
+pub(super) fn failing(study: &Study, recording: &RecordingStudy) -> Option<Layer> {
     let failing: Vec<Regime> =
         study.failures.iter().filter(|f| f.significant).map(|f| f.regime).collect();
+    let ranges = ranges(recording, |r| failing.contains(&r));
+    let label = "regimes where a moment is missing".to_owned();
+    (!ranges.is_empty()).then_some(Layer::Shade { ranges, label, role: Role::Highlight })
+}
+
+/// Where the robot turns, as shades.
+pub(super) fn turning(recording: &RecordingStudy) -> Option<Layer> {
     let is_turn = |r: Regime| {
         let name = r.name();
         name.starts_with("pivot") || name.starts_with("curve")
     };
-    let (ranges, label, role) = if failing.is_empty() {
-        (ranges(recording, is_turn), "turning", Role::NoiseFloor)
-    } else {
-        let ranges = ranges(recording, |r| failing.contains(&r));
-        (ranges, "regimes where the model fails", Role::Highlight)
-    };
-    (!ranges.is_empty()).then(|| Layer::Shade { ranges, label: label.to_owned(), role })
+    let (ranges, label) = (ranges(recording, is_turn), "turning".to_owned());
+    (!ranges.is_empty()).then_some(Layer::Shade { ranges, label, role: Role::NoiseFloor })
+}
+
+/// The range that holds all but the outermost half percent of x on either side.
+pub(super) fn most_of(points: &[(f64, f64)]) -> Option<(f64, f64)> {
+    let mut x: Vec<f64> = points.iter().map(|p| p.0).filter(|x| x.is_finite()).collect();
+    x.sort_by(f64::total_cmp);
+    let last = x.len().checked_sub(1)?;
+    let aside = x.len() / 200;
+    let (low, high) = (x[aside], x[last - aside]);
+    (low < high).then_some((low, high))
 }
 
 /// Mean and standard error of the mean of y over bins of x with equal counts.
@@ -119,5 +131,13 @@ mod tests {
         assert_eq!(binned(&points, 2), vec![(1.5, 3.0, 1.0), (3.5, 2.0, 1.0)]);
         assert!(binned(&[], 3).is_empty());
         assert_eq!(thin(&[1, 2, 3, 4, 5], 2), vec![1, 4]);
+    }
+
+    #[test]
+    fn the_outermost_half_percent_is_left_aside() {
+        let points: Vec<(f64, f64)> = (0..=200).map(|k| (f64::from(k), 0.0)).collect();
+        assert_eq!(most_of(&points), Some((1.0, 199.0)));
+        assert_eq!(most_of(&points[..1]), None);
+        assert_eq!(most_of(&[]), None);
     }
 }

@@ -36,15 +36,22 @@ impl Section for Dependence {
 
     fn blocks(&self, study: &Study) -> Vec<Block> {
         let mut blocks = Vec::new();
-        let before = || study.diagnosis.as_ref().and_then(|d| d.missing_moment.as_ref());
-        let missing = study.missing_moment.as_ref().or_else(before);
-        if let Some(missing) = missing.filter(|m| !m.dependences.is_empty()) {
-            blocks.push(figure(study, missing).into());
-            blocks.push(table(study, missing).into());
+        if let Some((missing, data)) = missing_moment(study) {
+            blocks.push(figure(study, missing, data).into());
+            blocks.push(table(study, missing, data).into());
         }
         blocks.extend(window_error::figure(study).map(Block::from));
         blocks
     }
+}
+
+/// The missing moment over the training data where there is a diagnosis, else over the judged data,
+/// and those data in words.
+fn missing_moment(study: &Study) -> Option<(&MissingMoment, &'static str)> {
+    let train = study.diagnosis.as_ref().and_then(|d| d.missing_moment.as_ref());
+    let judged = study.missing_moment.as_ref().map(|m| (m, study.judged_words()));
+    let missing = train.map(|m| (m, "training")).or(judged);
+    missing.filter(|(m, _)| !m.dependences.is_empty())
 }
 
 /// Whether a dependence stands out among all that are looked at (Bonferroni).
@@ -52,7 +59,7 @@ fn is_significant(dependence: &compare::Dependence, count: usize) -> bool {
     dependence.log_significance > (count as f64 / FALSE_ALARM).ln()
 }
 
-fn figure(study: &Study, missing: &MissingMoment) -> Figure {
+fn figure(study: &Study, missing: &MissingMoment, data: &str) -> Figure {
     let shown = &missing.dependences[..missing.dependences.len().min(PANELS)];
     let strongest = &shown[0];
     let title = if is_significant(strongest, missing.dependences.len()) {
@@ -61,7 +68,7 @@ fn figure(study: &Study, missing: &MissingMoment) -> Figure {
         "The missing moment depends on nothing that was looked at".to_owned()
     };
     let mut figure = Figure::new("dependence", title)
-        .with_subtitle("Strongest first; each variable cut into bins of equal counts")
+        .with_subtitle(format!("On {data} data; strongest first, bins of equal counts"))
         .with_caption(
             "Moment that the model misses, by wheel, in bins of each variable, with 95 % intervals \
              (±1.96 standard errors). Effects that vary together share their trail: the first panel \
@@ -103,7 +110,7 @@ fn panel(study: &Study, dependence: &compare::Dependence) -> Panel {
     panel
 }
 
-fn table(study: &Study, missing: &MissingMoment) -> Table {
+fn table(study: &Study, missing: &MissingMoment, data: &str) -> Table {
     let unit = study.drive_unit.symbol();
     let columns = vec![
         Column::text("Variable"),
@@ -114,8 +121,10 @@ fn table(study: &Study, missing: &MissingMoment) -> Table {
         Column::number("Largest moment, right wheel", unit),
         Column::number("Largest moment, left wheel", unit),
     ];
-    let caption = "Dependence of the missing moment on each variable, by a score test. Evidence in \
-                   words accounts for looking at all variables.";
+    let caption = format!(
+        "Dependence of the missing moment on each variable, by a score test on {data} data. Evidence \
+         in words accounts for looking at all variables."
+    );
     let mut table = Table::new(caption, columns);
     let count = missing.dependences.len();
     for d in &missing.dependences {

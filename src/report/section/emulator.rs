@@ -70,7 +70,7 @@ fn states(
         return vec![];
     }
     let subtitle = format!(
-        "{}, {}, parallel structure, K = {} 1/s on the wheel speeds",
+        "{}, {}, parallel structure, K = {} s⁻¹ on the wheel speeds",
         words::method(study, method),
         recording.file,
         format::number(study.emulator_gain)
@@ -108,25 +108,25 @@ fn states(
         let over_time = |value: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
             (0..count).map(|k| (recording.t[k], value(k))).collect()
         };
-        let line = |points, label: &str, role, width, dash| Layer::Line {
+        let line = |points, label: &str, width, role| Layer::Line {
             points,
             label: label.to_owned(),
             role,
             width,
-            dash,
+            dash: Dash::Solid,
         };
         let time = || Axis::linear("time", "s");
         let real = over_time(&|k| measured(k, state));
         let emulated = over_time(&|k| near(performance.emulator[k][state]));
         outputs.panels.push(
             Panel::new(time(), Axis::linear(symbols[state], units[state]))
-                .with(line(real, "measured", Role::Measured, 2.2, Dash::Solid))
-                .with(line(emulated, "emulator", Role::Model, 1.4, Dash::Dashed)),
+                .with(Layer::points(real, "measured", Role::Measured))
+                .with(line(emulated, "emulator", 1.6, Role::Model)),
         );
         let error = over_time(&|k| measured(k, state) - near(performance.emulator[k][state]));
         let role = if state % 2 == 0 { Role::Wheel1 } else { Role::Wheel2 };
         let axis = Axis::linear(format!("error of {}", symbols[state]), units[state]);
-        let panel = Panel::new(time(), axis).with(line(error, "", role, 1.0, Dash::Solid));
+        let panel = Panel::new(time(), axis).with(line(error, "", 1.0, role));
         errors.panels.push(panel.with(Layer::HLine {
             at: 0.0,
             label: String::new(),

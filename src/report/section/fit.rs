@@ -81,10 +81,11 @@ fn speeds(study: &Study, recording: &RecordingStudy, performance: &Performance) 
              measured minus simulated. Drag to zoom, double-click to return.",
         )
         .interactive();
-    let shade = curves::shade(study, recording);
+    let shade = curves::failing(study, recording);
+    let background = shade.clone().or_else(|| curves::turning(recording));
     for i in 0..2 {
         let mut panel = Panel::new(time(), Axis::linear(words::OMEGA[i], "rad/s"));
-        panel.layers.extend(shade.clone());
+        panel.layers.extend(background.clone());
         let measured = wheel(&recording.t, &recording.omega, i);
         let free = simulated(recording, &performance.free, i);
         let panel = panel.with(Layer::points(measured, "measured", Role::Measured)).with(line(
@@ -149,9 +150,7 @@ fn drive(study: &Study, recording: &RecordingStudy) -> Figure {
 fn velocity(study: &Study, recording: &RecordingStudy) -> Figure {
     let roles = [Role::Wheel1, Role::Wheel2];
     let mut panel = Panel::new(time(), Axis::linear("wheel speed", "rad/s"));
-    if study.failures.iter().any(|f| f.significant) {
-        panel.layers.extend(curves::shade(study, recording));
-    }
+    panel.layers.extend(curves::failing(study, recording));
     for i in 0..2 {
         let label = format!("{} {}", words::OMEGA[i], words::WHEELS[i]);
         panel = panel.with(line(wheel(&recording.t, &recording.omega, i), &label, roles[i], 1.2));

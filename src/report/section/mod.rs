@@ -36,3 +36,6 @@ catalogue! {
     recordings::Recordings,
     provenance::Provenance,
 }
+
+#[cfg(test)]
+mod tests;

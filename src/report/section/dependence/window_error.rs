@@ -45,7 +45,8 @@ pub(super) fn figure(study: &Study) -> Option<Figure> {
     Some(figure)
 }
 
-fn panel(x: Axis, points: [Vec<(f64, f64)>; 2]) -> Panel {
+fn panel(mut x: Axis, points: [Vec<(f64, f64)>; 2]) -> Panel {
+    x.range = curves::most_of(&points.concat());
     let mut panel = Panel::new(x, Axis::linear("window error", "rad/s"));
     for (i, role) in [Role::Wheel1, Role::Wheel2].into_iter().enumerate() {
         panel = panel.with(Layer::Points {
