@@ -1,88 +1,252 @@
 //! Which effect is missing, and how sure that is.
 
-use super::Section;
-use crate::report::block::{Block, Cell, Column, Table, Tone};
+use super::{Section, words};
+use crate::diagnose::Proposal;
+use crate::report::block::{Block, Cell, Column, Table, Text, Tone};
+use crate::report::figure::{Axis, BarSeries, Bars, Direction, Figure, Layer, Panel, Role};
 use crate::report::format;
 use crate::study::{Candidate, DiagnosisStudy, Study};
 
-/// The ranking of the candidates.
+/// The diagnosis.
 #[derive(Default)]
 pub struct Diagnosis;
+
+/// Candidates drawn and described in words.
+const SHOWN: usize = 10;
+/// A candidate described in words has at least this probability, unless it is one of the first.
+const LIKELY: f64 = 0.01;
+/// That many are described in any case.
+const DESCRIBED: usize = 3;
 
 impl Section for Diagnosis {
     fn id(&self) -> &'static str {
         "diagnosis"
     }
+
     fn title(&self) -> &'static str {
         "Which effect is missing"
     }
+
     fn how_to_read(&self) -> &'static str {
-        "Every effect of the catalogue was tried with the base parameters free again; evidence is \
-         the logarithm of the odds that it is there, size and choice already paid for."
+        "Every effect of the catalogue is added to the model by itself and judged by how much better \
+         the data become explained; the probability compares the candidates with each other, given \
+         that one of them, or none, is missing."
     }
+
     fn blocks(&self, study: &Study) -> Vec<Block> {
-        let Some(d) = &study.diagnosis else { return vec![] };
-        let mut blocks = vec![Block::paragraph(format!(
-            "Stated false-alarm rate: {}. Left of what can be explained: {}.",
-            format::percent(d.false_alarm),
-            format::percent(d.unexplained_fraction)
-        ))];
-        if let Some(next) = &d.next_run {
-            blocks.push(Block::Heading("Next run".into()));
-            blocks.push(Block::paragraph(next.clone()));
+        let Some(diagnosis) = &study.diagnosis else { return vec![] };
+        let mut blocks = Vec::new();
+        blocks.extend(ranking_figure(diagnosis).map(Block::from));
+        blocks.push(summary(diagnosis));
+        if !diagnosis.ranking.is_empty() {
+            blocks.push(Block::Heading("Evidence in words".to_owned()));
+            blocks.push(Block::List(evidence(diagnosis)));
+            blocks.push(table(study, &diagnosis.ranking).into());
         }
-        blocks.push(table(d).into());
+        if let Some(next) = &diagnosis.next_run {
+            blocks.push(Block::Heading("What to drive next".to_owned()));
+            blocks.push(Block::paragraph(next.as_str()));
+        }
+        blocks.extend(diagnosis.proposal.as_ref().map(manoeuvre).map(Block::from));
         blocks
     }
 }
 
-fn table(d: &DiagnosisStudy) -> Table {
-    let mut table = Table::new(
-        "Candidates, best first: alone, added to the model as given.",
-        vec![
-            Column::text("Effect"),
-            Column::number("Probability", ""),
-            Column::number("Log-evidence", ""),
-            Column::text("Parameters"),
-            Column::number("Window error before", "rad/s"),
-            Column::number("after", "rad/s"),
-            Column::text("Cannot be told from"),
-            Column::text("Evidence"),
-        ],
+fn ranking_figure(diagnosis: &DiagnosisStudy) -> Option<Figure> {
+    let shown: Vec<&Candidate> =
+        diagnosis.ranking.iter().filter(|c| c.evidence.is_finite()).take(SHOWN).collect();
+    let best = shown.first()?;
+    let values: Vec<f64> = shown.iter().map(|c| c.evidence).collect();
+    let mut series = BarSeries::new("", Role::Measured, values);
+    series.text = shown.iter().map(|c| probability(c.probability)).collect();
+    let bars = Bars {
+        categories: shown.iter().map(|c| words::effect(&c.effect)).collect(),
+        series: vec![series],
+        direction: Direction::Horizontal,
+        highlight: (!diagnosis.found.is_empty()).then_some(0),
+    };
+    let title = if diagnosis.found.is_empty() {
+        "No effect of the catalogue stands out".to_owned()
+    } else {
+        let name = words::effect(&best.effect);
+        format!("{name} explains the data best (probability {})", probability(best.probability))
+    };
+    let panel =
+        Panel::new(Axis::linear("log-evidence over the model without it", ""), Axis::unlabelled())
+            .with(Layer::Bars(bars));
+    let figure = Figure::new("ranking", title)
+        .with_subtitle("Each candidate added by itself; at the bars: probability among the candidates")
+        .with_caption(format!(
+            "Logarithm of the evidence for each candidate over the model without it, the best {} of \
+             {}. An advantage of 3 is e³ = 20 to one.",
+            shown.len(),
+            diagnosis.ranking.len()
+        ))
+        .with_panel(panel);
+    Some(figure)
+}
+
+/// A probability as percent; never "100 %" nor "0 %", which nothing is.
+fn probability(p: f64) -> String {
+    match p {
+        p if p > 0.999 => "> 99.9 %".to_owned(),
+        p if (0.0..0.001).contains(&p) => "< 0.1 %".to_owned(),
+        p => format::percent(p),
+    }
+}
+
+fn summary(diagnosis: &DiagnosisStudy) -> Block {
+    let found: Vec<String> = diagnosis.found.iter().map(|id| words::effect(id)).collect();
+    let text = if found.is_empty() {
+        Text::from("No effect was added.")
+    } else {
+        Text::from("Found, in this order: ").strong(words::list(&found)).plain(".")
+    };
+    let left = diagnosis.unexplained_fraction;
+    let text = if left.is_finite() {
+        text.plain(format!(
+            " Of the error above the noise floor, {} is left unexplained.",
+            format::percent(left)
+        ))
+    } else {
+        text
+    };
+    Block::Paragraph(text.plain(format!(
+        " False alarms: where nothing is missing, an effect is found in {} of experiments.",
+        format::percent(diagnosis.false_alarm)
+    )))
+}
+
+fn evidence(diagnosis: &DiagnosisStudy) -> Vec<Text> {
+    let ranking = diagnosis.ranking.iter().enumerate().take(SHOWN);
+    let likely = ranking.filter(|(place, c)| *place < DESCRIBED || c.probability > LIKELY);
+    likely.map(|(_, candidate)| describe(candidate)).collect()
+}
+
+fn describe(candidate: &Candidate) -> Text {
+    let mut text = Text::default()
+        .strong(words::effect(&candidate.effect))
+        .plain(" (")
+        .code(&candidate.effect)
+        .plain(format!(
+            "), probability {}: {}.",
+            probability(candidate.probability),
+            candidate.words
+        ));
+    if !candidate.parameters.is_empty() {
+        text = text.plain(format!(" {}.", words::list(&parameters(candidate))));
+    }
+    if !candidate.indistinguishable.is_empty() {
+        let others: Vec<String> =
+            candidate.indistinguishable.iter().map(|id| words::effect(id)).collect();
+        text = text.plain(format!(" These data cannot tell it from {}.", words::list(&others)));
+    }
+    text
+}
+
+/// "f_t = 0.02010 ± 0.00020 N m".
+fn parameters(candidate: &Candidate) -> Vec<String> {
+    candidate
+        .parameters
+        .iter()
+        .map(|e| {
+            let value = format::estimate(e.value, e.std_error);
+            let unit = if value == format::NOT_IDENTIFIABLE {
+                String::new()
+            } else {
+                words::unit(&e.unit)
+            };
+            format!("{} = {value} {unit}", words::symbol(&e.symbol)).trim_end().to_owned()
+        })
+        .collect()
+}
+
+fn table(study: &Study, ranking: &[Candidate]) -> Table {
+    let columns = vec![
+        Column::text("Effect"),
+        Column::number("Probability", ""),
+        Column::number("p", ""),
+        Column::number("Fall of BIC", ""),
+        Column::number("Window error with it", "rad/s"),
+        Column::number("Quality index with it", "rad²/s"),
+        Column::number("Its moment, rms", study.drive_unit.symbol()),
+        Column::text("Parameters"),
+        Column::text("Not told apart from"),
+    ];
+    let before = ranking.first().map_or(String::new(), |c| {
+        format!(
+            " Without any: window error {} rad/s, quality index {} rad²/s.",
+            format::significant(c.window_before, 3),
+            format::significant(c.ise_validation_before, 3)
+        )
+    });
+    let caption = format!(
+        "All candidates, best first; errors on {} data, a dash where the candidate was not worth a \
+         simulation.{before}",
+        study.judged_words()
     );
-    for c in &d.ranking {
-        table.push(row(c, d.found.contains(&c.effect)));
+    let mut table = Table::new(caption, columns);
+    for c in ranking {
+        let digits = |v: f64| Cell::formatted(format::significant(v, 3), v);
+        let better = c.window_after < c.window_before;
+        let after = digits(c.window_after);
+        table.push(vec![
+            Cell::text(words::effect(&c.effect)),
+            Cell::formatted(probability(c.probability), c.probability).bar(c.probability),
+            Cell::p_value(c.p_value),
+            digits(c.delta_bic),
+            if better { after.tone(Tone::Good) } else { after },
+            digits(c.ise_validation_after),
+            Cell::formatted(format::significant(c.torque_rms, 2), c.torque_rms),
+            Cell::text(parameters(c).join("; ")),
+            Cell::text(words::list(
+                &c.indistinguishable.iter().map(|id| words::effect(id)).collect::<Vec<_>>(),
+            )),
+        ]);
     }
     table
 }
 
-fn row(c: &Candidate, found: bool) -> Vec<Cell> {
-    let name = Cell::text(&c.effect);
-    let parameters: Vec<String> = c
-        .parameters
-        .iter()
-        .map(|e| {
-            let value = if e.fixed {
-                format::number(e.value)
-            } else {
-                format::estimate(e.value, e.std_error)
-            };
-            format!("{} = {value} {}", e.symbol, e.unit)
-        })
-        .collect();
-    let after = if c.window_after.is_finite() {
-        Cell::formatted(format::significant(c.window_after, 3), c.window_after)
-    } else {
-        Cell::text("–")
-    };
-    vec![
-        if found { name.strong().tone(Tone::Notice) } else { name },
-        Cell::formatted(format::significant(c.probability, 2), c.probability).bar(c.probability),
-        Cell::formatted(format::significant(c.evidence, 3), c.evidence),
-        Cell::text(parameters.join("; ")),
-        Cell::formatted(format::significant(c.window_before, 3), c.window_before),
-        after,
-        Cell::text(c.indistinguishable.join(", ")),
-        Cell::text(&c.words),
-    ]
+/// The manoeuvre that tells the best two apart.
+fn manoeuvre(proposal: &Proposal) -> Table {
+    let columns = vec![
+        Column::number("Segment", ""),
+        Column::number("Forward speed", "m/s"),
+        Column::number("Turn rate", "rad/s"),
+        Column::number("Blending", "s"),
+        Column::number("Holding", "s"),
+    ];
+    let caption = format!(
+        "A manoeuvre that tells the best two apart: driven once, it names the right one with \
+         probability {}. Its statistic is {} (chi-square, one degree), against {} for a random \
+         manoeuvre of the same length.",
+        probability(proposal.probability),
+        format::significant(proposal.discrimination, 3),
+        format::significant(proposal.random, 3)
+    );
+    let mut table = Table::new(caption, columns);
+    for (k, segment) in proposal.movement.segments.iter().enumerate() {
+        let digits = |v: f64| Cell::formatted(format::significant(v, 3), v);
+        table.push(vec![
+            Cell::count(k + 1),
+            digits(segment.speed_m_s),
+            digits(segment.turn_rad_s),
+            digits(segment.blend_s),
+            digits(segment.hold_s),
+        ]);
+    }
+    table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_probability_is_written_as_certain() {
+        assert_eq!(probability(1.0), "> 99.9 %");
+        assert_eq!(probability(0.0), "< 0.1 %");
+        assert_eq!(probability(0.5), "50 %");
+        assert_eq!(probability(f64::NAN), "–");
+    }
 }

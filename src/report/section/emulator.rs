@@ -1,73 +1,138 @@
-//! The emulator's state and its error, as in the paper's Fig. 13 and 14.
+//! The state emulator of eq. (19), and the fuzzy system inside it.
 
-use super::Section;
-use crate::report::block::Block;
-use crate::report::figure::{Axis, Figure, Layer, Panel};
+mod rules;
+
+use super::curves;
+use super::{Section, words};
+use crate::report::block::{Block, Text};
+use crate::report::figure::{Axis, Dash, Figure, Layer, Panel, Role};
 use crate::report::format;
-use crate::report::palette::Role;
-use crate::study::Study;
+use crate::study::{MethodStudy, Performance, RecordingStudy, Study};
 
-/// State estimates and errors of the parallel emulator.
+/// The emulator.
 #[derive(Default)]
 pub struct Emulator;
-
-const STATES: [(&str, &str); 4] =
-    [("angle 1", "rad"), ("angle 2", "rad"), ("speed 1", "rad/s"), ("speed 2", "rad/s")];
 
 impl Section for Emulator {
     fn id(&self) -> &'static str {
         "emulator"
     }
+
     fn title(&self) -> &'static str {
-        "State emulator"
+        "State emulator and fuzzy system"
     }
+
     fn how_to_read(&self) -> &'static str {
-        "The emulator of eq. (19) in parallel structure; the errors are what the paper integrates."
+        "The emulator runs beside the robot and is drawn to the measurement by the gain K, so its \
+         error is small where K is large, whatever the model; with K = 0 it is a pure simulation."
     }
+
     fn blocks(&self, study: &Study) -> Vec<Block> {
-        let Some(&index) = study.judged().first() else { return vec![] };
-        // the paper's emulator is fuzzy; without one the reference method stands for it
-        let fuzzy = study.methods.iter().find(|m| m.fuzzy.is_some());
-        let Some(method) = fuzzy.or(study.reference_method()) else { return vec![] };
-        let Some(performance) = method.performance.get(index) else { return vec![] };
-        if performance.emulator.is_empty() {
-            return vec![];
+        let fuzzy = best_fuzzy(study);
+        let mut blocks = Vec::new();
+        if let Some((method, system)) = fuzzy.and_then(|m| Some((m, m.fuzzy.as_ref()?))) {
+            let name = words::method(study, method);
+            blocks.push(Block::paragraph(
+                Text::from("Takagi-Sugeno systems f31 and f41, fitted by ")
+                    .strong(&name)
+                    .plain(", the fuzzy method with the lowest window error."),
+            ));
+            blocks.extend(rules::figures(study, &name, system).into_iter().map(Block::from));
         }
-        let r = &study.recordings[index];
-        let k = format::significant(study.emulator_gain, 3);
-        let subtitle = format!("{}, method {}, K = {k} 1/s on the wheel speeds", r.file, method.name);
-        let mut states = Figure::new("emulator", "State of the emulator (the paper's Fig. 13)")
-            .with_subtitle(subtitle.clone())
-            .interactive();
-        let mut errors = Figure::new("emulator_error", "Error of the emulator (the paper's Fig. 14)")
-            .with_subtitle(subtitle)
-            .interactive();
-        for pair in [[0, 1], [2, 3]] {
-            let unit = STATES[pair[0]].1;
-            let axis = if pair[0] == 0 { "angle" } else { "speed" };
-            let mut state = Panel::new(Axis::linear("time", "s"), Axis::linear(axis, unit));
-            let mut error =
-                Panel::new(Axis::linear("time", "s"), Axis::linear(format!("{axis} error"), unit));
-            for (n, i) in pair.into_iter().enumerate() {
-                let role = if n == 0 { Role::Wheel1 } else { Role::Wheel2 };
-                let measured = |k: usize| {
-                    if i < 2 { r.alpha[k][i] } else { r.omega[k][i - 2] }
-                };
-                let rows = || performance.emulator.iter().enumerate();
-                state = state.with(Layer::line(
-                    rows().map(|(k, x)| (r.t[k], x[i])).collect(),
-                    STATES[i].0,
-                    role,
-                ));
-                error = error.with(Layer::line(
-                    rows().map(|(k, x)| (r.t[k], measured(k) - x[i])).collect(),
-                    STATES[i].0,
-                    role,
-                ));
-            }
-            states = states.with_panel(state);
-            errors = errors.with_panel(error);
+        let shown = fuzzy.or_else(|| study.reference_method());
+        let emulated = shown.and_then(|m| Some((m, curves::shown_performance(study, m)?)));
+        if let Some((method, (recording, performance))) = emulated {
+            blocks.extend(states(study, method, recording, performance));
         }
-        vec![states.into(), errors.into()]
+        blocks
     }
+}
+
+/// The fuzzy method with the lowest window error on the judged recordings.
+fn best_fuzzy(study: &Study) -> Option<&MethodStudy> {
+    let error = |m: &MethodStudy| {
+        let rms = study.judged_window_rms(m);
+        if rms.is_nan() { f64::INFINITY } else { rms }
+    };
+    let fuzzy = study.methods.iter().filter(|m| m.fuzzy.is_some());
+    fuzzy.min_by(|a, b| error(a).total_cmp(&error(b)))
+}
+
+/// States of the emulator and their errors: Fig. 13 and 14 of the paper.
+fn states(
+    study: &Study,
+    method: &MethodStudy,
+    recording: &RecordingStudy,
+    performance: &Performance,
+) -> Vec<Block> {
+    let count = performance.emulator.len().min(recording.t.len());
+    if count < 2 || recording.alpha.len() < count || recording.omega.len() < count {
+        return vec![];
+    }
+    let subtitle = format!(
+        "{}, {}, parallel structure, K = {} s⁻¹ on the wheel speeds",
+        words::method(study, method),
+        recording.file,
+        format::number(study.emulator_gain)
+    );
+    let symbols = ["α₁", "α₂", "ω₁", "ω₂"];
+    let units = ["rad", "rad", "rad/s", "rad/s"];
+    let measured = |k: usize, state: usize| match state {
+        0 | 1 => recording.alpha[k][state],
+        _ => recording.omega[k][state - 2],
+    };
+    let largest = |state: usize| (0..count).map(|k| measured(k, state).abs()).fold(1e-9, f64::max);
+    let mut outputs = Figure::new("emulator-states", "States of the emulator and measured states")
+        .with_subtitle(&subtitle)
+        .with_caption("Angles α and speeds ω of the wheels. The paper shows this as Fig. 13.")
+        .interactive();
+    let rms = |state: usize| {
+        let square = |k: usize| (measured(k, state) - performance.emulator[k][state]).powi(2);
+        ((0..count).map(square).sum::<f64>() / count as f64).sqrt()
+    };
+    let title = format!(
+        "Errors of the emulator: {} and {} rad/s rms in speed",
+        format::significant(rms(2), 2),
+        format::significant(rms(3), 2)
+    );
+    let mut errors = Figure::new("emulator-errors", title)
+        .with_subtitle(&subtitle)
+        .with_caption(
+            "Measured minus emulated states, wheel 1 right, wheel 2 left. The paper shows this as \
+             Fig. 14.",
+        )
+        .interactive();
+    for state in 0..4 {
+        let limit = 5.0 * largest(state);
+        let near = |v: f64| if v.abs() <= limit { v } else { f64::NAN };
+        let over_time = |value: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
+            (0..count).map(|k| (recording.t[k], value(k))).collect()
+        };
+        let line = |points, label: &str, width, role| Layer::Line {
+            points,
+            label: label.to_owned(),
+            role,
+            width,
+            dash: Dash::Solid,
+        };
+        let time = || Axis::linear("time", "s");
+        let real = over_time(&|k| measured(k, state));
+        let emulated = over_time(&|k| near(performance.emulator[k][state]));
+        outputs.panels.push(
+            Panel::new(time(), Axis::linear(symbols[state], units[state]))
+                .with(Layer::points(real, "measured", Role::Measured))
+                .with(line(emulated, "emulator", 1.6, Role::Model)),
+        );
+        let error = over_time(&|k| measured(k, state) - near(performance.emulator[k][state]));
+        let role = if state % 2 == 0 { Role::Wheel1 } else { Role::Wheel2 };
+        let axis = Axis::linear(format!("error of {}", symbols[state]), units[state]);
+        let panel = Panel::new(time(), axis).with(line(error, "", 1.0, role));
+        errors.panels.push(panel.with(Layer::HLine {
+            at: 0.0,
+            label: String::new(),
+            role: Role::Ink,
+            dash: Dash::Solid,
+        }));
+    }
+    vec![outputs.into(), errors.into()]
 }

@@ -1,149 +1,257 @@
-//! Measured against simulated, with residuals.
+//! Measured against simulated wheel speeds on one recording.
 
-use super::{Section, thinned};
-use crate::recording::Regime;
-use crate::report::block::Block;
-use crate::report::figure::{Axis, Figure, Layer, Panel};
-use crate::report::palette::Role;
-use crate::study::{MethodStudy, RecordingStudy, Study};
+use super::curves::{self, residual, simulated, wheel};
+use super::{Section, words};
+use crate::report::block::{Block, Text};
+use crate::report::figure::{Axis, Dash, Figure, Layer, Panel, Role, Size};
+use crate::report::format;
+use crate::study::{Performance, RecordingStudy, Study};
 
 /// Measured against simulated.
 #[derive(Default)]
-pub struct FitSection;
+pub struct Fit;
 
-impl Section for FitSection {
+impl Section for Fit {
     fn id(&self) -> &'static str {
         "fit"
     }
+
     fn title(&self) -> &'static str {
         "Measured against simulated"
     }
+
     fn how_to_read(&self) -> &'static str {
-        "The free simulation knows only the moments and may wander with their noise; the windows \
-         start anew every 2 s and show the model itself."
+        "The free simulation starts once and is driven by the recorded drive alone, so errors add \
+         up; the 2 s windows start anew from the measured motion and show the model itself."
     }
+
     fn blocks(&self, study: &Study) -> Vec<Block> {
-        let Some(method) = study.reference_method() else { return vec![] };
-        let Some(&index) = study.judged().first() else { return vec![] };
-        let recording = &study.recordings[index];
-        vec![
-            speeds(study, method, index).into(),
-            drives(study, recording).into(),
-            path(recording, method, index).into(),
-        ]
-    }
-}
-
-/// Consecutive samples of standstill as ranges of time.
-fn rests(r: &RecordingStudy) -> Vec<(f64, f64)> {
-    let mut out: Vec<(f64, f64)> = Vec::new();
-    let mut open = None;
-    for (k, regime) in r.regimes.iter().enumerate() {
-        let still = *regime == Regime::Standstill;
-        match (still, open) {
-            (true, None) => open = Some(r.t[k]),
-            (false, Some(start)) => {
-                out.push((start, r.t[k]));
-                open = None;
-            }
-            _ => {}
+        let Some((_, recording)) = curves::shown(study) else { return vec![] };
+        if recording.t.is_empty() {
+            return vec![];
         }
-    }
-    if let Some(start) = open {
-        out.push((start, *r.t.last().unwrap_or(&start)));
-    }
-    out
-}
-
-fn speeds(study: &Study, method: &MethodStudy, index: usize) -> Figure {
-    let r = &study.recordings[index];
-    let performance = &method.performance[index];
-    let mut figure = Figure::new("fit", "Wheel speeds, measured and simulated")
-        .with_subtitle(format!("{}, {} recording, method {}", r.file, r.role.name(), method.name))
-        .interactive();
-    let series = |values: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
-        (0..r.t.len()).map(|k| (r.t[k], values(k))).collect()
-    };
-    for wheel in 0..2 {
-        let title = if wheel == 0 { "Wheel 1 (right)" } else { "Wheel 2 (left)" };
-        let measured = series(&|k| r.omega[k][wheel]);
-        let panel = Panel::new(Axis::linear("time", "s"), Axis::linear("wheel speed", "rad/s"))
-            .with_title(title)
-            .with(Layer::Shade {
-                ranges: rests(r),
-                label: if wheel == 0 { "standstill".into() } else { String::new() },
-                role: Role::Ink,
-            })
-            .with(Layer::points(thinned(measured, 2500), label(wheel, "measured"), Role::Measured))
-            .with(Layer::line(
-                series(&|k| performance.free.get(k).map_or(f64::NAN, |w| w[wheel])),
-                label(wheel, "free simulation"),
-                Role::Model,
+        let performance = study
+            .reference_method()
+            .and_then(|method| Some((method, curves::shown_performance(study, method)?.1)));
+        let mut blocks = Vec::new();
+        if let Some((method, performance)) = performance {
+            blocks.push(Block::paragraph(
+                Text::from("Recording ")
+                    .strong(&recording.file)
+                    .plain(format!(" ({}), fit by ", recording.role.name()))
+                    .strong(words::method(study, method))
+                    .plain("."),
             ));
-        figure = figure.with_panel(panel);
+            blocks.push(speeds(study, recording, performance).into());
+        }
+        blocks.push(drive(study, recording).into());
+        blocks.push(velocity(study, recording).into());
+        let errors = performance.map(|(_, p)| p.windows.as_slice()).unwrap_or_default();
+        if recording.path.len() > 1 {
+            blocks.push(path(recording, errors).into());
+        }
+        blocks
     }
-    let error = |k: usize, wheel: usize| {
-        performance.windows.get(k).map_or(f64::NAN, |w| r.omega[k][wheel] - w[wheel])
-    };
-    let noise = r.noise.omega[0].max(r.noise.omega[1]);
-    let residual = Panel::new(Axis::linear("time", "s"), Axis::linear("error", "rad/s"))
-        .with_title("Error of the 2 s windows")
-        .with(Layer::Band {
-            x: vec![r.t[0], r.t[r.t.len() - 1]],
-            lower: vec![-2.0 * noise; 2],
-            upper: vec![2.0 * noise; 2],
-            label: "± 2 sensor noise".into(),
-            role: Role::NoiseFloor,
-        })
-        .with(Layer::line(series(&|k| error(k, 0)), "wheel 1", Role::Wheel1))
-        .with(Layer::line(series(&|k| error(k, 1)), "wheel 2", Role::Wheel2));
-    figure.with_panel(residual)
 }
 
-/// Legend entries stand once, on the first panel.
-fn label(wheel: usize, text: &str) -> String {
-    if wheel == 0 { text.into() } else { String::new() }
+fn time() -> Axis {
+    Axis::linear("time", "s")
 }
 
-fn drives(study: &Study, r: &RecordingStudy) -> Figure {
-    let unit = study.drive_unit.symbol();
-    let name = if unit == "N m" { "moment" } else { "drive" };
-    let mut panel = Panel::new(Axis::linear("time", "s"), Axis::linear(name, unit));
-    for (wheel, role) in [(0, Role::Wheel1), (1, Role::Wheel2)] {
-        let points = (0..r.t.len()).map(|k| (r.t[k], r.moment[k][wheel])).collect();
-        panel = panel.with(Layer::line(points, format!("wheel {}", wheel + 1), role));
+fn line(points: Vec<(f64, f64)>, label: &str, role: Role, width: f64) -> Layer {
+    Layer::Line { points, label: label.to_owned(), role, width, dash: Dash::Solid }
+}
+
+/// Both speeds with their residuals below.
+fn speeds(study: &Study, recording: &RecordingStudy, performance: &Performance) -> Figure {
+    let title = format!(
+        "Over 2 s the model errs by {} rad/s; noise alone would leave {}",
+        format::significant(performance.window_rms, 3),
+        format::significant(recording.floor.window_rms, 3)
+    );
+    let mut figure = Figure::new("fit", title)
+        .with_subtitle(format!(
+            "{}, {} s at {} Hz",
+            recording.file,
+            format::significant(recording.duration_s, 3),
+            format::significant(recording.rate_hz, 3)
+        ))
+        .with_caption(
+            "Wheel speeds ω₁ (right) and ω₂ (left), measured and simulated, and the residual, \
+             measured minus simulated. Drag to zoom, double-click to return.",
+        )
+        .interactive();
+    let shade = curves::failing(study, recording);
+    let background = shade.clone().or_else(|| curves::turning(recording));
+    for i in 0..2 {
+        let mut panel = Panel::new(time(), Axis::linear(words::OMEGA[i], "rad/s"));
+        panel.layers.extend(background.clone());
+        let measured = wheel(&recording.t, &recording.omega, i);
+        let free = simulated(recording, &performance.free, i);
+        let panel = panel.with(Layer::points(measured, "measured", Role::Measured)).with(line(
+            free,
+            "free simulation",
+            Role::Model,
+            1.6,
+        ));
+        let mut below =
+            Panel::new(time(), Axis::linear(format!("residual of {}", words::OMEGA[i]), "rad/s"));
+        below.layers.extend(shade.clone().map(unlabelled));
+        let below = below
+            .with(line(
+                residual(recording, &performance.free, i),
+                "free simulation",
+                Role::Model,
+                1.2,
+            ))
+            .with(line(residual(recording, &performance.windows, i), "2 s windows", Role::Ink, 0.9))
+            .with(noise_band(recording, i));
+        figure = figure.with_panel(panel).with_panel(below);
     }
-    Figure::new("drive", "Recorded drive (the paper's Fig. 3)")
-        .with_subtitle(r.file.clone())
+    figure
+}
+
+fn unlabelled(mut shade: Layer) -> Layer {
+    if let Layer::Shade { label, .. } = &mut shade {
+        label.clear();
+    }
+    shade
+}
+
+/// Where 95 % of the noise of a measured speed lies.
+fn noise_band(recording: &RecordingStudy, i: usize) -> Layer {
+    let half = 1.96 * recording.noise.omega[i];
+    let ends = [recording.t.first(), recording.t.last()];
+    Layer::Band {
+        x: ends.into_iter().flatten().copied().collect(),
+        lower: vec![-half; 2],
+        upper: vec![half; 2],
+        label: "95 % of the measuring noise".to_owned(),
+        role: Role::NoiseFloor,
+    }
+}
+
+/// The recorded drives: Fig. 3 of the paper.
+fn drive(study: &Study, recording: &RecordingStudy) -> Figure {
+    let roles = [Role::Wheel1, Role::Wheel2];
+    let mut panel = Panel::new(time(), Axis::linear("drive", study.drive_unit.symbol()));
+    for i in 0..2 {
+        let label = format!("{} {}", words::DRIVE[i], words::WHEELS[i]);
+        panel = panel.with(line(wheel(&recording.t, &recording.moment, i), &label, roles[i], 1.2));
+    }
+    Figure::new("drive", "Recorded drive of the wheels")
+        .with_subtitle(&recording.file)
+        .with_caption("What drives the simulation. The paper shows this as Fig. 3.")
         .with_panel(panel)
         .interactive()
 }
 
-fn path(r: &RecordingStudy, method: &MethodStudy, index: usize) -> Figure {
-    let windows = &method.performance[index].windows;
-    let sizes: Vec<f64> = (0..r.t.len())
-        .map(|k| {
-            windows.get(k).map_or(f64::NAN, |w| {
-                ((r.omega[k][0] - w[0]).powi(2) + (r.omega[k][1] - w[1]).powi(2)).sqrt()
-            })
-        })
-        .collect();
-    let mut sorted: Vec<f64> = sizes.iter().copied().filter(|s| s.is_finite()).collect();
-    sorted.sort_by(f64::total_cmp);
-    let limit = sorted.get(sorted.len() * 9 / 10).copied().unwrap_or(f64::INFINITY);
-    let all: Vec<(f64, f64)> = r.path.iter().map(|p| (p[0], p[1])).collect();
-    let worst: Vec<(f64, f64)> =
-        r.path.iter().zip(&sizes).filter(|(_, s)| **s > limit).map(|(p, _)| (p[0], p[1])).collect();
-    let panel = Panel::new(Axis::linear("x", "m"), Axis::linear("y", "m"))
-        .with(Layer::line(thinned(all, 3000), "path of the axle's centre", Role::Measured))
-        .with(Layer::Points {
-            points: thinned(worst, 800),
-            label: "a tenth of the samples, where the error is largest".into(),
-            role: Role::Highlight,
-            radius: 2.2,
-            alpha: 0.6,
-        });
-    Figure::new("path", "Where on the floor the error is largest")
-        .with_subtitle(r.file.clone())
+/// The measured speeds: Fig. 4 of the paper.
+fn velocity(study: &Study, recording: &RecordingStudy) -> Figure {
+    let roles = [Role::Wheel1, Role::Wheel2];
+    let mut panel = Panel::new(time(), Axis::linear("wheel speed", "rad/s"));
+    panel.layers.extend(curves::failing(study, recording));
+    for i in 0..2 {
+        let label = format!("{} {}", words::OMEGA[i], words::WHEELS[i]);
+        panel = panel.with(line(wheel(&recording.t, &recording.omega, i), &label, roles[i], 1.2));
+    }
+    let source = if recording.measured.omega { "Measured" } else { "Differentiated from angles" };
+    Figure::new("speeds", "Angular speeds of the wheels")
+        .with_subtitle(&recording.file)
+        .with_caption(format!("{source}. The paper shows this as Fig. 4."))
         .with_panel(panel)
+        .interactive()
+}
+
+/// The way of the axle's centre, thicker where the model errs.
+fn path(recording: &RecordingStudy, windows: &[[f64; 2]]) -> Figure {
+    let place = |k: usize| (recording.path[k][0], recording.path[k][1]);
+    let all: Vec<(f64, f64)> = (0..recording.path.len()).map(place).collect();
+    let noise = recording.noise.omega.map(|s| s.max(1e-9));
+    let loud = |k: usize| -> f64 {
+        let one = |i: usize| ((recording.omega[k][i] - windows[k][i]) / noise[i]).powi(2);
+        (0.5 * (one(0) + one(1))).sqrt()
+    };
+    let count = windows.len().min(recording.omega.len()).min(all.len());
+    let smooth = smoothed(&(0..count).map(loud).collect::<Vec<_>>(), recording.rate_hz);
+    let above = |low: f64, high: f64| -> Vec<(f64, f64)> {
+        (0..count).filter(|&k| smooth[k] > low && smooth[k] <= high).map(|k| all[k]).collect()
+    };
+    let (x, y, size) = equal_axes(&all);
+    let start = all[0];
+    let dots = |points, label: &str, role, radius| Layer::Points {
+        points,
+        label: label.to_owned(),
+        role,
+        radius,
+        alpha: 1.0,
+    };
+    let panel = Panel::new(x, y)
+        .with(line(all.clone(), "", Role::NoiseFloor, 1.0))
+        .with(dots(above(2.0, 4.0), "error 2 to 4 times the noise", Role::Highlight, 1.6))
+        .with(dots(above(4.0, f64::INFINITY), "more than 4 times", Role::Model, 2.6))
+        .with(dots(vec![start], "start", Role::Ink, 4.5));
+    let shares = [above(2.0, 4.0).len(), above(4.0, f64::INFINITY).len()];
+    let share = (shares[0] + shares[1]) as f64 / count.max(1) as f64;
+    let title = match count {
+        0 => "The way of the robot".to_owned(),
+        _ => format!(
+            "For {} of the time the error exceeds twice the measuring noise",
+            format::percent(share)
+        ),
+    };
+    let mut figure = Figure::new("path", title)
+        .with_subtitle(&recording.file)
+        .with_caption(
+            "Path of the axle's centre, computed from the wheel angles; dots mark where the window \
+             error, averaged over 0.2 s, exceeds the noise of the speeds.",
+        )
+        .with_panel(panel);
+    figure.size = size;
+    figure
+}
+
+/// Root mean square over 0.2 s.
+fn smoothed(values: &[f64], rate: f64) -> Vec<f64> {
+    let half = ((0.1 * rate) as usize).min(values.len());
+    let mut sums = vec![0.0];
+    for v in values {
+        let square = if v.is_finite() { (v * v).min(1e6) } else { 1e6 };
+        sums.push(sums[sums.len() - 1] + square);
+    }
+    (0..values.len())
+        .map(|k| {
+            let (from, to) = (k.saturating_sub(half), (k + half + 1).min(values.len()));
+            ((sums[to] - sums[from]) / (to - from) as f64).sqrt()
+        })
+        .collect()
+}
+
+/// Axes on which a metre is as long in x as in y, on a figure of fitting size.
+fn equal_axes(points: &[(f64, f64)]) -> (Axis, Axis, Size) {
+    // room around the plot for labels, title and legend [px]
+    const AROUND: (f64, f64) = (85.0, 153.0);
+    const WIDTH: f64 = 620.0;
+    let span = |pick: fn(&(f64, f64)) -> f64| {
+        let values = || points.iter().map(pick).filter(|v| v.is_finite());
+        let (low, high) =
+            (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+        if low <= high { (low, high) } else { (0.0, 1.0) }
+    };
+    let (x, y) = (span(|p| p.0), span(|p| p.1));
+    let wide = (x.1 - x.0).max(0.1 * (y.1 - y.0)).max(1e-3);
+    let high = (y.1 - y.0).max(1e-3);
+    let plot = WIDTH - AROUND.0;
+    let height = (plot * high / wide).clamp(160.0, 520.0);
+    let metre = (1.12 * wide / plot).max(1.12 * high / height);
+    let around = |(low, high): (f64, f64), pixels: f64| {
+        let half = 0.5 * metre * pixels;
+        (0.5 * (low + high) - half, 0.5 * (low + high) + half)
+    };
+    let (x, y) = (around(x, plot), around(y, height));
+    (
+        Axis::linear("x", "m").with_range(x.0, x.1),
+        Axis::linear("y", "m").with_range(y.0, y.1),
+        Size { width: WIDTH, height: Some(height + AROUND.1) },
+    )
 }

@@ -1,11 +1,15 @@
-//! Every method by one index on the same recordings.
+//! All methods side by side.
 
-use super::Section;
-use crate::report::block::{Block, Cell, Column, Table, Tone};
+use super::parameters::{figures as traces, truth};
+use super::{Section, words};
+use crate::report::block::{Block, Cell, Column, Table, Text, Tone};
+use crate::report::figure::{
+    Axis, BarSeries, Bars, Direction, Figure, Layer, Panel, Role as Color,
+};
 use crate::report::format;
 use crate::study::{MethodStudy, Performance, Role, Study};
 
-/// The table of methods.
+/// Methods.
 #[derive(Default)]
 pub struct Methods;
 
@@ -13,110 +17,203 @@ impl Section for Methods {
     fn id(&self) -> &'static str {
         "methods"
     }
+
     fn title(&self) -> &'static str {
-        "Methods compared"
+        "Methods"
     }
+
     fn how_to_read(&self) -> &'static str {
-        "ISE is the paper's quality index, the integral of e_w1² + e_w2², summed over recordings; \
-         free simulation, and the emulator of eq. (19) with the stated gain K on the wheel speeds."
+        "ISE is the integral of the squared errors of both wheel speeds, summed over the recordings; \
+         with noisy drives a free simulation wanders, so compare methods by their window error, and \
+         both with the noise floor."
     }
+
     fn blocks(&self, study: &Study) -> Vec<Block> {
-        let k = format::significant(study.emulator_gain, 3);
-        vec![
-            table(study, &k).into(),
-            Block::paragraph(format!(
-                "The paper's ISE of 0.139 rad²/s belongs to a run of unpublished length, noise and \
-                 gain; here K = {k} 1/s. Sensor noise alone costs {} rad²/s on these recordings.",
-                format::significant(sensor_noise(study), 3)
-            )),
-        ]
+        if study.methods.is_empty() {
+            return vec![];
+        }
+        let mut blocks = vec![table(study).into()];
+        blocks.extend(figure(study).map(Block::from));
+        blocks.push(Block::paragraph(format!(
+            "The paper's quality index of 0.139 rad²/s is that of its emulator in the parallel \
+             structure, for a run of unpublished length, noise and gain K: the index grows with the \
+             length and falls with K, so it serves as an order of magnitude only. Here the noise of \
+             the measured speeds alone costs {} rad²/s on the judged recordings.",
+            format::significant(sensor_noise(study), 3)
+        )));
+        let remarks = remarks(study);
+        if !remarks.is_empty() {
+            blocks.push(Block::Heading("Remarks of the methods".to_owned()));
+            blocks.push(Block::List(remarks));
+        }
+        let other = study.methods.iter().filter(|m| m.estimates.is_empty());
+        blocks.extend(other.flat_map(|m| traces(study, m)).map(Block::from));
+        blocks
     }
 }
 
-/// ISE that sensor noise alone costs on all judged recordings.
-fn sensor_noise(study: &Study) -> f64 {
-    study
-        .judged()
-        .iter()
-        .map(|&r| {
-            let r = &study.recordings[r];
-            (r.noise.omega[0].powi(2) + r.noise.omega[1].powi(2)) * r.duration_s
-        })
-        .sum()
+/// Sum over the recordings of a role; NaN where there is none or the method failed.
+fn sum(study: &Study, role: Role, value: impl Fn(usize) -> Option<f64>) -> f64 {
+    let of_role = |r: &usize| study.recordings[*r].role == role;
+    let mut recordings = (0..study.recordings.len()).filter(of_role).peekable();
+    if recordings.peek().is_none() {
+        return f64::NAN;
+    }
+    recordings.map(|r| value(r).unwrap_or(f64::NAN)).sum()
 }
 
-fn table(study: &Study, k: &str) -> Table {
-    let truth = !study.truth.is_empty();
+fn judged_sum(study: &Study, method: &MethodStudy, value: fn(&Performance) -> f64) -> f64 {
+    let one = |r: &usize| method.performance.get(*r).map_or(f64::NAN, value);
+    if method.performance.is_empty() { f64::NAN } else { study.judged().iter().map(one).sum() }
+}
+
+/// Quality index of the noise of the measured speeds alone, over the judged recordings [rad^2/s].
+fn sensor_noise(study: &Study) -> f64 {
+    let judged = study.judged().into_iter().map(|r| &study.recordings[r]);
+    judged.map(|r| r.noise.omega.iter().map(|s| s * s).sum::<f64>() * r.duration_s).sum()
+}
+
+fn table(study: &Study) -> Table {
+    let known = !study.truth.is_empty();
+    let gain = format!("K = {} s⁻¹", format::number(study.emulator_gain));
     let mut columns = vec![
         Column::text("Method"),
-        Column::text("Status"),
+        Column::text("Ended"),
+        Column::number("Window error", "rad/s"),
+        Column::number("Over noise floor", "×"),
         Column::number("ISE train", "rad²/s"),
         Column::number("ISE validation", "rad²/s"),
-        Column::number(format!("ISE parallel, K = {k}"), "rad²/s"),
-        Column::number(format!("ISE serial-parallel, K = {k}"), "rad²/s"),
-        Column::number("Window error", "rad/s"),
-        Column::number("over noise floor", ""),
+        Column::number(format!("ISE emulator, parallel, {gain}"), "rad²/s"),
+        Column::number(format!("ISE emulator, serial-parallel, {gain}"), "rad²/s"),
         Column::number("Time", "s"),
-        Column::number("Passes", ""),
+        Column::number("Evaluations", ""),
     ];
-    if truth {
-        columns.push(Column::number("Worst error of a1..a5", "%"));
+    if known {
+        columns.push(Column::number("Parameter error", "%"));
     }
-    let mut table = Table::new("All methods on the same recordings.", columns);
-    for method in &study.methods {
-        table.push(row(study, method, truth));
+    let error = if known {
+        " Parameter error: root mean square over the free parameters, in percent of their true value."
+    } else {
+        ""
+    };
+    let caption = format!(
+        "Methods. Window error and emulators on {} data; ISE of the free simulation.{error}",
+        study.judged_words()
+    );
+    let mut table = Table::new(caption, columns);
+    for (index, method) in study.methods.iter().enumerate() {
+        table.push(row(study, method, Some(index) == study.reference));
     }
+    table.push(floor_row(study));
     table
 }
 
-fn row(study: &Study, m: &MethodStudy, truth: bool) -> Vec<Cell> {
-    let name = if m.options.is_empty() { m.name.clone() } else { format!("{} ({})", m.name, m.options) };
-    if let Some(reason) = &m.failure {
-        let mut row = vec![Cell::text(name), Cell::text(reason).tone(Tone::Bad)];
-        row.resize(if truth { 11 } else { 10 }, Cell::text("–"));
-        return row;
-    }
-    let sum = |role: Role, value: &dyn Fn(&Performance) -> f64| {
-        let of: Vec<f64> = (0..study.recordings.len())
-            .filter(|&r| study.recordings[r].role == role)
-            .filter_map(|r| m.performance.get(r).map(value))
-            .collect();
-        if of.is_empty() { f64::NAN } else { of.iter().sum() }
-    };
-    let judged = |value: &dyn Fn(&Performance) -> f64| -> f64 {
-        study.judged().iter().filter_map(|&r| m.performance.get(r).map(value)).sum()
-    };
-    let cell = |v: f64| match v {
-        v if v.is_infinite() => Cell::formatted("diverges", f64::MAX),
-        v => Cell::formatted(format::significant(v, 3), v),
-    };
-    let window = study.judged_window_rms(m);
+fn row(study: &Study, method: &MethodStudy, is_reference: bool) -> Vec<Cell> {
+    let name = Cell::text(words::method(study, method));
+    let ended = Cell::text(words::status(method));
+    let rms =
+        if method.performance.is_empty() { f64::NAN } else { study.judged_window_rms(method) };
+    let ratio = rms / study.judged_floor();
+    let ise = |role| sum(study, role, |r| method.performance.get(r).map(|p| p.ise[0] + p.ise[1]));
     let mut row = vec![
-        Cell::text(name),
-        Cell::text(m.status.map_or(String::new(), |s| format!("{s:?}").to_lowercase())),
-        cell(sum(Role::Train, &|p| p.ise[0] + p.ise[1])),
-        cell(sum(Role::Validation, &|p| p.ise[0] + p.ise[1])),
-        cell(judged(&|p| p.ise_parallel)),
-        cell(judged(&|p| p.ise_serial_parallel)),
-        cell(window),
-        cell(window / study.judged_floor()),
-        cell(m.seconds),
-        Cell::count(m.work.evaluations),
+        if is_reference { name.strong() } else { name },
+        match words::status(method) {
+            "failed" => ended.tone(Tone::Bad),
+            "converged" | "–" => ended,
+            _ => ended.tone(Tone::Notice),
+        },
+        digits(rms),
+        digits(ratio),
+        digits(ise(Role::Train)),
+        digits(ise(Role::Validation)),
+        digits(judged_sum(study, method, |p| p.ise_parallel)),
+        digits(judged_sum(study, method, |p| p.ise_serial_parallel)),
+        Cell::formatted(format::significant(method.seconds, 2), method.seconds),
+        Cell::count(method.work.evaluations),
     ];
-    if truth {
-        row.push(cell(worst_error(study, m)));
+    if !study.truth.is_empty() {
+        row.push(digits(parameter_error(study, method)));
     }
     row
 }
 
-/// Largest relative error of a1..a5 [%].
-fn worst_error(study: &Study, m: &MethodStudy) -> f64 {
-    m.estimates
+fn digits(value: f64) -> Cell {
+    let text =
+        if value == f64::INFINITY { "diverges".to_owned() } else { format::significant(value, 3) };
+    Cell::formatted(text, value)
+}
+
+/// Root mean square relative error of the free parameters whose truth is known [%].
+fn parameter_error(study: &Study, method: &MethodStudy) -> f64 {
+    let squares: Vec<f64> = method
+        .estimates
         .iter()
-        .take(5)
-        .filter_map(|e| {
-            let truth = study.truth.iter().find(|(s, _)| *s == e.symbol)?.1;
-            Some(100.0 * ((e.value - truth) / truth).abs())
-        })
-        .fold(f64::NAN, f64::max)
+        .filter(|e| !e.fixed)
+        .filter_map(|e| Some((e.value, truth(study, &e.symbol)?)))
+        .filter(|(_, truth)| *truth != 0.0)
+        .map(|(value, truth)| ((value - truth) / truth).powi(2))
+        .collect();
+    // an empty mean is not a number
+    100.0 * (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+}
+
+fn floor_row(study: &Study) -> Vec<Cell> {
+    let ise = |role| sum(study, role, |r| Some(study.recordings[r].floor.ise.iter().sum()));
+    vec![
+        Cell::text("noise floor").strong(),
+        Cell::text(""),
+        digits(study.judged_floor()),
+        digits(1.0),
+        digits(ise(Role::Train)),
+        digits(ise(Role::Validation)),
+    ]
+}
+
+/// Window error of every method, with the noise floor.
+fn figure(study: &Study) -> Option<Figure> {
+    let fitted: Vec<(&MethodStudy, f64)> = study
+        .methods
+        .iter()
+        .filter(|m| !m.performance.is_empty())
+        .map(|m| (m, study.judged_window_rms(m)))
+        .collect();
+    let (best, error) =
+        fitted.iter().filter(|m| m.1.is_finite()).min_by(|a, b| a.1.total_cmp(&b.1))?;
+    if fitted.len() < 2 {
+        return None;
+    }
+    let values: Vec<f64> = fitted.iter().map(|m| m.1).collect();
+    let mut series = BarSeries::new("", Color::Model, values.clone());
+    series.text = values.iter().map(|v| format::significant(*v, 3)).collect();
+    let bars = Bars {
+        categories: fitted.iter().map(|m| words::method(study, m.0)).collect(),
+        series: vec![series],
+        direction: Direction::Horizontal,
+        highlight: None,
+    };
+    let title = format!(
+        "Lowest window error: {}, {} times the noise floor",
+        words::method(study, best),
+        format::significant(error / study.judged_floor(), 3)
+    );
+    let panel = Panel::new(Axis::linear("window error", "rad/s"), Axis::unlabelled())
+        .with(Layer::Bars(bars))
+        .with(Layer::vline(study.judged_floor(), "noise floor", Color::Ink));
+    let figure = Figure::new("methods", title)
+        .with_subtitle(format!("On {} data", study.judged_words()))
+        .with_caption("Root mean square error of both wheel speeds over windows of 2 s.")
+        .with_panel(panel);
+    Some(figure)
+}
+
+fn remarks(study: &Study) -> Vec<Text> {
+    let mut remarks = Vec::new();
+    for method in &study.methods {
+        let name = words::method(study, method);
+        let failure = method.failure.iter().map(|reason| format!(" failed: {reason}"));
+        for note in failure.chain(method.notes.iter().map(|note| format!(": {note}"))) {
+            remarks.push(Text::default().strong(&name).plain(note));
+        }
+    }
+    remarks
 }

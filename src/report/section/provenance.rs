@@ -1,10 +1,10 @@
 //! What is needed to repeat the run.
 
-use super::Section;
-use crate::report::block::{Block, Cell, Column, Table};
+use super::{Section, words};
+use crate::report::block::{Block, Cell, Column, Table, Text};
 use crate::study::Study;
 
-/// Version, seed, file and hashes.
+/// Provenance.
 #[derive(Default)]
 pub struct Provenance;
 
@@ -12,35 +12,46 @@ impl Section for Provenance {
     fn id(&self) -> &'static str {
         "provenance"
     }
+
     fn title(&self) -> &'static str {
-        "To repeat this run"
+        "Provenance"
     }
+
     fn how_to_read(&self) -> &'static str {
-        ""
+        "The same program version, experiment file and recordings give the same numbers on any \
+         number of threads."
     }
+
     fn blocks(&self, study: &Study) -> Vec<Block> {
-        let mut blocks = vec![
-            Block::paragraph(format!(
-                "{} {}, seed {}, robot {}.",
-                env!("CARGO_PKG_NAME"),
-                study.version,
-                study.seed,
-                study.robot
-            )),
-            Block::Code(study.file.clone()),
-        ];
-        let mut table = Table::new(
-            "SHA-256 of the recordings.",
-            vec![Column::text("File"), Column::text("SHA-256")],
-        );
-        for r in &study.recordings {
-            if let Some(hash) = &r.sha256 {
-                table.push(vec![Cell::text(&r.file), Cell::text(hash)]);
+        let mut facts = Table::new("The run.", vec![Column::text("What"), Column::text("Value")]);
+        let mut fact = |what: &str, value: String| {
+            facts.push(vec![Cell::text(what), Cell::text(value)]);
+        };
+        fact("Program", format!("{} {}", env!("CARGO_PKG_NAME"), study.version));
+        fact("Robot", study.robot.clone());
+        fact("Model", words::model(study));
+        fact("Unit of the drive", study.drive_unit.symbol().to_owned());
+        fact("Seed", study.seed.to_string());
+        let mut blocks = vec![facts.into()];
+        if !study.recordings.is_empty() {
+            let columns = vec![Column::text("Recording"), Column::text("SHA-256")];
+            let mut sums = Table::new("Check sums of the recordings.", columns);
+            for recording in &study.recordings {
+                let sum = recording.sha256.clone();
+                let sum = sum.unwrap_or_else(|| "made by the program from the seed".to_owned());
+                sums.push(vec![Cell::text(&recording.file), Cell::text(sum)]);
             }
+            blocks.push(sums.into());
         }
-        if !table.rows.is_empty() {
-            blocks.push(table.into());
+        if !study.file.is_empty() {
+            blocks.push(Block::Heading("Experiment file as run".to_owned()));
+            blocks.push(Block::Code(study.file.clone()));
         }
+        blocks.push(Block::paragraph(
+            Text::from("To repeat the run, save this file beside its recordings and type ")
+                .code(format!("experiment {}", words::file_name(study)))
+                .plain("."),
+        ));
         blocks
     }
 }

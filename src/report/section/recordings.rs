@@ -1,11 +1,11 @@
-//! The recordings and what was noticed in them.
+//! What was measured, and what is odd about it.
 
 use super::Section;
-use crate::report::block::{Block, Cell, Column, Table};
+use crate::report::block::{Block, Cell, Column, Table, Text};
 use crate::report::format;
-use crate::study::Study;
+use crate::study::{RecordingStudy, Study};
 
-/// Table of recordings.
+/// The recordings.
 #[derive(Default)]
 pub struct Recordings;
 
@@ -13,51 +13,72 @@ impl Section for Recordings {
     fn id(&self) -> &'static str {
         "recordings"
     }
+
     fn title(&self) -> &'static str {
         "Recordings"
     }
+
     fn how_to_read(&self) -> &'static str {
-        "Noise is that of the sensors alone, from fourth differences, right wheel / left wheel."
+        "Noise is the standard deviation of each channel, from differences between neighbouring \
+         samples, right wheel / left wheel."
     }
+
     fn blocks(&self, study: &Study) -> Vec<Block> {
-        let mut table = Table::new(
-            "The recordings of this experiment.",
-            vec![
-                Column::text("File"),
-                Column::text("Use"),
-                Column::number("Length", "s"),
-                Column::number("Samples", ""),
-                Column::number("Rate", "Hz"),
-                Column::text("Noise of angles [rad]"),
-                Column::text("of speeds [rad/s]"),
-                Column::text(format!("of drives [{}]", study.drive_unit.symbol())),
-            ],
-        );
-        let mut findings = Vec::new();
-        for r in &study.recordings {
-            let pair = |v: [f64; 2]| {
-                format!("{} / {}", format::significant(v[0], 2), format::significant(v[1], 2))
-            };
-            let computed = |v: [f64; 2], measured: bool| {
-                if measured { pair(v) } else { "not measured".into() }
-            };
-            table.push(vec![
-                Cell::text(&r.file),
-                Cell::text(r.role.name()),
-                Cell::formatted(format::significant(r.duration_s, 4), r.duration_s),
-                Cell::count(r.samples),
-                Cell::formatted(format::significant(r.rate_hz, 4), r.rate_hz),
-                Cell::text(computed(r.noise.alpha, r.measured.alpha)),
-                Cell::text(computed(r.noise.omega, r.measured.omega)),
-                Cell::text(pair(r.noise.moment)),
-            ]);
-            findings.extend(r.findings.iter().map(|f| format!("{}: {f}", r.file)));
+        if study.recordings.is_empty() {
+            return vec![];
+        }
+        let columns = vec![
+            Column::text("Use"),
+            Column::text("Recording"),
+            Column::number("Samples", ""),
+            Column::number("Duration", "s"),
+            Column::number("Rate", "Hz"),
+            Column::number("Noise of angles", "rad"),
+            Column::number("Noise of speeds", "rad/s"),
+            Column::number("Noise of drives", study.drive_unit.symbol()),
+            Column::number("Noise floor, windows", "rad/s"),
+            Column::number("Noise floor, quality index", "rad²/s"),
+        ];
+        let mut table = Table::new("The recordings of the experiment.", columns);
+        for recording in &study.recordings {
+            table.push(row(recording));
         }
         let mut blocks = vec![table.into()];
-        if !findings.is_empty() {
-            blocks.push(Block::Heading("Noticed in the recordings".into()));
-            blocks.push(Block::list(findings));
+        let findings: Vec<Text> = study
+            .recordings
+            .iter()
+            .flat_map(|r| r.findings.iter().map(|finding| (&r.file, finding)))
+            .map(|(file, finding)| Text::default().strong(file).plain(format!(": {finding}")))
+            .collect();
+        if findings.is_empty() {
+            blocks.push(Block::paragraph("The check of the recordings has no remark."));
+        } else {
+            blocks.push(Block::Heading("What the check of the recordings says".to_owned()));
+            blocks.push(Block::List(findings));
         }
         blocks
     }
+}
+
+fn row(r: &RecordingStudy) -> Vec<Cell> {
+    let pair = |values: [f64; 2]| {
+        let text = values.map(|v| format::significant(v, 2)).join(" / ");
+        Cell::formatted(text, values[0])
+    };
+    let measured = |is: bool, values| {
+        if is { pair(values) } else { Cell::formatted("not measured", f64::NAN) }
+    };
+    let floor = r.floor.ise[0] + r.floor.ise[1];
+    vec![
+        Cell::text(r.role.name()),
+        Cell::text(&r.file),
+        Cell::count(r.samples),
+        Cell::number(r.duration_s),
+        Cell::number(r.rate_hz),
+        measured(r.measured.alpha, r.noise.alpha),
+        measured(r.measured.omega, r.noise.omega),
+        pair(r.noise.moment),
+        Cell::formatted(format::significant(r.floor.window_rms, 3), r.floor.window_rms),
+        Cell::formatted(format::significant(floor, 3), floor),
+    ]
 }

@@ -1,13 +1,12 @@
-//! The error over the versions of the model, down to the noise floor.
+//! The error as effects are added, down to the noise floor.
 
-use super::Section;
-use crate::report::block::Block;
-use crate::report::figure::{Axis, BarSeries, Bars, Direction, Figure, Layer, Panel};
+use super::{Section, words};
+use crate::report::block::{Block, Cell, Column, Table};
+use crate::report::figure::{Axis, BarSeries, Bars, Direction, Figure, Layer, Panel, Role};
 use crate::report::format;
-use crate::report::palette::Role;
 use crate::study::Study;
 
-/// The staircase of the error.
+/// The staircase.
 #[derive(Default)]
 pub struct Staircase;
 
@@ -15,57 +14,152 @@ impl Section for Staircase {
     fn id(&self) -> &'static str {
         "staircase"
     }
+
     fn title(&self) -> &'static str {
-        "The error falls"
+        "Staircase of the error"
     }
+
     fn how_to_read(&self) -> &'static str {
-        "Each bar is a model; the dashed line is the noise floor that no model can pass."
+        "Each bar is the error of a model with one more effect; the dashed line is the error that \
+         noise alone would cause, and no model gets below it other than by chance."
     }
+
     fn blocks(&self, study: &Study) -> Vec<Block> {
         let mut blocks = Vec::new();
-        if let Some(d) = study.diagnosis.as_ref().filter(|d| d.staircase.len() > 1) {
-            let steps: Vec<(String, f64)> = d
+        if let Some(diagnosis) = study.diagnosis.as_ref().filter(|d| !d.staircase.is_empty()) {
+            let stairs: Vec<Stair> = diagnosis
                 .staircase
                 .iter()
-                .map(|s| {
-                    let name =
-                        s.added.as_ref().map_or("model as given".into(), |a| format!("+ {a}"));
-                    (name, s.window_rms_validation)
+                .map(|step| Stair {
+                    name: match &step.added {
+                        None if study.effects.is_empty() => "base model".to_owned(),
+                        None => words::model(study),
+                        Some(id) => format!("+ {}", words::effect(id)),
+                    },
+                    error: step.window_rms_validation,
+                    ise: step.ise_validation,
+                    floor: study.judged_floor(),
                 })
                 .collect();
-            blocks.push(bars("staircase", "What each effect that was found removes", &steps, study));
+            let lead = if stairs.len() > 1 {
+                "Effects found by the diagnosis, added one by one"
+            } else {
+                "The diagnosis adds no effect"
+            };
+            blocks.extend(show(study, "staircase", lead, &stairs));
         }
         if study.versions.len() > 1 {
-            let steps: Vec<(String, f64)> = study
+            let stairs: Vec<Stair> = study
                 .versions
                 .iter()
-                .map(|v| {
-                    let name = if v.effects.is_empty() {
-                        "base model".into()
+                .map(|version| Stair {
+                    name: if version.effects.is_empty() {
+                        "base model".to_owned()
                     } else {
-                        format!("base + {}", v.effects.join(" + "))
-                    };
-                    (name, v.window_rms)
+                        format!("base + {}", version.effects.join(" + "))
+                    },
+                    error: version.window_rms,
+                    ise: version.ise,
+                    floor: version.floor,
                 })
                 .collect();
-            blocks.push(bars("versions", "The versions of your model so far", &steps, study));
+            let lead = "Versions of this model that were run, oldest first";
+            blocks.extend(show(study, "staircase-versions", lead, &stairs));
         }
         blocks
     }
 }
 
-fn bars(id: &str, title: &str, steps: &[(String, f64)], study: &Study) -> Block {
-    let values: Vec<f64> = steps.iter().map(|s| s.1).collect();
-    let text = values.iter().map(|v| format::significant(*v, 3)).collect();
+/// One model and its error on the judged recordings.
+struct Stair {
+    name: String,
+    /// Over windows [rad/s].
+    error: f64,
+    /// Quality index [rad^2/s].
+    ise: f64,
+    /// Of the windows [rad/s].
+    floor: f64,
+}
+
+impl Stair {
+    /// Mean square error above noise.
+    fn excess(&self) -> f64 {
+        self.error * self.error - self.floor * self.floor
+    }
+}
+
+fn show(study: &Study, id: &str, lead: &str, stairs: &[Stair]) -> Vec<Block> {
+    vec![figure(study, id, lead, stairs).into(), table(study, lead, stairs).into()]
+}
+
+fn figure(study: &Study, id: &str, lead: &str, stairs: &[Stair]) -> Figure {
+    let floor = stairs.last().map_or(f64::NAN, |stair| stair.floor);
+    let errors: Vec<f64> = stairs.iter().map(|stair| stair.error).collect();
+    let mut series = BarSeries::new("", Role::Model, errors.clone());
+    series.text = errors.iter().map(|v| format::significant(*v, 3)).collect();
     let bars = Bars {
-        categories: steps.iter().map(|s| s.0.clone()).collect(),
-        series: vec![BarSeries { text, ..BarSeries::new("window error", Role::Model, values) }],
+        categories: stairs.iter().map(|stair| stair.name.clone()).collect(),
+        series: vec![series],
         direction: Direction::Horizontal,
         highlight: None,
     };
+    let first = stairs.first().map_or(f64::NAN, |stair| stair.error);
+    let last = stairs.last().map_or(f64::NAN, |stair| stair.error);
+    let title = if stairs.len() > 1 {
+        format!(
+            "The error falls from {} to {} rad/s; noise alone leaves {}",
+            format::significant(first, 3),
+            format::significant(last, 3),
+            format::significant(floor, 3)
+        )
+    } else {
+        format!(
+            "The error is {} rad/s; noise alone leaves {}",
+            format::significant(last, 3),
+            format::significant(floor, 3)
+        )
+    };
     let panel = Panel::new(Axis::linear("window error", "rad/s"), Axis::unlabelled())
         .with(Layer::Bars(bars))
-        .with(Layer::vline(study.judged_floor(), "noise floor", Role::NoiseFloor));
-    let subtitle = format!("Judged on the {} recordings", study.judged_words());
-    Figure::new(id, title).with_subtitle(subtitle).with_panel(panel).into()
+        .with(Layer::vline(floor, "noise floor", Role::Ink));
+    Figure::new(id, title)
+        .with_subtitle(lead)
+        .with_caption(format!(
+            "Root mean square error of both wheel speeds over windows of 2 s, on {} data.",
+            study.judged_words()
+        ))
+        .with_panel(panel)
+}
+
+fn table(study: &Study, lead: &str, stairs: &[Stair]) -> Table {
+    let caption = format!(
+        "{lead}. What is left: mean square window error above the noise floor, as a share of that \
+         of the first model; the quality index is that of the free simulation. On {} data.",
+        study.judged_words()
+    );
+    let columns = vec![
+        Column::text("Model"),
+        Column::number("Window error", "rad/s"),
+        Column::number("Over noise floor", "×"),
+        Column::number("What is left", ""),
+        Column::number("Quality index", "rad²/s"),
+    ];
+    let mut table = Table::new(caption, columns);
+    let whole = stairs.first().map_or(f64::NAN, Stair::excess);
+    for stair in stairs {
+        let left = (stair.excess() / whole).max(0.0);
+        let ratio = stair.error / stair.floor;
+        table.push(vec![
+            Cell::text(&stair.name),
+            Cell::formatted(format::significant(stair.error, 3), stair.error),
+            Cell::formatted(format::significant(ratio, 3), ratio),
+            if whole > 0.0 {
+                Cell::formatted(format::percent(left), left).bar(left)
+            } else {
+                Cell::text(format::MISSING)
+            },
+            Cell::number(stair.ise),
+        ]);
+    }
+    table
 }

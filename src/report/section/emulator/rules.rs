@@ -1,0 +1,115 @@
+//! The fuzzy system as pictures: memberships, rules, surface.
+
+use super::super::words;
+use crate::report::figure::{Axis, ColorMap, Figure, HeatMap, Layer, Panel, Role};
+use crate::report::format;
+use crate::study::{FuzzyStudy, Study};
+
+/// Names of the two systems in the paper.
+const SYSTEMS: [&str; 2] = ["f31", "f41"];
+/// Cells of a surface along each side.
+const CELLS: usize = 40;
+
+/// Figures 8 to 11 of the paper.
+pub(super) fn figures(study: &Study, method: &str, system: &FuzzyStudy) -> Vec<Figure> {
+    let figures = [memberships(system), consequents(study, system), surface(system)];
+    figures.into_iter().flatten().map(|f| f.with_subtitle(method)).collect()
+}
+
+fn memberships(system: &FuzzyStudy) -> Option<Figure> {
+    let mut figure = Figure::new("memberships", "Membership functions of the wheel speeds")
+        .with_caption("The paper shows this as Fig. 8 (right wheel) and Fig. 9 (left wheel).");
+    figure.shared_x = false;
+    for i in 0..2 {
+        let mut panel = Panel::new(
+            Axis::linear(words::OMEGA[i], "rad/s"),
+            Axis::linear("membership", "").with_range(0.0, 1.05),
+        );
+        for (n, curve) in system.memberships[i].iter().enumerate() {
+            let points = system.grid[i].iter().copied().zip(curve.iter().copied()).collect();
+            panel = panel.with(Layer::line(points, format!("set {}", n + 1), Role::Series(n)));
+        }
+        if !panel.layers.is_empty() {
+            figure.panels.push(panel);
+        }
+    }
+    (!figure.panels.is_empty()).then_some(figure)
+}
+
+fn consequents(study: &Study, system: &FuzzyStudy) -> Option<Figure> {
+    let counts = [system.memberships[0].len(), system.memberships[1].len()];
+    let rules = counts[0] * counts[1];
+    if rules == 0 || system.consequents.iter().any(|c| c.len() != rules) {
+        return None;
+    }
+    let names =
+        |i: usize| (1..=counts[i]).map(|n| format!("{} set {n}", words::OMEGA[i])).collect();
+    let mut figure = Figure::new("rules", "Consequents of the rules")
+        .with_caption(format!(
+            "Constant part of each rule's output, right wheel speed downwards, left wheel speed to \
+             the right ({} rules). The paper shows this as Fig. 10. Drive in {}.",
+            rules,
+            study.drive_unit.symbol()
+        ))
+        .with_columns(2);
+    for (name, consequents) in SYSTEMS.into_iter().zip(&system.consequents) {
+        let values: Vec<Vec<f64>> = consequents.chunks(counts[1]).map(<[f64]>::to_vec).collect();
+        let text = values
+            .iter()
+            .map(|row| row.iter().map(|v| format::significant(*v, 2)).collect())
+            .collect();
+        let map = HeatMap {
+            rows: names(0),
+            columns: (1..=counts[1]).map(|n| n.to_string()).collect(),
+            values,
+            text,
+            colors: ColorMap::Diverging,
+            label: "output".to_owned(),
+            unit: "rad/s²".to_owned(),
+            range: None,
+        };
+        let x = Axis::linear(format!("set of {}", words::OMEGA[1]), "");
+        figure
+            .panels
+            .push(Panel::new(x, Axis::unlabelled()).with_title(name).with(Layer::HeatMap(map)));
+    }
+    Some(figure)
+}
+
+fn surface(system: &FuzzyStudy) -> Option<Figure> {
+    let every = |length: usize| length.div_ceil(CELLS).max(1);
+    let steps = [every(system.grid[0].len()), every(system.grid[1].len())];
+    let names = |i: usize| -> Vec<String> {
+        system.grid[i].iter().step_by(steps[i]).map(|v| format::fixed(*v, 1)).collect()
+    };
+    let mut figure = Figure::new("surface", "Output surface of the fuzzy systems")
+        .with_caption(
+            "Output of f31 and f41 over both wheel speeds: the part of the acceleration that does \
+             not come from the drive. The paper shows this as Fig. 11.",
+        )
+        .with_columns(2);
+    for (name, surface) in SYSTEMS.into_iter().zip(&system.surface) {
+        if surface.is_empty() {
+            continue;
+        }
+        // the speed of wheel 1 grows upwards
+        let thin = |row: &Vec<f64>| row.iter().copied().step_by(steps[1]).collect();
+        let values: Vec<Vec<f64>> = surface.iter().step_by(steps[0]).rev().map(thin).collect();
+        let map = HeatMap {
+            rows: names(0).into_iter().rev().collect(),
+            columns: names(1),
+            values,
+            text: vec![],
+            colors: ColorMap::Diverging,
+            label: "output".to_owned(),
+            unit: "rad/s²".to_owned(),
+            range: None,
+        };
+        let panel = Panel::new(
+            Axis::linear(words::OMEGA[1], "rad/s"),
+            Axis::linear(words::OMEGA[0], "rad/s"),
+        );
+        figure.panels.push(panel.with_title(name).with(Layer::HeatMap(map)));
+    }
+    (!figure.panels.is_empty()).then_some(figure)
+}
