@@ -197,8 +197,8 @@ fn judge(case: &Case) -> (String, bool) {
         let twins = amigo_ident::effects::find(a).map(|e| e.description().equivalent);
         a == b || twins.is_some_and(|t| t.iter().any(|t| t == b))
     };
-    let right = found.len() == wanted.len()
-        && wanted.iter().all(|w| found.iter().any(|f| same(f, w)));
+    let right =
+        found.len() == wanted.len() && wanted.iter().all(|w| found.iter().any(|f| same(f, w)));
     let top: Vec<String> = d
         .ranking
         .iter()

@@ -40,7 +40,7 @@ impl Settings {
 const EVIDENCE: f64 = 8.0;
 /// Least size of an effect that is worth a place in the model, as a share of the rms drive: with
 /// little noise far smaller ones are significant, and no model is exact.
-const PRACTICAL: f64 = 0.005;
+const PRACTICAL: f64 = 0.0025;
 /// Log-evidence that needs no second witness.
 const OVERWHELMING: f64 = 50.0;
 /// Effects whose Wald statistic falls below this, once others are in, are dropped again.
