@@ -78,7 +78,7 @@ fn speeds(study: &Study, recording: &RecordingStudy, performance: &Performance) 
         ))
         .with_caption(
             "Wheel speeds ω₁ (right) and ω₂ (left), measured and simulated, and the residual, \
-             measured minus simulated. Drag to zoom, double-click to return.",
+             measured minus simulated.",
         )
         .interactive();
     let shade = curves::failing(study, recording);

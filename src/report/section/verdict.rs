@@ -177,7 +177,7 @@ fn next_step(study: &Study) -> Vec<Block> {
     let mut blocks = Vec::new();
     if let Some(first) = diagnosis.found.first() {
         let text = Text::from("Next step: add ")
-            .plain(words::effect(first))
+            .plain(words::effect_in_text(first))
             .plain(" to the model with ")
             .code(format!("experiment add {first} {file}"))
             .plain(" and see whether the error falls on data that were not fitted.");
