@@ -83,13 +83,13 @@ fn table(study: &Study) -> Table {
         Column::text("Method"),
         Column::text("Ended"),
         Column::number("Window error", "rad/s"),
-        Column::number("Over noise floor", "×"),
+        Column::number("Over noise", "×"),
         Column::number("ISE train", "rad²/s"),
         Column::number("ISE validation", "rad²/s"),
-        Column::number("ISE emulator, parallel", "rad²/s"),
-        Column::number("ISE emulator, serial-parallel", "rad²/s"),
+        Column::number("Emulator, parallel", "rad²/s"),
+        Column::number("Emulator, serial-parallel", "rad²/s"),
         Column::number("Time", "s"),
-        Column::number("Evaluations", ""),
+        Column::number("Passes", ""),
     ];
     if known {
         columns.push(Column::number("Parameter error", "%"));
@@ -100,8 +100,9 @@ fn table(study: &Study) -> Table {
         ""
     };
     let caption = format!(
-        "Methods. Window error and emulators (eq. 19, {gain} on the wheel speeds) on {} data; ISE of \
-         the free simulation.{error}",
+        "Methods. Window error and emulators (eq. 19, {gain} on the wheel speeds) on {} data: \
+         the emulators by their ISE; ISE train and validation are of the free simulation. Passes: \
+         evaluations over the data.{error}",
         study.judged_words()
     );
     let mut table = Table::new(caption, columns);

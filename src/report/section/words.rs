@@ -90,7 +90,7 @@ pub(super) fn status(method: &MethodStudy) -> &'static str {
         return "failed";
     }
     match method.status {
-        Some(Status::IterationLimit) => "stopped at the iteration limit",
+        Some(Status::IterationLimit) => "reached the iteration limit",
         Some(Status::Stalled) => "stalled",
         Some(Status::Converged) => "converged",
         None => "–",
