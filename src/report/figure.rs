@@ -125,17 +125,25 @@ pub struct Panel {
     pub y: Axis,
     /// Drawn in this order, shades and bands first.
     pub layers: Vec<Layer>,
+    /// A unit is as long in x as in y (maps); the range of one axis is widened to that end.
+    pub equal_units: bool,
 }
 
 impl Panel {
     /// A panel without layers.
     pub fn new(x: Axis, y: Axis) -> Self {
-        Self { title: String::new(), x, y, layers: Vec::new() }
+        Self { title: String::new(), x, y, layers: Vec::new(), equal_units: false }
     }
 
     /// Sets the heading.
     pub fn with_title(mut self, title: impl Into<String>) -> Self {
         self.title = title.into();
+        self
+    }
+
+    /// Draws a unit as long in x as in y.
+    pub fn with_equal_units(mut self) -> Self {
+        self.equal_units = true;
         self
     }
 

@@ -176,9 +176,9 @@ fn place(figure: &Figure, plans: &mut [Plan<'_>], inner: f64, top: f64, margin: 
 
     let mut frames = Vec::with_capacity(plans.len());
     let mut y = top;
-    for (r, row) in plans.chunks(columns).enumerate() {
+    for (r, row) in plans.chunks_mut(columns).enumerate() {
         let (above, below) = around[r];
-        for (c, plan) in row.iter().enumerate() {
+        for (c, plan) in row.iter_mut().enumerate() {
             let left = margin + c as f64 * (cell_width + BETWEEN_COLUMNS);
             let cell = Rect {
                 left,
@@ -193,6 +193,7 @@ fn place(figure: &Figure, plans: &mut [Plan<'_>], inner: f64, top: f64, margin: 
                 right: start + plot_width(c),
                 bottom: y + above + heights[r],
             };
+            plan.equalise(&rect);
             frames.push(Frame { cell, rect, x: plan.x, y: plan.y });
         }
         y += above + heights[r] + below + BETWEEN_ROWS;

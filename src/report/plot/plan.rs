@@ -106,6 +106,23 @@ impl<'a> Plan<'a> {
         }
     }
 
+    /// Widens one range where a unit is to be as long in x as in y.
+    pub(super) fn equalise(&mut self, rect: &Rect) {
+        let linear = [self.x, self.y].iter().all(|scale| scale.kind == AxisScale::Linear);
+        if !self.panel.equal_units || !linear {
+            return;
+        }
+        let pixel = |scale: &Scale, room: f64| (scale.last - scale.first).abs() / room;
+        let unit = pixel(&self.x, rect.width()).max(pixel(&self.y, rect.height()));
+        let widen = |scale: &mut Scale, room: f64| {
+            let middle = 0.5 * (scale.first + scale.last);
+            let half = 0.5 * unit * room;
+            (scale.first, scale.last) = (middle - half, middle + half);
+        };
+        widen(&mut self.x, rect.width());
+        widen(&mut self.y, rect.height());
+    }
+
     pub(super) fn x_marks(&self, width: f64) -> Marks {
         match &self.x_names {
             Some(names) => Marks::Names(names.clone()),

@@ -187,3 +187,23 @@ fn the_picture_shows_the_line_where_the_data_are() {
     assert!((7..=9).contains(&rows.len()), "{rows:?}");
     assert!(is(x, rows[0] - 4, (0xFF, 0xFF, 0xFF)));
 }
+
+#[test]
+fn a_map_widens_one_range_until_a_unit_is_as_long_in_x_as_in_y() {
+    use crate::report::plot::{Purpose, draw};
+    let square = vec![(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0)];
+    let panel = Panel::new(Axis::linear("x", "m"), Axis::linear("y", "m"))
+        .with_equal_units()
+        .with(Layer::line(square, "", Role::Model));
+    let svg = draw(&Figure::new("map", "").with_panel(panel), Purpose::Inline).unwrap();
+    // the line is the only mark in the model's colour
+    let line = svg.lines().find(|l| l.contains(&Role::Model.color().hex())).unwrap();
+    let points = line.split("points=\"").nth(1).unwrap().split('"').next().unwrap();
+    let numbers: Vec<f64> =
+        points.split([',', ' ']).filter_map(|number| number.parse().ok()).collect();
+    let side = |k: usize| {
+        let own = || numbers.iter().skip(k).step_by(2);
+        own().fold(0.0_f64, |a, b| a.max(*b)) - own().fold(f64::INFINITY, |a, b| a.min(*b))
+    };
+    assert!(side(0) > 50.0 && (side(0) - side(1)).abs() < 1.0, "{} {}", side(0), side(1));
+}

@@ -116,13 +116,14 @@ fn table(study: &Study, missing: &MissingMoment, data: &str) -> Table {
         Column::text("Variable"),
         Column::text("Evidence"),
         Column::number("p", ""),
-        Column::number("Statistic (chi-square)", ""),
-        Column::number("Degrees of freedom", ""),
-        Column::number("Largest moment, right wheel", unit),
-        Column::number("Largest moment, left wheel", unit),
+        Column::number("Chi-square", ""),
+        Column::number("Degrees", ""),
+        Column::number("Largest, right", unit),
+        Column::number("Largest, left", unit),
     ];
     let caption = format!(
-        "Dependence of the missing moment on each variable, by a score test on {data} data. Evidence \
+        "Dependence of the missing moment on each variable, by a score test on {data} data \
+         (chi-square with so many degrees of freedom), and the largest moment of all bins. Evidence \
          in words accounts for looking at all variables."
     );
     let mut table = Table::new(caption, columns);

@@ -96,7 +96,7 @@ fn probability(p: f64) -> String {
 }
 
 fn summary(diagnosis: &DiagnosisStudy) -> Block {
-    let found: Vec<String> = diagnosis.found.iter().map(|id| words::effect(id)).collect();
+    let found: Vec<String> = diagnosis.found.iter().map(|id| words::effect_in_text(id)).collect();
     let text = if found.is_empty() {
         Text::from("No effect was added.")
     } else {
@@ -138,7 +138,7 @@ fn describe(candidate: &Candidate) -> Text {
     }
     if !candidate.indistinguishable.is_empty() {
         let others: Vec<String> =
-            candidate.indistinguishable.iter().map(|id| words::effect(id)).collect();
+            candidate.indistinguishable.iter().map(|id| words::effect_in_text(id)).collect();
         text = text.plain(format!(" These data cannot tell it from {}.", words::list(&others)));
     }
     text
@@ -167,8 +167,8 @@ fn table(study: &Study, ranking: &[Candidate]) -> Table {
         Column::number("Probability", ""),
         Column::number("p", ""),
         Column::number("Fall of BIC", ""),
-        Column::number("Window error with it", "rad/s"),
-        Column::number("Quality index with it", "rad²/s"),
+        Column::number("Window error", "rad/s"),
+        Column::number("Quality index", "rad²/s"),
         Column::number("Its moment, rms", study.drive_unit.symbol()),
         Column::text("Parameters"),
         Column::text("Not told apart from"),
@@ -181,7 +181,7 @@ fn table(study: &Study, ranking: &[Candidate]) -> Table {
         )
     });
     let caption = format!(
-        "All candidates, best first; errors on {} data, a dash where the candidate was not worth a \
+        "All candidates, best first, each added by itself; errors with it on {} data, a dash where the candidate was not worth a \
          simulation.{before}",
         study.judged_words()
     );
@@ -200,7 +200,7 @@ fn table(study: &Study, ranking: &[Candidate]) -> Table {
             Cell::formatted(format::significant(c.torque_rms, 2), c.torque_rms),
             Cell::text(parameters(c).join("; ")),
             Cell::text(words::list(
-                &c.indistinguishable.iter().map(|id| words::effect(id)).collect::<Vec<_>>(),
+                &c.indistinguishable.iter().map(|id| words::effect_in_text(id)).collect::<Vec<_>>(),
             )),
         ]);
     }

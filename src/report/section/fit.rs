@@ -78,7 +78,7 @@ fn speeds(study: &Study, recording: &RecordingStudy, performance: &Performance) 
         ))
         .with_caption(
             "Wheel speeds ω₁ (right) and ω₂ (left), measured and simulated, and the residual, \
-             measured minus simulated. Drag to zoom, double-click to return.",
+             measured minus simulated.",
         )
         .interactive();
     let shade = curves::failing(study, recording);
@@ -177,7 +177,7 @@ fn path(recording: &RecordingStudy, windows: &[[f64; 2]]) -> Figure {
     let above = |low: f64, high: f64| -> Vec<(f64, f64)> {
         (0..count).filter(|&k| smooth[k] > low && smooth[k] <= high).map(|k| all[k]).collect()
     };
-    let (x, y, size) = equal_axes(&all);
+    let size = map_size(&all);
     let start = all[0];
     let dots = |points, label: &str, role, radius| Layer::Points {
         points,
@@ -186,8 +186,9 @@ fn path(recording: &RecordingStudy, windows: &[[f64; 2]]) -> Figure {
         radius,
         alpha: 1.0,
     };
-    let panel = Panel::new(x, y)
-        .with(line(all.clone(), "", Role::NoiseFloor, 1.0))
+    let panel = Panel::new(Axis::linear("x", "m"), Axis::linear("y", "m"))
+        .with_equal_units()
+        .with(line(all.clone(), "path", Role::NoiseFloor, 1.6))
         .with(dots(above(2.0, 4.0), "error 2 to 4 times the noise", Role::Highlight, 1.6))
         .with(dots(above(4.0, f64::INFINITY), "more than 4 times", Role::Model, 2.6))
         .with(dots(vec![start], "start", Role::Ink, 4.5));
@@ -195,6 +196,7 @@ fn path(recording: &RecordingStudy, windows: &[[f64; 2]]) -> Figure {
     let share = (shares[0] + shares[1]) as f64 / count.max(1) as f64;
     let title = match count {
         0 => "The way of the robot".to_owned(),
+        _ if share == 0.0 => "The error stays below twice the measuring noise".to_owned(),
         _ => format!(
             "For {} of the time the error exceeds twice the measuring noise",
             format::percent(share)
@@ -227,31 +229,15 @@ fn smoothed(values: &[f64], rate: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Axes on which a metre is as long in x as in y, on a figure of fitting size.
-fn equal_axes(points: &[(f64, f64)]) -> (Axis, Axis, Size) {
-    // room around the plot for labels, title and legend [px]
-    const AROUND: (f64, f64) = (85.0, 153.0);
+/// A figure of fitting height for a map of these places.
+fn map_size(points: &[(f64, f64)]) -> Size {
     const WIDTH: f64 = 620.0;
     let span = |pick: fn(&(f64, f64)) -> f64| {
         let values = || points.iter().map(pick).filter(|v| v.is_finite());
-        let (low, high) =
-            (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
-        if low <= high { (low, high) } else { (0.0, 1.0) }
+        let ends =
+            (values().fold(f64::INFINITY, f64::min), values().fold(-f64::INFINITY, f64::max));
+        (ends.1 - ends.0).max(1e-3)
     };
-    let (x, y) = (span(|p| p.0), span(|p| p.1));
-    let wide = (x.1 - x.0).max(0.1 * (y.1 - y.0)).max(1e-3);
-    let high = (y.1 - y.0).max(1e-3);
-    let plot = WIDTH - AROUND.0;
-    let height = (plot * high / wide).clamp(160.0, 520.0);
-    let metre = (1.12 * wide / plot).max(1.12 * high / height);
-    let around = |(low, high): (f64, f64), pixels: f64| {
-        let half = 0.5 * metre * pixels;
-        (0.5 * (low + high) - half, 0.5 * (low + high) + half)
-    };
-    let (x, y) = (around(x, plot), around(y, height));
-    (
-        Axis::linear("x", "m").with_range(x.0, x.1),
-        Axis::linear("y", "m").with_range(y.0, y.1),
-        Size { width: WIDTH, height: Some(height + AROUND.1) },
-    )
+    let height = (WIDTH * span(|p| p.1) / span(|p| p.0)).clamp(150.0, 480.0);
+    Size { width: WIDTH, height: Some(height + 130.0) }
 }

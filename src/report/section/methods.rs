@@ -13,6 +13,9 @@ use crate::study::{MethodStudy, Performance, Role, Study};
 #[derive(Default)]
 pub struct Methods;
 
+/// A method whose error is within this factor of the lowest is named beside it.
+const AS_GOOD: f64 = 1.01;
+
 impl Section for Methods {
     fn id(&self) -> &'static str {
         "methods"
@@ -80,13 +83,13 @@ fn table(study: &Study) -> Table {
         Column::text("Method"),
         Column::text("Ended"),
         Column::number("Window error", "rad/s"),
-        Column::number("Over noise floor", "×"),
+        Column::number("Over noise", "×"),
         Column::number("ISE train", "rad²/s"),
         Column::number("ISE validation", "rad²/s"),
-        Column::number(format!("ISE emulator, parallel, {gain}"), "rad²/s"),
-        Column::number(format!("ISE emulator, serial-parallel, {gain}"), "rad²/s"),
+        Column::number("Emulator, parallel", "rad²/s"),
+        Column::number("Emulator, serial-parallel", "rad²/s"),
         Column::number("Time", "s"),
-        Column::number("Evaluations", ""),
+        Column::number("Passes", ""),
     ];
     if known {
         columns.push(Column::number("Parameter error", "%"));
@@ -97,7 +100,9 @@ fn table(study: &Study) -> Table {
         ""
     };
     let caption = format!(
-        "Methods. Window error and emulators on {} data; ISE of the free simulation.{error}",
+        "Methods. Window error and emulators (eq. 19, {gain} on the wheel speeds) on {} data: \
+         the emulators by their ISE; ISE train and validation are of the free simulation. Passes: \
+         evaluations over the data.{error}",
         study.judged_words()
     );
     let mut table = Table::new(caption, columns);
@@ -177,8 +182,10 @@ fn figure(study: &Study) -> Option<Figure> {
         .filter(|m| !m.performance.is_empty())
         .map(|m| (m, study.judged_window_rms(m)))
         .collect();
-    let (best, error) =
-        fitted.iter().filter(|m| m.1.is_finite()).min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let finite = || fitted.iter().filter(|m| m.1.is_finite());
+    let lowest = finite().map(|m| m.1).min_by(f64::total_cmp)?;
+    let best: Vec<String> =
+        finite().filter(|m| m.1 <= AS_GOOD * lowest).map(|m| words::method(study, m.0)).collect();
     if fitted.len() < 2 {
         return None;
     }
@@ -193,8 +200,8 @@ fn figure(study: &Study) -> Option<Figure> {
     };
     let title = format!(
         "Lowest window error: {}, {} times the noise floor",
-        words::method(study, best),
-        format::significant(error / study.judged_floor(), 3)
+        words::list(&best),
+        format::significant(lowest / study.judged_floor(), 3)
     );
     let panel = Panel::new(Axis::linear("window error", "rad/s"), Axis::unlabelled())
         .with(Layer::Bars(bars))

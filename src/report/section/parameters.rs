@@ -55,15 +55,14 @@ fn table(study: &Study, method: &MethodStudy) -> Table {
     let mut columns = vec![
         Column::text("Parameter"),
         Column::text("Meaning"),
-        Column::number("Estimate ± standard error", ""),
+        Column::number("Estimate ± std. error", ""),
         Column::number("95 % interval", ""),
         Column::text("Unit"),
-        Column::text("Known from"),
     ];
     let known = !study.truth.is_empty();
     if known {
         columns.push(Column::number("Truth", ""));
-        columns.push(Column::number("Error in standard errors", ""));
+        columns.push(Column::number("Error", "std. errors"));
     }
     let caption = format!("{} ({}).", method.title, words::method(study, method));
     let mut table = Table::new(caption, columns);
@@ -79,7 +78,7 @@ fn table(study: &Study, method: &MethodStudy) -> Table {
 
 fn row(e: &Estimate) -> Vec<Cell> {
     let interval = if e.fixed {
-        Cell::formatted("–", f64::NAN)
+        Cell::formatted("held fixed", f64::NAN)
     } else {
         let (low, high) = e.interval;
         let text = match (low.is_finite(), high.is_finite()) {
@@ -88,28 +87,31 @@ fn row(e: &Estimate) -> Vec<Cell> {
         };
         Cell::formatted(text, high - low)
     };
-    let source = match (e.fixed, e.identifiable) {
-        (true, _) => Cell::text("held fixed"),
-        (false, true) => Cell::text("data"),
-        (false, false) => Cell::text("not identifiable").tone(Tone::Bad),
-    };
+    let estimate = Cell::estimate(e.value, e.std_error);
     vec![
         Cell::text(words::symbol(&e.symbol)).strong(),
         Cell::text(words::meaning(&e.symbol)),
-        Cell::estimate(e.value, e.std_error),
+        if e.fixed || e.identifiable { estimate } else { estimate.tone(Tone::Bad) },
         interval,
         Cell::text(words::unit(&e.unit)),
-        source,
     ]
 }
 
-/// "[0.119, 0.127]" to the digits in which the two ends differ.
+/// "[0.119, 0.127]" to the digits in which the two ends differ; a common power of ten stands behind.
 fn interval(low: f64, high: f64) -> String {
     let width = high - low;
     let size = low.abs().max(high.abs());
     let digits =
         if width > 0.0 { (size / width).log10().ceil().clamp(0.0, 9.0) as usize + 2 } else { 4 };
-    format!("[{}, {}]", format::significant(low, digits), format::significant(high, digits))
+    let exponent = if size > 0.0 { size.log10().floor() as i32 } else { 0 };
+    let ends = |power: i32| {
+        let end = |v: f64| format::significant(v / 10f64.powi(power), digits);
+        format!("[{}, {}]", end(low), end(high))
+    };
+    if (-2..5).contains(&exponent) {
+        return ends(0);
+    }
+    format!("{} × {}", ends(exponent), format::power_of_ten(exponent))
 }
 
 /// Truth, and how far the estimate is from it; beyond three standard errors it is marked.
@@ -133,6 +135,8 @@ mod tests {
     fn an_interval_shows_the_digits_in_which_its_ends_differ() {
         assert_eq!(interval(0.031_871, 0.031_912), "[0.031871, 0.031912]");
         assert_eq!(interval(-1.0, 3.0), "[−1, 3]");
+        assert_eq!(interval(2.77e-4, 3.12e-4), "[2.77, 3.12] × 10⁻⁴");
+        assert_eq!(interval(0.0, 0.0), "[0, 0]");
     }
 
     #[test]

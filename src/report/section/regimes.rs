@@ -39,9 +39,9 @@ fn title(failures: &[Failure]) -> String {
     let significant = failures.iter().filter(|f| f.significant);
     match significant.min_by(|a, b| a.p_value.total_cmp(&b.p_value)) {
         Some(worst) => format!(
-            "A moment is missing, most clearly in: {} ({})",
+            "A moment is missing, most clearly in: {} ({} wheel)",
             words::regime(worst.regime),
-            words::WHEELS[worst.wheel.saturating_sub(1).min(1)],
+            words::SIDES[worst.wheel.saturating_sub(1).min(1)],
         ),
         None => "In no regime is a missing moment significant".to_owned(),
     }
@@ -93,11 +93,11 @@ fn table(study: &Study) -> Table {
     let columns = vec![
         Column::text("Regime"),
         Column::text("Wheel"),
-        Column::number("Share of squared error", ""),
-        Column::number("Error over noise floor", "×"),
+        Column::number("Share of error", ""),
+        Column::number("Over noise", "×"),
         Column::number("Missing moment", unit),
         Column::number("p", ""),
-        Column::text("Significant"),
+        Column::text("Sure"),
         Column::number("Samples", ""),
     ];
     let caption = format!(
@@ -110,7 +110,7 @@ fn table(study: &Study) -> Table {
         let significant = Cell::text(if f.significant { "yes" } else { "no" });
         table.push(vec![
             Cell::text(words::regime(f.regime)),
-            Cell::text(words::WHEELS[f.wheel.saturating_sub(1).min(1)]),
+            Cell::text(words::SIDES[f.wheel.saturating_sub(1).min(1)]),
             Cell::formatted(format::percent(f.share_of_ise), f.share_of_ise).bar(f.share_of_ise),
             Cell::formatted(format::significant(f.ratio_to_noise, 3), f.ratio_to_noise),
             Cell::estimate(f.moment, f.std_error),

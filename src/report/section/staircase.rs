@@ -34,7 +34,7 @@ impl Section for Staircase {
                     name: match &step.added {
                         None if study.effects.is_empty() => "base model".to_owned(),
                         None => words::model(study),
-                        Some(id) => format!("+ {}", words::effect(id)),
+                        Some(id) => format!("+ {}", words::effect_in_text(id)),
                     },
                     error: step.window_rms_validation,
                     ise: step.ise_validation,

@@ -127,6 +127,14 @@ fn cautions(study: &Study) -> Vec<Block> {
         );
     }
     if let Some(method) = study.reference_method() {
+        if words::status(method) != "converged" {
+            let sentence = format!(
+                "The fit is not settled: {} {}.",
+                words::method(study, method),
+                words::status(method)
+            );
+            notice(sentence, "Take its numbers as provisional; another method may settle.");
+        }
         let unknown: Vec<String> = method
             .estimates
             .iter()
@@ -167,7 +175,7 @@ fn cautions(study: &Study) -> Vec<Block> {
 fn next_step(study: &Study) -> Vec<Block> {
     let file = words::file_name(study);
     let Some(diagnosis) = &study.diagnosis else {
-        let text = Text::from("Next step: to learn which effect is missing, add ")
+        let text = Text::from("Next step: to learn whether an effect is missing, and which, add ")
             .code("[diagnosis]")
             .plain(" to the experiment file, or try one with ")
             .code(format!("experiment add viscous_friction {file}"))
@@ -177,7 +185,7 @@ fn next_step(study: &Study) -> Vec<Block> {
     let mut blocks = Vec::new();
     if let Some(first) = diagnosis.found.first() {
         let text = Text::from("Next step: add ")
-            .plain(words::effect(first))
+            .plain(words::effect_in_text(first))
             .plain(" to the model with ")
             .code(format!("experiment add {first} {file}"))
             .plain(" and see whether the error falls on data that were not fitted.");

@@ -7,6 +7,8 @@ use crate::study::{MethodStudy, Study};
 
 /// The wheel of index 0 or 1, as a reader calls it.
 pub(super) const WHEELS: [&str; 2] = ["right wheel (1)", "left wheel (2)"];
+/// The same without its number, for narrow cells and sentences.
+pub(super) const SIDES: [&str; 2] = ["right", "left"];
 /// Symbols of the wheel speeds.
 pub(super) const OMEGA: [&str; 2] = ["ω₁", "ω₂"];
 /// Symbols of the drives.
@@ -47,6 +49,16 @@ pub(super) fn effect(id: &str) -> String {
     effects::find(id).map_or_else(|| id.replace('_', " "), |effect| effect.description().title)
 }
 
+/// The name of an effect within a sentence: without its capital, save for people.
+pub(super) fn effect_in_text(id: &str) -> String {
+    let title = effect(id);
+    if ["Coulomb", "Stribeck"].iter().any(|name| title.starts_with(name)) {
+        return title;
+    }
+    let mut letters = title.chars();
+    letters.next().map_or(String::new(), |first| first.to_lowercase().chain(letters).collect())
+}
+
 /// What a parameter of the catalogue means; empty for others.
 pub(super) fn meaning(symbol: &str) -> String {
     let specs = effects::all().into_iter().flat_map(|effect| effect.parameters());
@@ -78,7 +90,7 @@ pub(super) fn status(method: &MethodStudy) -> &'static str {
         return "failed";
     }
     match method.status {
-        Some(Status::IterationLimit) => "stopped at the iteration limit",
+        Some(Status::IterationLimit) => "reached the iteration limit",
         Some(Status::Stalled) => "stalled",
         Some(Status::Converged) => "converged",
         None => "–",
@@ -118,7 +130,9 @@ mod tests {
     #[test]
     fn effects_outside_the_catalogue_keep_their_id() {
         assert_eq!(effect("cubic_friction"), "cubic friction");
-        assert!(effect("turning_scrub") != "turning scrub" || !meaning("a1").is_empty());
+        assert_eq!(effect_in_text("viscous_friction"), "viscous friction");
+        assert_eq!(effect_in_text("coulomb_friction"), "Coulomb friction");
+        assert!(!meaning("a1").is_empty());
         assert!(meaning("no such symbol").is_empty());
     }
 }

@@ -42,24 +42,25 @@ fn consequents(study: &Study, system: &FuzzyStudy) -> Option<Figure> {
     if rules == 0 || system.consequents.iter().any(|c| c.len() != rules) {
         return None;
     }
-    let names =
-        |i: usize| (1..=counts[i]).map(|n| format!("{} set {n}", words::OMEGA[i])).collect();
+
     let mut figure = Figure::new("rules", "Consequents of the rules")
         .with_caption(format!(
-            "Constant part of each rule's output, right wheel speed downwards, left wheel speed to \
+            "Constant part of each rule's output, sets of the right wheel speed upwards, of the left to \
              the right ({} rules). The paper shows this as Fig. 10. Drive in {}.",
             rules,
             study.drive_unit.symbol()
         ))
         .with_columns(2);
     for (name, consequents) in SYSTEMS.into_iter().zip(&system.consequents) {
-        let values: Vec<Vec<f64>> = consequents.chunks(counts[1]).map(<[f64]>::to_vec).collect();
+        // the sets of wheel 1 rise upwards, as in the surface
+        let values: Vec<Vec<f64>> =
+            consequents.chunks(counts[1]).rev().map(<[f64]>::to_vec).collect();
         let text = values
             .iter()
             .map(|row| row.iter().map(|v| format::significant(*v, 2)).collect())
             .collect();
         let map = HeatMap {
-            rows: names(0),
+            rows: (1..=counts[0]).rev().map(|n| n.to_string()).collect(),
             columns: (1..=counts[1]).map(|n| n.to_string()).collect(),
             values,
             text,
@@ -68,10 +69,8 @@ fn consequents(study: &Study, system: &FuzzyStudy) -> Option<Figure> {
             unit: "rad/s²".to_owned(),
             range: None,
         };
-        let x = Axis::linear(format!("set of {}", words::OMEGA[1]), "");
-        figure
-            .panels
-            .push(Panel::new(x, Axis::unlabelled()).with_title(name).with(Layer::HeatMap(map)));
+        let axis = |i: usize| Axis::linear(format!("set of {}", words::OMEGA[i]), "");
+        figure.panels.push(Panel::new(axis(1), axis(0)).with_title(name).with(Layer::HeatMap(map)));
     }
     Some(figure)
 }
@@ -111,5 +110,6 @@ fn surface(system: &FuzzyStudy) -> Option<Figure> {
         );
         figure.panels.push(panel.with_title(name).with(Layer::HeatMap(map)));
     }
+    figure.size.height = Some(460.0);
     (!figure.panels.is_empty()).then_some(figure)
 }

@@ -16,12 +16,13 @@ fn figure(study: &Study, method: &MethodStudy, trace: &Trace) -> Option<Figure> 
     let name = words::method(study, method);
     let mut figure = Figure::new(
         format!("trace-{}", method.name),
-        format!("{name} over {}", label(&trace.axis).0),
+        format!("{} of {name} over {}", settling(method, trace), label(&trace.axis).0),
     )
     .with_subtitle(&method.title);
-    figure.caption =
-        "Dashed lines mark the true value, where it is known, else where the trace ends."
-            .to_owned();
+    if settling(method, trace) == "Estimates" {
+        figure.caption =
+            "Dashed lines mark the true value where it is known, else the last one.".to_owned();
+    }
     for (curve, symbol) in trace.names.iter().enumerate() {
         let points: Vec<(f64, f64)> = trace
             .at
@@ -34,6 +35,12 @@ fn figure(study: &Study, method: &MethodStudy, trace: &Trace) -> Option<Figure> 
         }
     }
     (!figure.panels.is_empty()).then(|| figure.interactive())
+}
+
+/// What settles: estimates, or a cost.
+fn settling(method: &MethodStudy, trace: &Trace) -> &'static str {
+    let is_estimate = |name: &String| method.estimates.iter().any(|e| e.symbol == *name);
+    if trace.names.iter().any(is_estimate) { "Estimates" } else { "Cost" }
 }
 
 fn panel(
