@@ -6,6 +6,7 @@ use super::error::ExperimentError;
 use super::execute::{RunOptions, execute, load};
 use crate::io::{ColumnMap, check_writable, headers, read_recording, read_text, write_whole};
 use crate::recording::DriveUnit;
+use crate::robot::Robot;
 
 /// Looks at recordings and writes a commented experiment file.
 ///
@@ -22,7 +23,7 @@ pub fn new_file(recordings: &[PathBuf], output: Option<&Path>) -> Result<String,
     }
     let names = headers(first)?.names;
     let guess = super::guess::guess(&names);
-    let mut columns = ColumnMap::default();
+    let mut columns = ColumnMap::new(guess.drive_unit, Some(Robot::amigobot().r()));
     for (key, name, unit) in &guess.columns {
         columns.set(key, name, unit.as_deref(), 1.0)?;
     }

@@ -249,9 +249,9 @@ fn diagnosis(file: &ExperimentFile) -> Result<Option<DiagnosisPlan>, Meaning> {
 }
 
 fn measured(path: &Path, entry: &RecordingsEntry, robot: &Robot) -> Result<Vec<Measured>, Meaning> {
-    let mut columns = ColumnMap::default();
+    let mut columns = ColumnMap::new(entry.drive_unit, Some(robot.r()));
     for (key, column) in &entry.columns {
-        columns.set(key, &column.name, column.unit.as_deref(), column.scale)?;
+        columns.put(key, column.clone().into())?;
     }
     let folder = path.parent().unwrap_or_else(|| Path::new("."));
     let train = entry.train.iter().map(|f| (Role::Train, f));

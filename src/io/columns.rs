@@ -1,86 +1,81 @@
 //! Which column of a file is which quantity, in which unit.
 
 use std::collections::BTreeMap;
+use std::f64::consts::{PI, TAU};
 
 use super::IoError;
+use crate::recording::DriveUnit;
 
 /// Names of the contract, in order.
 pub(super) const CONTRACT: [&str; 7] = ["t", "alpha1", "alpha2", "dalpha1", "dalpha2", "M1", "M2"];
 
-/// A column of a file.
+/// A column of a file and how its values are written.
+///
+/// ```text
+/// value [SI] = factor of the unit * (scale * value in the file + offset)
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
     /// Name in the file.
     pub name: String,
-    /// Factor from the file's value to SI.
-    pub factor: f64,
+    /// Unit in the file; unless given, the one written behind the name in the header, else SI.
+    pub unit: Option<String>,
+    /// Factor on the file's value, for example a gear ratio or -1.
+    pub scale: f64,
+    /// Added after the factor, in the unit of the file.
+    pub offset: f64,
+    /// Counts of the encoder per turn of the wheel, for the units `ticks` and `ticks/s`.
+    pub per_turn: Option<f64>,
+    /// Moment at the wheel per ampere [N m/A], for a drive that was recorded as current.
+    pub torque_constant: Option<f64>,
     /// Whether the experiment file names it; a named column must be there.
     pub named: bool,
 }
 
+impl Column {
+    /// A column of that name whose values are as the contract wants them.
+    #[must_use]
+    pub fn new(name: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            unit: None,
+            scale: 1.0,
+            offset: 0.0,
+            per_turn: None,
+            torque_constant: None,
+            named: true,
+        }
+    }
+}
+
 /// Where each quantity of the contract stands in a file.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ColumnMap(BTreeMap<&'static str, Column>);
-
-/// Units that are known, as (name, factor to SI).
-pub struct Unit;
-
-const TIME: &[(&str, f64)] = &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
-const DEGREE: f64 = std::f64::consts::PI / 180.0;
-const ANGLE: &[(&str, f64)] = &[("rad", 1.0), ("deg", DEGREE), ("rev", std::f64::consts::TAU)];
-const SPEED: &[(&str, f64)] = &[
-    ("rad/s", 1.0),
-    ("deg/s", DEGREE),
-    ("rpm", std::f64::consts::TAU / 60.0),
-    ("rev/s", std::f64::consts::TAU),
-];
-const DRIVE: &[(&str, f64)] = &[
-    ("N m", 1.0),
-    ("mN m", 1e-3),
-    ("N cm", 1e-2),
-    ("V", 1.0),
-    ("mV", 1e-3),
-    ("A", 1.0),
-    ("mA", 1e-3),
-];
-
-impl Unit {
-    /// Factor from a unit to that of the contract.
-    ///
-    /// # Errors
-    /// Units that are not known for the quantity.
-    pub fn factor(column: &str, unit: &str) -> Result<f64, IoError> {
-        let (quantity, known) = match column {
-            "t" => ("time", TIME),
-            "alpha1" | "alpha2" => ("an angle", ANGLE),
-            "dalpha1" | "dalpha2" => ("a speed", SPEED),
-            _ => ("a drive", DRIVE),
-        };
-        let plain = |u: &str| u.replace(['·', '*', ' '], "").to_lowercase();
-        known.iter().find(|(name, _)| plain(name) == plain(unit)).map(|(_, f)| *f).ok_or_else(
-            || {
-                let known: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
-                IoError::Unit {
-                    column: column.into(),
-                    unit: unit.into(),
-                    quantity: quantity.into(),
-                    known: known.join(", "),
-                }
-            },
-        )
-    }
+pub struct ColumnMap {
+    columns: BTreeMap<&'static str, Column>,
+    drive_unit: DriveUnit,
+    wheel_radius: Option<f64>,
 }
 
 impl Default for ColumnMap {
     fn default() -> Self {
-        let plain =
-            |name: &'static str| (name, Column { name: name.into(), factor: 1.0, named: false });
-        Self(CONTRACT.into_iter().map(plain).collect())
+        let plain = |name: &'static str| (name, Column { named: false, ..Column::new(name) });
+        Self {
+            columns: CONTRACT.into_iter().map(plain).collect(),
+            drive_unit: DriveUnit::default(),
+            wheel_radius: None,
+        }
     }
 }
 
 impl ColumnMap {
-    /// Says where a quantity stands: `scale` multiplies the value after its unit.
+    /// The columns of the contract for a drive in this unit and wheels of this radius [m], which
+    /// turns metres into radians.
+    #[must_use]
+    pub fn new(drive_unit: DriveUnit, wheel_radius: Option<f64>) -> Self {
+        Self { drive_unit, wheel_radius, ..Self::default() }
+    }
+
+    /// Says where a quantity stands: `scale` multiplies the value.
     ///
     /// # Errors
     /// Keys that are no column of the contract, and unknown units.
@@ -91,23 +86,159 @@ impl ColumnMap {
         unit: Option<&str>,
         scale: f64,
     ) -> Result<(), IoError> {
-        let contract = CONTRACT
-            .into_iter()
-            .find(|c| *c == key)
-            .ok_or_else(|| IoError::UnknownColumn { column: key.into() })?;
-        let factor = match unit {
-            Some(unit) => Unit::factor(contract, unit)?,
-            None => 1.0,
-        };
-        let column = Column { name: name.into(), factor: factor * scale, named: true };
-        self.0.insert(contract, column);
+        self.put(key, Column { unit: unit.map(Into::into), scale, ..Column::new(name) })
+    }
+
+    /// Says where a quantity stands and how it is written.
+    ///
+    /// # Errors
+    /// Keys that are no column of the contract, unknown units, units that need a number which is
+    /// not there, and factors that are zero or not finite.
+    pub fn put(&mut self, key: &str, column: Column) -> Result<(), IoError> {
+        let contract = CONTRACT.into_iter().find(|c| *c == key).ok_or_else(|| {
+            let near = CONTRACT.into_iter().max_by(|a, b| {
+                strsim::jaro_winkler(a, key).total_cmp(&strsim::jaro_winkler(b, key))
+            });
+            let near = near.filter(|n| strsim::jaro_winkler(n, key) > 0.75).map(Into::into);
+            IoError::UnknownColumn { column: key.into(), near }
+        })?;
+        let (factor, offset) = self.conversion(contract, &column, None)?;
+        if factor == 0.0 || !factor.is_finite() || !offset.is_finite() {
+            return Err(IoError::Scale { column: key.into(), factor, offset });
+        }
+        self.columns.insert(contract, column);
         Ok(())
     }
 
     /// The column of a quantity of the contract.
+    ///
+    /// # Panics
+    /// If `key` is none.
     #[must_use]
     pub fn get(&self, key: &str) -> &Column {
-        &self.0[key]
+        &self.columns[key]
+    }
+
+    /// Factor and offset that turn the values of a column into those of the contract;
+    /// `header_unit` is the unit that the header states.
+    pub(super) fn conversion(
+        &self,
+        key: &str,
+        column: &Column,
+        header_unit: Option<&str>,
+    ) -> Result<(f64, f64), IoError> {
+        let implied = if column.per_turn.is_some() && key.starts_with("alpha") {
+            Some("ticks")
+        } else if column.per_turn.is_some() && key.starts_with("dalpha") {
+            Some("ticks/s")
+        } else if column.torque_constant.is_some() {
+            Some("A")
+        } else {
+            None
+        };
+        let unit = column.unit.as_deref().or(implied).or(header_unit);
+        let factor = unit.map_or(Ok(1.0), |unit| self.factor(key, column, unit))?;
+        Ok((factor * column.scale, factor * column.offset))
+    }
+
+    /// Factor from a unit to that of the contract.
+    fn factor(&self, key: &str, column: &Column, unit: &str) -> Result<f64, IoError> {
+        let units = self.units(key, column);
+        let known =
+            |name: &str| units.iter().find(|(n, _)| plain(n) == plain(name)).map(|(_, f)| f);
+        match known(synonym(unit)) {
+            Some(Ok(factor)) => Ok(*factor),
+            Some(Err(need)) => Err(IoError::UnitNeeds {
+                column: key.into(),
+                unit: unit.into(),
+                need: (*need).into(),
+            }),
+            None => {
+                let names: Vec<&str> = units.iter().map(|(name, _)| *name).collect();
+                Err(IoError::Unit {
+                    column: key.into(),
+                    unit: unit.into(),
+                    quantity: quantity(key).into(),
+                    known: names.join(", "),
+                })
+            }
+        }
+    }
+
+    /// The units of a quantity: name, and factor to the contract's or what is needed for one.
+    fn units(&self, key: &str, column: &Column) -> Vec<(&'static str, Result<f64, &'static str>)> {
+        let count = column.per_turn.map(|n| TAU / n).ok_or("per_turn, the counts per wheel turn");
+        let metre = self.wheel_radius.map(|r| 1.0 / r).ok_or("the wheel radius of [robot]");
+        let degree = Ok(PI / 180.0);
+        match key {
+            "t" => vec![("s", Ok(1.0)), ("ms", Ok(1e-3)), ("us", Ok(1e-6)), ("ns", Ok(1e-9))],
+            "alpha1" | "alpha2" => vec![
+                ("rad", Ok(1.0)),
+                ("deg", degree),
+                ("rev", Ok(TAU)),
+                ("ticks", count),
+                ("m", metre),
+            ],
+            "dalpha1" | "dalpha2" => vec![
+                ("rad/s", Ok(1.0)),
+                ("deg/s", degree),
+                ("rpm", Ok(TAU / 60.0)),
+                ("rev/s", Ok(TAU)),
+                ("ticks/s", count),
+                ("m/s", metre),
+            ],
+            _ => self.drives(column),
+        }
+    }
+
+    fn drives(&self, column: &Column) -> Vec<(&'static str, Result<f64, &'static str>)> {
+        match self.drive_unit {
+            DriveUnit::NewtonMetre => {
+                let need = "torque_constant [N m/A], or drive_unit = \"A\"";
+                let ampere = column.torque_constant.ok_or(need);
+                let volt = Err("drive_unit = \"V\"");
+                vec![
+                    ("N m", Ok(1.0)),
+                    ("mN m", Ok(1e-3)),
+                    ("N cm", Ok(1e-2)),
+                    ("A", ampere),
+                    ("mA", ampere.map(|k| 1e-3 * k)),
+                    ("V", volt),
+                    ("mV", volt),
+                ]
+            }
+            DriveUnit::Volt => vec![("V", Ok(1.0)), ("mV", Ok(1e-3))],
+            DriveUnit::Ampere => vec![("A", Ok(1.0)), ("mA", Ok(1e-3))],
+        }
+    }
+}
+
+fn quantity(key: &str) -> &'static str {
+    match key {
+        "t" => "time",
+        "alpha1" | "alpha2" => "an angle",
+        "dalpha1" | "dalpha2" => "a speed",
+        _ => "a drive",
+    }
+}
+
+fn plain(unit: &str) -> String {
+    unit.replace(['·', '*', '.', ' '], "").to_lowercase()
+}
+
+/// Other ways to write a unit.
+fn synonym(unit: &str) -> &str {
+    match plain(unit).as_str() {
+        "sec" | "second" | "seconds" => "s",
+        "µs" | "μs" => "us",
+        "degree" | "degrees" | "°" => "deg",
+        "°/s" | "dps" => "deg/s",
+        "turn" | "turns" | "revs" => "rev",
+        "turns/s" | "rps" => "rev/s",
+        "1/min" | "r/min" | "rev/min" => "rpm",
+        "tick" | "count" | "counts" => "ticks",
+        "counts/s" => "ticks/s",
+        _ => unit,
     }
 }
 
@@ -115,13 +246,58 @@ impl ColumnMap {
 mod tests {
     use super::*;
 
+    fn factor(map: &ColumnMap, key: &str, column: Column) -> Result<(f64, f64), IoError> {
+        map.conversion(key, &column, None)
+    }
+
+    fn in_unit(unit: &str) -> Column {
+        Column { unit: Some(unit.into()), ..Column::new("x") }
+    }
+
     #[test]
     fn units_become_si() {
-        assert!(
-            (Unit::factor("dalpha1", "rpm").unwrap() * 60.0 - std::f64::consts::TAU).abs() < 1e-12
-        );
-        assert_eq!(Unit::factor("M1", "Nm").unwrap(), 1.0);
-        let e = Unit::factor("dalpha1", "knots").unwrap_err().to_string();
+        let map = ColumnMap::new(DriveUnit::NewtonMetre, Some(0.05));
+        let of = |key: &str, unit: &str| factor(&map, key, in_unit(unit)).unwrap().0;
+        // 60 rpm is a turn a second
+        assert!((60.0 * of("dalpha1", "rpm") - TAU).abs() < 1e-12);
+        assert!((360.0 * of("alpha2", "deg") - TAU).abs() < 1e-12);
+        assert_eq!(of("dalpha2", "rev/s"), TAU);
+        assert_eq!(of("dalpha2", "m/s"), 20.0);
+        assert_eq!([of("M1", "Nm"), of("M1", "N·m"), of("M2", "mNm")], [1.0, 1.0, 1e-3]);
+        assert_eq!([of("t", "ms"), of("t", "µs"), of("t", "ns")], [1e-3, 1e-6, 1e-9]);
+    }
+
+    #[test]
+    fn counts_currents_scale_and_offset_are_converted() {
+        let map = ColumnMap::default();
+        let ticks = Column { per_turn: Some(500.0), ..Column::new("enc") };
+        assert!((factor(&map, "alpha1", ticks).unwrap().0 * 500.0 - TAU).abs() < 1e-12);
+        let current = Column {
+            unit: Some("mA".into()),
+            torque_constant: Some(0.1),
+            scale: -1.0,
+            offset: 50.0,
+            ..Column::new("i")
+        };
+        // 250 mA read, -250 + 50 = -200 mA meant, -0.02 N m
+        let (scale, offset) = factor(&map, "M1", current).unwrap();
+        assert!((250.0 * scale + offset + 0.02).abs() < 1e-15);
+    }
+
+    #[test]
+    fn units_that_do_not_fit_are_refused_with_what_is_needed() {
+        let map = ColumnMap::default();
+        let e = factor(&map, "dalpha1", in_unit("knots")).unwrap_err().to_string();
         assert!(e.contains("`knots` is not known for a speed") && e.contains("rpm"), "{e}");
+        let e = factor(&map, "alpha1", in_unit("ticks")).unwrap_err().to_string();
+        assert!(e.contains("needs per_turn"), "{e}");
+        let e = factor(&map, "M1", in_unit("A")).unwrap_err().to_string();
+        assert!(e.contains("torque_constant") && e.contains("drive_unit = \"A\""), "{e}");
+        let volts = ColumnMap::new(DriveUnit::Volt, None);
+        assert!(factor(&volts, "M1", in_unit("N m")).is_err());
+        let e = ColumnMap::default().set("alfa1", "q", None, 1.0).unwrap_err().to_string();
+        assert!(e.contains("did you mean `alpha1`?"), "{e}");
+        let e = ColumnMap::default().set("M1", "q", None, 0.0).unwrap_err().to_string();
+        assert!(e.contains("columns.M1"), "{e}");
     }
 }

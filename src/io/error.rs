@@ -1,5 +1,9 @@
 //! What is wrong with a file, in words.
 
+use std::path::Path;
+
+use polars::prelude::PolarsError;
+
 use crate::recording::RecordingError;
 
 /// What is wrong with a file.
@@ -24,6 +28,14 @@ pub enum IoError {
     NotAFolder {
         /// Path.
         path: String,
+    },
+    /// The first line is data.
+    #[error(
+        "{file}: the first line holds numbers where the names of the columns are expected (a line that starts with # is a comment); write a header, for example t,dalpha1,dalpha2,M1,M2"
+    )]
+    NoHeader {
+        /// File.
+        file: String,
     },
     /// Nothing in it.
     #[error("{file} is empty; expected a header and rows of numbers")]
@@ -53,13 +65,15 @@ pub enum IoError {
     },
     /// Text where a number is needed.
     #[error(
-        "{file}, row {row}: {column} is `{text}`; expected a number (rows count from 1 below the header)"
+        "{file}, row {row}{}: {column} is {}; expected a number (rows count from 1 below the header)", in_file(*line), quoted(text)
     )]
     NotANumber {
         /// File.
         file: String,
         /// Row from 1.
         row: usize,
+        /// Line of the file, where it has lines.
+        line: Option<usize>,
         /// Column.
         column: String,
         /// What stands there.
@@ -87,21 +101,119 @@ pub enum IoError {
         /// All that are.
         known: String,
     },
+    /// A unit that cannot be converted without another number.
+    #[error("columns.{column}: unit `{unit}` needs {need}")]
+    UnitNeeds {
+        /// Contract column.
+        column: String,
+        /// As written.
+        unit: String,
+        /// What is missing.
+        need: String,
+    },
+    /// A unit in the header that is not known for the quantity.
+    #[error(
+        "{file}: the header says `{column}`, but `{unit}` is not known as its unit; give the unit in the experiment file: columns = {{ {key} = {{ name = \"{column}\", unit = \"…\" }} }}"
+    )]
+    HeaderUnit {
+        /// File.
+        file: String,
+        /// Its name in the header.
+        column: String,
+        /// What stands in the brackets.
+        unit: String,
+        /// Its key in `columns`.
+        key: String,
+    },
+    /// A factor that makes nothing of a column.
+    #[error(
+        "columns.{column}: a factor of {factor} and an offset of {offset} make no sense; scale, offset, per_turn and torque_constant must be finite, and all but offset not zero"
+    )]
+    Scale {
+        /// Contract column.
+        column: String,
+        /// Factor to SI.
+        factor: f64,
+        /// Offset in SI.
+        offset: f64,
+    },
     /// A key of `columns` that is no column of the contract.
     #[error(
-        "columns.{column} is no column of a recording; they are t, alpha1, alpha2, dalpha1, dalpha2, M1, M2"
+        "columns.{column} is no column of a recording{}; they are t, alpha1, alpha2, dalpha1, dalpha2, M1, M2", near.as_ref().map_or(String::new(), |n| format!(" (did you mean `{n}`?)"))
     )]
     UnknownColumn {
         /// As written.
         column: String,
+        /// The closest name.
+        near: Option<String>,
+    },
+    /// A name that two columns have.
+    #[error("{file}: two columns are called `{column}`; rename one")]
+    RepeatedColumn {
+        /// File.
+        file: String,
+        /// The name.
+        column: String,
+    },
+    /// More cells in a row than names in the header.
+    #[error(
+        "{file}, row {row} (line {line}): {found} cells, and the header has {expected}; a decimal comma needs another separator, for example `;`"
+    )]
+    Ragged {
+        /// File.
+        file: String,
+        /// Row from 1.
+        row: usize,
+        /// Line from 1.
+        line: usize,
+        /// Cells found.
+        found: usize,
+        /// Names in the header.
+        expected: usize,
     },
     /// The columns do not make a recording.
-    #[error(transparent)]
-    Recording(#[from] RecordingError),
+    #[error("{error}{}", in_file(*line))]
+    Recording {
+        /// What is wrong with them.
+        error: RecordingError,
+        /// Line of the file, where a row is named and the file has lines.
+        line: Option<usize>,
+    },
+}
+
+fn in_file(line: Option<usize>) -> String {
+    line.map_or(String::new(), |line| format!(" (line {line} of the file)"))
+}
+
+fn quoted(text: &str) -> String {
+    if text.is_empty() { "missing".into() } else { format!("`{text}`") }
+}
+
+/// A path as messages show it.
+pub(super) fn shown(path: &Path) -> String {
+    path.display().to_string()
+}
+
+/// What polars says of a file, in one line.
+pub(super) fn format_error(path: &Path, format: &str, e: &PolarsError) -> IoError {
+    let reason = e.to_string();
+    let reason = reason.lines().next().unwrap_or_default().to_string();
+    IoError::Format { file: shown(path), format: format.into(), reason }
 }
 
 impl IoError {
-    pub(super) fn system(file: &std::path::Path, e: &std::io::Error) -> Self {
+    pub(super) fn not_a_number(
+        path: &Path,
+        row: usize,
+        line: Option<usize>,
+        column: &str,
+        text: &str,
+    ) -> Self {
+        let text = text.chars().take(40).collect();
+        Self::NotANumber { file: shown(path), row, line, column: column.into(), text }
+    }
+
+    pub(super) fn system(file: &Path, e: &std::io::Error) -> Self {
         Self::System { file: file.display().to_string(), reason: e.to_string() }
     }
 }

@@ -2,10 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use toml::Table;
 
 use super::FileError;
+use crate::io::Column;
 use crate::recording::DriveUnit;
 use crate::simulate::{Hold, NoiseLevel, Segment};
 
@@ -43,7 +46,7 @@ pub struct RecordingsEntry {
     #[serde(default)]
     pub validation: Vec<String>,
     /// Where column names or units differ from the contract.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "columns")]
     pub columns: BTreeMap<String, ColumnEntry>,
     /// Unit of the drive.
     #[serde(default)]
@@ -53,45 +56,62 @@ pub struct RecordingsEntry {
     pub hold: Hold,
 }
 
-/// A column of a file: its name, or name and unit.
-#[derive(Clone, Debug, PartialEq)]
+/// A column of a file: its name, or name, unit and what the unit needs.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ColumnEntry {
     /// Name in the file.
     pub name: String,
-    /// Unit in the file; that of the contract unless given.
+    /// Unit in the file; that of the header, or of the contract, unless given.
     pub unit: Option<String>,
-    /// Factor on the value, after the unit.
-    pub scale: f64,
+    /// Factor on the value, for example a gear ratio or -1; 1 unless given.
+    pub scale: Option<f64>,
+    /// Added after the factor, in the unit of the file.
+    #[serde(default)]
+    pub offset: f64,
+    /// Counts of the encoder per turn of the wheel, for the units `ticks` and `ticks/s`.
+    pub per_turn: Option<f64>,
+    /// Moment per ampere [N m/A], for a drive that was recorded as current.
+    pub torque_constant: Option<f64>,
 }
 
-impl<'de> Deserialize<'de> for ColumnEntry {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        #[derive(Deserialize)]
-        #[serde(deny_unknown_fields)]
-        struct Full {
-            name: String,
-            unit: Option<String>,
-            #[serde(default = "one")]
-            scale: f64,
-        }
-        #[derive(Deserialize)]
-        #[serde(
-            untagged,
-            expecting = "a column name, or { name = \"…\", unit = \"…\", scale = 1.0 }"
-        )]
-        enum Entry {
-            Name(String),
-            Full(Full),
-        }
-        Ok(match Entry::deserialize(deserializer)? {
-            Entry::Name(name) => Self { name, unit: None, scale: 1.0 },
-            Entry::Full(Full { name, unit, scale }) => Self { name, unit, scale },
-        })
+impl From<ColumnEntry> for Column {
+    fn from(entry: ColumnEntry) -> Self {
+        let ColumnEntry { name, unit, scale, offset, per_turn, torque_constant } = entry;
+        let scale = scale.unwrap_or(1.0);
+        Self { unit, scale, offset, per_turn, torque_constant, ..Self::new(name) }
     }
 }
 
-fn one() -> f64 {
-    1.0
+/// `M1 = "tau_r"` or `M1 = { name = "tau_r", … }`; the errors of the table stay exact, which an
+/// untagged enumeration would swallow.
+fn columns<'de, D: Deserializer<'de>>(d: D) -> Result<BTreeMap<String, ColumnEntry>, D::Error> {
+    struct Entry(ColumnEntry);
+    impl<'de> Deserialize<'de> for Entry {
+        fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+            deserializer.deserialize_any(NameOrTable).map(Entry)
+        }
+    }
+    let entries = BTreeMap::<String, Entry>::deserialize(d)?;
+    Ok(entries.into_iter().map(|(key, entry)| (key, entry.0)).collect())
+}
+
+struct NameOrTable;
+
+impl<'de> Visitor<'de> for NameOrTable {
+    type Value = ColumnEntry;
+
+    fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("a column name, or { name = \"…\", unit = \"…\", scale = 1.0 }")
+    }
+
+    fn visit_str<E: serde::de::Error>(self, name: &str) -> Result<ColumnEntry, E> {
+        Ok(ColumnEntry { name: name.into(), ..ColumnEntry::default() })
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ColumnEntry, A::Error> {
+        ColumnEntry::deserialize(MapAccessDeserializer::new(map))
+    }
 }
 
 /// `[simulation]`.

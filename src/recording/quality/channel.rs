@@ -8,6 +8,8 @@ use super::{Finding, Severity, WHEELS, quantile};
 const SPIKE: f64 = 8.0;
 /// Share of samples that are left out when the ordinary zigzag is measured.
 const RARE: f64 = 0.02;
+/// A drive this many times its ordinary range is no command.
+const BEYOND: f64 = 1.5;
 /// A jump of an angle is at least this large [rad].
 const JUMP: f64 = 0.3;
 /// A limit is reached in at least this many samples, and in this share of them.
@@ -112,15 +114,23 @@ fn zigzag(w: &[[f64; 2]], i: usize) -> f64 {
 fn spikes(r: &Recording, name: &str, i: usize, values: &[[f64; 2]]) -> Option<Finding> {
     let sizes = || values.windows(3).map(|w| zigzag(w, i));
     let positive = || sizes().filter(|z| *z > 0.0);
-    // a drive that steps at a reversal has a corner, which is no spike
-    let (low, high) = extremes(values, i);
+    let range = quantile(values.iter().map(|v| v[i]), 0.99);
     let ordinary = quantile(positive(), 1.0 - RARE).max(quantum(values, i));
-    let limit = (SPIKE * quantile(positive(), 0.5)).max(2.0 * ordinary).max(0.2 * (high - low));
+    let limit = (SPIKE * quantile(positive(), 0.5))
+        .max(2.0 * ordinary)
+        .max(if name == "M" { 0.15 } else { 0.05 } * range);
     let found: Vec<usize> =
         sizes().enumerate().filter(|(_, z)| *z > limit).map(|(k, _)| k + 1).collect();
     let first = *found.first()?;
+    // a wheel cannot jump; a drive may be commanded to, but not far beyond its range
+    let beyond = found.iter().any(|&k| values[k][i].abs() > BEYOND * range);
+    let (severity, remedy) = if name == "M" && !beyond {
+        (Severity::Note, "wrong samples, or commands as short as that")
+    } else {
+        (Severity::Warning, "single wrong samples; remove their rows, gaps in time are allowed")
+    };
     Some(Finding::new(
-        Severity::Warning,
+        severity,
         format!(
             "{name}{} has {} (first at t = {:.3} s: {:.4} between {:.4} and {:.4})",
             i + 1,
@@ -130,7 +140,7 @@ fn spikes(r: &Recording, name: &str, i: usize, values: &[[f64; 2]]) -> Option<Fi
             values[first - 1][i],
             values[first + 1][i]
         ),
-        "single wrong samples; remove their rows, gaps in time are allowed",
+        remedy,
     ))
 }
 

@@ -1,0 +1,176 @@
+//! Tables of text: separators, decimal commas, comments, and where a wrong cell stands.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
+use std::sync::Arc;
+
+use polars::prelude::{
+    Column as PolarsColumn, CsvParseOptions, CsvReadOptions, DataFrame, DataType, NamedFrom,
+    PolarsError, PolarsResult, Schema, SerReader, Series,
+};
+
+use super::IoError;
+use super::error::{format_error, shown};
+
+/// What the first lines of a file say about it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Layout {
+    /// Names of the columns, in order.
+    pub(super) names: Vec<String>,
+    separator: u8,
+    decimal_comma: bool,
+}
+
+/// A header, with whatever stands above it, is looked for in this many bytes.
+const HEAD: u64 = 1 << 20;
+
+/// Reads the header: the first line that is neither blank nor a comment.
+pub(super) fn layout(path: &Path) -> Result<Layout, IoError> {
+    let file = File::open(path).map_err(|e| IoError::system(path, &e))?;
+    let mut lines = Vec::new();
+    for line in BufReader::new(file).take(HEAD).split(b'\n') {
+        let line = line.map_err(|e| IoError::system(path, &e))?;
+        if is_row(&line) {
+            lines.push(line);
+        }
+        if lines.len() == 2 {
+            break;
+        }
+    }
+    let mut lines = lines.into_iter();
+    let first = lines.next().ok_or_else(|| IoError::Empty { file: shown(path) })?;
+    let text = String::from_utf8(first).map_err(|_| IoError::Format {
+        file: shown(path),
+        format: "CSV".into(),
+        reason: "the header is not UTF-8 text; save it as CSV in UTF-8".into(),
+    })?;
+    let text = text.trim_start_matches('\u{feff}').trim_end_matches(['\r', '\n']);
+    let count = |c: char| text.matches(c).count();
+    let separator =
+        [',', ';', '\t'].into_iter().max_by_key(|c| (count(*c), *c == ',')).unwrap_or(',');
+    let names: Vec<String> =
+        text.split(separator).map(|n| n.trim().trim_matches('"').trim().to_string()).collect();
+    if names.iter().all(|n| number(n, separator != ',').is_some()) {
+        return Err(IoError::NoHeader { file: shown(path) });
+    }
+    let row = lines.next().unwrap_or_default();
+    let decimal_comma = separator != ',' && row.contains(&b',') && !row.contains(&b'.');
+    Ok(Layout { names, separator: separator as u8, decimal_comma })
+}
+
+/// Whether a line is header or data.
+fn is_row(line: &[u8]) -> bool {
+    let line = line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(line);
+    !line.trim_ascii().is_empty() && !line.starts_with(b"#")
+}
+
+/// The wanted columns as numbers.
+pub(super) fn read(path: &Path, layout: &Layout, names: &[String]) -> Result<DataFrame, IoError> {
+    let schema: Schema = names.iter().map(|n| (n.as_str().into(), DataType::Float64)).collect();
+    let fast = options(layout, false)
+        .with_columns(Some(names.iter().map(|n| n.as_str().into()).collect()))
+        .with_schema_overwrite(Some(Arc::new(schema)));
+    if let Ok(frame) = finish(path, fast)
+        && frame.columns().iter().all(|c| c.null_count() == 0)
+    {
+        return Ok(frame);
+    }
+    // slow but exact: spaces, blank lines, which row holds text that is no number
+    if let Some(ragged) = ragged(path, layout)? {
+        return Err(ragged);
+    }
+    let frame = finish(path, options(layout, true)).map_err(|e| format_error(path, "CSV", &e))?;
+    by_cell(path, layout, &frame, names)
+}
+
+fn options(layout: &Layout, truncate: bool) -> CsvReadOptions {
+    let parse = CsvParseOptions::default()
+        .with_separator(layout.separator)
+        .with_decimal_comma(layout.decimal_comma)
+        .with_comment_prefix(Some("#"))
+        .with_truncate_ragged_lines(truncate);
+    CsvReadOptions::default()
+        .with_has_header(true)
+        .with_infer_schema_length(Some(0))
+        .with_parse_options(parse)
+}
+
+fn finish(path: &Path, options: CsvReadOptions) -> PolarsResult<DataFrame> {
+    options.try_into_reader_with_file_path(Some(path.to_path_buf()))?.finish()
+}
+
+/// The rows of data with their line, both from 1.
+fn rows(path: &Path) -> Result<impl Iterator<Item = (usize, usize, Vec<u8>)>, IoError> {
+    let file = File::open(path).map_err(|e| IoError::system(path, &e))?;
+    let lines = BufReader::new(file).split(b'\n').map_while(Result::ok).enumerate();
+    let rows = lines.filter(|(_, line)| is_row(line)).enumerate();
+    Ok(rows.skip(1).map(|(row, (line, text))| (row, line + 1, text)))
+}
+
+/// The line of a row of data.
+pub(super) fn line_of(path: &Path, row: usize) -> Option<usize> {
+    rows(path).ok()?.find(|(k, ..)| *k == row).map(|(_, line, _)| line)
+}
+
+/// The first row with more cells than the header has names; empty ones at the end do not count.
+fn ragged(path: &Path, layout: &Layout) -> Result<Option<IoError>, IoError> {
+    let expected = layout.names.len();
+    for (row, line, text) in rows(path)? {
+        if text.contains(&b'"') {
+            continue; // a separator may stand inside quotes
+        }
+        let cells = text.split(|b| *b == layout.separator);
+        let used = cells.enumerate().filter(|(_, cell)| !cell.trim_ascii().is_empty());
+        let found = used.last().map_or(0, |(k, _)| k + 1);
+        if found > expected {
+            let file = shown(path);
+            return Ok(Some(IoError::Ragged { file, row, line, found, expected }));
+        }
+    }
+    Ok(None)
+}
+
+/// The wanted columns of a frame of text, cell by cell.
+fn by_cell(
+    path: &Path,
+    layout: &Layout,
+    frame: &DataFrame,
+    names: &[String],
+) -> Result<DataFrame, IoError> {
+    let wrong = |e: PolarsError| format_error(path, "CSV", &e);
+    // by place: the header may hold spaces around the names
+    let place = |name: &String| layout.names.iter().position(|n| n == name).unwrap_or_default();
+    let columns: Vec<&PolarsColumn> =
+        names.iter().filter_map(|n| frame.select_at_idx(place(n))).collect();
+    let texts = columns.iter().map(|c| c.str()).collect::<Result<Vec<_>, _>>().map_err(wrong)?;
+    let all = frame.columns().iter().map(|c| c.str()).collect::<Result<Vec<_>, _>>();
+    let all = all.map_err(wrong)?;
+    let mut values = vec![Vec::with_capacity(frame.height()); texts.len()];
+    let mut row = 0;
+    for k in 0..frame.height() {
+        if all.iter().all(|t| t.get(k).unwrap_or_default().trim().is_empty()) {
+            continue; // a blank line
+        }
+        row += 1;
+        for (j, text) in texts.iter().enumerate() {
+            let cell = text.get(k).unwrap_or_default();
+            let value = number(cell, layout.separator != b',');
+            values[j].push(value.ok_or_else(|| {
+                let line = line_of(path, row);
+                IoError::not_a_number(path, row, line, &names[j], cell)
+            })?);
+        }
+    }
+    let height = values.first().map_or(0, Vec::len);
+    let columns = names.iter().zip(values);
+    let columns = columns.map(|(n, v)| Series::new(n.as_str().into(), v).into()).collect();
+    DataFrame::new(height, columns).map_err(wrong)
+}
+
+/// A cell as a number; a comma may be the decimal sign where it does not separate columns.
+pub(super) fn number(cell: &str, decimal_comma: bool) -> Option<f64> {
+    let cell = cell.trim().trim_matches('"').trim();
+    let parsed = cell.parse().ok();
+    if parsed.is_none() && decimal_comma { cell.replacen(',', ".", 1).parse().ok() } else { parsed }
+}

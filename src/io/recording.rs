@@ -1,0 +1,233 @@
+//! A recording from a CSV or Parquet file.
+
+use std::fs::File;
+use std::path::Path;
+
+use polars::prelude::{DataFrame, DataType, ParquetReader, PolarsError, SerReader};
+
+use super::columns::CONTRACT;
+use super::csv::{self, Layout};
+use super::error::{format_error, shown};
+use super::{ColumnMap, IoError, sha256};
+use crate::recording::{Channels, DriveUnit, Recording, RecordingError};
+
+/// Columns of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Headers {
+    /// Names, in order.
+    pub names: Vec<String>,
+    /// How a text file is laid out; `None` for Parquet.
+    layout: Option<Layout>,
+}
+
+/// A time beyond this is that of a calendar and not of the recording [s].
+const CALENDAR: f64 = 1e6;
+
+/// The names of the columns of a CSV or Parquet file.
+///
+/// # Errors
+/// A directory, an empty file, or one that cannot be read.
+pub fn headers(path: &Path) -> Result<Headers, IoError> {
+    if path.is_dir() {
+        return Err(IoError::Directory { file: shown(path) });
+    }
+    if !is_parquet(path) {
+        let layout = csv::layout(path)?;
+        return Ok(Headers { names: layout.names.clone(), layout: Some(layout) });
+    }
+    let file = File::open(path).map_err(|e| IoError::system(path, &e))?;
+    let schema =
+        ParquetReader::new(file).schema().map_err(|e| format_error(path, "Parquet", &e))?;
+    let names = schema.iter_names().map(ToString::to_string).collect();
+    Ok(Headers { names, layout: None })
+}
+
+fn is_parquet(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("parquet"))
+}
+
+/// Reads a recording: the columns of the contract under the names and units of `columns`; others
+/// are passed over. A time that counts from the start of a calendar is counted from the first row
+/// instead. Returns the recording with the SHA-256 of its file.
+///
+/// # Errors
+/// Everything in [`IoError`], with file, row and column.
+pub fn read_recording(
+    path: &Path,
+    columns: &ColumnMap,
+    drive_unit: DriveUnit,
+) -> Result<(Recording, String), IoError> {
+    let headers = headers(path)?;
+    let wanted = wanted(path, &headers, columns)?;
+    let mut names: Vec<String> = wanted.iter().map(|(_, name)| name.clone()).collect();
+    names.sort();
+    names.dedup();
+    if let Some(twice) = names.iter().find(|n| headers.names.iter().filter(|h| h == n).count() > 1)
+    {
+        return Err(IoError::RepeatedColumn { file: shown(path), column: twice.clone() });
+    }
+    let frame = match &headers.layout {
+        Some(layout) => csv::read(path, layout, &names)?,
+        None => read_parquet(path, names)?,
+    };
+    if frame.height() == 0 {
+        return Err(IoError::HeaderOnly { file: shown(path) });
+    }
+    let channels = channels(path, columns, &wanted, &frame)?;
+    let name = path.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned());
+    let recording = Recording::new(name, channels, drive_unit).map_err(|error| {
+        let row = match &error {
+            RecordingError::TimeNotIncreasing { row, .. }
+            | RecordingError::NotFinite { row, .. } => Some(*row),
+            _ => None,
+        };
+        let line = row.filter(|_| headers.layout.is_some()).and_then(|r| csv::line_of(path, r));
+        IoError::Recording { error, line }
+    })?;
+    Ok((recording, sha256(path)?))
+}
+
+fn read_parquet(path: &Path, names: Vec<String>) -> Result<DataFrame, IoError> {
+    let file = File::open(path).map_err(|e| IoError::system(path, &e))?;
+    let reader = ParquetReader::new(file).with_columns(Some(names));
+    // a damaged file can make polars panic
+    let read = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| reader.finish()));
+    let damaged = |_| IoError::Format {
+        file: shown(path),
+        format: "Parquet".into(),
+        reason: "its data are damaged; write it again".into(),
+    };
+    read.map_err(damaged)?.map_err(|e| format_error(path, "Parquet", &e))
+}
+
+fn channels(
+    path: &Path,
+    columns: &ColumnMap,
+    wanted: &[(&'static str, String)],
+    frame: &DataFrame,
+) -> Result<Channels, IoError> {
+    let one = |key: &str| -> Result<Option<Vec<f64>>, IoError> {
+        let Some((_, name)) = wanted.iter().find(|(k, _)| *k == key) else { return Ok(None) };
+        let (factor, offset) = conversion(path, columns, key, name)?;
+        let mut values = numbers(path, frame, name)?;
+        if key == "t" && (factor * values[0]).abs() > CALENDAR {
+            let start = values[0];
+            values.iter_mut().for_each(|t| *t -= start);
+        }
+        if (factor, offset) != (1.0, 0.0) {
+            values.iter_mut().for_each(|x| *x = factor * *x + offset);
+        }
+        Ok(Some(values))
+    };
+    let pair = |a: Option<Vec<f64>>, b: Option<Vec<f64>>| {
+        a.zip(b).map(|(a, b)| a.into_iter().zip(b).map(|(a, b)| [a, b]).collect::<Vec<_>>())
+    };
+    Ok(Channels {
+        t: one("t")?.unwrap_or_default(),
+        alpha: pair(one("alpha1")?, one("alpha2")?),
+        omega: pair(one("dalpha1")?, one("dalpha2")?),
+        moment: pair(one("M1")?, one("M2")?).unwrap_or_default(),
+    })
+}
+
+/// Factor and offset of a column; the unit behind its name counts where the map gives none.
+fn conversion(
+    path: &Path,
+    columns: &ColumnMap,
+    key: &str,
+    name: &str,
+) -> Result<(f64, f64), IoError> {
+    let unit = bracketed(name);
+    columns.conversion(key, columns.get(key), unit).map_err(|e| match (e, unit) {
+        (IoError::Unit { .. }, Some(unit)) if columns.get(key).unit.is_none() => {
+            IoError::HeaderUnit {
+                file: shown(path),
+                column: name.into(),
+                unit: unit.into(),
+                key: key.into(),
+            }
+        }
+        (e, _) => e,
+    })
+}
+
+/// The name without the unit behind it.
+fn bare(name: &str) -> &str {
+    name.split(['[', '(']).next().unwrap_or(name).trim()
+}
+
+/// The unit in brackets behind a name.
+fn bracketed(name: &str) -> Option<&str> {
+    let (_, unit) = name.trim_end_matches([']', ')']).split_once(['[', '('])?;
+    Some(unit.trim()).filter(|u| !u.is_empty())
+}
+
+/// Contract column and its name in the file, for those that are there; t and the drives must be,
+/// and of angles and speeds at least one pair.
+fn wanted(
+    path: &Path,
+    headers: &Headers,
+    columns: &ColumnMap,
+) -> Result<Vec<(&'static str, String)>, IoError> {
+    let mut out = Vec::new();
+    for key in CONTRACT {
+        let column = columns.get(key);
+        let exact = headers.names.iter().find(|n| **n == column.name);
+        let found = exact.or_else(|| headers.names.iter().find(|n| bare(n) == column.name));
+        let needed = column.named || matches!(key, "t" | "M1" | "M2");
+        match found {
+            Some(name) => out.push((key, name.clone())),
+            None if needed => return Err(missing(path, headers, key, &column.name)),
+            None => {}
+        }
+    }
+    let has = |key: &str| out.iter().any(|(k, _)| *k == key);
+    let angles = has("alpha1") && has("alpha2");
+    let speeds = has("dalpha1") && has("dalpha2");
+    if !angles && !speeds {
+        let key = if has("dalpha1") { "dalpha2" } else { "dalpha1" };
+        return Err(missing(path, headers, key, &columns.get(key).name));
+    }
+    // half a pair is of no use
+    out.retain(|(k, _)| !k.starts_with("alpha") || angles);
+    out.retain(|(k, _)| !k.starts_with("dalpha") || speeds);
+    Ok(out)
+}
+
+fn missing(path: &Path, headers: &Headers, key: &str, name: &str) -> IoError {
+    // without signs between: they outweigh the rest of names as short as M_2
+    let bare = |n: &str| n.to_lowercase().replace(|c: char| !c.is_alphanumeric(), "");
+    let near = headers
+        .names
+        .iter()
+        .filter(|n| !CONTRACT.contains(&n.as_str()))
+        .map(|n| (strsim::jaro_winkler(&bare(n), &bare(name)), n))
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .filter(|(score, _)| *score > 0.8)
+        .map(|(_, n)| n.clone());
+    IoError::MissingColumn {
+        file: shown(path),
+        column: name.into(),
+        key: key.into(),
+        near,
+        present: headers.names.join(", "),
+    }
+}
+
+/// A column of a frame as numbers; Parquet may hold whole numbers or text.
+fn numbers(path: &Path, frame: &DataFrame, name: &str) -> Result<Vec<f64>, IoError> {
+    let wrong = |e: PolarsError| format_error(path, "table", &e);
+    let broken = |k: usize, text: &str| IoError::not_a_number(path, k + 1, None, name, text);
+    let column = frame.column(name).map_err(wrong)?;
+    if matches!(column.dtype(), DataType::String) {
+        let cells = column.str().map_err(wrong)?.iter().map(Option::unwrap_or_default);
+        let cells = cells.enumerate();
+        return cells.map(|(k, c)| csv::number(c, true).ok_or_else(|| broken(k, c))).collect();
+    }
+    let column = column.cast(&DataType::Float64).map_err(wrong)?;
+    let values = column.f64().map_err(wrong)?.iter().enumerate();
+    values.map(|(k, v)| v.ok_or_else(|| broken(k, ""))).collect()
+}
+
+#[cfg(test)]
+mod tests;
