@@ -3,9 +3,13 @@
 mod columns;
 mod error;
 mod folder;
+mod journal;
+mod summary;
 mod table;
 
 pub use columns::{Column, ColumnMap, Unit};
 pub use error::IoError;
-pub use folder::{ResultFolder, check_writable, read_text, sha256, write_whole};
+pub use folder::{ResultFolder, check_writable, read_text, sha256, sha256_text, write_whole};
+pub use journal::Journal;
+pub use summary::{group_rows, read_parquet_table, write_csv_table};
 pub use table::{Headers, TableColumn, headers, read_recording, write_csv, write_parquet_table};

@@ -1,0 +1,1 @@
+//! Grids: keys, order, failures, repetition and resumption.
