@@ -30,7 +30,7 @@ pub struct Errors {
 /// largest of twelve tests on recordings with nothing hidden stayed below it.
 const STRUCTURE: f64 = 16.0;
 /// Least size of a dependence, as a share of the rms drive.
-const WORTH: f64 = 0.02;
+const WORTH: f64 = 0.05;
 /// Error above the floor, as a ratio of standard deviations, that is worth a word.
 const ABOVE_FLOOR: f64 = 1.1;
 /// Effects that leave more than this share of the explainable error do not explain it.
@@ -59,7 +59,7 @@ impl Errors {
     }
 }
 
-/// The strongest dependence that counts as structure: significant, and larger than 2 % of the
+/// The strongest dependence that counts as structure: significant, and larger than 5 % of the
 /// root mean square drive `rms` [N m].
 #[must_use]
 pub fn structure(left: &MissingMoment, rms: f64) -> Option<&Dependence> {
@@ -116,9 +116,9 @@ mod tests {
 
     #[test]
     fn structure_is_significant_and_worth_a_word() {
-        assert!(structure(&left(40.0, 0.01), 0.2).is_some());
+        assert!(structure(&left(40.0, 0.02), 0.2).is_some());
         assert!(structure(&left(40.0, 0.001), 0.2).is_none());
-        assert!(structure(&left(5.0, 0.01), 0.2).is_none());
+        assert!(structure(&left(5.0, 0.02), 0.2).is_none());
     }
 
     #[test]

@@ -62,27 +62,4 @@ mod tests {
             assert!(other.is_empty(), "{case}: {other:?}");
         }
     }
-
-    #[test]
-    fn real_robots_raise_no_false_alarm() {
-        let voltage = [("M1", "V1"), ("M2", "V2")];
-        let Some(tank) = said("frc7028_2022", &voltage, DriveUnit::Volt) else { return };
-        for text in &tank {
-            println!("tank: {text}");
-        }
-        for text in said("regbot_2016", &[], DriveUnit::NewtonMetre).unwrap() {
-            println!("regbot: {text}");
-        }
-        let axis = [
-            ("alpha1", "q"),
-            ("alpha2", "q"),
-            ("dalpha1", "dq"),
-            ("dalpha2", "dq"),
-            ("M1", "tau"),
-            ("M2", "tau"),
-        ];
-        for text in said("emps", &axis, DriveUnit::NewtonMetre).unwrap() {
-            println!("emps: {text}");
-        }
-    }
 }

@@ -5,9 +5,7 @@ use serde::Deserialize;
 
 use super::identifiability::identified;
 use super::regressor::balance_rows;
-use super::{
-    Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task, from_options,
-};
+use super::{Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task, from_options};
 use crate::effects::Motion;
 use crate::math::filter::{central_difference, low_pass};
 use crate::math::{least_squares, robust};
@@ -226,8 +224,7 @@ impl TorqueRegression {
         let variance = fit.residual_variance.max(f64::MIN_POSITIVE);
         for i in 0..width {
             for k in 0..width {
-                information[(linear[i], linear[k])] =
-                    x.column(i).dot(&x.column(k)) / variance;
+                information[(linear[i], linear[k])] = x.column(i).dot(&x.column(k)) / variance;
             }
         }
         let mut p = task.model.initial();

@@ -104,8 +104,8 @@ fn missing_moment() -> MissingMoment {
     let dependence = |variable, log_significance| Dependence {
         variable,
         bins: (0..12).map(bin).collect(),
-        statistic: 2.0 * size: 0.01,
-        log_significance,
+        statistic: 2.0 * log_significance,
+        size: 0.01,
         rank: 12,
         log_significance,
     };
