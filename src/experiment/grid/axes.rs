@@ -4,7 +4,7 @@ use serde::Deserialize;
 use toml::{Table, Value};
 
 /// Keys of `[simulation]`, which may stand in `[grid]` without their table.
-const SIMULATION_KEYS: [&str; 13] = [
+pub(super) const SIMULATION_KEYS: [&str; 13] = [
     "movement",
     "hidden",
     "noise",

@@ -1,7 +1,7 @@
 //! RMSE and coverage against the first key of numbers, a curve per method.
 
 use super::GridPlan;
-use super::summary::{Summary, conditions, words};
+use super::summary::{Summary, conditions};
 use crate::report::block::Block;
 use crate::report::figure::{Axis, Figure, Layer, Panel, Role};
 
@@ -49,11 +49,13 @@ const QUANTITIES: [Quantity; 2] = [
     },
 ];
 
-/// The figures of a grid; none without a key of at least two numbers.
+/// The figures of a grid along its first key of at least two numbers, or else the first of at least
+/// two values, which are then numbered from 1; none without such a key.
 pub(super) fn figures(grid: &GridPlan, summaries: &[Summary]) -> Vec<Block> {
     let axes = conditions(grid);
-    let numeric = |k: &usize| grid.axes[*k].numbers().is_some() && grid.axes[*k].values.len() > 1;
-    let Some(along) = axes.iter().position(|k| numeric(k)) else { return vec![] };
+    let several = |k: &usize| grid.axes[*k].values.len() > 1;
+    let numeric = axes.iter().position(|k| several(k) && grid.axes[*k].numbers().is_some());
+    let Some(along) = numeric.or_else(|| axes.iter().position(several)) else { return vec![] };
     let mut parameters: Vec<(&str, &str)> = Vec::new();
     for s in summaries.iter().filter(|s| !s.parameter.is_empty() && s.rmse.is_finite()) {
         if !parameters.iter().any(|(p, _)| *p == s.parameter) {
@@ -74,12 +76,15 @@ fn figure(
     quantity: &Quantity,
 ) -> Figure {
     let axis = &grid.axes[conditions(grid)[along]];
-    let numbers = axis.numbers().unwrap_or_default();
+    let count = || (1..=axis.values.len()).map(|n| n as f64).collect();
+    let numbered = axis.numbers().is_none();
+    let numbers: Vec<f64> = axis.numbers().unwrap_or_else(count);
+    let label = if numbered { format!("{}, value no.", axis.name) } else { axis.name.clone() };
     let positive = numbers.iter().all(|x| *x > 0.0);
     let wide = numbers.iter().copied().fold(0.0, f64::max)
         >= 4.0 * numbers.iter().copied().fold(f64::INFINITY, f64::min);
     let x = || {
-        if positive && wide { Axis::log(&axis.name, "") } else { Axis::linear(&axis.name, "") }
+        if positive && wide && !numbered { Axis::log(&label, "") } else { Axis::linear(&label, "") }
     };
     let names = series_names(grid, summaries, along);
     let mut out = Figure::new(quantity.id, quantity.title)
@@ -137,10 +142,12 @@ fn with_curve(panel: Panel, points: &[Point], name: &str, role: Role) -> Panel {
 
 /// The method, and the other conditions where there are any.
 fn series_name(grid: &GridPlan, s: &Summary, along: usize) -> String {
-    let all = words(grid, &s.places);
-    let others: Vec<&str> =
-        all.split(", ").enumerate().filter(|(j, _)| *j != along).map(|(_, w)| w).collect();
-    if others.is_empty() || s.places.len() < 2 {
+    let axes = conditions(grid).into_iter().zip(&s.places).enumerate();
+    let others: Vec<String> = axes
+        .filter(|(j, (k, _))| *j != along && grid.axes[*k].values.len() > 1)
+        .map(|(_, (k, p))| format!("{} = {}", grid.axes[k].name, grid.axes[k].text(*p)))
+        .collect();
+    if others.is_empty() {
         s.method.clone()
     } else {
         format!("{}, {}", s.method, others.join(", "))

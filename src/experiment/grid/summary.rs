@@ -76,13 +76,6 @@ pub(super) fn conditions(grid: &GridPlan) -> Vec<usize> {
     (0..grid.axes.len()).filter(|k| !grid.axes[*k].is_seed()).collect()
 }
 
-/// A combination in words: `noise_scale = 0.5, train = 4`.
-pub(super) fn words(grid: &GridPlan, places: &[usize]) -> String {
-    let parts = conditions(grid).into_iter().zip(places);
-    let parts = parts.map(|(k, p)| format!("{} = {}", grid.axes[k].name, grid.axes[k].text(*p)));
-    parts.collect::<Vec<_>>().join(", ")
-}
-
 /// Summaries of sorted cells, in the order of their first row.
 ///
 /// # Errors
@@ -251,3 +244,6 @@ pub(super) fn json(grid: &GridPlan, s: &Summary) -> serde_json::Value {
     }
     out
 }
+
+#[cfg(test)]
+mod tests;
