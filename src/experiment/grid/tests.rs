@@ -192,7 +192,7 @@ fn a_journal_of_another_file_is_not_resumed() {
     let before = folder.table();
     let path = folder.0.path().join("g.toml");
     let text = fs::read_to_string(&path).unwrap();
-    fs::write(path, text.replace("duration_s = 4.0", "duration_s = 5.0")).unwrap();
+    fs::write(path, text.replace("dalpha = 0.05", "dalpha = 0.1")).unwrap();
     folder.run(true).result.unwrap();
     assert_ne!(folder.table(), before);
 }
