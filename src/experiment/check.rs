@@ -53,6 +53,9 @@ pub fn check(file: &Path, set: &[String]) -> Result<String, ExperimentError> {
         }
     };
     let _ = writeln!(out, "  diagnosis   {diagnosis}");
+    if let Some(grid) = &plan.grid {
+        let _ = writeln!(out, "  grid        {} combinations: {}", grid.cells(), grid.words());
+    }
     let _ = writeln!(out, "  next        experiment {}", file.display());
     Ok(out)
 }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::ExperimentError;
 use super::file::ExperimentFile;
+use super::grid::GridPlan;
 use super::plan::Plan;
 use super::resolve::resolve;
 use super::run::run;
@@ -82,14 +83,18 @@ pub fn load_all(
 pub fn load(file: &Path, set: &[String]) -> Result<Plan, ExperimentError> {
     let text = read_text(file)?;
     let parsed = ExperimentFile::parse(&file.display().to_string(), &text, set)?;
-    let mut plan = resolve(file, &text, &parsed)?;
+    let mut as_run = text.clone();
     if !set.is_empty() {
-        plan.file = format!(
-            "# run with {}\n{text}",
-            set.iter().map(|s| format!("--set {s}")).collect::<Vec<_>>().join(" ")
-        );
+        let set = set.iter().map(|s| format!("--set {s}")).collect::<Vec<_>>().join(" ");
+        as_run = format!("# run with {set}\n{text}");
     }
-    Ok(plan)
+    match &parsed.grid {
+        None => resolve(file, &as_run, &parsed),
+        Some(grid) => {
+            let table = ExperimentFile::table(&file.display().to_string(), &text, set)?;
+            GridPlan::load(file, &as_run, table, grid)
+        }
+    }
 }
 
 /// Runs a plan and writes its folder.
@@ -99,6 +104,9 @@ pub fn execute(plan: Plan, options: &RunOptions) -> Outcome {
 }
 
 fn finish(plan: &Plan, options: &RunOptions) -> Result<Done, ExperimentError> {
+    if let Some(grid) = &plan.grid {
+        return super::grid::finish(plan, grid, options);
+    }
     let mut folder = ResultFolder::new(&options.out, &plan.name);
     let mut study = run(plan)?;
     study.versions = versions(folder.earlier("versions.json").as_deref(), &study);

@@ -8,6 +8,7 @@ mod estimates;
 mod execute;
 mod file;
 mod fuzzy_study;
+mod grid;
 mod guess;
 mod loop_commands;
 mod plan;
@@ -23,6 +24,7 @@ pub use file::{
     ExperimentFile, FileError, FixedEntry, ModelEntry, MovementEntry, RecordingsEntry,
     SimulationEntry,
 };
+pub use grid::{GridAxis, GridPlan};
 pub use loop_commands::{add_effect, new_file};
 pub use plan::{DiagnosisPlan, Measured, MethodPlan, Plan};
 pub use run::{RunError, run};

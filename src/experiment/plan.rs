@@ -1,5 +1,6 @@
 //! An experiment ready to run: everything resolved, nothing left to look up.
 
+use super::grid::GridPlan;
 use crate::identify::Identifier;
 use crate::model::Model;
 use crate::recording::Recording;
@@ -65,6 +66,8 @@ pub struct Plan {
     pub seed: u64,
     /// True parameters of made data.
     pub truth: Vec<(String, f64)>,
+    /// The combinations over which it is repeated; the rest is then that of the first one.
+    pub grid: Option<GridPlan>,
 }
 
 impl Plan {

@@ -38,12 +38,6 @@ pub(super) fn resolve(
 }
 
 fn plan(path: &Path, text: &str, file: &ExperimentFile) -> Result<Plan, Meaning> {
-    if file.grid.is_some() {
-        return Err(words(
-            "[grid] is not there yet; remove the block, or repeat the run with --set KEY=VALUE"
-                .into(),
-        ));
-    }
     let robot = robot(file.robot.as_ref())?;
     let model = model(file, &robot)?;
     let methods = methods(&file.method)?;
@@ -67,6 +61,7 @@ fn plan(path: &Path, text: &str, file: &ExperimentFile) -> Result<Plan, Meaning>
         diagnosis,
         seed,
         truth,
+        grid: None,
     })
 }
 

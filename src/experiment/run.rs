@@ -41,6 +41,19 @@ const PREFERRED: [&str; 4] = ["prediction_error", "weak_form", "output_error", "
 /// # Errors
 /// If no method has a fit, or nothing can be simulated.
 pub fn run(plan: &Plan) -> Result<Study, RunError> {
+    let (mut study, right) = compare(plan)?;
+    locate(plan, &*right, &mut study)?;
+    if let Some(asked) = &plan.diagnosis {
+        study.diagnosis = Some(super::diagnosis::run_diagnosis(plan, asked, &study)?);
+    }
+    Ok(study)
+}
+
+/// Fits every method and measures its error; returns the dynamics of the reference fit too.
+///
+/// # Errors
+/// If no method has a fit, or nothing can be simulated.
+pub(super) fn compare(plan: &Plan) -> Result<(Study, Arc<dyn Dynamics>), RunError> {
     let motions: Vec<Vec<LocalMotion>> =
         plan.recordings.par_iter().map(|m| m.recording.local_motion()).collect();
     let train = plan.of(Role::Train);
@@ -68,7 +81,7 @@ pub fn run(plan: &Plan) -> Result<Study, RunError> {
         .zip(&fits)
         .map(|(method, (fit, seconds))| method_study(plan, method, fit, *seconds, &motions))
         .collect::<Result<_, _>>()?;
-    let mut study = Study {
+    let study = Study {
         experiment: plan.name.clone(),
         title: plan.title.clone(),
         version: env!("CARGO_PKG_VERSION").into(),
@@ -87,11 +100,7 @@ pub fn run(plan: &Plan) -> Result<Study, RunError> {
         versions: vec![],
         truth: plan.truth.clone(),
     };
-    locate(plan, &*right, &mut study)?;
-    if let Some(asked) = &plan.diagnosis {
-        study.diagnosis = Some(super::diagnosis::run_diagnosis(plan, asked, &study)?);
-    }
-    Ok(study)
+    Ok((study, right))
 }
 
 fn fit(plan: &Plan, method: &MethodPlan, train: &[Recording]) -> (Result<Fit, String>, f64) {

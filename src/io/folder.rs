@@ -36,6 +36,12 @@ pub fn sha256(path: &Path) -> Result<String, IoError> {
     }
 }
 
+/// SHA-256 of a text, in hexadecimal.
+#[must_use]
+pub fn sha256_text(text: &str) -> String {
+    Sha256::digest(text.as_bytes()).iter().map(|b| format!("{b:02x}")).collect()
+}
+
 /// Writes a file as a whole: into a temporary one beside it, which then takes its place.
 ///
 /// # Errors

@@ -5,6 +5,8 @@ mod csv;
 mod error;
 mod folder;
 mod recording;
+mod journal;
+mod summary;
 mod table;
 
 pub use columns::{Column, ColumnMap};
@@ -12,3 +14,7 @@ pub use error::IoError;
 pub use folder::{ResultFolder, check_writable, read_text, sha256, write_whole};
 pub use recording::{Headers, headers, read_recording};
 pub use table::{TableColumn, write_csv, write_parquet_table};
+pub use folder::{ResultFolder, check_writable, read_text, sha256, sha256_text, write_whole};
+pub use journal::Journal;
+pub use summary::{group_rows, read_parquet_table, write_csv_table};
+pub use table::{Headers, TableColumn, headers, read_recording, write_csv, write_parquet_table};

@@ -28,20 +28,30 @@ impl ExperimentFile {
     /// ```
     pub fn parse(name: &str, text: &str, overrides: &[String]) -> Result<Self, FileError> {
         let file: Self = error::with_words(name, text, toml::from_str(text))?;
-        let file = if overrides.is_empty() {
-            file
-        } else {
-            let mut table: Table = error::with_words(name, text, toml::from_str(text))?;
-            for entry in overrides {
-                set(&mut table, entry)?;
-            }
-            Value::Table(table).try_into().map_err(|e: toml::de::Error| FileError::Override {
-                entry: overrides.join(" "),
-                message: error::with_hint(e.message()),
-            })?
-        };
+        if overrides.is_empty() {
+            file.check(name)?;
+            return Ok(file);
+        }
+        let file = Self::from_table(&Self::table(name, text, overrides)?)
+            .map_err(|message| FileError::Override { entry: overrides.join(" "), message })?;
         file.check(name)?;
         Ok(file)
+    }
+
+    /// The keys and values of the text with the overrides applied, not checked.
+    pub(super) fn table(name: &str, text: &str, overrides: &[String]) -> Result<Table, FileError> {
+        let mut table: Table = error::with_words(name, text, toml::from_str(text))?;
+        for entry in overrides {
+            set(&mut table, entry)?;
+        }
+        Ok(table)
+    }
+
+    /// Reads keys and values; what is of the right type is not judged yet. The error is in words.
+    pub(super) fn from_table(table: &Table) -> Result<Self, String> {
+        Value::Table(table.clone())
+            .try_into()
+            .map_err(|e: toml::de::Error| error::with_hint(e.message()))
     }
 }
 

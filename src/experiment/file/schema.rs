@@ -280,7 +280,7 @@ pub enum CandidatesEntry {
 
 impl ExperimentFile {
     /// Values that are of the right type and still make no sense.
-    pub(super) fn check(&self, file: &str) -> Result<(), FileError> {
+    pub(in crate::experiment) fn check(&self, file: &str) -> Result<(), FileError> {
         let wrong = |key: &str, message: String| FileError::Value {
             file: file.into(),
             key: key.into(),

@@ -1,0 +1,220 @@
+//! The keys of `[grid]` and their values.
+
+use serde::Deserialize;
+use toml::{Table, Value};
+
+/// Keys of `[simulation]`, which may stand in `[grid]` without their table.
+pub(super) const SIMULATION_KEYS: [&str; 13] = [
+    "movement",
+    "hidden",
+    "noise",
+    "seed",
+    "train",
+    "validation",
+    "rate_hz",
+    "control_rate_hz",
+    "duration_s",
+    "top_speed_rad_s",
+    "encoder_ticks",
+    "truth",
+    "noise_scale",
+];
+
+/// Tables of an experiment file whose keys may vary.
+const TABLES: [&str; 6] = ["robot", "recordings", "simulation", "model", "emulator", "diagnosis"];
+
+/// Most combinations of a grid.
+const MOST_CELLS: usize = 1_000_000;
+
+/// A key of the experiment file and the values it takes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GridAxis {
+    /// As written in `[grid]`: the name of its column.
+    pub name: String,
+    /// Dotted key of the experiment file.
+    pub key: String,
+    /// Its values, in order.
+    pub values: Vec<Value>,
+}
+
+impl GridAxis {
+    /// Whether it repeats the experiment with other noise and not with other conditions.
+    #[must_use]
+    pub fn is_seed(&self) -> bool {
+        self.key == "simulation.seed"
+    }
+
+    /// Its values as numbers, where all are.
+    #[must_use]
+    pub fn numbers(&self) -> Option<Vec<f64>> {
+        self.values.iter().map(number).collect()
+    }
+
+    /// A value as text.
+    #[must_use]
+    pub fn text(&self, value: usize) -> String {
+        match &self.values[value] {
+            Value::String(text) => text.clone(),
+            other => other.to_string(),
+        }
+    }
+}
+
+fn number(value: &Value) -> Option<f64> {
+    value.as_float().or_else(|| value.as_integer().map(|i| i as f64))
+}
+
+/// A key of `[grid]` that is wrong, and why.
+pub(super) struct WrongKey {
+    pub(super) key: String,
+    pub(super) message: String,
+}
+
+/// `{ count = 100 }` or `{ from = 0.1, to = 10, steps = 5, log = true }`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Range {
+    count: Option<usize>,
+    from: Option<Value>,
+    to: Option<Value>,
+    steps: Option<usize>,
+    #[serde(default)]
+    log: bool,
+}
+
+/// The axes of `[grid]`, in alphabetical order of their keys as written.
+///
+/// # Errors
+/// A key that no experiment file has, and values that are neither a list nor a range.
+pub(super) fn axes(grid: &Table) -> Result<Vec<GridAxis>, WrongKey> {
+    let mut out: Vec<GridAxis> = Vec::new();
+    for (name, values) in flat(grid, "") {
+        let wrong = |message: String| WrongKey { key: name.clone(), message };
+        let key = full_key(&name).map_err(wrong)?;
+        if out.iter().any(|axis| axis.key == key) {
+            return Err(wrong(format!("and {key} are the same key; keep one")));
+        }
+        let values = self::values(&values).map_err(wrong)?;
+        out.push(GridAxis { name, key, values });
+    }
+    let cells = out.iter().try_fold(1_usize, |n, axis| n.checked_mul(axis.values.len()));
+    if cells.is_none_or(|n| n > MOST_CELLS) {
+        let key = out.iter().max_by_key(|a| a.values.len()).map_or("", |a| &a.name).to_string();
+        let message = format!("makes more than {MOST_CELLS} combinations; give fewer values");
+        return Err(WrongKey { key, message });
+    }
+    Ok(out)
+}
+
+/// Entries with dotted keys; `simulation.seed = …` without quotes is a table in a table.
+fn flat(table: &Table, before: &str) -> Vec<(String, Value)> {
+    let mut out = Vec::new();
+    for (key, value) in table {
+        let key = format!("{before}{key}");
+        match value {
+            Value::Table(inner) if holds_axes(inner) => out.extend(flat(inner, &format!("{key}."))),
+            _ => out.push((key, value.clone())),
+        }
+    }
+    out
+}
+
+/// Whether a table holds axes and is not a range itself.
+fn holds_axes(table: &Table) -> bool {
+    !table.is_empty() && table.values().all(|v| v.is_array() || v.is_table())
+}
+
+fn full_key(name: &str) -> Result<String, String> {
+    if let Some((table, rest)) = name.split_once('.') {
+        if TABLES.contains(&table) && rest.split('.').all(|part| !part.is_empty()) {
+            return Ok(name.to_string());
+        }
+        if table == "method" {
+            let message = "varies a method; write one [[method]] block for each instead: all \
+                           methods run in every combination";
+            return Err(message.into());
+        }
+        return Err(format!("is no key of an experiment file{}", nearest(table, &TABLES)));
+    }
+    if SIMULATION_KEYS.contains(&name) {
+        return Ok(format!("simulation.{name}"));
+    }
+    let near = nearest(name, &SIMULATION_KEYS);
+    Err(format!(
+        "is no key of [simulation]{near}; keys of other tables are written with their table, for \
+         example \"model.effects\""
+    ))
+}
+
+fn nearest(name: &str, known: &[&str]) -> String {
+    let near =
+        known.iter().map(|k| (strsim::jaro_winkler(k, name), k)).max_by(|a, b| a.0.total_cmp(&b.0));
+    near.map_or(String::new(), |(_, k)| format!("; the nearest is `{k}`"))
+}
+
+fn values(value: &Value) -> Result<Vec<Value>, String> {
+    match value {
+        Value::Array(values) if values.is_empty() => Err("has no value; give at least one".into()),
+        Value::Array(values) => Ok(values.clone()),
+        Value::Table(table) => {
+            let range: Range = Value::Table(table.clone())
+                .try_into()
+                .map_err(|e: toml::de::Error| format!("is no range: {}", e.message()))?;
+            range.values()
+        }
+        other => Err(format!(
+            "= {other} is no list; write [{other}], {{ count = 100 }}, or {{ from = 0.1, to = 10, \
+             steps = 5, log = true }}"
+        )),
+    }
+}
+
+impl Range {
+    fn values(&self) -> Result<Vec<Value>, String> {
+        match (self.count, &self.from, &self.to, self.steps) {
+            (Some(count), from, None, None) if !self.log => {
+                let first = match from {
+                    None => 1,
+                    Some(Value::Integer(first)) => *first,
+                    Some(other) => return Err(format!("from = {other} must be a whole number")),
+                };
+                if count == 0 || count > MOST_CELLS {
+                    return Err(format!("count = {count} must lie between 1 and {MOST_CELLS}"));
+                }
+                let last = first.checked_add(count as i64 - 1);
+                let last = last.ok_or_else(|| format!("from = {first} is too large"))?;
+                Ok((first..=last).map(Value::Integer).collect())
+            }
+            (None, Some(from), Some(to), Some(steps)) => self.spaced(from, to, steps),
+            _ => Err("is no range; write { count = 100 } with or without from, or { from = 0.1, \
+                      to = 10, steps = 5 } with or without log = true"
+                .into()),
+        }
+    }
+
+    /// From one end to the other in equal steps, or equal ratios. Whole numbers stay whole.
+    fn spaced(&self, from: &Value, to: &Value, steps: usize) -> Result<Vec<Value>, String> {
+        let end = |name: &str, value: &Value| {
+            let finite = number(value).filter(|x| x.is_finite());
+            finite.ok_or_else(|| format!("{name} = {value} must be a finite number"))
+        };
+        let (a, b) = (end("from", from)?, end("to", to)?);
+        if steps < 2 || steps > MOST_CELLS {
+            return Err(format!("steps = {steps} must lie between 2 and {MOST_CELLS}"));
+        }
+        if self.log && !(a > 0.0 && b > 0.0) {
+            return Err("with log = true from and to must be positive".into());
+        }
+        let place = |k: usize| k as f64 / (steps - 1) as f64;
+        let at = |k: usize| match k {
+            0 => a,
+            k if k == steps - 1 => b,
+            k if self.log => a * (b / a).powf(place(k)),
+            k => a + (b - a) * place(k),
+        };
+        let all: Vec<f64> = (0..steps).map(at).collect();
+        let whole = from.is_integer() && to.is_integer() && all.iter().all(|x| x.fract() == 0.0);
+        let value = |x: f64| if whole { Value::Integer(x as i64) } else { Value::Float(x) };
+        Ok(all.into_iter().map(value).collect())
+    }
+}

@@ -1,0 +1,169 @@
+//! One combination: run, reduced to rows.
+
+use std::time::Instant;
+
+use serde::{Deserialize, Serialize};
+
+use super::GridPlan;
+use crate::experiment::diagnosis::run_diagnosis;
+use crate::experiment::plan::Plan;
+use crate::experiment::run::{RunError, compare};
+use crate::identify::{Estimate, Status};
+use crate::study::{DiagnosisStudy, MethodStudy, Role, Study, Verdict};
+
+/// A number that is written exactly, also where it is not finite (JSON has no words for that).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Exact(pub(super) f64);
+
+impl Serialize for Exact {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(&self.0)
+    }
+}
+
+impl<'de> Deserialize<'de> for Exact {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        text.parse().map(Self).map_err(serde::de::Error::custom)
+    }
+}
+
+const MISSING: Exact = Exact(f64::NAN);
+
+/// A method in a cell, once for every parameter; once without one where there are none.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Row {
+    pub(super) method: String,
+    pub(super) parameter: String,
+    pub(super) unit: String,
+    pub(super) value: Exact,
+    pub(super) std_error: Exact,
+    pub(super) low: Exact,
+    pub(super) high: Exact,
+    pub(super) truth: Exact,
+    pub(super) ise_train: Exact,
+    pub(super) ise_validation: Exact,
+    pub(super) window_rms: Exact,
+    pub(super) floor: Exact,
+    pub(super) status: String,
+    pub(super) reason: String,
+    pub(super) seconds: Exact,
+}
+
+/// A finished combination: one line of the journal.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Cell {
+    /// Hash of everything that the result depends on, cell included.
+    pub(super) key: String,
+    /// Its number, from 0.
+    pub(super) cell: usize,
+    /// Verdict of its diagnosis; empty without one.
+    pub(super) verdict: String,
+    /// Effects found, joined by `+`.
+    pub(super) found: String,
+    pub(super) rows: Vec<Row>,
+}
+
+/// Runs a cell. Whatever fails is told in its rows; `methods` are named there if nothing runs.
+pub(super) fn run_cell(grid: &GridPlan, cell: usize, key: String, methods: &[String]) -> Cell {
+    let start = Instant::now();
+    let failed = |reason: String| {
+        let seconds = start.elapsed().as_secs_f64();
+        methods.iter().map(|m| failed_row(m, reason.clone(), seconds)).collect()
+    };
+    let mut out = Cell { key, cell, verdict: String::new(), found: String::new(), rows: vec![] };
+    let plan = match grid.plan(cell) {
+        Ok(plan) => plan,
+        Err(e) => return Cell { rows: failed(e.to_string()), ..out },
+    };
+    let study = match compare(&plan) {
+        Ok((study, _)) => study,
+        Err(e) => return Cell { rows: failed(e.to_string()), ..out },
+    };
+    out.rows = study.methods.iter().flat_map(|method| rows(&study, method)).collect();
+    match diagnose(&plan, &study) {
+        None => {}
+        Some(Ok(diagnosis)) => {
+            out.verdict = verdict(diagnosis.verdict).into();
+            out.found = diagnosis.found.join("+");
+        }
+        Some(Err(e)) => out.verdict = format!("failed: {e}"),
+    }
+    out
+}
+
+fn diagnose(plan: &Plan, study: &Study) -> Option<Result<DiagnosisStudy, RunError>> {
+    plan.diagnosis.as_ref().map(|asked| run_diagnosis(plan, asked, study))
+}
+
+fn verdict(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::ModelSufficient => "model_sufficient",
+        Verdict::EffectsMissing => "effects_missing",
+        Verdict::UnknownEffect => "unknown_effect",
+    }
+}
+
+fn failed_row(method: &str, reason: String, seconds: f64) -> Row {
+    Row {
+        method: method.into(),
+        parameter: String::new(),
+        unit: String::new(),
+        value: MISSING,
+        std_error: MISSING,
+        low: MISSING,
+        high: MISSING,
+        truth: MISSING,
+        ise_train: MISSING,
+        ise_validation: MISSING,
+        window_rms: MISSING,
+        floor: MISSING,
+        status: "failed".into(),
+        reason,
+        seconds: Exact(seconds),
+    }
+}
+
+fn rows(study: &Study, method: &MethodStudy) -> Vec<Row> {
+    let floor = Exact(study.judged_floor());
+    if let Some(reason) = &method.failure {
+        return vec![Row { floor, ..failed_row(&method.name, reason.clone(), method.seconds) }];
+    }
+    let trained = study.recordings.iter().zip(&method.performance);
+    let ise_train = trained.filter(|(r, _)| r.role == Role::Train);
+    let ise_train = ise_train.map(|(_, p)| p.ise[0] + p.ise[1]).sum();
+    let base = Row {
+        ise_train: Exact(ise_train),
+        ise_validation: Exact(study.judged_ise(method)),
+        window_rms: Exact(study.judged_window_rms(method)),
+        floor,
+        status: method.status.map_or("converged", status).into(),
+        ..failed_row(&method.name, String::new(), method.seconds)
+    };
+    if method.estimates.is_empty() {
+        return vec![base];
+    }
+    method.estimates.iter().map(|e| with_estimate(&base, e, study)).collect()
+}
+
+fn with_estimate(base: &Row, e: &Estimate, study: &Study) -> Row {
+    let known = study.truth.iter().find(|(symbol, _)| *symbol == e.symbol);
+    Row {
+        parameter: e.symbol.clone(),
+        unit: e.unit.clone(),
+        value: Exact(e.value),
+        std_error: Exact(e.std_error),
+        low: Exact(e.interval.0),
+        high: Exact(e.interval.1),
+        truth: Exact(known.map_or(f64::NAN, |(_, v)| *v)),
+        ..base.clone()
+    }
+}
+
+fn status(status: Status) -> &'static str {
+    match status {
+        Status::Converged => "converged",
+        Status::IterationLimit => "iteration_limit",
+        Status::Stalled => "stalled",
+    }
+}

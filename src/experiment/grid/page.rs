@@ -1,0 +1,188 @@
+//! The report of a grid: what the repetitions say, figures, tables, provenance.
+
+use super::GridPlan;
+use super::cell::Cell as GridCell;
+use super::figures::figures;
+use super::summary::{Summary, conditions};
+use crate::experiment::plan::Plan;
+use crate::report::block::{Block, Cell, Column, Table, Text, Tone};
+use crate::report::{PageContent, ReportError, SectionContent, format, render_page};
+
+/// A rendered report.
+pub(super) struct Rendered {
+    pub(super) html: String,
+    pub(super) figures: Vec<(String, Vec<u8>)>,
+}
+
+/// Draws a grid.
+///
+/// # Errors
+/// If a figure cannot be drawn.
+pub(super) fn render(
+    plan: &Plan,
+    grid: &GridPlan,
+    cells: &[GridCell],
+    summaries: &[Summary],
+) -> Result<Rendered, ReportError> {
+    let section = |id: &str, title: &str, blocks: Vec<Block>| SectionContent {
+        id: id.into(),
+        title: title.into(),
+        blocks,
+    };
+    let failed = cells.iter().flat_map(|c| &c.rows).any(|row| row.status == "failed");
+    let tone = if failed { Tone::Notice } else { Tone::Neutral };
+    let mut first = vec![Block::verdict(tone, verdict(grid, cells, summaries), grid.words())];
+    first.extend(figures(grid, summaries));
+    let sections = vec![
+        section("accuracy", "What the repetitions say", first),
+        section(
+            "summary",
+            "Summary",
+            vec![Block::HowToRead(TABLE_WORDS.into()), table(grid, summaries)],
+        ),
+        section("diagnosis", "Verdicts of the diagnosis", verdicts(grid, cells)),
+        section("failures", "Failures", failures(grid, cells)),
+        section("provenance", "Provenance", provenance(plan)),
+    ];
+    let content = PageContent {
+        title: plan.title.clone(),
+        subtitle: format!(
+            "{} · {} combinations · {} {}",
+            plan.name,
+            cells.len(),
+            env!("CARGO_PKG_NAME"),
+            env!("CARGO_PKG_VERSION")
+        ),
+        sections: sections.into_iter().filter(|s| !s.blocks.is_empty()).collect(),
+        footer: format!("{} {}", env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION")),
+    };
+    let page = render_page(&content)?;
+    let figures =
+        page.pictures.into_iter().map(|p| (format!("{}.png", p.file_stem), p.png)).collect();
+    Ok(Rendered { html: page.html, figures })
+}
+
+const TABLE_WORDS: &str = "n estimates enter the means; failures are cells without a fit. RMSE is \
+     about the truth. Coverage near 95 % means that the claimed errors are honest. Efficiency is \
+     the mean variance claimed by prediction_error in the same cells (a proxy of the Cramér-Rao \
+     bound; the smallest claimed variance where that method does not run) over the mean square \
+     error: near 1 nothing is left to gain, and above 1 only by chance or by a claim too large.";
+
+/// Combinations, failures and coverage in a sentence per method.
+pub(super) fn verdict(grid: &GridPlan, cells: &[GridCell], summaries: &[Summary]) -> String {
+    let failed = cells.iter().filter(|c| c.rows.iter().any(|r| r.status == "failed")).count();
+    let mut out =
+        format!("{} combinations of {}, {failed} with a failure", cells.len(), grid.words());
+    let mut methods: Vec<&str> = Vec::new();
+    for s in summaries.iter().filter(|s| s.coverage.is_finite()) {
+        if !methods.contains(&s.method.as_str()) {
+            methods.push(&s.method);
+        }
+    }
+    for method in methods {
+        let of = summaries.iter().filter(|s| s.method == method && s.coverage.is_finite());
+        let (covered, n) =
+            of.fold((0.0, 0.0), |(c, n), s| (c + s.coverage * s.n as f64, n + s.n as f64));
+        out += &format!(
+            "; {method}: 95 % intervals hold the truth in {}",
+            format::percent(covered / n)
+        );
+    }
+    out + "."
+}
+
+fn table(grid: &GridPlan, summaries: &[Summary]) -> Block {
+    let axes = conditions(grid);
+    let mut columns: Vec<Column> = axes.iter().map(|k| Column::text(&grid.axes[*k].name)).collect();
+    columns.extend([Column::text("Method"), Column::text("Parameter"), Column::text("Unit")]);
+    columns.extend(["n", "Failures", "Not identifiable"].map(|t| Column::number(t, "")));
+    columns.extend(["Truth", "Bias", "RMSE", "Claimed error"].map(|t| Column::number(t, "")));
+    columns.extend([Column::number("Coverage", ""), Column::number("Efficiency", "")]);
+    columns.extend(["Window error", "Noise floor"].map(|t| Column::number(t, "rad/s")));
+    let mut table = Table::new("Every combination, method and parameter.", columns);
+    for s in summaries {
+        let mut row: Vec<Cell> = axes
+            .iter()
+            .zip(&s.places)
+            .map(|(k, p)| {
+                let text = grid.axes[*k].text(*p);
+                match grid.axes[*k].numbers() {
+                    Some(numbers) => Cell::formatted(text, numbers[*p]),
+                    None => Cell::text(text),
+                }
+            })
+            .collect();
+        row.extend([&s.method, &s.parameter, &s.unit].map(Cell::text));
+        row.extend([s.n, s.failures, s.unidentifiable].map(Cell::count));
+        row.extend([s.truth, s.bias, s.rmse, s.std_error].map(Cell::number));
+        row.push(Cell::formatted(format::percent(s.coverage), s.coverage));
+        row.extend([s.efficiency, s.window_rms, s.floor].map(Cell::number));
+        table.push(row);
+    }
+    table.into()
+}
+
+/// How often the diagnosis said what, per combination.
+fn verdicts(grid: &GridPlan, cells: &[GridCell]) -> Vec<Block> {
+    let axes = conditions(grid);
+    let mut counts: Vec<(Vec<String>, usize)> = Vec::new();
+    for cell in cells.iter().filter(|c| !c.verdict.is_empty()) {
+        let places = grid.places(cell.cell);
+        let mut key: Vec<String> = axes.iter().map(|k| grid.axes[*k].text(places[*k])).collect();
+        key.extend([cell.verdict.clone(), cell.found.clone()]);
+        match counts.iter_mut().find(|(k, _)| *k == key) {
+            Some((_, count)) => *count += 1,
+            None => counts.push((key, 1)),
+        }
+    }
+    if counts.is_empty() {
+        return vec![];
+    }
+    let mut columns: Vec<Column> = axes.iter().map(|k| Column::text(&grid.axes[*k].name)).collect();
+    columns.extend([Column::text("Verdict"), Column::text("Found"), Column::number("Times", "")]);
+    let mut table = Table::new("What the diagnosis said in each combination.", columns);
+    for (key, count) in counts {
+        let mut row: Vec<Cell> = key.into_iter().map(Cell::text).collect();
+        row.push(Cell::count(count));
+        table.push(row);
+    }
+    vec![table.into()]
+}
+
+fn failures(grid: &GridPlan, cells: &[GridCell]) -> Vec<Block> {
+    const SHOWN: usize = 50;
+    let failed: Vec<_> = cells
+        .iter()
+        .flat_map(|c| c.rows.iter().map(move |row| (c, row)))
+        .filter(|(_, row)| row.status == "failed")
+        .collect();
+    if failed.is_empty() {
+        return vec![];
+    }
+    let columns = vec![Column::text("Combination"), Column::text("Method"), Column::text("Reason")];
+    let caption = format!("{} of {} failures.", failed.len().min(SHOWN), failed.len());
+    let mut table = Table::new(caption, columns);
+    for (cell, row) in failed.into_iter().take(SHOWN) {
+        let places = grid.places(cell.cell);
+        let values =
+            grid.axes.iter().zip(places).map(|(a, p)| format!("{} = {}", a.name, a.text(p)));
+        let values = values.collect::<Vec<_>>().join(", ");
+        table.push([values, row.method.clone(), row.reason.clone()].map(Cell::text).to_vec());
+    }
+    vec![table.into()]
+}
+
+fn provenance(plan: &Plan) -> Vec<Block> {
+    let file = format!("experiment {}.toml", plan.name);
+    vec![
+        Block::paragraph(
+            Text::from(
+                "Every cell is in estimates.parquet. To repeat the run, save this file beside \
+                        its recordings and type ",
+            )
+            .code(file)
+            .plain("; the numbers, but for wall times, are the same on any number of threads."),
+        ),
+        Block::Code(plan.file.clone()),
+    ]
+}

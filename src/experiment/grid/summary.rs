@@ -1,0 +1,249 @@
+//! What repetitions say of a method: bias, RMSE, coverage and efficiency per combination of the
+//! keys that are not the seed.
+
+use std::collections::HashMap;
+
+use serde_json::json;
+
+use super::cell::{Cell, Row};
+use super::{GridPlan, table::column_name};
+use crate::io::{IoError, TableColumn, group_rows};
+use crate::math::distribution::{chi2_quantile, normal_quantile};
+
+/// Method whose claimed variance stands for the Cramér-Rao bound.
+const EFFICIENT: &str = "prediction_error";
+
+/// A method and a parameter over the repetitions of a combination.
+///
+/// ```text
+/// bias       = mean(v - v0)                  RMSE = sqrt(mean((v - v0)^2))
+/// coverage   = share of 95 % intervals that hold v0
+/// efficiency = mean(s^2) / RMSE^2
+/// ```
+/// with the estimate v and the truth v0. s is the standard error that `prediction_error` claims in
+/// the same cell, a proxy of the Cramér-Rao bound; where that method does not run, s is the
+/// smallest standard error that any method claims there. Estimates that the data cannot give
+/// (infinite standard error) are counted apart and enter none of the means; parameters held at a
+/// value have no coverage and no efficiency.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Summary {
+    /// Place on every axis that is not the seed, in the order of [`conditions`].
+    pub(super) places: Vec<usize>,
+    pub(super) method: String,
+    pub(super) parameter: String,
+    pub(super) unit: String,
+    /// Estimates that enter the means.
+    pub(super) n: usize,
+    /// Cells in which the method failed.
+    pub(super) failures: usize,
+    /// Estimates with infinite standard error.
+    pub(super) unidentifiable: usize,
+    pub(super) truth: f64,
+    pub(super) bias: f64,
+    pub(super) rmse: f64,
+    pub(super) std_error: f64,
+    pub(super) coverage: f64,
+    pub(super) efficiency: f64,
+    /// Mean window error on the judged recordings [rad/s].
+    pub(super) window_rms: f64,
+    /// Mean noise floor of it [rad/s].
+    pub(super) floor: f64,
+}
+
+impl Summary {
+    /// 95 % interval of the RMSE: n RMSE^2 / sigma^2 is chi-square with n degrees of freedom if the
+    /// error is normal without bias.
+    pub(super) fn rmse_interval(&self) -> (f64, f64) {
+        let n = self.n as f64;
+        if self.n == 0 {
+            return (f64::NAN, f64::NAN);
+        }
+        let end = |p: f64| self.rmse * (n / chi2_quantile(p, n)).sqrt();
+        (end(0.975), end(0.025))
+    }
+
+    /// 95 % interval of the coverage. Source: Wilson, J. Am. Stat. Assoc. 22 (1927) 209-212.
+    pub(super) fn coverage_interval(&self) -> (f64, f64) {
+        let (n, p, z) = (self.n as f64, self.coverage, normal_quantile(0.975));
+        let centre = (p + z * z / (2.0 * n)) / (1.0 + z * z / n);
+        let reach = z / (1.0 + z * z / n) * (p * (1.0 - p) / n + (z / (2.0 * n)).powi(2)).sqrt();
+        (centre - reach, centre + reach)
+    }
+}
+
+/// The axes that are not the seed.
+pub(super) fn conditions(grid: &GridPlan) -> Vec<usize> {
+    (0..grid.axes.len()).filter(|k| !grid.axes[*k].is_seed()).collect()
+}
+
+/// Summaries of sorted cells, in the order of their first row.
+///
+/// # Errors
+/// If the rows cannot be grouped.
+pub(super) fn summaries(grid: &GridPlan, cells: &[Cell]) -> Result<Vec<Summary>, IoError> {
+    let axes = conditions(grid);
+    let rows: Vec<(&Cell, &Row)> =
+        cells.iter().flat_map(|cell| cell.rows.iter().map(move |row| (cell, row))).collect();
+    let places = |cell: &Cell| {
+        let all = grid.places(cell.cell);
+        axes.iter().map(|k| all[*k]).collect::<Vec<usize>>()
+    };
+    let place: Vec<Vec<usize>> = rows.iter().map(|(cell, _)| places(cell)).collect();
+    let keys = [
+        TableColumn::Text("place".into(), place.iter().map(|p| format!("{p:?}")).collect()),
+        TableColumn::Text("method".into(), rows.iter().map(|(_, r)| r.method.clone()).collect()),
+        TableColumn::Text(
+            "parameter".into(),
+            rows.iter().map(|(_, r)| r.parameter.clone()).collect(),
+        ),
+    ];
+    let mut failures: HashMap<(&[usize], &str), usize> = HashMap::new();
+    for ((_, row), place) in rows.iter().zip(&place).filter(|((_, r), _)| r.status == "failed") {
+        *failures.entry((place, &row.method)).or_default() += 1;
+    }
+    let bounds = bounds(&rows);
+    let groups = group_rows(&keys)?;
+    let ran: std::collections::HashSet<(&[usize], &str)> = rows
+        .iter()
+        .zip(&place)
+        .filter(|((_, row), _)| row.status != "failed")
+        .map(|((_, row), place)| (place.as_slice(), row.method.as_str()))
+        .collect();
+    let mut out = Vec::new();
+    for group in groups {
+        let first = rows[group[0]].1;
+        let at = (place[group[0]].as_slice(), first.method.as_str());
+        // failures are told with the parameters, where the method has any
+        if first.status == "failed"
+            && ran.contains(&at)
+            && group.iter().all(|r| rows[*r].1.status == "failed")
+        {
+            continue;
+        }
+        let members: Vec<(&Cell, &Row)> = group.iter().map(|r| rows[*r]).collect();
+        let failures = failures.get(&at).copied().unwrap_or(0);
+        out.push(summary(at.0.to_vec(), &members, failures, &bounds));
+    }
+    Ok(out)
+}
+
+type Bounds<'a> = HashMap<(usize, &'a str), f64>;
+
+/// The variance that stands for the bound, by cell and parameter.
+fn bounds<'a>(rows: &[(&'a Cell, &'a Row)]) -> Bounds<'a> {
+    let mut out: Bounds = HashMap::new();
+    let claimed = |row: &Row| row.std_error.0.is_finite() && row.std_error.0 > 0.0;
+    for (cell, row) in rows.iter().filter(|(_, row)| claimed(row)) {
+        let efficient = cell
+            .rows
+            .iter()
+            .any(|r| r.method == EFFICIENT && r.parameter == row.parameter && claimed(r));
+        if efficient && row.method != EFFICIENT {
+            continue;
+        }
+        let bound = out.entry((cell.cell, &row.parameter)).or_insert(f64::INFINITY);
+        *bound = bound.min(row.std_error.0.powi(2));
+    }
+    out
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, n) = values.fold((0.0, 0.0), |(sum, n), v| (sum + v, n + 1.0));
+    sum / n
+}
+
+fn summary(
+    places: Vec<usize>,
+    rows: &[(&Cell, &Row)],
+    failures: usize,
+    bounds: &Bounds,
+) -> Summary {
+    let first = rows[0].1;
+    let given: Vec<&(&Cell, &Row)> =
+        rows.iter().filter(|(_, r)| r.value.0.is_finite() && r.std_error.0.is_finite()).collect();
+    let error = |r: &Row| r.value.0 - r.truth.0;
+    let mse = mean(given.iter().map(|(_, r)| error(r).powi(2)));
+    let free = given.iter().any(|(_, r)| r.std_error.0 > 0.0);
+    let known = free && first.truth.0.is_finite();
+    let covered = |r: &Row| f64::from(u8::from(r.low.0 <= r.truth.0 && r.truth.0 <= r.high.0));
+    let bound = mean(
+        given
+            .iter()
+            .filter_map(|(cell, r)| bounds.get(&(cell.cell, r.parameter.as_str())).copied()),
+    );
+    let only = |known: bool, value: f64| if known { value } else { f64::NAN };
+    Summary {
+        places,
+        method: first.method.clone(),
+        parameter: first.parameter.clone(),
+        unit: first.unit.clone(),
+        n: given.len(),
+        failures,
+        unidentifiable: rows.iter().filter(|(_, r)| r.std_error.0.is_infinite()).count(),
+        truth: mean(given.iter().map(|(_, r)| r.truth.0)),
+        bias: mean(given.iter().map(|(_, r)| error(r))),
+        rmse: mse.sqrt(),
+        std_error: mean(given.iter().map(|(_, r)| r.std_error.0)),
+        coverage: only(known, mean(given.iter().map(|(_, r)| covered(r)))),
+        efficiency: only(known, bound / mse),
+        window_rms: mean(rows.iter().map(|(_, r)| r.window_rms.0).filter(|v| !v.is_nan())),
+        floor: mean(rows.iter().map(|(_, r)| r.floor.0).filter(|v| !v.is_nan())),
+    }
+}
+
+type Number = (&'static str, fn(&Summary) -> f64);
+
+/// The numbers of a summary by name.
+const NUMBERS: [Number; 11] = [
+    ("n", |s| s.n as f64),
+    ("failures", |s| s.failures as f64),
+    ("unidentifiable", |s| s.unidentifiable as f64),
+    ("truth", |s| s.truth),
+    ("bias", |s| s.bias),
+    ("rmse", |s| s.rmse),
+    ("mean_std_error", |s| s.std_error),
+    ("coverage_95", |s| s.coverage),
+    ("efficiency", |s| s.efficiency),
+    ("window_rms_validation", |s| s.window_rms),
+    ("floor", |s| s.floor),
+];
+
+/// The summaries as a table: the conditions, method, parameter, unit and the numbers.
+pub(super) fn columns(grid: &GridPlan, summaries: &[Summary]) -> Vec<TableColumn> {
+    let mut out = Vec::new();
+    for (j, k) in conditions(grid).into_iter().enumerate() {
+        let axis = &grid.axes[k];
+        let texts = summaries.iter().map(|s| axis.text(s.places[j])).collect();
+        out.push(TableColumn::Text(column_name(axis), texts));
+    }
+    let text = |name: &str, of: fn(&Summary) -> &String| {
+        TableColumn::Text(name.into(), summaries.iter().map(|s| of(s).clone()).collect())
+    };
+    out.push(text("method", |s| &s.method));
+    out.push(text("parameter", |s| &s.parameter));
+    out.push(text("unit", |s| &s.unit));
+    for (name, of) in NUMBERS {
+        out.push(TableColumn::Number(name.into(), summaries.iter().map(of).collect()));
+    }
+    out
+}
+
+/// A summary for `results.json`; numbers that are not finite are null.
+pub(super) fn json(grid: &GridPlan, s: &Summary) -> serde_json::Value {
+    let mut out = json!({ "method": s.method, "parameter": s.parameter, "unit": s.unit });
+    let conditions = conditions(grid).into_iter().zip(&s.places);
+    let conditions: serde_json::Map<_, _> = conditions
+        .map(|(k, p)| (grid.axes[k].name.clone(), json!(grid.axes[k].values[*p])))
+        .collect();
+    out["combination"] = conditions.into();
+    for (name, of) in NUMBERS {
+        out[name] = json!(of(s));
+    }
+    for name in ["n", "failures", "unidentifiable"] {
+        out[name] = json!(out[name].as_f64().unwrap_or_default() as u64);
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests;

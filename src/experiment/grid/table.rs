@@ -1,0 +1,76 @@
+//! The table of all cells, as `estimates.parquet`.
+//!
+//! One row per cell, method and parameter, sorted by cell, then in the order of methods and
+//! parameters. Columns, in this order:
+//!
+//! | column | type | meaning |
+//! |---|---|---|
+//! | `cell` | number | number of the combination from 0, the last key varying fastest |
+//! | one per key of `[grid]`, by its name there | number or text | the combination |
+//! | `method`, `parameter`, `unit` | text | `parameter` is empty for methods without parameters and for failures |
+//! | `value`, `std_error`, `ci95_low`, `ci95_high` | number | estimate; NaN where there is none |
+//! | `truth` | number | true value of made data, else NaN |
+//! | `ise_train` | number | quality index summed over the training recordings [rad^2/s] |
+//! | `ise_validation`, `window_rms_validation` | number | on the validation recordings, or on the training ones where there are none [rad^2/s, rad/s] |
+//! | `floor` | number | window error of the noise alone on the same recordings [rad/s] |
+//! | `status` | text | `converged`, `iteration_limit`, `stalled` or `failed` |
+//! | `reason` | text | why it failed |
+//! | `verdict`, `found` | text | of the diagnosis, where one is asked for |
+//! | `seconds` | number | wall time of the method [s]; the only column that differs between two runs of the same file |
+
+use super::cell::{Cell, Row};
+use super::{GridAxis, GridPlan};
+use crate::io::TableColumn;
+
+/// Names that a key of the grid cannot take for its column.
+const TAKEN: [&str; 1] = ["truth"];
+
+/// The name of an axis as a column.
+pub(super) fn column_name(axis: &GridAxis) -> String {
+    if TAKEN.contains(&axis.name.as_str()) { axis.key.clone() } else { axis.name.clone() }
+}
+
+/// The table of cells, which are sorted.
+pub(super) fn columns(grid: &GridPlan, cells: &[Cell]) -> Vec<TableColumn> {
+    let rows: Vec<(&Cell, &Row)> =
+        cells.iter().flat_map(|cell| cell.rows.iter().map(move |row| (cell, row))).collect();
+    let number = |name: &str, value: &dyn Fn(&Row) -> f64| {
+        TableColumn::Number(name.into(), rows.iter().map(|(_, row)| value(row)).collect())
+    };
+    let text = |name: &str, value: &dyn Fn(&Cell, &Row) -> String| {
+        TableColumn::Text(name.into(), rows.iter().map(|(cell, row)| value(cell, row)).collect())
+    };
+    let count = rows.iter().map(|(cell, _)| cell.cell as f64).collect();
+    let mut out = vec![TableColumn::Number("cell".into(), count)];
+    for (k, axis) in grid.axes.iter().enumerate() {
+        let places = rows.iter().map(|(cell, _)| grid.places(cell.cell)[k]);
+        out.push(match axis.numbers() {
+            Some(values) => {
+                TableColumn::Number(column_name(axis), places.map(|p| values[p]).collect())
+            }
+            None => TableColumn::Text(column_name(axis), places.map(|p| axis.text(p)).collect()),
+        });
+    }
+    out.extend([
+        text("method", &|_, row| row.method.clone()),
+        text("parameter", &|_, row| row.parameter.clone()),
+        text("unit", &|_, row| row.unit.clone()),
+        number("value", &|row| row.value.0),
+        number("std_error", &|row| row.std_error.0),
+        number("ci95_low", &|row| row.low.0),
+        number("ci95_high", &|row| row.high.0),
+        number("truth", &|row| row.truth.0),
+        number("ise_train", &|row| row.ise_train.0),
+        number("ise_validation", &|row| row.ise_validation.0),
+        number("window_rms_validation", &|row| row.window_rms.0),
+        number("floor", &|row| row.floor.0),
+        text("status", &|_, row| row.status.clone()),
+        text("reason", &|_, row| row.reason.clone()),
+    ]);
+    if cells.iter().any(|cell| !cell.verdict.is_empty()) {
+        out.push(text("verdict", &|cell, _| cell.verdict.clone()));
+        out.push(text("found", &|cell, _| cell.found.clone()));
+    }
+    out.push(number("seconds", &|row| row.seconds.0));
+    out
+}
