@@ -15,17 +15,21 @@ pub(super) struct Identified {
 
 /// Directions with less than this share of the information, after scaling, are not known.
 const WEAK: f64 = 1e-10;
+/// Directions in which noise makes this share of the columns are not known.
+const NOISE_SHARE: f64 = 0.5;
 /// Parameters with less than this part in a direction do not take part in it.
 const PART: f64 = 1e-3;
 
 /// Inverts the information of the free parameters (scaled to unit diagonal) and says which the
 /// data cannot give, which combination of two they give instead, and which motion would help.
 ///
-/// `values` has one entry a parameter; `information` is that of all parameters.
+/// `values` has one entry a parameter; `information` is that of all parameters. A `given`
+/// covariance takes the place of the inverse information where the data give something.
 pub(super) fn identified(
     model: &Model,
     values: &[f64],
     information: &DMatrix<f64>,
+    given: Option<&DMatrix<f64>>,
     train: &[Recording],
 ) -> Identified {
     let free = model.free();
@@ -54,6 +58,9 @@ pub(super) fn identified(
             directions.push(v.clone_owned());
         }
     }
+    if let Some(given) = given {
+        covariance = given.clone();
+    }
     let finite = covariance.clone();
     let mut notes = Vec::new();
     for direction in &directions {
@@ -72,6 +79,60 @@ pub(super) fn identified(
         );
     }
     Identified { covariance, notes }
+}
+
+/// The projection of parameters onto the directions in which columns move by more than their own
+/// noise; `None` where that is all of them.
+///
+/// ```text
+/// keep u:  u' N u < 1/2 u' A u,    A = x'x,  N the part of it that is noise
+/// ```
+/// Straight driving with noisy speeds is the case: the difference of the two accelerations is
+/// noise alone, and least squares would take a1 - a2 from it.
+pub(super) fn known_part(a: &DMatrix<f64>, noise: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let n = a.nrows();
+    let scale = DVector::from_fn(n, |i, _| if a[(i, i)] > 0.0 { a[(i, i)].sqrt() } else { 1.0 });
+    let scaled =
+        |m: &DMatrix<f64>| DMatrix::from_fn(n, n, |i, k| m[(i, k)] / (scale[i] * scale[k]));
+    let eigen = scaled(a).symmetric_eigen();
+    let kept: Vec<usize> = (0..n).filter(|&i| eigen.eigenvalues[i] > WEAK).collect();
+    let (mut root, mut inverse) = (DMatrix::zeros(n, kept.len()), DMatrix::zeros(n, kept.len()));
+    for (c, &i) in kept.iter().enumerate() {
+        let size = eigen.eigenvalues[i].sqrt();
+        root.set_column(c, &(eigen.eigenvectors.column(i) * size));
+        inverse.set_column(c, &(eigen.eigenvectors.column(i) / size));
+    }
+    let share = (inverse.transpose() * scaled(noise) * &inverse).symmetric_eigen();
+    if share.eigenvalues.iter().all(|s| *s < NOISE_SHARE) {
+        return None;
+    }
+    let mut middle = DMatrix::zeros(kept.len(), kept.len());
+    for (value, u) in share.eigenvalues.iter().zip(share.eigenvectors.column_iter()) {
+        if *value < NOISE_SHARE {
+            middle += u * u.transpose();
+        }
+    }
+    let projection = inverse * middle * root.transpose();
+    Some(DMatrix::from_fn(n, n, |i, k| projection[(i, k)] * scale[k] / scale[i]))
+}
+
+/// Inverse of a symmetric matrix over the directions that carry something, after scaling it to
+/// unit diagonal.
+pub(super) fn inverse_where_known(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+    let n = matrix.nrows();
+    let scale =
+        DVector::from_fn(n, |i, _| if matrix[(i, i)] > 0.0 { matrix[(i, i)].sqrt() } else { 1.0 });
+    let scaled = DMatrix::from_fn(n, n, |i, k| {
+        0.5 * (matrix[(i, k)] + matrix[(k, i)]) / (scale[i] * scale[k])
+    });
+    let eigen = scaled.symmetric_eigen();
+    let mut out = DMatrix::zeros(n, n);
+    for (value, v) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+        if *value > WEAK {
+            out += v * v.transpose() / *value;
+        }
+    }
+    DMatrix::from_fn(n, n, |i, k| out[(i, k)] / (scale[i] * scale[k]))
 }
 
 /// One sentence about a direction that the data do not give.

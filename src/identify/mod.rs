@@ -6,11 +6,14 @@
 mod fit;
 pub mod fuzzy;
 mod identifiability;
+mod inverse_dynamics;
 pub mod kalman;
+mod linear_fit;
 mod method;
 mod regressor;
 pub mod start;
 mod text;
+mod weak;
 
 pub use fit::{Estimate, Fit, Status, Trace, Work};
 pub use method::{Identifier, IdentifyError, MethodDescription, OptionError, Task, from_options};
@@ -38,3 +41,6 @@ catalogue! {
 pub fn find(name: &str) -> Option<Box<dyn Identifier>> {
     all().into_iter().find(|method| method.describe().name == name)
 }
+
+#[cfg(test)]
+mod contract;

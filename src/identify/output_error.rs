@@ -49,9 +49,10 @@ impl Identifier for OutputError {
                        simulation"
                 .into(),
             source: "Ljung, System Identification, 1999, ch. 4".into(),
-            use_when: "the moments are exact (noise only in angles and speeds); models with a body \
+            use_when:
+                "the moments are exact (noise only in angles and speeds); models with a body \
                        behind the wheels"
-                .into(),
+                    .into(),
             avoid_when: "the moments are noisy: the simulation wanders, estimates scatter, and \
                          the intervals are far too narrow"
                 .into(),
@@ -73,12 +74,8 @@ impl Identifier for OutputError {
             upper: Some(problem.bound(|range| range.1, f64::INFINITY)),
             ..MinimiseOptions::default()
         };
-        let minimum = minimise(
-            &problem.first(),
-            |x| problem.quadratic(x),
-            |x| problem.cost(x),
-            &options,
-        );
+        let minimum =
+            minimise(&problem.first(), |x| problem.quadratic(x), |x| problem.cost(x), &options);
         if minimum.status == MinimumStatus::NoStart {
             let reason = "the start cannot be simulated".to_string();
             return Err(IdentifyError::NoStart { method: NAME.into(), reason });
@@ -154,11 +151,7 @@ impl<'a> Problem<'a> {
     fn input(&self, r: usize, piece: &std::ops::Range<usize>) -> Input<'a> {
         let recording = &self.task.train[r];
         let hold: Hold = self.task.hold;
-        Input {
-            t: &recording.t()[piece.clone()],
-            moment: &recording.moment()[piece.clone()],
-            hold,
-        }
+        Input { t: &recording.t()[piece.clone()], moment: &recording.moment()[piece.clone()], hold }
     }
 
     /// Residuals of one sample over their standard deviations; zero for channels not measured.
@@ -255,7 +248,7 @@ impl<'a> Problem<'a> {
                 full[(a, b)] = information[(i, k)];
             }
         }
-        let known = identified(self.model(), &p, &full, self.task.train);
+        let known = identified(self.model(), &p, &full, None, self.task.train);
         let unit = self.task.train[0].drive_unit();
         let mut fit = Fit::physical(NAME, self.model(), p, known.covariance, unit);
         fit.notes = known.notes;
