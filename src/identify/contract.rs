@@ -134,8 +134,7 @@ fn straight_driving_alone_is_marked_and_the_sum_is_given() {
                 }
                 Ok(fit) => fit,
             };
-            for e in &fit.estimates {
-            }
+            for e in &fit.estimates {}
             for (j, symbol) in [(0, "a1"), (2, "a3")] {
                 let e = fit.estimate(symbol).unwrap();
                 let honest = (e.value - truth[j]).abs() < 4.0 * e.std_error;

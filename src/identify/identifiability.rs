@@ -90,49 +90,37 @@ pub(super) fn identified(
 /// Straight driving with noisy speeds is the case: the difference of the two accelerations is
 /// noise alone, and least squares would take a1 - a2 from it.
 pub(super) fn known_part(a: &DMatrix<f64>, noise: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-    let n = a.nrows();
-    let scale = DVector::from_fn(n, |i, _| if a[(i, i)] > 0.0 { a[(i, i)].sqrt() } else { 1.0 });
-    let scaled =
-        |m: &DMatrix<f64>| DMatrix::from_fn(n, n, |i, k| m[(i, k)] / (scale[i] * scale[k]));
-    let eigen = scaled(a).symmetric_eigen();
-    let kept: Vec<usize> = (0..n).filter(|&i| eigen.eigenvalues[i] > WEAK).collect();
-    let (mut root, mut inverse) = (DMatrix::zeros(n, kept.len()), DMatrix::zeros(n, kept.len()));
-    for (c, &i) in kept.iter().enumerate() {
-        let size = eigen.eigenvalues[i].sqrt();
-        root.set_column(c, &(eigen.eigenvectors.column(i) * size));
-        inverse.set_column(c, &(eigen.eigenvectors.column(i) / size));
-    }
-    let share = (inverse.transpose() * scaled(noise) * &inverse).symmetric_eigen();
+    let half = whitening(a);
+    let share = (half.transpose() * noise * &half).symmetric_eigen();
     if share.eigenvalues.iter().all(|s| *s < NOISE_SHARE) {
         return None;
     }
-    let mut middle = DMatrix::zeros(kept.len(), kept.len());
+    let mut middle = DMatrix::zeros(half.ncols(), half.ncols());
     for (value, u) in share.eigenvalues.iter().zip(share.eigenvectors.column_iter()) {
         if *value < NOISE_SHARE {
             middle += u * u.transpose();
         }
     }
-    let projection = inverse * middle * root.transpose();
-    Some(DMatrix::from_fn(n, n, |i, k| projection[(i, k)] * scale[k] / scale[i]))
+    Some(&half * middle * half.transpose() * a)
+}
+
+/// Columns P with `P' A P = 1`, one a direction in which the symmetric matrix carries something.
+pub(super) fn whitening(a: &DMatrix<f64>) -> DMatrix<f64> {
+    let n = a.nrows();
+    let scale = DVector::from_fn(n, |i, _| if a[(i, i)] > 0.0 { a[(i, i)].sqrt() } else { 1.0 });
+    let scaled = DMatrix::from_fn(n, n, |i, k| a[(i, k)] / (scale[i] * scale[k]));
+    let eigen = scaled.symmetric_eigen();
+    let kept: Vec<usize> = (0..n).filter(|&i| eigen.eigenvalues[i] > WEAK).collect();
+    DMatrix::from_fn(n, kept.len(), |i, c| {
+        eigen.eigenvectors[(i, kept[c])] / (eigen.eigenvalues[kept[c]].sqrt() * scale[i])
+    })
 }
 
 /// Inverse of a symmetric matrix over the directions that carry something, after scaling it to
 /// unit diagonal.
 pub(super) fn inverse_where_known(matrix: &DMatrix<f64>) -> DMatrix<f64> {
-    let n = matrix.nrows();
-    let scale =
-        DVector::from_fn(n, |i, _| if matrix[(i, i)] > 0.0 { matrix[(i, i)].sqrt() } else { 1.0 });
-    let scaled = DMatrix::from_fn(n, n, |i, k| {
-        0.5 * (matrix[(i, k)] + matrix[(k, i)]) / (scale[i] * scale[k])
-    });
-    let eigen = scaled.symmetric_eigen();
-    let mut out = DMatrix::zeros(n, n);
-    for (value, v) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
-        if *value > WEAK {
-            out += v * v.transpose() / *value;
-        }
-    }
-    DMatrix::from_fn(n, n, |i, k| out[(i, k)] / (scale[i] * scale[k]))
+    let half = whitening(&(0.5 * (matrix + matrix.transpose())));
+    &half * half.transpose()
 }
 
 /// One sentence about a direction that the data do not give.

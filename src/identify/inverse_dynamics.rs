@@ -260,6 +260,9 @@ impl<'a> Regression<'a> {
         self.projection = known_part(&self.x.tr_mul(&self.x), &of_columns);
         if let Some(projection) = &self.projection {
             self.x = &self.x * projection;
+            let mut both = DMatrix::identity(width + 1, width + 1);
+            both.view_mut((0, 0), (width, width)).copy_from(projection);
+            self.noise = both.transpose() * &self.noise * both;
         }
     }
 

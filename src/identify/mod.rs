@@ -26,7 +26,12 @@ catalogue! {
     dyn Identifier;
     prediction_error::PredictionError,
     output_error::OutputError,
+    weak_form::WeakForm,
     torque_regression::TorqueRegression,
+    total_least_squares::TotalLeastSquares,
+    instrumental_variable::InstrumentalVariable,
+    constrained_regression::ConstrainedRegression,
+    recursive_least_squares::RecursiveLeastSquares,
     fuzzy_least_squares::FuzzyLeastSquares,
     fuzzy_levenberg_marquardt::FuzzyLevenbergMarquardt,
     fuzzy_gradient::FuzzyGradient,

@@ -60,7 +60,7 @@ fn minimum_norm(x: &DMatrix<f64>, y: &DVector<f64>) -> DVector<f64> {
 }
 
 /// Makes a start from which the model can move: a1 above |a2|, frictions not negative.
-fn sound(model: &Model, p: &mut [f64]) {
+pub(super) fn sound(model: &Model, p: &mut [f64]) {
     let parameters = model.parameters();
     let free = |j: usize| parameters[j].fixed.is_none();
     if free(0) && !(p[0] > 1.05 * p[1].abs()) {
