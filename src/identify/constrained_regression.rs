@@ -50,6 +50,8 @@ pub enum Loss {
 }
 
 const NAME: &str = "constrained_regression";
+/// Noise let into the acceleration, as a share of its rms: attenuation, its square, stays near the standard error.
+const NOISE_SHARE: f64 = 0.035;
 /// a1 exceeds |a2| by this factor, so that the mass matrix can be inverted.
 const MARGIN: f64 = 1.001;
 /// Huber's threshold in standard deviations.
@@ -93,7 +95,7 @@ impl Identifier for ConstrainedRegression {
     }
 
     fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
-        let rows = Regression::new(task, self.cutoff_hz, NAME)?;
+        let rows = Regression::new(task, self.cutoff_hz, NOISE_SHARE, NAME)?;
         let gram = rows.x.tr_mul(&rows.x);
         let inverse = inverse_where_known(&gram);
         let unbounded = &inverse * rows.x.tr_mul(&rows.y);

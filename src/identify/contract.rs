@@ -64,15 +64,48 @@ fn a_known_truth_is_recovered_from_data_without_noise() {
     }
 }
 
+/// A method that does not speak of its intervals in `avoid_when` is held to them.
+fn intervals_hold(method: &dyn Identifier) -> bool {
+    !method.describe().avoid_when.contains("interval")
+}
+
 #[test]
 fn intervals_hold_the_truth_at_ordinary_noise() {
     let model = Model::base(Robot::amigobot());
+    let held: Vec<_> = methods().into_iter().filter(|m| intervals_hold(&**m)).collect();
+    let names: Vec<String> = held.iter().map(|m| m.describe().name).collect();
+    assert_eq!(names, ["prediction_error", "weak_form"]);
+    for seed in [2, 8] {
+        let train = rich(&model, N2, seed, 4);
+        for method in &held {
+            let name = method.describe().name;
+            let fit = identify(&**method, &model, &train).unwrap();
+            for (e, truth) in fit.estimates.iter().zip(model.initial()) {
+                let z = (e.value - truth) / e.std_error;
+                // beyond 4 standard errors once in 16000
+                assert!(z.abs() < 4.0, "{name} {} {z}", e.symbol);
+                // and they are not wide: the bound of this bench is 0.031 % of a1
+                assert!(e.symbol != "a1" || e.std_error < 8e-4 * e.value, "{name}");
+            }
+        }
+    }
+}
+
+#[test]
+fn noise_pulls_no_regression_far() {
+    let model = Model::base(Robot::amigobot());
     let train = rich(&model, N2, 2, 4);
-    for method in methods() {
-        let described = method.describe();
-        let fit = identify(&*method, &model, &train).unwrap();
+    for method in methods().iter().filter(|m| !intervals_hold(&***m)) {
+        let name = method.describe().name;
+        let fit = identify(&**method, &model, &train).unwrap();
         for (e, truth) in fit.estimates.iter().zip(model.initial()) {
-            let z = (e.value - truth) / e.std_error;
+            // four standard errors of a2 for a regression; the free simulation wanders further
+            let limit = match (name.as_str(), e.symbol.as_str()) {
+                ("output_error", "a2") => 0.15,
+                (_, "a2") => 0.04,
+                _ => 0.005,
+            };
+            assert!((e.value / truth - 1.0).abs() < limit, "{name} {} {}", e.symbol, e.value);
         }
     }
 }
@@ -135,13 +168,22 @@ fn straight_driving_alone_is_marked_and_the_sum_is_given() {
                 Ok(fit) => fit,
             };
             for e in &fit.estimates {}
+            let warned = fit.notes.iter().any(|n| n.contains("too narrow"));
             for (j, symbol) in [(0, "a1"), (2, "a3")] {
                 let e = fit.estimate(symbol).unwrap();
-                let honest = (e.value - truth[j]).abs() < 4.0 * e.std_error;
+                let honest = warned || (e.value - truth[j]).abs() < 4.0 * e.std_error;
                 assert!(!e.identifiable || honest, "{name} {symbol} {} {}", e.value, e.std_error);
             }
+            // likelihoods give a wide interval instead, where noise lets the difference be seen
+            if !["prediction_error", "output_error"].contains(&name.as_str()) {
+                let said = |words: &str| fit.notes.iter().any(|n| n.contains(words));
+                assert!(said("only a1 + a2 = 0.0294"), "{name} {:?}", fit.notes);
+                assert!(said("say nothing of a3; record: fast curves"), "{name} {:?}", fit.notes);
+                assert!(fit.estimates[0].value > fit.estimates[1].value.abs(), "{name}");
+            }
             let sum = fit.estimates[0].value + fit.estimates[1].value;
-            assert!((sum / (truth[0] + truth[1]) - 1.0).abs() < 0.03, "{name} {sum}");
+            // a filtered acceleration of 20 s of N2 gives the sum to a few tenths of a percent
+            assert!((sum / (truth[0] + truth[1]) - 1.0).abs() < 0.01, "{name} {sum}");
         }
     }
 }

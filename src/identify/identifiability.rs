@@ -17,6 +17,10 @@ pub(super) struct Identified {
 const WEAK: f64 = 1e-10;
 /// Directions in which noise makes this share of the columns are not known.
 const NOISE_SHARE: f64 = 0.5;
+/// Parts of a projection below this are rounding.
+const ROUNDING: f64 = 1e-9;
+/// How well directions that noise hides are known.
+const ROUGH: f64 = 0.1;
 /// Parameters with less than this part in a direction do not take part in it.
 const PART: f64 = 1e-3;
 
@@ -63,12 +67,17 @@ pub(super) fn identified(
     }
     let finite = covariance.clone();
     let mut notes = Vec::new();
-    for direction in &directions {
-        let part: Vec<usize> = (0..n).filter(|&i| direction[i].abs() > PART).collect();
+    let directions = match directions.as_slice() {
+        [] => DMatrix::zeros(n, 0),
+        some => sparse_basis(&DMatrix::from_columns(some), PART),
+    };
+    for direction in directions.column_iter() {
+        let direction = direction.into_owned();
+        let part: Vec<usize> = (0..n).filter(|&i| direction[i] != 0.0).collect();
         for &i in &part {
             covariance[(free[i], free[i])] = f64::INFINITY;
         }
-        notes.push(sentence(model, values, &finite, &free, &scale, direction, &part));
+        notes.push(sentence(model, values, &finite, &free, &scale, &direction, &part));
     }
     if train.iter().all(Recording::is_single_axis) {
         notes.push(
@@ -85,29 +94,87 @@ pub(super) fn identified(
 /// noise; `None` where that is all of them.
 ///
 /// ```text
-/// keep u:  u' N u < 1/2 u' A u,    A = x'x,  N the part of it that is noise
+/// drop d:  d' N d > 1/2 d' A d,    A = x'x,  N the part of it that is noise
+/// Π = 1 - D (D' A D)⁻¹ D' A
 /// ```
 /// Straight driving with noisy speeds is the case: the difference of the two accelerations is
-/// noise alone, and least squares would take a1 - a2 from it.
+/// noise alone, and least squares would take a1 - a2 from it. The directions themselves are only
+/// known up to the noise, so parts of a few percent count as none and ratios near one as one.
 pub(super) fn known_part(a: &DMatrix<f64>, noise: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let n = a.nrows();
     let half = whitening(a);
     let share = (half.transpose() * noise * &half).symmetric_eigen();
-    if share.eigenvalues.iter().all(|s| *s < NOISE_SHARE) {
+    let dropped: Vec<usize> =
+        (0..half.ncols()).filter(|&k| share.eigenvalues[k] > NOISE_SHARE).collect();
+    if dropped.is_empty() {
         return None;
     }
-    let mut middle = DMatrix::zeros(half.ncols(), half.ncols());
-    for (value, u) in share.eigenvalues.iter().zip(share.eigenvectors.column_iter()) {
-        if *value < NOISE_SHARE {
-            middle += u * u.transpose();
+    let scale = unit_scale(a);
+    let mut d = &half * share.eigenvectors.select_columns(&dropped);
+    (0..n).for_each(|i| d.row_mut(i).scale_mut(scale[i]));
+    let mut d = sparse_basis(&d, ROUGH);
+    for i in 0..n {
+        d.row_mut(i).unscale_mut(scale[i]);
+    }
+    for mut column in d.column_iter_mut() {
+        let largest = column.camax();
+        for v in column.iter_mut().filter(|v| (v.abs() / largest - 1.0).abs() < ROUGH) {
+            *v = largest * v.signum();
         }
     }
-    Some(&half * middle * half.transpose() * a)
+    let inside = inverse_where_known(&(d.transpose() * a * &d));
+    let mut out = DMatrix::identity(n, n) - &d * inside * d.transpose() * a;
+    // what is zero but for rounding is zero, or the column would count as known
+    for i in 0..n {
+        for k in 0..n {
+            if out[(i, k)].abs() * scale[i] < ROUNDING * scale[k] {
+                out[(i, k)] = 0.0;
+            }
+        }
+    }
+    Some(out)
+}
+
+/// A basis of the same space whose columns share as few rows as possible (Gauss-Jordan with full
+/// pivoting); parts below `tolerance` of the largest are zero.
+fn sparse_basis(directions: &DMatrix<f64>, tolerance: f64) -> DMatrix<f64> {
+    let mut d = directions.clone();
+    for c in 0..d.ncols() {
+        let (mut row, mut column) = (0, c);
+        for k in c..d.ncols() {
+            let i = d.column(k).icamax();
+            if d[(i, k)].abs() > d[(row, column)].abs() {
+                (row, column) = (i, k);
+            }
+        }
+        d.swap_columns(c, column);
+        let pivot = d[(row, c)];
+        if pivot == 0.0 {
+            break;
+        }
+        d.column_mut(c).unscale_mut(pivot);
+        let own = d.column(c).into_owned();
+        for k in (0..d.ncols()).filter(|&k| k != c) {
+            let factor = d[(row, k)];
+            d.column_mut(k).axpy(-factor, &own, 1.0);
+        }
+    }
+    for mut column in d.column_iter_mut() {
+        let largest = column.camax();
+        column.iter_mut().filter(|v| v.abs() < tolerance * largest).for_each(|v| *v = 0.0);
+    }
+    d
+}
+
+/// Square roots of the diagonal, one where it is not positive.
+fn unit_scale(a: &DMatrix<f64>) -> DVector<f64> {
+    a.diagonal().map(|d| if d > 0.0 { d.sqrt() } else { 1.0 })
 }
 
 /// Columns P with `P' A P = 1`, one a direction in which the symmetric matrix carries something.
 pub(super) fn whitening(a: &DMatrix<f64>) -> DMatrix<f64> {
     let n = a.nrows();
-    let scale = DVector::from_fn(n, |i, _| if a[(i, i)] > 0.0 { a[(i, i)].sqrt() } else { 1.0 });
+    let scale = unit_scale(a);
     let scaled = DMatrix::from_fn(n, n, |i, k| a[(i, k)] / (scale[i] * scale[k]));
     let eigen = scaled.symmetric_eigen();
     let kept: Vec<usize> = (0..n).filter(|&i| eigen.eigenvalues[i] > WEAK).collect();

@@ -5,8 +5,9 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector};
 use serde::Deserialize;
 
+use super::identifiability::inverse_where_known;
 use super::inverse_dynamics::{Regression, Source, check_cutoff, cutoff_option};
-use super::linear_fit::block_covariance;
+use super::linear_fit::{block_covariance, settle};
 use super::{
     Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task, from_options,
     start,
@@ -43,6 +44,8 @@ impl Default for InstrumentalVariable {
 }
 
 const NAME: &str = "instrumental_variable";
+/// Noise let into the acceleration, as a share of its rms: attenuation is accounted for, noise that reaches the simulation is not.
+const NOISE_SHARE: f64 = 0.06;
 /// A change by this share of the standard errors is the last.
 const SETTLED: f64 = 0.01;
 
@@ -80,10 +83,10 @@ impl Identifier for InstrumentalVariable {
     }
 
     fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
-        let rows = Regression::new(task, self.cutoff_hz, NAME)?;
-        let mut p = start::start(task, NAME)?;
+        let rows = Regression::new(task, self.cutoff_hz, NOISE_SHARE, NAME)?;
         let mut status = Status::IterationLimit;
-        let mut values = DVector::from_fn(rows.x.ncols(), |c, _| p[rows.linear()[c]]);
+        let mut values = inverse_where_known(&rows.x.tr_mul(&rows.x)) * rows.x.tr_mul(&rows.y);
+        let mut p = movable(task, &rows, &values);
         let mut covariance = DMatrix::zeros(values.len(), values.len());
         let mut iterations = 0;
         while iterations < self.iterations.max(1) {
@@ -98,10 +101,7 @@ impl Identifier for InstrumentalVariable {
             });
             values = next;
             iterations += 1;
-            for (value, &j) in values.iter().zip(rows.linear()) {
-                p[j] = *value;
-            }
-            start::sound(task.model, &mut p);
+            p = movable(task, &rows, &values);
             if !moved {
                 status = Status::Converged;
                 break;
@@ -140,6 +140,17 @@ impl InstrumentalVariable {
             None => z,
         })
     }
+}
+
+/// Parameters with which the model can move.
+fn movable(task: &Task, rows: &Regression, values: &DVector<f64>) -> Vec<f64> {
+    let mut p = task.model.initial();
+    for (value, &j) in values.iter().zip(rows.linear()) {
+        p[j] = *value;
+    }
+    settle(&mut p, task, true, &mut vec![]);
+    start::sound(task.model, &mut p);
+    p
 }
 
 /// `(z'x)⁻¹` over the directions that carry something, with rows and columns scaled.

@@ -16,8 +16,6 @@ use crate::effects::Motion;
 use crate::math::filter::{central_difference, low_pass};
 use crate::recording::Recording;
 
-/// Noise that the chosen cut-off lets into the acceleration, as a share of its rms.
-const NOISE_SHARE: f64 = 0.02;
 /// Near rest: below this share of the top speed.
 const REST: f64 = 0.005;
 /// Length of the filter's answer [s Hz]: seconds times cut-off.
@@ -112,16 +110,21 @@ pub(super) fn cutoff_option() -> (String, String, String) {
 impl<'a> Regression<'a> {
     /// Rows from the recordings of a task.
     ///
-    /// Speeds pass a zero-phase Butterworth filter of order 4 and are differentiated; the columns
-    /// and the moments pass the same filter again, so that the relation stays linear; every row
+    /// Speeds and moments pass a zero-phase Butterworth filter of order 4, the speeds are
+    /// differentiated; columns and moments pass the same filter again, so that the relation
+    /// stays linear; every row
     /// that the filter makes redundant is left out. Samples near rest, and the filter's length
     /// around them, are dropped: what friction does there is not sgn(w).
+    ///
+    /// A cut-off that is not given lets noise into the acceleration of `noise_share` times its
+    /// rms.
     ///
     /// # Errors
     /// If too few rows are left.
     pub(super) fn new(
         task: &'a Task<'a>,
         cutoff_hz: Option<f64>,
+        noise_share: f64,
         method: &str,
     ) -> Result<Self, IdentifyError> {
         let regressor = Regressor::new(task.model, &task.model.initial());
@@ -137,7 +140,7 @@ impl<'a> Regression<'a> {
             time: vec![],
             noise: DMatrix::zeros(width + 1, width + 1),
             projection: None,
-            cutoffs: task.train.iter().map(|r| cutoff(r, cutoff_hz)).collect(),
+            cutoffs: task.train.iter().map(|r| cutoff(r, cutoff_hz, noise_share)).collect(),
         };
         out.choose_rows();
         let samples: usize = task.train.iter().map(Recording::len).sum();
@@ -213,7 +216,9 @@ impl<'a> Regression<'a> {
         let recording = &self.task.train[part.recording];
         let (piece, cutoff) = (&part.piece, part.cutoff);
         let model = self.task.model;
+        // the moments pass the filter as often as the accelerations do
         let drive = drive_around(self.task, recording, &source.drive);
+        let drive = filtered(&drive, piece, cutoff, recording);
         let t = &recording.t()[piece.clone()];
         let omega = filtered(&source.omega, piece, cutoff, recording);
         let acceleration =
@@ -233,11 +238,8 @@ impl<'a> Regression<'a> {
             for c in 0..=width {
                 let moment = balance.moment(c, &a);
                 for wheel in 0..2 {
-                    signals[wheel * (width + 1) + c][k] = if c < width {
-                        moment[wheel]
-                    } else {
-                        drive[piece.start + k][wheel] - moment[wheel]
-                    };
+                    signals[wheel * (width + 1) + c][k] =
+                        if c < width { moment[wheel] } else { drive[wheel][k] - moment[wheel] };
                 }
             }
         }
@@ -318,9 +320,9 @@ impl<'a> Regression<'a> {
 /// The given cut-off, or the one that lets little noise into the acceleration [Hz]:
 ///
 /// ```text
-/// var(noise of dw after the filter) = (2π)² σ² 2 fc³ / (3 rate) = (0.02 rms dw)²
+/// var(noise of dw after the filter) = (2π)² σ² 2 fc³ / (3 rate) = (noise_share rms dw)²
 /// ```
-fn cutoff(recording: &Recording, given: Option<f64>) -> f64 {
+fn cutoff(recording: &Recording, given: Option<f64>, noise_share: f64) -> f64 {
     let rate = 1.0 / recording.step();
     let automatic = || {
         let motion = recording.local_motion();
@@ -330,7 +332,7 @@ fn cutoff(recording: &Recording, given: Option<f64>) -> f64 {
         let noise = recording.noise();
         let sigma = noise.omega[0].max(noise.omega[1]).max(1e-12);
         let turn = std::f64::consts::TAU;
-        let allowed = (NOISE_SHARE * rms).powi(2);
+        let allowed = (noise_share * rms).powi(2);
         (3.0 * rate * allowed / (2.0 * turn * turn * sigma * sigma)).cbrt()
     };
     given.unwrap_or_else(automatic).clamp(0.5_f64.min(0.1 * rate), 0.1 * rate)

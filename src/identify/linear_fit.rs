@@ -50,7 +50,7 @@ pub(super) fn linear_fit(
 
 /// Where the data give a1 + a2 or a1 - a2 alone, takes of all that fit one that can move (a1 above
 /// |a2|); where they contradict it, says so.
-fn settle(p: &mut [f64], task: &Task, blind: bool, notes: &mut Vec<String>) {
+pub(super) fn settle(p: &mut [f64], task: &Task, blind: bool, notes: &mut Vec<String>) {
     let free = |j: usize| task.model.parameters()[j].fixed.is_none();
     if p[0] > 1.05 * p[1].abs() {
         return;

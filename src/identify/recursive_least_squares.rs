@@ -36,6 +36,8 @@ impl Default for RecursiveLeastSquares {
 }
 
 const NAME: &str = "recursive_least_squares";
+/// Noise let into the acceleration, as a share of its rms: attenuation, its square, stays near the standard error.
+const NOISE_SHARE: f64 = 0.035;
 /// Points of a trace.
 const POINTS: usize = 400;
 
@@ -69,7 +71,7 @@ impl Identifier for RecursiveLeastSquares {
     }
 
     fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
-        let rows = Regression::new(task, self.cutoff_hz, NAME)?;
+        let rows = Regression::new(task, self.cutoff_hz, NOISE_SHARE, NAME)?;
         let width = rows.x.ncols();
         let instants = rows.y.len() / 2;
         let every = instants.div_ceil(POINTS).max(1);

@@ -44,6 +44,8 @@ pub enum Weighting {
 }
 
 const NAME: &str = "torque_regression";
+/// Noise let into the acceleration, as a share of its rms: attenuation, its square, stays near the standard error.
+const NOISE_SHARE: f64 = 0.035;
 
 impl Identifier for TorqueRegression {
     fn describe(&self) -> MethodDescription {
@@ -55,8 +57,9 @@ impl Identifier for TorqueRegression {
             source: "Gautier 1997; Janot, Vandanjon and Gautier 2014".into(),
             use_when: "a quick look, clean data, very long recordings; the literature's reference"
                 .into(),
-            avoid_when: "speeds are noisy: accelerations are attenuated and inertias come out too \
-                         small, and the best cut-off depends on the noise"
+            avoid_when: "speeds are noisy: accelerations are attenuated, inertias come out too \
+                         small, the best cut-off depends on the noise, and its intervals do not \
+                         know it"
                 .into(),
             options: vec![
                 cutoff_option(),
@@ -72,7 +75,7 @@ impl Identifier for TorqueRegression {
     }
 
     fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
-        let rows = Regression::new(task, self.cutoff_hz, NAME)?;
+        let rows = Regression::new(task, self.cutoff_hz, NOISE_SHARE, NAME)?;
         let (values, weights, psi, slope) = self.solve(&rows).map_err(|e| {
             IdentifyError::Unsupported { method: NAME.into(), reason: e.to_string() }
         })?;

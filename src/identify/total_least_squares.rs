@@ -26,6 +26,8 @@ pub struct TotalLeastSquares {
 }
 
 const NAME: &str = "total_least_squares";
+/// Noise let into the acceleration, as a share of its rms: attenuation is accounted for, so the filter may be wide.
+const NOISE_SHARE: f64 = 0.1;
 /// Noise that every column has at least, as a share of its square: keeps C invertible where
 /// columns are exact.
 const FLOOR: f64 = 1e-10;
@@ -55,7 +57,7 @@ impl Identifier for TotalLeastSquares {
     }
 
     fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
-        let rows = Regression::new(task, self.cutoff_hz, NAME)?;
+        let rows = Regression::new(task, self.cutoff_hz, NOISE_SHARE, NAME)?;
         let width = rows.x.ncols();
         let mut columns = rows.x.clone().insert_column(width, 0.0);
         columns.set_column(width, &rows.y);
