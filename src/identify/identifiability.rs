@@ -15,17 +15,25 @@ pub(super) struct Identified {
 
 /// Directions with less than this share of the information, after scaling, are not known.
 const WEAK: f64 = 1e-10;
+/// Directions in which noise makes this share of the columns are not known.
+const NOISE_SHARE: f64 = 0.5;
+/// Parts of a projection below this are rounding.
+const ROUNDING: f64 = 1e-9;
+/// How well directions that noise hides are known.
+const ROUGH: f64 = 0.1;
 /// Parameters with less than this part in a direction do not take part in it.
 const PART: f64 = 1e-3;
 
 /// Inverts the information of the free parameters (scaled to unit diagonal) and says which the
 /// data cannot give, which combination of two they give instead, and which motion would help.
 ///
-/// `values` has one entry a parameter; `information` is that of all parameters.
+/// `values` has one entry a parameter; `information` is that of all parameters. A `given`
+/// covariance takes the place of the inverse information where the data give something.
 pub(super) fn identified(
     model: &Model,
     values: &[f64],
     information: &DMatrix<f64>,
+    given: Option<&DMatrix<f64>>,
     train: &[Recording],
 ) -> Identified {
     let free = model.free();
@@ -54,14 +62,22 @@ pub(super) fn identified(
             directions.push(v.clone_owned());
         }
     }
+    if let Some(given) = given {
+        covariance = given.clone();
+    }
     let finite = covariance.clone();
     let mut notes = Vec::new();
-    for direction in &directions {
-        let part: Vec<usize> = (0..n).filter(|&i| direction[i].abs() > PART).collect();
+    let directions = match directions.as_slice() {
+        [] => DMatrix::zeros(n, 0),
+        some => sparse_basis(&DMatrix::from_columns(some), PART),
+    };
+    for direction in directions.column_iter() {
+        let direction = direction.into_owned();
+        let part: Vec<usize> = (0..n).filter(|&i| direction[i] != 0.0).collect();
         for &i in &part {
             covariance[(free[i], free[i])] = f64::INFINITY;
         }
-        notes.push(sentence(model, values, &finite, &free, &scale, direction, &part));
+        notes.push(sentence(model, values, &finite, &free, &scale, &direction, &part));
     }
     if train.iter().all(Recording::is_single_axis) {
         notes.push(
@@ -72,6 +88,106 @@ pub(super) fn identified(
         );
     }
     Identified { covariance, notes }
+}
+
+/// The projection of parameters onto the directions in which columns move by more than their own
+/// noise; `None` where that is all of them.
+///
+/// ```text
+/// drop d:  d' N d > 1/2 d' A d,    A = x'x,  N the part of it that is noise
+/// Π = 1 - D (D' A D)⁻¹ D' A
+/// ```
+/// Straight driving with noisy speeds is the case: the difference of the two accelerations is
+/// noise alone, and least squares would take a1 - a2 from it. The directions themselves are only
+/// known up to the noise, so parts of a few percent count as none and ratios near one as one.
+pub(super) fn known_part(a: &DMatrix<f64>, noise: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let n = a.nrows();
+    let half = whitening(a);
+    let share = (half.transpose() * noise * &half).symmetric_eigen();
+    let dropped: Vec<usize> =
+        (0..half.ncols()).filter(|&k| share.eigenvalues[k] > NOISE_SHARE).collect();
+    if dropped.is_empty() {
+        return None;
+    }
+    let scale = unit_scale(a);
+    let mut d = &half * share.eigenvectors.select_columns(&dropped);
+    (0..n).for_each(|i| d.row_mut(i).scale_mut(scale[i]));
+    let mut d = sparse_basis(&d, ROUGH);
+    for i in 0..n {
+        d.row_mut(i).unscale_mut(scale[i]);
+    }
+    for mut column in d.column_iter_mut() {
+        let largest = column.camax();
+        for v in column.iter_mut().filter(|v| (v.abs() / largest - 1.0).abs() < ROUGH) {
+            *v = largest * v.signum();
+        }
+    }
+    let inside = inverse_where_known(&(d.transpose() * a * &d));
+    let mut out = DMatrix::identity(n, n) - &d * inside * d.transpose() * a;
+    // what is zero but for rounding is zero, or the column would count as known
+    for i in 0..n {
+        for k in 0..n {
+            if out[(i, k)].abs() * scale[i] < ROUNDING * scale[k] {
+                out[(i, k)] = 0.0;
+            }
+        }
+    }
+    Some(out)
+}
+
+/// A basis of the same space whose columns share as few rows as possible (Gauss-Jordan with full
+/// pivoting); parts below `tolerance` of the largest are zero.
+fn sparse_basis(directions: &DMatrix<f64>, tolerance: f64) -> DMatrix<f64> {
+    let mut d = directions.clone();
+    for c in 0..d.ncols() {
+        let (mut row, mut column) = (0, c);
+        for k in c..d.ncols() {
+            let i = d.column(k).icamax();
+            if d[(i, k)].abs() > d[(row, column)].abs() {
+                (row, column) = (i, k);
+            }
+        }
+        d.swap_columns(c, column);
+        let pivot = d[(row, c)];
+        if pivot == 0.0 {
+            break;
+        }
+        d.column_mut(c).unscale_mut(pivot);
+        let own = d.column(c).into_owned();
+        for k in (0..d.ncols()).filter(|&k| k != c) {
+            let factor = d[(row, k)];
+            d.column_mut(k).axpy(-factor, &own, 1.0);
+        }
+    }
+    for mut column in d.column_iter_mut() {
+        let largest = column.camax();
+        column.iter_mut().filter(|v| v.abs() < tolerance * largest).for_each(|v| *v = 0.0);
+    }
+    d
+}
+
+/// Square roots of the diagonal, one where it is not positive.
+fn unit_scale(a: &DMatrix<f64>) -> DVector<f64> {
+    a.diagonal().map(|d| if d > 0.0 { d.sqrt() } else { 1.0 })
+}
+
+/// Columns P with `P' A P = 1`, one a direction in which the symmetric matrix carries something.
+pub(super) fn whitening(a: &DMatrix<f64>) -> DMatrix<f64> {
+    let n = a.nrows();
+    let scale = unit_scale(a);
+    let scaled = DMatrix::from_fn(n, n, |i, k| a[(i, k)] / (scale[i] * scale[k]));
+    let eigen = scaled.symmetric_eigen();
+    let kept: Vec<usize> = (0..n).filter(|&i| eigen.eigenvalues[i] > WEAK).collect();
+    DMatrix::from_fn(n, kept.len(), |i, c| {
+        eigen.eigenvectors[(i, kept[c])] / (eigen.eigenvalues[kept[c]].sqrt() * scale[i])
+    })
+}
+
+/// Inverse of a symmetric matrix over the directions that carry something, after scaling it to
+/// unit diagonal.
+pub(super) fn inverse_where_known(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+    let half = whitening(&(0.5 * (matrix + matrix.transpose())));
+    &half * half.transpose()
 }
 
 /// One sentence about a direction that the data do not give.

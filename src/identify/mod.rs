@@ -6,11 +6,14 @@
 mod fit;
 pub mod fuzzy;
 mod identifiability;
+mod inverse_dynamics;
 pub mod kalman;
+mod linear_fit;
 mod method;
 mod regressor;
 pub mod start;
 mod text;
+mod weak;
 
 pub use fit::{Estimate, Fit, Status, Trace, Work};
 pub use method::{Identifier, IdentifyError, MethodDescription, OptionError, Task, from_options};
@@ -23,7 +26,12 @@ catalogue! {
     dyn Identifier;
     prediction_error::PredictionError,
     output_error::OutputError,
+    weak_form::WeakForm,
     torque_regression::TorqueRegression,
+    total_least_squares::TotalLeastSquares,
+    instrumental_variable::InstrumentalVariable,
+    constrained_regression::ConstrainedRegression,
+    recursive_least_squares::RecursiveLeastSquares,
     fuzzy_least_squares::FuzzyLeastSquares,
     fuzzy_levenberg_marquardt::FuzzyLevenbergMarquardt,
     fuzzy_gradient::FuzzyGradient,
@@ -38,3 +46,6 @@ catalogue! {
 pub fn find(name: &str) -> Option<Box<dyn Identifier>> {
     all().into_iter().find(|method| method.describe().name == name)
 }
+
+#[cfg(test)]
+mod contract;

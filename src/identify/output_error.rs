@@ -1,16 +1,21 @@
 //! Output error: maximum likelihood of the free simulation.
 
 use nalgebra::{DMatrix, DVector};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
 use serde::Deserialize;
 
-use super::identifiability::identified;
+use super::identifiability::{identified, inverse_where_known};
 use super::kalman::{Prepared, prepare};
+use super::linear_fit::block_covariance;
 use super::{
     Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task, from_options,
     start,
 };
 use crate::effects::ParameterKind;
-use crate::math::descent::{MinimiseOptions, MinimumStatus, Quadratic, minimise};
+use crate::math::descent::{MinimiseOptions, Minimum, MinimumStatus, Quadratic, minimise};
 use crate::model::Model;
 use crate::robot::State;
 use crate::simulate::{Hold, Input, simulate, simulate_with_sensitivities};
@@ -30,15 +35,21 @@ use crate::simulate::{Hold, Input, simulate, simulate_with_sensitivities};
 pub struct OutputError {
     /// Most steps.
     pub iterations: usize,
+    /// Descents, the first from the weak form, the others from values scattered around it.
+    pub starts: usize,
 }
 
 impl Default for OutputError {
     fn default() -> Self {
-        Self { iterations: 60 }
+        Self { iterations: 60, starts: 1 }
     }
 }
 
 const NAME: &str = "output_error";
+/// Standard deviation of the logarithm of scattered starts.
+const SCATTER: f64 = 0.3;
+/// Blocks within which residuals may be correlated [s].
+const BLOCK: f64 = 5.0;
 
 impl Identifier for OutputError {
     fn describe(&self) -> MethodDescription {
@@ -56,12 +67,20 @@ impl Identifier for OutputError {
             avoid_when: "the moments are noisy: the simulation wanders, estimates scatter, and \
                          the intervals are far too narrow"
                 .into(),
-            options: vec![("iterations".into(), "60".into(), "most steps".into())],
+            options: vec![
+                ("iterations".into(), "60".into(), "most steps".into()),
+                ("starts".into(), "1".into(), "descents from scattered starts; best taken".into()),
+            ],
         }
     }
 
     fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {
-        Ok(Box::new(from_options::<Self>(NAME, options)?))
+        let method: Self = from_options(NAME, options)?;
+        if method.starts == 0 {
+            let message = "`starts` must be 1 or more".to_string();
+            return Err(OptionError { method: NAME.into(), message });
+        }
+        Ok(Box::new(method))
     }
 
     fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
@@ -74,13 +93,28 @@ impl Identifier for OutputError {
             upper: Some(problem.bound(|range| range.1, f64::INFINITY)),
             ..MinimiseOptions::default()
         };
-        let minimum =
-            minimise(&problem.first(), |x| problem.quadratic(x), |x| problem.cost(x), &options);
-        if minimum.status == MinimumStatus::NoStart {
+        let minima: Vec<Minimum> = problem
+            .starts(self.starts)
+            .into_par_iter()
+            .map(|x| minimise(&x, |x| problem.quadratic(x), |x| problem.cost(x), &options))
+            .collect();
+        let began = |m: &&Minimum| m.status != MinimumStatus::NoStart;
+        let Some(best) = minima.iter().filter(began).min_by(|a, b| a.cost.total_cmp(&b.cost))
+        else {
             let reason = "the start cannot be simulated".to_string();
             return Err(IdentifyError::NoStart { method: NAME.into(), reason });
+        };
+        let mut fit = problem.fit(best);
+        fit.work.evaluations = minima.iter().map(|m| m.evaluations).sum();
+        if minima.len() > 1 {
+            let near = |m: &&Minimum| m.cost < best.cost + 0.5;
+            let agreeing = minima.iter().filter(began).filter(near).count();
+            fit.notes.push(format!(
+                "{agreeing} of {} descents end in the lowest minimum that was found.",
+                minima.len()
+            ));
         }
-        Ok(problem.fit(&minimum))
+        Ok(fit)
     }
 }
 
@@ -121,6 +155,22 @@ impl<'a> Problem<'a> {
             x.extend([0, 1].map(|i| if still[i] { 0.0 } else { m.omega[i] }));
         }
         DVector::from_vec(x)
+    }
+
+    /// The first start and others with parameters scattered around it.
+    fn starts(&self, count: usize) -> Vec<DVector<f64>> {
+        let mut rng = ChaCha8Rng::seed_from_u64(self.task.seed);
+        let first = self.first();
+        (0..count)
+            .map(|n| {
+                let mut x = first.clone();
+                for i in (0..self.free.len()).filter(|_| n > 0) {
+                    let draw: f64 = StandardNormal.sample(&mut rng);
+                    x[i] *= (SCATTER * draw).exp();
+                }
+                x
+            })
+            .collect()
     }
 
     /// Bounds of shape parameters; the others and the initial states are free.
@@ -199,7 +249,7 @@ impl<'a> Problem<'a> {
                 .chain(self.free.len() + 4 * n..self.free.len() + 4 * n + 4)
                 .collect();
             let width = columns.len();
-            let mut block = crate::identify::kalman::Information::new(width);
+            let mut block = super::kalman::Information::new(width);
             let mut row = vec![0.0; width];
             for (k, (sample, state)) in piece.clone().zip(&motion).enumerate() {
                 let residual = self.residual(*r, sample, state);
@@ -227,7 +277,7 @@ impl<'a> Problem<'a> {
         cost.is_finite().then_some(Quadratic { cost, gradient, hessian })
     }
 
-    fn fit(&self, minimum: &crate::math::descent::Minimum) -> Fit {
+    fn fit(&self, minimum: &Minimum) -> Fit {
         let p = self.parameters(&minimum.x);
         let samples: usize = self
             .pieces
@@ -248,7 +298,8 @@ impl<'a> Problem<'a> {
                 full[(a, b)] = information[(i, k)];
             }
         }
-        let known = identified(self.model(), &p, &full, self.task.train);
+        let covariance = self.covariance(minimum, &information);
+        let known = identified(self.model(), &p, &full, Some(&covariance), self.task.train);
         let unit = self.task.train[0].drive_unit();
         let mut fit = Fit::physical(NAME, self.model(), p, known.covariance, unit);
         fit.notes = known.notes;
@@ -267,6 +318,61 @@ impl<'a> Problem<'a> {
         fit.work.iterations = minimum.iterations;
         fit.work.evaluations = minimum.evaluations;
         fit
+    }
+
+    /// Covariance of all parameters: the larger of the inverse information and what blocks of
+    /// residuals of 5 s show, since a simulation that wanders misses whole stretches alike.
+    fn covariance(&self, minimum: &Minimum, information: &DMatrix<f64>) -> DMatrix<f64> {
+        let (count, total) = (self.free.len(), self.p.len());
+        let model = inverse_where_known(information);
+        let all = inverse_where_known(&minimum.hessian);
+        let (z, block) = self.scores(&minimum.x);
+        let ones = DVector::repeat(z.nrows(), 1.0);
+        let robust = block_covariance(&all, &z, &ones, &block);
+        let stretch = DVector::from_fn(count, |i, _| {
+            let ratio = robust[(i, i)] / model[(i, i)].max(f64::MIN_POSITIVE);
+            if z.nrows() > count && ratio.is_finite() { ratio.max(1.0).sqrt() } else { 1.0 }
+        });
+        let mut out = DMatrix::zeros(total, total);
+        for (i, &a) in self.free.iter().enumerate() {
+            for (k, &b) in self.free.iter().enumerate() {
+                out[(a, b)] = model[(i, k)] * stretch[i] * stretch[k];
+            }
+        }
+        out
+    }
+
+    /// Gradients of the cost over blocks of 5 s, one a row.
+    fn scores(&self, x: &DVector<f64>) -> (DMatrix<f64>, Vec<usize>) {
+        let p = self.parameters(x);
+        let mut rows: Vec<DVector<f64>> = Vec::new();
+        for (n, (r, piece)) in self.pieces.iter().enumerate() {
+            let input = self.input(*r, piece);
+            let Ok((motion, s)) =
+                simulate_with_sensitivities(self.model(), &p, &input, self.start(x, n))
+            else {
+                continue;
+            };
+            let t = self.task.train[*r].t();
+            let first = rows.len();
+            for (k, (sample, state)) in piece.clone().zip(&motion).enumerate() {
+                let block = first + ((t[sample] - t[piece.start]) / BLOCK) as usize;
+                rows.resize_with(rows.len().max(block + 1), || DVector::zeros(x.len()));
+                for (i, e) in self.residual(*r, sample, state).into_iter().enumerate() {
+                    let scaled = e / self.prepared[*r].variance[i].sqrt();
+                    let sensitivities = s.row(k, i);
+                    for (place, &j) in self.free.iter().enumerate() {
+                        rows[block][place] += scaled * sensitivities[j];
+                    }
+                    for j in 0..4 {
+                        let place = self.free.len() + 4 * n + j;
+                        rows[block][place] += scaled * sensitivities[p.len() + j];
+                    }
+                }
+            }
+        }
+        let z = DMatrix::from_fn(rows.len(), x.len(), |b, j| rows[b][j]);
+        (z, (0..rows.len()).collect())
     }
 }
 

@@ -79,7 +79,7 @@ impl Identifier for PredictionError {
 }
 
 fn fit(task: &Task, maximum: Maximum) -> Fit {
-    let known = identified(task.model, &maximum.p, &maximum.information, task.train);
+    let known = identified(task.model, &maximum.p, &maximum.information, None, task.train);
     let unit = task.train[0].drive_unit();
     let mut fit = Fit::physical(NAME, task.model, maximum.p, known.covariance, unit);
     fit.notes = known.notes;

@@ -1,40 +1,129 @@
 //! The moment balance as a linear regression: one column a linear parameter.
 
+use super::Task;
 use crate::effects::{Motion, along};
 use crate::math::sgn;
-use crate::model::Model;
+use crate::model::{Linearisation, Model};
+use crate::recording::Recording;
+use crate::simulate::Hold;
 
-/// Columns and right-hand side of the moment balance of both wheels at one instant.
+/// Takes the moment balance of a model apart by its linear parameters.
 ///
 /// ```text
 /// column j = balance(parameter j one, other linear ones zero) - balance(all linear ones zero)
-/// right    = drive - balance(all linear ones zero)
 /// ```
-/// Derived from the effects themselves, so it cannot disagree with the simulation. `acceleration`
-/// [rad/s^2], `drive` [N m] the acting one; fills `row[wheel][column]` and returns the right-hand
-/// side [N m].
-pub(super) fn balance_rows(
-    model: &Model,
-    p: &[f64],
-    linear: &[usize],
-    motion: &Motion<f64>,
-    acceleration: &[f64; 2],
-    drive: &[f64; 2],
-    row: &mut [Vec<f64>; 2],
-) -> [f64; 2] {
-    let sign = [0, 1, 2, 3].map(|j| sgn(along(j, &motion.omega)));
-    let mut unit = p.to_vec();
-    for &j in linear {
-        unit[j] = 0.0;
+/// Derived from the effects themselves, so it cannot disagree with the simulation.
+pub(super) struct Regressor<'a> {
+    model: &'a Model,
+    pub(super) linear: Vec<usize>,
+    /// Parameters with all linear ones at zero.
+    unit: Vec<f64>,
+}
+
+/// The acting drive around each sample: that of the sample where it runs straight from sample to
+/// sample; where it keeps the value of the earlier sample, the mean of before and after (else a
+/// regression would see a delay of half a sample).
+pub(super) fn drive_around(
+    task: &Task,
+    recording: &Recording,
+    drive: &[[f64; 2]],
+) -> Vec<[f64; 2]> {
+    let acting = task.model.drive(recording.t(), drive, &task.model.initial());
+    if task.hold == Hold::Linear {
+        return acting;
     }
-    let given = model.terms(motion, &unit).moment(acceleration, &sign);
-    for (column, &j) in linear.iter().enumerate() {
-        unit[j] = 1.0;
-        let with = model.terms(motion, &unit).moment(acceleration, &sign);
-        unit[j] = 0.0;
-        for wheel in 0..2 {
-            row[wheel][column] = with[wheel] - given[wheel];
+    let mut out = acting.clone();
+    for piece in recording.pieces() {
+        for k in piece.start + 1..piece.end {
+            out[k] = [0, 1].map(|i| 0.5 * (acting[k - 1][i] + acting[k][i]));
         }
     }
-    [drive[0] - given[0], drive[1] - given[1]]
+    out
+}
+
+/// Mass and moment of every column at one instant; the last entry is what stays with all linear
+/// parameters at zero.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Balance {
+    /// Mass matrices as (m11, m12, m22).
+    pub(super) mass: Vec<[f64; 3]>,
+    /// Resisting moments with dry friction.
+    pub(super) torque: Vec<[f64; 2]>,
+}
+
+impl Balance {
+    /// `mass_c v` of column `c`: its momentum for a speed, its inertial moment for an
+    /// acceleration.
+    pub(super) fn carried(&self, c: usize, v: &[f64; 2]) -> [f64; 2] {
+        let [m11, m12, m22] = self.mass[c];
+        [m11 * v[0] + m12 * v[1], m12 * v[0] + m22 * v[1]]
+    }
+
+    /// The moment column `c` asks for at acceleration `a`.
+    pub(super) fn moment(&self, c: usize, a: &[f64; 2]) -> [f64; 2] {
+        let inertial = self.carried(c, a);
+        [0, 1].map(|i| inertial[i] + self.torque[c][i])
+    }
+}
+
+impl<'a> Regressor<'a> {
+    /// A regressor for the linear parameters of `model`, the others as in `p`.
+    pub(super) fn new(model: &'a Model, p: &[f64]) -> Self {
+        let linear = model.linear();
+        let mut unit = p.to_vec();
+        for &j in &linear {
+            unit[j] = 0.0;
+        }
+        Self { model, linear, unit }
+    }
+
+    /// Number of columns.
+    pub(super) fn width(&self) -> usize {
+        self.linear.len()
+    }
+
+    /// The balance at one instant.
+    pub(super) fn at(&self, motion: &Motion<f64>) -> Balance {
+        let sign = [0, 1, 2, 3].map(|j| sgn(along(j, &motion.omega)));
+        let mut unit = self.unit.clone();
+        let given = self.model.terms(motion, &unit);
+        let rest = given.moment(&[0.0; 2], &sign);
+        let mut out = Balance::default();
+        for &j in &self.linear {
+            unit[j] = 1.0;
+            let with = self.model.terms(motion, &unit);
+            unit[j] = 0.0;
+            let moment = with.moment(&[0.0; 2], &sign);
+            out.mass.push([0, 1, 2].map(|i| with.mass[i] - given.mass[i]));
+            out.torque.push([0, 1].map(|i| moment[i] - rest[i]));
+        }
+        out.mass.push(given.mass);
+        out.torque.push(rest);
+        out
+    }
+
+    /// Derivatives of every column's moment (not of its inertia) by the two speeds,
+    /// `[column][wheel][speed]`, at friction signs as they are; the last entry as in [`Balance`].
+    pub(super) fn slopes(
+        &self,
+        motion: &Motion<f64>,
+        work: &mut Linearisation,
+    ) -> Vec<[[f64; 2]; 2]> {
+        let sign = [0, 1, 2, 3].map(|j| sgn(along(j, &motion.omega)));
+        let mut unit = self.unit.clone();
+        let mut at = |unit: &[f64]| {
+            self.model.linearise(motion, unit, &[0.0; 2], &sign, work);
+            work.by_state.map(|row| [row[2], row[3]])
+        };
+        let given = at(&unit);
+        let mut out = Vec::with_capacity(self.width() + 1);
+        for &j in &self.linear {
+            unit[j] = 1.0;
+            let with = at(&unit);
+            unit[j] = 0.0;
+            out.push([0, 1].map(|i| [0, 1].map(|l| with[i][l] - given[i][l])));
+        }
+        out.push(given);
+        out
+    }
 }

@@ -2,16 +2,14 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::regressor::{Regressor, drive_around};
+use super::weak::{weak_rows, windows};
 use super::{IdentifyError, Task};
-use crate::effects::Motion;
 use crate::model::Model;
 use crate::recording::Recording;
 
 /// Half width of a test function [s].
 const HALF_WIDTH: f64 = 0.25;
-/// Windows that touch a wheel slower than this share of the top speed are dropped: what friction
-/// does there is not sgn(w).
-const REST: f64 = 0.025;
 
 /// A first guess of all parameters: weak-form least squares for the linear ones with the shape
 /// parameters at their typical values, fixed ones as they are.
@@ -20,23 +18,32 @@ const REST: f64 = 0.025;
 /// If no usable window is left.
 pub fn start(task: &Task, method: &str) -> Result<Vec<f64>, IdentifyError> {
     let mut p = task.model.initial();
-    let linear = task.model.linear();
+    let regressor = Regressor::new(task.model, &p);
+    let linear = &regressor.linear;
     if linear.is_empty() {
         return Ok(p);
     }
     let mut rows = Vec::new();
     for recording in task.train {
-        weak_rows(task.model, &p, &linear, recording, &mut rows);
+        let windows = windows(recording, HALF_WIDTH, 2);
+        let drive = drive_around(task, recording, recording.moment());
+        rows.push(weak_rows(task, &regressor, recording, &windows, recording.omega(), &drive));
     }
     let samples: usize = task.train.iter().map(Recording::len).sum();
-    if rows.len() < linear.len() {
-        let usable = rows.len();
+    let usable = rows.iter().map(|(_, y)| y.len()).sum();
+    if usable < linear.len() {
         return Err(IdentifyError::TooFewSamples { method: method.into(), usable, samples });
     }
-    let x = DMatrix::from_fn(rows.len(), linear.len(), |i, j| rows[i].0[j]);
-    let y = DVector::from_fn(rows.len(), |i, _| rows[i].1);
+    let mut x = DMatrix::zeros(usable, linear.len());
+    let mut y = DVector::zeros(usable);
+    let mut first = 0;
+    for (part, right) in &rows {
+        x.rows_mut(first, right.len()).copy_from(part);
+        y.rows_mut(first, right.len()).copy_from(right);
+        first += right.len();
+    }
     let values = minimum_norm(&x, &y);
-    for (value, &j) in values.iter().zip(&linear) {
+    for (value, &j) in values.iter().zip(linear) {
         if value.abs() > 0.0 {
             p[j] = *value;
         }
@@ -56,7 +63,7 @@ fn minimum_norm(x: &DMatrix<f64>, y: &DVector<f64>) -> DVector<f64> {
 }
 
 /// Makes a start from which the model can move: a1 above |a2|, frictions not negative.
-fn sound(model: &Model, p: &mut [f64]) {
+pub(super) fn sound(model: &Model, p: &mut [f64]) {
     let parameters = model.parameters();
     let free = |j: usize| parameters[j].fixed.is_none();
     if free(0) && !(p[0] > 1.05 * p[1].abs()) {
@@ -69,98 +76,6 @@ fn sound(model: &Model, p: &mut [f64]) {
             p[j] = p[j].clamp(parameter.spec.range.0, parameter.spec.range.1);
         }
     }
-}
-
-/// Rows of the weak form, `(columns, right-hand side)`:
-/// `-∫ψ' A ω + ∫ψ (torque + friction) = ∫ψ M` with ψ = (1 - x²)⁴ over a window.
-fn weak_rows(
-    model: &Model,
-    p: &[f64],
-    linear: &[usize],
-    recording: &Recording,
-    rows: &mut Vec<(Vec<f64>, f64)>,
-) {
-    let t = recording.t();
-    let drive = model.drive(t, recording.moment(), p);
-    let half = ((HALF_WIDTH / recording.step()).round() as usize).max(4);
-    let stride = (half / 2).max(1);
-    let rest = REST * recording.top_speed();
-    for piece in recording.pieces() {
-        let mut centre = piece.start + half;
-        while centre + half < piece.end {
-            let window = centre - half..centre + half + 1;
-            for wheel in 0..2 {
-                if let Some(row) =
-                    weak_row(model, p, linear, recording, &drive, &window, wheel, rest)
-                {
-                    rows.push(row);
-                }
-            }
-            centre += stride;
-        }
-    }
-}
-
-fn weak_row(
-    model: &Model,
-    p: &[f64],
-    linear: &[usize],
-    recording: &Recording,
-    drive: &[[f64; 2]],
-    window: &std::ops::Range<usize>,
-    wheel: usize,
-    rest: f64,
-) -> Option<(Vec<f64>, f64)> {
-    let t = recording.t();
-    let omega = recording.omega();
-    let sign = omega[window.start].map(f64::signum);
-    if window.clone().any(|k| (0..2).any(|i| omega[k][i] * sign[i] < rest)) {
-        return None;
-    }
-    let (middle, reach) =
-        (0.5 * (t[window.start] + t[window.end - 1]), 0.5 * (t[window.end - 1] - t[window.start]));
-    let mut row = vec![0.0; linear.len()];
-    let mut right = 0.0;
-    let mut unit = p.to_vec();
-    for k in window.clone() {
-        let x = (t[k] - middle) / reach;
-        let (weight, slope) = ((1.0 - x * x).powi(4), -8.0 * x * (1.0 - x * x).powi(3) / reach);
-        let before = if k > window.start { t[k] - t[k - 1] } else { 0.0 };
-        let after = if k + 1 < window.end { t[k + 1] - t[k] } else { 0.0 };
-        let dt = 0.5 * (before + after);
-        let motion = Motion {
-            t: t[k] - t[0],
-            alpha: recording.alpha()[k],
-            omega: omega[k],
-            variance: [0.0; 4],
-            robot: model.robot(),
-        };
-        let signs = [0, 1, 2, 3].map(|j| crate::math::sgn(crate::effects::along(j, &omega[k])));
-        // column j: what the balance gains from parameter j being one and not zero; what all
-        // linear parameters at zero leave goes to the right
-        for &j in linear {
-            unit[j] = 0.0;
-        }
-        let balance = |q: &[f64]| {
-            let terms = model.terms(&motion, q);
-            let [m11, m12, m22] = terms.mass;
-            let momentum = if wheel == 0 {
-                m11 * omega[k][0] + m12 * omega[k][1]
-            } else {
-                m12 * omega[k][0] + m22 * omega[k][1]
-            };
-            let torque = terms.moment(&[0.0; 2], &signs)[wheel];
-            dt * (weight * torque - slope * momentum)
-        };
-        let given = balance(&unit);
-        for (column, &j) in linear.iter().enumerate() {
-            unit[j] = 1.0;
-            row[column] += balance(&unit) - given;
-            unit[j] = 0.0;
-        }
-        right += dt * weight * drive[k][wheel] - given;
-    }
-    Some((row, right))
 }
 
 /// The covariance of all parameters from the information of all: fixed ones have none, and those

@@ -1,0 +1,129 @@
+//! The weak form of the moment balance: integrals against test functions, which need no
+//! acceleration.
+
+use std::ops::Range;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::Task;
+use super::regressor::{Balance, Regressor};
+use crate::effects::Motion;
+use crate::recording::Recording;
+
+/// Windows that touch a wheel slower than this share of the top speed are dropped: what friction
+/// does there is not sgn(w).
+const REST: f64 = 0.025;
+
+/// One test function ψ = (1 - x²)⁴ over a window of samples.
+#[derive(Clone, Debug)]
+pub(super) struct Window {
+    /// Samples.
+    pub(super) samples: Range<usize>,
+    /// ψ dt at each of them [s].
+    pub(super) weight: Vec<f64>,
+    /// dψ/dt dt at each of them.
+    pub(super) slope: Vec<f64>,
+}
+
+/// Windows of half width `half_width` [s], `per_half` of them on each half width, that do not
+/// touch rest and do not cross a gap.
+pub(super) fn windows(recording: &Recording, half_width: f64, per_half: usize) -> Vec<Window> {
+    let half = ((half_width / recording.step()).round() as usize).max(4);
+    let stride = (half / per_half).max(1);
+    let rest = REST * recording.top_speed();
+    let omega = recording.omega();
+    let mut out = Vec::new();
+    for piece in recording.pieces() {
+        let mut centre = piece.start + half;
+        while centre + half < piece.end {
+            let samples = centre - half..centre + half + 1;
+            let sign = omega[samples.start].map(f64::signum);
+            let moving = |k: usize| (0..2).all(|i| omega[k][i] * sign[i] >= rest);
+            if samples.clone().all(moving) {
+                out.push(window(recording.t(), samples));
+            }
+            centre += stride;
+        }
+    }
+    out
+}
+
+fn window(t: &[f64], samples: Range<usize>) -> Window {
+    let (first, last) = (t[samples.start], t[samples.end - 1]);
+    let (middle, reach) = (0.5 * (first + last), 0.5 * (last - first));
+    let (mut weight, mut slope) = (Vec::new(), Vec::new());
+    for k in samples.clone() {
+        let x = (t[k] - middle) / reach;
+        let before = if k > samples.start { t[k] - t[k - 1] } else { 0.0 };
+        let after = if k + 1 < samples.end { t[k + 1] - t[k] } else { 0.0 };
+        let dt = 0.5 * (before + after);
+        weight.push(dt * (1.0 - x * x).powi(4));
+        slope.push(dt * -8.0 * x * (1.0 - x * x).powi(3) / reach);
+    }
+    Window { samples, weight, slope }
+}
+
+/// The instant of sample `k` at the speeds `omega`.
+pub(super) fn motion_at<'a>(
+    task: &'a Task,
+    recording: &Recording,
+    k: usize,
+    omega: [f64; 2],
+) -> Motion<'a, f64> {
+    Motion {
+        t: recording.t()[k] - recording.t()[0],
+        alpha: recording.alpha()[k],
+        omega,
+        variance: [0.0; 4],
+        robot: task.model.robot(),
+    }
+}
+
+/// Rows of the weak form, two a window (wheel 1, wheel 2), for given speeds and acting drive.
+///
+/// ```text
+/// Σ_c θ_c ∫ (ψ torque_c - ψ' mass_c ω) dt = ∫ ψ M dt - (the same of what is not linear)
+/// ```
+/// Source: partial integration of the moment balance; Messenger and Bortz, SIAM Multiscale
+/// Modeling & Simulation 19 (2021).
+pub(super) fn weak_rows(
+    task: &Task,
+    regressor: &Regressor,
+    recording: &Recording,
+    windows: &[Window],
+    omega: &[[f64; 2]],
+    drive: &[[f64; 2]],
+) -> (DMatrix<f64>, DVector<f64>) {
+    let width = regressor.width();
+    let mut needed = vec![false; recording.len()];
+    windows.iter().for_each(|w| needed[w.samples.clone()].fill(true));
+    let balances: Vec<Balance> = (0..recording.len())
+        .map(|k| {
+            if needed[k] {
+                regressor.at(&motion_at(task, recording, k, omega[k]))
+            } else {
+                Balance::default()
+            }
+        })
+        .collect();
+    let mut x = DMatrix::zeros(2 * windows.len(), width);
+    let mut y = DVector::zeros(2 * windows.len());
+    for (n, window) in windows.iter().enumerate() {
+        for (k, (weight, slope)) in
+            window.samples.clone().zip(window.weight.iter().zip(&window.slope))
+        {
+            for c in 0..=width {
+                let momentum = balances[k].carried(c, &omega[k]);
+                for wheel in 0..2 {
+                    let value = weight * balances[k].torque[c][wheel] - slope * momentum[wheel];
+                    if c < width {
+                        x[(2 * n + wheel, c)] += value;
+                    } else {
+                        y[2 * n + wheel] += weight * drive[k][wheel] - value;
+                    }
+                }
+            }
+        }
+    }
+    (x, y)
+}
