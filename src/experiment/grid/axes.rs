@@ -199,7 +199,7 @@ impl Range {
             finite.ok_or_else(|| format!("{name} = {value} must be a finite number"))
         };
         let (a, b) = (end("from", from)?, end("to", to)?);
-        if steps < 2 || steps > MOST_CELLS {
+        if !(2..=MOST_CELLS).contains(&steps) {
             return Err(format!("steps = {steps} must lie between 2 and {MOST_CELLS}"));
         }
         if self.log && !(a > 0.0 && b > 0.0) {

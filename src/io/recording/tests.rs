@@ -261,6 +261,7 @@ proptest::proptest! {
 
 #[test]
 #[ignore = "writes 100 MB; prints the time that a million rows take"]
+#[expect(clippy::print_stdout, reason = "a measurement that is run by hand")]
 fn a_million_rows_are_read() {
     let count = 1_000_000;
     let body: String = (0..count).map(|k| text(&row(k)) + "\n").collect();
