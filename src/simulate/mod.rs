@@ -22,4 +22,6 @@ pub use simulation::{Hold, Input, SimulateError, simulate, simulate_acting};
 pub use takagi_sugeno::{Consequents, Defuzzification, Gaussian, MOST_MEMBERSHIPS, TakagiSugeno};
 
 #[cfg(test)]
+mod independent;
+#[cfg(test)]
 mod tests;

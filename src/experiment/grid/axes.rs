@@ -50,6 +50,18 @@ impl GridAxis {
         self.values.iter().map(number).collect()
     }
 
+    /// Where its values stand on an axis, with the axis's label and unit: the values themselves,
+    /// or the noise of the speeds in a table of noises.
+    #[must_use]
+    pub fn scale(&self) -> Option<(Vec<f64>, String, &'static str)> {
+        if let Some(numbers) = self.numbers() {
+            return Some((numbers, self.name.clone(), ""));
+        }
+        let of = |v: &Value| v.as_table()?.get("dalpha").and_then(number);
+        let numbers = self.values.iter().map(of).collect::<Option<Vec<f64>>>()?;
+        Some((numbers, "noise of dalpha".into(), "rad/s"))
+    }
+
     /// A value as text.
     #[must_use]
     pub fn text(&self, value: usize) -> String {

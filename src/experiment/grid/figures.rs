@@ -2,6 +2,7 @@
 
 use super::GridPlan;
 use super::summary::{Summary, conditions};
+use crate::math::distribution::chi2_quantile;
 use crate::report::block::Block;
 use crate::report::figure::{Axis, Figure, Layer, Panel, Role};
 
@@ -9,52 +10,82 @@ use crate::report::figure::{Axis, Figure, Layer, Panel, Role};
 const MOST_SERIES: usize = 7;
 
 /// A point of a curve: place, value, lower and upper edge of its 95 % interval.
-type Point = (f64, f64, f64, f64);
+type Point = (f64, f64, Option<(f64, f64)>);
 
 /// What a figure shows of a summary.
 struct Quantity {
     id: &'static str,
     title: &'static str,
     how_to_read: &'static str,
-    point: fn(&Summary) -> (f64, (f64, f64)),
+    value: fn(&Summary) -> f64,
+    /// 95 % interval of the value, where it is drawn around the curve.
+    interval: Option<fn(&Summary) -> (f64, f64)>,
     axis: fn(&str) -> Axis,
-    line: Option<(f64, &'static str)>,
+    /// What is to be reached: value, label, and where values fall by chance.
+    target: Option<Target>,
 }
 
-const QUANTITIES: [Quantity; 2] = [
+struct Target {
+    at: f64,
+    label: &'static str,
+    chance: fn(usize) -> (f64, f64),
+}
+
+const QUANTITIES: [Quantity; 3] = [
     Quantity {
         id: "grid_rmse",
         title: "Error of the estimates",
         how_to_read: "Each curve is the root mean square difference between estimate and truth \
                       over the repetitions, the band its 95 % interval. Lower is better; where \
                       bands overlap, the repetitions do not tell the methods apart.",
-        point: |s| (s.rmse, s.rmse_interval()),
+        value: |s| s.rmse,
+        interval: Some(Summary::rmse_interval),
         axis: |unit| Axis::log("RMSE", unit),
-        line: None,
+        target: None,
+    },
+    Quantity {
+        id: "grid_efficiency",
+        title: "Efficiency of the estimates",
+        how_to_read: "The variance that nothing unbiased can beat (as prediction_error claims it) \
+                      over the mean squared error. At 1 the method takes all out of the data; at \
+                      0.25 it needs four times the data. The grey band holds 95 % of the values \
+                      that an efficient method shows by chance.",
+        value: |s| s.efficiency,
+        interval: None,
+        axis: |_| Axis::log("bound / mean squared error", ""),
+        target: Some(Target { at: 1.0, label: "efficient", chance: efficiency_by_chance }),
     },
     Quantity {
         id: "grid_coverage",
         title: "Coverage of the 95 % intervals",
-        how_to_read: "The share of repetitions whose interval holds the truth, with its own 95 % \
-                      interval as a band. Near 95 % the claimed errors are honest; below, they \
-                      are too small.",
-        point: |s| {
-            (100.0 * s.coverage, {
-                let (low, high) = s.coverage_interval();
-                (100.0 * low, 100.0 * high)
-            })
-        },
-        axis: |_| Axis::linear("coverage", "%").with_range(0.0, 100.0),
-        line: Some((95.0, "nominal")),
+        how_to_read: "The share of repetitions whose interval holds the truth. Near 95 % the \
+                      claimed errors are honest; below, they are too small. The grey band holds \
+                      95 % of the values that honest intervals show by chance.",
+        value: |s| 100.0 * s.coverage,
+        interval: None,
+        axis: |_| Axis::linear("coverage", "%"),
+        target: Some(Target { at: 95.0, label: "nominal", chance: coverage_by_chance }),
     },
 ];
+
+/// 95 % of the values of chi-square(n)/n, upside down.
+fn efficiency_by_chance(n: usize) -> (f64, f64) {
+    let n = n as f64;
+    (n / chi2_quantile(0.975, n), n / chi2_quantile(0.025, n))
+}
+
+/// 95 % of the shares of n draws that succeed with probability 0.95 [%].
+fn coverage_by_chance(n: usize) -> (f64, f64) {
+    let reach = 1.96 * (0.95 * 0.05 / n as f64).sqrt();
+    (100.0 * (0.95 - reach), 100.0 * (0.95 + reach).min(1.0))
+}
 
 /// The figures of a grid along its first key of at least two numbers, or else the first of at least
 /// two values, which are then numbered from 1; none without such a key.
 pub(super) fn figures(grid: &GridPlan, summaries: &[Summary]) -> Vec<Block> {
     let axes = conditions(grid);
     let several = |k: &usize| grid.axes[*k].values.len() > 1;
-    let numeric = axes.iter().position(|k| several(k) && grid.axes[*k].numbers().is_some());
+    let numeric = axes.iter().position(|k| several(k) && grid.axes[*k].scale().is_some());
     let Some(along) = numeric.or_else(|| axes.iter().position(several)) else { return vec![] };
     let mut parameters: Vec<(&str, &str)> = Vec::new();
     for s in summaries.iter().filter(|s| !s.parameter.is_empty() && s.rmse.is_finite()) {
@@ -76,16 +107,15 @@ fn figure(
     quantity: &Quantity,
 ) -> Figure {
     let axis = &grid.axes[conditions(grid)[along]];
-    let count = || (1..=axis.values.len()).map(|n| n as f64).collect();
-    let numbered = axis.numbers().is_none();
-    let numbers: Vec<f64> = axis.numbers().unwrap_or_else(count);
-    let label = if numbered { format!("{}, value no.", axis.name) } else { axis.name.clone() };
-    let positive = numbers.iter().all(|x| *x > 0.0);
-    let wide = numbers.iter().copied().fold(0.0, f64::max)
-        >= 4.0 * numbers.iter().copied().fold(f64::INFINITY, f64::min);
-    let x = || {
-        if positive && wide && !numbered { Axis::log(&label, "") } else { Axis::linear(&label, "") }
+    let numbered = || {
+        let count = (1..=axis.values.len()).map(|n| n as f64).collect();
+        (count, format!("{}, value no.", axis.name), "")
     };
+    let (numbers, label, unit) = axis.scale().unwrap_or_else(numbered);
+    let (least, most) =
+        numbers.iter().fold((f64::INFINITY, 0.0_f64), |(l, m), x| (l.min(*x), m.max(*x)));
+    let wide = axis.scale().is_some() && least > 0.0 && most >= 4.0 * least;
+    let x = || if wide { Axis::log(&label, unit) } else { Axis::linear(&label, unit) };
     let names = series_names(grid, summaries, along);
     let mut out = Figure::new(quantity.id, quantity.title)
         .with_subtitle(format!("{} combinations: {}", grid.cells(), grid.words()))
@@ -98,6 +128,10 @@ fn figure(
     }
     for (parameter, unit) in parameters {
         let mut panel = Panel::new(x(), (quantity.axis)(unit)).with_title(*parameter);
+        let repetitions = summaries.iter().map(|s| s.n).max().unwrap_or(0);
+        if let Some(target) = quantity.target.as_ref().filter(|_| repetitions > 0) {
+            panel = panel.with(chance(&numbers, (target.chance)(repetitions)));
+        }
         for (n, name) in names.iter().take(MOST_SERIES).enumerate() {
             let of =
                 |s: &&Summary| s.parameter == *parameter && series_name(grid, s, along) == *name;
@@ -105,30 +139,41 @@ fn figure(
                 .iter()
                 .filter(of)
                 .map(|s| {
-                    let (y, (low, high)) = (quantity.point)(s);
-                    (numbers[s.places[along]], y, low, high)
+                    let interval = quantity.interval.map(|of| of(s));
+                    (numbers[s.places[along]], (quantity.value)(s), interval)
                 })
                 .filter(|p| p.1.is_finite())
                 .collect();
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
             panel = with_curve(panel, &points, name, Role::Series(n));
         }
-        if let Some((at, label)) = quantity.line {
-            panel = panel.with(Layer::hline(at, label, Role::Ink));
+        if let Some(target) = &quantity.target {
+            panel = panel.with(Layer::hline(target.at, target.label, Role::Ink));
         }
         out = out.with_panel(panel);
     }
     out
 }
 
-fn with_curve(panel: Panel, points: &[Point], name: &str, role: Role) -> Panel {
-    let band = Layer::Band {
-        x: points.iter().map(|p| p.0).collect(),
-        lower: points.iter().map(|p| p.2).collect(),
-        upper: points.iter().map(|p| p.3).collect(),
-        label: String::new(),
-        role,
-    };
+/// Where values fall by chance, over the width of the axis.
+fn chance(x: &[f64], (low, high): (f64, f64)) -> Layer {
+    let mut x = x.to_vec();
+    x.sort_by(f64::total_cmp);
+    let (lower, upper) = (vec![low; x.len()], vec![high; x.len()]);
+    Layer::Band { x, lower, upper, label: "by chance (95 %)".into(), role: Role::NoiseFloor }
+}
+
+fn with_curve(mut panel: Panel, points: &[Point], name: &str, role: Role) -> Panel {
+    let edges: Option<Vec<(f64, f64)>> = points.iter().map(|p| p.2).collect();
+    if let Some(edges) = edges {
+        panel = panel.with(Layer::Band {
+            x: points.iter().map(|p| p.0).collect(),
+            lower: edges.iter().map(|e| e.0).collect(),
+            upper: edges.iter().map(|e| e.1).collect(),
+            label: String::new(),
+            role,
+        });
+    }
     let centres: Vec<(f64, f64)> = points.iter().map(|p| (p.0, p.1)).collect();
     let dots = Layer::Points {
         points: centres.clone(),
@@ -137,7 +182,7 @@ fn with_curve(panel: Panel, points: &[Point], name: &str, role: Role) -> Panel {
         radius: 3.0,
         alpha: 1.0,
     };
-    panel.with(band).with(Layer::line(centres, name, role)).with(dots)
+    panel.with(Layer::line(centres, name, role)).with(dots)
 }
 
 /// The method, and the other conditions where there are any.

@@ -194,7 +194,7 @@ fn summary(
 type Number = (&'static str, fn(&Summary) -> f64);
 
 /// The numbers of a summary by name.
-const NUMBERS: [Number; 11] = [
+const NUMBERS: [Number; 13] = [
     ("n", |s| s.n as f64),
     ("failures", |s| s.failures as f64),
     ("unidentifiable", |s| s.unidentifiable as f64),
@@ -203,6 +203,8 @@ const NUMBERS: [Number; 11] = [
     ("rmse", |s| s.rmse),
     ("mean_std_error", |s| s.std_error),
     ("coverage_95", |s| s.coverage),
+    ("coverage_95_low", |s| s.coverage_interval().0),
+    ("coverage_95_high", |s| s.coverage_interval().1),
     ("efficiency", |s| s.efficiency),
     ("window_rms_validation", |s| s.window_rms),
     ("floor", |s| s.floor),
