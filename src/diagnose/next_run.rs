@@ -13,7 +13,7 @@ use crate::identify::kalman::{
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::robot::kinematics;
-use crate::simulate::{Hold, Movement, NoiseLevel, Recorder, Segment, record};
+use crate::simulate::{Movement, NoiseLevel, Recorder, Segment, record};
 
 /// What a manoeuvre may not exceed.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -158,9 +158,9 @@ impl Search<'_> {
         prepared.used = self.like.used;
         let settings = PassSettings {
             noise: *self.noise,
-            hold: Hold::Linear,
             derivatives: true,
             keep_states: false,
+            input_noise: false,
         };
         // columns that are signals belong to the recordings they were made for
         let columns = self.rivals.effects.map(|c| c.for_recordings(&[run]));

@@ -128,6 +128,18 @@ impl<'a> Regression<'a> {
         noise_share: f64,
         method: &str,
     ) -> Result<Self, IdentifyError> {
+        Self::with_rest(task, cutoff_hz, None, noise_share, method)
+    }
+
+    /// As [`Self::new`], with the speed below which a wheel counts as near rest [rad/s]; at 0
+    /// every sample is kept, reversals too.
+    pub(super) fn with_rest(
+        task: &'a Task<'a>,
+        cutoff_hz: Option<f64>,
+        rest: Option<f64>,
+        noise_share: f64,
+        method: &str,
+    ) -> Result<Self, IdentifyError> {
         let regressor = Regressor::new(task.model, &task.model.initial());
         let width = regressor.width();
         let mut out = Self {
@@ -143,7 +155,7 @@ impl<'a> Regression<'a> {
             projection: None,
             cutoffs: task.train.iter().map(|r| cutoff(r, cutoff_hz, noise_share)).collect(),
         };
-        out.choose_rows();
+        out.choose_rows(rest);
         let samples: usize = task.train.iter().map(Recording::len).sum();
         if width == 0 {
             let reason = "the model has no free parameter that enters linearly".to_string();
@@ -160,7 +172,7 @@ impl<'a> Regression<'a> {
     }
 
     /// Which samples become rows.
-    fn choose_rows(&mut self) {
+    fn choose_rows(&mut self, rest: Option<f64>) {
         let total: f64 = self.task.train.iter().map(Recording::duration).sum();
         let length = (total / BLOCKS).clamp(BLOCK.0, BLOCK.1);
         let mut before = 0.0;
@@ -173,7 +185,7 @@ impl<'a> Regression<'a> {
                     continue;
                 }
                 let omega = filtered(recording.omega(), piece, cutoff, recording);
-                let usable = usable(&omega, recording, cutoff);
+                let usable = usable(&omega, recording, cutoff, rest);
                 let kept: Vec<usize> =
                     (0..piece.len()).step_by(every).filter(|&k| usable[k]).collect();
                 let first = self.block.last().map_or(0, |b| b + 1);
@@ -353,18 +365,24 @@ fn filtered(
 }
 
 /// Samples with both wheels moving, away from rest and from the ends by the filter's length.
-fn usable(omega: &[Vec<f64>; 2], recording: &Recording, cutoff: f64) -> Vec<bool> {
+fn usable(
+    omega: &[Vec<f64>; 2],
+    recording: &Recording,
+    cutoff: f64,
+    rest: Option<f64>,
+) -> Vec<bool> {
     let samples = omega[0].len();
     let reach = ((REACH / cutoff / recording.step()).ceil() as usize).max(1);
     let sigma = recording.noise().omega;
     let left = (2.0 * cutoff * recording.step()).sqrt();
-    let slow = (REST * recording.top_speed()).max(3.0 * left * sigma[0].max(sigma[1]));
+    let ordinary = (REST * recording.top_speed()).max(3.0 * left * sigma[0].max(sigma[1]));
+    let slow = rest.unwrap_or(ordinary);
     let mut good = vec![true; samples];
     for k in 0..samples {
         if k < reach || k + reach >= samples {
             good[k] = false;
         }
-        let reversed = k > 0 && (0..2).any(|i| omega[i][k] * omega[i][k - 1] <= 0.0);
+        let reversed = slow > 0.0 && k > 0 && (0..2).any(|i| omega[i][k] * omega[i][k - 1] <= 0.0);
         if reversed || omega.iter().any(|w| w[k].abs() < slow) {
             let (from, to) = (k.saturating_sub(reach), (k + reach + 1).min(samples));
             good[from..to].iter_mut().for_each(|g| *g = false);

@@ -73,7 +73,9 @@ impl Identifier for PredictionError {
             hold: task.hold,
             slow_moment: self.slow_moment,
         };
-        let maximum = likelihood.maximise(task.model, &first, None, NAME)?;
+        let mut maximum = likelihood.maximise(task.model, &first, None, NAME)?;
+        let pull = likelihood.pull_of_input_noise(task.model, &maximum)?;
+        maximum.p.iter_mut().zip(pull).for_each(|(p, pull)| *p -= pull);
         Ok(fit(task, maximum))
     }
 }

@@ -26,6 +26,9 @@ use crate::math::{MathError, least_squares, robust};
 pub struct TorqueRegression {
     /// Cut-off of the filter [Hz]; chosen from noise and motion unless given.
     pub cutoff_hz: Option<f64>,
+    /// Speed below which a wheel counts as near rest [rad/s]: from noise and top speed unless
+    /// given; 0 keeps all samples, which is right where reversals are sharp and clean.
+    pub rest_rad_s: Option<f64>,
     /// How rows are weighted.
     pub weighting: Weighting,
 }
@@ -63,6 +66,11 @@ impl Identifier for TorqueRegression {
                 .into(),
             options: vec![
                 cutoff_option(),
+                option(
+                    "rest_rad_s",
+                    "from noise and speed",
+                    "slower samples are left out [rad/s]; 0 keeps all",
+                ),
                 option("weighting", "ordinary", "ordinary, weighted or huber"),
             ],
         }
@@ -71,11 +79,15 @@ impl Identifier for TorqueRegression {
     fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {
         let method: Self = from_options(NAME, options)?;
         check_cutoff(NAME, method.cutoff_hz)?;
+        if method.rest_rad_s.is_some_and(|w| !(w >= 0.0 && w.is_finite())) {
+            let message = "`rest_rad_s` must be zero or a positive number".to_string();
+            return Err(OptionError { method: NAME.into(), message });
+        }
         Ok(Box::new(method))
     }
 
     fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
-        let rows = Regression::new(task, self.cutoff_hz, NOISE_SHARE, NAME)?;
+        let rows = Regression::with_rest(task, self.cutoff_hz, self.rest_rad_s, NOISE_SHARE, NAME)?;
         let (values, weights, psi, slope) = self.solve(&rows).map_err(|e| {
             IdentifyError::Unsupported { method: NAME.into(), reason: e.to_string() }
         })?;

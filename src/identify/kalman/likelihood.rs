@@ -16,7 +16,7 @@ use crate::simulate::Hold;
 pub struct Likelihood<'a> {
     /// One independent run of the filter each.
     pub prepared: Vec<Prepared<'a>>,
-    /// The drive between samples.
+    /// The drive between samples; [`ProcessNoise::later`] is estimated unless it is held.
     pub hold: Hold,
     /// Whether the slow unknown moment is part of the noise model.
     pub slow_moment: bool,
@@ -49,11 +49,47 @@ const STEPS: usize = 40;
 const SLOWEST: f64 = 1.0;
 /// A step that raises the log-likelihood by less is the last.
 const GAIN: f64 = 2e-3;
+/// Difference of the weights of the later drive at which the likelihood is looked at.
+const LATER: f64 = 0.1;
 /// Where no step raises it, but the score promises less than this, the maximum is reached: the
 /// score leaves out how the filter's gain depends on the parameters, so it need not vanish there.
 const SLACK: f64 = 0.1;
 
 impl Likelihood<'_> {
+    fn settings(&self, noise: &ProcessNoise, derivatives: bool) -> PassSettings {
+        let (keep_states, input_noise) = (false, false);
+        PassSettings { noise: *noise, derivatives, keep_states, input_noise }
+    }
+
+    /// How far noise of the recorded drive pulls every parameter at a maximum.
+    ///
+    /// ```text
+    /// H⁻¹ E[Σ ψ e / S],   not zero for inertias: the acceleration they multiply holds that noise
+    /// ```
+    ///
+    /// # Errors
+    /// If the mass matrix is not positive definite.
+    pub fn pull_of_input_noise(
+        &self,
+        model: &Model,
+        maximum: &Maximum,
+    ) -> Result<Vec<f64>, ModelError> {
+        let settings =
+            PassSettings { input_noise: true, ..self.settings(&maximum.noise, true) };
+        let passes: Vec<Pass> = self
+            .prepared
+            .par_iter()
+            .map(|prepared| filter_pass(model, &maximum.p, prepared, &settings, &NoColumns))
+            .collect::<Result<_, _>>()?;
+        let score: DVector<f64> = passes.iter().map(|pass| &pass.score_of_input_noise).sum();
+        let free = model.free();
+        let mut pull = vec![0.0; maximum.p.len()];
+        for (step, j) in newton_step(&maximum.information, &score, &free).into_iter().zip(free) {
+            pull[j] = step;
+        }
+        Ok(pull)
+    }
+
     /// One pass over every recording, in parallel.
     ///
     /// # Errors
@@ -66,8 +102,7 @@ impl Likelihood<'_> {
         derivatives: bool,
         columns: &[&dyn Columns],
     ) -> Result<Vec<Pass>, ModelError> {
-        let settings =
-            PassSettings { noise: *noise, hold: self.hold, derivatives, keep_states: false };
+        let settings = self.settings(noise, derivatives);
         self.prepared
             .par_iter()
             .enumerate()
@@ -93,7 +128,11 @@ impl Likelihood<'_> {
         let count = self.prepared.len().max(1) as f64;
         let rms = self.moment_rms();
         let seen = self.prepared.iter().map(|p| p.moment_noise).sum::<f64>() / count;
-        ProcessNoise { sigma_m: seen.max(1e-4 * rms), sigma_d: 0.0, tau_d: 1.0 }
+        let later = match self.hold {
+            Hold::Linear => 0.5,
+            Hold::Constant => 0.0,
+        };
+        ProcessNoise { sigma_m: seen.max(1e-4 * rms), sigma_d: 0.0, tau_d: 1.0, later }
     }
 
     /// Root mean square of the recorded drive [N m].
@@ -121,7 +160,7 @@ impl Likelihood<'_> {
         let rms = self.moment_rms();
         let step = self.prepared.iter().map(|p| p.recording.step()).fold(f64::MAX, f64::min);
         let slow = self.slow_moment;
-        let search = NoiseSearch { likelihood: self, model, p, rms, step };
+        let search = NoiseSearch { likelihood: self, model, p, rms, step, later: start.later };
         let first = search.to_logs(start);
         let dimensions = if slow { 3 } else { 1 };
         let origin: Vec<f64> = first[..dimensions].to_vec();
@@ -138,9 +177,22 @@ impl Likelihood<'_> {
             .run();
         let Ok(run) = run else { return (*start, 0) };
         let count = run.state().get_func_counts().values().sum::<u64>() as usize;
-        let search = NoiseSearch { likelihood: self, model, p, rms, step };
-        let best = run.state().get_best_param().map_or(*start, |x| search.noise_at(x));
-        (best, count)
+        let search = NoiseSearch { likelihood: self, model, p, rms, step, later: start.later };
+        let mut best = run.state().get_best_param().map_or(*start, |x| search.noise_at(x));
+        best.later = self.later(model, p, &best);
+        (best, count + 3)
+    }
+
+    /// The most likely weight of the later drive: the top of the parabola through three weights,
+    /// between 0 and 1 (rows stamped half a sample early or late). A hold that the user states is
+    /// believed.
+    fn later(&self, model: &Model, p: &[f64], noise: &ProcessNoise) -> f64 {
+        let at = |later: f64| self.value(model, p, &ProcessNoise { later, ..*noise });
+        let c = noise.later;
+        let three = (at(c - LATER), at(c), at(c + LATER));
+        let (Hold::Linear, (Some(a), Some(b), Some(d))) = (self.hold, three) else { return c };
+        let bend = a - 2.0 * b + d;
+        if bend < 0.0 { (c + 0.5 * LATER * (a - d) / bend).clamp(0.0, 1.0) } else { c }
     }
 
     /// Maximises the likelihood over the free parameters by Gauss-Newton and over the noise.
@@ -284,6 +336,7 @@ struct NoiseSearch<'a> {
     p: &'a [f64],
     rms: f64,
     step: f64,
+    later: f64,
 }
 
 impl NoiseSearch<'_> {
@@ -301,6 +354,7 @@ impl NoiseSearch<'_> {
             sigma_m: bounded(x[0], 1e-6 * self.rms, 1e2 * self.rms),
             sigma_d: 0.0,
             tau_d: 1.0,
+            later: self.later,
         };
         if let [_, d, tau] = x {
             noise.sigma_d = bounded(*d, 1e-5 * self.rms, 10.0 * self.rms);

@@ -5,6 +5,7 @@
 //! (Ornstein-Uhlenbeck: standard deviation `sigma_d`, time constant `tau_d`).
 
 mod accumulate;
+mod input_noise;
 mod likelihood;
 mod pass;
 mod standstill;
@@ -24,4 +25,8 @@ pub struct ProcessNoise {
     pub sigma_d: f64,
     /// Its time constant [s].
     pub tau_d: f64,
+    /// Weight of the later of two recorded drives in the mean drive between them: 0.5 where the
+    /// drive runs in straight lines, 0 where it is held, between where it is held for parts of a
+    /// sample (0.4 for five steps a sample), and elsewhere where rows are stamped early or late.
+    pub later: f64,
 }

@@ -4,12 +4,12 @@ use nalgebra::{DMatrix, DVector};
 
 use super::ProcessNoise;
 use super::accumulate::Information;
+use super::input_noise::InputNoise;
 use super::standstill::standstill;
 use super::step::{Covariance, Mean, Predicted, Sample, correct, move_parameters, predict};
 use crate::effects::Motion;
 use crate::model::{Linearisation, Model, ModelError};
 use crate::recording::Recording;
-use crate::simulate::Hold;
 
 /// Length of the blocks whose scores are kept apart, for errors that survive a wrong noise
 /// model [s].
@@ -97,12 +97,12 @@ pub fn prepare(recording: &Recording) -> Prepared<'_> {
 pub struct PassSettings {
     /// Process noise.
     pub noise: ProcessNoise,
-    /// The drive between samples.
-    pub hold: Hold,
     /// Whether derivatives are carried (else only the likelihood).
     pub derivatives: bool,
     /// Whether the filtered states are kept.
     pub keep_states: bool,
+    /// Whether the mean of the score that noise of the drive makes is computed; takes derivatives.
+    pub input_noise: bool,
 }
 
 /// What a pass gives.
@@ -114,6 +114,8 @@ pub struct Pass {
     pub information: DMatrix<f64>,
     /// Score of parameters and columns.
     pub score: DVector<f64>,
+    /// What noise of the recorded drive adds to the score on average, where asked for.
+    pub score_of_input_noise: DVector<f64>,
     /// Scores of blocks of 5 s.
     pub blocks: Vec<DVector<f64>>,
     /// Σ e²/S of each channel.
@@ -130,6 +132,7 @@ impl Pass {
             log_likelihood: 0.0,
             information: DMatrix::zeros(columns, columns),
             score: DVector::zeros(columns),
+            score_of_input_noise: DVector::zeros(0),
             blocks: vec![],
             squares: [0.0; 4],
             count: [0; 4],
@@ -175,6 +178,11 @@ pub fn filter_pass(
         information: Information::new(width),
         block: DVector::zeros(width),
         block_end: recording.t()[0] + BLOCK,
+        input_noise: (settings.derivatives && settings.input_noise).then(|| {
+            // a drive that acts as roughly as it was recorded leaves little to the process
+            let sigma = settings.noise.sigma_m.min(prepared.moment_noise);
+            InputNoise::new(sigma * sigma, p.len())
+        }),
         out: Pass::new(width),
     };
     for piece in recording.pieces() {
@@ -182,6 +190,9 @@ pub fn filter_pass(
     }
     run.out.blocks.push(run.block);
     (run.out.information, run.out.score) = run.information.finish();
+    if let Some(input_noise) = run.input_noise {
+        run.out.score_of_input_noise = input_noise.finish();
+    }
     Ok(run.out)
 }
 
@@ -202,6 +213,7 @@ struct Run<'a> {
     information: Information,
     block: DVector<f64>,
     block_end: f64,
+    input_noise: Option<InputNoise>,
     out: Pass,
 }
 
@@ -210,6 +222,9 @@ impl Run<'_> {
         let (mut mean, mut covariance) = self.start(piece.start);
         self.psi.iter_mut().for_each(|column| *column = [0.0; 6]);
         self.keep(&mean, &covariance);
+        if let Some(input_noise) = &mut self.input_noise {
+            input_noise.restart();
+        }
         for k in piece.start + 1..piece.end {
             let sample = self.sample(k);
             // borrow of the drive row ends before psi moves
@@ -226,6 +241,10 @@ impl Run<'_> {
             )?;
             if self.settings.derivatives {
                 self.carry(k, &sample, &predicted);
+            }
+            if let Some(input_noise) = &mut self.input_noise {
+                let (step, still) = (sample.step, sample.still);
+                input_noise.carry(self.model, &predicted, step, still, &mut self.work);
             }
             self.measure(k, &mut mean, &mut covariance);
             self.keep(&mean, &covariance);
@@ -261,10 +280,8 @@ impl Run<'_> {
         let recording = self.prepared.recording;
         let t = recording.t();
         let (m0, m1) = (self.drive[k - 1], self.drive[k]);
-        let drive = match self.settings.hold {
-            Hold::Linear => [0.5 * (m0[0] + m1[0]), 0.5 * (m0[1] + m1[1])],
-            Hold::Constant => m0,
-        };
+        let c = self.settings.noise.later;
+        let drive = [0, 1].map(|i| (1.0 - c) * m0[i] + c * m1[i]);
         let raw = recording.moment();
         let still = [0, 1].map(|i| self.prepared.still[k - 1][i] && self.prepared.still[k][i]);
         Sample {
@@ -300,10 +317,8 @@ impl Run<'_> {
                 if d.is_empty() {
                     continue;
                 }
-                *row = match self.settings.hold {
-                    Hold::Linear => [0, 1].map(|i| 0.5 * (d[k - 1][i] + d[k][i])),
-                    Hold::Constant => d[k - 1],
-                };
+                let c = self.settings.noise.later;
+                *row = [0, 1].map(|i| (1.0 - c) * d[k - 1][i] + c * d[k][i]);
             }
         }
         let by_parameter: &[[f64; 2]] = if self.acts { &self.drive_row } else { &[] };
@@ -322,6 +337,9 @@ impl Run<'_> {
                 continue;
             }
             let variance = self.prepared.variance[i];
+            if let Some(input_noise) = &mut self.input_noise {
+                input_noise.correct(i, covariance[(i, i)] + variance, covariance);
+            }
             let (e, s) =
                 correct(i, value, variance, mean, covariance, &mut self.psi, &mut self.row);
             self.out.log_likelihood -= 0.5 * ((2.0 * std::f64::consts::PI * s).ln() + e * e / s);
