@@ -67,6 +67,12 @@ pub fn candidates(model: &Model, named: &[String], recordings: &[&Recording]) ->
     }
     if recordings.iter().all(|r| r.is_single_axis()) {
         out.retain(|candidate| candidate.treats_wheels_alike(model, recordings[0]));
+        // turning effects do nothing here, and a slope of one heading is an offset
+        out.retain(|candidate| {
+            let sizes = column_size(candidate, model, recordings);
+            let largest = sizes.iter().fold(0.0_f64, |a, b| a.max(*b));
+            sizes.iter().all(|size| *size > 1e-9 * largest)
+        });
     }
     out
 }

@@ -190,10 +190,14 @@ fn accepted(best: &Ranked, likelihood: &Likelihood, settings: &Settings) -> bool
     let size: f64 =
         best.score.estimate.iter().zip(&best.score.size).map(|(e, s)| (e * s).powi(2)).sum();
     let worth = size.sqrt() > PRACTICAL * likelihood.moment_rms();
+    // the score is taken at the noise of the model without the effect, which that effect makes too
+    // large; evidence of the refit stands in for it where it is as strong twice over
+    let significant = best.score.log_significance > settings.threshold()
+        || best.evidence() > 2.0 * settings.threshold();
     worth
         && best.refit.as_ref().is_some_and(|r| r.in_range)
         && best.evidence() > EVIDENCE
-        && best.score.log_significance > settings.threshold()
+        && significant
         && crossed
 }
 

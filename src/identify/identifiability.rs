@@ -2,6 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::regressor::Regressor;
+use crate::effects::Motion;
 use crate::model::Model;
 use crate::recording::Recording;
 
@@ -13,6 +15,9 @@ pub(super) struct Identified {
     pub(super) notes: Vec<String>,
 }
 
+/// A parameter whose moment, at the speeds of the recordings, is uncertain by more than this many
+/// times the largest drive is not known.
+const HOPELESS: f64 = 1e3;
 /// Directions with less than this share of the information, after scaling, are not known.
 const WEAK: f64 = 1e-10;
 /// Directions in which noise makes this share of the columns are not known.
@@ -38,6 +43,11 @@ pub(super) fn identified(
 ) -> Identified {
     let free = model.free();
     let n = free.len();
+    let mut information = information.clone();
+    for j in hopeless(model, values, &information, given, train) {
+        information.row_mut(j).fill(0.0);
+        information.column_mut(j).fill(0.0);
+    }
     let scale: Vec<f64> = free
         .iter()
         .map(|&j| {
@@ -88,6 +98,37 @@ pub(super) fn identified(
         );
     }
     Identified { covariance, notes }
+}
+
+/// Linear parameters of which rounding is all the data hold: a column that should be zero never is
+/// quite.
+fn hopeless(
+    model: &Model,
+    values: &[f64],
+    information: &DMatrix<f64>,
+    given: Option<&DMatrix<f64>>,
+    train: &[Recording],
+) -> Vec<usize> {
+    let speed = train.iter().map(Recording::top_speed).fold(0.0, f64::max);
+    let drives = train.iter().flat_map(|r| r.moment().iter().flatten());
+    let drive = drives.fold(0.0_f64, |most, m| most.max(m.abs()));
+    let regressor = Regressor::new(model, values);
+    // a lively curve at the speeds of the recordings
+    let omega = [speed, -0.5 * speed];
+    let motion = Motion {
+        t: 0.0,
+        alpha: [0.0; 2],
+        omega,
+        variance: [0.0; 4],
+        robot: model.robot(),
+    };
+    let balance = regressor.at(&motion);
+    let wanting = |(c, &j): (usize, &usize)| {
+        let variance = given.map_or_else(|| 1.0 / information[(j, j)], |given| given[(j, j)]);
+        let column = balance.moment(c, &omega).map(f64::abs);
+        (variance.sqrt() * column[0].max(column[1]) > HOPELESS * drive).then_some(j)
+    };
+    regressor.linear.iter().enumerate().filter_map(wanting).collect()
 }
 
 /// The projection of parameters onto the directions in which columns move by more than their own

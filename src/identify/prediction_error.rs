@@ -36,6 +36,9 @@ impl Default for PredictionError {
 /// Name in experiment files.
 const NAME: &str = "prediction_error";
 
+/// Largest share of a1 by which noise of the drive may pull it and still be corrected.
+const MOST_PULL: f64 = 0.1;
+
 impl Identifier for PredictionError {
     fn describe(&self) -> MethodDescription {
         MethodDescription {
@@ -75,8 +78,20 @@ impl Identifier for PredictionError {
         };
         let mut maximum = likelihood.maximise(task.model, &first, None, NAME)?;
         let pull = likelihood.pull_of_input_noise(task.model, &maximum)?;
-        maximum.p.iter_mut().zip(pull).for_each(|(p, pull)| *p -= pull);
-        Ok(fit(task, maximum))
+        // the pull is known to first order, so a large one is not known
+        let small = pull[0].abs() < MOST_PULL * maximum.p[0].abs();
+        if small {
+            maximum.p.iter_mut().zip(pull).for_each(|(p, pull)| *p -= pull);
+        }
+        let mut fit = fit(task, maximum);
+        if !small {
+            fit.notes.push(
+                "The drive is so noisy, or so rough, that it pulls the inertias by more than can \
+                 be corrected; their intervals are too narrow."
+                    .into(),
+            );
+        }
+        Ok(fit)
     }
 }
 
