@@ -67,8 +67,8 @@ const FILES: [(&str, [(&str, &str); 6]); 6] = [
             ("alpha2", "/drive/position[1]"),
             ("dalpha1", "/drive/right/velocity"),
             ("dalpha2", "/drive/left/velocity"),
-            ("M1", "/drive/right/drive_128th"),
-            ("M2", "/drive/left/drive_128th"),
+            ("M1", "/drive/right/torque_128th"),
+            ("M2", "/drive/left/torque_128th"),
         ],
     ),
     (
@@ -152,7 +152,9 @@ fn what_is_read_from_a_file_that_was_cut_is_its_beginning() {
             // only a WPILOG may end early; a MAT has no end mark, so variables may be missing
             assert!(rows == whole.len() || name == "drive.wpilog", "{name} cut to {length}");
             assert_eq!(part.t(), &whole.t()[..rows], "{name} cut to {length}");
-            assert_eq!(part.moment(), &whole.moment()[..rows], "{name} cut to {length}");
+            // in the last row the cut may part signals that were logged at the same moment
+            let sure = rows - usize::from(rows < whole.len());
+            assert_eq!(part.moment()[..sure], whole.moment()[..sure], "{name} cut to {length}");
         }
     }
 }

@@ -31,7 +31,7 @@ def wpilog():
     right = wpi.FloatLogEntry(log, "/drive/right/velocity", start)
     left = wpi.DoubleLogEntry(log, "/drive/left/velocity", '{"unit": "rad/s"}', start)
     # twice as slow, and behind the others
-    drives = [wpi.IntegerLogEntry(log, f"/drive/{side}/drive_128th", start) for side in ("right", "left")]
+    drives = [wpi.IntegerLogEntry(log, f"/drive/{side}/torque_128th", start) for side in ("right", "left")]
     enabled = wpi.BooleanLogEntry(log, "/enabled", start)
     note = wpi.StringLogEntry(log, "/note", start)
     fast = wpi.IntegerLogEntry(log, "/fast", start)

@@ -13,8 +13,8 @@ fn a_log_by_wpilib_is_read_to_the_last_digit() {
             ("alpha2", "/drive/position[1]", 1.0),
             ("dalpha1", "/drive/right/velocity", 1.0),
             ("dalpha2", "/drive/left/velocity", 1.0),
-            ("M1", "/drive/right/drive_128th", 1.0 / 128.0),
-            ("M2", "/drive/left/drive_128th", 1.0 / 128.0),
+            ("M1", "/drive/right/torque_128th", 1.0 / 128.0),
+            ("M2", "/drive/left/torque_128th", 1.0 / 128.0),
         ],
     );
     assert_eq!(r.len(), ROWS);
@@ -36,8 +36,8 @@ fn every_entry_of_numbers_is_a_column() {
         "/drive/position[1]",
         "/drive/right/velocity",
         "/drive/left/velocity",
-        "/drive/right/drive_128th",
-        "/drive/left/drive_128th",
+        "/drive/right/torque_128th",
+        "/drive/left/torque_128th",
         "/enabled",
         "/fast",
     ];
