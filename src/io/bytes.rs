@@ -30,9 +30,9 @@ impl Damage {
         Self { place: format!("{}, {what}", self.place), ..self }
     }
 
-    pub(super) fn in_file(self, path: &Path, format: &str) -> IoError {
+    pub(super) fn in_file(self, path: &Path, format: &'static str) -> IoError {
         let Self { place, expected, found } = self;
-        IoError::Damaged { file: shown(path), format: format.into(), place, expected, found }
+        IoError::Damaged { file: shown(path), format, place, expected, found }
     }
 }
 

@@ -179,7 +179,7 @@ pub enum IoError {
         /// File.
         file: String,
         /// WPILOG, MCAP, MAT or SysId JSON.
-        format: String,
+        format: &'static str,
         /// Byte, entry or message.
         place: String,
         /// What had to stand there.
@@ -193,7 +193,7 @@ pub enum IoError {
         /// File.
         file: String,
         /// WPILOG, MCAP or MAT.
-        format: String,
+        format: &'static str,
         /// What is looked for.
         needed: String,
         /// What is there.
@@ -287,9 +287,9 @@ impl IoError {
     }
 
     /// A file that holds nothing of what is needed.
-    pub(super) fn nothing(path: &Path, format: &str, needed: &str, found: &str) -> Self {
+    pub(super) fn nothing(path: &Path, format: &'static str, needed: &str, found: &str) -> Self {
         let found = shortened(found);
-        Self::Nothing { file: shown(path), format: format.into(), needed: needed.into(), found }
+        Self::Nothing { file: shown(path), format, needed: needed.into(), found }
     }
 
     pub(super) fn system(file: &Path, e: &std::io::Error) -> Self {

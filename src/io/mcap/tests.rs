@@ -131,3 +131,24 @@ fn a_bag_without_joint_states_says_what_it_holds() {
     let e = refused("x.mcap", &bytes[..bytes.len() / 2]);
     assert!(e.contains("x.mcap cannot be read as MCAP") && e.contains("mcap recover"), "{e}");
 }
+
+proptest::proptest! {
+    #![proptest_config(proptest::prelude::ProptestConfig::with_cases(5000))]
+
+    // checksums keep most changes of a whole file from getting this far
+    #[test]
+    fn a_changed_message_is_read_or_refused(
+        edits in proptest::collection::vec((0_usize..100, proptest::num::u8::ANY), 0..8),
+        big_endian in proptest::bool::ANY,
+    ) {
+        let mut bytes = message(big_endian);
+        for (at, byte) in edits {
+            let place = at % bytes.len();
+            bytes[place] = byte;
+        }
+        if let Ok(state) = joint_state(&bytes) {
+            let numbers = state.fields.iter().map(Vec::len).sum::<usize>();
+            proptest::prop_assert!(8 * numbers + 5 * state.joints.len() <= bytes.len());
+        }
+    }
+}
