@@ -49,7 +49,7 @@ struct Run {
 enum Command {
     /// Look at recordings and write a ready, commented experiment file.
     New {
-        /// Recordings (CSV or Parquet); the last of several becomes the validation recording.
+        /// Recordings (CSV, Parquet, WPILOG, MCAP, MAT, SysId); the last of several becomes the validation recording.
         #[arg(required = true, value_name = "RECORDING")]
         recordings: Vec<PathBuf>,
         /// The file to write; the name of the first recording unless given.

@@ -21,6 +21,9 @@ const ANGLE: [&str; 6] = ["alpha", "angle", "position", "pos", "theta", "enc"];
 const SPEED: [&str; 8] = ["dalpha", "omega", "velocity", "speed", "vel", "rpm", "w", "wheel_speed"];
 const DRIVE: [&str; 10] =
     ["M", "moment", "torque", "tau", "effort", "current", "i", "voltage", "volt", "V"];
+/// Words of a name that is what the robot was told and not what it did.
+const WISHED: [&str; 8] =
+    ["command", "commands", "cmd", "target", "setpoint", "reference", "desired", "goal"];
 const RIGHT: [&str; 5] = ["1", "_1", "_r", "_right", "right"];
 const LEFT: [&str; 5] = ["2", "_2", "_l", "_left", "left"];
 
@@ -35,12 +38,13 @@ pub(super) fn guess(names: &[String]) -> Guess {
     put("t", TIME.iter().find_map(|w| find(names, |n| n == *w)));
     let sides = [("alpha1", "alpha2", &ANGLE[..]), ("dalpha1", "dalpha2", &SPEED[..])];
     for (right, left, words) in sides {
-        put(right, side(names, words, &RIGHT));
-        put(left, side(names, words, &LEFT));
+        let [r, l] = sides_of(names, words, false);
+        put(right, r);
+        put(left, l);
     }
-    let drive = side(names, &DRIVE, &RIGHT);
+    let [drive, other] = sides_of(names, &DRIVE, true);
     put("M1", drive);
-    put("M2", side(names, &DRIVE, &LEFT));
+    put("M2", other);
     let drive_unit = drive.map_or(DriveUnit::NewtonMetre, |n| drive_unit(n));
     Guess { columns, drive_unit }
 }
@@ -62,6 +66,59 @@ fn side<'a>(names: &'a [String], words: &[&str], ends: &[&str]) -> Option<&'a St
             find(names, |n| n == format!("{word}{end}") || n == format!("{trimmed}_{word}"))
         })
     })
+}
+
+/// The names of a quantity at the right and at the left wheel: short names such as `vel_r`, or
+/// else a pair of long ones that differ in the side only, such as `/drive/right_wheel.velocity`.
+fn sides_of<'a>(names: &'a [String], words: &[&str], wished: bool) -> [Option<&'a String>; 2] {
+    let short = [side(names, words, &RIGHT), side(names, words, &LEFT)];
+    if short.iter().any(Option::is_some) {
+        return short;
+    }
+    // a letter alone says too little inside a long name
+    let words = words.iter().map(|w| w.to_lowercase()).filter(|w| w.len() > 1);
+    let told = |p: &[String]| p.iter().any(|part| WISHED.contains(&part.as_str()));
+    let parts = names.iter().map(|n| (n, parts(n)));
+    let parts: Vec<_> = parts.filter(|(_, p)| wished || !told(p)).collect();
+    for word in words {
+        let says = |part: &String| *part == word || part.strip_suffix('s') == Some(&word);
+        let mut fits: Vec<_> = parts.iter().filter(|(_, p)| p.iter().any(says)).collect();
+        fits.sort_by_key(|(_, p)| p.len());
+        for (right, p) in &fits {
+            let mirror: Vec<&str> = p.iter().map(|part| mirrored(part)).collect();
+            let left = fits.iter().find(|(_, q)| *q == mirror && q != p);
+            if let Some((left, _)) = left {
+                return [Some(*right), Some(*left)];
+            }
+        }
+    }
+    [None, None]
+}
+
+/// The part of a name that stands for the left where this one stands for the right.
+fn mirrored(part: &str) -> &str {
+    match part {
+        "right" => "left",
+        "r" => "l",
+        _ => part,
+    }
+}
+
+/// The words that a name is made of, `/drive/LeftVelocity[0]` of drive, left, velocity and 0.
+fn parts(name: &str) -> Vec<String> {
+    let mut out = vec![String::new()];
+    let mut lower = false;
+    for c in name.chars() {
+        if !c.is_alphanumeric() || (lower && c.is_uppercase()) {
+            out.push(String::new());
+        }
+        lower = c.is_lowercase();
+        if let (true, Some(last)) = (c.is_alphanumeric(), out.last_mut()) {
+            last.extend(c.to_lowercase());
+        }
+    }
+    out.retain(|part| !part.is_empty());
+    out
 }
 
 /// The unit that a name states, where it is not that of the contract.
@@ -172,5 +229,39 @@ mod tests {
         let g = guess(&names);
         assert_eq!(g.drive_unit, DriveUnit::Volt);
         assert_eq!(g.columns.len(), 7);
+    }
+
+    #[test]
+    fn long_names_of_logs_are_guessed_in_pairs_that_differ_in_the_side_only() {
+        let names = [
+            "t",
+            "/commands/wheel_left.velocity",
+            "/commands/wheel_right.velocity",
+            "/commands/wheel_left.effort",
+            "/commands/wheel_right.effort",
+            "/states/arm_right.position",
+            "/states/wheel_left.velocity",
+            "/states/wheel_right.velocity",
+        ];
+        let g = guess(&names.map(String::from));
+        let found: Vec<_> = g.columns.iter().map(|(key, name, _)| (*key, name.as_str())).collect();
+        let expected = [
+            ("t", names[0]),
+            ("dalpha1", names[7]),
+            ("dalpha2", names[6]),
+            ("M1", names[4]),
+            ("M2", names[3]),
+        ];
+        assert_eq!(found, expected);
+        let names = [
+            "t",
+            "/Drive/LeftVelocityRadPerSec",
+            "/Drive/RightVelocityRadPerSec",
+            "/Drive/LeftAppliedVolts",
+            "/Drive/RightAppliedVolts",
+        ];
+        let g = guess(&names.map(String::from));
+        assert_eq!((g.columns[3].1.as_str(), g.drive_unit), (names[4], DriveUnit::Volt));
+        assert_eq!(g.columns[1].1, names[2]);
     }
 }

@@ -84,7 +84,7 @@ pub enum IoError {
     Format {
         /// File.
         file: String,
-        /// CSV or Parquet.
+        /// Its name.
         format: String,
         /// What the reader says.
         reason: String,
@@ -171,6 +171,70 @@ pub enum IoError {
         /// Names in the header.
         expected: usize,
     },
+    /// A binary file that breaks the rules of its format.
+    #[error(
+        "{file} is damaged or no {format} file: {place}: expected {expected}, found {found}; copy it again from where it was recorded"
+    )]
+    Damaged {
+        /// File.
+        file: String,
+        /// WPILOG, MCAP, MAT or SysId JSON.
+        format: &'static str,
+        /// Byte, entry or message.
+        place: String,
+        /// What had to stand there.
+        expected: String,
+        /// What stands there.
+        found: String,
+    },
+    /// A file of a known format without anything to use.
+    #[error("{file}: there are no {needed} in this {format} file; it holds: {found}")]
+    Nothing {
+        /// File.
+        file: String,
+        /// WPILOG, MCAP or MAT.
+        format: &'static str,
+        /// What is looked for.
+        needed: String,
+        /// What is there.
+        found: String,
+    },
+    /// A name that says another format than the content.
+    #[error("{file} is in another format than its name says; rename it to end in .{extension}")]
+    OtherFormat {
+        /// File.
+        file: String,
+        /// The one that fits.
+        extension: String,
+    },
+    /// Signals that have no time in common.
+    #[error(
+        "{file}: `{late}` begins after the last value of `{early}`, so no row holds both; name other columns"
+    )]
+    Apart {
+        /// File.
+        file: String,
+        /// The signal that begins last.
+        late: String,
+        /// The one that gives the rows.
+        early: String,
+    },
+    /// Vectors that cannot stand side by side.
+    #[error(
+        "{file}: `{column}` has {length} values and `{other}` has {others}; name columns of the same length"
+    )]
+    Unequal {
+        /// File.
+        file: String,
+        /// One column.
+        column: String,
+        /// Its length.
+        length: usize,
+        /// The column that is named first.
+        other: String,
+        /// Its length.
+        others: usize,
+    },
     /// The columns do not make a recording.
     #[error("{error}{}", in_file(*line))]
     Recording {
@@ -187,6 +251,15 @@ fn in_file(line: Option<usize>) -> String {
 
 fn quoted(text: &str) -> String {
     if text.is_empty() { "missing".into() } else { format!("`{text}`") }
+}
+
+/// A list as messages show it: logs of robots hold hundreds of names.
+pub(super) fn shortened(list: &str) -> String {
+    const MOST: usize = 2000;
+    match list.char_indices().nth(MOST) {
+        Some((end, _)) => format!("{}…", &list[..end]),
+        None => list.into(),
+    }
 }
 
 /// A path as messages show it.
@@ -211,6 +284,12 @@ impl IoError {
     ) -> Self {
         let text = text.chars().take(40).collect();
         Self::NotANumber { file: shown(path), row, line, column: column.into(), text }
+    }
+
+    /// A file that holds nothing of what is needed.
+    pub(super) fn nothing(path: &Path, format: &'static str, needed: &str, found: &str) -> Self {
+        let found = shortened(found);
+        Self::Nothing { file: shown(path), format, needed: needed.into(), found }
     }
 
     pub(super) fn system(file: &Path, e: &std::io::Error) -> Self {

@@ -1,13 +1,20 @@
 //! The only room that touches files: recordings, text, result folders.
 
+mod bytes;
 mod columns;
 mod csv;
 mod error;
 mod folder;
+mod format;
 mod journal;
+mod mat;
+mod mcap;
 mod recording;
+mod signals;
 mod summary;
+mod sysid;
 mod table;
+mod wpilog;
 
 pub use columns::{Column, ColumnMap};
 pub use error::IoError;
@@ -16,3 +23,6 @@ pub use journal::Journal;
 pub use recording::{Headers, headers, read_recording};
 pub use summary::{group_rows, read_parquet_table, write_csv_table};
 pub use table::{TableColumn, write_csv, write_parquet_table};
+
+#[cfg(test)]
+mod tests;

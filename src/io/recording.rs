@@ -1,4 +1,4 @@
-//! A recording from a CSV or Parquet file.
+//! A recording from a file of any format that is read.
 
 use std::fs::File;
 use std::path::Path;
@@ -7,8 +7,10 @@ use polars::prelude::{DataFrame, DataType, ParquetReader, PolarsError, SerReader
 
 use super::columns::CONTRACT;
 use super::csv::{self, Layout};
-use super::error::{format_error, shown};
-use super::{ColumnMap, IoError, sha256};
+use super::error::{format_error, shortened, shown};
+use super::format::Format;
+use super::signals::{Signals, frame};
+use super::{ColumnMap, IoError, mat, mcap, sha256, sysid, wpilog};
 use crate::recording::{Channels, DriveUnit, Recording, RecordingError};
 
 /// Columns of a file.
@@ -16,34 +18,56 @@ use crate::recording::{Channels, DriveUnit, Recording, RecordingError};
 pub struct Headers {
     /// Names, in order.
     pub names: Vec<String>,
-    /// How a text file is laid out; `None` for Parquet.
-    layout: Option<Layout>,
+    source: Source,
+}
+
+/// Where the values of the columns are.
+#[derive(Clone, Debug, PartialEq)]
+enum Source {
+    /// In the lines of a text.
+    Text(Layout),
+    Parquet,
+    /// Already read, each with its own stamps.
+    Signals(Signals),
+    /// Already read.
+    Columns(Vec<(String, Vec<f64>)>),
 }
 
 /// A time beyond this is that of a calendar and not of the recording [s].
 const CALENDAR: f64 = 1e6;
 
-/// The names of the columns of a CSV or Parquet file.
+/// The names of the columns of a file. The ending of its name says the format: `.parquet`,
+/// `.wpilog`, `.mcap`, `.mat`, `.json` (SysId), and CSV for any other.
 ///
 /// # Errors
-/// A directory, an empty file, or one that cannot be read.
+/// A directory, an empty file, one that cannot be read, or one whose content is of another format.
 pub fn headers(path: &Path) -> Result<Headers, IoError> {
     if path.is_dir() {
         return Err(IoError::Directory { file: shown(path) });
     }
-    if !is_parquet(path) {
-        let layout = csv::layout(path)?;
-        return Ok(Headers { names: layout.names.clone(), layout: Some(layout) });
-    }
+    let signals = |signals: Signals| (signals.names(), Source::Signals(signals));
+    let columns = |columns: Vec<(String, Vec<f64>)>| {
+        (columns.iter().map(|(name, _)| name.clone()).collect(), Source::Columns(columns))
+    };
+    let (names, source) = match Format::of(path)? {
+        Format::Csv => {
+            let layout = csv::layout(path)?;
+            (layout.names.clone(), Source::Text(layout))
+        }
+        Format::Parquet => (parquet_names(path)?, Source::Parquet),
+        Format::Wpilog => signals(wpilog::read(path)?),
+        Format::Mcap => signals(mcap::read(path)?),
+        Format::Mat => columns(mat::read(path)?),
+        Format::SysId => columns(sysid::read(path)?),
+    };
+    Ok(Headers { names, source })
+}
+
+fn parquet_names(path: &Path) -> Result<Vec<String>, IoError> {
     let file = File::open(path).map_err(|e| IoError::system(path, &e))?;
     let schema =
         ParquetReader::new(file).schema().map_err(|e| format_error(path, "Parquet", &e))?;
-    let names = schema.iter_names().map(ToString::to_string).collect();
-    Ok(Headers { names, layout: None })
-}
-
-fn is_parquet(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("parquet"))
+    Ok(schema.iter_names().map(ToString::to_string).collect())
 }
 
 /// Reads a recording: the columns of the contract under the names and units of `columns`; others
@@ -66,9 +90,11 @@ pub fn read_recording(
     {
         return Err(IoError::RepeatedColumn { file: shown(path), column: twice.clone() });
     }
-    let frame = match &headers.layout {
-        Some(layout) => csv::read(path, layout, &names)?,
-        None => read_parquet(path, names)?,
+    let frame = match &headers.source {
+        Source::Text(layout) => csv::read(path, layout, &names)?,
+        Source::Parquet => read_parquet(path, names)?,
+        Source::Signals(signals) => signals.frame(path, &names)?,
+        Source::Columns(columns) => side_by_side(path, columns, &names)?,
     };
     if frame.height() == 0 {
         return Err(IoError::HeaderOnly { file: shown(path) });
@@ -81,7 +107,9 @@ pub fn read_recording(
             | RecordingError::NotFinite { row, .. } => Some(*row),
             _ => None,
         };
-        let line = row.filter(|_| headers.layout.is_some()).and_then(|r| csv::line_of(path, r));
+        let line = row
+            .filter(|_| matches!(headers.source, Source::Text(_)))
+            .and_then(|r| csv::line_of(path, r));
         IoError::Recording { error, line }
     })?;
     Ok((recording, sha256(path)?))
@@ -98,6 +126,26 @@ fn read_parquet(path: &Path, names: Vec<String>) -> Result<DataFrame, IoError> {
         reason: "its data are damaged; write it again".into(),
     };
     read.map_err(damaged)?.map_err(|e| format_error(path, "Parquet", &e))
+}
+
+/// The columns of those names, which must have the same length.
+fn side_by_side(
+    path: &Path,
+    columns: &[(String, Vec<f64>)],
+    names: &[String],
+) -> Result<DataFrame, IoError> {
+    let wanted: Vec<_> = columns.iter().filter(|(name, _)| names.contains(name)).collect();
+    let unequal = wanted.iter().find(|(_, v)| v.len() != wanted[0].1.len());
+    if let Some((column, values)) = unequal {
+        return Err(IoError::Unequal {
+            file: shown(path),
+            column: column.clone(),
+            length: values.len(),
+            other: wanted[0].0.clone(),
+            others: wanted[0].1.len(),
+        });
+    }
+    frame(path, wanted.into_iter().map(|(name, values)| (name.as_str(), values.clone())))
 }
 
 fn channels(
@@ -153,13 +201,20 @@ fn conversion(
 
 /// The name without the unit behind it.
 fn bare(name: &str) -> &str {
-    name.split(['[', '(']).next().unwrap_or(name).trim()
+    if is_element(name) { name } else { name.split(['[', '(']).next().unwrap_or(name).trim() }
 }
 
 /// The unit in brackets behind a name.
 fn bracketed(name: &str) -> Option<&str> {
     let (_, unit) = name.trim_end_matches([']', ')']).split_once(['[', '('])?;
-    Some(unit.trim()).filter(|u| !u.is_empty())
+    Some(unit.trim()).filter(|u| !u.is_empty() && !is_element(name))
+}
+
+/// Whether the brackets behind a name hold an index, as in `name[0]` and `name(:,1)`.
+fn is_element(name: &str) -> bool {
+    let inner = name.strip_suffix([']', ')']).and_then(|n| n.rsplit_once(['[', '(']));
+    let index = |c: char| c.is_ascii_digit() || c == ':' || c == ',';
+    inner.is_some_and(|(_, i)| !i.is_empty() && i.chars().all(index))
 }
 
 /// Contract column and its name in the file, for those that are there; t and the drives must be,
@@ -210,11 +265,11 @@ fn missing(path: &Path, headers: &Headers, key: &str, name: &str) -> IoError {
         column: name.into(),
         key: key.into(),
         near,
-        present: headers.names.join(", "),
+        present: shortened(&headers.names.join(", ")),
     }
 }
 
-/// A column of a frame as numbers; Parquet may hold whole numbers or text.
+/// A column of a frame as numbers; a file of Parquet may hold whole numbers or text.
 fn numbers(path: &Path, frame: &DataFrame, name: &str) -> Result<Vec<f64>, IoError> {
     let wrong = |e: PolarsError| format_error(path, "table", &e);
     let broken = |k: usize, text: &str| IoError::not_a_number(path, k + 1, None, name, text);

@@ -20,8 +20,10 @@ const ORDER: [&str; 12] = [
 ];
 
 /// External crates and the only places that may name them.
-const FENCES: [(&str, &[&str]); 7] = [
+const FENCES: [(&str, &[&str]); 9] = [
     ("polars", &["src/io/"]),
+    ("mcap", &["src/io/"]),
+    ("flate2", &["src/io/"]),
     ("std::fs", &["src/io/", "src/bin/"]),
     ("plotters", &["src/report/plot/", "src/report/plot.rs"]),
     ("argmin", &["src/identify/", "src/math/"]),

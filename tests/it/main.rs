@@ -4,6 +4,7 @@
 
 mod bad_input;
 mod face;
+mod formats;
 mod layering;
 mod recordings;
 mod support;

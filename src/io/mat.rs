@@ -1,0 +1,220 @@
+//! MATLAB files of level 5, as `save` writes them with `-v6` and `-v7`.
+//!
+//! A vector of numbers is a column under its name; a matrix is one column for each of its columns,
+//! `name(:,1)`, `name(:,2)`, or, where it is wider than high, for each of its rows, `name(1,:)`.
+//! Single numbers, complex and sparse matrices, text, cells and structures are no columns.
+//!
+//! ```text
+//! file    = text:116 bytes  8 bytes  version:u16  "IM" or "MI"  element*
+//! element = type:u32 size:u32 data, filled up to 8 bytes | size:u16 type:u16 data:4 bytes
+//! matrix  = type 14: flags and class, dimensions, name, real part, [imaginary part]
+//! type 15 = an element compressed by zlib
+//! ```
+//! Source: MathWorks, MAT-File Format, 2019, chapter 1.
+
+use std::io::Read;
+use std::path::Path;
+
+use flate2::read::ZlibDecoder;
+
+use super::IoError;
+use super::bytes::{Bytes, Damage, Number};
+use super::error::shown;
+
+const HEADER: usize = 128;
+const MATRIX: u32 = 14;
+const COMPRESSED: u32 = 15;
+/// Compressed variables of a file unfold to at most this much [bytes].
+const MOST_BYTES: usize = 1 << 30;
+/// Matrices with more columns are no recordings.
+const MOST_COLUMNS: usize = 64;
+
+/// A column with its name.
+type Column = (String, Vec<f64>);
+
+/// A variable of the file.
+struct Variable {
+    name: String,
+    class: &'static str,
+    columns: Vec<Column>,
+}
+
+pub(super) fn read(path: &Path) -> Result<Vec<Column>, IoError> {
+    let all = std::fs::read(path).map_err(|e| IoError::system(path, &e))?;
+    let big_endian = header(path, &all)?;
+    let variables = variables(&all, big_endian).map_err(|d| d.in_file(path, "MAT"))?;
+    let kinds: Vec<String> =
+        variables.iter().map(|v| format!("{} ({})", v.name, v.class)).collect();
+    let columns: Vec<Column> = variables.into_iter().flat_map(|v| v.columns).collect();
+    if columns.is_empty() {
+        let found = if kinds.is_empty() { "none".into() } else { kinds.join(", ") };
+        let needed = "vectors of numbers (save the fields of a structure s with \
+                      save(file, '-struct', 's', '-v7'))";
+        return Err(IoError::nothing(path, "MAT", needed, &found));
+    }
+    Ok(columns)
+}
+
+/// Whether numbers have their high byte first.
+fn header(path: &Path, all: &[u8]) -> Result<bool, IoError> {
+    let old = |reason: &str| {
+        let reason = format!("{reason}; save it with save(file, …, '-v7') or '-v6'");
+        Err(IoError::Format { file: shown(path), format: "MAT".into(), reason })
+    };
+    let hdf5 = |at: usize| all.get(at..).is_some_and(|b| b.starts_with(b"\x89HDF\r\n\x1a\n"));
+    if all.starts_with(b"MATLAB 7.3") || hdf5(0) || hdf5(512) {
+        return old("it is of version 7.3 (HDF5), which this program does not read");
+    }
+    match all.get(HEADER - 4..HEADER) {
+        Some([0, 1, b'I', b'M']) => Ok(false),
+        Some([1, 0, b'M', b'I']) => Ok(true),
+        _ => old("bytes 124 to 127 do not say level 5"),
+    }
+}
+
+fn variables(all: &[u8], big_endian: bool) -> Result<Vec<Variable>, Damage> {
+    let mut bytes = Bytes::ordered(all, big_endian);
+    bytes.take(HEADER, "header")?;
+    let mut variables = vec![];
+    let mut room = MOST_BYTES;
+    while bytes.left() > 0 {
+        let start = bytes.at();
+        let here =
+            |d: Damage| Damage { place: format!("the variable at byte {start}, {}", d.place), ..d };
+        let (kind, data) = element(&mut bytes, "a variable")?;
+        let variable = match kind {
+            MATRIX => matrix(data, big_endian).map_err(here)?,
+            COMPRESSED => {
+                let unfolded = unfold(data, room).map_err(here)?;
+                room -= unfolded.len();
+                let mut inner = Bytes::ordered(&unfolded, big_endian);
+                match element(&mut inner, "a variable").map_err(here)? {
+                    (MATRIX, data) => matrix(data, big_endian).map_err(here)?,
+                    _ => None,
+                }
+            }
+            _ => None,
+        };
+        variables.extend(variable);
+    }
+    Ok(variables)
+}
+
+/// The next element: its type and its data.
+fn element<'a>(bytes: &mut Bytes<'a>, what: &str) -> Result<(u32, &'a [u8]), Damage> {
+    let tag = bytes.u32(what)?;
+    if tag >> 16 != 0 {
+        let size = (tag >> 16) as usize;
+        let data = bytes.take(4, what)?;
+        let place = || format!("byte {}", bytes.at() - 8);
+        let data = data.get(..size).ok_or_else(|| {
+            Damage::new(place(), format!("at most 4 bytes of {what}"), format!("{size}"))
+        })?;
+        return Ok((tag & 0xffff, data));
+    }
+    let size = bytes.u32(what)? as usize;
+    let data = bytes.take(size, what)?;
+    if tag != COMPRESSED {
+        bytes.align(8);
+    }
+    Ok((tag, data))
+}
+
+fn unfold(data: &[u8], room: usize) -> Result<Vec<u8>, Damage> {
+    let mut out = vec![];
+    let count = ZlibDecoder::new(data).take(room as u64 + 1).read_to_end(&mut out);
+    count.map_err(|e| Damage::new("its data", "data compressed by zlib", e.to_string()))?;
+    if out.len() > room {
+        let expected = format!("at most {} MiB in the file", MOST_BYTES >> 20);
+        return Err(Damage::new("its data", expected, "more"));
+    }
+    Ok(out)
+}
+
+/// A variable; `None` for one without a name, as MATLAB keeps for itself.
+fn matrix(data: &[u8], big_endian: bool) -> Result<Option<Variable>, Damage> {
+    let mut bytes = Bytes::ordered(data, big_endian);
+    let (_, flags) = element(&mut bytes, "array flags")?;
+    let flags = Bytes::ordered(flags, big_endian).u32("array flags")?;
+    let (_, size) = element(&mut bytes, "dimensions")?;
+    let size: Vec<usize> =
+        size.chunks_exact(4).map(|d| Number::Unsigned(4).value(d, big_endian) as usize).collect();
+    let (_, name) = element(&mut bytes, "name")?;
+    let name = String::from_utf8_lossy(name).into_owned();
+    if name.is_empty() {
+        return Ok(None);
+    }
+    let class = class(flags);
+    let mut variable = Variable { name, class, columns: vec![] };
+    if let [rows, columns] = size[..]
+        && class == NUMERIC
+    {
+        let place = format!("variable `{}`", variable.name);
+        let values = numbers(&mut bytes, rows, columns, &place)?;
+        variable.columns = split(&variable.name, rows, columns, values);
+    }
+    Ok(Some(variable))
+}
+
+const NUMERIC: &str = "numbers";
+
+fn class(flags: u32) -> &'static str {
+    match flags & 0xff {
+        6..=15 if flags & 0x0800 != 0 => "complex",
+        6..=15 => NUMERIC,
+        1 => "cell",
+        2 => "struct",
+        4 => "text",
+        5 => "sparse",
+        _ => "object",
+    }
+}
+
+/// The real part, column after column; MATLAB stores it in the smallest type that holds it.
+fn numbers(
+    bytes: &mut Bytes,
+    rows: usize,
+    columns: usize,
+    place: &str,
+) -> Result<Vec<f64>, Damage> {
+    let (kind, data) = element(bytes, "numbers").map_err(|d| d.of(place))?;
+    let number = match kind {
+        1 => Number::Signed(1),
+        2 => Number::Unsigned(1),
+        3 => Number::Signed(2),
+        4 => Number::Unsigned(2),
+        5 => Number::Signed(4),
+        6 => Number::Unsigned(4),
+        7 => Number::Float,
+        9 => Number::Double,
+        12 => Number::Signed(8),
+        13 => Number::Unsigned(8),
+        _ => return Err(Damage::new(place, "a type of numbers", format!("type {kind}"))),
+    };
+    if rows.checked_mul(columns).and_then(|n| n.checked_mul(number.size())) != Some(data.len()) {
+        let expected = format!("{rows} x {columns} numbers of {} bytes", number.size());
+        return Err(Damage::new(place, expected, format!("{} bytes", data.len())));
+    }
+    let values = data.chunks_exact(number.size());
+    Ok(values.map(|b| number.value(b, bytes.big_endian)).collect())
+}
+
+/// A matrix, stored column after column, as columns of a recording.
+fn split(name: &str, rows: usize, columns: usize, values: Vec<f64>) -> Vec<Column> {
+    let (long, short) = (rows.max(columns), rows.min(columns));
+    if long < 2 || short == 0 || short > MOST_COLUMNS {
+        return vec![];
+    }
+    if short == 1 {
+        return vec![(name.into(), values)];
+    }
+    if rows >= columns {
+        let each = values.chunks_exact(rows).enumerate();
+        return each.map(|(j, v)| (format!("{name}(:,{})", j + 1), v.to_vec())).collect();
+    }
+    let row = |i: usize| values.iter().skip(i).step_by(rows).copied().collect();
+    (0..rows).map(|i| (format!("{name}({},:)", i + 1), row(i))).collect()
+}
+
+#[cfg(test)]
+mod tests;

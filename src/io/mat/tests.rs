@@ -1,0 +1,132 @@
+//! Files by SciPy, and what they do not hold.
+
+use super::*;
+use crate::io::tests::{ROWS, data, drive, position, recording, refused, time, velocity};
+use crate::io::{IoError, headers, read_recording};
+use crate::recording::DriveUnit;
+
+const COLUMNS: [(&str, &str, f64); 6] = [
+    ("alpha1", "q(:,1)", 1.0),
+    ("alpha2", "q(:,2)", 1.0),
+    ("dalpha1", "dq(1,:)", 1.0),
+    ("dalpha2", "dq(2,:)", 1.0),
+    ("M1", "tau_128th(:,1)", 1.0 / 128.0),
+    ("M2", "tau_128th(:,2)", 1.0 / 128.0),
+];
+
+#[test]
+fn files_by_scipy_are_read_to_the_last_digit() {
+    for name in ["v6.mat", "v7.mat"] {
+        let r = recording(name, &COLUMNS);
+        assert_eq!(r.len(), ROWS);
+        for k in 0..ROWS {
+            assert_eq!(r.t()[k], time(k), "{name}, row {k}");
+            assert_eq!((r.alpha()[k], r.omega()[k]), (position(k), velocity(k)), "{name}, row {k}");
+            assert_eq!(r.moment()[k], drive(k), "{name}, row {k}");
+        }
+    }
+}
+
+#[test]
+fn vectors_and_matrices_of_numbers_are_columns_and_nothing_else() {
+    let names = headers(&data("v7.mat")).unwrap().names;
+    let expected = [
+        "t",
+        "q(:,1)",
+        "q(:,2)",
+        "dq(1,:)",
+        "dq(2,:)",
+        "tau_128th(:,1)",
+        "tau_128th(:,2)",
+        "on",
+        "short",
+    ];
+    assert_eq!(names, expected);
+    assert_eq!(headers(&data("v6.mat")).unwrap().names, expected);
+}
+
+#[test]
+fn vectors_of_different_length_are_refused_by_name() {
+    let unit = DriveUnit::NewtonMetre;
+    let mut columns = COLUMNS.to_vec();
+    columns[5].1 = "short";
+    let map = crate::io::tests::map(unit, &columns);
+    let e = read_recording(&data("v7.mat"), &map, unit).unwrap_err();
+    assert!(matches!(e, IoError::Unequal { length: 5, others: 60, .. }), "{e}");
+    assert!(e.to_string().contains("`short` has 5 values and `t` has 60"), "{e}");
+}
+
+#[test]
+fn other_versions_are_refused_with_how_to_save() {
+    let mut v73 = b"MATLAB 7.3 MAT-file, Platform: GLNXA64, Created on: ".to_vec();
+    v73.resize(512, 0);
+    v73[124..128].copy_from_slice(&[0, 2, b'I', b'M']);
+    v73.extend(b"\x89HDF\r\n\x1a\n");
+    for bytes in [&v73[..], &v73[512..]] {
+        let e = refused("x.mat", bytes);
+        assert!(e.contains("version 7.3 (HDF5)") && e.contains("'-v7') or '-v6'"), "{e}");
+    }
+    // level 4 begins with the type of the first matrix
+    let e = refused("x.mat", &[0; 200]);
+    assert!(e.contains("do not say level 5") && e.contains("'-v7'"), "{e}");
+}
+
+/// A file with one variable `x` of this class, size and data, in either order of bytes.
+fn file(class: u32, size: [u32; 2], kind: u32, data: &[u8], big_endian: bool) -> Vec<u8> {
+    let int = |n: u32| if big_endian { n.to_be_bytes() } else { n.to_le_bytes() };
+    let mut body = [6, 8, class, 0, 5, 8, size[0], size[1]].map(int).concat();
+    // the name in the short form: size and type in one word
+    body.extend(int(1 << 16 | 1));
+    body.extend(b"x\0\0\0");
+    body.extend([kind, data.len() as u32].map(int).concat());
+    body.extend(data);
+    body.resize(body.len().next_multiple_of(8), 0);
+    let mut out = vec![b' '; 124];
+    out.extend(if big_endian { [1, 0, b'M', b'I'] } else { [0, 1, b'I', b'M'] });
+    out.extend([14, body.len() as u32].map(int).concat());
+    out.extend(body);
+    out
+}
+
+fn columns(bytes: &[u8], big_endian: bool) -> Vec<Column> {
+    variables(bytes, big_endian).unwrap().into_iter().flat_map(|v| v.columns).collect()
+}
+
+#[test]
+fn numbers_are_read_from_the_smallest_type_that_matlab_stores_them_in() {
+    // a vector of doubles stored as signed 16 bits, from the high byte on
+    let bytes = file(6, [3, 1], 3, &[0, 1, 0xff, 0xfe, 1, 0], true);
+    assert_eq!(columns(&bytes, true), [("x".to_string(), vec![1.0, -2.0, 256.0])]);
+    let bytes = file(6, [1, 3], 1, &[1, 0xff, 0x80], false);
+    assert_eq!(columns(&bytes, false), [("x".to_string(), vec![1.0, -1.0, -128.0])]);
+    let bytes = file(12, [1, 2], 5, &[1, 0, 0, 0, 0xff, 0xff, 0xff, 0xff], false);
+    assert_eq!(columns(&bytes, false), [("x".to_string(), vec![1.0, -1.0])]);
+}
+
+#[test]
+fn damage_is_named_with_byte_variable_and_what_was_expected() {
+    let e = refused("x.mat", &file(6, [4, 1], 1, &[1, 2, 3], false));
+    assert!(e.contains("the variable at byte 128, variable `x`"), "{e}");
+    assert!(e.contains("expected 4 x 1 numbers of 1 bytes, found 3 bytes"), "{e}");
+    let e = refused("x.mat", &file(6, [u32::MAX, u32::MAX], 9, &[0; 8], false));
+    assert!(e.contains("expected 4294967295 x 4294967295 numbers"), "{e}");
+    let e = refused("x.mat", &file(6, [3, 1], 99, &[1, 2, 3], false));
+    assert!(e.contains("expected a type of numbers, found type 99"), "{e}");
+    let whole = file(6, [3, 1], 1, &[1, 2, 3], false);
+    let e = refused("x.mat", &whole[..whole.len() - 1]);
+    assert!(e.contains("byte 136: expected 56 bytes of a variable, found 55 bytes"), "{e}");
+    let e = refused("x.mat", &file(2, [3, 1], 1, &[1, 2, 3], false));
+    assert!(e.contains("no vectors of numbers") && e.contains("it holds: x (struct)"), "{e}");
+    assert!(e.contains("'-struct'"), "{e}");
+}
+
+#[test]
+fn compressed_data_unfold_to_no_more_than_there_is_room_for() {
+    use std::io::Write;
+    let mut zlib = flate2::write::ZlibEncoder::new(vec![], flate2::Compression::best());
+    zlib.write_all(&[0; 100_000]).unwrap();
+    let bytes = zlib.finish().unwrap();
+    assert_eq!(unfold(&bytes, 100_000).unwrap().len(), 100_000);
+    let e = unfold(&bytes, 99_999).unwrap_err();
+    assert!(e.expected.contains("at most 1024 MiB"), "{e:?}");
+}

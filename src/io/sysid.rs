@@ -1,0 +1,109 @@
+//! The files that WPILib's SysId wrote until 2023: one JSON object with the rows of each test.
+//!
+//! ```text
+//! { "sysid": true, "test": "Drivetrain", "units": "Meters", "unitsPerRotation": 0.4788,
+//!   "slow-forward": [[t, left V, right V, left position, right position,
+//!                     left velocity, right velocity, heading, heading rate], …], … }
+//! ```
+//! Positions are in turns of the wheel. The tests, in the order of time, become one recording with
+//! gaps between them; of other mechanisms the rows are t, voltage, position, velocity.
+//!
+//! Source: wpilibsuite/sysid, docs/data-collection.md and TelemetryManager::SaveJSON.
+
+use std::path::Path;
+
+use serde_json::{Map, Value};
+
+use super::IoError;
+use super::bytes::Damage;
+use super::error::shown;
+
+const DRIVETRAIN: [&str; 9] = [
+    "t",
+    "left_voltage [V]",
+    "right_voltage [V]",
+    "left_position [rev]",
+    "right_position [rev]",
+    "left_velocity [rev/s]",
+    "right_velocity [rev/s]",
+    "heading [rad]",
+    "heading_rate [rad/s]",
+];
+const MECHANISM: [&str; 4] = ["t", "voltage [V]", "position [rev]", "velocity [rev/s]"];
+
+/// A test with its rows.
+type Test = (String, Vec<Vec<f64>>);
+
+pub(super) fn read(path: &Path) -> Result<Vec<(String, Vec<f64>)>, IoError> {
+    let bytes = std::fs::read(path).map_err(|e| IoError::system(path, &e))?;
+    let object: Map<String, Value> = serde_json::from_slice(&bytes).map_err(|e| {
+        let reason = format!("{e}; expected the object that SysId saved");
+        IoError::Format { file: shown(path), format: "SysId JSON".into(), reason }
+    })?;
+    columns(&object).map_err(|damage| damage.in_file(path, "SysId JSON"))
+}
+
+fn columns(object: &Map<String, Value>) -> Result<Vec<(String, Vec<f64>)>, Damage> {
+    if object.get("sysid") != Some(&Value::Bool(true)) {
+        let expected = "`sysid` true, as SysId writes it";
+        return Err(Damage::new("the object", expected, "another JSON file"));
+    }
+    let mut tests = Vec::new();
+    for (name, value) in object {
+        if let Value::Array(rows) = value
+            && !rows.is_empty()
+        {
+            tests.push(test(name, rows)?);
+        }
+    }
+    let Some((_, first)) = tests.first() else {
+        return Err(Damage::new("the object", "tests such as slow-forward with rows", "none"));
+    };
+    let width = first[0].len();
+    let names: &[&str] = match width {
+        9 => &DRIVETRAIN,
+        4 => &MECHANISM,
+        _ => {
+            let expected = "rows of 9 numbers (a drivetrain) or 4";
+            return Err(Damage::new("the tests", expected, width.to_string()));
+        }
+    };
+    in_order(&mut tests)?;
+    let rows: Vec<&Vec<f64>> = tests.iter().flat_map(|(_, rows)| rows).collect();
+    if let Some(other) = rows.iter().find(|r| r.len() != width) {
+        let found = other.len().to_string();
+        return Err(Damage::new("the tests", format!("{width} numbers in every row"), found));
+    }
+    let column =
+        |(j, name): (usize, &&str)| (name.to_string(), rows.iter().map(|row| row[j]).collect());
+    Ok(names.iter().enumerate().map(column).collect())
+}
+
+fn test(name: &str, rows: &[Value]) -> Result<Test, Damage> {
+    let row = |(k, row): (usize, &Value)| {
+        let numbers = row.as_array().and_then(|r| r.iter().map(Value::as_f64).collect());
+        numbers.filter(|r: &Vec<f64>| !r.is_empty()).ok_or_else(|| {
+            let found: String = row.to_string().chars().take(40).collect();
+            Damage::new(format!("{name}, row {}", k + 1), "a list of numbers", found)
+        })
+    };
+    Ok((name.into(), rows.iter().enumerate().map(row).collect::<Result<_, _>>()?))
+}
+
+/// Tests in the order of time; the robot's clock must have run on from one to the next.
+fn in_order(tests: &mut [Test]) -> Result<(), Damage> {
+    tests.sort_by(|(_, a), (_, b)| a[0][0].total_cmp(&b[0][0]));
+    for pair in tests.windows(2) {
+        let [(before, rows), (after, next)] = pair else { continue };
+        let (end, start) = (rows[rows.len() - 1][0], next[0][0]);
+        if !(end < start) {
+            let expected = format!("a start after {before}, which ends at {end} s");
+            let found = format!("{start} s (was the robot restarted? keep one of them)");
+            return Err(Damage::new(after.as_str(), expected, found));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,58 @@
+//! A file in SysId's layout, and objects that are none.
+
+use std::f64::consts::TAU;
+
+use super::*;
+use crate::io::tests::{data, drive, map, position, refused, time, velocity};
+use crate::io::{headers, read_recording};
+use crate::recording::DriveUnit;
+
+#[test]
+fn the_tests_of_a_file_become_one_recording_with_a_gap() {
+    let names = [
+        ("alpha1", "right_position", 1.0),
+        ("alpha2", "left_position", 1.0),
+        ("dalpha1", "right_velocity", 1.0),
+        ("dalpha2", "left_velocity", 1.0),
+        ("M1", "right_voltage", 1.0),
+        ("M2", "left_voltage", 1.0),
+    ];
+    let map = map(DriveUnit::Volt, &names);
+    let (r, _) = read_recording(&data("sysid.json"), &map, DriveUnit::Volt).unwrap();
+    // rows 0 to 23 are one test, rows 36 to 59 another, which stands first in the file
+    let rows: Vec<usize> = (0..24).chain(36..60).collect();
+    assert_eq!((r.len(), r.pieces().len()), (rows.len(), 2));
+    for (j, k) in rows.into_iter().enumerate() {
+        assert_eq!(r.t()[j], time(k));
+        // turns in the file
+        assert_eq!(r.alpha()[j], position(k).map(|x| TAU * x));
+        assert_eq!(r.omega()[j], velocity(k).map(|x| TAU * x));
+        assert_eq!(r.moment()[j], drive(k));
+    }
+    assert_eq!(headers(&data("sysid.json")).unwrap().names, DRIVETRAIN);
+}
+
+#[test]
+fn other_objects_are_refused_with_what_is_missing() {
+    let e = refused("x.json", b"{\"slow-forward\": [[1, 2, 3, 4]]}");
+    assert!(e.contains("expected `sysid` true"), "{e}");
+    let e = refused("x.json", b"{\"sysid\": true, \"slow-forward\": []}");
+    assert!(e.contains("expected tests such as slow-forward"), "{e}");
+    let e = refused("x.json", b"{\"sysid\": true, \"slow-forward\": [[1, 2, 3]]}");
+    assert!(e.contains("expected rows of 9 numbers (a drivetrain) or 4, found 3"), "{e}");
+    let e = refused("x.json", b"{\"sysid\": true, \"a\": [[1, 2, 3, 4], [1, 2, \"x\", 4]]}");
+    assert!(e.contains("a, row 2: expected a list of numbers"), "{e}");
+    let e = refused("x.json", b"{\"sysid\": true, \"a\": [[1, 2, 3, 4], [1, 2, 3]]}");
+    assert!(e.contains("expected 4 numbers in every row, found 3"), "{e}");
+    let e = refused("x.json", b"[1, 2]");
+    assert!(e.contains("x.json cannot be read as SysId JSON") && e.contains("line 1"), "{e}");
+}
+
+#[test]
+fn tests_from_before_and_after_a_restart_are_not_joined() {
+    let e = refused(
+        "x.json",
+        b"{\"sysid\": true, \"a\": [[1, 0, 0, 0], [3, 0, 0, 0]], \"b\": [[2, 0, 0, 0]]}",
+    );
+    assert!(e.contains("b: expected a start after a, which ends at 3 s, found 2 s"), "{e}");
+}

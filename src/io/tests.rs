@@ -1,0 +1,215 @@
+//! Recordings that other programs wrote, through the same door as any other, and files that were
+//! changed or cut short.
+
+use std::path::{Path, PathBuf};
+
+use super::*;
+use crate::recording::{DriveUnit, Recording};
+
+/// Rows of every file in `tests/data`.
+pub(super) const ROWS: usize = 60;
+
+/// A file of `tests/data`, which `make.py` there wrote.
+pub(super) fn data(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
+}
+
+/// Wheel angles of row k, right first [rad]: the formula in `make.py`, as the next two.
+pub(super) fn position(k: usize) -> [f64; 2] {
+    let k = k as f64;
+    [k * k / 64.0, k / 8.0]
+}
+
+/// Wheel speeds of row k [rad/s].
+pub(super) fn velocity(k: usize) -> [f64; 2] {
+    [k as f64 / 32.0, -0.5]
+}
+
+/// Moments of row k [N m].
+pub(super) fn drive(k: usize) -> [f64; 2] {
+    [(k % 7) as f64 / 16.0, -(k as f64) / 128.0]
+}
+
+/// Time of row k where the file holds it as a float [s].
+pub(super) fn time(k: usize) -> f64 {
+    k as f64 / 128.0
+}
+
+/// A map from contract names to names in the file, with a factor.
+pub(super) fn map(unit: DriveUnit, columns: &[(&str, &str, f64)]) -> ColumnMap {
+    let mut map = ColumnMap::new(unit, None);
+    for (key, name, scale) in columns {
+        map.set(key, name, None, *scale).unwrap();
+    }
+    map
+}
+
+/// Reads a file of `tests/data`.
+pub(super) fn recording(name: &str, columns: &[(&str, &str, f64)]) -> Recording {
+    let unit = DriveUnit::NewtonMetre;
+    read_recording(&data(name), &map(unit, columns), unit).unwrap().0
+}
+
+/// What is said of these bytes under this name.
+pub(super) fn refused(name: &str, bytes: &[u8]) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    write_whole(&path, bytes).unwrap();
+    headers(&path).unwrap_err().to_string()
+}
+
+/// Columns of the files in `tests/data`.
+const FILES: [(&str, [(&str, &str); 6]); 6] = [
+    (
+        "drive.wpilog",
+        [
+            ("alpha1", "/drive/position[0]"),
+            ("alpha2", "/drive/position[1]"),
+            ("dalpha1", "/drive/right/velocity"),
+            ("dalpha2", "/drive/left/velocity"),
+            ("M1", "/drive/right/torque_128th"),
+            ("M2", "/drive/left/torque_128th"),
+        ],
+    ),
+    (
+        "joint_states.mcap",
+        [
+            ("alpha1", "right_wheel.position"),
+            ("alpha2", "left_wheel.position"),
+            ("dalpha1", "right_wheel.velocity"),
+            ("dalpha2", "left_wheel.velocity"),
+            ("M1", "right_wheel.effort"),
+            ("M2", "left_wheel.effort"),
+        ],
+    ),
+    (
+        "two_topics.mcap",
+        [
+            ("alpha1", "/states/right.position"),
+            ("alpha2", "/states/left.position"),
+            ("dalpha1", "/states/right.velocity"),
+            ("dalpha2", "/states/left.velocity"),
+            ("M1", "/commands/right.effort"),
+            ("M2", "/commands/left.effort"),
+        ],
+    ),
+    ("v6.mat", MAT),
+    ("v7.mat", MAT),
+    (
+        "sysid.json",
+        [
+            ("alpha1", "right_position"),
+            ("alpha2", "left_position"),
+            ("dalpha1", "right_velocity"),
+            ("dalpha2", "left_velocity"),
+            ("M1", "right_voltage"),
+            ("M2", "left_voltage"),
+        ],
+    ),
+];
+
+const MAT: [(&str, &str); 6] = [
+    ("alpha1", "q(:,1)"),
+    ("alpha2", "q(:,2)"),
+    ("dalpha1", "dq(1,:)"),
+    ("dalpha2", "dq(2,:)"),
+    ("M1", "tau_128th(:,1)"),
+    ("M2", "tau_128th(:,2)"),
+];
+
+/// Reads a file under every format's eyes; whatever comes out, it must come out.
+fn read_all(name: &str, bytes: &[u8]) -> Option<Recording> {
+    let (_, columns) = FILES.iter().find(|(file, _)| *file == name).unwrap();
+    let unit = if name == "sysid.json" { DriveUnit::Volt } else { DriveUnit::NewtonMetre };
+    let columns: Vec<_> = columns.iter().map(|(key, name)| (*key, *name, 1.0)).collect();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    write_whole(&path, bytes).unwrap();
+    let read = read_recording(&path, &map(unit, &columns), unit);
+    read.map(|(recording, _)| recording).ok()
+}
+
+fn original(name: &str) -> Vec<u8> {
+    std::fs::read(data(name)).unwrap()
+}
+
+#[test]
+fn the_files_themselves_are_read() {
+    for (name, _) in FILES {
+        assert!(read_all(name, &original(name)).is_some(), "{name}");
+    }
+}
+
+#[test]
+fn what_is_read_from_a_file_that_was_cut_is_its_beginning() {
+    for (name, _) in FILES {
+        let bytes = original(name);
+        let whole = read_all(name, &bytes).unwrap();
+        // a prime, so that cuts fall on every place within records
+        for length in (0..bytes.len()).step_by(13) {
+            let Some(part) = read_all(name, &bytes[..length]) else { continue };
+            let rows = part.len();
+            // only a WPILOG may end early; a MAT has no end mark, so variables may be missing
+            assert!(rows == whole.len() || name == "drive.wpilog", "{name} cut to {length}");
+            assert_eq!(part.t(), &whole.t()[..rows], "{name} cut to {length}");
+            // in the last row the cut may part signals that were logged at the same moment
+            let sure = rows - usize::from(rows < whole.len());
+            assert_eq!(part.moment()[..sure], whole.moment()[..sure], "{name} cut to {length}");
+        }
+    }
+}
+
+proptest::proptest! {
+    #![proptest_config(proptest::prelude::ProptestConfig::with_cases(500))]
+
+    #[test]
+    fn changed_files_give_a_recording_or_an_error(
+        edits in proptest::collection::vec((0_usize..10_000, proptest::num::u8::ANY), 1..20),
+        cut in 0_usize..20_000,
+    ) {
+        for (name, _) in FILES {
+            let mut bytes = original(name);
+            for (at, byte) in &edits {
+                let place = at % bytes.len();
+                bytes[place] = *byte;
+            }
+            bytes.truncate(cut.max(1));
+            let _ = read_all(name, &bytes);
+        }
+    }
+
+    #[test]
+    fn any_bytes_behind_a_right_beginning_give_a_recording_or_an_error(
+        bytes in proptest::collection::vec(proptest::num::u8::ANY, 0..400),
+        kept in 0_usize..200,
+    ) {
+        for (name, _) in FILES {
+            let mut all = original(name)[..kept].to_vec();
+            all.extend(&bytes);
+            let _ = read_all(name, &all);
+        }
+    }
+}
+
+#[test]
+fn a_name_that_says_another_format_is_refused_with_the_right_one() {
+    let e = refused("run.csv", &original("drive.wpilog"));
+    assert!(e.contains("run.csv is in another format") && e.contains("end in .wpilog"), "{e}");
+    let e = refused("run.mat", &original("joint_states.mcap"));
+    assert!(e.contains("end in .mcap"), "{e}");
+    let e = refused("run.wpilog", &original("v7.mat"));
+    assert!(e.contains("end in .mat"), "{e}");
+    assert!(refused("run.mcap", b"").contains("run.mcap is empty"));
+    let e = refused("run.mcap", b"t,dalpha1,dalpha2,M1,M2\n0,0,0,0,0\n");
+    assert!(e.contains("run.mcap cannot be read as MCAP") && e.contains("mark of an MCAP"), "{e}");
+    let e = refused("run.wpilog", b"t,dalpha1,dalpha2,M1,M2\n0,0,0,0,0\n");
+    assert!(e.contains("byte 0: expected `WPILOG`"), "{e}");
+}
+
+#[test]
+fn bags_that_need_another_program_first_name_it() {
+    let e = refused("bag.db3", b"SQLite format 3\0 and so on");
+    assert!(e.contains("ros2 bag convert"), "{e}");
+    let e = refused("run.bag", b"#ROSBAG V2.0\n and so on");
+    assert!(e.contains("rosbags-convert"), "{e}");
+}
