@@ -10,6 +10,7 @@ mod inverse_dynamics;
 pub mod kalman;
 mod linear_fit;
 mod method;
+mod profile;
 mod regressor;
 pub mod start;
 mod text;
@@ -18,6 +19,7 @@ mod weak;
 pub use fit::{Estimate, Fit, Status, Trace, Work};
 pub use method::{Identifier, IdentifyError, MethodDescription, OptionError, Task, from_options};
 
+pub use profile::{DROP, PROFILE};
 pub use text::{details, overview};
 
 use crate::catalogue;

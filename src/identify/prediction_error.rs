@@ -3,6 +3,7 @@
 use serde::Deserialize;
 
 use super::identifiability::identified;
+use super::profile::profile;
 use super::kalman::{Likelihood, Maximum, prepare};
 use super::{
     Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task, from_options, start,
@@ -25,11 +26,13 @@ use super::{
 pub struct PredictionError {
     /// Whether a slow unknown moment is part of the noise model.
     pub slow_moment: bool,
+    /// Symbols of the parameters whose profile likelihood is computed.
+    pub profile: Vec<String>,
 }
 
 impl Default for PredictionError {
     fn default() -> Self {
-        Self { slow_moment: true }
+        Self { slow_moment: true, profile: vec![] }
     }
 }
 
@@ -52,11 +55,18 @@ impl Identifier for PredictionError {
                        noisy speeds, and its intervals hold"
                 .into(),
             avoid_when: "the robot hardly moves, or the sampling is slower than the motion".into(),
-            options: vec![(
-                "slow_moment".into(),
-                "true".into(),
-                "whether a slow unknown moment is part of the noise model".into(),
-            )],
+            options: vec![
+                (
+                    "slow_moment".into(),
+                    "true".into(),
+                    "whether a slow unknown moment is part of the noise model".into(),
+                ),
+                (
+                    "profile".into(),
+                    "[]".into(),
+                    "parameters whose profile likelihood is computed and drawn".into(),
+                ),
+            ],
         }
     }
 
@@ -76,14 +86,12 @@ impl Identifier for PredictionError {
             hold: task.hold,
             slow_moment: self.slow_moment,
         };
-        let mut maximum = likelihood.maximise(task.model, &first, None, NAME)?;
+        let maximum = likelihood.maximise(task.model, &first, None, NAME)?;
         let pull = likelihood.pull_of_input_noise(task.model, &maximum)?;
         // the pull is known to first order, so a large one is not known
         let small = pull[0].abs() < MOST_PULL * maximum.p[0].abs();
-        if small {
-            maximum.p.iter_mut().zip(pull).for_each(|(p, pull)| *p -= pull);
-        }
-        let mut fit = fit(task, maximum);
+        let pull = if small { pull } else { vec![0.0; maximum.p.len()] };
+        let mut fit = fit(task, &maximum, &pull);
         if !small {
             fit.notes.push(
                 "The drive is so noisy, or so rough, that it pulls the inertias by more than can \
@@ -91,14 +99,52 @@ impl Identifier for PredictionError {
                     .into(),
             );
         }
+        for symbol in &self.profile {
+            self.add_profile(task, &likelihood, &maximum, &pull, symbol, &mut fit)?;
+        }
         Ok(fit)
     }
 }
 
-fn fit(task: &Task, maximum: Maximum) -> Fit {
+impl PredictionError {
+    fn add_profile(
+        &self,
+        task: &Task,
+        likelihood: &Likelihood,
+        maximum: &Maximum,
+        pull: &[f64],
+        symbol: &str,
+        fit: &mut Fit,
+    ) -> Result<(), IdentifyError> {
+        let j = task.model.index_of(symbol)?;
+        let estimate = fit.estimates[j].clone();
+        if !(estimate.std_error.is_finite() && estimate.std_error > 0.0) {
+            fit.notes.push(format!("{symbol} has no profile: it is held, or the data do not give it."));
+            return Ok(());
+        }
+        let (error, unit) = (estimate.std_error, &estimate.unit);
+        let mut profile = profile(likelihood, task.model, maximum, j, error, unit)?;
+        profile.trace.at.iter_mut().for_each(|v| *v -= pull[j]);
+        let (low, high) = profile.interval;
+        fit.notes.push(format!(
+            "Profile likelihood of {symbol}: 95 % interval {:.6e} to {:.6e} {unit} (by the \
+             standard error {:.6e} to {:.6e}).",
+            low - pull[j],
+            high - pull[j],
+            estimate.interval.0,
+            estimate.interval.1
+        ));
+        fit.traces.push(profile.trace);
+        Ok(())
+    }
+}
+
+/// The fit at a maximum, less what noise of the drive pulls.
+fn fit(task: &Task, maximum: &Maximum, pull: &[f64]) -> Fit {
     let known = identified(task.model, &maximum.p, &maximum.information, None, task.train);
     let unit = task.train[0].drive_unit();
-    let mut fit = Fit::physical(NAME, task.model, maximum.p, known.covariance, unit);
+    let p = maximum.p.iter().zip(pull).map(|(p, pull)| p - pull).collect();
+    let mut fit = Fit::physical(NAME, task.model, p, known.covariance, unit);
     fit.notes = known.notes;
     let noise = maximum.noise;
     fit.notes.push(format!(

@@ -2,7 +2,7 @@
 
 use super::super::words;
 use super::truth;
-use crate::identify::Trace;
+use crate::identify::{DROP, PROFILE, Trace};
 use crate::report::figure::{Axis, Dash, Figure, Layer, Panel, Role};
 use crate::study::{MethodStudy, Study};
 
@@ -15,13 +15,21 @@ pub(in super::super) fn figures(study: &Study, method: &MethodStudy) -> Vec<Figu
 fn figure(study: &Study, method: &MethodStudy, trace: &Trace) -> Option<Figure> {
     let name = words::method(study, method);
     let mut figure = Figure::new(
-        format!("trace-{}", method.name),
+        match settling(method, trace) {
+            LIKELIHOOD => format!("profile-{}-{}", method.name, label(&trace.axis).0),
+            _ => format!("trace-{}", method.name),
+        },
         format!("{} of {name} over {}", settling(method, trace), label(&trace.axis).0),
     )
     .with_subtitle(&method.title);
     if settling(method, trace) == "Estimates" {
         figure.caption =
             "Dashed lines mark the true value where it is known, else the last one.".to_owned();
+    }
+    if settling(method, trace) == LIKELIHOOD {
+        figure.caption = "All other parameters follow. The values above the line are the 95 % \
+                          interval."
+            .to_owned();
     }
     for (curve, symbol) in trace.names.iter().enumerate() {
         let points: Vec<(f64, f64)> = trace
@@ -37,8 +45,13 @@ fn figure(study: &Study, method: &MethodStudy, trace: &Trace) -> Option<Figure> 
     (!figure.panels.is_empty()).then(|| figure.interactive())
 }
 
-/// What settles: estimates, or a cost.
+const LIKELIHOOD: &str = "Profile likelihood";
+
+/// What settles: estimates, or a cost; or how the likelihood falls.
 fn settling(method: &MethodStudy, trace: &Trace) -> &'static str {
+    if trace.names.iter().any(|name| name == PROFILE) {
+        return LIKELIHOOD;
+    }
     let is_estimate = |name: &String| method.estimates.iter().any(|e| e.symbol == *name);
     if trace.names.iter().any(is_estimate) { "Estimates" } else { "Cost" }
 }
@@ -51,6 +64,12 @@ fn panel(
     points: Vec<(f64, f64)>,
 ) -> Panel {
     let (x, x_unit) = label(&trace.axis);
+    if symbol == PROFILE {
+        let y = Axis::linear(PROFILE, "").with_range(-5.0, 0.2);
+        let line = Layer::line(points, "", Role::Model);
+        let limit = Layer::hline(-DROP, "95 %", Role::Ink);
+        return Panel::new(Axis::linear(words::symbol(&x), x_unit), y).with(limit).with(line);
+    }
     let estimate = method.estimates.iter().find(|e| e.symbol == symbol);
     let (y, y_unit) = match estimate {
         Some(e) => (words::symbol(symbol), words::unit(&e.unit)),
