@@ -15,6 +15,9 @@ use crate::recording::Recording;
 /// model [s].
 const BLOCK: f64 = 5.0;
 
+/// A bend of the drive beyond this many standard deviations of its noise is a jump.
+const JUMP: f64 = 4.0;
+
 /// Torque columns that ride along in a pass: anything whose coefficient is zero in the model.
 pub trait Columns: Sync {
     /// How many.
@@ -226,7 +229,7 @@ impl Run<'_> {
             input_noise.restart();
         }
         for k in piece.start + 1..piece.end {
-            let sample = self.sample(k);
+            let sample = self.sample(k, &piece);
             // borrow of the drive row ends before psi moves
             let sample = Sample { by_parameter: &[], ..sample };
             let predicted = predict(
@@ -276,12 +279,28 @@ impl Run<'_> {
         (mean, covariance)
     }
 
-    fn sample(&self, k: usize) -> Sample<'static> {
+    /// The step from sample k - 1 to k of a piece.
+    ///
+    /// ```text
+    /// mean drive = (1 - c) M0 + c M1 - c (1 - c)/3 h^2 M'',   h^2 M'' = (M_-1 - M0 - M1 + M2)/2
+    /// ```
+    /// exact to second order for a drive held over parts of a row, c = (m - 1)/(2 m) for m of
+    /// them; a bend beyond noise is a jump, which has no curvature.
+    fn sample(&self, k: usize, piece: &std::ops::Range<usize>) -> Sample<'static> {
         let recording = self.prepared.recording;
         let t = recording.t();
-        let (m0, m1) = (self.drive[k - 1], self.drive[k]);
-        let c = self.settings.noise.later;
-        let drive = [0, 1].map(|i| (1.0 - c) * m0[i] + c * m1[i]);
+        let m = self.drive;
+        let ProcessNoise { later: c, sigma_m, .. } = self.settings.noise;
+        let inside = k >= piece.start + 2 && k + 1 < piece.end;
+        let drive = [0, 1].map(|i| {
+            let straight = (1.0 - c) * m[k - 1][i] + c * m[k][i];
+            if !inside {
+                return straight;
+            }
+            let bend = 0.5 * (m[k - 2][i] - m[k - 1][i] - m[k][i] + m[k + 1][i]);
+            let curved = bend.abs() < JUMP * sigma_m;
+            if curved { straight - c * (1.0 - c) / 3.0 * bend } else { straight }
+        });
         let raw = recording.moment();
         let still = [0, 1].map(|i| self.prepared.still[k - 1][i] && self.prepared.still[k][i]);
         Sample {

@@ -42,9 +42,19 @@ pub fn standstill(
         }
     }
     for i in 0..2 {
+        trim_runs(&mut still, i);
         drop_short_runs(&mut still, i);
     }
     still
+}
+
+/// A wheel that has just begun to move is not seen to move yet: the ends of runs do not count.
+fn trim_runs(still: &mut [[bool; 2]], i: usize) {
+    let seen: Vec<bool> = still.iter().map(|s| s[i]).collect();
+    for k in 0..seen.len() {
+        let around = k.saturating_sub(HALF)..(k + HALF + 1).min(seen.len());
+        still[k][i] = seen[around].iter().all(|s| *s);
+    }
 }
 
 fn drop_short_runs(still: &mut [[bool; 2]], i: usize) {
