@@ -14,6 +14,7 @@ pub mod compare;
 pub mod diagnose;
 pub mod effects;
 pub mod experiment;
+pub mod export;
 pub mod identify;
 pub mod io;
 pub mod math;
