@@ -37,13 +37,37 @@ pub struct Identified<'a> {
     pub method: &'a str,
 }
 
-/// The files as name and text: `model.json`, and `model.py`, `model.m`, `model.c`, `model.mo`
-/// where every effect can be written as a function of the present instant.
+/// What is written of a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Written {
+    /// Files as name and text, `model.json` first.
+    pub files: Vec<(String, String)>,
+    /// Why there is no function, if so.
+    pub obstacles: Vec<Obstacle>,
+}
+
+impl Written {
+    /// The files in a sentence.
+    #[must_use]
+    pub fn words(&self) -> String {
+        let names: Vec<&str> = self.files.iter().map(|(name, _)| name.as_str()).collect();
+        let names = names.join(", ");
+        if self.obstacles.is_empty() {
+            return names;
+        }
+        let because = |o: &Obstacle| format!("{}: {}", o.effect, o.reason);
+        let reasons: Vec<String> = self.obstacles.iter().map(because).collect();
+        format!("{names}; not written as a function ({})", reasons.join("; "))
+    }
+}
+
+/// Writes `model.json`, and `model.py`, `model.m`, `model.c`, `model.mo` where every effect can be
+/// written as a function of the present instant.
 ///
 /// # Panics
 /// If values, errors or units do not have one entry a parameter.
 #[must_use]
-pub fn files(identified: &Identified) -> Vec<(String, String)> {
+pub fn files(identified: &Identified) -> Written {
     let n = identified.model.parameters().len();
     assert!(identified.values.len() == n && identified.std_errors.len() == n);
     assert_eq!(identified.units.len(), n);
@@ -55,16 +79,18 @@ pub fn files(identified: &Identified) -> Vec<(String, String)> {
             reason: "a parameter has no finite value".into(),
         }])
     };
-    let mut files = Vec::new();
-    if let Ok(traced) = &traced {
-        let written = |l: &Language| (l.file.to_owned(), write(identified, traced, l));
-        files.extend(LANGUAGES.iter().map(written));
-    }
-    let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
-    let data = json(identified, &names, traced.as_ref().err().map_or(&[], Vec::as_slice));
+    let function =
+        |traced: &Traced, l: &Language| (l.file.to_owned(), write(identified, traced, l));
+    let (functions, obstacles) = match &traced {
+        Ok(traced) => (LANGUAGES.iter().map(|l| function(traced, l)).collect(), vec![]),
+        Err(obstacles) => (vec![], obstacles.clone()),
+    };
+    let names: Vec<&str> = functions.iter().map(|(name, _): &(String, _)| name.as_str()).collect();
+    let data = json(identified, &names, &obstacles);
     let data = serde_json::to_string_pretty(&data).unwrap_or_default() + "\n";
-    files.push(("model.json".into(), data));
-    files
+    let mut files = vec![("model.json".to_owned(), data)];
+    files.extend(functions);
+    Written { files, obstacles }
 }
 
 fn json(it: &Identified, functions: &[&str], obstacles: &[Obstacle]) -> Value {
@@ -195,7 +221,8 @@ fn header(it: &Identified, language: &Language) -> Vec<String> {
         String::new(),
         "    A(x) dw + torque(x) + sum_j d_j level_j(x) sgn(d_j . w) = M".into(),
         String::new(),
-        "A: symmetric mass matrix (m11, m12, m22); dry friction acts along wheel 1, wheel 2,".into(),
+        "A: symmetric mass matrix (m11, m12, m22); dry friction acts along wheel 1, wheel 2,"
+            .into(),
         "turning (1,-1) and forward (1,1). Wheel 1 is the right one; t [s] counts from the start,"
             .into(),
         format!("alpha [rad], w = omega [rad/s], M recorded moments [{}].", it.drive_unit),
@@ -216,7 +243,7 @@ fn header(it: &Identified, language: &Language) -> Vec<String> {
 const REST: [&str; 10] = [
     "",
     "Rest: a direction whose speed is exactly zero stays at rest while friction within its level",
-    "can hold it (which ones do is found by 200 sweeps over the directions at rest), else it",
+    "can hold it (which ones do is found by sweeps over the directions at rest), else it",
     "breaks away against friction. The integrator is Runge-Kutta 4 at a fixed step of at most",
     "1 ms; signs and stuck directions are held over a step, a reversal inside it is placed by a",
     "secant and set to zero speed there. What that costs: a breakaway is noticed at the next step,",

@@ -83,7 +83,9 @@ pub(super) const LANGUAGES: [Language; 4] = [
             name: |k| format!("x{k}"),
             set: |target, text| format!("{target} = {text};"),
         },
-        constant: |name, value, remark| format!("static const double {name} = {value}; // {remark}"),
+        constant: |name, value, remark| {
+            format!("static const double {name} = {value}; // {remark}")
+        },
         truth: ["0", "1"],
     },
     Language {

@@ -9,6 +9,5 @@ mod language;
 mod print;
 mod traced;
 
-pub use document::{Identified, SCHEMA, files};
+pub use document::{Identified, SCHEMA, Written, files};
 pub use traced::{Obstacle, Traced, trace};
-

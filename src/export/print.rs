@@ -3,8 +3,9 @@
 use crate::math::expression::{Binary, Unary};
 use crate::math::{Formula, Node};
 
-/// Longest expression in one line; beyond it a temporary is made.
-const LONGEST: usize = 70;
+/// Most operations in one expression; beyond them a temporary is made. Counted in operations, so
+/// that every language gets the same temporaries.
+const MOST_OPERATIONS: usize = 8;
 
 /// What differs between the languages in an expression or an assignment.
 #[derive(Clone, Copy)]
@@ -63,6 +64,7 @@ pub(super) fn print(
 ) -> Printed {
     let uses = formula.uses();
     let mut texts: Vec<Text> = Vec::with_capacity(formula.nodes.len());
+    let mut operations = vec![0; formula.nodes.len()];
     let mut statements = Vec::new();
     let mut temporaries = 0;
     for (k, node) in formula.nodes.iter().enumerate() {
@@ -71,11 +73,17 @@ pub(super) fn print(
             continue;
         }
         let text = expression(node, &texts, inputs, syntax);
+        operations[k] = match *node {
+            Node::Constant(_) | Node::Input(_) => 0,
+            Node::Unary(_, a) => 1 + operations[a],
+            Node::Binary(_, a, b) => 1 + operations[a] + operations[b],
+        };
         let leaf = matches!(node, Node::Constant(_) | Node::Input(_));
-        if leaf || (uses[k] == 1 && text.0.len() <= LONGEST) {
+        if leaf || (uses[k] == 1 && operations[k] <= MOST_OPERATIONS) {
             texts.push(text);
             continue;
         }
+        operations[k] = 0;
         statements.push((syntax.temporary)(temporaries, &text.0));
         texts.push(Text((syntax.name)(temporaries), Tightness::Whole));
         temporaries += 1;

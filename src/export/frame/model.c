@@ -63,13 +63,15 @@ static void contact(double t, const double y[4], const double acting[2], double 
     }
     if (!any) return;
     solve(mass, b, a);
-    for (int sweep = 0; sweep < 200; sweep++) {
+    for (int sweep = 0, moved = 1; moved && sweep < 200; sweep++) {
+        moved = 0;
         for (int j = 0; j < 4; j++) {
             if (!resting[j]) continue;
             double g[2];
             solve(mass, direction[j], g);
             double wanted = held[j] + along(j, a) / along(j, g);
             wanted = fmin(fmax(wanted, -level[j]), level[j]);
+            moved |= fabs(wanted - held[j]) > 1e-14 * level[j];
             for (int i = 0; i < 2; i++) a[i] -= g[i] * (wanted - held[j]);
             held[j] = wanted;
         }

@@ -58,12 +58,17 @@ function [s, stuck] = contact(t, alpha, omega, acting)
   a = solve(mass, b);
   held = zeros(1, 4);
   for sweep = 1:200
+    moved = false;
     for j = find(resting)
       g = solve(mass, direction(j));
       wanted = held(j) + along(j, a) / along(j, g);
       wanted = min(max(wanted, -level(j)), level(j));
+      moved = moved || abs(wanted - held(j)) > 1e-14 * level(j);
       a = a - g * (wanted - held(j));
       held(j) = wanted;
+    end
+    if ~moved
+      break
     end
   end
   for j = find(resting)

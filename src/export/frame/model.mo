@@ -65,6 +65,8 @@ package TwoWheelRobot "Identified model of a two-wheel robot"
     Real held[4];
     Real wanted;
     Boolean resting[4];
+    Boolean moved;
+    Integer sweep;
   algorithm
     (mass, torque, level) := terms(t, y[1:2], y[3:4]);
     b := acting - torque;
@@ -79,17 +81,22 @@ package TwoWheelRobot "Identified model of a two-wheel robot"
     end for;
     if resting[1] or resting[2] or resting[3] or resting[4] then
       a := solve(mass, b);
-      for sweep in 1:200 loop
+      moved := true;
+      sweep := 0;
+      while moved and sweep < 200 loop
+        moved := false;
+        sweep := sweep + 1;
         for j in 1:4 loop
           if resting[j] then
             g := solve(mass, direction[j, :]);
             wanted := held[j] + (direction[j, :] * a) / (direction[j, :] * g);
             wanted := min(max(wanted, -level[j]), level[j]);
+            moved := moved or abs(wanted - held[j]) > 1e-14 * level[j];
             a := a - g * (wanted - held[j]);
             held[j] := wanted;
           end if;
         end for;
-      end for;
+      end while;
       for j in 1:4 loop
         if resting[j] then
           stuck[j] := abs(direction[j, :] * a) <= 1e-9;

@@ -57,12 +57,16 @@ def contact(t, alpha, omega, acting):
     a = solve(mass, b)
     held = [0.0] * 4
     for _ in range(200 if resting else 0):
+        moved = False
         for j in resting:
             g = solve(mass, DIRECTIONS[j])
             wanted = held[j] + along(j, a) / along(j, g)
             wanted = min(max(wanted, -level[j]), level[j])
+            moved = moved or abs(wanted - held[j]) > 1e-14 * level[j]
             a = [a[i] - g[i] * (wanted - held[j]) for i in range(2)]
             held[j] = wanted
+        if not moved:
+            break
     for j in resting:
         stuck[j] = abs(along(j, a)) <= 1e-9
         sign[j] = 0.0 if stuck[j] else sgn(along(j, a))
