@@ -25,5 +25,6 @@ pub(super) fn model_out(plan: &Plan, study: &Study) -> Option<Written> {
         hold: plan.hold,
         experiment: &study.experiment,
         method: &method.name,
+        missing: study.diagnosis.as_ref().map_or(&[], |d| d.found.as_slice()),
     }))
 }

@@ -35,6 +35,8 @@ pub struct Identified<'a> {
     pub experiment: &'a str,
     /// The method that found the values.
     pub method: &'a str,
+    /// Effects that the diagnosis found and the model does not have.
+    pub missing: &'a [String],
 }
 
 /// What is written of a model.
@@ -127,6 +129,7 @@ fn json(it: &Identified, functions: &[&str], obstacles: &[Obstacle]) -> Value {
         "provenance": {
             "experiment": it.experiment,
             "method": it.method,
+            "missing_effects": it.missing,
             "program": { "name": env!("CARGO_PKG_NAME"), "version": env!("CARGO_PKG_VERSION") },
         },
     })
@@ -231,6 +234,10 @@ fn header(it: &Identified, language: &Language) -> Vec<String> {
     for effect in it.model.effects() {
         let d = effect.description();
         lines.push(format!("    {}: {}", d.id, d.equation));
+    }
+    if !it.missing.is_empty() {
+        let missing = it.missing.join(", ");
+        lines.push(format!("The diagnosis found effects that are not in here: {missing}."));
     }
     lines.extend(REST.iter().map(|line| (*line).to_owned()));
     lines

@@ -132,3 +132,34 @@ fn binary(function: Binary, a: &Text, b: &Text, syntax: &Syntax) -> Text {
         Binary::Power => call(2),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::language::LANGUAGES;
+    use super::*;
+    use crate::math::{Real, Symbol, record};
+
+    fn c(f: impl Fn(&[Symbol]) -> Symbol) -> Vec<String> {
+        let formula = record(&[1.0, 2.0, 3.0], |x| vec![f(x)]);
+        let inputs = ["a", "b", "c"].map(str::to_owned);
+        print(&formula, &inputs, &["y".to_owned()], &LANGUAGES[2].syntax).statements
+    }
+
+    #[test]
+    fn parentheses_keep_the_order_of_the_operations_and_stand_nowhere_else() {
+        assert_eq!(c(|x| x[0] - (x[1] - x[2])), ["y = a - (b - c);"]);
+        assert_eq!(c(|x| x[0] - x[1] - x[2]), ["y = a - b - c;"]);
+        assert_eq!(c(|x| (x[0] + x[1]) * x[2] / x[0]), ["y = (a + b) * c / a;"]);
+        assert_eq!(c(|x| x[0] / (x[1] * x[2])), ["y = a / (b * c);"]);
+        assert_eq!(c(|x| x[0] * -x[1] - -(-x[2])), ["y = a * (-b) - (-(-c));"]);
+        assert_eq!(c(|x| x[0] * -1e-7 + 3.0), ["y = a * (-1e-7) + 3.0;"]);
+        assert_eq!(c(|x| x[0].pow(x[1]).abs()), ["y = fabs(pow(a, b));"]);
+    }
+
+    #[test]
+    fn what_is_used_twice_gets_a_name_and_long_formulas_are_cut() {
+        assert_eq!(c(|x| x[0].exp() * x[0].exp()), ["const double x0 = exp(a);", "y = x0 * x0;"]);
+        let long = c(|x| (0..12).fold(x[0], |sum, k| sum * x[1] + f64::from(k)));
+        assert!(long.len() > 1 && long.iter().all(|line| line.len() < 80), "{long:?}");
+    }
+}

@@ -116,3 +116,34 @@ fn drive(model: &Model, effects: &[usize], p: &[f64]) -> Formula {
         m[1].to_vec()
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::all;
+    use crate::robot::Robot;
+
+    #[test]
+    fn the_recorded_formulas_give_the_bits_of_the_effects_wherever_they_are_evaluated() {
+        let mut count = 0;
+        for effect in all() {
+            let base = Model::base(Robot::amigobot());
+            let model = base.add(&effect.id()).unwrap_or(base);
+            let p = model.initial();
+            let Ok(traced) = trace(&model, &p) else { continue };
+            count += 1;
+            for k in 0..40 {
+                let at = |i: usize| 7.0 * (1.7 * f64::from(k) + 2.3 * i as f64).sin();
+                let place = [at(0).abs(), at(1), at(2), at(3), at(4)];
+                let terms = model.terms(&motion(&model, place), &p);
+                let expected = [&terms.mass[..], &terms.torque, &terms.level].concat();
+                let found = traced.terms.evaluate(&[&place[..], &p].concat());
+                assert_eq!(found, expected, "{}", effect.id());
+                let m = [0.1 * at(5), 0.1 * at(6)];
+                let acting = traced.drive.evaluate(&[&[f64::NAN; 2], &m[..], &p].concat());
+                assert_eq!(acting, model.drive(&[0.0], &[m], &p)[0], "{}", effect.id());
+            }
+        }
+        assert_eq!(count, all().len() - 4); // lag, delay, slip, compliance
+    }
+}
