@@ -4,7 +4,7 @@
 //! The data flows one way, in six stages: a [`recording`] is measured, [`identify`] fits a
 //! [`model`] (a sum of physical [`effects`]) to it, [`compare`] simulates the fit and sets it
 //! against the measurement, [`diagnose`] names the effect that is missing, [`study`] holds all
-//! results as plain data, and [`report`] draws them.
+//! results as plain data, and [`report`] draws them; [`export`] writes the model for other programs.
 
 // rustdoc takes a unit in brackets, [rad], for a link
 #![allow(rustdoc::broken_intra_doc_links)]
@@ -14,6 +14,7 @@ pub mod compare;
 pub mod diagnose;
 pub mod effects;
 pub mod experiment;
+pub mod export;
 pub mod identify;
 pub mod io;
 pub mod math;

@@ -1,12 +1,13 @@
 //! A dead zone of the moment.
 
 use super::{Description, Energy, ParameterSpec, Physics};
-use crate::math::{Real, sgn};
+use crate::math::Real;
 
 /// Small moments do not reach the wheel, larger ones arrive diminished.
 ///
 /// ```text
 /// M = sgn(M_recorded) max(|M_recorded| - d, 0)   on each wheel
+///   = M_recorded - clip(M_recorded, -d, d)
 /// ```
 /// Source: the usual quasi-static dead zone, which stands for a gear play whose width in angle is
 /// crossed at once.
@@ -43,9 +44,7 @@ impl Physics for BacklashDeadzone {
     }
 
     fn drive<T: Real>(&self, _t: &[f64], m: &[[T; 2]], p: &[T]) -> Option<Vec<[T; 2]>> {
-        let pass = |m: T| {
-            if m.value().abs() > p[0].value() { m - p[0] * sgn(m.value()) } else { T::from(0.0) }
-        };
+        let pass = |m: T| m - m.max(-p[0]).min(p[0]);
         Some(m.iter().map(|row| row.map(pass)).collect())
     }
 }

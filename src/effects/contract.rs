@@ -197,7 +197,7 @@ fn the_partials_of_the_terms_equal_central_differences() {
         let x = motion(robot, rng);
         let p = parameters(effect, rng);
         let jet = Motion {
-            t: x.t,
+            t: x.t.into(),
             alpha: [Jet::variable(x.alpha[0], 0), Jet::variable(x.alpha[1], 1)],
             omega: [Jet::variable(x.omega[0], 2), Jet::variable(x.omega[1], 3)],
             variance: x.variance,

@@ -216,7 +216,7 @@ impl Custom {
 fn evaluate<T: Real>(formula: &Bound, x: &Motion<T>, wheel: usize, p: &[T]) -> T {
     let ([w1, w2], [alpha1, alpha2]) = (x.omega, x.alpha);
     let quantities = [
-        T::from(x.t),
+        x.t,
         w1,
         w2,
         x.omega[wheel],
@@ -339,7 +339,7 @@ mod tests {
 
     fn state<T: Real>(robot: &Robot, v: [T; 4]) -> Motion<'_, T> {
         let [a1, a2, w1, w2] = v;
-        Motion { t: 1.5, alpha: [a1, a2], omega: [w1, w2], variance: [0.0; 4], robot }
+        Motion { t: 1.5.into(), alpha: [a1, a2], omega: [w1, w2], variance: [0.0; 4], robot }
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The two faces of an effect: what its author writes, and what the program sees.
 
 use super::{Coupling, Description, Energy, Motion, ParameterSpec, Terms};
-use crate::math::{Dual, Real};
+use crate::math::{Dual, Real, Symbol};
 
 /// A dual number with eight partial derivatives. Effects see their instant with the partials
 /// (alpha1, alpha2, omega1, omega2, own parameters 0..4); drives see the parameters only.
@@ -65,10 +65,19 @@ pub trait Effect: Send + Sync {
     fn terms(&self, x: &Motion<f64>, p: &[f64]) -> Terms<f64>;
     /// [`Physics::terms`] with derivatives.
     fn terms_jet(&self, x: &Motion<Jet>, p: &[Jet]) -> Terms<Jet>;
+    /// [`Physics::terms`] with symbols, which record the formula.
+    fn terms_symbolic(&self, x: &Motion<Symbol>, p: &[Symbol]) -> Terms<Symbol>;
     /// [`Physics::drive`] with plain numbers.
     fn drive(&self, t: &[f64], m: &[[f64; 2]], p: &[f64]) -> Option<Vec<[f64; 2]>>;
     /// [`Physics::drive`] with derivatives.
     fn drive_jet(&self, t: &[f64], m: &[[Jet; 2]], p: &[Jet]) -> Option<Vec<[Jet; 2]>>;
+    /// [`Physics::drive`] with symbols.
+    fn drive_symbolic(
+        &self,
+        t: &[f64],
+        m: &[[Symbol; 2]],
+        p: &[Symbol],
+    ) -> Option<Vec<[Symbol; 2]>>;
     /// [`Physics::coupling`] with plain numbers.
     fn coupling(&self, x: &Motion<f64>, p: &[f64]) -> Option<Coupling<f64>>;
     /// [`Physics::coupling`] with derivatives.
@@ -93,10 +102,21 @@ impl<P: Physics> Effect for P {
     fn terms_jet(&self, x: &Motion<Jet>, p: &[Jet]) -> Terms<Jet> {
         Physics::terms(self, x, p)
     }
+    fn terms_symbolic(&self, x: &Motion<Symbol>, p: &[Symbol]) -> Terms<Symbol> {
+        Physics::terms(self, x, p)
+    }
     fn drive(&self, t: &[f64], m: &[[f64; 2]], p: &[f64]) -> Option<Vec<[f64; 2]>> {
         Physics::drive(self, t, m, p)
     }
     fn drive_jet(&self, t: &[f64], m: &[[Jet; 2]], p: &[Jet]) -> Option<Vec<[Jet; 2]>> {
+        Physics::drive(self, t, m, p)
+    }
+    fn drive_symbolic(
+        &self,
+        t: &[f64],
+        m: &[[Symbol; 2]],
+        p: &[Symbol],
+    ) -> Option<Vec<[Symbol; 2]>> {
         Physics::drive(self, t, m, p)
     }
     fn coupling(&self, x: &Motion<f64>, p: &[f64]) -> Option<Coupling<f64>> {

@@ -39,7 +39,7 @@ impl Physics for FrictionWarmup {
     }
 
     fn terms<T: Real>(&self, x: &Motion<T>, p: &[T]) -> Terms<T> {
-        let level = p[0] * (T::from(-x.t) / p[1]).exp();
+        let level = p[0] * (-x.t / p[1]).exp();
         let zero = T::from(0.0);
         Terms { level: [level, level, zero, zero], ..Terms::zero() }
     }

@@ -22,7 +22,7 @@ pub fn along<T: Real>(direction: usize, omega: &[T; 2]) -> T {
 #[derive(Clone, Copy, Debug)]
 pub struct Motion<'a, T> {
     /// Time since the start of the recording [s].
-    pub t: f64,
+    pub t: T,
     /// Wheel angles [rad]; wheel 1 (right) first.
     pub alpha: [T; 2],
     /// Wheel speeds [rad/s].

@@ -49,15 +49,15 @@ impl Physics for TorqueRipple {
     }
 
     fn terms<T: Real>(&self, x: &Motion<T>, p: &[T]) -> Terms<T> {
-        periodic(p[4].value().round(), x, &[p[0], p[1], p[2], p[3]])
+        periodic(p[4].round(), x, &[p[0], p[1], p[2], p[3]])
     }
 }
 
 /// The moments of one order; `p`: sine and cosine amplitude of wheel 1, then of wheel 2.
-pub(super) fn periodic<T: Real>(order: f64, x: &Motion<T>, p: &[T; 4]) -> Terms<T> {
+pub(super) fn periodic<T: Real>(order: T, x: &Motion<T>, p: &[T; 4]) -> Terms<T> {
     let torque = [0, 1].map(|i| {
         let angle = x.alpha[i] * order;
-        let mean = (-0.5 * order * order * x.variance[i]).exp();
+        let mean = (order.squared() * (-0.5 * x.variance[i])).exp();
         (p[2 * i] * angle.sin() + p[2 * i + 1] * angle.cos()) * mean
     });
     Terms { torque, ..Terms::zero() }

@@ -1,7 +1,7 @@
 //! The drive cannot give more than a certain moment.
 
 use super::{Description, Energy, ParameterSpec, Physics};
-use crate::math::{Real, sgn};
+use crate::math::Real;
 
 /// The real moment is clipped where the recorded one is not.
 ///
@@ -38,9 +38,7 @@ impl Physics for TorqueSaturation {
     }
 
     fn drive<T: Real>(&self, _t: &[f64], m: &[[T; 2]], p: &[T]) -> Option<Vec<[T; 2]>> {
-        let clip = |m: T| {
-            if m.value().abs() > p[0].value() { p[0] * sgn(m.value()) } else { m }
-        };
+        let clip = |m: T| m.max(-p[0]).min(p[0]);
         Some(m.iter().map(|row| row.map(clip)).collect())
     }
 }

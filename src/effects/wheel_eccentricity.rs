@@ -48,6 +48,6 @@ impl Physics for WheelEccentricity {
     }
 
     fn terms<T: Real>(&self, x: &Motion<T>, p: &[T]) -> Terms<T> {
-        periodic(1.0, x, &[p[0], p[1], p[2], p[3]])
+        periodic(T::from(1.0), x, &[p[0], p[1], p[2], p[3]])
     }
 }

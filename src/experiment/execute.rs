@@ -8,6 +8,7 @@ use super::grid::GridPlan;
 use super::plan::Plan;
 use super::resolve::resolve;
 use super::run::run;
+use crate::export::Written;
 use crate::io::{ResultFolder, check_writable, read_text, write_csv, write_whole};
 use crate::study::{DiagnosisStudy, Study, Version, results};
 
@@ -110,10 +111,15 @@ fn finish(plan: &Plan, options: &RunOptions) -> Result<Done, ExperimentError> {
     let mut folder = ResultFolder::new(&options.out, &plan.name);
     let mut study = run(plan)?;
     study.versions = versions(folder.earlier("versions.json").as_deref(), &study);
+    let model = super::model_out::model_out(plan, &study);
+    study.model_out = model.as_ref().map(Written::words);
     let rendered = crate::report::render(&study)?;
     folder.add("experiment.toml", study.file.clone());
     for (file, png) in rendered.figures {
         folder.add(file, png);
+    }
+    for (file, text) in model.map_or(vec![], |written| written.files) {
+        folder.add(file, text);
     }
     if let Some(proposal) = study.diagnosis.as_ref().and_then(|d| d.proposal.as_ref()) {
         let (toml, csv) = next_run_files(plan, proposal);

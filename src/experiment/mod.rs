@@ -11,6 +11,7 @@ mod fuzzy_study;
 mod grid;
 mod guess;
 mod loop_commands;
+mod model_out;
 mod plan;
 mod quality;
 mod resolve;

@@ -99,6 +99,7 @@ pub(super) fn compare(plan: &Plan) -> Result<(Study, Arc<dyn Dynamics>), RunErro
         diagnosis: None,
         versions: vec![],
         truth: plan.truth.clone(),
+        model_out: None,
     };
     Ok((study, right))
 }

@@ -77,6 +77,9 @@ pub fn check_writable(folder: &Path) -> Result<(), IoError> {
     tempfile::tempfile_in(there).map(|_| ()).map_err(|e| IoError::system(there, &e))
 }
 
+/// Files of an identified model, which a run may or may not write.
+const FUNCTIONS: [&str; 5] = ["model.json", "model.py", "model.m", "model.c", "model.mo"];
+
 /// The folder of an experiment's results. Files are collected in memory and written at the end,
 /// `results.json` last: a folder with a `results.json` of a run is complete.
 #[derive(Debug)]
@@ -109,26 +112,27 @@ impl ResultFolder {
         fs::read_to_string(self.path.join(name)).ok()
     }
 
-    /// Writes all files, each one whole, in the order in which they were added; pictures of an
-    /// earlier run that this one does not have are removed first.
+    /// Writes all files, each one whole, in the order in which they were added; pictures and model
+    /// functions of an earlier run that this one does not have are removed first.
     ///
     /// # Errors
     /// A folder that cannot be made or written.
     pub fn write(self) -> Result<PathBuf, IoError> {
         fs::create_dir_all(&self.path).map_err(|e| IoError::system(&self.path, &e))?;
-        self.remove_old_pictures();
+        self.remove_old_files();
         for (name, bytes) in &self.files {
             write_whole(&self.path.join(name), bytes)?;
         }
         Ok(self.path)
     }
 
-    fn remove_old_pictures(&self) {
+    fn remove_old_files(&self) {
         let Ok(entries) = fs::read_dir(&self.path) else { return };
         for entry in entries.flatten() {
             let name = entry.file_name().to_string_lossy().into_owned();
             let picture = name.ends_with(".png") || name.ends_with(".svg");
-            if picture && !self.files.iter().any(|(n, _)| *n == name) {
+            let model = FUNCTIONS.contains(&name.as_str());
+            if (picture || model) && !self.files.iter().any(|(n, _)| *n == name) {
                 let _ = fs::remove_file(entry.path());
             }
         }

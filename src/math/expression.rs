@@ -6,7 +6,7 @@ mod parser;
 use std::fmt;
 use std::ops::Range;
 
-use super::scalar::{Real, sgn};
+use super::scalar::Real;
 pub use error::ExpressionError;
 
 /// Deepest nesting of a formula; also bounds the values held while one is evaluated.
@@ -18,29 +18,49 @@ const SMALL_STACK: usize = 6;
 
 /// A function of one variable that formulas may call.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Unary {
+pub enum Unary {
+    /// -x.
     Negate,
+    /// Sine.
     Sin,
+    /// Cosine.
     Cos,
+    /// Tangent.
     Tan,
+    /// e to the power.
     Exp,
+    /// Natural logarithm.
     Ln,
+    /// Square root.
     Sqrt,
+    /// Absolute value.
     Abs,
+    /// Sign, zero at zero.
     Sgn,
+    /// Hyperbolic tangent.
     Tanh,
+    /// Error function.
     Erf,
+    /// To the nearest whole number; effects use it, formulas do not know it.
+    Round,
 }
 
 /// An operator or a function of two variables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Binary {
+pub enum Binary {
+    /// a + b.
     Add,
+    /// a - b.
     Subtract,
+    /// a b.
     Multiply,
+    /// a / b.
     Divide,
+    /// a to the power b.
     Power,
+    /// The smaller.
     Min,
+    /// The larger.
     Max,
 }
 
@@ -200,9 +220,10 @@ impl Unary {
             Self::Ln => x.ln(),
             Self::Sqrt => x.sqrt(),
             Self::Abs => x.abs(),
-            Self::Sgn => T::from(sgn(x.value())),
+            Self::Sgn => x.sgn(),
             Self::Tanh => x.tanh(),
             Self::Erf => x.erf(),
+            Self::Round => x.round(),
         }
     }
 }
@@ -214,21 +235,9 @@ impl Binary {
             Self::Subtract => a - b,
             Self::Multiply => a * b,
             Self::Divide => a / b,
-            Self::Power => to_power(a, b),
-            Self::Min => {
-                if b.value() < a.value() || b.value().is_nan() {
-                    b
-                } else {
-                    a
-                }
-            }
-            Self::Max => {
-                if b.value() > a.value() || b.value().is_nan() {
-                    b
-                } else {
-                    a
-                }
-            }
+            Self::Power => a.pow(b),
+            Self::Min => a.min(b),
+            Self::Max => a.max(b),
         }
     }
 }
@@ -242,17 +251,6 @@ fn to_constant_power<T: Real>(base: T, power: f64) -> T {
         base.squared()
     } else {
         base.powf(power)
-    }
-}
-
-fn to_power<T: Real>(base: T, power: T) -> T {
-    if base.value() > 0.0 {
-        // d(a^p) = p a^(p-1) da + a^p ln(a) dp; the second term carries a derivative only
-        let (a, p) = (base.value(), power.value());
-        base.powf(p) + power.chain(0.0, a.powf(p) * a.ln())
-    } else {
-        // no real derivative with respect to the power exists here, except zero at base zero
-        to_constant_power(base, power.value())
     }
 }
 

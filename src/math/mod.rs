@@ -14,6 +14,7 @@ pub mod savitzky_golay;
 pub mod scalar;
 mod singular_values;
 pub mod spectrum;
+mod symbol;
 pub mod symmetric;
 
 pub use descent::{MinimiseOptions, Minimum, MinimumStatus, Quadratic, minimise};
@@ -27,4 +28,5 @@ pub use robust::{RobustFit, fit_huber};
 pub use savitzky_golay::SavitzkyGolay;
 pub use scalar::{Dual, Real, sgn};
 pub use spectrum::{Oscillation, oscillations};
+pub use symbol::{Formula, Node, Symbol, record};
 pub use symmetric::{Identified, information_to_covariance};

@@ -92,6 +92,46 @@ pub trait Real:
     fn squared(self) -> Self {
         self * self
     }
+    /// The [`sgn`]; it has no derivative.
+    #[must_use]
+    fn sgn(self) -> Self {
+        Self::from(sgn(self.value()))
+    }
+    /// The nearest whole number; it has no derivative.
+    #[must_use]
+    fn round(self) -> Self {
+        Self::from(self.value().round())
+    }
+    /// The smaller of two; `self` where they are equal, NaN where one is.
+    #[must_use]
+    fn min(self, other: Self) -> Self {
+        let (a, b) = (self.value(), other.value());
+        if b < a || b.is_nan() { other } else { self }
+    }
+    /// The larger of two; `self` where they are equal, NaN where one is.
+    #[must_use]
+    fn max(self, other: Self) -> Self {
+        let (a, b) = (self.value(), other.value());
+        if b > a || b.is_nan() { other } else { self }
+    }
+    /// `self` to a power that may vary.
+    #[must_use]
+    fn pow(self, power: Self) -> Self {
+        let (a, p) = (self.value(), power.value());
+        if a > 0.0 {
+            // d(a^p) = p a^(p-1) da + a^p ln(a) dp; the second term carries a derivative only
+            self.powf(p) + power.chain(0.0, a.powf(p) * a.ln())
+        } else if p == 0.0 {
+            Self::from(1.0) // its derivative by the general rule would be 0 * inf at zero
+        } else if p == 1.0 {
+            self
+        } else if p == 2.0 {
+            self.squared()
+        } else {
+            // no real derivative with respect to the power exists here, except zero at base zero
+            self.powf(p)
+        }
+    }
 }
 
 /// The sign with sgn(0) = 0, as the paper's friction term needs it (`f64::signum(0.0)` is 1).

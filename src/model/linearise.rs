@@ -56,7 +56,7 @@ impl Model {
     /// [`Model::differentiate`], which may be repeated.
     pub fn evaluate(&self, x: &Motion<f64>, p: &[f64], out: &mut Linearisation) {
         let jet = Motion {
-            t: x.t,
+            t: Dual::constant(x.t),
             alpha: [Dual::variable(x.alpha[0], 0), Dual::variable(x.alpha[1], 1)],
             omega: [Dual::variable(x.omega[0], 2), Dual::variable(x.omega[1], 3)],
             variance: x.variance,

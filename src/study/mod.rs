@@ -267,6 +267,8 @@ pub struct Study {
     pub versions: Vec<Version>,
     /// True parameters of made data.
     pub truth: Vec<(String, f64)>,
+    /// The files that hold the identified model, in words; `None` without a physical fit.
+    pub model_out: Option<String>,
 }
 
 impl Study {

@@ -4,13 +4,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Rooms in the order in which they may import: each one only those before it.
-const ORDER: [&str; 12] = [
+const ORDER: [&str; 13] = [
     "math",
     "robot",
     "recording",
     "effects",
     "model",
     "simulate",
+    "export",
     "identify",
     "compare",
     "diagnose",

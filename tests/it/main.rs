@@ -3,6 +3,7 @@
 #![allow(clippy::print_stdout)]
 
 mod bad_input;
+mod export;
 mod face;
 mod formats;
 mod layering;

@@ -32,6 +32,9 @@ impl Section for Provenance {
         fact("Model", words::model(study));
         fact("Unit of the drive", study.drive_unit.symbol().to_owned());
         fact("Seed", study.seed.to_string());
+        if let Some(files) = &study.model_out {
+            fact("Identified model", files.clone());
+        }
         let mut blocks = vec![facts.into()];
         if !study.recordings.is_empty() {
             let columns = vec![Column::text("Recording"), Column::text("SHA-256")];

@@ -92,6 +92,7 @@ fn empty() -> Study {
         diagnosis: None,
         versions: vec![],
         truth: vec![],
+        model_out: None,
     }
 }
 
@@ -228,6 +229,7 @@ fn full() -> Study {
         diagnosis: Some(diagnosis()),
         versions: vec![version(&[], 0.4), version(&["turning_scrub"], 0.05)],
         truth: vec![("a1".to_owned(), 0.0305), ("a2".to_owned(), 0.0)],
+        model_out: Some("model.json, model.py".to_owned()),
         recordings,
         ..empty()
     }

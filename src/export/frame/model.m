@@ -1,0 +1,177 @@
+{{header}}
+%
+% robot = model();
+% a = robot.acceleration(t, alpha, omega, M);                  % [rad/s^2]
+% [alpha, omega] = robot.simulate(t, M, alpha0, omega0);       % n by 2, one row a sample
+function robot = model()
+  robot.terms = @terms;
+  robot.drive = @drive;
+  robot.acceleration = @acceleration;
+  robot.simulate = @simulate;
+end
+
+% Mass matrix (m11, m12, m22), resisting moments, levels of dry friction.
+function [mass, torque, level] = terms(t, alpha, omega)
+  {{parameters}}
+  mass = zeros(1, 3); torque = zeros(1, 2); level = zeros(1, 4);
+  {{terms}}
+end
+
+% The moments that act, from the recorded ones [N m].
+function acting = drive(M)
+  {{parameters}}
+  acting = zeros(1, 2);
+  {{drive}}
+end
+
+function d = direction(j)
+  all = [1 0; 0 1; 1 -1; 1 1];
+  d = all(j, :);
+end
+
+function s = along(j, v)
+  d = direction(j);
+  s = d(1) * v(1) + d(2) * v(2);
+end
+
+% Solves (m11 m12; m12 m22) x = b.
+function x = solve(mass, b)
+  det = mass(1) * mass(3) - mass(2) * mass(2);
+  x = [(mass(3) * b(1) - mass(2) * b(2)) / det, (mass(1) * b(2) - mass(2) * b(1)) / det];
+end
+
+% Sign of the friction in each direction, and whether the direction sticks.
+function [s, stuck] = contact(t, alpha, omega, acting)
+  [mass, torque, level] = terms(t, alpha, omega);
+  b = [acting(1) - torque(1), acting(2) - torque(2)];
+  s = zeros(1, 4); stuck = false(1, 4); resting = false(1, 4);
+  for j = 1:4
+    if level(j) > 0
+      s(j) = sign(along(j, omega));
+      resting(j) = s(j) == 0;
+      b = b - direction(j) * level(j) * s(j);
+    end
+  end
+  if ~any(resting)
+    return
+  end
+  a = solve(mass, b);
+  held = zeros(1, 4);
+  for sweep = 1:200
+    moved = false;
+    for j = find(resting)
+      g = solve(mass, direction(j));
+      wanted = held(j) + along(j, a) / along(j, g);
+      wanted = min(max(wanted, -level(j)), level(j));
+      moved = moved || abs(wanted - held(j)) > 1e-14 * level(j);
+      a = a - g * (wanted - held(j));
+      held(j) = wanted;
+    end
+    if ~moved
+      break
+    end
+  end
+  for j = find(resting)
+    stuck(j) = abs(along(j, a)) <= 1e-9;
+    if ~stuck(j)
+      s(j) = sign(along(j, a));
+    end
+  end
+end
+
+% Acceleration in a fixed state of contact [rad/s^2].
+function a = constrained(t, alpha, omega, acting, s, stuck)
+  [mass, torque, level] = terms(t, alpha, omega);
+  b = [acting(1) - torque(1), acting(2) - torque(2)];
+  for j = 1:4
+    b = b - direction(j) * max(level(j), 0) * s(j);
+  end
+  if sum(stuck) == 0
+    a = solve(mass, b);
+  elseif sum(stuck) > 1
+    a = [0, 0];
+  else
+    d = direction(find(stuck, 1));
+    n = [-d(2), d(1)];
+    inertia = mass(1) * n(1) * n(1) + 2 * mass(2) * n(1) * n(2) + mass(3) * n(2) * n(2);
+    a = n * ((n(1) * b(1) + n(2) * b(2)) / inertia);
+  end
+end
+
+% Acceleration of the wheels [rad/s^2]; t [s], alpha [rad], omega [rad/s], M as recorded.
+function a = acceleration(t, alpha, omega, M)
+  acting = drive(M);
+  [s, stuck] = contact(t, alpha, omega, acting);
+  a = constrained(t, alpha, omega, acting, s, stuck);
+end
+
+% One step in a fixed state of contact; y = [alpha1, alpha2, omega1, omega2].
+function new = runge_kutta(t, h, y, first, last, s, stuck)
+  at = @(share) first + share * (last - first);
+  rates = @(share, y) ...
+    [y(3:4), constrained(t + share * h, y(1:2), y(3:4), at(share), s, stuck)];
+  k1 = rates(0, y);
+  k2 = rates(0.5, y + 0.5 * h * k1);
+  k3 = rates(0.5, y + 0.5 * h * k2);
+  k4 = rates(1, y + h * k3);
+  new = y + h / 6 * (k1 + 2 * (k2 + k3) + k4);
+end
+
+% Sets the speed along direction j to zero; stuck directions stay so.
+function y = rest(y, stuck, j)
+  d = direction(j);
+  if any(stuck)
+    y(3:4) = 0;
+  else
+    n = [-d(2), d(1)];
+    y(3:4) = n * ((n(1) * y(3) + n(2) * y(4)) / (n(1) * n(1) + n(2) * n(2)));
+  end
+end
+
+% One step; where a direction reverses in it, the step is split there by a secant.
+function y = advance(t, h, y, first, last)
+  for piece = 1:8
+    [s, stuck] = contact(t, y(1:2), y(3:4), first);
+    new = runge_kutta(t, h, y, first, last, s, stuck);
+    share = 1; crossed = 0;
+    for j = 1:4
+      before = along(j, y(3:4)); after = along(j, new(3:4));
+      if s(j) * after < 0 && (crossed == 0 || before / (before - after) < share)
+        share = before / (before - after); crossed = j;
+      end
+    end
+    if crossed == 0
+      y = new;
+      return
+    end
+    split = first + share * (last - first);
+    y = rest(runge_kutta(t, share * h, y, first, split, s, stuck), stuck, crossed);
+    t = t + share * h; h = (1 - share) * h; first = split;
+  end
+end
+
+% The motion from recorded moments M, one row a sample of t [s], and the first state.
+function [alpha, omega] = simulate(t, M, alpha0, omega0)
+  LINEAR = {{linear}};  % the moment runs straight between samples; otherwise it is held
+  STEP = 1e-3;  % longest step of the integration [s]
+  states = zeros(numel(t), 4);
+  y = [alpha0(1), alpha0(2), omega0(1), omega0(2)];
+  states(1, :) = y;
+  for k = 2:numel(t)
+    first = drive(M(k - 1, :));
+    last = first;
+    if LINEAR
+      last = drive(M(k, :));
+    end
+    pieces = max(1, ceil((t(k) - t(k - 1)) / STEP - 1e-9));
+    h = (t(k) - t(k - 1)) / pieces;
+    for piece = 0:pieces - 1
+      from = first + piece / pieces * (last - first);
+      to = first + (piece + 1) / pieces * (last - first);
+      y = advance(t(k - 1) - t(1) + piece * h, h, y, from, to);
+    end
+    states(k, :) = y;
+  end
+  alpha = states(:, 1:2);
+  omega = states(:, 3:4);
+end

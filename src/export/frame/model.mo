@@ -1,0 +1,287 @@
+{{header}}
+//
+// TwoWheelRobot.Robot takes the recorded moments and gives angles and speeds at a fixed step;
+// TwoWheelRobot.acceleration is the right-hand side alone.
+package TwoWheelRobot "Identified model of a two-wheel robot"
+  {{parameters}}
+
+  constant Real direction[4, 2] = {{1, 0}, {0, 1}, {1, -1}, {1, 1}};
+
+  function power "a to the power b"
+    input Real a;
+    input Real b;
+    output Real c;
+  algorithm
+    c := a ^ b;
+  end power;
+
+  function terms "Mass matrix (m11, m12, m22), resisting moments, levels of dry friction"
+    input Real t;
+    input Real alpha[2];
+    input Real omega[2];
+    output Real mass[3];
+    output Real torque[2];
+    output Real level[4];
+  protected
+    Real x[{{terms_temporaries}}];
+  algorithm
+    {{terms}}
+  end terms;
+
+  function drive "The moments that act, from the recorded ones [N m]"
+    input Real M[2];
+    output Real acting[2];
+  protected
+    Real x[{{drive_temporaries}}];
+  algorithm
+    {{drive}}
+  end drive;
+
+  function solve "Solves (m11 m12; m12 m22) x = b"
+    input Real mass[3];
+    input Real b[2];
+    output Real x[2];
+  protected
+    Real det;
+  algorithm
+    det := mass[1] * mass[3] - mass[2] * mass[2];
+    x[1] := (mass[3] * b[1] - mass[2] * b[2]) / det;
+    x[2] := (mass[1] * b[2] - mass[2] * b[1]) / det;
+  end solve;
+
+  function contact "Sign of the friction in each direction, and whether the direction sticks"
+    input Real t;
+    input Real y[4];
+    input Real acting[2];
+    output Real s[4];
+    output Boolean stuck[4];
+  protected
+    Real mass[3];
+    Real torque[2];
+    Real level[4];
+    Real a[2];
+    Real b[2];
+    Real g[2];
+    Real held[4];
+    Real wanted;
+    Boolean resting[4];
+    Boolean moved;
+    Integer sweep;
+  algorithm
+    (mass, torque, level) := terms(t, y[1:2], y[3:4]);
+    b := acting - torque;
+    for j in 1:4 loop
+      s[j] := if level[j] > 0 then sign(direction[j, :] * y[3:4]) else 0;
+      resting[j] := level[j] > 0 and s[j] == 0;
+      stuck[j] := false;
+      held[j] := 0;
+      if level[j] > 0 then
+        b := b - direction[j, :] * (level[j] * s[j]);
+      end if;
+    end for;
+    if resting[1] or resting[2] or resting[3] or resting[4] then
+      a := solve(mass, b);
+      moved := true;
+      sweep := 0;
+      while moved and sweep < 200 loop
+        moved := false;
+        sweep := sweep + 1;
+        for j in 1:4 loop
+          if resting[j] then
+            g := solve(mass, direction[j, :]);
+            wanted := held[j] + (direction[j, :] * a) / (direction[j, :] * g);
+            wanted := min(max(wanted, -level[j]), level[j]);
+            moved := moved or abs(wanted - held[j]) > 1e-14 * level[j];
+            a := a - g * (wanted - held[j]);
+            held[j] := wanted;
+          end if;
+        end for;
+      end while;
+      for j in 1:4 loop
+        if resting[j] then
+          stuck[j] := abs(direction[j, :] * a) <= 1e-9;
+          s[j] := if stuck[j] then 0 else sign(direction[j, :] * a);
+        end if;
+      end for;
+    end if;
+  end contact;
+
+  function constrained "Acceleration in a fixed state of contact [rad/s^2]"
+    input Real t;
+    input Real y[4];
+    input Real acting[2];
+    input Real s[4];
+    input Boolean stuck[4];
+    output Real a[2];
+  protected
+    Real mass[3];
+    Real torque[2];
+    Real level[4];
+    Real b[2];
+    Real n[2];
+    Real inertia;
+    Integer count;
+  algorithm
+    (mass, torque, level) := terms(t, y[1:2], y[3:4]);
+    b := acting - torque;
+    n := {0, 0};
+    count := 0;
+    for j in 1:4 loop
+      b := b - direction[j, :] * (max(level[j], 0) * s[j]);
+      if stuck[j] then
+        count := count + 1;
+        n := {-direction[j, 2], direction[j, 1]};
+      end if;
+    end for;
+    if count == 0 then
+      a := solve(mass, b);
+    elseif count > 1 then
+      a := {0, 0};
+    else
+      inertia := mass[1] * n[1] * n[1] + 2 * mass[2] * n[1] * n[2] + mass[3] * n[2] * n[2];
+      a := n * ((n * b) / inertia);
+    end if;
+  end constrained;
+
+  function acceleration "Acceleration of the wheels [rad/s^2]; M as recorded"
+    input Real t;
+    input Real alpha[2];
+    input Real omega[2];
+    input Real M[2];
+    output Real a[2];
+  protected
+    Real y[4];
+    Real acting[2];
+    Real s[4];
+    Boolean stuck[4];
+  algorithm
+    y := {alpha[1], alpha[2], omega[1], omega[2]};
+    acting := drive(M);
+    (s, stuck) := contact(t, y, acting);
+    a := constrained(t, y, acting, s, stuck);
+  end acceleration;
+
+  function rates "Derivatives of (alpha1, alpha2, omega1, omega2) in a fixed state of contact"
+    input Real t;
+    input Real y[4];
+    input Real acting[2];
+    input Real s[4];
+    input Boolean stuck[4];
+    output Real k[4];
+  protected
+    Real a[2];
+  algorithm
+    a := constrained(t, y, acting, s, stuck);
+    k := {y[3], y[4], a[1], a[2]};
+  end rates;
+
+  function rungeKutta "One step in a fixed state of contact"
+    input Real t;
+    input Real h;
+    input Real y[4];
+    input Real first[2];
+    input Real last[2];
+    input Real s[4];
+    input Boolean stuck[4];
+    output Real new[4];
+  protected
+    Real k1[4];
+    Real k2[4];
+    Real k3[4];
+    Real k4[4];
+    Real middle[2];
+  algorithm
+    middle := first + 0.5 * (last - first);
+    k1 := rates(t, y, first, s, stuck);
+    k2 := rates(t + 0.5 * h, y + 0.5 * h * k1, middle, s, stuck);
+    k3 := rates(t + 0.5 * h, y + 0.5 * h * k2, middle, s, stuck);
+    k4 := rates(t + h, y + h * k3, last, s, stuck);
+    new := y + h / 6 * (k1 + 2 * (k2 + k3) + k4);
+  end rungeKutta;
+
+  function advance "One step; where a direction reverses in it, it is split there by a secant"
+    input Real t0;
+    input Real h0;
+    input Real y0[4];
+    input Real start[2];
+    input Real last[2];
+    output Real y[4];
+  protected
+    Real t;
+    Real h;
+    Real first[2];
+    Real split[2];
+    Real s[4];
+    Boolean stuck[4];
+    Real new[4];
+    Real n[2];
+    Real share;
+    Real before;
+    Real after;
+    Integer crossed;
+    Integer piece;
+  algorithm
+    t := t0;
+    h := h0;
+    y := y0;
+    first := start;
+    piece := 0;
+    while piece < 8 loop
+      piece := piece + 1;
+      (s, stuck) := contact(t, y, first);
+      new := rungeKutta(t, h, y, first, last, s, stuck);
+      share := 1;
+      crossed := 0;
+      for j in 1:4 loop
+        before := direction[j, :] * y[3:4];
+        after := direction[j, :] * new[3:4];
+        if s[j] * after < 0 then
+          if crossed == 0 or before / (before - after) < share then
+            share := before / (before - after);
+            crossed := j;
+          end if;
+        end if;
+      end for;
+      if crossed == 0 then
+        y := new;
+        piece := 8;
+      else
+        split := first + share * (last - first);
+        y := rungeKutta(t, share * h, y, first, split, s, stuck);
+        n := {-direction[crossed, 2], direction[crossed, 1]};
+        if stuck[1] or stuck[2] or stuck[3] or stuck[4] then
+          n := {0, 0};
+        else
+          n := n * ((n * y[3:4]) / (n * n));
+        end if;
+        y := {y[1], y[2], n[1], n[2]};
+        t := t + share * h;
+        h := (1 - share) * h;
+        first := split;
+      end if;
+    end while;
+  end advance;
+
+  model Robot "Fixed-step simulation under recorded moments"
+    parameter Real step = 1e-3 "step of the integration [s]";
+    parameter Boolean linear = {{linear}} "the moment runs straight over a step, else it is held";
+    parameter Real alpha0[2] = {0, 0} "first angles [rad]";
+    parameter Real omega0[2] = {0, 0} "first speeds [rad/s]";
+    input Real M[2] "moments as recorded";
+    discrete output Real alpha[2](start = alpha0, each fixed = true) "angles [rad]";
+    discrete output Real omega[2](start = omega0, each fixed = true) "speeds [rad/s]";
+  protected
+    discrete Real y[4](start = {alpha0[1], alpha0[2], omega0[1], omega0[2]}, each fixed = true);
+    discrete Real acting[2](each start = 0, each fixed = true);
+  algorithm
+    when sample(0, step) then
+      acting := drive(M);
+      if time > 0.5 * step then
+        y := advance(time - step, step, pre(y), pre(acting),
+                     if linear then acting else pre(acting));
+      end if;
+      alpha := y[1:2];
+      omega := y[3:4];
+    end when;
+  end Robot;
+end TwoWheelRobot;

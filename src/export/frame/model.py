@@ -1,0 +1,161 @@
+{{header}}
+#
+# import model
+# a = model.acceleration(t, alpha, omega, M)           # [rad/s^2]
+# alpha, omega = model.simulate(t, M, alpha0, omega0)  # lists of pairs, one a sample
+
+import math
+
+{{parameters}}
+
+LINEAR = {{linear}}  # the moment runs straight between samples; otherwise it is held
+STEP = 1e-3  # longest step of the integration [s]
+DIRECTIONS = ((1.0, 0.0), (0.0, 1.0), (1.0, -1.0), (1.0, 1.0))
+
+
+def sgn(x):
+    return float((x > 0.0) - (x < 0.0))
+
+
+def terms(t, alpha, omega):
+    """Mass matrix (m11, m12, m22), resisting moments, levels of dry friction."""
+    mass, torque, level = [0.0] * 3, [0.0] * 2, [0.0] * 4
+    {{terms}}
+    return mass, torque, level
+
+
+def drive(M):
+    """The moments that act, from the recorded ones [N m]."""
+    acting = [0.0] * 2
+    {{drive}}
+    return acting
+
+
+def along(j, v):
+    return DIRECTIONS[j][0] * v[0] + DIRECTIONS[j][1] * v[1]
+
+
+def solve(mass, b):
+    """Solves (m11 m12; m12 m22) x = b."""
+    m11, m12, m22 = mass
+    det = m11 * m22 - m12 * m12
+    return [(m22 * b[0] - m12 * b[1]) / det, (m11 * b[1] - m12 * b[0]) / det]
+
+
+def contact(t, alpha, omega, acting):
+    """Sign of the friction in each direction, and whether the direction sticks."""
+    mass, torque, level = terms(t, alpha, omega)
+    b = [acting[0] - torque[0], acting[1] - torque[1]]
+    sign, stuck, resting = [0.0] * 4, [False] * 4, []
+    for j, d in enumerate(DIRECTIONS):
+        if level[j] <= 0.0:
+            continue
+        sign[j] = sgn(along(j, omega))
+        if sign[j] == 0.0:
+            resting.append(j)
+        b = [b[i] - d[i] * level[j] * sign[j] for i in range(2)]
+    a = solve(mass, b)
+    held = [0.0] * 4
+    for _ in range(200 if resting else 0):
+        moved = False
+        for j in resting:
+            g = solve(mass, DIRECTIONS[j])
+            wanted = held[j] + along(j, a) / along(j, g)
+            wanted = min(max(wanted, -level[j]), level[j])
+            moved = moved or abs(wanted - held[j]) > 1e-14 * level[j]
+            a = [a[i] - g[i] * (wanted - held[j]) for i in range(2)]
+            held[j] = wanted
+        if not moved:
+            break
+    for j in resting:
+        stuck[j] = abs(along(j, a)) <= 1e-9
+        sign[j] = 0.0 if stuck[j] else sgn(along(j, a))
+    return sign, stuck
+
+
+def constrained(t, alpha, omega, acting, sign, stuck):
+    """Acceleration in a fixed state of contact [rad/s^2]."""
+    mass, torque, level = terms(t, alpha, omega)
+    b = [acting[0] - torque[0], acting[1] - torque[1]]
+    for j, d in enumerate(DIRECTIONS):
+        b = [b[i] - d[i] * max(level[j], 0.0) * sign[j] for i in range(2)]
+    if sum(stuck) == 0:
+        return solve(mass, b)
+    if sum(stuck) > 1:
+        return [0.0, 0.0]
+    d = DIRECTIONS[stuck.index(True)]
+    n = (-d[1], d[0])
+    inertia = mass[0] * n[0] * n[0] + 2.0 * mass[1] * n[0] * n[1] + mass[2] * n[1] * n[1]
+    q = (n[0] * b[0] + n[1] * b[1]) / inertia
+    return [n[0] * q, n[1] * q]
+
+
+def acceleration(t, alpha, omega, M):
+    """Acceleration of the wheels [rad/s^2]; t [s], alpha [rad], omega [rad/s], M as recorded."""
+    acting = drive(M)
+    sign, stuck = contact(t, alpha, omega, acting)
+    return constrained(t, alpha, omega, acting, sign, stuck)
+
+
+def runge_kutta(t, h, y, start, end, sign, stuck):
+    """One step in a fixed state of contact; y = (alpha1, alpha2, omega1, omega2)."""
+
+    def rates(share, y):
+        acting = [start[i] + share * (end[i] - start[i]) for i in range(2)]
+        return y[2:] + constrained(t + share * h, y[:2], y[2:], acting, sign, stuck)
+
+    def plus(c, k):
+        return [y[i] + c * k[i] for i in range(4)]
+
+    k1 = rates(0.0, y)
+    k2 = rates(0.5, plus(0.5 * h, k1))
+    k3 = rates(0.5, plus(0.5 * h, k2))
+    k4 = rates(1.0, plus(h, k3))
+    return [y[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]) for i in range(4)]
+
+
+def rest(y, stuck, j):
+    """Sets the speed along direction j to zero; stuck directions stay so."""
+    d = DIRECTIONS[j]
+    if any(stuck):
+        return y[:2] + [0.0, 0.0]
+    n = (-d[1], d[0])
+    q = (n[0] * y[2] + n[1] * y[3]) / (n[0] * n[0] + n[1] * n[1])
+    return y[:2] + [n[0] * q, n[1] * q]
+
+
+def advance(t, h, y, start, end):
+    """One step; where a direction reverses in it, the step is split there by a secant."""
+    for _ in range(8):
+        sign, stuck = contact(t, y[:2], y[2:], start)
+        new = runge_kutta(t, h, y, start, end, sign, stuck)
+        share, first = 1.0, -1
+        for j in range(4):
+            before, after = along(j, y[2:]), along(j, new[2:])
+            if sign[j] * after < 0.0 and (first < 0 or before / (before - after) < share):
+                share, first = before / (before - after), j
+        if first < 0:
+            return new
+        split = [start[i] + share * (end[i] - start[i]) for i in range(2)]
+        y = rest(runge_kutta(t, share * h, y, start, split, sign, stuck), stuck, first)
+        t, h, start = t + share * h, (1.0 - share) * h, split
+    return y
+
+
+def simulate(t, M, alpha, omega):
+    """The motion from recorded moments M, one pair a sample of t [s], and the first state."""
+    y = [alpha[0], alpha[1], omega[0], omega[1]]
+    states = [y]
+    for k in range(1, len(t)):
+        start = drive(M[k - 1])
+        end = drive(M[k]) if LINEAR else start
+        pieces = max(1, math.ceil((t[k] - t[k - 1]) / STEP - 1e-9))
+        h = (t[k] - t[k - 1]) / pieces
+        for piece in range(pieces):
+            edge = [
+                [start[i] + (piece + e) / pieces * (end[i] - start[i]) for i in range(2)]
+                for e in range(2)
+            ]
+            y = advance(t[k - 1] - t[0] + piece * h, h, y, edge[0], edge[1])
+        states.append(y)
+    return [y[:2] for y in states], [y[2:] for y in states]

@@ -1,0 +1,13 @@
+//! The identified model outside the program: as data and as a function in four languages.
+//!
+//! No equation is written twice. The effects run once with [`Symbol`](crate::math::Symbol)s, which
+//! records their formulas as a graph; each language prints that graph into a frame, a file in that
+//! language with marked places (`frame/`), which holds the treatment of rest and the integrator.
+
+mod document;
+mod language;
+mod print;
+mod traced;
+
+pub use document::{Identified, SCHEMA, Written, files};
+pub use traced::{Obstacle, Traced, trace};
