@@ -43,6 +43,8 @@ const EVIDENCE: f64 = 8.0;
 const PRACTICAL: f64 = 0.0025;
 /// Log-evidence that needs no second witness.
 const OVERWHELMING: f64 = 50.0;
+/// Share of its threshold that a score must reach where the evidence of the refit is strong.
+const NEARLY: f64 = 0.8;
 /// Effects whose Wald statistic falls below this, once others are in, are dropped again.
 const KEEP: f64 = 14.0;
 /// Candidates that are refitted in full.
@@ -191,9 +193,11 @@ fn accepted(best: &Ranked, likelihood: &Likelihood, settings: &Settings) -> bool
         best.score.estimate.iter().zip(&best.score.size).map(|(e, s)| (e * s).powi(2)).sum();
     let worth = size.sqrt() > PRACTICAL * likelihood.moment_rms();
     // the score is taken at the noise of the model without the effect, which that effect makes too
-    // large; evidence of the refit stands in for it where it is as strong twice over
-    let significant = best.score.log_significance > settings.threshold()
-        || best.evidence() > 2.0 * settings.threshold();
+    // large; where it nearly reaches its threshold, evidence twice as strong stands in for the rest
+    let significance = best.score.log_significance;
+    let significant = significance > settings.threshold()
+        || (significance > NEARLY * settings.threshold()
+            && best.evidence() > 2.0 * settings.threshold());
     worth
         && best.refit.as_ref().is_some_and(|r| r.in_range)
         && best.evidence() > EVIDENCE

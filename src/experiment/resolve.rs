@@ -40,7 +40,7 @@ pub(super) fn resolve(
 fn plan(path: &Path, text: &str, file: &ExperimentFile) -> Result<Plan, Meaning> {
     let robot = robot(file.robot.as_ref())?;
     let model = model(file, &robot)?;
-    let methods = methods(&file.method)?;
+    let methods = methods(&file.method, file.emulator.gain)?;
     let gain = gain(file)?;
     let diagnosis = diagnosis(file)?;
     let (recordings, hold, seed, truth) = match (&file.recordings, &file.simulation) {
@@ -169,7 +169,9 @@ fn add(model: Model, id: &str, file: &ExperimentFile) -> Result<Model, Meaning> 
     }
 }
 
-fn methods(tables: &[Table]) -> Result<Vec<MethodPlan>, Meaning> {
+/// The methods of the file. A fuzzy method that states no gain of its own is fitted in the emulator
+/// that the file states, if that has one.
+fn methods(tables: &[Table], emulator: Option<f64>) -> Result<Vec<MethodPlan>, Meaning> {
     if tables.is_empty() {
         return DEFAULT_METHODS
             .iter()
@@ -182,7 +184,14 @@ fn methods(tables: &[Table]) -> Result<Vec<MethodPlan>, Meaning> {
         .map(|table| {
             let mut options = table.clone();
             match options.remove("name") {
-                Some(toml::Value::String(name)) => method(&name, &options),
+                Some(toml::Value::String(name)) => {
+                    if let (Some(gain), true) = (emulator, name.starts_with("fuzzy_"))
+                        && gain > 0.0
+                    {
+                        options.entry("gain").or_insert(gain.into());
+                    }
+                    method(&name, &options)
+                }
                 Some(other) => Err(words(format!("[[method]]: name = {other} must be text"))),
                 None => {
                     Err(words("[[method]] has no name; `experiment methods` lists them".into()))

@@ -85,6 +85,7 @@ impl Identifier for PredictionError {
             prepared: task.train.iter().map(prepare).collect(),
             hold: task.hold,
             slow_moment: self.slow_moment,
+            timing: true,
         };
         let maximum = likelihood.maximise(task.model, &first, None, NAME)?;
         let pull = likelihood.pull_of_input_noise(task.model, &maximum)?;

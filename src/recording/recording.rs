@@ -2,51 +2,7 @@
 
 use std::ops::Range;
 
-/// The unit of the drive; inertias and frictions come out per that unit.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub enum DriveUnit {
-    /// Moments at the wheels [N m].
-    #[default]
-    #[serde(rename = "N m")]
-    NewtonMetre,
-    /// Motor voltages [V].
-    #[serde(rename = "V")]
-    Volt,
-    /// Motor currents [A].
-    #[serde(rename = "A")]
-    Ampere,
-}
-
-impl DriveUnit {
-    /// As written in files and on axes.
-    #[must_use]
-    pub fn symbol(self) -> &'static str {
-        match self {
-            Self::NewtonMetre => "N m",
-            Self::Volt => "V",
-            Self::Ampere => "A",
-        }
-    }
-
-    /// The unit of a parameter whose unit is `unit` when the drive is in N m.
-    ///
-    /// # Examples
-    /// ```
-    /// use amigo_ident::recording::DriveUnit;
-    /// assert_eq!(DriveUnit::Volt.of("N m s/rad"), "V s/rad");
-    /// assert_eq!(DriveUnit::Volt.of("kg m^2"), "V s^2/rad");
-    /// assert_eq!(DriveUnit::Volt.of("rad/s"), "rad/s");
-    /// ```
-    #[must_use]
-    pub fn of(self, unit: &str) -> String {
-        match self {
-            Self::NewtonMetre => unit.to_string(),
-            _ => unit
-                .replace("kg m^2", &format!("{} s^2/rad", self.symbol()))
-                .replace("N m", self.symbol()),
-        }
-    }
-}
+use super::{DriveUnit, RecordingError};
 
 /// The columns of a recording before they are checked; row k of each belongs to `t[k]`.
 #[derive(Clone, Debug, Default)]
@@ -68,69 +24,6 @@ pub struct Measured {
     pub alpha: bool,
     /// Speeds were measured (else differenced from the angles).
     pub omega: bool,
-}
-
-/// Why columns do not make a recording. Rows count from 1, the first row of data.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum RecordingError {
-    /// Too short to say anything.
-    #[error("{name}: {samples} samples; at least {needed} are needed to see a motion")]
-    TooShort {
-        /// Recording.
-        name: String,
-        /// Found.
-        samples: usize,
-        /// Expected at least.
-        needed: usize,
-    },
-    /// Time stands still or goes backwards.
-    #[error(
-        "{name}, row {row}: t = {t} s does not exceed {previous} s of the row before; sort the rows or remove the repeated one"
-    )]
-    TimeNotIncreasing {
-        /// Recording.
-        name: String,
-        /// Row, from 1.
-        row: usize,
-        /// Time of that row [s].
-        t: f64,
-        /// Time of the row before [s].
-        previous: f64,
-    },
-    /// NaN or infinity.
-    #[error(
-        "{name}, row {row}: {column} is {value}; every value must be a finite number (remove the row: gaps in time are allowed)"
-    )]
-    NotFinite {
-        /// Recording.
-        name: String,
-        /// Row, from 1.
-        row: usize,
-        /// Column of the contract.
-        column: String,
-        /// Found.
-        value: f64,
-    },
-    /// Columns of different length.
-    #[error("{name}: column {column} has {found} rows and t has {expected}")]
-    Length {
-        /// Recording.
-        name: String,
-        /// Column group.
-        column: String,
-        /// Found.
-        found: usize,
-        /// Expected.
-        expected: usize,
-    },
-    /// Neither angles nor speeds.
-    #[error(
-        "{name}: neither wheel angles (alpha1, alpha2) nor wheel speeds (dalpha1, dalpha2) are there; one of the two is needed"
-    )]
-    NoMotion {
-        /// Recording.
-        name: String,
-    },
 }
 
 /// A checked recording: finite values, strictly increasing time, angles and speeds both there.

@@ -115,7 +115,9 @@ fn figure(
     let (least, most) =
         numbers.iter().fold((f64::INFINITY, 0.0_f64), |(l, m), x| (l.min(*x), m.max(*x)));
     let wide = axis.scale().is_some() && least > 0.0 && most >= 4.0 * least;
-    let x = || if wide { Axis::log(&label, unit) } else { Axis::linear(&label, unit) };
+    // room for the first and the last dot
+    let log = || Axis::log(&label, unit).with_range(least / 1.15, 1.15 * most);
+    let x = || if wide { log() } else { Axis::linear(&label, unit) };
     let names = series_names(grid, summaries, along);
     let mut out = Figure::new(quantity.id, quantity.title)
         .with_subtitle(format!("{} combinations: {}", grid.cells(), grid.words()))

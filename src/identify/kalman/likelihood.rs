@@ -16,10 +16,13 @@ use crate::simulate::Hold;
 pub struct Likelihood<'a> {
     /// One independent run of the filter each.
     pub prepared: Vec<Prepared<'a>>,
-    /// The drive between samples; [`ProcessNoise::later`] is estimated unless it is held.
+    /// The drive between samples.
     pub hold: Hold,
     /// Whether the slow unknown moment is part of the noise model.
     pub slow_moment: bool,
+    /// Whether [`ProcessNoise::later`] is estimated. It is for estimates at the limit of the data;
+    /// a search for lags and delays must not lose half a sample of them to it.
+    pub timing: bool,
 }
 
 /// Where a maximisation ended.
@@ -179,7 +182,9 @@ impl Likelihood<'_> {
         let count = run.state().get_func_counts().values().sum::<u64>() as usize;
         let search = NoiseSearch { likelihood: self, model, p, rms, step, later: start.later };
         let mut best = run.state().get_best_param().map_or(*start, |x| search.noise_at(x));
-        best.later = self.later(model, p, &best);
+        if self.timing && self.hold == Hold::Linear {
+            best.later = self.later(model, p, &best);
+        }
         (best, count + 3)
     }
 
@@ -190,7 +195,7 @@ impl Likelihood<'_> {
         let at = |later: f64| self.value(model, p, &ProcessNoise { later, ..*noise });
         let c = noise.later;
         let three = (at(c - LATER), at(c), at(c + LATER));
-        let (Hold::Linear, (Some(a), Some(b), Some(d))) = (self.hold, three) else { return c };
+        let (Some(a), Some(b), Some(d)) = three else { return c };
         let bend = a - 2.0 * b + d;
         if bend < 0.0 { (c + 0.5 * LATER * (a - d) / bend).clamp(0.0, 1.0) } else { c }
     }
