@@ -1,5 +1,6 @@
 //! Motion from a model: an integrator with exact stick and slip, and what is built on it.
 
+mod batch;
 pub mod dynamics;
 mod emulator;
 mod friction;
@@ -11,6 +12,7 @@ mod simulation;
 mod stepper;
 mod takagi_sugeno;
 
+pub use batch::ise_of_many;
 pub use dynamics::{Dynamics, PhysicalDynamics};
 pub use emulator::{Gain, GainError, Structure, emulate};
 pub use friction::{Contact, contact};

@@ -18,7 +18,7 @@ const STIFF: f64 = 0.5;
 /// body behind it keeps a positive mass.
 const LARGEST_ROTOR: f64 = 0.9;
 /// A speed that no wheel reaches [rad/s].
-const SPEED_LIMIT: f64 = 1e6;
+pub(super) const SPEED_LIMIT: f64 = 1e6;
 /// Halvings of a step that locate an event to 1e-12 of it.
 const HALVINGS: usize = 40;
 /// More events than this within one step are grazing contacts: the direction is then held.
@@ -34,10 +34,13 @@ pub(super) struct Drive {
 }
 
 impl Drive {
+    pub(super) fn new(from: f64, to: f64, start: &[f64; 2], end: &[f64; 2]) -> Self {
+        Self { from, to, start: *start, end: *end }
+    }
     pub(super) fn share(&self, t: f64) -> f64 {
         (t - self.from) / (self.to - self.from)
     }
-    fn at(&self, t: f64) -> [f64; 2] {
+    pub(super) fn at(&self, t: f64) -> [f64; 2] {
         let c = self.share(t);
         [
             self.start[0] + c * (self.end[0] - self.start[0]),
@@ -81,6 +84,12 @@ impl<'m> Stepper<'m> {
         stepper
     }
 
+    /// Puts the robot into another state.
+    pub(super) fn place(&mut self, state: State) {
+        let (a, w) = (state.alpha, state.omega);
+        self.y = [a[0], a[1], w[0], w[1], w[0], w[1], 0.0, 0.0];
+    }
+
     pub(super) fn state(&self) -> State {
         State { alpha: [self.y[0], self.y[1]], omega: [self.y[2], self.y[3]] }
     }
@@ -104,7 +113,7 @@ impl<'m> Stepper<'m> {
         end: &[f64; 2],
         passenger: &mut impl Passenger,
     ) -> Result<(), SimulateError> {
-        let drive = Drive { from, to, start: *start, end: *end };
+        let drive = Drive::new(from, to, start, end);
         let pieces = self.pieces(from, to);
         for piece in 0..pieces {
             let edge = |k: usize| from + (to - from) * k as f64 / pieces as f64;
@@ -119,11 +128,10 @@ impl<'m> Stepper<'m> {
 
     /// How many internal steps one sample takes.
     fn pieces(&self, from: f64, to: f64) -> usize {
-        let mut longest = LONGEST_STEP;
-        if let Some(rate) = self.coupling_rate(from) {
-            longest = longest.min(STIFF / rate);
+        match self.coupling_rate(from) {
+            None => pieces_between(from, to),
+            Some(rate) => divided(to - from, LONGEST_STEP.min(STIFF / rate)),
         }
-        (((to - from) / longest) - 1e-9).ceil().clamp(1.0, 1e4) as usize
     }
 
     /// The fastest rate of a coupling [1/s], set by the lighter of rotor and body.
@@ -136,7 +144,8 @@ impl<'m> Stepper<'m> {
         Some((c.damping * mobility).max((c.stiffness * mobility).sqrt()))
     }
 
-    fn piece(
+    /// One internal step, cut at its events.
+    pub(super) fn piece(
         &mut self,
         from: f64,
         to: f64,
@@ -307,6 +316,15 @@ impl<'m> Stepper<'m> {
         let k4 = self.rates(t + h, &plus(y, h, &k3), drive, c)?;
         Ok(std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i])))
     }
+}
+
+/// How many internal steps a model without a body behind the wheels takes from `from` to `to` [s].
+pub(super) fn pieces_between(from: f64, to: f64) -> usize {
+    divided(to - from, LONGEST_STEP)
+}
+
+fn divided(length: f64, longest: f64) -> usize {
+    ((length / longest) - 1e-9).ceil().clamp(1.0, 1e4) as usize
 }
 
 type BodySide = Option<(Terms<f64>, [f64; 2])>;
