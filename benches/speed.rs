@@ -3,7 +3,7 @@
 //! ```text
 //! cargo bench --bench speed               divan's figures, then the table of ratios
 //! cargo bench --bench speed -- ratios     the table alone
-//! cargo bench --bench speed -- simulation divan's figures of one group, then the table
+//! cargo bench --bench speed -- simulation divan's figures of one group alone
 //! ```
 //! Ratios hold from machine to machine far better than times. Every time in the table is the best
 //! of several runs; what else the machine does makes a run longer, never shorter.
@@ -243,6 +243,38 @@ mod effects {
     }
 }
 
+/// Three recordings of 60 s at 200 Hz, and the whole catalogue.
+mod diagnosis {
+    use super::*;
+
+    #[divan::bench(sample_count = 2, sample_size = 1)]
+    fn score_scan(bencher: divan::Bencher) {
+        let recordings = three(&[]);
+        let likelihood = likelihood(&recordings);
+        let all = candidates(&BASE, &[], &recordings.iter().collect::<Vec<_>>());
+        bencher.bench(|| scan(&BASE, &BASE.initial(), &NOISE, &likelihood, &all));
+    }
+
+    #[divan::bench(sample_count = 1, sample_size = 1)]
+    fn of_hidden_scrub(bencher: divan::Bencher) {
+        let recordings = three(&["turning_scrub"]);
+        bencher.bench(|| found(&recordings));
+    }
+}
+
+/// Three recordings of 60 s.
+fn three(hidden: &[&str]) -> Vec<Recording> {
+    (3..6).map(|seed| made(hidden, 60.0, seed)).collect()
+}
+
+/// What a diagnosis of the base model finds.
+fn found(recordings: &[Recording]) -> Vec<String> {
+    let task = Task { model: &BASE, train: recordings, hold: Hold::Linear, seed: 1 };
+    let first = start::start(&task, "benchmark").expect("moving recordings");
+    let diagnosis = diagnose(&BASE, &first, &likelihood(recordings), &Settings::default());
+    diagnosis.expect("a fit").found()
+}
+
 /// Shortest time of several runs [s].
 fn best<T>(runs: usize, mut work: impl FnMut() -> T) -> f64 {
     let time = |work: &mut dyn FnMut() -> T| {
@@ -324,34 +356,23 @@ fn of_length() {
     }
 }
 
-/// Three recordings of 60 s; the whole catalogue. A single run, on one thread and on two.
+/// Three recordings of 60 s; the whole catalogue. A single run.
 fn of_diagnosis(fit_of_one: f64) {
+    let recordings = three(&[]);
+    let likelihood = likelihood(&recordings);
+    let pass = best(3, || run_pass(&BASE, &likelihood, true));
+    let all = candidates(&BASE, &[], &recordings.iter().collect::<Vec<_>>());
+    let columns: usize = all.iter().map(|c| c.columns()).sum();
+    let time = best(2, || scan(&BASE, &BASE.initial(), &NOISE, &likelihood, &all));
+    let what = format!("score scan of 3 x 60 s: {} candidates, {columns} columns", all.len());
+    row(&what, "one filter pass with derivatives", time, pass);
     for hidden in [&[][..], &["turning_scrub"][..]] {
-        let recordings: Vec<Recording> = (3..6).map(|seed| made(hidden, 60.0, seed)).collect();
-        let likelihood = likelihood(&recordings);
-        let task = Task { model: &BASE, train: &recordings, hold: Hold::Linear, seed: 1 };
-        let first = start::start(&task, "benchmark").expect("moving recordings");
-        if hidden.is_empty() {
-            let pass = best(3, || run_pass(&BASE, &likelihood, true));
-            let all: Vec<&Recording> = recordings.iter().collect();
-            let all = candidates(&BASE, &[], &all);
-            let columns: usize = all.iter().map(|c| c.columns()).sum();
-            let time = best(2, || scan(&BASE, &first, &NOISE, &likelihood, &all));
-            let what = format!("score scan: {} candidates, {columns} columns", all.len());
-            row(&what, "one filter pass with derivatives", time, pass);
-            row("one filter pass, three recordings of 60 s", "itself", pass, pass);
-        }
-        let whole = || {
-            let diagnosis = diagnose(&BASE, &first, &likelihood, &Settings::default());
-            diagnosis.expect("a fit").found().join(", ")
-        };
-        println!("<!-- found: {:?} -->", whole());
-        let over = "`prediction_error` of 25 s";
-        let what = format!("diagnosis of 3 x 60 s, hidden: {hidden:?}");
-        row(&what, over, best(1, whole), fit_of_one);
-        let two = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("two threads");
-        let time = two.install(|| best(1, whole));
-        row(&format!("{what}, two threads"), over, time, fit_of_one);
+        let recordings = three(hidden);
+        let mut names = vec![];
+        let time = best(1, || names = found(&recordings));
+        let named = if names.is_empty() { "nothing".into() } else { names.join(", ") };
+        let what = format!("diagnosis of 3 x 60 s that finds {named}");
+        row(&what, "`prediction_error` of 25 s", time, fit_of_one);
     }
 }
 
@@ -360,5 +381,8 @@ fn main() {
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread();
     one.build_global().expect("no pool before this");
     divan::main();
-    ratios();
+    let filter = std::env::args().skip(1).find(|a| !a.starts_with("--"));
+    if filter.is_none_or(|filter| filter == "ratios") {
+        ratios();
+    }
 }

@@ -3,6 +3,7 @@
 mod batch;
 pub mod dynamics;
 mod emulator;
+mod event;
 mod friction;
 mod fuzzy_dynamics;
 mod made;

@@ -1,6 +1,7 @@
 //! One sample forward: Runge-Kutta 4 in a fixed contact state, with events located inside.
 
 use super::SimulateError;
+use super::event::{crossing, onset};
 use super::friction::{Contact, contact, perpendicular};
 use crate::effects::{Coupling, DIRECTIONS, Energy, Motion, Terms, along};
 use crate::model::{Model, solve_mass};
@@ -19,8 +20,6 @@ const STIFF: f64 = 0.5;
 const LARGEST_ROTOR: f64 = 0.9;
 /// A speed that no wheel reaches [rad/s].
 pub(super) const SPEED_LIMIT: f64 = 1e6;
-/// Halvings of a step that locate an event to 1e-12 of it.
-const HALVINGS: usize = 40;
 /// More events than this within one step are grazing contacts: the direction is then held.
 const MANY_EVENTS: usize = 24;
 
@@ -187,29 +186,32 @@ impl<'m> Stepper<'m> {
         drive: &Drive,
         c: &Contact,
     ) -> Result<bool, SimulateError> {
-        let omega = [y[2], y[3]];
-        if (0..4).any(|j| c.sign[j] * along(j, &omega) < 0.0) {
-            return Ok(true);
-        }
-        if c.stuck.iter().any(|&s| s) {
-            return Ok(self.contact(t, y, drive)?.stuck != c.stuck);
-        }
-        Ok(false)
+        Ok(self.excess(t, y, drive, c)? > 0.0)
     }
 
-    /// The shortest step after which [`Stepper::changed`] holds, by bisection.
-    fn locate(&self, t: f64, h: f64, drive: &Drive, c: &Contact) -> Result<f64, SimulateError> {
-        let (mut low, mut high) = (0.0, h);
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            let y = self.rk4(t, middle, &self.y, drive, c)?;
-            if self.changed(t + middle, &y, drive, c)? {
-                high = middle;
-            } else {
-                low = middle;
-            }
+    /// How far `y` is beyond the contact state: the speed of a sliding direction that has reversed
+    /// [rad/s], or the acceleration of a sticking one that has broken away [rad/s^2]. Not positive
+    /// within the contact state.
+    fn excess(&self, t: f64, y: &Vector, drive: &Drive, c: &Contact) -> Result<f64, SimulateError> {
+        let backward = fastest_backward(y, c);
+        if backward > 0.0 || !c.stuck.contains(&true) {
+            return Ok(backward);
         }
-        Ok(high)
+        let now = self.contact(t, y, drive)?;
+        if now.stuck == c.stuck {
+            return Ok(0.0);
+        }
+        let rates = (0..4).filter(|&j| c.stuck[j]).map(|j| along(j, &now.acceleration).abs());
+        Ok(rates.fold(f64::MIN_POSITIVE, f64::max))
+    }
+
+    /// The shortest step after which [`Stepper::changed`] holds, to 1e-12 of `h`.
+    fn locate(&self, t: f64, h: f64, drive: &Drive, c: &Contact) -> Result<f64, SimulateError> {
+        let excess = |step| {
+            let y = self.rk4(t, step, &self.y, drive, c)?;
+            self.excess(t + step, &y, drive, c)
+        };
+        if c.stuck.contains(&true) { onset(h, excess) } else { crossing(h, excess) }
     }
 
     /// Sets directions that have passed through zero exactly to rest; returns the first of them.
@@ -331,6 +333,14 @@ type BodySide = Option<(Terms<f64>, [f64; 2])>;
 
 pub(super) fn plus(y: &Vector, h: f64, k: &Vector) -> Vector {
     std::array::from_fn(|i| y[i] + h * k[i])
+}
+
+/// The largest speed against the sign of its friction at `y` [rad/s]: positive where a sliding
+/// direction has reversed, minus infinity where none slides.
+fn fastest_backward(y: &Vector, c: &Contact) -> f64 {
+    let omega = [y[2], y[3]];
+    let sliding = (0..4).filter(|&j| c.sign[j] != 0.0);
+    sliding.map(|j| -c.sign[j] * along(j, &omega)).fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// The acceleration with the given signs, along the one free direction where others stick.
