@@ -6,7 +6,7 @@ use crate::effects::{DIRECTIONS, Effect, Motion, ParameterKind, along};
 use crate::identify::kalman::Instant;
 use crate::math::{Real, sgn};
 use crate::model::Model;
-use crate::recording::Recording;
+use crate::recording::{LocalMotion, Recording};
 
 /// Speeds below this share of the top speed are smoothed over where an effect brings a friction
 /// direction of its own (the model has no filter variance for it).
@@ -66,10 +66,11 @@ pub fn candidates(model: &Model, named: &[String], recordings: &[&Recording]) ->
         out.extend(grid(&id, &effect, &scale, recordings));
     }
     if recordings.iter().all(|r| r.is_single_axis()) {
-        out.retain(|candidate| candidate.treats_wheels_alike(model, recordings[0]));
+let motions: Vec<_> = recordings.iter().map(|r| r.local_motion()).collect();
+        out.retain(|candidate| candidate.treats_wheels_alike(model, recordings[0], &motions[0]));
         // turning effects do nothing here, and a slope of one heading is an offset
         out.retain(|candidate| {
-            let sizes = column_size(candidate, model, recordings);
+            let sizes = column_size(candidate, model, recordings, &motions);
             let largest = sizes.iter().fold(0.0_f64, |a, b| a.max(*b));
             sizes.iter().all(|size| *size > 1e-9 * largest)
         });
@@ -226,11 +227,16 @@ impl Candidate {
 
     /// Whether the effect can act the same on both wheels of a single axis: one column that does,
     /// or a column a wheel.
-    fn treats_wheels_alike(&self, model: &Model, recording: &Recording) -> bool {
+    fn treats_wheels_alike(
+        &self,
+        model: &Model,
+        recording: &Recording,
+        motion: &[LocalMotion],
+    ) -> bool {
         if self.columns() != 1 {
             return true;
         }
-        let (motion, mut row) = (recording.local_motion(), [[0.0; 2]]);
+        let mut row = [[0.0; 2]];
         motion.iter().enumerate().step_by(11).all(|(k, m)| {
             self.torque(0, &instant(model, recording, k, m), &mut row);
             (row[0][0] - row[0][1]).abs() <= 1e-9 * row[0][0].abs()
@@ -259,6 +265,22 @@ impl Candidate {
 
     /// Writes the torque of each column on the drive side [N m].
     pub fn torque(&self, recording: usize, at: &Instant, out: &mut [[f64; 2]]) {
+        self.torque_with(recording, at, &signs(at, self.rest), out);
+    }
+
+    /// The friction signs at an instant, the same for all candidates of one list.
+    pub(super) fn signs(&self, at: &Instant) -> [f64; 4] {
+        signs(at, self.rest)
+    }
+
+    /// [`Candidate::torque`] with friction signs that are known.
+    pub(super) fn torque_with(
+        &self,
+        recording: usize,
+        at: &Instant,
+        sign: &[f64; 4],
+        out: &mut [[f64; 2]],
+    ) {
         match &self.form {
             Form::Signal(signals) => {
                 let signal = &signals[recording];
@@ -266,13 +288,12 @@ impl Candidate {
                 out[0] = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
             }
             Form::Instant => {
-                let sign = signs(at, self.rest);
                 let mut p = [0.0; 8];
                 p[..self.p.len()].copy_from_slice(&self.p);
                 for (column, &j) in out.iter_mut().zip(&self.linear) {
                     p[j] = 1.0;
                     let terms = self.effect.terms(&at.motion, &p[..self.p.len()]);
-                    *column = terms.moment(&at.acceleration, &sign).map(|v| -v);
+                    *column = terms.moment(&at.acceleration, sign).map(|v| -v);
                     p[j] = 0.0;
                 }
             }
@@ -296,12 +317,7 @@ fn signs(at: &Instant, rest: f64) -> [f64; 4] {
 }
 
 /// An instant of the smooth motion, where no filter has run.
-fn instant<'a>(
-    model: &'a Model,
-    recording: &Recording,
-    k: usize,
-    m: &crate::recording::LocalMotion,
-) -> Instant<'a> {
+fn instant<'a>(model: &'a Model, recording: &Recording, k: usize, m: &LocalMotion) -> Instant<'a> {
     Instant {
         sample: k,
         motion: Motion {
@@ -318,19 +334,19 @@ fn instant<'a>(
     }
 }
 
-/// The effect of a candidate seen on a smooth motion, to know its size: root mean square of each
-/// column over the recordings [N m per unit].
+/// The effect of a candidate seen on the smooth `motions` of the recordings, to know its size: root
+/// mean square of each column over them [N m per unit].
 #[must_use]
 pub(super) fn column_size(
     candidate: &Candidate,
     model: &Model,
     recordings: &[&Recording],
+    motions: &[Vec<LocalMotion>],
 ) -> Vec<f64> {
     let mut sums = vec![0.0; candidate.columns()];
     let mut count = 0.0;
     let mut row = vec![[0.0; 2]; candidate.columns()];
-    for (r, recording) in recordings.iter().enumerate() {
-        let motion = recording.local_motion();
+    for (r, (recording, motion)) in recordings.iter().zip(motions).enumerate() {
         for (k, m) in motion.iter().enumerate().step_by(7) {
             let at = instant(model, recording, k, m);
             candidate.torque(r, &at, &mut row);

@@ -6,7 +6,7 @@ use super::candidate::{Candidate, column_size, smoothed_drive};
 use crate::compare::{log_significance, project, score_statistic};
 use crate::identify::kalman::{Columns, Instant, Likelihood, Pass, ProcessNoise};
 use crate::model::{Model, ModelError};
-use crate::recording::Recording;
+use crate::recording::{LocalMotion, Recording};
 
 /// Prior size of an effect as a share of the root mean square drive: 0.02 N m on the AmigoBot.
 pub(super) const PRIOR_SHARE: f64 = 0.1;
@@ -48,9 +48,10 @@ impl Columns for Scan<'_> {
     fn torque(&self, at: &Instant, out: &mut [[f64; 2]]) {
         out[0] = self.rate[at.sample].map(|rate| -rate);
         let mut next = 1;
+        let sign = self.candidates.first().map_or([0.0; 4], |first| first.signs(at));
         for candidate in self.candidates {
             let width = candidate.columns();
-            candidate.torque(self.recording, at, &mut out[next..next + width]);
+            candidate.torque_with(self.recording, at, &sign, &mut out[next..next + width]);
             next += width;
         }
     }
@@ -92,13 +93,14 @@ pub fn scan(
     let mut base = model.free();
     base.push(p.len());
     let rms = likelihood.moment_rms();
+    let motions: Vec<Vec<LocalMotion>> = recordings.iter().map(|r| r.local_motion()).collect();
     let mut next = p.len() + 1;
     Ok(candidates
         .iter()
         .map(|candidate| {
             let own: Vec<usize> = (next..next + candidate.columns()).collect();
             next += candidate.columns();
-            let size = column_size(candidate, model, &recordings);
+            let size = column_size(candidate, model, &recordings, &motions);
             score(candidate, &passes, &base, &own, rms, size)
         })
         .collect())

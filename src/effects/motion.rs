@@ -96,7 +96,11 @@ impl<T: Real> Terms<T> {
             [m11 * a[0] + m12 * a[1] + self.torque[0], m12 * a[0] + m22 * a[1] + self.torque[1]];
         for (j, d) in DIRECTIONS.iter().enumerate() {
             for i in 0..2 {
-                out[i] += self.level[j] * (d[i] * s[j]);
+                // most directions have no friction, and the derivatives of nothing cost as much
+                let share = d[i] * s[j];
+                if share != 0.0 {
+                    out[i] += self.level[j] * share;
+                }
             }
         }
         out

@@ -147,9 +147,9 @@ impl<'a> Problem<'a> {
 
     fn first(&self) -> DVector<f64> {
         let mut x: Vec<f64> = self.free.iter().map(|&j| self.p[j]).collect();
+        let motions: Vec<_> = self.task.train.iter().map(|r| r.local_motion()).collect();
         for (r, piece) in &self.pieces {
-            let motion = self.task.train[*r].local_motion();
-            let m = motion[piece.start];
+            let m = motions[*r][piece.start];
             let still = self.prepared[*r].still[piece.start];
             x.extend(m.alpha);
             x.extend([0, 1].map(|i| if still[i] { 0.0 } else { m.omega[i] }));

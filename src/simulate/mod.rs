@@ -1,7 +1,9 @@
 //! Motion from a model: an integrator with exact stick and slip, and what is built on it.
 
+mod batch;
 pub mod dynamics;
 mod emulator;
+mod event;
 mod friction;
 mod fuzzy_dynamics;
 mod made;
@@ -11,6 +13,7 @@ mod simulation;
 mod stepper;
 mod takagi_sugeno;
 
+pub use batch::ise_of_many;
 pub use dynamics::{Dynamics, PhysicalDynamics};
 pub use emulator::{Gain, GainError, Structure, emulate};
 pub use friction::{Contact, contact};

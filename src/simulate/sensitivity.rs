@@ -108,9 +108,17 @@ impl Variation {
         }
     }
 
-    /// Writes S' at one Runge-Kutta stage from `self.trial`.
-    fn rates(&mut self, s: &Stepper, t: f64, y: &Vector, drive: &Drive, c: &Contact, stage: usize) {
-        let Ok(a) = s.acceleration(t, y, drive, c) else { return };
+    /// Writes S' at one Runge-Kutta stage, where the state changes by `rate`, from `self.trial`.
+    fn rates(
+        &mut self,
+        s: &Stepper,
+        t: f64,
+        (y, rate): (&Vector, &Vector),
+        drive: &Drive,
+        c: &Contact,
+        stage: usize,
+    ) {
+        let a = [rate[2], rate[3]];
         s.model.linearise(&s.motion(t, y), s.p, &a, &c.sign, &mut self.linear);
         let (n, freedom) = (self.columns, c.freedom());
         let out = &mut self.stage[stage];
@@ -150,17 +158,21 @@ impl Passenger for Variation {
     fn smooth(&mut self, s: &Stepper, t: f64, h: f64, y: &Vector, drive: &Drive, c: &Contact) {
         let half = 0.5 * h;
         let rate = |t: f64, y: &Vector| s.stage_rates(t, y, drive, c);
-        let y2 = plus(y, half, &rate(t, y));
-        let y3 = plus(y, half, &rate(t + half, &y2));
-        let y4 = plus(y, h, &rate(t + half, &y3));
+        let k1 = rate(t, y);
+        let y2 = plus(y, half, &k1);
+        let k2 = rate(t + half, &y2);
+        let y3 = plus(y, half, &k2);
+        let k3 = rate(t + half, &y3);
+        let y4 = plus(y, h, &k3);
+        let k4 = rate(t + h, &y4);
         self.trial.copy_from_slice(&self.s);
-        self.rates(s, t, y, drive, c, 0);
+        self.rates(s, t, (y, &k1), drive, c, 0);
         self.trial_from(half, 0);
-        self.rates(s, t + half, &y2, drive, c, 1);
+        self.rates(s, t + half, (&y2, &k2), drive, c, 1);
         self.trial_from(half, 1);
-        self.rates(s, t + half, &y3, drive, c, 2);
+        self.rates(s, t + half, (&y3, &k3), drive, c, 2);
         self.trial_from(h, 2);
-        self.rates(s, t + h, &y4, drive, c, 3);
+        self.rates(s, t + h, (&y4, &k4), drive, c, 3);
         for (k, value) in self.s.iter_mut().enumerate() {
             let [k1, k2, k3, k4] = [0, 1, 2, 3].map(|stage| self.stage[stage][k]);
             *value += h / 6.0 * (k1 + 2.0 * (k2 + k3) + k4);

@@ -1,6 +1,7 @@
 //! One sample forward: Runge-Kutta 4 in a fixed contact state, with events located inside.
 
 use super::SimulateError;
+use super::event::{crossing, onset};
 use super::friction::{Contact, contact, perpendicular};
 use crate::effects::{Coupling, DIRECTIONS, Energy, Motion, Terms, along};
 use crate::model::{Model, solve_mass};
@@ -18,9 +19,7 @@ const STIFF: f64 = 0.5;
 /// body behind it keeps a positive mass.
 const LARGEST_ROTOR: f64 = 0.9;
 /// A speed that no wheel reaches [rad/s].
-const SPEED_LIMIT: f64 = 1e6;
-/// Halvings of a step that locate an event to 1e-12 of it.
-const HALVINGS: usize = 40;
+pub(super) const SPEED_LIMIT: f64 = 1e6;
 /// More events than this within one step are grazing contacts: the direction is then held.
 const MANY_EVENTS: usize = 24;
 
@@ -34,10 +33,13 @@ pub(super) struct Drive {
 }
 
 impl Drive {
+    pub(super) fn new(from: f64, to: f64, start: &[f64; 2], end: &[f64; 2]) -> Self {
+        Self { from, to, start: *start, end: *end }
+    }
     pub(super) fn share(&self, t: f64) -> f64 {
         (t - self.from) / (self.to - self.from)
     }
-    fn at(&self, t: f64) -> [f64; 2] {
+    pub(super) fn at(&self, t: f64) -> [f64; 2] {
         let c = self.share(t);
         [
             self.start[0] + c * (self.end[0] - self.start[0]),
@@ -81,6 +83,12 @@ impl<'m> Stepper<'m> {
         stepper
     }
 
+    /// Puts the robot into another state.
+    pub(super) fn place(&mut self, state: State) {
+        let (a, w) = (state.alpha, state.omega);
+        self.y = [a[0], a[1], w[0], w[1], w[0], w[1], 0.0, 0.0];
+    }
+
     pub(super) fn state(&self) -> State {
         State { alpha: [self.y[0], self.y[1]], omega: [self.y[2], self.y[3]] }
     }
@@ -104,7 +112,7 @@ impl<'m> Stepper<'m> {
         end: &[f64; 2],
         passenger: &mut impl Passenger,
     ) -> Result<(), SimulateError> {
-        let drive = Drive { from, to, start: *start, end: *end };
+        let drive = Drive::new(from, to, start, end);
         let pieces = self.pieces(from, to);
         for piece in 0..pieces {
             let edge = |k: usize| from + (to - from) * k as f64 / pieces as f64;
@@ -119,11 +127,10 @@ impl<'m> Stepper<'m> {
 
     /// How many internal steps one sample takes.
     fn pieces(&self, from: f64, to: f64) -> usize {
-        let mut longest = LONGEST_STEP;
-        if let Some(rate) = self.coupling_rate(from) {
-            longest = longest.min(STIFF / rate);
+        match self.coupling_rate(from) {
+            None => pieces_between(from, to),
+            Some(rate) => divided(to - from, LONGEST_STEP.min(STIFF / rate)),
         }
-        (((to - from) / longest) - 1e-9).ceil().clamp(1.0, 1e4) as usize
     }
 
     /// The fastest rate of a coupling [1/s], set by the lighter of rotor and body.
@@ -136,7 +143,8 @@ impl<'m> Stepper<'m> {
         Some((c.damping * mobility).max((c.stiffness * mobility).sqrt()))
     }
 
-    fn piece(
+    /// One internal step, cut at its events.
+    pub(super) fn piece(
         &mut self,
         from: f64,
         to: f64,
@@ -178,29 +186,32 @@ impl<'m> Stepper<'m> {
         drive: &Drive,
         c: &Contact,
     ) -> Result<bool, SimulateError> {
-        let omega = [y[2], y[3]];
-        if (0..4).any(|j| c.sign[j] * along(j, &omega) < 0.0) {
-            return Ok(true);
-        }
-        if c.stuck.iter().any(|&s| s) {
-            return Ok(self.contact(t, y, drive)?.stuck != c.stuck);
-        }
-        Ok(false)
+        Ok(self.excess(t, y, drive, c)? > 0.0)
     }
 
-    /// The shortest step after which [`Stepper::changed`] holds, by bisection.
-    fn locate(&self, t: f64, h: f64, drive: &Drive, c: &Contact) -> Result<f64, SimulateError> {
-        let (mut low, mut high) = (0.0, h);
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            let y = self.rk4(t, middle, &self.y, drive, c)?;
-            if self.changed(t + middle, &y, drive, c)? {
-                high = middle;
-            } else {
-                low = middle;
-            }
+    /// How far `y` is beyond the contact state: the speed of a sliding direction that has reversed
+    /// [rad/s], or the acceleration of a sticking one that has broken away [rad/s^2]. Not positive
+    /// within the contact state.
+    fn excess(&self, t: f64, y: &Vector, drive: &Drive, c: &Contact) -> Result<f64, SimulateError> {
+        let backward = fastest_backward(y, c);
+        if backward > 0.0 || !c.stuck.contains(&true) {
+            return Ok(backward);
         }
-        Ok(high)
+        let now = self.contact(t, y, drive)?;
+        if now.stuck == c.stuck {
+            return Ok(0.0);
+        }
+        let rates = (0..4).filter(|&j| c.stuck[j]).map(|j| along(j, &now.acceleration).abs());
+        Ok(rates.fold(f64::MIN_POSITIVE, f64::max))
+    }
+
+    /// The shortest step after which [`Stepper::changed`] holds, to 1e-12 of `h`.
+    fn locate(&self, t: f64, h: f64, drive: &Drive, c: &Contact) -> Result<f64, SimulateError> {
+        let excess = |step| {
+            let y = self.rk4(t, step, &self.y, drive, c)?;
+            self.excess(t + step, &y, drive, c)
+        };
+        if c.stuck.contains(&true) { onset(h, excess) } else { crossing(h, excess) }
     }
 
     /// Sets directions that have passed through zero exactly to rest; returns the first of them.
@@ -309,10 +320,27 @@ impl<'m> Stepper<'m> {
     }
 }
 
+/// How many internal steps a model without a body behind the wheels takes from `from` to `to` [s].
+pub(super) fn pieces_between(from: f64, to: f64) -> usize {
+    divided(to - from, LONGEST_STEP)
+}
+
+fn divided(length: f64, longest: f64) -> usize {
+    ((length / longest) - 1e-9).ceil().clamp(1.0, 1e4) as usize
+}
+
 type BodySide = Option<(Terms<f64>, [f64; 2])>;
 
 pub(super) fn plus(y: &Vector, h: f64, k: &Vector) -> Vector {
     std::array::from_fn(|i| y[i] + h * k[i])
+}
+
+/// The largest speed against the sign of its friction at `y` [rad/s]: positive where a sliding
+/// direction has reversed, minus infinity where none slides.
+fn fastest_backward(y: &Vector, c: &Contact) -> f64 {
+    let omega = [y[2], y[3]];
+    let sliding = (0..4).filter(|&j| c.sign[j] != 0.0);
+    sliding.map(|j| -c.sign[j] * along(j, &omega)).fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// The acceleration with the given signs, along the one free direction where others stick.

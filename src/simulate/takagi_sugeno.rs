@@ -235,22 +235,22 @@ impl TakagiSugeno {
     /// average.
     #[must_use]
     pub fn firing(&self, omega: &[f64; 2]) -> Vec<f64> {
-        let (a, b) = (self.grades(0, omega[0]), self.grades(1, omega[1]));
+        let (a, b) = (self.graded(0, omega[0]).0, self.graded(1, omega[1]).0);
         (0..self.rules()).map(|r| self.rule(r)).map(|(i, j)| a.value[i] * b.value[j]).collect()
     }
 
     /// [f31, f41] at wheel speeds `omega` [rad/s²].
     #[must_use]
     pub fn output(&self, omega: &[f64; 2]) -> [f64; 2] {
-        let (a, b) = (self.grades(0, omega[0]), self.grades(1, omega[1]));
-        self.evaluate(&a, &b, false).0
+        let (a, b) = (self.graded(0, omega[0]).0, self.graded(1, omega[1]).0);
+        self.value(&a, &b)
     }
 
     /// [f31, f41] [rad/s²] and their derivatives [output][input] to the wheel speeds [1/s].
     #[must_use]
     pub fn output_and_gradient(&self, omega: &[f64; 2]) -> ([f64; 2], [[f64; 2]; 2]) {
         let (a, b) = (self.grades(0, omega[0]), self.grades(1, omega[1]));
-        self.evaluate(&a, &b, true)
+        self.evaluate(&a, &b)
     }
 
     /// The regressor of one output: output = basis · consequents of that output.
@@ -258,7 +258,7 @@ impl TakagiSugeno {
     /// # Panics
     /// If `basis` has not one place a consequent of one output.
     pub fn basis(&self, omega: &[f64; 2], basis: &mut [f64]) {
-        let (a, b) = (self.grades(0, omega[0]), self.grades(1, omega[1]));
+        let (a, b) = (self.graded(0, omega[0]).0, self.graded(1, omega[1]).0);
         let terms = self.consequents.terms();
         let columns = self.memberships[1].len();
         for (i, m) in self.memberships[0].iter().enumerate() {
@@ -279,7 +279,7 @@ impl TakagiSugeno {
     pub fn premise_gradient(&self, omega: &[f64; 2]) -> Vec<[f64; 2]> {
         let (a, b) = (self.grades(0, omega[0]), self.grades(1, omega[1]));
         let grades = [&a, &b];
-        let (value, _) = self.evaluate(&a, &b, false);
+        let value = self.value(&a, &b);
         let mut out = Vec::new();
         for input in 0..2 {
             let count = self.memberships[input].len();
@@ -310,26 +310,38 @@ impl TakagiSugeno {
         out
     }
 
-    fn grades(&self, input: usize, x: f64) -> Grades {
+    /// Strengths along one input, and the sum by which they were divided.
+    fn graded(&self, input: usize, x: f64) -> (Grades, f64) {
         let (low, high) = self.range[input];
         let inside = if x >= low && x <= high { 1.0 } else { 0.0 };
         let x = x.clamp(low, high);
         let mut grades =
             Grades { value: [0.0; MOST_MEMBERSHIPS], slope: [0.0; MOST_MEMBERSHIPS], x, inside };
-        let (mut sum, mut slopes) = (0.0, 0.0);
-        for (i, m) in self.memberships[input].iter().enumerate() {
+        let mut sum = 0.0;
+        for (value, m) in grades.value.iter_mut().zip(&self.memberships[input]) {
             let z = (x - m.centre) / m.width;
-            let value = (-0.5 * z * z).exp();
-            let slope = -z / m.width * value * inside;
-            (grades.value[i], grades.slope[i]) = (value, slope);
-            sum += value;
-            slopes += slope;
+            *value = (-0.5 * z * z).exp();
+            sum += *value;
+        }
+        if self.defuzzification == Defuzzification::WeightedSum {
+            return (grades, 1.0);
+        }
+        // the sum over rules is the product of the sums, so each input is normalised alone
+        let sum = sum.max(1e-300);
+        grades.value[..self.memberships[input].len()].iter_mut().for_each(|value| *value /= sum);
+        (grades, sum)
+    }
+
+    fn grades(&self, input: usize, x: f64) -> Grades {
+        let (mut grades, sum) = self.graded(input, x);
+        let mut slopes = 0.0;
+        for (i, m) in self.memberships[input].iter().enumerate() {
+            let z = (grades.x - m.centre) / m.width;
+            grades.slope[i] = -z / m.width * grades.value[i] * sum * grades.inside;
+            slopes += grades.slope[i];
         }
         if self.defuzzification == Defuzzification::WeightedAverage {
-            // the sum over rules is the product of the sums, so each input is normalised alone
-            let sum = sum.max(1e-300);
             for i in 0..self.memberships[input].len() {
-                grades.value[i] /= sum;
                 grades.slope[i] = (grades.slope[i] - grades.value[i] * slopes) / sum;
             }
         }
@@ -348,7 +360,20 @@ impl TakagiSugeno {
         }
     }
 
-    fn evaluate(&self, a: &Grades, b: &Grades, slopes: bool) -> ([f64; 2], [[f64; 2]; 2]) {
+    /// [f31, f41] from the strengths.
+    fn value(&self, a: &Grades, b: &Grades) -> [f64; 2] {
+        if self.consequents == Consequents::Affine {
+            return self.evaluate(a, b).0;
+        }
+        let (rows, columns) = (self.memberships[0].len(), self.memberships[1].len());
+        let outputs = self.parameters.split_at(rows * columns);
+        [outputs.0, outputs.1].map(|consequents| {
+            let mean = |row: &[f64]| row.iter().zip(&b.value).map(|(y, s)| s * y).sum::<f64>();
+            consequents.chunks_exact(columns).zip(&a.value).map(|(row, s)| s * mean(row)).sum()
+        })
+    }
+
+    fn evaluate(&self, a: &Grades, b: &Grades) -> ([f64; 2], [[f64; 2]; 2]) {
         let (mut value, mut gradient) = ([0.0; 2], [[0.0; 2]; 2]);
         for o in 0..2 {
             for i in 0..self.memberships[0].len() {
@@ -357,11 +382,9 @@ impl TakagiSugeno {
                 for j in 0..self.memberships[1].len() {
                     let (y, slope) = self.conclusion(o, (i, j), a.x, b.x);
                     row += b.value[j] * y;
-                    if slopes {
-                        row2 += b.slope[j] * y;
-                        d[0] += b.value[j] * slope[0];
-                        d[1] += b.value[j] * slope[1];
-                    }
+                    row2 += b.slope[j] * y;
+                    d[0] += b.value[j] * slope[0];
+                    d[1] += b.value[j] * slope[1];
                 }
                 value[o] += a.value[i] * row;
                 gradient[o][0] += a.slope[i] * row + a.value[i] * d[0] * a.inside;

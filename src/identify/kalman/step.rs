@@ -14,6 +14,8 @@ pub(super) type Covariance = SMatrix<f64, 6, 6>;
 
 /// Variance of a wheel that is known to stand still [rad^2/s^2].
 const STILL: f64 = 1e-10;
+/// The exponential of less than minus this is zero.
+const UNDERFLOW: f64 = 746.0;
 
 /// The drive over one sample.
 pub(super) struct Sample<'a> {
@@ -95,8 +97,7 @@ pub(super) fn predict(
         let variance = (along_d + 0.25 * kick * kick).max(STILL);
         let v = along(j, &omega);
         sign[j] = Real::erf(v / (2.0 * variance).sqrt());
-        let density =
-            (-0.5 * v * v / variance).exp() / (2.0 * std::f64::consts::PI * variance).sqrt();
+        let density = density(v, variance);
         slope[j] = 2.0 * density;
         rest[j] =
             level * level * (1.0 - sign[j] * sign[j] - slope[j] * slope[j] * variance).max(0.0);
@@ -209,6 +210,16 @@ pub(super) fn move_parameters(
             }
         }
     }
+}
+
+/// Density of a normal variable of this variance at `v`.
+fn density(v: f64, variance: f64) -> f64 {
+    let exponent = 0.5 * v * v / variance;
+    // most steps are far from rest, and an exponential that underflows is slow
+    if exponent > UNDERFLOW {
+        return 0.0;
+    }
+    (-exponent).exp() / (2.0 * std::f64::consts::PI * variance).sqrt()
 }
 
 /// The inverse mass matrix; a wheel that stands still does not move, the other one moves alone.

@@ -1,0 +1,388 @@
+//! How fast it is, as ratios measured in one run on one thread.
+//!
+//! ```text
+//! cargo bench --bench speed               divan's figures, then the table of ratios
+//! cargo bench --bench speed -- ratios     the table alone
+//! cargo bench --bench speed -- simulation divan's figures of one group alone
+//! ```
+//! Ratios hold from machine to machine far better than times. Every time in the table is the best
+//! of several runs; what else the machine does makes a run longer, never shorter.
+#![allow(clippy::print_stdout)]
+
+use std::hint::black_box;
+use std::sync::LazyLock;
+use std::time::Instant;
+
+use amigo_ident::diagnose::{Settings, candidates, diagnose, scan};
+use amigo_ident::identify::kalman::{Likelihood, ProcessNoise, prepare};
+use amigo_ident::identify::{self, Identifier, Task, start};
+use amigo_ident::model::Model;
+use amigo_ident::recording::Recording;
+use amigo_ident::robot::{Robot, State};
+use amigo_ident::simulate::{
+    Hold, Input, Movement, NoiseLevel, Recorder, ise_of_many, record, simulate,
+    simulate_with_sensitivities,
+};
+
+/// Counts what benchmarks allocate.
+#[global_allocator]
+static ALLOCATOR: divan::AllocProfiler = divan::AllocProfiler::system();
+
+/// Effects in the order in which the benchmark adds them to the base model.
+const ADDED: [&str; 8] = [
+    "viscous_friction",
+    "torque_offset",
+    "turning_scrub",
+    "quadratic_drag",
+    "yaw_viscous",
+    "caster_drag",
+    "lateral_com",
+    "stribeck",
+];
+/// Vectors that are simulated together.
+const MANY: usize = 64;
+/// Noise of the filter passes: what the fit finds on such recordings.
+const NOISE: ProcessNoise = ProcessNoise { sigma_m: 0.005, sigma_d: 0.002, tau_d: 0.2 };
+
+/// A recording at 200 Hz of the robot, or of one with `hidden` effects, under a 1 kHz controller.
+fn made(hidden: &[&str], seconds: f64, seed: u64) -> Recording {
+    let truth = Model::with_effects(Robot::amigobot(), hidden).expect("registered effects");
+    let movement = Movement::rich(truth.robot(), seed, seconds, 12.0);
+    let noise = NoiseLevel { alpha: 1e-3, dalpha: 0.05, moment: 0.005 };
+    let recorder = Recorder { rate: 200.0, control_rate: 1000.0, noise, ticks: None, seed };
+    record("made", &truth, &truth.initial(), &movement, &recorder).expect("the truth can move")
+}
+
+static BASE: LazyLock<Model> = LazyLock::new(|| Model::base(Robot::amigobot()));
+/// 25 s at 200 Hz.
+static RUN: LazyLock<Recording> = LazyLock::new(|| made(&[], 25.0, 1));
+
+fn with_effects(count: usize) -> Model {
+    Model::with_effects(Robot::amigobot(), &ADDED[..count]).expect("registered effects")
+}
+
+fn input(recording: &Recording) -> Input<'_> {
+    Input { t: recording.t(), moment: recording.moment(), hold: Hold::Linear }
+}
+
+fn likelihood(recordings: &[Recording]) -> Likelihood<'_> {
+    let prepared = recordings.iter().map(prepare).collect();
+    Likelihood { prepared, hold: Hold::Linear, slow_moment: true }
+}
+
+fn method(name: &str) -> Box<dyn Identifier> {
+    identify::find(name).expect("registered method")
+}
+
+fn fit(name: &str, train: &[Recording]) -> f64 {
+    let task = Task { model: &BASE, train, hold: Hold::Linear, seed: 1 };
+    method(name).identify(&task).expect("a fit").estimates.len() as f64
+}
+
+fn methods() -> Vec<String> {
+    identify::all().iter().map(|method| method.describe().name).collect()
+}
+
+/// 64 vectors scattered around the construction values.
+fn scattered() -> Vec<Vec<f64>> {
+    let p = BASE.initial();
+    let factor = |n: usize, j: usize| 1.0 + 0.2 * ((n * 7 + j * 3) as f64).sin();
+    (0..MANY).map(|n| p.iter().enumerate().map(|(j, a)| a * factor(n, j)).collect()).collect()
+}
+
+/// Equation (14) in straight lines, by the semi-implicit rule (speeds first, angles from the new
+/// speeds), friction by its sign: as little as a simulation can do. Returns the ISE.
+fn kernel(p: &[f64], recording: &Recording) -> f64 {
+    let [a1, a2, a3, a4, a5] = [p[0], p[1], p[2], p[3], p[4]];
+    let inverse = 1.0 / (a1 * a1 - a2 * a2);
+    let (t, moment, measured) = (recording.t(), recording.moment(), recording.omega());
+    let (mut alpha, mut w, mut sum) = ([0.0; 2], [0.0_f64; 2], 0.0);
+    for k in 1..t.len() {
+        let h = t[k] - t[k - 1];
+        let turn = a3 * (w[1] - w[0]);
+        let b1 = 0.5 * (moment[k - 1][0] + moment[k][0]) - turn * w[1] - a4 * sign(w[0]);
+        let b2 = 0.5 * (moment[k - 1][1] + moment[k][1]) + turn * w[0] - a5 * sign(w[1]);
+        w = [w[0] + h * inverse * (a1 * b1 - a2 * b2), w[1] + h * inverse * (a1 * b2 - a2 * b1)];
+        alpha = [alpha[0] + h * w[0], alpha[1] + h * w[1]];
+        sum += h * ((measured[k][0] - w[0]).powi(2) + (measured[k][1] - w[1]).powi(2));
+    }
+    sum + 1e-300 * (alpha[0] + alpha[1])
+}
+
+/// The same by Runge-Kutta 4 with the sign of the start of the step and no events.
+fn kernel_of_fourth_order(p: &[f64], recording: &Recording) -> f64 {
+    let [a1, a2, a3, a4, a5] = [p[0], p[1], p[2], p[3], p[4]];
+    let inverse = 1.0 / (a1 * a1 - a2 * a2);
+    let (t, moment, measured) = (recording.t(), recording.moment(), recording.omega());
+    let (mut w, mut sum) = ([0.0_f64; 2], 0.0);
+    for k in 1..t.len() {
+        let h = t[k] - t[k - 1];
+        let friction = [a4 * sign(w[0]), a5 * sign(w[1])];
+        let rate = |c: f64, w: [f64; 2]| {
+            let turn = a3 * (w[1] - w[0]);
+            let m = [0, 1].map(|i| moment[k - 1][i] + c * (moment[k][i] - moment[k - 1][i]));
+            let b = [m[0] - turn * w[1] - friction[0], m[1] + turn * w[0] - friction[1]];
+            [inverse * (a1 * b[0] - a2 * b[1]), inverse * (a1 * b[1] - a2 * b[0])]
+        };
+        let plus = |h: f64, k: [f64; 2]| [w[0] + h * k[0], w[1] + h * k[1]];
+        let k1 = rate(0.0, w);
+        let k2 = rate(0.5, plus(0.5 * h, k1));
+        let k3 = rate(0.5, plus(0.5 * h, k2));
+        let k4 = rate(1.0, plus(h, k3));
+        w = [0, 1].map(|i| w[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
+        sum += h * ((measured[k][0] - w[0]).powi(2) + (measured[k][1] - w[1]).powi(2));
+    }
+    sum
+}
+
+fn sign(x: f64) -> f64 {
+    f64::from(i8::from(x > 0.0) - i8::from(x < 0.0))
+}
+
+fn run_scalar(model: &Model, recording: &Recording) -> usize {
+    let p = model.initial();
+    simulate(model, &p, &input(recording), State::default()).expect("it moves").len()
+}
+
+fn run_sensitive(model: &Model, recording: &Recording) -> usize {
+    let p = model.initial();
+    let run = simulate_with_sensitivities(model, &p, &input(recording), State::default());
+    run.expect("it moves").0.len()
+}
+
+fn run_many(recording: &Recording, vectors: &[Vec<f64>]) -> f64 {
+    let start = State::default();
+    let found = ise_of_many(&BASE, vectors, &input(recording), start, recording.omega());
+    found.into_iter().map(|ise| ise.expect("it moves")).sum()
+}
+
+fn run_pass(model: &Model, likelihood: &Likelihood, derivatives: bool) -> f64 {
+    let passes = likelihood.passes(model, &model.initial(), &NOISE, derivatives, &[]);
+    passes.expect("a likelihood").iter().map(|pass| pass.log_likelihood).sum()
+}
+
+mod simulation {
+    use super::*;
+    use divan::{Bencher, counter::ItemsCount};
+
+    fn steps(bencher: Bencher, each: usize, run: impl Fn() -> f64 + Sync) {
+        let steps = ItemsCount::new(each * (RUN.len() - 1));
+        bencher.counter(steps).bench(run);
+    }
+
+    #[divan::bench]
+    fn a_kernel_semi_implicit(bencher: Bencher) {
+        let p = BASE.initial();
+        steps(bencher, 1, || kernel(black_box(&p), &RUN));
+    }
+    #[divan::bench]
+    fn b_kernel_runge_kutta(bencher: Bencher) {
+        let p = BASE.initial();
+        steps(bencher, 1, || kernel_of_fourth_order(black_box(&p), &RUN));
+    }
+    #[divan::bench]
+    fn c_simulate(bencher: Bencher) {
+        steps(bencher, 1, || run_scalar(&BASE, &RUN) as f64);
+    }
+    #[divan::bench]
+    fn d_ise_of_64(bencher: Bencher) {
+        let vectors = scattered();
+        steps(bencher, MANY, || run_many(&RUN, black_box(&vectors)));
+    }
+    #[divan::bench]
+    fn e_with_sensitivities(bencher: Bencher) {
+        steps(bencher, 1, || run_sensitive(&BASE, &RUN) as f64);
+    }
+}
+
+/// One fit of one recording of 25 s at 200 Hz.
+#[divan::bench(args = methods(), sample_size = 1, max_time = 2)]
+fn fits(bencher: divan::Bencher, name: &str) {
+    let train = std::slice::from_ref(&*RUN);
+    bencher.bench(|| fit(name, train));
+}
+
+mod length {
+    use super::*;
+
+    const SAMPLES: [usize; 3] = [1_000, 10_000, 100_000];
+
+    #[divan::bench(args = SAMPLES, sample_size = 1, max_time = 2)]
+    fn pass_with_derivatives(bencher: divan::Bencher, samples: usize) {
+        let recordings = [made(&[], samples as f64 / 200.0, 2)];
+        let likelihood = likelihood(&recordings);
+        bencher.bench(|| run_pass(&BASE, &likelihood, true));
+    }
+
+    /// The column "max alloc" is the memory it needs beside the recording.
+    #[divan::bench(args = [1_000, 10_000, 100_000, 1_000_000], sample_size = 1, max_time = 2)]
+    fn torque_regression(bencher: divan::Bencher, samples: usize) {
+        let recordings = [made(&[], samples as f64 / 200.0, 2)];
+        bencher.bench(|| fit("torque_regression", &recordings));
+    }
+}
+
+mod effects {
+    use super::*;
+
+    #[divan::bench(args = [0, 2, 4, 8])]
+    fn simulation(bencher: divan::Bencher, count: usize) {
+        let model = with_effects(count);
+        bencher.bench(|| run_scalar(&model, &RUN));
+    }
+    #[divan::bench(args = [0, 2, 4, 8])]
+    fn sensitivities(bencher: divan::Bencher, count: usize) {
+        let model = with_effects(count);
+        bencher.bench(|| run_sensitive(&model, &RUN));
+    }
+    #[divan::bench(args = [0, 2, 4, 8])]
+    fn pass_with_derivatives(bencher: divan::Bencher, count: usize) {
+        let model = with_effects(count);
+        let likelihood = likelihood(std::slice::from_ref(&*RUN));
+        bencher.bench(|| run_pass(&model, &likelihood, true));
+    }
+}
+
+/// Three recordings of 60 s at 200 Hz, and the whole catalogue.
+mod diagnosis {
+    use super::*;
+
+    #[divan::bench(sample_count = 2, sample_size = 1)]
+    fn score_scan(bencher: divan::Bencher) {
+        let recordings = three(&[]);
+        let likelihood = likelihood(&recordings);
+        let all = candidates(&BASE, &[], &recordings.iter().collect::<Vec<_>>());
+        bencher.bench(|| scan(&BASE, &BASE.initial(), &NOISE, &likelihood, &all));
+    }
+
+    #[divan::bench(sample_count = 1, sample_size = 1)]
+    fn of_hidden_scrub(bencher: divan::Bencher) {
+        let recordings = three(&["turning_scrub"]);
+        bencher.bench(|| found(&recordings));
+    }
+}
+
+/// Three recordings of 60 s.
+fn three(hidden: &[&str]) -> Vec<Recording> {
+    (3..6).map(|seed| made(hidden, 60.0, seed)).collect()
+}
+
+/// What a diagnosis of the base model finds.
+fn found(recordings: &[Recording]) -> Vec<String> {
+    let task = Task { model: &BASE, train: recordings, hold: Hold::Linear, seed: 1 };
+    let first = start::start(&task, "benchmark").expect("moving recordings");
+    let diagnosis = diagnose(&BASE, &first, &likelihood(recordings), &Settings::default());
+    diagnosis.expect("a fit").found()
+}
+
+/// Shortest time of several runs [s].
+fn best<T>(runs: usize, mut work: impl FnMut() -> T) -> f64 {
+    let time = |work: &mut dyn FnMut() -> T| {
+        let begin = Instant::now();
+        black_box(work());
+        begin.elapsed().as_secs_f64()
+    };
+    (0..runs).map(|_| time(&mut work)).fold(f64::INFINITY, f64::min)
+}
+
+fn row(what: &str, over: &str, time: f64, unit: f64) {
+    let ratio = time / unit;
+    let digits = if ratio < 9.95 { 2 } else { 0 };
+    let (scaled, name) = match time {
+        t if t < 1e-6 => (t * 1e9, "ns"),
+        t if t < 1e-3 => (t * 1e6, "us"),
+        t if t < 1.0 => (t * 1e3, "ms"),
+        t => (t, "s"),
+    };
+    println!("| {what} | {over} | {ratio:.digits$} | {scaled:.3} {name} |");
+}
+
+fn ratios() {
+    println!("\n## Ratios, one thread\n");
+    println!("| what | over | ratio | time |\n|---|---|---:|---:|");
+    let steps = (RUN.len() - 1) as f64;
+    let (p, vectors) = (BASE.initial(), scattered());
+    let straight = best(50, || kernel(black_box(&p), &RUN)) / steps;
+    let fourth = best(50, || kernel_of_fourth_order(black_box(&p), &RUN)) / steps;
+    let scalar = best(50, || run_scalar(&BASE, &RUN)) / steps;
+    let many = best(10, || run_many(&RUN, &vectors)) / (steps * MANY as f64);
+    let sensitive = best(20, || run_sensitive(&BASE, &RUN)) / steps;
+    row("a step of a hand-written semi-implicit kernel", "itself", straight, straight);
+    row("a step of a hand-written Runge-Kutta kernel", "semi-implicit kernel", fourth, straight);
+    row("a step of `simulate`", "semi-implicit kernel", scalar, straight);
+    row("a step of `simulate`", "Runge-Kutta kernel", scalar, fourth);
+    row("a step of `ise_of_many`, per vector", "`simulate`", many, scalar);
+    row("a step of `ise_of_many`, per vector", "Runge-Kutta kernel", many, fourth);
+    row("a step with sensitivities", "`simulate`", sensitive, scalar);
+    let one = std::slice::from_ref(&*RUN);
+    let filter = likelihood(one);
+    let plain = best(20, || run_pass(&BASE, &filter, false)) / steps;
+    let full = best(20, || run_pass(&BASE, &filter, true)) / steps;
+    row("a step of the filter", "`simulate`", plain, scalar);
+    row("a step of the filter with derivatives", "`simulate`", full, scalar);
+    let simulation = scalar * steps;
+    let default = best(3, || fit("prediction_error", one));
+    for name in methods() {
+        let runs = if name == "fuzzy_genetic" { 1 } else { 2 };
+        let time = best(runs, || fit(&name, one));
+        row(&format!("fit by `{name}`"), "`simulate` of the same 25 s", time, simulation);
+    }
+    for count in [2, 4, 8] {
+        let model = with_effects(count);
+        let over = "the base model";
+        let time = best(20, || run_scalar(&model, &RUN));
+        row(&format!("`simulate` with {count} effects more"), over, time, simulation);
+        let time = best(10, || run_sensitive(&model, &RUN)) / steps;
+        row(&format!("sensitivities with {count} effects more"), over, time, sensitive);
+        let time = best(10, || run_pass(&model, &filter, true)) / steps;
+        row(&format!("filter with derivatives, {count} effects more"), over, time, full);
+    }
+    of_length();
+    of_diagnosis(default);
+}
+
+fn of_length() {
+    let mut before: Option<(f64, f64)> = None;
+    for samples in [1_000, 10_000, 100_000] {
+        let recordings = [made(&[], samples as f64 / 200.0, 2)];
+        let likelihood = likelihood(&recordings);
+        let pass = best(5, || run_pass(&BASE, &likelihood, true));
+        let regression = best(3, || fit("torque_regression", &recordings));
+        if let Some((one, other)) = before.replace((pass, regression)) {
+            let over = format!("{} samples", samples / 10);
+            row(&format!("filter with derivatives, {samples} samples"), &over, pass, one);
+            row(&format!("`torque_regression`, {samples} samples"), &over, regression, other);
+        }
+    }
+}
+
+/// Three recordings of 60 s; the whole catalogue. A single run.
+fn of_diagnosis(fit_of_one: f64) {
+    let recordings = three(&[]);
+    let likelihood = likelihood(&recordings);
+    let pass = best(3, || run_pass(&BASE, &likelihood, true));
+    let all = candidates(&BASE, &[], &recordings.iter().collect::<Vec<_>>());
+    let columns: usize = all.iter().map(|c| c.columns()).sum();
+    let time = best(2, || scan(&BASE, &BASE.initial(), &NOISE, &likelihood, &all));
+    let what = format!("score scan of 3 x 60 s: {} candidates, {columns} columns", all.len());
+    row(&what, "one filter pass with derivatives", time, pass);
+    for hidden in [&[][..], &["turning_scrub"][..]] {
+        let recordings = three(hidden);
+        let mut names = vec![];
+        let time = best(1, || names = found(&recordings));
+        let named = if names.is_empty() { "nothing".into() } else { names.join(", ") };
+        let what = format!("diagnosis of 3 x 60 s that finds {named}");
+        row(&what, "`prediction_error` of 25 s", time, fit_of_one);
+    }
+}
+
+fn main() {
+    // one thread, this one: ratios are of work, and allocations are counted
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread();
+    one.build_global().expect("no pool before this");
+    divan::main();
+    let filter = std::env::args().skip(1).find(|a| !a.starts_with("--"));
+    if filter.is_none_or(|filter| filter == "ratios") {
+        ratios();
+    }
+}

@@ -1,0 +1,125 @@
+//! The instant within a step at which the contact state changes.
+
+/// Halvings of a step that locate an event to 1e-12 of it.
+const HALVINGS: i32 = 40;
+
+/// The shortest step of at most `h` after which `value` is positive, to 1e-12 of `h`, where it is
+/// zero before and grows from zero: what breaks away does so slowly at first.
+///
+/// A straight line through the last two ends says where the growth began, and trials close on
+/// either side of that, a thousandth of what is left; where two of them in a row do not narrow the
+/// interval, it is halved.
+pub(super) fn onset<E>(h: f64, value: impl Fn(f64) -> Result<f64, E>) -> Result<f64, E> {
+    let resolved = h * 0.5_f64.powi(HALVINGS);
+    let (mut low, mut high, mut at_high) = (0.0, h, value(h)?);
+    let mut earlier: Option<(f64, f64)> = None;
+    let (mut side, mut misses) = (1.0, 0);
+    for _ in 0..4 * HALVINGS {
+        let width = high - low;
+        if width <= resolved {
+            break;
+        }
+        let line = earlier.filter(|(_, at)| *at > at_high && misses < 2);
+        let trial = match line {
+            Some((end, at)) => {
+                let root = high - at_high * (end - high) / (at - at_high);
+                let margin = (1e-3 * (high - root).abs()).max(0.25 * resolved);
+                (root + side * margin).clamp(low + 0.25 * resolved, high - 0.25 * resolved)
+            }
+            None => 0.5 * (low + high),
+        };
+        let at = value(trial)?;
+        if at > 0.0 {
+            earlier = Some((high, at_high));
+            (high, at_high, side) = (trial, at, -1.0);
+        } else {
+            (low, side) = (trial, 1.0);
+        }
+        let narrowed = high - low <= 0.5 * width;
+        misses = if narrowed { 0 } else { misses + 1 };
+    }
+    Ok(high)
+}
+
+/// The shortest step of at most `h` after which `value` is positive, to 1e-12 of `h`; it is not at
+/// zero and is at `h`.
+///
+/// Regula falsi with the Illinois rule (Dowell and Jarratt, BIT 11, 1971): a speed crosses zero
+/// almost in a straight line, so that some six trials do what forty halvings would.
+pub(super) fn crossing<E>(h: f64, value: impl Fn(f64) -> Result<f64, E>) -> Result<f64, E> {
+    let resolved = h * 0.5_f64.powi(HALVINGS);
+    let (mut low, mut high) = (0.0, h);
+    let (mut at_low, mut at_high) = (value(low)?, value(high)?);
+    let mut last = 0;
+    for _ in 0..2 * HALVINGS {
+        if high - low <= resolved {
+            break;
+        }
+        // starting from rest the value is zero at zero, which is no root to look for
+        let trial = if at_low < 0.0 {
+            let root = low - at_low * (high - low) / (at_high - at_low);
+            // a trial on the root itself would leave the other end where it is
+            root.clamp(low + 0.5 * resolved, high - 0.5 * resolved)
+        } else {
+            0.5 * (low + high)
+        };
+        let at = value(trial)?;
+        let side = if at > 0.0 { 1 } else { -1 };
+        if side > 0 {
+            (high, at_high) = (trial, at);
+            at_low *= if last == side { 0.5 } else { 1.0 };
+        } else {
+            (low, at_low) = (trial, at);
+            at_high *= if last == side { 0.5 } else { 1.0 };
+        }
+        last = side;
+    }
+    Ok(high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::Cell;
+
+    #[test]
+    fn a_crossing_is_found_in_few_trials() {
+        for root in [1e-9, 0.1, 0.5, 0.999_999] {
+            let curve = |x: f64| (x - root) * (1.0 + 0.3 * x - 0.2 * x * x);
+            let trials = Cell::new(0);
+            let straight = crossing(1.0, |x| {
+                trials.set(trials.get() + 1);
+                Ok::<f64, ()>(curve(x))
+            });
+            // the end is within 2^-40 above the root
+            let error = straight.unwrap() - root;
+            assert!((0.0..1e-12).contains(&(error + 1e-16)), "{root} {error}");
+            assert!(trials.get() <= 14, "{root}: {}", trials.get());
+        }
+    }
+
+    #[test]
+    fn an_onset_is_found_in_few_trials_whatever_its_curve() {
+        for root in [0.0, 1e-9, 0.1, 0.5, 0.999_999] {
+            for power in [1, 2, 0] {
+                let trials = Cell::new(0);
+                let found = onset(1.0, |x: f64| {
+                    trials.set(trials.get() + 1);
+                    // straight with a curve, a parabola, a step
+                    let grown = (x - root).powi(power) * (1.0 + 0.3 * x);
+                    Ok::<f64, ()>(if x > root { grown } else { 0.0 })
+                });
+                let error = found.unwrap() - root;
+                assert!((0.0..1e-12).contains(&(error + 1e-16)), "{root} {error}");
+                let most = if power == 1 { 22 } else { 3 * HALVINGS };
+                assert!(trials.get() <= most, "{root} {power}: {}", trials.get());
+            }
+        }
+    }
+
+    #[test]
+    fn a_value_that_begins_at_zero_is_followed_to_its_next_root() {
+        let curve = |x: f64| Ok::<f64, ()>(-x * (0.3 - x));
+        assert!((crossing(1.0, curve).unwrap() - 0.3).abs() < 1e-12);
+    }
+}
