@@ -5,8 +5,7 @@
 //! cargo bench --bench speed -- ratios     the table alone
 //! cargo bench --bench speed -- simulation divan's figures of one group alone
 //! ```
-//! Ratios hold from machine to machine far better than times. Every time in the table is the best
-//! of several runs; what else the machine does makes a run longer, never shorter.
+//! Ratios hold from machine to machine far better than times.
 #![allow(clippy::print_stdout)]
 
 use std::hint::black_box;
@@ -42,7 +41,7 @@ const ADDED: [&str; 8] = [
 /// Vectors that are simulated together.
 const MANY: usize = 64;
 /// Noise of the filter passes: what the fit finds on such recordings.
-const NOISE: ProcessNoise = ProcessNoise { sigma_m: 0.005, sigma_d: 0.002, tau_d: 0.2 };
+const NOISE: ProcessNoise = ProcessNoise { sigma_m: 0.005, sigma_d: 0.002, tau_d: 0.2, later: 0.5 };
 
 /// A recording at 200 Hz of the robot, or of one with `hidden` effects, under a 1 kHz controller.
 fn made(hidden: &[&str], seconds: f64, seed: u64) -> Recording {
@@ -67,7 +66,7 @@ fn input(recording: &Recording) -> Input<'_> {
 
 fn likelihood(recordings: &[Recording]) -> Likelihood<'_> {
     let prepared = recordings.iter().map(prepare).collect();
-    Likelihood { prepared, hold: Hold::Linear, slow_moment: true }
+    Likelihood { prepared, hold: Hold::Linear, slow_moment: true, timing: false }
 }
 
 fn method(name: &str) -> Box<dyn Identifier> {
@@ -275,14 +274,25 @@ fn found(recordings: &[Recording]) -> Vec<String> {
     diagnosis.expect("a fit").found()
 }
 
-/// Shortest time of several runs [s].
-fn best<T>(runs: usize, mut work: impl FnMut() -> T) -> f64 {
-    let time = |work: &mut dyn FnMut() -> T| {
+/// Time of one run [s]: the shortest of those within 0.4 s, or the processor's own mean over them
+/// where that is less (what else the machine does lengthens every run of some milliseconds).
+fn best<T>(mut work: impl FnMut() -> T) -> f64 {
+    let (mut shortest, mut total, mut runs) = (f64::INFINITY, 0.0, 0.0);
+    let used = processor_time();
+    while total < 0.4 {
         let begin = Instant::now();
         black_box(work());
-        begin.elapsed().as_secs_f64()
-    };
-    (0..runs).map(|_| time(&mut work)).fold(f64::INFINITY, f64::min)
+        let wall = begin.elapsed().as_secs_f64();
+        (shortest, total, runs) = (shortest.min(wall), total + wall, runs + 1.0);
+    }
+    let used = processor_time().zip(used).map(|(after, before)| (after - before) / runs);
+    used.map_or(shortest, |used| shortest.min(used))
+}
+
+/// Time that this thread has run on a processor [s], where the system tells (Linux).
+fn processor_time() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    text.split_whitespace().next()?.parse::<f64>().ok().map(|nanoseconds| 1e-9 * nanoseconds)
 }
 
 fn row(what: &str, over: &str, time: f64, unit: f64) {
@@ -302,11 +312,11 @@ fn ratios() {
     println!("| what | over | ratio | time |\n|---|---|---:|---:|");
     let steps = (RUN.len() - 1) as f64;
     let (p, vectors) = (BASE.initial(), scattered());
-    let straight = best(50, || kernel(black_box(&p), &RUN)) / steps;
-    let fourth = best(50, || kernel_of_fourth_order(black_box(&p), &RUN)) / steps;
-    let scalar = best(50, || run_scalar(&BASE, &RUN)) / steps;
-    let many = best(10, || run_many(&RUN, &vectors)) / (steps * MANY as f64);
-    let sensitive = best(20, || run_sensitive(&BASE, &RUN)) / steps;
+    let straight = best(|| kernel(black_box(&p), &RUN)) / steps;
+    let fourth = best(|| kernel_of_fourth_order(black_box(&p), &RUN)) / steps;
+    let scalar = best(|| run_scalar(&BASE, &RUN)) / steps;
+    let many = best(|| run_many(&RUN, &vectors)) / (steps * MANY as f64);
+    let sensitive = best(|| run_sensitive(&BASE, &RUN)) / steps;
     row("a step of a hand-written semi-implicit kernel", "itself", straight, straight);
     row("a step of a hand-written Runge-Kutta kernel", "semi-implicit kernel", fourth, straight);
     row("a step of `simulate`", "semi-implicit kernel", scalar, straight);
@@ -316,25 +326,24 @@ fn ratios() {
     row("a step with sensitivities", "`simulate`", sensitive, scalar);
     let one = std::slice::from_ref(&*RUN);
     let filter = likelihood(one);
-    let plain = best(20, || run_pass(&BASE, &filter, false)) / steps;
-    let full = best(20, || run_pass(&BASE, &filter, true)) / steps;
+    let plain = best(|| run_pass(&BASE, &filter, false)) / steps;
+    let full = best(|| run_pass(&BASE, &filter, true)) / steps;
     row("a step of the filter", "`simulate`", plain, scalar);
     row("a step of the filter with derivatives", "`simulate`", full, scalar);
     let simulation = scalar * steps;
-    let default = best(3, || fit("prediction_error", one));
+    let default = best(|| fit("prediction_error", one));
     for name in methods() {
-        let runs = if name == "fuzzy_genetic" { 1 } else { 2 };
-        let time = best(runs, || fit(&name, one));
+        let time = best(|| fit(&name, one));
         row(&format!("fit by `{name}`"), "`simulate` of the same 25 s", time, simulation);
     }
     for count in [2, 4, 8] {
         let model = with_effects(count);
         let over = "the base model";
-        let time = best(20, || run_scalar(&model, &RUN));
+        let time = best(|| run_scalar(&model, &RUN));
         row(&format!("`simulate` with {count} effects more"), over, time, simulation);
-        let time = best(10, || run_sensitive(&model, &RUN)) / steps;
+        let time = best(|| run_sensitive(&model, &RUN)) / steps;
         row(&format!("sensitivities with {count} effects more"), over, time, sensitive);
-        let time = best(10, || run_pass(&model, &filter, true)) / steps;
+        let time = best(|| run_pass(&model, &filter, true)) / steps;
         row(&format!("filter with derivatives, {count} effects more"), over, time, full);
     }
     of_length();
@@ -346,8 +355,8 @@ fn of_length() {
     for samples in [1_000, 10_000, 100_000] {
         let recordings = [made(&[], samples as f64 / 200.0, 2)];
         let likelihood = likelihood(&recordings);
-        let pass = best(5, || run_pass(&BASE, &likelihood, true));
-        let regression = best(3, || fit("torque_regression", &recordings));
+        let pass = best(|| run_pass(&BASE, &likelihood, true));
+        let regression = best(|| fit("torque_regression", &recordings));
         if let Some((one, other)) = before.replace((pass, regression)) {
             let over = format!("{} samples", samples / 10);
             row(&format!("filter with derivatives, {samples} samples"), &over, pass, one);
@@ -360,16 +369,16 @@ fn of_length() {
 fn of_diagnosis(fit_of_one: f64) {
     let recordings = three(&[]);
     let likelihood = likelihood(&recordings);
-    let pass = best(3, || run_pass(&BASE, &likelihood, true));
+    let pass = best(|| run_pass(&BASE, &likelihood, true));
     let all = candidates(&BASE, &[], &recordings.iter().collect::<Vec<_>>());
     let columns: usize = all.iter().map(|c| c.columns()).sum();
-    let time = best(2, || scan(&BASE, &BASE.initial(), &NOISE, &likelihood, &all));
+    let time = best(|| scan(&BASE, &BASE.initial(), &NOISE, &likelihood, &all));
     let what = format!("score scan of 3 x 60 s: {} candidates, {columns} columns", all.len());
     row(&what, "one filter pass with derivatives", time, pass);
     for hidden in [&[][..], &["turning_scrub"][..]] {
         let recordings = three(hidden);
         let mut names = vec![];
-        let time = best(1, || names = found(&recordings));
+        let time = best(|| names = found(&recordings));
         let named = if names.is_empty() { "nothing".into() } else { names.join(", ") };
         let what = format!("diagnosis of 3 x 60 s that finds {named}");
         row(&what, "`prediction_error` of 25 s", time, fit_of_one);

@@ -99,3 +99,17 @@ pub(super) fn block_covariance(
     let factor = g / (g - 1.0) * n / (n - z.ncols() as f64).max(1.0);
     bread * middle * bread.transpose() * factor
 }
+
+/// Information of `own` after `nuisance` took up what it can.
+pub(super) fn schur(h: &DMatrix<f64>, nuisance: &[usize], own: &[usize]) -> DMatrix<f64> {
+    let (n, m) = (nuisance.len(), own.len());
+    let scale: Vec<f64> = nuisance.iter().map(|&j| 1.0 / h[(j, j)].max(1e-300).sqrt()).collect();
+    let nn = DMatrix::from_fn(n, n, |i, k| h[(nuisance[i], nuisance[k])] * scale[i] * scale[k]);
+    let no = DMatrix::from_fn(n, m, |i, k| h[(nuisance[i], own[k])] * scale[i]);
+    let oo = DMatrix::from_fn(m, m, |i, k| h[(own[i], own[k])]);
+    if n == 0 {
+        return oo;
+    }
+    let inverse = nn.pseudo_inverse(1e-12).unwrap_or_else(|_| DMatrix::zeros(n, n));
+    oo - no.transpose() * inverse * no
+}

@@ -12,6 +12,7 @@ mod linear_fit;
 mod method;
 mod profile;
 mod regressor;
+mod screening;
 pub mod start;
 mod text;
 mod weak;

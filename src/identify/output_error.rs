@@ -9,7 +9,8 @@ use serde::Deserialize;
 
 use super::identifiability::{identified, inverse_where_known};
 use super::kalman::{Prepared, prepare};
-use super::linear_fit::block_covariance;
+use super::linear_fit::{block_covariance, schur};
+use super::screening::lowest;
 use super::{
     Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task, from_options,
     start,
@@ -35,7 +36,8 @@ use crate::simulate::{Hold, Input, simulate, simulate_with_sensitivities};
 pub struct OutputError {
     /// Most steps.
     pub iterations: usize,
-    /// Descents, the first from the weak form, the others from values scattered around it.
+    /// Descents, the first from the weak form, the others from the best of values scattered around
+    /// it.
     pub starts: usize,
 }
 
@@ -48,6 +50,8 @@ impl Default for OutputError {
 const NAME: &str = "output_error";
 /// Standard deviation of the logarithm of scattered starts.
 const SCATTER: f64 = 0.3;
+/// Scattered values that are simulated for each one from which a descent starts.
+const SCREENED: usize = 8;
 /// Blocks within which residuals may be correlated [s].
 const BLOCK: f64 = 5.0;
 
@@ -69,7 +73,11 @@ impl Identifier for OutputError {
                 .into(),
             options: vec![
                 ("iterations".into(), "60".into(), "most steps".into()),
-                ("starts".into(), "1".into(), "descents from scattered starts; best taken".into()),
+                (
+                    "starts".into(),
+                    "1".into(),
+                    "descents, the others from the best of scattered values".into(),
+                ),
             ],
         }
     }
@@ -157,19 +165,28 @@ impl<'a> Problem<'a> {
         DVector::from_vec(x)
     }
 
-    /// The first start and others with parameters scattered around it.
+    /// The first start, and the best by their ISE of many with parameters scattered around it.
     fn starts(&self, count: usize) -> Vec<DVector<f64>> {
         let mut rng = ChaCha8Rng::seed_from_u64(self.task.seed);
         let first = self.first();
-        (0..count)
-            .map(|n| {
+        let scattered: Vec<DVector<f64>> = (0..SCREENED * (count - 1))
+            .map(|_| {
                 let mut x = first.clone();
-                for i in (0..self.free.len()).filter(|_| n > 0) {
+                for i in 0..self.free.len() {
                     let draw: f64 = StandardNormal.sample(&mut rng);
                     x[i] *= (SCATTER * draw).exp();
                 }
                 x
             })
+            .collect();
+        let vectors: Vec<Vec<f64>> = scattered.iter().map(|x| self.parameters(x)).collect();
+        let stretches = self.pieces.iter().enumerate().map(|(n, (r, piece))| {
+            let measured = &self.task.train[*r].omega()[piece.clone()];
+            (self.input(*r, piece), self.start(&first, n), measured)
+        });
+        let best = lowest(self.model(), &vectors, count - 1, stretches);
+        std::iter::once(first.clone())
+            .chain(best.into_iter().map(|n| scattered[n].clone()))
             .collect()
     }
 
@@ -374,18 +391,4 @@ impl<'a> Problem<'a> {
         let z = DMatrix::from_fn(rows.len(), x.len(), |b, j| rows[b][j]);
         (z, (0..rows.len()).collect())
     }
-}
-
-/// Information of `own` after `nuisance` took up what it can.
-fn schur(h: &DMatrix<f64>, nuisance: &[usize], own: &[usize]) -> DMatrix<f64> {
-    let (n, m) = (nuisance.len(), own.len());
-    let scale: Vec<f64> = nuisance.iter().map(|&j| 1.0 / h[(j, j)].max(1e-300).sqrt()).collect();
-    let nn = DMatrix::from_fn(n, n, |i, k| h[(nuisance[i], nuisance[k])] * scale[i] * scale[k]);
-    let no = DMatrix::from_fn(n, m, |i, k| h[(nuisance[i], own[k])] * scale[i]);
-    let oo = DMatrix::from_fn(m, m, |i, k| h[(own[i], own[k])]);
-    if n == 0 {
-        return oo;
-    }
-    let inverse = nn.pseudo_inverse(1e-12).unwrap_or_else(|_| DMatrix::zeros(n, n));
-    oo - no.transpose() * inverse * no
 }

@@ -90,8 +90,10 @@ type Wheels = [f64x8; 2];
 
 /// Up to eight simulations of the base model on their way.
 struct Batch<'a> {
-    a1: f64x8,
     a2: f64x8,
+    /// Inverse of the mass matrix (on the diagonal, beside it), and of a1 alone.
+    inverse: [f64x8; 2],
+    alone: f64x8,
     a3: f64x8,
     /// Friction levels; not below zero.
     level: Wheels,
@@ -121,14 +123,16 @@ impl<'a> Batch<'a> {
         };
         let zero = f64x8::ZERO;
         let (a1, a2) = (column(0), column(1));
+        let determinant = a1 * a1 - a2 * a2;
         let scalar = vectors.iter().map(|p| Stepper::new(model, p, input.t[0], start)).collect();
         Self {
-            a1,
             a2,
+            inverse: [a1 / determinant, -a2 / determinant],
+            alone: f64x8::ONE / a1,
             a3: column(2),
             level: [column(3).max(zero), column(4).max(zero)],
             omega: start.omega.map(f64x8::splat),
-            sound: a1.simd_gt(zero) & (a1 * a1 - a2 * a2).simd_gt(zero),
+            sound: a1.simd_gt(zero) & determinant.simd_gt(zero),
             scalar,
             failed: std::array::from_fn(|_| None),
         }
@@ -235,15 +239,13 @@ impl<'a> Batch<'a> {
             rough[i] & side
         });
         let stuck = [0, 1].map(|i| rough[i] & self.omega[i].simd_eq(zero));
-        let inverse = one / (self.a1 * self.a1 - self.a2 * self.a2);
-        let mut mobility = [self.a1 * inverse, -self.a2 * inverse, self.a1 * inverse];
+        let [diagonal, beside] = self.inverse;
+        let mut mobility = [diagonal, beside, diagonal];
         if (stuck[0] | stuck[1]).any() {
-            let alone = one / self.a1;
-            let [m11, m12, m22] = mobility;
             mobility = [
-                stuck[0].select(zero, stuck[1].select(alone, m11)),
-                (stuck[0] | stuck[1]).select(zero, m12),
-                stuck[1].select(zero, stuck[0].select(alone, m22)),
+                stuck[0].select(zero, stuck[1].select(self.alone, diagonal)),
+                (stuck[0] | stuck[1]).select(zero, beside),
+                stuck[1].select(zero, stuck[0].select(self.alone, diagonal)),
             ];
         }
         Motion { sign, stuck, mobility }

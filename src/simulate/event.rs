@@ -111,7 +111,7 @@ mod tests {
                 });
                 let error = found.unwrap() - root;
                 assert!((0.0..1e-12).contains(&(error + 1e-16)), "{root} {error}");
-                let most = if power == 1 { 22 } else { 3 * HALVINGS };
+                let most = if power == 1 { 30 } else { 3 * HALVINGS };
                 assert!(trials.get() <= most, "{root} {power}: {}", trials.get());
             }
         }
