@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use polars::prelude::{Column as PolarsColumn, DataFrame, NamedFrom, ParquetWriter, Series};
+use polars::prelude::{
+    Column as PolarsColumn, DataFrame, NamedFrom, ParquetWriter, PolarsError, Series,
+};
 
 use super::IoError;
 use super::error::format_error;
@@ -34,6 +36,39 @@ pub fn write_csv(recording: &Recording) -> String {
 /// # Errors
 /// Columns of different length.
 pub fn write_parquet_table(path: &Path, columns: &[TableColumn]) -> Result<Vec<u8>, IoError> {
+    let mut frame = frame(columns).map_err(|e| format_error(path, "Parquet", &e))?;
+    let mut bytes = Vec::new();
+    ParquetWriter::new(&mut bytes)
+        .finish(&mut frame)
+        .map_err(|e| format_error(path, "Parquet", &e))?;
+    Ok(bytes)
+}
+
+/// A long table as Parquet, from pieces of it that are made one after the other: one row group
+/// each.
+///
+/// # Errors
+/// No piece, columns of different length, and pieces of different columns.
+pub fn write_parquet_pieces(
+    path: &Path,
+    pieces: impl Iterator<Item = Vec<TableColumn>>,
+) -> Result<Vec<u8>, IoError> {
+    let wrong = |e: PolarsError| format_error(path, "Parquet", &e);
+    let mut pieces = pieces.map(|columns| frame(&columns).map_err(wrong));
+    let no_piece = || wrong(PolarsError::NoData("a table without rows".into()));
+    let first = pieces.next().ok_or_else(no_piece)??;
+    let mut bytes = Vec::new();
+    let mut writer = ParquetWriter::new(&mut bytes).batched(first.schema()).map_err(wrong)?;
+    for piece in std::iter::once(Ok(first)).chain(pieces) {
+        writer.write_batch(&piece?).map_err(wrong)?;
+    }
+    writer.finish().map_err(wrong)?;
+    drop(writer);
+    Ok(bytes)
+}
+
+/// Columns as polars takes them.
+pub(super) fn frame(columns: &[TableColumn]) -> Result<DataFrame, PolarsError> {
     let series: Vec<PolarsColumn> = columns
         .iter()
         .map(|column| match column {
@@ -41,15 +76,6 @@ pub fn write_parquet_table(path: &Path, columns: &[TableColumn]) -> Result<Vec<u
             TableColumn::Text(name, values) => Series::new(name.as_str().into(), values).into(),
         })
         .collect();
-    let height = columns.first().map_or(0, |c| match c {
-        TableColumn::Number(_, v) => v.len(),
-        TableColumn::Text(_, v) => v.len(),
-    });
-    let mut frame =
-        DataFrame::new(height, series).map_err(|e| format_error(path, "Parquet", &e))?;
-    let mut bytes = Vec::new();
-    ParquetWriter::new(&mut bytes)
-        .finish(&mut frame)
-        .map_err(|e| format_error(path, "Parquet", &e))?;
-    Ok(bytes)
+    let height = series.first().map_or(0, PolarsColumn::len);
+    DataFrame::new(height, series)
 }

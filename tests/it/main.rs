@@ -7,4 +7,5 @@ mod face;
 mod formats;
 mod layering;
 mod recordings;
+mod shards;
 mod support;
