@@ -35,7 +35,7 @@ pub fn group_rows(columns: &[TableColumn]) -> Result<Vec<Vec<usize>>, IoError> {
     Ok(groups.collect())
 }
 
-/// A table as CSV; numbers that are missing are left empty.
+/// A table as CSV; numbers that are missing are written `NaN`.
 ///
 /// # Errors
 /// Columns of different length.

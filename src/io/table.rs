@@ -79,3 +79,34 @@ pub(super) fn frame(columns: &[TableColumn]) -> Result<DataFrame, PolarsError> {
     let height = series.first().map_or(0, PolarsColumn::len);
     DataFrame::new(height, series)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::read_parquet_table;
+    use super::*;
+
+    fn piece(numbers: &[f64], texts: &[&str]) -> Vec<TableColumn> {
+        let texts = texts.iter().map(ToString::to_string).collect();
+        vec![
+            TableColumn::Number("x".into(), numbers.to_vec()),
+            TableColumn::Text("t".into(), texts),
+        ]
+    }
+
+    #[test]
+    fn pieces_of_a_table_are_read_as_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("t.parquet");
+        let pieces = [piece(&[1.0, 2.0], &["a", ""]), piece(&[f64::INFINITY], &["c"])];
+        std::fs::write(&path, write_parquet_pieces(&path, pieces.into_iter()).unwrap()).unwrap();
+        let all = piece(&[1.0, 2.0, f64::INFINITY], &["a", "", "c"]);
+        assert_eq!(read_parquet_table(&path).unwrap(), all);
+    }
+
+    #[test]
+    fn pieces_that_do_not_fit_are_an_error() {
+        let path = Path::new("t.parquet");
+        assert!(write_parquet_pieces(path, std::iter::empty()).is_err());
+        assert!(write_parquet_pieces(path, [piece(&[1.0], &["a", "b"])].into_iter()).is_err());
+    }
+}

@@ -90,7 +90,13 @@ pub(super) fn run_cell(grid: &GridPlan, cell: usize, key: String, methods: &[&st
     let mut out = Cell { key, cell, verdict: String::new(), found: String::new(), rows: vec![] };
     let plan = match grid.plan(cell) {
         Ok(plan) => plan,
-        Err(e) => return Cell { rows: failed(e.to_string()), ..out },
+        // without the file, which machines may keep in different places
+        Err(e) => {
+            let file = format!("{}: ", grid.path.display());
+            let reason = e.to_string();
+            let reason = reason.strip_prefix(&file).unwrap_or(&reason);
+            return Cell { rows: failed(reason.into()), ..out };
+        }
     };
     let study = match compare(&plan) {
         Ok((study, _)) => study,
