@@ -5,7 +5,7 @@ use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use amigo_ident::experiment::{self, Outcome, Plan, RunOptions};
+use amigo_ident::experiment::{self, Done, Outcome, Plan, RunOptions, Shard};
 use amigo_ident::{effects, identify};
 use clap::{CommandFactory, Parser, Subcommand};
 use rayon::prelude::*;
@@ -43,6 +43,9 @@ struct Run {
     /// Keep the finished cells of an interrupted grid.
     #[arg(long)]
     resume: bool,
+    /// Run only part I of N of the combinations of a grid; `experiment merge` joins the parts.
+    #[arg(long, value_name = "I/N")]
+    shard: Option<Shard>,
 }
 
 #[derive(Subcommand)]
@@ -66,6 +69,21 @@ enum Command {
         /// Folder of the result folders.
         #[arg(long, default_value = "reports", value_name = "DIR")]
         out: PathBuf,
+    },
+    /// Join the parts of grids that were run with --shard, and write their reports.
+    Merge {
+        /// Experiment files.
+        #[arg(required = true, value_name = "FILE.toml")]
+        files: Vec<PathBuf>,
+        /// Folder of the result folders, which hold the parts.
+        #[arg(long, default_value = "reports", value_name = "DIR")]
+        out: PathBuf,
+        /// Keys that were overridden in the parts.
+        #[arg(long, value_name = "KEY=VALUE")]
+        set: Vec<String>,
+        /// Print nothing but errors.
+        #[arg(long)]
+        quiet: bool,
     },
     /// Check files and recordings without fitting; say what would be done.
     Check {
@@ -108,6 +126,11 @@ fn main() -> ExitCode {
         Some(Command::Add { effect, file, out }) => {
             print_or_complain(experiment::add_effect(&effect, &file, &out))
         }
+        Some(Command::Merge { files, out, set, quiet }) => merge(
+            &files,
+            &RunOptions { out, set, resume: true, shard: None, progress: false },
+            quiet,
+        ),
         Some(Command::Check { files, set }) => check(&files, &set),
         Some(Command::Effects { effect: None }) => print(&effects::overview()),
         Some(Command::Effects { effect: Some(id) }) => {
@@ -171,6 +194,27 @@ fn check(files: &[PathBuf], set: &[String]) -> ExitCode {
     code
 }
 
+fn merge(files: &[PathBuf], options: &RunOptions, quiet: bool) -> ExitCode {
+    let mut code = ExitCode::SUCCESS;
+    for file in files {
+        let joined = experiment::load(file, &options.set).and_then(|plan| {
+            let name = plan.name.clone();
+            experiment::merge(plan, options).result.map(|done| (name, done))
+        });
+        match joined {
+            Ok((name, done)) if !quiet => say(&name, &done),
+            Ok(_) => {}
+            Err(e) => code = complain(&e),
+        }
+    }
+    code
+}
+
+fn say(name: &str, done: &Done) {
+    println!("{name}: {}", done.verdict);
+    println!("    {}", done.report.display());
+}
+
 fn run(run: &Run) -> ExitCode {
     if run.files.is_empty() {
         let _ = Cli::command().print_help();
@@ -191,6 +235,7 @@ fn run(run: &Run) -> ExitCode {
         out: run.out.clone(),
         set: run.set.clone(),
         resume: run.resume,
+        shard: run.shard,
         progress: !run.quiet && std::io::stderr().is_terminal(),
     };
     let plans = match experiment::load_all(&run.files, &options) {
@@ -205,7 +250,8 @@ fn run(run: &Run) -> ExitCode {
     warn(&plans, run.quiet);
     let outcomes: Vec<Outcome> =
         plans.into_par_iter().map(|plan| experiment::execute(plan, &options)).collect();
-    let index = (outcomes.len() > 1).then(|| experiment::write_index(&outcomes, &options));
+    let index = (outcomes.len() > 1 && run.shard.is_none())
+        .then(|| experiment::write_index(&outcomes, &options));
     report(&outcomes, run.quiet);
     if let Some(Err(e)) = index {
         return complain(&e);
@@ -228,10 +274,7 @@ fn warn(plans: &[Plan], quiet: bool) {
 fn report(outcomes: &[Outcome], quiet: bool) {
     for outcome in outcomes {
         match &outcome.result {
-            Ok(done) if !quiet => {
-                println!("{}: {}", outcome.name, done.verdict);
-                println!("    {}", done.report.display());
-            }
+            Ok(done) if !quiet => say(&outcome.name, done),
             Ok(_) => {}
             Err(e) => eprintln!("error: {}: {e}", outcome.name),
         }

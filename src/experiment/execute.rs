@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::ExperimentError;
 use super::file::ExperimentFile;
-use super::grid::GridPlan;
+use super::grid::{self, GridPlan, Shard};
 use super::plan::Plan;
 use super::resolve::resolve;
 use super::run::run;
@@ -21,6 +21,8 @@ pub struct RunOptions {
     pub set: Vec<String>,
     /// Keep finished cells of an interrupted grid.
     pub resume: bool,
+    /// Run only this part of the combinations of a grid.
+    pub shard: Option<Shard>,
     /// Show progress.
     pub progress: bool,
 }
@@ -30,7 +32,7 @@ pub struct RunOptions {
 pub struct Done {
     /// Its verdict in a sentence.
     pub verdict: String,
-    /// Path of its report.
+    /// Path of its report; of its journal, if it is a part of a grid.
     pub report: PathBuf,
     /// Window error and floor on the judged recordings [rad/s].
     pub window_rms: (f64, f64),
@@ -70,6 +72,12 @@ pub fn load_all(
                 );
                 errors.push(ExperimentError::Meaning { file: file.display().to_string(), message });
             }
+            Ok(plan) if options.shard.is_some() && plan.grid.is_none() => {
+                let message = "has no [grid], so there are no combinations to share among \
+                               machines; leave --shard out"
+                    .to_string();
+                errors.push(ExperimentError::Meaning { file: file.display().to_string(), message });
+            }
             Ok(plan) => plans.push(plan),
             Err(e) => errors.push(e),
         }
@@ -104,9 +112,24 @@ pub fn execute(plan: Plan, options: &RunOptions) -> Outcome {
     Outcome { name, title, result: finish(&plan, options) }
 }
 
+/// Joins the parts of a grid, which [`execute`] left with a shard, and writes its folder.
+pub fn merge(plan: Plan, options: &RunOptions) -> Outcome {
+    let result = match &plan.grid {
+        Some(grid) => grid::merge(&plan, grid, options),
+        None => Err(ExperimentError::Meaning {
+            file: format!("{}.toml", plan.name),
+            message: "has no [grid], so there are no parts to join; run it as it is".into(),
+        }),
+    };
+    Outcome { name: plan.name, title: plan.title, result }
+}
+
 fn finish(plan: &Plan, options: &RunOptions) -> Result<Done, ExperimentError> {
     if let Some(grid) = &plan.grid {
-        return super::grid::finish(plan, grid, options);
+        return match options.shard {
+            Some(shard) => grid::run_part(plan, grid, shard, options),
+            None => grid::finish(plan, grid, options),
+        };
     }
     let mut folder = ResultFolder::new(&options.out, &plan.name);
     let mut study = run(plan)?;

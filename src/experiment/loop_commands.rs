@@ -72,8 +72,13 @@ pub fn add_effect(effect: &str, file: &Path, out: &Path) -> Result<String, Exper
         .or_insert(toml_edit::value(toml_edit::Array::new()));
     let effects = effects.as_array_mut().ok_or_else(|| wrong("model.effects is no list".into()))?;
     effects.push(effect);
-    let options =
-        RunOptions { out: out.to_path_buf(), set: vec![], resume: false, progress: false };
+    let options = RunOptions {
+        out: out.to_path_buf(),
+        set: vec![],
+        resume: false,
+        shard: None,
+        progress: false,
+    };
     let first = execute(before, &options).result?;
     write_whole(file, document.to_string().as_bytes())?;
     let second = load(file, &[]).and_then(|plan| execute(plan, &options).result);

@@ -19,13 +19,13 @@ mod run;
 
 pub use check::check;
 pub use error::ExperimentError;
-pub use execute::{Done, Outcome, RunOptions, execute, load, load_all, write_index};
+pub use execute::{Done, Outcome, RunOptions, execute, load, load_all, merge, write_index};
 pub use file::{
     CandidatesEntry, ColumnEntry, CustomEntry, CustomParameter, DiagnosisEntry, EmulatorEntry,
     ExperimentFile, FileError, FixedEntry, ModelEntry, MovementEntry, RecordingsEntry,
     SimulationEntry,
 };
-pub use grid::{GridAxis, GridPlan};
+pub use grid::{GridAxis, GridPlan, Shard, ShardError};
 pub use loop_commands::{add_effect, new_file};
 pub use plan::{DiagnosisPlan, Measured, MethodPlan, Plan};
 pub use run::{RunError, run};

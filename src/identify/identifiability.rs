@@ -115,13 +115,8 @@ fn hopeless(
     let regressor = Regressor::new(model, values);
     // a lively curve at the speeds of the recordings
     let omega = [speed, -0.5 * speed];
-    let motion = Motion {
-        t: 0.0,
-        alpha: [0.0; 2],
-        omega,
-        variance: [0.0; 4],
-        robot: model.robot(),
-    };
+    let motion =
+        Motion { t: 0.0, alpha: [0.0; 2], omega, variance: [0.0; 4], robot: model.robot() };
     let balance = regressor.at(&motion);
     let wanting = |(c, &j): (usize, &usize)| {
         let variance = given.map_or_else(|| 1.0 / information[(j, j)], |given| given[(j, j)]);

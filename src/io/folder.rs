@@ -19,6 +19,13 @@ pub fn read_text(path: &Path) -> Result<String, IoError> {
     fs::read_to_string(path).map_err(|e| IoError::system(path, &e))
 }
 
+/// The names of what lies in a folder, in no order; none where there is no folder.
+#[must_use]
+pub fn file_names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect()
+}
+
 /// SHA-256 of a file, in hexadecimal.
 ///
 /// # Errors
@@ -47,13 +54,21 @@ pub fn sha256_text(text: &str) -> String {
 /// # Errors
 /// A folder that cannot be written.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
+    write_whole_by(path, |file| file.write_all(bytes))
+}
+
+/// Writes a file as a whole, piece by piece.
+pub(super) fn write_whole_by(
+    path: &Path,
+    write: impl FnOnce(&mut fs::File) -> std::io::Result<()>,
+) -> Result<(), IoError> {
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
     let wrong = |e: std::io::Error| IoError::system(path, &e);
     let mut file = tempfile::NamedTempFile::new_in(folder).map_err(wrong)?;
-    file.write_all(bytes).map_err(wrong)?;
+    write(file.as_file_mut()).map_err(wrong)?;
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
@@ -127,13 +142,11 @@ impl ResultFolder {
     }
 
     fn remove_old_files(&self) {
-        let Ok(entries) = fs::read_dir(&self.path) else { return };
-        for entry in entries.flatten() {
-            let name = entry.file_name().to_string_lossy().into_owned();
+        for name in file_names(&self.path) {
             let picture = name.ends_with(".png") || name.ends_with(".svg");
             let model = FUNCTIONS.contains(&name.as_str());
             if (picture || model) && !self.files.iter().any(|(n, _)| *n == name) {
-                let _ = fs::remove_file(entry.path());
+                let _ = fs::remove_file(self.path.join(name));
             }
         }
     }

@@ -18,11 +18,13 @@ mod wpilog;
 
 pub use columns::{Column, ColumnMap};
 pub use error::IoError;
-pub use folder::{ResultFolder, check_writable, read_text, sha256, sha256_text, write_whole};
+pub use folder::{
+    ResultFolder, check_writable, file_names, read_text, sha256, sha256_text, write_whole,
+};
 pub use journal::Journal;
 pub use recording::{Headers, headers, read_recording};
 pub use summary::{group_rows, read_parquet_table, write_csv_table};
-pub use table::{TableColumn, write_csv, write_parquet_table};
+pub use table::{TableColumn, write_csv, write_parquet_pieces, write_parquet_table};
 
 #[cfg(test)]
 mod tests;

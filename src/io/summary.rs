@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use polars::prelude::{Column, CsvWriter, DataFrame, NamedFrom, PolarsError, SerWriter, Series};
+use polars::prelude::{Column, CsvWriter, PolarsError, SerWriter};
 
+use super::table::frame;
 use super::{IoError, TableColumn};
 
 fn wrong(e: &PolarsError) -> IoError {
@@ -11,24 +12,12 @@ fn wrong(e: &PolarsError) -> IoError {
     IoError::Format { file: "summary".into(), format: "table".into(), reason }
 }
 
-fn frame(columns: &[TableColumn]) -> Result<DataFrame, IoError> {
-    let series: Vec<Column> = columns
-        .iter()
-        .map(|column| match column {
-            TableColumn::Number(name, values) => Series::new(name.as_str().into(), values).into(),
-            TableColumn::Text(name, values) => Series::new(name.as_str().into(), values).into(),
-        })
-        .collect();
-    let height = series.first().map_or(0, Column::len);
-    DataFrame::new(height, series).map_err(|e| wrong(&e))
-}
-
-/// The rows of equal text in all columns, groups in the order of their first row.
+/// The rows that are equal in all columns, groups in the order of their first row.
 ///
 /// # Errors
 /// Columns of different length.
 pub fn group_rows(columns: &[TableColumn]) -> Result<Vec<Vec<usize>>, IoError> {
-    let frame = frame(columns)?;
+    let frame = frame(columns).map_err(|e| wrong(&e))?;
     if frame.height() == 0 || columns.is_empty() {
         return Ok(vec![]);
     }
@@ -46,13 +35,13 @@ pub fn group_rows(columns: &[TableColumn]) -> Result<Vec<Vec<usize>>, IoError> {
     Ok(groups.collect())
 }
 
-/// A table as CSV; numbers that are missing are left empty.
+/// A table as CSV; numbers that are missing are written `NaN`.
 ///
 /// # Errors
 /// Columns of different length.
 pub fn write_csv_table(columns: &[TableColumn]) -> Result<Vec<u8>, IoError> {
     let mut bytes = Vec::new();
-    let mut frame = frame(columns)?;
+    let mut frame = frame(columns).map_err(|e| wrong(&e))?;
     CsvWriter::new(&mut bytes).finish(&mut frame).map_err(|e| wrong(&e))?;
     Ok(bytes)
 }

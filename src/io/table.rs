@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use polars::prelude::{Column as PolarsColumn, DataFrame, NamedFrom, ParquetWriter, Series};
+use polars::prelude::{
+    Column as PolarsColumn, DataFrame, NamedFrom, ParquetWriter, PolarsError, Series,
+};
 
 use super::IoError;
 use super::error::format_error;
@@ -34,6 +36,39 @@ pub fn write_csv(recording: &Recording) -> String {
 /// # Errors
 /// Columns of different length.
 pub fn write_parquet_table(path: &Path, columns: &[TableColumn]) -> Result<Vec<u8>, IoError> {
+    let mut frame = frame(columns).map_err(|e| format_error(path, "Parquet", &e))?;
+    let mut bytes = Vec::new();
+    ParquetWriter::new(&mut bytes)
+        .finish(&mut frame)
+        .map_err(|e| format_error(path, "Parquet", &e))?;
+    Ok(bytes)
+}
+
+/// A long table as Parquet, from pieces of it that are made one after the other: one row group
+/// each.
+///
+/// # Errors
+/// No piece, columns of different length, and pieces of different columns.
+pub fn write_parquet_pieces(
+    path: &Path,
+    pieces: impl Iterator<Item = Vec<TableColumn>>,
+) -> Result<Vec<u8>, IoError> {
+    let wrong = |e: PolarsError| format_error(path, "Parquet", &e);
+    let mut pieces = pieces.map(|columns| frame(&columns).map_err(wrong));
+    let no_piece = || wrong(PolarsError::NoData("a table without rows".into()));
+    let first = pieces.next().ok_or_else(no_piece)??;
+    let mut bytes = Vec::new();
+    let mut writer = ParquetWriter::new(&mut bytes).batched(first.schema()).map_err(wrong)?;
+    for piece in std::iter::once(Ok(first)).chain(pieces) {
+        writer.write_batch(&piece?).map_err(wrong)?;
+    }
+    writer.finish().map_err(wrong)?;
+    drop(writer);
+    Ok(bytes)
+}
+
+/// Columns as polars takes them.
+pub(super) fn frame(columns: &[TableColumn]) -> Result<DataFrame, PolarsError> {
     let series: Vec<PolarsColumn> = columns
         .iter()
         .map(|column| match column {
@@ -41,15 +76,37 @@ pub fn write_parquet_table(path: &Path, columns: &[TableColumn]) -> Result<Vec<u
             TableColumn::Text(name, values) => Series::new(name.as_str().into(), values).into(),
         })
         .collect();
-    let height = columns.first().map_or(0, |c| match c {
-        TableColumn::Number(_, v) => v.len(),
-        TableColumn::Text(_, v) => v.len(),
-    });
-    let mut frame =
-        DataFrame::new(height, series).map_err(|e| format_error(path, "Parquet", &e))?;
-    let mut bytes = Vec::new();
-    ParquetWriter::new(&mut bytes)
-        .finish(&mut frame)
-        .map_err(|e| format_error(path, "Parquet", &e))?;
-    Ok(bytes)
+    let height = series.first().map_or(0, PolarsColumn::len);
+    DataFrame::new(height, series)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::read_parquet_table;
+    use super::*;
+
+    fn piece(numbers: &[f64], texts: &[&str]) -> Vec<TableColumn> {
+        let texts = texts.iter().map(ToString::to_string).collect();
+        vec![
+            TableColumn::Number("x".into(), numbers.to_vec()),
+            TableColumn::Text("t".into(), texts),
+        ]
+    }
+
+    #[test]
+    fn pieces_of_a_table_are_read_as_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("t.parquet");
+        let pieces = [piece(&[1.0, 2.0], &["a", ""]), piece(&[f64::INFINITY], &["c"])];
+        std::fs::write(&path, write_parquet_pieces(&path, pieces.into_iter()).unwrap()).unwrap();
+        let all = piece(&[1.0, 2.0, f64::INFINITY], &["a", "", "c"]);
+        assert_eq!(read_parquet_table(&path).unwrap(), all);
+    }
+
+    #[test]
+    fn pieces_that_do_not_fit_are_an_error() {
+        let path = Path::new("t.parquet");
+        assert!(write_parquet_pieces(path, std::iter::empty()).is_err());
+        assert!(write_parquet_pieces(path, [piece(&[1.0], &["a", "b"])].into_iter()).is_err());
+    }
 }

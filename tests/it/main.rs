@@ -8,4 +8,5 @@ mod face;
 mod formats;
 mod layering;
 mod recordings;
+mod shards;
 mod support;

@@ -5,6 +5,7 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 
 use super::GridPlan;
+use super::word::Word;
 use crate::experiment::diagnosis::run_diagnosis;
 use crate::experiment::plan::Plan;
 use crate::experiment::run::{RunError, compare};
@@ -33,9 +34,9 @@ const MISSING: Exact = Exact(f64::NAN);
 /// A method in a cell, once for every parameter; once without one where there are none.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Row {
-    pub(super) method: String,
-    pub(super) parameter: String,
-    pub(super) unit: String,
+    pub(super) method: Word,
+    pub(super) parameter: Word,
+    pub(super) unit: Word,
     pub(super) value: Exact,
     pub(super) std_error: Exact,
     pub(super) low: Exact,
@@ -45,9 +46,17 @@ pub(super) struct Row {
     pub(super) ise_validation: Exact,
     pub(super) window_rms: Exact,
     pub(super) floor: Exact,
-    pub(super) status: String,
-    pub(super) reason: String,
+    pub(super) status: Word,
+    pub(super) reason: Word,
     pub(super) seconds: Exact,
+}
+
+impl Row {
+    /// Its texts, to be shared with other rows.
+    pub(super) fn words(&mut self) -> [&mut Word; 5] {
+        let Self { method, parameter, unit, status, reason, .. } = self;
+        [method, parameter, unit, status, reason]
+    }
 }
 
 /// A finished combination: one line of the journal.
@@ -64,17 +73,30 @@ pub(super) struct Cell {
     pub(super) rows: Vec<Row>,
 }
 
+impl Cell {
+    /// Whether a method failed in it.
+    pub(super) fn failed(&self) -> bool {
+        self.rows.iter().any(|row| row.status == "failed")
+    }
+}
+
 /// Runs a cell. Whatever fails is told in its rows; `methods` are named there if nothing runs.
-pub(super) fn run_cell(grid: &GridPlan, cell: usize, key: String, methods: &[String]) -> Cell {
+pub(super) fn run_cell(grid: &GridPlan, cell: usize, key: String, methods: &[&str]) -> Cell {
     let start = Instant::now();
     let failed = |reason: String| {
         let seconds = start.elapsed().as_secs_f64();
-        methods.iter().map(|m| failed_row(m, reason.clone(), seconds)).collect()
+        methods.iter().map(|m| failed_row(m, &reason, seconds)).collect()
     };
     let mut out = Cell { key, cell, verdict: String::new(), found: String::new(), rows: vec![] };
     let plan = match grid.plan(cell) {
         Ok(plan) => plan,
-        Err(e) => return Cell { rows: failed(e.to_string()), ..out },
+        // without the file, which machines may keep in different places
+        Err(e) => {
+            let file = format!("{}: ", grid.path.display());
+            let reason = e.to_string();
+            let reason = reason.strip_prefix(&file).unwrap_or(&reason);
+            return Cell { rows: failed(reason.into()), ..out };
+        }
     };
     let study = match compare(&plan) {
         Ok((study, _)) => study,
@@ -104,11 +126,11 @@ fn verdict(verdict: Verdict) -> &'static str {
     }
 }
 
-fn failed_row(method: &str, reason: String, seconds: f64) -> Row {
+fn failed_row(method: &str, reason: &str, seconds: f64) -> Row {
     Row {
         method: method.into(),
-        parameter: String::new(),
-        unit: String::new(),
+        parameter: "".into(),
+        unit: "".into(),
         value: MISSING,
         std_error: MISSING,
         low: MISSING,
@@ -119,7 +141,7 @@ fn failed_row(method: &str, reason: String, seconds: f64) -> Row {
         window_rms: MISSING,
         floor: MISSING,
         status: "failed".into(),
-        reason,
+        reason: reason.into(),
         seconds: Exact(seconds),
     }
 }
@@ -127,7 +149,7 @@ fn failed_row(method: &str, reason: String, seconds: f64) -> Row {
 fn rows(study: &Study, method: &MethodStudy) -> Vec<Row> {
     let floor = Exact(study.judged_floor());
     if let Some(reason) = &method.failure {
-        return vec![Row { floor, ..failed_row(&method.name, reason.clone(), method.seconds) }];
+        return vec![Row { floor, ..failed_row(&method.name, reason, method.seconds) }];
     }
     let trained = study.recordings.iter().zip(&method.performance);
     let ise_train = trained.filter(|(r, _)| r.role == Role::Train);
@@ -138,7 +160,7 @@ fn rows(study: &Study, method: &MethodStudy) -> Vec<Row> {
         window_rms: Exact(study.judged_window_rms(method)),
         floor,
         status: method.status.map_or("converged", status).into(),
-        ..failed_row(&method.name, String::new(), method.seconds)
+        ..failed_row(&method.name, "", method.seconds)
     };
     if method.estimates.is_empty() {
         return vec![base];
@@ -149,8 +171,8 @@ fn rows(study: &Study, method: &MethodStudy) -> Vec<Row> {
 fn with_estimate(base: &Row, e: &Estimate, study: &Study) -> Row {
     let known = study.truth.iter().find(|(symbol, _)| *symbol == e.symbol);
     Row {
-        parameter: e.symbol.clone(),
-        unit: e.unit.clone(),
+        parameter: e.symbol.as_str().into(),
+        unit: e.unit.as_str().into(),
         value: Exact(e.value),
         std_error: Exact(e.std_error),
         low: Exact(e.interval.0),

@@ -1,22 +1,17 @@
-//! Runs all cells, keeping a journal, and writes the result folder.
+//! A grid as a whole, a part of it, or its parts joined; and its result folder.
 
-use std::collections::HashMap;
-use std::fmt::Write as _;
-use std::path::Path;
+use serde::{Serialize, Serializer};
+use serde_json::{Value, json};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use rayon::prelude::*;
-use serde_json::json;
-
-use super::cell::{Cell, run_cell};
+use super::cell::Cell;
+use super::part::{Shard, command};
+use super::run::{Finished, Line, run_cells};
 use super::summary::{self, Summary};
 use super::{GridPlan, page, table};
 use crate::experiment::error::ExperimentError;
 use crate::experiment::execute::{Done, RunOptions};
 use crate::experiment::plan::Plan;
-use crate::io::{
-    IoError, Journal, ResultFolder, sha256_text, write_csv_table, write_parquet_table,
-};
+use crate::io::{Journal, ResultFolder, write_csv_table};
 use crate::study::SCHEMA;
 
 /// Runs a grid and writes its folder.
@@ -28,113 +23,172 @@ pub(in crate::experiment) fn finish(
     grid: &GridPlan,
     options: &RunOptions,
 ) -> Result<Done, ExperimentError> {
+    let path = options.out.join(&plan.name).join("grid.journal.jsonl");
+    let wanted: Vec<usize> = (0..grid.cells()).collect();
+    let cells = run_cells(plan, grid, options, &path, &wanted)?;
+    write(plan, grid, options, &cells)
+}
+
+/// Runs a part of a grid and leaves its journal for [`merge`].
+///
+/// # Errors
+/// A folder that cannot be written; cells do not fail.
+pub(in crate::experiment) fn run_part(
+    plan: &Plan,
+    grid: &GridPlan,
+    shard: Shard,
+    options: &RunOptions,
+) -> Result<Done, ExperimentError> {
+    let path = options.out.join(&plan.name).join(shard.file());
+    let wanted: Vec<usize> = (0..grid.cells()).filter(|cell| shard.holds(*cell)).collect();
+    let cells = run_cells(plan, grid, options, &path, &wanted)?;
+    let failed = cells.iter().filter(|cell| cell.failed()).count();
+    let verdict = format!(
+        "part {shard}: {} of {} combinations, {failed} with a failure; when all parts are there: {}",
+        cells.len(),
+        grid.cells(),
+        command("merge", grid, options)
+    );
+    Ok(Done { verdict, report: path, window_rms: (f64::NAN, f64::NAN) })
+}
+
+/// Joins the parts of a grid and writes the folder that one run would have written. Parts of
+/// different cuts (1/2 and 2/4, 4/4) are joined as well, if they hold all combinations together.
+///
+/// # Errors
+/// Missing combinations, parts of another version, and what [`finish`] may meet.
+pub(in crate::experiment) fn merge(
+    plan: &Plan,
+    grid: &GridPlan,
+    options: &RunOptions,
+) -> Result<Done, ExperimentError> {
+    let folder = options.out.join(&plan.name);
+    let parts = Shard::in_folder(&folder);
+    let mut finished = Finished::new(plan, grid);
+    for part in &parts {
+        let path = folder.join(part.file());
+        let mut others = 0_usize;
+        Journal::read(&path, |line| {
+            others += usize::from(matches!(finished.take(line), Line::Other));
+        })?;
+        if others > 0 {
+            let run = command(&format!("--shard {part} --resume"), grid, options);
+            let message = format!(
+                "{others} of its combinations are of another version of the experiment file, its \
+                 --set values, its recordings or the program (their checksums differ); run \
+                 `{run}`, or delete the part if it is not of this grid"
+            );
+            return Err(ExperimentError::Meaning { file: path.display().to_string(), message });
+        }
+    }
+    let missing: Vec<usize> = (0..grid.cells()).filter(|cell| !finished.knows(*cell)).collect();
+    if !missing.is_empty() {
+        let message = missing_words(&missing, &parts, grid, options);
+        return Err(ExperimentError::Meaning { file: folder.display().to_string(), message });
+    }
+    write(plan, grid, options, &finished.cells())
+}
+
+/// What is missing, and the commands that run it.
+fn missing_words(
+    missing: &[usize],
+    parts: &[Shard],
+    grid: &GridPlan,
+    options: &RunOptions,
+) -> String {
+    let all = grid.cells();
+    // the cut of which most parts are there
+    let count = |of: usize| (parts.iter().filter(|part| part.of() == of).count(), of);
+    let Some(of) = parts.iter().map(|part| part.of()).max_by_key(|of| count(*of)) else {
+        let run = command("--shard I/N", grid, options);
+        return format!(
+            "holds no part of the {all} combinations; run `{run}` for every I from 1 to N, or \
+             copy the parts into this folder"
+        );
+    };
+    let mut out = format!("{} of {all} combinations are missing; run", missing.len());
+    for part in Shard::all(of) {
+        let cells: Vec<usize> = missing.iter().copied().filter(|c| part.holds(*c)).collect();
+        let wanted = (0..all).filter(|cell| part.holds(*cell)).count();
+        let what = if parts.contains(&part) {
+            format!("--shard {part} --resume")
+        } else {
+            format!("--shard {part}")
+        };
+        if let Some(first) = cells.first() {
+            out += &format!("\n    {}", command(&what, grid, options));
+            out += &format!("    # {} of {wanted}, from combination {first} on", cells.len());
+        }
+    }
+    out + "\nand merge again"
+}
+
+/// Writes the folder of a grid from all its cells, which are sorted.
+fn write(
+    plan: &Plan,
+    grid: &GridPlan,
+    options: &RunOptions,
+    cells: &[Cell],
+) -> Result<Done, ExperimentError> {
     let mut folder = ResultFolder::new(&options.out, &plan.name);
-    let cells = run_cells(plan, grid, folder.path(), options)?;
-    let columns = table::columns(grid, &cells);
-    let summaries = summary::summaries(grid, &cells)?;
-    let rendered = page::render(plan, grid, &cells, &summaries)?;
     folder.add("experiment.toml", plan.file.clone());
+    folder.add("estimates.parquet", table::parquet(grid, cells)?);
+    let summaries = summary::summaries(grid, cells)?;
+    folder.add("summary.csv", write_csv_table(&summary::columns(grid, &summaries))?);
+    let rendered = page::render(plan, grid, cells, &summaries)?;
     for (file, png) in rendered.figures {
         folder.add(file, png);
     }
-    let parquet = write_parquet_table(Path::new("estimates.parquet"), &columns)?;
-    folder.add("estimates.parquet", parquet);
-    folder.add("summary.csv", write_csv_table(&summary::columns(grid, &summaries))?);
     folder.add("report.html", rendered.html);
-    let results = results(plan, grid, &cells, &summaries);
+    let results = results(plan, grid, cells, &summaries);
     folder.add("results.json", serde_json::to_string_pretty(&results).unwrap_or_default());
     let path = folder.write()?;
-    let verdict = page::verdict(grid, &cells, &summaries);
+    let verdict = page::verdict(grid, cells, &summaries);
     Ok(Done { verdict, report: path.join("report.html"), window_rms: (f64::NAN, f64::NAN) })
 }
 
-/// Finished cells of the journal, and the others run, sorted by number.
-fn run_cells(
-    plan: &Plan,
-    grid: &GridPlan,
-    folder: &Path,
-    options: &RunOptions,
-) -> Result<Vec<Cell>, IoError> {
-    let base = base_key(plan);
-    let key = |cell: usize| sha256_text(&format!("{base} {cell}"));
-    let path = folder.join("grid.journal.jsonl");
-    let mut finished: HashMap<usize, (Cell, String)> = HashMap::new();
-    if options.resume {
-        for line in Journal::lines(&path) {
-            let Ok(cell) = serde_json::from_str::<Cell>(&line) else { continue };
-            if cell.cell < grid.cells() && cell.key == key(cell.cell) {
-                finished.insert(cell.cell, (cell, line));
-            }
-        }
-    }
-    let kept: Vec<String> = finished.values().map(|(_, line)| line.clone()).collect();
-    let journal = Journal::start(&path, &kept)?;
-    let bar = progress(grid.cells(), finished.len(), options.progress);
-    let methods: Vec<String> = plan.methods.iter().map(|m| m.name.clone()).collect();
-    let missing: Vec<usize> = (0..grid.cells()).filter(|c| !finished.contains_key(c)).collect();
-    let run = |cell: usize| -> Result<Cell, IoError> {
-        let done = run_cell(grid, cell, key(cell), &methods);
-        journal.append(&serde_json::to_string(&done).unwrap_or_default())?;
-        bar.inc(1);
-        Ok(done)
-    };
-    // one by one: cells differ in length, and an interrupted run has then finished the first ones
-    let mut cells =
-        missing.into_par_iter().with_max_len(1).map(run).collect::<Result<Vec<Cell>, IoError>>()?;
-    bar.finish_and_clear();
-    cells.extend(finished.into_values().map(|(cell, _)| cell));
-    cells.sort_by_key(|cell| cell.cell);
-    Ok(cells)
+/// `results.json` of a grid. Its lists are made entry by entry while they are written.
+#[derive(Serialize)]
+struct Results<'a, F: Iterator<Item = Value> + Clone, S: Iterator<Item = Value> + Clone> {
+    schema: u32,
+    experiment: &'a str,
+    title: &'a str,
+    program: Value,
+    grid: Vec<Value>,
+    cells: usize,
+    #[serde(serialize_with = "each")]
+    failures: F,
+    #[serde(serialize_with = "each")]
+    summary: S,
 }
 
-/// What the results depend on, besides the number of the cell: program, file as run, recordings.
-fn base_key(plan: &Plan) -> String {
-    let mut text = format!("{} {}\n", env!("CARGO_PKG_VERSION"), plan.file);
-    for measured in &plan.recordings {
-        let _ = writeln!(text, "{}", measured.sha256.as_deref().unwrap_or("made"));
-    }
-    sha256_text(&text)
+fn each<S: Serializer, I: Iterator<Item = Value> + Clone>(
+    entries: &I,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(entries.clone())
 }
 
-fn progress(cells: usize, finished: usize, shown: bool) -> ProgressBar {
-    let target = if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
-    let bar = ProgressBar::with_draw_target(Some(cells as u64), target);
-    let style =
-        ProgressStyle::with_template("{wide_bar} {pos}/{len} combinations, {per_sec}, {eta} left");
-    if let Ok(style) = style {
-        bar.set_style(style);
-    }
-    bar.set_position(finished as u64);
-    bar.reset_eta();
-    bar
-}
-
-/// `results.json` of a grid.
-fn results(
-    plan: &Plan,
-    grid: &GridPlan,
-    cells: &[Cell],
-    summaries: &[Summary],
-) -> serde_json::Value {
-    let axes: Vec<_> = grid
-        .axes
-        .iter()
-        .map(|axis| json!({ "key": axis.name, "path": axis.key, "values": axis.values }))
-        .collect();
-    let failures: Vec<_> = cells
-        .iter()
-        .flat_map(|cell| cell.rows.iter().map(move |row| (cell, row)))
+fn results<'a>(
+    plan: &'a Plan,
+    grid: &'a GridPlan,
+    cells: &'a [Cell],
+    summaries: &'a [Summary],
+) -> impl Serialize + 'a {
+    let axes = grid.axes.iter();
+    let axes = axes.map(|a| json!({ "key": a.name, "path": a.key, "values": a.values }));
+    let rows = cells.iter().flat_map(|cell| cell.rows.iter().map(move |row| (cell.cell, row)));
+    let failures = rows
         .filter(|(_, row)| row.status == "failed")
-        .map(|(cell, row)| json!({ "cell": cell.cell, "method": row.method, "reason": row.reason }))
-        .collect();
-    json!({
-        "schema": SCHEMA,
-        "experiment": plan.name,
-        "title": plan.title,
-        "program": { "name": env!("CARGO_PKG_NAME"), "version": env!("CARGO_PKG_VERSION") },
-        "grid": axes,
-        "cells": cells.len(),
-        "failures": failures,
-        "summary": summaries.iter().map(|s| summary::json(grid, s)).collect::<Vec<_>>(),
-    })
+        .map(|(cell, row)| json!({ "cell": cell, "method": &*row.method, "reason": &*row.reason }));
+    Results {
+        schema: SCHEMA,
+        experiment: &plan.name,
+        title: &plan.title,
+        program: json!({ "name": env!("CARGO_PKG_NAME"), "version": env!("CARGO_PKG_VERSION") }),
+        grid: axes.collect(),
+        cells: cells.len(),
+        failures,
+        summary: summaries.iter().map(|s| summary::json(grid, s)),
+    }
 }

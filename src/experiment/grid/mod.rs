@@ -11,11 +11,15 @@ mod cell;
 mod figures;
 mod finish;
 mod page;
+mod part;
+mod run;
 mod summary;
 mod table;
+mod word;
 
 pub use axes::GridAxis;
-pub(super) use finish::finish;
+pub(super) use finish::{finish, merge, run_part};
+pub use part::{Shard, ShardError};
 
 use std::path::{Path, PathBuf};
 

@@ -29,7 +29,7 @@ pub(super) fn render(
         title: title.into(),
         blocks,
     };
-    let failed = cells.iter().flat_map(|c| &c.rows).any(|row| row.status == "failed");
+    let failed = cells.iter().any(GridCell::failed);
     let tone = if failed { Tone::Notice } else { Tone::Neutral };
     let mut first = vec![Block::verdict(tone, verdict(grid, cells, summaries), grid.words())];
     first.extend(figures(grid, summaries));
@@ -62,6 +62,9 @@ pub(super) fn render(
     Ok(Rendered { html: page.html, figures })
 }
 
+/// Rows of a table at most: a page of more is too heavy to open.
+const MOST_ROWS: usize = 1000;
+
 const TABLE_WORDS: &str = "n estimates enter the means; failures are cells without a fit. RMSE is \
      about the truth. Coverage near 95 % means that the claimed errors are honest. Efficiency is \
      the mean variance claimed by prediction_error in the same cells (a proxy of the Cramér-Rao \
@@ -70,7 +73,7 @@ const TABLE_WORDS: &str = "n estimates enter the means; failures are cells witho
 
 /// Combinations, failures and coverage in a sentence per method.
 pub(super) fn verdict(grid: &GridPlan, cells: &[GridCell], summaries: &[Summary]) -> String {
-    let failed = cells.iter().filter(|c| c.rows.iter().any(|r| r.status == "failed")).count();
+    let failed = cells.iter().filter(|c| c.failed()).count();
     let mut out =
         format!("{} combinations of {}, {failed} with a failure", cells.len(), grid.words());
     let mut methods: Vec<&str> = Vec::new();
@@ -99,8 +102,13 @@ fn table(grid: &GridPlan, summaries: &[Summary]) -> Block {
     columns.extend(["Truth", "Bias", "RMSE", "Claimed error"].map(|t| Column::number(t, "")));
     columns.extend([Column::number("Coverage", ""), Column::number("Efficiency", "")]);
     columns.extend(["Window error", "Noise floor"].map(|t| Column::number(t, "rad/s")));
-    let mut table = Table::new("Every combination, method and parameter.", columns);
-    for s in summaries {
+    let caption = if summaries.len() > MOST_ROWS {
+        format!("The first {MOST_ROWS} of {} rows; all are in summary.csv.", summaries.len())
+    } else {
+        "Every combination, method and parameter.".into()
+    };
+    let mut table = Table::new(caption, columns);
+    for s in summaries.iter().take(MOST_ROWS) {
         let mut row: Vec<Cell> = axes
             .iter()
             .zip(&s.places)
@@ -141,7 +149,7 @@ fn verdicts(grid: &GridPlan, cells: &[GridCell]) -> Vec<Block> {
     let mut columns: Vec<Column> = axes.iter().map(|k| Column::text(&grid.axes[*k].name)).collect();
     columns.extend([Column::text("Verdict"), Column::text("Found"), Column::number("Times", "")]);
     let mut table = Table::new("What the diagnosis said in each combination.", columns);
-    for (key, count) in counts {
+    for (key, count) in counts.into_iter().take(MOST_ROWS) {
         let mut row: Vec<Cell> = key.into_iter().map(Cell::text).collect();
         row.push(Cell::count(count));
         table.push(row);
@@ -167,7 +175,9 @@ fn failures(grid: &GridPlan, cells: &[GridCell]) -> Vec<Block> {
         let values =
             grid.axes.iter().zip(places).map(|(a, p)| format!("{} = {}", a.name, a.text(p)));
         let values = values.collect::<Vec<_>>().join(", ");
-        table.push([values, row.method.clone(), row.reason.clone()].map(Cell::text).to_vec());
+        table.push(
+            [values, row.method.to_string(), row.reason.to_string()].map(Cell::text).to_vec(),
+        );
     }
     vec![table.into()]
 }

@@ -1,7 +1,7 @@
 //! What repetitions say of a method: bias, RMSE, coverage and efficiency per combination of the
 //! keys that are not the seed.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use serde_json::json;
 
@@ -84,67 +84,68 @@ pub(super) fn summaries(grid: &GridPlan, cells: &[Cell]) -> Result<Vec<Summary>,
     let axes = conditions(grid);
     let rows: Vec<(&Cell, &Row)> =
         cells.iter().flat_map(|cell| cell.rows.iter().map(move |row| (cell, row))).collect();
-    let places = |cell: &Cell| {
+    let places = |cell: &Cell| -> Vec<usize> {
         let all = grid.places(cell.cell);
-        axes.iter().map(|k| all[*k]).collect::<Vec<usize>>()
+        axes.iter().map(|k| all[*k]).collect()
     };
-    let place: Vec<Vec<usize>> = rows.iter().map(|(cell, _)| places(cell)).collect();
-    let keys = [
-        TableColumn::Text("place".into(), place.iter().map(|p| format!("{p:?}")).collect()),
-        TableColumn::Text("method".into(), rows.iter().map(|(_, r)| r.method.clone()).collect()),
-        TableColumn::Text(
-            "parameter".into(),
-            rows.iter().map(|(_, r)| r.parameter.clone()).collect(),
-        ),
-    ];
-    let mut failures: HashMap<(&[usize], &str), usize> = HashMap::new();
-    for ((_, row), place) in rows.iter().zip(&place).filter(|((_, r), _)| r.status == "failed") {
-        *failures.entry((place, &row.method)).or_default() += 1;
+    let sizes: Vec<usize> = axes.iter().map(|k| grid.axes[*k].values.len()).collect();
+    let condition = |cell: &Cell| places(cell).iter().zip(&sizes).fold(0, |n, (p, s)| n * s + p);
+    let condition: Vec<usize> =
+        cells.iter().flat_map(|c| std::iter::repeat_n(condition(c), c.rows.len())).collect();
+    let mut failures: HashMap<(usize, &str), usize> = HashMap::new();
+    let mut ran: HashSet<(usize, &str)> = HashSet::new();
+    for ((_, row), condition) in rows.iter().zip(&condition) {
+        if row.status == "failed" {
+            *failures.entry((*condition, &row.method)).or_default() += 1;
+        } else {
+            ran.insert((*condition, &row.method));
+        }
     }
-    let bounds = bounds(&rows);
-    let groups = group_rows(&keys)?;
-    let ran: std::collections::HashSet<(&[usize], &str)> = rows
-        .iter()
-        .zip(&place)
-        .filter(|((_, row), _)| row.status != "failed")
-        .map(|((_, row), place)| (place.as_slice(), row.method.as_str()))
-        .collect();
+    let number = |name: &str, of: &mut dyn FnMut(usize) -> usize| {
+        TableColumn::Number(name.into(), (0..rows.len()).map(|r| of(r) as f64).collect())
+    };
+    let (mut methods, mut parameters) = (Numbers::default(), Numbers::default());
+    let groups = group_rows(&[
+        number("condition", &mut |r| condition[r]),
+        number("method", &mut |r| methods.of(&rows[r].1.method)),
+        number("parameter", &mut |r| parameters.of(&rows[r].1.parameter)),
+    ])?;
     let mut out = Vec::new();
     for group in groups {
-        let first = rows[group[0]].1;
-        let at = (place[group[0]].as_slice(), first.method.as_str());
+        let (cell, first) = rows[group[0]];
+        let at = (condition[group[0]], &*first.method);
         // failures are told with the parameters, where the method has any
-        if first.status == "failed"
-            && ran.contains(&at)
-            && group.iter().all(|r| rows[*r].1.status == "failed")
-        {
+        let failed = group.iter().all(|r| rows[*r].1.status == "failed");
+        if failed && ran.contains(&at) {
             continue;
         }
         let members: Vec<(&Cell, &Row)> = group.iter().map(|r| rows[*r]).collect();
         let failures = failures.get(&at).copied().unwrap_or(0);
-        out.push(summary(at.0.to_vec(), &members, failures, &bounds));
+        out.push(summary(places(cell), &members, failures));
     }
     Ok(out)
 }
 
-type Bounds<'a> = HashMap<(usize, &'a str), f64>;
+/// Texts numbered as they come.
+#[derive(Default)]
+struct Numbers<'a>(HashMap<&'a str, usize>);
 
-/// The variance that stands for the bound, by cell and parameter.
-fn bounds<'a>(rows: &[(&'a Cell, &'a Row)]) -> Bounds<'a> {
-    let mut out: Bounds = HashMap::new();
-    let claimed = |row: &Row| row.std_error.0.is_finite() && row.std_error.0 > 0.0;
-    for (cell, row) in rows.iter().filter(|(_, row)| claimed(row)) {
-        let efficient = cell
-            .rows
-            .iter()
-            .any(|r| r.method == EFFICIENT && r.parameter == row.parameter && claimed(r));
-        if efficient && row.method != EFFICIENT {
-            continue;
-        }
-        let bound = out.entry((cell.cell, &row.parameter)).or_insert(f64::INFINITY);
-        *bound = bound.min(row.std_error.0.powi(2));
+impl<'a> Numbers<'a> {
+    fn of(&mut self, text: &'a str) -> usize {
+        let next = self.0.len();
+        *self.0.entry(text).or_insert(next)
     }
-    out
+}
+
+/// The variance that stands for the bound of a parameter in a cell.
+fn bound(cell: &Cell, parameter: &str) -> Option<f64> {
+    let claimed =
+        |r: &&Row| *r.parameter == *parameter && r.std_error.0.is_finite() && r.std_error.0 > 0.0;
+    let least = |rows: &mut dyn Iterator<Item = &Row>| {
+        rows.map(|r| r.std_error.0.powi(2)).min_by(f64::total_cmp)
+    };
+    let claims = || cell.rows.iter().filter(claimed);
+    least(&mut claims().filter(|r| r.method == EFFICIENT)).or_else(|| least(&mut claims()))
 }
 
 fn mean(values: impl Iterator<Item = f64>) -> f64 {
@@ -152,12 +153,7 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
     sum / n
 }
 
-fn summary(
-    places: Vec<usize>,
-    rows: &[(&Cell, &Row)],
-    failures: usize,
-    bounds: &Bounds,
-) -> Summary {
+fn summary(places: Vec<usize>, rows: &[(&Cell, &Row)], failures: usize) -> Summary {
     let first = rows[0].1;
     let given: Vec<&(&Cell, &Row)> =
         rows.iter().filter(|(_, r)| r.value.0.is_finite() && r.std_error.0.is_finite()).collect();
@@ -166,17 +162,13 @@ fn summary(
     let free = given.iter().any(|(_, r)| r.std_error.0 > 0.0);
     let known = free && first.truth.0.is_finite();
     let covered = |r: &Row| f64::from(u8::from(r.low.0 <= r.truth.0 && r.truth.0 <= r.high.0));
-    let bound = mean(
-        given
-            .iter()
-            .filter_map(|(cell, r)| bounds.get(&(cell.cell, r.parameter.as_str())).copied()),
-    );
+    let bound = mean(given.iter().filter_map(|(cell, r)| bound(cell, &r.parameter)));
     let only = |known: bool, value: f64| if known { value } else { f64::NAN };
     Summary {
         places,
-        method: first.method.clone(),
-        parameter: first.parameter.clone(),
-        unit: first.unit.clone(),
+        method: first.method.to_string(),
+        parameter: first.parameter.to_string(),
+        unit: first.unit.to_string(),
         n: given.len(),
         failures,
         unidentifiable: rows.iter().filter(|(_, r)| r.std_error.0.is_infinite()).count(),

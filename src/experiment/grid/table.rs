@@ -18,9 +18,11 @@
 //! | `verdict`, `found` | text | of the diagnosis, where one is asked for |
 //! | `seconds` | number | wall time of the method [s]; the only column that differs between two runs of the same file |
 
+use std::path::Path;
+
 use super::cell::{Cell, Row};
 use super::{GridAxis, GridPlan};
-use crate::io::TableColumn;
+use crate::io::{IoError, TableColumn, write_parquet_pieces};
 
 /// Names that a key of the grid cannot take for its column.
 const TAKEN: [&str; 1] = ["truth"];
@@ -30,15 +32,32 @@ pub(super) fn column_name(axis: &GridAxis) -> String {
     if TAKEN.contains(&axis.name.as_str()) { axis.key.clone() } else { axis.name.clone() }
 }
 
-/// The table of cells, which are sorted.
-pub(super) fn columns(grid: &GridPlan, cells: &[Cell]) -> Vec<TableColumn> {
+/// Cells that become columns at a time: those of all at once would double the memory of a large
+/// grid.
+const PIECE: usize = 10_000;
+
+/// The table of cells, which are sorted, as Parquet.
+///
+/// # Errors
+/// If the table cannot be made.
+pub(super) fn parquet(grid: &GridPlan, cells: &[Cell]) -> Result<Vec<u8>, IoError> {
+    let diagnosed = cells.iter().any(|cell| !cell.verdict.is_empty());
+    let pieces = cells.chunks(PIECE).map(|piece| columns(grid, piece, diagnosed));
+    write_parquet_pieces(Path::new("estimates.parquet"), pieces)
+}
+
+/// Some cells as columns.
+fn columns(grid: &GridPlan, cells: &[Cell], diagnosed: bool) -> Vec<TableColumn> {
     let rows: Vec<(&Cell, &Row)> =
         cells.iter().flat_map(|cell| cell.rows.iter().map(move |row| (cell, row))).collect();
+    // one NaN for all: those of arithmetic carry a sign that a journal does not keep
+    let plain = |x: f64| if x.is_nan() { f64::NAN } else { x };
     let number = |name: &str, value: &dyn Fn(&Row) -> f64| {
-        TableColumn::Number(name.into(), rows.iter().map(|(_, row)| value(row)).collect())
+        TableColumn::Number(name.into(), rows.iter().map(|(_, row)| plain(value(row))).collect())
     };
-    let text = |name: &str, value: &dyn Fn(&Cell, &Row) -> String| {
-        TableColumn::Text(name.into(), rows.iter().map(|(cell, row)| value(cell, row)).collect())
+    let text = |name: &str, value: &dyn for<'a> Fn(&'a Cell, &'a Row) -> &'a str| {
+        let texts = rows.iter().map(|(cell, row)| value(cell, row).to_string());
+        TableColumn::Text(name.into(), texts.collect())
     };
     let count = rows.iter().map(|(cell, _)| cell.cell as f64).collect();
     let mut out = vec![TableColumn::Number("cell".into(), count)];
@@ -52,9 +71,9 @@ pub(super) fn columns(grid: &GridPlan, cells: &[Cell]) -> Vec<TableColumn> {
         });
     }
     out.extend([
-        text("method", &|_, row| row.method.clone()),
-        text("parameter", &|_, row| row.parameter.clone()),
-        text("unit", &|_, row| row.unit.clone()),
+        text("method", &|_, row| &row.method),
+        text("parameter", &|_, row| &row.parameter),
+        text("unit", &|_, row| &row.unit),
         number("value", &|row| row.value.0),
         number("std_error", &|row| row.std_error.0),
         number("ci95_low", &|row| row.low.0),
@@ -64,12 +83,12 @@ pub(super) fn columns(grid: &GridPlan, cells: &[Cell]) -> Vec<TableColumn> {
         number("ise_validation", &|row| row.ise_validation.0),
         number("window_rms_validation", &|row| row.window_rms.0),
         number("floor", &|row| row.floor.0),
-        text("status", &|_, row| row.status.clone()),
-        text("reason", &|_, row| row.reason.clone()),
+        text("status", &|_, row| &row.status),
+        text("reason", &|_, row| &row.reason),
     ]);
-    if cells.iter().any(|cell| !cell.verdict.is_empty()) {
-        out.push(text("verdict", &|cell, _| cell.verdict.clone()));
-        out.push(text("found", &|cell, _| cell.found.clone()));
+    if diagnosed {
+        out.push(text("verdict", &|cell, _| &cell.verdict));
+        out.push(text("found", &|cell, _| &cell.found));
     }
     out.push(number("seconds", &|row| row.seconds.0));
     out

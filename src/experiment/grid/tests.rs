@@ -41,7 +41,7 @@ impl Folder {
 
     fn run(&self, resume: bool) -> Outcome {
         let out = self.0.path().to_path_buf();
-        let options = RunOptions { out, set: vec![], resume, progress: false };
+        let options = RunOptions { out, set: vec![], resume, shard: None, progress: false };
         execute(self.load().unwrap(), &options)
     }
 

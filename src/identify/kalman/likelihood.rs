@@ -77,8 +77,7 @@ impl Likelihood<'_> {
         model: &Model,
         maximum: &Maximum,
     ) -> Result<Vec<f64>, ModelError> {
-        let settings =
-            PassSettings { input_noise: true, ..self.settings(&maximum.noise, true) };
+        let settings = PassSettings { input_noise: true, ..self.settings(&maximum.noise, true) };
         let passes: Vec<Pass> = self
             .prepared
             .par_iter()

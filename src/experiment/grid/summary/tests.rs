@@ -8,7 +8,7 @@ fn row(method: &str, value: f64, std_error: f64) -> Row {
     Row {
         method: method.into(),
         parameter: "a1".into(),
-        unit: estimate.unit,
+        unit: estimate.unit.as_str().into(),
         value: Exact(value),
         std_error: Exact(std_error),
         low: Exact(estimate.interval.0),
@@ -19,13 +19,13 @@ fn row(method: &str, value: f64, std_error: f64) -> Row {
         window_rms: Exact(0.2),
         floor: Exact(0.1),
         status: "converged".into(),
-        reason: String::new(),
+        reason: "".into(),
         seconds: Exact(0.0),
     }
 }
 
 fn failure(method: &str) -> Row {
-    let (parameter, status) = (String::new(), "failed".into());
+    let (parameter, status) = ("".into(), "failed".into());
     Row { parameter, status, ..row(method, f64::NAN, f64::NAN) }
 }
 

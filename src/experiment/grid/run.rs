@@ -1,0 +1,149 @@
+//! Runs cells and keeps a journal of them.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use rayon::prelude::*;
+
+use super::GridPlan;
+use super::cell::{Cell, run_cell};
+use super::word::Words;
+use crate::experiment::execute::RunOptions;
+use crate::experiment::plan::Plan;
+use crate::io::{IoError, Journal, sha256_text};
+
+/// What a line of a journal is.
+pub(super) enum Line {
+    /// A finished cell that was not known before.
+    New,
+    /// A finished cell that is known already.
+    Known,
+    /// A cell of another version of the experiment, its recordings or the program.
+    Other,
+    /// No cell.
+    Broken,
+}
+
+/// The finished cells of a grid, without the keys, which only journals need.
+pub(super) struct Finished {
+    base: String,
+    words: Words,
+    cells: Vec<Cell>,
+    known: Vec<bool>,
+}
+
+impl Finished {
+    pub(super) fn new(plan: &Plan, grid: &GridPlan) -> Self {
+        Self {
+            base: base_key(plan),
+            words: Words::default(),
+            cells: vec![],
+            known: vec![false; grid.cells()],
+        }
+    }
+
+    /// Takes the cell of a line of a journal.
+    pub(super) fn take(&mut self, line: &str) -> Line {
+        let Ok(mut cell) = serde_json::from_str::<Cell>(line) else { return Line::Broken };
+        if cell.cell >= self.known.len() || cell.key != self.key(cell.cell) {
+            return Line::Other;
+        }
+        if std::mem::replace(&mut self.known[cell.cell], true) {
+            return Line::Known;
+        }
+        self.lighten(&mut cell);
+        self.cells.push(cell);
+        Line::New
+    }
+
+    pub(super) fn knows(&self, cell: usize) -> bool {
+        self.known[cell]
+    }
+
+    /// Runs those of the wanted cells that are not known, and writes them into a journal.
+    ///
+    /// # Errors
+    /// A journal that cannot be written; cells do not fail.
+    fn run(
+        &mut self,
+        plan: &Plan,
+        grid: &GridPlan,
+        journal: &Journal,
+        wanted: &[usize],
+        shown: bool,
+    ) -> Result<(), IoError> {
+        let missing: Vec<usize> = wanted.iter().copied().filter(|c| !self.knows(*c)).collect();
+        let bar = progress(wanted.len(), wanted.len() - missing.len(), shown);
+        let methods: Vec<&str> = plan.methods.iter().map(|m| m.name.as_str()).collect();
+        let run = |cell: usize| -> Result<Cell, IoError> {
+            let mut done = run_cell(grid, cell, self.key(cell), &methods);
+            journal.append(&serde_json::to_string(&done).unwrap_or_default())?;
+            self.lighten(&mut done);
+            bar.inc(1);
+            Ok(done)
+        };
+        // one by one: cells differ in length, and an interrupted run has then finished the first
+        let cells = missing.par_iter().with_max_len(1).map(|cell| run(*cell));
+        let cells = cells.collect::<Result<Vec<Cell>, IoError>>()?;
+        bar.finish_and_clear();
+        self.cells.extend(cells);
+        Ok(())
+    }
+
+    /// The cells, sorted by number.
+    pub(super) fn cells(mut self) -> Vec<Cell> {
+        self.cells.sort_unstable_by_key(|cell| cell.cell);
+        self.cells
+    }
+
+    fn key(&self, cell: usize) -> String {
+        sha256_text(&format!("{} {cell}", self.base))
+    }
+
+    fn lighten(&self, cell: &mut Cell) {
+        cell.key = String::new();
+        cell.rows.shrink_to_fit();
+        self.words.share(cell.rows.iter_mut().flat_map(|row| row.words()));
+    }
+}
+
+/// The wanted cells: those of an earlier journal, where they are to be kept, and the others run.
+///
+/// # Errors
+/// A journal that cannot be written; cells do not fail.
+pub(super) fn run_cells(
+    plan: &Plan,
+    grid: &GridPlan,
+    options: &RunOptions,
+    path: &Path,
+    wanted: &[usize],
+) -> Result<Vec<Cell>, IoError> {
+    let mut finished = Finished::new(plan, grid);
+    let keep = |line: &str| options.resume && matches!(finished.take(line), Line::New);
+    let journal = Journal::start(path, keep)?;
+    finished.run(plan, grid, &journal, wanted, options.progress)?;
+    Ok(finished.cells())
+}
+
+/// What the results depend on, besides the number of the cell: program, file as run, recordings.
+fn base_key(plan: &Plan) -> String {
+    let mut text = format!("{} {}\n", env!("CARGO_PKG_VERSION"), plan.file);
+    for measured in &plan.recordings {
+        let _ = writeln!(text, "{}", measured.sha256.as_deref().unwrap_or("made"));
+    }
+    sha256_text(&text)
+}
+
+fn progress(cells: usize, finished: usize, shown: bool) -> ProgressBar {
+    let target = if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+    let bar = ProgressBar::with_draw_target(Some(cells as u64), target);
+    let style =
+        ProgressStyle::with_template("{wide_bar} {pos}/{len} combinations, {per_sec}, {eta} left");
+    if let Ok(style) = style {
+        bar.set_style(style);
+    }
+    bar.set_position(finished as u64);
+    bar.reset_eta();
+    bar
+}
