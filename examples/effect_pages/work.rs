@@ -1,0 +1,146 @@
+//! Recordings with an effect hidden in them, fits without and with it, and the diagnosis.
+
+use amigo_ident::compare::{
+    Dependence, missing_moment, noise_floor, simulate_recording, window_rms,
+};
+use amigo_ident::diagnose::{Diagnosis, Settings, diagnose};
+use amigo_ident::effects::BASE;
+use amigo_ident::identify::kalman::{Likelihood, prepare};
+use amigo_ident::identify::{Fit, Task, find, start};
+use amigo_ident::model::Model;
+use amigo_ident::recording::Recording;
+use amigo_ident::robot::{Robot, State};
+use amigo_ident::simulate::{Hold, Movement, NoiseLevel, Recorder, SimulateError, record};
+
+use crate::Failure;
+use crate::cases::Case;
+
+/// Noise of the recordings, N2 of the benchmark.
+pub(crate) const NOISE: NoiseLevel = NoiseLevel { alpha: 1e-3, dalpha: 0.05, moment: 0.005 };
+/// Recordings to fit, and one more to judge by.
+const TRAIN: u64 = 4;
+/// Length of a recording [s].
+const DURATION: f64 = 25.0;
+/// Hard movements reach their speeds in this share of the time of ordinary ones.
+const HARD: f64 = 0.3;
+
+/// What was found with an effect hidden.
+pub(crate) struct Outcome {
+    /// The truth's values of the effect's parameters, in their order.
+    pub(crate) hidden: Vec<f64>,
+    /// Dependences of the missing moment, the strongest first.
+    pub(crate) dependences: Vec<Dependence>,
+    /// What the diagnosis of the model without the effect says.
+    pub(crate) diagnosis: Diagnosis,
+    /// Fit with the effect.
+    pub(crate) fit: Fit,
+    /// Method of the fits whose errors are compared.
+    pub(crate) method: &'static str,
+    /// Window error on the recording held out, without and with the effect [rad/s].
+    pub(crate) error: [f64; 2],
+    /// Its noise floor [rad/s].
+    pub(crate) floor: f64,
+    /// The recording held out.
+    pub(crate) held_out: Recording,
+    /// Its windows simulated without and with the effect.
+    pub(crate) windows: [Vec<State>; 2],
+    /// Whether the effect puts a body behind the wheels, which the filter does not carry.
+    pub(crate) coupled: bool,
+}
+
+/// The whole story of one effect.
+pub(crate) fn run(case: &Case) -> Result<Outcome, Failure> {
+    let base = Model::base(Robot::amigobot());
+    let truth = if is_base(case.id) { base.clone() } else { base.add(case.id)? };
+    let p = values(&truth, case)?;
+    let mut recordings = recordings(&truth, &p, case.hard)?;
+    let held_out = recordings.pop().ok_or("no recording")?;
+    let without = case.model_without()?;
+    let with = if is_base(case.id) { base } else { without.add(case.id)? };
+    // an order of ripple is a whole number: no estimate
+    let with =
+        if case.id == "torque_ripple" { with.fix("n", p[with.index_of("n")?])? } else { with };
+
+    let task = Task { model: &without, train: &recordings, hold: Hold::Linear, seed: 0 };
+    let likelihood = Likelihood {
+        prepared: recordings.iter().map(prepare).collect(),
+        hold: Hold::Linear,
+        slow_moment: true,
+        timing: false,
+    };
+    let settings = Settings { max_effects: 1, ..Settings::default() };
+    let first = start::start(&task, "effect_pages")?;
+    let diagnosis = diagnose(&without, &first, &likelihood, &settings)?;
+    let maximum = &diagnosis.base.1;
+    let missing = missing_moment(&without, &maximum.p, &maximum.noise, &likelihood)?;
+    let strongest = missing.dependences[0].variable;
+    if case.against.is_some_and(|expected| expected != strongest) {
+        let words = strongest.words();
+        return Err(format!("depends on the {words} now: look and say what it shows").into());
+    }
+
+    let coupled = truth.is_coupled();
+    if std::env::var("XDEBUG").is_ok() {
+        eprintln!("{} {:?} {:?}", case.id, maximum.p, maximum.noise);
+        for (n, m, x) in &diagnosis.steps {
+            eprintln!("{n} {:?} {:?}", x.p, x.noise);
+            let _ = m;
+        }
+    }
+    let method = if coupled { "output_error" } else { "prediction_error" };
+    let identifier = find(method).ok_or("the method is registered")?;
+    let fits = [identifier.identify(&task)?, identifier.identify(&Task { model: &with, ..task })?];
+    let motion = held_out.local_motion();
+    let windows = |fit: &Fit| -> Result<Vec<State>, SimulateError> {
+        let simulated = simulate_recording(&*fit.dynamics, &held_out, &motion, Hold::Linear)?;
+        Ok(simulated.windows)
+    };
+    let windows = [windows(&fits[0])?, windows(&fits[1])?];
+    let error = [0, 1].map(|i| window_rms(&held_out, &windows[i]));
+    let [_, fit] = fits;
+    let floor = noise_floor(&*fit.dynamics, &held_out, &motion, Hold::Linear, 0)?.window_rms;
+    let own = truth.parameters().iter().zip(&p).filter(|(q, _)| q.effect == case.id);
+    let hidden = own.map(|(_, value)| *value).collect();
+    let dependences = missing.dependences;
+    Ok(Outcome {
+        hidden,
+        dependences,
+        diagnosis,
+        fit,
+        method,
+        error,
+        floor,
+        held_out,
+        windows,
+        coupled,
+    })
+}
+
+/// Whether every model has the effect.
+pub(crate) fn is_base(id: &str) -> bool {
+    BASE.contains(&id)
+}
+
+/// Parameters of the truth: the case's values, else construction and typical ones.
+fn values(truth: &Model, case: &Case) -> Result<Vec<f64>, Failure> {
+    let mut p = truth.initial();
+    for (symbol, value) in case.hidden {
+        p[truth.index_of(symbol)?] = std::env::var("XVALUE").map_or(*value, |v| v.parse().unwrap());
+    }
+    Ok(p)
+}
+
+/// Recordings for the fit and, last, the one that is held out.
+fn recordings(truth: &Model, p: &[f64], hard: bool) -> Result<Vec<Recording>, SimulateError> {
+    (0..=TRAIN)
+        .map(|seed| {
+            let mut movement = Movement::rich(truth.robot(), seed, DURATION, 12.0);
+            if hard {
+                movement.segments.iter_mut().for_each(|segment| segment.blend_s *= HARD);
+            }
+            let recorder =
+                Recorder { rate: 100.0, control_rate: 1000.0, noise: NOISE, ticks: None, seed };
+            record("made", truth, p, &movement, &recorder)
+        })
+        .collect()
+}
