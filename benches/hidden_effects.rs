@@ -189,7 +189,7 @@ fn judge(case: &Case) -> (String, bool) {
         prepared: recordings.iter().map(prepare).collect(),
         hold: Hold::Linear,
         slow_moment: true,
-            timing: false,
+        timing: false,
     };
     let d = diagnose(&model, &first, &likelihood, &Settings::default()).expect("a fit");
     let found = d.found();

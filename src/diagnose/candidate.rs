@@ -66,7 +66,7 @@ pub fn candidates(model: &Model, named: &[String], recordings: &[&Recording]) ->
         out.extend(grid(&id, &effect, &scale, recordings));
     }
     if recordings.iter().all(|r| r.is_single_axis()) {
-let motions: Vec<_> = recordings.iter().map(|r| r.local_motion()).collect();
+        let motions: Vec<_> = recordings.iter().map(|r| r.local_motion()).collect();
         out.retain(|candidate| candidate.treats_wheels_alike(model, recordings[0], &motions[0]));
         // turning effects do nothing here, and a slope of one heading is an offset
         out.retain(|candidate| {

@@ -67,7 +67,7 @@ pub(super) fn run_diagnosis(
         prepared: train.iter().map(prepare).collect(),
         hold: plan.hold,
         slow_moment: true,
-            timing: false,
+        timing: false,
     };
     let settings = Settings {
         candidates: asked.candidates.clone(),

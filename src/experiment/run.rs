@@ -238,7 +238,7 @@ fn locate(plan: &Plan, right: &dyn Dynamics, study: &mut Study) -> Result<(), Ru
         prepared: judged.iter().map(prepare).collect(),
         hold: plan.hold,
         slow_moment: true,
-            timing: false,
+        timing: false,
     };
     let (noise, _) = likelihood.noise(model, p, &likelihood.initial_noise(), 60);
     let dynamics = PhysicalDynamics { model: model.clone(), p: p.to_vec() };

@@ -3,8 +3,8 @@
 use serde::Deserialize;
 
 use super::identifiability::identified;
-use super::profile::profile;
 use super::kalman::{Likelihood, Maximum, prepare};
+use super::profile::profile;
 use super::{
     Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task, from_options, start,
 };
@@ -120,7 +120,8 @@ impl PredictionError {
         let j = task.model.index_of(symbol)?;
         let estimate = fit.estimates[j].clone();
         if !(estimate.std_error.is_finite() && estimate.std_error > 0.0) {
-            fit.notes.push(format!("{symbol} has no profile: it is held, or the data do not give it."));
+            fit.notes
+                .push(format!("{symbol} has no profile: it is held, or the data do not give it."));
             return Ok(());
         }
         let (error, unit) = (estimate.std_error, &estimate.unit);
