@@ -80,13 +80,6 @@ pub(crate) fn run(case: &Case) -> Result<Outcome, Failure> {
     }
 
     let coupled = truth.is_coupled();
-    if std::env::var("XDEBUG").is_ok() {
-        eprintln!("{} {:?} {:?}", case.id, maximum.p, maximum.noise);
-        for (n, m, x) in &diagnosis.steps {
-            eprintln!("{n} {:?} {:?}", x.p, x.noise);
-            let _ = m;
-        }
-    }
     let method = if coupled { "output_error" } else { "prediction_error" };
     let identifier = find(method).ok_or("the method is registered")?;
     let fits = [identifier.identify(&task)?, identifier.identify(&Task { model: &with, ..task })?];
@@ -125,7 +118,7 @@ pub(crate) fn is_base(id: &str) -> bool {
 fn values(truth: &Model, case: &Case) -> Result<Vec<f64>, Failure> {
     let mut p = truth.initial();
     for (symbol, value) in case.hidden {
-        p[truth.index_of(symbol)?] = std::env::var("XVALUE").map_or(*value, |v| v.parse().unwrap());
+        p[truth.index_of(symbol)?] = *value;
     }
     Ok(p)
 }

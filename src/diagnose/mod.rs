@@ -1,6 +1,7 @@
 //! Which effect is missing: candidates, evidence, equivalence, the verdict, the next run.
 
 mod candidate;
+mod judge;
 mod next_run;
 mod refit;
 mod scan;
@@ -8,6 +9,7 @@ mod stepwise;
 mod verdict;
 
 pub use candidate::{Candidate, Form, candidates};
+pub use judge::{Judge, Judgement};
 pub use next_run::{Limits, Proposal, Rivals, next_run};
 pub use refit::{Refit, refit};
 pub use scan::{Score, scan};

@@ -2,17 +2,16 @@
 
 use super::plan::{DiagnosisPlan, Plan};
 use super::run::RunError;
-use crate::compare::{Dependence, ise, missing_moment, simulate_recording, window_rms};
+use crate::compare::{Dependence, missing_moment};
 use crate::diagnose::{
-    Conclusion, Diagnosis, Errors, Limits, Proposal, Ranked, Rivals, Settings, conclude, diagnose,
-    next_run, probabilities, structure,
+    Conclusion, Diagnosis, Errors, Judge, Judgement, Limits, Proposal, Ranked, Rivals, Settings,
+    conclude, diagnose, next_run, probabilities,
 };
-use crate::identify::kalman::{Likelihood, Maximum, prepare};
+use crate::identify::kalman::{Likelihood, prepare};
 use crate::identify::start::covariance_of_free;
 use crate::identify::{Estimate, IdentifyError, Task, start};
-use crate::model::Model;
-use crate::recording::{LocalMotion, Recording};
-use crate::simulate::{PhysicalDynamics, SimulateError};
+use crate::recording::Recording;
+use crate::simulate::SimulateError;
 use crate::study::{Candidate, DiagnosisStudy, Role, Step, Study, Verdict};
 
 /// Floor that a proposed manoeuvre keeps to, a square of this side [m].
@@ -21,35 +20,6 @@ const FLOOR: f64 = 2.0;
 const DURATION: f64 = 20.0;
 /// Candidates whose error on the judged recordings is simulated.
 const JUDGED: usize = 8;
-
-/// The error of a model on the judged recordings.
-#[derive(Clone, Copy)]
-struct Judgement {
-    ise: f64,
-    window_rms: f64,
-}
-
-/// The recordings that errors are judged on, with their smooth motion.
-struct Judge<'a> {
-    plan: &'a Plan,
-    recordings: Vec<Recording>,
-    motions: Vec<Vec<LocalMotion>>,
-}
-
-impl Judge<'_> {
-    fn judge(&self, model: &Model, p: &[f64]) -> Result<Judgement, SimulateError> {
-        let dynamics = PhysicalDynamics { model: model.clone(), p: p.to_vec() };
-        let (mut total, mut sum, mut samples) = (0.0, 0.0, 0.0);
-        for (recording, motion) in self.recordings.iter().zip(&self.motions) {
-            let simulated = simulate_recording(&dynamics, recording, motion, self.plan.hold)?;
-            total += ise(recording, &simulated.free).iter().sum::<f64>();
-            let count = recording.len() as f64;
-            sum += count * window_rms(recording, &simulated.windows).powi(2);
-            samples += count;
-        }
-        Ok(Judgement { ise: total, window_rms: (sum / samples).sqrt() })
-    }
-}
 
 /// Runs the diagnosis of a plan and puts it into words. `study` holds the comparison already.
 ///
@@ -75,30 +45,11 @@ pub(super) fn run_diagnosis(
         max_effects: asked.max_effects,
     };
     let diagnosis = diagnose(&plan.model, &first, &likelihood, &settings).map_err(failed)?;
-    let recordings = plan.judged();
-    let motions = recordings.iter().map(Recording::local_motion).collect();
-    let judge = Judge { plan, recordings, motions };
-    let (last, maximum) = diagnosis.last();
-    let before = judge.judge(&plan.model, &diagnosis.base.1.p)?;
-    let after = judge.judge(last, &maximum.p)?;
+    let judge = Judge::new(plan.judged(), plan.hold);
     let floor = study.judged_floor();
-    let errors = Errors {
-        before: before.window_rms.powi(2),
-        after: after.window_rms.powi(2),
-        floor: floor * floor,
-    };
-    let missed = |model: &Model, m: &Maximum| missing_moment(model, &m.p, &m.noise, &likelihood);
-    // what is left may show on the recordings that were not fitted alone: training on one kind
-    // of motion lets the parameters take up an effect
-    let elsewhere = Likelihood {
-        prepared: judge.recordings.iter().map(prepare).collect(),
-        ..likelihood.clone()
-    };
-    let left =
-        [missed(last, maximum)?, missing_moment(last, &maximum.p, &maximum.noise, &elsewhere)?];
-    let rms = likelihood.moment_rms();
-    let left: Vec<&Dependence> = left.iter().filter_map(|l| structure(l, rms)).collect();
-    let left = left.into_iter().max_by(|a, b| a.log_significance.total_cmp(&b.log_significance));
+    let before = judge.judge(&plan.model, &diagnosis.base.1.p)?;
+    let errors = judge.errors(&diagnosis, floor)?;
+    let left = judge.structure_left(&diagnosis, &likelihood)?;
     let proposal = propose(&diagnosis, &likelihood, plan.seed);
     let found = diagnosis.found();
     let conclusion = conclude(found.len(), &errors, left.is_some());
@@ -108,7 +59,7 @@ pub(super) fn run_diagnosis(
             Conclusion::Missing => Verdict::EffectsMissing,
             Conclusion::Unknown => Verdict::UnknownEffect,
         },
-        sentence: sentence(conclusion, &diagnosis, &errors, left, asked.false_alarm),
+        sentence: sentence(conclusion, &diagnosis, &errors, left.as_ref(), asked.false_alarm),
         found,
         ranking: ranking(&diagnosis, &judge, before, floor)?,
         staircase: staircase(&diagnosis, &judge, before)?,
@@ -116,7 +67,12 @@ pub(super) fn run_diagnosis(
         next_run: advice(&diagnosis, proposal.as_ref()),
         proposal,
         false_alarm: asked.false_alarm,
-        missing_moment: Some(missed(&plan.model, &diagnosis.base.1)?),
+        missing_moment: Some(missing_moment(
+            &plan.model,
+            &diagnosis.base.1.p,
+            &diagnosis.base.1.noise,
+            &likelihood,
+        )?),
     })
 }
 

@@ -73,6 +73,22 @@ pub fn record(
     movement: &Movement,
     recorder: &Recorder,
 ) -> Result<Recording, SimulateError> {
+    record_disturbed(name, truth, p, movement, recorder, &mut |_, _| [0.0; 2])
+}
+
+/// [`record`] where moments act on the wheels that are not recorded and that no effect of the
+/// model makes: `disturbance(t, state)` [N m], held between the controller's steps.
+///
+/// # Errors
+/// A truth that cannot move, or diverges.
+pub fn record_disturbed(
+    name: &str,
+    truth: &Model,
+    p: &[f64],
+    movement: &Movement,
+    recorder: &Recorder,
+    disturbance: &mut dyn FnMut(f64, &State) -> [f64; 2],
+) -> Result<Recording, SimulateError> {
     let robot = truth.robot();
     let step = 1.0 / recorder.control_rate;
     let steps = (movement.duration() * recorder.control_rate).round() as usize;
@@ -103,7 +119,9 @@ pub fn record(
         if k % every == 0 {
             rows.push((t, state, command));
         }
-        let acting = acting(truth, p, &times, &commands, step);
+        let drive = acting(truth, p, &times, &commands, step);
+        let besides = disturbance(t, &state);
+        let acting = [drive[0] + besides[0], drive[1] + besides[1]];
         stepper.advance(t, t + step, &acting, &acting, &mut ())?;
     }
     Ok(noisy(name, &rows, recorder))

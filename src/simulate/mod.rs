@@ -18,7 +18,7 @@ pub use dynamics::{Dynamics, PhysicalDynamics};
 pub use emulator::{Gain, GainError, Structure, emulate};
 pub use friction::{Contact, contact};
 pub use fuzzy_dynamics::FuzzyDynamics;
-pub use made::{NoiseLevel, Recorder, record};
+pub use made::{NoiseLevel, Recorder, record, record_disturbed};
 pub use movement::{Movement, Reference, Segment};
 pub use sensitivity::{Sensitivities, simulate_with_sensitivities};
 pub use simulation::{Hold, Input, SimulateError, simulate, simulate_acting};

@@ -1,0 +1,91 @@
+//! Judging models on recordings that they were not fitted to.
+
+use super::stepwise::Diagnosis;
+use super::verdict::{Errors, structure};
+use crate::compare::{Dependence, ise, missing_moment, simulate_recording, window_rms};
+use crate::identify::kalman::{Likelihood, prepare};
+use crate::model::{Model, ModelError};
+use crate::recording::{LocalMotion, Recording};
+use crate::simulate::{Hold, PhysicalDynamics, SimulateError};
+
+/// The error of a model on the judged recordings together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Judgement {
+    /// Quality index of the free simulations, summed over wheels and recordings [rad^2/s].
+    pub ise: f64,
+    /// Root mean square error of the windows [rad/s].
+    pub window_rms: f64,
+}
+
+/// The recordings that errors are judged on, with their smooth motion.
+pub struct Judge {
+    /// Recordings, best such that no model was fitted to.
+    pub recordings: Vec<Recording>,
+    motions: Vec<Vec<LocalMotion>>,
+    hold: Hold,
+}
+
+impl Judge {
+    /// Prepares `recordings` for judging models under drives held as `hold` says.
+    #[must_use]
+    pub fn new(recordings: Vec<Recording>, hold: Hold) -> Self {
+        let motions = recordings.iter().map(Recording::local_motion).collect();
+        Self { recordings, motions, hold }
+    }
+
+    /// Simulates all recordings with `model` at parameters `p`.
+    ///
+    /// # Errors
+    /// A model that cannot move, or diverges.
+    pub fn judge(&self, model: &Model, p: &[f64]) -> Result<Judgement, SimulateError> {
+        let dynamics = PhysicalDynamics { model: model.clone(), p: p.to_vec() };
+        let (mut total, mut sum, mut samples) = (0.0, 0.0, 0.0);
+        for (recording, motion) in self.recordings.iter().zip(&self.motions) {
+            let simulated = simulate_recording(&dynamics, recording, motion, self.hold)?;
+            total += ise(recording, &simulated.free).iter().sum::<f64>();
+            let count = recording.len() as f64;
+            sum += count * window_rms(recording, &simulated.windows).powi(2);
+            samples += count;
+        }
+        Ok(Judgement { ise: total, window_rms: (sum / samples).sqrt() })
+    }
+
+    /// The errors that a diagnosis started and ended with, beside the noise `floor` [rad/s].
+    ///
+    /// # Errors
+    /// A model that cannot move, or diverges.
+    pub fn errors(&self, diagnosis: &Diagnosis, floor: f64) -> Result<Errors, SimulateError> {
+        let (first, last) = (&diagnosis.base, diagnosis.last());
+        Ok(Errors {
+            before: self.judge(&first.0, &first.1.p)?.window_rms.powi(2),
+            after: self.judge(last.0, &last.1.p)?.window_rms.powi(2),
+            floor: floor * floor,
+        })
+    }
+
+    /// The strongest structure that the last model of a diagnosis leaves. It may show on the
+    /// recordings that were not fitted alone: training on one kind of motion lets the parameters
+    /// take up an effect.
+    ///
+    /// # Errors
+    /// If the filter cannot run.
+    pub fn structure_left(
+        &self,
+        diagnosis: &Diagnosis,
+        likelihood: &Likelihood,
+    ) -> Result<Option<Dependence>, ModelError> {
+        let (model, maximum) = diagnosis.last();
+        let prepared = self.recordings.iter().map(prepare).collect();
+        let elsewhere = Likelihood { prepared, ..likelihood.clone() };
+        let rms = likelihood.moment_rms();
+        let mut strongest: Option<Dependence> = None;
+        for seen in [likelihood, &elsewhere] {
+            let left = missing_moment(model, &maximum.p, &maximum.noise, seen)?;
+            let Some(found) = structure(&left, rms) else { continue };
+            if strongest.as_ref().is_none_or(|s| s.log_significance <= found.log_significance) {
+                strongest = Some(found.clone());
+            }
+        }
+        Ok(strongest)
+    }
+}
