@@ -24,3 +24,8 @@ pub mod report;
 pub mod robot;
 pub mod simulate;
 pub mod study;
+
+/// The examples of the guide to the library, compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/library.md")]
+struct LibraryGuide;
