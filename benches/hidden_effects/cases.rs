@@ -57,7 +57,7 @@ pub(crate) const STRANGERS: [Stranger; 5] = [
     Stranger::Bumps,
 ];
 
-/// How the recordings differ from what the noise model assumes.
+/// How the recordings differ from what the noise model assumes, or from ordinary driving.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum World {
     /// White noise, 100 Hz.
@@ -72,16 +72,19 @@ pub(crate) enum World {
     Slow,
     /// Moments half a sample late against the speeds.
     Skewed,
+    /// As stated, on the paper's movement: mostly straight, with equal moments on both wheels.
+    Paper,
 }
 
 /// All of them.
-pub(crate) const WORLDS: [World; 6] = [
+pub(crate) const WORLDS: [World; 7] = [
     World::Stated,
     World::Autocorrelated,
     World::Quantised,
     World::Differenced,
     World::Slow,
     World::Skewed,
+    World::Paper,
 ];
 
 /// One set of recordings.

@@ -54,7 +54,10 @@ fn parameters(model: &Model, case: &Case) -> Vec<f64> {
 }
 
 fn one(case: &Case, model: &Model, p: &[f64], r: u64) -> Recording {
-    let movement = Movement::rich(model.robot(), case.seed * 10 + r, DURATION, 12.0);
+    let movement = match case.world {
+        World::Paper => Movement::paper(),
+        _ => Movement::rich(model.robot(), case.seed * 10 + r, DURATION, 12.0),
+    };
     let noise = NoiseLevel { alpha: 0.0, dalpha: 0.0, moment: 0.0 };
     let recorder = Recorder { rate: CONTROL, control_rate: CONTROL, noise, ticks: None, seed: 0 };
     let mut rng = ChaCha8Rng::seed_from_u64(case.seed * 1000 + r);

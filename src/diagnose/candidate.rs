@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::effects::{DIRECTIONS, Effect, Motion, ParameterKind, along};
-use crate::identify::kalman::Instant;
+use crate::identify::kalman::{Instant, unclear};
 use crate::math::{Real, sgn};
 use crate::model::Model;
 use crate::recording::{LocalMotion, Recording};
@@ -70,7 +70,7 @@ pub fn candidates(model: &Model, named: &[String], recordings: &[&Recording]) ->
         out.retain(|candidate| candidate.treats_wheels_alike(model, recordings[0], &motions[0]));
         // turning effects do nothing here, and a slope of one heading is an offset
         out.retain(|candidate| {
-            let sizes = column_size(candidate, model, recordings, &motions);
+            let sizes = common_size(candidate, model, recordings[0], &motions[0]);
             let largest = sizes.iter().fold(0.0_f64, |a, b| a.max(*b));
             sizes.iter().all(|size| *size > 1e-9 * largest)
         });
@@ -307,8 +307,8 @@ fn signs(at: &Instant, rest: f64) -> [f64; 4] {
     let spread = [at.motion.variance[2], at.motion.variance[3], at.spread[0], at.spread[1]];
     let mut sign = at.sign;
     for j in 0..DIRECTIONS.len() {
-        if sign[j] == 0.0 {
-            let v = along(j, &at.motion.omega);
+        let v = along(j, &at.motion.omega);
+        if sign[j] == 0.0 && !unclear(j, v, spread[j]) {
             let width = (2.0 * spread[j].max(0.0) + rest * rest).sqrt();
             sign[j] = if width > 0.0 { Real::erf(v / width) } else { sgn(v) };
         }
@@ -332,6 +332,24 @@ fn instant<'a>(model: &'a Model, recording: &Recording, k: usize, m: &LocalMotio
         spread: [0.0; 2],
         drive: recording.moment()[k],
     }
+}
+
+/// What the two wheels have in common of each column of a candidate: largest value [N m per unit].
+fn common_size(
+    candidate: &Candidate,
+    model: &Model,
+    recording: &Recording,
+    motion: &[LocalMotion],
+) -> Vec<f64> {
+    let mut largest = vec![0.0_f64; candidate.columns()];
+    let mut row = vec![[0.0; 2]; candidate.columns()];
+    for (k, m) in motion.iter().enumerate().step_by(7) {
+        candidate.torque(0, &instant(model, recording, k, m), &mut row);
+        for (size, torque) in largest.iter_mut().zip(&row) {
+            *size = size.max((torque[0] + torque[1]).abs());
+        }
+    }
+    largest
 }
 
 /// The effect of a candidate seen on the smooth `motions` of the recordings, to know its size: root

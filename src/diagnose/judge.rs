@@ -60,7 +60,13 @@ impl Judge {
             before: self.judge(&first.0, &first.1.p)?.window_rms.powi(2),
             after: self.judge(last.0, &last.1.p)?.window_rms.powi(2),
             floor: floor * floor,
+            speed: self.mean_square_speed(),
         })
+    }
+
+    fn mean_square_speed(&self) -> f64 {
+        let speeds = || self.recordings.iter().flat_map(|r| r.omega()).flatten();
+        speeds().map(|w| w * w).sum::<f64>() / speeds().count().max(1) as f64
     }
 
     /// The strongest structure that the last model of a diagnosis leaves. It may show on the

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::candidate::{Candidate, Form};
-use super::scan::{PRIOR_SHARE, Score};
+use super::scan::{PRIOR_SHARE, Score, left_out_gain};
 use crate::compare::project;
 use crate::effects::ParameterKind;
 use crate::identify::IdentifyError;
@@ -21,6 +21,8 @@ pub struct Refit {
     pub evidence: f64,
     /// Gain in log-likelihood.
     pub gain: f64,
+    /// Gain on recordings left out; zero for a single recording.
+    pub cross_gain: f64,
     /// Wald statistic of its linear parameters (chi-square).
     pub wald: f64,
     /// Whether its parameters are within their ranges.
@@ -60,8 +62,23 @@ pub fn refit(
         }
     }
     let maximum = maximise(&extended, &p, base.noise, likelihood)?;
-    let gain = maximum.log_likelihood - base.log_likelihood;
-    Ok(judge(extended, maximum, gain, candidate, score, likelihood))
+    Ok(judge(extended, maximum, base, candidate, score, likelihood))
+}
+
+/// Gain in log-likelihood on each recording in turn when the parameters come from the others, by
+/// one Gauss-Newton step, against the same for the model without the effect.
+fn cross_gain(extended: &Model, maximum: &Maximum, base: &Maximum) -> f64 {
+    if maximum.passes.len() < 2 {
+        return 0.0;
+    }
+    let free = extended.free();
+    let given: Vec<usize> = free.iter().copied().filter(|&j| j < base.p.len()).collect();
+    let left_out = |m: &Maximum, columns: &[usize]| -> f64 {
+        let g = m.passes.iter().map(|pass| &pass.score).sum();
+        let one = |pass| left_out_gain(pass, &m.information, &g, columns);
+        m.passes.iter().map(one).sum()
+    };
+    maximum.log_likelihood - base.log_likelihood + left_out(maximum, &free) - left_out(base, &given)
 }
 
 /// Shifts in time that are tried, in samples: a long delay is out of reach of a linear step.
@@ -152,20 +169,22 @@ fn start(candidate: &Candidate, score: &Score) -> Vec<f64> {
 fn judge(
     model: Model,
     maximum: Maximum,
-    gain: f64,
+    base: &Maximum,
     candidate: &Candidate,
     score: &Score,
     likelihood: &Likelihood,
 ) -> Refit {
+    let gain = maximum.log_likelihood - base.log_likelihood;
+    let cross_gain = cross_gain(&model, &maximum, base);
     let first = model.parameters().len() - candidate.p.len();
     let own: Vec<usize> = if candidate.linear.is_empty() {
         (first..first + candidate.p.len()).collect()
     } else {
         candidate.linear.iter().map(|j| first + j).collect()
     };
-    let base: Vec<usize> = model.free().into_iter().filter(|j| !own.contains(j)).collect();
+    let others: Vec<usize> = model.free().into_iter().filter(|j| !own.contains(j)).collect();
     let g = nalgebra::DVector::zeros(maximum.information.nrows());
-    let (information, _) = project(&maximum.information, &g, &base, &own);
+    let (information, _) = project(&maximum.information, &g, &others, &own);
     let rms = likelihood.moment_rms();
     let n = own.len();
     let theta = nalgebra::DVector::from_fn(n, |j, _| maximum.p[own[j]]);
@@ -194,5 +213,5 @@ fn judge(
     let in_range = in_range
         && clips_enough(candidate, own, likelihood)
         && late_enough(candidate, own, likelihood);
-    Refit { model, maximum, evidence, gain, wald, in_range }
+    Refit { model, maximum, evidence, gain, cross_gain, wald, in_range }
 }

@@ -197,7 +197,14 @@ fn cross_gain(
         .sum()
 }
 
-fn left_out_gain(pass: &Pass, h: &DMatrix<f64>, g: &DVector<f64>, columns: &[usize]) -> f64 {
+/// Change of the log-likelihood of one recording when `columns` take one Gauss-Newton step from the
+/// others alone.
+pub(super) fn left_out_gain(
+    pass: &Pass,
+    h: &DMatrix<f64>,
+    g: &DVector<f64>,
+    columns: &[usize],
+) -> f64 {
     let n = columns.len();
     let at = |m: &DMatrix<f64>, i: usize, k: usize| m[(columns[i], columns[k])];
     let scale: Vec<f64> = (0..n).map(|j| 1.0 / at(h, j, j).max(1e-300).sqrt()).collect();

@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use super::candidate::{Candidate, candidates};
 use super::refit::{Refit, refit};
 use super::scan::{Score, scan};
-use crate::identify::IdentifyError;
 use crate::identify::kalman::{Likelihood, Maximum};
+use crate::identify::{IdentifyError, Task, start};
 use crate::model::Model;
 use crate::recording::Recording;
 
@@ -41,14 +41,21 @@ const EVIDENCE: f64 = 8.0;
 /// Least size of an effect that is worth a place in the model, as a share of the rms drive: with
 /// little noise far smaller ones are significant, and no model is exact.
 const PRACTICAL: f64 = 0.0025;
-/// Log-evidence that needs no second witness.
-const OVERWHELMING: f64 = 50.0;
 /// Share of its threshold that a score must reach where the evidence of the refit is strong.
 const NEARLY: f64 = 0.8;
 /// Effects whose Wald statistic falls below this, once others are in, are dropped again.
 const KEEP: f64 = 14.0;
 /// Candidates that are refitted in full.
 const REFITTED: usize = 7;
+
+/// Rounds of noise and parameters after an effect was accepted, at most.
+const ROUNDS: usize = 8;
+/// Steps of the noise search in one of them.
+const NOISE_STEPS: usize = 30;
+/// Gain of an effect beyond which all is fitted afresh [nats].
+const GROSS: f64 = 200.0;
+/// Gain of a round below which the rounds end [nats].
+const SETTLED: f64 = 1.0;
 
 /// A candidate of one step.
 #[derive(Clone)]
@@ -66,7 +73,7 @@ impl Ranked {
     #[must_use]
     pub fn rank(&self) -> f64 {
         match &self.refit {
-            Some(r) if r.in_range => r.evidence + self.score.cross_gain.min(r.gain.max(0.0)),
+            Some(r) if r.in_range => r.evidence + r.cross_gain.min(r.gain.max(0.0)),
             Some(_) => f64::NEG_INFINITY,
             None => self.score.evidence.min(0.0),
         }
@@ -146,11 +153,45 @@ pub fn diagnose(
         let Some(refit) = best.refit else { break };
         let given = out.base.0.effects().len();
         let older = given..model.effects().len();
-        (model, maximum) = prune(refit.model, refit.maximum, older, likelihood)?;
+        let refitted = settle(&refit.model, refit.maximum, refit.gain, likelihood)?;
+        (model, maximum) = prune(refit.model, refitted, older, likelihood)?;
         out.steps.push((best.candidate.id.clone(), model.clone(), maximum.clone()));
         out.equals.push(equals);
     }
     Ok(out)
+}
+
+/// Noise and parameters in turn until neither gains: a gross effect leaves its refit on the ridge
+/// between its parameters and the slow moment that stood in for it, or behind it, so that all is
+/// fitted afresh, too.
+fn settle(
+    model: &Model,
+    mut maximum: Maximum,
+    gain: f64,
+    likelihood: &Likelihood,
+) -> Result<Maximum, IdentifyError> {
+    if gain > GROSS {
+        let train: Vec<Recording> =
+            likelihood.prepared.iter().map(|p| p.recording.clone()).collect();
+        let task = Task { model, train: &train, hold: likelihood.hold, seed: 0 };
+        let first = start::start(&task, "diagnosis")?;
+        let fresh = likelihood.maximise(model, &first, None, "diagnosis")?;
+        if fresh.log_likelihood > maximum.log_likelihood {
+            maximum = fresh;
+        }
+    }
+    for _ in 0..ROUNDS {
+        let (noise, _) = likelihood.noise(model, &maximum.p, &maximum.noise, NOISE_STEPS);
+        let next = likelihood.maximise(model, &maximum.p, Some(noise), "diagnosis")?;
+        let gain = next.log_likelihood - maximum.log_likelihood;
+        if gain > 0.0 {
+            maximum = next;
+        }
+        if gain < SETTLED {
+            break;
+        }
+    }
+    Ok(maximum)
 }
 
 /// Scan of all candidates, refit of the best, ranked.
@@ -184,11 +225,8 @@ fn rank(
 
 /// Whether the best candidate is needed at the stated false-alarm rate.
 fn accepted(best: &Ranked, likelihood: &Likelihood, settings: &Settings) -> bool {
-    // the gain on recordings left out decides where the evidence is thin; it is computed at the
-    // noise of the model without the effect, which a gross effect makes far too large
-    let crossed = likelihood.prepared.len() < 2
-        || best.score.cross_gain > 0.0
-        || best.evidence() > OVERWHELMING;
+    let crossed =
+        likelihood.prepared.len() < 2 || best.refit.as_ref().is_some_and(|r| r.cross_gain > 0.0);
     let size: f64 =
         best.score.estimate.iter().zip(&best.score.size).map(|(e, s)| (e * s).powi(2)).sum();
     let worth = size.sqrt() > PRACTICAL * likelihood.moment_rms();
@@ -218,8 +256,8 @@ fn equals(ranking: &[Ranked]) -> Vec<String> {
     out
 }
 
-/// Drops effects that an earlier step added (`older`) and the last one made needless: Wald statistic below 14 or a parameter out
-/// of its range.
+/// Drops effects that an earlier step added (`older`) and the last one made needless: Wald statistic
+/// below 14 or a parameter out of its range.
 fn prune(
     model: Model,
     maximum: Maximum,

@@ -24,6 +24,8 @@ pub struct Errors {
     pub after: f64,
     /// Of the noise floor.
     pub floor: f64,
+    /// Mean square speed of the wheels.
+    pub speed: f64,
 }
 
 /// Least -ln p of the strongest dependence of the missing moment that counts as structure: the
@@ -35,6 +37,13 @@ const WORTH: f64 = 0.05;
 const ABOVE_FLOOR: f64 = 1.1;
 /// Effects that leave more than this share of the explainable error do not explain it.
 const UNEXPLAINED: f64 = 0.5;
+/// The same where the model is left far above the floor.
+const FAR_UNEXPLAINED: f64 = 0.25;
+/// Far above the floor, as a ratio of standard deviations.
+const FAR: f64 = 3.0;
+/// Error, as a share of the speed, that is far from right whatever the floor: no model of a real
+/// robot reaches the noise of good sensors.
+const FAR_FROM_RIGHT: f64 = 0.02;
 
 impl Errors {
     /// Share of what can be explained that is left: 0 at the floor, 1 where nothing was gained.
@@ -57,6 +66,14 @@ impl Errors {
     pub fn above_floor(&self) -> bool {
         self.after > ABOVE_FLOOR * ABOVE_FLOOR * self.floor
     }
+
+    /// Whether the last model is so far above the floor that something is missing, whether it
+    /// shows against one of the variables or not.
+    #[must_use]
+    pub fn far_above_floor(&self) -> bool {
+        self.after > FAR * FAR * self.floor
+            && self.after > FAR_FROM_RIGHT * FAR_FROM_RIGHT * self.speed
+    }
 }
 
 /// The strongest dependence that counts as structure: significant, and larger than 5 % of the
@@ -67,9 +84,18 @@ pub fn structure(left: &MissingMoment, rms: f64) -> Option<&Dependence> {
 }
 
 /// Concludes from what was found, the errors, and whether the last model leaves structure.
+///
+/// Something unknown is missing where nothing was found, or where what was found leaves more than
+/// half of the explainable error, and the error shows against a variable; or, far above the floor,
+/// where it leaves more than a quarter, whether it shows or not.
 #[must_use]
 pub fn conclude(found: usize, errors: &Errors, structure: bool) -> Conclusion {
-    if structure && errors.above_floor() && (found == 0 || errors.unexplained() > UNEXPLAINED) {
+    let left = if errors.far_above_floor() {
+        Some(FAR_UNEXPLAINED)
+    } else {
+        (structure && errors.above_floor()).then_some(UNEXPLAINED)
+    };
+    if left.is_some_and(|share| found == 0 || errors.unexplained() > share) {
         Conclusion::Unknown
     } else if found == 0 {
         Conclusion::Sufficient
@@ -109,7 +135,7 @@ mod tests {
 
     #[test]
     fn a_model_at_the_floor_is_sufficient_whatever_was_tried() {
-        let errors = Errors { before: 1.01, after: 1.01, floor: 1.0 };
+        let errors = Errors { before: 1.01, after: 1.01, floor: 1.0, speed: 1e4 };
         assert_eq!(conclude(0, &errors, true), Conclusion::Sufficient);
         assert_eq!(errors.unexplained(), 0.0);
     }
@@ -123,12 +149,24 @@ mod tests {
 
     #[test]
     fn structure_above_the_floor_that_nothing_explains_is_unknown() {
-        let errors = Errors { before: 4.0, after: 4.0, floor: 1.0 };
+        let errors = Errors { before: 4.0, after: 4.0, floor: 1.0, speed: 1e4 };
         assert_eq!(conclude(0, &errors, true), Conclusion::Unknown);
-        let errors = Errors { before: 4.0, after: 3.0, floor: 1.0 };
+        let errors = Errors { before: 4.0, after: 3.0, floor: 1.0, speed: 1e4 };
         assert_eq!(conclude(1, &errors, true), Conclusion::Unknown);
-        let errors = Errors { before: 4.0, after: 1.1, floor: 1.0 };
+        let errors = Errors { before: 4.0, after: 1.1, floor: 1.0, speed: 1e4 };
         assert_eq!(conclude(1, &errors, false), Conclusion::Missing);
         assert!((errors.unexplained() - 0.1 / 3.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn far_above_the_floor_something_is_missing_even_where_no_variable_shows_it() {
+        let slow = Errors { before: 60.0, after: 60.0, floor: 1.0, speed: 1e4 };
+        assert_eq!(conclude(0, &slow, false), Conclusion::Unknown);
+        assert_eq!(conclude(1, &slow, false), Conclusion::Unknown);
+        // within 2 % of the speed a model is right for all that matters
+        let fast = Errors { speed: 1e6, ..slow };
+        assert_eq!(conclude(0, &fast, false), Conclusion::Sufficient);
+        let most = Errors { after: 10.0, ..slow };
+        assert_eq!(conclude(1, &most, false), Conclusion::Missing);
     }
 }

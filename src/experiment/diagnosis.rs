@@ -194,15 +194,17 @@ fn words(ranked: &Ranked, before: Judgement, after: Option<Judgement>, floor: f6
     let share = if explainable > 0.02 * floor * floor {
         format!(
             "explains {:.0} % of what the model leaves above noise, ",
-            100.0 * (gained / explainable).clamp(-1.0, 1.0)
+            100.0 * (gained / explainable).clamp(0.0, 1.0)
         )
     } else {
         String::new()
     };
     format!(
-        "{sigma:.1} sigma in the score test, {share}the window error falls from {:.4} to {:.4} \
+        "{sigma:.1} sigma in the score test, {share}the window error {} from {:.4} to {:.4} \
          rad/s (noise floor {floor:.4})",
-        before.window_rms, after.window_rms
+        if after.window_rms < before.window_rms { "falls" } else { "rises" },
+        before.window_rms,
+        after.window_rms
     )
 }
 
@@ -214,13 +216,25 @@ fn sentence(
     false_alarm: f64,
 ) -> String {
     let percent = 100.0 * errors.unexplained();
-    let depends = left.map_or("nothing in particular", |d| d.variable.words());
+    let rest = left.map_or("shows against none of the variables".to_string(), |d| {
+        format!("depends on the {}", d.variable.words())
+    });
+    let ratio = (errors.after / errors.floor).sqrt();
     match conclusion {
-        Conclusion::Sufficient => format!(
-            "Nothing is missing: no effect of the catalogue is needed at a false-alarm rate of \
-             {:.0} %.",
-            100.0 * false_alarm
-        ),
+        Conclusion::Sufficient => {
+            let still = if ratio > 1.5 {
+                format!(
+                    " The error is {ratio:.1} times the noise floor, so the model is not exact."
+                )
+            } else {
+                String::new()
+            };
+            format!(
+                "Nothing is missing: no effect of the catalogue is needed at a false-alarm rate \
+                 of {:.0} %.{still}",
+                100.0 * false_alarm
+            )
+        }
         Conclusion::Missing => {
             let names: Vec<String> = diagnosis
                 .found()
@@ -233,19 +247,29 @@ fn sentence(
                     _ => id.clone(),
                 })
                 .collect();
-            format!(
-                "Missing: {}. With it the model explains all but {percent:.1} % of what can be \
-                 explained.",
-                names.join(", then ")
-            )
+            // at the floor, what is left of next to nothing says nothing
+            let explained = if ratio < 1.1 {
+                "With it the error is at the noise floor.".to_string()
+            } else {
+                format!(
+                    "With it the model explains all but {percent:.1} % of what can be explained."
+                )
+            };
+            format!("Missing: {}. {explained}", names.join(", then "))
         }
         Conclusion::Unknown if diagnosis.found().is_empty() => format!(
-            "Something is missing that no effect of the catalogue explains; it depends on the \
-             {depends}."
+            "Something is missing that no effect of the catalogue explains; it {rest}. The error \
+             is {ratio:.1} times the noise floor."
+        ),
+        Conclusion::Unknown if percent > 99.0 => format!(
+            "Something is missing that the catalogue does not explain: {} would be added by the \
+             evidence, and the error on recordings that were not fitted does not fall; what is \
+             missing {rest}.",
+            diagnosis.found().join(", ")
         ),
         Conclusion::Unknown => format!(
-            "Something is missing that the catalogue does not explain: {} takes part of it, but \
-             {percent:.0} % of what can be explained is left; the rest depends on the {depends}.",
+            "Something is missing that the catalogue does not explain: with {} {percent:.0} % of \
+             what can be explained is left; the rest {rest}.",
             diagnosis.found().join(", ")
         ),
     }

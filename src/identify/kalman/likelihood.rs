@@ -52,6 +52,8 @@ const STEPS: usize = 40;
 const SLOWEST: f64 = 1.0;
 /// A step that raises the log-likelihood by less is the last.
 const GAIN: f64 = 2e-3;
+/// Information of a parameter in units of its own size below which it is rounding.
+const NOTHING: f64 = 1e-12;
 /// Difference of the weights of the later drive at which the likelihood is looked at.
 const LATER: f64 = 0.1;
 /// Where no step raises it, but the score promises less than this, the maximum is reached: the
@@ -84,9 +86,13 @@ impl Likelihood<'_> {
             .map(|prepared| filter_pass(model, &maximum.p, prepared, &settings, &NoColumns))
             .collect::<Result<_, _>>()?;
         let score: DVector<f64> = passes.iter().map(|pass| &pass.score_of_input_noise).sum();
-        let free = model.free();
         let mut pull = vec![0.0; maximum.p.len()];
-        for (step, j) in newton_step(&maximum.information, &score, &free).into_iter().zip(free) {
+        // a single axis has none computed
+        if score.is_empty() {
+            return Ok(pull);
+        }
+        let told = told(model, &maximum.p, &maximum.information);
+        for (step, j) in newton_step(&maximum.information, &score, &told).into_iter().zip(told) {
             pull[j] = step;
         }
         Ok(pull)
@@ -261,7 +267,6 @@ impl Likelihood<'_> {
         steps: usize,
         method: &str,
     ) -> Result<(Status, usize, usize), IdentifyError> {
-        let free = model.free();
         let mut evaluations = 0;
         for iteration in 0..steps {
             let passes = self.passes(model, p, noise, true, &[])?;
@@ -273,6 +278,7 @@ impl Likelihood<'_> {
             }
             let h: DMatrix<f64> = passes.iter().map(|pass| &pass.information).sum();
             let g: DVector<f64> = passes.iter().map(|pass| &pass.score).sum();
+            let free = told(model, p, &h);
             let step = newton_step(&h, &g, &free);
             let promised = 0.5 * step.iter().zip(&free).map(|(s, &j)| s * g[j]).sum::<f64>();
             if promised < GAIN {
@@ -313,6 +319,15 @@ impl Likelihood<'_> {
         }
         Ok((Status::IterationLimit, steps, evaluations))
     }
+}
+
+/// Free parameters of which the data tell anything: the others, of a size that only rounding gives
+/// information of, stay where they are.
+fn told(model: &Model, p: &[f64], information: &DMatrix<f64>) -> Vec<usize> {
+    let size = |j: usize| p[j].abs().max(model.parameters()[j].spec.typical.abs());
+    let mut out = model.free();
+    out.retain(|&j| information[(j, j)] * size(j).powi(2) > NOTHING);
+    out
 }
 
 /// `H⁻¹ g` over the free columns, with H scaled to unit diagonal; directions that the data do not

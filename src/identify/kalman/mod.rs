@@ -15,6 +15,7 @@ pub use accumulate::Information;
 pub use likelihood::{Likelihood, Maximum};
 pub use pass::{Columns, Instant, NoColumns, Pass, PassSettings, Prepared, filter_pass, prepare};
 pub use standstill::standstill;
+pub use step::unclear;
 
 /// Noise of the process: what the recorded drive does not explain.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]

@@ -162,6 +162,7 @@ pub fn filter_pass(
     columns: &dyn Columns,
 ) -> Result<Pass, ModelError> {
     let recording = prepared.recording;
+    let single = recording.is_single_axis();
     let (drive, by_parameter) = model.drive_derivatives(recording.t(), recording.moment(), p);
     let width = if settings.derivatives { p.len() + columns.count() } else { 0 };
     let mut run = Run {
@@ -181,7 +182,9 @@ pub fn filter_pass(
         information: Information::new(width),
         block: DVector::zeros(width),
         block_end: recording.t()[0] + BLOCK,
-        input_noise: (settings.derivatives && settings.input_noise).then(|| {
+        single,
+        // a single axis is a drive with an encoder of its own, whose noise is small
+        input_noise: (settings.derivatives && settings.input_noise && !single).then(|| {
             // a drive that acts as roughly as it was recorded leaves little to the process
             let sigma = settings.noise.sigma_m.min(prepared.moment_noise);
             InputNoise::new(sigma * sigma, p.len())
@@ -217,6 +220,7 @@ struct Run<'a> {
     block: DVector<f64>,
     block_end: f64,
     input_noise: Option<InputNoise>,
+    single: bool,
     out: Pass,
 }
 
@@ -351,30 +355,57 @@ impl Run<'_> {
             return;
         }
         let (a, w) = (recording.alpha()[k], recording.omega()[k]);
+        if self.single {
+            self.measure_axis(k, mean, covariance);
+        }
         for (i, value) in [a[0], a[1], w[0], w[1]].into_iter().enumerate() {
-            if !self.prepared.used[i] {
+            if !self.prepared.used[i] || self.single {
                 continue;
             }
             let variance = self.prepared.variance[i];
             if let Some(input_noise) = &mut self.input_noise {
                 input_noise.correct(i, covariance[(i, i)] + variance, covariance);
             }
+            let sight = [(i, 1.0), (i, 0.0)];
             let (e, s) =
-                correct(i, value, variance, mean, covariance, &mut self.psi, &mut self.row);
-            self.out.log_likelihood -= 0.5 * ((2.0 * std::f64::consts::PI * s).ln() + e * e / s);
-            self.out.squares[i] += e * e / s;
-            self.out.count[i] += 1;
-            if self.settings.derivatives {
-                self.information.add(&self.row, e, s);
-                for (b, v) in self.block.iter_mut().zip(&self.row) {
-                    *b += v * e / s;
-                }
-            }
+                correct(sight, value, variance, mean, covariance, &mut self.psi, &mut self.row);
+            self.count(i, e, s);
         }
         if self.settings.derivatives && recording.t()[k] > self.block_end {
             let empty = DVector::zeros(self.block.len());
             self.out.blocks.push(std::mem::replace(&mut self.block, empty));
             self.block_end += BLOCK;
+        }
+    }
+
+    /// One axis written down twice is measured once, by the mean of the wheels. Their difference,
+    /// always zero, holds them together and says nothing.
+    fn measure_axis(&mut self, k: usize, mean: &mut Mean, covariance: &mut Covariance) {
+        let recording = self.prepared.recording;
+        let (a, w) = (recording.alpha()[k], recording.omega()[k]);
+        for (i, value) in [(0, a[0]), (2, w[0])] {
+            if self.prepared.used[i] {
+                let variance = self.prepared.variance[i];
+                let sight = [(i, 0.5), (i + 1, 0.5)];
+                let (psi, row) = (&mut self.psi, &mut self.row);
+                let (e, s) = correct(sight, value, variance, mean, covariance, psi, row);
+                self.count(i, e, s);
+                let (psi, row) = (&mut self.psi, &mut self.row);
+                let apart = [(i, 1.0), (i + 1, -1.0)];
+                correct(apart, 0.0, variance, mean, covariance, psi, row);
+            }
+        }
+    }
+
+    fn count(&mut self, i: usize, e: f64, s: f64) {
+        self.out.log_likelihood -= 0.5 * ((2.0 * std::f64::consts::PI * s).ln() + e * e / s);
+        self.out.squares[i] += e * e / s;
+        self.out.count[i] += 1;
+        if self.settings.derivatives {
+            self.information.add(&self.row, e, s);
+            for (b, v) in self.block.iter_mut().zip(&self.row) {
+                *b += v * e / s;
+            }
         }
     }
 

@@ -17,6 +17,11 @@ const STILL: f64 = 1e-10;
 /// The exponential of less than minus this is zero.
 const UNDERFLOW: f64 = 746.0;
 
+/// The first of the [`DIRECTIONS`] are those of the wheels.
+const WHEELS: usize = 2;
+/// Standard deviations from rest at which the direction of a motion is clear.
+const CLEAR: f64 = 2.0;
+
 /// The drive over one sample.
 pub(super) struct Sample<'a> {
     /// Time at the start, since the start of the recording [s].
@@ -96,6 +101,9 @@ pub(super) fn predict(
         let kick = level * h * (d.transpose() * mobility * d)[0];
         let variance = (along_d + 0.25 * kick * kick).max(STILL);
         let v = along(j, &omega);
+        if unclear(j, v, along_d) {
+            continue;
+        }
         sign[j] = Real::erf(v / (2.0 * variance).sqrt());
         let density = density(v, variance);
         slope[j] = 2.0 * density;
@@ -133,6 +141,9 @@ pub(super) fn predict(
         }
         let d = SVector::<f64, 2>::from_row_slice(&DIRECTIONS[j]);
         let along_d = (d.transpose() * covariance.fixed_view::<2, 2>(2, 2) * d)[0];
+        if unclear(j, along(j, &omega), along_d) {
+            continue;
+        }
         let pass = d.dot(&acceleration).abs() * h + 2.0 * along_d.max(0.0).sqrt();
         if along(j, &omega).abs() < pass {
             *variance += level * level;
@@ -172,6 +183,16 @@ pub(super) fn predict(
     }
     let (alpha, variance) = (x.alpha, x.variance);
     Ok(Predicted { gain, transition, acceleration, sign, alpha, omega, variance, spread })
+}
+
+/// Whether the direction of a friction of the body (turning, forward) is unclear: speed `v` along it
+/// within two standard deviations of rest.
+///
+/// Such a friction is left out of the step. A robot that drives straight holds w1 - w2 at zero
+/// because its controller does; a friction that pins it there would predict that better than the
+/// noise of the recorded moments, and so be found where there is none.
+pub fn unclear(direction: usize, v: f64, variance: f64) -> bool {
+    direction >= WHEELS && v * v < CLEAR * CLEAR * variance
 }
 
 /// Moves the derivatives over the step: `psi <- F psi + G f`, `f` the derivative of the moment
@@ -286,10 +307,13 @@ fn freeze(covariance: &mut Covariance, mean: &mut Mean, i: usize) {
     covariance[(2 + i, 2 + i)] = STILL;
 }
 
-/// One scalar measurement of state `i`: returns innovation and its variance, corrects mean,
-/// covariance and derivatives; `psi_row` receives the derivative of the prediction by every column.
+/// What a scalar measurement sees: two states with their weights.
+pub(super) type Sight = [(usize, f64); 2];
+
+/// One scalar measurement: returns innovation and its variance, corrects mean, covariance and
+/// derivatives; `psi_row` receives the derivative of the prediction by every column.
 pub(super) fn correct(
-    i: usize,
+    [(i, by_i), (k, by_k)]: Sight,
     value: f64,
     variance: f64,
     mean: &mut Mean,
@@ -297,19 +321,19 @@ pub(super) fn correct(
     psi: &mut [[f64; 6]],
     psi_row: &mut [f64],
 ) -> (f64, f64) {
-    let e = value - mean[i];
-    let s = covariance[(i, i)] + variance;
-    let gain: Mean = covariance.column(i) / s;
-    let row = covariance.row(i).clone_owned();
+    let e = value - by_i * mean[i] - by_k * mean[k];
+    let seen: Mean = covariance.column(i) * by_i + covariance.column(k) * by_k;
+    let s = by_i * seen[i] + by_k * seen[k] + variance;
+    let gain = seen / s;
     *mean += gain * e;
-    *covariance -= gain * row;
+    *covariance -= gain * seen.transpose();
     // rounding must not make the covariance asymmetric
     *covariance = (*covariance + covariance.transpose()) * 0.5;
     for (out, column) in psi_row.iter_mut().zip(psi.iter_mut()) {
-        let predicted = column[i];
+        let predicted = by_i * column[i] + by_k * column[k];
         *out = predicted;
-        for k in 0..6 {
-            column[k] -= gain[k] * predicted;
+        for j in 0..6 {
+            column[j] -= gain[j] * predicted;
         }
     }
     (e, s)
