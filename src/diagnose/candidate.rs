@@ -43,7 +43,8 @@ pub enum Form {
 }
 
 /// All candidates of a model: registered effects that it lacks (or those named), at every value
-/// of their shape grid. Effects that are the same for any wheel recording appear once.
+/// of their shape grid. Effects that are the same for any wheel recording appear once; those that put
+/// a body behind the wheels are left out.
 #[must_use]
 pub fn candidates(model: &Model, named: &[String], recordings: &[&Recording]) -> Vec<Candidate> {
     let present = model.effect_ids();
@@ -63,6 +64,10 @@ pub fn candidates(model: &Model, named: &[String], recordings: &[&Recording]) ->
             continue;
         }
         let effect: Arc<dyn Effect> = effect.into();
+        // the filter carries no body behind the wheels
+        if model.add_effect(effect.clone()).is_ok_and(|with| with.is_coupled()) {
+            continue;
+        }
         out.extend(grid(&id, &effect, &scale, recordings));
     }
     if recordings.iter().all(|r| r.is_single_axis()) {
