@@ -104,6 +104,8 @@ enum Command {
         /// Name of a method.
         method: Option<String>,
     },
+    /// Write the JSON schema of experiment files to standard output, for editors.
+    Schema,
     /// Write a completion script for a shell to standard output.
     Completions {
         /// The shell.
@@ -142,6 +144,7 @@ fn main() -> ExitCode {
             let names = identify::all().iter().map(|m| m.describe().name).collect();
             print_or_unknown(identify::details(&name), "method", &name, names)
         }
+        Some(Command::Schema) => print(&experiment::json_schema()),
         Some(Command::Completions { shell }) => {
             let mut command = Cli::command();
             clap_complete::generate(shell, &mut command, "experiment", &mut std::io::stdout());

@@ -12,7 +12,7 @@ use super::kalman::{Prepared, prepare};
 use super::linear_fit::{block_covariance, schur};
 use super::screening::lowest;
 use super::{
-    Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task, from_options,
+    Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task, from_options, options_schema,
     start,
 };
 use crate::effects::ParameterKind;
@@ -31,7 +31,7 @@ use crate::simulate::{Hold, Input, simulate, simulate_with_sensitivities};
 /// the weak form (from a guess with too much friction the robot would never move).
 ///
 /// Source: Ljung, System Identification (1999), ch. 4; Janot et al. 2014.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct OutputError {
     /// Most steps.
@@ -80,6 +80,10 @@ impl Identifier for OutputError {
                 ),
             ],
         }
+    }
+
+    fn schema(&self) -> schemars::Schema {
+        options_schema::<Self>()
     }
 
     fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {

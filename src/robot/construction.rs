@@ -13,7 +13,7 @@ use super::{BaseParameters, RobotError};
 /// Source: the paper, Tables 1 and 2.
 ///
 /// Deviation: the tables list r1 = r2, Ix1 = Ix2 and Iz1 = Iz2 twice; here each stands once.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Construction {
     /// Half track: distance from A, the middle of the axle, to each wheel [m].
     pub l1_m: f64,

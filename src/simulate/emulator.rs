@@ -6,7 +6,9 @@ use crate::recording::Recording;
 use crate::robot::State;
 
 /// Where the nonlinear functions f3, f4 take their argument from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum Structure {
     /// From the emulator's own state.

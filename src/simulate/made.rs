@@ -13,15 +13,18 @@ use crate::recording::{Channels, DriveUnit, Recording};
 use crate::robot::State;
 
 /// Standard deviations of the noise that is added.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct NoiseLevel {
     /// Wheel speeds [rad/s].
+    #[schemars(range(min = 0.0))]
     pub dalpha: f64,
     /// Wheel angles [rad].
+    #[schemars(range(min = 0.0))]
     pub alpha: f64,
     /// Recorded moments [N m].
     #[serde(rename = "M")]
+    #[schemars(range(min = 0.0))]
     pub moment: f64,
 }
 

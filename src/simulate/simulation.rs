@@ -5,7 +5,17 @@ use crate::model::{Model, ModelError};
 use crate::robot::State;
 
 /// What the drive does between two samples.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    serde::Serialize,
+    serde::Deserialize,
+    schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum Hold {
     /// Runs in a straight line from sample to sample (first-order hold).

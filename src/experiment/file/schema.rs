@@ -13,12 +13,13 @@ use crate::recording::DriveUnit;
 use crate::simulate::{Hold, NoiseLevel, Segment};
 
 /// An experiment file.
-#[derive(Clone, Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ExperimentFile {
     /// Heading of the report.
     pub title: Option<String>,
     /// Preset or construction data; the AmigoBot unless given.
+    #[schemars(schema_with = "super::json_schema::robot")]
     pub robot: Option<Table>,
     /// Measured data.
     pub recordings: Option<RecordingsEntry>,
@@ -27,26 +28,30 @@ pub struct ExperimentFile {
     /// The model.
     pub model: ModelEntry,
     /// Methods to compare.
+    #[schemars(schema_with = "super::json_schema::methods")]
     pub method: Vec<Table>,
     /// Emulator of eq. (19).
     pub emulator: EmulatorEntry,
     /// Diagnosis.
     pub diagnosis: Option<DiagnosisEntry>,
     /// Keys over whose combinations the experiment is repeated.
+    #[schemars(schema_with = "super::json_schema::grid")]
     pub grid: Option<Table>,
 }
 
 /// `[recordings]`.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RecordingsEntry {
     /// Files to fit.
+    #[schemars(length(min = 1))]
     pub train: Vec<String>,
     /// Files to judge on.
     #[serde(default)]
     pub validation: Vec<String>,
     /// Where column names or units differ from the contract.
     #[serde(default, deserialize_with = "columns")]
+    #[schemars(schema_with = "super::json_schema::columns")]
     pub columns: BTreeMap<String, ColumnEntry>,
     /// Unit of the drive.
     #[serde(default)]
@@ -57,7 +62,7 @@ pub struct RecordingsEntry {
 }
 
 /// A column of a file: its name, or name, unit and what the unit needs.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ColumnEntry {
     /// Name in the file.
@@ -115,34 +120,43 @@ impl<'de> Visitor<'de> for NameOrTable {
 }
 
 /// `[simulation]`.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SimulationEntry {
     /// `paper`, `rich`, or segments written out.
     pub movement: MovementEntry,
     /// Effects in the truth that the model may lack: effect, then parameter = value.
+    #[schemars(schema_with = "super::json_schema::hidden")]
     pub hidden: BTreeMap<String, BTreeMap<String, f64>>,
     /// Standard deviations of the noise.
     pub noise: NoiseLevel,
     /// Seed of noise and rich movements.
     pub seed: u64,
     /// Recordings to fit.
+    #[schemars(range(min = 1))]
     pub train: usize,
     /// Recordings to judge on.
     pub validation: usize,
     /// Rows a second [Hz].
+    #[schemars(range(min = 1.0, max = 1e5))]
     pub rate_hz: f64,
     /// Steps a second of the robot's controller [Hz].
+    #[schemars(range(min = 1.0, max = 1e5))]
     pub control_rate_hz: f64,
     /// Length of a rich movement [s].
+    #[schemars(range(min = 2.0, max = 1e5))]
     pub duration_s: f64,
     /// Largest wheel speed of a rich movement [rad/s].
+    #[schemars(range(min = 0.1, max = 1e4))]
     pub top_speed_rad_s: f64,
     /// Steps a turn of the encoder.
+    #[schemars(range(min = 1.0))]
     pub encoder_ticks: Option<f64>,
     /// True values of base parameters that differ from the construction.
+    #[schemars(schema_with = "super::json_schema::truth")]
     pub truth: BTreeMap<String, f64>,
     /// Factor on all noise, for grids.
+    #[schemars(range(min = 0.0))]
     pub noise_scale: f64,
 }
 
@@ -167,42 +181,44 @@ impl Default for SimulationEntry {
 }
 
 /// A movement by name, or written out.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, schemars::JsonSchema)]
 #[serde(
     untagged,
     expecting = "\"paper\", \"rich\", or a list of segments { speed_m_s, turn_rad_s, blend_s, hold_s }"
 )]
 pub enum MovementEntry {
     /// `paper` or `rich`.
-    Named(String),
+    Named(#[schemars(extend("enum" = ["paper", "rich"]))] String),
     /// Segments.
     Segments(Vec<Segment>),
 }
 
 /// `[model]`.
-#[derive(Clone, Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ModelEntry {
     /// Effects added to the base.
+    #[schemars(schema_with = "super::json_schema::effects")]
     pub effects: Vec<String>,
     /// Parameters held at a value or at the construction's.
+    #[schemars(schema_with = "super::json_schema::fixed")]
     pub fixed: BTreeMap<String, FixedEntry>,
     /// Effects written as formulas.
     pub custom: Vec<CustomEntry>,
 }
 
 /// A value, or `"construction"`.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, schemars::JsonSchema)]
 #[serde(untagged, expecting = "a number or \"construction\"")]
 pub enum FixedEntry {
     /// At this value.
     Value(f64),
     /// At the value of the construction data.
-    Construction(String),
+    Construction(#[schemars(extend("const" = "construction"))] String),
 }
 
 /// `[[model.custom]]`.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CustomEntry {
     /// Id.
@@ -219,7 +235,7 @@ pub struct CustomEntry {
 }
 
 /// A parameter of a custom effect.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct CustomParameter {
     /// Unit.
@@ -239,8 +255,9 @@ impl Default for CustomParameter {
 }
 
 /// `[emulator]`.
-#[derive(Clone, Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
+#[schemars(extend("maxProperties" = 1))]
 pub struct EmulatorEntry {
     /// K on the wheel speeds [1/s].
     pub gain: Option<f64>,
@@ -251,14 +268,16 @@ pub struct EmulatorEntry {
 }
 
 /// `[diagnosis]`.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct DiagnosisEntry {
     /// `"all"` or a list of ids.
     pub candidates: CandidatesEntry,
     /// Stated false-alarm rate.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "exclusiveMaximum" = 1.0))]
     pub false_alarm: f64,
     /// Most effects that are added.
+    #[schemars(range(min = 1))]
     pub max_effects: usize,
 }
 
@@ -269,13 +288,13 @@ impl Default for DiagnosisEntry {
 }
 
 /// `"all"` or ids.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, schemars::JsonSchema)]
 #[serde(untagged, expecting = "\"all\" or a list of effects")]
 pub enum CandidatesEntry {
     /// Only `all` is allowed.
-    All(String),
+    All(#[schemars(extend("const" = "all"))] String),
     /// Ids.
-    Some(Vec<String>),
+    Some(#[schemars(schema_with = "super::json_schema::candidates")] Vec<String>),
 }
 
 impl ExperimentFile {
