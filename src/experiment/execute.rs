@@ -138,8 +138,8 @@ fn finish(plan: &Plan, options: &RunOptions) -> Result<Done, ExperimentError> {
     study.model_out = model.as_ref().map(Written::words);
     let rendered = crate::report::render(&study)?;
     folder.add("experiment.toml", study.file.clone());
-    for (file, png) in rendered.figures {
-        folder.add(file, png);
+    for (file, bytes) in rendered.figures {
+        folder.add(file, bytes);
     }
     for (file, text) in model.map_or(vec![], |written| written.files) {
         folder.add(file, text);
