@@ -6,6 +6,7 @@ mod bad_input;
 mod export;
 mod face;
 mod formats;
+mod fuzz;
 mod layering;
 mod recordings;
 mod shards;
