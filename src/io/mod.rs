@@ -9,6 +9,7 @@ mod format;
 mod journal;
 mod mat;
 mod mcap;
+mod parquet;
 mod recording;
 mod signals;
 mod summary;
