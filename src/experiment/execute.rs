@@ -63,6 +63,12 @@ pub fn load_all(
         errors.push(e.into());
     }
     for file in files {
+        if let Err(e) = check_writable(&options.out.join(super::resolve::name_of(file)))
+            && options.out.is_dir()
+        {
+            errors.push(e.into());
+            continue;
+        }
         match load(file, &options.set) {
             Ok(plan) if plans.iter().any(|p| p.name == plan.name) => {
                 let message = format!(

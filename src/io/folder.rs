@@ -69,7 +69,8 @@ pub(super) fn write_whole_by(
     };
     let wrong = |e: std::io::Error| IoError::system(path, &e);
     let file = tempfile::Builder::new().prefix(UNFINISHED).tempfile_in(folder);
-    let mut file = file.map_err(wrong)?;
+    // the error of the crate names its own temporary file
+    let mut file = file.map_err(|e| wrong(e.kind().into()))?;
     write(file.as_file_mut()).map_err(wrong)?;
     #[cfg(unix)]
     {
@@ -168,6 +169,11 @@ impl ResultFolder {
     /// From here on only names change, which needs no room. Between the first and the last of them
     /// the folder has no `results.json`.
     fn publish(&self, staged: &Path) -> Result<(), IoError> {
+        let paths = self.files.iter().map(|(name, _)| self.path.join(name));
+        if let Some(folder) = paths.into_iter().find(|path| path.is_dir()) {
+            let path = folder.display().to_string();
+            return Err(IoError::NotAFile { path });
+        }
         let complete = self.path.join(COMPLETE);
         match fs::remove_file(&complete) {
             Err(e) if e.kind() != ErrorKind::NotFound => {

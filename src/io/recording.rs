@@ -96,7 +96,8 @@ pub fn read_recording(
     let recording = Recording::new(name, channels, drive_unit).map_err(|error| {
         let row = match &error {
             RecordingError::TimeNotIncreasing { row, .. }
-            | RecordingError::NotFinite { row, .. } => Some(*row),
+            | RecordingError::NotFinite { row, .. }
+            | RecordingError::Beyond { row, .. } => Some(*row),
             _ => None,
         };
         let line = row

@@ -18,12 +18,9 @@ use amigo_ident::math::expression;
 use amigo_ident::recording::DriveUnit;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 
 use crate::support::{HEADER, Row, csv, motion, root, text};
 
-/// Inputs that are made and read by one worker in turn.
-const BATCH: u64 = 500;
 /// Largest input [bytes]; splices must not let it grow without end.
 const LARGEST: usize = 1 << 17;
 
@@ -126,28 +123,31 @@ fn fuzz(reader: &str, samples: &[Vec<u8>], read: impl Fn(&[u8], &Path) -> bool +
         fs::remove_file(path).unwrap();
     }
     let start = Instant::now();
-    let batches = (0..count.div_ceil(BATCH)).into_par_iter();
-    let (accepted, slowest) = batches
-        .map(|batch| {
-            let path = folder.join(format!("{batch}.{reader}"));
-            let (mut accepted, mut slowest) = (0_u64, 0.0_f64);
-            for k in batch * BATCH..((batch + 1) * BATCH).min(count) {
-                let mut rng =
-                    ChaCha8Rng::seed_from_u64(seed.wrapping_mul(0x9e37_79b9).wrapping_add(k));
-                let input = damaged(samples, &mut rng);
-                fs::write(&path, &input).unwrap();
-                let begun = Instant::now();
-                accepted += u64::from(read(&input, &path));
-                let seconds = begun.elapsed().as_secs_f64();
-                slowest = slowest.max(seconds);
-                if seconds > SLOW {
-                    fs::write(folder.join(format!("slow-{k}.{reader}")), &input).unwrap();
-                }
+    // threads of our own: a worker of rayon that waits for polars begins another input meanwhile
+    let workers = std::thread::available_parallelism().map_or(1, |n| n.get() as u64);
+    let work = &|worker: u64| {
+        let path = folder.join(format!("{worker}.{reader}"));
+        let (mut accepted, mut slowest) = (0_u64, 0.0_f64);
+        for k in (worker..count).step_by(workers as usize) {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed.wrapping_mul(0x9e37_79b9).wrapping_add(k));
+            let input = damaged(samples, &mut rng);
+            fs::write(&path, &input).unwrap();
+            let begun = Instant::now();
+            accepted += u64::from(read(&input, &path));
+            let seconds = begun.elapsed().as_secs_f64();
+            slowest = slowest.max(seconds);
+            if seconds > SLOW {
+                fs::write(folder.join(format!("slow-{k}.{reader}")), &input).unwrap();
             }
-            fs::remove_file(path).unwrap();
-            (accepted, slowest)
-        })
-        .reduce(|| (0, 0.0), |a, b| (a.0 + b.0, a.1.max(b.1)));
+        }
+        fs::remove_file(path).unwrap();
+        (accepted, slowest)
+    };
+    let (accepted, slowest) = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..workers).map(|w| scope.spawn(move || work(w))).collect();
+        let done = threads.into_iter().map(|t| t.join().expect("an input made a reader panic"));
+        done.fold((0, 0.0_f64), |a, b| (a.0 + b.0, a.1.max(b.1)))
+    });
     println!(
         "{reader}: {count} inputs, {accepted} accepted, {} refused, {:.1} s in all, {:.1} ms the \
          slowest",
