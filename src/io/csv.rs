@@ -53,14 +53,32 @@ pub(super) fn layout(path: &Path) -> Result<Layout, IoError> {
     let count = |c: char| text.matches(c).count();
     let separator =
         [',', ';', '\t'].into_iter().max_by_key(|c| (count(*c), *c == ',')).unwrap_or(',');
-    let names: Vec<String> =
-        text.split(separator).map(|n| n.trim().trim_matches('"').trim().to_string()).collect();
+    let names = split(text, separator);
     if names.iter().all(|n| number(n, separator != ',').is_some()) {
         return Err(IoError::NoHeader { file: shown(path) });
     }
     let row = lines.next().unwrap_or_default();
     let decimal_comma = separator != ',' && row.contains(&b',') && !row.contains(&b'.');
     Ok(Layout { names, separator: separator as u8, decimal_comma, above })
+}
+
+/// The names of a header; within quotes a separator is a part of the name, and `""` a quote.
+fn split(header: &str, separator: char) -> Vec<String> {
+    let (mut names, mut quoted) = (vec![String::new()], false);
+    let mut letters = header.chars().peekable();
+    while let Some(c) = letters.next() {
+        let Some(name) = names.last_mut() else { break };
+        match c {
+            '"' if quoted && letters.peek() == Some(&'"') => {
+                letters.next();
+                name.push('"');
+            }
+            '"' if quoted || name.trim().is_empty() => quoted = !quoted,
+            c if c == separator && !quoted => names.push(String::new()),
+            c => name.push(c),
+        }
+    }
+    names.iter().map(|name| name.trim().to_string()).collect()
 }
 
 /// Whether a line is header or data.

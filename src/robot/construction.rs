@@ -72,6 +72,9 @@ pub struct Construction {
     pub f3_m: f64,
 }
 
+/// Size of a construction datum at most, and its inverse at least where it is positive.
+const LARGEST: f64 = 1e12;
+
 /// The values that a construction datum may take.
 #[derive(Clone, Copy)]
 enum Range {
@@ -82,9 +85,9 @@ enum Range {
 
 impl Range {
     fn holds(self, x: f64) -> bool {
-        x.is_finite()
+        x.abs() <= LARGEST
             && match self {
-                Self::Positive => x > 0.0,
+                Self::Positive => x >= 1.0 / LARGEST,
                 Self::NotNegative => x >= 0.0,
                 Self::Any => true,
             }

@@ -9,7 +9,7 @@ use super::SimulateError;
 use super::movement::Movement;
 use super::stepper::Stepper;
 use crate::model::Model;
-use crate::recording::{Channels, DriveUnit, Recording};
+use crate::recording::{Channels, DriveUnit, Recording, RecordingError};
 use crate::robot::State;
 
 /// Standard deviations of the noise that is added.
@@ -109,7 +109,7 @@ pub fn record(
         let acting = acting(truth, p, &times, &commands, step);
         stepper.advance(t, t + step, &acting, &acting, &mut ())?;
     }
-    Ok(noisy(name, &rows, recorder))
+    Ok(noisy(name, &rows, recorder)?)
 }
 
 /// The drive that acts now: the drive effects seen over the last part of the commands.
@@ -122,7 +122,11 @@ fn acting(truth: &Model, p: &[f64], t: &[f64], commands: &[[f64; 2]], step: f64)
     truth.drive(&t[from..], &commands[from..], p)[last - from]
 }
 
-fn noisy(name: &str, rows: &[(f64, State, [f64; 2])], recorder: &Recorder) -> Recording {
+fn noisy(
+    name: &str,
+    rows: &[(f64, State, [f64; 2])],
+    recorder: &Recorder,
+) -> Result<Recording, RecordingError> {
     let mut rng = ChaCha8Rng::seed_from_u64(recorder.seed);
     let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
     let noise = recorder.noise;
@@ -143,5 +147,4 @@ fn noisy(name: &str, rows: &[(f64, State, [f64; 2])], recorder: &Recorder) -> Re
     }
     (channels.alpha, channels.omega) = (Some(alpha), Some(omega));
     Recording::new(name, channels, DriveUnit::NewtonMetre)
-        .expect("a made recording has increasing time and finite values")
 }

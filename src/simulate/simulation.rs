@@ -2,6 +2,7 @@
 
 use super::stepper::Stepper;
 use crate::model::{Model, ModelError};
+use crate::recording::RecordingError;
 use crate::robot::State;
 
 /// What the drive does between two samples.
@@ -42,6 +43,9 @@ pub enum SimulateError {
     /// The model has no acceleration.
     #[error(transparent)]
     Model(#[from] ModelError),
+    /// What was simulated is no recording.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
     /// The motion left all bounds.
     #[error("the simulated motion diverges at t = {t:.3} s (wheel speed above {limit:.0e} rad/s)")]
     Diverged {

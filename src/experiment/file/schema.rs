@@ -39,6 +39,13 @@ pub struct ExperimentFile {
     pub grid: Option<Table>,
 }
 
+/// Size of a parameter at most.
+const LARGEST: f64 = 1e12;
+/// Standard deviation of noise, and factor on it, at most.
+const MOST_NOISE: f64 = 1e4;
+/// Speed [m/s] and turn rate [rad/s] of a segment at most.
+const MOST_SPEED: f64 = 1e3;
+
 /// `[recordings]`.
 #[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -356,8 +363,9 @@ impl ExperimentFile {
             return Err(wrong("[grid]", message.into()));
         }
         for (symbol, entry) in &self.model.fixed {
-            if matches!(entry, FixedEntry::Value(v) if !v.is_finite()) {
-                return Err(wrong(&format!("model.fixed.{symbol}"), "must be finite".into()));
+            if matches!(entry, FixedEntry::Value(v) if !(v.abs() <= LARGEST)) {
+                let message = format!("must be a number of a size up to {LARGEST:e}");
+                return Err(wrong(&format!("model.fixed.{symbol}"), message));
             }
         }
         let given = [
@@ -388,11 +396,11 @@ impl SimulationEntry {
             let sound = segments.iter().all(|s| {
                 s.blend_s >= 0.0
                     && s.hold_s >= 0.0
-                    && s.speed_m_s.is_finite()
-                    && s.turn_rad_s.is_finite()
+                    && s.speed_m_s.abs() <= MOST_SPEED
+                    && s.turn_rad_s.abs() <= MOST_SPEED
             });
             if !sound || !(0.5..=1e5).contains(&length) {
-                let message = "must have times that are not negative and last at least 0.5 s";
+                let message = "must have times that are not negative, last 0.5 s to 1e5 s, and have speeds up to 1000 m/s and rad/s";
                 return Err(wrong("simulation.movement", message.into()));
             }
         }
@@ -408,15 +416,17 @@ impl SimulationEntry {
             }
         }
         let noise = [self.noise.dalpha, self.noise.alpha, self.noise.moment, self.noise_scale];
-        if noise.iter().any(|n| !(*n >= 0.0 && n.is_finite())) {
-            return Err(wrong("simulation.noise", "must be numbers that are not negative".into()));
+        if noise.iter().any(|n| !(*n >= 0.0 && *n <= MOST_NOISE)) {
+            let message = format!("must be numbers from 0 to {MOST_NOISE:e}");
+            return Err(wrong("simulation.noise", message));
         }
         let hidden = self.hidden.iter().flat_map(|(id, values)| {
             values.iter().map(move |(s, v)| (format!("simulation.hidden.{id}.{s}"), v))
         });
         let truth = self.truth.iter().map(|(s, v)| (format!("simulation.truth.{s}"), v));
-        if let Some((key, value)) = hidden.chain(truth).find(|(_, v)| !v.is_finite()) {
-            return Err(wrong(&key, format!("= {value} must be finite")));
+        if let Some((key, value)) = hidden.chain(truth).find(|(_, v)| !(v.abs() <= LARGEST)) {
+            let message = format!("= {value:e} must be a number of a size up to {LARGEST:e}");
+            return Err(wrong(&key, message));
         }
         if self.train == 0 {
             return Err(wrong("simulation.train", "= 0; at least one recording is needed".into()));
