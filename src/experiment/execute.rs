@@ -63,12 +63,6 @@ pub fn load_all(
         errors.push(e.into());
     }
     for file in files {
-        if let Err(e) = check_writable(&options.out.join(super::resolve::name_of(file)))
-            && options.out.is_dir()
-        {
-            errors.push(e.into());
-            continue;
-        }
         match load(file, &options.set) {
             Ok(plan) if plans.iter().any(|p| p.name == plan.name) => {
                 let message = format!(
@@ -131,6 +125,8 @@ pub fn merge(plan: Plan, options: &RunOptions) -> Outcome {
 }
 
 fn finish(plan: &Plan, options: &RunOptions) -> Result<Done, ExperimentError> {
+    // said before the fit and not after it
+    check_writable(&options.out.join(&plan.name))?;
     if let Some(grid) = &plan.grid {
         return match options.shard {
             Some(shard) => grid::run_part(plan, grid, shard, options),

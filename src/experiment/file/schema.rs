@@ -364,7 +364,7 @@ impl ExperimentFile {
         }
         for (symbol, entry) in &self.model.fixed {
             if matches!(entry, FixedEntry::Value(v) if !(v.abs() <= LARGEST)) {
-                let message = format!("must be a number of a size up to {LARGEST:e}");
+                let message = format!("must be a finite number of a size up to {LARGEST:e}");
                 return Err(wrong(&format!("model.fixed.{symbol}"), message));
             }
         }
@@ -425,7 +425,8 @@ impl SimulationEntry {
         });
         let truth = self.truth.iter().map(|(s, v)| (format!("simulation.truth.{s}"), v));
         if let Some((key, value)) = hidden.chain(truth).find(|(_, v)| !(v.abs() <= LARGEST)) {
-            let message = format!("= {value:e} must be a number of a size up to {LARGEST:e}");
+            let message =
+                format!("= {value:e} must be a finite number of a size up to {LARGEST:e}");
             return Err(wrong(&key, message));
         }
         if self.train == 0 {
