@@ -348,6 +348,9 @@ fn pictures() -> Vec<Block> {
         intervals().interactive().into(),
         groups().into(),
         map().into(),
-        Block::HowToRead("Red cells move together, blue ones against each other.".into()),
+        Block::HowToRead {
+            aid: "Red cells move together, blue ones against each other.".into(),
+            guide: String::new(),
+        },
     ]
 }

@@ -104,6 +104,8 @@ enum Command {
         /// Name of a method.
         method: Option<String>,
     },
+    /// Write the JSON schema of experiment files to standard output, for editors.
+    Schema,
     /// Write a completion script for a shell to standard output.
     Completions {
         /// The shell.
@@ -117,6 +119,7 @@ const WRONG: u8 = 2;
 const FAILED: u8 = 1;
 
 fn main() -> ExitCode {
+    silence_the_parquet_reader();
     let cli = Cli::parse();
     match cli.command {
         None => run(&cli.run),
@@ -142,6 +145,7 @@ fn main() -> ExitCode {
             let names = identify::all().iter().map(|m| m.describe().name).collect();
             print_or_unknown(identify::details(&name), "method", &name, names)
         }
+        Some(Command::Schema) => print(&experiment::json_schema()),
         Some(Command::Completions { shell }) => {
             let mut command = Cli::command();
             clap_complete::generate(shell, &mut command, "experiment", &mut std::io::stdout());
@@ -150,9 +154,28 @@ fn main() -> ExitCode {
     }
 }
 
+/// Text for a terminal: names come from files, and a control character in one must not be obeyed.
+fn printable(text: &str) -> String {
+    let strange = |c: char| c.is_control() && c != '\n' && c != '\t';
+    text.replace(strange, "\u{fffd}")
+}
+
+/// A damaged Parquet file can make its reader panic in threads of its own; the panic is caught and
+/// told as an error, so that its own message would only confuse.
+fn silence_the_parquet_reader() {
+    let usual = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        let place = panic.location().map_or("", |location| location.file());
+        let thread = std::thread::current();
+        if !place.contains("polars") && !thread.name().is_some_and(|n| n.starts_with("polars")) {
+            usual(panic);
+        }
+    }));
+}
+
 fn print(text: &str) -> ExitCode {
     // a closed pipe (| head) is no error of ours
-    let _ = std::io::Write::write_all(&mut std::io::stdout(), text.as_bytes());
+    let _ = std::io::Write::write_all(&mut std::io::stdout(), printable(text).as_bytes());
     ExitCode::SUCCESS
 }
 
@@ -164,7 +187,7 @@ fn print_or_complain(result: Result<String, experiment::ExperimentError>) -> Exi
 }
 
 fn complain(e: &experiment::ExperimentError) -> ExitCode {
-    eprintln!("error: {e}");
+    eprintln!("error: {}", printable(&e.to_string()));
     ExitCode::from(if e.is_wrong_input() { WRONG } else { FAILED })
 }
 
@@ -211,8 +234,7 @@ fn merge(files: &[PathBuf], options: &RunOptions, quiet: bool) -> ExitCode {
 }
 
 fn say(name: &str, done: &Done) {
-    println!("{name}: {}", done.verdict);
-    println!("    {}", done.report.display());
+    print(&format!("{name}: {}\n    {}\n", done.verdict, done.report.display()));
 }
 
 fn run(run: &Run) -> ExitCode {
@@ -242,7 +264,7 @@ fn run(run: &Run) -> ExitCode {
         Ok(plans) => plans,
         Err(errors) => {
             for e in &errors {
-                eprintln!("error: {e}");
+                complain(e);
             }
             return ExitCode::from(WRONG);
         }
@@ -265,7 +287,8 @@ fn warn(plans: &[Plan], quiet: bool) {
     let measured = plans.iter().flat_map(|plan| plan.recordings.iter().map(move |m| (plan, m)));
     for (plan, m) in measured.filter(|_| !quiet) {
         for finding in &m.findings {
-            eprintln!("warning: {}: {}: {finding}", plan.name, m.recording.name());
+            let words = format!("{}: {}: {finding}", plan.name, m.recording.name());
+            eprintln!("warning: {}", printable(&words));
         }
     }
 }
@@ -276,7 +299,7 @@ fn report(outcomes: &[Outcome], quiet: bool) {
         match &outcome.result {
             Ok(done) if !quiet => say(&outcome.name, done),
             Ok(_) => {}
-            Err(e) => eprintln!("error: {}: {e}", outcome.name),
+            Err(e) => eprintln!("error: {}", printable(&format!("{}: {e}", outcome.name))),
         }
     }
     let failed: Vec<&str> =
@@ -286,7 +309,7 @@ fn report(outcomes: &[Outcome], quiet: bool) {
             "{} of {} experiments failed: {}",
             failed.len(),
             outcomes.len(),
-            failed.join(", ")
+            printable(&failed.join(", "))
         );
     }
 }

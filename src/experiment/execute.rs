@@ -125,6 +125,8 @@ pub fn merge(plan: Plan, options: &RunOptions) -> Outcome {
 }
 
 fn finish(plan: &Plan, options: &RunOptions) -> Result<Done, ExperimentError> {
+    // said before the fit and not after it
+    check_writable(&options.out.join(&plan.name))?;
     if let Some(grid) = &plan.grid {
         return match options.shard {
             Some(shard) => grid::run_part(plan, grid, shard, options),
@@ -138,8 +140,8 @@ fn finish(plan: &Plan, options: &RunOptions) -> Result<Done, ExperimentError> {
     study.model_out = model.as_ref().map(Written::words);
     let rendered = crate::report::render(&study)?;
     folder.add("experiment.toml", study.file.clone());
-    for (file, png) in rendered.figures {
-        folder.add(file, png);
+    for (file, bytes) in rendered.figures {
+        folder.add(file, bytes);
     }
     for (file, text) in model.map_or(vec![], |written| written.files) {
         folder.add(file, text);

@@ -156,8 +156,8 @@ impl Guess {
             .iter()
             .filter(|(key, name, unit)| name != key || unit.is_some())
             .map(|(key, name, unit)| match unit {
-                Some(unit) => format!("{key} = {{ name = {name:?}, unit = {unit:?} }}"),
-                None => format!("{key} = {name:?}"),
+                Some(unit) => format!("{key} = {{ name = {}, unit = {unit:?} }}", text(name)),
+                None => format!("{key} = {}", text(name)),
             })
             .collect();
         if entries.is_empty() {
@@ -210,7 +210,12 @@ fn quoted(path: &Path, folder: &Path) -> String {
     } else {
         std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf())
     };
-    format!("{:?}", relative.to_string_lossy())
+    text(&relative.to_string_lossy())
+}
+
+/// Text as TOML writes it; Rust's own escapes are others.
+fn text(text: &str) -> String {
+    toml::Value::from(text).to_string()
 }
 
 #[cfg(test)]

@@ -8,6 +8,9 @@ use crate::io::{ColumnMap, check_writable, headers, read_recording, read_text, w
 use crate::recording::DriveUnit;
 use crate::robot::Robot;
 
+/// The file beside an experiment file by which an editor checks it: what `experiment schema` prints.
+const SCHEMA: &str = "experiment.schema.json";
+
 /// Looks at recordings and writes a commented experiment file.
 ///
 /// # Errors
@@ -32,7 +35,7 @@ pub fn new_file(recordings: &[PathBuf], output: Option<&Path>) -> Result<String,
         let (r, _) = read_recording(path, &columns, guess.drive_unit)?;
         said.push(format!(
             "#   {}: {} samples, {:.1} s at {:.0} Hz, {} gaps",
-            path.display(),
+            in_a_line(path),
             r.len(),
             r.duration(),
             1.0 / r.step(),
@@ -40,7 +43,10 @@ pub fn new_file(recordings: &[PathBuf], output: Option<&Path>) -> Result<String,
         ));
     }
     let folder = output.parent().unwrap_or_else(|| Path::new(""));
-    let text = super::guess::file_text(recordings, folder, &guess, &said);
+    let mut text = super::guess::file_text(recordings, folder, &guess, &said);
+    if folder.join(SCHEMA).is_file() {
+        text = format!("#:schema ./{SCHEMA}\n\n{text}");
+    }
     write_whole(&output, text.as_bytes())?;
     Ok(format!(
         "wrote {}\n{}next: experiment {}\n",
@@ -99,6 +105,11 @@ pub fn add_effect(effect: &str, file: &Path, out: &Path) -> Result<String, Exper
         second.verdict,
         second.report.display()
     ))
+}
+
+/// A path in a comment, which a line break in it would end.
+fn in_a_line(path: &Path) -> String {
+    path.to_string_lossy().replace(char::is_control, "\u{fffd}")
 }
 
 /// The drive unit that a column name or unit stands for.

@@ -23,7 +23,7 @@ pub use execute::{Done, Outcome, RunOptions, execute, load, load_all, merge, wri
 pub use file::{
     CandidatesEntry, ColumnEntry, CustomEntry, CustomParameter, DiagnosisEntry, EmulatorEntry,
     ExperimentFile, FileError, FixedEntry, ModelEntry, MovementEntry, RecordingsEntry,
-    SimulationEntry,
+    SimulationEntry, json_schema,
 };
 pub use grid::{GridAxis, GridPlan, Shard, ShardError};
 pub use loop_commands::{add_effect, new_file};

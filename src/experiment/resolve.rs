@@ -1,6 +1,7 @@
 //! From an experiment file to a plan: presets, effects, methods and recordings looked up.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 
 use rayon::prelude::*;
 use toml::Table;
@@ -260,15 +261,12 @@ fn measured(path: &Path, entry: &RecordingsEntry, robot: &Robot) -> Result<Vec<M
     let folder = path.parent().unwrap_or_else(|| Path::new("."));
     let train = entry.train.iter().map(|f| (Role::Train, f));
     let all: Vec<_> = train.chain(entry.validation.iter().map(|f| (Role::Validation, f))).collect();
-    let measured = all
-        .into_par_iter()
-        .map(|(role, file)| {
-            let file: PathBuf = folder.join(file);
-            let (recording, sha256) = read_recording(&file, &columns, entry.drive_unit)?;
-            let findings = super::quality::findings(&recording, robot);
-            Ok(Measured { role, recording, sha256: Some(sha256), findings })
-        })
-        .collect::<Result<Vec<_>, Meaning>>()?;
+    let measured = in_threads(&all, |(role, file)| {
+        let file: PathBuf = folder.join(file);
+        let (recording, sha256) = read_recording(&file, &columns, entry.drive_unit)?;
+        let findings = super::quality::findings(&recording, robot);
+        Ok(Measured { role: *role, recording, sha256: Some(sha256), findings })
+    })?;
     let train = measured.iter().filter(|m| m.role == Role::Train).map(|m| &m.recording);
     if super::quality::without_drive(train) {
         return Err(words(format!(
@@ -278,6 +276,36 @@ fn measured(path: &Path, entry: &RecordingsEntry, robot: &Robot) -> Result<Vec<M
         )));
     }
     Ok(measured)
+}
+
+/// Does the same with every item in threads of its own, in their order; the first error in that
+/// order. Not in those of rayon: a thread of rayon that waits for polars, which has its own, begins
+/// the next item meanwhile, and the one after, until files and stack are used up.
+fn in_threads<T: Sync, R: Send>(
+    items: &[T],
+    work: impl Fn(&T) -> Result<R, Meaning> + Sync,
+) -> Result<Vec<R>, Meaning> {
+    let (next, failed) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let worker = || {
+        let mut done = Vec::new();
+        while !failed.load(Relaxed) {
+            let k = next.fetch_add(1, Relaxed);
+            let Some(item) = items.get(k) else { break };
+            let result = work(item);
+            failed.fetch_or(result.is_err(), Relaxed);
+            done.push((k, result));
+        }
+        done
+    };
+    let workers = rayon::current_num_threads().min(items.len());
+    let mut done: Vec<_> = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..workers).map(|_| scope.spawn(worker)).collect();
+        let joined = threads.into_iter().map(|thread| thread.join());
+        joined.flat_map(|done| done.unwrap_or_else(|e| std::panic::resume_unwind(e))).collect()
+    });
+    // items are taken in order, so that all before the first error are done
+    done.sort_by_key(|(k, _)| *k);
+    done.into_iter().map(|(_, result)| result).collect()
 }
 
 type Made = (Vec<Measured>, Hold, u64, Vec<(String, f64)>);

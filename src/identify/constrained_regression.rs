@@ -12,6 +12,7 @@ use super::inverse_dynamics::{Regression, check_cutoff, cutoff_option};
 use super::linear_fit::block_covariance;
 use super::{
     Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task, from_options,
+    options_schema,
 };
 
 /// Inverse-dynamic regression with physical bounds (a quadratic or linear program).
@@ -25,7 +26,7 @@ use super::{
 ///
 /// Source: Sousa and Cortesão, Int. J. Robotics Research 33 (2014); solver: Goulart and Chen,
 /// Clarabel (2024).
-#[derive(Clone, Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ConstrainedRegression {
     /// Cut-off of the filter [Hz]; chosen from noise and motion unless given.
@@ -37,7 +38,7 @@ pub struct ConstrainedRegression {
 }
 
 /// Loss of a residual.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Loss {
     /// Its square.
@@ -82,6 +83,10 @@ impl Identifier for ConstrainedRegression {
                 ),
             ],
         }
+    }
+
+    fn schema(&self) -> schemars::Schema {
+        options_schema::<Self>()
     }
 
     fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {

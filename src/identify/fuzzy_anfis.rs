@@ -21,7 +21,7 @@ use crate::simulate::Structure;
 ///
 /// Source: Jang, ANFIS, IEEE Trans. SMC 23 (1993); the paper's conclusion names learning of the
 /// fuzzy sets by neural networks, which this is.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct FuzzyAnfis {
     /// Options of all fuzzy methods.
@@ -65,6 +65,10 @@ impl Identifier for FuzzyAnfis {
             avoid_when: "36 rules over the range of the data already reach the noise floor".into(),
             options: described(&OPTIONS),
         }
+    }
+
+    fn schema(&self) -> schemars::Schema {
+        Settings::schema::<Self>()
     }
 
     fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {

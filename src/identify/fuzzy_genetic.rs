@@ -22,7 +22,7 @@ use super::{Fit, Identifier, IdentifyError, MethodDescription, OptionError, Stat
 ///
 /// Source: the paper's abstract (genetic algorithms); Eshelman and Schaffer, Foundations of Genetic
 /// Algorithms 2 (1993) for the crossover.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct FuzzyGenetic {
     /// Options of all fuzzy methods.
@@ -79,6 +79,10 @@ impl Identifier for FuzzyGenetic {
                 .into(),
             options: described(&OPTIONS),
         }
+    }
+
+    fn schema(&self) -> schemars::Schema {
+        Settings::schema::<Self>()
     }
 
     fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {

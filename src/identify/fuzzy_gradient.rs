@@ -18,7 +18,7 @@ use super::{Fit, Identifier, IdentifyError, MethodDescription, OptionError, Stat
 ///
 /// Source: Liu and Nocedal, Mathematical Programming 45 (1989); line search: Moré and Thuente,
 /// ACM TOMS 20 (1994).
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct FuzzyGradient {
     /// Options of all fuzzy methods.
@@ -62,6 +62,10 @@ impl Identifier for FuzzyGradient {
                 .into(),
             options: described(&OPTIONS),
         }
+    }
+
+    fn schema(&self) -> schemars::Schema {
+        Settings::schema::<Self>()
     }
 
     fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {

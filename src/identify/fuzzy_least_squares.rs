@@ -15,7 +15,7 @@ use crate::simulate::Structure;
 /// ```
 ///
 /// Source: the paper, eq. (19) and its serial-parallel structure.
-#[derive(Clone, Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct FuzzyLeastSquares {
     /// Options of all fuzzy methods; the structure is serial-parallel whatever they say.
@@ -43,6 +43,10 @@ impl Identifier for FuzzyLeastSquares {
                 .into(),
             options: described(&OPTIONS).into_iter().filter(|o| o.0 != "structure").collect(),
         }
+    }
+
+    fn schema(&self) -> schemars::Schema {
+        Settings::schema::<Self>()
     }
 
     fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {

@@ -19,7 +19,7 @@ use super::{Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task
 ///
 /// Source: the paper, eq. (19); Marquardt, SIAM J. 11 (1963); continuation: Allgower and Georg,
 /// Numerical Continuation Methods (1990).
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct FuzzyLevenbergMarquardt {
     /// Options of all fuzzy methods.
@@ -69,6 +69,10 @@ impl Identifier for FuzzyLevenbergMarquardt {
                 .into(),
             options: described(&OPTIONS),
         }
+    }
+
+    fn schema(&self) -> schemars::Schema {
+        Settings::schema::<Self>()
     }
 
     fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {

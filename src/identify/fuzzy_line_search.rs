@@ -18,7 +18,7 @@ use super::{Fit, Identifier, IdentifyError, MethodDescription, OptionError, Stat
 ///
 /// Source: the paper, section 3 (fminbnd); Brent, Algorithms for Minimization without Derivatives
 /// (1973), ch. 5.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct FuzzyLineSearch {
     /// Options of all fuzzy methods.
@@ -69,6 +69,10 @@ impl Identifier for FuzzyLineSearch {
                 .into(),
             options: described(&OPTIONS),
         }
+    }
+
+    fn schema(&self) -> schemars::Schema {
+        Settings::schema::<Self>()
     }
 
     fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {

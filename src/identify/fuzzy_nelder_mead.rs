@@ -14,7 +14,7 @@ use super::{Fit, Identifier, IdentifyError, MethodDescription, OptionError, Stat
 /// ```
 ///
 /// Source: Nelder and Mead, Computer Journal 7 (1965), as MATLAB's fminsearch.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct FuzzyNelderMead {
     /// Options of all fuzzy methods.
@@ -60,6 +60,10 @@ impl Identifier for FuzzyNelderMead {
                 .into(),
             options: described(&OPTIONS),
         }
+    }
+
+    fn schema(&self) -> schemars::Schema {
+        Settings::schema::<Self>()
     }
 
     fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {

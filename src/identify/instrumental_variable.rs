@@ -10,7 +10,7 @@ use super::inverse_dynamics::{Regression, Source, check_cutoff, cutoff_option};
 use super::linear_fit::{block_covariance, settle};
 use super::{
     Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task, from_options,
-    start,
+    options_schema, start,
 };
 use crate::simulate::{Gain, PhysicalDynamics, Structure, emulate};
 
@@ -26,7 +26,7 @@ use crate::simulate::{Gain, PhysicalDynamics, Structure, emulate};
 ///
 /// Source: Janot, Vandanjon and Gautier, "A generic instrumental variable approach for industrial
 /// robot identification", IEEE Trans. Control Systems Technology 22 (2014).
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct InstrumentalVariable {
     /// Cut-off of the filter [Hz]; chosen from noise and motion unless given.
@@ -70,6 +70,10 @@ impl Identifier for InstrumentalVariable {
                 option("iterations", "15", "most simulations"),
             ],
         }
+    }
+
+    fn schema(&self) -> schemars::Schema {
+        options_schema::<Self>()
     }
 
     fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {

@@ -1,5 +1,7 @@
 //! What a method is: a name, options, and a way from a task to a fit.
 
+use schemars::generate::SchemaSettings;
+use schemars::{JsonSchema, Schema};
 use serde::de::DeserializeOwned;
 
 use super::Fit;
@@ -107,6 +109,9 @@ pub trait Identifier: Send + Sync {
     /// Names, equation, source, when to use.
     fn describe(&self) -> MethodDescription;
 
+    /// The JSON schema of the options of its `[[method]]` block, from the type that reads them.
+    fn schema(&self) -> Schema;
+
     /// The same method with the options of a `[[method]]` block (without its `name`).
     ///
     /// # Errors
@@ -132,4 +137,11 @@ pub fn from_options<M: DeserializeOwned>(
         method: method.into(),
         message: e.message().to_string(),
     })
+}
+
+/// The JSON schema of what [`from_options`] reads.
+#[must_use]
+pub fn options_schema<M: JsonSchema>() -> Schema {
+    let settings = SchemaSettings::draft07().with(|s| s.inline_subschemas = true);
+    settings.into_generator().into_root_schema_for::<M>()
 }

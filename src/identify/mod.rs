@@ -18,7 +18,9 @@ mod text;
 mod weak;
 
 pub use fit::{Estimate, Fit, Status, Trace, Work};
-pub use method::{Identifier, IdentifyError, MethodDescription, OptionError, Task, from_options};
+pub use method::{
+    Identifier, IdentifyError, MethodDescription, OptionError, Task, from_options, options_schema,
+};
 
 pub use profile::{DROP, PROFILE};
 pub use text::{details, overview};

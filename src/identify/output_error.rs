@@ -13,7 +13,7 @@ use super::linear_fit::{block_covariance, schur};
 use super::screening::lowest;
 use super::{
     Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task, from_options,
-    start,
+    options_schema, start,
 };
 use crate::effects::ParameterKind;
 use crate::math::descent::{MinimiseOptions, Minimum, MinimumStatus, Quadratic, minimise};
@@ -31,7 +31,7 @@ use crate::simulate::{Hold, Input, simulate, simulate_with_sensitivities};
 /// the weak form (from a guess with too much friction the robot would never move).
 ///
 /// Source: Ljung, System Identification (1999), ch. 4; Janot et al. 2014.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct OutputError {
     /// Most steps.
@@ -80,6 +80,10 @@ impl Identifier for OutputError {
                 ),
             ],
         }
+    }
+
+    fn schema(&self) -> schemars::Schema {
+        options_schema::<Self>()
     }
 
     fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {

@@ -6,7 +6,8 @@ use super::identifiability::identified;
 use super::kalman::{Likelihood, Maximum, prepare};
 use super::profile::profile;
 use super::{
-    Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task, from_options, start,
+    Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task, from_options,
+    options_schema, start,
 };
 
 /// Prediction-error maximum likelihood with an extended Kalman filter.
@@ -21,7 +22,7 @@ use super::{
 ///
 /// Source: Ljung, System Identification (1999), ch. 7; Kristensen, Madsen and Jørgensen,
 /// Automatica 40 (2004) for the filter; statistical linearisation of the sign: Gelb (1974), ch. 6.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct PredictionError {
     /// Whether a slow unknown moment is part of the noise model.
@@ -68,6 +69,10 @@ impl Identifier for PredictionError {
                 ),
             ],
         }
+    }
+
+    fn schema(&self) -> schemars::Schema {
+        options_schema::<Self>()
     }
 
     fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {

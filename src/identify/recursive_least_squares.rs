@@ -8,6 +8,7 @@ use super::inverse_dynamics::{Regression, check_cutoff, cutoff_option};
 use super::linear_fit::block_covariance;
 use super::{
     Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task, Trace, from_options,
+    options_schema,
 };
 
 /// Recursive least squares of the inverse dynamics with exponential forgetting.
@@ -20,7 +21,7 @@ use super::{
 /// the data have excited them. A trace that drifts shows a robot that changes (warm-up, a load).
 ///
 /// Source: Ljung, System Identification (1999), sec. 11.2.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RecursiveLeastSquares {
     /// Cut-off of the filter [Hz]; chosen from noise and motion unless given.
@@ -58,6 +59,10 @@ impl Identifier for RecursiveLeastSquares {
                 option("forgetting", "1.0", "weight an instant keeps at the next one, 0 < λ <= 1"),
             ],
         }
+    }
+
+    fn schema(&self) -> schemars::Schema {
+        options_schema::<Self>()
     }
 
     fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {

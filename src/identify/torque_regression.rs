@@ -6,7 +6,10 @@ use serde::Deserialize;
 use super::identifiability::inverse_where_known;
 use super::inverse_dynamics::{Regression, check_cutoff, cutoff_option};
 use super::linear_fit::block_covariance;
-use super::{Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task, from_options};
+use super::{
+    Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task, from_options,
+    options_schema,
+};
 use crate::math::{MathError, least_squares, robust};
 
 /// Inverse-dynamic identification by least squares (IDIM-LS).
@@ -21,7 +24,7 @@ use crate::math::{MathError, least_squares, robust};
 ///
 /// Source: Gautier, "Dynamic identification of robots with power model", ICRA 1997; Janot,
 /// Vandanjon, Gautier, Control Engineering Practice 2014.
-#[derive(Clone, Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TorqueRegression {
     /// Cut-off of the filter [Hz]; chosen from noise and motion unless given.
@@ -34,7 +37,7 @@ pub struct TorqueRegression {
 }
 
 /// How rows are weighted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Weighting {
     /// All alike.
@@ -74,6 +77,10 @@ impl Identifier for TorqueRegression {
                 option("weighting", "ordinary", "ordinary, weighted or huber"),
             ],
         }
+    }
+
+    fn schema(&self) -> schemars::Schema {
+        options_schema::<Self>()
     }
 
     fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {

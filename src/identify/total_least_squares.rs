@@ -5,7 +5,10 @@ use serde::Deserialize;
 
 use super::identifiability::whitening;
 use super::inverse_dynamics::{Regression, check_cutoff, cutoff_option};
-use super::{Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task, from_options};
+use super::{
+    Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task, from_options,
+    options_schema,
+};
 
 /// Total least squares of the inverse dynamics, with columns scaled by their noise.
 ///
@@ -18,7 +21,7 @@ use super::{Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task
 ///
 /// Source: Van Huffel and Vandewalle, The Total Least Squares Problem (1991); Fuller, Measurement
 /// Error Models (1987), sec. 2.3.
-#[derive(Clone, Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TotalLeastSquares {
     /// Cut-off of the filter [Hz]; chosen from noise and motion unless given.
@@ -48,6 +51,10 @@ impl Identifier for TotalLeastSquares {
                     .into(),
             options: vec![cutoff_option()],
         }
+    }
+
+    fn schema(&self) -> schemars::Schema {
+        options_schema::<Self>()
     }
 
     fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {

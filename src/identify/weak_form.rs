@@ -11,7 +11,7 @@ use super::regressor::{Regressor, drive_around};
 use super::weak::{Window, motion_at, weak_rows, windows};
 use super::{
     Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task, from_options,
-    start,
+    options_schema, start,
 };
 use crate::model::Linearisation;
 use crate::recording::Recording;
@@ -28,7 +28,7 @@ use crate::recording::Recording;
 ///
 /// Source: Bortz, Messenger and Dukic, "Direct estimation of parameters in ODE models using WENDy",
 /// Bull. Math. Biol. 85 (2023). Deviation: the left factor R~ (errors in variables).
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct WeakForm {
     /// Half width of the test functions [s].
@@ -78,6 +78,10 @@ impl Identifier for WeakForm {
                 option("noise_correction", "true", "take out the pull of noisy speeds"),
             ],
         }
+    }
+
+    fn schema(&self) -> schemars::Schema {
+        options_schema::<Self>()
     }
 
     fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {

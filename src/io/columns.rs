@@ -227,19 +227,39 @@ fn plain(unit: &str) -> String {
 }
 
 /// Other ways to write a unit.
+const SPELLINGS: [(&str, &[&str]); 9] = [
+    ("s", &["sec", "second", "seconds"]),
+    ("us", &["µs", "μs"]),
+    ("deg", &["degree", "degrees", "°"]),
+    ("deg/s", &["°/s", "dps"]),
+    ("rev", &["turn", "turns", "revs"]),
+    ("rev/s", &["turns/s", "rps"]),
+    ("rpm", &["1/min", "r/min", "rev/min"]),
+    ("ticks", &["tick", "count", "counts"]),
+    ("ticks/s", &["counts/s"]),
+];
+
 fn synonym(unit: &str) -> &str {
-    match plain(unit).as_str() {
-        "sec" | "second" | "seconds" => "s",
-        "µs" | "μs" => "us",
-        "degree" | "degrees" | "°" => "deg",
-        "°/s" | "dps" => "deg/s",
-        "turn" | "turns" | "revs" => "rev",
-        "turns/s" | "rps" => "rev/s",
-        "1/min" | "r/min" | "rev/min" => "rpm",
-        "tick" | "count" | "counts" => "ticks",
-        "counts/s" => "ticks/s",
-        _ => unit,
-    }
+    let written = plain(unit);
+    let meant = SPELLINGS.iter().find(|(_, others)| others.contains(&written.as_str()));
+    meant.map_or(unit, |(name, _)| name)
+}
+
+/// Every quantity of the contract, and the units in which it may be recorded: as messages name
+/// them first, then other spellings.
+#[must_use]
+pub fn contract_units() -> Vec<(&'static str, Vec<String>)> {
+    let map = ColumnMap::default();
+    let column = Column::new("");
+    let all = |key: &'static str| {
+        let names: Vec<&str> = map.units(key, &column).into_iter().map(|(name, _)| name).collect();
+        let others = SPELLINGS.iter().filter(|(name, _)| names.contains(name));
+        let others = others.flat_map(|(_, others)| others.iter().map(|o| (*o).to_string()));
+        let closed = names.iter().filter(|n| n.contains(' ')).map(|n| n.replace(' ', ""));
+        let listed = names.iter().map(|n| (*n).to_string());
+        (key, listed.chain(others).chain(closed).collect())
+    };
+    CONTRACT.into_iter().map(all).collect()
 }
 
 #[cfg(test)]

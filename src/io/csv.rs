@@ -20,6 +20,8 @@ pub(super) struct Layout {
     pub(super) names: Vec<String>,
     separator: u8,
     decimal_comma: bool,
+    /// Lines above the header: blank ones and comments.
+    above: usize,
 }
 
 /// A header, with whatever stands above it, is looked for in this many bytes.
@@ -28,11 +30,13 @@ const HEAD: u64 = 1 << 20;
 /// Reads the header: the first line that is neither blank nor a comment.
 pub(super) fn layout(path: &Path) -> Result<Layout, IoError> {
     let file = File::open(path).map_err(|e| IoError::system(path, &e))?;
-    let mut lines = Vec::new();
+    let (mut lines, mut above) = (Vec::new(), 0);
     for line in BufReader::new(file).take(HEAD).split(b'\n') {
         let line = line.map_err(|e| IoError::system(path, &e))?;
         if is_row(&line) {
             lines.push(line);
+        } else if lines.is_empty() {
+            above += 1;
         }
         if lines.len() == 2 {
             break;
@@ -49,14 +53,32 @@ pub(super) fn layout(path: &Path) -> Result<Layout, IoError> {
     let count = |c: char| text.matches(c).count();
     let separator =
         [',', ';', '\t'].into_iter().max_by_key(|c| (count(*c), *c == ',')).unwrap_or(',');
-    let names: Vec<String> =
-        text.split(separator).map(|n| n.trim().trim_matches('"').trim().to_string()).collect();
+    let names = split(text, separator);
     if names.iter().all(|n| number(n, separator != ',').is_some()) {
         return Err(IoError::NoHeader { file: shown(path) });
     }
     let row = lines.next().unwrap_or_default();
     let decimal_comma = separator != ',' && row.contains(&b',') && !row.contains(&b'.');
-    Ok(Layout { names, separator: separator as u8, decimal_comma })
+    Ok(Layout { names, separator: separator as u8, decimal_comma, above })
+}
+
+/// The names of a header; within quotes a separator is a part of the name, and `""` a quote.
+fn split(header: &str, separator: char) -> Vec<String> {
+    let (mut names, mut quoted) = (vec![String::new()], false);
+    let mut letters = header.chars().peekable();
+    while let Some(c) = letters.next() {
+        let Some(name) = names.last_mut() else { break };
+        match c {
+            '"' if quoted && letters.peek() == Some(&'"') => {
+                letters.next();
+                name.push('"');
+            }
+            '"' if quoted || name.trim().is_empty() => quoted = !quoted,
+            c if c == separator && !quoted => names.push(String::new()),
+            c => name.push(c),
+        }
+    }
+    names.iter().map(|name| name.trim().to_string()).collect()
 }
 
 /// Whether a line is header or data.
@@ -92,6 +114,7 @@ fn options(layout: &Layout, truncate: bool) -> CsvReadOptions {
         .with_truncate_ragged_lines(truncate);
     CsvReadOptions::default()
         .with_has_header(true)
+        .with_skip_lines(layout.above)
         .with_infer_schema_length(Some(0))
         .with_parse_options(parse)
 }

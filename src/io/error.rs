@@ -1,5 +1,6 @@
 //! What is wrong with a file, in words.
 
+use std::io::ErrorKind;
 use std::path::Path;
 
 use polars::prelude::PolarsError;
@@ -26,6 +27,12 @@ pub enum IoError {
     /// A file in place of a folder.
     #[error("{path} is a file; results need a folder, name another with --out")]
     NotAFolder {
+        /// Path.
+        path: String,
+    },
+    /// A folder where a result is to be written.
+    #[error("{path} is a folder, and a result of that name is to be written; move it away")]
+    NotAFile {
         /// Path.
         path: String,
     },
@@ -293,6 +300,13 @@ impl IoError {
     }
 
     pub(super) fn system(file: &Path, e: &std::io::Error) -> Self {
-        Self::System { file: file.display().to_string(), reason: e.to_string() }
+        let remedy = match e.kind() {
+            ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
+                "; make room, or name a folder on another disk with --out"
+            }
+            ErrorKind::ReadOnlyFilesystem => "; name a folder that can be written",
+            _ => "",
+        };
+        Self::System { file: file.display().to_string(), reason: format!("{e}{remedy}") }
     }
 }

@@ -1,8 +1,9 @@
 //! Whole files or none: text in, results out.
 
 use std::fs;
-use std::io::{Read, Write};
+use std::io::{ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use sha2::{Digest, Sha256};
 
@@ -67,7 +68,9 @@ pub(super) fn write_whole_by(
         _ => Path::new("."),
     };
     let wrong = |e: std::io::Error| IoError::system(path, &e);
-    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(wrong)?;
+    let file = tempfile::Builder::new().prefix(UNFINISHED).tempfile_in(folder);
+    // the error of the crate names its own temporary file
+    let mut file = file.map_err(|e| wrong(e.kind().into()))?;
     write(file.as_file_mut()).map_err(wrong)?;
     #[cfg(unix)]
     {
@@ -95,8 +98,15 @@ pub fn check_writable(folder: &Path) -> Result<(), IoError> {
 /// Files of an identified model, which a run may or may not write.
 const FUNCTIONS: [&str; 5] = ["model.json", "model.py", "model.m", "model.c", "model.mo"];
 
-/// The folder of an experiment's results. Files are collected in memory and written at the end,
-/// `results.json` last: a folder with a `results.json` of a run is complete.
+/// The file that says by its presence that a result folder is complete.
+const COMPLETE: &str = "results.json";
+/// How names begin of what is being written; what a killed run left begins so too.
+const UNFINISHED: &str = ".unfinished-";
+/// Age beyond which no run is still at it.
+const ABANDONED: Duration = Duration::from_secs(3600);
+
+/// The folder of an experiment's results. Files are collected in memory and written at the end; a
+/// folder with a `results.json` is complete and of one run, whenever the program was stopped.
 #[derive(Debug)]
 pub struct ResultFolder {
     path: PathBuf,
@@ -127,18 +137,67 @@ impl ResultFolder {
         fs::read_to_string(self.path.join(name)).ok()
     }
 
-    /// Writes all files, each one whole, in the order in which they were added; pictures and model
-    /// functions of an earlier run that this one does not have are removed first.
+    /// Writes all files beside those of an earlier run, and when all are on the disk gives them their
+    /// names, `results.json` last. If they cannot be written, the earlier ones stay as they are.
+    /// Pictures and model functions that this run does not have are removed.
     ///
     /// # Errors
-    /// A folder that cannot be made or written.
+    /// A folder that cannot be made or written, a full disk.
     pub fn write(self) -> Result<PathBuf, IoError> {
         fs::create_dir_all(&self.path).map_err(|e| IoError::system(&self.path, &e))?;
-        self.remove_old_files();
-        for (name, bytes) in &self.files {
-            write_whole(&self.path.join(name), bytes)?;
+        self.remove_abandoned();
+        let staged = self.stage();
+        if staged.is_err() {
+            // only where it is empty: no run has left anything here
+            let _ = fs::remove_dir(&self.path);
         }
+        let staged = staged?;
+        self.publish(staged.path())?;
         Ok(self.path)
+    }
+
+    fn stage(&self) -> Result<tempfile::TempDir, IoError> {
+        let made = tempfile::Builder::new().prefix(UNFINISHED).tempdir_in(&self.path);
+        let staged = made.map_err(|e| IoError::system(&self.path, &e))?;
+        for (name, bytes) in &self.files {
+            fs::write(staged.path().join(name), bytes)
+                .map_err(|e| IoError::system(&self.path.join(name), &e))?;
+        }
+        Ok(staged)
+    }
+
+    /// From here on only names change, which needs no room. Between the first and the last of them
+    /// the folder has no `results.json`.
+    fn publish(&self, staged: &Path) -> Result<(), IoError> {
+        let paths = self.files.iter().map(|(name, _)| self.path.join(name));
+        if let Some(folder) = paths.into_iter().find(|path| path.is_dir()) {
+            let path = folder.display().to_string();
+            return Err(IoError::NotAFile { path });
+        }
+        let complete = self.path.join(COMPLETE);
+        match fs::remove_file(&complete) {
+            Err(e) if e.kind() != ErrorKind::NotFound => {
+                return Err(IoError::system(&complete, &e));
+            }
+            _ => self.remove_old_files(),
+        }
+        let (last, first): (Vec<_>, Vec<_>) = self.files.iter().partition(|(n, _)| n == COMPLETE);
+        for (name, _) in first.into_iter().chain(last) {
+            let path = self.path.join(name);
+            fs::rename(staged.join(name), &path).map_err(|e| IoError::system(&path, &e))?;
+        }
+        Ok(())
+    }
+
+    /// Removes what runs left that were killed while they wrote.
+    fn remove_abandoned(&self) {
+        for name in file_names(&self.path).iter().filter(|name| name.starts_with(UNFINISHED)) {
+            let path = self.path.join(name);
+            let written = fs::metadata(&path).and_then(|m| m.modified()).ok();
+            if written.and_then(|t| t.elapsed().ok()).is_some_and(|age| age > ABANDONED) {
+                let _ = fs::remove_dir_all(&path).or_else(|_| fs::remove_file(&path));
+            }
+        }
     }
 
     fn remove_old_files(&self) {
@@ -149,5 +208,48 @@ impl ResultFolder {
                 let _ = fs::remove_file(self.path.join(name));
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn folder(out: &Path, files: &[(&str, &str)]) -> ResultFolder {
+        let mut folder = ResultFolder::new(out, "run");
+        files.iter().for_each(|(name, text)| folder.add(*name, *text));
+        folder
+    }
+
+    fn names(path: &Path) -> Vec<String> {
+        let mut names = file_names(path);
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_run_takes_the_place_of_the_one_before_and_leaves_what_others_put_there() {
+        let out = tempfile::tempdir().unwrap();
+        let old = [("results.json", "1"), ("old.png", "1"), ("model.c", "1"), ("a.svg", "1")];
+        let path = folder(out.path(), &old).write().unwrap();
+        fs::write(path.join("notes.txt"), "mine").unwrap();
+        folder(out.path(), &[("results.json", "2"), ("a.svg", "2")]).write().unwrap();
+        assert_eq!(names(&path), ["a.svg", "notes.txt", "results.json"]);
+        assert_eq!(fs::read_to_string(path.join("a.svg")).unwrap(), "2");
+    }
+
+    #[test]
+    fn what_cannot_be_written_leaves_the_results_before_as_they_are() {
+        let out = tempfile::tempdir().unwrap();
+        let path = folder(out.path(), &[("results.json", "1"), ("a.svg", "1")]).write().unwrap();
+        // a name in a folder that is not there stands for a disk that is full
+        let bad = folder(out.path(), &[("a.svg", "2"), ("no/such", "2"), ("results.json", "2")]);
+        assert!(bad.write().unwrap_err().to_string().contains("no/such"));
+        assert_eq!(names(&path), ["a.svg", "results.json"]);
+        assert_eq!(fs::read_to_string(path.join("a.svg")).unwrap(), "1");
+        // and where there was no run before, no empty folder stays
+        let mut first = ResultFolder::new(out.path(), "first");
+        first.add("no/such", "2");
+        assert!(first.write().is_err() && !out.path().join("first").exists());
     }
 }

@@ -9,6 +9,7 @@ mod format;
 mod journal;
 mod mat;
 mod mcap;
+mod parquet;
 mod recording;
 mod signals;
 mod summary;
@@ -16,7 +17,7 @@ mod sysid;
 mod table;
 mod wpilog;
 
-pub use columns::{Column, ColumnMap};
+pub use columns::{Column, ColumnMap, contract_units};
 pub use error::IoError;
 pub use folder::{
     ResultFolder, check_writable, file_names, read_text, sha256, sha256_text, write_whole,

@@ -1,16 +1,15 @@
 //! A recording from a file of any format that is read.
 
-use std::fs::File;
 use std::path::Path;
 
-use polars::prelude::{DataFrame, DataType, ParquetReader, PolarsError, SerReader};
+use polars::prelude::{DataFrame, DataType, PolarsError};
 
 use super::columns::CONTRACT;
 use super::csv::{self, Layout};
 use super::error::{format_error, shortened, shown};
 use super::format::Format;
 use super::signals::{Signals, frame};
-use super::{ColumnMap, IoError, mat, mcap, sha256, sysid, wpilog};
+use super::{ColumnMap, IoError, mat, mcap, parquet, sha256, sysid, wpilog};
 use crate::recording::{Channels, DriveUnit, Recording, RecordingError};
 
 /// Columns of a file.
@@ -54,20 +53,13 @@ pub fn headers(path: &Path) -> Result<Headers, IoError> {
             let layout = csv::layout(path)?;
             (layout.names.clone(), Source::Text(layout))
         }
-        Format::Parquet => (parquet_names(path)?, Source::Parquet),
+        Format::Parquet => (parquet::names(path)?, Source::Parquet),
         Format::Wpilog => signals(wpilog::read(path)?),
         Format::Mcap => signals(mcap::read(path)?),
         Format::Mat => columns(mat::read(path)?),
         Format::SysId => columns(sysid::read(path)?),
     };
     Ok(Headers { names, source })
-}
-
-fn parquet_names(path: &Path) -> Result<Vec<String>, IoError> {
-    let file = File::open(path).map_err(|e| IoError::system(path, &e))?;
-    let schema =
-        ParquetReader::new(file).schema().map_err(|e| format_error(path, "Parquet", &e))?;
-    Ok(schema.iter_names().map(ToString::to_string).collect())
 }
 
 /// Reads a recording: the columns of the contract under the names and units of `columns`; others
@@ -92,7 +84,7 @@ pub fn read_recording(
     }
     let frame = match &headers.source {
         Source::Text(layout) => csv::read(path, layout, &names)?,
-        Source::Parquet => read_parquet(path, names)?,
+        Source::Parquet => parquet::read(path, names)?,
         Source::Signals(signals) => signals.frame(path, &names)?,
         Source::Columns(columns) => side_by_side(path, columns, &names)?,
     };
@@ -104,7 +96,8 @@ pub fn read_recording(
     let recording = Recording::new(name, channels, drive_unit).map_err(|error| {
         let row = match &error {
             RecordingError::TimeNotIncreasing { row, .. }
-            | RecordingError::NotFinite { row, .. } => Some(*row),
+            | RecordingError::NotFinite { row, .. }
+            | RecordingError::Beyond { row, .. } => Some(*row),
             _ => None,
         };
         let line = row
@@ -113,19 +106,6 @@ pub fn read_recording(
         IoError::Recording { error, line }
     })?;
     Ok((recording, sha256(path)?))
-}
-
-fn read_parquet(path: &Path, names: Vec<String>) -> Result<DataFrame, IoError> {
-    let file = File::open(path).map_err(|e| IoError::system(path, &e))?;
-    let reader = ParquetReader::new(file).with_columns(Some(names));
-    // a damaged file can make polars panic
-    let read = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| reader.finish()));
-    let damaged = |_| IoError::Format {
-        file: shown(path),
-        format: "Parquet".into(),
-        reason: "its data are damaged; write it again".into(),
-    };
-    read.map_err(damaged)?.map_err(|e| format_error(path, "Parquet", &e))
 }
 
 /// The columns of those names, which must have the same length.

@@ -33,7 +33,7 @@ pub enum ModelError {
     },
     /// The mass matrix cannot be inverted.
     #[error(
-        "the mass matrix is not positive definite (m11 = {m11}, m12 = {m12}, m22 = {m22}); a1 must exceed |a2|"
+        "the mass matrix is not positive definite (m11 = {m11:.3e}, m12 = {m12:.3e}, m22 = {m22:.3e}); a1 must exceed |a2|"
     )]
     MassNotPositive {
         /// Entry.

@@ -1,7 +1,17 @@
 //! The unit in which the drive was recorded.
 
 /// The unit of the drive; inertias and frictions come out per that unit.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    serde::Serialize,
+    serde::Deserialize,
+    schemars::JsonSchema,
+)]
 pub enum DriveUnit {
     /// Moments at the wheels [N m].
     #[default]

@@ -41,6 +41,36 @@ pub enum RecordingError {
         /// Found.
         value: f64,
     },
+    /// Finite, and more than any robot does.
+    #[error(
+        "{name}, row {row}: {column} is {value:e}; no robot goes beyond {limit:e} (a wrong column or unit? a broken logger? remove the row: gaps in time are allowed)"
+    )]
+    Beyond {
+        /// Recording.
+        name: String,
+        /// Row, from 1.
+        row: usize,
+        /// Column of the contract.
+        column: String,
+        /// Found, in the unit of the contract.
+        value: f64,
+        /// Largest size, or longest time after the first row.
+        limit: f64,
+    },
+    /// Rows too close or too far from each other in time.
+    #[error(
+        "{name}: t rises by {} s from row to row; expected {least:e} to {most} s. If its unit is another, say so: columns = {{ t = {{ name = \"t\", unit = \"ms\" }} }}", short(*step)
+    )]
+    Step {
+        /// Recording.
+        name: String,
+        /// Found [s].
+        step: f64,
+        /// Expected at least [s].
+        least: f64,
+        /// Expected at most [s].
+        most: f64,
+    },
     /// Columns of different length.
     #[error("{name}: column {column} has {found} rows and t has {expected}")]
     Length {
@@ -61,4 +91,9 @@ pub enum RecordingError {
         /// Recording.
         name: String,
     },
+}
+
+/// A number of ordinary size as it is, others with an exponent.
+fn short(x: f64) -> String {
+    if (1e-3..1e6).contains(&x) { format!("{}", (x * 1e4).round() / 1e4) } else { format!("{x:e}") }
 }

@@ -2,6 +2,7 @@
 
 mod drive_unit;
 mod error;
+mod limits;
 mod local;
 mod noise;
 mod quality;

@@ -72,6 +72,8 @@ impl Recording {
             (None, Some(omega)) => (integrate(&t, &omega), omega),
             (None, None) => return Err(RecordingError::NoMotion { name }),
         };
+        let columns = [("dalpha", &omega[..]), ("M", &moment[..]), ("alpha", &alpha[..])];
+        super::limits::check(&name, &t, median_step(&t), columns)?;
         let fresh = super::refresh::fresh(&alpha, &omega, measured);
         Ok(Self { name, t, alpha, omega, moment, measured, drive_unit, pieces, fresh })
     }

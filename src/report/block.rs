@@ -26,7 +26,12 @@ pub enum Block {
     /// An equation in plain Unicode; line breaks are kept.
     Equation(String),
     /// A reading aid, folded away.
-    HowToRead(String),
+    HowToRead {
+        /// The aid, in a sentence.
+        aid: String,
+        /// The heading under which the guide says more; empty for none.
+        guide: String,
+    },
     /// A list.
     List(Vec<Text>),
     /// Verbatim text: commands, configuration.

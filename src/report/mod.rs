@@ -12,6 +12,7 @@ pub mod format;
 pub mod page;
 pub mod palette;
 mod plot;
+mod png;
 mod polyline;
 mod raster;
 mod render;

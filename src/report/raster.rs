@@ -2,13 +2,14 @@
 
 use std::sync::{Arc, LazyLock};
 
-use resvg::tiny_skia::{Pixmap, Transform};
+use resvg::tiny_skia::{Color, Pixmap, Transform};
 use resvg::usvg::{Options, Tree, WriteOptions, fontdb::Database};
 
 use super::ReportError;
 use super::figure::Figure;
 use super::fonts::{REGULAR, SEMI_BOLD};
 use super::plot::{Purpose, draw};
+use super::png::indexed;
 
 /// Pixels of a PNG per CSS pixel.
 const RESOLUTION: f32 = 2.0;
@@ -40,9 +41,10 @@ pub fn figure_to_png(figure: &Figure) -> Result<Vec<u8>, ReportError> {
     let failed =
         |cause: String| ReportError::Raster { figure: figure.id.clone(), width, height, cause };
     let mut pixmap = Pixmap::new(width, height).ok_or_else(|| failed("too large".to_owned()))?;
+    pixmap.fill(Color::WHITE);
     let transform = Transform::from_scale(RESOLUTION, RESOLUTION);
     resvg::render(&tree, transform, &mut pixmap.as_mut());
-    pixmap.encode_png().map_err(|e| failed(e.to_string()))
+    indexed(width, height, pixmap.data()).map_err(|e| failed(e.to_string()))
 }
 
 fn tree(figure: &Figure) -> Result<Tree, ReportError> {

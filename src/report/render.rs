@@ -4,8 +4,7 @@ use rayon::prelude::*;
 
 use super::ReportError;
 use super::block::Block;
-use super::figure_to_svg;
-use super::page::{PageContent, SectionContent, render_page};
+use super::page::{PageContent, Picture, SectionContent, render_page};
 use super::{format, section};
 use crate::study::Study;
 
@@ -14,10 +13,8 @@ use crate::study::Study;
 pub struct Rendered {
     /// The page.
     pub html: String,
-    /// File name and PNG of every figure, in the order of the page.
+    /// File name and bytes of every figure as PNG and as SVG, in the order of the page.
     pub figures: Vec<(String, Vec<u8>)>,
-    /// File name and SVG of every figure, in the same order.
-    pub drawings: Vec<(String, Vec<u8>)>,
 }
 
 /// Draws a study: every registered section that has something to show, in order.
@@ -32,23 +29,8 @@ pub fn render(study: &Study) -> Result<Rendered, ReportError> {
         footer: format!("{} {}", env!("CARGO_PKG_NAME"), study.version),
     };
     let page = render_page(&content)?;
-    let figures: Vec<_> = content
-        .sections
-        .iter()
-        .flat_map(|section| &section.blocks)
-        .filter_map(|block| if let Block::Figure(figure) = block { Some(figure) } else { None })
-        .collect();
-    let drawings = figures
-        .par_iter()
-        .zip(&page.pictures)
-        .map(|(figure, picture)| {
-            let svg = figure_to_svg(figure)?;
-            Ok((format!("{}.svg", picture.file_stem), svg.into_bytes()))
-        })
-        .collect::<Result<_, ReportError>>()?;
-    let figures =
-        page.pictures.into_iter().map(|p| (format!("{}.png", p.file_stem), p.png)).collect();
-    Ok(Rendered { html: page.html, figures, drawings })
+    let figures = page.pictures.into_iter().flat_map(Picture::files).collect();
+    Ok(Rendered { html: page.html, figures })
 }
 
 fn sections(study: &Study) -> Vec<SectionContent> {
@@ -60,7 +42,9 @@ fn sections(study: &Study) -> Vec<SectionContent> {
                 // a verdict stands first, before any aid to read it
                 let is_verdict = |block: &Block| matches!(block, Block::Verdict { .. });
                 let place = blocks.iter().take_while(|block| is_verdict(block)).count();
-                blocks.insert(place, Block::HowToRead(section.how_to_read().to_owned()));
+                let aid = section.how_to_read().to_owned();
+                let guide = section.title().to_owned();
+                blocks.insert(place, Block::HowToRead { aid, guide });
             }
             SectionContent {
                 id: section.id().to_owned(),

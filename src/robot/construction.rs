@@ -13,7 +13,7 @@ use super::{BaseParameters, RobotError};
 /// Source: the paper, Tables 1 and 2.
 ///
 /// Deviation: the tables list r1 = r2, Ix1 = Ix2 and Iz1 = Iz2 twice; here each stands once.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Construction {
     /// Half track: distance from A, the middle of the axle, to each wheel [m].
     pub l1_m: f64,
@@ -72,6 +72,9 @@ pub struct Construction {
     pub f3_m: f64,
 }
 
+/// Size of a construction datum at most, and its inverse at least where it is positive.
+const LARGEST: f64 = 1e12;
+
 /// The values that a construction datum may take.
 #[derive(Clone, Copy)]
 enum Range {
@@ -82,9 +85,9 @@ enum Range {
 
 impl Range {
     fn holds(self, x: f64) -> bool {
-        x.is_finite()
+        x.abs() <= LARGEST
             && match self {
-                Self::Positive => x > 0.0,
+                Self::Positive => x >= 1.0 / LARGEST,
                 Self::NotNegative => x >= 0.0,
                 Self::Any => true,
             }

@@ -6,7 +6,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum RobotError {
     /// A construction value is not a finite number in its range.
-    #[error("robot: {key} = {found}, expected {expected}; {key} is the {meaning}")]
+    #[error("robot: {key} = {found:?}, expected {expected}; {key} is the {meaning}")]
     Value {
         /// Key of the experiment file, for example `l1_m`.
         key: &'static str,
@@ -29,7 +29,7 @@ pub enum RobotError {
         m2: f64,
     },
     /// A motor constant is not a finite number above zero.
-    #[error("motor: {key} = {found}, expected a finite number above zero; see its data sheet")]
+    #[error("motor: {key} = {found:?}, expected a finite number above zero; see its data sheet")]
     Motor {
         /// Field of [`Motor`](crate::robot::Motor).
         key: &'static str,

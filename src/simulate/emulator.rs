@@ -6,7 +6,9 @@ use crate::recording::Recording;
 use crate::robot::State;
 
 /// Where the nonlinear functions f3, f4 take their argument from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum Structure {
     /// From the emulator's own state.
@@ -29,6 +31,14 @@ pub enum GainError {
     Unstable {
         /// Largest real part [1/s].
         real: f64,
+    },
+    /// An entry beyond what a step of 5 ms can follow, or none.
+    #[error("an entry of K is {entry:e}; expected sizes up to {most:e}")]
+    TooLarge {
+        /// Found.
+        entry: f64,
+        /// Largest size.
+        most: f64,
     },
 }
 
@@ -78,6 +88,9 @@ impl Gain {
         if *self == Self::ZERO {
             return Ok(());
         }
+        if let Some(entry) = self.0.iter().flatten().find(|k| !(k.abs() <= MOST_GAIN)) {
+            return Err(GainError::TooLarge { entry: *entry, most: MOST_GAIN });
+        }
         let poles = self.poles();
         let untouched = (0..2).filter(|&i| self.0.iter().all(|row| row[i] == 0.0)).count();
         let mut zeros = poles.iter().filter(|p| p.0.abs() < 1e-9 && p.1.abs() < 1e-9).count();
@@ -88,6 +101,9 @@ impl Gain {
         if worst < 0.0 { Ok(()) } else { Err(GainError::Unstable { real: worst }) }
     }
 }
+
+/// Entries of K at most.
+const MOST_GAIN: f64 = 1e9;
 
 /// Runs the emulator over a recording: one state a sample, from the first measured one.
 ///

@@ -9,19 +9,22 @@ use super::SimulateError;
 use super::movement::Movement;
 use super::stepper::Stepper;
 use crate::model::Model;
-use crate::recording::{Channels, DriveUnit, Recording};
+use crate::recording::{Channels, DriveUnit, Recording, RecordingError};
 use crate::robot::State;
 
 /// Standard deviations of the noise that is added.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct NoiseLevel {
     /// Wheel speeds [rad/s].
+    #[schemars(range(min = 0.0))]
     pub dalpha: f64,
     /// Wheel angles [rad].
+    #[schemars(range(min = 0.0))]
     pub alpha: f64,
     /// Recorded moments [N m].
     #[serde(rename = "M")]
+    #[schemars(range(min = 0.0))]
     pub moment: f64,
 }
 
@@ -124,7 +127,7 @@ pub fn record_disturbed(
         let acting = [drive[0] + besides[0], drive[1] + besides[1]];
         stepper.advance(t, t + step, &acting, &acting, &mut ())?;
     }
-    Ok(noisy(name, &rows, recorder))
+    Ok(noisy(name, &rows, recorder)?)
 }
 
 /// The drive that acts now: the drive effects seen over the last part of the commands.
@@ -137,7 +140,11 @@ fn acting(truth: &Model, p: &[f64], t: &[f64], commands: &[[f64; 2]], step: f64)
     truth.drive(&t[from..], &commands[from..], p)[last - from]
 }
 
-fn noisy(name: &str, rows: &[(f64, State, [f64; 2])], recorder: &Recorder) -> Recording {
+fn noisy(
+    name: &str,
+    rows: &[(f64, State, [f64; 2])],
+    recorder: &Recorder,
+) -> Result<Recording, RecordingError> {
     let mut rng = ChaCha8Rng::seed_from_u64(recorder.seed);
     let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
     let noise = recorder.noise;
@@ -158,5 +165,4 @@ fn noisy(name: &str, rows: &[(f64, State, [f64; 2])], recorder: &Recorder) -> Re
     }
     (channels.alpha, channels.omega) = (Some(alpha), Some(omega));
     Recording::new(name, channels, DriveUnit::NewtonMetre)
-        .expect("a made recording has increasing time and finite values")
 }

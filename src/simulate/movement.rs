@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::robot::Robot;
 
 /// A piece of a movement: blend into a speed and a turn rate, then hold them.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Segment {
     /// Speed v_A wanted [m/s].
@@ -17,9 +17,11 @@ pub struct Segment {
     #[serde(default)]
     pub turn_rad_s: f64,
     /// Time to reach them from the segment before [s].
+    #[schemars(range(min = 0.0))]
     pub blend_s: f64,
     /// Time to hold them [s].
     #[serde(default)]
+    #[schemars(range(min = 0.0))]
     pub hold_s: f64,
 }
 

@@ -2,10 +2,21 @@
 
 use super::stepper::Stepper;
 use crate::model::{Model, ModelError};
+use crate::recording::RecordingError;
 use crate::robot::State;
 
 /// What the drive does between two samples.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    serde::Serialize,
+    serde::Deserialize,
+    schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum Hold {
     /// Runs in a straight line from sample to sample (first-order hold).
@@ -32,6 +43,9 @@ pub enum SimulateError {
     /// The model has no acceleration.
     #[error(transparent)]
     Model(#[from] ModelError),
+    /// What was simulated is no recording.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
     /// The motion left all bounds.
     #[error("the simulated motion diverges at t = {t:.3} s (wheel speed above {limit:.0e} rad/s)")]
     Diverged {

@@ -28,7 +28,9 @@ impl Gaussian {
 }
 
 /// How the consequents of the rules become one number.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum Defuzzification {
     /// Σ strength × consequent / Σ strength.
@@ -39,7 +41,9 @@ pub enum Defuzzification {
 }
 
 /// What a rule concludes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum Consequents {
     /// A number p0.

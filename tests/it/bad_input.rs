@@ -299,3 +299,109 @@ fn two_files_of_one_name_are_refused() {
     folder.write("e.toml", made("")).write("deeper/e.toml", made(""));
     folder.run(&["e.toml", "deeper/e.toml"]).says(2, &["called e"]);
 }
+
+#[test]
+fn blank_lines_and_comments_may_stand_above_the_header_in_any_order() {
+    let rows = csv(&motion());
+    let plain = parameters("run.csv", &rows);
+    for above in ["\n", "# a note\n\n", "\n\n# a, note\n\n"] {
+        assert_eq!(parameters("run.csv", format!("{above}{rows}")), plain, "{above:?}");
+    }
+}
+
+#[test]
+fn names_in_quotes_may_hold_separators_quotes_and_markup() {
+    for (name, written) in [("a,b", "\"a,b\""), ("a\"b", "\"a\"\"b\""), ("<b>ω</b>", "<b>ω</b>")]
+    {
+        let folder = Folder::new();
+        let toml = on("run.csv");
+        let (head, rest) = toml.split_once("\n\n").unwrap();
+        let columns = format!("columns = {{ dalpha1 = {} }}", toml::Value::from(name));
+        folder
+            .write("run.csv", csv(&motion()).replacen("dalpha1", written, 1))
+            .write("e.toml", format!("{head}\n{columns}\n\n{rest}"));
+        folder.run(&["check", "e.toml"]).says(0, &["run.csv: 600 samples"]);
+    }
+}
+
+#[test]
+fn values_and_steps_that_no_robot_has_are_refused_before_anything_runs() {
+    refused(
+        csv(&changed(100, 1, 1e300)),
+        &["run.csv, row 100", "dalpha1 is 1e300", "wrong column"],
+    );
+    refused(csv(&changed(7, 3, -1e30)), &["run.csv, row 7", "M1 is -1e30"]);
+    let slow: Vec<Row> = motion().iter().map(|r| [1e5 * r[0], r[1], r[2], r[3], r[4]]).collect();
+    refused(csv(&slow), &["t rises by 1000 s from row to row", "unit = \"ms\""]);
+    let folder = Folder::new();
+    for (line, words) in [
+        ("[simulation]\nnoise = { dalpha = 1e300 }", "simulation.noise"),
+        ("[simulation]\nmovement = [{ speed_m_s = 1e300, blend_s = 2.0 }]", "speeds up to"),
+        ("[simulation]\ntruth = { a4 = 1e300 }", "simulation.truth.a4"),
+        ("[simulation]\n[model]\nfixed = { a3 = 1e300 }", "model.fixed.a3"),
+        ("[simulation]\n[emulator]\npoles = [1e300, 1e300]", "an entry of K"),
+        ("[simulation]\n[robot]\npreset = \"amigobot\"\nl1_m = 1e300", "l1_m = 1e300"),
+    ] {
+        folder.write("e.toml", line);
+        folder.run(&["e.toml"]).says(2, &[words]);
+    }
+}
+
+#[test]
+fn control_characters_of_a_file_do_not_reach_the_terminal() {
+    let folder = Folder::new();
+    folder
+        .write("run.csv", csv(&motion()).replacen("M1", "\u{1b}[31mM1", 1))
+        .write("e.toml", on("run.csv"));
+    let ran = folder.run(&["check", "e.toml"]);
+    assert!(!ran.says(2, &["there is no column `M1`"]).err.contains('\u{1b}'));
+}
+
+#[test]
+fn a_place_where_results_cannot_be_is_named_before_anything_runs() {
+    let folder = Folder::new();
+    folder.write("run.csv", csv(&motion())).write("e.toml", on("run.csv")).write("out", "");
+    folder.run(&["e.toml", "--out", "out"]).says(2, &["out is a file", "--out"]);
+    std::fs::create_dir(folder.path("second")).unwrap();
+    folder.write("second/e", "");
+    folder.run(&["e.toml", "--out", "second"]).says(1, &["second/e is a file"]);
+    std::fs::create_dir_all(folder.path("third/e/report.html")).unwrap();
+    folder.run(&["e.toml", "--out", "third"]).says(1, &["report.html is a folder"]);
+    let left: Vec<_> = std::fs::read_dir(folder.path("third/e")).unwrap().collect();
+    assert_eq!(left.len(), 1, "{left:?}");
+}
+
+/// A changed bit in the number of rows made the reader ask for more memory than there is.
+#[test]
+fn a_parquet_file_with_an_impossible_number_of_rows_is_refused() {
+    let rows: Vec<Row> = motion();
+    let column = |(k, name): (usize, &str)| {
+        TableColumn::Number(name.into(), rows.iter().map(|row| row[k]).collect())
+    };
+    let columns: Vec<_> = HEADER.split(',').enumerate().map(column).collect();
+    let bytes = write_parquet_table(std::path::Path::new("x"), &columns).unwrap();
+    // 600 in zigzag is 1200: the varint b0 09
+    let at = bytes.windows(2).rposition(|w| w == [0xb0, 0x09]).unwrap();
+    let mut changed = bytes.clone();
+    changed.splice(at..at + 2, [0xfe, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0x07]);
+    let end = changed.len() - 8;
+    let length = u32::from_le_bytes(changed[end..end + 4].try_into().unwrap()) + 7;
+    changed[end..end + 4].copy_from_slice(&length.to_le_bytes());
+    let folder = Folder::new();
+    folder.write("run.parquet", changed).write("e.toml", on("run.parquet"));
+    folder.run(&["check", "e.toml"]).says(2, &["run.parquet", "Parquet"]);
+}
+
+/// Reading them in threads that also wait for others once used up the stack and the open files.
+#[test]
+fn two_thousand_recordings_are_read_with_few_files_open() {
+    let folder = Folder::new();
+    let rows = csv(&motion()[..60]);
+    std::fs::create_dir(folder.path("many")).unwrap();
+    let names: Vec<String> = (0..2000).map(|k| format!("many/{k}.csv")).collect();
+    for name in &names {
+        folder.write(name, &rows);
+    }
+    folder.write("e.toml", format!("[recordings]\ntrain = {names:?}\n"));
+    folder.run(&["check", "e.toml"]).says(0, &["1999.csv: 60 samples"]);
+}

@@ -53,7 +53,7 @@ fn the_result_folder_has_all_that_the_contract_names() {
 }
 
 #[test]
-fn every_figure_is_there_as_a_png() {
+fn every_figure_is_there_as_png_and_as_svg() {
     let folder = small();
     folder.run(&["small.toml", "--out", "out"]).says(0, &[]);
     let names: Vec<_> = std::fs::read_dir(folder.path("out/small"))
@@ -62,9 +62,16 @@ fn every_figure_is_there_as_a_png() {
         .filter(|p| p.extension().is_some_and(|e| e == "png"))
         .collect();
     assert!(!names.is_empty(), "no PNG");
+    let page = folder.read("out/small/report.html");
+    // the page has everything in it but the SVG files, and opens at once
+    assert!(page.len() < 3_500_000, "{} bytes", page.len());
     for name in names {
         let bytes = std::fs::read(&name).unwrap();
         assert!(bytes.starts_with(b"\x89PNG"), "{}", name.display());
+        let drawing = std::fs::read_to_string(name.with_extension("svg")).unwrap();
+        assert!(drawing.starts_with("<svg") && drawing.trim_end().ends_with("</svg>"));
+        let link = format!("href=\"{}.svg\"", name.file_stem().unwrap().to_string_lossy());
+        assert!(page.contains(&link), "{link}");
     }
 }
 
@@ -266,6 +273,21 @@ fn new_writes_a_file_that_check_accepts_and_that_is_never_overwritten() {
     folder.run(&["check", "odd.toml"]).says(0, &["odd.csv: 600 samples"]);
     folder.run(&["new", "logs/odd.csv", "-o", "logs/deep.toml"]).says(0, &[]);
     folder.run(&["check", "logs/deep.toml"]).says(0, &["odd.csv: 600 samples"]);
+}
+
+#[test]
+fn the_schema_is_printed_and_new_files_name_one_that_lies_beside_them() {
+    let folder = Folder::new();
+    folder.write("a.csv", csv(&motion()));
+    let schema = folder.run(&["schema"]).says(0, &[]).out.clone();
+    let parsed: Value = serde_json::from_str(&schema).unwrap();
+    assert_eq!(parsed["$schema"], "http://json-schema.org/draft-07/schema#");
+    folder.run(&["new", "a.csv", "-o", "without.toml"]).says(0, &[]);
+    assert!(!folder.read("without.toml").contains("#:schema"));
+    folder.write("experiment.schema.json", schema);
+    folder.run(&["new", "a.csv", "-o", "with.toml"]).says(0, &[]);
+    assert!(folder.read("with.toml").starts_with("#:schema ./experiment.schema.json\n"));
+    folder.run(&["check", "with.toml"]).says(0, &[]);
 }
 
 /// The rms window error on validation of the first method.

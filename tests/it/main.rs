@@ -6,6 +6,7 @@ mod bad_input;
 mod export;
 mod face;
 mod formats;
+mod fuzz;
 mod hidden_effects;
 mod layering;
 mod recordings;

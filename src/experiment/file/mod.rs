@@ -1,9 +1,11 @@
 //! The experiment file: what users type, checked before anything runs.
 
 mod error;
+mod json_schema;
 mod schema;
 
 pub use error::FileError;
+pub use json_schema::json_schema;
 pub use schema::{
     CandidatesEntry, ColumnEntry, CustomEntry, CustomParameter, DiagnosisEntry, EmulatorEntry,
     ExperimentFile, FixedEntry, ModelEntry, MovementEntry, RecordingsEntry, SimulationEntry,

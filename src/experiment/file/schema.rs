@@ -13,12 +13,13 @@ use crate::recording::DriveUnit;
 use crate::simulate::{Hold, NoiseLevel, Segment};
 
 /// An experiment file.
-#[derive(Clone, Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ExperimentFile {
     /// Heading of the report.
     pub title: Option<String>,
     /// Preset or construction data; the AmigoBot unless given.
+    #[schemars(schema_with = "super::json_schema::robot")]
     pub robot: Option<Table>,
     /// Measured data.
     pub recordings: Option<RecordingsEntry>,
@@ -27,26 +28,37 @@ pub struct ExperimentFile {
     /// The model.
     pub model: ModelEntry,
     /// Methods to compare.
+    #[schemars(schema_with = "super::json_schema::methods")]
     pub method: Vec<Table>,
     /// Emulator of eq. (19).
     pub emulator: EmulatorEntry,
     /// Diagnosis.
     pub diagnosis: Option<DiagnosisEntry>,
     /// Keys over whose combinations the experiment is repeated.
+    #[schemars(schema_with = "super::json_schema::grid")]
     pub grid: Option<Table>,
 }
 
+/// Size of a parameter at most.
+const LARGEST: f64 = 1e12;
+/// Standard deviation of noise, and factor on it, at most.
+const MOST_NOISE: f64 = 1e4;
+/// Speed [m/s] and turn rate [rad/s] of a segment at most.
+const MOST_SPEED: f64 = 1e3;
+
 /// `[recordings]`.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RecordingsEntry {
     /// Files to fit.
+    #[schemars(length(min = 1))]
     pub train: Vec<String>,
     /// Files to judge on.
     #[serde(default)]
     pub validation: Vec<String>,
     /// Where column names or units differ from the contract.
     #[serde(default, deserialize_with = "columns")]
+    #[schemars(schema_with = "super::json_schema::columns")]
     pub columns: BTreeMap<String, ColumnEntry>,
     /// Unit of the drive.
     #[serde(default)]
@@ -57,7 +69,7 @@ pub struct RecordingsEntry {
 }
 
 /// A column of a file: its name, or name, unit and what the unit needs.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ColumnEntry {
     /// Name in the file.
@@ -115,34 +127,43 @@ impl<'de> Visitor<'de> for NameOrTable {
 }
 
 /// `[simulation]`.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SimulationEntry {
     /// `paper`, `rich`, or segments written out.
     pub movement: MovementEntry,
     /// Effects in the truth that the model may lack: effect, then parameter = value.
+    #[schemars(schema_with = "super::json_schema::hidden")]
     pub hidden: BTreeMap<String, BTreeMap<String, f64>>,
     /// Standard deviations of the noise.
     pub noise: NoiseLevel,
     /// Seed of noise and rich movements.
     pub seed: u64,
     /// Recordings to fit.
+    #[schemars(range(min = 1))]
     pub train: usize,
     /// Recordings to judge on.
     pub validation: usize,
     /// Rows a second [Hz].
+    #[schemars(range(min = 1.0, max = 1e5))]
     pub rate_hz: f64,
     /// Steps a second of the robot's controller [Hz].
+    #[schemars(range(min = 1.0, max = 1e5))]
     pub control_rate_hz: f64,
     /// Length of a rich movement [s].
+    #[schemars(range(min = 2.0, max = 1e5))]
     pub duration_s: f64,
     /// Largest wheel speed of a rich movement [rad/s].
+    #[schemars(range(min = 0.1, max = 1e4))]
     pub top_speed_rad_s: f64,
     /// Steps a turn of the encoder.
+    #[schemars(range(min = 1.0))]
     pub encoder_ticks: Option<f64>,
     /// True values of base parameters that differ from the construction.
+    #[schemars(schema_with = "super::json_schema::truth")]
     pub truth: BTreeMap<String, f64>,
     /// Factor on all noise, for grids.
+    #[schemars(range(min = 0.0))]
     pub noise_scale: f64,
 }
 
@@ -167,42 +188,44 @@ impl Default for SimulationEntry {
 }
 
 /// A movement by name, or written out.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, schemars::JsonSchema)]
 #[serde(
     untagged,
     expecting = "\"paper\", \"rich\", or a list of segments { speed_m_s, turn_rad_s, blend_s, hold_s }"
 )]
 pub enum MovementEntry {
     /// `paper` or `rich`.
-    Named(String),
+    Named(#[schemars(extend("enum" = ["paper", "rich"]))] String),
     /// Segments.
     Segments(Vec<Segment>),
 }
 
 /// `[model]`.
-#[derive(Clone, Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ModelEntry {
     /// Effects added to the base.
+    #[schemars(schema_with = "super::json_schema::effects")]
     pub effects: Vec<String>,
     /// Parameters held at a value or at the construction's.
+    #[schemars(schema_with = "super::json_schema::fixed")]
     pub fixed: BTreeMap<String, FixedEntry>,
     /// Effects written as formulas.
     pub custom: Vec<CustomEntry>,
 }
 
 /// A value, or `"construction"`.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, schemars::JsonSchema)]
 #[serde(untagged, expecting = "a number or \"construction\"")]
 pub enum FixedEntry {
     /// At this value.
     Value(f64),
     /// At the value of the construction data.
-    Construction(String),
+    Construction(#[schemars(extend("const" = "construction"))] String),
 }
 
 /// `[[model.custom]]`.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CustomEntry {
     /// Id.
@@ -219,7 +242,7 @@ pub struct CustomEntry {
 }
 
 /// A parameter of a custom effect.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct CustomParameter {
     /// Unit.
@@ -239,8 +262,9 @@ impl Default for CustomParameter {
 }
 
 /// `[emulator]`.
-#[derive(Clone, Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
+#[schemars(extend("maxProperties" = 1))]
 pub struct EmulatorEntry {
     /// K on the wheel speeds [1/s].
     pub gain: Option<f64>,
@@ -251,14 +275,16 @@ pub struct EmulatorEntry {
 }
 
 /// `[diagnosis]`.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct DiagnosisEntry {
     /// `"all"` or a list of ids.
     pub candidates: CandidatesEntry,
     /// Stated false-alarm rate.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "exclusiveMaximum" = 1.0))]
     pub false_alarm: f64,
     /// Most effects that are added.
+    #[schemars(range(min = 1))]
     pub max_effects: usize,
 }
 
@@ -269,13 +295,13 @@ impl Default for DiagnosisEntry {
 }
 
 /// `"all"` or ids.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, schemars::JsonSchema)]
 #[serde(untagged, expecting = "\"all\" or a list of effects")]
 pub enum CandidatesEntry {
     /// Only `all` is allowed.
-    All(String),
+    All(#[schemars(extend("const" = "all"))] String),
     /// Ids.
-    Some(Vec<String>),
+    Some(#[schemars(schema_with = "super::json_schema::candidates")] Vec<String>),
 }
 
 impl ExperimentFile {
@@ -337,8 +363,9 @@ impl ExperimentFile {
             return Err(wrong("[grid]", message.into()));
         }
         for (symbol, entry) in &self.model.fixed {
-            if matches!(entry, FixedEntry::Value(v) if !v.is_finite()) {
-                return Err(wrong(&format!("model.fixed.{symbol}"), "must be finite".into()));
+            if matches!(entry, FixedEntry::Value(v) if !(v.abs() <= LARGEST)) {
+                let message = format!("must be a finite number of a size up to {LARGEST:e}");
+                return Err(wrong(&format!("model.fixed.{symbol}"), message));
             }
         }
         let given = [
@@ -369,11 +396,11 @@ impl SimulationEntry {
             let sound = segments.iter().all(|s| {
                 s.blend_s >= 0.0
                     && s.hold_s >= 0.0
-                    && s.speed_m_s.is_finite()
-                    && s.turn_rad_s.is_finite()
+                    && s.speed_m_s.abs() <= MOST_SPEED
+                    && s.turn_rad_s.abs() <= MOST_SPEED
             });
             if !sound || !(0.5..=1e5).contains(&length) {
-                let message = "must have times that are not negative and last at least 0.5 s";
+                let message = "must have times that are not negative, last 0.5 s to 1e5 s, and have speeds up to 1000 m/s and rad/s";
                 return Err(wrong("simulation.movement", message.into()));
             }
         }
@@ -389,15 +416,18 @@ impl SimulationEntry {
             }
         }
         let noise = [self.noise.dalpha, self.noise.alpha, self.noise.moment, self.noise_scale];
-        if noise.iter().any(|n| !(*n >= 0.0 && n.is_finite())) {
-            return Err(wrong("simulation.noise", "must be numbers that are not negative".into()));
+        if noise.iter().any(|n| !(*n >= 0.0 && *n <= MOST_NOISE)) {
+            let message = format!("must be numbers from 0 to {MOST_NOISE:e}");
+            return Err(wrong("simulation.noise", message));
         }
         let hidden = self.hidden.iter().flat_map(|(id, values)| {
             values.iter().map(move |(s, v)| (format!("simulation.hidden.{id}.{s}"), v))
         });
         let truth = self.truth.iter().map(|(s, v)| (format!("simulation.truth.{s}"), v));
-        if let Some((key, value)) = hidden.chain(truth).find(|(_, v)| !v.is_finite()) {
-            return Err(wrong(&key, format!("= {value} must be finite")));
+        if let Some((key, value)) = hidden.chain(truth).find(|(_, v)| !(v.abs() <= LARGEST)) {
+            let message =
+                format!("= {value:e} must be a finite number of a size up to {LARGEST:e}");
+            return Err(wrong(&key, message));
         }
         if self.train == 0 {
             return Err(wrong("simulation.train", "= 0; at least one recording is needed".into()));

@@ -4,7 +4,7 @@ use serde::Deserialize;
 use toml::{Table, Value};
 
 /// Keys of `[simulation]`, which may stand in `[grid]` without their table.
-pub(super) const SIMULATION_KEYS: [&str; 13] = [
+pub(in crate::experiment) const SIMULATION_KEYS: [&str; 13] = [
     "movement",
     "hidden",
     "noise",
@@ -21,7 +21,8 @@ pub(super) const SIMULATION_KEYS: [&str; 13] = [
 ];
 
 /// Tables of an experiment file whose keys may vary.
-const TABLES: [&str; 6] = ["robot", "recordings", "simulation", "model", "emulator", "diagnosis"];
+pub(in crate::experiment) const TABLES: [&str; 6] =
+    ["robot", "recordings", "simulation", "model", "emulator", "diagnosis"];
 
 /// Most combinations of a grid.
 const MOST_CELLS: usize = 1_000_000;
@@ -83,13 +84,22 @@ pub(super) struct WrongKey {
 }
 
 /// `{ count = 100 }` or `{ from = 0.1, to = 10, steps = 5, log = true }`.
-#[derive(Deserialize)]
+#[derive(Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
-struct Range {
+pub(in crate::experiment) struct Range {
+    /// How many whole numbers, from `from` (1 unless given) on.
+    #[schemars(range(min = 1, max = MOST_CELLS))]
     count: Option<usize>,
+    /// First value.
+    #[schemars(with = "Option<f64>")]
     from: Option<Value>,
+    /// Last value.
+    #[schemars(with = "Option<f64>")]
     to: Option<Value>,
+    /// How many values, from the first to the last.
+    #[schemars(range(min = 2, max = MOST_CELLS))]
     steps: Option<usize>,
+    /// Equal ratios instead of equal steps.
     #[serde(default)]
     log: bool,
 }

@@ -136,8 +136,8 @@ fn write(
     let summaries = summary::summaries(grid, cells)?;
     folder.add("summary.csv", write_csv_table(&summary::columns(grid, &summaries))?);
     let rendered = page::render(plan, grid, cells, &summaries)?;
-    for (file, png) in rendered.figures {
-        folder.add(file, png);
+    for (file, bytes) in rendered.figures {
+        folder.add(file, bytes);
     }
     folder.add("report.html", rendered.html);
     let results = results(plan, grid, cells, &summaries);

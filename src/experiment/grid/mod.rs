@@ -18,6 +18,7 @@ mod table;
 mod word;
 
 pub use axes::GridAxis;
+pub(super) use axes::{Range, SIMULATION_KEYS, TABLES};
 pub(super) use finish::{finish, merge, run_part};
 pub use part::{Shard, ShardError};
 

@@ -6,7 +6,7 @@ use super::figures::figures;
 use super::summary::{Summary, conditions};
 use crate::experiment::plan::Plan;
 use crate::report::block::{Block, Cell, Column, Table, Text, Tone};
-use crate::report::{PageContent, ReportError, SectionContent, format, render_page};
+use crate::report::{PageContent, Picture, ReportError, SectionContent, format, render_page};
 
 /// A rendered report.
 pub(super) struct Rendered {
@@ -38,7 +38,10 @@ pub(super) fn render(
         section(
             "summary",
             "Summary",
-            vec![Block::HowToRead(TABLE_WORDS.into()), table(grid, summaries)],
+            vec![
+                Block::HowToRead { aid: TABLE_WORDS.into(), guide: String::new() },
+                table(grid, summaries),
+            ],
         ),
         section("diagnosis", "Verdicts of the diagnosis", verdicts(grid, cells)),
         section("failures", "Failures", failures(grid, cells)),
@@ -57,8 +60,7 @@ pub(super) fn render(
         footer: format!("{} {}", env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION")),
     };
     let page = render_page(&content)?;
-    let figures =
-        page.pictures.into_iter().map(|p| (format!("{}.png", p.file_stem), p.png)).collect();
+    let figures = page.pictures.into_iter().flat_map(Picture::files).collect();
     Ok(Rendered { html: page.html, figures })
 }
 

@@ -5,14 +5,14 @@ use serde::{Deserialize, Serialize};
 
 use super::Problem;
 use crate::identify::prediction_error::PredictionError;
-use crate::identify::{Identifier, IdentifyError, OptionError, Task, from_options};
+use crate::identify::{Identifier, IdentifyError, OptionError, Task, from_options, options_schema};
 use crate::recording::DriveUnit;
 use crate::robot::BaseParameters;
 use crate::simulate::TakagiSugeno;
 use crate::simulate::{Consequents, Defuzzification, Gain, MOST_MEMBERSHIPS, Structure};
 
 /// Over which speeds the membership functions are spread.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(untagged)]
 pub enum Range {
     /// `"data"`: from the smallest to the largest measured speed of each wheel, and a tenth of
@@ -23,7 +23,7 @@ pub enum Range {
 }
 
 /// Ranges with a name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum NamedRange {
     /// That of the training recordings.
@@ -33,7 +33,7 @@ pub enum NamedRange {
 }
 
 /// Where G of eq. (18) and the friction level come from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum InputGain {
     /// From a1, a2 of the construction data.
@@ -43,7 +43,7 @@ pub enum InputGain {
 }
 
 /// Where a search starts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Start {
     /// At the friction level or at the closed form, whichever has the lower cost.
@@ -57,7 +57,7 @@ pub enum Start {
 }
 
 /// Options of a `[[method]]` block that every fuzzy method understands.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Settings {
     /// Membership functions of each input.
@@ -148,6 +148,18 @@ impl Settings {
         let settings: Self = from_options(method, &shared)?;
         settings.check(method)?;
         Ok((settings, from_options(method, &rest)?))
+    }
+
+    /// The JSON schema of what [`Settings::split`] reads.
+    #[must_use]
+    pub fn schema<M: schemars::JsonSchema>() -> schemars::Schema {
+        let (shared, mut own) = (options_schema::<Self>(), options_schema::<M>());
+        let keys = |schema: &schemars::Schema| {
+            schema.get("properties").and_then(|p| p.as_object().cloned()).unwrap_or_default()
+        };
+        let all: serde_json::Map<_, _> = keys(&own).into_iter().chain(keys(&shared)).collect();
+        own.insert("properties".into(), all.into());
+        own
     }
 
     fn check(&self, method: &str) -> Result<(), OptionError> {

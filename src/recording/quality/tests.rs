@@ -214,7 +214,7 @@ fn tiny_and_constant_recordings_are_checked_without_a_panic() {
         moment: vec![[0.0; 2]; n],
     };
     for n in [10, 11, 100, 3000] {
-        for w in [0.0, 1.0, 1e300] {
+        for w in [0.0, 1.0, 1e9] {
             let r = Recording::new("x", flat(n, w), DriveUnit::Volt).unwrap();
             assert!(!quality(&r, &Robot::amigobot()).findings.is_empty());
         }

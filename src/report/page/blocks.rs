@@ -41,7 +41,7 @@ impl<'a> Writer<'a> {
                 None => Markup::default(),
             },
             Block::Equation(equation) => html! { div.equation role="math" { (equation) } },
-            Block::HowToRead(aid) => how_to_read(aid),
+            Block::HowToRead { aid, guide } => how_to_read(aid, guide),
             Block::List(items) => html! { ul { @for item in items { li { (text(item)) } } } },
             Block::Code(code) => html! { pre { code { (code) } } },
         }
@@ -87,8 +87,36 @@ fn tone_name(tone: Tone) -> &'static str {
     }
 }
 
-fn how_to_read(aid: &str) -> Markup {
-    html! { details { summary { "How to read this" } p { (aid) } } }
+/// Where the guide lies, seen from the root of the project.
+const GUIDE: &str = "docs/guide.md";
+
+fn how_to_read(aid: &str, guide: &str) -> Markup {
+    html! {
+        details {
+            summary { "How to read this" }
+            p {
+                (aid)
+                @if !guide.is_empty() {
+                    " More: "
+                    @match guide_address(env!("CARGO_PKG_REPOSITORY"), guide) {
+                        Some(address) => a href=(address) { (GUIDE) ", “" (guide) "”" },
+                        None => { code { (GUIDE) } ", “" (guide) "”" }
+                    }
+                    "."
+                }
+            }
+        }
+    }
+}
+
+/// A heading of the guide on the web; none where the project has no address, since a report is
+/// opened far from the project's folder.
+pub(super) fn guide_address(repository: &str, heading: &str) -> Option<String> {
+    let kept = |c: char| c.is_alphanumeric() || c == ' ' || c == '-';
+    let anchor = heading.to_lowercase().chars().filter(|c| kept(*c)).collect::<String>();
+    let anchor = anchor.replace(' ', "-");
+    let home = repository.trim_end_matches('/');
+    (!home.is_empty()).then(|| format!("{home}/blob/main/{GUIDE}#{anchor}"))
 }
 
 fn table(table: &Table, number: usize) -> Markup {
@@ -142,16 +170,19 @@ fn cell(cell: &Cell, align: &str) -> Markup {
     }
 }
 
+/// Where the drawings are: embedded as well, they would double the page.
+const BESIDE: &str = "The file lies in the folder of this report";
+
 fn figure(drawn: &Drawn<'_>, number: usize) -> Markup {
     let figure = drawn.figure;
     let png = format!("data:image/png;base64,{}", BASE64.encode(&drawn.png));
-    let file = format!("{}.png", drawn.file_stem);
+    let [file, drawing] = ["png", "svg"].map(|ending| format!("{}.{ending}", drawn.file_stem));
     let alt = [&figure.title, &figure.caption].map(String::as_str).join(". ");
     html! {
         figure id={ "figure-" (drawn.file_stem) } data-interactive[drawn.data.is_some()] {
             h4 { (figure.title) }
             @if !figure.subtitle.is_empty() { p.subtitle { (figure.subtitle) } }
-            @match &drawn.svg {
+            @match &drawn.inline {
                 Some(svg) => div.picture role="img" aria-label=(alt) { (PreEscaped(svg)) },
                 None => div.picture { img src=(png) alt=(alt); },
             }
@@ -162,13 +193,14 @@ fn figure(drawn: &Drawn<'_>, number: usize) -> Markup {
             figcaption {
                 b { "Figure " (number) }
                 (figure.caption)
-                @if drawn.svg.is_some() {
+                @if drawn.inline.is_some() {
                     a.download href=(png) download=(file) { "Download PNG" }
                 } @else {
                     a.download data-picture hidden download=(file) { "Download PNG" }
                 }
+                a.download href=(drawing) download=(drawing) title=(BESIDE) { "SVG" }
             }
-            @if !figure.how_to_read.is_empty() { (how_to_read(&figure.how_to_read)) }
+            @if !figure.how_to_read.is_empty() { (how_to_read(&figure.how_to_read, "")) }
         }
     }
 }

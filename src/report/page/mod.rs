@@ -16,7 +16,7 @@ use super::figure::Figure;
 use super::fonts::{FAMILY, REGULAR, SEMI_BOLD};
 use super::palette::{AXIS, DARK_PARTNERS, GRID, INK, MUTED, Rgb, Role, SURFACE, css_variable};
 use super::plot::{Purpose, draw};
-use super::raster::figure_to_png;
+use super::raster::{figure_to_png, figure_to_svg};
 
 const INTERACTIVE: &str = concat!(include_str!("scales.js"), include_str!("interactive.js"));
 const SORT: &str = include_str!("sort.js");
@@ -51,17 +51,28 @@ pub struct SectionContent {
 pub struct Page {
     /// The file.
     pub html: String,
-    /// The figures as PNG, in the order of the page.
+    /// The figures as files, in the order of the page.
     pub pictures: Vec<Picture>,
 }
 
-/// A figure as PNG.
+/// A figure as PNG and as SVG.
 #[derive(Clone, Debug)]
 pub struct Picture {
     /// File name without extension; unique on the page.
     pub file_stem: String,
-    /// The bytes of the file.
+    /// The bytes of the PNG file.
     pub png: Vec<u8>,
+    /// The text of the SVG file.
+    pub svg: String,
+}
+
+impl Picture {
+    /// Names and bytes of both files.
+    #[must_use]
+    pub fn files(self) -> [(String, Vec<u8>); 2] {
+        let Self { file_stem, png, svg } = self;
+        [(format!("{file_stem}.png"), png), (format!("{file_stem}.svg"), svg.into_bytes())]
+    }
 }
 
 /// A figure drawn for the page.
@@ -69,8 +80,9 @@ struct Drawn<'a> {
     figure: &'a Figure,
     file_stem: String,
     /// Drawing that follows the page's colours; only where the figure stays a picture.
-    svg: Option<String>,
+    inline: Option<String>,
     png: Vec<u8>,
+    svg: String,
     data: Option<String>,
 }
 
@@ -102,8 +114,8 @@ pub fn page(content: &PageContent) -> Result<String, ReportError> {
 pub fn render_page(content: &PageContent) -> Result<Page, ReportError> {
     let drawn = draw_figures(content)?;
     let html = write(content, &drawn);
-    let pictures = drawn.into_iter().map(|d| Picture { file_stem: d.file_stem, png: d.png });
-    Ok(Page { html, pictures: pictures.collect() })
+    let picture = |d: Drawn| Picture { file_stem: d.file_stem, png: d.png, svg: d.svg };
+    Ok(Page { html, pictures: drawn.into_iter().map(picture).collect() })
 }
 
 fn draw_figures(content: &PageContent) -> Result<Vec<Drawn<'_>>, ReportError> {
@@ -122,11 +134,11 @@ fn draw_figures(content: &PageContent) -> Result<Vec<Drawn<'_>>, ReportError> {
     named
         .into_par_iter()
         .map(|(figure, file_stem)| {
-            let png = figure_to_png(figure)?;
+            let (png, svg) = (figure_to_png(figure)?, figure_to_svg(figure)?);
             let interactive = figure.is_interactive();
-            let svg = if interactive { None } else { Some(draw(figure, Purpose::Inline)?) };
+            let inline = if interactive { None } else { Some(draw(figure, Purpose::Inline)?) };
             let data = if interactive { Some(data::json(figure)?) } else { None };
-            Ok(Drawn { figure, file_stem, svg, png, data })
+            Ok(Drawn { figure, file_stem, inline, png, svg, data })
         })
         .collect()
 }

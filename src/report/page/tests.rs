@@ -31,7 +31,7 @@ fn every_text_is_escaped_and_only_our_scripts_stand_on_the_page() {
         Block::Heading(evil.into()),
         Block::paragraph(Text::from(evil).strong(evil).code(evil)),
         Block::verdict(Tone::Notice, evil, evil),
-        Block::HowToRead(evil.into()),
+        Block::HowToRead { aid: evil.into(), guide: evil.into() },
         Block::Equation(evil.into()),
         Block::Code(evil.into()),
         Block::list([evil]),
@@ -108,4 +108,14 @@ fn embedded_data_are_valid_json_with_gaps_as_null() {
 fn the_same_content_gives_the_same_bytes() {
     let content = with_blocks(vec![series("run").into()]);
     assert_eq!(page(&content).unwrap(), page(&content).unwrap());
+}
+
+#[test]
+fn a_reading_aid_leads_to_its_heading_of_the_guide() {
+    let aid = Block::HowToRead { aid: "So.".into(), guide: "Which method?".into() };
+    let html = page(&with_blocks(vec![aid])).unwrap();
+    assert!(html.contains("So. More: ") && html.contains("docs/guide.md"), "{html}");
+    let address = blocks::guide_address("https://example.org/a/", "Which method?").unwrap();
+    assert_eq!(address, "https://example.org/a/blob/main/docs/guide.md#which-method");
+    assert_eq!(blocks::guide_address("", "Which method?"), None);
 }

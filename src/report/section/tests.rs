@@ -255,7 +255,8 @@ fn a_full_study_has_every_section_and_every_figure_is_drawn_once() {
     {
         assert!(figures.contains(format!("{name}.png").as_str()), "{name}");
     }
-    for ((png_name, png), (svg_name, svg)) in rendered.figures.iter().zip(&rendered.drawings) {
+    for files in rendered.figures.chunks(2) {
+        let [(png_name, png), (svg_name, svg)] = files else { panic!("a figure has two files") };
         assert_eq!(png_name.trim_end_matches(".png"), svg_name.trim_end_matches(".svg"));
         assert!(png.starts_with(b"\x89PNG"));
         assert!(String::from_utf8_lossy(svg).contains("<svg"));
@@ -348,5 +349,14 @@ fn the_verdict_is_the_first_block_of_the_report() {
     for study in [empty(), full()] {
         let blocks = all()[0].blocks(&study);
         assert!(matches!(blocks[0], Block::Verdict { .. }));
+    }
+}
+
+#[test]
+fn the_guide_says_more_of_every_section_under_its_title() {
+    let guide = include_str!("../../../docs/guide.md");
+    for section in all() {
+        let heading = format!("### {}\n", section.title());
+        assert!(guide.contains(&heading), "{heading}");
     }
 }
