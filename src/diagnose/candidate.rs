@@ -89,6 +89,8 @@ struct Scale {
     step: f64,
     duration: f64,
     speed: f64,
+    /// Largest angle that a wheel goes through [rad].
+    angle: f64,
 }
 
 impl Scale {
@@ -100,7 +102,13 @@ impl Scale {
         let step = recordings.iter().map(|r| r.step()).fold(0.0, f64::max);
         let duration = recordings.iter().map(|r| r.duration()).fold(0.0, f64::max);
         let speed = recordings.iter().map(|r| r.top_speed()).fold(0.0, f64::max);
-        Self { moment: largest, step, duration, speed }
+        let span = |r: &Recording, i: usize| {
+            let angles = || r.alpha().iter().map(|a| a[i]);
+            angles().fold(f64::MIN, f64::max) - angles().fold(f64::MAX, f64::min)
+        };
+        let spans = recordings.iter().flat_map(|r| [span(r, 0), span(r, 1)]);
+        let angle = spans.fold(0.0, f64::max);
+        Self { moment: largest, step, duration, speed, angle }
     }
 }
 
@@ -119,6 +127,13 @@ fn grid(
             .filter(|v| *v >= specs[j].range.0 && *v <= specs[j].range.1)
             .collect(),
     };
+    // a wave of which less than a period was driven is an offset in disguise
+    let goes_round = |value: f64| match id {
+        "torque_ripple" => value * scale.angle >= std::f64::consts::TAU,
+        "wheel_eccentricity" => scale.angle >= std::f64::consts::TAU,
+        _ => true,
+    };
+    let values: Vec<f64> = values.into_iter().filter(|v| goes_round(*v)).collect();
     let count = values.len();
     values
         .into_iter()

@@ -36,7 +36,7 @@ pub(super) fn run_diagnosis(
     let likelihood = Likelihood {
         prepared: train.iter().map(prepare).collect(),
         hold: plan.hold,
-        slow_moment: true,
+        slow_moment: asked.slow_moment,
         timing: false,
     };
     let settings = Settings {

@@ -40,6 +40,8 @@ pub struct DiagnosisPlan {
     pub false_alarm: f64,
     /// Most effects that are added.
     pub max_effects: usize,
+    /// Whether a slow unknown moment is part of the noise model.
+    pub slow_moment: bool,
 }
 
 /// An experiment ready to run.

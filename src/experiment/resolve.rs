@@ -250,6 +250,7 @@ fn diagnosis(file: &ExperimentFile) -> Result<Option<DiagnosisPlan>, Meaning> {
         candidates,
         false_alarm: entry.false_alarm,
         max_effects: entry.max_effects,
+        slow_moment: entry.slow_moment,
     }))
 }
 

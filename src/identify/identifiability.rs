@@ -90,12 +90,16 @@ pub(super) fn identified(
         notes.push(sentence(model, values, &finite, &free, &scale, &direction, &part));
     }
     if train.iter().all(Recording::is_single_axis) {
-        notes.push(
+        // the filter counts one axis once; sums over the rows of both wheels do not
+        let twice = if given.is_some() {
+            ", and their standard errors count the same data twice (multiply by 1.41)"
+        } else {
+            ""
+        };
+        notes.push(format!(
             "Both wheels carry the same numbers: this is one axis, so only sums over the two \
-             wheels can be known, and their standard errors count the same data twice (multiply \
-             by 1.41)."
-                .into(),
-        );
+             wheels can be known{twice}."
+        ));
     }
     Identified { covariance, notes }
 }

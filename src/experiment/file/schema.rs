@@ -286,11 +286,19 @@ pub struct DiagnosisEntry {
     /// Most effects that are added.
     #[schemars(range(min = 1))]
     pub max_effects: usize,
+    /// Whether a slow unknown moment (up to 1 s) is noise. `false` for a bench whose drive is known
+    /// well: constant and slow effects show better, and coloured noise raises alarms.
+    pub slow_moment: bool,
 }
 
 impl Default for DiagnosisEntry {
     fn default() -> Self {
-        Self { candidates: CandidatesEntry::All("all".into()), false_alarm: 0.05, max_effects: 3 }
+        Self {
+            candidates: CandidatesEntry::All("all".into()),
+            false_alarm: 0.05,
+            max_effects: 3,
+            slow_moment: true,
+        }
     }
 }
 
