@@ -1,7 +1,7 @@
 //! The diagnosis of an experiment: run it, judge it on recordings it was not fitted to, say it.
 
+use super::error::RunError;
 use super::plan::{DiagnosisPlan, Plan};
-use super::run::RunError;
 use crate::compare::{Dependence, missing_moment};
 use crate::diagnose::{
     Conclusion, Diagnosis, Errors, Judge, Judgement, Limits, Proposal, Ranked, Rivals, Settings,

@@ -1,13 +1,29 @@
 //! Why an experiment did not run.
 
 use super::file::FileError;
-use super::run::RunError;
 use crate::identify::OptionError;
 use crate::io::IoError;
 use crate::model::ModelError;
 use crate::report::ReportError;
 use crate::robot::RobotError;
 use crate::simulate::{GainError, SimulateError};
+
+/// Why an experiment has no study.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum RunError {
+    /// Every method failed.
+    #[error("no method has a fit: {reasons}")]
+    NoFit {
+        /// What each said.
+        reasons: String,
+    },
+    /// The model cannot move.
+    #[error(transparent)]
+    Simulate(#[from] SimulateError),
+    /// The model is not one.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+}
 
 /// Why an experiment did not run.
 #[derive(Debug, thiserror::Error)]

@@ -4,39 +4,14 @@ use std::path::{Path, PathBuf};
 
 use super::error::ExperimentError;
 use super::file::ExperimentFile;
-use super::grid::{self, GridPlan, Shard};
+use super::grid::{self, GridPlan};
+use super::options::{Done, RunOptions};
 use super::plan::Plan;
 use super::resolve::resolve;
 use super::run::run;
 use crate::export::Written;
 use crate::io::{ResultFolder, check_writable, read_text, write_csv, write_whole};
 use crate::study::{DiagnosisStudy, Study, Version, results};
-
-/// How experiments are run.
-#[derive(Clone, Debug)]
-pub struct RunOptions {
-    /// Folder of the result folders.
-    pub out: PathBuf,
-    /// Overrides, `key=value`.
-    pub set: Vec<String>,
-    /// Keep finished cells of an interrupted grid.
-    pub resume: bool,
-    /// Run only this part of the combinations of a grid.
-    pub shard: Option<Shard>,
-    /// Show progress.
-    pub progress: bool,
-}
-
-/// A finished experiment.
-#[derive(Clone, Debug)]
-pub struct Done {
-    /// Its verdict in a sentence.
-    pub verdict: String,
-    /// Path of its report; of its journal, if it is a part of a grid.
-    pub report: PathBuf,
-    /// Window error and floor on the judged recordings [rad/s].
-    pub window_rms: (f64, f64),
-}
 
 /// What became of an experiment.
 #[derive(Debug)]

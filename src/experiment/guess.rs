@@ -3,7 +3,6 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::loop_commands::drive_unit;
 use crate::recording::DriveUnit;
 
 /// What the columns of a log seem to be.
@@ -216,6 +215,20 @@ fn quoted(path: &Path, folder: &Path) -> String {
 /// Text as TOML writes it; Rust's own escapes are others.
 fn text(text: &str) -> String {
     toml::Value::from(text).to_string()
+}
+
+/// The drive unit that a column name or unit stands for.
+fn drive_unit(name: &str) -> DriveUnit {
+    let lower = name.to_lowercase();
+    let mut words = lower.split(|c: char| !c.is_alphabetic());
+    let amperes = words.any(|w| matches!(w, "amp" | "amps" | "ampere" | "amperes"));
+    if lower.contains("volt") || lower.starts_with('v') {
+        DriveUnit::Volt
+    } else if lower.contains("current") || amperes || lower.starts_with('i') {
+        DriveUnit::Ampere
+    } else {
+        DriveUnit::NewtonMetre
+    }
 }
 
 #[cfg(test)]

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use super::error::ExperimentError;
-use super::execute::{RunOptions, execute, load};
+use super::execute::{execute, load};
+use super::options::RunOptions;
 use crate::io::{ColumnMap, check_writable, headers, read_recording, read_text, write_whole};
-use crate::recording::DriveUnit;
 use crate::robot::Robot;
 
 /// The file beside an experiment file by which an editor checks it: what `experiment schema` prints.
@@ -110,16 +110,4 @@ pub fn add_effect(effect: &str, file: &Path, out: &Path) -> Result<String, Exper
 /// A path in a comment, which a line break in it would end.
 fn in_a_line(path: &Path) -> String {
     path.to_string_lossy().replace(char::is_control, "\u{fffd}")
-}
-
-/// The drive unit that a column name or unit stands for.
-pub(super) fn drive_unit(name: &str) -> DriveUnit {
-    let lower = name.to_lowercase();
-    if lower.contains("volt") || lower.starts_with('v') {
-        DriveUnit::Volt
-    } else if lower.contains("current") || lower.contains("amp") || lower.starts_with('i') {
-        DriveUnit::Ampere
-    } else {
-        DriveUnit::NewtonMetre
-    }
 }

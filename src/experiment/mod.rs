@@ -12,14 +12,15 @@ mod grid;
 mod guess;
 mod loop_commands;
 mod model_out;
+mod options;
 mod plan;
 mod quality;
 mod resolve;
 mod run;
 
 pub use check::check;
-pub use error::ExperimentError;
-pub use execute::{Done, Outcome, RunOptions, execute, load, load_all, merge, write_index};
+pub use error::{ExperimentError, RunError};
+pub use execute::{Outcome, execute, load, load_all, merge, write_index};
 pub use file::{
     CandidatesEntry, ColumnEntry, CustomEntry, CustomParameter, DiagnosisEntry, EmulatorEntry,
     ExperimentFile, FileError, FixedEntry, ModelEntry, MovementEntry, RecordingsEntry,
@@ -27,5 +28,6 @@ pub use file::{
 };
 pub use grid::{GridAxis, GridPlan, Shard, ShardError};
 pub use loop_commands::{add_effect, new_file};
+pub use options::{Done, RunOptions};
 pub use plan::{DiagnosisPlan, Measured, MethodPlan, Plan};
-pub use run::{RunError, run};
+pub use run::run;

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
+use super::error::RunError;
 use super::plan::{Measured, MethodPlan, Plan};
 use crate::compare::{
     failures, ise, missing_moment, noise_floor, simulate_recording, window_errors, window_rms,
@@ -15,23 +16,6 @@ use crate::recording::{LocalMotion, Recording};
 use crate::robot::{State, kinematics};
 use crate::simulate::{Dynamics, PhysicalDynamics, SimulateError, Structure, emulate};
 use crate::study::{MethodStudy, Performance, RecordingStudy, Role, Study};
-
-/// Why an experiment has no study.
-#[derive(Clone, Debug, thiserror::Error)]
-pub enum RunError {
-    /// Every method failed.
-    #[error("no method has a fit: {reasons}")]
-    NoFit {
-        /// What each said.
-        reasons: String,
-    },
-    /// The model cannot move.
-    #[error(transparent)]
-    Simulate(#[from] SimulateError),
-    /// The model is not one.
-    #[error(transparent)]
-    Model(#[from] crate::model::ModelError),
-}
 
 /// Methods in the order in which their fit is preferred for the detailed comparison.
 const PREFERRED: [&str; 4] = ["prediction_error", "weak_form", "output_error", "torque_regression"];

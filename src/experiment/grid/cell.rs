@@ -7,8 +7,9 @@ use serde::{Deserialize, Serialize};
 use super::GridPlan;
 use super::word::Word;
 use crate::experiment::diagnosis::run_diagnosis;
+use crate::experiment::error::RunError;
 use crate::experiment::plan::Plan;
-use crate::experiment::run::{RunError, compare};
+use crate::experiment::run::compare;
 use crate::identify::{Estimate, Status};
 use crate::study::{DiagnosisStudy, MethodStudy, Role, Study, Verdict};
 

@@ -4,12 +4,13 @@ use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 
 use super::cell::Cell;
-use super::part::{Shard, command};
+use super::part::Shard;
 use super::run::{Finished, Line, run_cells};
+use super::shell::command;
 use super::summary::{self, Summary};
 use super::{GridPlan, page, table};
 use crate::experiment::error::ExperimentError;
-use crate::experiment::execute::{Done, RunOptions};
+use crate::experiment::options::{Done, RunOptions};
 use crate::experiment::plan::Plan;
 use crate::io::{Journal, ResultFolder, write_csv_table};
 use crate::study::SCHEMA;

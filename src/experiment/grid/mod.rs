@@ -13,6 +13,7 @@ mod finish;
 mod page;
 mod part;
 mod run;
+mod shell;
 mod summary;
 mod table;
 mod word;

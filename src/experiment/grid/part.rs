@@ -4,8 +4,6 @@ use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
 
-use super::GridPlan;
-use crate::experiment::execute::RunOptions;
 use crate::io::file_names;
 
 /// Part `number` of `of` parts of a grid: every `of`-th combination.
@@ -93,23 +91,6 @@ impl fmt::Display for Shard {
     }
 }
 
-/// The command line that does `what` with the file of a grid, as for a shell.
-pub(super) fn command(what: &str, grid: &GridPlan, options: &RunOptions) -> String {
-    let out = quoted(&options.out.display().to_string());
-    let set: String = options.set.iter().map(|s| format!(" --set {}", quoted(s))).collect();
-    let file = quoted(&grid.path.display().to_string());
-    format!("experiment {what} --out {out}{set} {file}")
-}
-
-/// A word as a shell takes it.
-fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "_-+./=,:@%".contains(c);
-    if !word.is_empty() && word.chars().all(plain) {
-        return word.into();
-    }
-    format!("'{}'", word.replace('\'', r"'\''"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -133,11 +114,5 @@ mod tests {
         for other in ["part-02-of-14.jsonl", "part-3-of-2.jsonl", "part-1-of-2.json", "x"] {
             assert_eq!(Shard::from_file(other), None, "{other}");
         }
-    }
-
-    #[test]
-    fn words_of_a_command_are_quoted_where_a_shell_needs_it() {
-        assert_eq!(quoted("out/a-1.toml"), "out/a-1.toml");
-        assert_eq!(quoted("title=\"it's\""), "'title=\"it'\\''s\"'");
     }
 }

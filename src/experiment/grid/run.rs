@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::GridPlan;
 use super::cell::{Cell, run_cell};
 use super::word::Words;
-use crate::experiment::execute::RunOptions;
+use crate::experiment::options::RunOptions;
 use crate::experiment::plan::Plan;
 use crate::io::{IoError, Journal, sha256_text};
 

@@ -14,9 +14,8 @@ use crate::report::ReportError;
 use crate::report::palette::Rgb;
 use crate::report::polyline::{Point, Rect};
 
-use super::pen::{Anchor, Pen, printable, register_fonts, rgb};
+use super::pen::{Anchor, Pen, SUPERSAMPLING, printable, register_fonts, rgb};
 
-pub(super) const SUPERSAMPLING: f64 = 8.0;
 /// Half an "ex" as the SVG reader counts it: what plotters adds to a vertically centred text.
 const CENTER_SHIFT: f64 = 0.25;
 

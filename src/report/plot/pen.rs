@@ -9,8 +9,8 @@ use crate::report::ReportError;
 use crate::report::fonts::{FAMILY, REGULAR, SEMI_BOLD};
 use crate::report::palette::{INK, MUTED, Rgb};
 
-use super::canvas::SUPERSAMPLING;
-
+/// plotters rounds coordinates to whole pixels; figures are drawn this much larger.
+pub(super) const SUPERSAMPLING: f64 = 8.0;
 /// plotters divides font sizes by this before it writes them.
 const FONT_FACTOR: f64 = 1.24;
 
