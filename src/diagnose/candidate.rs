@@ -42,16 +42,22 @@ pub enum Form {
     Signal(Arc<Vec<Vec<[f64; 2]>>>),
 }
 
-/// All candidates of a model: registered effects that it lacks (or those named), at every value
-/// of their shape grid. Effects that are the same for any wheel recording appear once; those that put
-/// a body behind the wheels are left out.
+/// All candidates of a model: registered effects and the user's `own` that it lacks (or those named),
+/// at every value of their shape grid. Effects that are the same for any wheel recording appear once;
+/// those that put a body behind the wheels, and formulas without a linear parameter, are left out.
 #[must_use]
-pub fn candidates(model: &Model, named: &[String], recordings: &[&Recording]) -> Vec<Candidate> {
+pub fn candidates(
+    model: &Model,
+    named: &[String],
+    own: &[Arc<dyn Effect>],
+    recordings: &[&Recording],
+) -> Vec<Candidate> {
     let present = model.effect_ids();
     let held = (0..3).any(|j| model.parameters()[j].fixed.is_some());
     let mut out: Vec<Candidate> = Vec::new();
     let scale = Scale::of(recordings);
-    for effect in crate::effects::all() {
+    let registered = crate::effects::all().into_iter().map(Arc::from);
+    for effect in registered.chain(own.iter().cloned()) {
         let description = effect.description();
         let id = description.id.clone();
         let asked = named.is_empty() || named.contains(&id);
@@ -63,12 +69,11 @@ pub fn candidates(model: &Model, named: &[String], recordings: &[&Recording]) ->
         if !asked || present.contains(&id) || twin || (id == "payload" && !held) {
             continue;
         }
-        let effect: Arc<dyn Effect> = effect.into();
         // the filter carries no body behind the wheels
         if model.add_effect(effect.clone()).is_ok_and(|with| with.is_coupled()) {
             continue;
         }
-        out.extend(grid(&id, &effect, &scale, recordings));
+        out.extend(grid(&id, &effect, &scale, recordings).into_iter().filter(|c| c.columns() > 0));
     }
     if recordings.iter().all(|r| r.is_single_axis()) {
         let motions: Vec<_> = recordings.iter().map(|r| r.local_motion()).collect();
@@ -176,7 +181,9 @@ fn shape_values(id: &str, typical: f64, scale: &Scale) -> Vec<f64> {
         "backlash_deadzone" => [0.02, 0.05, 0.1].map(|s| s * scale.moment).to_vec(),
         "actuator_lag" | "actuator_delay" => vec![scale.step],
         "torque_ripple" => (2..=16).map(f64::from).collect(),
-        _ => vec![typical],
+        _ if crate::effects::find(id).is_some() => vec![typical],
+        // of a formula nothing is known but where the user looks for its shape
+        _ => [0.25, 0.5, 1.0, 2.0, 4.0].map(|s| s * typical).to_vec(),
     }
 }
 

@@ -1,20 +1,25 @@
 //! Forward steps with re-ranking and backward pruning: how many effects are missing.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::candidate::{Candidate, candidates};
 use super::refit::{Refit, refit};
 use super::scan::{Score, scan};
+use crate::effects::Effect;
 use crate::identify::kalman::{Likelihood, Maximum};
 use crate::identify::{IdentifyError, Task, start};
 use crate::model::Model;
 use crate::recording::Recording;
 
 /// What the diagnosis is asked.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone)]
 pub struct Settings {
     /// Ids of the candidates; empty: all.
     pub candidates: Vec<String>,
+    /// Candidates beside the catalogue: formulas of the user.
+    pub own: Vec<Arc<dyn Effect>>,
     /// Stated false-alarm rate over the whole catalogue.
     pub false_alarm: f64,
     /// Most effects that are added.
@@ -23,7 +28,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { candidates: vec![], false_alarm: 0.05, max_effects: 4 }
+        Self { candidates: vec![], own: vec![], false_alarm: 0.05, max_effects: 4 }
     }
 }
 
@@ -202,7 +207,7 @@ fn rank(
     settings: &Settings,
 ) -> Result<Vec<Ranked>, IdentifyError> {
     let recordings: Vec<&Recording> = likelihood.prepared.iter().map(|p| p.recording).collect();
-    let all = candidates(model, &settings.candidates, &recordings);
+    let all = candidates(model, &settings.candidates, &settings.own, &recordings);
     let scores = scan(model, &maximum.p, &maximum.noise, likelihood, &all)?;
     let mut ranked: Vec<Ranked> = Vec::new();
     for (candidate, score) in all.into_iter().zip(scores) {

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::error::ExperimentError;
 use super::execute::load;
+use super::plan::DiagnosisPlan;
 
 /// Validates a file and its recordings and says what would be done.
 ///
@@ -45,11 +46,14 @@ pub fn check(file: &Path, set: &[String]) -> Result<String, ExperimentError> {
     let _ = writeln!(out, "  methods     {}", methods.join(", "));
     let diagnosis = match &plan.diagnosis {
         None => "none".to_string(),
-        Some(d) if d.candidates.is_empty() => {
-            format!("all effects, false-alarm rate {} %", 100.0 * d.false_alarm)
-        }
-        Some(d) => {
-            format!("{}, false-alarm rate {} %", d.candidates.join(", "), 100.0 * d.false_alarm)
+        Some(DiagnosisPlan { settings, .. }) => {
+            let own: Vec<String> = settings.own.iter().map(|e| e.id()).collect();
+            let named = match (&settings.candidates[..], &own[..]) {
+                ([], []) => "all effects".to_string(),
+                ([], own) => format!("all effects and the formulas {}", own.join(", ")),
+                (named, _) => named.join(", "),
+            };
+            format!("{named}, false-alarm rate {} %", 100.0 * settings.false_alarm)
         }
     };
     let _ = writeln!(out, "  diagnosis   {diagnosis}");

@@ -1,13 +1,35 @@
 //! Effects written as formulas in the experiment file.
 
+use std::sync::Arc;
+
 use super::file::CustomEntry;
 use crate::effects::{Custom, CustomDefinition, Effect, ParameterSpec};
+use crate::model::{Model, ModelError};
 
-/// The effect of a `[[model.custom]]` block.
+/// An effect of the file.
+pub(super) type Own = Arc<dyn Effect>;
+
+/// The effects of all `[[model.custom]]` blocks.
 ///
 /// # Errors
-/// In words, what is wrong with the formula or its parameters.
-pub(super) fn effect(entry: &CustomEntry) -> Result<Box<dyn Effect>, String> {
+/// In words, what is wrong with a formula or its parameters.
+pub(super) fn effects(entries: &[CustomEntry]) -> Result<Vec<Own>, String> {
+    entries.iter().map(effect).collect()
+}
+
+/// The model with one more effect, of the file's `own` or of the catalogue.
+///
+/// # Errors
+/// An effect that is in neither, or in the model already.
+pub(super) fn add(model: &Model, id: &str, own: &[Own]) -> Result<Model, ModelError> {
+    match own.iter().find(|effect| effect.id() == id) {
+        Some(effect) => model.add_effect(effect.clone()),
+        None => model.add(id),
+    }
+}
+
+/// The effect of one block.
+fn effect(entry: &CustomEntry) -> Result<Own, String> {
     let parameters = entry
         .parameters
         .iter()
@@ -23,5 +45,5 @@ pub(super) fn effect(entry: &CustomEntry) -> Result<Box<dyn Effect>, String> {
         description: entry.description.clone(),
     };
     let custom = Custom::new(&entry.id, definition);
-    Ok(Box::new(custom.map_err(|e| format!("[[model.custom]] {}: {e}", entry.id))?))
+    Ok(Arc::new(custom.map_err(|e| format!("[[model.custom]] {}: {e}", entry.id))?))
 }

@@ -4,8 +4,8 @@ use super::error::RunError;
 use super::plan::{DiagnosisPlan, Plan};
 use crate::compare::{Dependence, missing_moment};
 use crate::diagnose::{
-    Conclusion, Diagnosis, Errors, Judge, Judgement, Limits, Proposal, Ranked, Rivals, Settings,
-    conclude, diagnose, next_run, probabilities,
+    Conclusion, Diagnosis, Errors, Judge, Judgement, Limits, Proposal, Ranked, Rivals, conclude,
+    diagnose, next_run, probabilities,
 };
 use crate::identify::kalman::{Likelihood, prepare};
 use crate::identify::start::covariance_of_free;
@@ -39,12 +39,7 @@ pub(super) fn run_diagnosis(
         slow_moment: asked.slow_moment,
         timing: false,
     };
-    let settings = Settings {
-        candidates: asked.candidates.clone(),
-        false_alarm: asked.false_alarm,
-        max_effects: asked.max_effects,
-    };
-    let diagnosis = diagnose(&plan.model, &first, &likelihood, &settings).map_err(failed)?;
+    let diagnosis = diagnose(&plan.model, &first, &likelihood, &asked.settings).map_err(failed)?;
     let judge = Judge::new(plan.judged(), plan.hold);
     let floor = study.judged_floor();
     let before = judge.judge(&plan.model, &diagnosis.base.1.p)?;
@@ -59,14 +54,20 @@ pub(super) fn run_diagnosis(
             Conclusion::Missing => Verdict::EffectsMissing,
             Conclusion::Unknown => Verdict::UnknownEffect,
         },
-        sentence: sentence(conclusion, &diagnosis, &errors, left.as_ref(), asked.false_alarm),
+        sentence: sentence(
+            conclusion,
+            &diagnosis,
+            &errors,
+            left.as_ref(),
+            asked.settings.false_alarm,
+        ),
         found,
         ranking: ranking(&diagnosis, &judge, before, floor)?,
         staircase: staircase(&diagnosis, &judge, before)?,
         unexplained_fraction: errors.unexplained(),
         next_run: advice(&diagnosis, proposal.as_ref()),
         proposal,
-        false_alarm: asked.false_alarm,
+        false_alarm: asked.settings.false_alarm,
         missing_moment: Some(missing_moment(
             &plan.model,
             &diagnosis.base.1.p,
@@ -314,9 +315,10 @@ fn advice(diagnosis: &Diagnosis, proposal: Option<&Proposal>) -> Option<String> 
         ));
     }
     for other in equals.iter().filter(|e| !same.equivalent.contains(e)) {
-        let Some(description) = crate::effects::find(other).map(|e| e.description()) else {
+        let Some(rival) = diagnosis.ranking.iter().find(|r| r.candidate.id == *other) else {
             continue;
         };
+        let description = rival.candidate.effect.description();
         out.push(format!(
             "To tell {} from {other}, record: {}; and: {}.",
             same.id, same.excitation, description.excitation

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::custom::add;
 use super::error::ExperimentError;
 use super::execute::{execute, load};
 use super::options::RunOptions;
@@ -67,7 +68,7 @@ pub fn add_effect(effect: &str, file: &Path, out: &Path) -> Result<String, Exper
     let wrong =
         |message: String| ExperimentError::Meaning { file: file.display().to_string(), message };
     let before = load(file, &[])?;
-    before.model.add(effect).map_err(|e| wrong(e.to_string()))?;
+    add(&before.model, effect, &before.own).map_err(|e| wrong(e.to_string()))?;
     let mut document: toml_edit::DocumentMut =
         text.parse().map_err(|e: toml_edit::TomlError| wrong(e.to_string()))?;
     let model = document.entry("model").or_insert_with(toml_edit::table);

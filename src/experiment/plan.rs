@@ -1,6 +1,8 @@
 //! An experiment ready to run: everything resolved, nothing left to look up.
 
+use super::custom::Own;
 use super::grid::GridPlan;
+use crate::diagnose::Settings;
 use crate::identify::Identifier;
 use crate::model::Model;
 use crate::recording::Recording;
@@ -32,14 +34,9 @@ pub struct MethodPlan {
 }
 
 /// What the diagnosis is asked.
-#[derive(Clone, Debug, PartialEq)]
 pub struct DiagnosisPlan {
-    /// Ids of the candidates; empty: all of the catalogue.
-    pub candidates: Vec<String>,
-    /// Stated false-alarm rate.
-    pub false_alarm: f64,
-    /// Most effects that are added.
-    pub max_effects: usize,
+    /// Candidates, false-alarm rate and number of effects.
+    pub settings: Settings,
     /// Whether a slow unknown moment is part of the noise model.
     pub slow_moment: bool,
 }
@@ -54,6 +51,8 @@ pub struct Plan {
     pub file: String,
     /// Model to fit.
     pub model: Model,
+    /// Effects written as formulas in the file, in the model or not.
+    pub own: Vec<Own>,
     /// Recordings; at least one to train on.
     pub recordings: Vec<Measured>,
     /// The drive between samples.

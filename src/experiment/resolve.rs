@@ -6,11 +6,14 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 use rayon::prelude::*;
 use toml::Table;
 
+use super::custom::{self, Own, add};
 use super::error::{ExperimentError, Meaning};
 use super::file::{
-    CandidatesEntry, ExperimentFile, FixedEntry, MovementEntry, RecordingsEntry, SimulationEntry,
+    CandidatesEntry, DiagnosisEntry, ExperimentFile, FixedEntry, MovementEntry, RecordingsEntry,
+    SimulationEntry,
 };
 use super::plan::{DiagnosisPlan, Measured, MethodPlan, Plan};
+use crate::diagnose::Settings;
 use crate::effects::ParameterKind;
 use crate::identify;
 use crate::io::{ColumnMap, read_recording};
@@ -40,13 +43,14 @@ pub(super) fn resolve(
 
 fn plan(path: &Path, text: &str, file: &ExperimentFile) -> Result<Plan, Meaning> {
     let robot = robot(file.robot.as_ref())?;
-    let model = model(file, &robot)?;
+    let own = custom::effects(&file.model.custom).map_err(words)?;
+    let model = model(file, &own, &robot)?;
     let methods = methods(&file.method, file.emulator.gain)?;
     let gain = gain(file)?;
-    let diagnosis = diagnosis(file)?;
+    let diagnosis = diagnosis(file, &own)?;
     let (recordings, hold, seed, truth) = match (&file.recordings, &file.simulation) {
         (Some(entry), _) => (measured(path, entry, &robot)?, entry.hold, 1, vec![]),
-        (None, Some(entry)) => made(file, entry, &robot)?,
+        (None, Some(entry)) => made(entry, &own, &robot)?,
         (None, None) => (vec![], Hold::Linear, 1, vec![]),
     };
     let name = name_of(path);
@@ -55,6 +59,7 @@ fn plan(path: &Path, text: &str, file: &ExperimentFile) -> Result<Plan, Meaning>
         name,
         file: text.to_string(),
         model,
+        own,
         recordings,
         hold,
         methods,
@@ -137,10 +142,10 @@ fn nearest(name: &str, known: &[&str]) -> String {
 }
 
 /// The model of the file: base, effects of the catalogue and custom ones, fixed parameters.
-fn model(file: &ExperimentFile, robot: &Robot) -> Result<Model, Meaning> {
+fn model(file: &ExperimentFile, own: &[Own], robot: &Robot) -> Result<Model, Meaning> {
     let mut model = Model::base(robot.clone());
     for id in &file.model.effects {
-        model = add(model, id, file)?;
+        model = add(&model, id, own)?;
     }
     for (symbol, entry) in &file.model.fixed {
         let value = match entry {
@@ -161,13 +166,6 @@ fn model(file: &ExperimentFile, robot: &Robot) -> Result<Model, Meaning> {
         model = model.fix(symbol, value)?;
     }
     Ok(model)
-}
-
-fn add(model: Model, id: &str, file: &ExperimentFile) -> Result<Model, Meaning> {
-    match file.model.custom.iter().find(|c| c.id == id) {
-        Some(entry) => Ok(model.add_effect(super::custom::effect(entry).map_err(words)?.into())?),
-        None => Ok(model.add(id)?),
-    }
 }
 
 /// The methods of the file. A fuzzy method that states no gain of its own is fitted in the emulator
@@ -236,7 +234,7 @@ fn gain(file: &ExperimentFile) -> Result<Gain, Meaning> {
     Ok(gain)
 }
 
-fn diagnosis(file: &ExperimentFile) -> Result<Option<DiagnosisPlan>, Meaning> {
+fn diagnosis(file: &ExperimentFile, own: &[Own]) -> Result<Option<DiagnosisPlan>, Meaning> {
     let Some(entry) = &file.diagnosis else { return Ok(None) };
     let candidates = match &entry.candidates {
         CandidatesEntry::All(_) => vec![],
@@ -244,14 +242,11 @@ fn diagnosis(file: &ExperimentFile) -> Result<Option<DiagnosisPlan>, Meaning> {
     };
     for id in &candidates {
         // the model's own message names the effect that was meant
-        Model::base(Robot::amigobot()).add(id)?;
+        add(&Model::base(Robot::amigobot()), id, own)?;
     }
-    Ok(Some(DiagnosisPlan {
-        candidates,
-        false_alarm: entry.false_alarm,
-        max_effects: entry.max_effects,
-        slow_moment: entry.slow_moment,
-    }))
+    let DiagnosisEntry { false_alarm, max_effects, slow_moment, .. } = *entry;
+    let settings = Settings { candidates, own: own.to_vec(), false_alarm, max_effects };
+    Ok(Some(DiagnosisPlan { settings, slow_moment }))
 }
 
 fn measured(path: &Path, entry: &RecordingsEntry, robot: &Robot) -> Result<Vec<Measured>, Meaning> {
@@ -312,10 +307,10 @@ fn in_threads<T: Sync, R: Send>(
 type Made = (Vec<Measured>, Hold, u64, Vec<(String, f64)>);
 
 /// Made recordings: a truth of base and hidden effects drives the movement.
-fn made(file: &ExperimentFile, entry: &SimulationEntry, robot: &Robot) -> Result<Made, Meaning> {
+fn made(entry: &SimulationEntry, own: &[Own], robot: &Robot) -> Result<Made, Meaning> {
     let mut truth = Model::base(robot.clone());
     for id in entry.hidden.keys() {
-        truth = add(truth, id, file)?;
+        truth = add(&truth, id, own)?;
     }
     let mut p = truth.initial();
     for (symbol, value) in &entry.truth {

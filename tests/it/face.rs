@@ -296,6 +296,21 @@ fn window_error(folder: &Folder) -> f64 {
 }
 
 #[test]
+fn a_formula_of_the_file_is_tried_beside_the_catalogue_and_can_be_added() {
+    let folder = Folder::new();
+    let hidden = "{ cubic = { k3 = 2e-4 } }";
+    let formula = "[[model.custom]]\nid = \"cubic\"\ntorque1 = \"k3 * w^3\"\n\
+                   parameters = { k3 = { range = [0.0, 1.0], typical = 1e-4 } }\n";
+    let text = SMALL
+        .replace("{ turning_scrub = { f_t = 0.02 } }", hidden)
+        .replace("[\"turning_scrub\", \"viscous_friction\", \"slope\"]", "\"all\"");
+    folder.write("mine.toml", format!("{text}\n{formula}"));
+    folder.run(&["check", "mine.toml"]).says(0, &["all effects and the formulas cubic"]);
+    folder.run(&["mine.toml"]).says(0, &["Missing: cubic."]);
+    folder.run(&["add", "cubic", "mine.toml"]).says(0, &["added cubic", "Nothing is missing"]);
+}
+
+#[test]
 fn add_keeps_the_comments_and_lowers_the_error() {
     let folder = Folder::new();
     let text = long();

@@ -212,7 +212,8 @@ pub(super) fn effects(_: &mut SchemaGenerator) -> Schema {
 
 /// `[diagnosis] candidates` as a list.
 pub(super) fn candidates(_: &mut SchemaGenerator) -> Schema {
-    schema(json!({ "type": "array", "minItems": 1, "items": { "oneOf": effect_words() } }))
+    let item = json!({ "anyOf": [{ "oneOf": effect_words() }, { "type": "string" }] });
+    schema(json!({ "type": "array", "minItems": 1, "items": item }))
 }
 
 /// `[[method]]`: a name, and the options of that method.
