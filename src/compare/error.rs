@@ -2,10 +2,12 @@
 
 use crate::recording::{LocalMotion, Recording};
 use crate::robot::State;
-use crate::simulate::{Dynamics, Hold, Input, SimulateError};
+use crate::simulate::{Dynamics, Hold, Input, RunIn, SimulateError};
 
 /// Length of an open-loop window [s].
 pub(super) const WINDOW: f64 = 2.0;
+/// Run-in of a window where a body behind the wheels must get under way first [s].
+const RUN_IN: f64 = 0.5;
 
 /// A recording simulated by a model.
 #[derive(Clone, Debug)]
@@ -64,6 +66,7 @@ pub(super) fn windows_of(
 pub(super) struct Acting<'a> {
     dynamics: &'a dyn Dynamics,
     t: &'a [f64],
+    pieces: &'a [std::ops::Range<usize>],
     drive: Vec<[f64; 2]>,
 }
 
@@ -73,25 +76,41 @@ impl<'a> Acting<'a> {
         recording: &'a Recording,
         moment: &[[f64; 2]],
     ) -> Self {
-        Self { dynamics, t: recording.t(), drive: dynamics.drive(recording.t(), moment) }
+        let drive = dynamics.drive(recording.t(), moment);
+        Self { dynamics, t: recording.t(), pieces: recording.pieces(), drive }
     }
 
     /// The motion over a range of samples; far away (NaN) where it diverges: a bad model is a
     /// result, not an error.
     pub(super) fn simulate(
         &self,
+        motion: &[LocalMotion],
         range: std::ops::Range<usize>,
         start: State,
         hold: Hold,
     ) -> Result<Vec<State>, SimulateError> {
         let samples = range.len();
-        let input = Input { t: &self.t[range.clone()], moment: &self.drive[range], hold };
-        match self.dynamics.simulate_part(&input, self.t[0], start) {
+        let run_in = self.run_in(motion, range.start);
+        let whole = range.start - run_in.samples..range.end;
+        let input = Input { t: &self.t[whole.clone()], moment: &self.drive[whole], hold };
+        match self.dynamics.simulate_part(&input, self.t[0], &run_in, start) {
             Err(SimulateError::Diverged { .. }) => {
                 Ok(vec![State { alpha: [f64::NAN; 2], omega: [f64::NAN; 2] }; samples])
             }
             other => other,
         }
+    }
+
+    /// The run-in of a range that starts at a sample; none at the start of a piece, and none where
+    /// the wheels are all there is.
+    fn run_in(&self, motion: &[LocalMotion], first: usize) -> RunIn {
+        let piece = self.pieces.iter().find(|piece| piece.contains(&first));
+        let Some(piece) = piece.filter(|_| self.dynamics.has_more_state()) else {
+            return RunIn::default();
+        };
+        let early = |k: &usize| self.t[first] - self.t[*k] <= RUN_IN;
+        let samples = (piece.start..first).rev().take_while(early).count();
+        RunIn { samples, start: start(&motion[first - samples]) }
     }
 }
 
@@ -103,7 +122,7 @@ fn run(
     out: &mut Vec<State>,
 ) -> Result<(), SimulateError> {
     let first = start(&motion[range.start]);
-    out.extend(acting.simulate(range, first, hold)?);
+    out.extend(acting.simulate(motion, range, first, hold)?);
     Ok(())
 }
 

@@ -116,7 +116,7 @@ fn all(
                 }
             }
         }
-        out.extend(acting.simulate(range.clone(), first, hold)?);
+        out.extend(acting.simulate(motion, range.clone(), first, hold)?);
     }
     Ok(out)
 }

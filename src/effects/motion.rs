@@ -123,3 +123,14 @@ pub struct Coupling<T> {
     /// Torsional damping or slip stiffness [N m s/rad].
     pub damping: T,
 }
+
+impl Coupling<f64> {
+    /// The rotor that is taken: at most nine tenths of the smallest eigenvalue of the robot's mass
+    /// matrix (m11, m12, m22) [kg m^2].
+    #[must_use]
+    pub fn rotor_within(&self, mass: &[f64; 3]) -> f64 {
+        let [m11, m12, m22] = *mass;
+        let smallest = 0.5 * (m11 + m22) - (0.5 * (m11 - m22)).hypot(m12);
+        self.rotor.min(0.9 * smallest)
+    }
+}

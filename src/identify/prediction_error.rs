@@ -80,18 +80,14 @@ impl Identifier for PredictionError {
     }
 
     fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
-        if task.model.is_coupled() {
-            let reason = "a body behind the wheels (wheel_slip, compliance) has states that this \
-                          filter does not carry; use output_error";
-            return Err(IdentifyError::Unsupported { method: NAME.into(), reason: reason.into() });
-        }
-        let first = start::start(task, NAME)?;
+        let mut first = start::start(task, NAME)?;
         let likelihood = Likelihood {
             prepared: task.train.iter().map(prepare).collect(),
             hold: task.hold,
             slow_moment: self.slow_moment,
             timing: true,
         };
+        likelihood.place_joint(task.model, &mut first);
         let maximum = likelihood.maximise(task.model, &first, None, NAME)?;
         let pull = likelihood.pull_of_input_noise(task.model, &maximum)?;
         // the pull is known to first order, so a large one is not known

@@ -32,7 +32,8 @@ pub trait Dynamics: Send + Sync {
     fn simulate(&self, input: &Input, start: State) -> Result<Vec<State>, SimulateError>;
 
     /// Simulation of a part of a recording: `input.moment` is the acting drive ([`Dynamics::drive`]
-    /// over the whole recording) and time counts from `origin` [s].
+    /// over the whole recording) and time counts from `origin` [s]. The first samples of `input` are
+    /// the run-in; the states behind it are returned, the first being `start`.
     ///
     /// # Errors
     /// As [`Dynamics::simulate`].
@@ -40,10 +41,21 @@ pub trait Dynamics: Send + Sync {
         &self,
         input: &Input,
         origin: f64,
+        run_in: &RunIn,
         start: State,
     ) -> Result<Vec<State>, SimulateError> {
         let _ = origin;
-        self.simulate(input, start)
+        let from = run_in.samples;
+        self.simulate(
+            &Input { t: &input.t[from..], moment: &input.moment[from..], ..*input },
+            start,
+        )
+    }
+
+    /// Whether there is more to the state than angles and speeds of the wheels (a body behind a
+    /// coupling), so that a part needs a run-in.
+    fn has_more_state(&self) -> bool {
+        false
     }
 
     /// The physical model and its parameter values, where the dynamics is one.
@@ -55,6 +67,15 @@ pub trait Dynamics: Send + Sync {
     fn fuzzy(&self) -> Option<&FuzzyDynamics> {
         None
     }
+}
+
+/// What was driven before a part of a recording: it makes ready the states that no sensor sees.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RunIn {
+    /// Its samples, before the first of the part.
+    pub samples: usize,
+    /// The state of the wheels at its start.
+    pub start: State,
 }
 
 /// A physical model with parameter values.
@@ -96,9 +117,14 @@ impl Dynamics for PhysicalDynamics {
         &self,
         input: &Input,
         origin: f64,
+        run_in: &RunIn,
         start: State,
     ) -> Result<Vec<State>, SimulateError> {
-        simulate_acting(&self.model, &self.p, input, origin, start)
+        simulate_acting(&self.model, &self.p, input, origin, run_in, start)
+    }
+
+    fn has_more_state(&self) -> bool {
+        self.model.is_coupled()
     }
 
     fn physical(&self) -> Option<(&Model, &[f64])> {

@@ -14,7 +14,7 @@ mod stepper;
 mod takagi_sugeno;
 
 pub use batch::ise_of_many;
-pub use dynamics::{Dynamics, PhysicalDynamics};
+pub use dynamics::{Dynamics, PhysicalDynamics, RunIn};
 pub use emulator::{Gain, GainError, Structure, emulate};
 pub use friction::{Contact, contact};
 pub use fuzzy_dynamics::FuzzyDynamics;

@@ -1,5 +1,6 @@
 //! Free simulation: the motion that a model predicts from the drive alone.
 
+use super::RunIn;
 use super::stepper::Stepper;
 use crate::model::{Model, ModelError};
 use crate::recording::RecordingError;
@@ -82,11 +83,14 @@ pub fn simulate(
     start: State,
 ) -> Result<Vec<State>, SimulateError> {
     let drive = model.drive(input.t, input.moment, p);
-    simulate_acting(model, p, &Input { moment: &drive, ..*input }, input.t[0], start)
+    let acting = Input { moment: &drive, ..*input };
+    simulate_acting(model, p, &acting, input.t[0], &RunIn::default(), start)
 }
 
 /// Simulates a part of a recording: as [`simulate`], but `input.moment` is the acting drive, drive
-/// effects applied over the whole recording, and effects count time from `origin` [s].
+/// effects applied over the whole recording, and effects count time from `origin` [s]. Behind the run-in,
+/// whose states are not returned, the wheels are put to `start`; a body behind them keeps its slip
+/// and twist.
 ///
 /// # Errors
 /// As [`simulate`].
@@ -95,19 +99,28 @@ pub fn simulate_acting(
     p: &[f64],
     input: &Input,
     origin: f64,
+    run_in: &RunIn,
     start: State,
 ) -> Result<Vec<State>, SimulateError> {
     let drive = input.moment;
-    let mut stepper = Stepper::new(model, p, origin, start);
-    let mut motion = Vec::with_capacity(input.t.len());
-    motion.push(start);
+    let first = if run_in.samples == 0 { start } else { run_in.start };
+    let mut stepper = Stepper::new(model, p, origin, first);
+    let mut motion = Vec::with_capacity(input.t.len() - run_in.samples);
+    if run_in.samples == 0 {
+        motion.push(start);
+    }
     for k in 1..input.t.len() {
         let end = match input.hold {
             Hold::Linear => drive[k],
             Hold::Constant => drive[k - 1],
         };
         stepper.advance(input.t[k - 1], input.t[k], &drive[k - 1], &end, &mut ())?;
-        motion.push(stepper.state());
+        if k == run_in.samples {
+            stepper.place_wheels(start);
+        }
+        if k >= run_in.samples {
+            motion.push(stepper.state());
+        }
     }
     Ok(motion)
 }

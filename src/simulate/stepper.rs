@@ -89,6 +89,15 @@ impl<'m> Stepper<'m> {
         self.y = [a[0], a[1], w[0], w[1], w[0], w[1], 0.0, 0.0];
     }
 
+    /// Puts the wheels into another state; a body behind them keeps its slip and twist.
+    pub(super) fn place_wheels(&mut self, state: State) {
+        let y = &mut self.y;
+        for i in 0..2 {
+            y[4 + i] += state.omega[i] - y[2 + i];
+            (y[i], y[2 + i]) = (state.alpha[i], state.omega[i]);
+        }
+    }
+
     pub(super) fn state(&self) -> State {
         State { alpha: [self.y[0], self.y[1]], omega: [self.y[2], self.y[3]] }
     }

@@ -6,7 +6,8 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::ProcessNoise;
-use super::pass::{Columns, NoColumns, Pass, PassSettings, Prepared, filter_pass};
+use super::pass::{Columns, NoColumns, Pass, PassSettings, filter_pass};
+use super::prepare::Prepared;
 use crate::identify::{IdentifyError, Status};
 use crate::model::{Model, ModelError};
 use crate::simulate::Hold;
@@ -48,6 +49,10 @@ pub struct Maximum {
 
 /// Largest number of Gauss-Newton steps.
 const STEPS: usize = 40;
+/// Rounds of parameters and noise, at most.
+const ROUNDS: usize = 8;
+/// A round that gains less is the last [nats].
+const SETTLED: f64 = 1.0;
 /// Longest time constant of the slow moment [s].
 const SLOWEST: f64 = 1.0;
 /// A step that raises the log-likelihood by less is the last.
@@ -59,6 +64,15 @@ const LATER: f64 = 0.1;
 /// Where no step raises it, but the score promises less than this, the maximum is reached: the
 /// score leaves out how the filter's gain depends on the parameters, so it need not vanish there.
 const SLACK: f64 = 0.1;
+
+/// How a run of Gauss-Newton steps ended.
+struct Climb {
+    status: Status,
+    steps: usize,
+    evaluations: usize,
+    /// What it gained [nats].
+    gain: f64,
+}
 
 impl Likelihood<'_> {
     fn settings(&self, noise: &ProcessNoise, derivatives: bool) -> PassSettings {
@@ -231,16 +245,19 @@ impl Likelihood<'_> {
         }
         let mut iterations = 0;
         let mut status = Status::IterationLimit;
-        let rounds = if refresh { 3 } else { 1 };
-        for round in 0..rounds {
-            let steps = if round + 1 < rounds { 4 } else { STEPS };
-            let (ended, taken, used) = self.climb(model, &mut p, &noise, steps, method)?;
-            (status, iterations, evaluations) = (ended, iterations + taken, evaluations + used);
-            if refresh && round + 1 < rounds {
-                let (best, count) = self.noise(model, &p, &noise, 40);
-                noise = best;
-                evaluations += count;
+        for round in 0..ROUNDS {
+            let steps = if refresh && round < 2 { 4 } else { STEPS };
+            let climb = self.climb(model, &mut p, &noise, steps, method)?;
+            status = climb.status;
+            iterations += climb.steps;
+            evaluations += climb.evaluations;
+            // parameters that moved far leave the noise of where they were behind
+            if !refresh || (round >= 2 && climb.gain < SETTLED) || round + 1 == ROUNDS {
+                break;
             }
+            let (best, count) = self.noise(model, &p, &noise, 40);
+            noise = best;
+            evaluations += count;
         }
         let passes = self.passes(model, &p, &noise, true, &[])?;
         let log_likelihood = passes.iter().map(|pass| pass.log_likelihood).sum();
@@ -258,7 +275,7 @@ impl Likelihood<'_> {
         })
     }
 
-    /// Gauss-Newton steps at fixed noise; moves `p` and returns status, steps and passes.
+    /// Gauss-Newton steps at fixed noise; moves `p`.
     fn climb(
         &self,
         model: &Model,
@@ -266,8 +283,8 @@ impl Likelihood<'_> {
         noise: &ProcessNoise,
         steps: usize,
         method: &str,
-    ) -> Result<(Status, usize, usize), IdentifyError> {
-        let mut evaluations = 0;
+    ) -> Result<Climb, IdentifyError> {
+        let (mut evaluations, mut gain) = (0, 0.0);
         for iteration in 0..steps {
             let passes = self.passes(model, p, noise, true, &[])?;
             evaluations += 1;
@@ -282,7 +299,12 @@ impl Likelihood<'_> {
             let step = newton_step(&h, &g, &free);
             let promised = 0.5 * step.iter().zip(&free).map(|(s, &j)| s * g[j]).sum::<f64>();
             if promised < GAIN {
-                return Ok((Status::Converged, iteration, evaluations));
+                return Ok(Climb {
+                    status: Status::Converged,
+                    steps: iteration,
+                    evaluations,
+                    gain,
+                });
             }
             let mut share = 1.0;
             let moved = loop {
@@ -310,14 +332,16 @@ impl Likelihood<'_> {
                 }
                 if share < 1e-4 {
                     let status = if promised < SLACK { Status::Converged } else { Status::Stalled };
-                    return Ok((status, iteration, evaluations));
+                    return Ok(Climb { status, steps: iteration, evaluations, gain });
                 }
             };
+            gain += moved;
             if moved < GAIN {
-                return Ok((Status::Converged, iteration + 1, evaluations));
+                let (status, steps) = (Status::Converged, iteration + 1);
+                return Ok(Climb { status, steps, evaluations, gain });
             }
         }
-        Ok((Status::IterationLimit, steps, evaluations))
+        Ok(Climb { status: Status::IterationLimit, steps, evaluations, gain })
     }
 }
 

@@ -2,18 +2,24 @@
 //! its information for parameters and for any further torque columns.
 //!
 //! State: (alpha1, alpha2, omega1, omega2, d1, d2), d a slow unknown moment on each wheel
-//! (Ornstein-Uhlenbeck: standard deviation `sigma_d`, time constant `tau_d`).
+//! (Ornstein-Uhlenbeck: standard deviation `sigma_d`, time constant `tau_d`). A body behind the wheels
+//! (`wheel_slip`, `compliance`) adds its speeds and twists (u1, u2, phi1, phi2).
 
 mod accumulate;
+mod coupled;
+mod dynamics;
 mod input_noise;
+mod joint;
 mod likelihood;
 mod pass;
+mod prepare;
 mod standstill;
 mod step;
 
 pub use accumulate::Information;
 pub use likelihood::{Likelihood, Maximum};
-pub use pass::{Columns, Instant, NoColumns, Pass, PassSettings, Prepared, filter_pass, prepare};
+pub use pass::{Columns, Instant, NoColumns, Pass, PassSettings, filter_pass};
+pub use prepare::{Prepared, prepare};
 pub use standstill::standstill;
 pub use step::unclear;
 

@@ -4,12 +4,13 @@ use nalgebra::{DMatrix, DVector};
 
 use super::ProcessNoise;
 use super::accumulate::Information;
+use super::coupled::Coupled;
+use super::dynamics::{Dynamics, Rigid};
 use super::input_noise::InputNoise;
-use super::standstill::standstill;
-use super::step::{Covariance, Mean, Predicted, Sample, correct, move_parameters, predict};
+use super::prepare::Prepared;
+use super::step::{Covariance, Mean, Predicted, Sample, correct};
 use crate::effects::Motion;
-use crate::model::{Linearisation, Model, ModelError};
-use crate::recording::Recording;
+use crate::model::{Model, ModelError};
 
 /// Length of the blocks whose scores are kept apart, for errors that survive a wrong noise
 /// model [s].
@@ -51,48 +52,6 @@ pub struct Instant<'a> {
     pub spread: [f64; 2],
     /// Acting drive over the step [N m].
     pub drive: [f64; 2],
-}
-
-/// What of a recording the filter needs and what does not change between passes.
-#[derive(Clone, Debug)]
-pub struct Prepared<'a> {
-    /// The recording.
-    pub recording: &'a Recording,
-    /// Wheels that stand still.
-    pub still: Vec<[bool; 2]>,
-    /// Variances of (alpha1, alpha2, omega1, omega2).
-    pub variance: [f64; 4],
-    /// Channels that are measured on their own.
-    pub used: [bool; 4],
-    /// Noise of the drive from differences [N m].
-    pub moment_noise: f64,
-}
-
-/// Prepares a recording: noise from differences, standstill, channels.
-#[must_use]
-pub fn prepare(recording: &Recording) -> Prepared<'_> {
-    let noise = recording.noise();
-    let measured = recording.measured();
-    // speeds that were made from the angles are no measurement of their own
-    let speeds = measured.omega && !(measured.alpha && recording.speeds_are_smoothed());
-    // a channel without any visible noise still has rounding; nothing is known exactly
-    let floor = |sigma: f64, scale: f64| (sigma * sigma).max((1e-6 * scale).powi(2));
-    let largest = |values: &[[f64; 2]], i: usize| {
-        values.iter().map(|v| v[i].abs()).fold(0.0, f64::max).max(1e-3)
-    };
-    let variance = [
-        floor(noise.alpha[0], 1.0),
-        floor(noise.alpha[1], 1.0),
-        floor(noise.omega[0], largest(recording.omega(), 0)),
-        floor(noise.omega[1], largest(recording.omega(), 1)),
-    ];
-    Prepared {
-        recording,
-        still: standstill(recording, &noise.alpha, &noise.omega),
-        variance,
-        used: [measured.alpha, measured.alpha, speeds, speeds],
-        moment_noise: 0.5 * (noise.moment[0] + noise.moment[1]),
-    }
 }
 
 /// What a pass is run with.
@@ -161,24 +120,38 @@ pub fn filter_pass(
     settings: &PassSettings,
     columns: &dyn Columns,
 ) -> Result<Pass, ModelError> {
+    let noise = settings.noise;
+    if model.is_coupled() {
+        return run(Coupled::new(model, p, noise), model, p, prepared, settings, columns);
+    }
+    run(Rigid::new(model, p, noise), model, p, prepared, settings, columns)
+}
+
+fn run<D: Dynamics<N>, const N: usize>(
+    dynamics: D,
+    model: &Model,
+    p: &[f64],
+    prepared: &Prepared,
+    settings: &PassSettings,
+    columns: &dyn Columns,
+) -> Result<Pass, ModelError> {
     let recording = prepared.recording;
     let single = recording.is_single_axis();
     let (drive, by_parameter) = model.drive_derivatives(recording.t(), recording.moment(), p);
     let width = if settings.derivatives { p.len() + columns.count() } else { 0 };
     let mut run = Run {
+        dynamics,
         model,
-        p,
         prepared,
         settings,
         columns,
         drive: &drive,
         by_parameter: &by_parameter,
         acts: by_parameter.iter().any(|d| !d.is_empty()),
-        psi: vec![[0.0; 6]; width],
+        psi: vec![[0.0; N]; width],
         row: vec![0.0; width],
         extra: vec![[0.0; 2]; if width > 0 { columns.count() } else { 0 }],
         drive_row: vec![[0.0; 2]; p.len()],
-        work: Linearisation::new(p.len()),
         information: Information::new(width),
         block: DVector::zeros(width),
         block_end: recording.t()[0] + BLOCK,
@@ -202,32 +175,31 @@ pub fn filter_pass(
     Ok(run.out)
 }
 
-struct Run<'a> {
+struct Run<'a, D, const N: usize> {
+    dynamics: D,
     model: &'a Model,
-    p: &'a [f64],
     prepared: &'a Prepared<'a>,
     settings: &'a PassSettings,
     columns: &'a dyn Columns,
     drive: &'a [[f64; 2]],
     by_parameter: &'a [Vec<[f64; 2]>],
     acts: bool,
-    psi: Vec<[f64; 6]>,
+    psi: Vec<[f64; N]>,
     row: Vec<f64>,
     extra: Vec<[f64; 2]>,
     drive_row: Vec<[f64; 2]>,
-    work: Linearisation,
     information: Information,
     block: DVector<f64>,
     block_end: f64,
-    input_noise: Option<InputNoise>,
+    input_noise: Option<InputNoise<N>>,
     single: bool,
     out: Pass,
 }
 
-impl Run<'_> {
+impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
     fn piece(&mut self, piece: std::ops::Range<usize>) -> Result<(), ModelError> {
         let (mut mean, mut covariance) = self.start(piece.start);
-        self.psi.iter_mut().for_each(|column| *column = [0.0; 6]);
+        self.psi.iter_mut().for_each(|column| *column = [0.0; N]);
         self.keep(&mean, &covariance);
         if let Some(input_noise) = &mut self.input_noise {
             input_noise.restart();
@@ -236,22 +208,15 @@ impl Run<'_> {
             let sample = self.sample(k, &piece);
             // borrow of the drive row ends before psi moves
             let sample = Sample { by_parameter: &[], ..sample };
-            let predicted = predict(
-                self.model,
-                self.p,
-                &self.settings.noise,
-                &sample,
-                &mut mean,
-                &mut covariance,
-                &mut self.work,
-                self.settings.derivatives,
-            )?;
+            let derivatives = self.settings.derivatives;
+            let predicted =
+                self.dynamics.predict(&sample, &mut mean, &mut covariance, derivatives)?;
             if self.settings.derivatives {
                 self.carry(k, &sample, &predicted);
             }
             if let Some(input_noise) = &mut self.input_noise {
-                let (step, still) = (sample.step, sample.still);
-                input_noise.carry(self.model, &predicted, step, still, &mut self.work);
+                let slopes = self.dynamics.mass_slopes(&predicted);
+                input_noise.carry(&predicted, slopes, sample.step, sample.still);
             }
             self.measure(k, &mut mean, &mut covariance);
             self.keep(&mean, &covariance);
@@ -259,20 +224,15 @@ impl Run<'_> {
         Ok(())
     }
 
-    fn start(&self, k: usize) -> (Mean, Covariance) {
+    fn start(&self, k: usize) -> (Mean<N>, Covariance<N>) {
         let (a, w) = (self.prepared.recording.alpha()[k], self.prepared.recording.omega()[k]);
         let still = self.prepared.still[k];
-        let mean = Mean::from_row_slice(&[
-            a[0],
-            a[1],
-            if still[0] { 0.0 } else { w[0] },
-            if still[1] { 0.0 } else { w[1] },
-            0.0,
-            0.0,
-        ]);
-        let mut covariance = Covariance::zeros();
+        let mut mean = Mean::<N>::zeros();
+        let mut covariance = Covariance::<N>::zeros();
         let step = self.prepared.recording.step();
         for i in 0..2 {
+            mean[i] = a[i];
+            mean[2 + i] = if still[i] { 0.0 } else { w[i] };
             let [alpha, omega] = [self.prepared.variance[i], self.prepared.variance[2 + i]];
             // a channel that was computed from the other starts as uncertain as that makes it
             covariance[(i, i)] = if self.prepared.used[i] { alpha } else { 1e-12 };
@@ -280,6 +240,7 @@ impl Run<'_> {
                 if self.prepared.used[2 + i] { omega } else { 2.0 * alpha / (step * step) };
             covariance[(4 + i, 4 + i)] = self.settings.noise.sigma_d.powi(2);
         }
+        self.dynamics.start(&self.drive[k], &mut mean, &mut covariance);
         (mean, covariance)
     }
 
@@ -317,7 +278,7 @@ impl Run<'_> {
         }
     }
 
-    fn carry(&mut self, k: usize, sample: &Sample, predicted: &Predicted) {
+    fn carry(&mut self, k: usize, sample: &Sample, predicted: &Predicted<N>) {
         if !self.extra.is_empty() {
             let at = Instant {
                 sample: k - 1,
@@ -346,10 +307,10 @@ impl Run<'_> {
         }
         let by_parameter: &[[f64; 2]] = if self.acts { &self.drive_row } else { &[] };
         let sample = Sample { by_parameter, ..*sample };
-        move_parameters(predicted, &self.work, &sample, &self.extra, &mut self.psi);
+        self.dynamics.carry(predicted, &sample, &self.extra, &mut self.psi);
     }
 
-    fn measure(&mut self, k: usize, mean: &mut Mean, covariance: &mut Covariance) {
+    fn measure(&mut self, k: usize, mean: &mut Mean<N>, covariance: &mut Covariance<N>) {
         let recording = self.prepared.recording;
         if !recording.fresh()[k] {
             return;
@@ -380,7 +341,7 @@ impl Run<'_> {
 
     /// One axis written down twice is measured once, by the mean of the wheels. Their difference,
     /// always zero, holds them together and says nothing.
-    fn measure_axis(&mut self, k: usize, mean: &mut Mean, covariance: &mut Covariance) {
+    fn measure_axis(&mut self, k: usize, mean: &mut Mean<N>, covariance: &mut Covariance<N>) {
         let recording = self.prepared.recording;
         let (a, w) = (recording.alpha()[k], recording.omega()[k]);
         for (i, value) in [(0, a[0]), (2, w[0])] {
@@ -409,7 +370,7 @@ impl Run<'_> {
         }
     }
 
-    fn keep(&mut self, mean: &Mean, covariance: &Covariance) {
+    fn keep(&mut self, mean: &Mean<N>, covariance: &Covariance<N>) {
         if self.settings.keep_states {
             let variance = std::array::from_fn(|i| covariance[(i, i)]);
             self.out.states.push((std::array::from_fn(|i| mean[i]), variance));

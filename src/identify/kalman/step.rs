@@ -7,13 +7,13 @@ use crate::effects::{DIRECTIONS, Motion, along};
 use crate::math::Real;
 use crate::model::{Linearisation, Model, ModelError};
 
-/// alpha1, alpha2, omega1, omega2, d1, d2.
-pub(super) type Mean = SVector<f64, 6>;
+/// alpha1, alpha2, omega1, omega2, d1, d2, and behind a coupling u1, u2, phi1, phi2.
+pub(super) type Mean<const N: usize> = SVector<f64, N>;
 /// Their covariance.
-pub(super) type Covariance = SMatrix<f64, 6, 6>;
+pub(super) type Covariance<const N: usize> = SMatrix<f64, N, N>;
 
 /// Variance of a wheel that is known to stand still [rad^2/s^2].
-const STILL: f64 = 1e-10;
+pub(super) const STILL: f64 = 1e-10;
 /// The exponential of less than minus this is zero.
 const UNDERFLOW: f64 = 746.0;
 
@@ -39,11 +39,11 @@ pub(super) struct Sample<'a> {
 }
 
 /// What a prediction did, for the columns that ride along.
-pub(super) struct Predicted {
+pub(super) struct Predicted<const N: usize> {
     /// Linear map of a torque on the wheels to the state after the step.
-    pub(super) gain: SMatrix<f64, 6, 2>,
+    pub(super) gain: SMatrix<f64, N, 2>,
     /// Transition matrix.
-    pub(super) transition: Covariance,
+    pub(super) transition: Covariance<N>,
     /// Mean acceleration over the step [rad/s^2].
     pub(super) acceleration: [f64; 2],
     /// Friction signs, statistically linearised.
@@ -70,11 +70,11 @@ pub(super) fn predict(
     p: &[f64],
     noise: &ProcessNoise,
     sample: &Sample,
-    mean: &mut Mean,
-    covariance: &mut Covariance,
+    mean: &mut Mean<6>,
+    covariance: &mut Covariance<6>,
     work: &mut Linearisation,
     derivatives: bool,
-) -> Result<Predicted, ModelError> {
+) -> Result<Predicted<6>, ModelError> {
     let h = sample.step;
     let omega = [mean[2], mean[3]];
     let x = Motion {
@@ -198,7 +198,7 @@ pub fn unclear(direction: usize, v: f64, variance: f64) -> bool {
 /// Moves the derivatives over the step: `psi <- F psi + G f`, `f` the derivative of the moment
 /// balance by each parameter (column).
 pub(super) fn move_parameters(
-    predicted: &Predicted,
+    predicted: &Predicted<6>,
     work: &Linearisation,
     sample: &Sample,
     extra: &[[f64; 2]],
@@ -234,7 +234,7 @@ pub(super) fn move_parameters(
 }
 
 /// Density of a normal variable of this variance at `v`.
-fn density(v: f64, variance: f64) -> f64 {
+pub(super) fn density(v: f64, variance: f64) -> f64 {
     let exponent = 0.5 * v * v / variance;
     // most steps are far from rest, and an exponential that underflows is slow
     if exponent > UNDERFLOW {
@@ -264,8 +264,8 @@ fn transition(
     reach: &Matrix2<f64>,
     stiff: &Matrix2<f64>,
     work: &Linearisation,
-) -> Covariance {
-    let mut f = Covariance::identity();
+) -> Covariance<6> {
+    let mut f = Covariance::<6>::identity();
     let decay = if noise.sigma_d > 0.0 { (-h / noise.tau_d).exp() } else { 0.0 };
     // F = I - h reach (C + K) with reach = Phi A^-1, C the smooth slope and K that of friction
     let mut by = SMatrix::<f64, 2, 6>::zeros();
@@ -298,9 +298,10 @@ fn omega_after(
     [0, 1].map(|i| if still[i] { 0.0 } else { omega[i] + h * acceleration[i] })
 }
 
-fn freeze(covariance: &mut Covariance, mean: &mut Mean, i: usize) {
+/// Holds wheel `i` at rest.
+pub(super) fn freeze<const N: usize>(covariance: &mut Covariance<N>, mean: &mut Mean<N>, i: usize) {
     mean[2 + i] = 0.0;
-    for k in 0..6 {
+    for k in 0..N {
         covariance[(2 + i, k)] = 0.0;
         covariance[(k, 2 + i)] = 0.0;
     }
@@ -312,17 +313,17 @@ pub(super) type Sight = [(usize, f64); 2];
 
 /// One scalar measurement: returns innovation and its variance, corrects mean, covariance and
 /// derivatives; `psi_row` receives the derivative of the prediction by every column.
-pub(super) fn correct(
+pub(super) fn correct<const N: usize>(
     [(i, by_i), (k, by_k)]: Sight,
     value: f64,
     variance: f64,
-    mean: &mut Mean,
-    covariance: &mut Covariance,
-    psi: &mut [[f64; 6]],
+    mean: &mut Mean<N>,
+    covariance: &mut Covariance<N>,
+    psi: &mut [[f64; N]],
     psi_row: &mut [f64],
 ) -> (f64, f64) {
     let e = value - by_i * mean[i] - by_k * mean[k];
-    let seen: Mean = covariance.column(i) * by_i + covariance.column(k) * by_k;
+    let seen: Mean<N> = covariance.column(i) * by_i + covariance.column(k) * by_k;
     let s = by_i * seen[i] + by_k * seen[k] + variance;
     let gain = seen / s;
     *mean += gain * e;
@@ -332,7 +333,7 @@ pub(super) fn correct(
     for (out, column) in psi_row.iter_mut().zip(psi.iter_mut()) {
         let predicted = by_i * column[i] + by_k * column[k];
         *out = predicted;
-        for j in 0..6 {
+        for j in 0..N {
             column[j] -= gain[j] * predicted;
         }
     }

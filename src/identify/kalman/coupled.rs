@@ -1,0 +1,471 @@
+//! The filter's step where a body runs behind the wheels: slip, or a spring between them.
+
+use nalgebra::{Matrix2, SMatrix, SVector};
+
+use super::ProcessNoise;
+use super::dynamics::Dynamics;
+use super::step::{Covariance, Mean, Predicted, STILL, Sample, density, freeze, unclear};
+use crate::effects::{Coupling, DIFFERENTIATED, DIRECTIONS, Energy, Jet, Motion, Terms, along};
+use crate::math::{Dual, Real};
+use crate::model::{Model, ModelError};
+
+/// The six states of the rigid robot, body speeds u1, u2, twists phi1, phi2.
+const STATES: usize = 10;
+/// Where the body's speeds stand.
+const BODY: usize = 6;
+/// Where the twists stand.
+const TWIST: usize = 8;
+/// Most parts of a step. A coupling that is faster still is all but rigid at this rate of sampling.
+const MOST_PARTS: f64 = 8.0;
+
+/// A robot of two inertias a wheel.
+///
+/// ```text
+/// J_r dw/dt = M + d - k φ - c (w - u) - friction(w)
+/// (A - J_r) du/dt = k φ + c (w - u) - torque(u),   dφ/dt = w - u
+/// ```
+/// Each part of a step is linearly implicit, x <- x + h (1 - h J/2)⁻¹ f(x) with the Jacobian J of f:
+/// of second order and stable for any stiffness. Dry friction is linearised as for the rigid robot
+/// and taken fully implicitly.
+///
+/// Source: [`Coupling`]; Rosenbrock's method of one stage.
+pub(super) struct Coupled<'a> {
+    model: &'a Model,
+    p: &'a [f64],
+    noise: ProcessNoise,
+    /// Effects that act on the body.
+    on_body: Vec<bool>,
+    /// Derivative of the state after the step by each parameter, at the state before it.
+    forced: Vec<SVector<f64, STATES>>,
+}
+
+/// What acts at one instant, with derivatives.
+struct Sides {
+    coupling: Coupling<f64>,
+    /// Derivatives of stiffness and damping by parameters.
+    joint: Vec<(usize, [f64; 2])>,
+    wheel: Vec<(usize, Terms<Jet>)>,
+    body: Vec<(usize, Terms<Jet>)>,
+    rotor: f64,
+    /// Inverse of the body's mass matrix.
+    mobility: Matrix2<f64>,
+    body_torque: [f64; 2],
+    wheel_torque: [f64; 2],
+    level: [f64; 4],
+}
+
+/// One part of a step.
+struct Part {
+    transition: SMatrix<f64, STATES, STATES>,
+    /// Map of a moment on the wheels.
+    gain: SMatrix<f64, STATES, 2>,
+    /// Map of a moment on the body.
+    body_gain: SMatrix<f64, STATES, 2>,
+    shift: SVector<f64, STATES>,
+    wheel_acceleration: [f64; 2],
+    body_acceleration: [f64; 2],
+}
+
+/// Statistically linearised friction.
+#[derive(Clone, Copy, Default)]
+struct Friction {
+    sign: [f64; 4],
+    slope: [f64; 4],
+    /// Variance that the mean leaves out.
+    rest: [f64; 4],
+}
+
+impl<'a> Coupled<'a> {
+    pub(super) fn new(model: &'a Model, p: &'a [f64], noise: ProcessNoise) -> Self {
+        let energy = model.effects().iter().map(|e| e.energy());
+        let on_body = energy.map(|e| matches!(e, Energy::Stores | Energy::DoesNoWork)).collect();
+        Self { model, p, noise, on_body, forced: vec![SVector::zeros(); p.len()] }
+    }
+
+    fn sides(&self, t: f64, x: &Mean<STATES>) -> Result<Sides, ModelError> {
+        let robot = self.model.robot();
+        let motion = |alpha: [f64; 2], omega: [f64; 2]| Motion {
+            t: Dual::constant(t),
+            alpha: [Dual::variable(alpha[0], 0), Dual::variable(alpha[1], 1)],
+            omega: [Dual::variable(omega[0], 2), Dual::variable(omega[1], 3)],
+            variance: [0.0; 4],
+            robot,
+        };
+        let front = motion([x[0], x[1]], [x[2], x[3]]);
+        let behind = motion([x[0] - x[TWIST], x[1] - x[TWIST + 1]], [x[BODY], x[BODY + 1]]);
+        let mut out = Sides {
+            coupling: Coupling { rotor: 0.0, stiffness: 0.0, damping: 0.0 },
+            joint: vec![],
+            wheel: vec![],
+            body: vec![],
+            rotor: 0.0,
+            mobility: Matrix2::zeros(),
+            body_torque: [0.0; 2],
+            wheel_torque: [0.0; 2],
+            level: [0.0; 4],
+        };
+        let mut mass = [0.0; 3];
+        for (e, effect) in self.model.effects().iter().enumerate() {
+            let slots = self.model.slots(e);
+            let own: Vec<Jet> = slots.clone().enumerate().map(|(k, j)| self.jet(k, j)).collect();
+            if let Some(c) = effect.coupling_jet(&front, &own) {
+                let Coupling { rotor, stiffness, damping } = c;
+                out.coupling = Coupling {
+                    rotor: rotor.value,
+                    stiffness: stiffness.value,
+                    damping: damping.value,
+                };
+                let partial = |k: usize| [stiffness.partial[4 + k], damping.partial[4 + k]];
+                out.joint = slots.clone().enumerate().map(|(k, j)| (j, partial(k))).collect();
+            }
+            let terms = effect.terms_jet(if self.on_body[e] { &behind } else { &front }, &own);
+            let torque = terms.torque.map(|v| v.value);
+            if self.on_body[e] {
+                mass = [0, 1, 2].map(|i| mass[i] + terms.mass[i].value);
+                out.body_torque = [0, 1].map(|i| out.body_torque[i] + torque[i]);
+                out.body.push((e, terms));
+            } else {
+                out.wheel_torque = [0, 1].map(|i| out.wheel_torque[i] + torque[i]);
+                out.level = [0, 1, 2, 3].map(|j| out.level[j] + terms.level[j].value);
+                out.wheel.push((e, terms));
+            }
+        }
+        out.rotor = out.coupling.rotor_within(&mass);
+        let [m11, m12, m22] = [mass[0] - out.rotor, mass[1], mass[2] - out.rotor];
+        let determinant = m11 * m22 - m12 * m12;
+        if !(out.rotor > 0.0 && m11 > 0.0 && determinant > 0.0) {
+            let [m11, m12, m22] = mass;
+            return Err(ModelError::MassNotPositive { m11, m12, m22 });
+        }
+        out.mobility = Matrix2::new(m22, -m12, -m12, m11) / determinant;
+        Ok(out)
+    }
+
+    /// Parameter `j`, number `k` of its effect.
+    fn jet(&self, k: usize, j: usize) -> Jet {
+        if k < DIFFERENTIATED {
+            Dual::variable(self.p[j], 4 + k)
+        } else {
+            Dual::constant(self.p[j])
+        }
+    }
+
+    /// One part of length `h` from `x`, `drive` acting on the wheels.
+    fn part(
+        sides: &Sides,
+        friction: &Friction,
+        x: &Mean<STATES>,
+        drive: &[f64; 2],
+        still: [bool; 2],
+        h: f64,
+    ) -> Option<Part> {
+        let Coupling { stiffness, damping, .. } = sides.coupling;
+        let mut f = SVector::<f64, STATES>::zeros();
+        let mut jacobian = SMatrix::<f64, STATES, STATES>::zeros();
+        let passed = [0, 1].map(|i| stiffness * x[TWIST + i] + damping * (x[2 + i] - x[BODY + i]));
+        let on_body = [0, 1].map(|i| passed[i] - sides.body_torque[i]);
+        let body_acceleration = sides.mobility * SVector::<f64, 2>::from(on_body);
+        let mut resisting = sides.wheel_torque;
+        let mut stiff = Matrix2::<f64>::zeros();
+        for (j, d) in DIRECTIONS.iter().enumerate() {
+            let level = sides.level[j].max(0.0);
+            let d = SVector::<f64, 2>::from_row_slice(d);
+            resisting[0] += d[0] * level * friction.sign[j];
+            resisting[1] += d[1] * level * friction.sign[j];
+            stiff += d * d.transpose() * (level * friction.slope[j]);
+        }
+        let mut wheel_acceleration = [0.0; 2];
+        let mut lead = SMatrix::<f64, STATES, 2>::zeros();
+        for i in (0..2).filter(|&i| !still[i]) {
+            wheel_acceleration[i] = (drive[i] + x[4 + i] - passed[i] - resisting[i]) / sides.rotor;
+            f[i] = x[2 + i];
+            f[2 + i] = wheel_acceleration[i];
+            jacobian[(i, 2 + i)] = 1.0;
+            jacobian[(2 + i, 2 + i)] -= damping / sides.rotor;
+            jacobian[(2 + i, BODY + i)] += damping / sides.rotor;
+            jacobian[(2 + i, TWIST + i)] -= stiffness / sides.rotor;
+            jacobian[(2 + i, 4 + i)] += 1.0 / sides.rotor;
+            lead[(2 + i, i)] = 1.0 / sides.rotor;
+        }
+        add_slopes(&sides.wheel, &wheel_acceleration, &friction.sign, |i, k, slope| {
+            if !still[i] {
+                jacobian[(2 + i, k)] -= slope / sides.rotor;
+            }
+        });
+        for i in 0..2 {
+            f[BODY + i] = body_acceleration[i];
+            f[TWIST + i] = x[2 + i] - x[BODY + i];
+            jacobian[(TWIST + i, 2 + i)] = 1.0;
+            jacobian[(TWIST + i, BODY + i)] = -1.0;
+        }
+        // what the body feels, by state, before its own mass divides it
+        let mut felt = SMatrix::<f64, 2, STATES>::zeros();
+        for i in 0..2 {
+            felt[(i, TWIST + i)] += stiffness;
+            felt[(i, 2 + i)] += damping;
+            felt[(i, BODY + i)] -= damping;
+        }
+        let acceleration = [body_acceleration[0], body_acceleration[1]];
+        add_slopes(&sides.body, &acceleration, &[0.0; 4], |i, k, slope| {
+            if k < 2 {
+                felt[(i, k)] -= slope;
+                felt[(i, TWIST + k)] += slope;
+            } else {
+                felt[(i, BODY + k - 2)] -= slope;
+            }
+        });
+        jacobian.fixed_view_mut::<2, STATES>(BODY, 0).copy_from(&(sides.mobility * felt));
+        let mut implicit = jacobian;
+        for i in (0..2).filter(|&i| !still[i]) {
+            for k in (0..2).filter(|&k| !still[k]) {
+                jacobian[(2 + i, 2 + k)] -= stiff[(i, k)] / sides.rotor;
+                implicit[(2 + i, 2 + k)] -= 2.0 * stiff[(i, k)] / sides.rotor;
+            }
+        }
+        let solve =
+            (SMatrix::<f64, STATES, STATES>::identity() - implicit * (0.5 * h)).try_inverse()? * h;
+        let mut behind = SMatrix::<f64, STATES, 2>::zeros();
+        behind.fixed_view_mut::<2, 2>(BODY, 0).copy_from(&sides.mobility);
+        Some(Part {
+            transition: SMatrix::identity() + solve * jacobian,
+            gain: solve * lead,
+            body_gain: solve * behind,
+            shift: solve * f,
+            wheel_acceleration,
+            body_acceleration: acceleration,
+        })
+    }
+
+    /// Carries the derivatives by the parameters over a part.
+    fn force(&mut self, sides: &Sides, friction: &Friction, x: &Mean<STATES>, part: &Part) {
+        for column in &mut self.forced {
+            *column = part.transition * *column;
+        }
+        for (on_body, list) in [(false, &sides.wheel), (true, &sides.body)] {
+            let (a, s) = if on_body {
+                (&part.body_acceleration, &[0.0; 4])
+            } else {
+                (&part.wheel_acceleration, &friction.sign)
+            };
+            let gain = if on_body { &part.body_gain } else { &part.gain };
+            for (e, terms) in list {
+                let moment = terms.moment(a, s);
+                for (k, j) in self.model.slots(*e).enumerate().take(DIFFERENTIATED) {
+                    let by = [0, 1].map(|i| -moment[i].partial[4 + k]);
+                    self.forced[j] += gain * SVector::<f64, 2>::from(by);
+                }
+            }
+        }
+        for (j, [by_stiffness, by_damping]) in &sides.joint {
+            let passed =
+                [0, 1].map(|i| by_stiffness * x[TWIST + i] + by_damping * (x[2 + i] - x[BODY + i]));
+            self.forced[*j] += (part.body_gain - part.gain) * SVector::<f64, 2>::from(passed);
+        }
+    }
+
+    /// Into how many parts a step is cut.
+    fn parts(sides: &Sides, h: f64) -> usize {
+        let Coupling { stiffness, damping, .. } = sides.coupling;
+        let mobility = 1.0 / sides.rotor + sides.mobility[(0, 0)] + sides.mobility[(0, 1)].abs();
+        let rate = (damping * mobility).max((stiffness * mobility).sqrt());
+        (2.0 * rate * h).ceil().clamp(1.0, MOST_PARTS) as usize
+    }
+}
+
+/// Calls `add(wheel, k, slope)` with the derivatives of the moments by (alpha1, alpha2, omega1, omega2).
+fn add_slopes(
+    list: &[(usize, Terms<Jet>)],
+    a: &[f64; 2],
+    s: &[f64; 4],
+    mut add: impl FnMut(usize, usize, f64),
+) {
+    for (_, terms) in list {
+        for (i, moment) in terms.moment(a, s).iter().enumerate() {
+            (0..4).for_each(|k| add(i, k, moment.partial[k]));
+        }
+    }
+}
+
+/// Every sgn replaced by its mean over the filter's spread, as for the rigid robot.
+fn friction(
+    level: &[f64; 4],
+    rotor: f64,
+    h: f64,
+    x: &Mean<STATES>,
+    p: &Covariance<STATES>,
+) -> Friction {
+    let mut out = Friction::default();
+    let omega = [x[2], x[3]];
+    for (j, d) in DIRECTIONS.iter().enumerate().filter(|(j, _)| level[*j] > 0.0) {
+        let d = SVector::<f64, 2>::from_row_slice(d);
+        let spread = (d.transpose() * p.fixed_view::<2, 2>(2, 2) * d)[0];
+        let v = along(j, &omega);
+        if unclear(j, v, spread) {
+            continue;
+        }
+        let kick = level[j] * h * d.norm_squared() / rotor;
+        let variance = (spread + 0.25 * kick * kick).max(STILL);
+        let sign = Real::erf(v / (2.0 * variance).sqrt());
+        let slope = 2.0 * density(v, variance);
+        let left = (1.0 - sign * sign - slope * slope * variance).max(0.0);
+        (out.sign[j], out.slope[j]) = (sign, slope);
+        out.rest[j] = level[j] * level[j] * left;
+    }
+    out
+}
+
+impl Dynamics<STATES> for Coupled<'_> {
+    /// The body moves as the wheels do, within what the drive can make of slip and twist.
+    fn start(
+        &self,
+        drive: &[f64; 2],
+        mean: &mut Mean<STATES>,
+        covariance: &mut Covariance<STATES>,
+    ) {
+        let joint = self.sides(0.0, mean).map(|sides| sides.coupling);
+        let part = |value: f64, by: f64| if by > 0.0 { (value / by).powi(2) } else { 0.0 };
+        for i in 0..2 {
+            mean[BODY + i] = mean[2 + i];
+            let Ok(joint) = &joint else { continue };
+            let spread = covariance[(2 + i, 2 + i)];
+            covariance[(BODY + i, 2 + i)] = spread;
+            covariance[(2 + i, BODY + i)] = spread;
+            let soft = if joint.stiffness > 0.0 { 0.0 } else { part(drive[i], joint.damping) };
+            covariance[(BODY + i, BODY + i)] = spread + soft + STILL;
+            covariance[(TWIST + i, TWIST + i)] = part(drive[i], joint.stiffness) + STILL;
+        }
+    }
+
+    fn predict(
+        &mut self,
+        sample: &Sample,
+        mean: &mut Mean<STATES>,
+        covariance: &mut Covariance<STATES>,
+        derivatives: bool,
+    ) -> Result<Predicted<STATES>, ModelError> {
+        let before = *mean;
+        let count = Self::parts(&self.sides(sample.t, mean)?, sample.step);
+        let h = sample.step / count as f64;
+        let decay = if self.noise.sigma_d > 0.0 { (-h / self.noise.tau_d).exp() } else { 0.0 };
+        let mut out: Option<Predicted<STATES>> = None;
+        let mut left = [0.0_f64; 4];
+        self.forced.iter_mut().for_each(|column| *column = SVector::zeros());
+        for part in 0..count {
+            let sides = self.sides(sample.t + (part as f64 + 0.5) * h, mean)?;
+            let friction = friction(&sides.level, sides.rotor, h, mean, covariance);
+            let moved = Self::part(&sides, &friction, mean, &sample.drive, sample.still, h);
+            let Some(mut moved) = moved else {
+                return Err(ModelError::MassNotPositive { m11: sides.rotor, m12: 0.0, m22: 0.0 });
+            };
+            for i in 4..6 {
+                moved.transition.row_mut(i).fill(0.0);
+                moved.transition[(i, i)] = decay;
+            }
+            if derivatives {
+                self.force(&sides, &friction, mean, &moved);
+            }
+            *mean += moved.shift;
+            (mean[4], mean[5]) = (mean[4] * decay, mean[5] * decay);
+            *covariance = moved.transition * *covariance * moved.transition.transpose();
+            let acceleration = moved.wheel_acceleration;
+            for j in 0..4 {
+                let d = SVector::<f64, 2>::from_row_slice(&DIRECTIONS[j]);
+                let spread = (d.transpose() * covariance.fixed_view::<2, 2>(2, 2) * d)[0];
+                let v = along(j, &[mean[2], mean[3]]);
+                let pass = along(j, &acceleration).abs() * h + 2.0 * spread.max(0.0).sqrt();
+                // a wheel that may pass through rest takes the whole friction as noise
+                let passes = friction.sign[j] != 0.0 && v.abs() < pass;
+                let whole = if passes { sides.level[j].powi(2) } else { 0.0 };
+                left[j] = left[j].max(friction.rest[j] + whole);
+            }
+            out = Some(match out {
+                None => {
+                    let variance = std::array::from_fn(|i| covariance[(i, i)]);
+                    Predicted {
+                        gain: moved.gain,
+                        transition: moved.transition,
+                        acceleration,
+                        sign: friction.sign,
+                        alpha: [before[0], before[1]],
+                        omega: [before[2], before[3]],
+                        variance,
+                        spread: [0.0; 2],
+                    }
+                }
+                Some(so_far) => Predicted {
+                    gain: moved.transition * so_far.gain + moved.gain,
+                    transition: moved.transition * so_far.transition,
+                    ..so_far
+                },
+            });
+        }
+        let Some(mut out) = out else {
+            return Err(ModelError::MassNotPositive { m11: 0.0, m12: 0.0, m22: 0.0 });
+        };
+        let (sum, cross) = (covariance[(2, 2)] + covariance[(3, 3)], 2.0 * covariance[(2, 3)]);
+        out.spread = [sum - cross, sum + cross];
+        out.acceleration = [0, 1].map(|i| (mean[2 + i] - before[2 + i]) / sample.step);
+        self.add_noise(&out, sample, &left, mean, covariance);
+        Ok(out)
+    }
+
+    fn carry(
+        &self,
+        predicted: &Predicted<STATES>,
+        sample: &Sample,
+        extra: &[[f64; 2]],
+        psi: &mut [[f64; STATES]],
+    ) {
+        let parameters = self.forced.len();
+        for (j, column) in psi.iter_mut().enumerate() {
+            let mut moved = predicted.transition * SVector::from(*column);
+            let torque = if j < parameters {
+                moved += self.forced[j];
+                sample.by_parameter.get(j).copied().unwrap_or([0.0; 2])
+            } else {
+                extra[j - parameters]
+            };
+            moved += predicted.gain * SVector::<f64, 2>::from(torque);
+            for i in (0..2).filter(|&i| sample.still[i]) {
+                moved[i] = column[i];
+                moved[2 + i] = 0.0;
+            }
+            *column = moved.into();
+        }
+    }
+
+    /// The bias by noise of the drive is worked out for rigid robots only.
+    fn mass_slopes(&mut self, _: &Predicted<STATES>) -> Vec<(usize, Matrix2<f64>)> {
+        vec![]
+    }
+}
+
+impl Coupled<'_> {
+    /// Noise of the drive, of friction and of the slow moment; wheels that stand stay.
+    fn add_noise(
+        &self,
+        out: &Predicted<STATES>,
+        sample: &Sample,
+        left: &[f64; 4],
+        mean: &mut Mean<STATES>,
+        covariance: &mut Covariance<STATES>,
+    ) {
+        let mut torque = Matrix2::zeros();
+        let white = self.noise.sigma_m.powi(2);
+        for i in 0..2 {
+            torque[(i, i)] += white + (sample.change[i].powi(2) - 6.0 * white).max(0.0) / 12.0;
+        }
+        for (j, d) in DIRECTIONS.iter().enumerate() {
+            let d = SVector::<f64, 2>::from_row_slice(d);
+            torque += d * d.transpose() * left[j];
+        }
+        *covariance += out.gain * torque * out.gain.transpose();
+        let slow = self.noise.sigma_d.powi(2) * (1.0 - out.transition[(4, 4)].powi(2));
+        for i in 0..2 {
+            covariance[(4 + i, 4 + i)] += slow;
+            if sample.still[i] {
+                freeze(covariance, mean, i);
+            }
+        }
+    }
+}

@@ -1,0 +1,46 @@
+//! A recording ready for the filter.
+
+use super::standstill::standstill;
+use crate::recording::Recording;
+
+/// What of a recording the filter needs and what does not change between passes.
+#[derive(Clone, Debug)]
+pub struct Prepared<'a> {
+    /// The recording.
+    pub recording: &'a Recording,
+    /// Wheels that stand still.
+    pub still: Vec<[bool; 2]>,
+    /// Variances of (alpha1, alpha2, omega1, omega2).
+    pub variance: [f64; 4],
+    /// Channels that are measured on their own.
+    pub used: [bool; 4],
+    /// Noise of the drive from differences [N m].
+    pub moment_noise: f64,
+}
+
+/// Prepares a recording: noise from differences, standstill, channels.
+#[must_use]
+pub fn prepare(recording: &Recording) -> Prepared<'_> {
+    let noise = recording.noise();
+    let measured = recording.measured();
+    // speeds that were made from the angles are no measurement of their own
+    let speeds = measured.omega && !(measured.alpha && recording.speeds_are_smoothed());
+    // a channel without any visible noise still has rounding; nothing is known exactly
+    let floor = |sigma: f64, scale: f64| (sigma * sigma).max((1e-6 * scale).powi(2));
+    let largest = |values: &[[f64; 2]], i: usize| {
+        values.iter().map(|v| v[i].abs()).fold(0.0, f64::max).max(1e-3)
+    };
+    let variance = [
+        floor(noise.alpha[0], 1.0),
+        floor(noise.alpha[1], 1.0),
+        floor(noise.omega[0], largest(recording.omega(), 0)),
+        floor(noise.omega[1], largest(recording.omega(), 1)),
+    ];
+    Prepared {
+        recording,
+        still: standstill(recording, &noise.alpha, &noise.omega),
+        variance,
+        used: [measured.alpha, measured.alpha, speeds, speeds],
+        moment_noise: 0.5 * (noise.moment[0] + noise.moment[1]),
+    }
+}
