@@ -250,7 +250,8 @@ mod diagnosis {
     fn score_scan(bencher: divan::Bencher) {
         let recordings = three(&[]);
         let likelihood = likelihood(&recordings);
-        let all = candidates(&BASE, &[], &[], &recordings.iter().collect::<Vec<_>>());
+        let all =
+            candidates(&BASE, &BASE.initial(), &[], &[], &recordings.iter().collect::<Vec<_>>());
         bencher.bench(|| scan(&BASE, &BASE.initial(), &NOISE, &likelihood, &all));
     }
 
@@ -370,7 +371,7 @@ fn of_diagnosis(fit_of_one: f64) {
     let recordings = three(&[]);
     let likelihood = likelihood(&recordings);
     let pass = best(|| run_pass(&BASE, &likelihood, true));
-    let all = candidates(&BASE, &[], &[], &recordings.iter().collect::<Vec<_>>());
+    let all = candidates(&BASE, &BASE.initial(), &[], &[], &recordings.iter().collect::<Vec<_>>());
     let columns: usize = all.iter().map(|c| c.columns()).sum();
     let time = best(|| scan(&BASE, &BASE.initial(), &NOISE, &likelihood, &all));
     let what = format!("score scan of 3 x 60 s: {} candidates, {columns} columns", all.len());

@@ -2,17 +2,18 @@
 
 use std::sync::Arc;
 
+use super::joint::{is_joint, joint_signal};
+use super::shapes::Scale;
+use super::signals::signals;
 use crate::effects::{DIRECTIONS, Effect, Motion, ParameterKind, along};
 use crate::identify::kalman::{Instant, unclear};
 use crate::math::{Real, sgn};
 use crate::model::Model;
-use crate::recording::{LocalMotion, Recording};
+use crate::recording::{DriveUnit, LocalMotion, Recording};
 
 /// Speeds below this share of the top speed are smoothed over where an effect brings a friction
 /// direction of its own (the model has no filter variance for it).
 const REST: f64 = 0.004;
-/// Top speed of the AmigoBot, to which the grid of Stribeck speeds belongs [rad/s].
-const AMIGOBOT_SPEED: f64 = 12.0;
 
 /// An effect at one value of its shape, ready to ride along in a filter pass.
 #[derive(Clone)]
@@ -31,6 +32,13 @@ pub struct Candidate {
     pub form: Form,
     /// Speed below which a friction direction of its own is smoothed [rad/s].
     rest: f64,
+    around: Arc<Around>,
+}
+
+/// The model that a candidate would be added to, with its parameters.
+pub(super) struct Around {
+    pub(super) model: Model,
+    pub(super) p: Vec<f64>,
 }
 
 /// How the column of a candidate is computed.
@@ -42,12 +50,14 @@ pub enum Form {
     Signal(Arc<Vec<Vec<[f64; 2]>>>),
 }
 
-/// All candidates of a model: registered effects and the user's `own` that it lacks (or those named),
-/// at every value of their shape grid. Effects that are the same for any wheel recording appear once;
-/// those that put a body behind the wheels, and formulas without a linear parameter, are left out.
+/// All candidates of a model at parameters `p`: registered effects and the user's `own` that it lacks
+/// (or those named), at every value of their shape grid. Effects that are the same for any wheel
+/// recording appear once; formulas without a linear parameter are left out, and a body behind the
+/// wheels where there is one already or the robot's own inertias are in other units (volts, amperes).
 #[must_use]
 pub fn candidates(
     model: &Model,
+    p: &[f64],
     named: &[String],
     own: &[Arc<dyn Effect>],
     recordings: &[&Recording],
@@ -56,6 +66,9 @@ pub fn candidates(
     let held = (0..3).any(|j| model.parameters()[j].fixed.is_some());
     let mut out: Vec<Candidate> = Vec::new();
     let scale = Scale::of(recordings);
+    let around = Arc::new(Around { model: model.clone(), p: p.to_vec() });
+    let moments = |r: &&Recording| r.drive_unit() == DriveUnit::NewtonMetre && !r.is_single_axis();
+    let jointable = !model.is_coupled() && recordings.iter().all(moments);
     let registered = crate::effects::all().into_iter().map(Arc::from);
     for effect in registered.chain(own.iter().cloned()) {
         let description = effect.description();
@@ -69,11 +82,11 @@ pub fn candidates(
         if !asked || present.contains(&id) || twin || (id == "payload" && !held) {
             continue;
         }
-        // the filter carries no body behind the wheels
-        if model.add_effect(effect.clone()).is_ok_and(|with| with.is_coupled()) {
+        if is_joint(&effect, model) && !jointable {
             continue;
         }
-        out.extend(grid(&id, &effect, &scale, recordings).into_iter().filter(|c| c.columns() > 0));
+        let grid = grid(&id, &effect, &scale, &around, recordings);
+        out.extend(grid.into_iter().filter(|c| c.columns() > 0));
     }
     if recordings.iter().all(|r| r.is_single_axis()) {
         let motions: Vec<_> = recordings.iter().map(|r| r.local_motion()).collect();
@@ -88,155 +101,38 @@ pub fn candidates(
     out
 }
 
-/// Size of the signals, which sets the grids of shape parameters.
-struct Scale {
-    moment: f64,
-    step: f64,
-    duration: f64,
-    speed: f64,
-    /// Largest angle that a wheel goes through [rad].
-    angle: f64,
-}
-
-impl Scale {
-    fn of(recordings: &[&Recording]) -> Self {
-        let largest = recordings
-            .iter()
-            .flat_map(|r| r.moment().iter().flatten())
-            .fold(0.0_f64, |a, m| a.max(m.abs()));
-        let step = recordings.iter().map(|r| r.step()).fold(0.0, f64::max);
-        let duration = recordings.iter().map(|r| r.duration()).fold(0.0, f64::max);
-        let speed = recordings.iter().map(|r| r.top_speed()).fold(0.0, f64::max);
-        let span = |r: &Recording, i: usize| {
-            let angles = || r.alpha().iter().map(|a| a[i]);
-            angles().fold(f64::MIN, f64::max) - angles().fold(f64::MAX, f64::min)
-        };
-        let spans = recordings.iter().flat_map(|r| [span(r, 0), span(r, 1)]);
-        let angle = spans.fold(0.0, f64::max);
-        Self { moment: largest, step, duration, speed, angle }
-    }
-}
-
+/// The candidates of an effect, one a value of its shape.
 fn grid(
     id: &str,
     effect: &Arc<dyn Effect>,
     scale: &Scale,
+    around: &Arc<Around>,
     recordings: &[&Recording],
 ) -> Vec<Candidate> {
     let specs = effect.parameters();
-    let shape = specs.iter().position(|s| s.kind == ParameterKind::Shape);
-    let values: Vec<f64> = match shape {
-        None => vec![f64::NAN],
-        Some(j) => shape_values(id, specs[j].typical, scale)
-            .into_iter()
-            .filter(|v| *v >= specs[j].range.0 && *v <= specs[j].range.1)
-            .collect(),
-    };
-    // a wave of which less than a period was driven is an offset in disguise
-    let goes_round = |value: f64| match id {
-        "torque_ripple" => value * scale.angle >= std::f64::consts::TAU,
-        "wheel_eccentricity" => scale.angle >= std::f64::consts::TAU,
-        _ => true,
-    };
-    let values: Vec<f64> = values.into_iter().filter(|v| goes_round(*v)).collect();
-    let count = values.len();
-    values
+    let shapes = scale.shapes(id, &specs);
+    let linear: Vec<usize> =
+        (0..specs.len()).filter(|&j| specs[j].kind == ParameterKind::Linear).collect();
+    let count = shapes.len();
+    shapes
         .into_iter()
-        .map(|value| {
-            let mut p: Vec<f64> = specs
-                .iter()
-                .map(|s| if s.kind == ParameterKind::Shape { s.typical } else { 0.0 })
-                .collect();
-            if let Some(j) = shape {
-                p[j] = value;
-            }
-            let linear: Vec<usize> =
-                (0..specs.len()).filter(|&j| specs[j].kind == ParameterKind::Linear).collect();
-            let form = if effect.acts_on_drive() {
-                Form::Signal(Arc::new(signals(effect, &p, &linear, recordings)))
-            } else {
-                Form::Instant
-            };
-            Candidate {
+        .map(|p| {
+            let mut candidate = Candidate {
                 id: id.into(),
                 effect: effect.clone(),
                 p,
-                linear,
+                linear: linear.clone(),
                 grid: count,
-                form,
+                form: Form::Instant,
                 rest: REST * scale.speed,
-            }
-        })
-        .collect()
-}
-
-/// Grid of the shape parameter of an effect.
-fn shape_values(id: &str, typical: f64, scale: &Scale) -> Vec<f64> {
-    match id {
-        "stribeck" => [0.15, 0.3, 0.6, 1.2, 2.4].map(|w| w * scale.speed / AMIGOBOT_SPEED).to_vec(),
-        "friction_warmup" => {
-            [2.0, 5.0, 10.0, 20.0, 40.0].into_iter().filter(|t| *t < 2.0 * scale.duration).collect()
-        }
-        "torque_saturation" => [0.5, 0.65, 0.8, 0.9].map(|s| s * scale.moment).to_vec(),
-        "backlash_deadzone" => [0.02, 0.05, 0.1].map(|s| s * scale.moment).to_vec(),
-        "actuator_lag" | "actuator_delay" => vec![scale.step],
-        "torque_ripple" => (2..=16).map(f64::from).collect(),
-        _ if crate::effects::find(id).is_some() => vec![typical],
-        // of a formula nothing is known but where the user looks for its shape
-        _ => [0.25, 0.5, 1.0, 2.0, 4.0].map(|s| s * typical).to_vec(),
-    }
-}
-
-/// The change of the drive that a drive effect makes, per unit of its parameter where that is
-/// small and smooth (lag, delay, gain), for the whole change otherwise.
-fn signals(
-    effect: &Arc<dyn Effect>,
-    p: &[f64],
-    linear: &[usize],
-    recordings: &[&Recording],
-) -> Vec<Vec<[f64; 2]>> {
-    recordings
-        .iter()
-        .map(|recording| {
-            let smooth = smoothed_drive(recording);
-            let (mut q, size) = (p.to_vec(), 1e-3);
-            let unit = match linear.first() {
-                Some(&j) => {
-                    q[j] = size;
-                    size
-                }
-                None if is_time(effect) => p[0],
-                None => 1.0,
+                around: around.clone(),
             };
-            let changed = effect.drive(recording.t(), &smooth, &q).unwrap_or(smooth.clone());
-            changed
-                .iter()
-                .zip(&smooth)
-                .map(|(c, s)| [(c[0] - s[0]) / unit, (c[1] - s[1]) / unit])
-                .collect()
+            if effect.acts_on_drive() || is_joint(effect, &around.model) {
+                candidate.form = Form::Signal(Arc::new(candidate.signals(recordings)));
+            }
+            candidate
         })
         .collect()
-}
-
-/// Whether the effect shifts the drive in time, so that its column is a derivative.
-fn is_time(effect: &Arc<dyn Effect>) -> bool {
-    effect.parameters().first().is_some_and(|s| s.unit == "s")
-}
-
-/// The recorded drive without its noise: the mean over five samples (two to either side).
-#[must_use]
-pub(super) fn smoothed_drive(recording: &Recording) -> Vec<[f64; 2]> {
-    let m = recording.moment();
-    let mut out = m.to_vec();
-    for piece in recording.pieces() {
-        for k in piece.clone() {
-            let half = 2.min(k - piece.start).min(piece.end - 1 - k);
-            let count = (2 * half + 1) as f64;
-            out[k] =
-                [0, 1].map(|i| m[k - half..=k + half].iter().map(|v| v[i]).sum::<f64>() / count);
-        }
-    }
-    out
 }
 
 impl Candidate {
@@ -245,11 +141,16 @@ impl Candidate {
     pub fn for_recordings(&self, recordings: &[&Recording]) -> Self {
         let form = match self.form {
             Form::Instant => Form::Instant,
-            Form::Signal(_) => {
-                Form::Signal(Arc::new(signals(&self.effect, &self.p, &self.linear, recordings)))
-            }
+            Form::Signal(_) => Form::Signal(Arc::new(self.signals(recordings))),
         };
         Self { form, ..self.clone() }
+    }
+
+    fn signals(&self, recordings: &[&Recording]) -> Vec<Vec<[f64; 2]>> {
+        if is_joint(&self.effect, &self.around.model) {
+            return recordings.iter().map(|r| joint_signal(self, &self.around, r)).collect();
+        }
+        signals(&self.effect, &self.p, &self.linear, recordings)
     }
 
     /// Whether the effect can act the same on both wheels of a single axis: one column that does,

@@ -1,10 +1,13 @@
 //! Which effect is missing: candidates, evidence, equivalence, the verdict, the next run.
 
 mod candidate;
+mod joint;
 mod judge;
 mod next_run;
 mod refit;
 mod scan;
+mod shapes;
+mod signals;
 mod stepwise;
 mod verdict;
 

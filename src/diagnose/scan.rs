@@ -2,7 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::candidate::{Candidate, column_size, smoothed_drive};
+use super::candidate::{Candidate, column_size};
+use super::signals::smoothed_drive;
 use crate::compare::{log_significance, project, score_statistic};
 use crate::identify::kalman::{Columns, Instant, Likelihood, Pass, ProcessNoise};
 use crate::model::{Model, ModelError};

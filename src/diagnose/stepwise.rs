@@ -207,7 +207,7 @@ fn rank(
     settings: &Settings,
 ) -> Result<Vec<Ranked>, IdentifyError> {
     let recordings: Vec<&Recording> = likelihood.prepared.iter().map(|p| p.recording).collect();
-    let all = candidates(model, &settings.candidates, &settings.own, &recordings);
+    let all = candidates(model, &maximum.p, &settings.candidates, &settings.own, &recordings);
     let scores = scan(model, &maximum.p, &maximum.noise, likelihood, &all)?;
     let mut ranked: Vec<Ranked> = Vec::new();
     for (candidate, score) in all.into_iter().zip(scores) {

@@ -1,0 +1,130 @@
+//! A body behind the wheels as a change of the drive, for the score scan.
+
+use std::sync::Arc;
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::candidate::{Around, Candidate};
+use crate::effects::{Coupling, Effect, Motion, along};
+use crate::math::sgn;
+use crate::model::Model;
+use crate::recording::{LocalMotion, Recording};
+
+/// Whether the effect puts a body behind the wheels of a model that has none.
+pub(super) fn is_joint(effect: &Arc<dyn Effect>, model: &Model) -> bool {
+    !model.is_coupled() && model.add_effect(effect.clone()).is_ok_and(|with| with.is_coupled())
+}
+
+/// What a body behind the wheels changes as seen from the rigid robot: the moment that would make
+/// that one accelerate as the wheels of the jointed one do, less the moment that acts [N m].
+///
+/// ```text
+/// J_r dw/dt = F - k φ - c (w - u),  (J - J_r) du/dt = k φ + c (w - u),  dφ/dt = w - u
+/// signal = J dw/dt - F,   F = M - friction
+/// ```
+/// for the common and the opposite motion of the wheels (J = m ± m12 of the mass matrix). The
+/// centrifugal part is left out: this finds candidates, their refit is exact.
+pub(super) fn joint_signal(
+    candidate: &Candidate,
+    around: &Around,
+    recording: &Recording,
+) -> Vec<[f64; 2]> {
+    let mut out = vec![[0.0; 2]; recording.len()];
+    let (t, motion) = (recording.t(), recording.local_motion());
+    let at = |k: usize| instant(around, t[k] - t[0], &motion[k]);
+    let Some(coupling) = candidate.effect.coupling(&at(0), &candidate.p) else { return out };
+    let mass = around.model.terms(&at(0), &around.p).mass;
+    let rotor = coupling.rotor_within(&mass);
+    let mean = 0.5 * (mass[0] + mass[2]);
+    let modes = [mean + mass[1], mean - mass[1]].map(|inertia| Mode { inertia, rotor, coupling });
+    let force: Vec<[f64; 2]> = (0..recording.len())
+        .map(|k| {
+            let [a, b] = acting(around, recording.moment()[k], &at(k));
+            [0.5 * (a + b), 0.5 * (a - b)]
+        })
+        .collect();
+    for piece in recording.pieces() {
+        for (mode, motion) in modes.iter().enumerate() {
+            let of_mode = |k: usize| force[k][mode];
+            for (k, change) in piece.clone().zip(motion.changes(t, piece.clone(), of_mode)) {
+                out[k][0] += change;
+                out[k][1] += if mode == 0 { change } else { -change };
+            }
+        }
+    }
+    out
+}
+
+/// The moments less what resists, at a smooth motion [N m].
+fn acting(around: &Around, moment: [f64; 2], x: &Motion<f64>) -> [f64; 2] {
+    let terms = around.model.terms(x, &around.p);
+    let sign = [0, 1, 2, 3].map(|j| sgn(along(j, &x.omega)));
+    let resisting = terms.moment(&[0.0; 2], &sign);
+    [0, 1].map(|i| if x.omega[i] == 0.0 { 0.0 } else { moment[i] - resisting[i] })
+}
+
+fn instant<'a>(around: &'a Around, t: f64, m: &LocalMotion) -> Motion<'a, f64> {
+    let (alpha, omega, robot) = (m.alpha, m.omega, around.model.robot());
+    Motion { t, alpha, omega, variance: [0.0; 4], robot }
+}
+
+/// Two inertias on one axis.
+struct Mode {
+    /// Of both together [kg m^2].
+    inertia: f64,
+    rotor: f64,
+    coupling: Coupling<f64>,
+}
+
+impl Mode {
+    /// `J dw/dt - F` at every sample of a piece, from no slip and no twist; the force held over each
+    /// sample at its mean, which is exact for the slip.
+    fn changes(
+        &self,
+        t: &[f64],
+        piece: std::ops::Range<usize>,
+        force: impl Fn(usize) -> f64,
+    ) -> Vec<f64> {
+        let Coupling { stiffness: k, damping: c, .. } = self.coupling;
+        let (rotor, body) = (self.rotor, self.inertia - self.rotor);
+        let mut x = Vector3::zeros(); // w, u, twist
+        let mut known: Option<(f64, Matrix3<f64>, Vector3<f64>)> = None;
+        let mut out = Vec::with_capacity(piece.len());
+        for j in piece.clone() {
+            let passed = k * x[2] + c * (x[0] - x[1]);
+            out.push(self.inertia * (force(j) - passed) / rotor - force(j));
+            if j + 1 == piece.end {
+                break;
+            }
+            let h = t[j + 1] - t[j];
+            let (step, map, push) =
+                known.filter(|(step, ..)| (step - h).abs() < 1e-9 * h).unwrap_or_else(|| {
+                    let a = Matrix3::new(
+                        -c / rotor,
+                        c / rotor,
+                        -k / rotor,
+                        c / body,
+                        -c / body,
+                        k / body,
+                        1.0,
+                        -1.0,
+                        0.0,
+                    );
+                    let b = Vector3::new(1.0 / rotor, 0.0, 0.0);
+                    // exp of [[a, b], [0, 0]] h gives the map of the state and of a held force
+                    let mut whole = nalgebra::Matrix4::zeros();
+                    whole.fixed_view_mut::<3, 3>(0, 0).copy_from(&(a * h));
+                    whole.fixed_view_mut::<3, 1>(0, 3).copy_from(&(b * h));
+                    let e = whole.exp();
+                    (
+                        h,
+                        e.fixed_view::<3, 3>(0, 0).into_owned(),
+                        e.fixed_view::<3, 1>(0, 3).into_owned(),
+                    )
+                });
+            known = Some((step, map, push));
+            x = map * x + push * (0.5 * (force(j) + force(j + 1)));
+        }
+        out
+    }
+}

@@ -1,0 +1,57 @@
+//! What an effect of the drive does to the recorded drive.
+
+use std::sync::Arc;
+
+use crate::effects::Effect;
+use crate::recording::Recording;
+
+/// The change of the drive that a drive effect makes, per unit of its parameter where that is
+/// small and smooth (lag, delay, gain), for the whole change otherwise.
+pub(super) fn signals(
+    effect: &Arc<dyn Effect>,
+    p: &[f64],
+    linear: &[usize],
+    recordings: &[&Recording],
+) -> Vec<Vec<[f64; 2]>> {
+    recordings
+        .iter()
+        .map(|recording| {
+            let smooth = smoothed_drive(recording);
+            let (mut q, size) = (p.to_vec(), 1e-3);
+            let unit = match linear.first() {
+                Some(&j) => {
+                    q[j] = size;
+                    size
+                }
+                None if is_time(effect) => p[0],
+                None => 1.0,
+            };
+            let changed = effect.drive(recording.t(), &smooth, &q).unwrap_or(smooth.clone());
+            changed
+                .iter()
+                .zip(&smooth)
+                .map(|(c, s)| [(c[0] - s[0]) / unit, (c[1] - s[1]) / unit])
+                .collect()
+        })
+        .collect()
+}
+
+/// Whether the effect shifts the drive in time, so that its column is a derivative.
+fn is_time(effect: &Arc<dyn Effect>) -> bool {
+    effect.parameters().first().is_some_and(|s| s.unit == "s")
+}
+
+/// The recorded drive without its noise: the mean over five samples (two to either side).
+pub(super) fn smoothed_drive(recording: &Recording) -> Vec<[f64; 2]> {
+    let m = recording.moment();
+    let mut out = m.to_vec();
+    for piece in recording.pieces() {
+        for k in piece.clone() {
+            let half = 2.min(k - piece.start).min(piece.end - 1 - k);
+            let count = (2 * half + 1) as f64;
+            out[k] =
+                [0, 1].map(|i| m[k - half..=k + half].iter().map(|v| v[i]).sum::<f64>() / count);
+        }
+    }
+    out
+}
