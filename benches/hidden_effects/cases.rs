@@ -6,7 +6,7 @@ use amigo_ident::effects::find;
 use amigo_ident::simulate::NoiseLevel;
 
 /// Hidden effects at moderate size: parameters that make an effect of some 5-10 % of the moment.
-pub(crate) const HIDDEN: [(&str, &[(&str, f64)]); 21] = [
+pub(crate) const HIDDEN: [(&str, &[(&str, f64)]); 23] = [
     ("viscous_friction", &[("b", 2e-3)]),
     ("viscous_friction_1", &[("b1", 2e-3)]),
     ("viscous_friction_2", &[("b2", 2e-3)]),
@@ -28,6 +28,8 @@ pub(crate) const HIDDEN: [(&str, &[(&str, f64)]); 21] = [
     ("wheel_eccentricity", &[]),
     ("friction_warmup", &[("fw", 0.03), ("tw", 8.0)]),
     ("load_transfer_friction", &[("cl", 1.5e-4)]),
+    ("wheel_slip", &[("cs", 0.1)]),
+    ("compliance", &[("kt", 2.0), ("dt", 0.02)]),
 ];
 
 /// Sizes, as factors of the moderate one.

@@ -46,7 +46,9 @@ fn parameters(model: &Model, case: &Case) -> Vec<f64> {
         let value = value.unwrap_or(parameter.spec.typical);
         p[j] = match symbol {
             "limit" => value * case.size.powf(-0.35),
-            "ws" | "tw" | "n" => value,
+            "ws" | "tw" | "n" | "dt" => value,
+            // the stiffer, the smaller the effect
+            "cs" | "kt" => value / case.size,
             _ => value * case.size,
         };
     }

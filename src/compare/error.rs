@@ -7,7 +7,7 @@ use crate::simulate::{Dynamics, Hold, Input, RunIn, SimulateError};
 /// Length of an open-loop window [s].
 pub(super) const WINDOW: f64 = 2.0;
 /// Run-in of a window where a body behind the wheels must get under way first [s].
-const RUN_IN: f64 = 0.5;
+const RUN_IN: f64 = 2.0;
 
 /// A recording simulated by a model.
 #[derive(Clone, Debug)]

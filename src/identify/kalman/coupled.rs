@@ -1,12 +1,18 @@
 //! The filter's step where a body runs behind the wheels: slip, or a spring between them.
 
-use nalgebra::{Matrix2, SMatrix, SVector};
+mod part;
+
+use nalgebra::{Matrix2, SVector};
+
+use part::{Friction, Part, Sides, friction};
 
 use super::ProcessNoise;
 use super::dynamics::Dynamics;
-use super::step::{Covariance, Mean, Predicted, STILL, Sample, density, freeze, unclear};
-use crate::effects::{Coupling, DIFFERENTIATED, DIRECTIONS, Energy, Jet, Motion, Terms, along};
-use crate::math::{Dual, Real};
+use super::step::{Covariance, Mean, Predicted, STILL, Sample, freeze};
+use crate::effects::{
+    Coupling, DIFFERENTIATED, DIRECTIONS, Energy, Jet, MOST_PARAMETERS, Motion, Terms, along,
+};
+use crate::math::Dual;
 use crate::model::{Model, ModelError};
 
 /// The six states of the rigid robot, body speeds u1, u2, twists phi1, phi2.
@@ -35,54 +41,24 @@ pub(super) struct Coupled<'a> {
     noise: ProcessNoise,
     /// Effects that act on the body.
     on_body: Vec<bool>,
-    /// Derivative of the state after the step by each parameter, at the state before it.
-    forced: Vec<SVector<f64, STATES>>,
-}
-
-/// What acts at one instant, with derivatives.
-struct Sides {
-    coupling: Coupling<f64>,
+    /// What every effect adds at the present instant, with derivatives.
+    terms: Vec<Terms<Jet>>,
     /// Derivatives of stiffness and damping by parameters.
     joint: Vec<(usize, [f64; 2])>,
-    wheel: Vec<(usize, Terms<Jet>)>,
-    body: Vec<(usize, Terms<Jet>)>,
-    rotor: f64,
-    /// Inverse of the body's mass matrix.
-    mobility: Matrix2<f64>,
-    body_torque: [f64; 2],
-    wheel_torque: [f64; 2],
-    level: [f64; 4],
-}
-
-/// One part of a step.
-struct Part {
-    transition: SMatrix<f64, STATES, STATES>,
-    /// Map of a moment on the wheels.
-    gain: SMatrix<f64, STATES, 2>,
-    /// Map of a moment on the body.
-    body_gain: SMatrix<f64, STATES, 2>,
-    shift: SVector<f64, STATES>,
-    wheel_acceleration: [f64; 2],
-    body_acceleration: [f64; 2],
-}
-
-/// Statistically linearised friction.
-#[derive(Clone, Copy, Default)]
-struct Friction {
-    sign: [f64; 4],
-    slope: [f64; 4],
-    /// Variance that the mean leaves out.
-    rest: [f64; 4],
+    /// Derivative of the state after the step by each parameter, at the state before it.
+    forced: Vec<SVector<f64, STATES>>,
 }
 
 impl<'a> Coupled<'a> {
     pub(super) fn new(model: &'a Model, p: &'a [f64], noise: ProcessNoise) -> Self {
         let energy = model.effects().iter().map(|e| e.energy());
         let on_body = energy.map(|e| matches!(e, Energy::Stores | Energy::DoesNoWork)).collect();
-        Self { model, p, noise, on_body, forced: vec![SVector::zeros(); p.len()] }
+        let forced = vec![SVector::zeros(); p.len()];
+        Self { model, p, noise, on_body, terms: vec![], joint: vec![], forced }
     }
 
-    fn sides(&self, t: f64, x: &Mean<STATES>) -> Result<Sides, ModelError> {
+    /// Evaluates all effects at time `t` and state `x`.
+    fn sides(&mut self, t: f64, x: &Mean<STATES>) -> Result<Sides, ModelError> {
         let robot = self.model.robot();
         let motion = |alpha: [f64; 2], omega: [f64; 2]| Motion {
             t: Dual::constant(t),
@@ -93,52 +69,67 @@ impl<'a> Coupled<'a> {
         };
         let front = motion([x[0], x[1]], [x[2], x[3]]);
         let behind = motion([x[0] - x[TWIST], x[1] - x[TWIST + 1]], [x[BODY], x[BODY + 1]]);
-        let mut out = Sides {
-            coupling: Coupling { rotor: 0.0, stiffness: 0.0, damping: 0.0 },
-            joint: vec![],
-            wheel: vec![],
-            body: vec![],
-            rotor: 0.0,
-            mobility: Matrix2::zeros(),
-            body_torque: [0.0; 2],
-            wheel_torque: [0.0; 2],
-            level: [0.0; 4],
-        };
-        let mut mass = [0.0; 3];
+        let mut coupling = Coupling { rotor: 0.0, stiffness: 0.0, damping: 0.0 };
+        let (mut body, mut wheel) = (Terms::zero(), Terms::zero());
+        self.terms.clear();
         for (e, effect) in self.model.effects().iter().enumerate() {
             let slots = self.model.slots(e);
-            let own: Vec<Jet> = slots.clone().enumerate().map(|(k, j)| self.jet(k, j)).collect();
-            if let Some(c) = effect.coupling_jet(&front, &own) {
-                let Coupling { rotor, stiffness, damping } = c;
-                out.coupling = Coupling {
+            let mut own = [Jet::constant(0.0); MOST_PARAMETERS];
+            for (k, j) in slots.clone().enumerate() {
+                own[k] = self.jet(k, j);
+            }
+            let own = &own[..slots.len()];
+            if let Some(Coupling { rotor, stiffness, damping }) = effect.coupling_jet(&front, own) {
+                let [rotor, stiffness, damping] = [rotor, stiffness, damping];
+                let partial = |k: usize| [stiffness.partial[4 + k], damping.partial[4 + k]];
+                self.joint.clear();
+                self.joint.extend(slots.enumerate().map(|(k, j)| (j, partial(k))));
+                coupling = Coupling {
                     rotor: rotor.value,
                     stiffness: stiffness.value,
                     damping: damping.value,
                 };
-                let partial = |k: usize| [stiffness.partial[4 + k], damping.partial[4 + k]];
-                out.joint = slots.clone().enumerate().map(|(k, j)| (j, partial(k))).collect();
             }
-            let terms = effect.terms_jet(if self.on_body[e] { &behind } else { &front }, &own);
-            let torque = terms.torque.map(|v| v.value);
-            if self.on_body[e] {
-                mass = [0, 1, 2].map(|i| mass[i] + terms.mass[i].value);
-                out.body_torque = [0, 1].map(|i| out.body_torque[i] + torque[i]);
-                out.body.push((e, terms));
-            } else {
-                out.wheel_torque = [0, 1].map(|i| out.wheel_torque[i] + torque[i]);
-                out.level = [0, 1, 2, 3].map(|j| out.level[j] + terms.level[j].value);
-                out.wheel.push((e, terms));
-            }
+            let terms = effect.terms_jet(if self.on_body[e] { &behind } else { &front }, own);
+            let side = if self.on_body[e] { &mut body } else { &mut wheel };
+            side.add(&Terms {
+                mass: terms.mass.map(|v| v.value),
+                torque: terms.torque.map(|v| v.value),
+                level: terms.level.map(|v| v.value),
+            });
+            self.terms.push(terms);
         }
-        out.rotor = out.coupling.rotor_within(&mass);
-        let [m11, m12, m22] = [mass[0] - out.rotor, mass[1], mass[2] - out.rotor];
+        let rotor = coupling.rotor_within(&body.mass);
+        let [m11, m12, m22] = [body.mass[0] - rotor, body.mass[1], body.mass[2] - rotor];
         let determinant = m11 * m22 - m12 * m12;
-        if !(out.rotor > 0.0 && m11 > 0.0 && determinant > 0.0) {
-            let [m11, m12, m22] = mass;
+        if !(rotor > 0.0 && m11 > 0.0 && determinant > 0.0) {
+            let [m11, m12, m22] = body.mass;
             return Err(ModelError::MassNotPositive { m11, m12, m22 });
         }
-        out.mobility = Matrix2::new(m22, -m12, -m12, m11) / determinant;
-        Ok(out)
+        Ok(Sides {
+            coupling,
+            rotor,
+            mobility: Matrix2::new(m22, -m12, -m12, m11) / determinant,
+            body_torque: body.torque,
+            wheel_torque: wheel.torque,
+            level: wheel.level.map(|level| level.max(0.0)),
+        })
+    }
+
+    /// Calls `add(wheel, k, slope)` with the derivatives of the moments of one side by
+    /// (alpha1, alpha2, omega1, omega2).
+    fn add_slopes(
+        &self,
+        on_body: bool,
+        a: &[f64; 2],
+        s: &[f64; 4],
+        mut add: impl FnMut(usize, usize, f64),
+    ) {
+        for (terms, _) in self.terms.iter().zip(&self.on_body).filter(|(_, b)| **b == on_body) {
+            for (i, moment) in terms.moment(a, s).iter().enumerate() {
+                (0..4).for_each(|k| add(i, k, moment.partial[k]));
+            }
+        }
     }
 
     /// Parameter `j`, number `k` of its effect.
@@ -150,113 +141,23 @@ impl<'a> Coupled<'a> {
         }
     }
 
-    /// One part of length `h` from `x`, `drive` acting on the wheels.
-    fn part(
-        sides: &Sides,
-        friction: &Friction,
-        x: &Mean<STATES>,
-        drive: &[f64; 2],
-        still: [bool; 2],
-        h: f64,
-    ) -> Option<Part> {
-        let Coupling { stiffness, damping, .. } = sides.coupling;
-        let mut f = SVector::<f64, STATES>::zeros();
-        let mut jacobian = SMatrix::<f64, STATES, STATES>::zeros();
-        let passed = [0, 1].map(|i| stiffness * x[TWIST + i] + damping * (x[2 + i] - x[BODY + i]));
-        let on_body = [0, 1].map(|i| passed[i] - sides.body_torque[i]);
-        let body_acceleration = sides.mobility * SVector::<f64, 2>::from(on_body);
-        let mut resisting = sides.wheel_torque;
-        let mut stiff = Matrix2::<f64>::zeros();
-        for (j, d) in DIRECTIONS.iter().enumerate() {
-            let level = sides.level[j].max(0.0);
-            let d = SVector::<f64, 2>::from_row_slice(d);
-            resisting[0] += d[0] * level * friction.sign[j];
-            resisting[1] += d[1] * level * friction.sign[j];
-            stiff += d * d.transpose() * (level * friction.slope[j]);
-        }
-        let mut wheel_acceleration = [0.0; 2];
-        let mut lead = SMatrix::<f64, STATES, 2>::zeros();
-        for i in (0..2).filter(|&i| !still[i]) {
-            wheel_acceleration[i] = (drive[i] + x[4 + i] - passed[i] - resisting[i]) / sides.rotor;
-            f[i] = x[2 + i];
-            f[2 + i] = wheel_acceleration[i];
-            jacobian[(i, 2 + i)] = 1.0;
-            jacobian[(2 + i, 2 + i)] -= damping / sides.rotor;
-            jacobian[(2 + i, BODY + i)] += damping / sides.rotor;
-            jacobian[(2 + i, TWIST + i)] -= stiffness / sides.rotor;
-            jacobian[(2 + i, 4 + i)] += 1.0 / sides.rotor;
-            lead[(2 + i, i)] = 1.0 / sides.rotor;
-        }
-        add_slopes(&sides.wheel, &wheel_acceleration, &friction.sign, |i, k, slope| {
-            if !still[i] {
-                jacobian[(2 + i, k)] -= slope / sides.rotor;
-            }
-        });
-        for i in 0..2 {
-            f[BODY + i] = body_acceleration[i];
-            f[TWIST + i] = x[2 + i] - x[BODY + i];
-            jacobian[(TWIST + i, 2 + i)] = 1.0;
-            jacobian[(TWIST + i, BODY + i)] = -1.0;
-        }
-        // what the body feels, by state, before its own mass divides it
-        let mut felt = SMatrix::<f64, 2, STATES>::zeros();
-        for i in 0..2 {
-            felt[(i, TWIST + i)] += stiffness;
-            felt[(i, 2 + i)] += damping;
-            felt[(i, BODY + i)] -= damping;
-        }
-        let acceleration = [body_acceleration[0], body_acceleration[1]];
-        add_slopes(&sides.body, &acceleration, &[0.0; 4], |i, k, slope| {
-            if k < 2 {
-                felt[(i, k)] -= slope;
-                felt[(i, TWIST + k)] += slope;
-            } else {
-                felt[(i, BODY + k - 2)] -= slope;
-            }
-        });
-        jacobian.fixed_view_mut::<2, STATES>(BODY, 0).copy_from(&(sides.mobility * felt));
-        let mut implicit = jacobian;
-        for i in (0..2).filter(|&i| !still[i]) {
-            for k in (0..2).filter(|&k| !still[k]) {
-                jacobian[(2 + i, 2 + k)] -= stiff[(i, k)] / sides.rotor;
-                implicit[(2 + i, 2 + k)] -= 2.0 * stiff[(i, k)] / sides.rotor;
-            }
-        }
-        let solve =
-            (SMatrix::<f64, STATES, STATES>::identity() - implicit * (0.5 * h)).try_inverse()? * h;
-        let mut behind = SMatrix::<f64, STATES, 2>::zeros();
-        behind.fixed_view_mut::<2, 2>(BODY, 0).copy_from(&sides.mobility);
-        Some(Part {
-            transition: SMatrix::identity() + solve * jacobian,
-            gain: solve * lead,
-            body_gain: solve * behind,
-            shift: solve * f,
-            wheel_acceleration,
-            body_acceleration: acceleration,
-        })
-    }
-
     /// Carries the derivatives by the parameters over a part.
-    fn force(&mut self, sides: &Sides, friction: &Friction, x: &Mean<STATES>, part: &Part) {
+    fn force(&mut self, friction: &Friction, x: &Mean<STATES>, part: &Part) {
         for column in &mut self.forced {
             *column = part.transition * *column;
         }
-        for (on_body, list) in [(false, &sides.wheel), (true, &sides.body)] {
-            let (a, s) = if on_body {
-                (&part.body_acceleration, &[0.0; 4])
+        for (e, terms) in self.terms.iter().enumerate() {
+            let (moment, gain) = if self.on_body[e] {
+                (terms.moment(&part.body_acceleration, &[0.0; 4]), &part.body_gain)
             } else {
-                (&part.wheel_acceleration, &friction.sign)
+                (terms.moment(&part.wheel_acceleration, &friction.sign), &part.gain)
             };
-            let gain = if on_body { &part.body_gain } else { &part.gain };
-            for (e, terms) in list {
-                let moment = terms.moment(a, s);
-                for (k, j) in self.model.slots(*e).enumerate().take(DIFFERENTIATED) {
-                    let by = [0, 1].map(|i| -moment[i].partial[4 + k]);
-                    self.forced[j] += gain * SVector::<f64, 2>::from(by);
-                }
+            for (k, j) in self.model.slots(e).enumerate().take(DIFFERENTIATED) {
+                let by = [0, 1].map(|i| -moment[i].partial[4 + k]);
+                self.forced[j] += gain * SVector::<f64, 2>::from(by);
             }
         }
-        for (j, [by_stiffness, by_damping]) in &sides.joint {
+        for (j, [by_stiffness, by_damping]) in &self.joint {
             let passed =
                 [0, 1].map(|i| by_stiffness * x[TWIST + i] + by_damping * (x[2 + i] - x[BODY + i]));
             self.forced[*j] += (part.body_gain - part.gain) * SVector::<f64, 2>::from(passed);
@@ -272,52 +173,10 @@ impl<'a> Coupled<'a> {
     }
 }
 
-/// Calls `add(wheel, k, slope)` with the derivatives of the moments by (alpha1, alpha2, omega1, omega2).
-fn add_slopes(
-    list: &[(usize, Terms<Jet>)],
-    a: &[f64; 2],
-    s: &[f64; 4],
-    mut add: impl FnMut(usize, usize, f64),
-) {
-    for (_, terms) in list {
-        for (i, moment) in terms.moment(a, s).iter().enumerate() {
-            (0..4).for_each(|k| add(i, k, moment.partial[k]));
-        }
-    }
-}
-
-/// Every sgn replaced by its mean over the filter's spread, as for the rigid robot.
-fn friction(
-    level: &[f64; 4],
-    rotor: f64,
-    h: f64,
-    x: &Mean<STATES>,
-    p: &Covariance<STATES>,
-) -> Friction {
-    let mut out = Friction::default();
-    let omega = [x[2], x[3]];
-    for (j, d) in DIRECTIONS.iter().enumerate().filter(|(j, _)| level[*j] > 0.0) {
-        let d = SVector::<f64, 2>::from_row_slice(d);
-        let spread = (d.transpose() * p.fixed_view::<2, 2>(2, 2) * d)[0];
-        let v = along(j, &omega);
-        if unclear(j, v, spread) {
-            continue;
-        }
-        let kick = level[j] * h * d.norm_squared() / rotor;
-        let variance = (spread + 0.25 * kick * kick).max(STILL);
-        let sign = Real::erf(v / (2.0 * variance).sqrt());
-        let slope = 2.0 * density(v, variance);
-        let left = (1.0 - sign * sign - slope * slope * variance).max(0.0);
-        (out.sign[j], out.slope[j]) = (sign, slope);
-        out.rest[j] = level[j] * level[j] * left;
-    }
-    out
-}
-
 impl Dynamics<STATES> for Coupled<'_> {
     /// The body moves as the wheels do, within what the drive can make of slip and twist.
     fn start(
-        &self,
+        &mut self,
         drive: &[f64; 2],
         mean: &mut Mean<STATES>,
         covariance: &mut Covariance<STATES>,
@@ -344,16 +203,20 @@ impl Dynamics<STATES> for Coupled<'_> {
         derivatives: bool,
     ) -> Result<Predicted<STATES>, ModelError> {
         let before = *mean;
-        let count = Self::parts(&self.sides(sample.t, mean)?, sample.step);
+        let middle = sample.t + 0.5 * sample.step;
+        let mut sides = self.sides(middle, mean)?;
+        let count = Self::parts(&sides, sample.step);
         let h = sample.step / count as f64;
         let decay = if self.noise.sigma_d > 0.0 { (-h / self.noise.tau_d).exp() } else { 0.0 };
         let mut out: Option<Predicted<STATES>> = None;
         let mut left = [0.0_f64; 4];
         self.forced.iter_mut().for_each(|column| *column = SVector::zeros());
         for part in 0..count {
-            let sides = self.sides(sample.t + (part as f64 + 0.5) * h, mean)?;
+            if part > 0 {
+                sides = self.sides(middle, mean)?;
+            }
             let friction = friction(&sides.level, sides.rotor, h, mean, covariance);
-            let moved = Self::part(&sides, &friction, mean, &sample.drive, sample.still, h);
+            let moved = self.part(&sides, &friction, mean, &sample.drive, sample.still, h);
             let Some(mut moved) = moved else {
                 return Err(ModelError::MassNotPositive { m11: sides.rotor, m12: 0.0, m22: 0.0 });
             };
@@ -362,7 +225,7 @@ impl Dynamics<STATES> for Coupled<'_> {
                 moved.transition[(i, i)] = decay;
             }
             if derivatives {
-                self.force(&sides, &friction, mean, &moved);
+                self.force(&friction, mean, &moved);
             }
             *mean += moved.shift;
             (mean[4], mean[5]) = (mean[4] * decay, mean[5] * decay);
@@ -469,3 +332,6 @@ impl Coupled<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

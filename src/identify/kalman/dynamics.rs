@@ -10,7 +10,7 @@ use crate::model::{Linearisation, Model, ModelError};
 /// One prediction of a filter with `N` states, and its derivatives.
 pub(super) trait Dynamics<const N: usize> {
     /// Fills the states beyond the first six at the start of a piece; `drive` acts there [N m].
-    fn start(&self, drive: &[f64; 2], mean: &mut Mean<N>, covariance: &mut Covariance<N>);
+    fn start(&mut self, drive: &[f64; 2], mean: &mut Mean<N>, covariance: &mut Covariance<N>);
 
     /// Moves mean and covariance over one sample.
     fn predict(
@@ -50,7 +50,7 @@ impl<'a> Rigid<'a> {
 }
 
 impl Dynamics<6> for Rigid<'_> {
-    fn start(&self, _: &[f64; 2], _: &mut Mean<6>, _: &mut Covariance<6>) {}
+    fn start(&mut self, _: &[f64; 2], _: &mut Mean<6>, _: &mut Covariance<6>) {}
 
     fn predict(
         &mut self,

@@ -224,7 +224,7 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
         Ok(())
     }
 
-    fn start(&self, k: usize) -> (Mean<N>, Covariance<N>) {
+    fn start(&mut self, k: usize) -> (Mean<N>, Covariance<N>) {
         let (a, w) = (self.prepared.recording.alpha()[k], self.prepared.recording.omega()[k]);
         let still = self.prepared.still[k];
         let mut mean = Mean::<N>::zeros();
