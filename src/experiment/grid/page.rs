@@ -76,8 +76,8 @@ const TABLE_WORDS: &str = "n estimates enter the means; failures are cells witho
 /// Combinations, failures and coverage in a sentence per method.
 pub(super) fn verdict(grid: &GridPlan, cells: &[GridCell], summaries: &[Summary]) -> String {
     let failed = cells.iter().filter(|c| c.failed()).count();
-    let mut out =
-        format!("{} combinations of {}, {failed} with a failure", cells.len(), grid.words());
+    let failures = if failed == 0 { "none failed".into() } else { format!("{failed} failed") };
+    let mut out = format!("{} combinations of {}, {failures}", cells.len(), grid.words());
     let mut methods: Vec<&str> = Vec::new();
     for s in summaries.iter().filter(|s| s.coverage.is_finite()) {
         if !methods.contains(&s.method.as_str()) {
@@ -122,7 +122,9 @@ fn table(grid: &GridPlan, summaries: &[Summary]) -> Block {
                 }
             })
             .collect();
-        row.extend([&s.method, &s.parameter, &s.unit].map(Cell::text));
+        row.extend(
+            [s.method.clone(), format::symbol(&s.parameter), format::unit(&s.unit)].map(Cell::text),
+        );
         row.extend([s.n, s.failures, s.unidentifiable].map(Cell::count));
         row.extend([s.truth, s.bias, s.rmse, s.std_error].map(Cell::number));
         row.push(Cell::formatted(format::percent(s.coverage), s.coverage));

@@ -78,7 +78,7 @@ fn row(r: &RecordingStudy) -> Vec<Cell> {
         measured(r.measured.alpha, r.noise.alpha),
         measured(r.measured.omega, r.noise.omega),
         pair(r.noise.moment),
-        Cell::formatted(format::significant(r.floor.window_rms, 3), r.floor.window_rms),
-        Cell::formatted(format::significant(floor, 3), floor),
+        Cell::formatted(format::digits(r.floor.window_rms, 3), r.floor.window_rms),
+        Cell::formatted(format::digits(floor, 3), floor),
     ]
 }

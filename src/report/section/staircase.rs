@@ -96,7 +96,7 @@ fn figure(study: &Study, id: &str, lead: &str, stairs: &[Stair]) -> Figure {
     let floor = stairs.last().map_or(f64::NAN, |stair| stair.floor);
     let errors: Vec<f64> = stairs.iter().map(|stair| stair.error).collect();
     let mut series = BarSeries::new("", Role::Model, errors.clone());
-    series.text = errors.iter().map(|v| format::significant(*v, 3)).collect();
+    series.text = errors.iter().map(|v| format::digits(*v, 3)).collect();
     let bars = Bars {
         categories: stairs.iter().map(|stair| stair.name.clone()).collect(),
         series: vec![series],
@@ -108,15 +108,15 @@ fn figure(study: &Study, id: &str, lead: &str, stairs: &[Stair]) -> Figure {
     let title = if stairs.len() > 1 {
         format!(
             "The error falls from {} to {} rad/s; noise alone leaves {}",
-            format::significant(first, 3),
-            format::significant(last, 3),
-            format::significant(floor, 3)
+            format::digits(first, 3),
+            format::digits(last, 3),
+            format::digits(floor, 3)
         )
     } else {
         format!(
             "The error is {} rad/s; noise alone leaves {}",
-            format::significant(last, 3),
-            format::significant(floor, 3)
+            format::digits(last, 3),
+            format::digits(floor, 3)
         )
     };
     let panel = Panel::new(Axis::linear("window error", "rad/s"), Axis::unlabelled())
@@ -151,8 +151,8 @@ fn table(study: &Study, lead: &str, stairs: &[Stair]) -> Table {
         let ratio = stair.error / stair.floor;
         table.push(vec![
             Cell::text(&stair.name),
-            Cell::formatted(format::significant(stair.error, 3), stair.error),
-            Cell::formatted(format::significant(ratio, 3), ratio),
+            Cell::formatted(format::digits(stair.error, 3), stair.error),
+            Cell::formatted(format::digits(ratio, 3), ratio),
             if whole > 0.0 {
                 Cell::formatted(format::percent(left), left).bar(left)
             } else {

@@ -103,9 +103,9 @@ fn judged_on(study: &Study, method: &MethodStudy) -> String {
     format!(
         "Window error {} rad/s, noise floor {} rad/s (ratio {}); fit by {}, judged on {} data. \
          Model: {}.",
-        format::significant(error, 3),
-        format::significant(floor, 3),
-        format::significant(error / floor, 3),
+        format::digits(error, 3),
+        format::digits(floor, 3),
+        format::digits(error / floor, 3),
         words::method(study, method),
         study.judged_words(),
         words::model(study),

@@ -3,6 +3,7 @@
 use crate::effects;
 use crate::identify::Status;
 use crate::recording::Regime;
+pub(super) use crate::report::format::{symbol, unit};
 use crate::study::{MethodStudy, Study};
 
 /// The wheel of index 0 or 1, as a reader calls it.
@@ -26,22 +27,6 @@ pub(super) fn regime(regime: Regime) -> String {
         other => return other.name().replace('_', " "),
     }
     .to_owned()
-}
-
-/// A unit with exponents as superscripts: `kg m^2` becomes `kg m²`.
-pub(super) fn unit(unit: &str) -> String {
-    unit.replace("^2", "²").replace("^3", "³").replace('*', "·")
-}
-
-/// A symbol with its number as subscript: `a1` becomes `a₁`; others stay as they are typed.
-pub(super) fn symbol(symbol: &str) -> String {
-    const SUBSCRIPTS: [char; 10] = ['₀', '₁', '₂', '₃', '₄', '₅', '₆', '₇', '₈', '₉'];
-    let stem = symbol.trim_end_matches(|c: char| c.is_ascii_digit());
-    if stem.is_empty() || stem.len() == symbol.len() || stem.ends_with('_') {
-        return symbol.to_owned();
-    }
-    let digits = symbol[stem.len()..].bytes().map(|b| SUBSCRIPTS[usize::from(b - b'0')]);
-    stem.chars().chain(digits).collect()
 }
 
 /// The name of an effect in words; the id where the catalogue does not have it.
@@ -116,12 +101,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn symbols_and_units_are_set_as_in_print() {
-        assert_eq!(symbol("a1"), "a₁");
-        assert_eq!(symbol("f_t"), "f_t");
-        assert_eq!(symbol("b_1"), "b_1");
-        assert_eq!(symbol("12"), "12");
-        assert_eq!(unit("kg m^2"), "kg m²");
+    fn lists_read_as_in_a_sentence() {
         let words = ["a", "b", "c"].map(str::to_owned);
         assert_eq!(list(&words), "a, b and c");
         assert_eq!(list(&words[..1]), "a");
