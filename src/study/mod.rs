@@ -34,6 +34,31 @@ impl Role {
     }
 }
 
+/// Recordings, each with a sentence on it, as sentences, each with the names of its recordings:
+/// "a.csv", "a.csv and b.csv", "4 recordings (a.csv, b.csv, …)". In the order of the first ones.
+///
+/// ```
+/// use amigo_ident::study::grouped;
+/// let said = grouped([("a", "is short"), ("b", "has gaps"), ("c", "is short")].into_iter());
+/// assert_eq!(said, [("a and c".to_string(), "is short"), ("b".to_string(), "has gaps")]);
+/// ```
+#[must_use]
+pub fn grouped<'a>(findings: impl Iterator<Item = (&'a str, &'a str)>) -> Vec<(String, &'a str)> {
+    let mut groups: Vec<(Vec<&str>, &str)> = Vec::new();
+    for (name, text) in findings {
+        match groups.iter_mut().find(|(_, known)| *known == text) {
+            Some((names, _)) => names.push(name),
+            None => groups.push((vec![name], text)),
+        }
+    }
+    let words = |names: Vec<&str>| match names.as_slice() {
+        [one] => (*one).to_string(),
+        [one, other] => format!("{one} and {other}"),
+        many => format!("{} recordings ({})", many.len(), many.join(", ")),
+    };
+    groups.into_iter().map(|(names, text)| (words(names), text)).collect()
+}
+
 /// A recording of the experiment, with what was measured.
 #[derive(Clone, Debug, Serialize)]
 pub struct RecordingStudy {

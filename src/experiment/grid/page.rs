@@ -76,8 +76,9 @@ const TABLE_WORDS: &str = "n estimates enter the means; failures are cells witho
 /// Combinations, failures and coverage in a sentence per method.
 pub(super) fn verdict(grid: &GridPlan, cells: &[GridCell], summaries: &[Summary]) -> String {
     let failed = cells.iter().filter(|c| c.failed()).count();
-    let failures = if failed == 0 { "none failed".into() } else { format!("{failed} failed") };
-    let mut out = format!("{} combinations of {}, {failures}", cells.len(), grid.words());
+    let failed = if failed == 0 { "none".into() } else { failed.to_string() };
+    let mut out =
+        format!("{} combinations of {}, {failed} with a failure", cells.len(), grid.words());
     let mut methods: Vec<&str> = Vec::new();
     for s in summaries.iter().filter(|s| s.coverage.is_finite()) {
         if !methods.contains(&s.method.as_str()) {

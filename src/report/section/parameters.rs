@@ -8,7 +8,7 @@ pub(super) use traces::figures;
 
 use super::{Section, words};
 use crate::identify::Estimate;
-use crate::report::block::{Block, Cell, Column, Table, Tone};
+use crate::report::block::{Block, Cell, Column, Table, Text, Tone};
 use crate::report::format;
 use crate::study::{MethodStudy, Study};
 
@@ -37,6 +37,17 @@ impl Section for Parameters {
             return vec![];
         }
         let mut blocks: Vec<Block> = physical.iter().map(|m| table(study, m).into()).collect();
+        let beyond: Vec<Text> = physical
+            .iter()
+            .flat_map(|m| m.estimates.iter().filter_map(move |e| Some((m, words::out_of_range(e)?))))
+            .map(|(m, said)| {
+                Text::default().strong(words::method(study, m)).plain(format!(": {said}."))
+            })
+            .collect();
+        if !beyond.is_empty() {
+            blocks.push(Block::Heading("Values that make no physical sense".to_owned()));
+            blocks.push(Block::List(beyond));
+        }
         blocks.extend(comparison::figure(study, &physical).map(Block::from));
         let reference = study.reference_method().filter(|m| !m.estimates.is_empty());
         let shown = reference.unwrap_or(physical[0]);

@@ -3,7 +3,7 @@
 use super::Section;
 use crate::report::block::{Block, Cell, Column, Table, Text};
 use crate::report::format;
-use crate::study::{RecordingStudy, Study};
+use crate::study::{RecordingStudy, Study, grouped};
 
 /// The recordings.
 #[derive(Default)]
@@ -44,11 +44,13 @@ impl Section for Recordings {
             table.push(row(recording));
         }
         let mut blocks = vec![table.into()];
-        let findings: Vec<Text> = study
+        let findings = study
             .recordings
             .iter()
-            .flat_map(|r| r.findings.iter().map(|finding| (&r.file, finding)))
-            .map(|(file, finding)| Text::default().strong(file).plain(format!(": {finding}")))
+            .flat_map(|r| r.findings.iter().map(|finding| (r.file.as_str(), finding.as_str())));
+        let findings: Vec<Text> = grouped(findings)
+            .into_iter()
+            .map(|(files, finding)| Text::default().strong(files).plain(format!(": {finding}")))
             .collect();
         if findings.is_empty() {
             blocks.push(Block::paragraph("The check of the recordings has no remark."));

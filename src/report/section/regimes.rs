@@ -61,7 +61,7 @@ fn map(study: &Study) -> Figure {
     let text = |f: Option<&Failure>| match f {
         Some(f) => {
             let star = if f.significant { " *" } else { "" };
-            format!("{}{star}", format::significant(f.ratio_to_noise, 2))
+            format!("{}{star}", format::digits(f.ratio_to_noise, 2))
         }
         None => String::new(),
     };

@@ -42,9 +42,9 @@ impl Section for Staircase {
                 })
                 .collect();
             let lead = if stairs.len() > 1 {
-                "Effects found by the diagnosis, added one by one"
+                "Effects found by the diagnosis, added one by one; every model fitted by the diagnosis"
             } else {
-                "The diagnosis adds no effect"
+                "The diagnosis, which fits by itself, adds no effect"
             };
             blocks.extend(show(study, "staircase", lead, &stairs));
         }
@@ -63,7 +63,7 @@ impl Section for Staircase {
                     floor: version.floor,
                 })
                 .collect();
-            let lead = "Versions of this model that were run, oldest first";
+            let lead = "Versions of this model that were run, oldest first, by the fit of the verdict";
             blocks.extend(show(study, "staircase-versions", lead, &stairs));
         }
         blocks

@@ -100,10 +100,18 @@ fn compared(study: &Study, method: &MethodStudy) -> (Tone, String) {
 
 fn judged_on(study: &Study, method: &MethodStudy) -> String {
     let (error, floor) = (study.judged_window_rms(method), study.judged_floor());
+    let said = format::digits(error, 3);
+    let start = study.diagnosis.as_ref().and_then(|d| d.staircase.first());
+    let own = start
+        .map(|step| format::digits(step.window_rms_validation, 3))
+        .filter(|own| *own != said)
+        .map_or(String::new(), |own| {
+            format!(" The diagnosis fits the model by itself, and starts from {own} rad/s.")
+        });
     format!(
         "Window error {} rad/s, noise floor {} rad/s (ratio {}); fit by {}, judged on {} data. \
-         Model: {}.",
-        format::digits(error, 3),
+         Model: {}.{own}",
+        said,
         format::digits(floor, 3),
         format::digits(error / floor, 3),
         words::method(study, method),

@@ -1,8 +1,9 @@
 //! Names and phrases that several sections use.
 
 use crate::effects;
-use crate::identify::Status;
+use crate::identify::{Estimate, Status};
 use crate::recording::Regime;
+use crate::report::format;
 pub(super) use crate::report::format::{symbol, unit};
 use crate::study::{MethodStudy, Study};
 
@@ -48,6 +49,42 @@ pub(super) fn effect_in_text(id: &str) -> String {
 pub(super) fn meaning(symbol: &str) -> String {
     let specs = effects::all().into_iter().flat_map(|effect| effect.parameters());
     specs.into_iter().find(|spec| spec.symbol == symbol).map_or(String::new(), |s| s.meaning)
+}
+
+/// What a reader must know of an estimate beyond the physical range of its parameter.
+pub(super) fn out_of_range(estimate: &Estimate) -> Option<String> {
+    let effects = effects::all();
+    let specs = effects.iter().map(|effect| (effect, effect.parameters()));
+    let (effect, spec) = specs
+        .filter_map(|(e, specs)| {
+            Some((e, specs.into_iter().find(|s| s.symbol == estimate.symbol)?))
+        })
+        .next()?;
+    let (low, high) = spec.range;
+    // ranges hold for moments in N m; beside another drive they say nothing
+    if spec.unit != estimate.unit {
+        return None;
+    }
+    if estimate.fixed || (low..=high).contains(&estimate.value) || estimate.value.is_nan() {
+        return None;
+    }
+    let near = if estimate.value < low { low } else { high };
+    let far = (estimate.value - near).abs() > 2.0 * estimate.std_error;
+    let cause = if far {
+        "another effect that the model lacks is in its place"
+    } else {
+        "within its error it is at the end of the range, as of an effect that is not there"
+    };
+    let id = effect.id();
+    let base = effects::BASE.contains(&id.as_str());
+    let remedy = if base { String::new() } else { format!("; take {id} out of the model") };
+    Some(format!(
+        "{} = {} lies outside the range {} to {} that makes sense: {cause}{remedy}",
+        symbol(&estimate.symbol),
+        format::with_unit(estimate.value, &unit(&estimate.unit)),
+        format::number(low),
+        format::with_unit(high, &unit(&estimate.unit)),
+    ))
 }
 
 /// "a", "a and b", "a, b and c".
@@ -99,6 +136,18 @@ pub(super) fn file_name(study: &Study) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_estimate_beyond_its_range_says_what_that_means() {
+        let of = |value, error| {
+            out_of_range(&Estimate::new("f_t", "N m".to_owned(), value, error)).unwrap_or_default()
+        };
+        assert_eq!(of(0.01, 0.001), "");
+        let absent = of(-1e-4, 1e-4);
+        assert!(absent.starts_with("f_t = −1 × 10⁻⁴ N m lies outside the range 0 to "), "{absent}");
+        assert!(absent.contains("not there; take turning_scrub out"), "{absent}");
+        assert!(of(-0.01, 1e-3).contains("another effect that the model lacks"));
+    }
 
     #[test]
     fn lists_read_as_in_a_sentence() {
