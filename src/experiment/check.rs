@@ -46,7 +46,8 @@ pub fn check(file: &Path, set: &[String]) -> Result<String, ExperimentError> {
     for warning in plan.warnings() {
         let _ = writeln!(out, "  warning     {warning}");
     }
-    for (names, note) in grouped(notes.iter().map(|(name, note)| (*name, note.as_str()))) {
+    let notes = notes.iter().map(|(name, note)| (*name, note.as_str()));
+    for (names, note) in grouped(notes, plan.recordings.len()) {
         let _ = writeln!(out, "  note        {names}: {note}");
     }
     let methods: Vec<&str> = plan.methods.iter().map(|m| m.name.as_str()).collect();

@@ -188,15 +188,15 @@ fn verdict(study: &Study) -> String {
         return "no method has a fit".into();
     };
     let (error, floor) = (study.judged_window_rms(method), study.judged_floor());
-    let fit = format!(
-        "window error {error:.4} rad/s, noise floor {floor:.4} rad/s ({}, {})",
+    let (capital, sentence) = match &study.diagnosis {
+        Some(DiagnosisStudy { sentence, .. }) => ("Window", format!("{sentence} ")),
+        None => ("window", String::new()),
+    };
+    format!(
+        "{sentence}{capital} error {error:.4} rad/s, noise floor {floor:.4} rad/s ({}, {})",
         method.name,
         study.judged_words()
-    );
-    match &study.diagnosis {
-        Some(DiagnosisStudy { sentence, .. }) => format!("{sentence} {fit}"),
-        None => fit,
-    }
+    )
 }
 
 /// Writes `index.html`, which compares the experiments of one run.
@@ -215,12 +215,13 @@ pub fn write_index(outcomes: &[Outcome], options: &RunOptions) -> Result<(), Exp
             Column::text("Report"),
         ],
     );
+    let error = |v: f64| Cell::formatted(crate::report::format::digits(v, 3), v);
     for outcome in outcomes {
         let row = match &outcome.result {
             Ok(done) => vec![
                 Cell::text(&outcome.title),
-                Cell::number(done.window_rms.0),
-                Cell::number(done.window_rms.1),
+                error(done.window_rms.0),
+                error(done.window_rms.1),
                 Cell::text(&done.verdict),
                 Cell::text("open").link(format!("{}/report.html", outcome.name)),
             ],

@@ -85,7 +85,10 @@ impl Plan {
                 .collect::<Vec<_>>()
         };
         let findings: Vec<(String, String)> = self.recordings.iter().flat_map(of).collect();
-        let grouped = grouped(findings.iter().map(|(name, text)| (name.as_str(), text.as_str())));
+        let grouped = grouped(
+            findings.iter().map(|(name, text)| (name.as_str(), text.as_str())),
+            self.recordings.len(),
+        );
         let said = grouped.into_iter().map(|(names, text)| format!("{names}: {text}"));
         self.remarks.iter().cloned().chain(said).collect()
     }

@@ -65,15 +65,16 @@ pub fn symbol(symbol: &str) -> String {
     stem.chars().chain(digits).collect()
 }
 
-/// A sentence of the program with units and powers of ten as in print: `5.2e-3 rad^2/s` becomes
-/// `5.2 × 10⁻³ rad²/s`.
+/// A sentence of the program with units and powers of ten as in print: `5.2e-4 rad^2/s` becomes
+/// `5.2 × 10⁻⁴ rad²/s`.
 pub fn sentence(text: &str) -> String {
     let word = |word: &str| {
         let bare = word.trim_end_matches([',', ';', '.', ')']);
-        match bare.split_once('e').map(|(mantissa, power)| (mantissa, power.parse::<i32>())) {
-            Some((mantissa, Ok(power))) if mantissa.parse::<f64>().is_ok() => {
-                let behind = &word[bare.len()..];
-                format!("{} × {}{behind}", minus(mantissa.to_owned()), power_of_ten(power))
+        match bare.split_once('e').map(|(m, power)| (m, power.parse::<i32>())) {
+            Some((mantissa, Ok(_))) if mantissa.parse::<f64>().is_ok() => {
+                let shown = mantissa.bytes().filter(u8::is_ascii_digit).count();
+                let value = bare.parse().unwrap_or(f64::NAN);
+                digits(value, shown) + &word[bare.len()..]
             }
             _ => word.replace("^2", "²").replace("^3", "³"),
         }
@@ -289,7 +290,7 @@ mod tests {
         assert_eq!(digits(f64::NAN, 3), "–");
         assert_eq!(
             sentence("Noise: 4.985e-4 white, -1e2; 3 rad^2/s (the e-th, 2e)"),
-            "Noise: 4.985 × 10⁻⁴ white, −1 × 10²; 3 rad²/s (the e-th, 2e)"
+            "Noise: 4.985 × 10⁻⁴ white, −100; 3 rad²/s (the e-th, 2e)"
         );
         assert_eq!(symbol("a1"), "a₁");
         assert_eq!(symbol("f_t"), "f_t");

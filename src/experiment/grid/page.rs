@@ -110,6 +110,8 @@ fn table(grid: &GridPlan, summaries: &[Summary]) -> Block {
     } else {
         "Every combination, method and parameter.".into()
     };
+    // a hundred repetitions give an error to 7 %: more digits would say nothing
+    let three = |v: f64| Cell::formatted(format::digits(v, 3), v);
     let mut table = Table::new(caption, columns);
     for s in summaries.iter().take(MOST_ROWS) {
         let mut row: Vec<Cell> = axes
@@ -124,12 +126,18 @@ fn table(grid: &GridPlan, summaries: &[Summary]) -> Block {
             })
             .collect();
         row.extend(
-            [s.method.clone(), format::symbol(&s.parameter), format::unit(&s.unit)].map(Cell::text),
+            [
+                s.method.clone(),
+                format::symbol(&s.parameter),
+                format::unit(&s.unit).replace(' ', "\u{a0}"),
+            ]
+            .map(Cell::text),
         );
         row.extend([s.n, s.failures, s.unidentifiable].map(Cell::count));
-        row.extend([s.truth, s.bias, s.rmse, s.std_error].map(Cell::number));
+        row.push(Cell::number(s.truth));
+        row.extend([s.bias, s.rmse, s.std_error].map(three));
         row.push(Cell::formatted(format::percent(s.coverage), s.coverage));
-        row.extend([s.efficiency, s.window_rms, s.floor].map(Cell::number));
+        row.extend([s.efficiency, s.window_rms, s.floor].map(three));
         table.push(row);
     }
     table.into()

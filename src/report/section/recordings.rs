@@ -3,7 +3,7 @@
 use super::Section;
 use crate::report::block::{Block, Cell, Column, Table, Text};
 use crate::report::format;
-use crate::study::{RecordingStudy, Study, grouped};
+use crate::study::{RecordingStudy, Study};
 
 /// The recordings.
 #[derive(Default)]
@@ -44,11 +44,8 @@ impl Section for Recordings {
             table.push(row(recording));
         }
         let mut blocks = vec![table.into()];
-        let findings = study
-            .recordings
-            .iter()
-            .flat_map(|r| r.findings.iter().map(|finding| (r.file.as_str(), finding.as_str())));
-        let findings: Vec<Text> = grouped(findings)
+        let findings: Vec<Text> = study
+            .findings()
             .into_iter()
             .map(|(files, finding)| Text::default().strong(files).plain(format!(": {finding}")))
             .collect();

@@ -169,7 +169,7 @@ fn cautions(study: &Study) -> Vec<Block> {
         );
         notice(sentence, "The reasons stand with the methods.");
     }
-    let found: usize = study.recordings.iter().map(|r| r.findings.len()).sum();
+    let found = study.findings().len();
     if found > 0 {
         let sentence = match found {
             1 => "The check of the recordings has one remark.".to_owned(),

@@ -68,22 +68,21 @@ pub(super) fn out_of_range(estimate: &Estimate) -> Option<String> {
     if estimate.fixed || (low..=high).contains(&estimate.value) || estimate.value.is_nan() {
         return None;
     }
-    let near = if estimate.value < low { low } else { high };
+    let (near, side) = if estimate.value < low { (low, "below") } else { (high, "above") };
     let far = (estimate.value - near).abs() > 2.0 * estimate.std_error;
     let cause = if far {
         "another effect that the model lacks is in its place"
     } else {
-        "within its error it is at the end of the range, as of an effect that is not there"
+        "within its error it is the value of an effect that is not there"
     };
     let id = effect.id();
     let base = effects::BASE.contains(&id.as_str());
     let remedy = if base { String::new() } else { format!("; take {id} out of the model") };
     Some(format!(
-        "{} = {} lies outside the range {} to {} that makes sense: {cause}{remedy}",
+        "{} = {} lies {side} {}, where it makes no sense: {cause}{remedy}",
         symbol(&estimate.symbol),
         format::with_unit(estimate.value, &unit(&estimate.unit)),
-        format::number(low),
-        format::with_unit(high, &unit(&estimate.unit)),
+        if near == 0.0 { "0".to_owned() } else { format::with_unit(near, &unit(&estimate.unit)) },
     ))
 }
 
@@ -144,7 +143,7 @@ mod tests {
         };
         assert_eq!(of(0.01, 0.001), "");
         let absent = of(-1e-4, 1e-4);
-        assert!(absent.starts_with("f_t = −1 × 10⁻⁴ N m lies outside the range 0 to "), "{absent}");
+        assert!(absent.starts_with("f_t = −1 × 10⁻⁴ N m lies below 0, where"), "{absent}");
         assert!(absent.contains("not there; take turning_scrub out"), "{absent}");
         assert!(of(-0.01, 1e-3).contains("another effect that the model lacks"));
     }
