@@ -31,7 +31,7 @@ pub(super) fn render(
     };
     let failed = cells.iter().any(GridCell::failed);
     let tone = if failed { Tone::Notice } else { Tone::Neutral };
-    let mut first = vec![Block::verdict(tone, verdict(grid, cells, summaries), grid.words())];
+    let mut first = vec![Block::verdict(tone, verdict(grid, cells, summaries), "")];
     first.extend(figures(grid, summaries));
     let sections = vec![
         section("accuracy", "What the repetitions say", first),
