@@ -282,13 +282,11 @@ fn run(run: &Run) -> ExitCode {
     ExitCode::from(if failed > 0 { FAILED } else { 0 })
 }
 
-/// What the quality check found in the recordings.
+/// What is odd about the files and their recordings.
 fn warn(plans: &[Plan], quiet: bool) {
-    let measured = plans.iter().flat_map(|plan| plan.recordings.iter().map(move |m| (plan, m)));
-    for (plan, m) in measured.filter(|_| !quiet) {
-        for finding in &m.findings {
-            let words = format!("{}: {}: {finding}", plan.name, m.recording.name());
-            eprintln!("warning: {}", printable(&words));
+    for plan in plans.iter().filter(|_| !quiet) {
+        for words in plan.warnings() {
+            eprintln!("warning: {}", printable(&format!("{}: {words}", plan.name)));
         }
     }
 }

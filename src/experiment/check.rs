@@ -6,6 +6,7 @@ use std::path::Path;
 use super::error::ExperimentError;
 use super::execute::load;
 use super::plan::DiagnosisPlan;
+use crate::study::grouped;
 
 /// Validates a file and its recordings and says what would be done.
 ///
@@ -35,12 +36,20 @@ pub fn check(file: &Path, set: &[String]) -> Result<String, ExperimentError> {
             1.0 / r.step(),
             r.pieces().len() - 1
         );
-        for finding in &measured.findings {
-            let _ = writeln!(out, "              {finding}");
-        }
-        for note in super::quality::notes(r, plan.model.robot()) {
-            let _ = writeln!(out, "              note: {note}");
-        }
+    }
+    let robot = plan.model.robot();
+    let notes: Vec<(&str, String)> = plan
+        .recordings
+        .iter()
+        .map(|m| &m.recording)
+        .flat_map(|r| super::quality::notes(r, robot).into_iter().map(|note| (r.name(), note)))
+        .collect();
+    for warning in plan.warnings() {
+        let _ = writeln!(out, "  warning     {warning}");
+    }
+    let notes = notes.iter().map(|(name, note)| (*name, note.as_str()));
+    for (names, note) in grouped(notes, plan.recordings.len()) {
+        let _ = writeln!(out, "  note        {names}: {note}");
     }
     let methods: Vec<&str> = plan.methods.iter().map(|m| m.name.as_str()).collect();
     let _ = writeln!(out, "  methods     {}", methods.join(", "));

@@ -7,6 +7,7 @@ use super::file::ExperimentFile;
 use super::grid::{self, GridPlan};
 use super::options::{Done, RunOptions};
 use super::plan::Plan;
+use super::remarks::remarks;
 use super::resolve::resolve;
 use super::run::run;
 use crate::export::Written;
@@ -72,13 +73,13 @@ pub fn load(file: &Path, set: &[String]) -> Result<Plan, ExperimentError> {
         let set = set.iter().map(|s| format!("--set {s}")).collect::<Vec<_>>().join(" ");
         as_run = format!("# run with {set}\n{text}");
     }
-    match &parsed.grid {
+    let table = ExperimentFile::table(&file.display().to_string(), &text, set)?;
+    let remarks = remarks(&table);
+    let plan = match &parsed.grid {
         None => resolve(file, &as_run, &parsed),
-        Some(grid) => {
-            let table = ExperimentFile::table(&file.display().to_string(), &text, set)?;
-            GridPlan::load(file, &as_run, table, grid)
-        }
-    }
+        Some(grid) => GridPlan::load(file, &as_run, table, grid),
+    };
+    Ok(Plan { remarks, ..plan? })
 }
 
 /// Runs a plan and writes its folder.
@@ -187,15 +188,15 @@ fn verdict(study: &Study) -> String {
         return "no method has a fit".into();
     };
     let (error, floor) = (study.judged_window_rms(method), study.judged_floor());
-    let fit = format!(
-        "window error {error:.4} rad/s, noise floor {floor:.4} rad/s ({}, {})",
+    let (capital, sentence) = match &study.diagnosis {
+        Some(DiagnosisStudy { sentence, .. }) => ("Window", format!("{sentence} ")),
+        None => ("window", String::new()),
+    };
+    format!(
+        "{sentence}{capital} error {error:.4} rad/s, noise floor {floor:.4} rad/s ({}, {})",
         method.name,
         study.judged_words()
-    );
-    match &study.diagnosis {
-        Some(DiagnosisStudy { sentence, .. }) => format!("{sentence} {fit}"),
-        None => fit,
-    }
+    )
 }
 
 /// Writes `index.html`, which compares the experiments of one run.
@@ -214,14 +215,15 @@ pub fn write_index(outcomes: &[Outcome], options: &RunOptions) -> Result<(), Exp
             Column::text("Report"),
         ],
     );
+    let error = |v: f64| Cell::formatted(crate::report::format::digits(v, 3), v);
     for outcome in outcomes {
         let row = match &outcome.result {
             Ok(done) => vec![
                 Cell::text(&outcome.title),
-                Cell::number(done.window_rms.0),
-                Cell::number(done.window_rms.1),
+                error(done.window_rms.0),
+                error(done.window_rms.1),
                 Cell::text(&done.verdict),
-                Cell::text(format!("{}/report.html", outcome.name)),
+                Cell::text("open").link(format!("{}/report.html", outcome.name)),
             ],
             Err(e) => vec![
                 Cell::text(&outcome.title),

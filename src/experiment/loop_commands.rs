@@ -97,18 +97,48 @@ pub fn add_effect(effect: &str, file: &Path, out: &Path) -> Result<String, Exper
         }
     };
     let (before, after) = (first.window_rms.0, second.window_rms.0);
-    let change = 100.0 * (before - after) / before;
     Ok(format!(
-        "added {effect} to {}\nwindow error {before:.4} -> {after:.4} rad/s ({change:+.1} % \
-         removed), noise floor {:.4} rad/s\n{}\nreport: {}\n",
+        "added {effect} to {}\nwindow error {before:.4} -> {after:.4} rad/s ({}), noise floor {:.4} \
+         rad/s\n{}\nreport: {}\n",
         file.display(),
+        change(effect, before, after),
         second.window_rms.1,
         second.verdict,
         second.report.display()
     ))
 }
 
+/// What adding an effect did to the error.
+fn change(effect: &str, before: f64, after: f64) -> String {
+    let percent = 100.0 * (after - before) / before;
+    if percent < -LEAST {
+        format!("{:.1} % less", -percent)
+    } else if percent < LEAST {
+        format!("as before: these recordings do not need {effect}, so take it out again")
+    } else if percent.is_finite() {
+        format!("{percent:.1} % more: {effect} does not belong in this model, so take it out again")
+    } else {
+        "not comparable".into()
+    }
+}
+
+/// Changes of the error below this say nothing [%].
+const LEAST: f64 = 0.5;
+
 /// A path in a comment, which a line break in it would end.
 fn in_a_line(path: &Path) -> String {
     path.to_string_lossy().replace(char::is_control, "\u{fffd}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_change_of_the_error_is_said_with_its_sense() {
+        assert_eq!(change("slope", 0.6, 0.0534), "91.1 % less");
+        assert!(change("slope", 0.0543, 0.0571).starts_with("5.2 % more: slope does not belong"));
+        assert!(change("slope", 0.0543, 0.0542).starts_with("as before: "));
+        assert_eq!(change("slope", 0.05, f64::INFINITY), "not comparable");
+    }
 }

@@ -15,6 +15,7 @@ mod model_out;
 mod options;
 mod plan;
 mod quality;
+mod remarks;
 mod resolve;
 mod run;
 

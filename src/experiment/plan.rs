@@ -7,7 +7,7 @@ use crate::identify::Identifier;
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::{Gain, Hold};
-use crate::study::Role;
+use crate::study::{Role, grouped};
 
 /// A recording with its use and provenance.
 pub struct Measured {
@@ -53,6 +53,8 @@ pub struct Plan {
     pub model: Model,
     /// Effects written as formulas in the file, in the model or not.
     pub own: Vec<Own>,
+    /// Keys of the file that do not do what they seem to, in sentences.
+    pub remarks: Vec<String>,
     /// Recordings; at least one to train on.
     pub recordings: Vec<Measured>,
     /// The drive between samples.
@@ -72,6 +74,24 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// What to say before it runs: remarks on the file, and what the check of the recordings found.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let of = |m: &'_ Measured| {
+            m.findings
+                .iter()
+                .map(|f| (m.recording.name().to_string(), f.clone()))
+                .collect::<Vec<_>>()
+        };
+        let findings: Vec<(String, String)> = self.recordings.iter().flat_map(of).collect();
+        let grouped = grouped(
+            findings.iter().map(|(name, text)| (name.as_str(), text.as_str())),
+            self.recordings.len(),
+        );
+        let said = grouped.into_iter().map(|(names, text)| format!("{names}: {text}"));
+        self.remarks.iter().cloned().chain(said).collect()
+    }
+
     /// The recordings of a role.
     #[must_use]
     pub fn of(&self, role: Role) -> Vec<Recording> {

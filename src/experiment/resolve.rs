@@ -55,9 +55,10 @@ fn plan(path: &Path, text: &str, file: &ExperimentFile) -> Result<Plan, Meaning>
     };
     let name = name_of(path);
     Ok(Plan {
-        title: file.title.clone().unwrap_or_else(|| name.replace(['_', '-'], " ")),
+        title: title(file, &name),
         name,
         file: text.to_string(),
+        remarks: vec![],
         model,
         own,
         recordings,
@@ -69,6 +70,12 @@ fn plan(path: &Path, text: &str, file: &ExperimentFile) -> Result<Plan, Meaning>
         truth,
         grid: None,
     })
+}
+
+/// The heading; one that is left empty, as in a new file, counts as none.
+fn title(file: &ExperimentFile, name: &str) -> String {
+    let written = file.title.clone().filter(|title| !title.trim().is_empty());
+    written.unwrap_or_else(|| name.replace(['_', '-'], " "))
 }
 
 /// The name of the result folder: that of the file.

@@ -95,7 +95,6 @@ pub(super) const LANGUAGES: [Language; 4] = [
         syntax: Syntax {
             unary: |f| match f {
                 Unary::Sgn => "sign",
-                Unary::Erf => "Modelica.Math.Special.erf",
                 other => plain(other),
             },
             binary: ["min", "max", "power"],

@@ -78,8 +78,22 @@ pub(super) fn write_whole_by(
         let readable = fs::Permissions::from_mode(0o644);
         file.as_file().set_permissions(readable).map_err(wrong)?;
     }
+    // else a power failure could leave the name without the bytes
+    file.as_file().sync_all().map_err(wrong)?;
     file.persist(path).map_err(|e| wrong(e.error))?;
+    sync_folder(folder);
     Ok(())
+}
+
+/// Waits until the names in a folder are on the disk, where the system offers it.
+fn sync_folder(folder: &Path) {
+    #[cfg(unix)]
+    {
+        // some network file systems refuse; the files themselves are safe by then
+        let _ = fs::File::open(folder).and_then(|folder| folder.sync_all());
+    }
+    #[cfg(not(unix))]
+    let _ = folder;
 }
 
 /// Checks that files can be written into a folder, or that it can be made; makes nothing.
@@ -160,7 +174,8 @@ impl ResultFolder {
         let made = tempfile::Builder::new().prefix(UNFINISHED).tempdir_in(&self.path);
         let staged = made.map_err(|e| IoError::system(&self.path, &e))?;
         for (name, bytes) in &self.files {
-            fs::write(staged.path().join(name), bytes)
+            fs::File::create(staged.path().join(name))
+                .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()))
                 .map_err(|e| IoError::system(&self.path.join(name), &e))?;
         }
         Ok(staged)
@@ -182,10 +197,15 @@ impl ResultFolder {
             _ => self.remove_old_files(),
         }
         let (last, first): (Vec<_>, Vec<_>) = self.files.iter().partition(|(n, _)| n == COMPLETE);
-        for (name, _) in first.into_iter().chain(last) {
-            let path = self.path.join(name);
-            fs::rename(staged.join(name), &path).map_err(|e| IoError::system(&path, &e))?;
+        // `results.json` gets its name when all others have theirs on the disk
+        for names in [first, last] {
+            sync_folder(&self.path);
+            for (name, _) in names {
+                let path = self.path.join(name);
+                fs::rename(staged.join(name), &path).map_err(|e| IoError::system(&path, &e))?;
+            }
         }
+        sync_folder(&self.path);
         Ok(())
     }
 

@@ -29,7 +29,7 @@ pub enum Block {
     HowToRead {
         /// The aid, in a sentence.
         aid: String,
-        /// The heading under which the guide says more; empty for none.
+        /// The heading whose text of the guide follows; empty for none.
         guide: String,
     },
     /// A list.
@@ -211,6 +211,8 @@ pub struct Cell {
     pub tone: Option<Tone>,
     /// Length of a bar behind the text, 0 to 1.
     pub bar: Option<f64>,
+    /// Address that the text leads to, relative to the page.
+    pub link: Option<String>,
 }
 
 impl Cell {
@@ -247,6 +249,12 @@ impl Cell {
     /// A number written in the caller's own way and sorted by its value.
     pub fn formatted(text: impl Into<String>, value: f64) -> Self {
         Self { text: text.into(), sort_by: Some(value), ..Self::default() }
+    }
+
+    /// Leads to an address relative to the page.
+    pub fn link(mut self, address: impl Into<String>) -> Self {
+        self.link = Some(address.into());
+        self
     }
 
     /// Stresses the cell.

@@ -32,6 +32,56 @@ pub fn significant(value: f64, digits: usize) -> String {
     minus(trim_zeros(&format!("{value:.decimals$}")))
 }
 
+/// A number with the given significant digits, zeros at the end kept: figures that stand beside
+/// each other show how exact they are.
+///
+/// ```
+/// use amigo_ident::report::format::digits;
+/// assert_eq!(digits(0.44, 3), "0.440");
+/// assert_eq!(digits(196.46, 3), "196");
+/// ```
+pub fn digits(value: f64, digits: usize) -> String {
+    match decimal_exponent(value, digits) {
+        Some(exponent) if value != 0.0 && (-3..5).contains(&exponent) => {
+            fixed(value, (digits as i32 - 1 - exponent).max(0) as usize)
+        }
+        _ => significant(value, digits),
+    }
+}
+
+/// A unit with exponents as superscripts: `kg m^2` becomes `kg m²`.
+pub fn unit(unit: &str) -> String {
+    unit.replace("^2", "²").replace("^3", "³").replace('*', "·")
+}
+
+/// A symbol with its number as subscript: `a1` becomes `a₁`; others stay as they are typed.
+pub fn symbol(symbol: &str) -> String {
+    const SUBSCRIPTS: [char; 10] = ['₀', '₁', '₂', '₃', '₄', '₅', '₆', '₇', '₈', '₉'];
+    let stem = symbol.trim_end_matches(|c: char| c.is_ascii_digit());
+    if stem.is_empty() || stem.len() == symbol.len() || stem.ends_with('_') {
+        return symbol.to_owned();
+    }
+    let digits = symbol[stem.len()..].bytes().map(|b| SUBSCRIPTS[usize::from(b - b'0')]);
+    stem.chars().chain(digits).collect()
+}
+
+/// A sentence of the program with units and powers of ten as in print: `5.2e-4 rad^2/s` becomes
+/// `5.2 × 10⁻⁴ rad²/s`.
+pub fn sentence(text: &str) -> String {
+    let word = |word: &str| {
+        let bare = word.trim_end_matches([',', ';', '.', ')']);
+        match bare.split_once('e').map(|(m, power)| (m, power.parse::<i32>())) {
+            Some((mantissa, Ok(_))) if mantissa.parse::<f64>().is_ok() => {
+                let shown = mantissa.bytes().filter(u8::is_ascii_digit).count();
+                let value = bare.parse().unwrap_or(f64::NAN);
+                digits(value, shown) + &word[bare.len()..]
+            }
+            _ => word.replace("^2", "²").replace("^3", "³"),
+        }
+    };
+    text.split(' ').map(word).collect::<Vec<_>>().join(" ")
+}
+
 /// A number as mantissa times a power of ten, "1.23 × 10⁻⁴".
 pub fn scientific(value: f64, digits: usize) -> String {
     let Some(exponent) = decimal_exponent(value, digits) else {
@@ -231,6 +281,23 @@ fn minus(text: impl AsRef<str>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn digits_keep_their_zeros_and_sentences_are_set_as_in_print() {
+        assert_eq!(digits(0.0, 3), "0");
+        assert_eq!(digits(9.996, 3), "10.0");
+        assert_eq!(digits(1.2e-7, 3), "1.2 × 10⁻⁷");
+        assert_eq!(digits(f64::NAN, 3), "–");
+        assert_eq!(
+            sentence("Noise: 4.985e-4 white, -1e2; 3 rad^2/s (the e-th, 2e)"),
+            "Noise: 4.985 × 10⁻⁴ white, −100; 3 rad²/s (the e-th, 2e)"
+        );
+        assert_eq!(symbol("a1"), "a₁");
+        assert_eq!(symbol("f_t"), "f_t");
+        assert_eq!(symbol("b_1"), "b_1");
+        assert_eq!(symbol("12"), "12");
+        assert_eq!(unit("kg m^2"), "kg m²");
+    }
 
     #[test]
     fn numbers_keep_their_significant_digits() {

@@ -34,6 +34,36 @@ impl Role {
     }
 }
 
+/// Recordings, each with a sentence on it, as sentences, each with the names of its recordings:
+/// "a.csv", "a.csv and b.csv", "3 recordings (a.csv, b.csv, c.csv)", or "all 3 recordings" where
+/// there are `count` in all. In the order of the first ones.
+///
+/// ```
+/// use amigo_ident::study::grouped;
+/// let said = grouped([("a", "is short"), ("b", "has gaps"), ("c", "is short")].into_iter(), 4);
+/// assert_eq!(said, [("a and c".to_string(), "is short"), ("b".to_string(), "has gaps")]);
+/// ```
+#[must_use]
+pub fn grouped<'a>(
+    findings: impl Iterator<Item = (&'a str, &'a str)>,
+    count: usize,
+) -> Vec<(String, &'a str)> {
+    let mut groups: Vec<(Vec<&str>, &str)> = Vec::new();
+    for (name, text) in findings {
+        match groups.iter_mut().find(|(_, known)| *known == text) {
+            Some((names, _)) => names.push(name),
+            None => groups.push((vec![name], text)),
+        }
+    }
+    let words = |names: Vec<&str>| match names.as_slice() {
+        [one] => (*one).to_string(),
+        all if all.len() == count => format!("all {count} recordings"),
+        [one, other] => format!("{one} and {other}"),
+        many => format!("{} recordings ({})", many.len(), many.join(", ")),
+    };
+    groups.into_iter().map(|(names, text)| (words(names), text)).collect()
+}
+
 /// A recording of the experiment, with what was measured.
 #[derive(Clone, Debug, Serialize)]
 pub struct RecordingStudy {
@@ -290,6 +320,16 @@ impl Study {
         } else {
             "training (no validation recording is given)"
         }
+    }
+
+    /// What the check of the recordings found, each sentence once, with the names of its recordings.
+    #[must_use]
+    pub fn findings(&self) -> Vec<(String, &str)> {
+        let findings = self
+            .recordings
+            .iter()
+            .flat_map(|r| r.findings.iter().map(|finding| (r.file.as_str(), finding.as_str())));
+        grouped(findings, self.recordings.len())
     }
 
     /// Root mean square window error of a method over the judged recordings [rad/s].

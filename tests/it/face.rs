@@ -317,7 +317,9 @@ fn add_keeps_the_comments_and_lowers_the_error() {
     folder.write("small.toml", &text);
     folder.run(&["small.toml"]).says(0, &[]);
     let before = window_error(&folder);
-    folder.run(&["add", "turning_scrub", "small.toml"]).says(0, &["added turning_scrub", "->"]);
+    folder
+        .run(&["add", "turning_scrub", "small.toml"])
+        .says(0, &["added turning_scrub", "->", " % less)"]);
     assert!(window_error(&folder) < 0.5 * before, "{before} -> {}", window_error(&folder));
     let written = folder.read("small.toml");
     for line in text.lines() {
@@ -328,4 +330,20 @@ fn add_keeps_the_comments_and_lowers_the_error() {
     folder.run(&["add", "turning_scrap", "small.toml"]).says(2, &["did you mean `turning_scrub`?"]);
     folder.run(&["add", "slope", "gone.toml"]).says(2, &["gone.toml"]);
     assert_eq!(folder.read("small.toml"), written);
+}
+
+#[test]
+fn a_key_that_does_nothing_is_named_and_equal_findings_are_said_once() {
+    let folder = Folder::new();
+    let file = "title = \"\"\n[simulation]\nmovement = \"paper\"\nduration_s = 60\ntrain = 2\n\
+                [[method]]\nname = \"torque_regression\"\n";
+    folder.write("e.toml", file);
+    let unused = "warning     simulation.duration_s has no effect";
+    let note = "note        all 3 recordings: wheel 1 (right) turns forward only";
+    let ran = folder.run(&["check", "e.toml"]);
+    ran.says(0, &["e.toml: e\n", unused, note]);
+    let ran = folder.run(&["e.toml"]);
+    ran.says(0, &["e: window error"]);
+    assert!(ran.err.contains("warning: e: simulation.duration_s has no effect"), "{}", ran.err);
+    assert!(folder.read("reports/e/report.html").contains("<h1>e</h1>"));
 }

@@ -31,7 +31,7 @@ fn results(recordings: &Path, more: &str) -> Value {
         file("validation.csv")
     );
     folder.write("e.toml", text);
-    folder.run(&["e.toml"]).says(0, &["window error"]);
+    folder.run(&["e.toml"]).says(0, &[" rad/s, noise floor "]);
     folder.results("reports/e")
 }
 

@@ -1,5 +1,6 @@
 //! The experiment file: what users type, checked before anything runs.
 
+mod check;
 mod error;
 mod json_schema;
 mod schema;

@@ -5,6 +5,7 @@ use super::summary::{Summary, conditions};
 use crate::math::distribution::chi2_quantile;
 use crate::report::block::Block;
 use crate::report::figure::{Axis, Figure, Layer, Panel, Role};
+use crate::report::format;
 
 /// Curves of one figure at most: as many as there are colours.
 const MOST_SERIES: usize = 7;
@@ -17,6 +18,8 @@ struct Quantity {
     id: &'static str,
     title: &'static str,
     how_to_read: &'static str,
+    /// What is drawn, in a sentence.
+    caption: &'static str,
     value: fn(&Summary) -> f64,
     /// 95 % interval of the value, where it is drawn around the curve.
     interval: Option<fn(&Summary) -> (f64, f64)>,
@@ -38,6 +41,7 @@ const QUANTITIES: [Quantity; 3] = [
         how_to_read: "Each curve is the root mean square difference between estimate and truth \
                       over the repetitions, the band its 95 % interval. Lower is better; where \
                       bands overlap, the repetitions do not tell the methods apart.",
+        caption: "Root mean square difference between estimate and truth; bands are 95 % intervals.",
         value: |s| s.rmse,
         interval: Some(Summary::rmse_interval),
         axis: |unit| Axis::log("RMSE", unit),
@@ -50,6 +54,7 @@ const QUANTITIES: [Quantity; 3] = [
                       over the mean squared error. At 1 the method takes all out of the data; at \
                       0.25 it needs four times the data. The grey band holds 95 % of the values \
                       that an efficient method shows by chance.",
+        caption: "Smallest variance possible over mean squared error; 1 is the best that can be.",
         value: |s| s.efficiency,
         interval: None,
         axis: |_| Axis::log("bound / mean squared error", ""),
@@ -61,6 +66,7 @@ const QUANTITIES: [Quantity; 3] = [
         how_to_read: "The share of repetitions whose interval holds the truth. Near 95 % the \
                       claimed errors are honest; below, they are too small. The grey band holds \
                       95 % of the values that honest intervals show by chance.",
+        caption: "Share of the repetitions whose 95 % interval holds the truth.",
         value: |s| 100.0 * s.coverage,
         interval: None,
         axis: |_| Axis::linear("coverage", "%"),
@@ -122,14 +128,19 @@ fn figure(
     let mut out = Figure::new(quantity.id, quantity.title)
         .with_subtitle(format!("{} combinations: {}", grid.cells(), grid.words()))
         .with_how_to_read(quantity.how_to_read)
+        .with_caption(quantity.caption)
         .with_columns(if parameters.len() > 1 { 2 } else { 1 });
     if names.len() > MOST_SERIES {
-        let shown =
-            format!("The first {MOST_SERIES} of {} curves; all are in summary.csv.", names.len());
+        let shown = format!(
+            "{} The first {MOST_SERIES} of {} curves; all are in summary.csv.",
+            quantity.caption,
+            names.len()
+        );
         out = out.with_caption(shown);
     }
     for (parameter, unit) in parameters {
-        let mut panel = Panel::new(x(), (quantity.axis)(unit)).with_title(*parameter);
+        let mut panel = Panel::new(x(), (quantity.axis)(&format::unit(unit)))
+            .with_title(format::symbol(parameter));
         let repetitions = summaries.iter().map(|s| s.n).max().unwrap_or(0);
         if let Some(target) = quantity.target.as_ref().filter(|_| repetitions > 0) {
             panel = panel.with(chance(&numbers, (target.chance)(repetitions)));

@@ -31,7 +31,7 @@ pub(super) fn render(
     };
     let failed = cells.iter().any(GridCell::failed);
     let tone = if failed { Tone::Notice } else { Tone::Neutral };
-    let mut first = vec![Block::verdict(tone, verdict(grid, cells, summaries), grid.words())];
+    let mut first = vec![Block::verdict(tone, verdict(grid, cells, summaries), "")];
     first.extend(figures(grid, summaries));
     let sections = vec![
         section("accuracy", "What the repetitions say", first),
@@ -76,6 +76,7 @@ const TABLE_WORDS: &str = "n estimates enter the means; failures are cells witho
 /// Combinations, failures and coverage in a sentence per method.
 pub(super) fn verdict(grid: &GridPlan, cells: &[GridCell], summaries: &[Summary]) -> String {
     let failed = cells.iter().filter(|c| c.failed()).count();
+    let failed = if failed == 0 { "none".into() } else { failed.to_string() };
     let mut out =
         format!("{} combinations of {}, {failed} with a failure", cells.len(), grid.words());
     let mut methods: Vec<&str> = Vec::new();
@@ -109,6 +110,8 @@ fn table(grid: &GridPlan, summaries: &[Summary]) -> Block {
     } else {
         "Every combination, method and parameter.".into()
     };
+    // a hundred repetitions give an error to 7 %: more digits would say nothing
+    let three = |v: f64| Cell::formatted(format::digits(v, 3), v);
     let mut table = Table::new(caption, columns);
     for s in summaries.iter().take(MOST_ROWS) {
         let mut row: Vec<Cell> = axes
@@ -122,11 +125,19 @@ fn table(grid: &GridPlan, summaries: &[Summary]) -> Block {
                 }
             })
             .collect();
-        row.extend([&s.method, &s.parameter, &s.unit].map(Cell::text));
+        row.extend(
+            [
+                s.method.clone(),
+                format::symbol(&s.parameter),
+                format::unit(&s.unit).replace(' ', "\u{a0}"),
+            ]
+            .map(Cell::text),
+        );
         row.extend([s.n, s.failures, s.unidentifiable].map(Cell::count));
-        row.extend([s.truth, s.bias, s.rmse, s.std_error].map(Cell::number));
+        row.push(Cell::number(s.truth));
+        row.extend([s.bias, s.rmse, s.std_error].map(three));
         row.push(Cell::formatted(format::percent(s.coverage), s.coverage));
-        row.extend([s.efficiency, s.window_rms, s.floor].map(Cell::number));
+        row.extend([s.efficiency, s.window_rms, s.floor].map(three));
         table.push(row);
     }
     table.into()

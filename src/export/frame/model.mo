@@ -15,6 +15,21 @@ package TwoWheelRobot "Identified model of a two-wheel robot"
     c := a ^ b;
   end power;
 
+  function erf "Error function, by its series of terms of one sign; 1 to the last bit from 6 on"
+    input Real x;
+    output Real y;
+  protected
+    Real term;
+  algorithm
+    term := min(max(x, -6), 6);
+    y := term;
+    for n in 1:150 loop
+      term := term * min(x * x, 36) / (n + 0.5);
+      y := y + term;
+    end for;
+    y := min(max(y * exp(-min(x * x, 36)) * 1.1283791670955126, -1), 1);
+  end erf;
+
   function terms "Mass matrix (m11, m12, m22), resisting moments, levels of dry friction"
     input Real t;
     input Real alpha[2];
@@ -49,6 +64,34 @@ package TwoWheelRobot "Identified model of a two-wheel robot"
     x[2] := (mass[1] * b[2] - mass[2] * b[1]) / det;
   end solve;
 
+  function sweep "One sweep over the resting directions: what holds each of them, within its level"
+    input Real mass[3];
+    input Real level[4];
+    input Boolean resting[4];
+    input Real a0[2];
+    input Real held0[4];
+    output Real a[2];
+    output Real held[4];
+    output Boolean moved;
+  protected
+    Real g[2];
+    Real wanted;
+  algorithm
+    a := a0;
+    held := held0;
+    moved := false;
+    for j in 1:4 loop
+      if resting[j] then
+        g := solve(mass, direction[j, :]);
+        wanted := held[j] + (direction[j, :] * a) / (direction[j, :] * g);
+        wanted := min(max(wanted, -level[j]), level[j]);
+        moved := moved or abs(wanted - held[j]) > 1e-14 * level[j];
+        a := a - g * (wanted - held[j]);
+        held[j] := wanted;
+      end if;
+    end for;
+  end sweep;
+
   function contact "Sign of the friction in each direction, and whether the direction sticks"
     input Real t;
     input Real y[4];
@@ -61,12 +104,10 @@ package TwoWheelRobot "Identified model of a two-wheel robot"
     Real level[4];
     Real a[2];
     Real b[2];
-    Real g[2];
     Real held[4];
-    Real wanted;
     Boolean resting[4];
     Boolean moved;
-    Integer sweep;
+    Integer sweeps;
   algorithm
     (mass, torque, level) := terms(t, y[1:2], y[3:4]);
     b := acting - torque;
@@ -75,35 +116,21 @@ package TwoWheelRobot "Identified model of a two-wheel robot"
       resting[j] := level[j] > 0 and s[j] == 0;
       stuck[j] := false;
       held[j] := 0;
-      if level[j] > 0 then
-        b := b - direction[j, :] * (level[j] * s[j]);
+      b := b - direction[j, :] * (max(level[j], 0) * s[j]);
+    end for;
+    a := solve(mass, b);
+    moved := resting[1] or resting[2] or resting[3] or resting[4];
+    sweeps := 0;
+    while moved and sweeps < 200 loop
+      (a, held, moved) := sweep(mass, level, resting, a, held);
+      sweeps := sweeps + 1;
+    end while;
+    for j in 1:4 loop
+      if resting[j] then
+        stuck[j] := abs(direction[j, :] * a) <= 1e-9;
+        s[j] := if stuck[j] then 0 else sign(direction[j, :] * a);
       end if;
     end for;
-    if resting[1] or resting[2] or resting[3] or resting[4] then
-      a := solve(mass, b);
-      moved := true;
-      sweep := 0;
-      while moved and sweep < 200 loop
-        moved := false;
-        sweep := sweep + 1;
-        for j in 1:4 loop
-          if resting[j] then
-            g := solve(mass, direction[j, :]);
-            wanted := held[j] + (direction[j, :] * a) / (direction[j, :] * g);
-            wanted := min(max(wanted, -level[j]), level[j]);
-            moved := moved or abs(wanted - held[j]) > 1e-14 * level[j];
-            a := a - g * (wanted - held[j]);
-            held[j] := wanted;
-          end if;
-        end for;
-      end while;
-      for j in 1:4 loop
-        if resting[j] then
-          stuck[j] := abs(direction[j, :] * a) <= 1e-9;
-          s[j] := if stuck[j] then 0 else sign(direction[j, :] * a);
-        end if;
-      end for;
-    end if;
   end contact;
 
   function constrained "Acceleration in a fixed state of contact [rad/s^2]"
@@ -199,7 +226,58 @@ package TwoWheelRobot "Identified model of a two-wheel robot"
     new := y + h / 6 * (k1 + 2 * (k2 + k3) + k4);
   end rungeKutta;
 
-  function advance "One step; where a direction reverses in it, it is split there by a secant"
+  function reversal "The part of a step after which a direction reverses first, and which one"
+    input Real before[2];
+    input Real after[2];
+    input Real s[4];
+    output Real share;
+    output Integer reversed;
+  protected
+    Real first;
+    Real last;
+  algorithm
+    share := 1;
+    reversed := 0;
+    for j in 1:4 loop
+      first := direction[j, :] * before;
+      last := direction[j, :] * after;
+      if s[j] * last < 0 then
+        if reversed == 0 or first / (first - last) < share then
+          share := first / (first - last);
+          reversed := j;
+        end if;
+      end if;
+    end for;
+  end reversal;
+
+  function piece "The step up to the first reversal in it, which is placed by a secant"
+    input Real t;
+    input Real h;
+    input Real y0[4];
+    input Real first[2];
+    input Real last[2];
+    output Real y[4];
+    output Real share "of the step that was made: 1 if nothing reverses";
+  protected
+    Real s[4];
+    Boolean stuck[4];
+    Real n[2];
+    Real left;
+    Integer reversed;
+  algorithm
+    (s, stuck) := contact(t, y0, first);
+    y := rungeKutta(t, h, y0, first, last, s, stuck);
+    (share, reversed) := reversal(y0[3:4], y[3:4], s);
+    if reversed > 0 then
+      y := rungeKutta(t, share * h, y0, first, first + share * (last - first), s, stuck);
+      n := {-direction[reversed, 2], direction[reversed, 1]};
+      left := if stuck[1] or stuck[2] or stuck[3] or stuck[4] then 0
+              else (n[1] * y[3] + n[2] * y[4]) / (n[1] * n[1] + n[2] * n[2]);
+      y := {y[1], y[2], left * n[1], left * n[2]};
+    end if;
+  end piece;
+
+  function advance "One step; where a direction reverses in it, it is split there"
     input Real t0;
     input Real h0;
     input Real y0[4];
@@ -210,55 +288,21 @@ package TwoWheelRobot "Identified model of a two-wheel robot"
     Real t;
     Real h;
     Real first[2];
-    Real split[2];
-    Real s[4];
-    Boolean stuck[4];
-    Real new[4];
-    Real n[2];
     Real share;
-    Real before;
-    Real after;
-    Integer crossed;
-    Integer piece;
+    Integer pieces;
   algorithm
     t := t0;
     h := h0;
     y := y0;
     first := start;
-    piece := 0;
-    while piece < 8 loop
-      piece := piece + 1;
-      (s, stuck) := contact(t, y, first);
-      new := rungeKutta(t, h, y, first, last, s, stuck);
-      share := 1;
-      crossed := 0;
-      for j in 1:4 loop
-        before := direction[j, :] * y[3:4];
-        after := direction[j, :] * new[3:4];
-        if s[j] * after < 0 then
-          if crossed == 0 or before / (before - after) < share then
-            share := before / (before - after);
-            crossed := j;
-          end if;
-        end if;
-      end for;
-      if crossed == 0 then
-        y := new;
-        piece := 8;
-      else
-        split := first + share * (last - first);
-        y := rungeKutta(t, share * h, y, first, split, s, stuck);
-        n := {-direction[crossed, 2], direction[crossed, 1]};
-        if stuck[1] or stuck[2] or stuck[3] or stuck[4] then
-          n := {0, 0};
-        else
-          n := n * ((n * y[3:4]) / (n * n));
-        end if;
-        y := {y[1], y[2], n[1], n[2]};
-        t := t + share * h;
-        h := (1 - share) * h;
-        first := split;
-      end if;
+    share := 0;
+    pieces := 0;
+    while share < 1 and pieces < 8 loop
+      (y, share) := piece(t, h, y, first, last);
+      t := t + share * h;
+      h := (1 - share) * h;
+      first := first + share * (last - first);
+      pieces := pieces + 1;
     end while;
   end advance;
 

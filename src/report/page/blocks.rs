@@ -87,36 +87,30 @@ fn tone_name(tone: Tone) -> &'static str {
     }
 }
 
-/// Where the guide lies, seen from the root of the project.
-const GUIDE: &str = "docs/guide.md";
+/// A report is opened far from the project's folder: what the guide says of a section goes with it.
+const GUIDE: &str = include_str!("../../../docs/guide.md");
 
-fn how_to_read(aid: &str, guide: &str) -> Markup {
+fn how_to_read(aid: &str, heading: &str) -> Markup {
     html! {
         details {
             summary { "How to read this" }
-            p {
-                (aid)
-                @if !guide.is_empty() {
-                    " More: "
-                    @match guide_address(env!("CARGO_PKG_REPOSITORY"), guide) {
-                        Some(address) => a href=(address) { (GUIDE) ", “" (guide) "”" },
-                        None => { code { (GUIDE) } ", “" (guide) "”" }
+            p { (aid) }
+            @if let Some(text) = guide(heading) {
+                p {
+                    @for (k, piece) in text.split('`').enumerate() {
+                        @if k % 2 == 1 { code { (piece) } } @else { (piece) }
                     }
-                    "."
                 }
             }
         }
     }
 }
 
-/// A heading of the guide on the web; none where the project has no address, since a report is
-/// opened far from the project's folder.
-pub(super) fn guide_address(repository: &str, heading: &str) -> Option<String> {
-    let kept = |c: char| c.is_alphanumeric() || c == ' ' || c == '-';
-    let anchor = heading.to_lowercase().chars().filter(|c| kept(*c)).collect::<String>();
-    let anchor = anchor.replace(' ', "-");
-    let home = repository.trim_end_matches('/');
-    (!home.is_empty()).then(|| format!("{home}/blob/main/{GUIDE}#{anchor}"))
+/// What stands in the guide under a heading of the third level.
+pub(super) fn guide(heading: &str) -> Option<String> {
+    let (_, behind) = GUIDE.split_once(&format!("\n### {heading}\n"))?;
+    let text = behind.split("\n#").next()?;
+    Some(text.split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
 fn table(table: &Table, number: usize) -> Markup {
@@ -165,7 +159,9 @@ fn cell(cell: &Cell, align: &str) -> Markup {
     });
     html! {
         td class=[(!classes.is_empty()).then(|| classes.join(" "))] style=[style] data-value=[value] {
-            @if cell.strong { strong { (cell.text) } } @else { (cell.text) }
+            @if let Some(address) = &cell.link { a href=(address) { (cell.text) } }
+            @else if cell.strong { strong { (cell.text) } }
+            @else { (cell.text) }
         }
     }
 }

@@ -111,11 +111,11 @@ fn the_same_content_gives_the_same_bytes() {
 }
 
 #[test]
-fn a_reading_aid_leads_to_its_heading_of_the_guide() {
-    let aid = Block::HowToRead { aid: "So.".into(), guide: "Which method?".into() };
+fn a_reading_aid_brings_the_text_of_the_guide_along() {
+    let aid = Block::HowToRead { aid: "So.".into(), guide: "Provenance".into() };
     let html = page(&with_blocks(vec![aid])).unwrap();
-    assert!(html.contains("So. More: ") && html.contains("docs/guide.md"), "{html}");
-    let address = blocks::guide_address("https://example.org/a/", "Which method?").unwrap();
-    assert_eq!(address, "https://example.org/a/blob/main/docs/guide.md#which-method");
-    assert_eq!(blocks::guide_address("", "Which method?"), None);
+    assert!(html.contains("<p>So.</p>") && html.contains("needed to repeat the run"), "{html}");
+    assert_eq!(blocks::guide("No such heading"), None);
+    let staircase = blocks::guide("Staircase of the error").unwrap();
+    assert!(staircase.starts_with("One bar") && !staircase.contains('#'), "{staircase}");
 }

@@ -176,8 +176,8 @@ fn table(study: &Study, ranking: &[Candidate]) -> Table {
     let before = ranking.first().map_or(String::new(), |c| {
         format!(
             " Without any: window error {} rad/s, quality index {} rad²/s.",
-            format::significant(c.window_before, 3),
-            format::significant(c.ise_validation_before, 3)
+            format::digits(c.window_before, 3),
+            format::digits(c.ise_validation_before, 3)
         )
     });
     let caption = format!(
@@ -187,7 +187,7 @@ fn table(study: &Study, ranking: &[Candidate]) -> Table {
     );
     let mut table = Table::new(caption, columns);
     for c in ranking {
-        let digits = |v: f64| Cell::formatted(format::significant(v, 3), v);
+        let digits = |v: f64| Cell::formatted(format::digits(v, 3), v);
         let better = c.window_after < c.window_before;
         let after = digits(c.window_after);
         table.push(vec![
@@ -221,12 +221,12 @@ fn manoeuvre(proposal: &Proposal) -> Table {
          probability {}. Its statistic is {} (chi-square, one degree), against {} for a random \
          manoeuvre of the same length.",
         probability(proposal.probability),
-        format::significant(proposal.discrimination, 3),
-        format::significant(proposal.random, 3)
+        format::digits(proposal.discrimination, 3),
+        format::digits(proposal.random, 3)
     );
     let mut table = Table::new(caption, columns);
     for (k, segment) in proposal.movement.segments.iter().enumerate() {
-        let digits = |v: f64| Cell::formatted(format::significant(v, 3), v);
+        let digits = |v: f64| Cell::formatted(format::digits(v, 3), v);
         table.push(vec![
             Cell::count(k + 1),
             digits(segment.speed_m_s),

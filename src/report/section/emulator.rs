@@ -92,8 +92,8 @@ fn states(
     };
     let title = format!(
         "Errors of the emulator: {} and {} rad/s rms in speed",
-        format::significant(rms(2), 2),
-        format::significant(rms(3), 2)
+        format::digits(rms(2), 2),
+        format::digits(rms(3), 2)
     );
     let mut errors = Figure::new("emulator-errors", title)
         .with_subtitle(&subtitle)

@@ -66,8 +66,8 @@ fn line(points: Vec<(f64, f64)>, label: &str, role: Role, width: f64) -> Layer {
 fn speeds(study: &Study, recording: &RecordingStudy, performance: &Performance) -> Figure {
     let title = format!(
         "Over 2 s the model errs by {} rad/s; noise alone would leave {}",
-        format::significant(performance.window_rms, 3),
-        format::significant(recording.floor.window_rms, 3)
+        format::digits(performance.window_rms, 3),
+        format::digits(recording.floor.window_rms, 3)
     );
     let mut figure = Figure::new("fit", title)
         .with_subtitle(format!(

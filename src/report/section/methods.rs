@@ -42,7 +42,7 @@ impl Section for Methods {
              structure, for a run of unpublished length, noise and gain K: the index grows with the \
              length and falls with K, so it serves as an order of magnitude only. Here the noise of \
              the measured speeds alone costs {} rad²/s on the judged recordings.",
-            format::significant(sensor_noise(study), 3)
+            format::digits(sensor_noise(study), 3)
         )));
         let remarks = remarks(study);
         if !remarks.is_empty() {
@@ -144,7 +144,7 @@ fn row(study: &Study, method: &MethodStudy, is_reference: bool) -> Vec<Cell> {
 
 fn digits(value: f64) -> Cell {
     let text =
-        if value == f64::INFINITY { "diverges".to_owned() } else { format::significant(value, 3) };
+        if value == f64::INFINITY { "diverges".to_owned() } else { format::digits(value, 3) };
     Cell::formatted(text, value)
 }
 
@@ -191,7 +191,7 @@ fn figure(study: &Study) -> Option<Figure> {
     }
     let values: Vec<f64> = fitted.iter().map(|m| m.1).collect();
     let mut series = BarSeries::new("", Color::Model, values.clone());
-    series.text = values.iter().map(|v| format::significant(*v, 3)).collect();
+    series.text = values.iter().map(|v| format::digits(*v, 3)).collect();
     let bars = Bars {
         categories: fitted.iter().map(|m| words::method(study, m.0)).collect(),
         series: vec![series],
@@ -201,7 +201,7 @@ fn figure(study: &Study) -> Option<Figure> {
     let title = format!(
         "Lowest window error: {}, {} times the noise floor",
         words::list(&best),
-        format::significant(lowest / study.judged_floor(), 3)
+        format::digits(lowest / study.judged_floor(), 3)
     );
     let panel = Panel::new(Axis::linear("window error", "rad/s"), Axis::unlabelled())
         .with(Layer::Bars(bars))
@@ -219,7 +219,7 @@ fn remarks(study: &Study) -> Vec<Text> {
         let name = words::method(study, method);
         let failure = method.failure.iter().map(|reason| format!(" failed: {reason}"));
         for note in failure.chain(method.notes.iter().map(|note| format!(": {note}"))) {
-            remarks.push(Text::default().strong(&name).plain(note));
+            remarks.push(Text::default().strong(&name).plain(format::sentence(&note)));
         }
     }
     remarks

@@ -8,7 +8,7 @@ pub(super) use traces::figures;
 
 use super::{Section, words};
 use crate::identify::Estimate;
-use crate::report::block::{Block, Cell, Column, Table, Tone};
+use crate::report::block::{Block, Cell, Column, Table, Text, Tone};
 use crate::report::format;
 use crate::study::{MethodStudy, Study};
 
@@ -37,6 +37,19 @@ impl Section for Parameters {
             return vec![];
         }
         let mut blocks: Vec<Block> = physical.iter().map(|m| table(study, m).into()).collect();
+        let beyond: Vec<Text> = physical
+            .iter()
+            .flat_map(|m| {
+                m.estimates.iter().filter_map(move |e| Some((m, words::out_of_range(e)?)))
+            })
+            .map(|(m, said)| {
+                Text::default().strong(words::method(study, m)).plain(format!(": {said}."))
+            })
+            .collect();
+        if !beyond.is_empty() {
+            blocks.push(Block::Heading("Values that make no physical sense".to_owned()));
+            blocks.push(Block::List(beyond));
+        }
         blocks.extend(comparison::figure(study, &physical).map(Block::from));
         let reference = study.reference_method().filter(|m| !m.estimates.is_empty());
         let shown = reference.unwrap_or(physical[0]);
@@ -105,9 +118,14 @@ fn interval(low: f64, high: f64) -> String {
         if width > 0.0 { (size / width).log10().ceil().clamp(0.0, 9.0) as usize + 2 } else { 4 };
     let exponent = if size > 0.0 { size.log10().floor() as i32 } else { 0 };
     let ends = |power: i32| {
-        let end = |v: f64| format::significant(v / 10f64.powi(power), digits);
+        // both ends to the same place
+        let decimals = (digits as i32 - 1 - (exponent - power)).max(0) as usize;
+        let end = |v: f64| format::fixed(v / 10f64.powi(power), decimals);
         format!("[{}, {}]", end(low), end(high))
     };
+    if width == 0.0 {
+        return format!("[{0}, {0}]", format::number(low));
+    }
     if (-2..5).contains(&exponent) {
         return ends(0);
     }
@@ -134,7 +152,9 @@ mod tests {
     #[test]
     fn an_interval_shows_the_digits_in_which_its_ends_differ() {
         assert_eq!(interval(0.031_871, 0.031_912), "[0.031871, 0.031912]");
-        assert_eq!(interval(-1.0, 3.0), "[−1, 3]");
+        assert_eq!(interval(-1.0, 3.0), "[−1.0, 3.0]");
+        assert_eq!(interval(-6.44e-3, -3.81e-6), "[−6.44, 0.00] × 10⁻³");
+        assert_eq!(interval(0.1245, 0.125_23), "[0.12450, 0.12523]");
         assert_eq!(interval(2.77e-4, 3.12e-4), "[2.77, 3.12] × 10⁻⁴");
         assert_eq!(interval(0.0, 0.0), "[0, 0]");
     }

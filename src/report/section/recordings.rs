@@ -45,10 +45,9 @@ impl Section for Recordings {
         }
         let mut blocks = vec![table.into()];
         let findings: Vec<Text> = study
-            .recordings
-            .iter()
-            .flat_map(|r| r.findings.iter().map(|finding| (&r.file, finding)))
-            .map(|(file, finding)| Text::default().strong(file).plain(format!(": {finding}")))
+            .findings()
+            .into_iter()
+            .map(|(files, finding)| Text::default().strong(files).plain(format!(": {finding}")))
             .collect();
         if findings.is_empty() {
             blocks.push(Block::paragraph("The check of the recordings has no remark."));
@@ -78,7 +77,7 @@ fn row(r: &RecordingStudy) -> Vec<Cell> {
         measured(r.measured.alpha, r.noise.alpha),
         measured(r.measured.omega, r.noise.omega),
         pair(r.noise.moment),
-        Cell::formatted(format::significant(r.floor.window_rms, 3), r.floor.window_rms),
-        Cell::formatted(format::significant(floor, 3), floor),
+        Cell::formatted(format::digits(r.floor.window_rms, 3), r.floor.window_rms),
+        Cell::formatted(format::digits(floor, 3), floor),
     ]
 }

@@ -61,7 +61,7 @@ fn map(study: &Study) -> Figure {
     let text = |f: Option<&Failure>| match f {
         Some(f) => {
             let star = if f.significant { " *" } else { "" };
-            format!("{}{star}", format::significant(f.ratio_to_noise, 2))
+            format!("{}{star}", format::digits(f.ratio_to_noise, 2))
         }
         None => String::new(),
     };
@@ -112,7 +112,7 @@ fn table(study: &Study) -> Table {
             Cell::text(words::regime(f.regime)),
             Cell::text(words::SIDES[f.wheel.saturating_sub(1).min(1)]),
             Cell::formatted(format::percent(f.share_of_ise), f.share_of_ise).bar(f.share_of_ise),
-            Cell::formatted(format::significant(f.ratio_to_noise, 3), f.ratio_to_noise),
+            Cell::formatted(format::digits(f.ratio_to_noise, 3), f.ratio_to_noise),
             Cell::estimate(f.moment, f.std_error),
             Cell::p_value(f.p_value),
             if f.significant { significant.tone(Tone::Bad) } else { significant },

@@ -42,9 +42,9 @@ impl Section for Staircase {
                 })
                 .collect();
             let lead = if stairs.len() > 1 {
-                "Effects found by the diagnosis, added one by one"
+                "Effects found by the diagnosis, added one by one; every model fitted by the diagnosis"
             } else {
-                "The diagnosis adds no effect"
+                "The diagnosis, which fits by itself, adds no effect"
             };
             blocks.extend(show(study, "staircase", lead, &stairs));
         }
@@ -63,7 +63,8 @@ impl Section for Staircase {
                     floor: version.floor,
                 })
                 .collect();
-            let lead = "Versions of this model that were run, oldest first";
+            let lead =
+                "Versions of this model that were run, oldest first, by the fit of the verdict";
             blocks.extend(show(study, "staircase-versions", lead, &stairs));
         }
         blocks
@@ -96,7 +97,7 @@ fn figure(study: &Study, id: &str, lead: &str, stairs: &[Stair]) -> Figure {
     let floor = stairs.last().map_or(f64::NAN, |stair| stair.floor);
     let errors: Vec<f64> = stairs.iter().map(|stair| stair.error).collect();
     let mut series = BarSeries::new("", Role::Model, errors.clone());
-    series.text = errors.iter().map(|v| format::significant(*v, 3)).collect();
+    series.text = errors.iter().map(|v| format::digits(*v, 3)).collect();
     let bars = Bars {
         categories: stairs.iter().map(|stair| stair.name.clone()).collect(),
         series: vec![series],
@@ -108,15 +109,15 @@ fn figure(study: &Study, id: &str, lead: &str, stairs: &[Stair]) -> Figure {
     let title = if stairs.len() > 1 {
         format!(
             "The error falls from {} to {} rad/s; noise alone leaves {}",
-            format::significant(first, 3),
-            format::significant(last, 3),
-            format::significant(floor, 3)
+            format::digits(first, 3),
+            format::digits(last, 3),
+            format::digits(floor, 3)
         )
     } else {
         format!(
             "The error is {} rad/s; noise alone leaves {}",
-            format::significant(last, 3),
-            format::significant(floor, 3)
+            format::digits(last, 3),
+            format::digits(floor, 3)
         )
     };
     let panel = Panel::new(Axis::linear("window error", "rad/s"), Axis::unlabelled())
@@ -151,8 +152,8 @@ fn table(study: &Study, lead: &str, stairs: &[Stair]) -> Table {
         let ratio = stair.error / stair.floor;
         table.push(vec![
             Cell::text(&stair.name),
-            Cell::formatted(format::significant(stair.error, 3), stair.error),
-            Cell::formatted(format::significant(ratio, 3), ratio),
+            Cell::formatted(format::digits(stair.error, 3), stair.error),
+            Cell::formatted(format::digits(ratio, 3), ratio),
             if whole > 0.0 {
                 Cell::formatted(format::percent(left), left).bar(left)
             } else {

@@ -100,12 +100,20 @@ fn compared(study: &Study, method: &MethodStudy) -> (Tone, String) {
 
 fn judged_on(study: &Study, method: &MethodStudy) -> String {
     let (error, floor) = (study.judged_window_rms(method), study.judged_floor());
+    let said = format::digits(error, 3);
+    let start = study.diagnosis.as_ref().and_then(|d| d.staircase.first());
+    let own = start
+        .map(|step| format::digits(step.window_rms_validation, 3))
+        .filter(|own| *own != said)
+        .map_or(String::new(), |own| {
+            format!(" The diagnosis fits the model by itself, and starts from {own} rad/s.")
+        });
     format!(
         "Window error {} rad/s, noise floor {} rad/s (ratio {}); fit by {}, judged on {} data. \
-         Model: {}.",
-        format::significant(error, 3),
-        format::significant(floor, 3),
-        format::significant(error / floor, 3),
+         Model: {}.{own}",
+        said,
+        format::digits(floor, 3),
+        format::digits(error / floor, 3),
         words::method(study, method),
         study.judged_words(),
         words::model(study),
@@ -161,7 +169,7 @@ fn cautions(study: &Study) -> Vec<Block> {
         );
         notice(sentence, "The reasons stand with the methods.");
     }
-    let found: usize = study.recordings.iter().map(|r| r.findings.len()).sum();
+    let found = study.findings().len();
     if found > 0 {
         let sentence = match found {
             1 => "The check of the recordings has one remark.".to_owned(),

@@ -1,8 +1,10 @@
 //! Names and phrases that several sections use.
 
 use crate::effects;
-use crate::identify::Status;
+use crate::identify::{Estimate, Status};
 use crate::recording::Regime;
+use crate::report::format;
+pub(super) use crate::report::format::{symbol, unit};
 use crate::study::{MethodStudy, Study};
 
 /// The wheel of index 0 or 1, as a reader calls it.
@@ -28,22 +30,6 @@ pub(super) fn regime(regime: Regime) -> String {
     .to_owned()
 }
 
-/// A unit with exponents as superscripts: `kg m^2` becomes `kg m²`.
-pub(super) fn unit(unit: &str) -> String {
-    unit.replace("^2", "²").replace("^3", "³").replace('*', "·")
-}
-
-/// A symbol with its number as subscript: `a1` becomes `a₁`; others stay as they are typed.
-pub(super) fn symbol(symbol: &str) -> String {
-    const SUBSCRIPTS: [char; 10] = ['₀', '₁', '₂', '₃', '₄', '₅', '₆', '₇', '₈', '₉'];
-    let stem = symbol.trim_end_matches(|c: char| c.is_ascii_digit());
-    if stem.is_empty() || stem.len() == symbol.len() || stem.ends_with('_') {
-        return symbol.to_owned();
-    }
-    let digits = symbol[stem.len()..].bytes().map(|b| SUBSCRIPTS[usize::from(b - b'0')]);
-    stem.chars().chain(digits).collect()
-}
-
 /// The name of an effect in words; the id where the catalogue does not have it.
 pub(super) fn effect(id: &str) -> String {
     effects::find(id).map_or_else(|| id.replace('_', " "), |effect| effect.description().title)
@@ -63,6 +49,41 @@ pub(super) fn effect_in_text(id: &str) -> String {
 pub(super) fn meaning(symbol: &str) -> String {
     let specs = effects::all().into_iter().flat_map(|effect| effect.parameters());
     specs.into_iter().find(|spec| spec.symbol == symbol).map_or(String::new(), |s| s.meaning)
+}
+
+/// What a reader must know of an estimate beyond the physical range of its parameter.
+pub(super) fn out_of_range(estimate: &Estimate) -> Option<String> {
+    let effects = effects::all();
+    let specs = effects.iter().map(|effect| (effect, effect.parameters()));
+    let (effect, spec) = specs
+        .filter_map(|(e, specs)| {
+            Some((e, specs.into_iter().find(|s| s.symbol == estimate.symbol)?))
+        })
+        .next()?;
+    let (low, high) = spec.range;
+    // ranges hold for moments in N m; beside another drive they say nothing
+    if spec.unit != estimate.unit {
+        return None;
+    }
+    if estimate.fixed || (low..=high).contains(&estimate.value) || estimate.value.is_nan() {
+        return None;
+    }
+    let (near, side) = if estimate.value < low { (low, "below") } else { (high, "above") };
+    let far = (estimate.value - near).abs() > 2.0 * estimate.std_error;
+    let cause = if far {
+        "another effect that the model lacks is in its place"
+    } else {
+        "within its error it is the value of an effect that is not there"
+    };
+    let id = effect.id();
+    let base = effects::BASE.contains(&id.as_str());
+    let remedy = if base { String::new() } else { format!("; take {id} out of the model") };
+    Some(format!(
+        "{} = {} lies {side} {}, where it makes no sense: {cause}{remedy}",
+        symbol(&estimate.symbol),
+        format::with_unit(estimate.value, &unit(&estimate.unit)),
+        if near == 0.0 { "0".to_owned() } else { format::with_unit(near, &unit(&estimate.unit)) },
+    ))
 }
 
 /// "a", "a and b", "a, b and c".
@@ -116,12 +137,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn symbols_and_units_are_set_as_in_print() {
-        assert_eq!(symbol("a1"), "a₁");
-        assert_eq!(symbol("f_t"), "f_t");
-        assert_eq!(symbol("b_1"), "b_1");
-        assert_eq!(symbol("12"), "12");
-        assert_eq!(unit("kg m^2"), "kg m²");
+    fn an_estimate_beyond_its_range_says_what_that_means() {
+        let of = |value, error| {
+            out_of_range(&Estimate::new("f_t", "N m".to_owned(), value, error)).unwrap_or_default()
+        };
+        assert_eq!(of(0.01, 0.001), "");
+        let absent = of(-1e-4, 1e-4);
+        assert!(absent.starts_with("f_t = −1 × 10⁻⁴ N m lies below 0, where"), "{absent}");
+        assert!(absent.contains("not there; take turning_scrub out"), "{absent}");
+        assert!(of(-0.01, 1e-3).contains("another effect that the model lacks"));
+    }
+
+    #[test]
+    fn lists_read_as_in_a_sentence() {
         let words = ["a", "b", "c"].map(str::to_owned);
         assert_eq!(list(&words), "a, b and c");
         assert_eq!(list(&words[..1]), "a");
