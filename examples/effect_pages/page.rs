@@ -7,7 +7,7 @@ use amigo_ident::report::format;
 
 use crate::Failure;
 use crate::cases::Case;
-use crate::work::{NOISE, Outcome, is_base};
+use crate::work::{METHOD, NOISE, Outcome, is_base};
 
 const COMMAND: &str = "cargo run --release --example effect_pages";
 
@@ -189,13 +189,6 @@ fn cure(case: &Case, outcome: &Outcome) -> String {
         out += "The file must hold the inertias, or it changes nothing:\n\n\
                 ```toml\n[model]\nfixed = { a1 = \"construction\", a2 = \"construction\" }\n```\n\n";
     }
-    if outcome.coupled {
-        out += "The file must ask for `output_error`; the filter of `prediction_error` does not \
-                carry the body behind the wheels:\n\n```toml\n[[method]]\nname = \"output_error\"\n\
-                ```\n\n`output_error` takes the moments for exact, which they are not here, and \
-                every window starts with the body at the speed of the wheels: both keep the error \
-                above the floor.\n\n";
-    }
     let number = |value| format::significant(value, 3);
     let [before, after] = outcome.error;
     let _ = writeln!(
@@ -242,6 +235,6 @@ fn conditions(case: &Case, outcome: &Outcome) -> String {
          rad/s in the speeds, {} rad in the angles, {} N m in the moments. Both models are fitted \
          by `{}`{held}; picture and diagnosis are of the model without the effect, by the filter. \
          Repeat:\n\n```sh\n{COMMAND} -- --only {}\n```\n\n[All effects](README.md)\n",
-        NOISE.dalpha, NOISE.alpha, NOISE.moment, outcome.method, case.id
+        NOISE.dalpha, NOISE.alpha, NOISE.moment, METHOD, case.id
     )
 }

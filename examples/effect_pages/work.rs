@@ -15,6 +15,8 @@ use amigo_ident::simulate::{Hold, Movement, NoiseLevel, Recorder, SimulateError,
 use crate::Failure;
 use crate::cases::Case;
 
+/// Method of the fits whose errors are compared.
+pub(crate) const METHOD: &str = "prediction_error";
 /// Noise of the recordings, N2 of the benchmark.
 pub(crate) const NOISE: NoiseLevel = NoiseLevel { alpha: 1e-3, dalpha: 0.05, moment: 0.005 };
 /// Recordings to fit, and one more to judge by.
@@ -34,8 +36,6 @@ pub(crate) struct Outcome {
     pub(crate) diagnosis: Diagnosis,
     /// Fit with the effect.
     pub(crate) fit: Fit,
-    /// Method of the fits whose errors are compared.
-    pub(crate) method: &'static str,
     /// Window error on the recording held out, without and with the effect [rad/s].
     pub(crate) error: [f64; 2],
     /// Its noise floor [rad/s].
@@ -44,8 +44,6 @@ pub(crate) struct Outcome {
     pub(crate) held_out: Recording,
     /// Its windows simulated without and with the effect.
     pub(crate) windows: [Vec<State>; 2],
-    /// Whether the effect puts a body behind the wheels, which the filter does not carry.
-    pub(crate) coupled: bool,
 }
 
 /// The whole story of one effect.
@@ -79,9 +77,7 @@ pub(crate) fn run(case: &Case) -> Result<Outcome, Failure> {
         return Err(format!("depends on the {words} now: look and say what it shows").into());
     }
 
-    let coupled = truth.is_coupled();
-    let method = if coupled { "output_error" } else { "prediction_error" };
-    let identifier = find(method).ok_or("the method is registered")?;
+    let identifier = find(METHOD).ok_or("the method is registered")?;
     let fits = [identifier.identify(&task)?, identifier.identify(&Task { model: &with, ..task })?];
     let motion = held_out.local_motion();
     let windows = |fit: &Fit| -> Result<Vec<State>, SimulateError> {
@@ -95,18 +91,7 @@ pub(crate) fn run(case: &Case) -> Result<Outcome, Failure> {
     let own = truth.parameters().iter().zip(&p).filter(|(q, _)| q.effect == case.id);
     let hidden = own.map(|(_, value)| *value).collect();
     let dependences = missing.dependences;
-    Ok(Outcome {
-        hidden,
-        dependences,
-        diagnosis,
-        fit,
-        method,
-        error,
-        floor,
-        held_out,
-        windows,
-        coupled,
-    })
+    Ok(Outcome { hidden, dependences, diagnosis, fit, error, floor, held_out, windows })
 }
 
 /// Whether every model has the effect.
