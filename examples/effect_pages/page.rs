@@ -46,7 +46,7 @@ pub(crate) fn page(case: &Case, outcome: &Outcome) -> Result<String, Failure> {
     }
     out += &confused(case, &d, outcome);
     out += &cure(case, outcome);
-    out += &conditions(case, outcome);
+    out += &conditions(case);
     Ok(out)
 }
 
@@ -218,7 +218,7 @@ fn own(case: &Case) -> Vec<effects::ParameterSpec> {
     effects::find(case.id).map_or_else(Vec::new, |effect| effect.parameters())
 }
 
-fn conditions(case: &Case, outcome: &Outcome) -> String {
+fn conditions(case: &Case) -> String {
     let hard = if case.hard { " with hard starts and brakes" } else { "" };
     let held: Vec<String> = case
         .held

@@ -146,8 +146,13 @@ impl Candidate {
         Self { form, ..self.clone() }
     }
 
+    /// Whether the effect puts a body behind the wheels.
+    pub(super) fn is_joint(&self) -> bool {
+        is_joint(&self.effect, &self.around.model)
+    }
+
     fn signals(&self, recordings: &[&Recording]) -> Vec<Vec<[f64; 2]>> {
-        if is_joint(&self.effect, &self.around.model) {
+        if self.is_joint() {
             return recordings.iter().map(|r| joint_signal(self, &self.around, r)).collect();
         }
         signals(&self.effect, &self.p, &self.linear, recordings)

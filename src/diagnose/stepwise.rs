@@ -172,14 +172,14 @@ pub fn diagnose(
 
 /// Noise and parameters in turn until neither gains: a gross effect leaves its refit on the ridge
 /// between its parameters and the slow moment that stood in for it, or behind it, so that all is
-/// fitted afresh, too.
+/// fitted afresh, too (not with a body behind the wheels, whose start would be worse than the scan's).
 fn settle(
     model: &Model,
     mut maximum: Maximum,
     gain: f64,
     likelihood: &Likelihood,
 ) -> Result<Maximum, IdentifyError> {
-    if gain > GROSS {
+    if gain > GROSS && !model.is_coupled() {
         let train: Vec<Recording> =
             likelihood.prepared.iter().map(|p| p.recording.clone()).collect();
         let task = Task { model, train: &train, hold: likelihood.hold, seed: 0 };
@@ -226,7 +226,10 @@ fn rank(
     let worth = |r: &Ranked| r.score.log_significance > 0.5 * settings.threshold();
     let count = ranked.iter().take(REFITTED).take_while(|r| worth(r)).count();
     let ranked_first = &mut ranked[..count];
-    ranked_first.par_iter_mut().for_each(|r| {
+    // a refit with a body behind the wheels costs ten others, and its scan is nearly exact
+    let far_behind = ranked_first.first().map_or(0.0, |r| FAR_BEHIND * r.score.evidence);
+    let dear = |r: &Ranked| r.candidate.is_joint() && r.score.evidence < far_behind;
+    ranked_first.par_iter_mut().filter(|r| !dear(r)).for_each(|r| {
         r.refit = refit(model, maximum, &r.candidate, &r.score, likelihood).ok();
     });
     // the noise is searched for those only that may still be the best

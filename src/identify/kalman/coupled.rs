@@ -22,7 +22,7 @@ const BODY: usize = 6;
 /// Where the twists stand.
 const TWIST: usize = 8;
 /// Most parts of a step. A coupling that is faster still is all but rigid at this rate of sampling.
-const MOST_PARTS: f64 = 8.0;
+const MOST_PARTS: f64 = 2.0;
 
 /// A robot of two inertias a wheel.
 ///
