@@ -1,6 +1,6 @@
 //! What was measured, and what is odd about it.
 
-use super::Section;
+use super::{Section, listed};
 use crate::report::block::{Block, Cell, Column, Table, Text};
 use crate::report::format;
 use crate::study::{RecordingStudy, Study};
@@ -40,20 +40,31 @@ impl Section for Recordings {
             Column::number("Noise floor, quality index", "rad²/s"),
         ];
         let mut table = Table::new("The recordings of the experiment.", columns);
-        for recording in &study.recordings {
-            table.push(row(recording));
+        let shown = listed::recordings(study);
+        for &r in &shown {
+            table.push(row(&study.recordings[r]));
         }
-        let mut blocks = vec![table.into()];
-        let findings: Vec<Text> = study
-            .recordings
+        let mut blocks: Vec<Block> =
+            listed::left_out(study).into_iter().map(Block::paragraph).collect();
+        blocks.push(table.into());
+        let remarks = study.recordings.iter().map(|r| r.findings.len()).sum::<usize>();
+        let findings: Vec<Text> = shown
             .iter()
+            .map(|&r| &study.recordings[r])
             .flat_map(|r| r.findings.iter().map(|finding| (&r.file, finding)))
             .map(|(file, finding)| Text::default().strong(file).plain(format!(": {finding}")))
             .collect();
-        if findings.is_empty() {
+        if remarks == 0 {
             blocks.push(Block::paragraph("The check of the recordings has no remark."));
         } else {
             blocks.push(Block::Heading("What the check of the recordings says".to_owned()));
+            if findings.len() < remarks {
+                let (here, all) = (findings.len(), remarks);
+                let sentence = format!(
+                    "{here} of {all} remarks, those on the recordings above; results.json has all."
+                );
+                blocks.push(Block::paragraph(sentence));
+            }
             blocks.push(Block::List(findings));
         }
         blocks
