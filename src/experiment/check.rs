@@ -26,13 +26,16 @@ pub fn check(file: &Path, set: &[String]) -> Result<String, ExperimentError> {
         let r = &measured.recording;
         let _ = writeln!(
             out,
-            "  {:<11} {}: {} samples, {:.1} s, {:.0} Hz, {} gaps",
+            "  {:<11} {}: {} samples, {:.1} s, {:.0} Hz, {}",
             measured.role.name(),
             r.name(),
-            r.len(),
-            r.duration(),
+            measured.samples(),
+            measured.duration(),
             1.0 / r.step(),
-            r.pieces().len() - 1
+            match &measured.long {
+                None => format!("{} gaps", r.pieces().len() - 1),
+                Some(long) => format!("{} windows held", long.windows),
+            }
         );
         for finding in &measured.findings {
             let _ = writeln!(out, "              {finding}");
