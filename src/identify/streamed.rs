@@ -186,7 +186,7 @@ impl<'a, 'b> Reader<'a, 'b> {
 
     fn hand_on(&mut self, omega: &[[f64; 2]], until: usize) {
         let usable = self.treatment.usable(&self.treatment.filtered(omega));
-        let grid = |place: &usize| place % self.treatment.every == 0;
+        let grid = |place: &usize| place.is_multiple_of(self.treatment.every);
         let places = (self.done..until).filter(grid).map(|place| place - self.dropped);
         let kept: Vec<usize> = places.filter(|&k| usable[k]).collect();
         if kept.is_empty() {

@@ -10,6 +10,7 @@ mod likelihood;
 mod pass;
 mod standstill;
 mod step;
+mod totals;
 
 pub use accumulate::Information;
 pub use likelihood::{Likelihood, Maximum};

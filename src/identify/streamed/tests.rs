@@ -124,7 +124,7 @@ fn rows_read_in_blocks_give_what_rows_in_memory_give() {
         assert_same(&streamed, &held, SAME);
         // and they are right, up to the attenuation that the method is known for
         let a1 = streamed.estimates[0].value;
-        assert!((a1 / MODEL[0] - 1.0).abs() < 0.03, "{a1}");
+        assert!((a1 / MODEL[0] - 1.0).abs() < 0.05, "{a1}");
     }
 }
 
