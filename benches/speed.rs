@@ -16,7 +16,7 @@ use amigo_ident::diagnose::{Settings, candidates, diagnose, scan};
 use amigo_ident::identify::kalman::{Likelihood, ProcessNoise, prepare};
 use amigo_ident::identify::{self, Identifier, Task, start};
 use amigo_ident::model::Model;
-use amigo_ident::recording::Recording;
+use amigo_ident::recording::{LongRecording, Recording};
 use amigo_ident::robot::{Robot, State};
 use amigo_ident::simulate::{
     Hold, Input, Movement, NoiseLevel, Recorder, ise_of_many, record, simulate,
@@ -358,12 +358,25 @@ fn of_length() {
         let likelihood = likelihood(&recordings);
         let pass = best(|| run_pass(&BASE, &likelihood, true));
         let regression = best(|| fit("torque_regression", &recordings));
+        let blocks = best(|| fit_in_blocks(&recordings));
+        let what = format!("`torque_regression` in blocks, {samples} samples");
+        row(&what, "in memory", blocks, regression);
         if let Some((one, other)) = before.replace((pass, regression)) {
             let over = format!("{} samples", samples / 10);
             row(&format!("filter with derivatives, {samples} samples"), &over, pass, one);
             row(&format!("`torque_regression`, {samples} samples"), &over, regression, other);
         }
     }
+}
+
+/// As of a recording that is too long to be held.
+fn fit_in_blocks(train: &[Recording]) -> f64 {
+    let (samples, duration) = (train[0].len(), train[0].duration());
+    let rows = Box::new(train[0].clone());
+    let long = LongRecording { rows, samples, duration, windows: 1 };
+    let task = Task { model: &BASE, train, hold: Hold::Linear, seed: 1 };
+    let fit = method("torque_regression").identify_long(&task, &[Some(&long)]);
+    fit.expect("it reads blocks").expect("a fit").estimates.len() as f64
 }
 
 /// Three recordings of 60 s; the whole catalogue. A single run.

@@ -167,18 +167,14 @@ pub fn missing_moment(
     let edges = Variable::ALL.map(|v| edges(v, model, &recordings, &motions));
     let columns = Bins { edges: &edges };
     let all: Vec<&dyn Columns> = recordings.iter().map(|_| &columns as &dyn Columns).collect();
-    let passes = likelihood.passes(model, p, noise, true, &all)?;
-    let h: DMatrix<f64> = passes.iter().map(|pass| &pass.information).sum();
-    let g: DVector<f64> = passes.iter().map(|pass| &pass.score).sum();
+    let (h, g) = likelihood.totals(model, p, noise, &all)?;
     let base = model.free();
     // the tests keep the slow unknown moment, which would take up most of what the curves are to
     // show; the curves do without it, at the white noise that then fits
     let white = Likelihood { slow_moment: false, ..likelihood.clone() };
     let flat = ProcessNoise { sigma_d: 0.0, ..*noise };
     let (flat, _) = white.noise(model, p, &flat, 30);
-    let curves = white.passes(model, p, &flat, true, &all)?;
-    let curve_h: DMatrix<f64> = curves.iter().map(|pass| &pass.information).sum();
-    let curve_g: DVector<f64> = curves.iter().map(|pass| &pass.score).sum();
+    let (curve_h, curve_g) = white.totals(model, p, &flat, &all)?;
     let mut dependences: Vec<Dependence> = Variable::ALL
         .iter()
         .enumerate()

@@ -1,7 +1,5 @@
 //! In which regimes of driving the model fails, and whether that is more than noise.
 
-use nalgebra::{DMatrix, DVector};
-
 use super::missing_moment::{log_significance, project, score_statistic};
 use crate::identify::kalman::{Columns, Instant, Likelihood, ProcessNoise};
 use crate::model::{Model, ModelError};
@@ -65,9 +63,7 @@ pub fn failures(
         .map(|p| Indicators { regimes: p.recording.regimes(&p.recording.local_motion()) })
         .collect();
     let all: Vec<&dyn Columns> = columns.iter().map(|c| c as &dyn Columns).collect();
-    let passes = likelihood.passes(model, p, noise, true, &all)?;
-    let h: DMatrix<f64> = passes.iter().map(|pass| &pass.information).sum();
-    let g: DVector<f64> = passes.iter().map(|pass| &pass.score).sum();
+    let (h, g) = likelihood.totals(model, p, noise, &all)?;
     let base = model.free();
     let total: f64 = errors
         .iter()

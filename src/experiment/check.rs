@@ -5,7 +5,8 @@ use std::path::Path;
 
 use super::error::ExperimentError;
 use super::execute::load;
-use super::plan::DiagnosisPlan;
+use super::plan::{DiagnosisPlan, Measured};
+use crate::robot::Robot;
 use crate::study::grouped;
 
 /// Validates a file and its recordings and says what would be done.
@@ -28,22 +29,20 @@ pub fn check(file: &Path, set: &[String]) -> Result<String, ExperimentError> {
         let r = &measured.recording;
         let _ = writeln!(
             out,
-            "  {:<11} {}: {} samples, {:.1} s, {:.0} Hz, {} gaps",
+            "  {:<11} {}: {} samples, {:.1} s, {:.0} Hz, {}",
             measured.role.name(),
             r.name(),
-            r.len(),
-            r.duration(),
+            measured.samples(),
+            measured.duration(),
             1.0 / r.step(),
-            r.pieces().len() - 1
+            match &measured.long {
+                None => format!("{} gaps", r.pieces().len() - 1),
+                Some(long) => format!("{} windows held", long.windows),
+            }
         );
     }
     let robot = plan.model.robot();
-    let notes: Vec<(&str, String)> = plan
-        .recordings
-        .iter()
-        .map(|m| &m.recording)
-        .flat_map(|r| super::quality::notes(r, robot).into_iter().map(|note| (r.name(), note)))
-        .collect();
+    let notes: Vec<(&str, String)> = plan.recordings.iter().flat_map(|m| notes(m, robot)).collect();
     for warning in plan.warnings() {
         let _ = writeln!(out, "  warning     {warning}");
     }
@@ -71,4 +70,12 @@ pub fn check(file: &Path, set: &[String]) -> Result<String, ExperimentError> {
     }
     let _ = writeln!(out, "  next        experiment {}", file.display());
     Ok(out)
+}
+
+/// What the quality check notes; between the windows of a long recording nothing is missing.
+fn notes<'a>(measured: &'a Measured, robot: &Robot) -> Vec<(&'a str, String)> {
+    let between = |note: &String| measured.long.is_some() && note.contains("gaps in time");
+    let r = &measured.recording;
+    let notes = super::quality::notes(r, robot).into_iter().filter(|note| !between(note));
+    notes.map(|note| (r.name(), note)).collect()
 }

@@ -10,6 +10,7 @@ mod file;
 mod fuzzy_study;
 mod grid;
 mod guess;
+mod long;
 mod loop_commands;
 mod model_out;
 mod options;

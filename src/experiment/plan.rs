@@ -5,7 +5,7 @@ use super::grid::GridPlan;
 use crate::diagnose::Settings;
 use crate::identify::Identifier;
 use crate::model::Model;
-use crate::recording::Recording;
+use crate::recording::{LongRecording, Recording};
 use crate::simulate::{Gain, Hold};
 use crate::study::{Role, grouped};
 
@@ -13,8 +13,10 @@ use crate::study::{Role, grouped};
 pub struct Measured {
     /// Use.
     pub role: Role,
-    /// The recording.
+    /// The recording; windows of it, if it is too long to be held.
     pub recording: Recording,
+    /// All of its rows, if it is too long to be held.
+    pub long: Option<LongRecording>,
     /// SHA-256 of its file.
     pub sha256: Option<String>,
     /// What the quality check says.
@@ -73,6 +75,20 @@ pub struct Plan {
     pub grid: Option<GridPlan>,
 }
 
+impl Measured {
+    /// Rows of the whole recording.
+    #[must_use]
+    pub fn samples(&self) -> usize {
+        self.long.as_ref().map_or(self.recording.len(), |long| long.samples)
+    }
+
+    /// From the first to the last row of the whole recording [s].
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        self.long.as_ref().map_or(self.recording.duration(), |long| long.duration)
+    }
+}
+
 impl Plan {
     /// What to say before it runs: remarks on the file, and what the check of the recordings found.
     #[must_use]
@@ -96,6 +112,13 @@ impl Plan {
     #[must_use]
     pub fn of(&self, role: Role) -> Vec<Recording> {
         self.recordings.iter().filter(|m| m.role == role).map(|m| m.recording.clone()).collect()
+    }
+
+    /// Of each training recording all rows, if it is too long to be held.
+    #[must_use]
+    pub fn long(&self) -> Vec<Option<&LongRecording>> {
+        let train = self.recordings.iter().filter(|m| m.role == Role::Train);
+        train.map(|m| m.long.as_ref()).collect()
     }
 
     /// The recordings on which errors are judged: validation, or train where there is none.

@@ -16,7 +16,7 @@ use super::plan::{DiagnosisPlan, Measured, MethodPlan, Plan};
 use crate::diagnose::Settings;
 use crate::effects::ParameterKind;
 use crate::identify;
-use crate::io::{ColumnMap, read_recording};
+use crate::io::{ColumnMap, read_long_recording, read_recording};
 use crate::model::Model;
 use crate::robot::{Construction, Robot};
 use crate::simulate::{Gain, Hold, Movement, Recorder, record};
@@ -257,6 +257,10 @@ fn diagnosis(file: &ExperimentFile, own: &[Own]) -> Result<Option<DiagnosisPlan>
 }
 
 fn measured(path: &Path, entry: &RecordingsEntry, robot: &Robot) -> Result<Vec<Measured>, Meaning> {
+    if entry.hold_rows < 1000 {
+        let found = entry.hold_rows;
+        return Err(words(format!("recordings.hold_rows = {found} must be 1000 or more")));
+    }
     let mut columns = ColumnMap::new(entry.drive_unit, Some(robot.r()));
     for (key, column) in &entry.columns {
         columns.put(key, column.clone().into())?;
@@ -266,9 +270,20 @@ fn measured(path: &Path, entry: &RecordingsEntry, robot: &Robot) -> Result<Vec<M
     let all: Vec<_> = train.chain(entry.validation.iter().map(|f| (Role::Validation, f))).collect();
     let measured = in_threads(&all, |(role, file)| {
         let file: PathBuf = folder.join(file);
-        let (recording, sha256) = read_recording(&file, &columns, entry.drive_unit)?;
-        let findings = super::quality::findings(&recording, robot);
-        Ok(Measured { role: *role, recording, sha256: Some(sha256), findings })
+        let unit = entry.drive_unit;
+        let (recording, long, sha256) =
+            match read_long_recording(&file, &columns, unit, entry.hold_rows)? {
+                Some((windows, long, sha256)) => (windows, Some(long), sha256),
+                None => {
+                    let (recording, sha256) = read_recording(&file, &columns, unit)?;
+                    (recording, None, sha256)
+                }
+            };
+        let mut findings = super::quality::findings(&recording, robot);
+        if let Some(long) = &long {
+            findings.insert(0, super::long::finding(&recording, long));
+        }
+        Ok(Measured { role: *role, recording, long, sha256: Some(sha256), findings })
     })?;
     let train = measured.iter().filter(|m| m.role == Role::Train).map(|m| &m.recording);
     if super::quality::without_drive(train) {
@@ -366,7 +381,7 @@ fn made(entry: &SimulationEntry, own: &[Own], robot: &Robot) -> Result<Made, Mea
                 },
             )?;
             let findings = super::quality::findings(&recording, robot);
-            Ok(Measured { role, recording, sha256: None, findings })
+            Ok(Measured { role, recording, long: None, sha256: None, findings })
         })
         .collect::<Result<Vec<_>, Meaning>>()?;
     let truth = truth.symbols().into_iter().zip(p).collect();

@@ -91,7 +91,8 @@ pub(super) fn compare(plan: &Plan) -> Result<(Study, Arc<dyn Dynamics>), RunErro
 fn fit(plan: &Plan, method: &MethodPlan, train: &[Recording]) -> (Result<Fit, String>, f64) {
     let task = Task { model: &plan.model, train, hold: plan.hold, seed: plan.seed };
     let start = Instant::now();
-    let fit = method.method.identify(&task).map_err(|e| e.to_string());
+    let fit =
+        super::long::identify(&*method.method, &task, &plan.long()).map_err(|e| e.to_string());
     (fit, start.elapsed().as_secs_f64())
 }
 
@@ -122,8 +123,8 @@ fn describe(
         role: measured.role,
         file: r.name().into(),
         sha256: measured.sha256.clone(),
-        samples: r.len(),
-        duration_s: r.duration(),
+        samples: measured.samples(),
+        duration_s: measured.duration(),
         rate_hz: 1.0 / r.step(),
         measured: r.measured(),
         noise: r.noise(),

@@ -84,6 +84,17 @@ pub(super) fn block_covariance(
     psi: &DVector<f64>,
     block: &[usize],
 ) -> DMatrix<f64> {
+    clustered_covariance(bread, z, psi, block, z.nrows())
+}
+
+/// [`block_covariance`] of so many `rows` of data, which those of `z` may stand for.
+pub(super) fn clustered_covariance(
+    bread: &DMatrix<f64>,
+    z: &DMatrix<f64>,
+    psi: &DVector<f64>,
+    block: &[usize],
+    rows: usize,
+) -> DMatrix<f64> {
     let blocks = block.iter().max().map_or(0, |b| b + 1);
     let one = |i: usize| if blocks < 2 { i } else { block[i] };
     let mut scores = std::collections::BTreeMap::<usize, DVector<f64>>::new();
@@ -91,7 +102,7 @@ pub(super) fn block_covariance(
         let sum = scores.entry(one(i)).or_insert_with(|| DVector::zeros(z.ncols()));
         sum.axpy(psi[i], &z.row(i).transpose(), 1.0);
     }
-    let (g, n) = (scores.len() as f64, z.nrows() as f64);
+    let (g, n) = (scores.len() as f64, rows as f64);
     let mut middle = DMatrix::zeros(z.ncols(), z.ncols());
     for s in scores.values() {
         middle += s * s.transpose();

@@ -6,7 +6,7 @@ use serde::de::DeserializeOwned;
 
 use super::Fit;
 use crate::model::{Model, ModelError};
-use crate::recording::Recording;
+use crate::recording::{LongRecording, Recording};
 use crate::simulate::{Hold, SimulateError};
 
 /// What is to be identified, from what.
@@ -96,6 +96,14 @@ pub enum IdentifyError {
         /// What it cannot do, and what to use instead.
         reason: String,
     },
+    /// Rows that were there when the recording was checked cannot be read any more.
+    #[error("{method}: the rows cannot be read again: {reason}")]
+    Rows {
+        /// Method.
+        method: String,
+        /// Why.
+        reason: String,
+    },
     /// Simulation failed.
     #[error(transparent)]
     Simulate(#[from] SimulateError),
@@ -123,6 +131,20 @@ pub trait Identifier: Send + Sync {
     /// # Errors
     /// Only where there is no fit at all; see [`IdentifyError`].
     fn identify(&self, task: &Task) -> Result<Fit, IdentifyError>;
+
+    /// As [`Self::identify`] from every row of recordings that are too long to be held: `task` has
+    /// windows of them, and `long` a way to read them for each training recording that is one.
+    /// `None` if the method, so configured, needs all rows at once.
+    ///
+    /// # Errors
+    /// As [`Self::identify`], and if the rows cannot be read any more.
+    fn identify_long(
+        &self,
+        _task: &Task,
+        _long: &[Option<&LongRecording>],
+    ) -> Option<Result<Fit, IdentifyError>> {
+        None
+    }
 }
 
 /// Reads a method with `#[serde(default, deny_unknown_fields)]` from its options.

@@ -14,6 +14,8 @@ mod profile;
 mod regressor;
 mod screening;
 pub mod start;
+mod streamed;
+mod stretch;
 mod text;
 mod weak;
 

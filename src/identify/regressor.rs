@@ -1,5 +1,7 @@
 //! The moment balance as a linear regression: one column a linear parameter.
 
+use std::ops::Range;
+
 use super::Task;
 use crate::effects::{Motion, along};
 use crate::math::sgn;
@@ -28,12 +30,22 @@ pub(super) fn drive_around(
     recording: &Recording,
     drive: &[[f64; 2]],
 ) -> Vec<[f64; 2]> {
-    let acting = task.model.drive(recording.t(), drive, &task.model.initial());
+    drive_along(task, recording.t(), recording.pieces(), drive)
+}
+
+/// [`drive_around`] rows at these times, in pieces without a gap.
+pub(super) fn drive_along(
+    task: &Task,
+    t: &[f64],
+    pieces: &[Range<usize>],
+    drive: &[[f64; 2]],
+) -> Vec<[f64; 2]> {
+    let acting = task.model.drive(t, drive, &task.model.initial());
     if task.hold == Hold::Linear {
         return acting;
     }
     let mut out = acting.clone();
-    for piece in recording.pieces() {
+    for piece in pieces {
         for k in piece.start + 1..piece.end {
             out[k] = [0, 1].map(|i| 0.5 * (acting[k - 1][i] + acting[k][i]));
         }

@@ -5,12 +5,12 @@ use serde::Deserialize;
 
 use super::identifiability::inverse_where_known;
 use super::inverse_dynamics::{Regression, check_cutoff, cutoff_option};
-use super::linear_fit::block_covariance;
 use super::{
     Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task, from_options,
     options_schema,
 };
 use crate::math::{MathError, least_squares, robust};
+use crate::recording::LongRecording;
 
 /// Inverse-dynamic identification by least squares (IDIM-LS).
 ///
@@ -95,17 +95,20 @@ impl Identifier for TorqueRegression {
 
     fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
         let rows = Regression::with_rest(task, self.cutoff_hz, self.rest_rad_s, NOISE_SHARE, NAME)?;
-        let (values, weights, psi, slope) = self.solve(&rows).map_err(|e| {
-            IdentifyError::Unsupported { method: NAME.into(), reason: e.to_string() }
-        })?;
-        let weighted = scaled_rows(&rows.x, &weights);
-        let bread = inverse_where_known(&rows.x.tr_mul(&scaled_rows(&rows.x, &slope)));
-        let covariance = block_covariance(&bread, &rows.x, &psi, &rows.block);
-        let mut fit = rows.fit(NAME, &values, &covariance)?;
-        let inverse = inverse_where_known(&rows.x.tr_mul(&weighted));
-        let mean = weights.sum() / weights.len() as f64;
-        rows.note_of_pull(&mut fit, &rows.pull(&values, &(inverse * mean)));
-        Ok(fit)
+        self.fit(&rows)
+    }
+
+    fn identify_long(
+        &self,
+        task: &Task,
+        long: &[Option<&LongRecording>],
+    ) -> Option<Result<Fit, IdentifyError>> {
+        if self.weighting == Weighting::Huber {
+            return None;
+        }
+        let settings = (self.cutoff_hz, self.rest_rad_s);
+        let rows = super::streamed::regression(task, long, settings, NOISE_SHARE, NAME);
+        Some(rows.and_then(|rows| self.fit(&rows)))
     }
 }
 
@@ -118,6 +121,19 @@ fn scaled_rows(x: &DMatrix<f64>, factor: &DVector<f64>) -> DMatrix<f64> {
 type Solved = (DVector<f64>, DVector<f64>, DVector<f64>, DVector<f64>);
 
 impl TorqueRegression {
+    fn fit(&self, rows: &Regression) -> Result<Fit, IdentifyError> {
+        let (values, weights, psi, slope) = self.solve(rows).map_err(|e| {
+            IdentifyError::Unsupported { method: NAME.into(), reason: e.to_string() }
+        })?;
+        let weighted = scaled_rows(&rows.x, &weights);
+        let bread = inverse_where_known(&rows.x.tr_mul(&scaled_rows(&rows.x, &slope)));
+        let mut fit = rows.fit(NAME, &values, &rows.covariance(&bread, &psi))?;
+        let inverse = inverse_where_known(&rows.x.tr_mul(&weighted));
+        let mean = weights.sum() / weights.len() as f64;
+        rows.note_of_pull(&mut fit, &rows.pull(&values, &(inverse * mean)));
+        Ok(fit)
+    }
+
     fn solve(&self, rows: &Regression) -> Result<Solved, MathError> {
         let first = least_squares::fit(&rows.x, &rows.y, None)?;
         let ones = DVector::repeat(rows.y.len(), 1.0);

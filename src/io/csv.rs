@@ -1,5 +1,7 @@
 //! Tables of text: separators, decimal commas, comments, and where a wrong cell stands.
 
+mod blocks;
+
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
@@ -10,6 +12,7 @@ use polars::prelude::{
     PolarsError, PolarsResult, Schema, SerReader, Series,
 };
 
+pub(super) use self::blocks::{Blocks, has_more_lines};
 use super::IoError;
 use super::error::{format_error, shown};
 

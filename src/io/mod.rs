@@ -7,6 +7,7 @@ mod error;
 mod folder;
 mod format;
 mod journal;
+mod long;
 mod mat;
 mod mcap;
 mod parquet;
@@ -23,6 +24,7 @@ pub use folder::{
     ResultFolder, check_writable, file_names, read_text, sha256, sha256_text, write_whole,
 };
 pub use journal::Journal;
+pub use long::read_long_recording;
 pub use recording::{Headers, headers, read_recording};
 pub use summary::{group_rows, read_parquet_table, write_csv_table};
 pub use table::{TableColumn, write_csv, write_parquet_pieces, write_parquet_table};

@@ -44,6 +44,29 @@ pub(super) fn read(path: &Path, names: Vec<String>) -> Result<DataFrame, IoError
     guarded(path, || ParquetReader::new(file).with_columns(Some(names)).finish())
 }
 
+/// How many rows it says it has.
+pub(super) fn rows(path: &Path) -> Result<usize, IoError> {
+    let file = checked(path, &[])?;
+    guarded(path, || ParquetReader::new(file).num_rows())
+}
+
+/// Checks the numbers in the pages of these columns; see the head of this file.
+pub(super) fn check(path: &Path, names: &[String]) -> Result<(), IoError> {
+    checked(path, names).map(|_| ())
+}
+
+/// So many rows, at most, of the columns of those names; the file was checked.
+pub(super) fn read_rows(
+    path: &Path,
+    names: Vec<String>,
+    from: usize,
+    count: usize,
+) -> Result<DataFrame, IoError> {
+    let file = File::open(path).map_err(|e| IoError::system(path, &e))?;
+    let reader = || ParquetReader::new(file).with_columns(Some(names));
+    guarded(path, || reader().with_slice(Some((from, count))).finish())
+}
+
 /// What polars says; that it panics is said in words.
 fn guarded<T>(path: &Path, read: impl FnOnce() -> PolarsResult<T>) -> Result<T, IoError> {
     let damaged = |_| IoError::Format {

@@ -10,19 +10,19 @@ use super::error::{format_error, shortened, shown};
 use super::format::Format;
 use super::signals::{Signals, frame};
 use super::{ColumnMap, IoError, mat, mcap, parquet, sha256, sysid, wpilog};
-use crate::recording::{Channels, DriveUnit, Recording, RecordingError};
+use crate::recording::{Channels, DriveUnit, Recording};
 
 /// Columns of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Headers {
     /// Names, in order.
     pub names: Vec<String>,
-    source: Source,
+    pub(super) source: Source,
 }
 
 /// Where the values of the columns are.
 #[derive(Clone, Debug, PartialEq)]
-enum Source {
+pub(super) enum Source {
     /// In the lines of a text.
     Text(Layout),
     Parquet,
@@ -75,13 +75,7 @@ pub fn read_recording(
 ) -> Result<(Recording, String), IoError> {
     let headers = headers(path)?;
     let wanted = wanted(path, &headers, columns)?;
-    let mut names: Vec<String> = wanted.iter().map(|(_, name)| name.clone()).collect();
-    names.sort();
-    names.dedup();
-    if let Some(twice) = names.iter().find(|n| headers.names.iter().filter(|h| h == n).count() > 1)
-    {
-        return Err(IoError::RepeatedColumn { file: shown(path), column: twice.clone() });
-    }
+    let names = names_of(path, &headers, &wanted)?;
     let frame = match &headers.source {
         Source::Text(layout) => csv::read(path, layout, &names)?,
         Source::Parquet => parquet::read(path, names)?,
@@ -91,21 +85,41 @@ pub fn read_recording(
     if frame.height() == 0 {
         return Err(IoError::HeaderOnly { file: shown(path) });
     }
-    let channels = channels(path, columns, &wanted, &frame)?;
+    let channels = channels(path, columns, &wanted, &frame, &mut Place::default())?;
     let name = path.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned());
     let recording = Recording::new(name, channels, drive_unit).map_err(|error| {
-        let row = match &error {
-            RecordingError::TimeNotIncreasing { row, .. }
-            | RecordingError::NotFinite { row, .. }
-            | RecordingError::Beyond { row, .. } => Some(*row),
-            _ => None,
-        };
-        let line = row
+        let line = error
+            .row()
             .filter(|_| matches!(headers.source, Source::Text(_)))
             .and_then(|r| csv::line_of(path, r));
         IoError::Recording { error, line }
     })?;
     Ok((recording, sha256(path)?))
+}
+
+/// The names in the file, each once.
+pub(super) fn names_of(
+    path: &Path,
+    headers: &Headers,
+    wanted: &[(&'static str, String)],
+) -> Result<Vec<String>, IoError> {
+    let mut names: Vec<String> = wanted.iter().map(|(_, name)| name.clone()).collect();
+    names.sort();
+    names.dedup();
+    if let Some(twice) = names.iter().find(|n| headers.names.iter().filter(|h| h == n).count() > 1)
+    {
+        return Err(IoError::RepeatedColumn { file: shown(path), column: twice.clone() });
+    }
+    Ok(names)
+}
+
+/// Where a block of rows stands in its file.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Place {
+    /// Rows before it.
+    pub(super) first: usize,
+    /// Time of the first row of all, where that is the start of a calendar.
+    start: f64,
 }
 
 /// The columns of those names, which must have the same length.
@@ -128,19 +142,23 @@ fn side_by_side(
     frame(path, wanted.into_iter().map(|(name, values)| (name.as_str(), values.clone())))
 }
 
-fn channels(
+/// The columns of a block of rows, in the units of the contract.
+pub(super) fn channels(
     path: &Path,
     columns: &ColumnMap,
     wanted: &[(&'static str, String)],
     frame: &DataFrame,
+    place: &mut Place,
 ) -> Result<Channels, IoError> {
-    let one = |key: &str| -> Result<Option<Vec<f64>>, IoError> {
+    let mut one = |key: &str| -> Result<Option<Vec<f64>>, IoError> {
         let Some((_, name)) = wanted.iter().find(|(k, _)| *k == key) else { return Ok(None) };
         let (factor, offset) = conversion(path, columns, key, name)?;
-        let mut values = numbers(path, frame, name)?;
-        if key == "t" && (factor * values[0]).abs() > CALENDAR {
-            let start = values[0];
-            values.iter_mut().for_each(|t| *t -= start);
+        let mut values = numbers(path, frame, name, place.first)?;
+        if key == "t" && place.first == 0 && (factor * values[0]).abs() > CALENDAR {
+            place.start = values[0];
+        }
+        if key == "t" && place.start != 0.0 {
+            values.iter_mut().for_each(|t| *t -= place.start);
         }
         if (factor, offset) != (1.0, 0.0) {
             values.iter_mut().for_each(|x| *x = factor * *x + offset);
@@ -199,7 +217,7 @@ fn is_element(name: &str) -> bool {
 
 /// Contract column and its name in the file, for those that are there; t and the drives must be,
 /// and of angles and speeds at least one pair.
-fn wanted(
+pub(super) fn wanted(
     path: &Path,
     headers: &Headers,
     columns: &ColumnMap,
@@ -249,10 +267,11 @@ fn missing(path: &Path, headers: &Headers, key: &str, name: &str) -> IoError {
     }
 }
 
-/// A column of a frame as numbers; a file of Parquet may hold whole numbers or text.
-fn numbers(path: &Path, frame: &DataFrame, name: &str) -> Result<Vec<f64>, IoError> {
+/// A column of a frame, after so many rows, as numbers; a file of Parquet may hold whole numbers or text.
+fn numbers(path: &Path, frame: &DataFrame, name: &str, before: usize) -> Result<Vec<f64>, IoError> {
     let wrong = |e: PolarsError| format_error(path, "table", &e);
-    let broken = |k: usize, text: &str| IoError::not_a_number(path, k + 1, None, name, text);
+    let broken =
+        |k: usize, text: &str| IoError::not_a_number(path, before + k + 1, None, name, text);
     let column = frame.column(name).map_err(wrong)?;
     if matches!(column.dtype(), DataType::String) {
         let cells = column.str().map_err(wrong)?.iter().map(Option::unwrap_or_default);

@@ -93,6 +93,19 @@ pub enum RecordingError {
     },
 }
 
+impl RecordingError {
+    /// The row that is wrong, from 1, where it is one.
+    #[must_use]
+    pub fn row(&self) -> Option<usize> {
+        match self {
+            Self::TimeNotIncreasing { row, .. }
+            | Self::NotFinite { row, .. }
+            | Self::Beyond { row, .. } => Some(*row),
+            _ => None,
+        }
+    }
+}
+
 /// A number of ordinary size as it is, others with an exponent.
 fn short(x: f64) -> String {
     if (1e-3..1e6).contains(&x) { format!("{}", (x * 1e4).round() / 1e4) } else { format!("{x:e}") }

@@ -41,7 +41,7 @@ pub struct Recording {
 }
 
 /// Fewest samples of a recording: fourth differences and a line need that many.
-const MINIMUM_SAMPLES: usize = 10;
+pub(super) const MINIMUM_SAMPLES: usize = 10;
 /// A step in time of more than this many median steps is a gap.
 const GAP: f64 = 4.0;
 
@@ -196,6 +196,17 @@ fn check(
         let (samples, needed) = (t.len(), MINIMUM_SAMPLES);
         return Err(RecordingError::TooShort { name: name.into(), samples, needed });
     }
+    check_rows(name, t, alpha, omega, moment)
+}
+
+/// As [`check`], for any number of rows.
+pub(super) fn check_rows(
+    name: &str,
+    t: &[f64],
+    alpha: Option<&[[f64; 2]]>,
+    omega: Option<&[[f64; 2]]>,
+    moment: &[[f64; 2]],
+) -> Result<(), RecordingError> {
     let not_finite = |row: usize, column: &str, value: f64| RecordingError::NotFinite {
         name: name.into(),
         row: row + 1,
@@ -235,18 +246,23 @@ fn check(
     Ok(())
 }
 
-fn median_step(t: &[f64]) -> f64 {
+pub(super) fn median_step(t: &[f64]) -> f64 {
     let mut steps: Vec<f64> = t.windows(2).map(|w| w[1] - w[0]).collect();
     let middle = steps.len() / 2;
     *steps.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
+/// Whether rows are missing between two, at that median step.
+pub(crate) fn is_gap(before: f64, after: f64, step: f64) -> bool {
+    after - before > GAP * step
+}
+
 fn pieces(t: &[f64]) -> Vec<Range<usize>> {
-    let limit = GAP * median_step(t);
+    let step = median_step(t);
     let mut out = Vec::new();
     let mut start = 0;
     for k in 1..t.len() {
-        if t[k] - t[k - 1] > limit {
+        if is_gap(t[k - 1], t[k], step) {
             out.push(start..k);
             start = k;
         }
@@ -266,7 +282,12 @@ fn integrate(t: &[f64], omega: &[[f64; 2]]) -> Vec<[f64; 2]> {
     alpha
 }
 
-fn differentiate(t: &[f64], alpha: &[[f64; 2]], pieces: &[Range<usize>]) -> Vec<[f64; 2]> {
+/// Speeds from angles, in pieces without a gap.
+pub(crate) fn differentiate(
+    t: &[f64],
+    alpha: &[[f64; 2]],
+    pieces: &[Range<usize>],
+) -> Vec<[f64; 2]> {
     let mut omega = vec![[0.0; 2]; t.len()];
     for piece in pieces.iter().filter(|piece| piece.len() >= 2) {
         for k in piece.clone() {

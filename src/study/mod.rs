@@ -34,6 +34,9 @@ impl Role {
     }
 }
 
+/// Recordings that a finding names at most.
+const NAMED: usize = 20;
+
 /// Recordings, each with a sentence on it, as sentences, each with the names of its recordings:
 /// "a.csv", "a.csv and b.csv", "3 recordings (a.csv, b.csv, c.csv)", or "all 3 recordings" where
 /// there are `count` in all. In the order of the first ones.
@@ -59,6 +62,9 @@ pub fn grouped<'a>(
         [one] => (*one).to_string(),
         all if all.len() == count => format!("all {count} recordings"),
         [one, other] => format!("{one} and {other}"),
+        many if many.len() > NAMED => {
+            format!("{} recordings ({}, ...)", many.len(), many[..NAMED].join(", "))
+        }
         many => format!("{} recordings ({})", many.len(), many.join(", ")),
     };
     groups.into_iter().map(|(names, text)| (words(names), text)).collect()

@@ -9,6 +9,7 @@ mod formats;
 mod fuzz;
 mod hidden_effects;
 mod layering;
+mod long;
 mod recordings;
 mod shards;
 mod support;

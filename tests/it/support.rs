@@ -81,8 +81,13 @@ pub(crate) type Row = [f64; 5];
 /// A robot of the paper's order of size, driven along two sines so that both wheels start, turn
 /// back and stop: speeds are prescribed and the moments follow from eq. (14) without noise.
 pub(crate) fn motion() -> Vec<Row> {
+    motion_of(600)
+}
+
+/// [`motion`] of so many rows at 100 Hz.
+pub(crate) fn motion_of(rows: u32) -> Vec<Row> {
     let (a1, a2, friction) = (0.0319, -0.0024, 0.125);
-    (0..600)
+    (0..rows)
         .map(|k| {
             let t = 0.01 * f64::from(k);
             let w = [5.0 * (1.3 * t).sin(), 4.0 * (2.1 * t).sin()];

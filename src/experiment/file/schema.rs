@@ -58,6 +58,15 @@ pub struct RecordingsEntry {
     /// The drive between samples.
     #[serde(default)]
     pub hold: Hold,
+    /// Rows up to which a recording is held in memory. Of a longer one (CSV, Parquet) windows are
+    /// held; torque_regression reads every row of it, block by block.
+    #[serde(default = "hold_rows")]
+    #[schemars(range(min = 1000))]
+    pub hold_rows: usize,
+}
+
+fn hold_rows() -> usize {
+    1_000_000
 }
 
 /// A column of a file: its name, or name, unit and what the unit needs.

@@ -75,7 +75,7 @@ struct Climb {
 }
 
 impl Likelihood<'_> {
-    fn settings(&self, noise: &ProcessNoise, derivatives: bool) -> PassSettings {
+    pub(super) fn settings(&self, noise: &ProcessNoise, derivatives: bool) -> PassSettings {
         let (keep_states, input_noise) = (false, false);
         PassSettings { noise: *noise, derivatives, keep_states, input_noise }
     }
@@ -125,14 +125,9 @@ impl Likelihood<'_> {
         columns: &[&dyn Columns],
     ) -> Result<Vec<Pass>, ModelError> {
         let settings = self.settings(noise, derivatives);
-        self.prepared
-            .par_iter()
-            .enumerate()
-            .map(|(r, prepared)| {
-                let none: &dyn Columns = &NoColumns;
-                let columns = columns.get(r).copied().unwrap_or(none);
-                filter_pass(model, p, prepared, &settings, columns)
-            })
+        (0..self.prepared.len())
+            .into_par_iter()
+            .map(|r| self.pass(r, model, p, &settings, columns))
             .collect()
     }
 

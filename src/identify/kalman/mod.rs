@@ -15,6 +15,7 @@ mod pass;
 mod prepare;
 mod standstill;
 mod step;
+mod totals;
 
 pub use accumulate::Information;
 pub use likelihood::{Likelihood, Maximum};

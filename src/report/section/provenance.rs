@@ -1,6 +1,6 @@
 //! What is needed to repeat the run.
 
-use super::{Section, words};
+use super::{Section, listed, words};
 use crate::report::block::{Block, Cell, Column, Table, Text};
 use crate::study::Study;
 
@@ -39,11 +39,12 @@ impl Section for Provenance {
         if !study.recordings.is_empty() {
             let columns = vec![Column::text("Recording"), Column::text("SHA-256")];
             let mut sums = Table::new("Check sums of the recordings.", columns);
-            for recording in &study.recordings {
+            for recording in listed::recordings(study).iter().map(|&r| &study.recordings[r]) {
                 let sum = recording.sha256.clone();
                 let sum = sum.unwrap_or_else(|| "made by the program from the seed".to_owned());
                 sums.push(vec![Cell::text(&recording.file), Cell::text(sum)]);
             }
+            blocks.extend(listed::left_out(study).map(Block::paragraph));
             blocks.push(sums.into());
         }
         if !study.file.is_empty() {

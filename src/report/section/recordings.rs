@@ -1,6 +1,6 @@
 //! What was measured, and what is odd about it.
 
-use super::Section;
+use super::{Section, listed};
 use crate::report::block::{Block, Cell, Column, Table, Text};
 use crate::report::format;
 use crate::study::{RecordingStudy, Study};
@@ -40,19 +40,29 @@ impl Section for Recordings {
             Column::number("Noise floor, quality index", "rad²/s"),
         ];
         let mut table = Table::new("The recordings of the experiment.", columns);
-        for recording in &study.recordings {
-            table.push(row(recording));
+        let shown = listed::recordings(study);
+        for &r in &shown {
+            table.push(row(&study.recordings[r]));
         }
-        let mut blocks = vec![table.into()];
-        let findings: Vec<Text> = study
-            .findings()
+        let mut blocks: Vec<Block> =
+            listed::left_out(study).into_iter().map(Block::paragraph).collect();
+        blocks.push(table.into());
+        let groups = study.findings();
+        let remarks = groups.len();
+        let findings: Vec<Text> = groups
             .into_iter()
+            .take(listed::MOST)
             .map(|(files, finding)| Text::default().strong(files).plain(format!(": {finding}")))
             .collect();
-        if findings.is_empty() {
+        if remarks == 0 {
             blocks.push(Block::paragraph("The check of the recordings has no remark."));
         } else {
             blocks.push(Block::Heading("What the check of the recordings says".to_owned()));
+            if findings.len() < remarks {
+                let (here, all) = (findings.len(), remarks);
+                let sentence = format!("The first {here} of {all} remarks; results.json has all.");
+                blocks.push(Block::paragraph(sentence));
+            }
             blocks.push(Block::List(findings));
         }
         blocks

@@ -173,7 +173,7 @@ fn fuzzy() -> FuzzyStudy {
 
 /// A study that has everything: methods of every kind, one failed, one diverging, what cannot be
 /// identified, numbers that are none.
-fn full() -> Study {
+pub(super) fn full() -> Study {
     let recordings = vec![recording(Role::Train), recording(Role::Validation)];
     let performed = |name: &str, error: f64| MethodStudy {
         performance: recordings.iter().map(|r| performance(r, error)).collect(),

@@ -1,0 +1,46 @@
+//! Recordings of which only windows are held: what is said of them, and which methods read all.
+
+use crate::identify::{Fit, Identifier, IdentifyError, Task};
+use crate::recording::{LongRecording, Recording};
+
+/// What the check of the recordings says.
+pub(super) fn finding(windows: &Recording, long: &LongRecording) -> String {
+    let rows = windows.len() / long.windows.max(1);
+    format!(
+        "{} rows are more than are held in memory (hold_rows): torque_regression reads every row; \
+         all else (other methods, comparison, noise floor, diagnosis, figures) sees {} windows of \
+         {:.3} s, spread over all of it, {:.2} % of the rows",
+        long.samples,
+        long.windows,
+        rows as f64 * windows.step(),
+        100.0 * windows.len() as f64 / long.samples as f64
+    )
+}
+
+/// The fit from every row, where the method can; else from the windows. Says which.
+pub(super) fn identify(
+    method: &dyn Identifier,
+    task: &Task,
+    long: &[Option<&LongRecording>],
+) -> Result<Fit, IdentifyError> {
+    let some: Vec<&LongRecording> = long.iter().copied().flatten().collect();
+    if some.is_empty() {
+        return method.identify(task);
+    }
+    let rows: usize = some.iter().map(|long| long.samples).sum();
+    let (mut fit, note) = match method.identify_long(task, long) {
+        Some(fit) => {
+            let note = "were read block by block; cut-off and speed near rest come from the windows \
+                        that are held";
+            (fit?, format!("All {rows} rows {note}."))
+        }
+        None => {
+            let windows: usize = some.iter().map(|long| long.windows).sum();
+            let note = "too long to be held: this method takes all rows at once (more memory: \
+                        hold_rows, under [recordings]), torque_regression reads them all";
+            (method.identify(task)?, format!("Fitted to {windows} windows of recordings {note}."))
+        }
+    };
+    fit.notes.push(note);
+    Ok(fit)
+}

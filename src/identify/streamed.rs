@@ -1,0 +1,310 @@
+//! The regression of [`super::inverse_dynamics`] from rows that are read block by block, in memory
+//! that does not grow with them.
+//!
+//! Every row passes the same filter and the same choice as in memory. A stretch of rows is filtered
+//! with so many rows on either side that what the filter does at its ends has died away; of the rows
+//! that are used only the triangle of their QR decomposition is kept, one a block of 5 s and wheel:
+//!
+//! ```text
+//! [x y] = Q R,   R'R = [x y]'[x y]
+//! ```
+//! Estimates, residual sums of squares and sums of scores over blocks, which is all that covariances
+//! are made of, are the same from R as from the rows.
+//!
+//! Source: Lawson and Hanson, Solving Least Squares Problems, ch. 27 (sequential accumulation).
+
+use nalgebra::{DMatrix, DVector};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use super::inverse_dynamics::{Regression, block_length};
+use super::regressor::drive_along;
+use super::stretch::{Source, Stretch, Treatment};
+use super::{IdentifyError, Task};
+use crate::recording::{Channels, LongRecording, Noise, Recording, Rows, differentiate, is_gap};
+
+/// Time after which the answer of the filter, which is passed twice, is below 1e-9 of what it was
+/// [s Hz]: the slowest pole decays as exp(-2.4 fc t), one pass needs 8.6.
+const SETTLED: f64 = 20.0;
+/// Rows that are filtered at a time at least, besides those on either side.
+const CORE: usize = 1 << 16;
+
+/// The regression from every row: of the long recordings by reading them, of the others as held.
+/// `settings` are cut-off [Hz] and speed near rest [rad/s] where they are given; else they come
+/// from the windows that are held.
+///
+/// # Errors
+/// As [`Regression::with_rest`], and if rows cannot be read.
+pub(super) fn regression<'a>(
+    task: &'a Task<'a>,
+    long: &[Option<&LongRecording>],
+    settings: (Option<f64>, Option<f64>),
+    noise_share: f64,
+    method: &str,
+) -> Result<Regression<'a>, IdentifyError> {
+    let mut out = Regression::empty(task, settings.0, settings.1, noise_share, method)?;
+    let of = |r: usize| long.get(r).copied().flatten();
+    let total = |(r, held): (usize, &Recording)| of(r).map_or(held.duration(), |l| l.duration);
+    let length = block_length(task.train.iter().enumerate().map(total).sum());
+    let mut rows = Triangles::new(out.regressor.width(), length);
+    let mut samples = 0;
+    for (r, held) in task.train.iter().enumerate() {
+        let source: &dyn Rows = of(r).map_or(held, |long| &*long.rows);
+        let mut reader = Reader::new(&out, r, &mut rows);
+        for block in source.blocks() {
+            let wrong = |reason| IdentifyError::Rows { method: method.into(), reason };
+            let block = block.map_err(wrong)?;
+            samples += block.t.len();
+            reader.take(block);
+        }
+        reader.end_piece();
+    }
+    rows.into_regression(&mut out);
+    out.check_count(samples, method)?;
+    out.project();
+    Ok(out)
+}
+
+/// Reads one recording: cuts it at gaps, filters stretches, hands on the rows that are used.
+struct Reader<'a, 'b> {
+    regression: &'b Regression<'a>,
+    treatment: Treatment,
+    noise: Noise,
+    same: bool,
+    rng: ChaCha8Rng,
+    rows: &'b mut Triangles,
+    /// Time of the first row [s].
+    start: Option<f64>,
+    /// Last time, speed and angle, to integrate on from.
+    last: Option<(f64, [f64; 2], [f64; 2])>,
+    /// Rows of the piece that are still needed; `omega` may be empty, then they are differenced.
+    t: Vec<f64>,
+    alpha: Vec<[f64; 2]>,
+    omega: Vec<[f64; 2]>,
+    moment: Vec<[f64; 2]>,
+    /// Rows of the piece before those, and rows of the piece that are done.
+    dropped: usize,
+    done: usize,
+    /// Time of the first row of the piece [s].
+    piece: f64,
+}
+
+impl<'a, 'b> Reader<'a, 'b> {
+    fn new(regression: &'b Regression<'a>, r: usize, rows: &'b mut Triangles) -> Self {
+        let held = &regression.task.train[r];
+        let seed = regression.task.seed.wrapping_add(r as u64);
+        Self {
+            regression,
+            treatment: regression.treatments[r],
+            noise: held.noise(),
+            same: held.is_single_axis(),
+            rng: ChaCha8Rng::seed_from_u64(seed),
+            rows,
+            start: None,
+            last: None,
+            t: vec![],
+            alpha: vec![],
+            omega: vec![],
+            moment: vec![],
+            dropped: 0,
+            done: 0,
+            piece: 0.0,
+        }
+    }
+
+    fn margin(&self) -> usize {
+        let settled = SETTLED / self.treatment.cutoff / self.treatment.step;
+        settled.ceil() as usize + self.treatment.reach()
+    }
+
+    fn take(&mut self, block: Channels) {
+        let alpha = block.alpha.or_else(|| Some(self.integrated(&block.t, block.omega.as_ref()?)));
+        let Some(alpha) = alpha else { return };
+        let enough = CORE.max(2 * self.margin()) + self.margin();
+        for (k, &t) in block.t.iter().enumerate() {
+            if self.t.last().is_some_and(|before| is_gap(*before, t, self.treatment.step)) {
+                self.end_piece();
+            }
+            if self.t.is_empty() {
+                self.piece = t;
+                self.start.get_or_insert(t);
+            }
+            self.t.push(t);
+            self.alpha.push(alpha[k]);
+            self.omega.extend(block.omega.as_ref().map(|omega| omega[k]));
+            self.moment.push(block.moment[k]);
+            if self.dropped + self.t.len() >= self.done + enough {
+                self.pass(self.dropped + self.t.len() - self.margin());
+            }
+        }
+    }
+
+    /// Angles by the trapezoid rule, on from the block before.
+    fn integrated(&mut self, t: &[f64], omega: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        let mut alpha = Vec::with_capacity(t.len());
+        for (&t, &w) in t.iter().zip(omega) {
+            let (before, slower, from) = self.last.unwrap_or((t, w, [0.0; 2]));
+            let to = [0, 1].map(|i| from[i] + 0.5 * (t - before) * (w[i] + slower[i]));
+            self.last = Some((t, w, to));
+            alpha.push(to);
+        }
+        alpha
+    }
+
+    fn end_piece(&mut self) {
+        let rows = self.dropped + self.t.len();
+        if !self.treatment.is_too_short(rows) {
+            self.pass(rows);
+        }
+        self.rows.end_piece();
+        (self.dropped, self.done) = (0, 0);
+        self.t.clear();
+        self.alpha.clear();
+        self.omega.clear();
+        self.moment.clear();
+    }
+
+    /// Filters what is held and hands on the rows of the piece from `done` to `until`.
+    fn pass(&mut self, until: usize) {
+        if self.omega.is_empty() {
+            let all = 0..self.t.len();
+            let omega = differentiate(&self.t, &self.alpha, std::slice::from_ref(&all));
+            self.hand_on(&omega, until);
+        } else {
+            let omega = std::mem::take(&mut self.omega);
+            self.hand_on(&omega, until);
+            self.omega = omega;
+        }
+        self.done = until;
+        let drop = until.saturating_sub(self.margin()).saturating_sub(self.dropped);
+        self.t.drain(..drop);
+        self.alpha.drain(..drop);
+        self.omega.drain(..drop.min(self.omega.len()));
+        self.moment.drain(..drop);
+        self.dropped += drop;
+    }
+
+    fn hand_on(&mut self, omega: &[[f64; 2]], until: usize) {
+        let usable = self.treatment.usable(&self.treatment.filtered(omega));
+        let grid = |place: &usize| place.is_multiple_of(self.treatment.every);
+        let places = (self.done..until).filter(grid).map(|place| place - self.dropped);
+        let kept: Vec<usize> = places.filter(|&k| usable[k]).collect();
+        if kept.is_empty() {
+            return;
+        }
+        let source =
+            Source { alpha: self.alpha.clone(), omega: omega.to_vec(), drive: self.moment.clone() };
+        let noisy = source.clone().with_noise(&self.noise, self.same, &mut self.rng);
+        let (plain, noisy) = rayon::join(|| self.signals(&source), || self.signals(&noisy));
+        for k in kept {
+            self.rows.add(self.t[k] - self.piece, &plain, &noisy, k);
+        }
+    }
+
+    fn signals(&self, source: &Source) -> Vec<Vec<f64>> {
+        let Regression { task, regressor, .. } = self.regression;
+        let all = 0..self.t.len();
+        let drive = drive_along(task, &self.t, std::slice::from_ref(&all), &source.drive);
+        let stretch = Stretch {
+            t: &self.t,
+            start: self.start.unwrap_or(0.0),
+            alpha: &source.alpha,
+            omega: &source.omega,
+            drive: &drive,
+        };
+        stretch.signals(regressor, task.model, &self.treatment)
+    }
+}
+
+/// Triangles of the rows so far.
+struct Triangles {
+    width: usize,
+    /// Length of a block [s].
+    length: f64,
+    /// Rows of the block that is being filled, per wheel.
+    open: [Vec<f64>; 2],
+    /// Its number, the number of the first block of the piece, and the next one that is free.
+    number: usize,
+    first: usize,
+    free: usize,
+    /// Triangles row after row, with wheel and block of each row.
+    closed: Vec<f64>,
+    wheel: Vec<usize>,
+    block: Vec<usize>,
+    /// What noise adds to `[x y]'[x y]`.
+    noise: DMatrix<f64>,
+    /// Rows so far.
+    count: usize,
+}
+
+impl Triangles {
+    fn new(width: usize, length: f64) -> Self {
+        Self {
+            width,
+            length,
+            open: [vec![], vec![]],
+            number: 0,
+            first: 0,
+            free: 0,
+            closed: vec![],
+            wheel: vec![],
+            block: vec![],
+            noise: DMatrix::zeros(width + 1, width + 1),
+            count: 0,
+        }
+    }
+
+    /// Adds both rows of one sample, so many seconds after the start of its piece.
+    fn add(&mut self, since: f64, plain: &[Vec<f64>], noisy: &[Vec<f64>], k: usize) {
+        let number = self.first + (since / self.length) as usize;
+        if number != self.number {
+            self.close();
+            self.number = number;
+        }
+        self.free = number + 1;
+        let columns = self.width + 1;
+        for wheel in 0..2 {
+            let at = wheel * columns..(wheel + 1) * columns;
+            self.open[wheel].extend(plain[at.clone()].iter().map(|signal| signal[k]));
+            let both = plain[at.clone()].iter().zip(&noisy[at]);
+            let change = DVector::from_iterator(columns, both.map(|(p, n)| n[k] - p[k]));
+            self.noise.ger(1.0, &change, &change, 1.0);
+            self.count += 1;
+        }
+    }
+
+    fn end_piece(&mut self) {
+        self.close();
+        (self.first, self.number) = (self.free, self.free);
+    }
+
+    /// Keeps the triangles of the block in place of its rows.
+    fn close(&mut self) {
+        let columns = self.width + 1;
+        for wheel in 0..2 {
+            let rows = self.open[wheel].len() / columns;
+            let mut triangle = DMatrix::from_row_slice(rows, columns, &self.open[wheel]);
+            if rows > columns {
+                triangle = triangle.qr().r();
+            }
+            for row in triangle.row_iter() {
+                self.closed.extend(row.iter());
+                self.wheel.push(wheel);
+                self.block.push(self.number);
+            }
+            self.open[wheel].clear();
+        }
+    }
+
+    fn into_regression(mut self, out: &mut Regression) {
+        self.close();
+        let all = DMatrix::from_row_slice(self.wheel.len(), self.width + 1, &self.closed);
+        out.x = all.columns(0, self.width).into_owned();
+        out.y = all.column(self.width).into_owned();
+        (out.wheel, out.block) = (self.wheel, self.block);
+        (out.noise, out.count) = (self.noise, self.count);
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,118 @@
+//! A table of text block by block, in memory of one block.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
+
+use polars::prelude::DataFrame;
+
+use super::{Layout, is_row, number, split};
+use crate::io::IoError;
+use crate::io::error::shown;
+use crate::io::signals::frame;
+
+/// Whether a file has more than so many lines.
+pub(in crate::io) fn has_more_lines(path: &Path, limit: usize) -> Result<bool, IoError> {
+    let wrong = |e: std::io::Error| IoError::system(path, &e);
+    let mut file = File::open(path).map_err(wrong)?;
+    if file.metadata().map_err(wrong)?.len() <= limit as u64 {
+        return Ok(false);
+    }
+    let (mut bytes, mut lines) = (vec![0; 1 << 16], 0);
+    loop {
+        let count = file.read(&mut bytes).map_err(wrong)?;
+        lines += bytes[..count].iter().filter(|b| **b == b'\n').count();
+        if count == 0 || lines > limit {
+            return Ok(lines > limit);
+        }
+    }
+}
+
+/// Reads the wanted columns on, block by block.
+pub(in crate::io) struct Blocks<'a> {
+    path: &'a Path,
+    layout: &'a Layout,
+    /// Names and places of the wanted columns.
+    wanted: Vec<(&'a str, usize)>,
+    lines: BufReader<File>,
+    text: Vec<u8>,
+    /// Lines and rows so far; the header is row 0.
+    line: usize,
+    row: Option<usize>,
+}
+
+impl<'a> Blocks<'a> {
+    pub(in crate::io) fn new(
+        path: &'a Path,
+        layout: &'a Layout,
+        names: &'a [String],
+    ) -> Result<Self, IoError> {
+        let file = File::open(path).map_err(|e| IoError::system(path, &e))?;
+        let place = |n: &String| layout.names.iter().position(|h| h == n).unwrap_or_default();
+        let wanted = names.iter().map(|n| (n.as_str(), place(n))).collect();
+        let lines = BufReader::with_capacity(1 << 16, file);
+        Ok(Self { path, layout, wanted, lines, text: vec![], line: 0, row: None })
+    }
+
+    /// The next rows, so many at most; none at the end.
+    pub(in crate::io) fn next_rows(&mut self, rows: usize) -> Result<DataFrame, IoError> {
+        let mut values = vec![Vec::with_capacity(rows); self.wanted.len()];
+        while values.first().is_some_and(|v| v.len() < rows) && self.next_line()? {
+            self.parse(&mut values)?;
+        }
+        frame(self.path, self.wanted.iter().map(|(name, _)| *name).zip(values))
+    }
+
+    /// Puts the next row of data into `text`.
+    fn next_line(&mut self) -> Result<bool, IoError> {
+        loop {
+            self.text.clear();
+            let read = self.lines.read_until(b'\n', &mut self.text);
+            if read.map_err(|e| IoError::system(self.path, &e))? == 0 {
+                return Ok(false);
+            }
+            self.line += 1;
+            let separator = self.layout.separator;
+            let blank = |b: &u8| b.is_ascii_whitespace() || *b == separator;
+            if !is_row(&self.text) || self.row.is_some() && self.text.iter().all(blank) {
+                continue;
+            }
+            self.row = Some(self.row.map_or(0, |row| row + 1));
+            if self.row != Some(0) {
+                return Ok(true);
+            }
+        }
+    }
+
+    fn parse(&self, values: &mut [Vec<f64>]) -> Result<(), IoError> {
+        let separator = self.layout.separator;
+        let text = String::from_utf8_lossy(&self.text);
+        let quoted = text.contains('"');
+        let cells: Vec<String> =
+            if quoted { split(&text, char::from(separator)) } else { Vec::new() };
+        let plain: Vec<&str> = if quoted {
+            cells.iter().map(String::as_str).collect()
+        } else {
+            text.split(char::from(separator)).collect()
+        };
+        let (row, line) = (self.row.unwrap_or_default(), self.line);
+        let used = plain.iter().rposition(|cell| !cell.trim().is_empty()).map_or(0, |k| k + 1);
+        let expected = self.layout.names.len();
+        if used > expected {
+            return Err(IoError::Ragged {
+                file: shown(self.path),
+                row,
+                line,
+                found: used,
+                expected,
+            });
+        }
+        for ((name, place), column) in self.wanted.iter().zip(values) {
+            let cell = plain.get(*place).copied().unwrap_or_default();
+            let value = number(cell, separator != b',');
+            let wrong = || IoError::not_a_number(self.path, row, Some(line), name, cell.trim());
+            column.push(value.ok_or_else(wrong)?);
+        }
+        Ok(())
+    }
+}

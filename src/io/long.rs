@@ -1,0 +1,121 @@
+//! Recordings too long to be held, read block by block.
+
+use std::path::{Path, PathBuf};
+
+use polars::prelude::DataFrame;
+
+use super::error::shown;
+use super::recording::{Headers, Place, Source, channels, headers, names_of, wanted};
+use super::{ColumnMap, IoError, csv, parquet, sha256};
+use crate::recording::{
+    Channels, DriveUnit, LongRecording, Recording, RecordingError, Rows, Survey,
+};
+
+/// Rows that are read at a time.
+const BLOCK: usize = 1 << 17;
+
+/// A recording of more than `hold_rows` rows: windows of it to hold, a way to read all rows again,
+/// and the SHA-256 of the file. `None` if the file has fewer rows, or is of a format that is only
+/// read as a whole; CSV and Parquet are read block by block.
+///
+/// # Errors
+/// Everything in [`IoError`], as [`super::read_recording`].
+pub fn read_long_recording(
+    path: &Path,
+    columns: &ColumnMap,
+    drive_unit: DriveUnit,
+    hold_rows: usize,
+) -> Result<Option<(Recording, LongRecording, String)>, IoError> {
+    if path.is_dir() || !has_more_rows(path, hold_rows)? {
+        return Ok(None);
+    }
+    let headers = headers(path)?;
+    let wanted = wanted(path, &headers, columns)?;
+    let names = names_of(path, &headers, &wanted)?;
+    let (path, columns) = (path.to_path_buf(), columns.clone());
+    let file = LongFile { path, columns, headers, wanted, names };
+    let name = file.path.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned());
+    let mut survey = Survey::new(name, drive_unit);
+    let wrong = |error: RecordingError| file.in_recording(error);
+    for block in file.read()? {
+        survey.add(&block?).map_err(wrong)?;
+    }
+    let sum = sha256(&file.path)?;
+    // windows of rows that were checked: what is wrong now has no line
+    let done = survey.finish(Box::new(file));
+    let (excerpt, long) = done.map_err(|error| IoError::Recording { error, line: None })?;
+    Ok(Some((excerpt, long, sum)))
+}
+
+fn has_more_rows(path: &Path, limit: usize) -> Result<bool, IoError> {
+    match super::format::Format::of(path)? {
+        super::format::Format::Csv => csv::has_more_lines(path, limit),
+        super::format::Format::Parquet => Ok(parquet::rows(path)? > limit),
+        _ => Ok(false),
+    }
+}
+
+/// A file with what is read of it.
+struct LongFile {
+    path: PathBuf,
+    columns: ColumnMap,
+    headers: Headers,
+    wanted: Vec<(&'static str, String)>,
+    names: Vec<String>,
+}
+
+type Block = Result<Channels, IoError>;
+
+impl LongFile {
+    fn read(&self) -> Result<Box<dyn Iterator<Item = Block> + '_>, IoError> {
+        let mut next: Box<dyn FnMut(usize) -> Result<DataFrame, IoError> + '_> =
+            match &self.headers.source {
+                Source::Text(layout) => {
+                    let mut blocks = csv::Blocks::new(&self.path, layout, &self.names)?;
+                    Box::new(move |_| blocks.next_rows(BLOCK))
+                }
+                _ => {
+                    parquet::check(&self.path, &self.names)?;
+                    Box::new(|from| parquet::read_rows(&self.path, self.names.clone(), from, BLOCK))
+                }
+            };
+        let mut place = Place::default();
+        let mut ended = false;
+        Ok(Box::new(std::iter::from_fn(move || {
+            if ended {
+                return None;
+            }
+            let block = next(place.first).and_then(|frame| {
+                if frame.height() == 0 {
+                    let empty = place.first == 0;
+                    let none = || IoError::HeaderOnly { file: shown(&self.path) };
+                    return if empty { Err(none()) } else { Ok(None) };
+                }
+                let rows = channels(&self.path, &self.columns, &self.wanted, &frame, &mut place)?;
+                place.first += frame.height();
+                Ok(Some(rows))
+            });
+            ended = !matches!(block, Ok(Some(_)));
+            block.transpose()
+        })))
+    }
+
+    /// The error with the line of its row.
+    fn in_recording(&self, error: RecordingError) -> IoError {
+        let text = matches!(self.headers.source, Source::Text(_));
+        let row = error.row().filter(|_| text);
+        IoError::Recording { line: row.and_then(|r| csv::line_of(&self.path, r)), error }
+    }
+}
+
+impl Rows for LongFile {
+    fn blocks(&self) -> Box<dyn Iterator<Item = Result<Channels, String>> + '_> {
+        match self.read() {
+            Ok(blocks) => Box::new(blocks.map(|block| block.map_err(|e| e.to_string()))),
+            Err(e) => Box::new(std::iter::once(Err(e.to_string()))),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
