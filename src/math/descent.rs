@@ -164,7 +164,7 @@ pub fn minimise(
         let trial = model.step(damping).map(|d| project(&(&x + d), options));
         let promise = trial.as_ref().map(|trial| expected_decrease(&here, &(trial - &x)));
         let promises = promise.is_none_or(|promise| !(promise <= options.tolerance(here.cost)));
-        if factor > FIRST_FACTOR && !promises {
+        if iterations > 0 && factor > FIRST_FACTOR && !promises {
             // longer steps failed, and this one would not matter
             break if idle > 0 { MinimumStatus::Converged } else { MinimumStatus::Stalled };
         }

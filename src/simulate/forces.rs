@@ -70,8 +70,9 @@ pub(super) struct Forces<'m> {
     behind: Option<Behind<'m>>,
     /// Inverse of a mass matrix that is the same at every instant.
     inverse: Option<[f64; 3]>,
-    /// Whether the level of a dry friction varies.
+    /// Whether the level of a dry friction varies, and the levels if none does.
     rough: bool,
+    level: [f64; 4],
 }
 
 /// A body behind the measured wheels.
@@ -105,9 +106,11 @@ impl<'m> Forces<'m> {
             (0..model.effects().len()).any(|e| role(&model.roles(e)) == Role::Varying)
         };
         let steady = behind.is_none() && !varies(|roles| roles.mass);
-        let inverse = if steady { inverse(&wheel.constant.mass).ok() } else { None };
+        let everywhere = wheel.at(&x);
+        let inverse = if steady { inverse(&everywhere.mass).ok() } else { None };
+        let level = everywhere.level;
         let rough = varies(|roles| roles.level);
-        Self { model, p, t0, wheel, behind, inverse, rough }
+        Self { model, p, t0, wheel, behind, inverse, rough, level }
     }
 
     #[inline]
@@ -180,7 +183,7 @@ impl<'m> Forces<'m> {
         let omega = [y[2], y[3]];
         let mut sign = [0.0; 4];
         for (j, sign) in sign.iter_mut().enumerate() {
-            if self.wheel.constant.level[j] > 0.0 {
+            if self.level[j] > 0.0 {
                 *sign = sgn(along(j, &omega));
                 if *sign == 0.0 {
                     return None;
@@ -197,8 +200,7 @@ impl<'m> Forces<'m> {
     /// What resists throughout a step with these signs, of what does not vary [N m].
     #[inline]
     fn resisting(&self, sign: &[f64; 4]) -> [f64; 2] {
-        let (torque, friction) =
-            (self.wheel.constant.torque, friction(&self.wheel.constant.level, sign));
+        let (torque, friction) = (self.wheel.constant.torque, friction(&self.level, sign));
         [torque[0] + friction[0], torque[1] + friction[1]]
     }
 
