@@ -20,7 +20,8 @@ use crate::math::descent::{MinimiseOptions, Minimum, MinimumStatus, minimise};
 /// ```
 /// The whole recording is simulated freely from its moments; the initial state of every piece is
 /// estimated too. Levenberg-Marquardt with exact sensitivities through stops and reversals, from
-/// the weak form (from a guess with too much friction the robot would never move).
+/// the weak form (from a guess with too much friction the robot would never move). The parameters
+/// of a body behind the wheels, of which the weak form knows nothing, start from the best of a grid.
 ///
 /// Source: Ljung, System Identification (1999), ch. 4; Janot et al. 2014.
 #[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
@@ -95,32 +96,29 @@ impl Identifier for OutputError {
             ..MinimiseOptions::default()
         };
         let descend = |x: DVector<f64>| {
-            // the last evaluation but for rejected steps is that of the minimum
-            let mut scores = None;
+            // every step that is taken lowers the cost, so the lowest is that of the minimum
+            let (mut lowest, mut scores) = (f64::INFINITY, DMatrix::zeros(0, x.len()));
             let evaluate = |x: &DVector<f64>| {
                 let (quadratic, z) = problem.evaluate(x)?;
-                scores = Some((x.clone(), z));
+                if quadratic.cost < lowest {
+                    (lowest, scores) = (quadratic.cost, z);
+                }
                 Some(quadratic)
             };
             let minimum = minimise(&x, evaluate, |x| problem.cost(x), &options);
             (minimum, scores)
         };
         let found: Vec<_> = problem.starts(self.starts).into_par_iter().map(descend).collect();
-        let minima = || found.iter().map(|(m, _)| m).filter(|m| m.status != MinimumStatus::NoStart);
-        let lowest = found
-            .iter()
-            .filter(|(m, _)| m.status != MinimumStatus::NoStart)
-            .min_by(|(a, _), (b, _)| a.cost.total_cmp(&b.cost));
+        let minima = || found.iter().filter(|(m, _)| m.status != MinimumStatus::NoStart);
+        let lowest = minima().min_by(|(a, _), (b, _)| a.cost.total_cmp(&b.cost));
         let Some((best, scores)) = lowest else {
             let reason = "the start cannot be simulated".to_string();
             return Err(IdentifyError::NoStart { method: NAME.into(), reason });
         };
-        let known = scores.clone().filter(|(x, _)| *x == best.x).map(|(_, z)| z);
-        let scores = known.or_else(|| Some(problem.evaluate(&best.x)?.1));
-        let mut fit = problem.fit(best, &scores.unwrap_or_else(|| DMatrix::zeros(0, best.x.len())));
+        let mut fit = problem.fit(best, scores);
         fit.work.evaluations = found.iter().map(|(m, _)| m.evaluations).sum();
         if found.len() > 1 {
-            let agreeing = minima().filter(|m| m.cost < best.cost + 0.5).count();
+            let agreeing = minima().filter(|(m, _)| m.cost < best.cost + 0.5).count();
             fit.notes.push(format!(
                 "{agreeing} of {} descents end in the lowest minimum that was found.",
                 found.len()

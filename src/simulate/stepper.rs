@@ -16,6 +16,9 @@ const LONGEST_STEP: f64 = 0.02;
 const STIFF: f64 = 0.5;
 /// A speed that no wheel reaches [rad/s].
 pub(super) const SPEED_LIMIT: f64 = 1e6;
+/// Speeds along two directions that come to rest at the same event differ by less [rad/s]; an event
+/// is located to 1e-12 of a step.
+const TOGETHER: f64 = 1e-11;
 /// More events than this within one step are grazing contacts: the direction is then held.
 const MANY_EVENTS: usize = 24;
 
@@ -151,7 +154,10 @@ impl<'m> Stepper<'m> {
     /// Sets directions that have passed through zero exactly to rest, and returns which they are.
     fn rest(&mut self, c: &Contact, y: &Vector) -> [bool; 4] {
         let omega = [y[2], y[3]];
-        let arrived = |j: usize| c.sign[j] * along(j, &omega) < 0.0;
+        let beyond = |j: usize, speed: f64| c.sign[j] * along(j, &omega) < speed;
+        // two that arrive together must not differ by rounding: their order would decide
+        let together = if (0..4).any(|j| beyond(j, 0.0)) { TOGETHER } else { 0.0 };
+        let arrived = |j: usize| c.sign[j] != 0.0 && beyond(j, together);
         let mut still = (0..4).filter(|&j| c.stuck[j] || arrived(j));
         let (first, second) = (still.next(), still.next());
         match (first, second) {
