@@ -63,8 +63,12 @@ pub trait Effect: Send + Sync {
     fn energy(&self) -> Energy;
     /// [`Physics::terms`] with plain numbers.
     fn terms(&self, x: &Motion<f64>, p: &[f64]) -> Terms<f64>;
+    /// The torque of [`Physics::terms`] alone, for the inner loop of simulations.
+    fn torque(&self, x: &Motion<f64>, p: &[f64]) -> [f64; 2];
     /// [`Physics::terms`] with derivatives.
     fn terms_jet(&self, x: &Motion<Jet>, p: &[Jet]) -> Terms<Jet>;
+    /// The torque of [`Effect::terms_jet`] alone.
+    fn torque_jet(&self, x: &Motion<Jet>, p: &[Jet]) -> [Jet; 2];
     /// [`Physics::terms`] with symbols, which record the formula.
     fn terms_symbolic(&self, x: &Motion<Symbol>, p: &[Symbol]) -> Terms<Symbol>;
     /// [`Physics::drive`] with plain numbers.
@@ -99,8 +103,14 @@ impl<P: Physics> Effect for P {
     fn terms(&self, x: &Motion<f64>, p: &[f64]) -> Terms<f64> {
         Physics::terms(self, x, p)
     }
+    fn torque(&self, x: &Motion<f64>, p: &[f64]) -> [f64; 2] {
+        Physics::terms(self, x, p).torque
+    }
     fn terms_jet(&self, x: &Motion<Jet>, p: &[Jet]) -> Terms<Jet> {
         Physics::terms(self, x, p)
+    }
+    fn torque_jet(&self, x: &Motion<Jet>, p: &[Jet]) -> [Jet; 2] {
+        Physics::terms(self, x, p).torque
     }
     fn terms_symbolic(&self, x: &Motion<Symbol>, p: &[Symbol]) -> Terms<Symbol> {
         Physics::terms(self, x, p)

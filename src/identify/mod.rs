@@ -13,6 +13,7 @@ mod method;
 mod profile;
 mod regressor;
 mod screening;
+mod simulation_cost;
 pub mod start;
 mod streamed;
 mod stretch;

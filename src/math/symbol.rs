@@ -93,6 +93,12 @@ impl Formula {
         uses
     }
 
+    /// Whether every result is the constant zero.
+    #[must_use]
+    pub fn is_zero(&self) -> bool {
+        self.outputs.iter().all(|&k| self.nodes[k] == Node::Constant(0.0))
+    }
+
     /// Whether a result depends on input number `input`.
     #[must_use]
     pub fn depends_on(&self, input: usize) -> bool {

@@ -1,8 +1,11 @@
 //! Exact first derivatives of a model, and the dynamics solved from it.
 
-use super::{Model, ModelError};
-use crate::effects::{DIFFERENTIATED, Jet, MOST_PARAMETERS, Motion, Terms};
+use super::{Model, ModelError, Role, Roles};
+use crate::effects::{DIFFERENTIATED, DIRECTIONS, Jet, Motion, Terms};
 use crate::math::Dual;
+
+/// Partial derivatives of a [`Jet`] before those of an effect's own parameters.
+const STATES: usize = 4;
 
 /// The moment balance `mass a + torque + Σ d_j level_j s_j` and its derivatives at one instant.
 #[derive(Clone, Debug)]
@@ -17,6 +20,11 @@ pub struct Linearisation {
     pub by_parameter: Vec<[f64; 2]>,
     /// What each effect adds, with its own derivatives.
     effects: Vec<Terms<Jet>>,
+    /// The sum of the effects that are the same at every instant; the parameter values for which
+    /// it and they stand here, and these with their derivatives.
+    constant: Terms<f64>,
+    given: Vec<f64>,
+    own: Vec<Jet>,
 }
 
 impl Linearisation {
@@ -28,6 +36,9 @@ impl Linearisation {
             by_state: [[0.0; 4]; 2],
             by_parameter: vec![[0.0; 2]; parameters],
             effects: vec![],
+            constant: Terms::zero(),
+            given: vec![],
+            own: vec![],
         }
     }
 }
@@ -53,7 +64,8 @@ impl Model {
 
     /// The first half of [`Model::linearise`]: every effect once, its values summed in `out.terms`.
     /// A caller that chooses signs and acceleration by the values goes on with
-    /// [`Model::differentiate`], which may be repeated.
+    /// [`Model::differentiate`], which may be repeated. Effects that are the same at every instant
+    /// are evaluated anew only where `p` is another than before.
     pub fn evaluate(&self, x: &Motion<f64>, p: &[f64], out: &mut Linearisation) {
         let jet = Motion {
             t: Dual::constant(x.t),
@@ -62,24 +74,48 @@ impl Model {
             variance: x.variance,
             robot: x.robot,
         };
-        out.terms = Terms::zero();
+        if out.given != p {
+            self.prepare(&jet, p, out);
+        }
+        out.terms = out.constant;
+        for (e, effect) in self.effects().iter().enumerate() {
+            let roles = self.roles(e);
+            if !roles.vary() {
+                continue;
+            }
+            let (terms, own) = (&mut out.effects[e], &out.own[self.slots(e)]);
+            if (roles.mass, roles.level) == (Role::Absent, Role::Absent) {
+                terms.torque = effect.torque_jet(&jet, own);
+                for (sum, torque) in out.terms.torque.iter_mut().zip(&terms.torque) {
+                    *sum += torque.value;
+                }
+            } else {
+                *terms = effect.terms_jet(&jet, own);
+                out.terms.add(&values(terms));
+            }
+        }
+    }
+
+    /// What does not change with the motion: parameters with their derivatives, constant effects.
+    fn prepare(&self, x: &Motion<Jet>, p: &[f64], out: &mut Linearisation) {
+        out.given.clear();
+        out.given.extend_from_slice(p);
+        out.own.clear();
         out.effects.clear();
+        out.constant = Terms::zero();
         for (e, effect) in self.effects().iter().enumerate() {
             let slots = self.slots(e);
-            let mut own = [Jet::constant(0.0); MOST_PARAMETERS];
-            for (k, j) in slots.clone().enumerate() {
-                own[k] = if k < DIFFERENTIATED {
-                    Dual::variable(p[j], 4 + k)
+            out.own.extend(p[slots.clone()].iter().enumerate().map(|(k, &value)| {
+                if k < DIFFERENTIATED {
+                    Dual::variable(value, STATES + k)
                 } else {
-                    Dual::constant(p[j])
-                };
+                    Dual::constant(value)
+                }
+            }));
+            let terms = effect.terms_jet(x, &out.own[slots]);
+            if !self.roles(e).vary() {
+                out.constant.add(&values(&terms));
             }
-            let terms = effect.terms_jet(&jet, &own[..slots.len()]);
-            out.terms.add(&Terms {
-                mass: terms.mass.map(|v| v.value),
-                torque: terms.torque.map(|v| v.value),
-                level: terms.level.map(|v| v.value),
-            });
             out.effects.push(terms);
         }
     }
@@ -87,15 +123,18 @@ impl Model {
     /// The second half of [`Model::linearise`]: derivatives at acceleration `a` and signs `s` of
     /// what [`Model::evaluate`] left in `out`.
     pub fn differentiate(&self, a: &[f64; 2], s: &[f64; 4], out: &mut Linearisation) {
-        out.by_state = [[0.0; 4]; 2];
+        out.by_state = [[0.0; STATES]; 2];
         for (e, terms) in out.effects.iter().enumerate() {
-            for (i, moment) in terms.moment(a, s).iter().enumerate() {
-                for k in 0..4 {
-                    out.by_state[i][k] += moment.partial[k];
+            let roles = self.roles(e);
+            if roles.vary() {
+                for k in 0..STATES {
+                    let slope = slope(terms, roles, k, a, s);
+                    out.by_state[0][k] += slope[0];
+                    out.by_state[1][k] += slope[1];
                 }
-                for (k, j) in self.slots(e).enumerate().take(DIFFERENTIATED) {
-                    out.by_parameter[j][i] = moment.partial[4 + k];
-                }
+            }
+            for (k, j) in self.slots(e).enumerate().take(DIFFERENTIATED) {
+                out.by_parameter[j] = slope(terms, roles, STATES + k, a, s);
             }
         }
     }
@@ -135,6 +174,34 @@ impl Model {
         }
         (m.iter().map(|row| row.map(|v| v.value)).collect(), derivatives)
     }
+}
+
+fn values(terms: &Terms<Jet>) -> Terms<f64> {
+    Terms {
+        mass: terms.mass.map(|v| v.value),
+        torque: terms.torque.map(|v| v.value),
+        level: terms.level.map(|v| v.value),
+    }
+}
+
+/// Partial derivative number `k` of [`Terms::moment`].
+#[inline]
+fn slope(terms: &Terms<Jet>, roles: Roles, k: usize, a: &[f64; 2], s: &[f64; 4]) -> [f64; 2] {
+    let mut out = [0.0; 2];
+    if roles.mass != Role::Absent {
+        let [m11, m12, m22] = [0, 1, 2].map(|i| terms.mass[i].partial[k]);
+        out = [m11 * a[0] + m12 * a[1], m12 * a[0] + m22 * a[1]];
+    }
+    if roles.torque != Role::Absent {
+        out = [out[0] + terms.torque[0].partial[k], out[1] + terms.torque[1].partial[k]];
+    }
+    if roles.level != Role::Absent {
+        for (j, d) in DIRECTIONS.iter().enumerate() {
+            let friction = s[j] * terms.level[j].partial[k];
+            out = [out[0] + d[0] * friction, out[1] + d[1] * friction];
+        }
+    }
+    out
 }
 
 /// Solves `mass x = b` for a symmetric 2x2 mass matrix.

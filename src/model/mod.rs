@@ -2,6 +2,8 @@
 
 mod linearise;
 mod model;
+mod role;
 
 pub use linearise::{Linearisation, solve_mass};
 pub use model::{Model, ModelError, Parameter};
+pub use role::{Role, Roles};

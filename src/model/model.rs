@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::Roles;
 use crate::effects::{self, BASE, Coupling, Effect, Motion, ParameterKind, ParameterSpec, Terms};
 use crate::robot::Robot;
 
@@ -67,6 +68,7 @@ pub struct Model {
     robot: Robot,
     effects: Vec<Arc<dyn Effect>>,
     slots: Vec<Range<usize>>,
+    roles: Vec<Roles>,
     parameters: Vec<Parameter>,
 }
 
@@ -87,11 +89,15 @@ impl Model {
     /// ```
     #[must_use]
     pub fn base(robot: Robot) -> Self {
-        let mut model = Self { robot, effects: vec![], slots: vec![], parameters: vec![] };
+        let mut model = Self::empty(robot);
         for id in BASE {
             model.push(effects::find(id).expect("the base effects are registered").into());
         }
         model
+    }
+
+    fn empty(robot: Robot) -> Self {
+        Self { robot, effects: vec![], slots: vec![], roles: vec![], parameters: vec![] }
     }
 
     /// The base model with effects of the catalogue added.
@@ -141,14 +147,14 @@ impl Model {
             fixed: None,
         }));
         self.slots.push(start..self.parameters.len());
+        self.roles.push(Roles::of(&*effect, &self.robot));
         self.effects.push(effect);
     }
 
     /// This model without effect number `e`; parameters held at a value stay held.
     #[must_use]
     pub fn without(&self, e: usize) -> Self {
-        let mut model =
-            Self { robot: self.robot.clone(), effects: vec![], slots: vec![], parameters: vec![] };
+        let mut model = Self::empty(self.robot.clone());
         for (k, effect) in self.effects.iter().enumerate().filter(|(k, _)| *k != e) {
             let start = model.parameters.len();
             model.push(effect.clone());
@@ -194,6 +200,11 @@ impl Model {
     #[must_use]
     pub fn slots(&self, e: usize) -> Range<usize> {
         self.slots[e].clone()
+    }
+    /// What the terms of effect number `e` depend on.
+    #[must_use]
+    pub fn roles(&self, e: usize) -> Roles {
+        self.roles[e]
     }
     /// Ids of the effects, base first.
     #[must_use]
@@ -266,14 +277,16 @@ impl Model {
     /// Whether an effect of the model puts a body behind the measured wheels.
     #[must_use]
     pub fn is_coupled(&self) -> bool {
-        let x = Motion {
-            t: 0.0,
-            alpha: [0.0; 2],
-            omega: [0.0; 2],
-            variance: [0.0; 4],
-            robot: &self.robot,
-        };
-        self.coupling(&x, &self.initial()).is_some()
+        self.coupling_effect().is_some()
+    }
+
+    /// The number of the effect that puts a body behind the measured wheels (the first that does).
+    #[must_use]
+    pub fn coupling_effect(&self) -> Option<usize> {
+        let (robot, p) = (&self.robot, self.initial());
+        let (alpha, omega) = ([0.0; 2], [0.0; 2]);
+        let x = Motion { t: 0.0, alpha, omega, variance: [0.0; 4], robot };
+        (0..self.effects.len()).find(|&e| self.effects[e].coupling(&x, &p[self.slots(e)]).is_some())
     }
 
     /// Whether an effect of the model changes the drive.

@@ -1,6 +1,8 @@
 //! A smooth look at a recording without any model: the local motion around each sample.
 
-use super::Recording;
+use std::ops::Range;
+
+use super::{Noise, Recording};
 
 /// Half width of the neighbourhood [s], and its limits in samples.
 const HALF_WIDTH: f64 = 0.06;
@@ -28,25 +30,43 @@ impl Recording {
     /// samples to either side, fewer at the ends of a piece), each channel weighted by its noise.
     #[must_use]
     pub fn local_motion(&self) -> Vec<LocalMotion> {
-        let noise = self.noise();
-        let half = ((HALF_WIDTH / self.step()).round() as usize).clamp(FEWEST, MOST);
+        let (noise, half) = (self.noise(), self.half_width());
         let mut out = vec![LocalMotion::default(); self.len()];
         for piece in self.pieces() {
             for k in piece.clone() {
-                let from = k.saturating_sub(half).max(piece.start);
-                let to = (k + half + 1).min(piece.end);
-                for i in 0..2 {
-                    let sigma = [noise.alpha[i].max(1e-9), noise.omega[i].max(1e-9)];
-                    self.fit_parabola(from..to, k, i, sigma, &mut out[k]);
-                }
+                out[k] = self.parabolas(piece, k, half, &noise);
             }
+        }
+        out
+    }
+
+    /// [`Recording::local_motion`] around sample `k` alone.
+    #[must_use]
+    pub fn local_motion_at(&self, k: usize) -> LocalMotion {
+        let piece = self.pieces().iter().find(|piece| piece.contains(&k));
+        piece.map_or_else(LocalMotion::default, |piece| {
+            self.parabolas(piece, k, self.half_width(), &self.noise())
+        })
+    }
+
+    fn half_width(&self) -> usize {
+        ((HALF_WIDTH / self.step()).round() as usize).clamp(FEWEST, MOST)
+    }
+
+    fn parabolas(&self, piece: &Range<usize>, k: usize, half: usize, noise: &Noise) -> LocalMotion {
+        let from = k.saturating_sub(half).max(piece.start);
+        let to = (k + half + 1).min(piece.end);
+        let mut out = LocalMotion::default();
+        for i in 0..2 {
+            let sigma = [noise.alpha[i].max(1e-9), noise.omega[i].max(1e-9)];
+            self.fit_parabola(from..to, k, i, sigma, &mut out);
         }
         out
     }
 
     fn fit_parabola(
         &self,
-        range: std::ops::Range<usize>,
+        range: Range<usize>,
         k: usize,
         i: usize,
         sigma: [f64; 2],
@@ -107,6 +127,7 @@ mod tests {
             assert!((m.omega[0] - (2.0 + 3.0 * t)).abs() < 1e-6, "{k} {m:?}");
             assert!((m.acceleration[0] - 3.0).abs() < 1e-5, "{k} {m:?}");
             assert!((m.alpha[1] + t).abs() < 1e-6);
+            assert_eq!(*m, r.local_motion_at(k));
         }
     }
 }

@@ -4,7 +4,8 @@
 use rayon::prelude::*;
 use wide::f64x8;
 
-use super::stepper::{Drive, SPEED_LIMIT, Stepper, pieces_between};
+use super::drive::Drive;
+use super::stepper::{SPEED_LIMIT, Stepper, pieces_between};
 use super::{Hold, Input, SimulateError, simulate};
 use crate::effects::BASE;
 use crate::model::Model;

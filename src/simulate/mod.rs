@@ -1,9 +1,11 @@
 //! Motion from a model: an integrator with exact stick and slip, and what is built on it.
 
 mod batch;
+mod drive;
 pub mod dynamics;
 mod emulator;
 mod event;
+mod forces;
 mod friction;
 mod fuzzy_dynamics;
 mod made;
@@ -20,6 +22,7 @@ pub use friction::{Contact, contact};
 pub use fuzzy_dynamics::FuzzyDynamics;
 pub use made::{NoiseLevel, Recorder, record, record_disturbed};
 pub use movement::{Movement, Reference, Segment};
+pub(crate) use sensitivity::{LANES, follow};
 pub use sensitivity::{Sensitivities, simulate_with_sensitivities};
 pub use simulation::{Hold, Input, SimulateError, simulate, simulate_acting};
 pub use takagi_sugeno::{Consequents, Defuzzification, Gaussian, MOST_MEMBERSHIPS, TakagiSugeno};

@@ -1,11 +1,15 @@
 //! Simulation with exact sensitivities: how the motion changes with every parameter and with the
 //! initial state, in the same pass.
 
+use wide::f64x4;
+
+use super::drive::Drive;
+use super::forces::{Departure, Forces, Vector, times};
 use super::friction::Contact;
-use super::stepper::{Drive, Passenger, Stepper, Vector, along_freedom, plus};
+use super::stepper::{Passenger, Stepper};
 use super::{Hold, Input, SimulateError, simulate};
-use crate::effects::along;
-use crate::model::{Linearisation, Model, solve_mass};
+use crate::effects::{DIRECTIONS, along};
+use crate::model::{Linearisation, Model};
 use crate::robot::State;
 
 /// Derivatives of a simulated motion.
@@ -13,6 +17,8 @@ use crate::robot::State;
 pub struct Sensitivities {
     /// Parameters of the model plus the four initial states (alpha1, alpha2, omega1, omega2).
     pub columns: usize,
+    /// Columns with the room of those that fill up the last lanes.
+    stride: usize,
     /// `[k][i][j]` flattened: state i (alpha1, alpha2, omega1, omega2) at sample k by column j.
     values: Vec<f64>,
 }
@@ -21,13 +27,13 @@ impl Sensitivities {
     /// Derivative of state `i` (alpha1, alpha2, omega1, omega2) at sample `k` by column `j`.
     #[must_use]
     pub fn at(&self, k: usize, i: usize, j: usize) -> f64 {
-        self.values[(k * 4 + i) * self.columns + j]
+        self.row(k, i)[j]
     }
 
     /// All columns of state `i` at sample `k`.
     #[must_use]
     pub fn row(&self, k: usize, i: usize) -> &[f64] {
-        let start = (k * 4 + i) * self.columns;
+        let start = (k * 4 + i) * self.stride;
         &self.values[start..start + self.columns]
     }
 }
@@ -35,7 +41,7 @@ impl Sensitivities {
 /// Simulates as [`simulate`] and returns the exact derivatives of the motion.
 ///
 /// ```text
-/// S' = f_x S + f_p           between events (Runge-Kutta 4 on the stages of the state)
+/// S' = f_x S + f_p           between events (Runge-Kutta 4 along the motion)
 /// S+ = S- + (f- - f+) dt/dp  where a speed d·ω reaches zero, dt/dp = -(d·S-)/(d·f-)
 /// ```
 /// Source: forward sensitivity analysis of hybrid systems (saltation matrix). The jump is what
@@ -50,150 +56,259 @@ pub fn simulate_with_sensitivities(
     input: &Input,
     start: State,
 ) -> Result<(Vec<State>, Sensitivities), SimulateError> {
+    let columns = p.len() + 4;
+    let stride = columns.next_multiple_of(LANES);
+    let mut motion = Vec::with_capacity(input.t.len());
+    let mut values = Vec::with_capacity(input.t.len() * 4 * stride);
+    follow(model, p, input, start, &mut |_, state, derivatives| {
+        motion.push(*state);
+        values.extend_from_slice(derivatives);
+    })?;
+    Ok((motion, Sensitivities { columns, stride, values }))
+}
+
+/// What [`follow`] calls at every sample: with its number, the state, and the derivatives of
+/// (alpha1, alpha2, omega1, omega2), each a row of all columns filled up with zeros to a multiple
+/// of [`LANES`].
+pub(crate) type Visit<'a> = &'a mut dyn FnMut(usize, &State, &[f64]);
+
+/// [`simulate_with_sensitivities`] for one who keeps only what he needs.
+///
+/// # Errors
+/// As [`simulate`].
+pub(crate) fn follow(
+    model: &Model,
+    p: &[f64],
+    input: &Input,
+    start: State,
+    visit: Visit,
+) -> Result<(), SimulateError> {
     if model.is_coupled() {
-        return by_differences(model, p, input, start);
+        return by_differences(model, p, input, start, visit);
     }
     let (drive, derivatives) = model.drive_derivatives(input.t, input.moment, p);
     let mut stepper = Stepper::new(model, p, input.t[0], start);
     let mut variation = Variation::new(p.len());
-    let mut motion = Vec::with_capacity(input.t.len());
-    let columns = p.len() + 4;
-    let mut values = Vec::with_capacity(input.t.len() * 4 * columns);
-    motion.push(start);
-    values.extend_from_slice(&variation.s);
+    let mut values = Vec::with_capacity(4 * LANES * variation.groups.len());
+    variation.write(&mut values);
+    visit(0, &start, &values);
     for k in 1..input.t.len() {
         let last = match input.hold {
             Hold::Linear => k,
             Hold::Constant => k - 1,
         };
-        for (j, d) in derivatives.iter().enumerate().filter(|(_, d)| !d.is_empty()) {
-            variation.drive[j] = [d[k - 1], d[last]];
-        }
+        let acting = derivatives.iter().enumerate().filter(|(_, d)| !d.is_empty());
+        variation.drive.clear();
+        variation.drive.extend(acting.map(|(j, d)| (j, [d[k - 1], d[last]])));
         let (from, to) = (input.t[k - 1], input.t[k]);
         stepper.advance(from, to, &drive[k - 1], &drive[last], &mut variation)?;
-        motion.push(stepper.state());
-        values.extend_from_slice(&variation.s);
+        variation.write(&mut values);
+        visit(k, &stepper.state(), &values);
     }
-    Ok((motion, Sensitivities { columns, values }))
+    Ok(())
 }
 
-/// The sensitivities on their way, with room for the Runge-Kutta stages.
+/// Columns that are carried together in the lanes of the processor.
+pub(crate) const LANES: usize = 4;
+/// Derivatives of (alpha1, alpha2, omega1, omega2) by four columns.
+type Group = [f64x4; 4];
+
+/// The variational equation at one instant, solved for the accelerations:
+/// `dω' = by_state · (dα, dω) + forcing`.
+#[derive(Clone)]
+struct Node {
+    /// Acceleration and friction signs for which it was solved.
+    place: ([f64; 2], [f64; 4]),
+    by_state: [[f64; 4]; 2],
+    forcing: Vec<[f64x4; 2]>,
+}
+
+/// The sensitivities on their way.
 struct Variation {
-    parameters: usize,
-    columns: usize,
-    /// 4 x columns.
-    s: Vec<f64>,
-    /// Derivative of the drive by each parameter at both ends of the sample.
-    drive: Vec<[[f64; 2]; 2]>,
-    linear: Linearisation,
-    stage: [Vec<f64>; 4],
-    trial: Vec<f64>,
+    groups: Vec<Group>,
+    /// Derivative of the drive by each parameter at both ends of the sample, where there is one.
+    drive: Vec<(usize, [[f64; 2]; 2])>,
+    /// At the start, in the middle and at the end of a step.
+    nodes: [Node; 3],
+    middle: Linearisation,
+    /// What was evaluated at the end of the last step, and the state there.
+    end: Linearisation,
+    at_end: Option<(f64, Vector)>,
 }
 
 impl Variation {
     fn new(parameters: usize) -> Self {
-        let columns = parameters + 4;
-        let mut s = vec![0.0; 4 * columns];
+        let count = (parameters + 4).div_ceil(LANES);
+        let node = Node {
+            place: ([f64::NAN; 2], [0.0; 4]),
+            by_state: [[0.0; 4]; 2],
+            forcing: vec![[f64x4::ZERO; 2]; count],
+        };
+        let mut variation = Self {
+            groups: vec![[f64x4::ZERO; 4]; count],
+            drive: vec![],
+            nodes: std::array::from_fn(|_| node.clone()),
+            middle: Linearisation::new(parameters),
+            end: Linearisation::new(parameters),
+            at_end: None,
+        };
         for i in 0..4 {
-            s[i * columns + parameters + i] = 1.0;
+            let column = parameters + i;
+            variation.groups[column / LANES][i].as_mut_array()[column % LANES] = 1.0;
         }
-        Self {
-            parameters,
-            columns,
-            drive: vec![[[0.0; 2]; 2]; parameters],
-            linear: Linearisation::new(parameters),
-            stage: std::array::from_fn(|_| vec![0.0; 4 * columns]),
-            trial: s.clone(),
-            s,
+        variation
+    }
+
+    /// Writes all columns, one state after the other.
+    fn write(&self, values: &mut Vec<f64>) {
+        values.clear();
+        for i in 0..4 {
+            self.groups.iter().for_each(|group| values.extend(group[i].to_array()));
         }
     }
 
-    /// Writes S' at one Runge-Kutta stage, where the state changes by `rate`, from `self.trial`.
-    fn rates(
+    /// Derivatives of the acceleration at `t`, where it is `a`, into a node, from what was
+    /// evaluated there: `self.middle` for that in the middle, `self.end` for the others.
+    fn solve(
         &mut self,
-        s: &Stepper,
-        t: f64,
-        (y, rate): (&Vector, &Vector),
+        f: &Forces,
+        node: usize,
+        (t, a): (f64, [f64; 2]),
+        from: &Departure,
         drive: &Drive,
-        c: &Contact,
-        stage: usize,
     ) {
-        let a = [rate[2], rate[3]];
-        s.model.linearise(&s.motion(t, y), s.p, &a, &c.sign, &mut self.linear);
-        let (n, freedom) = (self.columns, c.freedom());
-        let out = &mut self.stage[stage];
+        let linear = if node == 1 { &mut self.middle } else { &mut self.end };
+        let node = &mut self.nodes[node];
+        node.place = (a, from.contact.sign);
+        f.model.differentiate(&a, &from.contact.sign, linear);
+        // a mass matrix that cannot be inverted was refused by the step of the state itself
+        let mobility = f.mobility(&linear.terms.mass, from).unwrap_or([0.0; 3]);
+        let solved = |b: [f64; 2]| times(&mobility, &[-b[0], -b[1]]);
+        for k in 0..4 {
+            let column = solved([linear.by_state[0][k], linear.by_state[1][k]]);
+            (node.by_state[0][k], node.by_state[1][k]) = (column[0], column[1]);
+        }
+        let mut set = |j: usize, moment: [f64; 2]| {
+            let [first, second] = &mut node.forcing[j / LANES];
+            let column = solved(moment);
+            first.as_mut_array()[j % LANES] = column[0];
+            second.as_mut_array()[j % LANES] = column[1];
+        };
+        for (j, moment) in linear.by_parameter.iter().enumerate() {
+            set(j, *moment);
+        }
         let share = drive.share(t);
-        for j in 0..n {
-            let mut b = [0.0; 2];
-            for i in 0..2 {
-                for k in 0..4 {
-                    b[i] -= self.linear.by_state[i][k] * self.trial[k * n + j];
-                }
-            }
-            if j < self.parameters {
-                for i in 0..2 {
-                    let [start, end] = [self.drive[j][0][i], self.drive[j][1][i]];
-                    b[i] += start + share * (end - start) - self.linear.by_parameter[j][i];
-                }
-            }
-            let da = match freedom {
-                None => solve_mass(&self.linear.terms.mass, &b).unwrap_or([0.0; 2]),
-                Some(free) => along_freedom(&self.linear.terms.mass, &b, &free),
-            };
-            out[j] = self.trial[2 * n + j];
-            out[n + j] = self.trial[3 * n + j];
-            out[2 * n + j] = da[0];
-            out[3 * n + j] = da[1];
+        for (j, [start, end]) in &self.drive {
+            let moment = linear.by_parameter[*j];
+            set(*j, [0, 1].map(|i| moment[i] - start[i] - share * (end[i] - start[i])));
         }
     }
 
-    fn trial_from(&mut self, h: f64, stage: usize) {
-        for (trial, (s, k)) in self.trial.iter_mut().zip(self.s.iter().zip(&self.stage[stage])) {
-            *trial = s + h * k;
+    /// Runge-Kutta 4 over a step of `h` with the nodes.
+    fn step(&mut self, h: f64) {
+        let [start, middle, end] = &self.nodes;
+        let angles = self
+            .nodes
+            .iter()
+            .any(|node| node.by_state.iter().any(|row| row[0] != 0.0 || row[1] != 0.0));
+        let (half, sixth) = (f64x4::splat(0.5 * h), f64x4::splat(h / 6.0));
+        let h = f64x4::splat(h);
+        for (n, group) in self.groups.iter_mut().enumerate() {
+            let rate = |node: &Node, a: [f64x4; 2], w: [f64x4; 2]| {
+                let row = |i: usize| {
+                    let by = node.by_state[i];
+                    let mut out = node.forcing[n][i] + w[0] * by[2] + w[1] * by[3];
+                    if angles {
+                        out += a[0] * by[0] + a[1] * by[1];
+                    }
+                    out
+                };
+                [row(0), row(1)]
+            };
+            let [a1, a2, w1, w2] = *group;
+            let (a, w) = ([a1, a2], [w1, w2]);
+            let plus = |x: [f64x4; 2], h: f64x4, k: [f64x4; 2]| [x[0] + h * k[0], x[1] + h * k[1]];
+            let k1 = rate(start, a, w);
+            let second = plus(w, half, k1);
+            let k2 = rate(middle, plus(a, half, w), second);
+            let third = plus(w, half, k2);
+            let k3 = rate(middle, plus(a, half, second), third);
+            let fourth = plus(w, h, k3);
+            let k4 = rate(end, plus(a, h, third), fourth);
+            for i in 0..2 {
+                group[i] += sixth * (w[i] + (second[i] + third[i]) * 2.0 + fourth[i]);
+                group[2 + i] += sixth * (k1[i] + (k2[i] + k3[i]) * 2.0 + k4[i]);
+            }
         }
     }
 }
 
+/// The state in the middle of a step from its ends and the rates there, by Hermite's cubic.
+fn middle(h: f64, (y, rate): (&Vector, &Vector), (end, a): (&Vector, &[f64; 2])) -> Vector {
+    let end_rate = [end[2], end[3], a[0], a[1], 0.0, 0.0, 0.0, 0.0];
+    std::array::from_fn(|i| 0.5 * (y[i] + end[i]) + 0.125 * h * (rate[i] - end_rate[i]))
+}
+
+/// Accelerations that differ by less than this share differ by rounding.
+const ROUNDING: f64 = 1e-9;
+
+impl Node {
+    /// Whether it holds at the start of a step that begins where it was solved.
+    fn holds(&self, from: &Departure) -> bool {
+        let (a, sign) = self.place;
+        let close = |i: usize| {
+            let now = from.rate[2 + i];
+            (now - a[i]).abs() <= ROUNDING * (1.0 + now.abs())
+        };
+        sign == from.contact.sign && close(0) && close(1)
+    }
+}
+
 impl Passenger for Variation {
-    fn smooth(&mut self, s: &Stepper, t: f64, h: f64, y: &Vector, drive: &Drive, c: &Contact) {
-        let half = 0.5 * h;
-        let rate = |t: f64, y: &Vector| s.stage_rates(t, y, drive, c);
-        let k1 = rate(t, y);
-        let y2 = plus(y, half, &k1);
-        let k2 = rate(t + half, &y2);
-        let y3 = plus(y, half, &k2);
-        let k3 = rate(t + half, &y3);
-        let y4 = plus(y, h, &k3);
-        let k4 = rate(t + h, &y4);
-        self.trial.copy_from_slice(&self.s);
-        self.rates(s, t, (y, &k1), drive, c, 0);
-        self.trial_from(half, 0);
-        self.rates(s, t + half, (&y2, &k2), drive, c, 1);
-        self.trial_from(half, 1);
-        self.rates(s, t + half, (&y3, &k3), drive, c, 2);
-        self.trial_from(h, 2);
-        self.rates(s, t + h, (&y4, &k4), drive, c, 3);
-        for (k, value) in self.s.iter_mut().enumerate() {
-            let [k1, k2, k3, k4] = [0, 1, 2, 3].map(|stage| self.stage[stage][k]);
-            *value += h / 6.0 * (k1 + 2.0 * (k2 + k3) + k4);
+    fn smooth(&mut self, f: &Forces, from: &Departure, to: f64, end: &Vector, drive: &Drive) {
+        let goes_on = self.at_end == Some((from.t, from.y));
+        if goes_on && from.freedom.is_none() && self.drive.is_empty() && self.nodes[2].holds(from) {
+            self.nodes.swap(0, 2);
+        } else {
+            if !goes_on {
+                f.model.evaluate(&f.motion(from.t, &from.y), f.p, &mut self.end);
+            }
+            let a = [from.rate[2], from.rate[3]];
+            self.solve(f, 0, (from.t, a), from, drive);
         }
+        let acceleration = |t: f64, linear: &Linearisation| {
+            f.constrained(&linear.terms, &drive.at(t), from).unwrap_or([0.0; 2])
+        };
+        f.model.evaluate(&f.motion(to, end), f.p, &mut self.end);
+        self.at_end = Some((to, *end));
+        let a = acceleration(to, &self.end);
+        self.solve(f, 2, (to, a), from, drive);
+        let (h, t) = (to - from.t, 0.5 * (from.t + to));
+        let y = middle(h, (&from.y, &from.rate), (end, &a));
+        f.model.evaluate(&f.motion(t, &y), f.p, &mut self.middle);
+        let a = acceleration(t, &self.middle);
+        self.solve(f, 1, (t, a), from, drive);
+        self.step(h);
     }
 
-    fn event(&mut self, j: usize, before: &[f64; 2], after: &Contact) {
-        let n = self.columns;
-        let rate = along(j, before);
+    fn event(&mut self, arrived: [bool; 4], before: &[f64; 2], after: &Contact) {
+        let Some(first) = arrived.iter().position(|arrived| *arrived) else { return };
+        // of two wheels that arrive together each jumps at its own time
+        let second = if arrived[..2] == [true; 2] { 1 } else { first };
         let freedom = after.freedom();
-        for column in 0..n {
-            let mut speed = [self.s[2 * n + column], self.s[3 * n + column]];
-            let time = if rate == 0.0 { 0.0 } else { -along(j, &speed) / rate };
-            for i in 0..2 {
-                speed[i] += (before[i] - after.acceleration[i]) * time;
+        for [_, _, w1, w2] in &mut self.groups {
+            let time = [first, second].map(|j| {
+                let ([d1, d2], rate) = (DIRECTIONS[j], along(j, before));
+                let delay = if rate == 0.0 { 0.0 } else { -1.0 / rate };
+                (*w1 * d1 + *w2 * d2) * delay
+            });
+            *w1 += time[0] * (before[0] - after.acceleration[0]);
+            *w2 += time[1] * (before[1] - after.acceleration[1]);
+            if let Some(n) = freedom {
+                let square = (n[0] * n[0] + n[1] * n[1]).max(f64::MIN_POSITIVE);
+                let q = (*w1 * n[0] + *w2 * n[1]) * (1.0 / square);
+                (*w1, *w2) = (q * n[0], q * n[1]);
             }
-            // where both wheels arrive together one jump does not account for the other
-            if let Some(free) = freedom {
-                speed = along_freedom(&[1.0, 0.0, 1.0], &speed, &free);
-            }
-            (self.s[2 * n + column], self.s[3 * n + column]) = (speed[0], speed[1]);
         }
     }
 }
@@ -204,10 +319,12 @@ fn by_differences(
     p: &[f64],
     input: &Input,
     start: State,
-) -> Result<(Vec<State>, Sensitivities), SimulateError> {
+    visit: Visit,
+) -> Result<(), SimulateError> {
     let motion = simulate(model, p, input, start)?;
     let columns = p.len() + 4;
-    let mut values = vec![0.0; motion.len() * 4 * columns];
+    let stride = columns.next_multiple_of(LANES);
+    let mut values = vec![0.0; motion.len() * 4 * stride];
     for j in 0..columns {
         let at = |sign: f64| {
             let (mut p, mut start) = (p.to_vec(), start);
@@ -223,10 +340,13 @@ fn by_differences(
         let ((up, h), (down, _)) = (at(1.0)?, at(-1.0)?);
         for (k, (u, d)) in up.iter().zip(&down).enumerate() {
             for i in 0..2 {
-                values[(k * 4 + i) * columns + j] = (u.alpha[i] - d.alpha[i]) / (2.0 * h);
-                values[(k * 4 + 2 + i) * columns + j] = (u.omega[i] - d.omega[i]) / (2.0 * h);
+                values[(k * 4 + i) * stride + j] = (u.alpha[i] - d.alpha[i]) / (2.0 * h);
+                values[(k * 4 + 2 + i) * stride + j] = (u.omega[i] - d.omega[i]) / (2.0 * h);
             }
         }
     }
-    Ok((motion, Sensitivities { columns, values }))
+    for (k, (state, derivatives)) in motion.iter().zip(values.chunks(4 * stride)).enumerate() {
+        visit(k, state, derivatives);
+    }
+    Ok(())
 }

@@ -1,0 +1,280 @@
+//! The cost of output error: a free simulation against what was measured, with derivatives.
+
+use nalgebra::{DMatrix, DVector};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use wide::f64x4;
+
+use super::Task;
+use super::kalman::{Prepared, prepare};
+use super::screening::lowest;
+use crate::effects::ParameterKind;
+use crate::math::descent::Quadratic;
+use crate::model::Model;
+use crate::robot::State;
+use crate::simulate::{Hold, Input, LANES, follow, simulate};
+
+/// Standard deviation of the logarithm of scattered starts.
+const SCATTER: f64 = 0.3;
+/// Scattered values that are simulated for each one from which a descent starts.
+const SCREENED: usize = 8;
+/// Values of the first parameter of a body behind the wheels that are simulated, and of each other
+/// one, at equal ratios; and how much of each piece [s].
+const FINE: usize = 30;
+const COARSE: usize = 5;
+const SCREENED_SECONDS: f64 = 6.0;
+/// Blocks within which residuals may be correlated [s].
+const BLOCK: f64 = 5.0;
+
+/// Parameters that are estimated, then four initial states of every piece.
+pub(super) struct Problem<'a> {
+    pub(super) task: &'a Task<'a>,
+    pub(super) p: Vec<f64>,
+    pub(super) free: Vec<usize>,
+    pub(super) pieces: Vec<(usize, std::ops::Range<usize>)>,
+    pub(super) prepared: Vec<Prepared<'a>>,
+}
+
+impl<'a> Problem<'a> {
+    pub(super) fn new(task: &'a Task<'a>, p: Vec<f64>) -> Self {
+        let pieces = task
+            .train
+            .iter()
+            .enumerate()
+            .flat_map(|(r, recording)| {
+                recording.pieces().iter().filter(|p| p.len() > 4).map(move |p| (r, p.clone()))
+            })
+            .collect();
+        let prepared = task.train.iter().map(prepare).collect();
+        Self { task, free: task.model.free(), p, pieces, prepared }
+    }
+
+    pub(super) fn model(&self) -> &Model {
+        self.task.model
+    }
+
+    fn first(&self) -> DVector<f64> {
+        let mut x: Vec<f64> = self.free.iter().map(|&j| self.p[j]).collect();
+        for (r, piece) in &self.pieces {
+            let m = self.task.train[*r].local_motion_at(piece.start);
+            let still = self.prepared[*r].still[piece.start];
+            x.extend(m.alpha);
+            x.extend([0, 1].map(|i| if still[i] { 0.0 } else { m.omega[i] }));
+        }
+        DVector::from_vec(x)
+    }
+
+    /// The first start, and the best by their ISE of many with parameters scattered around it.
+    pub(super) fn starts(&self, count: usize) -> Vec<DVector<f64>> {
+        let mut rng = ChaCha8Rng::seed_from_u64(self.task.seed);
+        let mut first = self.first();
+        self.find_body(&mut first);
+        let scattered: Vec<DVector<f64>> = (0..SCREENED * (count - 1))
+            .map(|_| {
+                let mut x = first.clone();
+                for i in 0..self.free.len() {
+                    let draw: f64 = StandardNormal.sample(&mut rng);
+                    x[i] *= (SCATTER * draw).exp();
+                }
+                x
+            })
+            .collect();
+        let best = self.lowest(&scattered, count - 1, f64::INFINITY);
+        std::iter::once(first).chain(best.into_iter().map(|n| scattered[n].clone())).collect()
+    }
+
+    /// The places of the `count` starts whose simulations of the first `seconds` of every piece
+    /// come nearest.
+    fn lowest(&self, starts: &[DVector<f64>], count: usize, seconds: f64) -> Vec<usize> {
+        let Some(first) = starts.first() else { return vec![] };
+        let vectors: Vec<Vec<f64>> = starts.iter().map(|x| self.parameters(x)).collect();
+        let stretches = self.pieces.iter().enumerate().map(|(n, (r, piece))| {
+            let t = &self.task.train[*r].t()[piece.clone()];
+            let length = t.partition_point(|now| now - t[0] <= seconds);
+            let piece = piece.start..piece.start + length;
+            let measured = &self.task.train[*r].omega()[piece.clone()];
+            (self.input(*r, &piece), self.start(first, n), measured)
+        });
+        lowest(self.model(), &vectors, count, stretches)
+    }
+
+    /// Sets the parameters of a body behind the wheels to the best of a grid over their ranges. The
+    /// cost has a valley for every frequency at which the body could swing, and the weak form, which
+    /// knows no body, says nothing of them.
+    fn find_body(&self, first: &mut DVector<f64>) {
+        let model = self.model();
+        let Some(effect) = model.coupling_effect() else { return };
+        let own = |i: &usize| model.slots(effect).contains(&self.free[*i]);
+        let places: Vec<usize> = (0..self.free.len()).filter(own).collect();
+        let mut grid = vec![first.clone()];
+        for (n, &i) in places.iter().enumerate() {
+            let (low, high) = model.parameters()[self.free[i]].spec.range;
+            let steps = if n == 0 { FINE } else { COARSE };
+            let value = |k: usize| low * (high / low).powf(k as f64 / (steps - 1) as f64);
+            let along = |x: &DVector<f64>| {
+                let mut points = vec![x.clone(); steps];
+                points.iter_mut().enumerate().for_each(|(k, point)| point[i] = value(k));
+                points
+            };
+            grid = grid.iter().flat_map(along).collect();
+        }
+        grid.push(first.clone());
+        if let Some(&best) = self.lowest(&grid, 1, SCREENED_SECONDS).first() {
+            *first = grid.swap_remove(best);
+        }
+    }
+
+    /// Bounds of shape parameters; the others and the initial states are free.
+    pub(super) fn bound(&self, side: impl Fn((f64, f64)) -> f64, none: f64) -> DVector<f64> {
+        let count = self.free.len() + 4 * self.pieces.len();
+        DVector::from_fn(count, |i, _| {
+            let parameter = self.free.get(i).map(|&j| &self.model().parameters()[j]);
+            match parameter {
+                Some(p) if p.spec.kind == ParameterKind::Shape => side(p.spec.range),
+                _ => none,
+            }
+        })
+    }
+
+    pub(super) fn parameters(&self, x: &DVector<f64>) -> Vec<f64> {
+        let mut p = self.p.clone();
+        for (i, &j) in self.free.iter().enumerate() {
+            p[j] = x[i];
+        }
+        p
+    }
+
+    fn start(&self, x: &DVector<f64>, piece: usize) -> State {
+        let at = |i: usize| x[self.free.len() + 4 * piece + i];
+        State { alpha: [at(0), at(1)], omega: [at(2), at(3)] }
+    }
+
+    fn input(&self, r: usize, piece: &std::ops::Range<usize>) -> Input<'a> {
+        let recording = &self.task.train[r];
+        let hold: Hold = self.task.hold;
+        Input { t: &recording.t()[piece.clone()], moment: &recording.moment()[piece.clone()], hold }
+    }
+
+    /// Residuals of one sample over their standard deviations; zero for channels not measured.
+    fn residual(&self, r: usize, weight: &[f64; 4], k: usize, state: &State) -> [f64; 4] {
+        let recording = &self.task.train[r];
+        let (a, w) = (recording.alpha()[k], recording.omega()[k]);
+        let measured = [a[0], a[1], w[0], w[1]];
+        let simulated = [state.alpha[0], state.alpha[1], state.omega[0], state.omega[1]];
+        let fresh = if recording.fresh()[k] { 1.0 } else { 0.0 };
+        std::array::from_fn(|i| fresh * weight[i] * (measured[i] - simulated[i]))
+    }
+
+    /// One over the standard deviation of each channel; zero for those not measured.
+    fn weight(&self, r: usize) -> [f64; 4] {
+        let prepared = &self.prepared[r];
+        let one_over = |i: usize| 1.0 / prepared.variance[i].sqrt();
+        std::array::from_fn(|i| if prepared.used[i] { one_over(i) } else { 0.0 })
+    }
+
+    /// Measured values less what is estimated.
+    pub(super) fn degrees(&self) -> f64 {
+        let channels = |r: usize| self.prepared[r].used.iter().filter(|used| **used).count();
+        let samples: usize = self.pieces.iter().map(|(r, piece)| piece.len() * channels(*r)).sum();
+        samples.saturating_sub(self.free.len() + 4 * self.pieces.len()).max(1) as f64
+    }
+
+    /// Half the sum of squared residuals.
+    pub(super) fn cost(&self, x: &DVector<f64>) -> Option<f64> {
+        let p = self.parameters(x);
+        let mut sum = 0.0;
+        for (n, (r, piece)) in self.pieces.iter().enumerate() {
+            let (input, weight) = (self.input(*r, piece), self.weight(*r));
+            let motion = simulate(self.model(), &p, &input, self.start(x, n)).ok()?;
+            for (k, state) in piece.clone().zip(&motion) {
+                sum +=
+                    self.residual(*r, &weight, k, state).iter().map(|e| 0.5 * e * e).sum::<f64>();
+            }
+        }
+        sum.is_finite().then_some(sum)
+    }
+
+    /// The cost with gradient and curvature, and the gradients of blocks of 5 s, one a row.
+    pub(super) fn evaluate(&self, x: &DVector<f64>) -> Option<(Quadratic, DMatrix<f64>)> {
+        let (p, size, count) = (self.parameters(x), x.len(), self.free.len());
+        let mut hessian = DMatrix::zeros(size, size);
+        let (mut cost, mut scores) = (0.0, Vec::new());
+        for (n, (r, piece)) in self.pieces.iter().enumerate() {
+            let (input, weight) = (self.input(*r, piece), self.weight(*r));
+            let mut sums = Sums::new(p.len() + 4);
+            follow(self.model(), &p, &input, self.start(x, n), &mut |k, state, derivatives| {
+                let residual = self.residual(*r, &weight, piece.start + k, state);
+                let block = ((input.t[k] - input.t[0]) / BLOCK) as usize;
+                sums.add(block, residual, &weight, derivatives);
+            })
+            .ok()?;
+            let columns = self.free.iter().copied().chain(p.len()..p.len() + 4);
+            let places = (0..count).chain(count + 4 * n..count + 4 * n + 4);
+            let own: Vec<(usize, usize)> = columns.zip(places).collect();
+            cost += sums.cost;
+            for &(c, i) in &own {
+                own.iter().for_each(|&(d, k)| hessian[(i, k)] += sums.curvature(c, d));
+            }
+            for block in &sums.blocks {
+                let mut score = DVector::zeros(size);
+                own.iter().for_each(|&(c, i)| score[i] = block[c / LANES].as_array()[c % LANES]);
+                scores.push(score);
+            }
+        }
+        let scores = DMatrix::from_fn(scores.len(), size, |b, j| scores[b][j]);
+        let gradient = -scores.row_sum().transpose();
+        cost.is_finite().then_some((Quadratic { cost, gradient, hessian }, scores))
+    }
+}
+
+/// What is summed over the samples of a piece, in the columns of [`follow`].
+struct Sums {
+    cost: f64,
+    /// `Σ ψ ψ'`, lower triangle: rows of lanes.
+    curvature: Vec<f64x4>,
+    /// `Σ ψ e` of every block.
+    blocks: Vec<Vec<f64x4>>,
+    groups: usize,
+    row: Vec<f64x4>,
+}
+
+impl Sums {
+    fn new(columns: usize) -> Self {
+        let groups = columns.div_ceil(LANES);
+        let zero = f64x4::ZERO;
+        let curvature = vec![zero; columns * groups];
+        Self { cost: 0.0, curvature, blocks: vec![], groups, row: vec![zero; groups] }
+    }
+
+    /// Adds one sample, given its residuals over their standard deviations, one over these, and
+    /// the derivatives of the four states.
+    fn add(&mut self, block: usize, residual: [f64; 4], weight: &[f64; 4], derivatives: &[f64]) {
+        let groups = self.groups;
+        while self.blocks.len() <= block {
+            self.blocks.push(vec![f64x4::ZERO; groups]);
+        }
+        let stride = LANES * groups;
+        for (i, e) in residual.into_iter().enumerate().filter(|(i, _)| weight[*i] > 0.0) {
+            self.cost += 0.5 * e * e;
+            let psi = &derivatives[i * stride..(i + 1) * stride];
+            for (row, lanes) in self.row.iter_mut().zip(psi.chunks_exact(LANES)) {
+                *row = f64x4::new([lanes[0], lanes[1], lanes[2], lanes[3]]) * weight[i];
+            }
+            for (sum, row) in self.blocks[block].iter_mut().zip(&self.row) {
+                *sum += *row * e;
+            }
+            for (c, sums) in self.curvature.chunks_exact_mut(groups).enumerate() {
+                let own = f64x4::splat(psi[c] * weight[i]);
+                for (sum, row) in sums[..=c / LANES].iter_mut().zip(&self.row) {
+                    *sum += own * *row;
+                }
+            }
+        }
+    }
+
+    fn curvature(&self, c: usize, d: usize) -> f64 {
+        let (row, column) = (c.max(d), c.min(d));
+        self.curvature[row * self.groups + column / LANES].as_array()[column % LANES]
+    }
+}

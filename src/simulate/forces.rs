@@ -1,0 +1,390 @@
+//! What acts on the wheels of a model with given parameters, and the rates that follow from it.
+
+use super::drive::Drive;
+use super::friction::{Contact, contact};
+use crate::effects::{Coupling, DIRECTIONS, Effect, Energy, Motion, Terms, along};
+use crate::math::sgn;
+use crate::model::{Model, ModelError, Role, Roles, solve_mass};
+
+/// alpha1, alpha2, omega1, omega2, and behind a coupling: body speeds u1, u2, twists phi1, phi2.
+pub(super) type Vector = [f64; 8];
+
+/// Largest share of the robot's smallest inertia that the rotor of a coupling takes, so that the
+/// body behind it keeps a positive mass.
+const LARGEST_ROTOR: f64 = 0.9;
+
+/// Where a step starts: the state, how its directions slide or stick, and its rates.
+pub(super) struct Departure {
+    pub(super) t: f64,
+    pub(super) y: Vector,
+    pub(super) contact: Contact,
+    /// [`Contact::freedom`] of `contact`.
+    pub(super) freedom: Option<[f64; 2]>,
+    pub(super) rate: Vector,
+    /// What resists on each wheel throughout the step [N m], where levels do not vary.
+    resisting: [f64; 2],
+}
+
+/// Effects added up: what is the same at every instant is there already.
+struct Sum<'m> {
+    constant: Terms<f64>,
+    varying: Vec<(&'m dyn Effect, &'m [f64])>,
+}
+
+impl<'m> Sum<'m> {
+    fn new(
+        model: &'m Model,
+        p: &'m [f64],
+        x: &Motion<f64>,
+        part: impl Fn(&dyn Effect) -> bool,
+    ) -> Self {
+        let mut sum = Self { constant: Terms::zero(), varying: vec![] };
+        for (e, effect) in model.effects().iter().enumerate().filter(|(_, e)| part(&***e)) {
+            let p = &p[model.slots(e)];
+            if model.roles(e).vary() {
+                sum.varying.push((&**effect, p));
+            } else {
+                sum.constant.add(&effect.terms(x, p));
+            }
+        }
+        sum
+    }
+
+    #[inline]
+    fn at(&self, x: &Motion<f64>) -> Terms<f64> {
+        let mut terms = self.constant;
+        for (effect, p) in &self.varying {
+            terms.add(&effect.terms(x, p));
+        }
+        terms
+    }
+}
+
+/// A model with parameter values, ready to be integrated.
+pub(super) struct Forces<'m> {
+    pub(super) model: &'m Model,
+    pub(super) p: &'m [f64],
+    t0: f64,
+    /// All effects; with a body behind the wheels those on the wheels alone.
+    wheel: Sum<'m>,
+    behind: Option<Behind<'m>>,
+    /// Inverse of a mass matrix that is the same at every instant.
+    inverse: Option<[f64; 3]>,
+    /// Whether the level of a dry friction varies, and the levels if none does.
+    rough: bool,
+    level: [f64; 4],
+}
+
+/// A body behind the measured wheels.
+struct Behind<'m> {
+    coupling: (&'m dyn Effect, &'m [f64]),
+    body: Sum<'m>,
+}
+
+/// What acts on the wheels at one instant; with a body behind them its terms and the moments
+/// that are passed on to it.
+struct Acting {
+    terms: Terms<f64>,
+    moment: [f64; 2],
+    body: Option<(Terms<f64>, [f64; 2])>,
+}
+
+impl<'m> Forces<'m> {
+    pub(super) fn new(model: &'m Model, p: &'m [f64], t0: f64) -> Self {
+        let robot = model.robot();
+        let x = Motion { t: 0.0, alpha: [0.0; 2], omega: [0.0; 2], variance: [0.0; 4], robot };
+        let places =
+            || (0..model.effects().len()).map(|e| (&*model.effects()[e], &p[model.slots(e)]));
+        let coupling = places().find(|(effect, p)| effect.coupling(&x, p).is_some());
+        let of_body = |e: &dyn Effect| {
+            coupling.is_some() && matches!(e.energy(), Energy::Stores | Energy::DoesNoWork)
+        };
+        let wheel = Sum::new(model, p, &x, |e| !of_body(e));
+        let behind =
+            coupling.map(|coupling| Behind { coupling, body: Sum::new(model, p, &x, of_body) });
+        let varies = |role: fn(&Roles) -> Role| {
+            (0..model.effects().len()).any(|e| role(&model.roles(e)) == Role::Varying)
+        };
+        let steady = behind.is_none() && !varies(|roles| roles.mass);
+        let everywhere = wheel.at(&x);
+        let inverse = if steady { inverse(&everywhere.mass).ok() } else { None };
+        let level = everywhere.level;
+        let rough = varies(|roles| roles.level);
+        Self { model, p, t0, wheel, behind, inverse, rough, level }
+    }
+
+    #[inline]
+    pub(super) fn motion(&self, t: f64, y: &Vector) -> Motion<'m, f64> {
+        Motion {
+            t: t - self.t0,
+            alpha: [y[0], y[1]],
+            omega: [y[2], y[3]],
+            variance: [0.0; 4],
+            robot: self.model.robot(),
+        }
+    }
+
+    /// The fastest rate of a coupling [1/s], set by the lighter of rotor and body.
+    pub(super) fn coupling_rate(&self, t: f64, y: &Vector) -> Option<f64> {
+        let Behind { coupling: (effect, p), body } = self.behind.as_ref()?;
+        let x = self.motion(t, y);
+        let c = effect.coupling(&x, p)?;
+        let smallest = smallest_inertia(&body.at(&x).mass);
+        let rotor = c.rotor.min(LARGEST_ROTOR * smallest);
+        let mobility = 1.0 / rotor + 1.0 / (smallest - rotor);
+        Some((c.damping * mobility).max((c.stiffness * mobility).sqrt()))
+    }
+
+    #[inline]
+    fn acting(&self, t: f64, y: &Vector, drive: &Drive) -> Acting {
+        let (x, moment) = (self.motion(t, y), drive.at(t));
+        match &self.behind {
+            None => Acting { terms: self.wheel.at(&x), moment, body: None },
+            Some(behind) => self.coupled(behind, &x, y, moment),
+        }
+    }
+
+    fn coupled(&self, behind: &Behind, x: &Motion<f64>, y: &Vector, moment: [f64; 2]) -> Acting {
+        let (mut wheel, (effect, p)) = (self.wheel.at(x), behind.coupling);
+        let Some(Coupling { rotor, stiffness, damping }) = effect.coupling(x, p) else {
+            return Acting { terms: wheel, moment, body: None };
+        };
+        let at_body = Motion { alpha: [y[0] - y[6], y[1] - y[7]], omega: [y[4], y[5]], ..*x };
+        let mut body = behind.body.at(&at_body);
+        let rotor = rotor.min(LARGEST_ROTOR * smallest_inertia(&body.mass));
+        wheel.mass = [rotor, 0.0, rotor];
+        body.mass = [body.mass[0] - rotor, body.mass[1], body.mass[2] - rotor];
+        let passed = [0, 1].map(|i| stiffness * y[6 + i] + damping * (y[2 + i] - y[4 + i]));
+        let moment = [moment[0] - passed[0], moment[1] - passed[1]];
+        Acting { terms: wheel, moment, body: Some((body, passed)) }
+    }
+
+    /// The state at `t` as the start of a step.
+    pub(super) fn depart(
+        &self,
+        t: f64,
+        y: &Vector,
+        drive: &Drive,
+    ) -> Result<Departure, ModelError> {
+        if let Some(departure) = self.sliding(t, y, drive) {
+            return Ok(departure);
+        }
+        let acting = self.acting(t, y, drive);
+        let contact = contact(&acting.terms, &acting.moment, &[y[2], y[3]])?;
+        let rate = with_body(y, contact.acceleration, &acting)?;
+        let resisting = self.resisting(&contact.sign);
+        Ok(Departure { t, y: *y, freedom: contact.freedom(), contact, rate, resisting })
+    }
+
+    /// [`Forces::depart`] in the ordinary case: only moments vary, and nothing is at rest.
+    #[inline]
+    fn sliding(&self, t: f64, y: &Vector, drive: &Drive) -> Option<Departure> {
+        let inverse = self.inverse.as_ref().filter(|_| !self.rough)?;
+        let omega = [y[2], y[3]];
+        let mut sign = [0.0; 4];
+        for (j, sign) in sign.iter_mut().enumerate() {
+            if self.level[j] > 0.0 {
+                *sign = sgn(along(j, &omega));
+                if *sign == 0.0 {
+                    return None;
+                }
+            }
+        }
+        let resisting = self.resisting(&sign);
+        let a = times(inverse, &self.remaining(&self.motion(t, y), drive.at(t), &resisting));
+        let contact = Contact { sign, stuck: [false; 4], acceleration: a };
+        let rate = [y[2], y[3], a[0], a[1], a[0], a[1], 0.0, 0.0];
+        Some(Departure { t, y: *y, contact, freedom: None, rate, resisting })
+    }
+
+    /// What resists throughout a step with these signs, of what does not vary [N m].
+    #[inline]
+    fn resisting(&self, sign: &[f64; 4]) -> [f64; 2] {
+        let (torque, friction) = (self.wheel.constant.torque, friction(&self.level, sign));
+        [torque[0] + friction[0], torque[1] + friction[1]]
+    }
+
+    /// What is left of a moment to accelerate the wheels, where only moments vary.
+    #[inline]
+    fn remaining(&self, x: &Motion<f64>, moment: [f64; 2], resisting: &[f64; 2]) -> [f64; 2] {
+        let mut b = [moment[0] - resisting[0], moment[1] - resisting[1]];
+        for (effect, p) in &self.wheel.varying {
+            let torque = effect.torque(x, p);
+            b = [b[0] - torque[0], b[1] - torque[1]];
+        }
+        b
+    }
+
+    pub(super) fn contact(&self, t: f64, y: &Vector, drive: &Drive) -> Result<Contact, ModelError> {
+        let acting = self.acting(t, y, drive);
+        contact(&acting.terms, &acting.moment, &[y[2], y[3]])
+    }
+
+    /// Acceleration of the measured wheels in the contact state of `from`.
+    pub(super) fn acceleration(
+        &self,
+        t: f64,
+        y: &Vector,
+        drive: &Drive,
+        from: &Departure,
+    ) -> Result<[f64; 2], ModelError> {
+        let acting = self.acting(t, y, drive);
+        self.constrained(&acting.terms, &acting.moment, from)
+    }
+
+    /// The acceleration with the signs of `from`, along the one free direction where others stick.
+    #[inline]
+    pub(super) fn constrained(
+        &self,
+        terms: &Terms<f64>,
+        moment: &[f64; 2],
+        from: &Departure,
+    ) -> Result<[f64; 2], ModelError> {
+        let friction = friction(&terms.level, &from.contact.sign);
+        let b = [0, 1].map(|i| moment[i] - terms.torque[i] - friction[i]);
+        match (from.freedom, self.inverse) {
+            (None, Some([i11, i12, i22])) => Ok([i11 * b[0] + i12 * b[1], i12 * b[0] + i22 * b[1]]),
+            (None, None) => solve_mass(&terms.mass, &b),
+            (Some(n), _) => Ok(along_freedom(&terms.mass, &b, &n)),
+        }
+    }
+
+    /// Inverse of the mass matrix, along the one free direction where others stick.
+    pub(super) fn mobility(
+        &self,
+        mass: &[f64; 3],
+        from: &Departure,
+    ) -> Result<[f64; 3], ModelError> {
+        match (from.freedom, self.inverse) {
+            (None, Some(inverse)) => Ok(inverse),
+            (None, None) => inverse(mass),
+            (Some(n), _) => {
+                let [m1, m2] = [[1.0, 0.0], [0.0, 1.0]].map(|b| along_freedom(mass, &b, &n));
+                Ok([m1[0], m1[1], m2[1]])
+            }
+        }
+    }
+
+    /// One classical Runge-Kutta step to `to` [s] in the contact state of its start.
+    pub(super) fn step(
+        &self,
+        from: &Departure,
+        to: f64,
+        drive: &Drive,
+    ) -> Result<Vector, ModelError> {
+        let (t, h) = (from.t, to - from.t);
+        if self.behind.is_none() {
+            return self.rigid_step(from, t, h, drive);
+        }
+        let (y, k1) = (&from.y, &from.rate);
+        let rates = |t: f64, y: &Vector| {
+            let acting = self.acting(t, y, drive);
+            with_body(y, self.constrained(&acting.terms, &acting.moment, from)?, &acting)
+        };
+        let plus = |h: f64, k: &Vector| -> Vector { std::array::from_fn(|i| y[i] + h * k[i]) };
+        let k2 = rates(t + 0.5 * h, &plus(0.5 * h, k1))?;
+        let k3 = rates(t + 0.5 * h, &plus(0.5 * h, &k2))?;
+        let k4 = rates(to, &plus(h, &k3))?;
+        Ok(std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i])))
+    }
+
+    fn rigid_step(
+        &self,
+        from: &Departure,
+        t: f64,
+        h: f64,
+        drive: &Drive,
+    ) -> Result<Vector, ModelError> {
+        let y = &from.y;
+        let (a, w) = ([y[0], y[1]], [y[2], y[3]]);
+        let plus = |x: [f64; 2], h: f64, k: [f64; 2]| [x[0] + h * k[0], x[1] + h * k[1]];
+        let rate = |t: f64, a: [f64; 2], w: [f64; 2]| {
+            let x = Motion {
+                t: t - self.t0,
+                alpha: a,
+                omega: w,
+                variance: [0.0; 4],
+                robot: self.model.robot(),
+            };
+            self.rigid(&x, drive.at(t), from)
+        };
+        let (half, middle) = (0.5 * h, t + 0.5 * h);
+        let k1 = [from.rate[2], from.rate[3]];
+        let second = plus(w, half, k1);
+        let k2 = rate(middle, plus(a, half, w), second)?;
+        let third = plus(w, half, k2);
+        let k3 = rate(middle, plus(a, half, second), third)?;
+        let fourth = plus(w, h, k3);
+        let k4 = rate(t + h, plus(a, h, third), fourth)?;
+        let sum = |x: f64, k: [f64; 4]| x + h / 6.0 * (k[0] + 2.0 * (k[1] + k[2]) + k[3]);
+        let alpha = [0, 1].map(|i| sum(a[i], [w[i], second[i], third[i], fourth[i]]));
+        let omega = [0, 1].map(|i| sum(w[i], [k1[i], k2[i], k3[i], k4[i]]));
+        Ok([alpha[0], alpha[1], omega[0], omega[1], omega[0], omega[1], 0.0, 0.0])
+    }
+
+    /// Acceleration in the contact state of `from` without a body behind the wheels.
+    #[inline]
+    fn rigid(
+        &self,
+        x: &Motion<f64>,
+        moment: [f64; 2],
+        from: &Departure,
+    ) -> Result<[f64; 2], ModelError> {
+        let (false, None, Some(inverse)) = (self.rough, from.freedom, &self.inverse) else {
+            return self.constrained(&self.wheel.at(x), &moment, from);
+        };
+        Ok(times(inverse, &self.remaining(x, moment, &from.resisting)))
+    }
+}
+
+/// The moment of dry friction on each wheel, with the signs of a contact state.
+#[inline]
+fn friction(level: &[f64; 4], sign: &[f64; 4]) -> [f64; 2] {
+    let mut sum = [0.0; 2];
+    for (j, d) in DIRECTIONS.iter().enumerate() {
+        let friction = level[j].max(0.0) * sign[j];
+        sum = [sum[0] + d[0] * friction, sum[1] + d[1] * friction];
+    }
+    sum
+}
+
+/// Symmetric matrix (m11, m12, m22) times a vector.
+#[inline]
+pub(super) fn times([m11, m12, m22]: &[f64; 3], b: &[f64; 2]) -> [f64; 2] {
+    [m11 * b[0] + m12 * b[1], m12 * b[0] + m22 * b[1]]
+}
+
+/// All rates from the acceleration of the wheels.
+#[inline]
+fn with_body(y: &Vector, a: [f64; 2], acting: &Acting) -> Result<Vector, ModelError> {
+    let mut rates = [y[2], y[3], a[0], a[1], a[0], a[1], 0.0, 0.0];
+    if let Some((terms, passed)) = &acting.body {
+        let force = [passed[0] - terms.torque[0], passed[1] - terms.torque[1]];
+        let du = solve_mass(&terms.mass, &force)?;
+        rates[4..].copy_from_slice(&[du[0], du[1], y[2] - y[4], y[3] - y[5]]);
+    }
+    Ok(rates)
+}
+
+/// Inverse of a mass matrix as (i11, i12, i22).
+fn inverse(mass: &[f64; 3]) -> Result<[f64; 3], ModelError> {
+    let [first, second] = [solve_mass(mass, &[1.0, 0.0])?, solve_mass(mass, &[0.0, 1.0])?];
+    Ok([first[0], first[1], second[1]])
+}
+
+/// The smaller eigenvalue of a mass matrix [kg m^2].
+fn smallest_inertia(mass: &[f64; 3]) -> f64 {
+    let [m11, m12, m22] = *mass;
+    0.5 * (m11 + m22) - (0.5 * (m11 - m22)).hypot(m12)
+}
+
+/// `n (n·b)/(n' A n)`, or zero where nothing is free.
+fn along_freedom(mass: &[f64; 3], b: &[f64; 2], n: &[f64; 2]) -> [f64; 2] {
+    let [m11, m12, m22] = *mass;
+    let inertia = m11 * n[0] * n[0] + 2.0 * m12 * n[0] * n[1] + m22 * n[1] * n[1];
+    if inertia <= 0.0 {
+        return [0.0; 2];
+    }
+    let q = (n[0] * b[0] + n[1] * b[1]) / inertia;
+    [n[0] * q, n[1] * q]
+}
