@@ -54,7 +54,7 @@ impl Scale {
         };
         let mut out = Vec::new();
         for value in shape_values(id, first.typical, self) {
-            if !(value >= first.range.0 && value <= first.range.1) || !self.goes_round(id, value) {
+            if value < first.range.0 || value > first.range.1 || !self.goes_round(id, value) {
                 continue;
             }
             if seconds.is_empty() {

@@ -168,7 +168,12 @@ impl Problem<'_> {
 
     /// Covariance of all parameters: the larger of the inverse information and what blocks of
     /// residuals of 5 s show, since a simulation that wanders misses whole stretches alike.
-    fn covariance(&self, minimum: &Minimum, z: &DMatrix<f64>, information: &DMatrix<f64>) -> DMatrix<f64> {
+    fn covariance(
+        &self,
+        minimum: &Minimum,
+        z: &DMatrix<f64>,
+        information: &DMatrix<f64>,
+    ) -> DMatrix<f64> {
         let (count, total) = (self.free.len(), self.p.len());
         let model = inverse_where_known(information);
         let all = inverse_where_known(&minimum.hessian);

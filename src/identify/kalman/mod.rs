@@ -11,6 +11,7 @@ mod dynamics;
 mod input_noise;
 mod joint;
 mod likelihood;
+mod noise_search;
 mod pass;
 mod prepare;
 mod standstill;
