@@ -151,6 +151,13 @@ impl Candidate {
         is_joint(&self.effect, &self.around.model)
     }
 
+    /// Whether that body hangs on a spring.
+    pub(super) fn is_spring(&self) -> bool {
+        let robot = self.around.model.robot();
+        let x = Motion { t: 0.0, alpha: [0.0; 2], omega: [0.0; 2], variance: [0.0; 4], robot };
+        self.effect.coupling(&x, &self.p).is_some_and(|c| c.stiffness > 0.0)
+    }
+
     fn signals(&self, recordings: &[&Recording]) -> Vec<Vec<[f64; 2]>> {
         if self.is_joint() {
             return recordings.iter().map(|r| joint_signal(self, &self.around, r)).collect();

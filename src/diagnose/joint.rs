@@ -5,6 +5,7 @@ use std::sync::Arc;
 use nalgebra::{Matrix3, Vector3};
 
 use super::candidate::{Around, Candidate};
+use super::signals::smoothed_drive;
 use crate::effects::{Coupling, Effect, Motion, along};
 use crate::math::sgn;
 use crate::model::Model;
@@ -37,9 +38,11 @@ pub(super) fn joint_signal(
     let rotor = coupling.rotor_within(&mass);
     let mean = 0.5 * (mass[0] + mass[2]);
     let modes = [mean + mass[1], mean - mass[1]].map(|inertia| Mode { inertia, rotor, coupling });
+    // noise of the drive would be in the signal and in what it is held against
+    let drive = smoothed_drive(recording);
     let force: Vec<[f64; 2]> = (0..recording.len())
         .map(|k| {
-            let [a, b] = acting(around, recording.moment()[k], &at(k));
+            let [a, b] = acting(around, drive[k], &at(k));
             [0.5 * (a + b), 0.5 * (a - b)]
         })
         .collect();

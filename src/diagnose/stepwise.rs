@@ -5,6 +5,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::candidate::{Candidate, candidates};
+use super::judge::Judge;
 use super::refit::{Refit, refit};
 use super::scan::{Score, scan};
 use crate::effects::Effect;
@@ -48,6 +49,8 @@ const EVIDENCE: f64 = 8.0;
 const PRACTICAL: f64 = 0.0025;
 /// Share of its threshold that a score must reach where the evidence of the refit is strong.
 const NEARLY: f64 = 0.8;
+/// Least share of the squared window error that a spring behind the wheels must take away.
+const SPRING: f64 = 0.06;
 /// Effects whose Wald statistic falls below this, once others are in, are dropped again.
 const KEEP: f64 = 14.0;
 /// Candidates that are refitted in full.
@@ -241,6 +244,11 @@ fn rank(
         r.refit = first
             .and_then(|refit| refit.over_noise(maximum, &r.candidate, &r.score, likelihood).ok());
     });
+    for r in ranked.iter_mut().filter(|r| r.candidate.is_spring()) {
+        if let Some(refit) = &mut r.refit {
+            refit.in_range = refit.in_range && shows(refit, (model, maximum), likelihood);
+        }
+    }
     ranked.sort_by(|a, b| b.rank().total_cmp(&a.rank()));
     Ok(ranked)
 }
@@ -263,6 +271,16 @@ fn accepted(best: &Ranked, likelihood: &Likelihood, settings: &Settings) -> bool
         && best.evidence() > EVIDENCE
         && significant
         && crossed
+}
+
+/// Whether a spring behind the wheels lowers the error of open-loop windows. Noise of the recorded drive
+/// makes a stiff one likely: it reaches the twist as well as what the twist is held against.
+fn shows(refit: &Refit, base: (&Model, &Maximum), likelihood: &Likelihood) -> bool {
+    let recordings = likelihood.prepared.iter().map(|p| p.recording.clone()).collect();
+    let judge = Judge::new(recordings, likelihood.hold);
+    let error = |model, p| judge.judge(model, p).map_or(f64::NAN, |j| j.window_rms.powi(2));
+    let (before, after) = (error(base.0, &base.1.p), error(&refit.model, &refit.maximum.p));
+    after < (1.0 - SPRING) * before
 }
 
 /// Effects within three nats of the best, and those that are the same by their equations.
