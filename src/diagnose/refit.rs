@@ -7,7 +7,7 @@ use super::scan::{PRIOR_SHARE, Score, left_out_gain};
 use crate::compare::project;
 use crate::effects::ParameterKind;
 use crate::identify::IdentifyError;
-use crate::identify::kalman::{Likelihood, Maximum};
+use crate::identify::kalman::{Likelihood, Maximum, ProcessNoise};
 use crate::model::Model;
 
 /// A model with one candidate added, fitted.
@@ -29,8 +29,7 @@ pub struct Refit {
     pub in_range: bool,
 }
 
-/// Adds the candidate to the model and maximises the likelihood over all parameters, at the noise of
-/// the model without it.
+/// Adds the candidate to the model and maximises the likelihood over all parameters and the noise.
 ///
 /// ```text
 /// E* = Δll - ½ ln|1 + Π½ I Π½| - ½ θ'Π⁻¹θ - ln(grid)
@@ -62,27 +61,8 @@ pub fn refit(
             }
         }
     }
-    let maximum = likelihood.maximise(&extended, &p, Some(base.noise), "diagnosis")?;
+    let maximum = maximise(&extended, &p, base.noise, likelihood)?;
     Ok(judge(extended, maximum, base, candidate, score, likelihood))
-}
-
-impl Refit {
-    /// The same over the noise, too: noise, then parameters again.
-    ///
-    /// # Errors
-    /// If the likelihood has no value there.
-    pub fn over_noise(
-        self,
-        base: &Maximum,
-        candidate: &Candidate,
-        score: &Score,
-        likelihood: &Likelihood,
-    ) -> Result<Self, IdentifyError> {
-        let at = &self.maximum;
-        let (noise, _) = likelihood.noise(&self.model, &at.p, &at.noise, NOISE_STEPS);
-        let maximum = likelihood.maximise(&self.model, &at.p, Some(noise), "diagnosis")?;
-        Ok(judge(self.model, maximum, base, candidate, score, likelihood))
-    }
 }
 
 /// Gain in log-likelihood on each recording in turn when the parameters come from the others, by
@@ -150,6 +130,18 @@ fn best_shift(
     };
     let scored = shifts.into_iter().map(|shift| (value(shift), shift));
     scored.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, shift)| shift)
+}
+
+/// Parameters, noise, parameters.
+fn maximise(
+    model: &Model,
+    p: &[f64],
+    noise: ProcessNoise,
+    likelihood: &Likelihood,
+) -> Result<Maximum, IdentifyError> {
+    let first = likelihood.maximise(model, p, Some(noise), "diagnosis")?;
+    let (noise, _) = likelihood.noise(model, &first.p, &noise, NOISE_STEPS);
+    likelihood.maximise(model, &first.p, Some(noise), "diagnosis")
 }
 
 /// Where the search for the candidate's parameters starts.

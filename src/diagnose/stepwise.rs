@@ -56,10 +56,6 @@ const KEEP: f64 = 14.0;
 /// Candidates that are refitted in full.
 const REFITTED: usize = 7;
 
-/// A refit at the old noise that gains this much less than the best [nats], and this share of its gain,
-/// is not refined: the effect that is missing gains most at any noise.
-const BEHIND: f64 = 20.0;
-const FAR_BEHIND: f64 = 0.5;
 /// Rounds of noise and parameters after an effect was accepted, at most.
 const ROUNDS: usize = 8;
 /// Steps of the noise search in one of them.
@@ -229,20 +225,12 @@ fn rank(
     let worth = |r: &Ranked| r.score.log_significance > 0.5 * settings.threshold();
     let count = ranked.iter().take(REFITTED).take_while(|r| worth(r)).count();
     let ranked_first = &mut ranked[..count];
-    // a refit with a body behind the wheels costs ten others, and its scan is nearly exact
-    let far_behind = ranked_first.first().map_or(0.0, |r| FAR_BEHIND * r.score.evidence);
-    let dear = |r: &Ranked| r.candidate.is_joint() && r.score.evidence < far_behind;
+    // a body behind the wheels costs ten others and can bend to much: it must lead the scan, where its
+    // column is nearly exact
+    let lead = ranked_first.first().map_or(0.0, |r| r.score.evidence);
+    let dear = |r: &Ranked| r.candidate.is_joint() && r.score.evidence < lead;
     ranked_first.par_iter_mut().filter(|r| !dear(r)).for_each(|r| {
         r.refit = refit(model, maximum, &r.candidate, &r.score, likelihood).ok();
-    });
-    // the noise is searched for those only that may still be the best
-    let gain = |r: &Ranked| r.refit.as_ref().map_or(0.0, |refit| refit.gain);
-    let best = ranked_first.iter().map(gain).fold(0.0, f64::max);
-    let near = best - BEHIND.max(FAR_BEHIND * best);
-    ranked_first.par_iter_mut().filter(|r| gain(r) >= near).for_each(|r| {
-        let first = r.refit.take();
-        r.refit = first
-            .and_then(|refit| refit.over_noise(maximum, &r.candidate, &r.score, likelihood).ok());
     });
     for r in ranked.iter_mut().filter(|r| r.candidate.is_spring()) {
         if let Some(refit) = &mut r.refit {

@@ -60,7 +60,8 @@ fn the_derivatives_of_the_innovations_are_those_of_the_likelihood() {
             // in standard deviations of the score; the score leaves out how the innovations'
             // variance depends on the parameter, and friction near rest is linearised
             assert!((slope - g[j]).abs() < 0.6 * sigma, "{id} {j}: {slope} {} {sigma}", g[j]);
-            assert!((-bend / h[(j, j)] - 1.0).abs() < 0.2, "{id} {j}: {bend} {}", h[(j, j)]);
+            // the curvature of one realisation scatters around its mean, the information
+            assert!((-bend / h[(j, j)] - 1.0).abs() < 0.4, "{id} {j}: {bend} {}", h[(j, j)]);
         }
     }
 }
