@@ -46,7 +46,7 @@ impl Scale {
             specs.iter().map(one).collect::<Vec<f64>>()
         };
         let Some(first) = specs.iter().find(|s| s.kind == ParameterKind::Shape) else {
-            return vec![at(&[])];
+            return if self.goes_round(id, f64::NAN) { vec![at(&[])] } else { vec![] };
         };
         let seconds: &[f64] = match id {
             "compliance" => &[0.01, 0.1],
@@ -91,5 +91,24 @@ fn shape_values(id: &str, typical: f64, scale: &Scale) -> Vec<f64> {
         _ if crate::effects::find(id).is_some() => vec![typical],
         // of a formula nothing is known but where the user looks for its shape
         _ => [0.25, 0.5, 1.0, 2.0, 4.0].map(|s| s * typical).to_vec(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::find;
+
+    #[test]
+    fn a_wave_of_less_than_a_turn_is_not_tried() {
+        let shapes = |id: &str, angle: f64| {
+            let (moment, step, duration, speed) = (0.3, 0.01, 25.0, 12.0);
+            let scale = Scale { moment, step, duration, speed, angle };
+            scale.shapes(id, &find(id).unwrap().parameters()).len()
+        };
+        assert_eq!((shapes("wheel_eccentricity", 6.0), shapes("wheel_eccentricity", 6.5)), (0, 1));
+        // orders 2 to 16; one radian holds a whole wave of the orders from 7 on
+        assert_eq!((shapes("torque_ripple", 6.5), shapes("torque_ripple", 1.0)), (15, 10));
+        assert_eq!(shapes("viscous_friction", 0.1), 1);
     }
 }
