@@ -11,7 +11,7 @@ mod text;
 
 pub use custom::{Custom, CustomDefinition, CustomError, QUANTITIES};
 pub use effect::{DIFFERENTIATED, Effect, Jet, MOST_PARAMETERS, Physics};
-pub use motion::{Coupling, DIRECTIONS, Motion, Terms, along};
+pub use motion::{Coupling, DIRECTIONS, Motion, Terms, along, smallest_inertia};
 pub use text::{details, details_of, overview};
 
 use crate::catalogue;

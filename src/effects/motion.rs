@@ -129,8 +129,13 @@ impl Coupling<f64> {
     /// matrix (m11, m12, m22) [kg m^2].
     #[must_use]
     pub fn rotor_within(&self, mass: &[f64; 3]) -> f64 {
-        let [m11, m12, m22] = *mass;
-        let smallest = 0.5 * (m11 + m22) - (0.5 * (m11 - m22)).hypot(m12);
-        self.rotor.min(0.9 * smallest)
+        self.rotor.min(0.9 * smallest_inertia(mass))
     }
+}
+
+/// The smaller eigenvalue of a mass matrix (m11, m12, m22) [kg m^2].
+#[must_use]
+pub fn smallest_inertia(mass: &[f64; 3]) -> f64 {
+    let [m11, m12, m22] = *mass;
+    0.5 * (m11 + m22) - (0.5 * (m11 - m22)).hypot(m12)
 }

@@ -2,16 +2,14 @@
 
 use super::drive::Drive;
 use super::friction::{Contact, contact};
-use crate::effects::{Coupling, DIRECTIONS, Effect, Energy, Motion, Terms, along};
+use crate::effects::{
+    Coupling, DIRECTIONS, Effect, Energy, Motion, Terms, along, smallest_inertia,
+};
 use crate::math::sgn;
 use crate::model::{Model, ModelError, Role, Roles, solve_mass};
 
 /// alpha1, alpha2, omega1, omega2, and behind a coupling: body speeds u1, u2, twists phi1, phi2.
 pub(super) type Vector = [f64; 8];
-
-/// Largest share of the robot's smallest inertia that the rotor of a coupling takes, so that the
-/// body behind it keeps a positive mass.
-const LARGEST_ROTOR: f64 = 0.9;
 
 /// Where a step starts: the state, how its directions slide or stick, and its rates.
 pub(super) struct Departure {
@@ -129,8 +127,8 @@ impl<'m> Forces<'m> {
         let Behind { coupling: (effect, p), body } = self.behind.as_ref()?;
         let x = self.motion(t, y);
         let c = effect.coupling(&x, p)?;
-        let smallest = smallest_inertia(&body.at(&x).mass);
-        let rotor = c.rotor.min(LARGEST_ROTOR * smallest);
+        let mass = body.at(&x).mass;
+        let (rotor, smallest) = (c.rotor_within(&mass), smallest_inertia(&mass));
         let mobility = 1.0 / rotor + 1.0 / (smallest - rotor);
         Some((c.damping * mobility).max((c.stiffness * mobility).sqrt()))
     }
@@ -146,12 +144,13 @@ impl<'m> Forces<'m> {
 
     fn coupled(&self, behind: &Behind, x: &Motion<f64>, y: &Vector, moment: [f64; 2]) -> Acting {
         let (mut wheel, (effect, p)) = (self.wheel.at(x), behind.coupling);
-        let Some(Coupling { rotor, stiffness, damping }) = effect.coupling(x, p) else {
+        let Some(coupling) = effect.coupling(x, p) else {
             return Acting { terms: wheel, moment, body: None };
         };
+        let Coupling { stiffness, damping, .. } = coupling;
         let at_body = Motion { alpha: [y[0] - y[6], y[1] - y[7]], omega: [y[4], y[5]], ..*x };
         let mut body = behind.body.at(&at_body);
-        let rotor = rotor.min(LARGEST_ROTOR * smallest_inertia(&body.mass));
+        let rotor = coupling.rotor_within(&body.mass);
         wheel.mass = [rotor, 0.0, rotor];
         body.mass = [body.mass[0] - rotor, body.mass[1], body.mass[2] - rotor];
         let passed = [0, 1].map(|i| stiffness * y[6 + i] + damping * (y[2 + i] - y[4 + i]));
@@ -370,12 +369,6 @@ fn with_body(y: &Vector, a: [f64; 2], acting: &Acting) -> Result<Vector, ModelEr
 fn inverse(mass: &[f64; 3]) -> Result<[f64; 3], ModelError> {
     let [first, second] = [solve_mass(mass, &[1.0, 0.0])?, solve_mass(mass, &[0.0, 1.0])?];
     Ok([first[0], first[1], second[1]])
-}
-
-/// The smaller eigenvalue of a mass matrix [kg m^2].
-fn smallest_inertia(mass: &[f64; 3]) -> f64 {
-    let [m11, m12, m22] = *mass;
-    0.5 * (m11 + m22) - (0.5 * (m11 - m22)).hypot(m12)
 }
 
 /// `n (n·b)/(n' A n)`, or zero where nothing is free.
