@@ -1,11 +1,12 @@
 //! Candidates: effects that may be missing, each with the torque columns that show it.
 
+use std::cell::OnceCell;
 use std::sync::Arc;
 
-use super::joint::{is_joint, joint_signal};
+use super::joint::{Forces, coupling, joint_signal};
 use super::shapes::Scale;
 use super::signals::signals;
-use crate::effects::{DIRECTIONS, Effect, Motion, ParameterKind, along};
+use crate::effects::{Coupling, DIRECTIONS, Effect, Motion, ParameterKind, along};
 use crate::identify::kalman::{Instant, unclear};
 use crate::math::{Real, sgn};
 use crate::model::Model;
@@ -69,6 +70,7 @@ pub fn candidates(
     let around = Arc::new(Around { model: model.clone(), p: p.to_vec() });
     let moments = |r: &&Recording| r.drive_unit() == DriveUnit::NewtonMetre && !r.is_single_axis();
     let jointable = !model.is_coupled() && recordings.iter().all(moments);
+    let forces = OnceCell::new();
     let registered = crate::effects::all().into_iter().map(Arc::from);
     for effect in registered.chain(own.iter().cloned()) {
         let description = effect.description();
@@ -82,10 +84,11 @@ pub fn candidates(
         if !asked || present.contains(&id) || twin || (id == "payload" && !held) {
             continue;
         }
-        if is_joint(&effect, model) && !jointable {
+        let typical: Vec<f64> = effect.parameters().iter().map(|s| s.typical).collect();
+        if !jointable && coupling(&effect, &typical, model.robot()).is_some() {
             continue;
         }
-        let grid = grid(&id, &effect, &scale, &around, recordings);
+        let grid = grid(&id, &effect, &scale, &around, recordings, &forces);
         out.extend(grid.into_iter().filter(|c| c.columns() > 0));
     }
     if recordings.iter().all(|r| r.is_single_axis()) {
@@ -108,6 +111,7 @@ fn grid(
     scale: &Scale,
     around: &Arc<Around>,
     recordings: &[&Recording],
+    forces: &OnceCell<Vec<Forces>>,
 ) -> Vec<Candidate> {
     let specs = effect.parameters();
     let shapes = scale.shapes(id, &specs);
@@ -127,8 +131,8 @@ fn grid(
                 rest: REST * scale.speed,
                 around: around.clone(),
             };
-            if effect.acts_on_drive() || is_joint(effect, &around.model) {
-                candidate.form = Form::Signal(Arc::new(candidate.signals(recordings)));
+            if effect.acts_on_drive() || candidate.is_joint() {
+                candidate.form = Form::Signal(Arc::new(candidate.signals(recordings, forces)));
             }
             candidate
         })
@@ -141,28 +145,36 @@ impl Candidate {
     pub fn for_recordings(&self, recordings: &[&Recording]) -> Self {
         let form = match self.form {
             Form::Instant => Form::Instant,
-            Form::Signal(_) => Form::Signal(Arc::new(self.signals(recordings))),
+            Form::Signal(_) => Form::Signal(Arc::new(self.signals(recordings, &OnceCell::new()))),
         };
         Self { form, ..self.clone() }
     }
 
+    fn coupling(&self) -> Option<Coupling<f64>> {
+        coupling(&self.effect, &self.p, self.around.model.robot())
+    }
+
     /// Whether the effect puts a body behind the wheels.
     pub(super) fn is_joint(&self) -> bool {
-        is_joint(&self.effect, &self.around.model)
+        self.coupling().is_some()
     }
 
     /// Whether that body hangs on a spring.
     pub(super) fn is_spring(&self) -> bool {
-        let robot = self.around.model.robot();
-        let x = Motion { t: 0.0, alpha: [0.0; 2], omega: [0.0; 2], variance: [0.0; 4], robot };
-        self.effect.coupling(&x, &self.p).is_some_and(|c| c.stiffness > 0.0)
+        self.coupling().is_some_and(|c| c.stiffness > 0.0)
     }
 
-    fn signals(&self, recordings: &[&Recording]) -> Vec<Vec<[f64; 2]>> {
-        if self.is_joint() {
-            return recordings.iter().map(|r| joint_signal(self, &self.around, r)).collect();
-        }
-        signals(&self.effect, &self.p, &self.linear, recordings)
+    fn signals(
+        &self,
+        recordings: &[&Recording],
+        forces: &OnceCell<Vec<Forces>>,
+    ) -> Vec<Vec<[f64; 2]>> {
+        let Some(coupling) = self.coupling() else {
+            return signals(&self.effect, &self.p, &self.linear, recordings);
+        };
+        let all = || recordings.iter().map(|r| Forces::of(&self.around, r)).collect();
+        let forces = forces.get_or_init(all).iter();
+        forces.zip(recordings).map(|(f, r)| joint_signal(coupling, f, r)).collect()
     }
 
     /// Whether the effect can act the same on both wheels of a single axis: one column that does,

@@ -4,16 +4,44 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::candidate::{Around, Candidate};
+use super::candidate::Around;
 use super::signals::smoothed_drive;
 use crate::effects::{Coupling, Effect, Motion, along};
 use crate::math::sgn;
-use crate::model::Model;
 use crate::recording::{LocalMotion, Recording};
+use crate::robot::Robot;
 
-/// Whether the effect puts a body behind the wheels of a model that has none.
-pub(super) fn is_joint(effect: &Arc<dyn Effect>, model: &Model) -> bool {
-    !model.is_coupled() && model.add_effect(effect.clone()).is_ok_and(|with| with.is_coupled())
+/// The coupling that an effect makes at its parameters `p`, where it makes one.
+pub(super) fn coupling(
+    effect: &Arc<dyn Effect>,
+    p: &[f64],
+    robot: &Robot,
+) -> Option<Coupling<f64>> {
+    let (alpha, omega) = ([0.0; 2], [0.0; 2]);
+    effect.coupling(&Motion { t: 0.0, alpha, omega, variance: [0.0; 4], robot }, p)
+}
+
+/// What drives the wheels of a recording, which no shape of a coupling changes.
+pub(super) struct Forces {
+    /// The drive less what resists, of the common and the opposite motion [N m].
+    modes: Vec<[f64; 2]>,
+    /// Mass matrix of the rigid robot [kg m^2].
+    mass: [f64; 3],
+}
+
+impl Forces {
+    pub(super) fn of(around: &Around, recording: &Recording) -> Self {
+        let (t, motion) = (recording.t(), recording.local_motion());
+        let at = |k: usize| instant(around, t[k] - t[0], &motion[k]);
+        // noise of the drive would be in the signal and in what it is held against
+        let drive = smoothed_drive(recording);
+        let mode = |k: usize| {
+            let [a, b] = acting(around, drive[k], &at(k));
+            [0.5 * (a + b), 0.5 * (a - b)]
+        };
+        let mass = around.model.terms(&at(0), &around.p).mass;
+        Self { modes: (0..recording.len()).map(mode).collect(), mass }
+    }
 }
 
 /// What a body behind the wheels changes as seen from the rigid robot: the moment that would make
@@ -26,29 +54,18 @@ pub(super) fn is_joint(effect: &Arc<dyn Effect>, model: &Model) -> bool {
 /// for the common and the opposite motion of the wheels (J = m ± m12 of the mass matrix). The
 /// centrifugal part is left out: this finds candidates, their refit is exact.
 pub(super) fn joint_signal(
-    candidate: &Candidate,
-    around: &Around,
+    coupling: Coupling<f64>,
+    forces: &Forces,
     recording: &Recording,
 ) -> Vec<[f64; 2]> {
     let mut out = vec![[0.0; 2]; recording.len()];
-    let (t, motion) = (recording.t(), recording.local_motion());
-    let at = |k: usize| instant(around, t[k] - t[0], &motion[k]);
-    let Some(coupling) = candidate.effect.coupling(&at(0), &candidate.p) else { return out };
-    let mass = around.model.terms(&at(0), &around.p).mass;
-    let rotor = coupling.rotor_within(&mass);
+    let (t, mass) = (recording.t(), &forces.mass);
+    let rotor = coupling.rotor_within(mass);
     let mean = 0.5 * (mass[0] + mass[2]);
     let modes = [mean + mass[1], mean - mass[1]].map(|inertia| Mode { inertia, rotor, coupling });
-    // noise of the drive would be in the signal and in what it is held against
-    let drive = smoothed_drive(recording);
-    let force: Vec<[f64; 2]> = (0..recording.len())
-        .map(|k| {
-            let [a, b] = acting(around, drive[k], &at(k));
-            [0.5 * (a + b), 0.5 * (a - b)]
-        })
-        .collect();
     for piece in recording.pieces() {
         for (mode, motion) in modes.iter().enumerate() {
-            let of_mode = |k: usize| force[k][mode];
+            let of_mode = |k: usize| forces.modes[k][mode];
             for (k, change) in piece.clone().zip(motion.changes(t, piece.clone(), of_mode)) {
                 out[k][0] += change;
                 out[k][1] += if mode == 0 { change } else { -change };

@@ -29,6 +29,14 @@ pub enum Energy {
     Supplies,
 }
 
+impl Energy {
+    /// Whether such an effect acts on the body where a [`Coupling`] separates it from the wheels.
+    #[must_use]
+    pub fn of_the_body(self) -> bool {
+        matches!(self, Self::Stores | Self::DoesNoWork)
+    }
+}
+
 /// How a parameter enters the moment equation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub enum ParameterKind {

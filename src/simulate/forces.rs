@@ -2,9 +2,7 @@
 
 use super::drive::Drive;
 use super::friction::{Contact, contact};
-use crate::effects::{
-    Coupling, DIRECTIONS, Effect, Energy, Motion, Terms, along, smallest_inertia,
-};
+use crate::effects::{Coupling, DIRECTIONS, Effect, Motion, Terms, along, smallest_inertia};
 use crate::math::sgn;
 use crate::model::{Model, ModelError, Role, Roles, solve_mass};
 
@@ -94,9 +92,7 @@ impl<'m> Forces<'m> {
         let places =
             || (0..model.effects().len()).map(|e| (&*model.effects()[e], &p[model.slots(e)]));
         let coupling = places().find(|(effect, p)| effect.coupling(&x, p).is_some());
-        let of_body = |e: &dyn Effect| {
-            coupling.is_some() && matches!(e.energy(), Energy::Stores | Energy::DoesNoWork)
-        };
+        let of_body = |e: &dyn Effect| coupling.is_some() && e.energy().of_the_body();
         let wheel = Sum::new(model, p, &x, |e| !of_body(e));
         let behind =
             coupling.map(|coupling| Behind { coupling, body: Sum::new(model, p, &x, of_body) });

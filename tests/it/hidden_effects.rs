@@ -3,6 +3,7 @@
 use amigo_ident::diagnose::Conclusion;
 use rayon::prelude::*;
 
+// the whole benchmark needs more of these two files than its twin
 #[allow(dead_code)]
 #[path = "../../benches/hidden_effects/cases.rs"]
 mod cases;

@@ -10,7 +10,7 @@ use super::ProcessNoise;
 use super::dynamics::Dynamics;
 use super::step::{Covariance, Mean, Predicted, STILL, Sample, freeze};
 use crate::effects::{
-    Coupling, DIFFERENTIATED, DIRECTIONS, Energy, Jet, MOST_PARAMETERS, Motion, Terms, along,
+    Coupling, DIFFERENTIATED, DIRECTIONS, Jet, MOST_PARAMETERS, Motion, Terms, along,
 };
 use crate::math::Dual;
 use crate::model::{Model, ModelError};
@@ -52,7 +52,7 @@ pub(super) struct Coupled<'a> {
 impl<'a> Coupled<'a> {
     pub(super) fn new(model: &'a Model, p: &'a [f64], noise: ProcessNoise) -> Self {
         let energy = model.effects().iter().map(|e| e.energy());
-        let on_body = energy.map(|e| matches!(e, Energy::Stores | Energy::DoesNoWork)).collect();
+        let on_body = energy.map(|e| e.of_the_body()).collect();
         let forced = vec![SVector::zeros(); p.len()];
         Self { model, p, noise, on_body, terms: vec![], joint: vec![], forced }
     }
@@ -80,7 +80,6 @@ impl<'a> Coupled<'a> {
             }
             let own = &own[..slots.len()];
             if let Some(Coupling { rotor, stiffness, damping }) = effect.coupling_jet(&front, own) {
-                let [rotor, stiffness, damping] = [rotor, stiffness, damping];
                 let partial = |k: usize| [stiffness.partial[4 + k], damping.partial[4 + k]];
                 self.joint.clear();
                 self.joint.extend(slots.enumerate().map(|(k, j)| (j, partial(k))));

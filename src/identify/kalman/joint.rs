@@ -13,12 +13,8 @@ impl Likelihood<'_> {
     /// Sets the free parameters of a coupling in `p` to the most likely of a grid, at the noise of
     /// the recordings alone. A model without a coupling is left as it is.
     pub fn place_joint(&self, model: &Model, p: &mut [f64]) {
+        let Some(e) = model.coupling_effect() else { return };
         let noise = self.initial_noise();
-        let joint = |e: usize| {
-            let alone = Model::base(model.robot().clone()).add_effect(model.effects()[e].clone());
-            alone.is_ok_and(|model| model.is_coupled())
-        };
-        let Some(e) = (0..model.effects().len()).find(|&e| joint(e)) else { return };
         let slots: Vec<usize> = model.slots(e).collect();
         let free = |k: usize| slots.get(k).filter(|&&j| model.parameters()[j].fixed.is_none());
         let values = |k: usize, factors: &[f64]| match free(k) {
