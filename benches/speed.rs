@@ -389,13 +389,17 @@ fn of_diagnosis(fit_of_one: f64) {
     let time = best(|| scan(&BASE, &BASE.initial(), &NOISE, &likelihood, &all));
     let what = format!("score scan of 3 x 60 s: {} candidates, {columns} columns", all.len());
     row(&what, "one filter pass with derivatives", time, pass);
+    let two = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads");
     for hidden in [&[][..], &["turning_scrub"][..]] {
         let recordings = three(hidden);
         let mut names = vec![];
-        let time = best(|| names = found(&recordings));
+        let alone = best(|| names = found(&recordings));
         let named = if names.is_empty() { "nothing".into() } else { names.join(", ") };
         let what = format!("diagnosis of 3 x 60 s that finds {named}");
-        row(&what, "`prediction_error` of 25 s", time, fit_of_one);
+        row(&what, "`prediction_error` of 25 s", alone, fit_of_one);
+        let begin = Instant::now();
+        two.install(|| black_box(found(&recordings)));
+        row(&format!("{what}, two threads"), "one thread", begin.elapsed().as_secs_f64(), alone);
     }
 }
 

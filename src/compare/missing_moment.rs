@@ -173,7 +173,7 @@ pub fn missing_moment(
     // show; the curves do without it, at the white noise that then fits
     let white = Likelihood { slow_moment: false, ..likelihood.clone() };
     let flat = ProcessNoise { sigma_d: 0.0, ..*noise };
-    let (flat, _) = white.noise(model, p, &flat, 30);
+    let (flat, _) = white.noise(model, p, &flat);
     let (curve_h, curve_g) = white.totals(model, p, &flat, &all)?;
     let mut dependences: Vec<Dependence> = Variable::ALL
         .iter()

@@ -7,7 +7,7 @@ use super::joint::{Forces, coupling, joint_signal};
 use super::shapes::Scale;
 use super::signals::signals;
 use crate::effects::{Coupling, DIRECTIONS, Effect, Motion, ParameterKind, along};
-use crate::identify::kalman::{Instant, unclear};
+use crate::identify::kalman::{Instant, clarity};
 use crate::math::{Real, sgn};
 use crate::model::Model;
 use crate::recording::{DriveUnit, LocalMotion, Recording};
@@ -260,9 +260,10 @@ fn signs(at: &Instant, rest: f64) -> [f64; 4] {
     let mut sign = at.sign;
     for j in 0..DIRECTIONS.len() {
         let v = along(j, &at.motion.omega);
-        if sign[j] == 0.0 && !unclear(j, v, spread[j]) {
+        let clear = clarity(j, v, spread[j]);
+        if sign[j] == 0.0 && clear > 0.0 {
             let width = (2.0 * spread[j].max(0.0) + rest * rest).sqrt();
-            sign[j] = if width > 0.0 { Real::erf(v / width) } else { sgn(v) };
+            sign[j] = clear * if width > 0.0 { Real::erf(v / width) } else { sgn(v) };
         }
     }
     sign

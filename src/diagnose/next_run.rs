@@ -159,7 +159,7 @@ impl Search<'_> {
         let settings = PassSettings {
             noise: *self.noise,
             derivatives: true,
-            keep_states: false,
+            keep_innovations: false,
             input_noise: false,
         };
         // columns that are signals belong to the recordings they were made for

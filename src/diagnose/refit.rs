@@ -81,9 +81,6 @@ fn cross_gain(extended: &Model, maximum: &Maximum, base: &Maximum) -> f64 {
     maximum.log_likelihood - base.log_likelihood + left_out(maximum, &free) - left_out(base, &given)
 }
 
-/// Steps of the noise search of a refit.
-const NOISE_STEPS: usize = 45;
-
 /// Shifts in time that are tried, in samples: a long delay is out of reach of a linear step.
 const SHIFTS: [f64; 7] = [0.0, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
 
@@ -140,7 +137,7 @@ fn maximise(
     likelihood: &Likelihood,
 ) -> Result<Maximum, IdentifyError> {
     let first = likelihood.maximise(model, p, Some(noise), "diagnosis")?;
-    let (noise, _) = likelihood.noise(model, &first.p, &noise, NOISE_STEPS);
+    let (noise, _) = likelihood.noise(model, &first.p, &noise);
     likelihood.maximise(model, &first.p, Some(noise), "diagnosis")
 }
 

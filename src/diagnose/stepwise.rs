@@ -55,11 +55,15 @@ const SPRING: f64 = 0.06;
 const KEEP: f64 = 14.0;
 /// Candidates that are refitted in full.
 const REFITTED: usize = 7;
+/// Evidence of the scan's best beyond which those near it are refitted before the others.
+const CLEAR_LEAD: f64 = 50.0;
+/// Share of it that is near: of the effects that won after all, none had less than half.
+const NEAR: f64 = 0.25;
+/// Share of the evidence of the best valid refit below which a scan leaves no hope.
+const FAR_BEHIND: f64 = 0.1;
 
 /// Rounds of noise and parameters after an effect was accepted, at most.
 const ROUNDS: usize = 8;
-/// Steps of the noise search in one of them.
-const NOISE_STEPS: usize = 30;
 /// Gain of an effect beyond which all is fitted afresh [nats].
 const GROSS: f64 = 200.0;
 /// Gain of a round below which the rounds end [nats].
@@ -189,7 +193,7 @@ fn settle(
         }
     }
     for _ in 0..ROUNDS {
-        let (noise, _) = likelihood.noise(model, &maximum.p, &maximum.noise, NOISE_STEPS);
+        let (noise, _) = likelihood.noise(model, &maximum.p, &maximum.noise);
         let next = likelihood.maximise(model, &maximum.p, Some(noise), "diagnosis")?;
         let gain = next.log_likelihood - maximum.log_likelihood;
         if gain > 0.0 {
@@ -224,21 +228,36 @@ fn rank(
     // a scan that shows nothing near the threshold needs no refits
     let worth = |r: &Ranked| r.score.log_significance > 0.5 * settings.threshold();
     let count = ranked.iter().take(REFITTED).take_while(|r| worth(r)).count();
-    let ranked_first = &mut ranked[..count];
+    let first = &mut ranked[..count];
     // a body behind the wheels costs ten others and can bend to much: it must lead the scan, where its
     // column is nearly exact
-    let lead = ranked_first.first().map_or(0.0, |r| r.score.evidence);
+    let lead = first.first().map_or(0.0, |r| r.score.evidence);
     let dear = |r: &Ranked| r.candidate.is_joint() && r.score.evidence < lead;
-    ranked_first.par_iter_mut().filter(|r| !dear(r)).for_each(|r| {
-        r.refit = refit(model, maximum, &r.candidate, &r.score, likelihood).ok();
-    });
-    for r in ranked.iter_mut().filter(|r| r.candidate.is_spring()) {
-        if let Some(refit) = &mut r.refit {
-            refit.in_range = refit.in_range && shows(refit, (model, maximum), likelihood);
-        }
-    }
+    let near = |r: &Ranked| lead <= CLEAR_LEAD || r.score.evidence > NEAR * lead;
+    refit_those(first, |r| near(r) && !dear(r), (model, maximum), likelihood);
+    // what leads the scan may be out of its range: only a valid refit leaves others behind
+    let best = first.iter().filter(|r| r.refit.is_some()).map(Ranked::rank);
+    let best = best.fold(f64::NEG_INFINITY, f64::max);
+    let behind = |r: &Ranked| r.score.evidence < FAR_BEHIND * best;
+    let rest = |r: &Ranked| !near(r) && !behind(r) && !dear(r);
+    refit_those(first, rest, (model, maximum), likelihood);
     ranked.sort_by(|a, b| b.rank().total_cmp(&a.rank()));
     Ok(ranked)
+}
+
+/// Refits the candidates that are `wanted`, in parallel.
+fn refit_those(
+    ranked: &mut [Ranked],
+    wanted: impl Fn(&Ranked) -> bool + Sync,
+    base: (&Model, &Maximum),
+    likelihood: &Likelihood,
+) {
+    ranked.par_iter_mut().filter(|r| wanted(r)).for_each(|r| {
+        r.refit = refit(base.0, base.1, &r.candidate, &r.score, likelihood).ok();
+        if let Some(refit) = r.refit.as_mut().filter(|_| r.candidate.is_spring()) {
+            refit.in_range = refit.in_range && shows(refit, base, likelihood);
+        }
+    });
 }
 
 /// Whether the best candidate is needed at the stated false-alarm rate.

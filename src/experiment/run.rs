@@ -225,7 +225,7 @@ fn locate(plan: &Plan, right: &dyn Dynamics, study: &mut Study) -> Result<(), Ru
         slow_moment: true,
         timing: false,
     };
-    let (noise, _) = likelihood.noise(model, p, &likelihood.initial_noise(), 60);
+    let (noise, _) = likelihood.noise(model, p, &likelihood.initial_noise());
     let dynamics = PhysicalDynamics { model: model.clone(), p: p.to_vec() };
     let mut errors = Vec::new();
     for recording in &judged {

@@ -8,7 +8,7 @@ use part::{Friction, Part, Sides, friction};
 
 use super::ProcessNoise;
 use super::dynamics::Dynamics;
-use super::step::{Covariance, Mean, Predicted, STILL, Sample, freeze};
+use super::step::{Covariance, Mean, Predicted, STILL, Sample, freeze, make_symmetric};
 use crate::effects::{
     Coupling, DIFFERENTIATED, DIRECTIONS, Jet, MOST_PARAMETERS, Motion, Terms, along,
 };
@@ -322,6 +322,7 @@ impl Coupled<'_> {
             torque += d * d.transpose() * left[j];
         }
         *covariance += out.gain * torque * out.gain.transpose();
+        make_symmetric(covariance);
         let slow = self.noise.sigma_d.powi(2) * (1.0 - out.transition[(4, 4)].powi(2));
         for i in 0..2 {
             covariance[(4 + i, 4 + i)] += slow;

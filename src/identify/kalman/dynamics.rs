@@ -52,6 +52,7 @@ impl<'a> Rigid<'a> {
 impl Dynamics<6> for Rigid<'_> {
     fn start(&mut self, _: &[f64; 2], _: &mut Mean<6>, _: &mut Covariance<6>) {}
 
+    #[inline]
     fn predict(
         &mut self,
         sample: &Sample,

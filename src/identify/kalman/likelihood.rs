@@ -70,8 +70,8 @@ struct Climb {
 
 impl Likelihood<'_> {
     pub(super) fn settings(&self, noise: &ProcessNoise, derivatives: bool) -> PassSettings {
-        let (keep_states, input_noise) = (false, false);
-        PassSettings { noise: *noise, derivatives, keep_states, input_noise }
+        let (keep_innovations, input_noise) = (false, false);
+        PassSettings { noise: *noise, derivatives, keep_innovations, input_noise }
     }
 
     /// How far noise of the recorded drive pulls every parameter at a maximum.
@@ -179,7 +179,7 @@ impl Likelihood<'_> {
         let mut noise = noise.unwrap_or_else(|| self.initial_noise());
         let mut evaluations = 0;
         if refresh {
-            let (best, count) = self.noise(model, &p, &noise, 40);
+            let (best, count) = self.noise(model, &p, &noise);
             noise = best;
             evaluations += count;
         }
@@ -195,7 +195,7 @@ impl Likelihood<'_> {
             if !refresh || (round >= 2 && climb.gain < SETTLED) || round + 1 == ROUNDS {
                 break;
             }
-            let (best, count) = self.noise(model, &p, &noise, 40);
+            let (best, count) = self.noise(model, &p, &noise);
             noise = best;
             evaluations += count;
         }

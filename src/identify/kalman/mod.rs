@@ -23,7 +23,7 @@ pub use likelihood::{Likelihood, Maximum};
 pub use pass::{Columns, Instant, NoColumns, Pass, PassSettings, filter_pass};
 pub use prepare::{Prepared, prepare};
 pub use standstill::standstill;
-pub use step::unclear;
+pub use step::clarity;
 
 /// Noise of the process: what the recorded drive does not explain.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]

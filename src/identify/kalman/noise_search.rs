@@ -1,8 +1,9 @@
 //! The most likely noise of the process at fixed parameters.
 
-use argmin::core::{CostFunction, Executor, State as _};
-use argmin::solver::neldermead::NelderMead;
+use nalgebra::{Matrix3, Vector3};
+use rayon::prelude::*;
 
+use super::pass::{NoColumns, Pass, PassSettings, filter_pass};
 use super::{Likelihood, ProcessNoise};
 use crate::model::Model;
 use crate::simulate::Hold;
@@ -11,43 +12,55 @@ use crate::simulate::Hold;
 const SLOWEST: f64 = 1.0;
 /// Difference of the weights of the later drive at which the likelihood is looked at.
 const LATER: f64 = 0.1;
+/// Difference of the logarithms at which innovations are differentiated.
+const DIFFERENCE: f64 = 0.02;
+/// Longest step of a logarithm.
+const LONGEST: f64 = 2.0;
+/// Least factor of a variance in one step.
+const LEAST: f64 = 0.1;
+/// A step that gains or promises less is the last [nats].
+const GAIN: f64 = 0.05;
+/// Steps, at most.
+const STEPS: usize = 15;
+/// Slow moment to start with where none is known, as a share of the rms drive.
+const FIRST_SLOW: f64 = 0.01;
+/// Least slow moment to start with.
+const FLAT: f64 = 1e-3;
+
+/// Information of a logarithm below which a step of it changes nothing.
+const TOLD: f64 = 1e-3;
+/// Share of the white noise's strength below which a slow moment is asleep.
+const ASLEEP: f64 = 0.1;
+/// Time constants at which it is woken [s].
+const AWAKE: [f64; 2] = [1.0, 0.1];
+/// A step damped by more than this leads nowhere.
+const DAMPED: f64 = 1e4;
 
 impl Likelihood<'_> {
-    /// The most likely noise at fixed parameters, from `start`, by Nelder-Mead on the logarithms.
+    /// The most likely noise at fixed parameters, from `start`, and how many passes it took.
+    ///
+    /// Fisher scoring on (`sigma_m²`, `sigma_d²`, `ln tau_d`), in which the variances of the
+    /// innovations are nearly linear:
+    ///
+    /// ```text
+    /// g_a = -½ Σ (∂ₐS/S)(1 - e²/S) - Σ e ∂ₐe/S,    I_ab = ½ Σ ∂ₐS ∂ᵦS/S² + Σ ∂ₐe ∂ᵦe/S
+    /// ```
+    ///
+    /// with the derivatives of innovations e and their variances S from passes side by side.
     #[must_use]
-    pub fn noise(
-        &self,
-        model: &Model,
-        p: &[f64],
-        start: &ProcessNoise,
-        evaluations: usize,
-    ) -> (ProcessNoise, usize) {
-        let rms = self.moment_rms();
-        let step = self.prepared.iter().map(|p| p.recording.step()).fold(f64::MAX, f64::min);
-        let slow = self.slow_moment;
-        let search = NoiseSearch { likelihood: self, model, p, rms, step, later: start.later };
-        let first = search.to_logs(start);
-        let dimensions = if slow { 3 } else { 1 };
-        let origin: Vec<f64> = first[..dimensions].to_vec();
-        let mut simplex = vec![origin.clone()];
-        for i in 0..dimensions {
-            let mut corner = origin.clone();
-            corner[i] += if i == 1 && start.sigma_d == 0.0 { 2.0 } else { 0.5 };
-            simplex.push(corner);
+    pub fn noise(&self, model: &Model, p: &[f64], start: &ProcessNoise) -> (ProcessNoise, usize) {
+        let search = NoiseSearch::new(self, model, p, start.later);
+        let (mut x, mut count) = search.climb(search.to_logs(start));
+        if search.dimensions > 1 {
+            let (better, passes) = search.wake(x);
+            (x, count) = (better, count + passes);
         }
-        let solver = NelderMead::new(simplex).with_sd_tolerance(0.1);
-        let Ok(solver) = solver else { return (*start, 0) };
-        let run = Executor::new(search, solver)
-            .configure(|state| state.max_iters(evaluations as u64))
-            .run();
-        let Ok(run) = run else { return (*start, 0) };
-        let count = run.state().get_func_counts().values().sum::<u64>() as usize;
-        let search = NoiseSearch { likelihood: self, model, p, rms, step, later: start.later };
-        let mut best = run.state().get_best_param().map_or(*start, |x| search.noise_at(x));
+        let mut best = search.noise_at(&x);
         if self.timing && self.hold == Hold::Linear {
             best.later = self.later(model, p, &best);
+            count += 3;
         }
-        (best, count + 3)
+        (best, count)
     }
 
     /// The most likely weight of the later drive: the top of the parabola through three weights,
@@ -67,44 +80,200 @@ struct NoiseSearch<'a> {
     likelihood: &'a Likelihood<'a>,
     model: &'a Model,
     p: &'a [f64],
-    rms: f64,
-    step: f64,
     later: f64,
+    /// Bounds of the logarithms of `sigma_m`, `sigma_d` and `tau_d`.
+    low: Vector3<f64>,
+    high: Vector3<f64>,
+    /// Root mean square of the drive [N m].
+    rms: f64,
+    /// Shortest step of the recordings [s].
+    step: f64,
+    /// How many of the three are searched.
+    dimensions: usize,
 }
 
-impl NoiseSearch<'_> {
-    fn to_logs(&self, noise: &ProcessNoise) -> [f64; 3] {
-        [
-            noise.sigma_m.max(1e-6 * self.rms).ln(),
-            noise.sigma_d.max(1e-3 * self.rms).ln(),
-            noise.tau_d.ln(),
-        ]
+/// What passes with one noise give.
+struct Look {
+    /// Log-likelihood.
+    value: f64,
+    /// Innovations and their variances, of each recording in order.
+    innovations: Vec<Vec<(f64, f64)>>,
+}
+
+/// Gradient and Fisher information by the logarithms.
+struct Slopes {
+    gradient: Vector3<f64>,
+    information: Matrix3<f64>,
+}
+
+impl<'a> NoiseSearch<'a> {
+    fn new(likelihood: &'a Likelihood<'a>, model: &'a Model, p: &'a [f64], later: f64) -> Self {
+        let rms = likelihood.moment_rms();
+        let steps = likelihood.prepared.iter().map(|p| p.recording.step());
+        // faster than a few samples it is white noise of the drive under another name; slower
+        // than a second it would take a constant offset, or a floor that slopes, for noise
+        let step = steps.fold(f64::MAX, f64::min);
+        let fastest = 5.0 * step;
+        let low = Vector3::new(1e-6 * rms, 1e-5 * rms, fastest).map(f64::ln);
+        let high = Vector3::new(1e2 * rms, 10.0 * rms, SLOWEST.max(fastest)).map(f64::ln);
+        let dimensions = if likelihood.slow_moment { 3 } else { 1 };
+        Self { likelihood, model, p, later, low, high, rms, step, dimensions }
     }
 
-    fn noise_at(&self, x: &[f64]) -> ProcessNoise {
-        let bounded = |x: f64, low: f64, high: f64| x.exp().clamp(low, high);
-        let mut noise = ProcessNoise {
-            sigma_m: bounded(x[0], 1e-6 * self.rms, 1e2 * self.rms),
-            sigma_d: 0.0,
-            tau_d: 1.0,
-            later: self.later,
-        };
-        if let [_, d, tau] = x {
-            noise.sigma_d = bounded(*d, 1e-5 * self.rms, 10.0 * self.rms);
-            // faster than a few samples it is white noise of the drive under another name; slower
-            // than a second it would take a constant offset, or a floor that slopes, for noise
-            noise.tau_d = bounded(*tau, 5.0 * self.step, SLOWEST.max(5.0 * self.step));
+    fn to_logs(&self, noise: &ProcessNoise) -> Vector3<f64> {
+        // where the slow moment is next to nothing its likelihood is flat
+        let slow =
+            noise.sigma_d.max(if noise.sigma_d > 0.0 { FLAT } else { FIRST_SLOW } * self.rms);
+        self.bounded(Vector3::new(noise.sigma_m, slow, noise.tau_d).map(f64::ln))
+    }
+
+    fn bounded(&self, x: Vector3<f64>) -> Vector3<f64> {
+        x.sup(&self.low).inf(&self.high)
+    }
+
+    fn noise_at(&self, x: &Vector3<f64>) -> ProcessNoise {
+        let flat =
+            ProcessNoise { sigma_m: x[0].exp(), sigma_d: 0.0, tau_d: 1.0, later: self.later };
+        match self.dimensions {
+            3 => ProcessNoise { sigma_d: x[1].exp(), tau_d: x[2].exp(), ..flat },
+            _ => flat,
         }
-        noise
+    }
+
+    fn climb(&self, start: Vector3<f64>) -> (Vector3<f64>, usize) {
+        let (mut x, mut count, mut damping) = (start, 1, 0.0);
+        let Some(mut here) = self.look(&x) else { return (x, count) };
+        for _ in 0..STEPS {
+            let Some(slopes) = self.slopes(&x, &here) else { break };
+            count += self.dimensions;
+            let mut gain = 0.0;
+            // a step that fails is tried again, shorter
+            while gain == 0.0 && damping < DAMPED {
+                let (trial, promised) = self.next(&x, &slopes, damping);
+                if promised < GAIN {
+                    break;
+                }
+                count += 1;
+                match self.look(&trial) {
+                    Some(there) if there.value > here.value => {
+                        gain = there.value - here.value;
+                        (x, here) = (trial, there);
+                        damping *= 0.1;
+                    }
+                    _ => damping = 10.0 * f64::max(damping, 0.1),
+                }
+            }
+            if gain < GAIN {
+                break;
+            }
+        }
+        (x, count)
+    }
+
+    /// Climbs again where the noise at `x` has next to no slow moment and one as strong as the white
+    /// noise would be likelier: from nothing, no slope leads there.
+    fn wake(&self, x: Vector3<f64>) -> (Vector3<f64>, usize) {
+        let power =
+            |x: &Vector3<f64>, log_tau: f64| x[0] + 0.5 * (0.5 * self.step).ln() - 0.5 * log_tau;
+        if x[1] > power(&x, x[2]) + ASLEEP.ln() {
+            return (x, 0);
+        }
+        let value = |x: &Vector3<f64>| self.likelihood.value(self.model, self.p, &self.noise_at(x));
+        let Some(here) = value(&x) else { return (x, 1) };
+        for tau in AWAKE {
+            let even = x[0] - 0.5 * 2.0_f64.ln();
+            let awake = self.bounded(Vector3::new(even, power(&x, tau.ln()), tau.ln()));
+            if value(&awake).is_some_and(|there| there > here) {
+                let (better, passes) = self.climb(awake);
+                return (better, passes + 1 + AWAKE.len());
+            }
+        }
+        (x, 1 + AWAKE.len())
+    }
+
+    /// A pass over every recording.
+    fn look(&self, x: &Vector3<f64>) -> Option<Look> {
+        let recordings = 0..self.likelihood.prepared.len();
+        let passes: Option<Vec<Pass>> =
+            recordings.into_par_iter().map(|r| self.pass(r, x)).collect();
+        let passes = passes?;
+        let value = passes.iter().map(|pass| pass.log_likelihood).sum();
+        let innovations = passes.into_iter().map(|pass| pass.innovations).collect();
+        Some(Look { value, innovations })
+    }
+
+    fn pass(&self, r: usize, x: &Vector3<f64>) -> Option<Pass> {
+        let flat = self.likelihood.settings(&self.noise_at(x), false);
+        let settings = PassSettings { keep_innovations: true, ..flat };
+        let prepared = &self.likelihood.prepared[r];
+        let pass = filter_pass(self.model, self.p, prepared, &settings, &NoColumns).ok()?;
+        pass.log_likelihood.is_finite().then_some(pass)
+    }
+
+    /// The next logarithms and the gain that the quadratic model promises.
+    fn next(&self, x: &Vector3<f64>, slopes: &Slopes, damping: f64) -> (Vector3<f64>, f64) {
+        let (g, information) = (&slopes.gradient, &slopes.information);
+        let at_edge = |i: usize| {
+            (x[i] <= self.low[i] && g[i] <= 0.0) || (x[i] >= self.high[i] && g[i] >= 0.0)
+        };
+        let free: Vec<usize> =
+            (0..self.dimensions).filter(|&i| !at_edge(i) && information[(i, i)] > TOLD).collect();
+        let n = free.len();
+        let scaled = nalgebra::DMatrix::from_fn(n, n, |i, k| {
+            let damped = if i == k { 1.0 + damping + 1e-6 } else { 1.0 };
+            let size = (information[(free[i], free[i])] * information[(free[k], free[k])]).sqrt();
+            damped * information[(free[i], free[k])] / size
+        });
+        let size = |i: usize| information[(free[i], free[i])].sqrt();
+        let right = nalgebra::DVector::from_fn(n, |i, _| g[free[i]] / size(i));
+        let Some(solved) = scaled.cholesky().map(|c| c.solve(&right)) else { return (*x, 0.0) };
+        let (mut trial, mut promised) = (*x, 0.0);
+        for (i, &j) in free.iter().enumerate() {
+            let by_log = solved[i] / size(i);
+            // a variance is moved as such, from v to v (1 + 2 by_log)
+            let step = if j < 2 { 0.5 * (1.0 + 2.0 * by_log).max(LEAST).ln() } else { by_log };
+            trial[j] = (x[j] + step.clamp(-LONGEST, LONGEST)).clamp(self.low[j], self.high[j]);
+            promised += 0.5 * g[j] * by_log;
+        }
+        (trial, promised)
+    }
+
+    fn slopes(&self, x: &Vector3<f64>, here: &Look) -> Option<Slopes> {
+        let recordings = here.innovations.par_iter().enumerate();
+        let parts: Option<Vec<Slopes>> =
+            recordings.map(|(r, innovations)| self.slopes_of(r, x, innovations)).collect();
+        parts?.into_iter().reduce(|a, b| Slopes {
+            gradient: a.gradient + b.gradient,
+            information: a.information + b.information,
+        })
+    }
+
+    /// Of one recording.
+    fn slopes_of(&self, r: usize, x: &Vector3<f64>, here: &[(f64, f64)]) -> Option<Slopes> {
+        // away from the bound, if there is one
+        let difference = Vector3::from_fn(|i, _| {
+            if x[i] + DIFFERENCE > self.high[i] { -DIFFERENCE } else { DIFFERENCE }
+        });
+        let beside = |i: usize| {
+            let mut there = *x;
+            there[i] += difference[i];
+            self.pass(r, &there).map(|pass| pass.innovations)
+        };
+        let beside: Option<Vec<_>> = (0..self.dimensions).into_par_iter().map(beside).collect();
+        let beside = beside?;
+        let mut out = Slopes { gradient: Vector3::zeros(), information: Matrix3::zeros() };
+        for (k, &(e, s)) in here.iter().enumerate() {
+            let (mut by_e, mut by_s) = (Vector3::zeros(), Vector3::zeros());
+            for (i, there) in beside.iter().enumerate() {
+                by_e[i] = (there[k].0 - e) / difference[i];
+                by_s[i] = (there[k].1 - s) / (difference[i] * s);
+            }
+            out.gradient -= by_s * (0.5 * (1.0 - e * e / s)) + by_e * (e / s);
+            out.information += by_s * by_s.transpose() * 0.5 + by_e * by_e.transpose() / s;
+        }
+        Some(out)
     }
 }
 
-impl CostFunction for NoiseSearch<'_> {
-    type Param = Vec<f64>;
-    type Output = f64;
-    fn cost(&self, x: &Vec<f64>) -> Result<f64, argmin::core::Error> {
-        let noise = self.noise_at(x);
-        // the search must see a finite number everywhere
-        Ok(self.likelihood.value(self.model, self.p, &noise).map_or(1e300, |v| -v))
-    }
-}
+#[cfg(test)]
+mod tests;

@@ -8,7 +8,7 @@ use super::coupled::Coupled;
 use super::dynamics::{Dynamics, Rigid};
 use super::input_noise::InputNoise;
 use super::prepare::Prepared;
-use super::step::{Covariance, Mean, Predicted, Sample, correct};
+use super::step::{Covariance, Mean, Predicted, Sample, between, correct};
 use crate::effects::Motion;
 use crate::model::{Model, ModelError};
 
@@ -16,8 +16,8 @@ use crate::model::{Model, ModelError};
 /// model [s].
 const BLOCK: f64 = 5.0;
 
-/// A bend of the drive beyond this many standard deviations of its noise is a jump.
-const JUMP: f64 = 4.0;
+/// Standard deviations of its noise between which a bend of the drive becomes a jump.
+const JUMP: (f64, f64) = (3.0, 5.0);
 
 /// Torque columns that ride along in a pass: anything whose coefficient is zero in the model.
 pub trait Columns: Sync {
@@ -61,8 +61,8 @@ pub struct PassSettings {
     pub noise: ProcessNoise,
     /// Whether derivatives are carried (else only the likelihood).
     pub derivatives: bool,
-    /// Whether the filtered states are kept.
-    pub keep_states: bool,
+    /// Whether innovations and their variances are kept.
+    pub keep_innovations: bool,
     /// Whether the mean of the score that noise of the drive makes is computed; takes derivatives.
     pub input_noise: bool,
 }
@@ -84,8 +84,8 @@ pub struct Pass {
     pub squares: [f64; 4],
     /// Innovations of each channel.
     pub count: [usize; 4],
-    /// Filtered states and variances of (alpha1, alpha2, omega1, omega2, d1, d2), where kept.
-    pub states: Vec<([f64; 6], [f64; 6])>,
+    /// Innovations and their variances in the order of the measurements, where kept.
+    pub innovations: Vec<(f64, f64)>,
 }
 
 impl Pass {
@@ -98,7 +98,7 @@ impl Pass {
             blocks: vec![],
             squares: [0.0; 4],
             count: [0; 4],
-            states: vec![],
+            innovations: vec![],
         }
     }
 
@@ -200,7 +200,6 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
     fn piece(&mut self, piece: std::ops::Range<usize>) -> Result<(), ModelError> {
         let (mut mean, mut covariance) = self.start(piece.start);
         self.psi.iter_mut().for_each(|column| *column = [0.0; N]);
-        self.keep(&mean, &covariance);
         if let Some(input_noise) = &mut self.input_noise {
             input_noise.restart();
         }
@@ -219,7 +218,6 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
                 input_noise.carry(&predicted, slopes, sample.step, sample.still);
             }
             self.measure(k, &mut mean, &mut covariance);
-            self.keep(&mean, &covariance);
         }
         Ok(())
     }
@@ -263,8 +261,8 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
                 return straight;
             }
             let bend = 0.5 * (m[k - 2][i] - m[k - 1][i] - m[k][i] + m[k + 1][i]);
-            let curved = bend.abs() < JUMP * sigma_m;
-            if curved { straight - c * (1.0 - c) / 3.0 * bend } else { straight }
+            let curved = 1.0 - between(JUMP, bend.abs() / sigma_m.max(f64::MIN_POSITIVE));
+            straight - curved * c * (1.0 - c) / 3.0 * bend
         });
         let raw = recording.moment();
         let still = [0, 1].map(|i| self.prepared.still[k - 1][i] && self.prepared.still[k][i]);
@@ -362,18 +360,14 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
         self.out.log_likelihood -= 0.5 * ((2.0 * std::f64::consts::PI * s).ln() + e * e / s);
         self.out.squares[i] += e * e / s;
         self.out.count[i] += 1;
+        if self.settings.keep_innovations {
+            self.out.innovations.push((e, s));
+        }
         if self.settings.derivatives {
             self.information.add(&self.row, e, s);
             for (b, v) in self.block.iter_mut().zip(&self.row) {
                 *b += v * e / s;
             }
-        }
-    }
-
-    fn keep(&mut self, mean: &Mean<N>, covariance: &Covariance<N>) {
-        if self.settings.keep_states {
-            let variance = std::array::from_fn(|i| covariance[(i, i)]);
-            self.out.states.push((std::array::from_fn(|i| mean[i]), variance));
         }
     }
 }

@@ -19,8 +19,10 @@ const UNDERFLOW: f64 = 746.0;
 
 /// The first of the [`DIRECTIONS`] are those of the wheels.
 const WHEELS: usize = 2;
-/// Standard deviations from rest at which the direction of a motion is clear.
-const CLEAR: f64 = 2.0;
+/// Standard deviations from rest between which the direction of a motion becomes clear.
+const CLEAR: (f64, f64) = (2.0, 4.0);
+/// Shares of the speed that a step may lose between which a wheel is sure not to pass through rest.
+const PASS: (f64, f64) = (0.75, 1.25);
 
 /// The drive over one sample.
 pub(super) struct Sample<'a> {
@@ -65,6 +67,7 @@ pub(super) struct Predicted<const N: usize> {
 /// variance that the mean leaves out becomes process noise; a wheel that may pass through rest
 /// within the step adds the whole friction as noise, so the step is skipped softly. The step is
 /// implicit in the friction (its slope is stiff) and of second order elsewhere.
+#[inline]
 pub(super) fn predict(
     model: &Model,
     p: &[f64],
@@ -90,7 +93,7 @@ pub(super) fn predict(
     model.evaluate(&x, p, work);
     let terms = work.terms;
     let mobility = mobility(&terms.mass, sample.still)?;
-    let (mut sign, mut slope, mut rest) = ([0.0; 4], [0.0; 4], [0.0; 4]);
+    let (mut clear, mut sign, mut slope, mut rest) = ([0.0; 4], [0.0; 4], [0.0; 4], [0.0; 4]);
     for (j, d) in DIRECTIONS.iter().enumerate() {
         let level = terms.level[j].max(0.0);
         if level == 0.0 {
@@ -101,14 +104,15 @@ pub(super) fn predict(
         let kick = level * h * (d.transpose() * mobility * d)[0];
         let variance = (along_d + 0.25 * kick * kick).max(STILL);
         let v = along(j, &omega);
-        if unclear(j, v, along_d) {
+        clear[j] = clarity(j, v, along_d);
+        if clear[j] == 0.0 {
             continue;
         }
-        sign[j] = Real::erf(v / (2.0 * variance).sqrt());
-        let density = density(v, variance);
-        slope[j] = 2.0 * density;
-        rest[j] =
-            level * level * (1.0 - sign[j] * sign[j] - slope[j] * slope[j] * variance).max(0.0);
+        let mean = Real::erf(v / (2.0 * variance).sqrt());
+        let by_speed = 2.0 * density(v, variance);
+        let left = (1.0 - mean * mean - by_speed * by_speed * variance).max(0.0);
+        (sign[j], slope[j]) = (clear[j] * mean, clear[j] * by_speed);
+        rest[j] = clear[j] * level * level * left;
     }
     model.differentiate(&[0.0; 2], &sign, work);
     let resisting = terms.moment(&[0.0; 2], &sign);
@@ -136,18 +140,14 @@ pub(super) fn predict(
     let acceleration = reach * force;
     for (j, variance) in rest.iter_mut().enumerate() {
         let level = terms.level[j].max(0.0);
-        if level == 0.0 {
+        if level == 0.0 || clear[j] == 0.0 {
             continue;
         }
         let d = SVector::<f64, 2>::from_row_slice(&DIRECTIONS[j]);
         let along_d = (d.transpose() * covariance.fixed_view::<2, 2>(2, 2) * d)[0];
-        if unclear(j, along(j, &omega), along_d) {
-            continue;
-        }
         let pass = d.dot(&acceleration).abs() * h + 2.0 * along_d.max(0.0).sqrt();
-        if along(j, &omega).abs() < pass {
-            *variance += level * level;
-        }
+        let near = 1.0 - between(PASS, along(j, &omega).abs() / pass);
+        *variance += near * clear[j] * level * level;
     }
     let transition = transition(h, noise, &reach, &stiff, work);
     let mut gain = SMatrix::<f64, 6, 2>::zeros();
@@ -168,8 +168,14 @@ pub(super) fn predict(
         let d = SVector::<f64, 2>::from_row_slice(d);
         torque_noise += d * d.transpose() * rest[j];
     }
-    *covariance =
-        transition * *covariance * transition.transpose() + gain * torque_noise * gain.transpose();
+    *covariance = spread_over(&transition, covariance);
+    let known = gain * torque_noise;
+    for j in 0..4 {
+        for i in 0..4 {
+            covariance[(i, j)] += known[(i, 0)] * gain[(j, 0)] + known[(i, 1)] * gain[(j, 1)];
+        }
+    }
+    make_symmetric(covariance);
     let slow = noise.sigma_d.powi(2) * (1.0 - transition[(4, 4)].powi(2));
     for i in 0..2 {
         covariance[(4 + i, 4 + i)] += slow;
@@ -185,14 +191,25 @@ pub(super) fn predict(
     Ok(Predicted { gain, transition, acceleration, sign, alpha, omega, variance, spread })
 }
 
-/// Whether the direction of a friction of the body (turning, forward) is unclear: speed `v` along it
-/// within two standard deviations of rest.
+/// How clear the direction of a friction of the body (turning, forward) is at speed `v` along it: 0
+/// within two standard deviations of rest, 1 beyond four, smooth between; that of a wheel always is 1.
 ///
-/// Such a friction is left out of the step. A robot that drives straight holds w1 - w2 at zero
-/// because its controller does; a friction that pins it there would predict that better than the
-/// noise of the recorded moments, and so be found where there is none.
-pub fn unclear(direction: usize, v: f64, variance: f64) -> bool {
-    direction >= WHEELS && v * v < CLEAR * CLEAR * variance
+/// A friction is left out of the step as far as it is unclear. A robot that drives straight holds
+/// w1 - w2 at zero because its controller does; a friction that pins it there would predict that
+/// better than the noise of the recorded moments, and so be found where there is none.
+#[must_use]
+pub fn clarity(direction: usize, v: f64, variance: f64) -> f64 {
+    if direction < WHEELS || v * v >= CLEAR.1 * CLEAR.1 * variance {
+        return 1.0;
+    }
+    between(CLEAR, v.abs() / variance.sqrt())
+}
+
+/// 0 below the first limit, 1 above the second, smooth between: a likelihood with jumps has no
+/// derivatives to climb by.
+pub(super) fn between(limits: (f64, f64), x: f64) -> f64 {
+    let share = ((x - limits.0) / (limits.1 - limits.0)).clamp(0.0, 1.0);
+    share * share * (3.0 - 2.0 * share)
 }
 
 /// Moves the derivatives over the step: `psi <- F psi + G f`, `f` the derivative of the moment
@@ -289,6 +306,25 @@ fn transition(
     f
 }
 
+/// `F P F'` of a transition that leaves the slow moments to themselves.
+fn spread_over(f: &Covariance<6>, p: &Covariance<6>) -> Covariance<6> {
+    let moving = f.fixed_view::<4, 6>(0, 0).into_owned();
+    let by_all = moving * p;
+    let by_moving = by_all * moving.transpose();
+    let mut out = Covariance::<6>::zeros();
+    out.fixed_view_mut::<4, 4>(0, 0).copy_from(&by_moving);
+    for k in 4..6 {
+        for i in 0..4 {
+            out[(i, k)] = by_all[(i, k)] * f[(k, k)];
+            out[(k, i)] = out[(i, k)];
+        }
+        for i in 4..6 {
+            out[(i, k)] = f[(i, i)] * p[(i, k)] * f[(k, k)];
+        }
+    }
+    out
+}
+
 fn omega_after(
     omega: &[f64; 2],
     acceleration: &SVector<f64, 2>,
@@ -296,6 +332,11 @@ fn omega_after(
     still: [bool; 2],
 ) -> [f64; 2] {
     [0, 1].map(|i| if still[i] { 0.0 } else { omega[i] + h * acceleration[i] })
+}
+
+/// Takes out what rounding made asymmetric.
+pub(super) fn make_symmetric<const N: usize>(covariance: &mut Covariance<N>) {
+    *covariance = (*covariance + covariance.transpose()) * 0.5;
 }
 
 /// Holds wheel `i` at rest.
@@ -327,9 +368,13 @@ pub(super) fn correct<const N: usize>(
     let s = by_i * seen[i] + by_k * seen[k] + variance;
     let gain = seen / s;
     *mean += gain * e;
-    *covariance -= gain * seen.transpose();
-    // rounding must not make the covariance asymmetric
-    *covariance = (*covariance + covariance.transpose()) * 0.5;
+    // a product that rounding leaves symmetric
+    let known = seen / s.sqrt();
+    for j in 0..N {
+        for i in 0..N {
+            covariance[(i, j)] -= known[i] * known[j];
+        }
+    }
     for (out, column) in psi_row.iter_mut().zip(psi.iter_mut()) {
         let predicted = by_i * column[i] + by_k * column[k];
         *out = predicted;

@@ -4,7 +4,7 @@ use nalgebra::{Matrix2, SMatrix, SVector};
 
 use super::{BODY, Coupled, STATES, TWIST};
 use crate::effects::{Coupling, DIRECTIONS, along};
-use crate::identify::kalman::step::{Covariance, Mean, STILL, density, unclear};
+use crate::identify::kalman::step::{Covariance, Mean, STILL, clarity, density};
 use crate::math::Real;
 
 /// What acts at one instant.
@@ -175,7 +175,8 @@ pub(super) fn friction(
         let d = SVector::<f64, 2>::from_row_slice(d);
         let spread = (d.transpose() * p.fixed_view::<2, 2>(2, 2) * d)[0];
         let v = along(j, &omega);
-        if unclear(j, v, spread) {
+        let clear = clarity(j, v, spread);
+        if clear == 0.0 {
             continue;
         }
         let kick = level[j] * h * d.norm_squared() / rotor;
@@ -183,8 +184,8 @@ pub(super) fn friction(
         let sign = Real::erf(v / (2.0 * variance).sqrt());
         let slope = 2.0 * density(v, variance);
         let left = (1.0 - sign * sign - slope * slope * variance).max(0.0);
-        (out.sign[j], out.slope[j]) = (sign, slope);
-        out.rest[j] = level[j] * level[j] * left;
+        (out.sign[j], out.slope[j]) = (clear * sign, clear * slope);
+        out.rest[j] = clear * level[j] * level[j] * left;
     }
     out
 }
