@@ -154,6 +154,11 @@ impl Candidate {
         coupling(&self.effect, &self.p, self.around.model.robot())
     }
 
+    /// Whether the effect shifts the drive in time, and does nothing else.
+    pub(super) fn is_shift(&self) -> bool {
+        self.linear.is_empty() && self.effect.parameters()[0].unit == "s"
+    }
+
     /// Whether the effect puts a body behind the wheels.
     pub(super) fn is_joint(&self) -> bool {
         self.coupling().is_some()
@@ -260,7 +265,7 @@ fn signs(at: &Instant, rest: f64) -> [f64; 4] {
     let mut sign = at.sign;
     for j in 0..DIRECTIONS.len() {
         let v = along(j, &at.motion.omega);
-        let clear = clarity(j, v, spread[j]);
+        let clear = clarity(j, v, at.doubt);
         if sign[j] == 0.0 && clear > 0.0 {
             let width = (2.0 * spread[j].max(0.0) + rest * rest).sqrt();
             sign[j] = clear * if width > 0.0 { Real::erf(v / width) } else { sgn(v) };
@@ -283,6 +288,7 @@ fn instant<'a>(model: &'a Model, recording: &Recording, k: usize, m: &LocalMotio
         acceleration: m.acceleration,
         sign: [0.0; 4],
         spread: [0.0; 2],
+        doubt: 0.0,
         drive: recording.moment()[k],
     }
 }

@@ -1,6 +1,7 @@
 //! Which effect is missing: candidates, evidence, equivalence, the verdict, the next run.
 
 mod candidate;
+mod drive_noise;
 mod joint;
 mod judge;
 mod next_run;

@@ -17,7 +17,7 @@ pub struct Refit {
     pub model: Model,
     /// Its maximum.
     pub maximum: Maximum,
-    /// Log-evidence over the model without it.
+    /// Log-evidence over the model without it, less what noise of the drive gives a lag.
     pub evidence: f64,
     /// Gain in log-likelihood.
     pub gain: f64,
@@ -99,9 +99,8 @@ fn clips_enough(candidate: &Candidate, own: &[f64], likelihood: &Likelihood) -> 
 
 /// A shift in time below half a sample is the logger's business, not the robot's.
 fn late_enough(candidate: &Candidate, own: &[f64], likelihood: &Likelihood) -> bool {
-    let shift = candidate.linear.is_empty() && candidate.effect.parameters()[0].unit == "s";
     let step = likelihood.prepared.iter().map(|p| p.recording.step()).fold(0.0, f64::max);
-    !shift || own[0] > 0.5 * step
+    !candidate.is_shift() || own[0] > 0.5 * step
 }
 
 /// For a lag or delay: the best of the scan's estimate and a grid of shifts, by likelihood.
@@ -112,10 +111,10 @@ fn best_shift(
     candidate: &Candidate,
     likelihood: &Likelihood,
 ) -> Option<f64> {
-    let spec = &candidate.effect.parameters()[0];
-    if !candidate.linear.is_empty() || spec.unit != "s" {
+    if !candidate.is_shift() {
         return None;
     }
+    let spec = &candidate.effect.parameters()[0];
     let first = p.len() - candidate.p.len();
     let step = likelihood.prepared.iter().map(|r| r.recording.step()).fold(f64::MAX, f64::min);
     let mut shifts = vec![p[first]];
@@ -154,7 +153,7 @@ fn start(candidate: &Candidate, score: &Score) -> Vec<f64> {
         Form::Signal(_) => match candidate.linear.first() {
             Some(&j) => p[j] = score.estimate[0],
             // a time shift: its column was per second, so the estimate is the time itself
-            None if specs[0].unit == "s" => p[0] = score.estimate[0],
+            None if candidate.is_shift() => p[0] = score.estimate[0],
             None => {}
         },
     }
@@ -191,7 +190,7 @@ fn judge(
     let prior = nalgebra::DVector::from_fn(n, |j, _| {
         let size = score.size[j.min(score.size.len() - 1)];
         // a threshold is no coefficient: its prior is as wide as itself
-        let threshold = candidate.linear.is_empty() && candidate.effect.parameters()[j].unit != "s";
+        let threshold = candidate.linear.is_empty() && !candidate.is_shift();
         if threshold { theta[j].abs().max(1e-12) } else { PRIOR_SHARE * rms / size }
     });
     let whitened = DMatrix::from_fn(n, n, |i, k| prior[i] * information[(i, k)] * prior[k]);

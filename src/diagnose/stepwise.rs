@@ -5,6 +5,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::candidate::{Candidate, candidates};
+use super::drive_noise::compare_fairly;
 use super::judge::Judge;
 use super::refit::{Refit, refit};
 use super::scan::{Score, scan};
@@ -241,6 +242,7 @@ fn rank(
     let behind = |r: &Ranked| r.score.evidence < FAR_BEHIND * best;
     let rest = |r: &Ranked| !near(r) && !behind(r) && !dear(r);
     refit_those(first, rest, (model, maximum), likelihood);
+    compare_fairly(&mut ranked, likelihood);
     ranked.sort_by(|a, b| b.rank().total_cmp(&a.rank()));
     Ok(ranked)
 }

@@ -38,7 +38,7 @@ const ABOVE_FLOOR: f64 = 1.1;
 /// Effects that leave more than this share of the explainable error do not explain it.
 const UNEXPLAINED: f64 = 0.5;
 /// The same where the model is left far above the floor.
-const FAR_UNEXPLAINED: f64 = 0.25;
+const FAR_UNEXPLAINED: f64 = 0.1;
 /// Far above the floor, as a ratio of standard deviations.
 const FAR: f64 = 3.0;
 /// Error, as a share of the speed, that is far from right whatever the floor: no model of a real
@@ -87,7 +87,7 @@ pub fn structure(left: &MissingMoment, rms: f64) -> Option<&Dependence> {
 ///
 /// Something unknown is missing where nothing was found, or where what was found leaves more than
 /// half of the explainable error, and the error shows against a variable; or, far above the floor,
-/// where it leaves more than a quarter, whether it shows or not.
+/// where it leaves more than a tenth, whether it shows or not.
 #[must_use]
 pub fn conclude(found: usize, errors: &Errors, structure: bool) -> Conclusion {
     let left = if errors.far_above_floor() {
@@ -166,7 +166,9 @@ mod tests {
         // within 2 % of the speed a model is right for all that matters
         let fast = Errors { speed: 1e6, ..slow };
         assert_eq!(conclude(0, &fast, false), Conclusion::Sufficient);
-        let most = Errors { after: 10.0, ..slow };
+        let most = Errors { before: 200.0, after: 15.0, ..slow };
         assert_eq!(conclude(1, &most, false), Conclusion::Missing);
+        let part = Errors { after: 30.0, ..most };
+        assert_eq!(conclude(1, &part, false), Conclusion::Unknown);
     }
 }

@@ -43,6 +43,13 @@ fn a_healthy_robot_raises_no_alarm_whatever_the_noise_really_is() {
 }
 
 #[test]
+fn noise_of_the_drive_does_not_turn_a_delay_into_a_lag() {
+    let ids = ["actuator_delay", "actuator_lag"];
+    let cases = ids.map(|id| Case::single(id, 1.0, 3, 9)).to_vec();
+    expect(cases, |case, said| said.exact(case));
+}
+
+#[test]
 fn two_effects_are_found_and_no_third() {
     expect(vec![Case::pair(0, 2)], |case, said| said.exact(case));
 }

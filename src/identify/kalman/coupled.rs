@@ -214,7 +214,7 @@ impl Dynamics<STATES> for Coupled<'_> {
             if part > 0 {
                 sides = self.sides(middle, mean)?;
             }
-            let friction = friction(&sides.level, sides.rotor, h, mean, covariance);
+            let friction = friction(&sides.level, sides.rotor, h, mean, covariance, sample.doubt);
             let moved = self.part(&sides, &friction, mean, &sample.drive, sample.still, h);
             let Some(mut moved) = moved else {
                 return Err(ModelError::MassNotPositive { m11: sides.rotor, m12: 0.0, m22: 0.0 });

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
-use super::pass::{NoColumns, Pass, PassSettings, filter_pass};
+use super::pass::{NoColumns, PassSettings, filter_pass};
 use super::{Likelihood, ProcessNoise};
 use crate::model::Model;
 use crate::simulate::Hold;
@@ -26,7 +26,6 @@ const STEPS: usize = 15;
 const FIRST_SLOW: f64 = 0.01;
 /// Least slow moment to start with.
 const FLAT: f64 = 1e-3;
-
 /// Information of a logarithm below which a step of it changes nothing.
 const TOLD: f64 = 1e-3;
 /// Share of the white noise's strength below which a slow moment is asleep.
@@ -92,14 +91,6 @@ struct NoiseSearch<'a> {
     dimensions: usize,
 }
 
-/// What passes with one noise give.
-struct Look {
-    /// Log-likelihood.
-    value: f64,
-    /// Innovations and their variances, of each recording in order.
-    innovations: Vec<Vec<(f64, f64)>>,
-}
-
 /// Gradient and Fisher information by the logarithms.
 struct Slopes {
     gradient: Vector3<f64>,
@@ -142,10 +133,10 @@ impl<'a> NoiseSearch<'a> {
 
     fn climb(&self, start: Vector3<f64>) -> (Vector3<f64>, usize) {
         let (mut x, mut count, mut damping) = (start, 1, 0.0);
-        let Some(mut here) = self.look(&x) else { return (x, count) };
+        let Some(mut here) = self.value(&x) else { return (x, count) };
         for _ in 0..STEPS {
-            let Some(slopes) = self.slopes(&x, &here) else { break };
-            count += self.dimensions;
+            let Some(slopes) = self.slopes(&x) else { break };
+            count += 1 + self.dimensions;
             let mut gain = 0.0;
             // a step that fails is tried again, shorter
             while gain == 0.0 && damping < DAMPED {
@@ -154,9 +145,9 @@ impl<'a> NoiseSearch<'a> {
                     break;
                 }
                 count += 1;
-                match self.look(&trial) {
-                    Some(there) if there.value > here.value => {
-                        gain = there.value - here.value;
+                match self.value(&trial) {
+                    Some(there) if there > here => {
+                        gain = there - here;
                         (x, here) = (trial, there);
                         damping *= 0.1;
                     }
@@ -173,17 +164,14 @@ impl<'a> NoiseSearch<'a> {
     /// Climbs again where the noise at `x` has next to no slow moment and one as strong as the white
     /// noise would be likelier: from nothing, no slope leads there.
     fn wake(&self, x: Vector3<f64>) -> (Vector3<f64>, usize) {
-        let power =
-            |x: &Vector3<f64>, log_tau: f64| x[0] + 0.5 * (0.5 * self.step).ln() - 0.5 * log_tau;
-        if x[1] > power(&x, x[2]) + ASLEEP.ln() {
+        if x[1] > self.as_strong_as(x[0], x[2]) + ASLEEP.ln() {
             return (x, 0);
         }
-        let value = |x: &Vector3<f64>| self.likelihood.value(self.model, self.p, &self.noise_at(x));
-        let Some(here) = value(&x) else { return (x, 1) };
-        for tau in AWAKE {
-            let even = x[0] - 0.5 * 2.0_f64.ln();
-            let awake = self.bounded(Vector3::new(even, power(&x, tau.ln()), tau.ln()));
-            if value(&awake).is_some_and(|there| there > here) {
+        let Some(here) = self.value(&x) else { return (x, 1) };
+        for tau in AWAKE.map(f64::ln) {
+            let slow = self.as_strong_as(x[0], tau);
+            let awake = self.bounded(Vector3::new(x[0] - 0.5 * 2.0_f64.ln(), slow, tau));
+            if self.value(&awake).is_some_and(|there| there > here) {
                 let (better, passes) = self.climb(awake);
                 return (better, passes + 1 + AWAKE.len());
             }
@@ -191,23 +179,14 @@ impl<'a> NoiseSearch<'a> {
         (x, 1 + AWAKE.len())
     }
 
-    /// A pass over every recording.
-    fn look(&self, x: &Vector3<f64>) -> Option<Look> {
-        let recordings = 0..self.likelihood.prepared.len();
-        let passes: Option<Vec<Pass>> =
-            recordings.into_par_iter().map(|r| self.pass(r, x)).collect();
-        let passes = passes?;
-        let value = passes.iter().map(|pass| pass.log_likelihood).sum();
-        let innovations = passes.into_iter().map(|pass| pass.innovations).collect();
-        Some(Look { value, innovations })
+    /// Logarithm of the slow moment that is at low frequencies as strong as white noise:
+    /// `2 sigma_d² tau_d = sigma_m² h`.
+    fn as_strong_as(&self, log_sigma_m: f64, log_tau_d: f64) -> f64 {
+        log_sigma_m + 0.5 * ((0.5 * self.step).ln() - log_tau_d)
     }
 
-    fn pass(&self, r: usize, x: &Vector3<f64>) -> Option<Pass> {
-        let flat = self.likelihood.settings(&self.noise_at(x), false);
-        let settings = PassSettings { keep_innovations: true, ..flat };
-        let prepared = &self.likelihood.prepared[r];
-        let pass = filter_pass(self.model, self.p, prepared, &settings, &NoColumns).ok()?;
-        pass.log_likelihood.is_finite().then_some(pass)
+    fn value(&self, x: &Vector3<f64>) -> Option<f64> {
+        self.likelihood.value(self.model, self.p, &self.noise_at(x))
     }
 
     /// The next logarithms and the gain that the quadratic model promises.
@@ -238,33 +217,35 @@ impl<'a> NoiseSearch<'a> {
         (trial, promised)
     }
 
-    fn slopes(&self, x: &Vector3<f64>, here: &Look) -> Option<Slopes> {
-        let recordings = here.innovations.par_iter().enumerate();
+    fn slopes(&self, x: &Vector3<f64>) -> Option<Slopes> {
+        let recordings = 0..self.likelihood.prepared.len();
         let parts: Option<Vec<Slopes>> =
-            recordings.map(|(r, innovations)| self.slopes_of(r, x, innovations)).collect();
+            recordings.into_par_iter().map(|r| self.slopes_of(r, x)).collect();
         parts?.into_iter().reduce(|a, b| Slopes {
             gradient: a.gradient + b.gradient,
             information: a.information + b.information,
         })
     }
 
-    /// Of one recording.
-    fn slopes_of(&self, r: usize, x: &Vector3<f64>, here: &[(f64, f64)]) -> Option<Slopes> {
+    /// Of one recording. Innovations are held of no other, so that many recordings take little memory.
+    fn slopes_of(&self, r: usize, x: &Vector3<f64>) -> Option<Slopes> {
         // away from the bound, if there is one
         let difference = Vector3::from_fn(|i, _| {
             if x[i] + DIFFERENCE > self.high[i] { -DIFFERENCE } else { DIFFERENCE }
         });
-        let beside = |i: usize| {
+        let beside = |k: usize| {
             let mut there = *x;
-            there[i] += difference[i];
-            self.pass(r, &there).map(|pass| pass.innovations)
+            if k > 0 {
+                there[k - 1] += difference[k - 1];
+            }
+            self.innovations(r, &there)
         };
-        let beside: Option<Vec<_>> = (0..self.dimensions).into_par_iter().map(beside).collect();
-        let beside = beside?;
+        let all: Option<Vec<_>> = (0..=self.dimensions).into_par_iter().map(beside).collect();
+        let all = all?;
         let mut out = Slopes { gradient: Vector3::zeros(), information: Matrix3::zeros() };
-        for (k, &(e, s)) in here.iter().enumerate() {
+        for (k, &(e, s)) in all[0].iter().enumerate() {
             let (mut by_e, mut by_s) = (Vector3::zeros(), Vector3::zeros());
-            for (i, there) in beside.iter().enumerate() {
+            for (i, there) in all[1..].iter().enumerate() {
                 by_e[i] = (there[k].0 - e) / difference[i];
                 by_s[i] = (there[k].1 - s) / (difference[i] * s);
             }
@@ -272,6 +253,14 @@ impl<'a> NoiseSearch<'a> {
             out.information += by_s * by_s.transpose() * 0.5 + by_e * by_e.transpose() / s;
         }
         Some(out)
+    }
+
+    fn innovations(&self, r: usize, x: &Vector3<f64>) -> Option<Vec<(f64, f64)>> {
+        let flat = self.likelihood.settings(&self.noise_at(x), false);
+        let settings = PassSettings { keep_innovations: true, ..flat };
+        let prepared = &self.likelihood.prepared[r];
+        let pass = filter_pass(self.model, self.p, prepared, &settings, &NoColumns).ok()?;
+        pass.log_likelihood.is_finite().then_some(pass.innovations)
     }
 }
 

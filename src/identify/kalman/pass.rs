@@ -50,6 +50,8 @@ pub struct Instant<'a> {
     pub sign: [f64; 4],
     /// Variance of w1 - w2 and of w1 + w2 [rad^2/s^2].
     pub spread: [f64; 2],
+    /// The same that the sensors leave whatever the process does.
+    pub doubt: f64,
     /// Acting drive over the step [N m].
     pub drive: [f64; 2],
 }
@@ -272,6 +274,7 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
             drive,
             change: [0, 1].map(|i| raw[k][i] - raw[k - 1][i]),
             by_parameter: &[],
+            doubt: self.prepared.doubt,
             still,
         }
     }
@@ -290,6 +293,7 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
                 acceleration: predicted.acceleration,
                 sign: predicted.sign,
                 spread: predicted.spread,
+                doubt: self.prepared.doubt,
                 drive: sample.drive,
             };
             self.columns.torque(&at, &mut self.extra);

@@ -14,6 +14,8 @@ pub struct Prepared<'a> {
     pub variance: [f64; 4],
     /// Channels that are measured on their own.
     pub used: [bool; 4],
+    /// Variance of w1 - w2, and of w1 + w2, that noise leaves in the local motion [rad^2/s^2].
+    pub doubt: f64,
     /// Noise of the drive from differences [N m].
     pub moment_noise: f64,
 }
@@ -41,6 +43,16 @@ pub fn prepare(recording: &Recording) -> Prepared<'_> {
         still: standstill(recording, &noise.alpha, &noise.omega),
         variance,
         used: [measured.alpha, measured.alpha, speeds, speeds],
+        doubt: doubt(recording),
         moment_noise: 0.5 * (noise.moment[0] + noise.moment[1]),
     }
+}
+
+/// In the middle of the longest piece: with even samples it is the same nearly everywhere.
+fn doubt(recording: &Recording) -> f64 {
+    let longest = recording.pieces().iter().max_by_key(|piece| piece.len());
+    longest.map_or(0.0, |piece| {
+        let motion = recording.local_motion_at((piece.start + piece.end) / 2);
+        motion.omega_variance.iter().sum()
+    })
 }

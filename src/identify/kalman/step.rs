@@ -21,6 +21,8 @@ const UNDERFLOW: f64 = 746.0;
 const WHEELS: usize = 2;
 /// Standard deviations from rest between which the direction of a motion becomes clear.
 const CLEAR: (f64, f64) = (2.0, 4.0);
+/// Variance of an unclear friction in units of its level squared: anything between the levels.
+pub(super) const UNCLEAR: f64 = 1.0 / 3.0;
 /// Shares of the speed that a step may lose between which a wheel is sure not to pass through rest.
 const PASS: (f64, f64) = (0.75, 1.25);
 
@@ -36,6 +38,8 @@ pub(super) struct Sample<'a> {
     pub(super) change: [f64; 2],
     /// Derivative of `drive` by each parameter; empty where no effect acts on the drive.
     pub(super) by_parameter: &'a [[f64; 2]],
+    /// Variance of the speed of the body that noise leaves whatever the process does [rad^2/s^2].
+    pub(super) doubt: f64,
     /// Wheels that stand still over the sample.
     pub(super) still: [bool; 2],
 }
@@ -104,15 +108,13 @@ pub(super) fn predict(
         let kick = level * h * (d.transpose() * mobility * d)[0];
         let variance = (along_d + 0.25 * kick * kick).max(STILL);
         let v = along(j, &omega);
-        clear[j] = clarity(j, v, along_d);
-        if clear[j] == 0.0 {
-            continue;
-        }
+        clear[j] = clarity(j, v, sample.doubt);
         let mean = Real::erf(v / (2.0 * variance).sqrt());
         let by_speed = 2.0 * density(v, variance);
         let left = (1.0 - mean * mean - by_speed * by_speed * variance).max(0.0);
         (sign[j], slope[j]) = (clear[j] * mean, clear[j] * by_speed);
-        rest[j] = clear[j] * level * level * left;
+        // an unclear friction is anywhere between its levels
+        rest[j] = (clear[j] * left + (1.0 - clear[j]) * UNCLEAR) * level * level;
     }
     model.differentiate(&[0.0; 2], &sign, work);
     let resisting = terms.moment(&[0.0; 2], &sign);
@@ -191,10 +193,11 @@ pub(super) fn predict(
     Ok(Predicted { gain, transition, acceleration, sign, alpha, omega, variance, spread })
 }
 
-/// How clear the direction of a friction of the body (turning, forward) is at speed `v` along it: 0
+/// How clear the direction of a friction of the body (turning, forward) is at speed `v` along it, where
+/// the sensors leave `variance` to it: 0
 /// within two standard deviations of rest, 1 beyond four, smooth between; that of a wheel always is 1.
 ///
-/// A friction is left out of the step as far as it is unclear. A robot that drives straight holds
+/// As far as it is unclear a friction is noise in the step. A robot that drives straight holds
 /// w1 - w2 at zero because its controller does; a friction that pins it there would predict that
 /// better than the noise of the recorded moments, and so be found where there is none.
 #[must_use]

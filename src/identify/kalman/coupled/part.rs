@@ -4,7 +4,7 @@ use nalgebra::{Matrix2, SMatrix, SVector};
 
 use super::{BODY, Coupled, STATES, TWIST};
 use crate::effects::{Coupling, DIRECTIONS, along};
-use crate::identify::kalman::step::{Covariance, Mean, STILL, clarity, density};
+use crate::identify::kalman::step::{Covariance, Mean, STILL, UNCLEAR, clarity, density};
 use crate::math::Real;
 
 /// What acts at one instant.
@@ -168,6 +168,7 @@ pub(super) fn friction(
     h: f64,
     x: &Mean<STATES>,
     p: &Covariance<STATES>,
+    doubt: f64,
 ) -> Friction {
     let mut out = Friction::default();
     let omega = [x[2], x[3]];
@@ -175,17 +176,14 @@ pub(super) fn friction(
         let d = SVector::<f64, 2>::from_row_slice(d);
         let spread = (d.transpose() * p.fixed_view::<2, 2>(2, 2) * d)[0];
         let v = along(j, &omega);
-        let clear = clarity(j, v, spread);
-        if clear == 0.0 {
-            continue;
-        }
+        let clear = clarity(j, v, doubt);
         let kick = level[j] * h * d.norm_squared() / rotor;
         let variance = (spread + 0.25 * kick * kick).max(STILL);
         let sign = Real::erf(v / (2.0 * variance).sqrt());
         let slope = 2.0 * density(v, variance);
         let left = (1.0 - sign * sign - slope * slope * variance).max(0.0);
         (out.sign[j], out.slope[j]) = (clear * sign, clear * slope);
-        out.rest[j] = clear * level[j] * level[j] * left;
+        out.rest[j] = (clear * left + (1.0 - clear) * UNCLEAR) * level[j] * level[j];
     }
     out
 }
