@@ -13,7 +13,7 @@
 //! that are the same by their equations count as one. The recordings come from the event-driven
 //! simulator under a 1 kHz controller; the fit uses the filter, which shares neither integrator nor
 //! step with it. `--from` is added to all seeds: limits of the diagnosis were chosen on sets of small
-//! seeds, and only others can judge them. `--csv` writes a line per set.
+//! seeds, and only others (10000 and more) can judge them. `--csv` writes a line per set.
 #![allow(clippy::print_stdout)]
 
 mod cases;

@@ -14,6 +14,8 @@ use crate::recording::Recording;
 const DRAWS: u64 = 8;
 /// Share of the larger evidence within which two refits are close enough to be looked at.
 const CLOSE: f64 = 0.2;
+/// Or difference of them [nats].
+const FAR: f64 = 100.0;
 
 /// Puts a lag and a delay that compete on the same terms.
 ///
@@ -33,7 +35,7 @@ pub(super) fn compare_fairly(ranked: &mut [Ranked], likelihood: &Likelihood) {
         .collect();
     rivals.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
     let best = rivals.first().map_or(0.0, |r| r.evidence);
-    rivals.retain(|r| r.evidence > (1.0 - CLOSE) * best);
+    rivals.retain(|r| r.evidence > best - FAR.max(CLOSE * best));
     if rivals.len() < 2 {
         return;
     }
@@ -46,38 +48,50 @@ pub(super) fn compare_fairly(ranked: &mut [Ranked], likelihood: &Likelihood) {
     for (refit, lost) in rivals.into_iter().zip(lost) {
         refit.evidence -= most - lost;
         refit.gain -= most - lost;
+        // of a single recording it is zero
+        if refit.cross_gain != 0.0 {
+            refit.cross_gain -= most - lost;
+        }
     }
 }
 
 /// Log-likelihood that each refit loses on average when as much noise again is added to the drive, all
-/// at the process noise of the first.
+/// at the largest process noise among them.
 fn losses(refits: &[&mut Refit], likelihood: &Likelihood) -> Vec<f64> {
-    let noise = refits[0].maximum.noise;
-    let value = |likelihood: &Likelihood, refit: &Refit| {
-        likelihood.value(&refit.model, &refit.maximum.p, &noise).unwrap_or(f64::NAN)
-    };
-    let exact: Vec<f64> = refits.iter().map(|refit| value(likelihood, refit)).collect();
-    let draws: Vec<Vec<f64>> = (0..DRAWS)
+    let noises = refits.iter().map(|refit| refit.maximum.noise);
+    let Some(noise) = noises.max_by(|a, b| a.sigma_m.total_cmp(&b.sigma_m)) else { return vec![] };
+    let recordings = 0..likelihood.prepared.len();
+    let tasks: Vec<(u64, usize)> =
+        (0..DRAWS).flat_map(|draw| recordings.clone().map(move |r| (draw, r))).collect();
+    let lost: Vec<Vec<f64>> = tasks
         .into_par_iter()
-        .map(|draw| {
-            let recordings = noisier(likelihood, draw);
-            let prepared = recordings.iter().zip(&likelihood.prepared);
-            let prepared = prepared.map(|(recording, p)| Prepared { recording, ..p.clone() });
-            let noisy = Likelihood { prepared: prepared.collect(), ..likelihood.clone() };
-            refits.iter().map(|refit| value(&noisy, refit)).collect()
+        .map(|(draw, r)| {
+            let prepared = &likelihood.prepared[r];
+            // a drive that acts as roughly as it was recorded has no noise to take out
+            let sigma = prepared.moment_noise.min(noise.sigma_m);
+            let recording = noisier(prepared.recording, sigma, draw << 32 | r as u64);
+            let noisy = Prepared { recording: &recording, ..prepared.clone() };
+            let value = |prepared: &Prepared, refit: &Refit| {
+                let one = Likelihood { prepared: vec![prepared.clone()], ..*likelihood };
+                let value = one.value(&refit.model, &refit.maximum.p, &noise);
+                value.unwrap_or(f64::NAN)
+            };
+            refits.iter().map(|refit| value(prepared, refit) - value(&noisy, refit)).collect()
         })
         .collect();
-    let mean = |i: usize| draws.iter().map(|values| values[i]).sum::<f64>() / DRAWS as f64;
-    exact.iter().enumerate().map(|(i, exact)| exact - mean(i)).collect()
+    let mean = |i: usize| lost.iter().map(|values| values[i]).sum::<f64>() / DRAWS as f64;
+    (0..refits.len()).map(mean).collect()
 }
 
-/// The recordings with as much noise of the drive again.
-fn noisier(likelihood: &Likelihood, draw: u64) -> Vec<Recording> {
-    let mut rng = ChaCha8Rng::seed_from_u64(draw);
-    let add = |p: &Prepared, rng: &mut ChaCha8Rng| {
-        let mut more = || -> f64 { StandardNormal.sample(rng) };
-        let moment = p.recording.moment().iter();
-        p.recording.with_moment(moment.map(|m| m.map(|v| v + p.moment_noise * more())).collect())
-    };
-    likelihood.prepared.iter().map(|p| add(p, &mut rng)).collect()
+/// The recording with noise of deviation `sigma` added to its drive; one axis has one noise.
+fn noisier(recording: &Recording, sigma: f64, seed: u64) -> Recording {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+    let single = recording.is_single_axis();
+    let rows = recording.moment().iter().map(|m| {
+        let first = normal();
+        let second = if single { first } else { normal() };
+        [m[0] + sigma * first, m[1] + sigma * second]
+    });
+    recording.with_moment(rows.collect())
 }

@@ -156,6 +156,7 @@ impl Search<'_> {
         let mut prepared = crate::identify::kalman::prepare(run);
         prepared.variance = self.like.variance;
         prepared.used = self.like.used;
+        prepared.doubt = self.like.doubt;
         let settings = PassSettings {
             noise: *self.noise,
             derivatives: true,

@@ -19,7 +19,7 @@ pub struct Refit {
     pub maximum: Maximum,
     /// Log-evidence over the model without it, less what noise of the drive gives a lag.
     pub evidence: f64,
-    /// Gain in log-likelihood.
+    /// Gain in log-likelihood, less the same.
     pub gain: f64,
     /// Gain on recordings left out; zero for a single recording.
     pub cross_gain: f64,

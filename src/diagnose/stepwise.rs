@@ -237,7 +237,7 @@ fn rank(
     let near = |r: &Ranked| lead <= CLEAR_LEAD || r.score.evidence > NEAR * lead;
     refit_those(first, |r| near(r) && !dear(r), (model, maximum), likelihood);
     // what leads the scan may be out of its range: only a valid refit leaves others behind
-    let best = first.iter().filter(|r| r.refit.is_some()).map(Ranked::rank);
+    let best = first.iter().filter(|r| r.refit.is_some()).map(Ranked::evidence);
     let best = best.fold(f64::NEG_INFINITY, f64::max);
     let behind = |r: &Ranked| r.score.evidence < FAR_BEHIND * best;
     let rest = |r: &Ranked| !near(r) && !behind(r) && !dear(r);

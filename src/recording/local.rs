@@ -43,9 +43,15 @@ impl Recording {
     /// [`Recording::local_motion`] around sample `k` alone.
     #[must_use]
     pub fn local_motion_at(&self, k: usize) -> LocalMotion {
+        self.local_motion_seen(k, &self.noise())
+    }
+
+    /// The same with the noise of the channels as given; one of infinite noise is not looked at.
+    #[must_use]
+    pub fn local_motion_seen(&self, k: usize, noise: &Noise) -> LocalMotion {
         let piece = self.pieces().iter().find(|piece| piece.contains(&k));
         piece.map_or_else(LocalMotion::default, |piece| {
-            self.parabolas(piece, k, self.half_width(), &self.noise())
+            self.parabolas(piece, k, self.half_width(), noise)
         })
     }
 

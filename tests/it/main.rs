@@ -10,6 +10,7 @@ mod fuzz;
 mod hidden_effects;
 mod layering;
 mod long;
+mod modelica;
 mod recordings;
 mod shards;
 mod support;

@@ -8,7 +8,9 @@ use part::{Friction, Part, Sides, friction};
 
 use super::ProcessNoise;
 use super::dynamics::Dynamics;
-use super::step::{Covariance, Mean, Predicted, STILL, Sample, freeze, make_symmetric};
+use super::step::{
+    Covariance, Mean, PASS, Predicted, STILL, Sample, between, freeze, make_symmetric,
+};
 use crate::effects::{
     Coupling, DIFFERENTIATED, DIRECTIONS, Jet, MOST_PARAMETERS, Motion, Terms, along,
 };
@@ -236,8 +238,8 @@ impl Dynamics<STATES> for Coupled<'_> {
                 let v = along(j, &[mean[2], mean[3]]);
                 let pass = along(j, &acceleration).abs() * h + 2.0 * spread.max(0.0).sqrt();
                 // a wheel that may pass through rest takes the whole friction as noise
-                let passes = friction.sign[j] != 0.0 && v.abs() < pass;
-                let whole = if passes { sides.level[j].powi(2) } else { 0.0 };
+                let near = 1.0 - between(PASS, v.abs() / pass.max(f64::MIN_POSITIVE));
+                let whole = near * friction.clear[j] * sides.level[j].powi(2);
                 left[j] = left[j].max(friction.rest[j] + whole);
             }
             out = Some(match out {

@@ -24,13 +24,11 @@ const GAIN: f64 = 0.05;
 const STEPS: usize = 15;
 /// Slow moment to start with where none is known, as a share of the rms drive.
 const FIRST_SLOW: f64 = 0.01;
-/// Least slow moment to start with.
-const FLAT: f64 = 1e-3;
 /// Information of a logarithm below which a step of it changes nothing.
 const TOLD: f64 = 1e-3;
-/// Share of the white noise's strength below which a slow moment is asleep.
+/// Share of the other's strength below which one of white noise and slow moment is asleep.
 const ASLEEP: f64 = 0.1;
-/// Time constants at which it is woken [s].
+/// Time constants at which a slow moment is woken [s].
 const AWAKE: [f64; 2] = [1.0, 0.1];
 /// A step damped by more than this leads nowhere.
 const DAMPED: f64 = 1e4;
@@ -112,9 +110,7 @@ impl<'a> NoiseSearch<'a> {
     }
 
     fn to_logs(&self, noise: &ProcessNoise) -> Vector3<f64> {
-        // where the slow moment is next to nothing its likelihood is flat
-        let slow =
-            noise.sigma_d.max(if noise.sigma_d > 0.0 { FLAT } else { FIRST_SLOW } * self.rms);
+        let slow = if noise.sigma_d > 0.0 { noise.sigma_d } else { FIRST_SLOW * self.rms };
         self.bounded(Vector3::new(noise.sigma_m, slow, noise.tau_d).map(f64::ln))
     }
 
@@ -161,22 +157,29 @@ impl<'a> NoiseSearch<'a> {
         (x, count)
     }
 
-    /// Climbs again where the noise at `x` has next to no slow moment and one as strong as the white
-    /// noise would be likelier: from nothing, no slope leads there.
+    /// Climbs again where one of white noise and slow moment is next to nothing at `x` and both, equally
+    /// strong, would be likelier: from nothing, no slope leads to a noise.
     fn wake(&self, x: Vector3<f64>) -> (Vector3<f64>, usize) {
-        if x[1] > self.as_strong_as(x[0], x[2]) + ASLEEP.ln() {
+        let share = x[1] - self.as_strong_as(x[0], x[2]);
+        let half = 0.5 * 2.0_f64.ln();
+        let offers: Vec<Vector3<f64>> = if share < ASLEEP.ln() {
+            let slow = |tau: f64| self.as_strong_as(x[0], tau) - half;
+            AWAKE.map(|tau| Vector3::new(x[0] - half, slow(tau.ln()), tau.ln())).to_vec()
+        } else if share > -ASLEEP.ln() {
+            vec![Vector3::new(x[0] + share - half, x[1] - half, x[2])]
+        } else {
             return (x, 0);
-        }
+        };
         let Some(here) = self.value(&x) else { return (x, 1) };
-        for tau in AWAKE.map(f64::ln) {
-            let slow = self.as_strong_as(x[0], tau);
-            let awake = self.bounded(Vector3::new(x[0] - 0.5 * 2.0_f64.ln(), slow, tau));
-            if self.value(&awake).is_some_and(|there| there > here) {
-                let (better, passes) = self.climb(awake);
-                return (better, passes + 1 + AWAKE.len());
+        let mut count = 1;
+        for offer in offers.iter().map(|offer| self.bounded(*offer)) {
+            count += 1;
+            if self.value(&offer).is_some_and(|there| there > here) {
+                let (better, passes) = self.climb(offer);
+                return (better, count + passes);
             }
         }
-        (x, 1 + AWAKE.len())
+        (x, count)
     }
 
     /// Logarithm of the slow moment that is at low frequencies as strong as white noise:
@@ -227,7 +230,7 @@ impl<'a> NoiseSearch<'a> {
         })
     }
 
-    /// Of one recording. Innovations are held of no other, so that many recordings take little memory.
+    /// Of one recording: innovations of few are held at a time, so that many take little memory.
     fn slopes_of(&self, r: usize, x: &Vector3<f64>) -> Option<Slopes> {
         // away from the bound, if there is one
         let difference = Vector3::from_fn(|i, _| {
@@ -240,7 +243,12 @@ impl<'a> NoiseSearch<'a> {
             }
             self.innovations(r, &there)
         };
-        let all: Option<Vec<_>> = (0..=self.dimensions).into_par_iter().map(beside).collect();
+        // side by side only where the recordings leave threads idle
+        let all: Option<Vec<_>> = if self.likelihood.prepared.len() < rayon::current_num_threads() {
+            (0..=self.dimensions).into_par_iter().map(beside).collect()
+        } else {
+            (0..=self.dimensions).map(beside).collect()
+        };
         let all = all?;
         let mut out = Slopes { gradient: Vector3::zeros(), information: Matrix3::zeros() };
         for (k, &(e, s)) in all[0].iter().enumerate() {

@@ -45,12 +45,12 @@ pub struct Instant<'a> {
     pub motion: Motion<'a, f64>,
     /// Mean acceleration over the step [rad/s^2].
     pub acceleration: [f64; 2],
-    /// Statistically linearised sgn along each friction direction (zero where the model has no
-    /// friction along it).
+    /// Statistically linearised sgn along each friction direction, less where its direction is unclear
+    /// (zero where the model has no friction along it).
     pub sign: [f64; 4],
     /// Variance of w1 - w2 and of w1 + w2 [rad^2/s^2].
     pub spread: [f64; 2],
-    /// The same that the sensors leave whatever the process does.
+    /// Variance of either that the sensors leave open whatever the process does [rad^2/s^2].
     pub doubt: f64,
     /// Acting drive over the step [N m].
     pub drive: [f64; 2],

@@ -1,7 +1,7 @@
 //! A recording ready for the filter.
 
 use super::standstill::standstill;
-use crate::recording::Recording;
+use crate::recording::{Noise, Recording};
 
 /// What of a recording the filter needs and what does not change between passes.
 #[derive(Clone, Debug)]
@@ -43,16 +43,24 @@ pub fn prepare(recording: &Recording) -> Prepared<'_> {
         still: standstill(recording, &noise.alpha, &noise.omega),
         variance,
         used: [measured.alpha, measured.alpha, speeds, speeds],
-        doubt: doubt(recording),
+        doubt: doubt(recording, &noise, speeds),
         moment_noise: 0.5 * (noise.moment[0] + noise.moment[1]),
     }
 }
 
-/// In the middle of the longest piece: with even samples it is the same nearly everywhere.
-fn doubt(recording: &Recording) -> f64 {
+/// In the middle of the longest piece: with even samples it is the same nearly everywhere. Rows that
+/// repeat a slow sensor tell nothing, nor do speeds made from angles.
+fn doubt(recording: &Recording, noise: &Noise, speeds: bool) -> f64 {
+    let fresh = recording.fresh().iter().filter(|fresh| **fresh).count().max(1);
+    let repeated = (recording.len() as f64 / fresh as f64).sqrt();
+    let seen = Noise {
+        alpha: noise.alpha.map(|sigma| sigma * repeated),
+        omega: noise.omega.map(|sigma| if speeds { sigma * repeated } else { f64::INFINITY }),
+        ..*noise
+    };
     let longest = recording.pieces().iter().max_by_key(|piece| piece.len());
     longest.map_or(0.0, |piece| {
-        let motion = recording.local_motion_at((piece.start + piece.end) / 2);
+        let motion = recording.local_motion_seen((piece.start + piece.end) / 2, &seen);
         motion.omega_variance.iter().sum()
     })
 }

@@ -22,9 +22,9 @@ const WHEELS: usize = 2;
 /// Standard deviations from rest between which the direction of a motion becomes clear.
 const CLEAR: (f64, f64) = (2.0, 4.0);
 /// Variance of an unclear friction in units of its level squared: anything between the levels.
-pub(super) const UNCLEAR: f64 = 1.0 / 3.0;
+const UNCLEAR: f64 = 1.0 / 3.0;
 /// Shares of the speed that a step may lose between which a wheel is sure not to pass through rest.
-const PASS: (f64, f64) = (0.75, 1.25);
+pub(super) const PASS: (f64, f64) = (0.75, 1.25);
 
 /// The drive over one sample.
 pub(super) struct Sample<'a> {
@@ -109,12 +109,7 @@ pub(super) fn predict(
         let variance = (along_d + 0.25 * kick * kick).max(STILL);
         let v = along(j, &omega);
         clear[j] = clarity(j, v, sample.doubt);
-        let mean = Real::erf(v / (2.0 * variance).sqrt());
-        let by_speed = 2.0 * density(v, variance);
-        let left = (1.0 - mean * mean - by_speed * by_speed * variance).max(0.0);
-        (sign[j], slope[j]) = (clear[j] * mean, clear[j] * by_speed);
-        // an unclear friction is anywhere between its levels
-        rest[j] = (clear[j] * left + (1.0 - clear[j]) * UNCLEAR) * level * level;
+        (sign[j], slope[j], rest[j]) = linearised(level, v, variance, clear[j]);
     }
     model.differentiate(&[0.0; 2], &sign, work);
     let resisting = terms.moment(&[0.0; 2], &sign);
@@ -148,7 +143,7 @@ pub(super) fn predict(
         let d = SVector::<f64, 2>::from_row_slice(&DIRECTIONS[j]);
         let along_d = (d.transpose() * covariance.fixed_view::<2, 2>(2, 2) * d)[0];
         let pass = d.dot(&acceleration).abs() * h + 2.0 * along_d.max(0.0).sqrt();
-        let near = 1.0 - between(PASS, along(j, &omega).abs() / pass);
+        let near = 1.0 - between(PASS, along(j, &omega).abs() / pass.max(f64::MIN_POSITIVE));
         *variance += near * clear[j] * level * level;
     }
     let transition = transition(h, noise, &reach, &stiff, work);
@@ -163,8 +158,8 @@ pub(super) fn predict(
     }
     let mut torque_noise = Matrix2::zeros();
     for i in 0..2 {
-        let between = (sample.change[i].powi(2) - 6.0 * noise.sigma_m.powi(2)).max(0.0) / 12.0;
-        torque_noise[(i, i)] += noise.sigma_m.powi(2) + between;
+        let inside = (sample.change[i].powi(2) - 6.0 * noise.sigma_m.powi(2)).max(0.0) / 12.0;
+        torque_noise[(i, i)] += noise.sigma_m.powi(2) + inside;
     }
     for (j, d) in DIRECTIONS.iter().enumerate() {
         let d = SVector::<f64, 2>::from_row_slice(d);
@@ -193,9 +188,20 @@ pub(super) fn predict(
     Ok(Predicted { gain, transition, acceleration, sign, alpha, omega, variance, spread })
 }
 
-/// How clear the direction of a friction of the body (turning, forward) is at speed `v` along it, where
-/// the sensors leave `variance` to it: 0
-/// within two standard deviations of rest, 1 beyond four, smooth between; that of a wheel always is 1.
+/// Mean of the sign of a friction of this `level` over a speed `v` of this `variance`, the slope of that
+/// mean, and the variance of the moment that it leaves out. As far as its direction is not `clear` the
+/// friction is anywhere between its levels instead.
+pub(super) fn linearised(level: f64, v: f64, variance: f64, clear: f64) -> (f64, f64, f64) {
+    let sign = Real::erf(v / (2.0 * variance).sqrt());
+    let slope = 2.0 * density(v, variance);
+    let left = (1.0 - sign * sign - slope * slope * variance).max(0.0);
+    let rest = (clear * left + (1.0 - clear) * UNCLEAR) * level * level;
+    (clear * sign, clear * slope, rest)
+}
+
+/// How clear the direction of a friction of the body (turning, forward) is at speed `v` along it, of
+/// which the sensors leave `variance` open: 0 within two standard deviations of rest, 1 beyond four,
+/// smooth between. That of a wheel is always 1.
 ///
 /// As far as it is unclear a friction is noise in the step. A robot that drives straight holds
 /// w1 - w2 at zero because its controller does; a friction that pins it there would predict that

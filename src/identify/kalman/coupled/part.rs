@@ -4,8 +4,7 @@ use nalgebra::{Matrix2, SMatrix, SVector};
 
 use super::{BODY, Coupled, STATES, TWIST};
 use crate::effects::{Coupling, DIRECTIONS, along};
-use crate::identify::kalman::step::{Covariance, Mean, STILL, UNCLEAR, clarity, density};
-use crate::math::Real;
+use crate::identify::kalman::step::{Covariance, Mean, STILL, clarity, linearised};
 
 /// What acts at one instant.
 pub(super) struct Sides {
@@ -33,6 +32,8 @@ pub(super) struct Part {
 /// Statistically linearised friction.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Friction {
+    /// How clear its direction is.
+    pub(super) clear: [f64; 4],
     pub(super) sign: [f64; 4],
     pub(super) slope: [f64; 4],
     /// Variance that the mean leaves out.
@@ -176,14 +177,10 @@ pub(super) fn friction(
         let d = SVector::<f64, 2>::from_row_slice(d);
         let spread = (d.transpose() * p.fixed_view::<2, 2>(2, 2) * d)[0];
         let v = along(j, &omega);
-        let clear = clarity(j, v, doubt);
         let kick = level[j] * h * d.norm_squared() / rotor;
         let variance = (spread + 0.25 * kick * kick).max(STILL);
-        let sign = Real::erf(v / (2.0 * variance).sqrt());
-        let slope = 2.0 * density(v, variance);
-        let left = (1.0 - sign * sign - slope * slope * variance).max(0.0);
-        (out.sign[j], out.slope[j]) = (clear * sign, clear * slope);
-        out.rest[j] = (clear * left + (1.0 - clear) * UNCLEAR) * level[j] * level[j];
+        out.clear[j] = clarity(j, v, doubt);
+        (out.sign[j], out.slope[j], out.rest[j]) = linearised(level[j], v, variance, out.clear[j]);
     }
     out
 }

@@ -103,6 +103,6 @@ fn scrub_that_holds_the_robot_straight_is_not_noise_of_the_drive() {
     p.extend(&model.initial()[5..]);
     let likelihood = likelihood(&recording);
     let (found, _) = likelihood.noise(&model, &p, &likelihood.initial_noise());
-    // left out of the steps in which it holds, it raised sigma_m by 60 %
+    // left out of the steps in which it holds, it raised sigma_m to 0.008 N m on three runs of 60 s
     assert!((found.sigma_m / MOMENT - 1.0).abs() < 0.2, "{found:?}");
 }
