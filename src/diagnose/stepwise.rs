@@ -50,6 +50,8 @@ const EVIDENCE: f64 = 8.0;
 const PRACTICAL: f64 = 0.0025;
 /// Share of its threshold that a score must reach where the evidence of the refit is strong.
 const NEARLY: f64 = 0.8;
+/// Evidence, in thresholds, that needs no score.
+const DECISIVE: f64 = 10.0;
 /// Least share of the squared window error that a spring behind the wheels must take away.
 const SPRING: f64 = 0.06;
 /// Effects whose Wald statistic falls below this, once others are in, are dropped again.
@@ -270,11 +272,13 @@ fn accepted(best: &Ranked, likelihood: &Likelihood, settings: &Settings) -> bool
         best.score.estimate.iter().zip(&best.score.size).map(|(e, s)| (e * s).powi(2)).sum();
     let worth = size.sqrt() > PRACTICAL * likelihood.moment_rms();
     // the score is taken at the noise of the model without the effect, which that effect makes too
-    // large; where it nearly reaches its threshold, evidence twice as strong stands in for the rest
+    // large; where it nearly reaches its threshold, evidence twice as strong stands in for the rest, and
+    // evidence ten times as strong for all of it (two effects can hide each other from their scores)
     let significance = best.score.log_significance;
     let significant = significance > settings.threshold()
         || (significance > NEARLY * settings.threshold()
-            && best.evidence() > 2.0 * settings.threshold());
+            && best.evidence() > 2.0 * settings.threshold())
+        || best.evidence() > DECISIVE * settings.threshold();
     worth
         && best.refit.as_ref().is_some_and(|r| r.in_range)
         && best.evidence() > EVIDENCE
