@@ -3,7 +3,7 @@
 use std::cell::OnceCell;
 use std::sync::Arc;
 
-use super::joint::{Forces, coupling, joint_signal};
+use super::joint::{Around, Forces, coupling, joint_signal};
 use super::shapes::Scale;
 use super::signals::signals;
 use crate::effects::{Coupling, DIRECTIONS, Effect, Motion, ParameterKind, along};
@@ -34,12 +34,6 @@ pub struct Candidate {
     /// Speed below which a friction direction of its own is smoothed [rad/s].
     rest: f64,
     around: Arc<Around>,
-}
-
-/// The model that a candidate would be added to, with its parameters.
-pub(super) struct Around {
-    pub(super) model: Model,
-    pub(super) p: Vec<f64>,
 }
 
 /// How the column of a candidate is computed.

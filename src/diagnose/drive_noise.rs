@@ -5,8 +5,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
+use super::outcome::Ranked;
 use super::refit::Refit;
-use super::stepwise::Ranked;
 use crate::identify::kalman::{Likelihood, Prepared};
 use crate::recording::Recording;
 
@@ -15,7 +15,7 @@ const DRAWS: u64 = 8;
 /// Share of the larger evidence within which two refits are close enough to be looked at.
 const CLOSE: f64 = 0.2;
 /// Or difference of them [nats].
-const FAR: f64 = 100.0;
+const CLOSE_NATS: f64 = 100.0;
 
 /// Puts a lag and a delay that compete on the same terms.
 ///
@@ -35,7 +35,7 @@ pub(super) fn compare_fairly(ranked: &mut [Ranked], likelihood: &Likelihood) {
         .collect();
     rivals.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
     let best = rivals.first().map_or(0.0, |r| r.evidence);
-    rivals.retain(|r| r.evidence > best - FAR.max(CLOSE * best));
+    rivals.retain(|r| r.evidence > best - CLOSE_NATS.max(CLOSE * best));
     if rivals.len() < 2 {
         return;
     }

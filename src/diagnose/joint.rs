@@ -4,12 +4,18 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::candidate::Around;
 use super::signals::smoothed_drive;
 use crate::effects::{Coupling, Effect, Motion, along};
 use crate::math::sgn;
+use crate::model::Model;
 use crate::recording::{LocalMotion, Recording};
 use crate::robot::Robot;
+
+/// The model that a candidate would be added to, with its parameters.
+pub(super) struct Around {
+    pub(super) model: Model,
+    pub(super) p: Vec<f64>,
+}
 
 /// The coupling that an effect makes at its parameters `p`, where it makes one.
 pub(super) fn coupling(

@@ -1,6 +1,6 @@
 //! Judging models on recordings that they were not fitted to.
 
-use super::stepwise::Diagnosis;
+use super::outcome::Diagnosis;
 use super::verdict::{Errors, structure};
 use crate::compare::{Dependence, ise, missing_moment, simulate_recording, window_rms};
 use crate::identify::kalman::{Likelihood, prepare};

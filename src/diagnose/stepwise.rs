@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::candidate::{Candidate, candidates};
+use super::candidate::candidates;
 use super::drive_noise::compare_fairly;
 use super::judge::Judge;
+use super::outcome::{Diagnosis, Ranked};
 use super::refit::{Refit, refit};
-use super::scan::{Score, scan};
+use super::scan::scan;
 use crate::effects::Effect;
 use crate::identify::kalman::{Likelihood, Maximum};
 use crate::identify::{IdentifyError, Task, start};
@@ -71,70 +72,6 @@ const ROUNDS: usize = 8;
 const GROSS: f64 = 200.0;
 /// Gain of a round below which the rounds end [nats].
 const SETTLED: f64 = 1.0;
-
-/// A candidate of one step.
-#[derive(Clone)]
-pub struct Ranked {
-    /// The candidate at its best shape.
-    pub candidate: Candidate,
-    /// Scan.
-    pub score: Score,
-    /// Refit, for the best of the scan.
-    pub refit: Option<Refit>,
-}
-
-impl Ranked {
-    /// What candidates are ranked by: evidence of the refit and gain on recordings left out.
-    #[must_use]
-    pub fn rank(&self) -> f64 {
-        match &self.refit {
-            Some(r) if r.in_range => r.evidence + r.cross_gain.min(r.gain.max(0.0)),
-            Some(_) => f64::NEG_INFINITY,
-            None => self.score.evidence.min(0.0),
-        }
-    }
-
-    /// Log-evidence, of the refit where there is one.
-    #[must_use]
-    pub fn evidence(&self) -> f64 {
-        match &self.refit {
-            Some(r) if r.in_range => r.evidence,
-            Some(_) => f64::NEG_INFINITY,
-            None => self.score.evidence,
-        }
-    }
-}
-
-/// Everything the forward search found.
-#[derive(Clone)]
-pub struct Diagnosis {
-    /// The model as given, fitted.
-    pub base: (Model, Maximum),
-    /// Candidates of the first step, best first.
-    pub ranking: Vec<Ranked>,
-    /// The fitted model after each accepted effect, in order.
-    pub steps: Vec<(String, Model, Maximum)>,
-    /// Effects that the last step cannot tell from the one it added, per step.
-    pub equals: Vec<Vec<String>>,
-}
-
-impl Diagnosis {
-    /// The last model and its maximum.
-    #[must_use]
-    pub fn last(&self) -> (&Model, &Maximum) {
-        match self.steps.last() {
-            Some((_, model, maximum)) => (model, maximum),
-            None => (&self.base.0, &self.base.1),
-        }
-    }
-
-    /// Ids of the effects found, first found first.
-    #[must_use]
-    pub fn found(&self) -> Vec<String> {
-        let present = self.last().0.effect_ids();
-        self.steps.iter().map(|s| s.0.clone()).filter(|id| present.contains(id)).collect()
-    }
-}
 
 /// Searches the effects that are missing from `model`: scan, refit, accept, prune, again.
 ///

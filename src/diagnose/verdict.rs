@@ -1,6 +1,6 @@
 //! The verdict: nothing is missing, these effects are, or something unknown is.
 
-use super::stepwise::Ranked;
+use super::outcome::Ranked;
 use crate::compare::{Dependence, MissingMoment};
 
 /// What the diagnosis concludes.
