@@ -12,7 +12,7 @@ use std::hint::black_box;
 use std::sync::LazyLock;
 use std::time::Instant;
 
-use amigo_ident::diagnose::{Settings, candidates, diagnose, scan};
+use amigo_ident::diagnose::{Data, Settings, diagnose};
 use amigo_ident::identify::kalman::{Likelihood, ProcessNoise, prepare};
 use amigo_ident::identify::{self, Identifier, Task, start};
 use amigo_ident::model::Model;
@@ -246,15 +246,6 @@ mod effects {
 mod diagnosis {
     use super::*;
 
-    #[divan::bench(sample_count = 2, sample_size = 1)]
-    fn score_scan(bencher: divan::Bencher) {
-        let recordings = three(&[]);
-        let likelihood = likelihood(&recordings);
-        let all =
-            candidates(&BASE, &BASE.initial(), &[], &[], &recordings.iter().collect::<Vec<_>>());
-        bencher.bench(|| scan(&BASE, &BASE.initial(), &NOISE, &likelihood, &all));
-    }
-
     #[divan::bench(sample_count = 1, sample_size = 1)]
     fn of_hidden_scrub(bencher: divan::Bencher) {
         let recordings = three(&["turning_scrub"]);
@@ -271,7 +262,8 @@ fn three(hidden: &[&str]) -> Vec<Recording> {
 fn found(recordings: &[Recording]) -> Vec<String> {
     let task = Task { model: &BASE, train: recordings, hold: Hold::Linear, seed: 1 };
     let first = start::start(&task, "benchmark").expect("moving recordings");
-    let diagnosis = diagnose(&BASE, &first, &likelihood(recordings), &Settings::default());
+    let data = Data { train: recordings, validation: &[], hold: Hold::Linear, corrected_s: 0.0 };
+    let diagnosis = diagnose(&BASE, &[first], &data, &Settings::default());
     diagnosis.expect("a fit").found()
 }
 
@@ -381,14 +373,6 @@ fn fit_in_blocks(train: &[Recording]) -> f64 {
 
 /// Three recordings of 60 s; the whole catalogue. A single run.
 fn of_diagnosis(fit_of_one: f64) {
-    let recordings = three(&[]);
-    let likelihood = likelihood(&recordings);
-    let pass = best(|| run_pass(&BASE, &likelihood, true));
-    let all = candidates(&BASE, &BASE.initial(), &[], &[], &recordings.iter().collect::<Vec<_>>());
-    let columns: usize = all.iter().map(|c| c.columns()).sum();
-    let time = best(|| scan(&BASE, &BASE.initial(), &NOISE, &likelihood, &all));
-    let what = format!("score scan of 3 x 60 s: {} candidates, {columns} columns", all.len());
-    row(&what, "one filter pass with derivatives", time, pass);
     let two = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads");
     for hidden in [&[][..], &["turning_scrub"][..]] {
         let recordings = three(hidden);

@@ -266,6 +266,7 @@ fn content() -> PageContent {
         id: id.to_owned(),
         title: title.to_owned(),
         blocks,
+        folded: false,
     };
     PageContent {
         title: "Floor run of 3 March".to_owned(),
@@ -275,6 +276,7 @@ fn content() -> PageContent {
             section("fit", "How well the model follows", fit()),
             section("evidence", "Evidence", pictures()),
         ],
+        versions: vec![],
         footer: "Repeat with: experiment floor.toml\nSHA-256 of the recording: 5d41402abc4b2a76"
             .to_owned(),
     }

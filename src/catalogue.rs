@@ -1,6 +1,6 @@
 //! The macro by which one line registers a file.
 //!
-//! Every room that holds a list of like things (effects, identification methods,
+//! Every module that holds a list of like things (effects, identification methods,
 //! report sections) keeps one file per item and one line here-style:
 //!
 //! ```ignore

@@ -1,90 +1,210 @@
-//! One case through the whole diagnosis.
+//! One case through the whole program: files, conditioning, default estimate, diagnosis.
 
-use amigo_ident::compare::noise_floor;
-use amigo_ident::diagnose::{Conclusion, Judge, Settings, conclude, diagnose};
-use amigo_ident::identify::kalman::{Likelihood, prepare};
-use amigo_ident::identify::{Task, start};
-use amigo_ident::model::Model;
-use amigo_ident::robot::Robot;
-use amigo_ident::simulate::{Hold, PhysicalDynamics};
+use std::path::Path;
 
-use super::cases::{Case, same};
-use super::made::recordings;
+use amigo_ident::effects::find;
+use amigo_ident::experiment::{Plan, load, run};
+use amigo_ident::study::Study;
+use serde::{Deserialize, Serialize};
 
-/// What the diagnosis said of a case.
-#[derive(Clone, Debug)]
-pub(crate) struct Outcome {
-    /// Effects named, in the order in which they were found.
+use super::case::Case;
+use super::scenario::Scenario;
+
+/// A refitted candidate of the first step.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Look {
+    /// Effect.
+    pub(crate) effect: String,
+    /// Reported p-value of the fall of the held-out error.
+    pub(crate) p_value: f64,
+    /// Difference of the criterion (positive: better with it).
+    pub(crate) delta_bic: f64,
+}
+
+/// An estimated parameter of the base model beside its true value.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Covered {
+    pub(crate) symbol: String,
+    pub(crate) truth: f64,
+    pub(crate) value: f64,
+    pub(crate) std_error: f64,
+    /// Whether the 95 % interval covers the true value.
+    pub(crate) covered: bool,
+}
+
+/// What was said at one rate.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Said {
+    /// The rate that was asked for.
+    pub(crate) false_alarm: f64,
+    /// Effects named, first found first.
     pub(crate) found: Vec<String>,
-    /// The first candidates of the first step.
-    pub(crate) ranking: Vec<String>,
-    /// Those that the first step could not tell from its best.
-    pub(crate) equals: Vec<String>,
-    /// The verdict.
-    pub(crate) conclusion: Conclusion,
-    /// Share of the explainable error of the held-out recording that is left.
-    pub(crate) unexplained: f64,
-    /// Window error above the floor without the effects, as a ratio of variances.
-    pub(crate) excess: f64,
-    /// Wall time [s].
+    /// The verdict, as in `results.json`.
+    pub(crate) verdict: String,
+    /// Effects said to be likely.
+    pub(crate) likely: Vec<String>,
+    /// 2 s simulation error on the held-out recording, over the floor, by model version.
+    pub(crate) versions: Vec<f64>,
+}
+
+/// A case and what came out.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Outcome {
+    /// Id of the case.
+    pub(crate) case: String,
+    /// Hidden effects with their parameters.
+    pub(crate) hidden: Vec<(String, Vec<(String, f64)>)>,
+    /// At the rates that were asked for; only the first that names nothing is run.
+    pub(crate) said: Vec<Said>,
+    /// Candidates of the first step, best first.
+    pub(crate) ranking: Vec<Look>,
+    /// Default estimates.
+    pub(crate) estimates: Vec<Covered>,
+    /// Dead time [s], where the data show it.
+    pub(crate) dead_time_s: Option<f64>,
+    /// What conditioning found, in words.
+    pub(crate) conditioning: Vec<String>,
+    /// Why there is no result.
+    pub(crate) failure: Option<String>,
+    /// Wall time of the first run [s].
     pub(crate) seconds: f64,
 }
 
-/// Runs the diagnosis of the base model on the recordings of `case`.
-pub(crate) fn judge(case: &Case) -> Outcome {
-    let (train, held_out) = recordings(case);
-    let model = Model::base(Robot::amigobot());
-    let begin = std::time::Instant::now();
-    let task = Task { model: &model, train: &train, hold: Hold::Linear, seed: 0 };
-    let first = start::start(&task, "benchmark").expect("moving recordings");
-    let likelihood = Likelihood {
-        prepared: train.iter().map(prepare).collect(),
-        hold: Hold::Linear,
-        slow_moment: true,
-        timing: false,
+/// Runs the program on the case: at the largest of `rates` first, at the smaller ones while something is named
+/// (what is not named at a larger rate is not named at a smaller one).
+pub(crate) fn judge(case: &Case, rates: &[f64]) -> Outcome {
+    let empty = Outcome {
+        case: case.to_string(),
+        hidden: vec![],
+        said: vec![],
+        ranking: vec![],
+        estimates: vec![],
+        dead_time_s: None,
+        conditioning: vec![],
+        failure: None,
+        seconds: 0.0,
     };
-    let diagnosis =
-        diagnose(&model, &first, &likelihood, &Settings::default()).expect("the base model fits");
-    let (last, maximum) = diagnosis.last();
-    let dynamics = PhysicalDynamics { model: last.clone(), p: maximum.p.clone() };
-    let motion = held_out.local_motion();
-    let floor = noise_floor(&dynamics, &held_out, &motion, Hold::Linear, 0).expect("it moves");
-    let judge = Judge::new(vec![held_out], Hold::Linear);
-    let errors = judge.errors(&diagnosis, floor.window_rms).expect("it moves");
-    let left = judge.structure_left(&diagnosis, &likelihood).expect("the filter runs");
-    let found = diagnosis.found();
-    Outcome {
-        conclusion: conclude(found.len(), &errors, left.is_some()),
-        ranking: diagnosis.ranking.iter().take(3).map(|r| r.candidate.id.clone()).collect(),
-        equals: diagnosis.equals.first().cloned().unwrap_or_default(),
-        unexplained: errors.unexplained(),
-        excess: errors.before / errors.floor - 1.0,
-        seconds: begin.elapsed().as_secs_f64(),
-        found,
+    attempt(case, rates, empty.clone())
+        .unwrap_or_else(|reason| Outcome { failure: Some(reason), ..empty })
+}
+
+fn attempt(case: &Case, rates: &[f64], mut out: Outcome) -> Result<Outcome, String> {
+    let scenario = Scenario::new(case)?;
+    out.hidden = scenario
+        .effects
+        .iter()
+        .map(|(id, own)| (id.clone(), own.iter().map(|(s, v)| ((*s).to_string(), *v)).collect()))
+        .collect();
+    let folder = tempfile::tempdir().map_err(|e| e.to_string())?;
+    let file = scenario.write(folder.path(), false)?;
+    let mut rates = rates.to_vec();
+    rates.sort_by(|a, b| b.total_cmp(a));
+    for rate in rates {
+        if out.said.last().is_some_and(|said| said.found.is_empty()) {
+            let nothing = out.said.last().cloned().expect("just looked at");
+            out.said.push(Said { false_alarm: rate, ..nothing });
+            continue;
+        }
+        let begin = std::time::Instant::now();
+        let study = asked(&file, rate)?;
+        if out.said.is_empty() {
+            out.seconds = begin.elapsed().as_secs_f64();
+            describe(&mut out, &study, &scenario);
+        }
+        out.said.push(said(&study, rate)?);
     }
+    Ok(out)
+}
+
+fn asked(file: &Path, rate: f64) -> Result<Study, String> {
+    let mut plan: Plan = load(file, &[]).map_err(|e| e.to_string())?;
+    let asked = plan.diagnosis.as_mut().ok_or("the file asks for a diagnosis")?;
+    asked.settings.false_alarm = rate;
+    run(&plan).map_err(|e| e.to_string())
+}
+
+fn said(study: &Study, rate: f64) -> Result<Said, String> {
+    let diagnosis = study.diagnosis.as_ref().ok_or("there is no diagnosis")?;
+    let floor = study.judged_floor();
+    let verdict = serde_json::to_value(diagnosis.verdict).map_err(|e| e.to_string())?;
+    Ok(Said {
+        false_alarm: rate,
+        found: diagnosis.found.clone(),
+        verdict: verdict.as_str().unwrap_or_default().into(),
+        likely: diagnosis.likely.clone(),
+        versions: diagnosis
+            .staircase
+            .iter()
+            .map(|s| ratio(s.window_rms_validation / floor))
+            .collect(),
+    })
+}
+
+/// A ratio that JSON can hold.
+fn ratio(value: f64) -> f64 {
+    if value.is_finite() { value } else { f64::MAX }
+}
+
+/// What does not depend on the rate.
+fn describe(out: &mut Outcome, study: &Study, scenario: &Scenario) {
+    if let Some(diagnosis) = &study.diagnosis {
+        let refitted = diagnosis
+            .ranking
+            .iter()
+            .filter(|c| c.window_after.is_finite() && c.delta_bic.is_finite());
+        out.ranking = refitted
+            .map(|c| Look { effect: c.effect.clone(), p_value: c.p_value, delta_bic: c.delta_bic })
+            .collect();
+    }
+    let symbols = ["a1", "a2", "a3", "a4", "a5"];
+    let estimates = study.methods.first().map_or(&[][..], |m| &m.estimates);
+    for (symbol, truth) in symbols.into_iter().zip(scenario.truth) {
+        let Some(e) = estimates.iter().find(|e| e.symbol == symbol && e.identifiable) else {
+            continue;
+        };
+        let covered = e.interval.0 <= truth && truth <= e.interval.1;
+        let (value, std_error) = (e.value, e.std_error);
+        out.estimates.push(Covered { symbol: symbol.into(), truth, value, std_error, covered });
+    }
+    out.dead_time_s = study.timing.map(|t| t.dead_time_s);
+    let findings = study.recordings.iter().flat_map(|r| r.conditioning.iter());
+    out.conditioning = findings.filter(|f| f.is_remarkable()).map(ToString::to_string).collect();
+    out.conditioning.sort();
+    out.conditioning.dedup();
+}
+
+/// Whether two ids mean the same by the equations.
+pub(crate) fn same(a: &str, b: &str) -> bool {
+    let twins = || find(a).map(|e| e.description().equivalent).unwrap_or_default();
+    a == b || twins().iter().any(|t| t == b)
 }
 
 impl Outcome {
-    /// Whether the first effect named is one that was hidden, or its twin.
-    pub(crate) fn first(&self, case: &Case) -> bool {
-        let first = self.found.first();
-        first.is_some_and(|f| case.hidden.iter().any(|h| same(f, h)))
+    /// What was said at a rate; at the nearest larger one that was run.
+    pub(crate) fn at(&self, rate: f64) -> Option<&Said> {
+        self.said.iter().find(|said| (said.false_alarm - rate).abs() < 1e-9)
     }
+}
 
-    /// Whether it is, or is reported as "this data cannot tell".
-    pub(crate) fn class(&self, case: &Case) -> bool {
-        let said = self.equals.iter().any(|e| case.hidden.iter().any(|h| same(e, h)));
-        self.first(case) || !self.found.is_empty() && said
-    }
-
-    /// Whether a hidden effect is among the first three of the ranking.
-    pub(crate) fn top3(&self, case: &Case) -> bool {
-        self.ranking.iter().any(|r| case.hidden.iter().any(|h| same(r, h)))
+impl Said {
+    /// Whether the first effect named is one that was hidden.
+    pub(crate) fn named(&self, hidden: &[String]) -> bool {
+        self.found.first().is_some_and(|f| hidden.iter().any(|h| same(h, f)))
     }
 
     /// Whether what was hidden was named, and nothing else.
-    pub(crate) fn exact(&self, case: &Case) -> bool {
-        self.found.len() == case.hidden.len()
-            && case.hidden.iter().all(|h| self.found.iter().any(|f| same(f, h)))
+    pub(crate) fn exact(&self, hidden: &[String]) -> bool {
+        self.found.len() == hidden.len()
+            && hidden.iter().all(|h| self.found.iter().any(|f| same(h, f)))
+    }
+
+    /// Whether the error of a later version is above that of an earlier one.
+    pub(crate) fn rises(&self) -> bool {
+        self.versions.windows(2).any(|w| w[1] > 1.000_001 * w[0])
+    }
+
+    /// Whether nothing is said to be missing although the error is above 1.5 times the floor.
+    pub(crate) fn silent(&self) -> bool {
+        self.verdict == "model_sufficient" && self.versions.last().is_some_and(|last| *last > 1.5)
     }
 }

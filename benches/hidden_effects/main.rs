@@ -1,88 +1,130 @@
-//! Hidden-effect benchmark: recordings with a known missing effect, and whether it is named.
+//! Hidden-effect benchmark: recordings in which something is hidden, or nothing, and what the program says.
 //!
 //! ```text
-//! cargo bench --bench hidden_effects -- [--seeds N] [--noise 1,2,3] [--healthy N] [--pairs N]
-//!                                       [--strangers N] [--worlds N] [--from SEED] [--only EFFECT]
-//!                                       [--csv FILE]
+//! cargo bench --bench hidden_effects -- [--what healthy,single,two,outside] [--robots presets,random:10]
+//!     [--simulator own,second] [--logs 100hz | all] [--effects ID,...] [--seeds N] [--from SEED] [--every K]
+//!     [--rates 0.01,0.05,0.2] [--jobs N] [--minutes M] [--json OUT] [--case ID,...] [--write DIR [--csv]]
 //! ```
-//! Every effect at three sizes (weak, moderate, strong) and the noise levels asked for, `--seeds`
-//! times; per noise level `--healthy` sets with nothing hidden; and at N2 `--worlds` sets with
-//! nothing hidden for each way in which recordings differ from what the noise model assumes,
-//! `--pairs` pairs of moderate effects, and `--strangers` sets for each of five effects outside the
-//! catalogue. One set is four recordings of 25 s at 100 Hz and a fifth that is held out; effects
-//! that are the same by their equations count as one. The recordings come from the event-driven
-//! simulator under a 1 kHz controller; the fit uses the filter, which shares neither integrator nor
-//! step with it. `--from` is added to all seeds: limits of the diagnosis were chosen on sets of small
-//! seeds, and only others (10000 and more) can judge them. `--csv` writes a line per set.
-#![allow(clippy::print_stdout)]
+//! Every case has an id, `robot/simulator/log/effect/size/seed`, from which alone it is made:
+//! `--case ID` runs it, `--write DIR` writes its recordings and an experiment file instead. With `--json`
+//! every outcome is a line of that file, and cases that stand in it already are not run again, so that a
+//! long run can be made in slices of `--minutes`. Tables are those of all cases asked for that have an outcome.
+#![allow(clippy::print_stdout, clippy::print_stderr)]
 
-mod cases;
+mod case;
+mod hidden;
 mod judge;
-mod made;
-mod table;
+mod logger;
+mod mechanics;
+mod options;
+mod own;
+mod robots;
+mod scenario;
+mod second;
+mod tables;
 
-use cases::{Case, HIDDEN, SIZES, STRANGERS, WORLDS, World};
-use rayon::prelude::*;
-use table::Row;
+use std::collections::BTreeMap;
+use std::io::Write as _;
+use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use std::time::Instant;
 
-fn argument(name: &str) -> Option<String> {
-    let mut arguments = std::env::args();
-    arguments.by_ref().find(|a| a == name)?;
-    arguments.next()
-}
+use case::Case;
+use judge::{Outcome, judge};
+use options::Options;
+use scenario::Scenario;
 
-fn count(name: &str, default: u64) -> u64 {
-    argument(name).map_or(default, |s| s.parse().expect("a whole number"))
-}
+/// Rate at which effects are searched where some are hidden: the program's default.
+const DEFAULT_RATE: f64 = 0.05;
 
-fn cases() -> Vec<Case> {
-    let levels = argument("--noise").unwrap_or("2".into());
-    let levels: Vec<usize> = levels.split(',').map(|s| s.parse().expect("1, 2 or 3")).collect();
-    let mut out = Vec::new();
-    for &level in &levels {
-        for seed in 0..count("--seeds", 1) {
-            for (id, _) in HIDDEN {
-                out.extend(SIZES.map(|(_, size)| Case::single(id, size, level, seed)));
-            }
-        }
-        let seeds = 100..100 + count("--healthy", 5);
-        out.extend(seeds.map(|seed| Case::healthy(World::Stated, level, seed)));
+fn main() -> Result<(), String> {
+    let options = Options::read()?;
+    if let Some(folder) = &options.write {
+        return write(&options.cases, folder, options.csv);
     }
-    for world in WORLDS.into_iter().filter(|w| *w != World::Stated) {
-        let seeds = 2000..2000 + count("--worlds", 0);
-        out.extend(seeds.map(|seed| Case::healthy(world, 2, seed)));
-    }
-    out.extend((0..count("--pairs", 0)).map(|k| Case::pair(k, 2)));
-    for stranger in STRANGERS {
-        let seeds = 4000..4000 + count("--strangers", 0);
-        out.extend(seeds.map(|seed| Case::stranger(stranger, 2, seed)));
-    }
-    let from = count("--from", 0);
-    out.iter_mut().for_each(|case| case.seed += from);
-    let only = argument("--only");
-    out.retain(|case| {
-        only.as_deref().is_none_or(|o| case.to_string().split(',').next() == Some(o))
+    let done = match &options.json {
+        Some(path) => read(path)?,
+        None => BTreeMap::new(),
+    };
+    let outcomes = run(&options, done)?;
+    let known = options.cases.into_iter().filter_map(|case| {
+        let outcome = outcomes.get(&case.to_string())?.clone();
+        Some((case, outcome))
     });
-    out
+    tables::print(&known.collect::<Vec<_>>(), &options.rates);
+    Ok(())
 }
 
-fn main() {
-    let cases = cases();
-    let rows: Vec<Row> = cases
-        .into_par_iter()
-        .map(|case| {
-            let outcome = judge::judge(&case);
-            let row = Row { case, outcome };
-            if !row.good() {
-                println!("{}", row.line());
-            }
-            row
-        })
-        .collect();
-    if let Some(path) = argument("--csv") {
-        let lines: Vec<String> = rows.iter().map(Row::line).collect();
-        let text = format!("{}\n{}\n", Row::HEADER, lines.join("\n"));
-        std::fs::write(&path, text).expect("the file can be written");
+/// The outcomes that a file holds, by case.
+fn read(path: &Path) -> Result<BTreeMap<String, Outcome>, String> {
+    let Ok(text) = std::fs::read_to_string(path) else { return Ok(BTreeMap::new()) };
+    // an interrupted run may have left a part of a line
+    let outcomes = text.lines().filter_map(|line| serde_json::from_str::<Outcome>(line).ok());
+    Ok(outcomes.map(|outcome| (outcome.case.clone(), outcome)).collect())
+}
+
+/// Runs the cases that have no outcome yet.
+fn run(
+    options: &Options,
+    done: BTreeMap<String, Outcome>,
+) -> Result<BTreeMap<String, Outcome>, String> {
+    let begin = Instant::now();
+    let file = options.json.as_ref().map(|path| {
+        let file = std::fs::OpenOptions::new().create(true).append(true).open(path);
+        file.map_err(|e| format!("{}: {e}", path.display()))
+    });
+    let file = Mutex::new(file.transpose()?);
+    let wanted: Vec<&Case> =
+        options.cases.iter().filter(|case| !done.contains_key(&case.to_string())).collect();
+    let (next, fresh) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+    let one = |case: &Case| {
+        let rates = if case.hidden.is_empty() { &options.rates[..] } else { &[DEFAULT_RATE] };
+        let outcome = judge(case, rates);
+        println!("{}", tables::line(case, &outcome));
+        if let (Ok(mut file), Ok(line)) = (file.lock(), serde_json::to_string(&outcome))
+            && let Some(file) = file.as_mut()
+        {
+            let _ = writeln!(file, "{line}");
+        }
+        fresh.lock().expect("no thread panics while it holds the list").push(outcome);
+    };
+    // threads of their own: one of rayon that waits for a file begins the next case meanwhile
+    std::thread::scope(|scope| {
+        for _ in 0..options.jobs.max(1) {
+            scope.spawn(|| {
+                while begin.elapsed().as_secs_f64() < options.seconds {
+                    let Some(case) = wanted.get(next.fetch_add(1, Relaxed)) else { break };
+                    one(case);
+                }
+            });
+        }
+    });
+    let fresh = fresh.into_inner().map_err(|e| e.to_string())?;
+    Ok(done.into_iter().chain(fresh.into_iter().map(|o| (o.case.clone(), o))).collect())
+}
+
+/// Writes every case into a folder of its own, and what is hidden in them into `truth.json`.
+fn write(cases: &[Case], folder: &Path, csv: bool) -> Result<(), String> {
+    let mut truth = serde_json::Map::new();
+    for case in cases {
+        let name = case.to_string().replace('/', "_");
+        let scenario = Scenario::new(case)?;
+        let toml = scenario.write(&folder.join(&name), csv)?;
+        println!("{case}\n  experiment {}", toml.display());
+        let values = |own: &hidden::Values| -> serde_json::Map<String, serde_json::Value> {
+            own.iter().map(|(symbol, value)| ((*symbol).to_string(), (*value).into())).collect()
+        };
+        let parameters: serde_json::Map<_, _> =
+            scenario.effects.iter().map(|(id, own)| (id.clone(), values(own).into())).collect();
+        let size = (!case.hidden.is_empty()).then(|| case.size.name());
+        let entry = serde_json::json!({
+            "case": case.to_string(), "kind": case.kind(), "robot": case.robot, "size": size,
+            "hidden": case.hidden, "parameters": parameters, "a": scenario.truth,
+        });
+        truth.insert(name, entry);
     }
-    table::print(&rows);
+    let text = serde_json::to_string_pretty(&truth).map_err(|e| e.to_string())?;
+    let path = folder.join("truth.json");
+    std::fs::write(&path, text).map_err(|e| format!("{}: {e}", path.display()))
 }

@@ -14,10 +14,10 @@ pub(crate) struct Case {
     pub(crate) held: &'static [(&'static str, f64)],
     /// Whether the movement starts and brakes hard.
     pub(crate) hard: bool,
-    /// What the missing moment depends on most, where that shows the effect; else the picture is
+    /// What the residual torque depends on most, where that shows the effect; else the picture is
     /// of the simulated motion.
     pub(crate) against: Option<Variable>,
-    /// How to read the picture: a sentence about the missing moment against that variable.
+    /// How to read the picture: a sentence about the residual torque against that variable.
     pub(crate) reading: &'static str,
 }
 
@@ -48,7 +48,7 @@ static CASES: [Case; 29] = [
         id: "inertia",
         held: &[("a2", 0.0)],
         against: Some(Variable::Acceleration1),
-        reading: "The line of wheel 2 rises with the acceleration of wheel 1: the moment by which \
+        reading: "The line of wheel 2 rises with the acceleration of wheel 1: the torque by which \
                   the body couples the wheels is missing. The own inertia a1 cannot be left out, \
                   since without it nothing could be simulated; it would show the same way on the \
                   wheel itself, as a falling line.",
@@ -59,7 +59,7 @@ static CASES: [Case; 29] = [
         held: &[("a3", 0.0)],
         against: Some(Variable::TurnRate),
         reading: "Both lines fall to either side of zero, the faster the robot turns the more: in \
-                  pivots the centrifugal moment holds back both wheels.",
+                  pivots the centrifugal torque holds back both wheels.",
         ..PLAIN
     },
     Case {
@@ -76,7 +76,7 @@ static CASES: [Case; 29] = [
         hidden: &[("b", 2e-3)],
         against: Some(Variable::Omega1),
         reading: "A sawtooth on wheel 1: the line falls with speed on either side and jumps up at \
-                  rest. The fitted Coulomb friction has taken up the mean resistance in each \
+                  rest. The fitted Coulomb friction has absorbed the mean resistance in each \
                   direction, so that only the slope is left, not a straight line through zero. \
                   Wheel 2 has its sawtooth over its own speed.",
         ..PLAIN
@@ -86,7 +86,7 @@ static CASES: [Case; 29] = [
         hidden: &[("b1", 2e-3)],
         against: Some(Variable::Omega1),
         reading: "A sawtooth on wheel 1, and nothing on wheel 2: the fitted Coulomb friction has \
-                  taken up the mean resistance of wheel 1 in each direction, and the slope is \
+                  absorbed the mean resistance of wheel 1 in each direction, and the slope is \
                   left.",
         ..PLAIN
     },
@@ -95,7 +95,7 @@ static CASES: [Case; 29] = [
         hidden: &[("b2", 2e-3)],
         against: Some(Variable::Omega2),
         reading: "A sawtooth on wheel 2, and nothing on wheel 1: the fitted Coulomb friction has \
-                  taken up the mean resistance of wheel 2 in each direction, and the slope is \
+                  absorbed the mean resistance of wheel 2 in each direction, and the slope is \
                   left.",
         ..PLAIN
     },
@@ -132,14 +132,14 @@ static CASES: [Case; 29] = [
         against: Some(Variable::Omega1),
         reading: "A sawtooth with bent teeth on wheel 1: steep at high speed, flat near rest. With \
                   viscous friction the teeth are straight. The jump at rest is what the fitted \
-                  Coulomb friction has taken up.",
+                  Coulomb friction has absorbed.",
         ..PLAIN
     },
     Case {
         id: "coulomb_asymmetry",
         hidden: &[("c1", 0.012), ("c2", 0.008)],
         against: Some(Variable::Acceleration2),
-        reading: "Two flat lines, at -c1 and -c2, as of a moment offset. They are flat against \
+        reading: "Two flat lines, at -c1 and -c2, as of a torque offset. They are flat against \
                   every variable; that this one comes first has no meaning. Near zero acceleration \
                   the robot mostly stands or rolls steadily, and the bands are wide.",
         ..PLAIN
@@ -210,7 +210,7 @@ static CASES: [Case; 29] = [
         hidden: &[("g", 0.05)],
         against: Some(Variable::Moment2),
         reading: "The line of wheel 2 falls with its drive, although the gain of wheel 1 is wrong: \
-                  the common inertia and friction have taken up half of it and left the other \
+                  the common inertia and friction have absorbed half of it and left the other \
                   half, with the opposite sign, to wheel 2. Over its own drive wheel 1 has a \
                   rising line.",
         ..PLAIN
@@ -227,7 +227,7 @@ static CASES: [Case; 29] = [
         hidden: &[("d", 0.01)],
         against: Some(Variable::Moment1),
         reading: "A step on wheel 1 where its drive changes sign, from +d to -d, that fades \
-                  towards large moments, where the fitted inertia and friction have taken it up.",
+                  towards large torques, where the fitted inertia and friction have taken it up.",
         ..PLAIN
     },
     Case {

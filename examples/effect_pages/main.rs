@@ -3,8 +3,8 @@
 //! ```text
 //! cargo run --release --example effect_pages [-- --only EFFECT]
 //! ```
-//! Each effect is hidden in made recordings, the model without it is fitted to them, and the page
-//! shows the moment that this model misses and what adding the effect does to the error. All
+//! Each effect is hidden in simulated recordings, the model without it is fitted to them, and the page
+//! shows the torque that this model misses and what adding the effect does to the error. All
 //! numbers are seeded: the same program writes the same pages.
 
 mod cases;

@@ -16,7 +16,7 @@ pub(crate) fn index() -> String {
     let mut out = format!(
         "# The effects of the catalogue\n\n\
          What each effect looks like in a recording, and what to drive to see it. A page shows the \
-         moment that a model without the effect misses, in made recordings in which it is hidden. \
+         torque that a model without the effect misses, in simulated recordings in which it is hidden. \
          `experiment effects ID` prints the short form. The pages are written by the program:\n\n\
          ```sh\n{COMMAND}\n```\n\n\
          | effect | | what it looks like | what to drive |\n|---|---|---|---|\n"
@@ -58,9 +58,9 @@ fn sentence(text: &str) -> String {
 
 fn kind(id: &str, energy: Energy, acts_on_drive: bool) -> String {
     let side = if acts_on_drive {
-        "It changes the recorded moment before the equation of motion"
+        "It changes the recorded torque before the equation of motion"
     } else {
-        "It stands on the side of the resistances, against the moment of the drive"
+        "It stands on the side of the resistances, against the torque of the input"
     };
     let energy = match energy {
         Energy::Stores => "stores energy and gives it back",
@@ -95,7 +95,7 @@ fn parameters(effect: &dyn effects::Effect, outcome: &Outcome) -> String {
 
 fn alternative(case: &Case) -> String {
     match case.against {
-        Some(variable) => format!("Missing moment against the {}", variable.words()),
+        Some(variable) => format!("Residual torque against the {}", variable.words()),
         None => "Measured speed, and its error without and with the effect".into(),
     }
 }
@@ -109,16 +109,16 @@ fn reading(case: &Case, outcome: &Outcome) -> String {
     let reading = case.reading;
     if case.against.is_some() {
         format!(
-            "{reading}\n\nThe missing moment is what would have to be added to the recorded \
-             moment, so that a resistance shows with the sign against the motion. What the fitted \
-             parameters can take up is not in it. It depends most clearly on (-ln p): \
+            "{reading}\n\nThe residual torque is what would have to be added to the recorded \
+             torque, so that a resistance shows with the sign against the motion. What the fitted \
+             parameters can absorb is not in it. It depends most clearly on (-ln p): \
              {strongest}.\n\n"
         )
     } else {
         format!(
             "{reading}\n\nThe upper panel is the measured speed, the lower one its error (mean \
              over nine samples) in a simulation from the start of the window, in the window of 2 s \
-             in which the effect helps most. For comparison, the missing moment \
+             in which the effect helps most. For comparison, the residual torque \
              depends most clearly on (-ln p): {strongest}.\n\n"
         )
     }
@@ -139,11 +139,12 @@ fn confused(case: &Case, d: &Description, outcome: &Outcome) -> String {
         let _ = writeln!(
             out,
             "By its equations it is {twins} over again: no recording of the \
-                               wheels tells them apart.\n"
+                               wheels distinguishes them.\n"
         );
     }
     let found = outcome.diagnosis.found();
-    let near: Vec<String> = outcome.diagnosis.equals.concat();
+    let near: Vec<String> =
+        outcome.diagnosis.steps.iter().flat_map(|step| step.equals.clone()).collect();
     let near: Vec<String> = near.into_iter().filter(|id| !d.equivalent.contains(id)).collect();
     let named = match found.first() {
         Some(id) => format!("names {}", link(id)),
@@ -153,8 +154,10 @@ fn confused(case: &Case, d: &Description, outcome: &Outcome) -> String {
     let tried = outcome.diagnosis.ranking.iter().any(|r| r.candidate.id == case.id);
     let _ = write!(out, "The diagnosis of these recordings {named}");
     let _ = match (near.is_empty(), found.is_empty()) {
-        (false, _) => writeln!(out, ", and cannot tell it from {} (within 3 nats).", links(&near)),
-        (true, false) => writeln!(out, "; nothing else comes within 3 nats."),
+        (false, _) => {
+            writeln!(out, ", and does not distinguish it from {} (ΔBIC below 6).", links(&near))
+        }
+        (true, false) => writeln!(out, "; nothing else comes within a ΔBIC of 6."),
         (true, true) => writeln!(out, "."),
     };
     if is_base(case.id) {
@@ -164,13 +167,12 @@ fn confused(case: &Case, d: &Description, outcome: &Outcome) -> String {
         let _ = writeln!(out, "It does not try `{}`, so this is not the cause here.", case.id);
     }
     let ranked = outcome.diagnosis.ranking.iter();
-    let ranked: Vec<_> = ranked.filter(|r| r.refit.is_some() && r.rank() > 0.0).take(4).collect();
+    let ranked: Vec<_> = ranked.filter(|r| r.refit.is_some() && r.bic < 0.0).take(4).collect();
     if !ranked.is_empty() {
-        out +=
-            "\n| candidate | rank: evidence and gain on recordings left out [nats] |\n|---|---|\n";
+        out += "\n| candidate | ΔBIC |\n|---|---|\n";
     }
     for ranked in ranked {
-        let _ = writeln!(out, "| {} | {:.0} |", link(&ranked.candidate.id), ranked.rank());
+        let _ = writeln!(out, "| {} | {:.0} |", link(&ranked.candidate.id), -ranked.bic);
     }
     out + "\n"
 }
@@ -193,7 +195,7 @@ fn cure(case: &Case, outcome: &Outcome) -> String {
     let [before, after] = outcome.error;
     let _ = writeln!(
         out,
-        "| window error on a recording held out | [rad/s] |\n|---|---|\n| without the effect | {} \
+        "| 2 s simulation error on a recording held out | [rad/s] |\n|---|---|\n| without the effect | {} \
          |\n| with it | {} |\n| noise floor | {} |\n",
         number(before),
         number(after),
@@ -232,7 +234,7 @@ fn conditions(case: &Case) -> String {
     format!(
         "## Where the numbers come from\n\nFour recordings of 25 s at 100 Hz{hard}, made with the \
          effect at the sizes above under a speed controller, and a fifth to judge by; noise {} \
-         rad/s in the speeds, {} rad in the angles, {} N m in the moments. Both models are fitted \
+         rad/s in the speeds, {} rad in the angles, {} N m in the torques. Both models are fitted \
          by `{}`{held}; picture and diagnosis are of the model without the effect, by the filter. \
          Repeat:\n\n```sh\n{COMMAND} -- --only {}\n```\n\n[All effects](README.md)\n",
         NOISE.dalpha, NOISE.alpha, NOISE.moment, METHOD, case.id

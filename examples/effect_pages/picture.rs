@@ -1,4 +1,4 @@
-//! The picture of an effect: the missing moment against what it depends on most.
+//! The picture of an effect: the residual torque against what it depends on most.
 
 use amigo_ident::compare::Dependence;
 use amigo_ident::effects;
@@ -22,19 +22,19 @@ pub(crate) fn draw(case: &Case, outcome: &Outcome) -> Result<Vec<u8>, ReportErro
     figure.size = Size { width: WIDTH, height: Some(height) };
     figure = match case.against {
         Some(_) => figure
-            .with_subtitle("Moment that the model without it misses; bands: 95 %")
+            .with_subtitle("Torque that the model without it misses; bands: 95 %")
             .with_panel(missing(&outcome.dependences[0])),
         None => excerpt(figure, outcome),
     };
     figure_to_png(&figure)
 }
 
-/// Missing moment of both wheels in bins of a variable, with 95 % bands.
+/// Residual torque of both wheels in bins of a variable, with 95 % bands.
 fn missing(dependence: &Dependence) -> Panel {
     let variable = dependence.variable;
     let mut panel = Panel::new(
         Axis::linear(variable.words(), variable.unit("N m")),
-        Axis::linear("missing moment", "N m"),
+        Axis::linear("residual torque", "N m"),
     )
     .with(Layer::HLine { at: 0.0, label: String::new(), role: Role::Ink, dash: Dash::Solid });
     for (i, (label, role)) in WHEELS.into_iter().enumerate() {

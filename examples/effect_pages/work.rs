@@ -3,7 +3,7 @@
 use amigo_ident::compare::{
     Dependence, missing_moment, noise_floor, simulate_recording, window_rms,
 };
-use amigo_ident::diagnose::{Diagnosis, Settings, diagnose};
+use amigo_ident::diagnose::{Data, Diagnosis, Settings, diagnose};
 use amigo_ident::effects::BASE;
 use amigo_ident::identify::kalman::{Likelihood, prepare};
 use amigo_ident::identify::{Fit, Task, find, start};
@@ -30,13 +30,13 @@ const HARD: f64 = 0.3;
 pub(crate) struct Outcome {
     /// The truth's values of the effect's parameters, in their order.
     pub(crate) hidden: Vec<f64>,
-    /// Dependences of the missing moment, the strongest first.
+    /// Dependences of the residual torque, the strongest first.
     pub(crate) dependences: Vec<Dependence>,
     /// What the diagnosis of the model without the effect says.
     pub(crate) diagnosis: Diagnosis,
     /// Fit with the effect.
     pub(crate) fit: Fit,
-    /// Window error on the recording held out, without and with the effect [rad/s].
+    /// 2 s simulation error on the recording held out, without and with the effect [rad/s].
     pub(crate) error: [f64; 2],
     /// Its noise floor [rad/s].
     pub(crate) floor: f64,
@@ -67,10 +67,14 @@ pub(crate) fn run(case: &Case) -> Result<Outcome, Failure> {
         timing: false,
     };
     let settings = Settings { max_effects: 1, ..Settings::default() };
-    let first = start::start(&task, "effect_pages")?;
-    let diagnosis = diagnose(&without, &first, &likelihood, &settings)?;
-    let maximum = &diagnosis.base.1;
-    let missing = missing_moment(&without, &maximum.p, &maximum.noise, &likelihood)?;
+    let starts = [start::start(&task, "effect_pages")?, without.initial()];
+    let held = [held_out];
+    let data = Data { train: &recordings, validation: &held, hold: Hold::Linear, corrected_s: 0.0 };
+    let diagnosis = diagnose(&without, &starts, &data, &settings)?;
+    let [held_out] = held;
+    let base = &diagnosis.base;
+    let (noise, _) = likelihood.noise(&base.model, &base.p, &likelihood.initial_noise());
+    let missing = missing_moment(&base.model, &base.p, &noise, &likelihood)?;
     let strongest = missing.dependences[0].variable;
     if case.against.is_some_and(|expected| expected != strongest) {
         let words = strongest.words();
@@ -99,7 +103,7 @@ pub(crate) fn is_base(id: &str) -> bool {
     BASE.contains(&id)
 }
 
-/// Parameters of the truth: the case's values, else construction and typical ones.
+/// Parameters of the true value: the case's values, else construction and typical ones.
 fn values(truth: &Model, case: &Case) -> Result<Vec<f64>, Failure> {
     let mut p = truth.initial();
     for (symbol, value) in case.hidden {

@@ -5,7 +5,7 @@ use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use amigo_ident::experiment::{self, Done, Outcome, Plan, RunOptions, Shard};
+use amigo_ident::experiment::{self, Done, ExportFormat, Outcome, Plan, RunOptions, Shard};
 use amigo_ident::{effects, identify};
 use clap::{CommandFactory, Parser, Subcommand};
 use rayon::prelude::*;
@@ -25,9 +25,12 @@ struct Cli {
 
 #[derive(clap::Args)]
 struct Run {
-    /// Experiment files to run.
-    #[arg(value_name = "FILE.toml")]
+    /// Experiment files to run; or recordings, which are one experiment, as `new` would write it.
+    #[arg(value_name = "FILE.toml | RECORDING")]
     files: Vec<PathBuf>,
+    /// Of recordings: write the experiment file that is run.
+    #[arg(short, long, value_name = "FILE.toml")]
+    output: Option<PathBuf>,
     /// Folder that receives one result folder per experiment.
     #[arg(long, default_value = "reports", value_name = "DIR")]
     out: PathBuf,
@@ -50,6 +53,8 @@ struct Run {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Run experiment files or recordings; the word may be left out.
+    Run(Run),
     /// Look at recordings and write a ready, commented experiment file.
     New {
         /// Recordings (CSV, Parquet, WPILOG, MCAP, MAT, SysId); the last of several becomes the validation recording.
@@ -69,6 +74,22 @@ enum Command {
         /// Folder of the result folders.
         #[arg(long, default_value = "reports", value_name = "DIR")]
         out: PathBuf,
+    },
+    /// Write the results of the last run for other programs.
+    Export {
+        /// The experiment file.
+        #[arg(value_name = "FILE.toml")]
+        file: PathBuf,
+        /// What to write, separated by commas: csv, parquet, mcap (measured and simulated motion,
+        /// residual torque, torque of the effects found), mjcf, urdf (the robot for simulators), gains.
+        #[arg(long, value_name = "FORMATS", value_delimiter = ',', default_value = "csv")]
+        to: Vec<ExportFormat>,
+        /// Folder of the result folders.
+        #[arg(long, default_value = "reports", value_name = "DIR")]
+        out: PathBuf,
+        /// Keys that were overridden in the run.
+        #[arg(long, value_name = "KEY=VALUE")]
+        set: Vec<String>,
     },
     /// Join the parts of grids that were run with --shard, and write their reports.
     Merge {
@@ -106,6 +127,8 @@ enum Command {
     },
     /// Write the JSON schema of experiment files to standard output, for editors.
     Schema,
+    /// Write the manual page to standard output: experiment man | man -l -
+    Man,
     /// Write a completion script for a shell to standard output.
     Completions {
         /// The shell.
@@ -123,11 +146,15 @@ fn main() -> ExitCode {
     let cli = Cli::parse();
     match cli.command {
         None => run(&cli.run),
+        Some(Command::Run(arguments)) => run(&arguments),
         Some(Command::New { recordings, output }) => {
             print_or_complain(experiment::new_file(&recordings, output.as_deref()))
         }
         Some(Command::Add { effect, file, out }) => {
             print_or_complain(experiment::add_effect(&effect, &file, &out))
+        }
+        Some(Command::Export { file, to, out, set }) => {
+            print_or_complain(experiment::export(&file, &to, &out, &set))
         }
         Some(Command::Merge { files, out, set, quiet }) => merge(
             &files,
@@ -146,6 +173,7 @@ fn main() -> ExitCode {
             print_or_unknown(identify::details(&name), "method", &name, names)
         }
         Some(Command::Schema) => print(&experiment::json_schema()),
+        Some(Command::Man) => manual(),
         Some(Command::Completions { shell }) => {
             let mut command = Cli::command();
             clap_complete::generate(shell, &mut command, "experiment", &mut std::io::stdout());
@@ -177,6 +205,25 @@ fn print(text: &str) -> ExitCode {
     // a closed pipe (| head) is no error of ours
     let _ = std::io::Write::write_all(&mut std::io::stdout(), printable(text).as_bytes());
     ExitCode::SUCCESS
+}
+
+/// The manual page of the program, followed by those of its commands.
+fn manual() -> ExitCode {
+    let mut page = Vec::new();
+    let main = Cli::command();
+    let commands = main.get_subcommands().cloned().map(|c| {
+        let name = format!("experiment-{}", c.get_name());
+        c.display_name(name)
+    });
+    let mut all = std::iter::once(main.clone()).chain(commands);
+    let rendered = all.try_for_each(|c| clap_mangen::Man::new(c).render(&mut page));
+    match rendered {
+        Ok(()) => print(&String::from_utf8_lossy(&page)),
+        Err(e) => {
+            eprintln!("error: {e}");
+            ExitCode::from(FAILED)
+        }
+    }
 }
 
 fn print_or_complain(result: Result<String, experiment::ExperimentError>) -> ExitCode {
@@ -253,6 +300,18 @@ fn run(run: &Run) -> ExitCode {
             return ExitCode::from(WRONG);
         }
     }
+    if let Some(hint) = misspelt(&run.files) {
+        eprintln!("error: {}", printable(&hint));
+        return ExitCode::from(WRONG);
+    }
+    let mut files = run.files.clone();
+    if let Some(output) = &run.output {
+        // the file is written first, so that it is the one that runs
+        if let Err(e) = experiment::new_file(&files, Some(output)) {
+            return complain(&e);
+        }
+        files = vec![output.clone()];
+    }
     let options = RunOptions {
         out: run.out.clone(),
         set: run.set.clone(),
@@ -260,7 +319,7 @@ fn run(run: &Run) -> ExitCode {
         shard: run.shard,
         progress: !run.quiet && std::io::stderr().is_terminal(),
     };
-    let plans = match experiment::load_all(&run.files, &options) {
+    let plans = match experiment::load_all(&files, &options) {
         Ok(plans) => plans,
         Err(errors) => {
             for e in &errors {
@@ -270,6 +329,9 @@ fn run(run: &Run) -> ExitCode {
         }
     };
     warn(&plans, run.quiet);
+    if options.progress && plans.iter().any(|plan| plan.grid.is_some()) {
+        eprintln!("an interrupted grid goes on where it stopped by the same command");
+    }
     let outcomes: Vec<Outcome> =
         plans.into_par_iter().map(|plan| experiment::execute(plan, &options)).collect();
     let index = (outcomes.len() > 1 && run.shard.is_none())
@@ -280,6 +342,22 @@ fn run(run: &Run) -> ExitCode {
     }
     let failed = outcomes.iter().filter(|o| o.result.is_err()).count();
     ExitCode::from(if failed > 0 { FAILED } else { 0 })
+}
+
+/// A word in place of the first file that is no file, but nearly a command.
+fn misspelt(files: &[PathBuf]) -> Option<String> {
+    let first = files.first().filter(|f| !f.exists() && f.extension().is_none())?;
+    let word = first.to_str()?;
+    let commands: Vec<String> =
+        Cli::command().get_subcommands().map(|c| c.get_name().to_string()).collect();
+    let near = commands
+        .iter()
+        .max_by(|a, b| strsim::jaro_winkler(a, word).total_cmp(&strsim::jaro_winkler(b, word)));
+    let hint = near.filter(|n| strsim::jaro_winkler(n, word) > 0.75);
+    let hint = hint.map_or(String::new(), |n| format!("; did you mean `experiment {n}`?"));
+    Some(format!(
+        "`{word}` is no command and no file{hint} (`experiment --help` lists the commands)"
+    ))
 }
 
 /// What is odd about the files and their recordings.

@@ -16,6 +16,8 @@ pub struct Simulated {
     pub free: Vec<State>,
     /// Simulation over windows of 2 s, each started from the local motion.
     pub windows: Vec<State>,
+    /// Rows at which the windows start.
+    pub window_starts: Vec<usize>,
 }
 
 /// Simulates a recording freely and over windows.
@@ -32,38 +34,41 @@ pub fn simulate_recording(
     let drive = Acting::new(dynamics, recording, recording.moment());
     let mut free = Vec::with_capacity(recording.len());
     let mut windows = Vec::with_capacity(recording.len());
+    let mut window_starts = Vec::new();
     for piece in recording.pieces() {
         run(&drive, motion, piece.clone(), hold, &mut free)?;
-        for window in windows_of(recording, piece) {
+        for window in windows_of(recording, piece, WINDOW) {
+            window_starts.push(window.start);
             run(&drive, motion, window, hold, &mut windows)?;
         }
     }
-    Ok(Simulated { free, windows })
+    Ok(Simulated { free, windows, window_starts })
 }
 
-/// The windows of a piece; a short rest joins the last one.
+/// The windows of `length` [s] of a piece; a short rest joins the last one.
 pub(super) fn windows_of(
     recording: &Recording,
     piece: &std::ops::Range<usize>,
+    length: f64,
 ) -> Vec<std::ops::Range<usize>> {
     let t = recording.t();
     let mut out: Vec<std::ops::Range<usize>> = Vec::new();
     let mut start = piece.start;
     for k in piece.clone() {
-        if t[k] - t[start] >= WINDOW {
+        if t[k] - t[start] >= length {
             out.push(start..k);
             start = k;
         }
     }
     match out.last_mut() {
-        Some(last) if t[piece.end - 1] - t[start] < 0.5 * WINDOW => last.end = piece.end,
+        Some(last) if t[piece.end - 1] - t[start] < 0.5 * length => last.end = piece.end,
         _ => out.push(start..piece.end),
     }
     out
 }
 
 /// A model on a recording, with the acting drive of the whole recording.
-pub(super) struct Acting<'a> {
+pub(crate) struct Acting<'a> {
     dynamics: &'a dyn Dynamics,
     t: &'a [f64],
     pieces: &'a [std::ops::Range<usize>],
@@ -71,7 +76,7 @@ pub(super) struct Acting<'a> {
 }
 
 impl<'a> Acting<'a> {
-    pub(super) fn new(
+    pub(crate) fn new(
         dynamics: &'a dyn Dynamics,
         recording: &'a Recording,
         moment: &[[f64; 2]],
@@ -82,7 +87,7 @@ impl<'a> Acting<'a> {
 
     /// The motion over a range of samples; far away (NaN) where it diverges: a bad model is a
     /// result, not an error.
-    pub(super) fn simulate(
+    pub(crate) fn simulate(
         &self,
         motion: &[LocalMotion],
         range: std::ops::Range<usize>,
@@ -110,7 +115,7 @@ impl<'a> Acting<'a> {
         };
         let early = |k: &usize| self.t[first] - self.t[*k] <= RUN_IN;
         let samples = (piece.start..first).rev().take_while(early).count();
-        RunIn { samples, start: start(&motion[first - samples]) }
+        RunIn { samples, start: start_of(&motion[first - samples]) }
     }
 }
 
@@ -121,14 +126,14 @@ fn run(
     hold: Hold,
     out: &mut Vec<State>,
 ) -> Result<(), SimulateError> {
-    let first = start(&motion[range.start]);
+    let first = start_of(&motion[range.start]);
     out.extend(acting.simulate(motion, range, first, hold)?);
     Ok(())
 }
 
 /// Where a simulation starts: the local motion.
 #[must_use]
-pub(super) fn start(motion: &LocalMotion) -> State {
+pub(crate) fn start_of(motion: &LocalMotion) -> State {
     // a speed that its own error hides is rest: started at a tiny speed, dry friction would act
     // with a sign that is noise
     let omega = [0, 1].map(|i| {
@@ -171,7 +176,7 @@ pub fn window_errors(recording: &Recording, windows: &[State]) -> Vec<[f64; 2]> 
         .collect()
 }
 
-/// Root mean square of the window errors over both wheels [rad/s].
+/// Root mean square of the 2 s simulation errors over both wheels [rad/s].
 #[must_use]
 pub fn window_rms(recording: &Recording, windows: &[State]) -> f64 {
     let errors = window_errors(recording, windows);
@@ -180,10 +185,47 @@ pub fn window_rms(recording: &Recording, windows: &[State]) -> f64 {
     if mean.is_nan() { f64::INFINITY } else { mean.sqrt() }
 }
 
+/// Samples at the start of a recording that [`angle_rms`] leaves out.
+const TRANSIENT: usize = 20;
+
+/// Root mean square error of the angles of a free simulation over both wheels, without the first 20 samples
+/// [rad]; infinite where it diverges.
+///
+/// Source: score of the nonlinear system identification benchmarks (nonlinearbenchmark.org).
+#[must_use]
+pub fn angle_rms(recording: &Recording, free: &[State]) -> f64 {
+    let rows = recording.alpha().iter().zip(free).skip(TRANSIENT);
+    let square =
+        |(m, s): (&[f64; 2], &State)| (0..2).map(|i| (m[i] - s.alpha[i]).powi(2)).sum::<f64>();
+    let count = recording.len().saturating_sub(TRANSIENT).max(1);
+    let mean = rows.map(square).sum::<f64>() / (2 * count) as f64;
+    if mean.is_nan() { f64::INFINITY } else { mean.sqrt() }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::recording::{Channels, DriveUnit};
+
+    #[test]
+    fn the_error_of_the_angles_leaves_the_first_samples_out() {
+        let rows = 40;
+        let t: Vec<f64> = (0..rows).map(|k| 0.01 * f64::from(k)).collect();
+        let alpha = vec![[1.0, 2.0]; rows as usize];
+        let channels = Channels {
+            t,
+            alpha: Some(alpha),
+            omega: Some(vec![[0.0; 2]; rows as usize]),
+            moment: vec![[0.0; 2]; rows as usize],
+        };
+        let recording = Recording::new("made", channels, DriveUnit::NewtonMetre).unwrap();
+        // errors 3 and 4 from sample 20 on, 100 before
+        let free: Vec<State> = (0..rows)
+            .map(|k| if k < 20 { [101.0, 102.0] } else { [4.0, 6.0] })
+            .map(|alpha| State { alpha, omega: [0.0; 2] })
+            .collect();
+        assert!((angle_rms(&recording, &free) - 12.5_f64.sqrt()).abs() < 1e-12);
+    }
 
     #[test]
     fn the_index_of_a_known_error_is_its_integral() {

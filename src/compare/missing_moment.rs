@@ -4,10 +4,12 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::effects::Motion;
 use crate::identify::kalman::{Columns, Instant, Likelihood, ProcessNoise};
+use crate::math::distribution::chi2_log_survival;
+use crate::math::{Information, eliminate};
 use crate::model::{Model, ModelError};
 use crate::recording::{LocalMotion, Recording};
 
-/// What the missing moment may depend on.
+/// What the residual torque may depend on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Variable {
@@ -86,7 +88,12 @@ impl Variable {
         }
     }
 
-    fn at(self, motion: &Motion<f64>, acceleration: &[f64; 2], moment: &[f64; 2]) -> f64 {
+    pub(super) fn at(
+        self,
+        motion: &Motion<f64>,
+        acceleration: &[f64; 2],
+        moment: &[f64; 2],
+    ) -> f64 {
         let turn = |x: f64| x.rem_euclid(std::f64::consts::TAU);
         match self {
             Self::Omega1 => motion.omega[0],
@@ -105,18 +112,18 @@ impl Variable {
     }
 }
 
-/// The missing moment in one bin of a variable.
+/// The residual torque in one bin of a variable.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Bin {
     /// Middle of the bin.
     pub at: f64,
-    /// Missing moment on wheel 1 and wheel 2 [N m].
+    /// Residual torque on wheel 1 and wheel 2 [N m].
     pub moment: [f64; 2],
     /// Their standard errors.
     pub std_error: [f64; 2],
 }
 
-/// How the missing moment depends on a variable.
+/// How the residual torque depends on a variable.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Dependence {
     /// The variable.
@@ -145,7 +152,7 @@ const BINS: usize = 12;
 /// Directions of the binned information below this share are left out.
 const WEAK: f64 = 1e-4;
 
-/// The missing moment over every variable, by a score test: indicator columns of each bin ride
+/// The residual torque over every variable, by a score test: indicator columns of each bin ride
 /// along in one filter pass at the fitted parameters, and what the parameters could still take up
 /// is projected out.
 ///
@@ -257,7 +264,7 @@ fn size(bins: &[Bin]) -> f64 {
     f64::max(sum / f64::max(count, 1.0), 0.0).sqrt()
 }
 
-/// The curve of the missing moment: all bins of a variable together, by the pseudo-inverse (what
+/// The curve of the residual torque: all bins of a variable together, by the pseudo-inverse (what
 /// the parameters can take up has no part in it).
 fn curve(
     edges: &[f64],
@@ -303,60 +310,19 @@ pub fn project(
     base: &[usize],
     columns: &[usize],
 ) -> (DMatrix<f64>, DVector<f64>) {
-    let (nb, nc) = (base.len(), columns.len());
-    let scale: Vec<f64> = base.iter().map(|&j| 1.0 / h[(j, j)].max(1e-300).sqrt()).collect();
-    let bb = DMatrix::from_fn(nb, nb, |i, k| h[(base[i], base[k])] * scale[i] * scale[k]);
-    let bj = DMatrix::from_fn(nb, nc, |i, k| h[(base[i], columns[k])] * scale[i]);
-    let gb = DVector::from_fn(nb, |i, _| g[base[i]] * scale[i]);
-    let inverse = bb.pseudo_inverse(1e-10).unwrap_or_else(|_| DMatrix::zeros(nb, nb));
-    let taken = &inverse * &bj;
-    let information =
-        DMatrix::from_fn(nc, nc, |i, k| h[(columns[i], columns[k])]) - bj.transpose() * &taken;
-    let score = DVector::from_fn(nc, |i, _| g[columns[i]]) - taken.transpose() * gb;
-    (information, score)
+    eliminate(h, g, base, columns)
 }
 
 /// `T = s' I⁺ s` and the rank of I; directions below 1e-4 of the largest, after scaling to unit
 /// diagonal, are left out.
 #[must_use]
 pub fn score_statistic(information: &DMatrix<f64>, score: &DVector<f64>) -> (f64, usize) {
-    let n = score.len();
-    let scale: Vec<f64> = (0..n)
-        .map(|j| {
-            let d = information[(j, j)];
-            if d > 0.0 { 1.0 / d.sqrt() } else { 0.0 }
-        })
-        .collect();
-    let scaled = DMatrix::from_fn(n, n, |i, k| information[(i, k)] * scale[i] * scale[k]);
-    let right = DVector::from_fn(n, |i, _| score[i] * scale[i]);
-    let eigen = scaled.symmetric_eigen();
-    let largest = eigen.eigenvalues.iter().copied().fold(0.0, f64::max);
-    let (mut statistic, mut rank) = (0.0, 0);
-    for (value, v) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
-        if *value > WEAK * largest.max(1e-300) {
-            statistic += v.dot(&right).powi(2) / value;
-            rank += 1;
-        }
-    }
-    (statistic, rank)
+    let known = Information::truncated(information, WEAK);
+    (known.statistic(score), known.rank())
 }
 
-/// -ln P(χ²_k > T), accurate far into the tail.
-///
-/// ```text
-/// -ln P ≈ T/2 - (k/2 - 1) ln(T/2) + ln Γ(k/2)   where the tail underflows
-/// ```
+/// -ln P(χ²_k > T), accurate however far in the tail.
 #[must_use]
 pub fn log_significance(statistic: f64, rank: usize) -> f64 {
-    use statrs::distribution::{ChiSquared, ContinuousCDF};
-    if rank == 0 || statistic <= 0.0 {
-        return 0.0;
-    }
-    let k = rank as f64;
-    let p = ChiSquared::new(k).map_or(1.0, |d| d.sf(statistic));
-    if p > 1e-280 {
-        return -p.ln();
-    }
-    let half = 0.5 * statistic;
-    half - (0.5 * k - 1.0) * half.ln() + statrs::function::gamma::ln_gamma(0.5 * k)
+    if rank == 0 { 0.0 } else { -chi2_log_survival(statistic, rank as f64) }
 }

@@ -2,13 +2,22 @@
 
 mod error;
 mod floor;
+mod horizon;
+mod low_pass;
 mod missing_moment;
 mod regime;
+mod residual_torque;
+mod whiteness;
 
-pub use error::{Simulated, ise, simulate_recording, window_errors, window_rms};
-pub use floor::{Floor, noise_floor};
+pub(crate) use error::start_of;
+pub use error::{Simulated, angle_rms, ise, simulate_recording, window_errors, window_rms};
+pub use floor::{Floor, noise_floor, noisier_drive, unresolved};
+pub use horizon::{Horizon, fit_percent, horizons};
+pub use low_pass::{filtered, smooth_motion};
 pub use missing_moment::{
     Bin, Dependence, MissingMoment, Variable, log_significance, missing_moment, project,
     score_statistic,
 };
 pub use regime::{Failure, failures};
+pub use residual_torque::{Curve, CurveBin, Mean, clustered_mean, curves, residual_torque};
+pub use whiteness::{Innovations, Whiteness, analysed, whiteness};

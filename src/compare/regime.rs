@@ -1,9 +1,18 @@
 //! In which regimes of driving the model fails, and whether that is more than noise.
 
-use super::missing_moment::{log_significance, project, score_statistic};
-use crate::identify::kalman::{Columns, Instant, Likelihood, ProcessNoise};
-use crate::model::{Model, ModelError};
-use crate::recording::Regime;
+use super::residual_torque::clustered_mean;
+use crate::math::distribution::{holm, t_survival};
+use crate::recording::{Recording, Regime};
+
+/// Chance that any regime is called significant where the model is right.
+const LEVEL: f64 = 0.05;
+/// Error over the noise floor up to which a regime counts as at the floor, which is known to about as much: a
+/// residual torque that raises no error is no failure.
+const ABOVE_FLOOR: f64 = 1.2;
+/// Rows of a regime at least.
+const FEWEST: usize = 5;
+/// Blocks of 1 s of a regime at least, for a test.
+const FEWEST_BLOCKS: usize = 4;
 
 /// One regime and wheel where the error is looked at.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -12,59 +21,38 @@ pub struct Failure {
     pub regime: Regime,
     /// Wheel, 1 (right) or 2 (left).
     pub wheel: usize,
-    /// Share of the summed squared window error of both wheels that falls here.
+    /// Share of the summed squared 2 s simulation error of both wheels that falls here.
     pub share_of_ise: f64,
-    /// Root mean square window error here over that of the noise floor.
+    /// Root mean square 2 s simulation error here over that of the noise floor.
     pub ratio_to_noise: f64,
-    /// Probability of a missing moment as large as seen, were nothing missing; by a score test.
+    /// Probability of a residual torque as large as seen, were nothing missing; by a t test over blocks of 1 s.
     pub p_value: f64,
-    /// Missing moment here [N m].
+    /// Residual torque here [N m].
     pub moment: f64,
     /// Its standard error.
     pub std_error: f64,
     /// Samples.
     pub samples: usize,
-    /// Whether it stays significant at 5 % after Holm's correction for looking at all regimes.
+    /// Whether it stays significant at 5 % after Holm's correction for looking at all regimes, and the error
+    /// is above 1.2 times the noise floor.
     pub significant: bool,
 }
 
-struct Indicators {
-    regimes: Vec<Regime>,
-}
-
-impl Columns for Indicators {
-    fn count(&self) -> usize {
-        2 * Regime::ALL.len()
-    }
-    fn torque(&self, at: &Instant, out: &mut [[f64; 2]]) {
-        out.iter_mut().for_each(|column| *column = [0.0; 2]);
-        let index = self.regimes[at.sample] as usize;
-        out[2 * index] = [1.0, 0.0];
-        out[2 * index + 1] = [0.0, 1.0];
-    }
-}
-
-/// Regimes ranked by how far the error exceeds noise. `errors` are the window errors of each
-/// recording of `likelihood` and `floors` their noise floors [rad/s].
+/// Regimes ranked by how far the error exceeds noise. `regimes`, `torque` (the
+/// [`residual_torque()`](super::residual_torque())) and `errors` (over windows of 2 s [rad/s]) hold a list a
+/// recording with a value a row, `floors` the noise floors [rad/s].
 ///
-/// # Errors
-/// If the model has no acceleration.
+/// ```text
+/// p = P(|t| > |mean|/se),   mean and standard error of the residual torque over blocks of 1 s
+/// ```
+#[must_use]
 pub fn failures(
-    model: &Model,
-    p: &[f64],
-    noise: &ProcessNoise,
-    likelihood: &Likelihood,
+    recordings: &[&Recording],
+    regimes: &[Vec<Regime>],
+    torque: &[Vec<[f64; 2]>],
     errors: &[Vec<[f64; 2]>],
     floors: &[f64],
-) -> Result<Vec<Failure>, ModelError> {
-    let columns: Vec<Indicators> = likelihood
-        .prepared
-        .iter()
-        .map(|p| Indicators { regimes: p.recording.regimes(&p.recording.local_motion()) })
-        .collect();
-    let all: Vec<&dyn Columns> = columns.iter().map(|c| c as &dyn Columns).collect();
-    let (h, g) = likelihood.totals(model, p, noise, &all)?;
-    let base = model.free();
+) -> Vec<Failure> {
     let total: f64 = errors
         .iter()
         .flatten()
@@ -76,53 +64,45 @@ pub fn failures(
     for regime in Regime::ALL {
         for wheel in 0..2 {
             let (mut sum, mut expected, mut samples) = (0.0, 0.0, 0);
-            for ((indicator, errors), floor) in columns.iter().zip(errors).zip(floors) {
-                for (r, e) in indicator.regimes.iter().zip(errors) {
-                    if *r == regime {
-                        sum += e[wheel] * e[wheel];
-                        expected += floor * floor;
-                        samples += 1;
-                    }
+            let mut torques: Vec<(usize, f64)> = Vec::new();
+            for (r, recording) in recordings.iter().enumerate() {
+                let block = |k: usize| (r << 32) + recording.t()[k].max(0.0) as usize;
+                for k in (0..regimes[r].len()).filter(|k| regimes[r][*k] == regime) {
+                    sum += errors[r][k][wheel].powi(2);
+                    expected += floors[r] * floors[r];
+                    samples += 1;
+                    torques.push((block(k), torque[r][k][wheel]));
                 }
             }
-            if samples < 5 {
+            if samples < FEWEST {
                 continue;
             }
-            let column = p.len() + 2 * (regime as usize) + wheel;
-            let (information, score) = project(&h, &g, &base, &[column]);
-            let weak = information[(0, 0)] <= 1e-8 * h[(column, column)];
-            let (statistic, rank) =
-                if weak { (0.0, 0) } else { score_statistic(&information, &score) };
-            let moment = if weak { f64::NAN } else { score[0] / information[(0, 0)] };
-            let std_error = if weak { f64::INFINITY } else { 1.0 / information[(0, 0)].sqrt() };
+            torques.retain(|(_, torque)| torque.is_finite());
+            let mean = clustered_mean(&torques);
+            let t = mean.value.abs() / mean.std_error;
+            let p_value = match mean.blocks {
+                ..FEWEST_BLOCKS => 1.0,
+                blocks => 2.0 * t_survival(t, blocks as f64 - 1.0),
+            };
             out.push(Failure {
                 regime,
                 wheel: wheel + 1,
                 share_of_ise: sum / total,
                 ratio_to_noise: (sum / expected.max(1e-300)).sqrt(),
-                p_value: (-log_significance(statistic, rank)).exp(),
-                moment,
-                std_error,
+                p_value: if p_value.is_finite() { p_value } else { 1.0 },
+                moment: mean.value,
+                std_error: mean.std_error,
                 samples,
                 significant: false,
             });
         }
     }
-    holm(&mut out);
+    let p_values: Vec<f64> = out.iter().map(|f| f.p_value).collect();
+    for (failure, p) in out.iter_mut().zip(holm(&p_values)) {
+        failure.significant = p <= LEVEL && failure.ratio_to_noise > ABOVE_FLOOR;
+    }
     out.sort_by(|a, b| {
         b.significant.cmp(&a.significant).then(b.ratio_to_noise.total_cmp(&a.ratio_to_noise))
     });
-    Ok(out)
-}
-
-/// Holm's step-down correction at 5 %.
-fn holm(failures: &mut [Failure]) {
-    failures.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
-    let count = failures.len();
-    for (k, failure) in failures.iter_mut().enumerate() {
-        if failure.p_value > 0.05 / (count - k) as f64 {
-            break;
-        }
-        failure.significant = true;
-    }
+    out
 }

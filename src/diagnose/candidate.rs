@@ -4,13 +4,12 @@ use std::cell::OnceCell;
 use std::sync::Arc;
 
 use super::joint::{Around, Forces, coupling, joint_signal};
-use super::shapes::Scale;
 use super::signals::signals;
-use crate::effects::{Coupling, DIRECTIONS, Effect, Motion, ParameterKind, along};
+use crate::effects::{Change, Coupling, DIRECTIONS, Effect, Motion, ParameterKind, Scale, along};
 use crate::identify::kalman::{Instant, clarity};
 use crate::math::{Real, sgn};
 use crate::model::Model;
-use crate::recording::{DriveUnit, LocalMotion, Recording};
+use crate::recording::{LocalMotion, Recording};
 
 /// Speeds below this share of the top speed are smoothed over where an effect brings a friction
 /// direction of its own (the model has no filter variance for it).
@@ -46,9 +45,9 @@ pub enum Form {
 }
 
 /// All candidates of a model at parameters `p`: registered effects and the user's `own` that it lacks
-/// (or those named), at every value of their shape grid. Effects that are the same for any wheel
-/// recording appear once; formulas without a linear parameter are left out, and a body behind the
-/// wheels where there is one already or the robot's own inertias are in other units (volts, amperes).
+/// (or those named) and that recordings of that `scale` could show, at every shape that is tried. Effects
+/// that are the same for any wheel recording appear once; formulas without a linear parameter are left
+/// out, and a second body where the model has one.
 #[must_use]
 pub fn candidates(
     model: &Model,
@@ -56,33 +55,24 @@ pub fn candidates(
     named: &[String],
     own: &[Arc<dyn Effect>],
     recordings: &[&Recording],
+    scale: &Scale,
 ) -> Vec<Candidate> {
     let present = model.effect_ids();
-    let held = (0..3).any(|j| model.parameters()[j].fixed.is_some());
     let mut out: Vec<Candidate> = Vec::new();
-    let scale = Scale::of(recordings);
     let around = Arc::new(Around { model: model.clone(), p: p.to_vec() });
-    let moments = |r: &&Recording| r.drive_unit() == DriveUnit::NewtonMetre && !r.is_single_axis();
-    let jointable = !model.is_coupled() && recordings.iter().all(moments);
     let forces = OnceCell::new();
     let registered = crate::effects::all().into_iter().map(Arc::from);
     for effect in registered.chain(own.iter().cloned()) {
         let description = effect.description();
         let id = description.id.clone();
         let asked = named.is_empty() || named.contains(&id);
-        let twin = description
-            .equivalent
-            .iter()
-            .any(|e| present.contains(e) || out.iter().any(|c| c.id == *e));
-        // payload is another a1, a2 unless those are held at the construction data
-        if !asked || present.contains(&id) || twin || (id == "payload" && !held) {
+        let twin =
+            description.equivalent.iter().any(|e| free(model, e) || out.iter().any(|c| c.id == *e));
+        let second_body = effect.change() == Change::TwoMass && model.is_coupled();
+        if !asked || present.contains(&id) || twin || second_body || !effect.admissible(scale) {
             continue;
         }
-        let typical: Vec<f64> = effect.parameters().iter().map(|s| s.typical).collect();
-        if !jointable && coupling(&effect, &typical, model.robot()).is_some() {
-            continue;
-        }
-        let grid = grid(&id, &effect, &scale, &around, recordings, &forces);
+        let grid = grid(&id, &effect, scale, &around, recordings, &forces);
         out.extend(grid.into_iter().filter(|c| c.columns() > 0));
     }
     if recordings.iter().all(|r| r.is_single_axis()) {
@@ -98,7 +88,14 @@ pub fn candidates(
     out
 }
 
-/// The candidates of an effect, one a value of its shape.
+/// Whether the model has an effect and estimates all of its parameters: one that is held leaves room for what
+/// would otherwise be the same.
+fn free(model: &Model, id: &str) -> bool {
+    let mut own = model.parameters().iter().filter(|p| p.effect == id).peekable();
+    own.peek().is_some() && own.all(|p| p.fixed.is_none())
+}
+
+/// The candidates of an effect, one a shape.
 fn grid(
     id: &str,
     effect: &Arc<dyn Effect>,
@@ -108,13 +105,20 @@ fn grid(
     forces: &OnceCell<Vec<Forces>>,
 ) -> Vec<Candidate> {
     let specs = effect.parameters();
-    let shapes = scale.shapes(id, &specs);
     let linear: Vec<usize> =
         (0..specs.len()).filter(|&j| specs[j].kind == ParameterKind::Linear).collect();
-    let count = shapes.len();
-    shapes
+    let shapes: Vec<usize> = (0..specs.len()).filter(|j| !linear.contains(j)).collect();
+    let within = |values: &Vec<f64>| {
+        let mut pairs = values.iter().zip(&shapes);
+        pairs.all(|(v, &j)| (specs[j].range.0..=specs[j].range.1).contains(v))
+    };
+    let tried: Vec<Vec<f64>> = effect.shapes(scale).into_iter().filter(within).collect();
+    let count = tried.len();
+    tried
         .into_iter()
-        .map(|p| {
+        .map(|values| {
+            let mut p = vec![0.0; specs.len()];
+            shapes.iter().zip(values).for_each(|(&j, value)| p[j] = value);
             let mut candidate = Candidate {
                 id: id.into(),
                 effect: effect.clone(),
@@ -125,7 +129,7 @@ fn grid(
                 rest: REST * scale.speed,
                 around: around.clone(),
             };
-            if effect.acts_on_drive() || candidate.is_joint() {
+            if effect.change() != Change::Torque {
                 candidate.form = Form::Signal(Arc::new(candidate.signals(recordings, forces)));
             }
             candidate
@@ -148,19 +152,9 @@ impl Candidate {
         coupling(&self.effect, &self.p, self.around.model.robot())
     }
 
-    /// Whether the effect shifts the drive in time, and does nothing else.
+    /// Whether the effect moves the input in time, and does nothing else.
     pub(super) fn is_shift(&self) -> bool {
-        self.linear.is_empty() && self.effect.parameters()[0].unit == "s"
-    }
-
-    /// Whether the effect puts a body behind the wheels.
-    pub(super) fn is_joint(&self) -> bool {
-        self.coupling().is_some()
-    }
-
-    /// Whether that body hangs on a spring.
-    pub(super) fn is_spring(&self) -> bool {
-        self.coupling().is_some_and(|c| c.stiffness > 0.0)
+        self.effect.change() == Change::TimeShift
     }
 
     fn signals(
@@ -189,7 +183,7 @@ impl Candidate {
         }
         let mut row = [[0.0; 2]];
         motion.iter().enumerate().step_by(11).all(|(k, m)| {
-            self.torque(0, &instant(model, recording, k, m), &mut row);
+            self.torque(0, &still_instant(model, recording, k, m), &mut row);
             (row[0][0] - row[0][1]).abs() <= 1e-9 * row[0][0].abs()
         })
     }
@@ -219,9 +213,12 @@ impl Candidate {
         self.torque_with(recording, at, &signs(at, self.rest), out);
     }
 
-    /// The friction signs at an instant, the same for all candidates of one list.
-    pub(super) fn signs(&self, at: &Instant) -> [f64; 4] {
-        signs(at, self.rest)
+    /// Writes the torque of each column on the side of the input at row `at.sample` itself [N m].
+    pub(super) fn torque_at_row(&self, recording: usize, at: &Instant, out: &mut [[f64; 2]]) {
+        match &self.form {
+            Form::Signal(signals) => out[0] = signals[recording][at.sample],
+            Form::Instant => self.torque(recording, at, out),
+        }
     }
 
     /// [`Candidate::torque`] with friction signs that are known.
@@ -269,7 +266,12 @@ fn signs(at: &Instant, rest: f64) -> [f64; 4] {
 }
 
 /// An instant of the smooth motion, where no filter has run.
-fn instant<'a>(model: &'a Model, recording: &Recording, k: usize, m: &LocalMotion) -> Instant<'a> {
+pub(super) fn still_instant<'a>(
+    model: &'a Model,
+    recording: &Recording,
+    k: usize,
+    m: &LocalMotion,
+) -> Instant<'a> {
     Instant {
         sample: k,
         motion: Motion {
@@ -297,7 +299,7 @@ fn common_size(
     let mut largest = vec![0.0_f64; candidate.columns()];
     let mut row = vec![[0.0; 2]; candidate.columns()];
     for (k, m) in motion.iter().enumerate().step_by(7) {
-        candidate.torque(0, &instant(model, recording, k, m), &mut row);
+        candidate.torque(0, &still_instant(model, recording, k, m), &mut row);
         for (size, torque) in largest.iter_mut().zip(&row) {
             *size = size.max((torque[0] + torque[1]).abs());
         }
@@ -319,7 +321,7 @@ pub(super) fn column_size(
     let mut row = vec![[0.0; 2]; candidate.columns()];
     for (r, (recording, motion)) in recordings.iter().zip(motions).enumerate() {
         for (k, m) in motion.iter().enumerate().step_by(7) {
-            let at = instant(model, recording, k, m);
+            let at = still_instant(model, recording, k, m);
             candidate.torque(r, &at, &mut row);
             for (sum, torque) in sums.iter_mut().zip(&row) {
                 *sum += torque[0] * torque[0] + torque[1] * torque[1];

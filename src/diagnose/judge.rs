@@ -1,8 +1,9 @@
 //! Judging models on recordings that they were not fitted to.
 
+use super::fit::WindowFit;
 use super::outcome::Diagnosis;
 use super::verdict::{Errors, structure};
-use crate::compare::{Dependence, ise, missing_moment, simulate_recording, window_rms};
+use crate::compare::{Dependence, ise, missing_moment, simulate_recording, unresolved, window_rms};
 use crate::identify::kalman::{Likelihood, prepare};
 use crate::model::{Model, ModelError};
 use crate::recording::{LocalMotion, Recording};
@@ -50,23 +51,31 @@ impl Judge {
         Ok(Judgement { ise: total, window_rms: (sum / samples).sqrt() })
     }
 
+    /// Smallest change of the error over windows that the sampling of the input resolves [rad/s]; zero
+    /// where the model cannot be simulated.
+    #[must_use]
+    pub fn unresolved(&self, model: &Model, p: &[f64]) -> f64 {
+        let dynamics = PhysicalDynamics { model: model.clone(), p: p.to_vec() };
+        unresolved(&dynamics, &self.recordings, &self.motions, self.hold).unwrap_or(0.0)
+    }
+
     /// The errors that a diagnosis started and ended with, beside the noise `floor` [rad/s].
     ///
     /// # Errors
     /// A model that cannot move, or diverges.
     pub fn errors(&self, diagnosis: &Diagnosis, floor: f64) -> Result<Errors, SimulateError> {
-        let (first, last) = (&diagnosis.base, diagnosis.last());
+        let error = |fit: &WindowFit| self.judge(&fit.model, &fit.p).map(|j| j.window_rms.powi(2));
         Ok(Errors {
-            before: self.judge(&first.0, &first.1.p)?.window_rms.powi(2),
-            after: self.judge(last.0, &last.1.p)?.window_rms.powi(2),
+            before: error(&diagnosis.base)?,
+            after: error(diagnosis.last())?,
             floor: floor * floor,
-            speed: self.mean_square_speed(),
+            speed: self.top_speed().powi(2),
         })
     }
 
-    fn mean_square_speed(&self) -> f64 {
-        let speeds = || self.recordings.iter().flat_map(|r| r.omega()).flatten();
-        speeds().map(|w| w * w).sum::<f64>() / speeds().count().max(1) as f64
+    /// The largest top speed of the judged recordings [rad/s].
+    fn top_speed(&self) -> f64 {
+        self.recordings.iter().map(Recording::top_speed).fold(0.0, f64::max)
     }
 
     /// The strongest structure that the last model of a diagnosis leaves. It may show on the
@@ -80,13 +89,14 @@ impl Judge {
         diagnosis: &Diagnosis,
         likelihood: &Likelihood,
     ) -> Result<Option<Dependence>, ModelError> {
-        let (model, maximum) = diagnosis.last();
+        let WindowFit { model, p, .. } = diagnosis.last();
         let prepared = self.recordings.iter().map(prepare).collect();
         let elsewhere = Likelihood { prepared, ..likelihood.clone() };
         let rms = likelihood.moment_rms();
         let mut strongest: Option<Dependence> = None;
         for seen in [likelihood, &elsewhere] {
-            let left = missing_moment(model, &maximum.p, &maximum.noise, seen)?;
+            let (noise, _) = seen.noise(model, p, &seen.initial_noise());
+            let left = missing_moment(model, p, &noise, seen)?;
             let Some(found) = structure(&left, rms) else { continue };
             if strongest.as_ref().is_none_or(|s| s.log_significance <= found.log_significance) {
                 strongest = Some(found.clone());

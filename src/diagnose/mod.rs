@@ -1,23 +1,39 @@
-//! Which effect is missing: candidates, evidence, equivalence, the verdict, the next run.
+//! Which effect is missing: candidates, screening, acceptance, the verdict, the next run.
 
+mod acceptance;
 mod candidate;
-mod drive_noise;
+mod fit;
+mod input_timing;
 mod joint;
 mod judge;
 mod next_run;
+mod nonnegative;
 mod outcome;
-mod refit;
-mod scan;
-mod shapes;
+mod regression;
+mod scale;
+mod screen;
+mod search;
 mod signals;
-mod stepwise;
+mod thresholds;
+mod timing;
 mod verdict;
+mod windows;
 
+pub use acceptance::{Fall, fall_of};
 pub use candidate::{Candidate, Form, candidates};
+pub use fit::{WindowFit, fit};
+pub use input_timing::SYMBOL as INPUT_SHIFT;
 pub use judge::{Judge, Judgement};
 pub use next_run::{Limits, Proposal, Rivals, next_run};
-pub use outcome::{Diagnosis, Ranked};
-pub use refit::{Refit, refit};
-pub use scan::{Score, scan};
-pub use stepwise::{Settings, diagnose};
-pub use verdict::{Conclusion, Errors, conclude, probabilities, structure};
+pub use outcome::{Diagnosis, Ranked, Step};
+pub use regression::{Regression, cutoff};
+pub use scale::scale_of;
+pub use screen::Screen;
+pub use search::{Data, Settings, diagnose};
+pub use thresholds::{THRESHOLDS, Thresholds};
+pub use timing::{Timing, shifted, timing};
+pub use verdict::{Conclusion, Errors, conclude, likely, probabilities, structure};
+pub use windows::{Windows, mobility};
+
+#[cfg(test)]
+mod tests;

@@ -1,71 +1,79 @@
 //! What the search found: candidates in their order, and the model after every step.
 
+use super::acceptance::Fall;
 use super::candidate::Candidate;
-use super::refit::Refit;
-use super::scan::Score;
-use crate::identify::kalman::Maximum;
-use crate::model::Model;
+use super::fit::WindowFit;
 
 /// A candidate of one step.
 #[derive(Clone)]
 pub struct Ranked {
     /// The candidate at its best shape.
     pub candidate: Candidate,
-    /// Scan.
-    pub score: Score,
-    /// Refit, for the best of the scan.
-    pub refit: Option<Refit>,
+    /// The effect at every shape that was tried.
+    pub shapes: Vec<Candidate>,
+    /// Twice the log-likelihood ratio by the low-passed regression.
+    pub by_regression: f64,
+    /// Twice the log-likelihood ratio by the windows, to first order.
+    pub by_windows: f64,
+    /// Estimates of the columns' coefficients.
+    pub estimate: Vec<f64>,
+    /// Root mean square torque of the effect, for those that were refitted [N m].
+    pub torque_rms: f64,
+    /// Bayesian information criterion of both, over the model without the effect (negative: it is better
+    /// with it).
+    pub screened: f64,
+    /// Fit of the model with it, for the first of the screening; `None` where there is no valid one.
+    pub refit: Option<WindowFit>,
+    /// Bayesian information criterion of the refit by the windows alone.
+    pub bic_windows: f64,
+    /// What candidates are ranked by: criterion of regression and windows together.
+    pub bic: f64,
+    /// Fall of the held-out error, for those that were refitted.
+    pub fall: Option<Fall>,
 }
 
-impl Ranked {
-    /// What candidates are ranked by: evidence of the refit and gain on recordings left out.
-    #[must_use]
-    pub fn rank(&self) -> f64 {
-        match &self.refit {
-            Some(r) if r.in_range => r.evidence + r.cross_gain.min(r.gain.max(0.0)),
-            Some(_) => f64::NEG_INFINITY,
-            None => self.score.evidence.min(0.0),
-        }
-    }
-
-    /// Log-evidence, of the refit where there is one.
-    #[must_use]
-    pub fn evidence(&self) -> f64 {
-        match &self.refit {
-            Some(r) if r.in_range => r.evidence,
-            Some(_) => f64::NEG_INFINITY,
-            None => self.score.evidence,
-        }
-    }
+/// A model with one more effect.
+#[derive(Clone)]
+pub struct Step {
+    /// The effect.
+    pub id: String,
+    /// The model with it.
+    pub fit: WindowFit,
+    /// Fall of the held-out error by this step.
+    pub last: Fall,
+    /// Fall of the held-out error since the model as given.
+    pub total: Fall,
+    /// Effects that these data do not distinguish from it.
+    pub equals: Vec<String>,
 }
 
-/// Everything the forward search found.
+/// Everything that the forward search found.
 #[derive(Clone)]
 pub struct Diagnosis {
     /// The model as given, fitted.
-    pub base: (Model, Maximum),
+    pub base: WindowFit,
     /// Candidates of the first step, best first.
     pub ranking: Vec<Ranked>,
-    /// The fitted model after each accepted effect, in order.
-    pub steps: Vec<(String, Model, Maximum)>,
-    /// Effects that the last step cannot tell from the one it added, per step.
-    pub equals: Vec<Vec<String>>,
+    /// The accepted effects, in order.
+    pub steps: Vec<Step>,
+    /// Candidates after the last accepted step, best first.
+    pub rest: Vec<Ranked>,
+    /// Independent values among the training rows.
+    pub degrees: f64,
+    /// Whether held-out means validation recordings (else cross-validation of the training recordings).
+    pub validated: bool,
 }
 
 impl Diagnosis {
-    /// The last model and its maximum.
+    /// The model with all effects found.
     #[must_use]
-    pub fn last(&self) -> (&Model, &Maximum) {
-        match self.steps.last() {
-            Some((_, model, maximum)) => (model, maximum),
-            None => (&self.base.0, &self.base.1),
-        }
+    pub fn last(&self) -> &WindowFit {
+        self.steps.last().map_or(&self.base, |step| &step.fit)
     }
 
     /// Ids of the effects found, first found first.
     #[must_use]
     pub fn found(&self) -> Vec<String> {
-        let present = self.last().0.effect_ids();
-        self.steps.iter().map(|s| s.0.clone()).filter(|id| present.contains(id)).collect()
+        self.steps.iter().map(|step| step.id.clone()).collect()
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::effects::Effect;
+use crate::effects::{Change, Effect};
 use crate::recording::Recording;
 
 /// The change of the drive that a drive effect makes, per unit of its parameter where that is
@@ -23,7 +23,7 @@ pub(super) fn signals(
                     q[j] = size;
                     size
                 }
-                None if is_time(effect) => p[0],
+                None if effect.change() == Change::TimeShift => p[0],
                 None => 1.0,
             };
             let changed = effect.drive(recording.t(), &smooth, &q).unwrap_or(smooth.clone());
@@ -34,11 +34,6 @@ pub(super) fn signals(
                 .collect()
         })
         .collect()
-}
-
-/// Whether the effect shifts the drive in time, so that its column is a derivative.
-fn is_time(effect: &Arc<dyn Effect>) -> bool {
-    effect.parameters().first().is_some_and(|s| s.unit == "s")
 }
 
 /// The recorded drive without its noise: the mean over five samples (two to either side).

@@ -1,20 +1,23 @@
-//! The verdict: nothing is missing, these effects are, or something unknown is.
+//! The verdict: what is missing, what is likely, what is unknown, or nothing.
 
-use super::outcome::Ranked;
+use super::outcome::{Diagnosis, Ranked};
+use super::thresholds::THRESHOLDS;
 use crate::compare::{Dependence, MissingMoment};
 
 /// What the diagnosis concludes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Conclusion {
-    /// Nothing is missing at the stated false-alarm rate.
+    /// The error is at the noise floor, or what is above it does not matter.
     Sufficient,
-    /// The effects found explain what was missing.
+    /// The effects found explain most of what was missing.
     Missing,
+    /// None is proven; one explains most of what is missing.
+    Likely,
     /// Something is missing that no candidate explains.
     Unknown,
 }
 
-/// Errors of the models on the judged recordings, as variances of the window error
+/// Errors of the models on the judged recordings, as squares of the error over windows of 2 s
 /// [rad^2/s^2].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Errors {
@@ -24,26 +27,19 @@ pub struct Errors {
     pub after: f64,
     /// Of the noise floor.
     pub floor: f64,
-    /// Mean square speed of the wheels.
+    /// Square of the top speed of the wheels.
     pub speed: f64,
 }
 
-/// Least -ln p of the strongest dependence of the missing moment that counts as structure: the
-/// largest of twelve tests on recordings with nothing hidden stayed below it.
+/// Least -ln p of the strongest dependence of the residual torque that counts as structure: one in ten
+/// million for one look, so that some hundred bins and variables do not make one.
 const STRUCTURE: f64 = 16.0;
-/// Least size of a dependence, as a share of the rms drive.
+/// Least size of a dependence, as a share of the rms input (taste).
 const WORTH: f64 = 0.05;
-/// Error above the floor, as a ratio of standard deviations, that is worth a word.
-const ABOVE_FLOOR: f64 = 1.1;
-/// Effects that leave more than this share of the explainable error do not explain it.
+/// Share of the explainable error that effects may leave and still explain it: the larger part.
 const UNEXPLAINED: f64 = 0.5;
-/// The same where the model is left far above the floor.
-const FAR_UNEXPLAINED: f64 = 0.1;
-/// Far above the floor, as a ratio of standard deviations.
-const FAR: f64 = 3.0;
-/// Error, as a share of the speed, that is far from right whatever the floor: no model of a real
-/// robot reaches the noise of good sensors.
-const FAR_FROM_RIGHT: f64 = 0.02;
+/// Squared error above the floor, as a share of the floor, below which nothing is left to explain.
+const NOTHING: f64 = 0.04;
 
 impl Errors {
     /// Share of what can be explained that is left: 0 at the floor, 1 where nothing was gained.
@@ -54,25 +50,37 @@ impl Errors {
     /// Zero where the model as given is within 2 % of the floor: there is nothing to explain.
     #[must_use]
     pub fn unexplained(&self) -> f64 {
+        self.left(self.after)
+    }
+
+    fn left(&self, after: f64) -> f64 {
         let explainable = self.before - self.floor;
-        if explainable <= 0.04 * self.floor {
+        if explainable <= NOTHING * self.floor {
             return 0.0;
         }
-        ((self.after - self.floor) / explainable).clamp(0.0, 1.0)
+        ((after - self.floor) / explainable).clamp(0.0, 1.0)
     }
 
-    /// Whether the last model is visibly above the floor.
+    /// Error of the last model over the noise floor.
     #[must_use]
-    pub fn above_floor(&self) -> bool {
-        self.after > ABOVE_FLOOR * ABOVE_FLOOR * self.floor
+    pub fn ratio(&self) -> f64 {
+        (self.after / self.floor).sqrt()
     }
 
-    /// Whether the last model is so far above the floor that something is missing, whether it
-    /// shows against one of the variables or not.
+    /// Whether the last model is so far above the floor that noise which the floor does not know (coloured noise
+    /// of the input) is no explanation. An error that is not a number is.
     #[must_use]
     pub fn far_above_floor(&self) -> bool {
-        self.after > FAR * FAR * self.floor
-            && self.after > FAR_FROM_RIGHT * FAR_FROM_RIGHT * self.speed
+        !(self.ratio() <= THRESHOLDS.far_above_floor)
+    }
+
+    /// Whether the last model is above the floor by something that matters. An error that is not a number is.
+    #[must_use]
+    pub fn above_floor(&self) -> bool {
+        // what is not a number fails every comparison
+        let small = self.ratio() <= THRESHOLDS.above_floor
+            || self.after - self.floor <= THRESHOLDS.excess.powi(2) * self.speed;
+        !small
     }
 }
 
@@ -83,32 +91,44 @@ pub fn structure(left: &MissingMoment, rms: f64) -> Option<&Dependence> {
     left.dependences.iter().find(|d| d.log_significance > STRUCTURE && d.size > WORTH * rms)
 }
 
-/// Concludes from what was found, the errors, and whether the last model leaves structure.
-///
-/// Something unknown is missing where nothing was found, or where what was found leaves more than
-/// half of the explainable error, and the error shows against a variable; or, far above the floor,
-/// where it leaves more than a tenth, whether it shows or not.
+/// The candidate that lowers the held-out error after the last accepted step without being proven.
 #[must_use]
-pub fn conclude(found: usize, errors: &Errors, structure: bool) -> Conclusion {
-    let left = if errors.far_above_floor() {
-        Some(FAR_UNEXPLAINED)
-    } else {
-        (structure && errors.above_floor()).then_some(UNEXPLAINED)
-    };
-    if left.is_some_and(|share| found == 0 || errors.unexplained() > share) {
-        Conclusion::Unknown
-    } else if found == 0 {
-        Conclusion::Sufficient
-    } else {
-        Conclusion::Missing
+pub fn likely<'a>(diagnosis: &'a Diagnosis, errors: &Errors) -> Option<&'a Ranked> {
+    let best = diagnosis.rest.first()?;
+    let fall = best.fall?;
+    let lowers = fall.share >= THRESHOLDS.likely_fall && fall.ratio <= 1.0 - THRESHOLDS.likely_fall;
+    let strong = best.bic < -THRESHOLDS.strong;
+    (lowers && strong && errors.ratio() > THRESHOLDS.likely_above_floor).then_some(best)
+}
+
+/// Concludes from the number of effects found, the errors, and the share of the squared error that a likely
+/// effect would leave (1 without one).
+///
+/// Where the error is above the floor, what was found or is likely must explain the larger part of it;
+/// else something unknown is missing, if the residual torque shows `structure` or the error is far above the
+/// floor, which is itself an estimate.
+#[must_use]
+pub fn conclude(found: usize, errors: &Errors, likely: Option<f64>, structure: bool) -> Conclusion {
+    let explained = |after: f64| errors.left(after) <= UNEXPLAINED;
+    match likely {
+        _ if found > 0 && (!errors.above_floor() || explained(errors.after)) => Conclusion::Missing,
+        _ if found > 0 => Conclusion::Unknown,
+        Some(ratio) if explained(errors.after * ratio * ratio) => Conclusion::Likely,
+        _ if errors.above_floor() && (structure || errors.far_above_floor()) => Conclusion::Unknown,
+        _ => Conclusion::Sufficient,
     }
 }
 
-/// Posterior probabilities of the candidates of one step, "none of them" included with
-/// log-evidence zero; one per candidate, in order.
+/// Posterior probabilities of the candidates of one step from their criteria, "none of them" included; one
+/// per candidate, in order.
+///
+/// ```text
+/// P_j = exp(-BIC_j/2) / (1 + Σ exp(-BIC_k/2))
+/// ```
+/// Source: Kass and Raftery, J. Am. Stat. Assoc. 90 (1995).
 #[must_use]
 pub fn probabilities(ranking: &[Ranked]) -> Vec<f64> {
-    let ranks: Vec<f64> = ranking.iter().map(Ranked::rank).collect();
+    let ranks: Vec<f64> = ranking.iter().map(|r| -0.5 * r.bic).collect();
     let largest = ranks.iter().copied().fold(0.0, f64::max);
     let weights: Vec<f64> = ranks.iter().map(|r| (r - largest).exp()).collect();
     let sum = weights.iter().sum::<f64>() + (-largest).exp();
@@ -133,11 +153,8 @@ mod tests {
         }
     }
 
-    #[test]
-    fn a_model_at_the_floor_is_sufficient_whatever_was_tried() {
-        let errors = Errors { before: 1.01, after: 1.01, floor: 1.0, speed: 1e4 };
-        assert_eq!(conclude(0, &errors, true), Conclusion::Sufficient);
-        assert_eq!(errors.unexplained(), 0.0);
+    fn errors(before: f64, after: f64) -> Errors {
+        Errors { before, after, floor: 1.0, speed: 1e4 }
     }
 
     #[test]
@@ -148,27 +165,37 @@ mod tests {
     }
 
     #[test]
-    fn structure_above_the_floor_that_nothing_explains_is_unknown() {
-        let errors = Errors { before: 4.0, after: 4.0, floor: 1.0, speed: 1e4 };
-        assert_eq!(conclude(0, &errors, true), Conclusion::Unknown);
-        let errors = Errors { before: 4.0, after: 3.0, floor: 1.0, speed: 1e4 };
-        assert_eq!(conclude(1, &errors, true), Conclusion::Unknown);
-        let errors = Errors { before: 4.0, after: 1.1, floor: 1.0, speed: 1e4 };
-        assert_eq!(conclude(1, &errors, false), Conclusion::Missing);
-        assert!((errors.unexplained() - 0.1 / 3.0).abs() < 1e-12);
+    fn a_model_at_the_floor_is_sufficient() {
+        assert_eq!(conclude(0, &errors(1.01, 1.01), None, true), Conclusion::Sufficient);
+        assert_eq!(errors(1.01, 1.01).unexplained(), 0.0);
     }
 
     #[test]
-    fn far_above_the_floor_something_is_missing_even_where_no_variable_shows_it() {
-        let slow = Errors { before: 60.0, after: 60.0, floor: 1.0, speed: 1e4 };
-        assert_eq!(conclude(0, &slow, false), Conclusion::Unknown);
-        assert_eq!(conclude(1, &slow, false), Conclusion::Unknown);
-        // within 2 % of the speed a model is right for all that matters
-        let fast = Errors { speed: 1e6, ..slow };
-        assert_eq!(conclude(0, &fast, false), Conclusion::Sufficient);
-        let most = Errors { before: 200.0, after: 15.0, ..slow };
-        assert_eq!(conclude(1, &most, false), Conclusion::Missing);
-        let part = Errors { after: 30.0, ..most };
-        assert_eq!(conclude(1, &part, false), Conclusion::Unknown);
+    fn an_error_above_the_floor_that_nothing_explains_is_unknown() {
+        assert_eq!(conclude(0, &errors(4.0, 4.0), None, true), Conclusion::Unknown);
+        assert_eq!(conclude(1, &errors(4.0, 3.0), None, true), Conclusion::Unknown);
+        assert_eq!(conclude(1, &errors(4.0, 1.1), None, true), Conclusion::Missing);
+        // an effect that would leave a quarter of the squared error is likely, one that leaves most is not
+        assert_eq!(conclude(0, &errors(4.0, 4.0), Some(0.5), true), Conclusion::Likely);
+        assert_eq!(conclude(0, &errors(4.0, 4.0), Some(0.95), true), Conclusion::Unknown);
+        assert!((errors(4.0, 1.1).unexplained() - 0.1 / 3.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn an_error_without_structure_is_unknown_only_far_above_the_floor() {
+        assert_eq!(conclude(0, &errors(4.0, 4.0), None, false), Conclusion::Sufficient);
+        assert_eq!(conclude(0, &errors(16.0, 16.0), None, false), Conclusion::Unknown);
+    }
+
+    #[test]
+    fn an_error_that_is_small_beside_the_speed_does_not_matter() {
+        let fast = Errors { speed: 1e6, ..errors(4.0, 4.0) };
+        assert_eq!(conclude(0, &fast, None, true), Conclusion::Sufficient);
+    }
+
+    #[test]
+    fn an_error_that_is_no_number_is_never_sufficient() {
+        let broken = errors(f64::NAN, f64::NAN);
+        assert_eq!(conclude(0, &broken, None, true), Conclusion::Unknown);
     }
 }

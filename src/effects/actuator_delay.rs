@@ -1,9 +1,9 @@
-//! Pure delay between the recorded moment and the wheel.
+//! Pure delay between the recorded torque and the wheel.
 
-use super::{Description, Energy, ParameterSpec, Physics};
+use super::{Change, Description, Energy, ParameterSpec, Physics, Scale, geometric};
 use crate::math::Real;
 
-/// The moment acts later than it was recorded.
+/// The torque acts later than it was recorded.
 ///
 /// ```text
 /// M(t) = M_recorded(t - delay)
@@ -22,8 +22,8 @@ impl Physics for ActuatorDelay {
             title: "Actuator delay".into(),
             equation: "M(t) = recorded M(t - delay)".into(),
             cause: "bus and controller cycles between the recording and the motor".into(),
-            signature: "missing moment in proportion to the rate of change of the moment".into(),
-            excitation: "quick changes of the moment; below about 8 ms it looks like a lag, and \
+            signature: "residual torque in proportion to the rate of change of the torque".into(),
+            excitation: "quick changes of the torque; below about 8 ms it looks like a lag, and \
                          half a sample is a matter of timing"
                 .into(),
             equivalent: vec![],
@@ -32,6 +32,16 @@ impl Physics for ActuatorDelay {
 
     fn parameters(&self) -> Vec<ParameterSpec> {
         vec![ParameterSpec::shape("delay", "delay", "s", (0.0, 1.0), 0.02)]
+    }
+
+    fn change(&self) -> Change {
+        Change::TimeShift
+    }
+
+    /// From a fraction of a sample to what a slow bus or a soft current loop takes.
+    fn shapes(&self, scale: &Scale) -> Vec<Vec<f64>> {
+        let longest = 0.15_f64.max(4.0 * scale.step);
+        geometric(0.25 * scale.step, longest, 6).into_iter().map(|time| vec![time]).collect()
     }
 
     fn energy(&self) -> Energy {

@@ -1,9 +1,9 @@
-//! First-order lag between the recorded moment and the wheel.
+//! First-order lag between the recorded torque and the wheel.
 
-use super::{Description, Energy, ParameterSpec, Physics};
+use super::{Change, Description, Energy, ParameterSpec, Physics, Scale, geometric};
 use crate::math::Real;
 
-/// First-order lag of the drive, exact for a moment that runs straight between samples.
+/// First-order lag of the input, exact for a torque that runs straight between samples.
 ///
 /// ```text
 /// tau dM/dt + M = M_recorded,   M(start) = M_recorded(start)
@@ -13,11 +13,11 @@ use crate::math::Real;
 /// Derived here: solution of the linear equation over one step with a linear right-hand side
 /// (first-order hold). Steps may differ in length.
 ///
-/// Deviation: the simulation takes the lagged moment, too, as straight between the samples.
+/// Deviation: the simulation takes the lagged torque, too, as straight between the samples.
 #[derive(Clone, Debug, Default)]
 pub struct ActuatorLag;
 
-/// Steps of more time constants than this leave nothing of the earlier moment (e^-40 = 4e-18).
+/// Steps of more time constants than this leave nothing of the earlier torque (e^-40 = 4e-18).
 const FORGOTTEN: f64 = 40.0;
 
 impl Physics for ActuatorLag {
@@ -28,8 +28,8 @@ impl Physics for ActuatorLag {
             equation: "tau dM/dt + M = recorded M".into(),
             cause: "motor inductance, current loop, a low-pass filter between recording and wheel"
                 .into(),
-            signature: "missing moment in proportion to the rate of change of the moment".into(),
-            excitation: "quick changes of the moment; below about 8 ms it looks like a delay"
+            signature: "residual torque in proportion to the rate of change of the torque".into(),
+            excitation: "quick changes of the torque; below about 8 ms it looks like a delay"
                 .into(),
             equivalent: vec![],
         }
@@ -37,6 +37,16 @@ impl Physics for ActuatorLag {
 
     fn parameters(&self) -> Vec<ParameterSpec> {
         vec![ParameterSpec::shape("tau", "time constant", "s", (0.0, 2.0), 0.03)]
+    }
+
+    fn change(&self) -> Change {
+        Change::TimeShift
+    }
+
+    /// From a fraction of a sample to what a slow bus or a soft current loop takes.
+    fn shapes(&self, scale: &Scale) -> Vec<Vec<f64>> {
+        let longest = 0.3_f64.max(4.0 * scale.step);
+        geometric(0.25 * scale.step, longest, 6).into_iter().map(|time| vec![time]).collect()
     }
 
     fn energy(&self) -> Energy {

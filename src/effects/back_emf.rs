@@ -1,9 +1,9 @@
-//! Back-EMF of the motor left in the recorded moment.
+//! Back-EMF of the motor left in the recorded torque.
 
 use super::{Description, Energy, Motion, ParameterSpec, Physics, Terms};
 use crate::math::Real;
 
-/// The recorded moment exceeds the real one by k_e w: it was computed from the motor voltage
+/// The recorded torque exceeds the real one by k_e w: it was computed from the motor voltage
 /// without the back-EMF.
 ///
 /// ```text
@@ -22,8 +22,8 @@ impl Physics for BackEmf {
             id: "back_emf".into(),
             title: "Back-EMF".into(),
             equation: "k_e w1 on wheel 1, k_e w2 on wheel 2".into(),
-            cause: "the moment was recorded as if proportional to the motor voltage".into(),
-            signature: "as viscous friction: missing moment in proportion to wheel speed".into(),
+            cause: "the torque was recorded as if proportional to the motor voltage".into(),
+            signature: "as viscous friction: residual torque in proportion to wheel speed".into(),
             excitation: "different steady speeds; only a measured motor current tells it from \
                          viscous friction"
                 .into(),

@@ -1,9 +1,9 @@
-//! A dead zone of the moment.
+//! A dead zone of the torque.
 
-use super::{Description, Energy, ParameterSpec, Physics};
+use super::{Description, Energy, ParameterSpec, Physics, Scale, geometric};
 use crate::math::Real;
 
-/// Small moments do not reach the wheel, larger ones arrive diminished.
+/// Small torques do not reach the wheel, larger ones arrive diminished.
 ///
 /// ```text
 /// M = sgn(M_recorded) max(|M_recorded| - d, 0)   on each wheel
@@ -20,11 +20,11 @@ impl Physics for BacklashDeadzone {
     fn description(&self) -> Description {
         Description {
             id: "backlash_deadzone".into(),
-            title: "Dead zone of the moment".into(),
+            title: "Dead zone of the torque".into(),
             equation: "M = sgn(recorded M) max(|recorded M| - d, 0)".into(),
             cause: "gear play, dead band of the amplifier".into(),
-            signature: "missing moment that steps where the moment changes sign".into(),
-            excitation: "hard braking, so that moment and speed have opposite signs; otherwise it \
+            signature: "residual torque that steps where the torque changes sign".into(),
+            excitation: "hard braking, so that torque and speed have opposite signs; otherwise it \
                          hides in a4 and a5"
                 .into(),
             equivalent: vec![],
@@ -33,6 +33,15 @@ impl Physics for BacklashDeadzone {
 
     fn parameters(&self) -> Vec<ParameterSpec> {
         vec![ParameterSpec::shape("d", "half width of the dead zone", "N m", (0.0, 1e3), 0.02)]
+    }
+
+    fn shapes(&self, scale: &Scale) -> Vec<Vec<f64>> {
+        let shares = geometric(0.02, 0.8, 5).into_iter();
+        shares.map(|share| vec![share * scale.torque_rms()]).collect()
+    }
+
+    fn several_starts(&self) -> bool {
+        true
     }
 
     fn energy(&self) -> Energy {

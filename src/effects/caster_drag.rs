@@ -23,7 +23,7 @@ impl Physics for CasterDrag {
             title: "Caster drag".into(),
             equation: "f_c sgn(v_A) on both wheels".into(),
             cause: "rolling resistance and bearing friction of the caster".into(),
-            signature: "missing moment, the same on both wheels, that flips with v_A".into(),
+            signature: "residual torque, the same on both wheels, that flips with v_A".into(),
             excitation: "wheels turning in opposite directions while v_A is not zero; otherwise \
                          it hides in a4 and a5"
                 .into(),

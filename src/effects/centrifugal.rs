@@ -1,9 +1,9 @@
 //! The centre of mass off the axle: forces that turn with the robot.
 
-use super::{Description, Energy, Motion, ParameterSpec, Physics, Terms};
+use super::{Description, Energy, Motion, ParameterSpec, Physics, Scale, Terms};
 use crate::math::Real;
 
-/// Centrifugal moments of a centre of mass at distance l2 behind the axle.
+/// Centrifugal torques of a centre of mass at distance l2 behind the axle.
 ///
 /// ```text
 /// a3 w2 (w2 - w1)   on wheel 1
@@ -17,10 +17,10 @@ impl Physics for Centrifugal {
     fn description(&self) -> Description {
         Description {
             id: "centrifugal".into(),
-            title: "Centrifugal moments".into(),
+            title: "Centrifugal torques".into(),
             equation: "a3 w2 (w2 - w1) on wheel 1, a3 w1 (w1 - w2) on wheel 2".into(),
             cause: "the centre of mass lies behind (a3 > 0) or ahead of (a3 < 0) the axle".into(),
-            signature: "moment in proportion to turn rate times speed".into(),
+            signature: "torque in proportion to turn rate times speed".into(),
             excitation: "fast curves; nothing of it shows when driving straight".into(),
             equivalent: vec![],
         }
@@ -28,6 +28,11 @@ impl Physics for Centrifugal {
 
     fn parameters(&self) -> Vec<ParameterSpec> {
         vec![ParameterSpec::linear("a3", "centrifugal constant", "kg m^2", (-1e4, 1e4), 3e-4)]
+    }
+
+    /// No robot has a3 above a1: a3/a1 <= r l2/(l1² + l2²) <= r/(2 l1).
+    fn limits(&self, scale: &Scale) -> Vec<(f64, f64)> {
+        vec![(-scale.inertia, scale.inertia)]
     }
 
     fn energy(&self) -> Energy {

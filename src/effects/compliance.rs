@@ -1,22 +1,26 @@
 //! A torsional spring between motor and wheel.
 
-use super::{Coupling, Description, Energy, Motion, ParameterSpec, Physics};
+use super::{
+    Change, Coupling, Description, Energy, Motion, ParameterSpec, Physics, Scale, geometric,
+};
 use crate::math::Real;
 
 /// An elastic shaft, belt or tyre between the measured motor side and the rest of the robot.
 ///
 /// ```text
-/// Iz1 dw_i + friction = M_i - kt φ_i - dt (w_i - u_i),   dφ_i/dt = w_i - u_i
-/// body (a1 - Iz1, a2, a3) at u = kt φ + dt (w - u)
+/// jr dw_i + friction = M_i - kt φ_i - dt (w_i - u_i),   dφ_i/dt = w_i - u_i
+/// body (a1 - jr, a2, a3) at u = kt φ + dt (w - u)
 /// ```
-/// w is measured, u is the wheel speed behind the spring, φ its twist. Iz1 is the construction's
-/// inertia of the wheel with all that turns behind the gear, nearly all of which is on the
-/// motor's side.
+/// w is measured, u is the wheel speed behind the spring, φ its twist, jr the inertia on the measured
+/// side of the spring (rotor, gear, hub), which no data sheet of the robot gives.
 ///
 /// Source: two-inertia drive with elastic shaft (Voigt element). Undamped frequency straight
-/// ahead: sqrt(kt (1/Iz1 + 1/(a1 + a2 - Iz1))) rad/s.
+/// ahead: sqrt(kt (1/jr + 1/(a1 + a2 - jr))) rad/s.
 #[derive(Clone, Debug, Default)]
 pub struct Compliance;
+
+/// Damping ratio from which the damping is searched.
+const DAMPING: f64 = 0.2;
 
 impl Physics for Compliance {
     fn description(&self) -> Description {
@@ -25,27 +29,56 @@ impl Physics for Compliance {
             title: "Compliant drive".into(),
             equation: "kt phi + dt (w - u) between motor side and body, dphi/dt = w - u".into(),
             cause: "elastic shaft, belt or tyre between the encoder and the floor".into(),
-            signature: "wheel speed oscillates after steps of the moment".into(),
-            excitation: "steps of the moment, a sampling rate well above the oscillation".into(),
+            signature: "wheel speed oscillates after steps of the torque".into(),
+            excitation: "steps of the torque, a sampling rate well above the oscillation".into(),
             equivalent: vec![],
         }
     }
 
     fn parameters(&self) -> Vec<ParameterSpec> {
-        let (spring, damper) = ((0.1, 1e3), (1e-4, 20.0));
+        let (spring, damper, rotor) = ((1e-6, 1e6), (1e-9, 1e4), (1e-9, 1e4));
         vec![
             ParameterSpec::shape("kt", "torsional stiffness", "N m/rad", spring, 5.0),
             ParameterSpec::shape("dt", "torsional damping", "N m s/rad", damper, 0.03),
+            ParameterSpec::shape("jr", "inertia on the measured side", "kg m^2", rotor, 0.025),
         ]
+    }
+
+    fn change(&self) -> Change {
+        Change::TwoMass
+    }
+
+    /// Undamped frequencies around what the sensors resolve, for three splits of the inertia.
+    fn shapes(&self, scale: &Scale) -> Vec<Vec<f64>> {
+        let mut out = Vec::new();
+        for share in [0.2, 0.45, 0.7] {
+            let rotor = share * scale.inertia;
+            let reduced = rotor * (1.0 - share);
+            for ratio in geometric(0.6, 25.0, 6) {
+                let frequency = ratio * scale.bandwidth;
+                let damping = 2.0 * DAMPING * frequency * reduced;
+                out.push(vec![frequency * frequency * reduced, damping, rotor]);
+            }
+        }
+        out
+    }
+
+    /// Frequencies up to half the sampling rate, a twist that lasts for a row, and splits that leave either
+    /// side a tenth of the inertia: beyond that the wheels move as those of the rigid robot.
+    fn limits(&self, scale: &Scale) -> Vec<(f64, f64)> {
+        let reduced = 0.25 * scale.inertia;
+        let nyquist = std::f64::consts::PI / scale.step;
+        let spring = (1e-6 * reduced * nyquist * nyquist, reduced * nyquist * nyquist);
+        let damper = (1e-4 * reduced / scale.step, reduced / scale.step);
+        vec![spring, damper, (0.1 * scale.inertia, 0.85 * scale.inertia)]
     }
 
     fn energy(&self) -> Energy {
         Energy::Dissipates
     }
 
-    fn coupling<T: Real>(&self, x: &Motion<T>, p: &[T]) -> Option<Coupling<T>> {
-        let rotor = T::from(x.robot.construction.iz1_kg_m2);
-        Some(Coupling { rotor, stiffness: p[0], damping: p[1] })
+    fn coupling<T: Real>(&self, _x: &Motion<T>, p: &[T]) -> Option<Coupling<T>> {
+        Some(Coupling { rotor: p[2], stiffness: p[0], damping: p[1] })
     }
 }
 

@@ -11,7 +11,7 @@ use crate::math::Real;
 /// ```
 /// Derived here: (a4 + c1 sgn(w1)) sgn(w1) = a4 sgn(w1) + c1 for a moving wheel, and a wheel at
 /// rest breaks away at a4 + c1 forward and -(a4 - c1) backward, which is the interval [-a4, a4]
-/// shifted by c1. So the asymmetry is the constant moment c1, at rest too: exactly the columns of
+/// shifted by c1. So the asymmetry is the constant torque c1, at rest too: exactly the columns of
 /// `torque_offset`.
 #[derive(Clone, Debug, Default)]
 pub struct CoulombAsymmetry;
@@ -23,7 +23,7 @@ impl Physics for CoulombAsymmetry {
             title: "Direction-dependent Coulomb friction".into(),
             equation: "level a4 +- c1 forward/backward on wheel 1, a5 +- c2 on wheel 2".into(),
             cause: "gears or brushes that run harder in one direction".into(),
-            signature: "constant missing moment, the same at every speed and at breakaway".into(),
+            signature: "constant residual torque, the same at every speed and at breakaway".into(),
             excitation: "driving forward and backward; without reversals it hides in a4 and a5"
                 .into(),
             equivalent: vec!["torque_offset".into()],
@@ -38,7 +38,7 @@ impl Physics for CoulombAsymmetry {
         ]
     }
 
-    /// Alone it is a constant moment; only together with levels above |c1|, |c2| it dissipates.
+    /// Alone it is a constant torque; only together with levels above |c1|, |c2| it dissipates.
     fn energy(&self) -> Energy {
         Energy::Supplies
     }

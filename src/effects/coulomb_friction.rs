@@ -1,6 +1,6 @@
 //! Dry friction on each wheel.
 
-use super::{Description, Energy, Motion, ParameterSpec, Physics, Terms};
+use super::{Description, Energy, Motion, ParameterSpec, Physics, Scale, Terms};
 use crate::math::Real;
 
 /// Coulomb (dry) friction, one level a wheel; at rest it takes any value up to the level.
@@ -10,7 +10,7 @@ use crate::math::Real;
 /// a5 sgn(w2)   on wheel 2
 /// ```
 /// Source: paper, eq. (14). Deviation: at w = 0 the paper's sgn(0) = 0 lets a wheel creep under
-/// any moment; here friction at rest holds up to its level.
+/// any torque; here friction at rest holds up to its level.
 #[derive(Clone, Debug, Default)]
 pub struct CoulombFriction;
 
@@ -22,7 +22,7 @@ impl Physics for CoulombFriction {
             equation: "a4 sgn(w1) on wheel 1, a5 sgn(w2) on wheel 2".into(),
             cause: "dry friction in bearings and gears, rolling resistance N f".into(),
             signature:
-                "a moment that steps when the wheel reverses; standstill under small moments".into(),
+                "a torque that steps when the wheel reverses; standstill under small torques".into(),
             excitation: "any motion; reversals separate it from an offset".into(),
             equivalent: vec![],
         }
@@ -34,6 +34,11 @@ impl Physics for CoulombFriction {
             ParameterSpec::linear("a4", "Coulomb level, wheel 1", "N m", range, 0.1),
             ParameterSpec::linear("a5", "Coulomb level, wheel 2", "N m", range, 0.1),
         ]
+    }
+
+    /// A friction above every recorded torque would never let the wheel start.
+    fn limits(&self, scale: &Scale) -> Vec<(f64, f64)> {
+        vec![(0.0, scale.torque_quantile(1.0)); 2]
     }
 
     fn energy(&self) -> Energy {

@@ -18,7 +18,7 @@ const MOST_NAMES: usize = QUANTITIES.len() + DIFFERENTIATED;
 /// A custom effect as it is written down.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CustomDefinition {
-    /// Resisting moment on wheel 1 [N m] as a formula in the [`QUANTITIES`] and the parameters.
+    /// Resisting torque on wheel 1 [N m] as a formula in the [`QUANTITIES`] and the parameters.
     pub torque1: String,
     /// The same for wheel 2; without it wheel 2 is the mirror image of wheel 1.
     pub torque2: Option<String>,
@@ -59,7 +59,7 @@ pub enum CustomError {
         /// What is wrong with it.
         reason: &'static str,
     },
-    /// A range without room, or a typical value outside it.
+    /// A range without width, or a typical value outside it.
     #[error(
         "parameter `{symbol}` of the custom effect `{id}`: expected range low < high with the \
          typical value inside, found {low} to {high} and {typical}"
@@ -99,7 +99,7 @@ pub enum CustomError {
     },
 }
 
-/// An effect given by a formula for the resisting moment of each wheel.
+/// An effect given by a formula for the resisting torque of each wheel.
 ///
 /// ```text
 /// mass dω + ... + torque(t, ω, α; p) = M
@@ -145,7 +145,7 @@ impl Custom {
     ///
     /// # Errors
     /// An id or symbol that is taken or not a name, more than four parameters, a range without
-    /// room, a formula that cannot be read, or a linear parameter that is not.
+    /// width, a formula that cannot be read, or a linear parameter that is not.
     pub fn new(id: &str, definition: CustomDefinition) -> Result<Self, CustomError> {
         check_id(id)?;
         check_parameters(id, &definition.parameters)?;

@@ -1,6 +1,6 @@
 //! The two faces of an effect: what its author writes, and what the program sees.
 
-use super::{Coupling, Description, Energy, Motion, ParameterSpec, Terms};
+use super::{Coupling, Description, Energy, Motion, ParameterKind, ParameterSpec, Scale, Terms};
 use crate::math::{Dual, Real, Symbol};
 
 /// A dual number with eight partial derivatives. Effects see their instant with the partials
@@ -13,6 +13,22 @@ pub const DIFFERENTIATED: usize = 4;
 /// Most parameters of an effect: those that are differentiated, and behind them one whole number
 /// (an order), which has no derivative.
 pub const MOST_PARAMETERS: usize = DIFFERENTIATED + 1;
+
+/// Which part of the robot an effect changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Change {
+    /// It adds mass, torque or friction.
+    Torque,
+    /// It changes the size of the input torque.
+    Input,
+    /// It moves the input torque in time.
+    TimeShift,
+    /// It puts a second body behind the measured wheels.
+    TwoMass,
+}
+
+/// Factors on the typical value of a shape of which nothing else is known.
+const FACTORS: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
 
 /// What the author of an effect writes, once, over any scalar, with at most [`MOST_PARAMETERS`].
 ///
@@ -32,13 +48,13 @@ pub trait Physics: Send + Sync + 'static {
         Terms::zero()
     }
 
-    /// Turns the recorded drive into the one that acts, for the whole run:
+    /// Turns the recorded input into the one that acts, for the whole run:
     /// `t` [s] and `m` [N m] have one row a sample. `None`: unchanged.
     fn drive<T: Real>(&self, _t: &[f64], _m: &[[T; 2]], _p: &[T]) -> Option<Vec<[T; 2]>> {
         None
     }
 
-    /// A body behind the measured wheel, where the effect is one.
+    /// The second mass behind the measured wheel, where the effect has one.
     fn coupling<T: Real>(&self, _x: &Motion<T>, _p: &[T]) -> Option<Coupling<T>> {
         None
     }
@@ -46,6 +62,46 @@ pub trait Physics: Send + Sync + 'static {
     /// Whether [`Physics::drive`] changes anything.
     fn acts_on_drive(&self) -> bool {
         false
+    }
+
+    /// What it changes, where that is not the input ([`Physics::acts_on_drive`]) or the torque.
+    fn change(&self) -> Change {
+        if self.acts_on_drive() { Change::Input } else { Change::Torque }
+    }
+
+    /// Whether recordings of that scale could show it at all; a second body needs what
+    /// [`Scale::two_bodies`] says.
+    fn admissible(&self, scale: &Scale) -> bool {
+        self.change() != Change::TwoMass || scale.two_bodies
+    }
+
+    /// Values of its shape parameters that are worth trying on recordings of that scale, each entry one
+    /// value a shape parameter in their order; one empty entry where it has none.
+    fn shapes(&self, _scale: &Scale) -> Vec<Vec<f64>> {
+        let parameters = self.parameters();
+        let typical: Vec<f64> = parameters
+            .iter()
+            .filter(|s| s.kind == ParameterKind::Shape)
+            .map(|s| s.typical)
+            .collect();
+        let Some(first) = typical.first().copied() else { return vec![vec![]] };
+        let with = |factor: f64| {
+            let mut values = typical.clone();
+            values[0] = factor * first;
+            values
+        };
+        FACTORS.map(with).to_vec()
+    }
+
+    /// Whether a fit has to start from every one of its shapes, since one does not lead to the others, as
+    /// those of a second body do not.
+    fn several_starts(&self) -> bool {
+        self.change() == Change::TwoMass
+    }
+
+    /// Smallest and largest value of each parameter on recordings of that scale.
+    fn limits(&self, _scale: &Scale) -> Vec<(f64, f64)> {
+        self.parameters().iter().map(|s| s.range).collect()
     }
 }
 
@@ -86,8 +142,18 @@ pub trait Effect: Send + Sync {
     fn coupling(&self, x: &Motion<f64>, p: &[f64]) -> Option<Coupling<f64>>;
     /// [`Physics::coupling`] with derivatives.
     fn coupling_jet(&self, x: &Motion<Jet>, p: &[Jet]) -> Option<Coupling<Jet>>;
-    /// Whether it changes the drive.
+    /// Whether it changes the input.
     fn acts_on_drive(&self) -> bool;
+    /// [`Physics::change`].
+    fn change(&self) -> Change;
+    /// [`Physics::admissible`].
+    fn admissible(&self, scale: &Scale) -> bool;
+    /// [`Physics::shapes`].
+    fn shapes(&self, scale: &Scale) -> Vec<Vec<f64>>;
+    /// [`Physics::several_starts`].
+    fn several_starts(&self) -> bool;
+    /// [`Physics::limits`].
+    fn limits(&self, scale: &Scale) -> Vec<(f64, f64)>;
 }
 
 impl<P: Physics> Effect for P {
@@ -137,5 +203,20 @@ impl<P: Physics> Effect for P {
     }
     fn acts_on_drive(&self) -> bool {
         Physics::acts_on_drive(self)
+    }
+    fn change(&self) -> Change {
+        Physics::change(self)
+    }
+    fn admissible(&self, scale: &Scale) -> bool {
+        Physics::admissible(self, scale)
+    }
+    fn shapes(&self, scale: &Scale) -> Vec<Vec<f64>> {
+        Physics::shapes(self, scale)
+    }
+    fn several_starts(&self) -> bool {
+        Physics::several_starts(self)
+    }
+    fn limits(&self, scale: &Scale) -> Vec<(f64, f64)> {
+        Physics::limits(self, scale)
     }
 }

@@ -1,12 +1,12 @@
 //! Friction that falls while the robot warms up.
 
-use super::{Description, Energy, Motion, ParameterSpec, Physics, Terms};
+use super::{Description, Energy, Motion, ParameterSpec, Physics, Scale, Terms, geometric};
 use crate::math::Real;
 
 /// A Coulomb level that decays from the start of the recording.
 ///
 /// ```text
-/// level of wheel i:  + fw exp(-t/tw)
+/// level of wheel i:  + (fw ± fwd) exp(-t/tw),   + on wheel 1, - on wheel 2
 /// ```
 /// Source: first-order warm-up of the lubricant (Newton's law of cooling), the viscosity taken as
 /// linear in the temperature. Time counts from the first sample of each recording.
@@ -18,7 +18,7 @@ impl Physics for FrictionWarmup {
         Description {
             id: "friction_warmup".into(),
             title: "Warm-up of friction".into(),
-            equation: "level fw exp(-t/tw) on each wheel".into(),
+            equation: "level (fw +- fwd) exp(-t/tw) on wheel 1, 2".into(),
             cause: "cold grease and gears that warm up while driving".into(),
             signature: "friction is higher at the start of the recording and settles".into(),
             excitation: "a recording from a cold start, several times tw long".into(),
@@ -27,11 +27,23 @@ impl Physics for FrictionWarmup {
     }
 
     fn parameters(&self) -> Vec<ParameterSpec> {
-        let (level, time) = ((0.0, 1e3), (0.5, 1e3));
+        let (level, time) = ((0.0, 1e3), (1e-2, 1e5));
         vec![
             ParameterSpec::linear("fw", "extra level at the start", "N m", level, 0.03),
             ParameterSpec::shape("tw", "time constant of warming up", "s", time, 10.0),
+            ParameterSpec::linear(
+                "fwd",
+                "half of what wheel 1 has more of fw",
+                "N m",
+                (-1e3, 1e3),
+                0.0,
+            ),
         ]
+    }
+
+    /// From a start that is over at once to a drift over the whole recording.
+    fn shapes(&self, scale: &Scale) -> Vec<Vec<f64>> {
+        geometric(0.07, 1.3, 5).into_iter().map(|share| vec![share * scale.duration]).collect()
     }
 
     fn energy(&self) -> Energy {
@@ -39,8 +51,8 @@ impl Physics for FrictionWarmup {
     }
 
     fn terms<T: Real>(&self, x: &Motion<T>, p: &[T]) -> Terms<T> {
-        let level = p[0] * (-x.t / p[1]).exp();
-        let zero = T::from(0.0);
-        Terms { level: [level, level, zero, zero], ..Terms::zero() }
+        let (decay, zero) = ((-x.t / p[1]).exp(), T::from(0.0));
+        let level = [(p[0] + p[2]) * decay, (p[0] - p[2]) * decay, zero, zero];
+        Terms { level, ..Terms::zero() }
     }
 }

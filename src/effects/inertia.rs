@@ -20,7 +20,7 @@ impl Physics for Inertia {
             title: "Inertia".into(),
             equation: "a1 dw1 + a2 dw2 on wheel 1, a2 dw1 + a1 dw2 on wheel 2".into(),
             cause: "mass and moments of inertia of wheels and body, seen at the wheels".into(),
-            signature: "moment in proportion to acceleration; a2 couples the wheels".into(),
+            signature: "torque in proportion to acceleration; a2 couples the wheels".into(),
             excitation: "speeding up and braking; a1 + a2 straight, a1 - a2 in pivots".into(),
             equivalent: vec![],
         }

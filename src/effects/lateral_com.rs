@@ -10,7 +10,7 @@ use crate::math::Real;
 /// -m dw2   on wheel 2,     m = m4 e r^2/(2 l1), e distance of S to the right of the centre line
 /// ```
 /// Derived here: S moves along the heading at v_A + e β_dot, so the kinetic energy has the term
-/// m4 e v_A β_dot = m4 e r^2/(4 l1) (w1^2 - w2^2). No velocity term follows from e: the moment
+/// m4 e v_A β_dot = m4 e r^2/(4 l1) (w1^2 - w2^2). No velocity term follows from e: the torque
 /// about A of the inertia force at S has only e dv_A/dt beyond the base model. The e^2 in the yaw
 /// inertia is part of a1 and a2.
 #[derive(Clone, Debug, Default)]
@@ -23,7 +23,7 @@ impl Physics for LateralCom {
             title: "Lateral centre of mass".into(),
             equation: "m dw1 on wheel 1, -m dw2 on wheel 2".into(),
             cause: "the centre of mass lies to the right (m > 0) or left of the centre line".into(),
-            signature: "missing moment in proportion to acceleration, of opposite sign on the \
+            signature: "residual torque in proportion to acceleration, of opposite sign on the \
                         wheels"
                 .into(),
             excitation: "hard starts and brakes, 35 rad/s^2 and more".into(),

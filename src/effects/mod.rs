@@ -7,11 +7,13 @@
 mod custom;
 mod effect;
 mod motion;
+mod scale;
 mod text;
 
 pub use custom::{Custom, CustomDefinition, CustomError, QUANTITIES};
-pub use effect::{DIFFERENTIATED, Effect, Jet, MOST_PARAMETERS, Physics};
+pub use effect::{Change, DIFFERENTIATED, Effect, Jet, MOST_PARAMETERS, Physics};
 pub use motion::{Coupling, DIRECTIONS, Motion, Terms, along, smallest_inertia};
+pub use scale::{FAST, Scale, geometric};
 pub use text::{details, details_of, overview};
 
 use crate::catalogue;
@@ -25,7 +27,7 @@ pub enum Energy {
     DoesNoWork,
     /// Takes energy out, never puts any in, for parameters within their ranges.
     Dissipates,
-    /// May put energy in or changes what the drive delivers (offset, gain, ripple).
+    /// May put energy in or changes what the input delivers (offset, gain, ripple).
     Supplies,
 }
 
@@ -37,7 +39,7 @@ impl Energy {
     }
 }
 
-/// How a parameter enters the moment equation.
+/// How a parameter enters the torque equation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub enum ParameterKind {
     /// The torque is proportional to it, so least squares applies.
@@ -53,7 +55,7 @@ pub struct ParameterSpec {
     pub symbol: String,
     /// What it means, in a few words.
     pub meaning: String,
-    /// SI unit for moments in N m; `N m` in it is replaced when the drive is in V or A.
+    /// SI unit for torques in N m; `N m` in it is replaced when the input is in V or A.
     pub unit: String,
     /// Smallest and largest value that make sense physically.
     pub range: (f64, f64),
@@ -117,6 +119,7 @@ catalogue! {
     viscous_friction::ViscousFriction,
     viscous_friction_1::ViscousFriction1,
     viscous_friction_2::ViscousFriction2,
+    viscous_asymmetry::ViscousAsymmetry,
     back_emf::BackEmf,
     torque_offset::TorqueOffset,
     stribeck::Stribeck,

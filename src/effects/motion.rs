@@ -1,7 +1,7 @@
 //! What an effect sees of the robot's motion, and what it answers.
 
 use crate::math::Real;
-use crate::robot::Robot;
+use crate::robot::{Robot, kinematics};
 
 /// The four directions in which dry friction can hold the two wheels: wheel 1, wheel 2,
 /// turning (w1 - w2) and forward (w1 + w2).
@@ -38,19 +38,19 @@ impl<T: Real> Motion<'_, T> {
     /// Speed of the axle's centre, v_A = r/2 (w1 + w2) [m/s].  eq. (11)
     #[must_use]
     pub fn forward_speed(&self) -> T {
-        (self.omega[0] + self.omega[1]) * (0.5 * self.robot.r())
+        kinematics::forward_speed(self.robot, self.omega)
     }
 
     /// Turn rate, beta_dot = r/(2 l1) (w1 - w2) [rad/s].  eq. (11)
     #[must_use]
     pub fn turn_rate(&self) -> T {
-        (self.omega[0] - self.omega[1]) * (0.5 * self.robot.r() / self.robot.l1())
+        kinematics::turn_rate(self.robot, self.omega)
     }
 
     /// Heading from the wheel angles, beta = r/(2 l1) (alpha1 - alpha2) [rad].
     #[must_use]
     pub fn heading(&self) -> T {
-        (self.alpha[0] - self.alpha[1]) * (0.5 * self.robot.r() / self.robot.l1())
+        kinematics::heading(self.robot, self.alpha)
     }
 }
 
@@ -60,7 +60,7 @@ impl<T: Real> Motion<'_, T> {
 pub struct Terms<T> {
     /// Symmetric mass matrix as (m11, m12, m22) [kg m^2].
     pub mass: [T; 3],
-    /// Resisting moment on each wheel [N m].
+    /// Resisting torque on each wheel [N m].
     pub torque: [T; 2],
     /// Dry-friction level along each of the [`DIRECTIONS`], not negative [N m].
     pub level: [T; 4],
@@ -87,7 +87,7 @@ impl<T: Real> Terms<T> {
         }
     }
 
-    /// The moment these terms need at acceleration `a` [rad/s^2] when dry friction acts with
+    /// The torque these terms need at acceleration `a` [rad/s^2] when dry friction acts with
     /// signs `s`: `mass a + torque + Σ_j d_j level_j s_j` [N m].
     #[must_use]
     pub fn moment(&self, a: &[f64; 2], s: &[f64; 4]) -> [T; 2] {
@@ -107,7 +107,7 @@ impl<T: Real> Terms<T> {
     }
 }
 
-/// A body behind the measured wheel: the wheel (rotor) of inertia `rotor` is joined to the rest
+/// A two-mass drivetrain: the wheel (rotor) of inertia `rotor` is joined to the rest
 /// of the robot by a spring and a damper, which adds two speeds and two twists to the state.
 ///
 /// Effects that store energy or do no work act on the body, at its own speeds and angles; all

@@ -1,18 +1,19 @@
 //! Mass and inertia above the construction data.
 
-use super::{Description, Energy, Motion, ParameterSpec, Physics, Terms};
+use super::{Description, Energy, Motion, ParameterSpec, Physics, Scale, Terms};
 use crate::math::Real;
 
-/// A load on the axle: extra mass and extra yaw inertia.
+/// A load: extra mass, extra yaw inertia about the middle of the axle, and a centre of mass of its own.
 ///
 /// ```text
 /// mass matrix  + r^2/4 mp (1 1; 1 1) + r^2/(4 l1^2) ip (1 -1; -1 1)
+/// a3           + r^3/(4 l1^2) sp,   sp = mp times its distance behind the axle
 /// ```
-/// Derived here from the kinetic energy mp v_A^2/2 + ip β_dot^2/2. It is another a1 and a2 and can
-/// be told from them only where these are held at their construction values.
+/// Derived here from the kinetic energy mp v_A^2/2 + ip β_dot^2/2 and from a3 = r^3 m4 l2/(4 l1^2). It is
+/// another a1, a2 and a3 and can be distinguished from them only where these are held at their construction
+/// values.
 ///
-/// Deviation: the load's centre of mass is taken to be above the axle (no change of a3), and the
-/// Coulomb levels are left as they are.
+/// Deviation: what it adds to the Coulomb levels is left to a4 and a5.
 #[derive(Clone, Debug, Default)]
 pub struct Payload;
 
@@ -21,9 +22,10 @@ impl Physics for Payload {
         Description {
             id: "payload".into(),
             title: "Payload".into(),
-            equation: "r^2/4 mp (dw1 + dw2) (1,1) + r^2/(4 l1^2) ip (dw1 - dw2) (1,-1)".into(),
+            equation: "r^2/4 mp (dw1 + dw2) (1,1) + r^2/(4 l1^2) ip (dw1 - dw2) (1,-1), a3 + r^3/(4 l1^2) sp"
+                .into(),
             cause: "mass carried beyond the construction data".into(),
-            signature: "missing moment in proportion to acceleration".into(),
+            signature: "residual torque in proportion to acceleration".into(),
             excitation: "speeding up and braking, straight (mp) and turning (ip); it only makes \
                          sense where a1 and a2 are fixed at construction values"
                 .into(),
@@ -32,10 +34,22 @@ impl Physics for Payload {
     }
 
     fn parameters(&self) -> Vec<ParameterSpec> {
+        let (positive, either) = ((0.0, 1e3), (-1e3, 1e3));
         vec![
-            ParameterSpec::linear("mp", "extra mass", "kg", (0.0, 1e3), 0.5),
-            ParameterSpec::linear("ip", "extra yaw inertia", "kg m^2", (0.0, 1e3), 0.01),
+            ParameterSpec::linear("mp", "extra mass", "kg", positive, 0.5),
+            ParameterSpec::linear("ip", "extra yaw inertia", "kg m^2", positive, 0.01),
+            ParameterSpec::linear(
+                "sp",
+                "extra mass times its distance behind the axle",
+                "kg m",
+                either,
+                0.01,
+            ),
         ]
+    }
+
+    fn admissible(&self, scale: &Scale) -> bool {
+        scale.inertia_held
     }
 
     fn energy(&self) -> Energy {
@@ -46,7 +60,12 @@ impl Physics for Payload {
         let (r, l1) = (x.robot.r(), x.robot.l1());
         let forward = p[0] * (0.25 * r * r);
         let turning = p[1] * (0.25 * r * r / (l1 * l1));
-        Terms { mass: [forward + turning, forward - turning, forward + turning], ..Terms::zero() }
+        let mass = [forward + turning, forward - turning, forward + turning];
+        // what the centrifugal constant a3 = r³ m l2/(4 l1²) gains
+        let a3 = p[2] * (0.25 * r * r * r / (l1 * l1));
+        let [w1, w2] = x.omega;
+        let torque = [a3 * w2 * (w2 - w1), a3 * w1 * (w1 - w2)];
+        Terms { mass, torque, ..Terms::zero() }
     }
 }
 
@@ -61,7 +80,7 @@ mod tests {
         let plain = &robot.construction;
         let x =
             Motion { t: 0.0, alpha: [0.0; 2], omega: [0.0; 2], variance: [0.0; 4], robot: &robot };
-        let mass = Payload.terms(&x, &[0.7, 0.03]).mass;
+        let mass = Payload.terms(&x, &[0.7, 0.03, 0.0]).mass;
         // 0.7 kg more frame at l2, less the yaw inertia that it has there about the axle
         let yaw = 0.03 - 0.7 * plain.l2_m * plain.l2_m;
         let heavy = Construction {

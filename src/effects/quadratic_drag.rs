@@ -21,7 +21,7 @@ impl Physics for QuadraticDrag {
             title: "Quadratic drag".into(),
             equation: "c w1 |w1| on wheel 1, c w2 |w2| on wheel 2".into(),
             cause: "air or churned oil, wherever the flow is turbulent".into(),
-            signature: "missing moment grows with the square of the wheel speed".into(),
+            signature: "residual torque grows with the square of the wheel speed".into(),
             excitation: "several steady speeds over a wide range tell it from viscous friction"
                 .into(),
             equivalent: vec![],

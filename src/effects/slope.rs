@@ -4,7 +4,7 @@ use super::{Description, Energy, Motion, ParameterSpec, Physics, Terms};
 use crate::math::Real;
 use crate::robot::Robot;
 
-/// Weight on an inclined floor: a moment that turns with the heading.
+/// Weight on an inclined floor: a torque that turns with the heading.
 ///
 /// ```text
 /// G (cos(β - β_u) (1, 1) + k sin(β - β_u) (1, -1)),   g_c = G cos β_u,  g_s = G sin β_u
@@ -14,13 +14,13 @@ use crate::robot::Robot;
 /// Derived here: the height of the centre of mass along the uphill direction u is
 /// u·(A - l (cos β, sin β)) with l = l2 m4/m behind the axle (the wheels' mass sits on it). Its
 /// rate times m g sin(inclination) is the power the wheels need; with v_A = r/2 (w1 + w2) and
-/// β_dot = r/(2 l1) (w1 - w2) the factors of w1 and w2 are the moments above.
+/// β_dot = r/(2 l1) (w1 - w2) the factors of w1 and w2 are the torques above.
 ///
 /// The heading comes from the wheel angles; where these start is absorbed by β_u.
 #[derive(Clone, Debug, Default)]
 pub struct Slope;
 
-/// Share of the turning moment, k in the docs of [`Slope`].
+/// Share of the turning torque, k in the docs of [`Slope`].
 fn lever(robot: &Robot) -> f64 {
     let body = &robot.construction;
     body.l2_m / body.l1_m * body.m4_kg / (body.m4_kg + body.m1_kg + body.m2_kg)
@@ -35,7 +35,7 @@ impl Physics for Slope {
                        - k cos(beta) (1,-1)), k = l2 m4/(l1 (m4 + 2 m1))"
                 .into(),
             cause: "the floor is not level: weight pulls downhill".into(),
-            signature: "missing moment goes round once with the heading".into(),
+            signature: "residual torque varies sinusoidally with heading".into(),
             excitation: "driving in several headings, full turns; one heading alone shows only an \
                          offset"
                 .into(),
@@ -46,8 +46,8 @@ impl Physics for Slope {
     fn parameters(&self) -> Vec<ParameterSpec> {
         let range = (-1e3, 1e3);
         vec![
-            ParameterSpec::linear("g_c", "weight moment at heading 0", "N m", range, 0.02),
-            ParameterSpec::linear("g_s", "weight moment at heading 90 degrees", "N m", range, 0.02),
+            ParameterSpec::linear("g_c", "weight torque at heading 0", "N m", range, 0.02),
+            ParameterSpec::linear("g_s", "weight torque at heading 90 degrees", "N m", range, 0.02),
         ]
     }
 

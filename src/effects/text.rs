@@ -50,7 +50,7 @@ pub fn details_of(effect: &dyn Effect) -> String {
     line("excitation", &d.excitation);
     line("energy", energy(effect.energy()));
     if effect.acts_on_drive() {
-        line("acts on", "the recorded moment, before the equation of motion");
+        line("acts on", "the recorded torque, before the equation of motion");
     }
     if !d.equivalent.is_empty() {
         line("same as", &format!("{} (in recordings of the wheels)", d.equivalent.join(", ")));
@@ -122,8 +122,8 @@ mod tests {
 Back-EMF (back_emf)
 
 equation    k_e w1 on wheel 1, k_e w2 on wheel 2
-cause       the moment was recorded as if proportional to the motor voltage
-in data     as viscous friction: missing moment in proportion to wheel speed
+cause       the torque was recorded as if proportional to the motor voltage
+in data     as viscous friction: residual torque in proportion to wheel speed
 excitation  different steady speeds; only a measured motor current tells it from viscous friction
 energy      taken out
 same as     viscous_friction (in recordings of the wheels)

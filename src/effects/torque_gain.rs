@@ -1,9 +1,9 @@
-//! A wrong gain of one moment.
+//! A wrong gain of one torque.
 
 use super::{Description, Energy, ParameterSpec, Physics};
 use crate::math::Real;
 
-/// The moment recorded for wheel 1 is wrong by a factor.
+/// The torque recorded for wheel 1 is wrong by a factor.
 ///
 /// ```text
 /// M1 = (1 + g) M1_recorded,   M2 = M2_recorded
@@ -18,11 +18,11 @@ impl Physics for TorqueGain {
     fn description(&self) -> Description {
         Description {
             id: "torque_gain".into(),
-            title: "Moment gain".into(),
+            title: "Torque gain".into(),
             equation: "M1 = (1 + g) recorded M1".into(),
             cause: "wrong torque constant, gear ratio or amplifier gain on one wheel".into(),
-            signature: "missing moment on wheel 1 in proportion to its moment".into(),
-            excitation: "large moments of either sign, hard starts and brakes".into(),
+            signature: "residual torque on wheel 1 in proportion to its torque".into(),
+            excitation: "large torques of either sign, hard starts and brakes".into(),
             equivalent: vec![],
         }
     }

@@ -1,9 +1,9 @@
-//! A constant bias of drive or moment sensor.
+//! A constant bias of drive or torque sensor.
 
 use super::{Description, Energy, Motion, ParameterSpec, Physics, Terms};
 use crate::math::Real;
 
-/// The recorded moment exceeds the real one by a constant on each wheel.
+/// The recorded torque exceeds the real one by a constant on each wheel.
 ///
 /// ```text
 /// o1   on wheel 1        (o = recorded minus real)
@@ -17,10 +17,10 @@ impl Physics for TorqueOffset {
     fn description(&self) -> Description {
         Description {
             id: "torque_offset".into(),
-            title: "Moment offset".into(),
-            equation: "o1 on wheel 1, o2 on wheel 2 (recorded minus real moment)".into(),
-            cause: "bias of the moment sensor, the current sensor or the amplifier".into(),
-            signature: "constant missing moment, the same at every speed and at rest".into(),
+            title: "Torque offset".into(),
+            equation: "o1 on wheel 1, o2 on wheel 2 (recorded minus real torque)".into(),
+            cause: "bias of the torque sensor, the current sensor or the amplifier".into(),
+            signature: "constant residual torque, the same at every speed and at rest".into(),
             excitation: "driving forward and backward; without reversals it hides in a4 and a5"
                 .into(),
             equivalent: vec!["coulomb_asymmetry".into()],
@@ -30,8 +30,8 @@ impl Physics for TorqueOffset {
     fn parameters(&self) -> Vec<ParameterSpec> {
         let range = (-1e3, 1e3);
         vec![
-            ParameterSpec::linear("o1", "moment offset, wheel 1", "N m", range, 0.01),
-            ParameterSpec::linear("o2", "moment offset, wheel 2", "N m", range, 0.01),
+            ParameterSpec::linear("o1", "torque offset, wheel 1", "N m", range, 0.01),
+            ParameterSpec::linear("o2", "torque offset, wheel 2", "N m", range, 0.01),
         ]
     }
 

@@ -1,9 +1,9 @@
-//! Cogging: a moment that repeats several times a turn.
+//! Cogging: a torque that repeats several times a turn.
 
-use super::{Description, Energy, Motion, ParameterSpec, Physics, Terms};
+use super::{Description, Energy, Motion, ParameterSpec, Physics, Scale, Terms};
 use crate::math::Real;
 
-/// A moment that repeats n times per turn of the wheel, with its own phase on each wheel.
+/// A torque that repeats n times per turn of the wheel, with its own phase on each wheel.
 ///
 /// ```text
 /// rs1 sin(n alpha1) + rc1 cos(n alpha1)   on wheel 1
@@ -26,7 +26,7 @@ impl Physics for TorqueRipple {
             equation: "rs sin(n alpha) + rc cos(n alpha) on each wheel, n a whole number above 1"
                 .into(),
             cause: "cogging and commutation of the motor, teeth of the gear".into(),
-            signature: "missing moment that repeats n times per turn of a wheel".into(),
+            signature: "residual torque that repeats n times per turn of a wheel".into(),
             excitation: "slow driving over many turns; n = 1 is wheel_eccentricity".into(),
             equivalent: vec![],
         }
@@ -44,6 +44,14 @@ impl Physics for TorqueRipple {
         ]
     }
 
+    /// Orders of which a whole wave was driven and that rows at half the top speed still resolve.
+    fn shapes(&self, scale: &Scale) -> Vec<Vec<f64>> {
+        let resolved = |n: f64| n * 0.5 * scale.speed * scale.step < std::f64::consts::FRAC_PI_2;
+        let driven = |n: f64| n * scale.angle >= std::f64::consts::TAU;
+        let orders = (2..=60).map(f64::from).filter(|n| resolved(*n) && driven(*n));
+        orders.map(|n| vec![n]).collect()
+    }
+
     fn energy(&self) -> Energy {
         Energy::Supplies
     }
@@ -53,7 +61,7 @@ impl Physics for TorqueRipple {
     }
 }
 
-/// The moments of one order; `p`: sine and cosine amplitude of wheel 1, then of wheel 2.
+/// The torques of one order; `p`: sine and cosine amplitude of wheel 1, then of wheel 2.
 pub(super) fn periodic<T: Real>(order: T, x: &Motion<T>, p: &[T; 4]) -> Terms<T> {
     let torque = [0, 1].map(|i| {
         let angle = x.alpha[i] * order;

@@ -1,9 +1,9 @@
-//! The drive cannot give more than a certain moment.
+//! The input cannot give more than a certain torque.
 
-use super::{Description, Energy, ParameterSpec, Physics};
+use super::{Description, Energy, ParameterSpec, Physics, Scale};
 use crate::math::Real;
 
-/// The real moment is clipped where the recorded one is not.
+/// The real torque is clipped where the recorded one is not.
 ///
 /// ```text
 /// M = min(max(M_recorded, -limit), limit)   on each wheel
@@ -16,17 +16,27 @@ impl Physics for TorqueSaturation {
     fn description(&self) -> Description {
         Description {
             id: "torque_saturation".into(),
-            title: "Moment saturation".into(),
+            title: "Torque saturation".into(),
             equation: "M = clip(recorded M, -limit, limit)".into(),
             cause: "current limit of the amplifier, supply voltage, slipping clutch".into(),
-            signature: "moment is missing only where the recorded moment is large".into(),
-            excitation: "moments above the limit: hard starts and brakes".into(),
+            signature: "torque is missing only where the recorded torque is large".into(),
+            excitation: "torques above the limit: hard starts and brakes".into(),
             equivalent: vec![],
         }
     }
 
     fn parameters(&self) -> Vec<ParameterSpec> {
-        vec![ParameterSpec::shape("limit", "largest moment", "N m", (1e-3, 1e4), 0.3)]
+        vec![ParameterSpec::shape("limit", "largest torque", "N m", (1e-6, 1e6), 0.3)]
+    }
+
+    /// Limits that clip from half of the rows to the largest torques alone, and one that clips none yet.
+    fn shapes(&self, scale: &Scale) -> Vec<Vec<f64>> {
+        let quantiles = [0.5, 0.65, 0.8, 0.9, 0.95, 0.98, 0.994];
+        quantiles.into_iter().map(|share| vec![scale.torque_quantile(share)]).collect()
+    }
+
+    fn several_starts(&self) -> bool {
+        true
     }
 
     fn energy(&self) -> Energy {

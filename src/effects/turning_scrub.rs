@@ -9,7 +9,7 @@ use crate::math::Real;
 /// f_t sgn(β_dot)    on wheel 1
 /// -f_t sgn(β_dot)   on wheel 2      (set-valued while the robot does not turn)
 /// ```
-/// Derived here: a scrub moment T opposing β_dot = r/(2 l1) (w1 - w2) takes the power T |β_dot|,
+/// Derived here: a scrub torque T opposing β_dot = r/(2 l1) (w1 - w2) takes the power T |β_dot|,
 /// so f_t = T r/(2 l1).
 #[derive(Clone, Debug, Default)]
 pub struct TurningScrub;
@@ -21,8 +21,8 @@ impl Physics for TurningScrub {
             title: "Turning scrub".into(),
             equation: "f_t sgn(beta_dot) on wheel 1, -f_t sgn(beta_dot) on wheel 2".into(),
             cause: "tyres or caster scrub sideways over the floor in turns".into(),
-            signature: "missing moment of opposite sign on the two wheels that flips with the turn"
-                .into(),
+            signature:
+                "residual torque of opposite sign on the two wheels that flips with the turn".into(),
             excitation: "curves to both sides and straight driving".into(),
             equivalent: vec![],
         }

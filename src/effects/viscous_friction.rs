@@ -18,8 +18,8 @@ impl Physics for ViscousFriction {
             id: "viscous_friction".into(),
             title: "Viscous friction".into(),
             equation: "b w1 on wheel 1, b w2 on wheel 2".into(),
-            cause: "grease and oil, eddy currents; with a drive in volts also back-EMF".into(),
-            signature: "missing moment grows in proportion to wheel speed".into(),
+            cause: "grease and oil, eddy currents; with an input in volts also back-EMF".into(),
+            signature: "residual torque grows in proportion to wheel speed".into(),
             excitation: "different steady speeds, slow and fast".into(),
             equivalent: vec!["back_emf".into()],
         }

@@ -21,7 +21,7 @@ impl Physics for ViscousFriction1 {
             title: "Viscous friction, wheel 1".into(),
             equation: "b1 w1 on wheel 1".into(),
             cause: "grease, a rubbing seal or a failing bearing on the right side".into(),
-            signature: "missing moment on wheel 1 grows in proportion to its speed".into(),
+            signature: "residual torque on wheel 1 grows in proportion to its speed".into(),
             excitation: "different steady speeds, slow and fast".into(),
             equivalent: vec![],
         }

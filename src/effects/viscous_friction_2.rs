@@ -21,7 +21,7 @@ impl Physics for ViscousFriction2 {
             title: "Viscous friction, wheel 2".into(),
             equation: "b2 w2 on wheel 2".into(),
             cause: "grease, a rubbing seal or a failing bearing on the left side".into(),
-            signature: "missing moment on wheel 2 grows in proportion to its speed".into(),
+            signature: "residual torque on wheel 2 grows in proportion to its speed".into(),
             excitation: "different steady speeds, slow and fast".into(),
             equivalent: vec![],
         }

@@ -1,17 +1,17 @@
-//! A moment that repeats once per turn of the wheel.
+//! A torque that repeats once per turn of the wheel.
 
 use super::torque_ripple::periodic;
-use super::{Description, Energy, Motion, ParameterSpec, Physics, Terms};
+use super::{Description, Energy, Motion, ParameterSpec, Physics, Scale, Terms};
 use crate::math::Real;
 
-/// An eccentric or unbalanced wheel: a moment that goes round once per turn.
+/// An eccentric or unbalanced wheel: a torque that varies sinusoidally once per turn.
 ///
 /// ```text
 /// es1 sin(alpha1) + ec1 cos(alpha1)   on wheel 1
 /// es2 sin(alpha2) + ec2 cos(alpha2)   on wheel 2
 /// ```
 /// Derived here: a wheel whose axle lies e off its centre lifts the load N by e cos(alpha +
-/// phase), which needs the moment -N e sin(alpha + phase) (first order in e; the speed terms of
+/// phase), which needs the torque -N e sin(alpha + phase) (first order in e; the speed terms of
 /// order e w^2 are left out). The same columns as `torque_ripple` of order 1.
 ///
 /// Where an angle is an estimate with variance P the factor exp(-P/2) takes the mean.
@@ -25,7 +25,7 @@ impl Physics for WheelEccentricity {
             title: "Eccentric wheel".into(),
             equation: "es sin(alpha) + ec cos(alpha) on each wheel".into(),
             cause: "axle off the wheel's centre, unbalanced wheel, bent shaft".into(),
-            signature: "missing moment that repeats once per turn of a wheel".into(),
+            signature: "residual torque that repeats once per turn of a wheel".into(),
             excitation: "slow driving over many turns; the same as a torque ripple of order 1"
                 .into(),
             equivalent: vec![],
@@ -41,6 +41,11 @@ impl Physics for WheelEccentricity {
             amplitude("es2", "sine amplitude, wheel 2"),
             amplitude("ec2", "cosine amplitude, wheel 2"),
         ]
+    }
+
+    /// A wave of which less than a period was driven cannot be told from an offset.
+    fn admissible(&self, scale: &Scale) -> bool {
+        scale.angle >= std::f64::consts::TAU
     }
 
     fn energy(&self) -> Energy {

@@ -11,7 +11,7 @@ use crate::math::Real;
 /// ```
 /// Derived here. The body moves as if wheels of radius r turned at q1 = (1 + eps) w1 and
 /// q2 = (1 - eps) w2, since v_A = (r1 w1 + r2 w2)/2 and β_dot = (r1 w1 - r2 w2)/(2 l1). Its
-/// moments at q are those of eq. (14) without the wheels' own Iz1; by virtual power the wheels
+/// torques at q are those of eq. (14) without the wheels' own Iz1; by virtual power the wheels
 /// feel them times 1 + eps and 1 - eps:
 ///
 /// ```text
@@ -19,8 +19,8 @@ use crate::math::Real;
 /// ```
 /// Subtracting eq. (14) leaves for the masses (1 + eps)^2 - 1, (1 - eps)^2 - 1 and
 /// (1 + eps)(1 - eps) - 1, that is +2 eps, -2 eps and 0 to first order, and for the centrifugal
-/// moment of wheel 1 a3 w2 ((1 - eps) w2 - (1 + eps) w1 - w2 + w1). What is left out is of order
-/// eps^2: 1e-4 of the moments at eps = 0.01.
+/// torque of wheel 1 a3 w2 ((1 - eps) w2 - (1 + eps) w1 - w2 + w1). What is left out is of order
+/// eps^2: 1e-4 of the torques at eps = 0.01.
 ///
 /// Deviation: the heading keeps the mean radius (it matters to `slope` alone).
 #[derive(Clone, Debug, Default)]
@@ -35,7 +35,7 @@ impl Physics for WheelRadiusMismatch {
                        (w1 + w2) on wheel 2, I = a1 - Iz1"
                 .into(),
             cause: "tyre wear or pressure: r1 = r (1 + eps), r2 = r (1 - eps)".into(),
-            signature: "unequal inertias, and a moment across the wheels at speed straight ahead"
+            signature: "unequal inertias, and a torque across the wheels at speed straight ahead"
                 .into(),
             excitation: "hard starts and brakes, and fast straight driving".into(),
             equivalent: vec![],
@@ -72,7 +72,7 @@ mod tests {
         let a = robot.construction.parameters();
         let iz = robot.construction.iz1_kg_m2;
         let (w, dw) = ([6.0, -2.5], [30.0, 12.0]);
-        // moments of body and wheels with the exact radii
+        // torques of body and wheels with the exact radii
         let exact = |eps: f64| {
             let rho = [1.0 + eps, 1.0 - eps];
             let (q, dq) = ([rho[0] * w[0], rho[1] * w[1]], [rho[0] * dw[0], rho[1] * dw[1]]);

@@ -1,19 +1,22 @@
 //! Wheels that slip lengthwise under traction.
 
-use super::{Coupling, Description, Energy, Motion, ParameterSpec, Physics};
+use super::{
+    Change, Coupling, Description, Energy, Motion, ParameterSpec, Physics, Scale, geometric,
+};
 use crate::math::Real;
 
 /// Longitudinal slip in proportion to traction.
 ///
 /// ```text
-/// Iz1 dw_i + friction = M_i - cs (w_i - u_i)
-/// body (a1 - Iz1, a2, a3) at u = cs (w - u)
+/// jw dw_i + friction = M_i - cs (w_i - u_i)
+/// body (a1 - jw, a2, a3) at u = cs (w - u)
 /// ```
 /// u_i is the speed that wheel i would have without slip, cs the slip stiffness at the wheel
-/// (force per slip speed times r^2). Iz1 is the construction's inertia of wheel and gear.
+/// (force per slip speed times r^2), jw the inertia of wheel and gear: what the body keeps of a1 is a small
+/// difference, which construction data do not give well enough.
 ///
 /// Source: linear creep law of a rolling tyre (small slip at one speed); two-inertia form derived
-/// here. The simulation keeps Iz1 below the robot's smallest inertia where the two disagree.
+/// here. The simulation keeps jw below the robot's smallest inertia where the two disagree.
 #[derive(Clone, Debug, Default)]
 pub struct WheelSlip;
 
@@ -32,17 +35,41 @@ impl Physics for WheelSlip {
     }
 
     fn parameters(&self) -> Vec<ParameterSpec> {
-        let range = (0.01, 20.0);
-        vec![ParameterSpec::shape("cs", "slip stiffness at the wheel", "N m s/rad", range, 0.3)]
+        let range = (1e-6, 1e6);
+        vec![
+            ParameterSpec::shape("cs", "slip stiffness at the wheel", "N m s/rad", range, 0.3),
+            ParameterSpec::shape("jw", "inertia of wheel and gear", "kg m^2", (1e-9, 1e4), 0.025),
+        ]
+    }
+
+    fn change(&self) -> Change {
+        Change::TwoMass
+    }
+
+    /// Slip that dies away within a tenth of what the sensors resolve up to several times that.
+    fn shapes(&self, scale: &Scale) -> Vec<Vec<f64>> {
+        let mut out = Vec::new();
+        for share in [0.2, 0.5, 0.8] {
+            let reduced = share * (1.0 - share) * scale.inertia;
+            let times = geometric(0.1, 6.0, 6).into_iter();
+            out.extend(times.map(|t| vec![reduced * scale.bandwidth / t, share * scale.inertia]));
+        }
+        out
+    }
+
+    /// Slip that has died away within half a row cannot be told from none.
+    fn limits(&self, scale: &Scale) -> Vec<(f64, f64)> {
+        let reduced = 0.25 * scale.inertia;
+        let stiffness = (1e-2 * reduced / scale.duration, 2.0 * reduced / scale.step);
+        vec![stiffness, (0.1 * scale.inertia, 0.9 * scale.inertia)]
     }
 
     fn energy(&self) -> Energy {
         Energy::Dissipates
     }
 
-    fn coupling<T: Real>(&self, x: &Motion<T>, p: &[T]) -> Option<Coupling<T>> {
-        let rotor = T::from(x.robot.construction.iz1_kg_m2);
-        Some(Coupling { rotor, stiffness: T::from(0.0), damping: p[0] })
+    fn coupling<T: Real>(&self, _x: &Motion<T>, p: &[T]) -> Option<Coupling<T>> {
+        Some(Coupling { rotor: p[1], stiffness: T::from(0.0), damping: p[0] })
     }
 }
 

@@ -9,7 +9,7 @@ use crate::math::Real;
 /// d_y (w1 - w2)    on wheel 1
 /// -d_y (w1 - w2)   on wheel 2
 /// ```
-/// Derived here: a moment D β_dot against β_dot = r/(2 l1) (w1 - w2) takes the power D β_dot^2,
+/// Derived here: a torque D β_dot against β_dot = r/(2 l1) (w1 - w2) takes the power D β_dot^2,
 /// so d_y = D r^2/(4 l1^2).
 #[derive(Clone, Debug, Default)]
 pub struct YawViscous;
@@ -21,7 +21,7 @@ impl Physics for YawViscous {
             title: "Viscous yaw resistance".into(),
             equation: "d_y (w1 - w2) on wheel 1, -d_y (w1 - w2) on wheel 2".into(),
             cause: "creep of the tyres in turns, a greased caster swivel".into(),
-            signature: "missing moment of opposite sign on the wheels, in proportion to turn rate"
+            signature: "residual torque of opposite sign on the wheels, in proportion to turn rate"
                 .into(),
             excitation: "curves and pivots at several turn rates".into(),
             equivalent: vec![],

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::error::ExperimentError;
 use super::execute::load;
-use super::plan::{DiagnosisPlan, Measured};
+use super::plan::{DiagnosisPlan, Measured, Plan};
 use crate::robot::Robot;
 use crate::study::grouped;
 
@@ -41,9 +41,10 @@ pub fn check(file: &Path, set: &[String]) -> Result<String, ExperimentError> {
             }
         );
     }
+    conditioning(&plan, &mut out);
     let robot = plan.model.robot();
     let notes: Vec<(&str, String)> = plan.recordings.iter().flat_map(|m| notes(m, robot)).collect();
-    for warning in plan.warnings() {
+    for warning in plan.remarks_and_findings() {
         let _ = writeln!(out, "  warning     {warning}");
     }
     let notes = notes.iter().map(|(name, note)| (*name, note.as_str()));
@@ -70,6 +71,29 @@ pub fn check(file: &Path, set: &[String]) -> Result<String, ExperimentError> {
     }
     let _ = writeln!(out, "  next        experiment {}", file.display());
     Ok(out)
+}
+
+/// What conditioning found, in groups of recordings, and the dead time.
+fn conditioning(plan: &Plan, out: &mut String) {
+    let count = plan.recordings.len();
+    let found: Vec<(&str, String)> = plan
+        .recordings
+        .iter()
+        .flat_map(|m| m.conditioning.iter().map(|f| (m.recording.name(), f.to_string())))
+        .collect();
+    let found = found.iter().map(|(name, words)| (*name, words.as_str()));
+    for (names, words) in grouped(found, count) {
+        let _ = writeln!(out, "  signal      {names}: {words}");
+    }
+    if let Some(timing) = plan.timing {
+        let [value, error, corrected] =
+            [timing.dead_time_s, timing.std_error_s, timing.correction_s].map(|v| 1e3 * v);
+        let _ = writeln!(
+            out,
+            "  dead time   {value:.1} ± {error:.1} ms from input to motion, {corrected:.1} ms of it by logging \
+             and taken out"
+        );
+    }
 }
 
 /// What the quality check notes; between the windows of a long recording nothing is missing.

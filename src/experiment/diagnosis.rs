@@ -1,18 +1,18 @@
 //! The diagnosis of an experiment: run it, judge it on recordings it was not fitted to, say it.
 
 use super::error::RunError;
+use super::models;
 use super::plan::{DiagnosisPlan, Plan};
-use crate::compare::{Dependence, missing_moment};
+use super::sentence::Finding;
 use crate::diagnose::{
-    Conclusion, Diagnosis, Errors, Judge, Judgement, Limits, Proposal, Ranked, Rivals, conclude,
-    diagnose, next_run, probabilities,
+    Conclusion, Data, Diagnosis, Judge, Judgement, Limits, Proposal, Ranked, Rivals, THRESHOLDS,
+    conclude, diagnose, likely, next_run, probabilities, shifted,
 };
 use crate::identify::kalman::{Likelihood, prepare};
-use crate::identify::start::covariance_of_free;
 use crate::identify::{Estimate, IdentifyError, Task, start};
 use crate::recording::Recording;
 use crate::simulate::SimulateError;
-use crate::study::{Candidate, DiagnosisStudy, Role, Step, Study, Verdict};
+use crate::study::{Candidate, DiagnosisStudy, FoundEffect, Role, Step, Study, Verdict};
 
 /// Floor that a proposed manoeuvre keeps to, a square of this side [m].
 const FLOOR: f64 = 2.0;
@@ -29,52 +29,89 @@ pub(super) fn run_diagnosis(
     plan: &Plan,
     asked: &DiagnosisPlan,
     study: &Study,
-) -> Result<DiagnosisStudy, RunError> {
+) -> Result<(DiagnosisStudy, Diagnosis), RunError> {
     let train = plan.of(Role::Train);
     let task = Task { model: &plan.model, train: &train, hold: plan.hold, seed: plan.seed };
-    let first = start::start(&task, "diagnosis").map_err(failed)?;
+    let starts = starts(plan, &task);
+    let validation = plan.of(Role::Validation);
+    let corrected_s = plan.timing.map_or(0.0, |t| t.correction_s);
+    let data = Data { train: &train, validation: &validation, hold: plan.hold, corrected_s };
+    let diagnosis = diagnose(&plan.model, &starts, &data, &asked.settings).map_err(failed)?;
     let likelihood = Likelihood {
         prepared: train.iter().map(prepare).collect(),
         hold: plan.hold,
         slow_moment: asked.slow_moment,
         timing: false,
     };
-    let diagnosis = diagnose(&plan.model, &first, &likelihood, &asked.settings).map_err(failed)?;
     let judge = Judge::new(plan.judged(), plan.hold);
     let floor = study.judged_floor();
-    let before = judge.judge(&plan.model, &diagnosis.base.1.p)?;
+    let before = judge.judge(&plan.model, &diagnosis.base.p)?;
     let errors = judge.errors(&diagnosis, floor)?;
     let left = judge.structure_left(&diagnosis, &likelihood)?;
-    let proposal = propose(&diagnosis, &likelihood, plan.seed);
     let found = diagnosis.found();
-    let conclusion = conclude(found.len(), &errors, left.is_some());
-    Ok(DiagnosisStudy {
+    let probable = likely(&diagnosis, &errors);
+    let leaves = probable.and_then(|r| r.fall).map(|fall| fall.ratio);
+    let conclusion = conclude(found.len(), &errors, leaves, left.is_some());
+    // where nothing is missing there is nothing to record
+    let open = conclusion != Conclusion::Sufficient;
+    let proposal = open.then(|| propose(&diagnosis, &likelihood, plan.seed)).flatten();
+    let next_run = open.then(|| advice(&diagnosis, probable, proposal.as_ref())).flatten();
+    let sentence = Finding {
+        conclusion,
+        diagnosis: &diagnosis,
+        errors: &errors,
+        depends_on: left.as_ref(),
+        likely: probable,
+        false_alarm: asked.settings.false_alarm,
+        unit: study.drive_unit,
+    }
+    .sentence();
+    let said = DiagnosisStudy {
         verdict: match conclusion {
             Conclusion::Sufficient => Verdict::ModelSufficient,
             Conclusion::Missing => Verdict::EffectsMissing,
+            Conclusion::Likely => Verdict::EffectLikely,
             Conclusion::Unknown => Verdict::UnknownEffect,
         },
-        sentence: sentence(
-            conclusion,
-            &diagnosis,
-            &errors,
-            left.as_ref(),
-            asked.settings.false_alarm,
-        ),
+        sentence,
         found,
+        likely: probable.map(|r| r.candidate.id.clone()).into_iter().collect(),
+        estimates: models::parameters(diagnosis.last(), train[0].drive_unit())
+            .into_iter()
+            .map(|p| p.estimate)
+            .collect(),
         ranking: ranking(&diagnosis, &judge, before, floor)?,
         staircase: staircase(&diagnosis, &judge, before)?,
         unexplained_fraction: errors.unexplained(),
-        next_run: advice(&diagnosis, proposal.as_ref()),
+        next_run,
         proposal,
         false_alarm: asked.settings.false_alarm,
-        missing_moment: Some(missing_moment(
-            &plan.model,
-            &diagnosis.base.1.p,
-            &diagnosis.base.1.noise,
-            &likelihood,
-        )?),
-    })
+        effects: diagnosis.steps.iter().map(found_effect).collect(),
+    };
+    Ok((said, diagnosis))
+}
+
+/// An accepted effect in words.
+fn found_effect(step: &crate::diagnose::Step) -> FoundEffect {
+    let effects = step.fit.model.effects();
+    let description = effects.iter().map(|e| e.description()).find(|d| d.id == step.id);
+    let (title, cause) = description.map_or_else(Default::default, |d| (d.title, d.cause));
+    FoundEffect { id: step.id.clone(), title, cause, indistinguishable: step.equals.clone() }
+}
+
+/// Where the fits start: at the weak form, on recordings without their dead time first where that is longer
+/// than logging explains (it turns the inertias of quick steps round), and at the construction data.
+fn starts(plan: &Plan, task: &Task) -> Vec<Vec<f64>> {
+    let mut out = Vec::new();
+    let late = plan.timing.map_or(0.0, |t| t.dead_time_s - t.correction_s);
+    if late > task.train.iter().map(Recording::step).fold(0.0, f64::max) {
+        let moved: Vec<Recording> =
+            task.train.iter().map(|r| r.with_moment(shifted(r, r.moment(), late))).collect();
+        out.extend(start::start(&Task { train: &moved, ..*task }, "diagnosis").ok());
+    }
+    out.extend(start::start(task, "diagnosis").ok());
+    out.push(plan.model.initial());
+    out
 }
 
 fn failed(e: IdentifyError) -> RunError {
@@ -92,8 +129,8 @@ fn staircase(
         window_rms_validation: j.window_rms,
     };
     let mut out = vec![step(None, before)];
-    for (id, model, maximum) in &diagnosis.steps {
-        out.push(step(Some(id.clone()), judge.judge(model, &maximum.p)?));
+    for s in &diagnosis.steps {
+        out.push(step(Some(s.id.clone()), judge.judge(&s.fit.model, &s.fit.p)?));
     }
     Ok(out)
 }
@@ -105,7 +142,7 @@ fn ranking(
     floor: f64,
 ) -> Result<Vec<Candidate>, SimulateError> {
     let probabilities = probabilities(&diagnosis.ranking);
-    let best = diagnosis.ranking.first().map_or(0.0, Ranked::rank);
+    let best = diagnosis.ranking.first().map_or(0.0, |r| r.bic);
     diagnosis
         .ranking
         .iter()
@@ -113,12 +150,12 @@ fn ranking(
         .enumerate()
         .map(|(place, (ranked, probability))| {
             let after = match &ranked.refit {
-                Some(r) if place < JUDGED => Some(judge.judge(&r.model, &r.maximum.p)?),
+                Some(fit) if place < JUDGED => Some(judge.judge(&fit.model, &fit.p)?),
                 _ => None,
             };
             let equals = if place == 0 {
-                diagnosis.equals.first().cloned().unwrap_or_default()
-            } else if ranked.refit.is_some() && ranked.rank() > best - 3.0 && best > 6.0 {
+                diagnosis.steps.first().map(|s| s.equals.clone()).unwrap_or_default()
+            } else if ranked.refit.is_some() && ranked.bic < best + THRESHOLDS.alike {
                 vec![diagnosis.ranking[0].candidate.id.clone()]
             } else {
                 ranked.candidate.effect.description().equivalent
@@ -137,28 +174,20 @@ fn candidate(
     floor: f64,
     judge: &Judge,
 ) -> Candidate {
-    let score = &ranked.score;
-    let torque_rms =
-        score.estimate.iter().zip(&score.size).map(|(e, s)| (e * s).powi(2)).sum::<f64>().sqrt();
-    let samples: f64 = judge.recordings.iter().map(|r| r.len() as f64).sum();
-    let delta_bic = ranked
-        .refit
-        .as_ref()
-        .map_or(f64::NAN, |r| 2.0 * r.gain - ranked.candidate.p.len() as f64 * samples.ln());
     Candidate {
         effect: ranked.candidate.id.clone(),
         probability,
         indistinguishable,
-        p_value: (-score.log_significance).exp(),
-        log_significance: score.log_significance,
-        evidence: ranked.evidence(),
-        delta_bic,
+        p_value: ranked.fall.map_or(1.0, |fall| fall.p_value),
+        log_significance: ranked.fall.map_or(0.0, |fall| -fall.p_value.ln()),
+        evidence: -0.5 * ranked.bic,
+        delta_bic: -ranked.bic,
         ise_validation_before: before.ise,
         ise_validation_after: after.map_or(f64::NAN, |j| j.ise),
         window_before: before.window_rms,
         window_after: after.map_or(f64::NAN, |j| j.window_rms),
         parameters: parameters(ranked, judge),
-        torque_rms,
+        torque_rms: ranked.torque_rms,
         words: words(ranked, before, after, floor),
     }
 }
@@ -166,29 +195,17 @@ fn candidate(
 /// The candidate's own parameters in its refit.
 fn parameters(ranked: &Ranked, judge: &Judge) -> Vec<Estimate> {
     let Some(refit) = &ranked.refit else { return vec![] };
-    let covariance = covariance_of_free(&refit.model, &refit.maximum.information);
-    let unit = judge.recordings[0].drive_unit();
-    refit
-        .model
-        .parameters()
-        .iter()
-        .enumerate()
-        .filter(|(_, parameter)| parameter.effect == ranked.candidate.id)
-        .map(|(j, parameter)| {
-            let fixed = parameter.fixed.is_some();
-            let std_error = if fixed { 0.0 } else { covariance[(j, j)].sqrt() };
-            let value = refit.maximum.p[j];
-            let unit = unit.of(&parameter.spec.unit);
-            Estimate { fixed, ..Estimate::new(&parameter.spec.symbol, unit, value, std_error) }
-        })
-        .collect()
+    let all = models::parameters(refit, judge.recordings[0].drive_unit());
+    all.into_iter().filter(|p| p.effect == ranked.candidate.id).map(|p| p.estimate).collect()
 }
 
 /// Evidence in words.
 fn words(ranked: &Ranked, before: Judgement, after: Option<Judgement>, floor: f64) -> String {
-    let sigma = (2.0 * ranked.score.log_significance).sqrt();
     let Some(after) = after else {
-        return format!("not needed: {sigma:.1} sigma in the score test");
+        return format!(
+            "not refitted (likelihood ratio {:.0} by regression, {:.0} over the windows)",
+            ranked.by_regression, ranked.by_windows
+        );
     };
     let explainable = before.window_rms.powi(2) - floor * floor;
     let gained = before.window_rms.powi(2) - after.window_rms.powi(2);
@@ -201,88 +218,17 @@ fn words(ranked: &Ranked, before: Judgement, after: Option<Judgement>, floor: f6
         String::new()
     };
     format!(
-        "{sigma:.1} sigma in the score test, {share}the window error {} from {:.4} to {:.4} \
-         rad/s (noise floor {floor:.4})",
+        "{share}the 2 s simulation error {} from {:.4} to {:.4} rad/s (noise floor {floor:.4})",
         if after.window_rms < before.window_rms { "falls" } else { "rises" },
         before.window_rms,
         after.window_rms
     )
 }
 
-fn sentence(
-    conclusion: Conclusion,
-    diagnosis: &Diagnosis,
-    errors: &Errors,
-    left: Option<&Dependence>,
-    false_alarm: f64,
-) -> String {
-    let percent = 100.0 * errors.unexplained();
-    let rest = left.map_or("shows against none of the variables".to_string(), |d| {
-        format!("depends on the {}", d.variable.words())
-    });
-    let ratio = (errors.after / errors.floor).sqrt();
-    match conclusion {
-        Conclusion::Sufficient => {
-            let still = if ratio > 1.5 {
-                format!(
-                    " The error is {ratio:.1} times the noise floor, so the model is not exact."
-                )
-            } else {
-                String::new()
-            };
-            format!(
-                "Nothing is missing: no effect of the catalogue is needed at a false-alarm rate \
-                 of {:.0} %.{still}",
-                100.0 * false_alarm
-            )
-        }
-        Conclusion::Missing => {
-            let names: Vec<String> = diagnosis
-                .found()
-                .iter()
-                .enumerate()
-                .map(|(step, id)| match diagnosis.equals.get(step) {
-                    Some(equals) if !equals.is_empty() => {
-                        format!("{id} (or {}: this data cannot tell)", equals.join(" or "))
-                    }
-                    _ => id.clone(),
-                })
-                .collect();
-            // at the floor, what is left of next to nothing says nothing
-            let explained = if ratio < 1.1 {
-                "With it the error is at the noise floor.".to_string()
-            } else {
-                format!(
-                    "With it the model explains all but {percent:.1} % of what can be explained."
-                )
-            };
-            format!("Missing: {}. {explained}", names.join(", then "))
-        }
-        Conclusion::Unknown if diagnosis.found().is_empty() => format!(
-            "Something is missing that no effect of the catalogue explains; it {rest}. The error \
-             is {ratio:.1} times the noise floor."
-        ),
-        Conclusion::Unknown if percent > 99.0 => format!(
-            "Something is missing that the catalogue does not explain: {} would be added by the \
-             evidence, and the error on recordings that were not fitted does not fall; what is \
-             missing {rest}.",
-            diagnosis.found().join(", ")
-        ),
-        Conclusion::Unknown => format!(
-            "Something is missing that the catalogue does not explain: with {} {percent:.0} % of \
-             what can be explained is left; the rest {rest}.",
-            diagnosis.found().join(", ")
-        ),
-    }
-}
-
 /// The manoeuvre that would tell the best candidate from the nearest one that this data cannot
 /// tell from it.
 fn propose(diagnosis: &Diagnosis, likelihood: &Likelihood, seed: u64) -> Option<Proposal> {
-    let best = diagnosis.ranking.first()?;
-    let same = best.candidate.effect.description().equivalent;
-    let rival = diagnosis.equals.first()?.iter().find(|e| !same.contains(e))?;
-    let rival = diagnosis.ranking.iter().find(|r| r.candidate.id == *rival)?;
+    let (best, rival) = competing(diagnosis)?;
     let recordings = || likelihood.prepared.iter().map(|p| p.recording);
     let largest = |value: &dyn Fn(&Recording) -> f64| recordings().map(value).fold(0.0, f64::max);
     let peak = |rows: &[[f64; 2]]| rows.iter().flatten().fold(0.0_f64, |a, v| a.max(v.abs()));
@@ -294,33 +240,62 @@ fn propose(diagnosis: &Diagnosis, likelihood: &Likelihood, seed: u64) -> Option<
     };
     let rivals = Rivals {
         effects: [&best.candidate, &rival.candidate],
-        sizes: [&best.score.estimate, &rival.score.estimate],
+        sizes: [&best.estimate, &rival.estimate],
     };
-    let (model, maximum) = &diagnosis.base;
-    next_run(model, &maximum.p, &maximum.noise, likelihood, &rivals, &limits, seed)
+    let base = &diagnosis.base;
+    let (noise, _) = likelihood.noise(&base.model, &base.p, &likelihood.initial_noise());
+    next_run(&base.model, &base.p, &noise, likelihood, &rivals, &limits, seed)
+}
+
+/// The two effects that a further recording should distinguish: the first that was found and one that is not
+/// distinguishable from it, or, where none was found, the first two that would lower the criterion.
+fn competing(diagnosis: &Diagnosis) -> Option<(&Ranked, &Ranked)> {
+    let best = diagnosis.ranking.first()?;
+    let same = best.candidate.effect.description().equivalent;
+    let rival = match diagnosis.steps.first() {
+        Some(step) => {
+            let other = step.equals.iter().find(|e| !same.contains(e))?;
+            diagnosis.ranking.iter().find(|r| r.candidate.id == *other)?
+        }
+        None => diagnosis.ranking.get(1)?,
+    };
+    let good = |r: &Ranked| r.refit.is_some() && r.bic < 0.0;
+    (good(best) && good(rival)).then_some((best, rival))
 }
 
 /// What to drive next, in words, where two effects cannot be told apart.
-fn advice(diagnosis: &Diagnosis, proposal: Option<&Proposal>) -> Option<String> {
+fn advice(
+    diagnosis: &Diagnosis,
+    likely: Option<&Ranked>,
+    proposal: Option<&Proposal>,
+) -> Option<String> {
     let best = diagnosis.ranking.first()?;
-    let equals = diagnosis.equals.first()?;
     let same = best.candidate.effect.description();
     let mut out = Vec::new();
-    if !same.equivalent.is_empty() {
+    if let Some(likely) = likely {
+        let likely = likely.candidate.effect.description();
+        out.push(format!("To prove {}, record: {}.", likely.id, likely.excitation));
+    }
+    let found = diagnosis.steps.first();
+    if !same.equivalent.is_empty() && found.is_some() {
         out.push(format!(
-            "No recording of wheel speeds and drives can tell {} from {}: they are the same in \
+            "No recording of wheel speeds and torques distinguishes {} from {}: they are the same in \
              the equations. A measurement of another kind is needed.",
             same.id,
             same.equivalent.join(" or ")
         ));
     }
-    for other in equals.iter().filter(|e| !same.equivalent.contains(e)) {
+    let rivals: Vec<String> = match found {
+        Some(step) => step.equals.clone(),
+        None => competing(diagnosis).map(|(_, r)| r.candidate.id.clone()).into_iter().collect(),
+    };
+    for other in rivals.iter().filter(|e| !same.equivalent.contains(e)) {
         let Some(rival) = diagnosis.ranking.iter().find(|r| r.candidate.id == *other) else {
             continue;
         };
         let description = rival.candidate.effect.description();
         out.push(format!(
-            "To tell {} from {other}, record: {}; and: {}.",
+            "To distinguish {} from {other}, record: {}; and: {}.",
             same.id, same.excitation, description.excitation
         ));
     }

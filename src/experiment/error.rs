@@ -76,3 +76,14 @@ pub(super) enum Meaning {
     #[error(transparent)]
     Io(#[from] IoError),
 }
+
+impl Meaning {
+    /// The same with the name of the experiment file, or of what stands for it; a file on disk is named
+    /// already.
+    pub(super) fn of(self, file: &str) -> ExperimentError {
+        match self {
+            Self::Io(e) => e.into(),
+            other => ExperimentError::Meaning { file: file.into(), message: other.to_string() },
+        }
+    }
+}

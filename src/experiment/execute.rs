@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use sha2::{Digest, Sha256};
+
 use super::error::ExperimentError;
 use super::file::ExperimentFile;
 use super::grid::{self, GridPlan};
@@ -9,10 +11,11 @@ use super::options::{Done, RunOptions};
 use super::plan::Plan;
 use super::remarks::remarks;
 use super::resolve::resolve;
-use super::run::run;
+use super::run::run_in_stages;
+use super::stages::Stages;
 use crate::export::Written;
-use crate::io::{ResultFolder, check_writable, read_text, write_csv, write_whole};
-use crate::study::{DiagnosisStudy, Study, Version, results};
+use crate::io::{ResultFolder, check_writable, exists, read_text, write_csv};
+use crate::study::{DiagnosisStudy, ModelStudy, Study, Version, results};
 
 /// What became of an experiment.
 #[derive(Debug)]
@@ -38,6 +41,15 @@ pub fn load_all(
     if let Err(e) = check_writable(&options.out) {
         errors.push(e.into());
     }
+    let (files, recordings): (Vec<&PathBuf>, Vec<&PathBuf>) =
+        files.iter().partition(|f| is_toml(f));
+    if !recordings.is_empty() {
+        let recordings: Vec<PathBuf> = recordings.into_iter().cloned().collect();
+        match load_recordings(&recordings, &options.set) {
+            Ok(plan) => plans.push(plan),
+            Err(e) => errors.push(e),
+        }
+    }
     for file in files {
         match load(file, &options.set) {
             Ok(plan) if plans.iter().any(|p| p.name == plan.name) => {
@@ -54,11 +66,18 @@ pub fn load_all(
                     .to_string();
                 errors.push(ExperimentError::Meaning { file: file.display().to_string(), message });
             }
-            Ok(plan) => plans.push(plan),
+            Ok(plan) => match not_of_another(&plan, &options.out) {
+                Ok(()) => plans.push(plan),
+                Err(e) => errors.push(e),
+            },
             Err(e) => errors.push(e),
         }
     }
     if errors.is_empty() { Ok(plans) } else { Err(errors) }
+}
+
+fn is_toml(file: &Path) -> bool {
+    file.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"))
 }
 
 /// Loads one file with its recordings.
@@ -66,7 +85,43 @@ pub fn load_all(
 /// # Errors
 /// Whatever is wrong with file or recordings.
 pub fn load(file: &Path, set: &[String]) -> Result<Plan, ExperimentError> {
-    let text = read_text(file)?;
+    if !is_toml(file) && exists(file) {
+        let message = format!(
+            "is no experiment file (.toml). If it is a recording, `experiment {0}` runs it and `experiment new \
+             {0}` writes an experiment file",
+            file.display()
+        );
+        return Err(ExperimentError::Meaning { file: file.display().to_string(), message });
+    }
+    load_text(file, read_text(file)?, set)
+}
+
+/// An experiment on recordings, from the file that `experiment new` would write.
+///
+/// # Errors
+/// Recordings that cannot be read, and questions that only the user can answer.
+fn load_recordings(recordings: &[PathBuf], set: &[String]) -> Result<Plan, ExperimentError> {
+    let draft = super::new_file::draft(recordings, Path::new(""))?;
+    let file = recordings[0].file_stem().map_or_else(|| "experiment".into(), PathBuf::from);
+    let file = file.with_extension("toml");
+    if draft.is_open {
+        let recording = recordings[0].display();
+        return Err(ExperimentError::Meaning {
+            file: recording.to_string(),
+            message: format!(
+                "the columns do not say all that is needed.\n{}Answer it in a file: experiment new \
+                 {recording} -o {}",
+                draft.words,
+                file.display()
+            ),
+        });
+    }
+    let mut plan = load_text(&file, draft.text, set)?;
+    plan.remarks.insert(0, draft.words.trim_end().to_string());
+    Ok(plan)
+}
+
+fn load_text(file: &Path, text: String, set: &[String]) -> Result<Plan, ExperimentError> {
     let parsed = ExperimentFile::parse(&file.display().to_string(), &text, set)?;
     let mut as_run = text.clone();
     if !set.is_empty() {
@@ -79,7 +134,9 @@ pub fn load(file: &Path, set: &[String]) -> Result<Plan, ExperimentError> {
         None => resolve(file, &as_run, &parsed),
         Some(grid) => GridPlan::load(file, &as_run, table, grid),
     };
-    Ok(Plan { remarks, ..plan? })
+    let mut plan = plan?;
+    plan.remarks.splice(0..0, remarks);
+    Ok(plan)
 }
 
 /// Runs a plan and writes its folder.
@@ -109,12 +166,25 @@ fn finish(plan: &Plan, options: &RunOptions) -> Result<Done, ExperimentError> {
             None => grid::finish(plan, grid, options),
         };
     }
-    let mut folder = ResultFolder::new(&options.out, &plan.name);
-    let mut study = run(plan)?;
+    let stages = Stages::new(plan, options.progress);
+    let study = run_in_stages(plan, &|stage| stages.enter(stage))?;
+    stages.enter("drawing the report");
+    write(plan, study, &options.out)
+}
+
+/// Writes the result folder of a study under `out`: report, figures, `results.json`, the identified
+/// model, and what is needed to repeat the run.
+///
+/// # Errors
+/// If the report cannot be drawn or a file cannot be written.
+pub fn write(plan: &Plan, mut study: Study, out: &Path) -> Result<Done, ExperimentError> {
+    let mut folder = ResultFolder::new(out, &plan.name);
     study.versions = versions(folder.earlier("versions.json").as_deref(), &study);
     let model = super::model_out::model_out(plan, &study);
     study.model_out = model.as_ref().map(Written::words);
     let rendered = crate::report::render(&study)?;
+    let named = |(name, _): &&(String, Vec<u8>)| name == "overlay.png";
+    let thumbnail = rendered.figures.iter().find(named).map(|(_, png)| png.clone());
     folder.add("experiment.toml", study.file.clone());
     for (file, bytes) in rendered.figures {
         folder.add(file, bytes);
@@ -134,13 +204,40 @@ fn finish(plan: &Plan, options: &RunOptions) -> Result<Done, ExperimentError> {
     folder.add("estimates.parquet", super::estimates::parquet(&study)?);
     folder.add("versions.json", serde_json::to_string_pretty(&study.versions).unwrap_or_default());
     folder.add("report.html", rendered.html);
-    let results = serde_json::to_string_pretty(&results(&study)).unwrap_or_default();
+    let mut results = results(&study);
+    results["file"] = plan.source.display().to_string().into();
+    let results = serde_json::to_string_pretty(&results).unwrap_or_default();
     folder.add("results.json", results);
     let path = folder.write()?;
-    let window_rms = study
-        .reference_method()
-        .map_or((f64::NAN, f64::NAN), |m| (study.judged_window_rms(m), study.judged_floor()));
-    Ok(Done { verdict: verdict(&study), report: path.join("report.html"), window_rms })
+    let error = |model: Option<&ModelStudy>| model.map_or(f64::NAN, |m| study.error_of(m));
+    Ok(Done {
+        verdict: verdict(&study),
+        report: path.join("report.html"),
+        error: error(study.given.as_ref()),
+        error_completed: error(study.last_model()),
+        floor: study.judged_floor(),
+        grade: study.grade(),
+        found: study.diagnosis.as_ref().map_or(vec![], |d| d.found.clone()),
+        thumbnail,
+    })
+}
+
+/// Refuses to write over the results of another experiment file that has the same name.
+fn not_of_another(plan: &Plan, out: &Path) -> Result<(), ExperimentError> {
+    let earlier = ResultFolder::new(out, &plan.name).earlier("results.json");
+    let earlier: Option<serde_json::Value> = earlier.and_then(|t| serde_json::from_str(&t).ok());
+    let Some(file) = earlier.as_ref().and_then(|r| r["file"].as_str()) else { return Ok(()) };
+    let other = Path::new(file);
+    // a file that was moved or removed is no other one
+    if other == plan.source || !exists(other) {
+        return Ok(());
+    }
+    let message = format!(
+        "its result folder `{}` holds the results of {file}; rename one of the files, or choose another \
+         folder with --out",
+        plan.name
+    );
+    Err(ExperimentError::Meaning { file: plan.source.display().to_string(), message })
 }
 
 /// The manoeuvre as segments and as set-points at 100 Hz.
@@ -166,20 +263,37 @@ fn next_run_files(plan: &Plan, proposal: &crate::diagnose::Proposal) -> (String,
     (toml, csv)
 }
 
-/// Earlier versions of the model with this one at the end; one entry per set of effects.
+/// Earlier versions of the model on the same data with this one at the end; one entry per set of effects.
+/// Errors on other recordings, or on other noise, are not comparable.
 fn versions(earlier: Option<&str>, study: &Study) -> Vec<Version> {
     let mut versions: Vec<Version> =
         earlier.and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default();
-    let Some(method) = study.reference_method() else { return versions };
+    let Some(given) = &study.given else { return vec![] };
+    let judged = study.judged().into_iter();
+    let ise = |r: usize| given.performance.get(r).map_or(f64::NAN, |p| p.ise[0] + p.ise[1]);
     let version = Version {
         effects: study.effects.clone(),
-        window_rms: study.judged_window_rms(method),
-        ise: study.judged_ise(method),
+        data: checksum(study),
+        window_rms: study.error_of(given),
+        ise: judged.map(ise).sum(),
         floor: study.judged_floor(),
     };
-    versions.retain(|v| v.effects != version.effects && v.window_rms.is_finite());
+    let same_data = |v: &Version| v.data == version.data && v.window_rms.is_finite();
+    versions.retain(|v| same_data(v) && v.effects != version.effects);
     versions.push(version);
     versions
+}
+
+/// SHA-256 of what the model is fitted to and judged on: role, time and channels of every recording.
+fn checksum(study: &Study) -> String {
+    let mut hash = Sha256::new();
+    for r in &study.recordings {
+        hash.update(r.role.name());
+        r.t.iter().for_each(|t| hash.update(t.to_le_bytes()));
+        let channels = [&r.alpha, &r.omega, &r.moment];
+        channels.iter().flat_map(|c| c.iter().flatten()).for_each(|v| hash.update(v.to_le_bytes()));
+    }
+    hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// The short verdict that the command prints.
@@ -187,67 +301,22 @@ fn verdict(study: &Study) -> String {
     let Some(method) = study.reference_method() else {
         return "no method has a fit".into();
     };
-    let (error, floor) = (study.judged_window_rms(method), study.judged_floor());
-    let (capital, sentence) = match &study.diagnosis {
-        Some(DiagnosisStudy { sentence, .. }) => ("Window", format!("{sentence} ")),
-        None => ("window", String::new()),
-    };
-    format!(
-        "{sentence}{capital} error {error:.4} rad/s, noise floor {floor:.4} rad/s ({}, {})",
-        method.name,
-        study.judged_words()
-    )
-}
-
-/// Writes `index.html`, which compares the experiments of one run.
-///
-/// # Errors
-/// If it cannot be drawn or written.
-pub fn write_index(outcomes: &[Outcome], options: &RunOptions) -> Result<(), ExperimentError> {
-    use crate::report::block::{Block, Cell, Column, Table, Tone};
-    let mut table = Table::new(
-        "The experiments of this run.",
-        vec![
-            Column::text("Experiment"),
-            Column::number("Window error", "rad/s"),
-            Column::number("Noise floor", "rad/s"),
-            Column::text("Verdict"),
-            Column::text("Report"),
-        ],
-    );
-    let error = |v: f64| Cell::formatted(crate::report::format::digits(v, 3), v);
-    for outcome in outcomes {
-        let row = match &outcome.result {
-            Ok(done) => vec![
-                Cell::text(&outcome.title),
-                error(done.window_rms.0),
-                error(done.window_rms.1),
-                Cell::text(&done.verdict),
-                Cell::text("open").link(format!("{}/report.html", outcome.name)),
-            ],
-            Err(e) => vec![
-                Cell::text(&outcome.title),
-                Cell::number(f64::NAN),
-                Cell::number(f64::NAN),
-                Cell::text(format!("failed: {e}")).tone(Tone::Bad),
-                Cell::text(""),
-            ],
-        };
-        table.push(row);
+    let error = study.last_model().map_or(f64::NAN, |m| study.error_of(m));
+    let floor = study.judged_floor();
+    let judged = study.judged_words();
+    let staircase = study.diagnosis.as_ref().map_or(&[][..], |d| &d.staircase);
+    match (&study.diagnosis, staircase.first().zip(staircase.last())) {
+        // error, floor and ratio of the sentence are those of the diagnosis' own fits
+        (Some(DiagnosisStudy { sentence, .. }), Some((first, last))) => {
+            let [before, after] = [first, last].map(|s| format!("{:.4}", s.window_rms_validation));
+            let errors = if staircase.len() > 1 { format!("{before} to {after}") } else { after };
+            format!(
+                "{sentence} 2 s simulation error {errors} rad/s, noise floor {floor:.4} rad/s ({judged})"
+            )
+        }
+        _ => format!(
+            "2 s simulation error {error:.4} rad/s, noise floor {floor:.4} rad/s ({}, {judged})",
+            method.name
+        ),
     }
-    let section = crate::report::SectionContent {
-        id: "experiments".into(),
-        title: "Experiments".into(),
-        blocks: vec![Block::from(table)],
-    };
-    let html = crate::report::page(&crate::report::PageContent {
-        title: "Experiments".into(),
-        subtitle: format!("{} experiments", outcomes.len()),
-        sections: vec![section],
-        footer: format!("{} {}", env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION")),
-    })?;
-    if options.out.is_dir() {
-        write_whole(&options.out.join("index.html"), html.as_bytes())?;
-    }
-    Ok(())
 }

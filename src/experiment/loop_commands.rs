@@ -1,61 +1,12 @@
-//! `experiment new` and `experiment add`: how a user starts, and how he goes on.
+//! `experiment add`: how a user goes on.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::custom::add;
 use super::error::ExperimentError;
 use super::execute::{execute, load};
 use super::options::RunOptions;
-use crate::io::{ColumnMap, check_writable, headers, read_recording, read_text, write_whole};
-use crate::robot::Robot;
-
-/// The file beside an experiment file by which an editor checks it: what `experiment schema` prints.
-const SCHEMA: &str = "experiment.schema.json";
-
-/// Looks at recordings and writes a commented experiment file.
-///
-/// # Errors
-/// Recordings that cannot be read, and a file that is there already.
-pub fn new_file(recordings: &[PathBuf], output: Option<&Path>) -> Result<String, ExperimentError> {
-    let first = &recordings[0];
-    let output = output.map_or_else(|| first.with_extension("toml"), Path::to_path_buf);
-    if output.exists() {
-        return Err(ExperimentError::Meaning {
-            file: output.display().to_string(),
-            message: "is there already; name another file with -o".into(),
-        });
-    }
-    let names = headers(first)?.names;
-    let guess = super::guess::guess(&names);
-    let mut columns = ColumnMap::new(guess.drive_unit, Some(Robot::amigobot().r()));
-    for (key, name, unit) in &guess.columns {
-        columns.set(key, name, unit.as_deref(), 1.0)?;
-    }
-    let mut said = Vec::new();
-    for path in recordings {
-        let (r, _) = read_recording(path, &columns, guess.drive_unit)?;
-        said.push(format!(
-            "#   {}: {} samples, {:.1} s at {:.0} Hz, {} gaps",
-            in_a_line(path),
-            r.len(),
-            r.duration(),
-            1.0 / r.step(),
-            r.pieces().len() - 1
-        ));
-    }
-    let folder = output.parent().unwrap_or_else(|| Path::new(""));
-    let mut text = super::guess::file_text(recordings, folder, &guess, &said);
-    if folder.join(SCHEMA).is_file() {
-        text = format!("#:schema ./{SCHEMA}\n\n{text}");
-    }
-    write_whole(&output, text.as_bytes())?;
-    Ok(format!(
-        "wrote {}\n{}next: experiment {}\n",
-        output.display(),
-        guess.words(),
-        output.display()
-    ))
-}
+use crate::io::{check_writable, read_text, write_whole};
 
 /// Adds an effect to a file's model, keeping its comments and layout, runs it, and says the error
 /// before and after.
@@ -96,13 +47,13 @@ pub fn add_effect(effect: &str, file: &Path, out: &Path) -> Result<String, Exper
             return Err(e);
         }
     };
-    let (before, after) = (first.window_rms.0, second.window_rms.0);
+    let (before, after) = (first.error, second.error);
     Ok(format!(
-        "added {effect} to {}\nwindow error {before:.4} -> {after:.4} rad/s ({}), noise floor {:.4} \
+        "added {effect} to {}\n2 s simulation error {before:.4} -> {after:.4} rad/s ({}), noise floor {:.4} \
          rad/s\n{}\nreport: {}\n",
         file.display(),
         change(effect, before, after),
-        second.window_rms.1,
+        second.floor,
         second.verdict,
         second.report.display()
     ))
@@ -124,11 +75,6 @@ fn change(effect: &str, before: f64, after: f64) -> String {
 
 /// Changes of the error below this say nothing [%].
 const LEAST: f64 = 0.5;
-
-/// A path in a comment, which a line break in it would end.
-fn in_a_line(path: &Path) -> String {
-    path.to_string_lossy().replace(char::is_control, "\u{fffd}")
-}
 
 #[cfg(test)]
 mod tests {

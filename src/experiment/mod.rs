@@ -1,35 +1,52 @@
 //! Runs the stages of an experiment; the only room that sees all.
 
+mod align;
 mod check;
 mod custom;
 mod diagnosis;
 mod error;
 mod estimates;
 mod execute;
+mod export;
 mod file;
+mod fitted;
 mod fuzzy_study;
 mod grid;
 mod guess;
+mod index;
 mod long;
 mod loop_commands;
+mod measured;
 mod model_out;
+mod models;
+mod new_file;
 mod options;
+mod overlay;
 mod plan;
 mod quality;
 mod remarks;
 mod resolve;
 mod run;
+mod sentence;
+mod stages;
 
 pub use check::check;
 pub use error::{ExperimentError, RunError};
-pub use execute::{Outcome, execute, load, load_all, merge, write_index};
+pub use execute::{Outcome, execute, load, load_all, merge, write};
+pub use export::{ExportFormat, export};
 pub use file::{
     CandidatesEntry, ColumnEntry, CustomEntry, CustomParameter, DiagnosisEntry, EmulatorEntry,
     ExperimentFile, FileError, FixedEntry, ModelEntry, MovementEntry, RecordingsEntry,
     SimulationEntry, json_schema,
 };
+pub use fitted::{FittedModel, FittedModels};
 pub use grid::{GridAxis, GridPlan, Shard, ShardError};
-pub use loop_commands::{add_effect, new_file};
+pub use index::write_index;
+pub use loop_commands::add_effect;
+pub use measured::Reading;
+pub use new_file::new_file;
 pub use options::{Done, RunOptions};
+pub use overlay::{Overlay, overlay};
 pub use plan::{DiagnosisPlan, Measured, MethodPlan, Plan};
-pub use run::run;
+pub use resolve::{plan_of, robot_of};
+pub use run::{MethodFit, compare, diagnose, fits, run};

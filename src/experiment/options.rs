@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::grid::Shard;
+use crate::study::Grade;
 
 /// How experiments are run.
 #[derive(Clone, Debug)]
@@ -26,6 +27,25 @@ pub struct Done {
     pub verdict: String,
     /// Path of its report; of its journal, if it is a part of a grid.
     pub report: PathBuf,
-    /// Window error and floor on the judged recordings [rad/s].
-    pub window_rms: (f64, f64),
+    /// 2 s simulation error of the model as given on the judged recordings [rad/s]; not a number for a grid.
+    pub error: f64,
+    /// The same with what was found [rad/s].
+    pub error_completed: f64,
+    /// Its noise floor [rad/s].
+    pub floor: f64,
+    /// How good the model with what was found is.
+    pub grade: Option<Grade>,
+    /// Ids of the effects found.
+    pub found: Vec<String>,
+    /// Measured and simulated speeds as PNG.
+    pub thumbnail: Option<Vec<u8>>,
+}
+
+impl Done {
+    /// Of a grid, which has no model of its own.
+    pub(super) fn of_grid(verdict: String, report: PathBuf) -> Self {
+        let (error, error_completed, floor) = (f64::NAN, f64::NAN, f64::NAN);
+        let (grade, found, thumbnail) = (None, vec![], None);
+        Self { verdict, report, error, error_completed, floor, grade, found, thumbnail }
+    }
 }

@@ -1,8 +1,12 @@
 //! An experiment ready to run: everything resolved, nothing left to look up.
 
+use std::path::PathBuf;
+use std::sync::Arc;
+
 use super::custom::Own;
 use super::grid::GridPlan;
-use crate::diagnose::Settings;
+use crate::conditioning::Finding;
+use crate::diagnose::{Settings, Timing};
 use crate::identify::Identifier;
 use crate::model::Model;
 use crate::recording::{LongRecording, Recording};
@@ -10,15 +14,18 @@ use crate::simulate::{Gain, Hold};
 use crate::study::{Role, grouped};
 
 /// A recording with its use and provenance.
+#[derive(Clone)]
 pub struct Measured {
     /// Use.
     pub role: Role,
     /// The recording; windows of it, if it is too long to be held.
     pub recording: Recording,
     /// All of its rows, if it is too long to be held.
-    pub long: Option<LongRecording>,
+    pub long: Option<Arc<LongRecording>>,
     /// SHA-256 of its file.
     pub sha256: Option<String>,
+    /// What conditioning found, and did.
+    pub conditioning: Vec<Finding>,
     /// What the quality check says.
     pub findings: Vec<String>,
 }
@@ -51,6 +58,8 @@ pub struct Plan {
     pub title: String,
     /// The experiment file as run.
     pub file: String,
+    /// Its path.
+    pub source: PathBuf,
     /// Model to fit.
     pub model: Model,
     /// Effects written as formulas in the file, in the model or not.
@@ -61,10 +70,16 @@ pub struct Plan {
     pub recordings: Vec<Measured>,
     /// The drive between samples.
     pub hold: Hold,
+    /// When the recorded input acts, where the data show it.
+    pub timing: Option<Timing>,
     /// Methods to compare.
     pub methods: Vec<MethodPlan>,
     /// Gain of the emulator.
     pub gain: Gain,
+    /// Whether the emulator is asked for, by `[emulator]` or a method that fits one.
+    pub emulated: bool,
+    /// Whether the paper's movement is simulated.
+    pub of_paper: bool,
     /// Diagnosis, if asked for.
     pub diagnosis: Option<DiagnosisPlan>,
     /// Seed of everything random.
@@ -90,22 +105,35 @@ impl Measured {
 }
 
 impl Plan {
-    /// What to say before it runs: remarks on the file, and what the check of the recordings found.
+    /// What to say before it runs: remarks on the file, corrections, and what the check of the
+    /// recordings found.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        let of = |m: &'_ Measured| {
-            m.findings
-                .iter()
-                .map(|f| (m.recording.name().to_string(), f.clone()))
-                .collect::<Vec<_>>()
+        let corrected = |m: &Measured| {
+            m.conditioning.iter().filter(|f| f.is_remarkable()).map(ToString::to_string).collect()
+        };
+        let said = self.grouped(corrected);
+        said.into_iter().chain(self.remarks_and_findings()).collect()
+    }
+
+    /// The same without corrections.
+    pub(super) fn remarks_and_findings(&self) -> Vec<String> {
+        let found = self.grouped(|m| m.findings.clone());
+        self.remarks.iter().cloned().chain(found).collect()
+    }
+
+    /// Sentences on recordings, each with the names of those of which it is said.
+    fn grouped(&self, said: impl Fn(&Measured) -> Vec<String>) -> Vec<String> {
+        let of = |m: &Measured| {
+            let all = said(m).into_iter();
+            all.map(|f| (m.recording.name().to_string(), f)).collect::<Vec<_>>()
         };
         let findings: Vec<(String, String)> = self.recordings.iter().flat_map(of).collect();
         let grouped = grouped(
             findings.iter().map(|(name, text)| (name.as_str(), text.as_str())),
             self.recordings.len(),
         );
-        let said = grouped.into_iter().map(|(names, text)| format!("{names}: {text}"));
-        self.remarks.iter().cloned().chain(said).collect()
+        grouped.into_iter().map(|(names, text)| format!("{names}: {text}")).collect()
     }
 
     /// The recordings of a role.
@@ -118,7 +146,7 @@ impl Plan {
     #[must_use]
     pub fn long(&self) -> Vec<Option<&LongRecording>> {
         let train = self.recordings.iter().filter(|m| m.role == Role::Train);
-        train.map(|m| m.long.as_ref()).collect()
+        train.map(|m| m.long.as_deref()).collect()
     }
 
     /// The recordings on which errors are judged: validation, or train where there is none.

@@ -53,7 +53,7 @@ fn other_gain(table: &Table) -> Option<String> {
     let names: Vec<&str> = methods
         .filter(|m| !m.contains_key("gain"))
         .filter_map(|m| m.get("name")?.as_str())
-        .filter(|name| name.starts_with("fuzzy_"))
+        .filter(|name| crate::identify::find(name).is_some_and(|m| m.fits_emulator()))
         .collect();
     (!names.is_empty()).then(|| {
         format!(

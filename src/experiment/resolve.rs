@@ -1,7 +1,6 @@
 //! From an experiment file to a plan: presets, effects, methods and recordings looked up.
 
-use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
+use std::path::Path;
 
 use rayon::prelude::*;
 use toml::Table;
@@ -9,14 +8,13 @@ use toml::Table;
 use super::custom::{self, Own, add};
 use super::error::{ExperimentError, Meaning};
 use super::file::{
-    CandidatesEntry, DiagnosisEntry, ExperimentFile, FixedEntry, MovementEntry, RecordingsEntry,
+    CandidatesEntry, DiagnosisEntry, EmulatorEntry, ExperimentFile, FixedEntry, MovementEntry,
     SimulationEntry,
 };
 use super::plan::{DiagnosisPlan, Measured, MethodPlan, Plan};
-use crate::diagnose::Settings;
+use crate::diagnose;
 use crate::effects::ParameterKind;
 use crate::identify;
-use crate::io::{ColumnMap, read_long_recording, read_recording};
 use crate::model::Model;
 use crate::robot::{Construction, Robot};
 use crate::simulate::{Gain, Hold, Movement, Recorder, record};
@@ -34,43 +32,99 @@ pub(super) fn resolve(
     text: &str,
     file: &ExperimentFile,
 ) -> Result<Plan, ExperimentError> {
-    let shown = path.display().to_string();
-    plan(path, text, file).map_err(|e| match e {
-        Meaning::Io(e) => e.into(),
-        other => ExperimentError::Meaning { file: shown, message: other.to_string() },
-    })
+    let read = |robot: &Robot, own: &[Own]| match (&file.recordings, &file.simulation) {
+        (Some(entry), _) => {
+            let measured = super::measured::read(path, entry, &file.conditioning, robot)?;
+            Ok((measured, entry.hold, 1, vec![]))
+        }
+        (None, Some(entry)) => made(entry, own, robot),
+        (None, None) => Ok((vec![], Hold::Linear, 1, vec![])),
+    };
+    plan(path, text, file, read).map_err(|e| e.of(&path.display().to_string()))
 }
 
-fn plan(path: &Path, text: &str, file: &ExperimentFile) -> Result<Plan, Meaning> {
+/// The experiment that a file with these `keys` would describe, on recordings that are read already.
+/// `name` stands for the file's; `[recordings]` and `[simulation]` have no place among the keys.
+///
+/// # Errors
+/// Whatever is wrong with the keys.
+///
+/// # Examples
+/// ```
+/// use amigo_ident::experiment::{Reading, compare, fits, plan_of};
+/// use amigo_ident::{recording::DriveUnit, robot::Robot, simulate::Hold, study::Role};
+/// let reading = Reading::new(Robot::amigobot(), DriveUnit::NewtonMetre);
+/// let train = reading.file(Role::Train, "recordings/simulated_3d/slope/train_1.csv".as_ref())?;
+/// let keys = toml::from_str("model.effects = [\"slope\"]\nmethod = [{ name = \"weak_form\" }]")?;
+/// let plan = plan_of("slope", &keys, vec![train], Hold::Linear)?;
+/// let study = compare(&plan, &fits(&plan))?;
+/// assert!(study.judged_window_rms(&study.methods[0]) < 2.0 * study.judged_floor());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn plan_of(
+    name: &str,
+    keys: &Table,
+    recordings: Vec<Measured>,
+    hold: Hold,
+) -> Result<Plan, ExperimentError> {
+    let wrong = |message: String| ExperimentError::Meaning { file: name.into(), message };
+    for key in ["recordings", "simulation", "grid"] {
+        if keys.contains_key(key) {
+            return Err(wrong(format!("`{key}`: the recordings are given, so leave it out")));
+        }
+    }
+    let file = ExperimentFile::from_table(keys).map_err(wrong)?;
+    file.check_keys(name)?;
+    let text = toml::to_string(keys).map_err(|e| wrong(e.to_string()))?;
+    plan(Path::new(name), &text, &file, |_, _| Ok((recordings, hold, 1, vec![])))
+        .map_err(|e| e.of(name))
+}
+
+fn plan(
+    path: &Path,
+    text: &str,
+    file: &ExperimentFile,
+    read: impl FnOnce(&Robot, &[Own]) -> Result<Made, Meaning>,
+) -> Result<Plan, Meaning> {
     let robot = robot(file.robot.as_ref())?;
     let own = custom::effects(&file.model.custom).map_err(words)?;
     let model = model(file, &own, &robot)?;
     let methods = methods(&file.method, file.emulator.gain)?;
     let gain = gain(file)?;
     let diagnosis = diagnosis(file, &own)?;
-    let (recordings, hold, seed, truth) = match (&file.recordings, &file.simulation) {
-        (Some(entry), _) => (measured(path, entry, &robot)?, entry.hold, 1, vec![]),
-        (None, Some(entry)) => made(entry, &own, &robot)?,
-        (None, None) => (vec![], Hold::Linear, 1, vec![]),
-    };
-    let name = name_of(path);
-    Ok(Plan {
+    let (recordings, hold, seed, truth) = read(&robot, &own)?;
+    let (name, mut remarks) = (name_of(path), vec![]);
+    if has_no_track(model.robot()) {
+        remarks.push(GEOMETRY.into());
+    }
+    let mut plan = Plan {
         title: title(file, &name),
         name,
         file: text.to_string(),
-        remarks: vec![],
+        source: std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf()),
+        remarks,
         model,
         own,
         recordings,
         hold,
         methods,
         gain,
+        emulated: emulated(file),
+        of_paper: file.simulation.as_ref().is_some_and(is_of_paper),
         diagnosis,
         seed,
         truth,
+        timing: None,
         grid: None,
-    })
+    };
+    super::align::align(&mut plan);
+    Ok(plan)
 }
+
+/// What follows from a robot whose construction nobody gave.
+const GEOMETRY: &str = "[robot] preset = \"unknown\": the path of the robot is left out, and effects that \
+    depend on its heading (slope) are measured with the track of another robot; write l1_m and r_m, or a \
+    preset";
 
 /// The heading; one that is left empty, as in a new file, counts as none.
 fn title(file: &ExperimentFile, name: &str) -> String {
@@ -81,6 +135,14 @@ fn title(file: &ExperimentFile, name: &str) -> String {
 /// The name of the result folder: that of the file.
 pub(super) fn name_of(path: &Path) -> String {
     path.file_stem().map_or_else(|| "experiment".into(), |s| s.to_string_lossy().into_owned())
+}
+
+/// The robot of a `[robot]` table: a preset, construction data, or both.
+///
+/// # Errors
+/// Unknown presets and keys, values out of range.
+pub fn robot_of(table: &Table) -> Result<Robot, ExperimentError> {
+    robot(Some(table)).map_err(|e| e.of("[robot]"))
 }
 
 fn robot(table: Option<&Table>) -> Result<Robot, Meaning> {
@@ -122,11 +184,34 @@ fn robot(table: Option<&Table>) -> Result<Robot, Meaning> {
             };
             words(format!("[robot]: {}{remedy}", e.message()))
         })?;
-    let name = base.map_or_else(|| "custom".into(), |r| format!("{} (changed)", r.name));
+    let given = |key: &str| table.get(key).is_some();
+    let name = match base {
+        None => "custom".into(),
+        Some(r) if r.name != UNKNOWN => format!("{} (changed)", r.name),
+        Some(_) if given("r_m") && given("l1_m") => "custom".into(),
+        // with the radius metres can be read, without the track there is still no path
+        Some(_) if given("r_m") => UNKNOWN_TRACK.into(),
+        Some(_) => UNKNOWN.into(),
+    };
     Ok(Robot::new(name, construction)?)
 }
 
+/// The name of a robot whose construction nobody gave; lengths of the AmigoBot stand in where one is
+/// needed, and what would show them is left out.
+pub(super) const UNKNOWN: &str = "unknown";
+
+/// The same where the radius of the wheels is given.
+const UNKNOWN_TRACK: &str = "unknown (with its wheel radius)";
+
+/// Whether the track of a robot is not known, and so neither its heading nor its path.
+pub(super) fn has_no_track(robot: &Robot) -> bool {
+    robot.name == UNKNOWN || robot.name == UNKNOWN_TRACK
+}
+
 fn preset(name: &str) -> Result<Robot, Meaning> {
+    if name == UNKNOWN {
+        return Ok(Robot::new(UNKNOWN, Robot::amigobot().construction)?);
+    }
     Robot::from_preset(name).ok_or_else(|| {
         let presets = crate::robot::presets();
         let known: Vec<&str> = presets.iter().map(|p| p.name).collect();
@@ -135,7 +220,7 @@ fn preset(name: &str) -> Result<Robot, Meaning> {
     })
 }
 
-fn words(message: String) -> Meaning {
+pub(super) fn words(message: String) -> Meaning {
     Meaning::Words(message)
 }
 
@@ -191,7 +276,8 @@ fn methods(tables: &[Table], emulator: Option<f64>) -> Result<Vec<MethodPlan>, M
             let mut options = table.clone();
             match options.remove("name") {
                 Some(toml::Value::String(name)) => {
-                    if let (Some(gain), true) = (emulator, name.starts_with("fuzzy_"))
+                    let emulates = identify::find(&name).is_some_and(|m| m.fits_emulator());
+                    if let (Some(gain), true) = (emulator, emulates)
                         && gain > 0.0
                     {
                         options.entry("gain").or_insert(gain.into());
@@ -226,6 +312,20 @@ fn method(name: &str, options: &Table) -> Result<MethodPlan, Meaning> {
     })
 }
 
+/// Whether the file states a gain, or a method that fits an emulator.
+fn emulated(file: &ExperimentFile) -> bool {
+    let EmulatorEntry { gain, poles, matrix } = &file.emulator;
+    let fits = |table: &Table| {
+        let name = table.get("name").and_then(toml::Value::as_str);
+        name.and_then(identify::find).is_some_and(|method| method.fits_emulator())
+    };
+    gain.is_some() || poles.is_some() || matrix.is_some() || file.method.iter().any(fits)
+}
+
+fn is_of_paper(entry: &SimulationEntry) -> bool {
+    matches!(&entry.movement, MovementEntry::Named(name) if name == "paper")
+}
+
 fn gain(file: &ExperimentFile) -> Result<Gain, Meaning> {
     let entry = &file.emulator;
     let gain = if let Some(k) = entry.gain {
@@ -252,80 +352,11 @@ fn diagnosis(file: &ExperimentFile, own: &[Own]) -> Result<Option<DiagnosisPlan>
         add(&Model::base(Robot::amigobot()), id, own)?;
     }
     let DiagnosisEntry { false_alarm, max_effects, slow_moment, .. } = *entry;
-    let settings = Settings { candidates, own: own.to_vec(), false_alarm, max_effects };
+    let settings = diagnose::Settings { candidates, own: own.to_vec(), false_alarm, max_effects };
     Ok(Some(DiagnosisPlan { settings, slow_moment }))
 }
 
-fn measured(path: &Path, entry: &RecordingsEntry, robot: &Robot) -> Result<Vec<Measured>, Meaning> {
-    if entry.hold_rows < 1000 {
-        let found = entry.hold_rows;
-        return Err(words(format!("recordings.hold_rows = {found} must be 1000 or more")));
-    }
-    let mut columns = ColumnMap::new(entry.drive_unit, Some(robot.r()));
-    for (key, column) in &entry.columns {
-        columns.put(key, column.clone().into())?;
-    }
-    let folder = path.parent().unwrap_or_else(|| Path::new("."));
-    let train = entry.train.iter().map(|f| (Role::Train, f));
-    let all: Vec<_> = train.chain(entry.validation.iter().map(|f| (Role::Validation, f))).collect();
-    let measured = in_threads(&all, |(role, file)| {
-        let file: PathBuf = folder.join(file);
-        let unit = entry.drive_unit;
-        let (recording, long, sha256) =
-            match read_long_recording(&file, &columns, unit, entry.hold_rows)? {
-                Some((windows, long, sha256)) => (windows, Some(long), sha256),
-                None => {
-                    let (recording, sha256) = read_recording(&file, &columns, unit)?;
-                    (recording, None, sha256)
-                }
-            };
-        let mut findings = super::quality::findings(&recording, robot);
-        if let Some(long) = &long {
-            findings.insert(0, super::long::finding(&recording, long));
-        }
-        Ok(Measured { role: *role, recording, long, sha256: Some(sha256), findings })
-    })?;
-    let train = measured.iter().filter(|m| m.role == Role::Train).map(|m| &m.recording);
-    if super::quality::without_drive(train) {
-        return Err(words(format!(
-            "recordings.train: M1 and M2 are zero throughout ({}); without a drive the parameters \
-             have no scale, so record the moments, or name their columns",
-            entry.train.join(", ")
-        )));
-    }
-    Ok(measured)
-}
-
-/// Does the same with every item in threads of its own, in their order; the first error in that
-/// order. Not in those of rayon: a thread of rayon that waits for polars, which has its own, begins
-/// the next item meanwhile, and the one after, until files and stack are used up.
-fn in_threads<T: Sync, R: Send>(
-    items: &[T],
-    work: impl Fn(&T) -> Result<R, Meaning> + Sync,
-) -> Result<Vec<R>, Meaning> {
-    let (next, failed) = (AtomicUsize::new(0), AtomicBool::new(false));
-    let worker = || {
-        let mut done = Vec::new();
-        while !failed.load(Relaxed) {
-            let k = next.fetch_add(1, Relaxed);
-            let Some(item) = items.get(k) else { break };
-            let result = work(item);
-            failed.fetch_or(result.is_err(), Relaxed);
-            done.push((k, result));
-        }
-        done
-    };
-    let workers = rayon::current_num_threads().min(items.len());
-    let mut done: Vec<_> = std::thread::scope(|scope| {
-        let threads: Vec<_> = (0..workers).map(|_| scope.spawn(worker)).collect();
-        let joined = threads.into_iter().map(|thread| thread.join());
-        joined.flat_map(|done| done.unwrap_or_else(|e| std::panic::resume_unwind(e))).collect()
-    });
-    // items are taken in order, so that all before the first error are done
-    done.sort_by_key(|(k, _)| *k);
-    done.into_iter().map(|(_, result)| result).collect()
-}
-
+/// Recordings, hold, seed, and the true parameters of simulated ones.
 type Made = (Vec<Measured>, Hold, u64, Vec<(String, f64)>);
 
 /// Made recordings: a truth of base and hidden effects drives the movement.
@@ -381,7 +412,8 @@ fn made(entry: &SimulationEntry, own: &[Own], robot: &Robot) -> Result<Made, Mea
                 },
             )?;
             let findings = super::quality::findings(&recording, robot);
-            Ok(Measured { role, recording, long: None, sha256: None, findings })
+            let (long, sha256, conditioning) = (None, None, vec![]);
+            Ok(Measured { role, recording, long, sha256, conditioning, findings })
         })
         .collect::<Result<Vec<_>, Meaning>>()?;
     let truth = truth.symbols().into_iter().zip(p).collect();

@@ -5,16 +5,15 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
+use super::diagnosis::run_diagnosis;
 use super::error::RunError;
+use super::models;
 use super::plan::{Measured, MethodPlan, Plan};
-use crate::compare::{
-    failures, ise, missing_moment, noise_floor, simulate_recording, window_errors, window_rms,
-};
-use crate::identify::kalman::{Likelihood, prepare};
+use crate::compare::{angle_rms, ise, noise_floor, simulate_recording, window_rms};
 use crate::identify::{Fit, Task};
 use crate::recording::{LocalMotion, Recording};
 use crate::robot::{State, kinematics};
-use crate::simulate::{Dynamics, PhysicalDynamics, SimulateError, Structure, emulate};
+use crate::simulate::{Dynamics, SimulateError, Structure, emulate};
 use crate::study::{MethodStudy, Performance, RecordingStudy, Role, Study};
 
 /// Methods in the order in which their fit is preferred for the detailed comparison.
@@ -25,31 +24,85 @@ const PREFERRED: [&str; 4] = ["prediction_error", "weak_form", "output_error", "
 /// # Errors
 /// If no method has a fit, or nothing can be simulated.
 pub fn run(plan: &Plan) -> Result<Study, RunError> {
-    let (mut study, right) = compare(plan)?;
-    locate(plan, &*right, &mut study)?;
-    if let Some(asked) = &plan.diagnosis {
-        study.diagnosis = Some(super::diagnosis::run_diagnosis(plan, asked, &study)?);
-    }
-    Ok(study)
+    run_in_stages(plan, &|_| ())
 }
 
-/// Fits every method and measures its error; returns the dynamics of the reference fit too.
+/// The same; `enter` is told of every stage that begins.
 ///
 /// # Errors
 /// If no method has a fit, or nothing can be simulated.
-pub(super) fn compare(plan: &Plan) -> Result<(Study, Arc<dyn Dynamics>), RunError> {
+pub(super) fn run_in_stages(plan: &Plan, enter: &(dyn Fn(&str) + Sync)) -> Result<Study, RunError> {
+    let fits = fits_in_stages(plan, enter);
+    enter("simulating the recordings");
+    let (study, right) = measure(plan, &fits)?;
+    if plan.diagnosis.is_none() {
+        return models::with_reference(plan, study, &*right);
+    }
+    enter("diagnosis: trying the effects of the catalogue");
+    diagnose(plan, study)
+}
+
+/// What a method made of the training recordings.
+#[derive(Clone)]
+pub struct MethodFit {
+    /// The fit, or in words why there is none.
+    pub fit: Result<Fit, String>,
+    /// Wall time [s].
+    pub seconds: f64,
+}
+
+/// Fits every method of a plan to its training recordings; one entry a method, in their order.
+#[must_use]
+pub fn fits(plan: &Plan) -> Vec<MethodFit> {
+    fits_in_stages(plan, &|_| ())
+}
+
+fn fits_in_stages(plan: &Plan, enter: &dyn Fn(&str)) -> Vec<MethodFit> {
+    let (train, count) = (plan.of(Role::Train), plan.methods.len());
+    let fitted = |(n, method): (usize, &MethodPlan)| {
+        enter(&format!("fitting {} (method {} of {count})", method.name, n + 1));
+        fit(plan, method, &train)
+    };
+    plan.methods.iter().enumerate().map(fitted).collect()
+}
+
+/// Sets the fits of a plan's methods, one a method, against its recordings: errors, noise floor, regimes,
+/// residual torque.
+///
+/// # Errors
+/// If no method has a fit, or nothing can be simulated.
+pub fn compare(plan: &Plan, fits: &[MethodFit]) -> Result<Study, RunError> {
+    let (study, right) = measure(plan, fits)?;
+    models::with_reference(plan, study, &*right)
+}
+
+/// Adds the diagnosis to a comparison, where the plan asks for one.
+///
+/// # Errors
+/// If the model cannot be fitted or simulated.
+pub fn diagnose(plan: &Plan, study: Study) -> Result<Study, RunError> {
+    let Some(asked) = &plan.diagnosis else { return Ok(study) };
+    let (said, diagnosis) = run_diagnosis(plan, asked, &study)?;
+    models::with_diagnosis(plan, study, said, &diagnosis)
+}
+
+/// Measures the errors of the fits; returns the dynamics of the reference fit too.
+///
+/// # Errors
+/// If no method has a fit, or nothing can be simulated.
+pub(super) fn measure(
+    plan: &Plan,
+    fits: &[MethodFit],
+) -> Result<(Study, Arc<dyn Dynamics>), RunError> {
     let motions: Vec<Vec<LocalMotion>> =
         plan.recordings.par_iter().map(|m| m.recording.local_motion()).collect();
     let train = plan.of(Role::Train);
-    let fits: Vec<(Result<Fit, String>, f64)> =
-        plan.methods.iter().map(|method| fit(plan, method, &train)).collect();
-    let reference = reference(&fits);
-    let Some(reference) = reference else {
+    let Some(reference) = reference(fits) else {
         let reasons: Vec<String> =
-            fits.iter().filter_map(|(fit, _)| fit.as_ref().err().cloned()).collect();
+            fits.iter().filter_map(|f| f.fit.as_ref().err().cloned()).collect();
         return Err(RunError::NoFit { reasons: reasons.join("; ") });
     };
-    let right: Arc<dyn Dynamics> = match &fits[reference].0 {
+    let right: Arc<dyn Dynamics> = match &fits[reference].fit {
         Ok(fit) => fit.dynamics.clone(),
         Err(_) => unreachable!("the reference is a fit"),
     };
@@ -62,8 +115,12 @@ pub(super) fn compare(plan: &Plan) -> Result<(Study, Arc<dyn Dynamics>), RunErro
     let methods: Vec<MethodStudy> = plan
         .methods
         .par_iter()
-        .zip(&fits)
-        .map(|(method, (fit, seconds))| method_study(plan, method, fit, *seconds, &motions))
+        .zip(fits)
+        .map(|(method, MethodFit { fit, seconds })| {
+            // a fit that cannot be simulated is a row with its reason, like one that does not exist
+            method_study(plan, method, fit, *seconds, &motions)
+                .or_else(|e| method_study(plan, method, &Err(e.to_string()), *seconds, &motions))
+        })
         .collect::<Result<_, _>>()?;
     let study = Study {
         experiment: plan.name.clone(),
@@ -78,38 +135,37 @@ pub(super) fn compare(plan: &Plan) -> Result<(Study, Arc<dyn Dynamics>), RunErro
         methods,
         reference: Some(reference),
         emulator_gain: plan.gain.0[2][2],
-        failures: vec![],
-        missing_moment: None,
+        given: None,
+        completed: None,
+        curves: vec![],
         diagnosis: None,
+        emulated: plan.emulated,
+        of_paper: plan.of_paper,
         versions: vec![],
         truth: plan.truth.clone(),
+        timing: plan.timing,
         model_out: None,
     };
     Ok((study, right))
 }
 
-fn fit(plan: &Plan, method: &MethodPlan, train: &[Recording]) -> (Result<Fit, String>, f64) {
+fn fit(plan: &Plan, method: &MethodPlan, train: &[Recording]) -> MethodFit {
     let task = Task { model: &plan.model, train, hold: plan.hold, seed: plan.seed };
     let start = Instant::now();
     let fit =
         super::long::identify(&*method.method, &task, &plan.long()).map_err(|e| e.to_string());
-    (fit, start.elapsed().as_secs_f64())
+    MethodFit { fit, seconds: start.elapsed().as_secs_f64() }
 }
 
 /// The fit that is shown in detail: the preferred physical one, else the first there is.
-fn reference(fits: &[(Result<Fit, String>, f64)]) -> Option<usize> {
-    let named = |name: &str| {
-        fits.iter().position(|(fit, _)| {
-            fit.as_ref().is_ok_and(|f| f.method == name && f.dynamics.physical().is_some())
-        })
-    };
+fn reference(fits: &[MethodFit]) -> Option<usize> {
+    let first = |is: &dyn Fn(&Fit) -> bool| fits.iter().position(|f| f.fit.as_ref().is_ok_and(is));
+    let physical = |fit: &Fit| fit.dynamics.physical().is_some();
     PREFERRED
         .iter()
-        .find_map(|name| named(name))
-        .or_else(|| {
-            fits.iter().position(|(f, _)| f.as_ref().is_ok_and(|f| f.dynamics.physical().is_some()))
-        })
-        .or_else(|| fits.iter().position(|(fit, _)| fit.is_ok()))
+        .find_map(|name| first(&|fit| fit.method == *name && physical(fit)))
+        .or_else(|| first(&physical))
+        .or_else(|| first(&|_| true))
 }
 
 fn describe(
@@ -128,6 +184,7 @@ fn describe(
         rate_hz: 1.0 / r.step(),
         measured: r.measured(),
         noise: r.noise(),
+        conditioning: measured.conditioning.clone(),
         findings: measured.findings.clone(),
         floor: noise_floor(right, r, motion, plan.hold, plan.seed)?,
         t: r.t().to_vec(),
@@ -136,8 +193,14 @@ fn describe(
         acceleration: motion.iter().map(|m| m.acceleration).collect(),
         moment: r.moment().to_vec(),
         regimes: r.regimes(motion),
-        path: kinematics::path(plan.model.robot(), r.alpha()),
+        path: path(plan, r),
     })
+}
+
+/// The path of the robot, where its lengths are known.
+fn path(plan: &Plan, r: &Recording) -> Vec<[f64; 3]> {
+    let robot = plan.model.robot();
+    if super::resolve::has_no_track(robot) { vec![] } else { kinematics::path(robot, r.alpha()) }
 }
 
 fn method_study(
@@ -205,37 +268,14 @@ fn performance(
     Ok(Performance {
         ise: ise(recording, &simulated.free),
         window_rms: window_rms(recording, &simulated.windows),
+        angle_rms: angle_rms(recording, &simulated.free),
         ise_parallel: total(&parallel),
         ise_serial_parallel: total(&serial),
         free: speeds(&simulated.free),
         windows: speeds(&simulated.windows),
+        window_starts: simulated.window_starts,
         emulator: parallel.map_or(vec![], |states| {
             states.iter().map(|s| [s.alpha[0], s.alpha[1], s.omega[0], s.omega[1]]).collect()
         }),
     })
-}
-
-/// Where the reference fit fails, on the judged recordings.
-fn locate(plan: &Plan, right: &dyn Dynamics, study: &mut Study) -> Result<(), RunError> {
-    let Some((model, p)) = right.physical() else { return Ok(()) };
-    let judged = plan.judged();
-    let likelihood = Likelihood {
-        prepared: judged.iter().map(prepare).collect(),
-        hold: plan.hold,
-        slow_moment: true,
-        timing: false,
-    };
-    let (noise, _) = likelihood.noise(model, p, &likelihood.initial_noise());
-    let dynamics = PhysicalDynamics { model: model.clone(), p: p.to_vec() };
-    let mut errors = Vec::new();
-    for recording in &judged {
-        let motion = recording.local_motion();
-        let simulated = simulate_recording(&dynamics, recording, &motion, plan.hold)?;
-        errors.push(window_errors(recording, &simulated.windows));
-    }
-    let floors: Vec<f64> =
-        study.judged().iter().map(|&r| study.recordings[r].floor.window_rms).collect();
-    study.failures = failures(model, p, &noise, &likelihood, &errors, &floors)?;
-    study.missing_moment = Some(missing_moment(model, p, &noise, &likelihood)?);
-    Ok(())
 }

@@ -13,8 +13,8 @@ pub const SCHEMA: u32 = 1;
 
 /// The equation of every model, in words.
 const EQUATION: &str = "mass matrix (m11 m12; m12 m22) times the wheel accelerations + resisting \
-                        moments + sum over the directions d = (1,0), (0,1), (1,-1), (1,1) of d \
-                        level sgn(d . omega) = acting moments";
+                        torques + sum over the directions d = (1,0), (0,1), (1,-1), (1,1) of d \
+                        level sgn(d . omega) = acting torques";
 
 /// A model with the values that were identified, and where they come from.
 #[derive(Clone, Copy, Debug)]
@@ -25,11 +25,11 @@ pub struct Identified<'a> {
     pub values: &'a [f64],
     /// One standard error a parameter; zero where it is fixed.
     pub std_errors: &'a [f64],
-    /// One unit a parameter, for the drive unit of the recordings.
+    /// One unit a parameter, for the input unit of the recordings.
     pub units: &'a [String],
-    /// Unit of the recorded moments.
+    /// Unit of the recorded torques.
     pub drive_unit: &'a str,
-    /// The drive between two samples.
+    /// The input between two samples.
     pub hold: Hold,
     /// Name of the experiment.
     pub experiment: &'a str,
@@ -140,10 +140,18 @@ fn write(it: &Identified, traced: &Traced, language: &Language) -> String {
     let terms = print_terms(it, traced, language);
     let drive = print_drive(it, traced, language);
     let counts = [terms.temporaries, drive.temporaries].map(|n| n.to_string());
+    let time = |parameter: Option<usize>| {
+        parameter.and_then(|j| names(it).nth(j)).unwrap_or_else(|| number(0.0))
+    };
+    // rows that a delay takes in a language that keeps them: at steps of 1 ms
+    let delay_rows = traced.delay.map_or(0, |j| (it.values[j] / 1e-3 + 1e-9) as usize) + 2;
     let inline = [
         ("{{linear}}", language.truth[usize::from(it.hold == Hold::Linear)]),
         ("{{terms_temporaries}}", &counts[0]),
         ("{{drive_temporaries}}", &counts[1]),
+        ("{{lag}}", &time(traced.lag)),
+        ("{{delay}}", &time(traced.delay)),
+        ("{{delay_rows}}", &delay_rows.to_string()),
     ];
     let blocks = [
         ("{{header}}", header(it, language)),
@@ -228,8 +236,8 @@ fn header(it: &Identified, language: &Language) -> Vec<String> {
             .into(),
         "turning (1,-1) and forward (1,1). Wheel 1 is the right one; t [s] counts from the start,"
             .into(),
-        format!("alpha [rad], w = omega [rad/s], M recorded moments [{}].", it.drive_unit),
-        "Effects, moments that add up on the left unless they change M:".into(),
+        format!("alpha [rad], w = omega [rad/s], M recorded torques [{}].", it.drive_unit),
+        "Effects, torques that add up on the left unless they change M:".into(),
     ];
     for effect in it.model.effects() {
         let d = effect.description();
@@ -247,7 +255,7 @@ fn header(it: &Identified, language: &Language) -> Vec<String> {
 }
 
 /// How rest is handled, in words.
-const REST: [&str; 10] = [
+const REST: [&str; 13] = [
     "",
     "Rest: a direction whose speed is exactly zero stays at rest while friction within its level",
     "can hold it (which ones do is found by sweeps over the directions at rest), else it",
@@ -255,6 +263,9 @@ const REST: [&str; 10] = [
     "1 ms; signs and stuck directions are held over a step, a reversal inside it is placed by a",
     "secant and set to zero speed there. What that costs: a breakaway is noticed at the next step,",
     "up to 1 ms late, and a reversal is off by the square of the step.",
+    "",
+    "Lag and delay of the input, where there are any, act in the simulation; an acceleration is asked for at",
+    "one instant and takes its torques as held for long.",
     "",
     "Written by the program from the same formulas that it fits; the equations stand in terms and",
     "drive.",

@@ -4,10 +4,21 @@
 //! records their formulas as a graph; each language prints that graph into a frame, a file in that
 //! language with marked places (`frame/`), which holds the treatment of rest and the integrator.
 
+mod body;
 mod document;
+mod feedforward;
+mod gains;
 mod language;
+mod loop_margins;
+mod mechanics;
 mod print;
+mod simulator;
 mod traced;
 
 pub use document::{Identified, SCHEMA, Written, files};
+pub use feedforward::gains_files;
+pub use gains::{Control, Feedforward, Gains, Operation};
+pub use loop_margins::Margins;
+pub use mechanics::{LeftOut, Mechanics};
+pub use simulator::{Simulator, mjcf, urdf_sdf};
 pub use traced::{Obstacle, Traced, trace};

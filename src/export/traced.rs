@@ -1,6 +1,6 @@
 //! The formulas of a model, recorded from its effects.
 
-use crate::effects::{Effect, Motion, Terms};
+use crate::effects::{Change, Effect, Motion, Terms};
 use crate::math::{Formula, Symbol, record};
 use crate::model::Model;
 
@@ -25,17 +25,21 @@ pub struct Obstacle {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Traced {
     /// From (t, alpha1, alpha2, omega1, omega2, parameters) to the mass matrix (m11, m12, m22),
-    /// the resisting moment on each wheel and the four levels of dry friction.
+    /// the resisting torque on each wheel and the four levels of dry friction.
     pub terms: Formula,
-    /// From (M1, M2 of the sample before, M1, M2, parameters) to the moments that act.
+    /// From (M1, M2 of the sample before, M1, M2, parameters) to the torques that act, before lag and delay.
     pub drive: Formula,
+    /// Number of the parameter that is the time constant of a first-order lag, if there is one.
+    pub lag: Option<usize>,
+    /// Number of the parameter that is a pure delay, if there is one.
+    pub delay: Option<usize>,
 }
 
 /// Records the formulas of a model; `p` are the values of its parameters.
 ///
 /// # Errors
-/// Every effect that has no formula of the present instant: states of its own (wheel slip,
-/// compliance), a memory of earlier moments (lag, delay), or a branch on a value.
+/// Every effect that is neither a formula of the present instant nor a lag or delay of the input: states of
+/// its own (wheel slip, compliance), another memory of earlier torques, or a branch on a value.
 ///
 /// # Examples
 /// ```
@@ -45,8 +49,8 @@ pub struct Traced {
 /// let traced = trace(&model, &p).unwrap();
 /// let inputs = [&[0.0, 0.1, 0.2, 3.0, 2.0], &p[..]].concat();
 /// assert_eq!(traced.terms.evaluate(&inputs)[0], p[0]); // m11 = a1
-/// let lag = model.add("actuator_lag").unwrap();
-/// assert_eq!(trace(&lag, &lag.initial()).unwrap_err()[0].effect, "actuator_lag");
+/// let slip = model.add("wheel_slip").unwrap();
+/// assert_eq!(trace(&slip, &slip.initial()).unwrap_err()[0].effect, "wheel_slip");
 /// ```
 pub fn trace(model: &Model, p: &[f64]) -> Result<Traced, Vec<Obstacle>> {
     let obstacles: Vec<Obstacle> = (0..model.effects().len())
@@ -59,7 +63,53 @@ pub fn trace(model: &Model, p: &[f64]) -> Result<Traced, Vec<Obstacle>> {
         return Err(obstacles);
     }
     let every: Vec<usize> = (0..model.effects().len()).collect();
-    Ok(Traced { terms: terms(model, &every, p), drive: drive(model, &every, p) })
+    let memory = |kind: Memory| every.iter().copied().find(|&e| memory(model, e, p) == Some(kind));
+    let (lag, delay) = (memory(Memory::Lag), memory(Memory::Delay));
+    let instant: Vec<usize> =
+        every.iter().copied().filter(|&e| Some(e) != lag && Some(e) != delay).collect();
+    let parameter = |e: usize| model.slots(e).start;
+    Ok(Traced {
+        terms: terms(model, &every, p),
+        drive: drive(model, &instant, p),
+        lag: lag.map(parameter),
+        delay: delay.map(parameter),
+    })
+}
+
+/// How an input effect remembers earlier torques.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Memory {
+    Lag,
+    Delay,
+}
+
+/// Whether effect number `e` is a lag or a delay whose one parameter is its time, by its answer to a ramp and
+/// a step.
+fn memory(model: &Model, e: usize, p: &[f64]) -> Option<Memory> {
+    let effect = &model.effects()[e];
+    let own = &p[model.slots(e)];
+    let [time] = *own else { return None };
+    if effect.change() != Change::TimeShift || !(time >= 0.0) {
+        return None;
+    }
+    let step = time.max(1e-6) / 50.0;
+    let t: Vec<f64> = (0..=1000).map(|k| step * f64::from(k)).collect();
+    let answer = |of: &dyn Fn(f64) -> f64| -> Option<Vec<[f64; 2]>> {
+        effect.drive(&t, &t.iter().map(|&t| [of(t); 2]).collect::<Vec<_>>(), own)
+    };
+    let (ramp, rise) = (answer(&|t| t)?, answer(&|t| f64::from(u8::from(t > 0.0)))?);
+    // after twenty time constants a lag follows a ramp late by its time, to 2e-9
+    if (t[1000] - ramp[1000][0] - time).abs() > 1e-6 * step.max(time) {
+        return None;
+    }
+    // half a time constant after a step a lag has begun to rise, and a delay has not
+    Some(if rise[25][0] > 0.1 { Memory::Lag } else { Memory::Delay })
+}
+
+/// Whether an input effect that is no lag or delay stands behind one.
+fn behind_memory(model: &Model, e: usize, p: &[f64]) -> bool {
+    let effect = &model.effects()[e];
+    effect.acts_on_drive() && (0..e).any(|before| memory(model, before, p).is_some())
 }
 
 /// Why effect number `e` cannot be written, if so.
@@ -70,8 +120,16 @@ fn obstacle(model: &Model, e: usize, p: &[f64]) -> Option<&'static str> {
         return Some("it puts a body with states of its own behind the wheels");
     }
     let (terms, drive) = (terms(model, &[e], p), drive(model, &[e], p));
+    if memory(model, e, p).is_some() {
+        return None;
+    }
     if drive.depends_on(0) || drive.depends_on(1) {
-        return Some("the moment that acts depends on earlier moments (a lag or a delay)");
+        return Some("the torque that acts depends on earlier torques, and by no lag or delay");
+    }
+    if behind_memory(model, e, p) {
+        return Some(
+            "it acts on the input behind a lag or a delay; put it before that in the list of effects",
+        );
     }
     if terms.read || drive.read {
         return Some("its equation branches on a value");
@@ -144,6 +202,19 @@ mod tests {
                 assert_eq!(acting, model.drive(&[0.0], &[m], &p)[0], "{}", effect.id());
             }
         }
-        assert_eq!(count, all().len() - 4); // lag, delay, slip, compliance
+        assert_eq!(count, all().len() - 2); // slip, compliance
+    }
+
+    #[test]
+    fn a_lag_and_a_delay_are_known_by_what_they_do() {
+        let robot = Robot::amigobot();
+        let ids = ["torque_saturation", "actuator_lag", "actuator_delay"];
+        let model = Model::with_effects(robot.clone(), &ids).unwrap();
+        let traced = trace(&model, &model.initial()).unwrap();
+        let index = |symbol: &str| model.index_of(symbol).ok();
+        assert_eq!((traced.lag, traced.delay), (index("tau"), index("delay")));
+        let behind = Model::with_effects(robot, &["actuator_lag", "torque_saturation"]).unwrap();
+        let obstacles = trace(&behind, &behind.initial()).unwrap_err();
+        assert_eq!(obstacles[0].effect, "torque_saturation");
     }
 }

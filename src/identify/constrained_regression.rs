@@ -5,15 +5,15 @@ use clarabel::solver::{
     DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus, SupportedConeT,
 };
 use nalgebra::{DMatrix, DVector};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::identifiability::inverse_where_known;
-use super::inverse_dynamics::{Regression, check_cutoff, cutoff_option};
-use super::linear_fit::block_covariance;
+use super::inverse_dynamics::Regression;
 use super::{
     Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task, from_options,
     options_schema,
 };
+use crate::math::clustered_covariance;
 
 /// Inverse-dynamic regression with physical bounds (a quadratic or linear program).
 ///
@@ -26,19 +26,23 @@ use super::{
 ///
 /// Source: Sousa and Cortesão, Int. J. Robotics Research 33 (2014); solver: Goulart and Chen,
 /// Clarabel (2024).
-#[derive(Clone, Debug, Default, Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ConstrainedRegression {
     /// Cut-off of the filter [Hz]; chosen from noise and motion unless given.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub cutoff_hz: Option<f64>,
     /// Loss of a residual.
     pub loss: Loss,
     /// Largest relative distance of a1..a5 from their values by construction; none unless given.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub within_construction: Option<f64>,
 }
 
 /// Loss of a residual.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, schemars::JsonSchema)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum Loss {
     /// Its square.
@@ -62,26 +66,16 @@ const ACTIVE: f64 = 1e-5;
 
 impl Identifier for ConstrainedRegression {
     fn describe(&self) -> MethodDescription {
-        let option = |k: &str, d: &str, m: &str| (k.into(), d.into(), m.into());
         MethodDescription {
             name: NAME.into(),
             title: "Regression within physical bounds (convex program)".into(),
             equation: "minimise Σ loss(M - Wθ) subject to a1 > |a2|, frictions >= 0".into(),
             source: "Sousa and Cortesão 2014; solver Clarabel (Goulart and Chen 2024)".into(),
-            use_when: "least squares gives values that no robot has; rows with wild moments (l1)"
+            use_when: "least squares gives values that no robot has; rows with wild torques (l1)"
                 .into(),
             avoid_when: "speeds are noisy (as torque_regression); its intervals are those without \
                          bounds and do not know what noise and filter pull"
                 .into(),
-            options: vec![
-                cutoff_option(),
-                option("loss", "squares", "squares, l1 or huber"),
-                option(
-                    "within_construction",
-                    "none",
-                    "largest relative distance of a1..a5 from the construction values",
-                ),
-            ],
         }
     }
 
@@ -90,13 +84,7 @@ impl Identifier for ConstrainedRegression {
     }
 
     fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {
-        let method: Self = from_options(NAME, options)?;
-        check_cutoff(NAME, method.cutoff_hz)?;
-        if method.within_construction.is_some_and(|w| !(w > 0.0 && w.is_finite())) {
-            let message = "`within_construction` must be a positive number".to_string();
-            return Err(OptionError { method: NAME.into(), message });
-        }
-        Ok(Box::new(method))
+        Ok(Box::new(from_options::<Self>(NAME, options)?))
     }
 
     fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
@@ -112,7 +100,7 @@ impl Identifier for ConstrainedRegression {
         let weighed =
             DMatrix::from_fn(rows.x.nrows(), rows.x.ncols(), |i, c| rows.x[(i, c)] * slope[i]);
         let bread = inverse_where_known(&rows.x.tr_mul(&weighed));
-        let covariance = block_covariance(&bread, &rows.x, &psi, &rows.block);
+        let covariance = clustered_covariance(&bread, &rows.x, &psi, &rows.block, rows.x.nrows());
         let mut fit = rows.fit(NAME, &solved.values, &covariance)?;
         if self.loss == Loss::Squares {
             rows.note_of_pull(&mut fit, &rows.pull(&solved.values, &inverse));

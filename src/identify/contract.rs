@@ -1,17 +1,17 @@
 //! What every physical method promises, tested over the whole list.
 
-use super::{Fit, Identifier, IdentifyError, Task, all};
+use super::{Fit, Identifier, IdentifyError, Task, all, find};
 use crate::model::Model;
-use crate::recording::Recording;
-use crate::robot::Robot;
-use crate::simulate::{Hold, Movement, NoiseLevel, Recorder, Segment, record};
+use crate::recording::{Channels, DriveUnit, Recording};
+use crate::robot::{Robot, State};
+use crate::simulate::{Hold, Input, Movement, NoiseLevel, Recorder, Segment, record, simulate};
 
 /// Noise level N2: an ordinary robot.
 const N2: NoiseLevel = NoiseLevel { dalpha: 0.05, alpha: 1e-3, moment: 0.005 };
 const NONE: NoiseLevel = NoiseLevel { dalpha: 0.0, alpha: 0.0, moment: 0.0 };
 
 fn methods() -> Vec<Box<dyn Identifier>> {
-    all().into_iter().filter(|m| !m.describe().name.starts_with("fuzzy_")).collect()
+    all().into_iter().filter(|m| !m.fits_emulator()).collect()
 }
 
 /// A recording at 100 Hz of the robot under a speed controller at 1 kHz.
@@ -74,7 +74,9 @@ fn intervals_hold_the_truth_at_ordinary_noise() {
     let model = Model::base(Robot::amigobot());
     let held: Vec<_> = methods().into_iter().filter(|m| intervals_hold(&**m)).collect();
     let names: Vec<String> = held.iter().map(|m| m.describe().name).collect();
-    assert_eq!(names, ["prediction_error", "weak_form"]);
+    for name in ["prediction_error", "weak_form"] {
+        assert!(names.iter().any(|n| n == name), "{name} is no longer held to its intervals");
+    }
     for seed in [2, 8] {
         let train = rich(&model, N2, seed, 4);
         for method in &held {
@@ -276,4 +278,32 @@ fn the_best_of_several_starts_is_no_worse_than_the_first() {
     assert!(three.work.evaluations > one.work.evaluations);
     let (a, b) = (one.estimates[0].value, three.estimates[0].value);
     assert!((a / b - 1.0).abs() < 1e-3, "{a} {b}");
+}
+
+/// The paper's movement with torques that are exactly linear between the rows, and no noise.
+fn exact_paper_movement(model: &Model) -> Recording {
+    let driven = made(model, &Movement::paper(), NONE, 1);
+    let (t, moment) = (driven.t().to_vec(), driven.moment().to_vec());
+    let input = Input { t: &t, moment: &moment, hold: Hold::Linear };
+    let motion = simulate(model, &model.initial(), &input, State::default()).unwrap();
+    let alpha = Some(motion.iter().map(|s| s.alpha).collect());
+    let omega = Some(motion.iter().map(|s| s.omega).collect());
+    let channels = Channels { t: t.clone(), alpha, omega, moment: moment.clone() };
+    Recording::new("exact", channels, DriveUnit::NewtonMetre).unwrap()
+}
+
+#[test]
+fn friction_at_rest_does_not_leak_into_the_filtered_rows() {
+    let model = Model::base(Robot::amigobot());
+    let train = [exact_paper_movement(&model)];
+    // a filter as narrow as noise makes it: its answer is longer than the rows left out at the ends
+    let options: toml::Table = "cutoff_hz = 2.0".parse().unwrap();
+    for name in ["torque_regression", "recursive_least_squares", "total_least_squares"] {
+        let method = find(name).unwrap().configure(&options).unwrap();
+        let fit = identify(&*method, &model, &train).unwrap();
+        for (e, truth) in fit.estimates.iter().zip(model.initial()).skip(3) {
+            // differences and squares of filtered speeds; leakage from rest makes 4e-4
+            assert!((e.value / truth - 1.0).abs() < 5e-5, "{name} {} {}", e.symbol, e.value);
+        }
+    }
 }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
+use crate::math::distribution::{normal_quantile, t_quantile};
 use crate::model::Model;
 use crate::simulate::{Dynamics, PhysicalDynamics};
 
@@ -24,6 +25,10 @@ pub struct Estimate {
     pub identifiable: bool,
     /// Held at its value instead of estimated.
     pub fixed: bool,
+    /// Degrees of freedom of the standard error; infinite where it is not estimated from few
+    /// blocks.
+    #[serde(skip)]
+    pub degrees: f64,
 }
 
 impl Estimate {
@@ -40,7 +45,21 @@ impl Estimate {
             interval: (value - reach, value + reach),
             identifiable,
             fixed: false,
+            degrees: f64::INFINITY,
         }
+    }
+
+    /// The same with the 95 % interval of Student's t with so many degrees of freedom.
+    #[must_use]
+    pub fn with_degrees(mut self, degrees: f64) -> Self {
+        let t = if degrees.is_finite() {
+            t_quantile(0.975, degrees.max(1.0))
+        } else {
+            normal_quantile(0.975)
+        };
+        let reach = t * self.std_error;
+        (self.degrees, self.interval) = (degrees, (self.value - reach, self.value + reach));
+        self
     }
 }
 
@@ -54,6 +73,18 @@ pub enum Status {
     IterationLimit,
     /// No step lowers the cost, but the gradient is not zero.
     Stalled,
+}
+
+impl Status {
+    /// Its name in `results.json` and in tables.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::IterationLimit => "iteration_limit",
+            Self::Stalled => "stalled",
+        }
+    }
 }
 
 /// What a fit cost.
@@ -98,6 +129,8 @@ pub struct Fit {
     pub notes: Vec<String>,
     /// Curves for drawing.
     pub traces: Vec<Trace>,
+    /// Horizon over which predictions were judged [s], where the method has one.
+    pub horizon_s: Option<f64>,
 }
 
 impl Fit {
@@ -131,7 +164,16 @@ impl Fit {
             work: Work::default(),
             notes: vec![],
             traces: vec![],
+            horizon_s: None,
         }
+    }
+
+    /// The same with intervals of Student's t with so many degrees of freedom.
+    #[must_use]
+    pub fn with_degrees(mut self, degrees: f64) -> Self {
+        let estimates = self.estimates.into_iter().map(|e| e.with_degrees(degrees));
+        self.estimates = estimates.collect();
+        self
     }
 
     /// The estimate of a symbol.

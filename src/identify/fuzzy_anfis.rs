@@ -1,12 +1,12 @@
 //! Fuzzy emulator whose membership functions learn too.
 
 use nalgebra::DVector;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::fuzzy::{
-    Journal, Limits, Problem, Settings, continuation, described, finish, levenberg_marquardt,
+    Found, Fuzzy, Job, Journal, Limits, Problem, Search, continuation, levenberg_marquardt,
 };
-use super::{Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task};
+use super::{IdentifyError, MethodDescription, Status};
 use crate::simulate::Structure;
 
 /// Hybrid learning: consequents by least squares, centres and widths down the gradient.
@@ -21,39 +21,36 @@ use crate::simulate::Structure;
 ///
 /// Source: Jang, ANFIS, IEEE Trans. SMC 23 (1993); the paper's conclusion names learning of the
 /// fuzzy sets by neural networks, which this is.
-#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-pub struct FuzzyAnfis {
-    /// Options of all fuzzy methods.
-    #[serde(skip)]
-    pub settings: Settings,
-    /// Rounds of both steps.
+pub struct Anfis {
+    /// Rounds of fitting consequents and moving premises.
     pub epochs: usize,
     /// First step of the premises, in units of their spacing.
+    #[schemars(range(max = 1.0), extend("exclusiveMinimum" = 0))]
     pub step: f64,
 }
 
-impl Default for FuzzyAnfis {
+impl Default for Anfis {
     fn default() -> Self {
-        Self { settings: Settings::default(), epochs: 40, step: 0.05 }
+        Self { epochs: 40, step: 0.05 }
     }
 }
 
-/// Name in experiment files.
-const NAME: &str = "fuzzy_anfis";
-const OPTIONS: [(&str, &str, &str); 2] = [
-    ("epochs", "40", "rounds of fitting consequents and moving premises"),
-    ("step", "0.05", "first step of centres and widths, in units of their spacing"),
-];
 /// Step below which the premises have converged.
 const SMALLEST_STEP: f64 = 1e-4;
 /// Steps tried on the consequents in an epoch, at the most.
 const INNER: usize = 6;
 
-impl Identifier for FuzzyAnfis {
-    fn describe(&self) -> MethodDescription {
+/// The method: this search with the options of all fuzzy methods.
+pub type FuzzyAnfis = Fuzzy<Anfis>;
+
+impl Search for Anfis {
+    const NAME: &'static str = "fuzzy_anfis";
+
+    fn describe() -> MethodDescription {
         MethodDescription {
-            name: NAME.into(),
+            name: Self::NAME.into(),
             title: "Fuzzy emulator: ANFIS, membership functions learn too".into(),
             equation: "consequents by least squares, then centres and widths by a gradient step, \
                        in turns"
@@ -63,39 +60,22 @@ impl Identifier for FuzzyAnfis {
                        the paper's range of 0 to 30 rad/s"
                 .into(),
             avoid_when: "36 rules over the range of the data already reach the noise floor".into(),
-            options: described(&OPTIONS),
         }
     }
 
-    fn schema(&self) -> schemars::Schema {
-        Settings::schema::<Self>()
-    }
-
-    fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {
-        let (settings, own) = Settings::split::<Self>(NAME, options, &OPTIONS)?;
-        if !(own.step > 0.0 && own.step <= 1.0) {
-            let message = format!("step = {}; expected above 0, up to 1", own.step);
-            return Err(OptionError { method: NAME.into(), message });
-        }
-        Ok(Box::new(Self { settings, ..own }))
-    }
-
-    fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
-        let (mut problem, level) = self.settings.problem(task, NAME)?;
-        let journal = Journal::default();
-        let ridge = self.settings.ridge;
+    fn search(&self, job: &mut Job) -> Result<Found, IdentifyError> {
+        let Job { problem, level, ridge, journal, .. } = job;
         let limits = Limits { iterations: 60, tolerance: 1e-4 };
-        let (theta, ..) = continuation(&problem, &level, ridge, limits, &journal, NAME)?;
-        let mut learner = Learner { theta, level, ridge, journal: &journal };
-        let (epochs, status) = learner.learn(&mut problem, self.epochs, self.step)?;
-        let theta = learner.theta.as_slice();
-        Ok(finish(NAME, &problem, theta, status, epochs, &journal))
+        let (theta, ..) = continuation(problem, level, *ridge, limits, journal, Self::NAME)?;
+        let mut learner = Learner { theta, level, ridge: *ridge, journal };
+        let (iterations, status) = learner.learn(problem, self.epochs, self.step)?;
+        Ok(Found { theta: learner.theta.as_slice().to_vec(), iterations, status })
     }
 }
 
 struct Learner<'a> {
     theta: DVector<f64>,
-    level: DVector<f64>,
+    level: &'a DVector<f64>,
     ridge: f64,
     journal: &'a Journal,
 }
@@ -149,10 +129,10 @@ impl Learner<'_> {
 
     fn consequents(&self, problem: &Problem) -> Result<DVector<f64>, IdentifyError> {
         if problem.structure == Structure::SerialParallel {
-            return problem.closed_form(&self.level, self.ridge, NAME);
+            return problem.closed_form(self.level, self.ridge, Anfis::NAME);
         }
         let limits = Limits { iterations: INNER, tolerance: 1e-4 };
-        let (theta, level) = (&self.theta, &self.level);
+        let (theta, level) = (&self.theta, self.level);
         let journal = self.journal;
         Ok(levenberg_marquardt(problem, theta, level, self.ridge, limits, journal).0)
     }

@@ -4,10 +4,10 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
-use super::fuzzy::{Journal, Problem, Settings, Start, described, finish};
-use super::{Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task};
+use super::fuzzy::{Found, Fuzzy, Job, Journal, Problem, Search, Start};
+use super::{IdentifyError, MethodDescription, Status};
 
 /// A real-coded genetic algorithm over the consequents of the rules that the recordings reach.
 ///
@@ -22,50 +22,41 @@ use super::{Fit, Identifier, IdentifyError, MethodDescription, OptionError, Stat
 ///
 /// Source: the paper's abstract (genetic algorithms); Eshelman and Schaffer, Foundations of Genetic
 /// Algorithms 2 (1993) for the crossover.
-#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-pub struct FuzzyGenetic {
-    /// Options of all fuzzy methods.
-    #[serde(skip)]
-    pub settings: Settings,
+pub struct Genetic {
     /// Individuals.
+    #[schemars(range(min = 4))]
     pub population: usize,
     /// Generations.
     pub generations: usize,
     /// Half the interval of every consequent, about the start [rad/s²].
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub reach: f64,
     /// Where the first individual is.
     pub start: Start,
 }
 
-impl Default for FuzzyGenetic {
+impl Default for Genetic {
     fn default() -> Self {
-        let settings = Settings::default();
-        Self { settings, population: 40, generations: 100, reach: 5.0, start: Start::Friction }
+        Self { population: 40, generations: 100, reach: 5.0, start: Start::Friction }
     }
 }
 
-/// Name in experiment files.
-const NAME: &str = "fuzzy_genetic";
-const OPTIONS: [(&str, &str, &str); 4] = [
-    ("population", "40", "individuals (4 or more)"),
-    ("generations", "100", "generations"),
-    ("reach", "5.0", "half the interval of every consequent, about the start, in rad/s^2"),
-    (
-        "start",
-        "\"friction\"",
-        "\"friction\" level, \"closed_form\", the \"best\" of the two, or \"zero\"",
-    ),
-];
 /// Individuals that survive as they are.
 const ELITE: usize = 2;
 /// How far beyond its parents a child may lie, relative to their distance.
 const BEYOND: f64 = 0.3;
 
-impl Identifier for FuzzyGenetic {
-    fn describe(&self) -> MethodDescription {
+/// The method: this search with the options of all fuzzy methods.
+pub type FuzzyGenetic = Fuzzy<Genetic>;
+
+impl Search for Genetic {
+    const NAME: &'static str = "fuzzy_genetic";
+
+    fn describe() -> MethodDescription {
         MethodDescription {
-            name: NAME.into(),
+            name: Self::NAME.into(),
             title: "Fuzzy emulator: genetic algorithm".into(),
             equation: "tournaments of three, BLX-0.3 crossover, shrinking normal mutation, elite \
                        of two"
@@ -77,40 +68,20 @@ impl Identifier for FuzzyGenetic {
             avoid_when: "time or accuracy matters: thousands of simulations end above what \
                          fuzzy_levenberg_marquardt reaches with fifty"
                 .into(),
-            options: described(&OPTIONS),
         }
     }
 
-    fn schema(&self) -> schemars::Schema {
-        Settings::schema::<Self>()
-    }
-
-    fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {
-        let (settings, own) = Settings::split::<Self>(NAME, options, &OPTIONS)?;
-        let refuse = |message: String| Err(OptionError { method: NAME.into(), message });
-        if own.population < 4 {
-            return refuse(format!("population = {}; expected 4 or more", own.population));
-        }
-        if !(own.reach > 0.0 && own.reach.is_finite()) {
-            return refuse(format!("reach = {}; expected a number above 0", own.reach));
-        }
-        Ok(Box::new(Self { settings, ..own }))
-    }
-
-    fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
-        let (problem, level) = self.settings.problem(task, NAME)?;
-        let journal = Journal::default();
-        let start = self.start.of(&problem, &level, self.settings.ridge, NAME)?;
-        let theta = self.evolve(&problem, start.as_slice(), task.seed, &journal);
-        let status = Status::IterationLimit;
-        Ok(finish(NAME, &problem, &theta, status, self.generations, &journal))
+    fn search(&self, job: &mut Job) -> Result<Found, IdentifyError> {
+        let start = job.start(self.start)?;
+        let theta = self.evolve(&job.problem, start.as_slice(), job.seed, &job.journal);
+        Ok(Found { theta, iterations: self.generations, status: Status::IterationLimit })
     }
 }
 
 /// Genes (steps from the start, in units of the reach, within ±1) and their cost.
 type Individual = (Vec<f64>, f64);
 
-impl FuzzyGenetic {
+impl Genetic {
     fn evolve(&self, problem: &Problem, start: &[f64], seed: u64, journal: &Journal) -> Vec<f64> {
         let free = problem.reached();
         let mut rng = ChaCha8Rng::seed_from_u64(seed);

@@ -1,11 +1,9 @@
 //! Fuzzy emulator by Levenberg-Marquardt with exact sensitivities.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
-use super::fuzzy::{
-    Journal, Limits, Settings, Start, continuation, described, finish, levenberg_marquardt,
-};
-use super::{Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task};
+use super::fuzzy::{Found, Fuzzy, Job, Limits, Search, Start, continuation, levenberg_marquardt};
+use super::{IdentifyError, MethodDescription};
 
 /// Levenberg-Marquardt over the consequents, with the gain lowered step by step.
 ///
@@ -19,44 +17,32 @@ use super::{Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task
 ///
 /// Source: the paper, eq. (19); Marquardt, SIAM J. 11 (1963); continuation: Allgower and Georg,
 /// Numerical Continuation Methods (1990).
-#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-pub struct FuzzyLevenbergMarquardt {
-    /// Options of all fuzzy methods.
-    #[serde(skip)]
-    pub settings: Settings,
-    /// Steps tried at each gain, at the most.
+pub struct LevenbergMarquardt {
+    /// Steps at each gain, at the most.
     pub iterations: usize,
-    /// Whether the gain is lowered step by step.
+    /// Whether the gain is lowered step by step from 20 1/s (parallel structure).
     pub continuation: bool,
     /// Where it starts without continuation.
     pub start: Start,
 }
 
-impl Default for FuzzyLevenbergMarquardt {
+impl Default for LevenbergMarquardt {
     fn default() -> Self {
-        let settings = Settings::default();
-        Self { settings, iterations: 60, continuation: true, start: Start::Best }
+        Self { iterations: 60, continuation: true, start: Start::Best }
     }
 }
 
-/// Name in experiment files.
-const NAME: &str = "fuzzy_levenberg_marquardt";
-const OPTIONS: [(&str, &str, &str); 3] = [
-    ("iterations", "60", "steps tried at each gain, at the most"),
-    ("continuation", "true", "lower the gain step by step from 20 1/s (parallel structure)"),
-    (
-        "start",
-        "\"best\"",
-        "without continuation: \"friction\" level, \"closed_form\", the \"best\" of the two, or \
-         \"zero\"",
-    ),
-];
+/// The method: this search with the options of all fuzzy methods.
+pub type FuzzyLevenbergMarquardt = Fuzzy<LevenbergMarquardt>;
 
-impl Identifier for FuzzyLevenbergMarquardt {
-    fn describe(&self) -> MethodDescription {
+impl Search for LevenbergMarquardt {
+    const NAME: &'static str = "fuzzy_levenberg_marquardt";
+
+    fn describe() -> MethodDescription {
         MethodDescription {
-            name: NAME.into(),
+            name: Self::NAME.into(),
             title: "Fuzzy emulator: Levenberg-Marquardt with continuation in the gain".into(),
             equation: "S' = (dfhat/dwhat - K) S + Phi; minimise the ISE for K = 20, 10, 5, ... \
                        down to `gain`"
@@ -67,30 +53,18 @@ impl Identifier for FuzzyLevenbergMarquardt {
                 .into(),
             avoid_when: "parameters with a meaning are wanted, or motion outside the training data"
                 .into(),
-            options: described(&OPTIONS),
         }
     }
 
-    fn schema(&self) -> schemars::Schema {
-        Settings::schema::<Self>()
-    }
-
-    fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {
-        let (settings, own) = Settings::split::<Self>(NAME, options, &OPTIONS)?;
-        Ok(Box::new(Self { settings, ..own }))
-    }
-
-    fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
-        let (problem, level) = self.settings.problem(task, NAME)?;
-        let journal = Journal::default();
-        let (ridge, limits) =
-            (self.settings.ridge, Limits { iterations: self.iterations, tolerance: 1e-6 });
+    fn search(&self, job: &mut Job) -> Result<Found, IdentifyError> {
+        let limits = Limits { iterations: self.iterations, tolerance: 1e-6 };
+        let (problem, level, journal) = (&job.problem, &job.level, &job.journal);
         let (theta, iterations, status) = if self.continuation {
-            continuation(&problem, &level, ridge, limits, &journal, NAME)?
+            continuation(problem, level, job.ridge, limits, journal, Self::NAME)?
         } else {
-            let start = self.start.of(&problem, &level, ridge, NAME)?;
-            levenberg_marquardt(&problem, &start, &level, ridge, limits, &journal)
+            let start = job.start(self.start)?;
+            levenberg_marquardt(problem, &start, level, job.ridge, limits, journal)
         };
-        Ok(finish(NAME, &problem, theta.as_slice(), status, iterations, &journal))
+        Ok(Found { theta: theta.as_slice().to_vec(), iterations, status })
     }
 }

@@ -2,10 +2,10 @@
 
 use argmin::core::{CostFunction, Executor, State};
 use argmin::solver::brent::BrentOpt;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
-use super::fuzzy::{Journal, Problem, Settings, Start, described, finish};
-use super::{Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task};
+use super::fuzzy::{Found, Fuzzy, Job, Journal, Problem, Search, Start};
+use super::{IdentifyError, MethodDescription, Status};
 
 /// Cyclic bounded searches over one consequent at a time, as MATLAB's fminbnd does them.
 ///
@@ -18,15 +18,13 @@ use super::{Fit, Identifier, IdentifyError, MethodDescription, OptionError, Stat
 ///
 /// Source: the paper, section 3 (fminbnd); Brent, Algorithms for Minimization without Derivatives
 /// (1973), ch. 5.
-#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-pub struct FuzzyLineSearch {
-    /// Options of all fuzzy methods.
-    #[serde(skip)]
-    pub settings: Settings,
+pub struct LineSearch {
     /// Rounds through all consequents.
     pub sweeps: usize,
     /// Half the interval of every search, about the start [rad/s²].
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub reach: f64,
     /// Length of a search, in evaluations at the most.
     pub evaluations: u64,
@@ -34,32 +32,24 @@ pub struct FuzzyLineSearch {
     pub start: Start,
 }
 
-impl Default for FuzzyLineSearch {
+impl Default for LineSearch {
     fn default() -> Self {
-        let settings = Settings::default();
-        Self { settings, sweeps: 6, reach: 10.0, evaluations: 20, start: Start::Friction }
+        Self { sweeps: 6, reach: 10.0, evaluations: 20, start: Start::Friction }
     }
 }
 
-/// Name in experiment files.
-const NAME: &str = "fuzzy_line_search";
-const OPTIONS: [(&str, &str, &str); 4] = [
-    ("sweeps", "6", "rounds through all consequents"),
-    ("reach", "10.0", "half the interval of every search, about the start, in rad/s^2"),
-    ("evaluations", "20", "evaluations of one search at the most"),
-    (
-        "start",
-        "\"friction\"",
-        "\"friction\" level, \"closed_form\", the \"best\" of the two, or \"zero\"",
-    ),
-];
 /// Relative fall over a sweep below which it has converged.
 const TOLERANCE: f64 = 1e-4;
 
-impl Identifier for FuzzyLineSearch {
-    fn describe(&self) -> MethodDescription {
+/// The method: this search with the options of all fuzzy methods.
+pub type FuzzyLineSearch = Fuzzy<LineSearch>;
+
+impl Search for LineSearch {
+    const NAME: &'static str = "fuzzy_line_search";
+
+    fn describe() -> MethodDescription {
         MethodDescription {
-            name: NAME.into(),
+            name: Self::NAME.into(),
             title: "Fuzzy emulator: cyclic bounded line searches (the paper's fminbnd)".into(),
             equation: "theta_j = arg min ISE within start_j ± reach, for every j in turn".into(),
             source: "Giergiel and Buratowski 2010, section 3; Brent 1973, ch. 5".into(),
@@ -67,46 +57,31 @@ impl Identifier for FuzzyLineSearch {
             avoid_when: "a low ISE is wanted: neighbouring rules depend on each other, so moving \
                          one at a time creeps; fuzzy_levenberg_marquardt gets lower and faster"
                 .into(),
-            options: described(&OPTIONS),
         }
     }
 
-    fn schema(&self) -> schemars::Schema {
-        Settings::schema::<Self>()
-    }
-
-    fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {
-        let (settings, own) = Settings::split::<Self>(NAME, options, &OPTIONS)?;
-        if !(own.reach > 0.0 && own.reach.is_finite()) {
-            let message = format!("reach = {}; expected a number above 0", own.reach);
-            return Err(OptionError { method: NAME.into(), message });
-        }
-        Ok(Box::new(Self { settings, ..own }))
-    }
-
-    fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
-        let (problem, level) = self.settings.problem(task, NAME)?;
-        let journal = Journal::default();
-        let start = self.start.of(&problem, &level, self.settings.ridge, NAME)?;
+    fn search(&self, job: &mut Job) -> Result<Found, IdentifyError> {
+        let start = job.start(self.start)?;
+        let (problem, journal) = (&job.problem, &job.journal);
         let mut theta = start.as_slice().to_vec();
         let mut cost = problem.cost(&theta);
         journal.note(cost);
-        let (mut status, mut sweeps) = (Status::IterationLimit, 0);
-        while sweeps < self.sweeps && status == Status::IterationLimit {
+        let (mut status, mut iterations) = (Status::IterationLimit, 0);
+        while iterations < self.sweeps && status == Status::IterationLimit {
             let before = cost;
             for j in problem.reached() {
-                let line = Line { problem: &problem, theta: &theta, j, journal: &journal };
+                let line = Line { problem, theta: &theta, j, journal };
                 let bounds = (start[j] - self.reach, start[j] + self.reach);
                 if let Some((value, lower)) = line.minimum(bounds, self.evaluations, cost) {
                     (theta[j], cost) = (value, lower);
                 }
             }
-            sweeps += 1;
+            iterations += 1;
             if before - cost <= TOLERANCE * before {
                 status = Status::Converged;
             }
         }
-        Ok(finish(NAME, &problem, &theta, status, sweeps, &journal))
+        Ok(Found { theta, iterations, status })
     }
 }
 

@@ -2,10 +2,10 @@
 
 use argmin::core::{CostFunction, Executor, State};
 use argmin::solver::neldermead::NelderMead;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
-use super::fuzzy::{Journal, Problem, Settings, Start, described, finish};
-use super::{Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task};
+use super::fuzzy::{Found, Fuzzy, Job, Search, Start};
+use super::{IdentifyError, MethodDescription, Status};
 
 /// The simplex of Nelder and Mead over the consequents of the rules that the recordings reach.
 ///
@@ -14,43 +14,33 @@ use super::{Fit, Identifier, IdentifyError, MethodDescription, OptionError, Stat
 /// ```
 ///
 /// Source: Nelder and Mead, Computer Journal 7 (1965), as MATLAB's fminsearch.
-#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-pub struct FuzzyNelderMead {
-    /// Options of all fuzzy methods.
-    #[serde(skip)]
-    pub settings: Settings,
+pub struct Simplex {
     /// Moves of the simplex at the most.
     pub iterations: u64,
     /// Edge of the first simplex [rad/s²].
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub edge: f64,
     /// Where it starts.
     pub start: Start,
 }
 
-impl Default for FuzzyNelderMead {
+impl Default for Simplex {
     fn default() -> Self {
-        let settings = Settings::default();
-        Self { settings, iterations: 4000, edge: 0.5, start: Start::Best }
+        Self { iterations: 4000, edge: 0.5, start: Start::Best }
     }
 }
 
-/// Name in experiment files.
-const NAME: &str = "fuzzy_nelder_mead";
-const OPTIONS: [(&str, &str, &str); 3] = [
-    ("iterations", "4000", "moves of the simplex at the most"),
-    ("edge", "0.5", "edge of the first simplex in rad/s^2"),
-    (
-        "start",
-        "\"best\"",
-        "\"friction\" level, \"closed_form\", the \"best\" of the two, or \"zero\"",
-    ),
-];
+/// The method: this search with the options of all fuzzy methods.
+pub type FuzzyNelderMead = Fuzzy<Simplex>;
 
-impl Identifier for FuzzyNelderMead {
-    fn describe(&self) -> MethodDescription {
+impl Search for Simplex {
+    const NAME: &'static str = "fuzzy_nelder_mead";
+
+    fn describe() -> MethodDescription {
         MethodDescription {
-            name: NAME.into(),
+            name: Self::NAME.into(),
             title: "Fuzzy emulator: Nelder-Mead simplex".into(),
             equation: "minimise ISE(theta) without derivatives by a simplex of n + 1 points".into(),
             source: "Nelder and Mead 1965".into(),
@@ -58,58 +48,35 @@ impl Identifier for FuzzyNelderMead {
             avoid_when: "more than a dozen rules are fitted: the simplex stagnates in many \
                          dimensions"
                 .into(),
-            options: described(&OPTIONS),
         }
     }
 
-    fn schema(&self) -> schemars::Schema {
-        Settings::schema::<Self>()
-    }
-
-    fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {
-        let (settings, own) = Settings::split::<Self>(NAME, options, &OPTIONS)?;
-        if !(own.edge > 0.0 && own.edge.is_finite()) {
-            let message = format!("edge = {}; expected a number above 0", own.edge);
-            return Err(OptionError { method: NAME.into(), message });
-        }
-        Ok(Box::new(Self { settings, ..own }))
-    }
-
-    fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
-        let (problem, level) = self.settings.problem(task, NAME)?;
-        let journal = Journal::default();
-        let start = self.start.of(&problem, &level, self.settings.ridge, NAME)?;
-        let simplex = Simplex {
-            problem: &problem,
-            start: start.as_slice().to_vec(),
-            free: problem.reached(),
-            journal: &journal,
-        };
-        let (theta, iterations, status) = simplex.descend(self.edge, self.iterations)?;
-        Ok(finish(NAME, &problem, &theta, status, iterations, &journal))
+    fn search(&self, job: &mut Job) -> Result<Found, IdentifyError> {
+        let start = job.start(self.start)?.as_slice().to_vec();
+        let simplex = Corners { job, start, free: job.problem.reached() };
+        simplex.descend(self.edge, self.iterations)
     }
 }
 
 /// The cost over the consequents in `free`, as steps from `start`.
-struct Simplex<'a> {
-    problem: &'a Problem,
+struct Corners<'a> {
+    job: &'a Job,
     start: Vec<f64>,
     free: Vec<usize>,
-    journal: &'a Journal,
 }
 
-impl CostFunction for Simplex<'_> {
+impl CostFunction for Corners<'_> {
     type Param = Vec<f64>;
     type Output = f64;
 
     fn cost(&self, steps: &Vec<f64>) -> Result<f64, argmin::core::Error> {
-        let cost = self.problem.cost(&self.theta(steps));
-        self.journal.note(cost);
+        let cost = self.job.problem.cost(&self.theta(steps));
+        self.job.journal.note(cost);
         Ok(cost)
     }
 }
 
-impl Simplex<'_> {
+impl Corners<'_> {
     fn theta(&self, steps: &[f64]) -> Vec<f64> {
         let mut theta = self.start.clone();
         for (&j, step) in self.free.iter().zip(steps) {
@@ -118,18 +85,11 @@ impl Simplex<'_> {
         theta
     }
 
-    fn descend(
-        self,
-        edge: f64,
-        iterations: u64,
-    ) -> Result<(Vec<f64>, usize, Status), IdentifyError> {
-        let n = self.free.len();
+    fn descend(self, edge: f64, iterations: u64) -> Result<Found, IdentifyError> {
+        let (n, job) = (self.free.len(), self.job);
         let corner = |i: usize| (0..n).map(|j| if i == j { edge } else { 0.0 }).collect();
         let points: Vec<Vec<f64>> = (0..=n).map(corner).rev().collect();
-        let refuse = |e: argmin::core::Error| IdentifyError::NoStart {
-            method: NAME.into(),
-            reason: e.to_string(),
-        };
+        let refuse = |e: argmin::core::Error| job.no_start(e);
         let solver = NelderMead::new(points).with_sd_tolerance(1e-9).map_err(refuse)?;
         let run = Executor::new(self, solver).configure(|s| s.max_iters(iterations)).run();
         let run = run.map_err(refuse)?;
@@ -137,8 +97,8 @@ impl Simplex<'_> {
         let steps = state.get_best_param().cloned().unwrap_or_default();
         let done = state.get_iter();
         let status = if done < iterations { Status::Converged } else { Status::IterationLimit };
-        let problem = run.problem.problem.as_ref();
-        let theta = problem.map_or_else(Vec::new, |simplex| simplex.theta(&steps));
-        Ok((theta, done as usize, status))
+        let corners = run.problem.problem.as_ref();
+        let theta = corners.map_or_else(Vec::new, |corners| corners.theta(&steps));
+        Ok(Found { theta, iterations: done as usize, status })
     }
 }

@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::regressor::Regressor;
 use crate::effects::Motion;
+use crate::math::Information;
 use crate::model::Model;
 use crate::recording::Recording;
 
@@ -18,8 +19,6 @@ pub(super) struct Identified {
 /// A parameter whose moment, at the speeds of the recordings, is uncertain by more than this many
 /// times the largest drive is not known.
 const HOPELESS: f64 = 1e3;
-/// Directions with less than this share of the information, after scaling, are not known.
-const WEAK: f64 = 1e-10;
 /// Directions in which noise makes this share of the columns are not known.
 const NOISE_SHARE: f64 = 0.5;
 /// Parts of a projection below this are rounding.
@@ -28,6 +27,14 @@ const ROUNDING: f64 = 1e-9;
 const ROUGH: f64 = 0.1;
 /// Parameters with less than this part in a direction do not take part in it.
 const PART: f64 = 1e-3;
+
+/// How a method counts one axis that is written down as two wheels: the filter measures it once, sums over
+/// the rows of both wheels take it twice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum SingleAxis {
+    CountedOnce,
+    CountedTwice,
+}
 
 /// Inverts the information of the free parameters (scaled to unit diagonal) and says which the
 /// data cannot give, which combination of two they give instead, and which motion would help.
@@ -39,6 +46,7 @@ pub(super) fn identified(
     values: &[f64],
     information: &DMatrix<f64>,
     given: Option<&DMatrix<f64>>,
+    axis: SingleAxis,
     train: &[Recording],
 ) -> Identified {
     let free = model.free();
@@ -48,53 +56,26 @@ pub(super) fn identified(
         information.row_mut(j).fill(0.0);
         information.column_mut(j).fill(0.0);
     }
-    let scale: Vec<f64> = free
-        .iter()
-        .map(|&j| {
-            let d = information[(j, j)];
-            if d > 0.0 { d.sqrt() } else { 1.0 }
-        })
-        .collect();
-    let scaled =
-        DMatrix::from_fn(n, n, |i, k| information[(free[i], free[k])] / (scale[i] * scale[k]));
-    let eigen = scaled.symmetric_eigen();
-    let total = model.parameters().len();
-    let mut covariance = DMatrix::zeros(total, total);
-    let mut directions = Vec::new();
-    for (value, v) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
-        if *value > WEAK {
-            for i in 0..n {
-                for k in 0..n {
-                    covariance[(free[i], free[k])] += v[i] * v[k] / (value * scale[i] * scale[k]);
-                }
-            }
-        } else {
-            directions.push(v.clone_owned());
-        }
-    }
-    if let Some(given) = given {
-        covariance = given.clone();
-    }
-    let finite = covariance.clone();
+    let known = Information::new(&information.select_rows(&free).select_columns(&free));
+    let scale = known.scale();
+    let finite = given.cloned().unwrap_or_else(|| among_all(model, &known.inverse()));
+    let mut covariance = finite.clone();
     let mut notes = Vec::new();
-    let directions = match directions.as_slice() {
-        [] => DMatrix::zeros(n, 0),
-        some => sparse_basis(&DMatrix::from_columns(some), PART),
-    };
+    let directions = sparse_basis(&known.null_directions(), PART);
     for direction in directions.column_iter() {
         let direction = direction.into_owned();
         let part: Vec<usize> = (0..n).filter(|&i| direction[i] != 0.0).collect();
         for &i in &part {
             covariance[(free[i], free[i])] = f64::INFINITY;
         }
-        notes.push(sentence(model, values, &finite, &free, &scale, &direction, &part));
+        notes.push(sentence(model, values, &finite, &free, scale, &direction, &part));
     }
     if train.iter().all(Recording::is_single_axis) {
-        // the filter counts one axis once; sums over the rows of both wheels do not
-        let twice = if given.is_some() {
-            ", and their standard errors count the same data twice (multiply by 1.41)"
-        } else {
-            ""
+        let twice = match axis {
+            SingleAxis::CountedOnce => "",
+            SingleAxis::CountedTwice => {
+                ", and their standard errors count the same data twice (multiply by 1.41)"
+            }
         };
         notes.push(format!(
             "Both wheels carry the same numbers: this is one axis, so only sums over the two \
@@ -102,6 +83,19 @@ pub(super) fn identified(
         ));
     }
     Identified { covariance, notes }
+}
+
+/// The covariance of all parameters from that of the free ones: the others have none.
+pub(super) fn among_all(model: &Model, of_free: &DMatrix<f64>) -> DMatrix<f64> {
+    let total = model.parameters().len();
+    let free = model.free();
+    let mut all = DMatrix::zeros(total, total);
+    for (i, &a) in free.iter().enumerate() {
+        for (k, &b) in free.iter().enumerate() {
+            all[(a, b)] = of_free[(i, k)];
+        }
+    }
+    all
 }
 
 /// Linear parameters of which rounding is all the data hold: a column that should be zero never is
@@ -113,21 +107,35 @@ fn hopeless(
     given: Option<&DMatrix<f64>>,
     train: &[Recording],
 ) -> Vec<usize> {
+    let input = largest_input(train);
+    let wanting = |(j, torque): (usize, f64)| {
+        let variance = given.map_or_else(|| 1.0 / information[(j, j)], |given| given[(j, j)]);
+        (variance.sqrt() * torque > HOPELESS * input).then_some(j)
+    };
+    torque_of_each(model, values, train).into_iter().filter_map(wanting).collect()
+}
+
+/// Largest recorded input [drive unit].
+pub(super) fn largest_input(train: &[Recording]) -> f64 {
+    let inputs = train.iter().flat_map(|r| r.moment().iter().flatten());
+    inputs.fold(0.0_f64, |most, m| most.max(m.abs()))
+}
+
+/// Every free linear parameter with the torque that one unit of it makes in a curve at the speeds
+/// of the recordings, reached within a second.
+pub(super) fn torque_of_each(
+    model: &Model,
+    values: &[f64],
+    train: &[Recording],
+) -> Vec<(usize, f64)> {
     let speed = train.iter().map(Recording::top_speed).fold(0.0, f64::max);
-    let drives = train.iter().flat_map(|r| r.moment().iter().flatten());
-    let drive = drives.fold(0.0_f64, |most, m| most.max(m.abs()));
     let regressor = Regressor::new(model, values);
-    // a lively curve at the speeds of the recordings
     let omega = [speed, -0.5 * speed];
     let motion =
         Motion { t: 0.0, alpha: [0.0; 2], omega, variance: [0.0; 4], robot: model.robot() };
     let balance = regressor.at(&motion);
-    let wanting = |(c, &j): (usize, &usize)| {
-        let variance = given.map_or_else(|| 1.0 / information[(j, j)], |given| given[(j, j)]);
-        let column = balance.moment(c, &omega).map(f64::abs);
-        (variance.sqrt() * column[0].max(column[1]) > HOPELESS * drive).then_some(j)
-    };
-    regressor.linear.iter().enumerate().filter_map(wanting).collect()
+    let torque = |c: usize| balance.moment(c, &omega).iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    regressor.linear.iter().enumerate().map(|(c, &j)| (j, torque(c))).collect()
 }
 
 /// The projection of parameters onto the directions in which columns move by more than their own
@@ -142,14 +150,15 @@ fn hopeless(
 /// known up to the noise, so parts of a few percent count as none and ratios near one as one.
 pub(super) fn known_part(a: &DMatrix<f64>, noise: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let n = a.nrows();
-    let half = whitening(a);
+    let known = Information::new(a);
+    let half = known.whitening();
     let share = (half.transpose() * noise * &half).symmetric_eigen();
     let dropped: Vec<usize> =
         (0..half.ncols()).filter(|&k| share.eigenvalues[k] > NOISE_SHARE).collect();
     if dropped.is_empty() {
         return None;
     }
-    let scale = unit_scale(a);
+    let scale = known.scale();
     let mut d = &half * share.eigenvectors.select_columns(&dropped);
     (0..n).for_each(|i| d.row_mut(i).scale_mut(scale[i]));
     let mut d = sparse_basis(&d, ROUGH);
@@ -206,28 +215,10 @@ fn sparse_basis(directions: &DMatrix<f64>, tolerance: f64) -> DMatrix<f64> {
     d
 }
 
-/// Square roots of the diagonal, one where it is not positive.
-fn unit_scale(a: &DMatrix<f64>) -> DVector<f64> {
-    a.diagonal().map(|d| if d > 0.0 { d.sqrt() } else { 1.0 })
-}
-
-/// Columns P with `P' A P = 1`, one a direction in which the symmetric matrix carries something.
-pub(super) fn whitening(a: &DMatrix<f64>) -> DMatrix<f64> {
-    let n = a.nrows();
-    let scale = unit_scale(a);
-    let scaled = DMatrix::from_fn(n, n, |i, k| a[(i, k)] / (scale[i] * scale[k]));
-    let eigen = scaled.symmetric_eigen();
-    let kept: Vec<usize> = (0..n).filter(|&i| eigen.eigenvalues[i] > WEAK).collect();
-    DMatrix::from_fn(n, kept.len(), |i, c| {
-        eigen.eigenvectors[(i, kept[c])] / (eigen.eigenvalues[kept[c]].sqrt() * scale[i])
-    })
-}
-
 /// Inverse of a symmetric matrix over the directions that carry something, after scaling it to
 /// unit diagonal.
 pub(super) fn inverse_where_known(matrix: &DMatrix<f64>) -> DMatrix<f64> {
-    let half = whitening(&(0.5 * (matrix + matrix.transpose())));
-    &half * half.transpose()
+    Information::new(matrix).inverse()
 }
 
 /// One sentence about a direction that the data do not give.
@@ -236,7 +227,7 @@ fn sentence(
     values: &[f64],
     finite: &DMatrix<f64>,
     free: &[usize],
-    scale: &[f64],
+    scale: &DVector<f64>,
     direction: &DVector<f64>,
     part: &[usize],
 ) -> String {

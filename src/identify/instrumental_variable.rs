@@ -3,15 +3,16 @@
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::identifiability::inverse_where_known;
-use super::inverse_dynamics::{Regression, Source, check_cutoff, cutoff_option};
-use super::linear_fit::{block_covariance, settle};
+use super::inverse_dynamics::{Regression, Source};
+use super::linear_fit::settle;
 use super::{
     Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task, from_options,
     options_schema, start,
 };
+use crate::math::clustered_covariance;
 use crate::simulate::{Gain, PhysicalDynamics, Structure, emulate};
 
 /// Instrumental variables for the inverse dynamics (IDIM-IV).
@@ -26,12 +27,14 @@ use crate::simulate::{Gain, PhysicalDynamics, Structure, emulate};
 ///
 /// Source: Janot, Vandanjon and Gautier, "A generic instrumental variable approach for industrial
 /// robot identification", IEEE Trans. Control Systems Technology 22 (2014).
-#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct InstrumentalVariable {
     /// Cut-off of the filter [Hz]; chosen from noise and motion unless given.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub cutoff_hz: Option<f64>,
     /// Gain that holds the simulated speeds near the measured ones [1/s].
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub gain: f64,
     /// Most simulations.
     pub iterations: usize,
@@ -51,7 +54,6 @@ const SETTLED: f64 = 0.01;
 
 impl Identifier for InstrumentalVariable {
     fn describe(&self) -> MethodDescription {
-        let option = |k: &str, d: &str, m: &str| (k.into(), d.into(), m.into());
         MethodDescription {
             name: NAME.into(),
             title: "Instrumental variables for inverse dynamics (IDIM-IV)".into(),
@@ -61,14 +63,9 @@ impl Identifier for InstrumentalVariable {
                 "as torque_regression, with noisy speeds: the simulated columns carry little \
                        of their noise"
                     .into(),
-            avoid_when: "the moments are noisy: their noise moves the simulated robot too; its \
+            avoid_when: "the torques are noisy: their noise moves the simulated robot too; its \
                          intervals do not know what the filter bends"
                 .into(),
-            options: vec![
-                cutoff_option(),
-                option("gain", "2.0", "gain that holds the simulation near the data [1/s]"),
-                option("iterations", "15", "most simulations"),
-            ],
         }
     }
 
@@ -77,13 +74,7 @@ impl Identifier for InstrumentalVariable {
     }
 
     fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {
-        let method: Self = from_options(NAME, options)?;
-        check_cutoff(NAME, method.cutoff_hz)?;
-        if !(method.gain > 0.0 && method.gain.is_finite()) {
-            let message = "`gain` must be a positive number".to_string();
-            return Err(OptionError { method: NAME.into(), message });
-        }
-        Ok(Box::new(method))
+        Ok(Box::new(from_options::<Self>(NAME, options)?))
     }
 
     fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
@@ -98,7 +89,7 @@ impl Identifier for InstrumentalVariable {
             let bread = inverse_of_product(&z, &rows.x);
             let next = &bread * z.tr_mul(&rows.y);
             let residuals = &rows.y - &rows.x * &next;
-            covariance = block_covariance(&bread, &z, &residuals, &rows.block);
+            covariance = clustered_covariance(&bread, &z, &residuals, &rows.block, z.nrows());
             let moved = (0..next.len()).any(|c| {
                 let change = (next[c] - values[c]).abs();
                 change > SETTLED * covariance[(c, c)].sqrt() && change > 1e-9 * next[c].abs()

@@ -7,12 +7,13 @@ use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::identifiability::known_part;
-use super::linear_fit::{clustered_covariance, linear_fit};
+use super::identifiability::{inverse_where_known, known_part};
+use super::linear_fit::linear_fit;
 use super::regressor::{Regressor, drive_around};
 pub(super) use super::stretch::Source;
-use super::stretch::{Stretch, Treatment};
-use super::{Fit, IdentifyError, OptionError, Task};
+use super::stretch::{Signals, Stretch, Treatment};
+use super::{Fit, IdentifyError, Task};
+use crate::math::clustered_covariance;
 use crate::recording::Recording;
 
 /// Blocks within which residuals may be correlated [s]: as long as leaves enough of them.
@@ -23,6 +24,8 @@ const BLOCKS: f64 = 20.0;
 struct Part {
     recording: usize,
     piece: Range<usize>,
+    /// Stretches of the piece without rest or reversal.
+    movements: Vec<Range<usize>>,
     kept: Vec<usize>,
 }
 
@@ -50,29 +53,13 @@ pub(super) struct Regression<'a> {
     pub(super) treatments: Vec<Treatment>,
 }
 
-/// Checks a cut-off given by the user.
-pub(super) fn check_cutoff(method: &str, cutoff_hz: Option<f64>) -> Result<(), OptionError> {
-    if cutoff_hz.is_some_and(|f| !(f > 0.0 && f.is_finite())) {
-        let message = "`cutoff_hz` must be a positive number".to_string();
-        return Err(OptionError { method: method.into(), message });
-    }
-    Ok(())
-}
-
-/// What the catalogue says of the option.
-pub(super) fn cutoff_option() -> (String, String, String) {
-    let (key, default) = ("cutoff_hz", "from noise and motion");
-    (key.into(), default.into(), "cut-off of the zero-phase filter [Hz]".into())
-}
-
 impl<'a> Regression<'a> {
     /// Rows from the recordings of a task.
     ///
     /// Speeds and moments pass a zero-phase Butterworth filter of order 4, the speeds are
     /// differentiated; columns and moments pass the same filter again, so that the relation
-    /// stays linear; every row
-    /// that the filter makes redundant is left out. Samples near rest, and the filter's length
-    /// around them, are dropped: what friction does there is not sgn(w).
+    /// stays linear; every row that the filter makes redundant is left out. Each movement between
+    /// two stops or reversals is filtered on its own ([`Stretch::signals`]).
     ///
     /// A cut-off that is not given lets noise into the acceleration of `noise_share` times its
     /// rms.
@@ -158,8 +145,8 @@ impl<'a> Regression<'a> {
                 if treatment.is_too_short(piece.len()) {
                     continue;
                 }
-                let omega = treatment.filtered(&recording.omega()[piece.clone()]);
-                let usable = treatment.usable(&omega);
+                let movements = treatment.movements(&recording.omega()[piece.clone()]);
+                let usable = treatment.usable(&movements, piece.len());
                 let rows = (0..piece.len()).step_by(treatment.every);
                 let kept: Vec<usize> = rows.filter(|&k| usable[k]).collect();
                 let first = self.block.last().map_or(0, |b| b + 1);
@@ -171,7 +158,7 @@ impl<'a> Regression<'a> {
                         self.time.push(before + t[piece.start + k] - t[0]);
                     }
                 }
-                self.parts.push(Part { recording: r, piece: piece.clone(), kept });
+                self.parts.push(Part { recording: r, piece: piece.clone(), movements, kept });
             }
             before += recording.duration();
         }
@@ -193,9 +180,9 @@ impl<'a> Regression<'a> {
             for &k in &part.kept {
                 for wheel in 0..2 {
                     for c in 0..width {
-                        x[(row, c)] = signals[wheel * (width + 1) + c][k];
+                        x[(row, c)] = signals.at(wheel, c, k);
                     }
-                    y[row] = signals[wheel * (width + 1) + width][k];
+                    y[row] = signals.at(wheel, width, k);
                     row += 1;
                 }
             }
@@ -204,7 +191,7 @@ impl<'a> Regression<'a> {
     }
 
     /// Filtered columns and right-hand side over a piece.
-    fn signals(&self, part: &Part, source: &Source, drive: &[[f64; 2]]) -> Vec<Vec<f64>> {
+    fn signals(&self, part: &Part, source: &Source, drive: &[[f64; 2]]) -> Signals {
         let recording = &self.task.train[part.recording];
         let piece = part.piece.clone();
         let stretch = Stretch {
@@ -214,7 +201,8 @@ impl<'a> Regression<'a> {
             omega: &source.omega[piece.clone()],
             drive: &drive[piece],
         };
-        stretch.signals(&self.regressor, self.task.model, &self.treatments[part.recording])
+        let treatment = &self.treatments[part.recording];
+        stretch.signals(&self.regressor, self.task.model, treatment, &part.movements)
     }
 
     /// How much of columns and right-hand side is noise: what the same amount of noise, added
@@ -251,6 +239,32 @@ impl<'a> Regression<'a> {
         clustered_covariance(bread, &self.x, psi, &self.block, self.count)
     }
 
+    /// Least squares without the rows of each of some pieces (recording and rows) in turn.
+    pub(super) fn left_out(&self, pieces: &[(usize, Range<usize>)]) -> Vec<DVector<f64>> {
+        let width = self.x.ncols();
+        let nothing = || (DMatrix::zeros(width, width), DVector::zeros(width));
+        let (mut all, mut own) = (nothing(), vec![nothing(); pieces.len()]);
+        let samples = self
+            .parts
+            .iter()
+            .flat_map(|part| part.kept.iter().map(move |k| (part.recording, part.piece.start + k)));
+        for (n, (recording, k)) in samples.enumerate() {
+            let piece = pieces.iter().position(|(r, rows)| *r == recording && rows.contains(&k));
+            for row in [2 * n, 2 * n + 1] {
+                let x = self.x.row(row).transpose();
+                let add = |(matrix, vector): &mut (DMatrix<f64>, DVector<f64>)| {
+                    matrix.ger(1.0, &x, &x, 1.0);
+                    vector.axpy(self.y[row], &x, 1.0);
+                };
+                add(&mut all);
+                piece.into_iter().for_each(|b| add(&mut own[b]));
+            }
+        }
+        own.iter()
+            .map(|(matrix, vector)| inverse_where_known(&(&all.0 - matrix)) * (&all.1 - vector))
+            .collect()
+    }
+
     /// Places of the columns in the parameters of the model.
     pub(super) fn linear(&self) -> &[usize] {
         &self.regressor.linear
@@ -275,6 +289,10 @@ impl<'a> Regression<'a> {
         let information = self.x.tr_mul(&self.x);
         let mut out =
             linear_fit(method, self.task, self.linear(), values, &information, covariance)?;
+        let blocks = self.block.iter().collect::<std::collections::BTreeSet<_>>().len();
+        // with a single block rows count as independent
+        let independent = if blocks < 2 { self.count } else { blocks };
+        out = out.with_degrees(independent as f64 - self.linear().len() as f64);
         let cutoffs: Vec<String> =
             self.treatments.iter().map(|t| format!("{:.2}", t.cutoff)).collect();
         out.notes.push(format!("Cut-off of the filter: {} Hz.", cutoffs.join(", ")));

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::identifiability::identified;
+use super::identifiability::{SingleAxis, identified};
 use super::{Fit, IdentifyError, Task};
 
 /// A fit of the linear parameters alone: shapes and drives are held where the model starts.
@@ -35,7 +35,14 @@ pub(super) fn linear_fit(
         }
         out
     };
-    let known = identified(&held, &p, &spread(information), Some(&spread(covariance)), task.train);
+    let known = identified(
+        &held,
+        &p,
+        &spread(information),
+        Some(&spread(covariance)),
+        SingleAxis::CountedTwice,
+        task.train,
+    );
     let mut notes = known.notes;
     let blind = |j: usize| known.covariance[(j, j)].is_infinite();
     settle(&mut p, task, blind(0) || blind(1), &mut notes);
@@ -66,61 +73,4 @@ pub(super) fn settle(p: &mut [f64], task: &Task, blind: bool, notes: &mut Vec<St
                 .into(),
         );
     }
-}
-
-/// Covariance that holds when errors within a block are correlated and of unequal size.
-///
-/// ```text
-/// C = c B [ Σ_b s_b s_b' ] B',   s_b = Σ_{i in b} z_i ψ_i,   c = G/(G-1) n/(n - width)
-/// ```
-/// `bread` B is the inverse of `Σ z x' ψ'`, `z` the instruments (the columns themselves for least
-/// squares), `psi` the influence of each residual. With fewer than two blocks rows count as
-/// independent.
-///
-/// Source: Liang and Zeger, Biometrika 73 (1986).
-pub(super) fn block_covariance(
-    bread: &DMatrix<f64>,
-    z: &DMatrix<f64>,
-    psi: &DVector<f64>,
-    block: &[usize],
-) -> DMatrix<f64> {
-    clustered_covariance(bread, z, psi, block, z.nrows())
-}
-
-/// [`block_covariance`] of so many `rows` of data, which those of `z` may stand for.
-pub(super) fn clustered_covariance(
-    bread: &DMatrix<f64>,
-    z: &DMatrix<f64>,
-    psi: &DVector<f64>,
-    block: &[usize],
-    rows: usize,
-) -> DMatrix<f64> {
-    let blocks = block.iter().max().map_or(0, |b| b + 1);
-    let one = |i: usize| if blocks < 2 { i } else { block[i] };
-    let mut scores = std::collections::BTreeMap::<usize, DVector<f64>>::new();
-    for i in 0..z.nrows() {
-        let sum = scores.entry(one(i)).or_insert_with(|| DVector::zeros(z.ncols()));
-        sum.axpy(psi[i], &z.row(i).transpose(), 1.0);
-    }
-    let (g, n) = (scores.len() as f64, rows as f64);
-    let mut middle = DMatrix::zeros(z.ncols(), z.ncols());
-    for s in scores.values() {
-        middle += s * s.transpose();
-    }
-    let factor = g / (g - 1.0) * n / (n - z.ncols() as f64).max(1.0);
-    bread * middle * bread.transpose() * factor
-}
-
-/// Information of `own` after `nuisance` took up what it can.
-pub(super) fn schur(h: &DMatrix<f64>, nuisance: &[usize], own: &[usize]) -> DMatrix<f64> {
-    let (n, m) = (nuisance.len(), own.len());
-    let scale: Vec<f64> = nuisance.iter().map(|&j| 1.0 / h[(j, j)].max(1e-300).sqrt()).collect();
-    let nn = DMatrix::from_fn(n, n, |i, k| h[(nuisance[i], nuisance[k])] * scale[i] * scale[k]);
-    let no = DMatrix::from_fn(n, m, |i, k| h[(nuisance[i], own[k])] * scale[i]);
-    let oo = DMatrix::from_fn(m, m, |i, k| h[(own[i], own[k])]);
-    if n == 0 {
-        return oo;
-    }
-    let inverse = nn.pseudo_inverse(1e-12).unwrap_or_else(|_| DMatrix::zeros(n, n));
-    oo - no.transpose() * inverse * no
 }

@@ -1,8 +1,11 @@
 //! What a method is: a name, options, and a way from a task to a fit.
 
+use std::fmt::Write as _;
+
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema};
 use serde::de::DeserializeOwned;
+use serde_json::Value;
 
 use super::Fit;
 use crate::model::{Model, ModelError};
@@ -37,8 +40,17 @@ pub struct MethodDescription {
     pub use_when: String,
     /// When not to.
     pub avoid_when: String,
-    /// Options: key, default, meaning.
-    pub options: Vec<(String, String, String)>,
+}
+
+/// One option of a method, read off the JSON schema of the type that reads it.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct MethodOption {
+    /// Key in the `[[method]]` block.
+    pub key: String,
+    /// Default, as written in an experiment file; `unset` where there is none.
+    pub default: String,
+    /// Meaning, with the values allowed.
+    pub meaning: String,
 }
 
 /// An option of a `[[method]]` block that is not understood.
@@ -120,6 +132,17 @@ pub trait Identifier: Send + Sync {
     /// The JSON schema of the options of its `[[method]]` block, from the type that reads them.
     fn schema(&self) -> Schema;
 
+    /// The options of its `[[method]]` block: what [`Self::schema`] says, for people.
+    fn options(&self) -> Vec<MethodOption> {
+        options_of(&self.schema())
+    }
+
+    /// Whether it fits the rules of the state emulator, eq. (19), in place of the parameters of the
+    /// model; its gain is then an option.
+    fn fits_emulator(&self) -> bool {
+        false
+    }
+
     /// The same method with the options of a `[[method]]` block (without its `name`).
     ///
     /// # Errors
@@ -147,23 +170,99 @@ pub trait Identifier: Send + Sync {
     }
 }
 
-/// Reads a method with `#[serde(default, deny_unknown_fields)]` from its options.
+/// Reads a method with `#[serde(default, deny_unknown_fields)]` from its options, and holds its
+/// numbers to the ranges of its schema.
 ///
 /// # Errors
-/// [`OptionError`] with serde's words.
-pub fn from_options<M: DeserializeOwned>(
+/// [`OptionError`] with serde's words, or with the range.
+pub fn from_options<M: DeserializeOwned + JsonSchema>(
     method: &str,
     options: &toml::Table,
 ) -> Result<M, OptionError> {
-    toml::Value::Table(options.clone()).try_into().map_err(|e: toml::de::Error| OptionError {
-        method: method.into(),
-        message: e.message().to_string(),
-    })
+    let refuse = |message: String| OptionError { method: method.into(), message };
+    let read = toml::Value::Table(options.clone())
+        .try_into()
+        .map_err(|e: toml::de::Error| refuse(e.message().to_string()))?;
+    let schema = options_schema::<M>();
+    for (key, value) in options {
+        let number = value.as_float().or(value.as_integer().map(|i| i as f64));
+        if let Some(x) = number
+            && !(x.is_finite() && allowed(&schema.as_value()["properties"][key], x))
+        {
+            let expected = range_in_words(&schema.as_value()["properties"][key]);
+            let expected = expected.unwrap_or_else(|| "a finite number".into());
+            return Err(refuse(format!("`{key}` = {value}; expected {expected}")));
+        }
+    }
+    Ok(read)
+}
+
+fn allowed(option: &Value, x: f64) -> bool {
+    let bound = |name: &str| option[name].as_f64();
+    bound("minimum").is_none_or(|low| x >= low)
+        && bound("exclusiveMinimum").is_none_or(|low| x > low)
+        && bound("maximum").is_none_or(|high| x <= high)
+}
+
+/// The range of a number, as in "above 0, at most 1"; `None` where the schema states none.
+fn range_in_words(option: &Value) -> Option<String> {
+    let bound = |name: &str, word: &str| option[name].as_f64().map(|x| format!("{word} {x}"));
+    let parts: Vec<String> =
+        [("minimum", "at least"), ("exclusiveMinimum", "above"), ("maximum", "at most")]
+            .into_iter()
+            .filter_map(|(name, word)| bound(name, word))
+            .collect();
+    // schemars gives every unsigned integer the minimum 0, which says nothing
+    let trivial = option["type"] == "integer" && option["minimum"] == 0 && parts.len() == 1;
+    (!parts.is_empty() && !trivial).then(|| parts.join(", "))
+}
+
+/// The options that a schema describes, in its order.
+#[must_use]
+pub fn options_of(schema: &Schema) -> Vec<MethodOption> {
+    let properties = schema.get("properties").and_then(Value::as_object);
+    properties.into_iter().flatten().map(|(key, option)| described(key, option)).collect()
+}
+
+fn described(key: &str, option: &Value) -> MethodOption {
+    let default = match &option["default"] {
+        Value::Null => "unset".to_owned(),
+        value => value.to_string(),
+    };
+    let text = option["description"].as_str().unwrap_or_default().replace('\n', " ");
+    let mut meaning = text.trim_end_matches('.').to_owned();
+    let choices = choices(option);
+    if !choices.is_empty() {
+        let _ = write!(meaning, "; one of {}", choices.join(", "));
+    }
+    if let Some(range) = range_in_words(option) {
+        let _ = write!(meaning, "; {range}");
+    }
+    MethodOption { key: key.into(), default, meaning }
+}
+
+/// The words an option may be.
+fn choices(option: &Value) -> Vec<String> {
+    let listed = option["enum"].as_array().into_iter().flatten().cloned();
+    let one_of = option["oneOf"].as_array().into_iter().flatten().flat_map(|o| {
+        let listed = o["enum"].as_array().cloned().unwrap_or_default();
+        listed.into_iter().chain(o.get("const").cloned())
+    });
+    listed.chain(one_of).map(|word| word.to_string()).collect()
 }
 
 /// The JSON schema of what [`from_options`] reads.
 #[must_use]
 pub fn options_schema<M: JsonSchema>() -> Schema {
     let settings = SchemaSettings::draft07().with(|s| s.inline_subschemas = true);
-    settings.into_generator().into_root_schema_for::<M>()
+    let mut schema = settings.into_generator().into_root_schema_for::<M>();
+    // a line break of a doc comment is none of the text
+    if let Some(options) = schema.get_mut("properties").and_then(Value::as_object_mut) {
+        for option in options.values_mut() {
+            if let Some(text) = option["description"].as_str().map(|text| text.replace('\n', " ")) {
+                option["description"] = text.into();
+            }
+        }
+    }
+    schema
 }

@@ -22,7 +22,8 @@ mod weak;
 
 pub use fit::{Estimate, Fit, Status, Trace, Work};
 pub use method::{
-    Identifier, IdentifyError, MethodDescription, OptionError, Task, from_options, options_schema,
+    Identifier, IdentifyError, MethodDescription, MethodOption, OptionError, Task, from_options,
+    options_of, options_schema,
 };
 
 pub use profile::{DROP, PROFILE};

@@ -2,16 +2,16 @@
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
-use super::identifiability::{identified, inverse_where_known};
-use super::linear_fit::{block_covariance, schur};
+use super::identifiability::{SingleAxis, identified, inverse_where_known};
 use super::simulation_cost::Problem;
 use super::{
     Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task, from_options,
     options_schema, start,
 };
 use crate::math::descent::{MinimiseOptions, Minimum, MinimumStatus, minimise};
+use crate::math::{clustered_covariance, eliminate};
 
 /// Simulation-error maximum likelihood (output error).
 ///
@@ -24,13 +24,14 @@ use crate::math::descent::{MinimiseOptions, Minimum, MinimumStatus, minimise};
 /// of a body behind the wheels, of which the weak form knows nothing, start from the best of a grid.
 ///
 /// Source: Ljung, System Identification (1999), ch. 4; Janot et al. 2014.
-#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct OutputError {
     /// Most steps.
     pub iterations: usize,
     /// Descents, the first from the weak form, the others from the best of values scattered around
     /// it.
+    #[schemars(range(min = 1))]
     pub starts: usize,
 }
 
@@ -44,6 +45,9 @@ const NAME: &str = "output_error";
 /// A decrease of the cost that no longer matters, in units of what noise does to it: 0.045 of a
 /// standard error, of which the last step leaves next to nothing.
 const NEGLIGIBLE: f64 = 1e-3;
+/// Mean square of the normalised residuals below which they are noise of the sensors, itself known
+/// to a few percent.
+const AT_NOISE: f64 = 1.1;
 impl Identifier for OutputError {
     fn describe(&self) -> MethodDescription {
         MethodDescription {
@@ -53,21 +57,12 @@ impl Identifier for OutputError {
                        simulation"
                 .into(),
             source: "Ljung, System Identification, 1999, ch. 4".into(),
-            use_when:
-                "the moments are exact (noise only in angles and speeds); models with a body \
-                       behind the wheels"
-                    .into(),
-            avoid_when: "the moments are noisy: the simulation wanders, estimates scatter, and \
+            use_when: "the torques are exact (noise only in angles and speeds); models with a \
+                       two-mass drivetrain"
+                .into(),
+            avoid_when: "the torques are noisy: the simulation drifts, estimates scatter, and \
                          the intervals are far too narrow"
                 .into(),
-            options: vec![
-                ("iterations".into(), "60".into(), "most steps".into()),
-                (
-                    "starts".into(),
-                    "1".into(),
-                    "descents, the others from the best of scattered values".into(),
-                ),
-            ],
         }
     }
 
@@ -76,12 +71,7 @@ impl Identifier for OutputError {
     }
 
     fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {
-        let method: Self = from_options(NAME, options)?;
-        if method.starts == 0 {
-            let message = "`starts` must be 1 or more".to_string();
-            return Err(OptionError { method: NAME.into(), message });
-        }
-        Ok(Box::new(method))
+        Ok(Box::new(from_options::<Self>(NAME, options)?))
     }
 
     fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
@@ -136,7 +126,8 @@ impl Problem<'_> {
         let count = self.free.len();
         let nuisance: Vec<usize> = (count..minimum.x.len()).collect();
         let own: Vec<usize> = (0..count).collect();
-        let information = schur(&minimum.hessian, &nuisance, &own) / excess;
+        let information =
+            eliminate(&minimum.hessian, &minimum.gradient, &nuisance, &own).0 / excess;
         let total = self.p.len();
         let mut full = DMatrix::zeros(total, total);
         for (i, &a) in self.free.iter().enumerate() {
@@ -145,19 +136,33 @@ impl Problem<'_> {
             }
         }
         let covariance = self.covariance(minimum, scores, &information);
-        let known = identified(self.model(), &p, &full, Some(&covariance), self.task.train);
+        let known = identified(
+            self.model(),
+            &p,
+            &full,
+            Some(&covariance),
+            SingleAxis::CountedTwice,
+            self.task.train,
+        );
         let unit = self.task.train[0].drive_unit();
         let mut fit = Fit::physical(NAME, self.model(), p, known.covariance, unit);
         fit.notes = known.notes;
         if excess > 2.0 {
             fit.notes.push(format!(
                 "The simulation misses the data by {:.1} times the noise of the sensors: the \
-                 moments are noisy or an effect is missing, and these intervals are too narrow.",
+                 torques are noisy or an effect is missing, and these intervals are too narrow.",
                 excess.sqrt()
             ));
         }
+        let blocks = scores.nrows() as f64 - count as f64;
+        if blocks >= 1.0 {
+            fit = fit.with_degrees(blocks);
+        }
         fit.status = match minimum.status {
             MinimumStatus::Converged => Status::Converged,
+            // the cost has an edge where a wheel begins to move; with nothing but noise left in
+            // the residuals no lower cost is worth finding
+            MinimumStatus::Stalled if excess < AT_NOISE => Status::Converged,
             MinimumStatus::MaxIterations => Status::IterationLimit,
             _ => Status::Stalled,
         };
@@ -179,7 +184,7 @@ impl Problem<'_> {
         let all = inverse_where_known(&minimum.hessian);
         let block: Vec<usize> = (0..z.nrows()).collect();
         let ones = DVector::repeat(z.nrows(), 1.0);
-        let robust = block_covariance(&all, z, &ones, &block);
+        let robust = clustered_covariance(&all, z, &ones, &block, z.nrows());
         let stretch = DVector::from_fn(count, |i, _| {
             let ratio = robust[(i, i)] / model[(i, i)].max(f64::MIN_POSITIVE);
             if z.nrows() > count && ratio.is_finite() { ratio.max(1.0).sqrt() } else { 1.0 }

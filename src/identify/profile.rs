@@ -2,7 +2,6 @@
 
 use rayon::prelude::*;
 
-use super::kalman::{Likelihood, Maximum};
 use super::{IdentifyError, Trace};
 use crate::model::Model;
 
@@ -22,13 +21,24 @@ pub(super) struct Profile {
     pub(super) interval: (f64, f64),
 }
 
-/// The profile of parameter `j` around a maximum.
+/// Which parameter, how far, and how its axis is labelled.
+pub(super) struct Place {
+    /// Number of the parameter.
+    pub(super) j: usize,
+    /// Its standard error.
+    pub(super) std_error: f64,
+    /// Its unit.
+    pub(super) unit: String,
+}
+
+/// The profile of a parameter around the maximum `p`.
 ///
 /// ```text
 /// l(θ_j) = max over the other parameters of the log-likelihood;   interval: l > max l - 1.92
 /// ```
 /// Unlike the interval of the standard error it need not be symmetric, and it holds where the
-/// likelihood is no parabola. The noise stays as it was found. `unit` labels the axis.
+/// likelihood is no parabola. `log_likelihood` is the largest one of a model
+/// with the parameter held, from a start.
 ///
 /// Source: Venzon and Moolgavkar, Applied Statistics 37 (1988); Raue et al., Bioinformatics 25
 /// (2009).
@@ -36,23 +46,20 @@ pub(super) struct Profile {
 /// # Errors
 /// If the likelihood cannot be computed at one of the places.
 pub(super) fn profile(
-    likelihood: &Likelihood,
     model: &Model,
-    maximum: &Maximum,
-    j: usize,
-    std_error: f64,
-    unit: &str,
+    p: &[f64],
+    Place { j, std_error, unit }: &Place,
+    log_likelihood: impl Fn(&Model, &[f64]) -> Result<f64, IdentifyError> + Sync,
 ) -> Result<Profile, IdentifyError> {
-    let symbol = model.parameters()[j].spec.symbol.clone();
-    let at = PLACES.map(|z| maximum.p[j] + z * std_error);
+    let symbol = model.parameters()[*j].spec.symbol.clone();
+    let at = PLACES.map(|z| p[*j] + z * std_error);
     let values = at
         .par_iter()
         .map(|value| {
             let held = model.clone().fix(&symbol, *value)?;
-            let mut start = maximum.p.clone();
-            start[j] = *value;
-            let there = likelihood.maximise(&held, &start, Some(maximum.noise), "profile")?;
-            Ok(there.log_likelihood)
+            let mut start = p.to_vec();
+            start[*j] = *value;
+            log_likelihood(&held, &start)
         })
         .collect::<Result<Vec<f64>, IdentifyError>>()?;
     let best = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);

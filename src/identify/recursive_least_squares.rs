@@ -1,15 +1,15 @@
 //! Recursive least squares: the estimates as they come in, sample by sample.
 
 use nalgebra::{DMatrix, DVector};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::identifiability::inverse_where_known;
-use super::inverse_dynamics::{Regression, check_cutoff, cutoff_option};
-use super::linear_fit::block_covariance;
+use super::inverse_dynamics::Regression;
 use super::{
     Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task, Trace, from_options,
     options_schema,
 };
+use crate::math::clustered_covariance;
 
 /// Recursive least squares of the inverse dynamics with exponential forgetting.
 ///
@@ -21,12 +21,14 @@ use super::{
 /// the data have excited them. A trace that drifts shows a robot that changes (warm-up, a load).
 ///
 /// Source: Ljung, System Identification (1999), sec. 11.2.
-#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RecursiveLeastSquares {
     /// Cut-off of the filter [Hz]; chosen from noise and motion unless given.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub cutoff_hz: Option<f64>,
-    /// Weight λ that an instant keeps at the next one, above zero, at most one.
+    /// Weight λ that an instant keeps at the next one.
+    #[schemars(range(max = 1.0), extend("exclusiveMinimum" = 0))]
     pub forgetting: f64,
 }
 
@@ -44,7 +46,6 @@ const POINTS: usize = 400;
 
 impl Identifier for RecursiveLeastSquares {
     fn describe(&self) -> MethodDescription {
-        let option = |k: &str, d: &str, m: &str| (k.into(), d.into(), m.into());
         MethodDescription {
             name: NAME.into(),
             title: "Recursive least squares".into(),
@@ -54,10 +55,6 @@ impl Identifier for RecursiveLeastSquares {
             avoid_when: "speeds are noisy (as torque_regression: inertias come out too small and \
                          its intervals do not know it)"
                 .into(),
-            options: vec![
-                cutoff_option(),
-                option("forgetting", "1.0", "weight an instant keeps at the next one, 0 < λ <= 1"),
-            ],
         }
     }
 
@@ -66,13 +63,7 @@ impl Identifier for RecursiveLeastSquares {
     }
 
     fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {
-        let method: Self = from_options(NAME, options)?;
-        check_cutoff(NAME, method.cutoff_hz)?;
-        if !(method.forgetting > 0.0 && method.forgetting <= 1.0) {
-            let message = "`forgetting` must be above 0 and at most 1".to_string();
-            return Err(OptionError { method: NAME.into(), message });
-        }
-        Ok(Box::new(method))
+        Ok(Box::new(from_options::<Self>(NAME, options)?))
     }
 
     fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
@@ -106,7 +97,8 @@ impl Identifier for RecursiveLeastSquares {
         let weighted = DVector::from_fn(residuals.len(), |i, _| {
             self.forgetting.powi((instants - 1 - i / 2) as i32) * residuals[i]
         });
-        let covariance = block_covariance(&bread, &rows.x, &weighted, &rows.block);
+        let covariance =
+            clustered_covariance(&bread, &rows.x, &weighted, &rows.block, rows.x.nrows());
         let mut fit = rows.fit(NAME, &values, &covariance)?;
         rows.note_of_pull(
             &mut fit,

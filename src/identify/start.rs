@@ -2,9 +2,11 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::identifiability::among_all;
 use super::regressor::{Regressor, drive_around};
 use super::weak::{weak_rows, windows};
 use super::{IdentifyError, Task};
+use crate::math::Information;
 use crate::model::Model;
 use crate::recording::Recording;
 
@@ -83,23 +85,6 @@ pub(super) fn sound(model: &Model, p: &mut [f64]) {
 #[must_use]
 pub fn covariance_of_free(model: &Model, information: &DMatrix<f64>) -> DMatrix<f64> {
     let free = model.free();
-    let n = free.len();
-    let scale: Vec<f64> = free.iter().map(|&j| information[(j, j)].max(1e-300).sqrt()).collect();
-    let scaled =
-        DMatrix::from_fn(n, n, |i, k| information[(free[i], free[k])] / (scale[i] * scale[k]));
-    let eigen = scaled.symmetric_eigen();
-    let mut covariance = DMatrix::zeros(model.parameters().len(), model.parameters().len());
-    for (value, v) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
-        for i in 0..n {
-            for k in 0..n {
-                let entry = &mut covariance[(free[i], free[k])];
-                if *value > 1e-10 {
-                    *entry += v[i] * v[k] / (value * scale[i] * scale[k]);
-                } else if i == k && v[i].abs() > 1e-3 {
-                    *entry = f64::INFINITY;
-                }
-            }
-        }
-    }
-    covariance
+    let of_free = information.select_rows(&free).select_columns(&free);
+    among_all(model, &Information::new(&of_free).covariance())
 }

@@ -13,13 +13,15 @@
 //!
 //! Source: Lawson and Hanson, Solving Least Squares Problems, ch. 27 (sequential accumulation).
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::inverse_dynamics::{Regression, block_length};
 use super::regressor::drive_along;
-use super::stretch::{Source, Stretch, Treatment};
+use super::stretch::{Signals, Source, Stretch, Treatment};
 use super::{IdentifyError, Task};
 use crate::recording::{Channels, LongRecording, Noise, Recording, Rows, differentiate, is_gap};
 
@@ -185,7 +187,8 @@ impl<'a, 'b> Reader<'a, 'b> {
     }
 
     fn hand_on(&mut self, omega: &[[f64; 2]], until: usize) {
-        let usable = self.treatment.usable(&self.treatment.filtered(omega));
+        let movements = self.treatment.movements(omega);
+        let usable = self.treatment.usable(&movements, omega.len());
         let grid = |place: &usize| place.is_multiple_of(self.treatment.every);
         let places = (self.done..until).filter(grid).map(|place| place - self.dropped);
         let kept: Vec<usize> = places.filter(|&k| usable[k]).collect();
@@ -195,13 +198,14 @@ impl<'a, 'b> Reader<'a, 'b> {
         let source =
             Source { alpha: self.alpha.clone(), omega: omega.to_vec(), drive: self.moment.clone() };
         let noisy = source.clone().with_noise(&self.noise, self.same, &mut self.rng);
-        let (plain, noisy) = rayon::join(|| self.signals(&source), || self.signals(&noisy));
+        let (plain, noisy) =
+            rayon::join(|| self.signals(&source, &movements), || self.signals(&noisy, &movements));
         for k in kept {
             self.rows.add(self.t[k] - self.piece, &plain, &noisy, k);
         }
     }
 
-    fn signals(&self, source: &Source) -> Vec<Vec<f64>> {
+    fn signals(&self, source: &Source, movements: &[Range<usize>]) -> Signals {
         let Regression { task, regressor, .. } = self.regression;
         let all = 0..self.t.len();
         let drive = drive_along(task, &self.t, std::slice::from_ref(&all), &source.drive);
@@ -212,7 +216,7 @@ impl<'a, 'b> Reader<'a, 'b> {
             omega: &source.omega,
             drive: &drive,
         };
-        stretch.signals(regressor, task.model, &self.treatment)
+        stretch.signals(regressor, task.model, &self.treatment, movements)
     }
 }
 
@@ -255,7 +259,7 @@ impl Triangles {
     }
 
     /// Adds both rows of one sample, so many seconds after the start of its piece.
-    fn add(&mut self, since: f64, plain: &[Vec<f64>], noisy: &[Vec<f64>], k: usize) {
+    fn add(&mut self, since: f64, plain: &Signals, noisy: &Signals, k: usize) {
         let number = self.first + (since / self.length) as usize;
         if number != self.number {
             self.close();
@@ -264,10 +268,9 @@ impl Triangles {
         self.free = number + 1;
         let columns = self.width + 1;
         for wheel in 0..2 {
-            let at = wheel * columns..(wheel + 1) * columns;
-            self.open[wheel].extend(plain[at.clone()].iter().map(|signal| signal[k]));
-            let both = plain[at.clone()].iter().zip(&noisy[at]);
-            let change = DVector::from_iterator(columns, both.map(|(p, n)| n[k] - p[k]));
+            self.open[wheel].extend((0..columns).map(|c| plain.at(wheel, c, k)));
+            let change = |c| noisy.at(wheel, c, k) - plain.at(wheel, c, k);
+            let change = DVector::from_fn(columns, |c, _| change(c));
             self.noise.ger(1.0, &change, &change, 1.0);
             self.count += 1;
         }

@@ -2,20 +2,32 @@
 //! balance over it. Recordings that are held are cut into stretches at their gaps; those that are
 //! read block by block at the blocks too.
 
+use std::ops::Range;
+
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use wide::f64x4;
 
 use super::regressor::Regressor;
 use crate::effects::Motion;
-use crate::math::filter::{central_difference, low_pass};
+use crate::math::filter::{Extension, Section, butterworth, filter_both_ways};
 use crate::model::Model;
 use crate::recording::{Noise, Recording};
 
 /// Near rest: below this share of the top speed, or three standard deviations of the filtered
 /// speed's noise.
 const REST: f64 = 0.002;
-/// Length of the filter's answer [s Hz]: seconds times cut-off.
+/// Order of the filter.
+const ORDER: usize = 4;
+/// Rows at the ends of a movement that are not used [s Hz]: seconds times cut-off. There the noise of
+/// a single row, about which the signal is extended, weighs most.
 const REACH: f64 = 0.35;
+/// Extension of a movement beyond its ends [s Hz]: the filter's slowest pole, exp(-2.4 fc t), has
+/// fallen to 1e-3.
+const EXTENSION: f64 = 3.0;
+/// Cut-off of the speeds that tell rest from movement, over that of the columns: they show a reversal
+/// where it is.
+const SHARPER: f64 = 4.0;
 
 /// What the rows of a recording are treated with.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +54,7 @@ impl Treatment {
         let cutoff = cutoff(recording, cutoff_hz, noise_share);
         let ordinary = || {
             let sigma = recording.noise().omega;
-            let left = (2.0 * cutoff * step).sqrt();
+            let left = (2.0 * sharper(cutoff, step) * step).sqrt();
             (REST * recording.top_speed()).max(3.0 * left * sigma[0].max(sigma[1]))
         };
         let every = ((1.0 / (4.0 * cutoff * step)) as usize).max(1);
@@ -60,34 +72,62 @@ impl Treatment {
         ((REACH / self.cutoff / self.step).ceil() as usize).max(1)
     }
 
-    /// Both wheels through the filter.
-    pub(super) fn filtered(&self, rows: &[[f64; 2]]) -> [Vec<f64>; 2] {
-        [0, 1].map(|i| self.low_pass(rows.iter().map(|r| r[i]).collect()))
+    /// Stretches of rows in which both wheels move without a reversal.
+    pub(super) fn movements(&self, omega: &[[f64; 2]]) -> Vec<Range<usize>> {
+        if self.slow <= 0.0 {
+            return std::iter::once(0..omega.len()).collect();
+        }
+        let sections = self.sections(sharper(self.cutoff, self.step));
+        let speeds = lanes(omega);
+        let speeds = filter_both_ways(&sections, &speeds, self.edge(), Extension::Odd);
+        let direction = |k: usize| -> Option<[bool; 2]> {
+            let w = speeds[k].as_array();
+            let moving = w[0].abs() >= self.slow && w[1].abs() >= self.slow;
+            moving.then(|| [w[0] > 0.0, w[1] > 0.0])
+        };
+        let mut out: Vec<Range<usize>> = vec![];
+        let mut before = None;
+        for k in 0..omega.len() {
+            let now = direction(k);
+            match out.last_mut() {
+                Some(last) if now.is_some() && now == before => last.end = k + 1,
+                _ if now.is_some() => out.push(k..k + 1),
+                _ => {}
+            }
+            before = now;
+        }
+        out
     }
 
-    fn low_pass(&self, signal: Vec<f64>) -> Vec<f64> {
-        low_pass(&signal, 4, self.cutoff, 1.0 / self.step).unwrap_or(signal)
-    }
-
-    /// Samples with both wheels moving, away from rest and from the ends by the filter's length.
-    pub(super) fn usable(&self, omega: &[Vec<f64>; 2]) -> Vec<bool> {
-        let (samples, reach, slow) = (omega[0].len(), self.reach(), self.slow);
-        let mut good = vec![true; samples];
-        let mut until = 0; // up to here all is marked already
-        for k in 0..samples {
-            if k < reach || k + reach >= samples {
-                good[k] = false;
-            }
-            let reversed =
-                slow > 0.0 && k > 0 && (0..2).any(|i| omega[i][k] * omega[i][k - 1] <= 0.0);
-            if reversed || omega.iter().any(|w| w[k].abs() < slow) {
-                let (from, to) = (k.saturating_sub(reach).max(until), (k + reach + 1).min(samples));
-                good[from..to].iter_mut().for_each(|g| *g = false);
-                until = to;
-            }
+    /// Whether each of so many samples is used: inside a movement, away from its ends.
+    pub(super) fn usable(&self, movements: &[Range<usize>], samples: usize) -> Vec<bool> {
+        let mut good = vec![false; samples];
+        for rows in movements.iter().filter(|rows| self.holds_rows(rows)) {
+            good[rows.start + self.reach()..rows.end - self.reach()].fill(true);
         }
         good
     }
+
+    fn holds_rows(&self, movement: &Range<usize>) -> bool {
+        movement.len() > 2 * self.reach()
+    }
+
+    fn edge(&self) -> usize {
+        (EXTENSION / self.cutoff / self.step).ceil() as usize
+    }
+
+    fn sections(&self, cutoff: f64) -> Vec<Section> {
+        butterworth(ORDER, cutoff, 1.0 / self.step).expect("the cut-off is below half the rate")
+    }
+}
+
+fn sharper(cutoff: f64, step: f64) -> f64 {
+    (SHARPER * cutoff).min(0.25 / step)
+}
+
+/// Both wheels in the first lanes.
+fn lanes(rows: &[[f64; 2]]) -> Vec<f64x4> {
+    rows.iter().map(|row| f64x4::new([row[0], row[1], 0.0, 0.0])).collect()
 }
 
 /// The given cut-off, or the one that lets little noise into the acceleration [Hz]:
@@ -161,40 +201,91 @@ pub(super) struct Stretch<'a> {
     pub(super) drive: &'a [[f64; 2]],
 }
 
+/// Filtered columns and right-hand side of both wheels, four signals side by side.
+pub(super) struct Signals {
+    width: usize,
+    /// Four signals each, one behind the other.
+    groups: Vec<Vec<f64x4>>,
+}
+
+impl Signals {
+    /// Column `c` of wheel `wheel` at sample `k`; column `width` is the right-hand side.
+    pub(super) fn at(&self, wheel: usize, c: usize, k: usize) -> f64 {
+        let place = wheel * (self.width + 1) + c;
+        self.groups[place / 4][k].as_array()[place % 4]
+    }
+}
+
 impl Stretch<'_> {
-    /// Filtered columns and right-hand side, `[wheel * (width + 1) + column]`.
+    /// Filtered columns and right-hand side within each movement; zero elsewhere.
+    ///
+    /// ```text
+    /// F(M) = Σ_c θ_c F(column_c),   F(dw) = F(F'(w)) differenced,  M and dw passing F as often
+    /// ```
+    /// Every movement passes the filter on its own, speeds extended oddly, all that balances an
+    /// acceleration evenly: the balance then holds up to its ends, and nothing of the friction at rest,
+    /// which is not a column times a parameter, comes in.
     pub(super) fn signals(
         &self,
         regressor: &Regressor,
         model: &Model,
         treatment: &Treatment,
-    ) -> Vec<Vec<f64>> {
-        let t = self.t;
-        // the moments pass the filter as often as the accelerations do
-        let drive = treatment.filtered(self.drive);
-        let omega = treatment.filtered(self.omega);
-        let acceleration =
-            [0, 1].map(|i| central_difference(t, &omega[i]).unwrap_or(vec![0.0; t.len()]));
+        movements: &[Range<usize>],
+    ) -> Signals {
         let width = regressor.width();
-        let mut signals = vec![vec![0.0; t.len()]; 2 * (width + 1)];
+        let count = (2 * (width + 1)).div_ceil(4);
+        let groups = vec![vec![f64x4::ZERO; self.t.len()]; count];
+        let mut out = Signals { width, groups };
+        for rows in movements.iter().filter(|rows| treatment.holds_rows(rows)) {
+            self.movement(regressor, model, treatment, rows, &mut out);
+        }
+        out
+    }
+
+    fn movement(
+        &self,
+        regressor: &Regressor,
+        model: &Model,
+        treatment: &Treatment,
+        rows: &Range<usize>,
+        out: &mut Signals,
+    ) {
+        let (sections, edge) = (treatment.sections(treatment.cutoff), treatment.edge());
+        let even = |s: &[f64x4]| filter_both_ways(&sections, s, edge, Extension::Even);
+        let t = &self.t[rows.clone()];
+        // the torques pass the filter as often as the accelerations do
+        let drive = even(&lanes(&self.drive[rows.clone()]));
+        let speeds = lanes(&self.omega[rows.clone()]);
+        let omega = filter_both_ways(&sections, &speeds, edge, Extension::Odd);
+        let width = out.width;
+        let mut groups = vec![vec![f64x4::ZERO; t.len()]; out.groups.len()];
         for k in 0..t.len() {
+            let w = omega[k].as_array();
             let motion = Motion {
                 t: t[k] - self.start,
-                alpha: self.alpha[k],
-                omega: [omega[0][k], omega[1][k]],
+                alpha: self.alpha[rows.start + k],
+                omega: [w[0], w[1]],
                 variance: [0.0; 4],
                 robot: model.robot(),
             };
             let balance = regressor.at(&motion);
-            let a = [acceleration[0][k], acceleration[1][k]];
+            let (before, after) = (k.saturating_sub(1), (k + 1).min(t.len() - 1));
+            let slope = (omega[after] - omega[before]) * (1.0 / (t[after] - t[before]));
+            let a = [slope.as_array()[0], slope.as_array()[1]];
             for c in 0..=width {
                 let moment = balance.moment(c, &a);
                 for wheel in 0..2 {
-                    signals[wheel * (width + 1) + c][k] =
-                        if c < width { moment[wheel] } else { drive[wheel][k] - moment[wheel] };
+                    let place = wheel * (width + 1) + c;
+                    groups[place / 4][k].as_mut_array()[place % 4] = if c < width {
+                        moment[wheel]
+                    } else {
+                        drive[k].as_array()[wheel] - moment[wheel]
+                    };
                 }
             }
         }
-        signals.into_iter().map(|v| treatment.low_pass(v)).collect()
+        for (out, group) in out.groups.iter_mut().zip(&groups) {
+            out[rows.clone()].copy_from_slice(&even(group));
+        }
     }
 }

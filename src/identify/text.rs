@@ -18,15 +18,17 @@ pub fn overview() -> String {
 /// Everything about one method; `None` if there is no such method.
 #[must_use]
 pub fn details(name: &str) -> Option<String> {
-    let m = super::find(name)?.describe();
+    let method = super::find(name)?;
+    let (m, options) = (method.describe(), method.options());
     let mut out = format!("{}: {}\n\n  {}\n\n", m.name, m.title, m.equation);
     let _ = writeln!(out, "source      {}", m.source);
     let _ = writeln!(out, "use when    {}", m.use_when);
     let _ = writeln!(out, "avoid when  {}", m.avoid_when);
-    if !m.options.is_empty() {
+    if !options.is_empty() {
         let _ = writeln!(out, "\noptions of its [[method]] block:");
-        let width = m.options.iter().map(|o| o.0.len()).max().unwrap_or(0);
-        for (key, default, meaning) in &m.options {
+        let width = options.iter().map(|o| o.key.len()).max().unwrap_or(0);
+        for option in &options {
+            let (key, meaning, default) = (&option.key, &option.meaning, &option.default);
             let _ = writeln!(out, "  {key:<width$}  {meaning} (default {default})");
         }
     }

@@ -1,10 +1,10 @@
 //! Inverse-dynamic least squares: the method of the textbooks.
 
 use nalgebra::{DMatrix, DVector};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::identifiability::inverse_where_known;
-use super::inverse_dynamics::{Regression, check_cutoff, cutoff_option};
+use super::inverse_dynamics::Regression;
 use super::{
     Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task, from_options,
     options_schema,
@@ -19,25 +19,29 @@ use crate::recording::LongRecording;
 /// ```
 /// Speeds pass a zero-phase Butterworth filter of order 4, are differentiated, and the columns
 /// and the moments pass the same filter again, so that the relation stays linear; then every row
-/// that the filter makes redundant is left out. Samples near rest, and the filter's length around
-/// them, are dropped: what friction does there is not sgn(w).
+/// that the filter makes redundant is left out. Each movement between two stops or reversals is
+/// filtered on its own, so that friction at rest, which is not sgn(w), does not come in.
 ///
 /// Source: Gautier, "Dynamic identification of robots with power model", ICRA 1997; Janot,
 /// Vandanjon, Gautier, Control Engineering Practice 2014.
-#[derive(Clone, Debug, Default, Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TorqueRegression {
     /// Cut-off of the filter [Hz]; chosen from noise and motion unless given.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub cutoff_hz: Option<f64>,
     /// Speed below which a wheel counts as near rest [rad/s]: from noise and top speed unless
     /// given; 0 keeps all samples, which is right where reversals are sharp and clean.
+    #[schemars(range(min = 0.0))]
     pub rest_rad_s: Option<f64>,
     /// How rows are weighted.
     pub weighting: Weighting,
 }
 
 /// How rows are weighted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, schemars::JsonSchema)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum Weighting {
     /// All alike.
@@ -55,7 +59,6 @@ const NOISE_SHARE: f64 = 0.035;
 
 impl Identifier for TorqueRegression {
     fn describe(&self) -> MethodDescription {
-        let option = |k: &str, d: &str, m: &str| (k.into(), d.into(), m.into());
         MethodDescription {
             name: NAME.into(),
             title: "Inverse-dynamic least squares (IDIM-LS)".into(),
@@ -67,15 +70,6 @@ impl Identifier for TorqueRegression {
                          small, the best cut-off depends on the noise, and its intervals do not \
                          know it"
                 .into(),
-            options: vec![
-                cutoff_option(),
-                option(
-                    "rest_rad_s",
-                    "from noise and speed",
-                    "slower samples are left out [rad/s]; 0 keeps all",
-                ),
-                option("weighting", "ordinary", "ordinary, weighted or huber"),
-            ],
         }
     }
 
@@ -84,13 +78,7 @@ impl Identifier for TorqueRegression {
     }
 
     fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {
-        let method: Self = from_options(NAME, options)?;
-        check_cutoff(NAME, method.cutoff_hz)?;
-        if method.rest_rad_s.is_some_and(|w| !(w >= 0.0 && w.is_finite())) {
-            let message = "`rest_rad_s` must be zero or a positive number".to_string();
-            return Err(OptionError { method: NAME.into(), message });
-        }
-        Ok(Box::new(method))
+        Ok(Box::new(from_options::<Self>(NAME, options)?))
     }
 
     fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
@@ -121,6 +109,27 @@ fn scaled_rows(x: &DMatrix<f64>, factor: &DVector<f64>) -> DMatrix<f64> {
 type Solved = (DVector<f64>, DVector<f64>, DVector<f64>, DVector<f64>);
 
 impl TorqueRegression {
+    /// The fit, and the parameters without each of some pieces (recording and rows) in turn.
+    ///
+    /// # Errors
+    /// As [`Identifier::identify`].
+    pub(super) fn left_out(
+        &self,
+        task: &Task,
+        pieces: &[(usize, std::ops::Range<usize>)],
+    ) -> Result<(Fit, Vec<Vec<f64>>), IdentifyError> {
+        let rows = Regression::with_rest(task, self.cutoff_hz, self.rest_rad_s, NOISE_SHARE, NAME)?;
+        let fit = self.fit(&rows)?;
+        let p: Vec<f64> = fit.estimates.iter().map(|e| e.value).collect();
+        let left_out = rows.left_out(pieces);
+        let of = |values: DVector<f64>| {
+            let mut p = p.clone();
+            rows.linear().iter().zip(values.iter()).for_each(|(&j, value)| p[j] = *value);
+            p
+        };
+        Ok((fit, left_out.into_iter().map(of).collect()))
+    }
+
     fn fit(&self, rows: &Regression) -> Result<Fit, IdentifyError> {
         let (values, weights, psi, slope) = self.solve(rows).map_err(|e| {
             IdentifyError::Unsupported { method: NAME.into(), reason: e.to_string() }

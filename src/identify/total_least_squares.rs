@@ -1,14 +1,14 @@
 //! Total least squares: noise in the columns as well as in the moments.
 
 use nalgebra::{DMatrix, DVector};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
-use super::identifiability::whitening;
-use super::inverse_dynamics::{Regression, check_cutoff, cutoff_option};
+use super::inverse_dynamics::Regression;
 use super::{
     Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task, from_options,
     options_schema,
 };
+use crate::math::Information;
 
 /// Total least squares of the inverse dynamics, with columns scaled by their noise.
 ///
@@ -21,10 +21,11 @@ use super::{
 ///
 /// Source: Van Huffel and Vandewalle, The Total Least Squares Problem (1991); Fuller, Measurement
 /// Error Models (1987), sec. 2.3.
-#[derive(Clone, Debug, Default, Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TotalLeastSquares {
     /// Cut-off of the filter [Hz]; chosen from noise and motion unless given.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub cutoff_hz: Option<f64>,
 }
 
@@ -49,7 +50,6 @@ impl Identifier for TotalLeastSquares {
                 "an effect is missing: its misfit is taken for noise; the intervals do not \
                          know what the filter bends"
                     .into(),
-            options: vec![cutoff_option()],
         }
     }
 
@@ -58,9 +58,7 @@ impl Identifier for TotalLeastSquares {
     }
 
     fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {
-        let method: Self = from_options(NAME, options)?;
-        check_cutoff(NAME, method.cutoff_hz)?;
-        Ok(Box::new(method))
+        Ok(Box::new(from_options::<Self>(NAME, options)?))
     }
 
     fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
@@ -82,7 +80,7 @@ impl Identifier for TotalLeastSquares {
 /// The coefficients of the direction in which `gram` is smallest against `noise`.
 fn smallest(gram: &DMatrix<f64>, noise: &DMatrix<f64>) -> Option<DVector<f64>> {
     let width = gram.nrows() - 1;
-    let of_columns = whitening(&gram.view((0, 0), (width, width)).into_owned());
+    let of_columns = Information::new(&gram.view((0, 0), (width, width)).into_owned()).whitening();
     let known = of_columns.ncols();
     let mut basis = DMatrix::zeros(width + 1, known + 1);
     basis.view_mut((0, 0), (width, known)).copy_from(&of_columns);

@@ -1,18 +1,19 @@
 //! Weak form with the covariance of its own residuals and without the bias of noisy speeds.
 
-use nalgebra::{Cholesky, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::identifiability::{inverse_where_known, known_part};
-use super::linear_fit::{block_covariance, linear_fit};
+use super::linear_fit::linear_fit;
 use super::regressor::{Regressor, drive_around};
 use super::weak::{Window, motion_at, weak_rows, windows};
 use super::{
     Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task, from_options,
     options_schema, start,
 };
+use crate::math::{BandedCholesky, clustered_covariance};
 use crate::model::Linearisation;
 use crate::recording::Recording;
 
@@ -28,28 +29,34 @@ use crate::recording::Recording;
 ///
 /// Source: Bortz, Messenger and Dukic, "Direct estimation of parameters in ODE models using WENDy",
 /// Bull. Math. Biol. 85 (2023). Deviation: the left factor R~ (errors in variables).
-#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct WeakForm {
-    /// Half width of the test functions [s].
-    pub half_width_s: f64,
+    /// Half width of the test functions [s]; the most informative of 0.12, 0.24, 0.48 and 0.96 unless given.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub half_width_s: Option<f64>,
     /// Whether rows are weighted by their covariance.
     pub reweighting: bool,
-    /// Whether the pull of noisy speeds is taken out; needs `reweighting`.
+    /// Whether the bias from noisy speeds is removed; needs `reweighting`.
     pub noise_correction: bool,
 }
 
 impl Default for WeakForm {
     fn default() -> Self {
-        Self { half_width_s: 0.12, reweighting: true, noise_correction: true }
+        Self { half_width_s: None, reweighting: true, noise_correction: true }
     }
 }
 
 const NAME: &str = "weak_form";
+/// Half widths that are compared [s].
+const HALF_WIDTHS: [f64; 4] = [0.12, 0.24, 0.48, 0.96];
+/// Information of a direction, scaled, below which it is rounding.
+const NOTHING: f64 = 1e-12;
+/// Added to the covariance of the rows, as a share of its mean: overlapping test functions are nearly
+/// dependent.
+const RIDGE: f64 = 1e-10;
 /// Test functions on each half width.
 const PER_HALF: usize = 4;
-/// Windows whose covariance is inverted together.
-const TOGETHER: usize = 30;
 /// Most reweighted solutions; a change by this share of the standard errors is the last.
 const ITERATIONS: usize = 20;
 const SETTLED: f64 = 1e-3;
@@ -59,7 +66,6 @@ const BLOCKS: f64 = 20.0;
 
 impl Identifier for WeakForm {
     fn describe(&self) -> MethodDescription {
-        let option = |k: &str, d: &str, m: &str| (k.into(), d.into(), m.into());
         MethodDescription {
             name: NAME.into(),
             title: "Weak form (WENDy with errors in variables)".into(),
@@ -72,11 +78,6 @@ impl Identifier for WeakForm {
             avoid_when: "only angles are measured (it uses speeds); the robot reverses all the \
                          time, since windows that touch rest are dropped"
                 .into(),
-            options: vec![
-                option("half_width_s", "0.12", "half width of the test functions [s]"),
-                option("reweighting", "true", "weight rows by their covariance"),
-                option("noise_correction", "true", "take out the pull of noisy speeds"),
-            ],
         }
     }
 
@@ -85,19 +86,14 @@ impl Identifier for WeakForm {
     }
 
     fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {
-        let method: Self = from_options(NAME, options)?;
-        if !(method.half_width_s > 0.0 && method.half_width_s.is_finite()) {
-            let message = "`half_width_s` must be a positive number".to_string();
-            return Err(OptionError { method: NAME.into(), message });
-        }
-        Ok(Box::new(method))
+        Ok(Box::new(from_options::<Self>(NAME, options)?))
     }
 
     fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
         let p = start::start(task, NAME)?;
         let regressor = Regressor::new(task.model, &task.model.initial());
         let width = regressor.width();
-        let groups = self.groups(task, &regressor);
+        let groups = self.most_informative(task, &regressor, &p);
         let rows: usize = groups.iter().map(|g| g.y.len()).sum();
         if width == 0 || rows <= 2 * width + 2 {
             let samples = task.train.iter().map(Recording::len).sum();
@@ -127,7 +123,9 @@ impl Identifier for WeakForm {
         sums = self.sums(&groups, &values, projection.as_ref());
         let covariance = self.covariance(&sums, rows);
         let (linear, information) = (&regressor.linear, &sums.information);
-        let mut fit = linear_fit(NAME, task, linear, &values, information, &covariance)?;
+        let fit = linear_fit(NAME, task, linear, &values, information, &covariance)?;
+        let blocks = sums.scores.iter().map(|s| s.0).collect::<std::collections::BTreeSet<_>>();
+        let mut fit = fit.with_degrees((blocks.len() as f64 - width as f64).max(1.0));
         fit.status = status;
         fit.work.iterations = iterations;
         fit.work.evaluations = iterations + 2;
@@ -135,7 +133,7 @@ impl Identifier for WeakForm {
     }
 }
 
-/// Consecutive windows of a recording, with derivatives of their rows by the speeds.
+/// The windows of a recording, with derivatives of their rows by the speeds.
 struct Group {
     x: DMatrix<f64>,
     y: DVector<f64>,
@@ -148,7 +146,8 @@ struct Group {
     /// Variances of the speeds, and of the drive of each wheel.
     variance: [f64; 2],
     drive_variance: [f64; 2],
-    block: usize,
+    /// Block of each window.
+    block: Vec<usize>,
 }
 
 /// Sums over all groups.
@@ -161,7 +160,7 @@ struct Sums {
     information: DMatrix<f64>,
     /// The part of it that is noise.
     noise: DMatrix<f64>,
-    /// `R~' V⁻¹ r` of each group, and its block.
+    /// `R~' V⁻¹ r` of each window, and its block.
     scores: Vec<(usize, DVector<f64>)>,
     /// `r' V⁻¹ r`.
     square: f64,
@@ -178,13 +177,45 @@ impl Sums {
 }
 
 impl WeakForm {
-    fn groups(&self, task: &Task, regressor: &Regressor) -> Vec<Group> {
+    /// The groups of the given half width, or of that whose information at `p` has the largest
+    /// determinant: short windows where torques are noisy or the wheels stop often, long ones where
+    /// the speeds carry nearly all of the noise.
+    fn most_informative(&self, task: &Task, regressor: &Regressor, p: &[f64]) -> Vec<Group> {
+        if let Some(given) = self.half_width_s {
+            return self.groups(task, regressor, given);
+        }
+        let values = DVector::from_fn(regressor.width(), |c, _| p[regressor.linear[c]]);
+        let mut best = self.groups(task, regressor, HALF_WIDTHS[0]);
+        let first = self.sums(&best, &values, None).information;
+        // columns without information have none at any width
+        let scale = first.diagonal().map(|d| if d > 0.0 { 1.0 / d.sqrt() } else { 0.0 });
+        let size = |information: &DMatrix<f64>| {
+            let n = scale.len();
+            let scaled = DMatrix::from_fn(n, n, |i, k| information[(i, k)] * scale[i] * scale[k]);
+            let eigen = scaled.symmetric_eigenvalues();
+            eigen.iter().map(|v| v.max(NOTHING).ln()).sum::<f64>()
+        };
+        let mut largest = size(&first);
+        for half_width in &HALF_WIDTHS[1..] {
+            let groups = self.groups(task, regressor, *half_width);
+            if groups.is_empty() {
+                break;
+            }
+            let there = size(&self.sums(&groups, &values, None).information);
+            if there > largest {
+                (largest, best) = (there, groups);
+            }
+        }
+        best
+    }
+
+    fn groups(&self, task: &Task, regressor: &Regressor, half_width: f64) -> Vec<Group> {
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(task.seed);
         let total: f64 = task.train.iter().map(Recording::duration).sum();
         let length = (total / BLOCKS).clamp(BLOCK.0, BLOCK.1);
         let (mut out, mut first) = (Vec::new(), 0);
         for recording in task.train {
-            let windows = windows(recording, self.half_width_s, PER_HALF);
+            let windows = windows(recording, half_width, PER_HALF);
             let noise = recording.noise();
             let drive = drive_around(task, recording, recording.moment());
             let mut noisy = recording.omega().to_vec();
@@ -196,23 +227,24 @@ impl WeakForm {
             }
             let scale = drive.iter().flatten().map(|m| m.abs()).fold(1e-9, f64::max);
             let speed = recording.top_speed();
-            for part in windows.chunks(TOGETHER) {
-                let rows =
-                    |omega: &[[f64; 2]]| weak_rows(task, regressor, recording, part, omega, &drive);
-                let (x, y) = rows(recording.omega());
-                let time = recording.t()[part[0].samples.start] - recording.t()[0];
-                out.push(Group {
-                    change: rows(&noisy).0 - &x,
-                    slopes: slopes(task, regressor, recording, part),
-                    windows: part.to_vec(),
-                    variance: noise.omega.map(|s| s.max(1e-6 * speed).powi(2)),
-                    drive_variance: noise.moment.map(|s| s.max(1e-6 * scale).powi(2)),
-                    block: first + (time / length) as usize,
-                    x,
-                    y,
-                });
+            if windows.is_empty() {
+                continue;
             }
-            first = out.last().map_or(first, |g| g.block + 1);
+            let rows =
+                |omega: &[[f64; 2]]| weak_rows(task, regressor, recording, &windows, omega, &drive);
+            let (x, y) = rows(recording.omega());
+            let since = |w: &Window| recording.t()[w.samples.start] - recording.t()[0];
+            out.push(Group {
+                change: rows(&noisy).0 - &x,
+                slopes: slopes(task, regressor, recording, &windows),
+                variance: noise.omega.map(|s| s.max(1e-6 * speed).powi(2)),
+                drive_variance: noise.moment.map(|s| s.max(1e-6 * scale).powi(2)),
+                block: windows.iter().map(|w| first + (since(w) / length) as usize).collect(),
+                windows,
+                x,
+                y,
+            });
+            first = out.last().and_then(|g| g.block.last()).map_or(first, |b| b + 1);
         }
         out
     }
@@ -246,30 +278,26 @@ impl WeakForm {
             if let Some(p) = projection {
                 (left, x) = (left * p, x * p);
             }
-            let solved = v.solve(&x);
+            let solved = v.solve_columns(&x);
             out.left += left.tr_mul(&solved);
             out.right += left.tr_mul(&v.solve(&group.y));
             out.information += x.tr_mul(&solved);
-            out.noise += group.change.tr_mul(&v.solve(&group.change));
-            out.scores.push((group.block, left.tr_mul(&weighed)));
+            out.noise += group.change.tr_mul(&v.solve_columns(&group.change));
+            for (n, &block) in group.block.iter().enumerate() {
+                let (left, weighed) = (left.rows(2 * n, 2), weighed.rows(2 * n, 2));
+                out.scores.push((block, left.tr_mul(&weighed)));
+            }
             out.square += r.dot(&weighed);
         }
         out
     }
 
-    fn covariance_of_rows(
-        &self,
-        group: &Group,
-        values: &DVector<f64>,
-    ) -> Option<Cholesky<f64, nalgebra::Dyn>> {
+    fn covariance_of_rows(&self, group: &Group, values: &DVector<f64>) -> Option<BandedCholesky> {
         let n = group.y.len();
-        let mut v = DMatrix::identity(n, n);
-        if self.reweighting {
-            v = group.covariance(values);
-            let ridge = 1e-10 * v.trace() / n as f64;
-            (0..n).for_each(|i| v[(i, i)] += ridge);
+        if !self.reweighting {
+            return BandedCholesky::new(n, 0, |_, _| 1.0);
         }
-        v.cholesky()
+        group.covariance(values)
     }
 
     /// The larger of what the noise explains and what blocks of residuals show.
@@ -281,7 +309,8 @@ impl WeakForm {
         let z = DMatrix::from_fn(sums.scores.len(), width, |i, c| sums.scores[i].1[c]);
         let block: Vec<usize> = sums.scores.iter().map(|s| s.0).collect();
         let bread = inverse_where_known(&sums.information);
-        let robust = block_covariance(&bread, &z, &DVector::repeat(z.nrows(), 1.0), &block);
+        let robust =
+            clustered_covariance(&bread, &z, &DVector::repeat(z.nrows(), 1.0), &block, z.nrows());
         let enough = block.last().is_some_and(|b| *b >= 5);
         let stretch = DVector::from_fn(width, |c, _| {
             let ratio = robust[(c, c)] / model[(c, c)].max(f64::MIN_POSITIVE);
@@ -305,30 +334,48 @@ impl Group {
         out
     }
 
-    /// Covariance of the residuals.
-    fn covariance(&self, values: &DVector<f64>) -> DMatrix<f64> {
+    /// Covariance of the residuals. Windows that do not overlap share no noise, so it is banded.
+    fn covariance(&self, values: &DVector<f64>) -> Option<BandedCholesky> {
         let n = self.y.len();
         let slopes: Vec<_> = (0..n).map(|row| self.slope(row, values)).collect();
-        let mut v = DMatrix::zeros(n, n);
-        for i in 0..n {
-            for k in 0..=i {
-                let (a, b) = (&self.windows[i / 2], &self.windows[k / 2]);
-                let from = a.samples.start.max(b.samples.start);
-                let to = a.samples.end.min(b.samples.end);
-                let mut sum = 0.0;
-                for s in from..to {
-                    let (sa, sb) = (s - a.samples.start, s - b.samples.start);
-                    let (ei, ek) = (slopes[i][sa], slopes[k][sb]);
-                    sum += self.variance[0] * ei[0] * ek[0] + self.variance[1] * ei[1] * ek[1];
-                    if i % 2 == k % 2 {
-                        sum += self.drive_variance[i % 2] * a.weight[sa] * b.weight[sb];
-                    }
-                }
-                v[(i, k)] = sum;
-                v[(k, i)] = sum;
-            }
+        let shared = |i: usize, k: usize| self.shared(&slopes, i, k);
+        let ridge = RIDGE * (0..n).map(|i| shared(i, i)).sum::<f64>() / n as f64;
+        let with_ridge = |i, k| shared(i, k) + if i == k { ridge } else { 0.0 };
+        BandedCholesky::new(n, self.band(), with_ridge)
+    }
+
+    /// Rows before a row whose windows overlap its own, at most.
+    fn band(&self) -> usize {
+        let windows = &self.windows;
+        let first = |n: usize| {
+            let start = windows[n].samples.start;
+            windows[..n].partition_point(|w| w.samples.end <= start)
+        };
+        (0..windows.len()).map(|n| 2 * (n - first(n)) + 1).max().unwrap_or(0)
+    }
+
+    /// Covariance of the residuals of two rows.
+    fn shared(&self, slopes: &[Vec<[f64; 2]>], i: usize, k: usize) -> f64 {
+        let (a, b) = (&self.windows[i / 2], &self.windows[k / 2]);
+        let from = a.samples.start.max(b.samples.start);
+        let to = a.samples.end.min(b.samples.end);
+        if to <= from {
+            return 0.0;
         }
-        v
+        let of_speeds = slopes[i][from - a.samples.start..to - a.samples.start]
+            .iter()
+            .zip(&slopes[k][from - b.samples.start..])
+            .fold([0.0; 2], |sum, (e, f)| [sum[0] + e[0] * f[0], sum[1] + e[1] * f[1]]);
+        let of_speeds = self.variance[0] * of_speeds[0] + self.variance[1] * of_speeds[1];
+        if i % 2 != k % 2 {
+            return of_speeds;
+        }
+        let of_drive: f64 = a.weight[from - a.samples.start..to - a.samples.start]
+            .iter()
+            .zip(&b.weight[from - b.samples.start..])
+            .map(|(e, f)| e * f)
+            .sum();
+        of_speeds + self.drive_variance[i % 2] * of_drive
     }
 
     /// Adds to the columns what the residual tells of their noise, `(∂R_c/∂ω) S E' V⁻¹ r`.

@@ -28,6 +28,8 @@ pub struct Column {
     pub per_turn: Option<f64>,
     /// Moment at the wheel per ampere [N m/A], for a drive that was recorded as current.
     pub torque_constant: Option<f64>,
+    /// Column with the nanoseconds of a time that is written as seconds and nanoseconds.
+    pub nanoseconds: Option<String>,
     /// Whether the experiment file names it; a named column must be there.
     pub named: bool,
 }
@@ -43,6 +45,7 @@ impl Column {
             offset: 0.0,
             per_turn: None,
             torque_constant: None,
+            nanoseconds: None,
             named: true,
         }
     }

@@ -109,6 +109,19 @@ pub(super) fn read(path: &Path, layout: &Layout, names: &[String]) -> Result<Dat
     by_cell(path, layout, &frame, names)
 }
 
+/// Every column, cells that are no numbers as NaN.
+pub(super) fn all(path: &Path, layout: &Layout) -> Result<Vec<(String, Vec<f64>)>, IoError> {
+    let wrong = |e: PolarsError| format_error(path, "CSV", &e);
+    let frame = finish(path, options(layout, true)).map_err(wrong)?;
+    let comma = layout.separator != b',';
+    let cells = |column: &PolarsColumn| -> Result<Vec<f64>, IoError> {
+        let texts = column.str().map_err(wrong)?.iter();
+        Ok(texts.map(|c| value(c.unwrap_or_default(), comma).unwrap_or(f64::NAN)).collect())
+    };
+    let columns = layout.names.iter().zip(frame.columns());
+    columns.map(|(name, column)| Ok((name.clone(), cells(column)?))).collect()
+}
+
 fn options(layout: &Layout, truncate: bool) -> CsvReadOptions {
     let parse = CsvParseOptions::default()
         .with_separator(layout.separator)
@@ -181,7 +194,7 @@ fn by_cell(
         row += 1;
         for (j, text) in texts.iter().enumerate() {
             let cell = text.get(k).unwrap_or_default();
-            let value = number(cell, layout.separator != b',');
+            let value = value(cell, layout.separator != b',');
             values[j].push(value.ok_or_else(|| {
                 let line = line_of(path, row);
                 IoError::not_a_number(path, row, line, &names[j], cell)
@@ -194,9 +207,83 @@ fn by_cell(
     DataFrame::new(height, columns).map_err(wrong)
 }
 
+/// Words for a value that is not there.
+const ABSENT: [&str; 6] = ["", "na", "n/a", "null", "none", "-"];
+
+/// A cell of data as a number; NaN where it says that there is none.
+pub(super) fn value(cell: &str, decimal_comma: bool) -> Option<f64> {
+    let bare = cell.trim().trim_matches('"').trim().to_lowercase();
+    if ABSENT.contains(&bare.as_str()) {
+        return Some(f64::NAN);
+    }
+    number(cell, decimal_comma).or_else(|| date_time(&bare))
+}
+
+/// A date with time, or a time of day, in seconds: `2026-03-03T12:00:00.250Z`, `12:00:00.25`. Time zones
+/// shift all rows alike and do not matter.
+fn date_time(text: &str) -> Option<f64> {
+    let (date, time) = match text.split_once(['t', ' ']) {
+        Some((date, time)) => (Some(date), time),
+        None => (None, text),
+    };
+    let clock = time.trim_end_matches('z').split(['+']).next().unwrap_or_default();
+    let clock = if clock.matches('-').count() == 1 { clock.split('-').next()? } else { clock };
+    let mut parts = clock.split(':');
+    let mut part = || parts.next()?.replacen(',', ".", 1).parse::<f64>().ok();
+    let (hours, minutes, seconds) = (part()?, part()?, part().unwrap_or(0.0));
+    let days = match date {
+        None => 0.0,
+        Some(date) => {
+            let mut parts = date.split(['-', '/', '.']).map(|p| p.parse::<i64>().ok());
+            let (a, b, c) = (parts.next()??, parts.next()??, parts.next()??);
+            // the year first, as ISO 8601 has it, or last
+            let (year, month, day) = if a > 31 { (a, b, c) } else { (c, b, a) };
+            days_since_1970(year, month, day)? as f64
+        }
+    };
+    Some(86400.0 * days + 3600.0 * hours + 60.0 * minutes + seconds)
+}
+
+/// Days of the Gregorian calendar. Source: H. Hinnant, chrono-compatible low-level date algorithms.
+fn days_since_1970(year: i64, month: i64, day: i64) -> Option<i64> {
+    if !(1..=12).contains(&month) || !(1..=31).contains(&day) || !(1900..3000).contains(&year) {
+        return None;
+    }
+    let year = if month <= 2 { year - 1 } else { year };
+    let (era, month) = (year.div_euclid(400), (month + 9) % 12);
+    let in_era = year - 400 * era;
+    let in_year = (153 * month + 2) / 5 + day - 1;
+    Some(146_097 * era + 365 * in_era + in_era / 4 - in_era / 100 + in_year - 719_468)
+}
+
 /// A cell as a number; a comma may be the decimal sign where it does not separate columns.
 pub(super) fn number(cell: &str, decimal_comma: bool) -> Option<f64> {
     let cell = cell.trim().trim_matches('"').trim();
     let parsed = cell.parse().ok();
     if parsed.is_none() && decimal_comma { cell.replacen(',', ".", 1).parse().ok() } else { parsed }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dates_and_times_of_day_are_seconds() {
+        // python: datetime(2026, 3, 3, 12, 0, 0, 250000, timezone.utc).timestamp()
+        let expected = 1_772_539_200.25;
+        for text in [
+            "2026-03-03T12:00:00.250Z",
+            "2026-03-03 12:00:00.25",
+            "03.03.2026 12:00:00,250",
+            "2026-03-03T12:00:00.25+01:00",
+        ] {
+            assert_eq!(value(text, true), Some(expected), "{text}");
+        }
+        assert_eq!(value("12:00:01.5", false), Some(43201.5));
+        assert!(value("", false).unwrap().is_nan() && value("null", false).unwrap().is_nan());
+        assert_eq!(
+            [value("broken", true), value("2026-13-03 00:00", true), value("1:x", true)],
+            [None; 3]
+        );
+    }
 }

@@ -9,6 +9,12 @@ use sha2::{Digest, Sha256};
 
 use super::IoError;
 
+/// Whether there is a file at a path.
+#[must_use]
+pub fn exists(path: &Path) -> bool {
+    path.is_file()
+}
+
 /// The text of a file.
 ///
 /// # Errors
@@ -48,6 +54,14 @@ pub fn sha256(path: &Path) -> Result<String, IoError> {
 #[must_use]
 pub fn sha256_text(text: &str) -> String {
     Sha256::digest(text.as_bytes()).iter().map(|b| format!("{b:02x}")).collect()
+}
+
+/// Makes a folder, with those above it, where it is not there.
+///
+/// # Errors
+/// A place that cannot be written.
+pub fn make_folder(path: &Path) -> Result<(), IoError> {
+    fs::create_dir_all(path).map_err(|e| IoError::system(path, &e))
 }
 
 /// Writes a file as a whole: into a temporary one beside it, which then takes its place.

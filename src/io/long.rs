@@ -1,6 +1,7 @@
 //! Recordings too long to be held, read block by block.
 
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use polars::prelude::DataFrame;
 
@@ -33,7 +34,7 @@ pub fn read_long_recording(
     let wanted = wanted(path, &headers, columns)?;
     let names = names_of(path, &headers, &wanted)?;
     let (path, columns) = (path.to_path_buf(), columns.clone());
-    let file = LongFile { path, columns, headers, wanted, names };
+    let file = LongFile { path, columns, headers, wanted, names, left_out: Mutex::default() };
     let name = file.path.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned());
     let mut survey = Survey::new(name, drive_unit);
     let wrong = |error: RecordingError| file.in_recording(error);
@@ -48,6 +49,9 @@ pub fn read_long_recording(
 }
 
 fn has_more_rows(path: &Path, limit: usize) -> Result<bool, IoError> {
+    if super::recording::parted(path).1.is_some() {
+        return Ok(false);
+    }
     match super::format::Format::of(path)? {
         super::format::Format::Csv => csv::has_more_lines(path, limit),
         super::format::Format::Parquet => Ok(parquet::rows(path)? > limit),
@@ -62,6 +66,8 @@ struct LongFile {
     headers: Headers,
     wanted: Vec<(&'static str, String)>,
     names: Vec<String>,
+    /// Rows whose time does not exceed that before, and the first of them, of the last pass.
+    left_out: Mutex<(usize, usize)>,
 }
 
 type Block = Result<Channels, IoError>;
@@ -81,6 +87,7 @@ impl LongFile {
             };
         let mut place = Place::default();
         let mut ended = false;
+        let mut order = Order { last: f64::NEG_INFINITY, left_out: (0, 0) };
         Ok(Box::new(std::iter::from_fn(move || {
             if ended {
                 return None;
@@ -91,7 +98,10 @@ impl LongFile {
                     let none = || IoError::HeaderOnly { file: shown(&self.path) };
                     return if empty { Err(none()) } else { Ok(None) };
                 }
-                let rows = channels(&self.path, &self.columns, &self.wanted, &frame, &mut place)?;
+                let mut rows =
+                    channels(&self.path, &self.columns, &self.wanted, &frame, &mut place)?;
+                order.keep(&mut rows, place.first);
+                *self.left_out.lock().unwrap_or_else(PoisonError::into_inner) = order.left_out;
                 place.first += frame.height();
                 Ok(Some(rows))
             });
@@ -108,7 +118,49 @@ impl LongFile {
     }
 }
 
+/// Leaves out rows whose time does not exceed that before: a few are those of a logger that writes a
+/// row twice; with more than one in a hundred the recording is refused with the row, as it stands.
+struct Order {
+    last: f64,
+    left_out: (usize, usize),
+}
+
+impl Order {
+    fn keep(&mut self, rows: &mut Channels, before: usize) {
+        let mut last = self.last;
+        let late: Vec<bool> = rows
+            .t
+            .iter()
+            .map(|t| {
+                let late = *t <= last;
+                last = last.max(*t);
+                late
+            })
+            .collect();
+        self.last = last;
+        let count = late.iter().filter(|late| **late).count();
+        if count == 0 || 100 * (self.left_out.0 + count) > before + late.len() {
+            return;
+        }
+        if self.left_out.0 == 0 {
+            self.left_out.1 = before + late.iter().position(|late| *late).unwrap_or(0) + 1;
+        }
+        self.left_out.0 += count;
+        let pick = |v: &Vec<[f64; 2]>| -> Vec<[f64; 2]> {
+            v.iter().zip(&late).filter(|(_, late)| !**late).map(|(v, _)| *v).collect()
+        };
+        rows.t = rows.t.iter().zip(&late).filter(|(_, late)| !**late).map(|(t, _)| *t).collect();
+        rows.moment = pick(&rows.moment);
+        rows.alpha = rows.alpha.as_ref().map(pick);
+        rows.omega = rows.omega.as_ref().map(pick);
+    }
+}
+
 impl Rows for LongFile {
+    fn left_out(&self) -> (usize, usize) {
+        *self.left_out.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     fn blocks(&self) -> Box<dyn Iterator<Item = Result<Channels, String>> + '_> {
         match self.read() {
             Ok(blocks) => Box::new(blocks.map(|block| block.map_err(|e| e.to_string()))),

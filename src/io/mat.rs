@@ -2,7 +2,8 @@
 //!
 //! A vector of numbers is a column under its name; a matrix is one column for each of its columns,
 //! `name(:,1)`, `name(:,2)`, or, where it is wider than high, for each of its rows, `name(1,:)`.
-//! Single numbers, complex and sparse matrices, text, cells and structures are no columns.
+//! The fields of a structure `s` are `s.field`, those of a list of structures, as Simulink exports
+//! signals, `s(1).field`. Single numbers, complex and sparse matrices, text and cells are no columns.
 //!
 //! ```text
 //! file    = text:116 bytes  8 bytes  version:u16  "IM" or "MI"  element*
@@ -133,6 +134,19 @@ fn unfold(data: &[u8], room: usize) -> Result<Vec<u8>, Damage> {
 
 /// A variable; `None` for one without a name, as MATLAB keeps for itself.
 fn matrix(data: &[u8], big_endian: bool) -> Result<Option<Variable>, Damage> {
+    named_matrix(data, big_endian, "", 0)
+}
+
+/// The same for the field of a structure, which has no name of its own.
+fn named_matrix(
+    data: &[u8],
+    big_endian: bool,
+    field: &str,
+    depth: usize,
+) -> Result<Option<Variable>, Damage> {
+    if data.is_empty() {
+        return Ok(None); // an empty field
+    }
     let mut bytes = Bytes::ordered(data, big_endian);
     let (_, flags) = element(&mut bytes, "array flags")?;
     let flags = Bytes::ordered(flags, big_endian).u32("array flags")?;
@@ -141,11 +155,19 @@ fn matrix(data: &[u8], big_endian: bool) -> Result<Option<Variable>, Damage> {
         size.chunks_exact(4).map(|d| Number::Unsigned(4).value(d, big_endian) as usize).collect();
     let (_, name) = element(&mut bytes, "name")?;
     let name = String::from_utf8_lossy(name).into_owned();
+    let name = if name.is_empty() { field.to_string() } else { name };
     if name.is_empty() {
         return Ok(None);
     }
     let class = class(flags);
     let mut variable = Variable { name, class, columns: vec![] };
+    if class == STRUCTURE && depth < DEEPEST {
+        let count = size.iter().try_fold(1_usize, |n, d| n.checked_mul(*d)).unwrap_or(0);
+        // a structure that is written in another way is no column, as before
+        let fields = fields(&mut bytes, &variable.name, count.min(MOST_COLUMNS), depth);
+        variable.columns = fields.unwrap_or_default();
+        return Ok(Some(variable));
+    }
     if let [rows, columns] = size[..]
         && class == NUMERIC
     {
@@ -157,13 +179,50 @@ fn matrix(data: &[u8], big_endian: bool) -> Result<Option<Variable>, Damage> {
 }
 
 const NUMERIC: &str = "numbers";
+const STRUCTURE: &str = "struct";
+/// Structures within structures that are looked into.
+const DEEPEST: usize = 4;
+
+/// The columns of the fields of so many structures, one behind the other.
+fn fields(
+    bytes: &mut Bytes,
+    name: &str,
+    count: usize,
+    depth: usize,
+) -> Result<Vec<Column>, Damage> {
+    let (_, length) = element(bytes, "length of the field names")?;
+    let length =
+        Bytes::ordered(length, bytes.big_endian).u32("length of the field names")? as usize;
+    let (_, names) = element(bytes, "field names")?;
+    let text = |raw: &[u8]| {
+        let end = raw.iter().position(|b| *b == 0).unwrap_or(raw.len());
+        String::from_utf8_lossy(&raw[..end]).into_owned()
+    };
+    let names: Vec<String> = names.chunks_exact(length.max(1)).map(text).collect();
+    let mut out = vec![];
+    for k in 0..count {
+        for field in &names {
+            let place = if count == 1 {
+                format!("{name}.{field}")
+            } else {
+                format!("{name}({}).{field}", k + 1)
+            };
+            let (kind, data) = element(bytes, "a field")?;
+            if kind == MATRIX {
+                let inner = named_matrix(data, bytes.big_endian, &place, depth + 1)?;
+                out.extend(inner.map_or(vec![], |v| v.columns));
+            }
+        }
+    }
+    Ok(out)
+}
 
 fn class(flags: u32) -> &'static str {
     match flags & 0xff {
         6..=15 if flags & 0x0800 != 0 => "complex",
         6..=15 => NUMERIC,
         1 => "cell",
-        2 => "struct",
+        2 => STRUCTURE,
         4 => "text",
         5 => "sparse",
         _ => "object",

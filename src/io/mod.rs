@@ -6,11 +6,14 @@ mod csv;
 mod error;
 mod folder;
 mod format;
+mod in_memory;
 mod journal;
 mod long;
 mod mat;
 mod mcap;
+mod mcap_table;
 mod parquet;
+mod preview;
 mod recording;
 mod signals;
 mod summary;
@@ -21,11 +24,15 @@ mod wpilog;
 pub use columns::{Column, ColumnMap, contract_units};
 pub use error::IoError;
 pub use folder::{
-    ResultFolder, check_writable, file_names, read_text, sha256, sha256_text, write_whole,
+    ResultFolder, check_writable, exists, file_names, make_folder, read_text, sha256, sha256_text,
+    write_whole,
 };
+pub use in_memory::{needed_columns, table_channels};
 pub use journal::Journal;
 pub use long::read_long_recording;
-pub use recording::{Headers, headers, read_recording};
+pub use mcap_table::write_mcap_table;
+pub use preview::{PreviewColumn, preview};
+pub use recording::{Headers, RawChannels, headers, parts, read_channels, read_recording};
 pub use summary::{group_rows, read_parquet_table, write_csv_table};
 pub use table::{TableColumn, write_csv, write_parquet_pieces, write_parquet_table};
 

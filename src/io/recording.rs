@@ -1,6 +1,6 @@
 //! A recording from a file of any format that is read.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use polars::prelude::{DataFrame, DataType, PolarsError};
 
@@ -32,6 +32,9 @@ pub(super) enum Source {
     Columns(Vec<(String, Vec<f64>)>),
 }
 
+/// The part of a time that is written as seconds and nanoseconds.
+const NANOSECONDS: &str = "t.nanoseconds";
+
 /// A time beyond this is that of a calendar and not of the recording [s].
 const CALENDAR: f64 = 1e6;
 
@@ -41,6 +44,11 @@ const CALENDAR: f64 = 1e6;
 /// # Errors
 /// A directory, an empty file, one that cannot be read, or one whose content is of another format.
 pub fn headers(path: &Path) -> Result<Headers, IoError> {
+    let (path, part) = parted(path);
+    headers_of(path, part)
+}
+
+fn headers_of(path: &Path, part: Option<&str>) -> Result<Headers, IoError> {
     if path.is_dir() {
         return Err(IoError::Directory { file: shown(path) });
     }
@@ -57,7 +65,7 @@ pub fn headers(path: &Path) -> Result<Headers, IoError> {
         Format::Wpilog => signals(wpilog::read(path)?),
         Format::Mcap => signals(mcap::read(path)?),
         Format::Mat => columns(mat::read(path)?),
-        Format::SysId => columns(sysid::read(path)?),
+        Format::SysId => columns(sysid::read(path, part)?),
     };
     Ok(Headers { names, source })
 }
@@ -73,7 +81,47 @@ pub fn read_recording(
     columns: &ColumnMap,
     drive_unit: DriveUnit,
 ) -> Result<(Recording, String), IoError> {
-    let headers = headers(path)?;
+    let raw = read_channels(path, columns)?;
+    let sha256 = raw.sha256.clone();
+    Ok((raw.recording(drive_unit)?, sha256))
+}
+
+/// The columns of a file as they are, in the units of the contract.
+#[derive(Clone, Debug)]
+pub struct RawChannels {
+    /// Name of the recording: that of the file, and of its part where it has several.
+    pub name: String,
+    /// The columns; a cell without a number is NaN.
+    pub channels: Channels,
+    /// SHA-256 of the file; empty for a table in memory.
+    pub sha256: String,
+    pub(super) path: PathBuf,
+    pub(super) is_text: bool,
+    /// Rows of the file.
+    pub(super) rows: usize,
+}
+
+impl RawChannels {
+    /// The recording of these columns.
+    ///
+    /// # Errors
+    /// What [`Recording::new`] refuses; with the line of its row, unless rows were left out.
+    pub fn recording(self, drive_unit: DriveUnit) -> Result<Recording, IoError> {
+        let same = self.channels.t.len() == self.rows;
+        Recording::new(self.name, self.channels, drive_unit).map_err(|error| {
+            let row = error.row().filter(|_| self.is_text && same);
+            IoError::Recording { line: row.and_then(|r| csv::line_of(&self.path, r)), error }
+        })
+    }
+}
+
+/// Reads the columns of a recording as [`read_recording`] does, and does not check them.
+///
+/// # Errors
+/// Everything in [`IoError`] but what is wrong with the values.
+pub fn read_channels(path: &Path, columns: &ColumnMap) -> Result<RawChannels, IoError> {
+    let (path, part) = parted(path);
+    let headers = headers_of(path, part)?;
     let wanted = wanted(path, &headers, columns)?;
     let names = names_of(path, &headers, &wanted)?;
     let frame = match &headers.source {
@@ -86,15 +134,34 @@ pub fn read_recording(
         return Err(IoError::HeaderOnly { file: shown(path) });
     }
     let channels = channels(path, columns, &wanted, &frame, &mut Place::default())?;
-    let name = path.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned());
-    let recording = Recording::new(name, channels, drive_unit).map_err(|error| {
-        let line = error
-            .row()
-            .filter(|_| matches!(headers.source, Source::Text(_)))
-            .and_then(|r| csv::line_of(path, r));
-        IoError::Recording { error, line }
-    })?;
-    Ok((recording, sha256(path)?))
+    let file = path.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned());
+    let name = part.map_or(file.clone(), |part| format!("{file}#{part}"));
+    let is_text = matches!(headers.source, Source::Text(_));
+    let (rows, sha256, path) = (channels.t.len(), sha256(path)?, path.to_path_buf());
+    Ok(RawChannels { name, channels, sha256, path, is_text, rows })
+}
+
+/// A path and the part of the file that stands behind a `#`: `run.json#slow-forward`.
+pub(super) fn parted(path: &Path) -> (&Path, Option<&str>) {
+    let split = path.to_str().and_then(|text| text.rsplit_once('#'));
+    match split {
+        Some((file, part)) if !path.exists() && !part.contains(['/', '\\']) => {
+            (Path::new(file), Some(part))
+        }
+        _ => (path, None),
+    }
+}
+
+/// The parts of a file that are recordings of their own, by name: the tests of a SysId file. None of
+/// any other.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn parts(path: &Path) -> Result<Vec<String>, IoError> {
+    match Format::of(path)? {
+        Format::SysId => sysid::tests(path),
+        _ => Ok(vec![]),
+    }
 }
 
 /// The names in the file, each once.
@@ -123,7 +190,7 @@ pub(super) struct Place {
 }
 
 /// The columns of those names, which must have the same length.
-fn side_by_side(
+pub(super) fn side_by_side(
     path: &Path,
     columns: &[(String, Vec<f64>)],
     names: &[String],
@@ -150,6 +217,8 @@ pub(super) fn channels(
     frame: &DataFrame,
     place: &mut Place,
 ) -> Result<Channels, IoError> {
+    let part = wanted.iter().find(|(k, _)| *k == NANOSECONDS);
+    let part = part.map(|(_, name)| numbers(path, frame, name, place.first)).transpose()?;
     let mut one = |key: &str| -> Result<Option<Vec<f64>>, IoError> {
         let Some((_, name)) = wanted.iter().find(|(k, _)| *k == key) else { return Ok(None) };
         let (factor, offset) = conversion(path, columns, key, name)?;
@@ -162,6 +231,9 @@ pub(super) fn channels(
         }
         if (factor, offset) != (1.0, 0.0) {
             values.iter_mut().for_each(|x| *x = factor * *x + offset);
+        }
+        if let (Some(part), "t") = (&part, key) {
+            values.iter_mut().zip(part).for_each(|(t, ns)| *t += 1e-9 * ns);
         }
         Ok(Some(values))
     };
@@ -234,6 +306,12 @@ pub(super) fn wanted(
             None => {}
         }
     }
+    if let Some(name) = &columns.get("t").nanoseconds {
+        if !headers.names.contains(name) {
+            return Err(missing(path, headers, "t.nanoseconds", name));
+        }
+        out.push((NANOSECONDS, name.clone()));
+    }
     let has = |key: &str| out.iter().any(|(k, _)| *k == key);
     let angles = has("alpha1") && has("alpha2");
     let speeds = has("dalpha1") && has("dalpha2");
@@ -263,8 +341,32 @@ fn missing(path: &Path, headers: &Headers, key: &str, name: &str) -> IoError {
         column: name.into(),
         key: key.into(),
         near,
-        present: shortened(&headers.names.join(", ")),
+        present: shortened(&of_interest(&headers.names)),
     }
+}
+
+/// Names that are listed as they are.
+const LISTED: usize = 24;
+/// Words of the names of wheels' angles, speeds and inputs.
+const WORDS: [&str; 15] = [
+    "pos", "angle", "enc", "vel", "speed", "rpm", "volt", "current", "amp", "torque", "effort",
+    "left", "right", "wheel", "drive",
+];
+
+/// The names of columns; of many those that may be meant first, by the number of words that say so.
+fn of_interest(names: &[String]) -> String {
+    if names.len() <= LISTED {
+        return names.join(", ");
+    }
+    let words = |name: &String| {
+        let lower = name.to_lowercase();
+        WORDS.iter().filter(|word| lower.contains(**word)).count()
+    };
+    let mut sorted: Vec<&String> = names.iter().collect();
+    // stable: among equals in the order of the file
+    sorted.sort_by_key(|name| std::cmp::Reverse(words(name)));
+    let first: Vec<&str> = sorted.iter().take(LISTED).map(|n| n.as_str()).collect();
+    format!("{}, and {} others", first.join(", "), names.len() - LISTED)
 }
 
 /// A column of a frame, after so many rows, as numbers; a file of Parquet may hold whole numbers or text.
@@ -276,11 +378,11 @@ fn numbers(path: &Path, frame: &DataFrame, name: &str, before: usize) -> Result<
     if matches!(column.dtype(), DataType::String) {
         let cells = column.str().map_err(wrong)?.iter().map(Option::unwrap_or_default);
         let cells = cells.enumerate();
-        return cells.map(|(k, c)| csv::number(c, true).ok_or_else(|| broken(k, c))).collect();
+        return cells.map(|(k, c)| csv::value(c, true).ok_or_else(|| broken(k, c))).collect();
     }
     let column = column.cast(&DataType::Float64).map_err(wrong)?;
-    let values = column.f64().map_err(wrong)?.iter().enumerate();
-    values.map(|(k, v)| v.ok_or_else(|| broken(k, ""))).collect()
+    let values = column.f64().map_err(wrong)?.iter();
+    Ok(values.map(|v| v.unwrap_or(f64::NAN)).collect())
 }
 
 #[cfg(test)]

@@ -85,6 +85,17 @@ impl Signals {
         std::iter::once(self.time.clone()).chain(names).collect()
     }
 
+    /// Every signal with its own values; the time is that of the busiest.
+    pub(super) fn all(self) -> Vec<(String, Vec<f64>)> {
+        let busiest = self.list.iter().max_by_key(|s| s.samples.len());
+        let stamps = busiest.map_or(vec![], |s| s.samples.iter().map(|(at, _)| *at).collect());
+        let start = stamps.first().copied().unwrap_or(0_i64);
+        let second = |at: &i64| (i128::from(*at) - i128::from(start)) as f64 / self.per_second;
+        let time = (self.time.clone(), stamps.iter().map(second).collect());
+        let values = |s: Signal| (s.name, s.samples.into_iter().map(|(_, x)| x).collect());
+        std::iter::once(time).chain(self.list.into_iter().map(values)).collect()
+    }
+
     /// The columns of those names in rows: one at each stamp of the signal among them that has the
     /// most, from the moment when all have a value. The others hold their last value.
     ///

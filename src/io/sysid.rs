@@ -5,8 +5,9 @@
 //!   "slow-forward": [[t, left V, right V, left position, right position,
 //!                     left velocity, right velocity, heading, heading rate], …], … }
 //! ```
-//! Positions are in turns of the wheel. The tests, in the order of time, become one recording with
-//! gaps between them; of other mechanisms the rows are t, voltage, position, velocity.
+//! Positions are in turns of the wheel. A test is a recording of its own, `file.json#slow-forward`;
+//! without a name all become one with gaps between them, in the order of time. Of other mechanisms the
+//! rows are t, voltage, position, velocity.
 //!
 //! Source: wpilibsuite/sysid, docs/data-collection.md and TelemetryManager::SaveJSON.
 
@@ -34,13 +35,36 @@ const MECHANISM: [&str; 4] = ["t", "voltage [V]", "position [rev]", "velocity [r
 /// A test with its rows.
 type Test = (String, Vec<Vec<f64>>);
 
-pub(super) fn read(path: &Path) -> Result<Vec<(String, Vec<f64>)>, IoError> {
+/// The columns of all tests, or of the one of that name.
+pub(super) fn read(path: &Path, part: Option<&str>) -> Result<Vec<(String, Vec<f64>)>, IoError> {
+    let mut object = object(path)?;
+    if let Some(part) = part {
+        if !object.get(part).is_some_and(Value::is_array) {
+            let known = names(&object).join(", ");
+            let damage = Damage::new(format!("test `{part}`"), format!("one of {known}"), "none");
+            return Err(damage.in_file(path, "SysId JSON"));
+        }
+        object.retain(|name, value| !value.is_array() || name == part);
+    }
+    columns(&object).map_err(|damage| damage.in_file(path, "SysId JSON"))
+}
+
+/// The names of the tests.
+pub(super) fn tests(path: &Path) -> Result<Vec<String>, IoError> {
+    Ok(names(&object(path)?))
+}
+
+fn names(object: &Map<String, Value>) -> Vec<String> {
+    let rows = |value: &Value| value.as_array().is_some_and(|rows| !rows.is_empty());
+    object.iter().filter(|(_, value)| rows(value)).map(|(name, _)| name.clone()).collect()
+}
+
+fn object(path: &Path) -> Result<Map<String, Value>, IoError> {
     let bytes = std::fs::read(path).map_err(|e| IoError::system(path, &e))?;
-    let object: Map<String, Value> = serde_json::from_slice(&bytes).map_err(|e| {
+    serde_json::from_slice(&bytes).map_err(|e| {
         let reason = format!("{e}; expected the object that SysId saved");
         IoError::Format { file: shown(path), format: "SysId JSON".into(), reason }
-    })?;
-    columns(&object).map_err(|damage| damage.in_file(path, "SysId JSON"))
+    })
 }
 
 fn columns(object: &Map<String, Value>) -> Result<Vec<(String, Vec<f64>)>, Damage> {

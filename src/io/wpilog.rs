@@ -84,8 +84,11 @@ fn header(bytes: &mut Bytes) -> Result<(), Damage> {
     bytes.take(length, "extra header").map(|_| ())
 }
 
+/// Entry, time stamp [us] and payload of a record.
+type Record<'a> = (u32, i64, &'a [u8]);
+
 /// The next record: entry, time [us] and payload; `None` where the file was cut off.
-fn record<'a>(bytes: &mut Bytes<'a>) -> Result<Option<(u32, i64, &'a [u8])>, Damage> {
+fn record<'a>(bytes: &mut Bytes<'a>) -> Result<Option<Record<'a>>, Damage> {
     let start = bytes.at();
     let lengths = bytes.unsigned(1, "record")? as usize;
     if lengths & 0x80 != 0 {

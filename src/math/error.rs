@@ -1,8 +1,8 @@
-//! What can be wrong with numbers handed to this room.
+//! What can be wrong with numbers handed to this module.
 
 use thiserror::Error;
 
-/// Input that a numerical method of this room cannot work with.
+/// Input that a numerical method of this module cannot work with.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum MathError {

@@ -75,19 +75,6 @@ pub fn fit(
     y: &DVector<f64>,
     weights: Option<&DVector<f64>>,
 ) -> Result<LinearFit, MathError> {
-    fit_with_tolerance(x, y, weights, RANK_TOLERANCE)
-}
-
-/// [`fit`] with another relative tolerance for the rank decision.
-///
-/// # Errors
-/// As [`fit`].
-pub fn fit_with_tolerance(
-    x: &DMatrix<f64>,
-    y: &DVector<f64>,
-    weights: Option<&DVector<f64>>,
-    tolerance: f64,
-) -> Result<LinearFit, MathError> {
     let rows = check(x, y, weights)?;
     let (mut a, mut b) = (x.clone(), y.clone());
     if let Some(w) = weights {
@@ -100,7 +87,7 @@ pub fn fit_with_tolerance(
     qr.q_tr_mul(&mut b);
     let rotated = b.rows(0, x.ncols()).into_owned();
     let svd = singular_values(qr.r());
-    let rank = numerical_rank(&svd.values, tolerance);
+    let rank = numerical_rank(&svd.values);
 
     let coefficients = solve(&svd, rank, &rotated).component_div(&scale);
     let unit_covariance = unscale(&pseudo_inverse_of_square(&svd, rank), &scale);
@@ -133,54 +120,47 @@ impl LinearFit {
     pub fn unit_covariance(&self) -> DMatrix<f64> {
         blind(self.unit_covariance.clone(), &self.unidentifiable)
     }
+}
 
-    /// Covariance that stays right when the errors inside a block of rows are correlated and of
-    /// unequal size (cluster-robust "sandwich").
-    ///
-    /// ```text
-    /// C = c (X'WX)^-1 [ sum_b s_b s_b' ] (X'WX)^-1,   s_b = sum_{i in b} w_i r_i x_i
-    /// c = G/(G-1) (n-1)/(n-rank),   G blocks, n rows
-    /// ```
-    ///
-    /// Source: K.-Y. Liang, S. L. Zeger, "Longitudinal data analysis using generalized linear
-    /// models", Biometrika 73 (1986); the factor c is the usual one of Stata and statsmodels.
-    ///
-    /// `x`, `weights` are those of the fit; `blocks` names the block of every row.
-    ///
-    /// # Errors
-    /// If a length differs from that of the fit or there are fewer than two blocks.
-    pub fn sandwich(
-        &self,
-        x: &DMatrix<f64>,
-        weights: Option<&DVector<f64>>,
-        blocks: &[usize],
-    ) -> Result<DMatrix<f64>, MathError> {
-        let rows = self.residuals.len();
-        check_length("the design matrix", x.nrows(), rows)?;
-        check_length("the block index", blocks.len(), rows)?;
-        if let Some(w) = weights {
-            check_length("the weights", w.len(), rows)?;
-        }
-        let mut scores = std::collections::BTreeMap::new();
-        for (row, &block) in blocks.iter().enumerate() {
-            let weight = weights.map_or(1.0, |w| w[row]);
-            let sum = scores.entry(block).or_insert_with(|| DVector::zeros(x.ncols()));
-            *sum += x.row(row).transpose() * (weight * self.residuals[row]);
-        }
-        let count = scores.len();
-        if count < 2 {
-            let method = "a block-robust covariance (blocks)";
-            return Err(MathError::TooFewSamples { method, found: count, required: 2 });
-        }
-        let mut covariance = DMatrix::zeros(x.ncols(), x.ncols());
-        for score in scores.values() {
-            let influence = &self.unit_covariance * score;
-            covariance += &influence * influence.transpose();
-        }
-        let (groups, n) = (count as f64, (self.degrees_of_freedom + self.rank) as f64);
-        covariance *= groups / (groups - 1.0) * (n - 1.0) / self.degrees_of_freedom as f64;
-        Ok(blind(covariance, &self.unidentifiable))
+/// Covariance of an estimate whose errors are correlated and of unequal size within blocks of rows
+/// (cluster-robust "sandwich").
+///
+/// ```text
+/// C = c B [ sum_b s_b s_b' ] B',   s_b = sum_{i in b} z_i psi_i,   c = G/(G-1) (n-1)/(n-k)
+/// ```
+///
+/// `bread` B is the inverse of `sum z x' psi'`, `z` the instruments (the columns themselves for
+/// least squares), `psi` the influence of each residual (weight times residual), `block` the block
+/// of each row. `rows` n is the number of rows of data, which the rows of `z` may stand for; k is the
+/// width of `z`. With fewer than two blocks rows count as independent.
+///
+/// Source: K.-Y. Liang, S. L. Zeger, Biometrika 73 (1986); the factor c is that of Stata and
+/// statsmodels.
+///
+/// # Panics
+/// If the lengths differ.
+#[must_use]
+pub fn clustered_covariance(
+    bread: &DMatrix<f64>,
+    z: &DMatrix<f64>,
+    psi: &DVector<f64>,
+    block: &[usize],
+    rows: usize,
+) -> DMatrix<f64> {
+    let blocks = block.iter().max().map_or(0, |b| b + 1);
+    let one = |i: usize| if blocks < 2 { i } else { block[i] };
+    let mut scores = std::collections::BTreeMap::<usize, DVector<f64>>::new();
+    for i in 0..z.nrows() {
+        let sum = scores.entry(one(i)).or_insert_with(|| DVector::zeros(z.ncols()));
+        sum.axpy(psi[i], &z.row(i).transpose(), 1.0);
     }
+    let mut middle = DMatrix::zeros(z.ncols(), z.ncols());
+    for s in scores.values() {
+        middle += s * s.transpose();
+    }
+    let (groups, n) = (scores.len() as f64, rows as f64);
+    let factor = groups / (groups - 1.0) * (n - 1.0) / (n - z.ncols() as f64).max(1.0);
+    bread * middle * bread.transpose() * factor
 }
 
 /// Indices of the parameters whose component in any of the null directions exceeds
@@ -240,9 +220,9 @@ fn scale_columns(a: &mut DMatrix<f64>) -> DVector<f64> {
     scale
 }
 
-fn numerical_rank(values: &[f64], tolerance: f64) -> usize {
+fn numerical_rank(values: &[f64]) -> usize {
     let largest = values.first().copied().unwrap_or(0.0);
-    values.iter().filter(|&&s| s > tolerance * largest).count()
+    values.iter().filter(|&&s| s > RANK_TOLERANCE * largest).count()
 }
 
 fn condition(values: &[f64]) -> f64 {

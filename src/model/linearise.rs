@@ -1,22 +1,22 @@
 //! Exact first derivatives of a model, and the dynamics solved from it.
 
-use super::{Model, ModelError, Role, Roles};
+use super::{Model, ModelError, Variation, Variations};
 use crate::effects::{DIFFERENTIATED, DIRECTIONS, Jet, Motion, Terms};
 use crate::math::Dual;
 
 /// Partial derivatives of a [`Jet`] before those of an effect's own parameters.
 const STATES: usize = 4;
 
-/// The moment balance `mass a + torque + Σ d_j level_j s_j` and its derivatives at one instant.
+/// The torque balance `mass a + torque + Σ d_j level_j s_j` and its derivatives at one instant.
 #[derive(Clone, Debug)]
 pub struct Linearisation {
     /// Values.
     pub terms: Terms<f64>,
-    /// Derivatives of the two moments with respect to (alpha1, alpha2, omega1, omega2), at fixed
+    /// Derivatives of the two torques with respect to (alpha1, alpha2, omega1, omega2), at fixed
     /// acceleration and friction signs.
     pub by_state: [[f64; 4]; 2],
-    /// Derivatives of the two moments with respect to each parameter of the model (those that act
-    /// through the drive have zero here).
+    /// Derivatives of the two torques with respect to each parameter of the model (those that act
+    /// through the input have zero here).
     pub by_parameter: Vec<[f64; 2]>,
     /// What each effect adds, with its own derivatives.
     effects: Vec<Terms<Jet>>,
@@ -44,7 +44,7 @@ impl Linearisation {
 }
 
 impl Model {
-    /// Writes values and exact derivatives of the moment balance at acceleration `a` [rad/s^2]
+    /// Writes values and exact derivatives of the torque balance at acceleration `a` [rad/s^2]
     /// and friction signs `s` (one for each of [`crate::effects::DIRECTIONS`]) into `out`, which
     /// is made for this model: the inner loop of every estimator allocates nothing.
     ///
@@ -79,12 +79,12 @@ impl Model {
         }
         out.terms = out.constant;
         for (e, effect) in self.effects().iter().enumerate() {
-            let roles = self.roles(e);
-            if !roles.vary() {
+            let variations = self.variations(e);
+            if !variations.vary() {
                 continue;
             }
             let (terms, own) = (&mut out.effects[e], &out.own[self.slots(e)]);
-            if (roles.mass, roles.level) == (Role::Absent, Role::Absent) {
+            if (variations.mass, variations.level) == (Variation::Absent, Variation::Absent) {
                 terms.torque = effect.torque_jet(&jet, own);
                 for (sum, torque) in out.terms.torque.iter_mut().zip(&terms.torque) {
                     *sum += torque.value;
@@ -113,7 +113,7 @@ impl Model {
                 }
             }));
             let terms = effect.terms_jet(x, &out.own[slots]);
-            if !self.roles(e).vary() {
+            if !self.variations(e).vary() {
                 out.constant.add(&values(&terms));
             }
             out.effects.push(terms);
@@ -125,25 +125,25 @@ impl Model {
     pub fn differentiate(&self, a: &[f64; 2], s: &[f64; 4], out: &mut Linearisation) {
         out.by_state = [[0.0; STATES]; 2];
         for (e, terms) in out.effects.iter().enumerate() {
-            let roles = self.roles(e);
-            if roles.vary() {
+            let variations = self.variations(e);
+            if variations.vary() {
                 for k in 0..STATES {
-                    let slope = slope(terms, roles, k, a, s);
+                    let slope = slope(terms, variations, k, a, s);
                     out.by_state[0][k] += slope[0];
                     out.by_state[1][k] += slope[1];
                 }
             }
             for (k, j) in self.slots(e).enumerate().take(DIFFERENTIATED) {
-                out.by_parameter[j] = slope(terms, roles, STATES + k, a, s);
+                out.by_parameter[j] = slope(terms, variations, STATES + k, a, s);
             }
         }
     }
 
-    /// Derivatives of the acting drive with respect to every parameter: `[j][k]` is that of
-    /// sample k by parameter j; empty for parameters that do not act through the drive.
+    /// Derivatives of the acting input with respect to every parameter: `[j][k]` is that of
+    /// sample k by parameter j; empty for parameters that do not act through the input.
     ///
     /// # Panics
-    /// If drive effects have more than eight parameters together.
+    /// If input effects have more than eight parameters together.
     #[must_use]
     pub fn drive_derivatives(
         &self,
@@ -186,16 +186,22 @@ fn values(terms: &Terms<Jet>) -> Terms<f64> {
 
 /// Partial derivative number `k` of [`Terms::moment`].
 #[inline]
-fn slope(terms: &Terms<Jet>, roles: Roles, k: usize, a: &[f64; 2], s: &[f64; 4]) -> [f64; 2] {
+fn slope(
+    terms: &Terms<Jet>,
+    variations: Variations,
+    k: usize,
+    a: &[f64; 2],
+    s: &[f64; 4],
+) -> [f64; 2] {
     let mut out = [0.0; 2];
-    if roles.mass != Role::Absent {
+    if variations.mass != Variation::Absent {
         let [m11, m12, m22] = [0, 1, 2].map(|i| terms.mass[i].partial[k]);
         out = [m11 * a[0] + m12 * a[1], m12 * a[0] + m22 * a[1]];
     }
-    if roles.torque != Role::Absent {
+    if variations.torque != Variation::Absent {
         out = [out[0] + terms.torque[0].partial[k], out[1] + terms.torque[1].partial[k]];
     }
-    if roles.level != Role::Absent {
+    if variations.level != Variation::Absent {
         for (j, d) in DIRECTIONS.iter().enumerate() {
             let friction = s[j] * terms.level[j].partial[k];
             out = [out[0] + d[0] * friction, out[1] + d[1] * friction];

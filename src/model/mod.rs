@@ -2,8 +2,8 @@
 
 mod linearise;
 mod model;
-mod role;
+mod variation;
 
 pub use linearise::{Linearisation, solve_mass};
 pub use model::{Model, ModelError, Parameter};
-pub use role::{Role, Roles};
+pub use variation::{Variation, Variations};

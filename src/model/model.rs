@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::Roles;
+use super::Variations;
 use crate::effects::{self, BASE, Coupling, Effect, Motion, ParameterKind, ParameterSpec, Terms};
 use crate::robot::Robot;
 
@@ -23,6 +23,17 @@ pub enum ModelError {
     Repeated {
         /// The id.
         id: String,
+    },
+    /// Two effects that each make the drivetrain one of two masses.
+    #[error(
+        "the model has a two-mass drivetrain by `{present}` already, and `{added}` would be a \
+         second one; the equations carry one two-mass drivetrain, so keep one of the two"
+    )]
+    TwoCouplings {
+        /// The effect in the model.
+        present: String,
+        /// The effect to be added.
+        added: String,
     },
     /// No such parameter.
     #[error("the model has no parameter `{symbol}`; it has {known}")]
@@ -68,7 +79,7 @@ pub struct Model {
     robot: Robot,
     effects: Vec<Arc<dyn Effect>>,
     slots: Vec<Range<usize>>,
-    roles: Vec<Roles>,
+    variations: Vec<Variations>,
     parameters: Vec<Parameter>,
 }
 
@@ -79,7 +90,7 @@ impl std::fmt::Debug for Model {
 }
 
 impl Model {
-    /// The paper's model, eq. (14): inertia, centrifugal moments, Coulomb friction.
+    /// The paper's model, eq. (14): inertia, centrifugal torques, Coulomb friction.
     ///
     /// # Examples
     /// ```
@@ -97,7 +108,7 @@ impl Model {
     }
 
     fn empty(robot: Robot) -> Self {
-        Self { robot, effects: vec![], slots: vec![], roles: vec![], parameters: vec![] }
+        Self { robot, effects: vec![], slots: vec![], variations: vec![], parameters: vec![] }
     }
 
     /// The base model with effects of the catalogue added.
@@ -127,14 +138,21 @@ impl Model {
     /// This model with one more effect, registered or custom.
     ///
     /// # Errors
-    /// If an effect of that id is in the model already.
+    /// If an effect of that id is in the model already, or both make it a two-mass drivetrain: the
+    /// state of simulator and filter has room for one.
     pub fn add_effect(&self, effect: Arc<dyn Effect>) -> Result<Self, ModelError> {
         if self.effects.iter().any(|present| present.id() == effect.id()) {
             return Err(ModelError::Repeated { id: effect.id() });
         }
         let mut model = self.clone();
         model.push(effect);
-        Ok(model)
+        match model.couplings().as_slice() {
+            [present, added, ..] => {
+                let id = |e: usize| model.effects[e].id();
+                Err(ModelError::TwoCouplings { present: id(*present), added: id(*added) })
+            }
+            _ => Ok(model),
+        }
     }
 
     fn push(&mut self, effect: Arc<dyn Effect>) {
@@ -147,7 +165,7 @@ impl Model {
             fixed: None,
         }));
         self.slots.push(start..self.parameters.len());
-        self.roles.push(Roles::of(&*effect, &self.robot));
+        self.variations.push(Variations::of(&*effect, &self.robot));
         self.effects.push(effect);
     }
 
@@ -203,8 +221,8 @@ impl Model {
     }
     /// What the terms of effect number `e` depend on.
     #[must_use]
-    pub fn roles(&self, e: usize) -> Roles {
-        self.roles[e]
+    pub fn variations(&self, e: usize) -> Variations {
+        self.variations[e]
     }
     /// Ids of the effects, base first.
     #[must_use]
@@ -231,7 +249,7 @@ impl Model {
     pub fn free(&self) -> Vec<usize> {
         (0..self.parameters.len()).filter(|&j| self.parameters[j].fixed.is_none()).collect()
     }
-    /// Places in `p` that are estimated and enter linearly, as terms (not through the drive).
+    /// Places in `p` that are estimated and enter linearly, as terms (not through the input).
     #[must_use]
     pub fn linear(&self) -> Vec<usize> {
         let of_drive: Vec<bool> = (0..self.effects.len())
@@ -265,7 +283,7 @@ impl Model {
         sum
     }
 
-    /// The body behind the wheels, where an effect of the model is one (the first that is).
+    /// The second mass behind the wheels, where an effect of the model has one.
     #[must_use]
     pub fn coupling(&self, x: &Motion<f64>, p: &[f64]) -> Option<Coupling<f64>> {
         self.effects
@@ -274,28 +292,34 @@ impl Model {
             .find_map(|(effect, slots)| effect.coupling(x, &p[slots.clone()]))
     }
 
-    /// Whether an effect of the model puts a body behind the measured wheels.
+    /// Whether an effect of the model makes it a two-mass drivetrain.
     #[must_use]
     pub fn is_coupled(&self) -> bool {
         self.coupling_effect().is_some()
     }
 
-    /// The number of the effect that puts a body behind the measured wheels (the first that does).
+    /// The number of the effect that makes it a two-mass drivetrain; no model has two.
     #[must_use]
     pub fn coupling_effect(&self) -> Option<usize> {
+        self.couplings().first().copied()
+    }
+
+    /// The numbers of all effects that make it a two-mass drivetrain.
+    fn couplings(&self) -> Vec<usize> {
         let (robot, p) = (&self.robot, self.initial());
         let (alpha, omega) = ([0.0; 2], [0.0; 2]);
         let x = Motion { t: 0.0, alpha, omega, variance: [0.0; 4], robot };
-        (0..self.effects.len()).find(|&e| self.effects[e].coupling(&x, &p[self.slots(e)]).is_some())
+        let is_one = |&e: &usize| self.effects[e].coupling(&x, &p[self.slots(e)]).is_some();
+        (0..self.effects.len()).filter(is_one).collect()
     }
 
-    /// Whether an effect of the model changes the drive.
+    /// Whether an effect of the model changes the input.
     #[must_use]
     pub fn acts_on_drive(&self) -> bool {
         self.effects.iter().any(|effect| effect.acts_on_drive())
     }
 
-    /// The drive that acts, from the recorded one: every drive effect in turn.
+    /// The input that acts, from the recorded one: every input effect in turn.
     #[must_use]
     pub fn drive(&self, t: &[f64], recorded: &[[f64; 2]], p: &[f64]) -> Vec<[f64; 2]> {
         let mut m = recorded.to_vec();
@@ -305,5 +329,22 @@ impl Model {
             }
         }
         m
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_second_body_behind_the_wheels_is_refused_with_both_names() {
+        let robot = Robot::amigobot();
+        for [first, second] in [["wheel_slip", "compliance"], ["compliance", "wheel_slip"]] {
+            let one = Model::with_effects(robot.clone(), &[first, "viscous_friction"]).unwrap();
+            let error = one.add(second).unwrap_err();
+            let (present, added) = (first.to_owned(), second.to_owned());
+            assert_eq!(error, ModelError::TwoCouplings { present, added });
+            assert!(one.without(one.coupling_effect().unwrap()).add(second).is_ok());
+        }
     }
 }

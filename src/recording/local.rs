@@ -4,10 +4,14 @@ use std::ops::Range;
 
 use super::{Noise, Recording};
 
-/// Half width of the neighbourhood [s], and its limits in samples.
+/// Half width of the widest neighbourhood [s], and its limits in samples.
 const HALF_WIDTH: f64 = 0.06;
 const FEWEST: usize = 3;
 const MOST: usize = 30;
+/// Ratio of one neighbourhood to the next wider one.
+const WIDER: f64 = 1.6;
+/// Standard errors within which two neighbourhoods agree.
+const AGREE: f64 = 2.0;
 
 /// Motion around one sample, from a parabola through the angles and speeds of its neighbours.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -26,8 +30,15 @@ pub struct LocalMotion {
 
 impl Recording {
     /// The local motion around every sample: weighted least squares of
-    /// `alpha = c0 + c1 τ + ½ c2 τ²` and `omega = c1 + c2 τ` over ± 0.06 s (at least three
+    /// `alpha = c0 + c1 τ + ½ c2 τ²` and `omega = c1 + c2 τ` over at most ± 0.06 s (at least three
     /// samples to either side, fewer at the ends of a piece), each channel weighted by its noise.
+    ///
+    /// Angle and speed come from the widest neighbourhood whose interval of two standard errors meets those
+    /// of all narrower ones, since friction breaks the parabola where a wheel reverses; the acceleration
+    /// from the widest.
+    ///
+    /// Source: intersection of confidence intervals, Goldenshluger and Nemirovski, Math. Methods Stat. 6
+    /// (1997); Katkovnik, IEEE Trans. Signal Process. 47 (1999).
     #[must_use]
     pub fn local_motion(&self) -> Vec<LocalMotion> {
         let (noise, half) = (self.noise(), self.half_width());
@@ -60,14 +71,46 @@ impl Recording {
     }
 
     fn parabolas(&self, piece: &Range<usize>, k: usize, half: usize, noise: &Noise) -> LocalMotion {
-        let from = k.saturating_sub(half).max(piece.start);
-        let to = (k + half + 1).min(piece.end);
+        let range =
+            |half: usize| k.saturating_sub(half).max(piece.start)..(k + half + 1).min(piece.end);
         let mut out = LocalMotion::default();
         for i in 0..2 {
             let sigma = [noise.alpha[i].max(1e-9), noise.omega[i].max(1e-9)];
-            self.fit_parabola(from..to, k, i, sigma, &mut out);
+            self.fit_parabola(range(half), k, i, sigma, &mut out);
+            self.narrow(&range, (k, i), half, sigma, &mut out);
         }
         out
+    }
+
+    /// Replaces angle and speed of wheel `i` by those of the widest neighbourhood that agrees with all
+    /// narrower ones.
+    fn narrow(
+        &self,
+        range: &impl Fn(usize) -> Range<usize>,
+        (k, i): (usize, usize),
+        widest: usize,
+        sigma: [f64; 2],
+        out: &mut LocalMotion,
+    ) {
+        let both = self.measured().alpha && self.measured().omega;
+        let mut half = if both { 1 } else { 2 };
+        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+        let mut agreed: Option<LocalMotion> = None;
+        while half < widest {
+            let mut fit = *out;
+            self.fit_parabola(range(half), k, i, sigma, &mut fit);
+            if !meets(&fit, i, &mut low, &mut high) {
+                break;
+            }
+            agreed = Some(fit);
+            half = ((half as f64 * WIDER).round() as usize).max(half + 1);
+        }
+        let all = half >= widest && meets(out, i, &mut low, &mut high);
+        if let Some(fit) = agreed.filter(|_| !all) {
+            (out.alpha[i], out.omega[i]) = (fit.alpha[i], fit.omega[i]);
+            out.omega_variance[i] = fit.omega_variance[i];
+            out.alpha_variance[i] = fit.alpha_variance[i];
+        }
     }
 
     fn fit_parabola(
@@ -114,6 +157,14 @@ impl Recording {
         out.omega_variance[i] = covariance[(1, 1)].max(0.0);
         out.alpha_variance[i] = if measured.alpha { covariance[(0, 0)].max(0.0) } else { 0.0 };
     }
+}
+
+/// Narrows the common interval by that of a fit; whether anything is left of it.
+fn meets(fit: &LocalMotion, i: usize, low: &mut f64, high: &mut f64) -> bool {
+    let reach = AGREE * fit.omega_variance[i].sqrt();
+    *low = low.max(fit.omega[i] - reach);
+    *high = high.min(fit.omega[i] + reach);
+    low <= high
 }
 
 #[cfg(test)]

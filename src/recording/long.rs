@@ -15,6 +15,12 @@ pub trait Rows: Send + Sync {
     /// All rows in order, in blocks of any length; every block has the same columns. A reason in
     /// words ends them where they cannot be read.
     fn blocks(&self) -> Box<dyn Iterator<Item = Result<Channels, String>> + '_>;
+
+    /// Rows that are left out because their time does not exceed that before: how many, and the
+    /// number of the first one, from 1.
+    fn left_out(&self) -> (usize, usize) {
+        (0, 0)
+    }
 }
 
 /// What is known of a recording of which only windows are held.

@@ -19,4 +19,5 @@ pub use noise::Noise;
 pub use quality::{Finding, Gaps, Quality, Severity, quality};
 pub use recording::{Channels, Measured, Recording};
 pub(crate) use recording::{differentiate, is_gap};
+pub use refresh::refreshed;
 pub use regime::Regime;

@@ -1,6 +1,7 @@
 //! How noisy the channels of a recording are, from the recording alone.
 
 use super::Recording;
+use crate::math::noise;
 
 /// Standard deviations of white noise, right wheel first.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -22,8 +23,9 @@ impl Recording {
     /// Noise of every channel from fourth differences, which remove any smooth motion.
     ///
     /// ```text
-    /// sigma^2 = median over blocks of mean (∇⁴v)² / C(8,4),   blocks of 0.5 s
+    /// sigma^2 = median over blocks of mean (∇⁴v)² / C(8,4) / m,   blocks of 0.5 s
     /// ```
+    /// with m the bias of a median, [`noise::white_noise_variance`].
     /// The median over blocks is immune to starts and reversals. A quantised channel has at least
     /// the noise of its steps, q / sqrt(12).
     #[must_use]
@@ -43,83 +45,68 @@ impl Recording {
         let fresh = self.fresh().iter().filter(|f| **f).count().max(1);
         let step = if sensed { self.duration() / fresh as f64 } else { self.step() };
         let block = ((BLOCK / step) as usize).max(SHORTEST);
-        let mut variances = Vec::new();
-        for piece in self.pieces() {
-            let column: Vec<f64> = piece
-                .clone()
-                .filter(|&k| !sensed || self.fresh()[k])
-                .map(|k| values[k][i])
-                .collect();
-            for part in column.chunks(block).filter(|part| part.len() >= SHORTEST) {
-                variances.push(fourth_difference_variance(part));
-            }
-        }
         // blocks in which a coarse encoder does not move at all say nothing of its noise; a drive
         // that holds its value has none
-        variances.retain(|v| *v > 0.0 || !sensed);
-        if variances.is_empty() {
-            return smallest_step(values, i) / 12.0_f64.sqrt();
+        let keep = |variance: f64| variance > 0.0 || !sensed;
+        let runs = self.runs(values, i, sensed);
+        let rounding = |step: f64| step / 12.0_f64.sqrt();
+        // the steps of an input of few levels are commands, and no rounding
+        let few = !sensed && is_of_few_levels(values, i);
+        match noise::white_noise_variance(&runs, block, SHORTEST, keep) {
+            Some(variance) if few => variance.sqrt(),
+            Some(variance) => variance.sqrt().max(rounding(quantum(values, i))),
+            None if few => 0.0,
+            None => rounding(noise::smallest_change(&column(values, i)).unwrap_or(0.0)),
         }
-        let middle = variances.len() / 2;
-        let variance = *variances.select_nth_unstable_by(middle, f64::total_cmp).1;
-        variance.sqrt().max(quantum(values, i) / 12.0_f64.sqrt())
     }
-}
 
-impl Recording {
+    /// One channel of every piece without gaps; of `sensed` ones the rows with a new reading.
+    fn runs(&self, values: &[[f64; 2]], i: usize, sensed: bool) -> Vec<Vec<f64>> {
+        let new = |&k: &usize| !sensed || self.fresh()[k];
+        self.pieces()
+            .iter()
+            .map(|p| p.clone().filter(new).map(|k| values[k][i]).collect())
+            .collect()
+    }
+
     /// Whether the speeds were smoothed by the logger, or computed from the angles: their fourth
     /// differences are then not those of white noise, whose neighbours correlate by -0.8.
     #[must_use]
     pub fn speeds_are_smoothed(&self) -> bool {
-        let (mut product, mut square) = (0.0, 0.0);
-        for piece in self.pieces() {
-            for i in 0..2 {
-                let v: Vec<f64> = piece
-                    .clone()
-                    .filter(|&k| self.fresh()[k])
-                    .map(|k| self.omega()[k][i])
-                    .collect();
-                let d: Vec<f64> = v
-                    .windows(5)
-                    .map(|w| w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4])
-                    .collect();
-                product += d.windows(2).map(|w| w[0] * w[1]).sum::<f64>();
-                square += d.iter().map(|x| x * x).sum::<f64>();
-            }
-        }
-        square > 0.0 && product / square > SMOOTH
+        let runs: Vec<_> =
+            [0, 1].into_iter().flat_map(|i| self.runs(self.omega(), i, true)).collect();
+        noise::fourth_difference_correlation(&runs).is_some_and(|correlation| correlation > SMOOTH)
     }
 }
 
 /// Correlation of neighbouring fourth differences above which speeds count as smoothed.
 const SMOOTH: f64 = -0.6;
 
-fn fourth_difference_variance(v: &[f64]) -> f64 {
-    let squares: f64 =
-        v.windows(5).map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).powi(2)).sum();
-    squares / (v.len() - 4) as f64 / 70.0 // C(8,4)
-}
+/// Levels up to which an input is a list of commands: rounding is white noise of q/sqrt(12) only where
+/// the signal crosses many levels (Widrow and Kollar, Quantization Noise, 2008).
+const FEW_LEVELS: usize = 16;
 
-/// The smallest non-zero change between neighbours; zero if the channel is constant.
-fn smallest_step(values: &[[f64; 2]], i: usize) -> f64 {
-    let steps = values.windows(2).map(|w| (w[1][i] - w[0][i]).abs()).filter(|d| *d > 0.0);
-    steps.min_by(f64::total_cmp).unwrap_or(0.0)
-}
-
-/// The step of a quantised channel: many neighbours are equal and all others differ by multiples
-/// of one step; zero where the channel is not quantised.
-pub(super) fn quantum(values: &[[f64; 2]], i: usize) -> f64 {
-    let equal = values.windows(2).filter(|w| w[1][i] == w[0][i]).count();
-    let step = smallest_step(values, i);
-    if equal * 20 < values.len() || step == 0.0 {
-        return 0.0;
+/// Whether a channel takes no more than a few values.
+fn is_of_few_levels(values: &[[f64; 2]], i: usize) -> bool {
+    let mut levels: Vec<f64> = Vec::new();
+    for v in values {
+        if !levels.contains(&v[i]) {
+            levels.push(v[i]);
+        }
+        if levels.len() > FEW_LEVELS {
+            return false;
+        }
     }
-    let multiple = |w: &[[f64; 2]]| {
-        let ratio = (w[1][i] - w[0][i]).abs() / step;
-        (ratio - ratio.round()).abs() < 0.02 * ratio.max(1.0)
-    };
-    let fits = values.windows(2).filter(|w| multiple(w)).count();
-    if fits * 20 > values.len() * 19 { step } else { 0.0 }
+    true
+}
+
+fn column(values: &[[f64; 2]], i: usize) -> Vec<f64> {
+    values.iter().map(|v| v[i]).collect()
+}
+
+/// The step of a quantised channel; zero where the channel is not quantised.
+pub(super) fn quantum(values: &[[f64; 2]], i: usize) -> f64 {
+    noise::quantum(&column(values, i)).unwrap_or(0.0)
 }
 
 #[cfg(test)]
@@ -142,6 +129,17 @@ mod tests {
         assert!((noise.omega[1] / 0.02 - 1.0).abs() < 0.06, "{noise:?}");
         assert!((noise.moment[0] / 0.004 - 1.0).abs() < 0.06, "{noise:?}");
         assert_eq!(noise.moment[1], 0.0);
+    }
+
+    #[test]
+    fn steps_of_a_command_are_no_noise() {
+        let t: Vec<f64> = (0..2000).map(|k| 0.005 * k as f64).collect();
+        let moment =
+            t.iter().map(|t| [if *t > 1.0 { 7.0 } else { 0.0 }, (t * 0.8).floor()]).collect();
+        let omega = t.iter().map(|t| [t.sin(), t.cos()]).collect();
+        let channels = Channels { t, alpha: None, omega: Some(omega), moment };
+        let noise = Recording::new("a", channels, DriveUnit::Volt).unwrap().noise();
+        assert_eq!(noise.moment, [0.0, 0.0]);
     }
 
     #[test]

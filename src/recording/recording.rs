@@ -62,11 +62,14 @@ impl Recording {
         let Channels { t, alpha, omega, moment } = channels;
         check(&name, &t, alpha.as_deref(), omega.as_deref(), &moment)?;
         let measured = Measured { alpha: alpha.is_some(), omega: omega.is_some() };
+        let channels = Channels { t, alpha, omega, moment };
+        let fresh = super::refresh::refreshed(&channels);
+        let Channels { t, alpha, omega, moment } = channels;
         let pieces = pieces(&t);
         let (alpha, omega) = match (alpha, omega) {
             (Some(alpha), Some(omega)) => (alpha, omega),
             (Some(alpha), None) => {
-                let omega = differentiate(&t, &alpha, &pieces);
+                let omega = slopes(&t, &alpha, &pieces, &fresh);
                 (alpha, omega)
             }
             (None, Some(omega)) => (integrate(&t, &omega), omega),
@@ -74,7 +77,6 @@ impl Recording {
         };
         let columns = [("dalpha", &omega[..]), ("M", &moment[..]), ("alpha", &alpha[..])];
         super::limits::check(&name, &t, median_step(&t), columns)?;
-        let fresh = super::refresh::fresh(&alpha, &omega, measured);
         Ok(Self { name, t, alpha, omega, moment, measured, drive_unit, pieces, fresh })
     }
 
@@ -280,6 +282,27 @@ fn integrate(t: &[f64], omega: &[[f64; 2]]) -> Vec<[f64; 2]> {
         }
     }
     alpha
+}
+
+/// Speeds from angles of which some rows repeat a slow sensor: those of the rows that do not, held
+/// like the angles in between.
+fn slopes(t: &[f64], alpha: &[[f64; 2]], pieces: &[Range<usize>], fresh: &[bool]) -> Vec<[f64; 2]> {
+    if fresh.iter().all(|f| *f) {
+        return differentiate(t, alpha, pieces);
+    }
+    let mut omega = vec![[0.0; 2]; t.len()];
+    for piece in pieces {
+        let is_new = |k: &usize| fresh[*k] || *k == piece.start;
+        let rows: Vec<usize> = piece.clone().filter(is_new).collect();
+        let times: Vec<f64> = rows.iter().map(|&k| t[k]).collect();
+        let angles: Vec<[f64; 2]> = rows.iter().map(|&k| alpha[k]).collect();
+        let slopes = differentiate(&times, &angles, std::slice::from_ref(&(0..rows.len())));
+        for (place, &row) in rows.iter().enumerate() {
+            let end = rows.get(place + 1).copied().unwrap_or(piece.end);
+            omega[row..end].fill(slopes[place]);
+        }
+    }
+    omega
 }
 
 /// Speeds from angles, in pieces without a gap.

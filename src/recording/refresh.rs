@@ -1,59 +1,180 @@
 //! Sensors that refresh more slowly than the logger writes.
 
-use super::Measured;
+use super::Channels;
+use crate::math::noise::quantum;
 
-/// Share of repeated rows, while moving, from which on the logger repeats its sensors.
+/// Share of repeated rows, while moving, from which on the logger may repeat its sensors.
 const REPEATED: f64 = 0.4;
+/// Smallest steps that a slow sensor moves on between two new values, at least. A coarse one at full
+/// rate goes on by one step, now and then by two.
+const STEPS: f64 = 2.5;
+/// Share of equal numbers of rows from one change to the next that is regular.
+const REGULAR: f64 = 0.8;
+/// Ratio of large to small changes beyond which they are not all of one step.
+const VARIES: f64 = 1.02;
+/// Part of a step by which multiples of it differ: rounding of a logger, and far below the change of a
+/// speed.
+const EXACT: f64 = 0.01;
+/// A standstill is longer than this many refreshes.
+const STANDSTILL: usize = 3;
 
-/// Which rows hold new values. All do, unless the rows repeat the motion in more than 40 % of the
-/// samples in which a wheel moves: then only rows that differ from the one before, and rows in the
-/// middle of a long standstill, are new.
-pub(super) fn fresh(alpha: &[[f64; 2]], omega: &[[f64; 2]], measured: Measured) -> Vec<bool> {
-    let same = |k: usize| {
-        k > 0
-            && (!measured.alpha || alpha[k] == alpha[k - 1])
-            && (!measured.omega || omega[k] == omega[k - 1])
-    };
-    let fastest = omega.iter().flatten().fold(0.0_f64, |a, w| a.max(w.abs()));
-    let moving = |k: usize| omega[k][0].abs().max(omega[k][1].abs()) > 0.2 * fastest;
-    let count = (0..omega.len()).filter(|&k| moving(k)).count();
-    let repeated = (0..omega.len()).filter(|&k| moving(k) && same(k)).count();
-    if (repeated as f64) < REPEATED * count as f64 {
-        return vec![true; omega.len()];
+/// Which rows hold new values, from the measured channels. All do, unless the rows repeat the motion
+/// in more than 40 % of the samples in which a wheel moves, and go on by more than a step of the
+/// channel where they do not: then only rows that differ from the one before are new, and rows in the
+/// middle of a long standstill. A channel that is coarse at full rate repeats its rows too, but then
+/// it moves on by single steps.
+#[must_use]
+pub fn refreshed(channels: &Channels) -> Vec<bool> {
+    let count = channels.t.len();
+    let of = |rows: Option<&Vec<[f64; 2]>>, k: usize| rows.is_none_or(|v| v[k] == v[k - 1]);
+    let same: Vec<bool> = (0..count)
+        .map(|k| k > 0 && of(channels.alpha.as_ref(), k) && of(channels.omega.as_ref(), k))
+        .collect();
+    let moving = moving(channels, &same);
+    let moves = moving.iter().filter(|m| **m).count();
+    let repeats = (0..count).filter(|&k| moving[k] && same[k]).count();
+    if repeats as f64 <= REPEATED * moves as f64 || moves == 0 || is_coarse(channels, &same) {
+        return vec![true; count];
     }
+    let period = run(&same, &moving).max(1);
+    let longest = STANDSTILL * period;
     let mut since = 0;
-    (0..omega.len())
-        .map(|k| {
-            since = if same(k) { since + 1 } else { 0 };
-            // a refresh is never slower than this many rows; beyond, it really stands still
-            since == 0 || since % LONGEST == 0
+    let mut fresh: Vec<bool> = same
+        .iter()
+        .map(|same| {
+            since = if *same { since + 1 } else { 0 };
+            // beyond a few refreshes it really stands still
+            since % longest == 0
         })
-        .collect()
+        .collect();
+    // the value just before a change is as old as the refresh: it says nothing of when motion began
+    for k in (0..count).filter(|&k| !same[k]) {
+        let before = k.saturating_sub(period - 1)..k;
+        before.filter(|&j| same[j]).for_each(|j| fresh[j] = false);
+    }
+    fresh
 }
 
-/// Most rows that one refresh can last.
-const LONGEST: usize = 12;
+/// Rows between two changes that are not far apart: standstills are none.
+fn moving(channels: &Channels, same: &[bool]) -> Vec<bool> {
+    let changes: Vec<usize> = (0..same.len()).filter(|&k| !same[k]).collect();
+    let mut runs: Vec<usize> = changes.windows(2).map(|w| w[1] - w[0]).collect();
+    let mut out = vec![false; channels.t.len()];
+    if runs.is_empty() {
+        return out;
+    }
+    let middle = runs.len() / 2;
+    let usual = *runs.select_nth_unstable(middle).1;
+    for w in changes.windows(2).filter(|w| w[1] - w[0] <= STANDSTILL * usual) {
+        out[w[0]..w[1]].fill(true);
+    }
+    out
+}
+
+/// Rows from one change to the next, in the middle.
+fn run(same: &[bool], moving: &[bool]) -> usize {
+    let changes = (0..same.len()).filter(|&k| moving[k] && !same[k]).count();
+    let rows = moving.iter().filter(|m| **m).count();
+    (rows as f64 / changes.max(1) as f64).round() as usize
+}
+
+/// Whether the rows repeat because the steps of the channel are coarse. A coarse channel goes on by its
+/// smallest step, now and then by two; after how many rows depends on the speed. A slow one goes on by
+/// any amount, always after the same number of rows.
+fn is_coarse(channels: &Channels, same: &[bool]) -> bool {
+    let Some(rows) = channels.alpha.as_ref().or(channels.omega.as_ref()) else { return true };
+    let wheels = [0, 1].map(|i| changes(rows, i));
+    let ratio = |c: &[f64], low: usize, high: usize| {
+        let at = |share: usize| c.get(c.len() * share / 100).copied();
+        at(low).zip(at(high)).map_or(0.0, |(low, high)| high / low)
+    };
+    // the smallest of the changes and no common divisor: a logger rounds
+    let steps = wheels.iter().map(|c| ratio(c, 2, 50)).fold(0.0, f64::max);
+    let varies = wheels.iter().any(|c| ratio(c, 10, 90) > VARIES);
+    steps < STEPS && in_steps(rows, &wheels) && !(varies && is_regular(same))
+}
+
+/// Whether all changes are multiples of one step.
+fn in_steps(rows: &[[f64; 2]], changes: &[Vec<f64>; 2]) -> bool {
+    (0..2).filter(|i| !changes[*i].is_empty()).all(|i| {
+        let values: Vec<f64> = rows.iter().map(|v| v[i]).collect();
+        let (least, middle) =
+            (changes[i][changes[i].len() * 2 / 100], changes[i][changes[i].len() / 2]);
+        // a divisor of the size of the changes, or of none that is that of the digits of the logger
+        let step = quantum(&values).filter(|q| middle < STEPS * q).unwrap_or(least);
+        let mut off: Vec<f64> =
+            changes[i].iter().map(|c| (c / step - (c / step).round()).abs()).collect();
+        off.sort_by(f64::total_cmp);
+        off[off.len() * 3 / 4] < EXACT
+    })
+}
+
+/// Sizes of the changes of a wheel, the smallest first.
+fn changes(rows: &[[f64; 2]], i: usize) -> Vec<f64> {
+    let changes = rows.windows(2).map(|w| (w[1][i] - w[0][i]).abs());
+    let mut changes: Vec<f64> = changes.filter(|d| *d > 0.0).collect();
+    changes.sort_by(f64::total_cmp);
+    changes
+}
+
+/// Whether nearly all changes follow each other after the same number of rows.
+fn is_regular(same: &[bool]) -> bool {
+    let changes: Vec<usize> = (0..same.len()).filter(|&k| !same[k]).collect();
+    let mut runs: Vec<usize> = changes.windows(2).map(|w| w[1] - w[0]).collect();
+    runs.sort_unstable();
+    let usual = runs.get(runs.len() / 2).copied().unwrap_or(0);
+    let alike = runs.iter().filter(|run| **run == usual).count();
+    alike as f64 >= REGULAR * runs.len() as f64
+}
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const BOTH: Measured = Measured { alpha: true, omega: true };
+    fn channels(alpha: Option<Vec<[f64; 2]>>, omega: Option<Vec<[f64; 2]>>) -> Channels {
+        let n = alpha.as_ref().or(omega.as_ref()).map_or(0, Vec::len);
+        let t = (0..n).map(|k| 0.01 * k as f64).collect();
+        Channels { t, moment: vec![[0.0; 2]; n], alpha, omega }
+    }
 
     #[test]
     fn rows_that_repeat_a_slow_sensor_are_not_new() {
-        let slow = |k: usize| (k / 4) as f64;
-        let alpha: Vec<[f64; 2]> = (0..100).map(|k| [slow(k), -slow(k)]).collect();
-        let omega: Vec<[f64; 2]> = (0..100).map(|k| [1.0 + 0.01 * slow(k), 1.0]).collect();
-        let fresh = fresh(&alpha, &omega, BOTH);
-        assert_eq!(fresh.iter().filter(|f| **f).count(), 25);
-        assert!(fresh[0] && fresh[4] && !fresh[5]);
+        for every in [4, 20] {
+            let slow = |k: usize| (k / every) as f64;
+            let alpha = (0..400).map(|k| [slow(k).sin(), -slow(k).cos()]).collect();
+            let omega = (0..400).map(|k| [1.0 + 0.01 * slow(k), 1.0]).collect();
+            let fresh = refreshed(&channels(Some(alpha), Some(omega)));
+            assert_eq!(fresh.iter().filter(|f| **f).count(), 400 / every);
+            assert!(fresh[0] && fresh[every] && !fresh[every + 1]);
+        }
+    }
+
+    #[test]
+    fn a_slow_sensor_at_nearly_constant_speed_is_no_coarse_one() {
+        // increments of 0.05 to 0.1 rad, every fourth row
+        let at = |k: usize| 0.1 * (k / 4) as f64 - 0.5 * (1.0 - (-((k / 4) as f64) / 10.0).exp());
+        let alpha: Vec<[f64; 2]> = (0..400).map(|k| [at(k), at(k)]).collect();
+        let fresh = refreshed(&channels(Some(alpha), None));
+        assert_eq!(fresh.iter().filter(|f| **f).count(), 100);
     }
 
     #[test]
     fn a_coarse_encoder_at_full_rate_stays_as_it_is() {
-        let alpha: Vec<[f64; 2]> = (0..100).map(|k| [(f64::from(k) / 4.0).floor(), 0.0]).collect();
-        let omega: Vec<[f64; 2]> = (0..100).map(|k| [1.0 + 1e-3 * f64::from(k), 1.0]).collect();
-        assert!(fresh(&alpha, &omega, BOTH).iter().all(|f| *f));
+        let ramp = |k: i32| (f64::from(k) / 4.0).floor();
+        let alpha: Vec<[f64; 2]> = (0..400).map(|k| [0.02 * ramp(k), 0.02 * ramp(k + 1)]).collect();
+        let omega = (0..400).map(|k| [1.0 + 1e-3 * f64::from(k), 1.0]).collect();
+        assert!(refreshed(&channels(Some(alpha.clone()), Some(omega))).iter().all(|f| *f));
+        // also where there is nothing but the coarse channel
+        assert!(refreshed(&channels(Some(alpha.clone()), None)).iter().all(|f| *f));
+        assert!(refreshed(&channels(None, Some(alpha))).iter().all(|f| *f));
+    }
+
+    #[test]
+    fn rows_in_a_long_standstill_count_now_and_then() {
+        let at = |k: usize| if k < 200 { (k / 4) as f64 * 0.37 } else { 18.5 };
+        let alpha = (0..1000).map(|k| [at(k).sin(), 0.1 * at(k) * at(k)]).collect();
+        let fresh = refreshed(&channels(Some(alpha), None));
+        let standing = fresh[212..].iter().filter(|f| **f).count();
+        assert!((50..80).contains(&standing), "{standing}");
     }
 }

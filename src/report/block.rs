@@ -19,12 +19,21 @@ pub enum Block {
         /// What it rests on; empty for none.
         detail: String,
     },
+    /// Numbers at a glance, side by side.
+    Numbers(Vec<Number>),
     /// A table.
     Table(Table),
     /// A figure.
     Figure(Box<Figure>),
     /// An equation in plain Unicode; line breaks are kept.
     Equation(String),
+    /// Blocks that are folded away until the reader opens them; not printed.
+    Folded {
+        /// What they are.
+        title: String,
+        /// The blocks.
+        blocks: Vec<Block>,
+    },
     /// A reading aid, folded away.
     HowToRead {
         /// The aid, in a sentence.
@@ -49,6 +58,21 @@ impl Block {
         Self::Verdict { tone, sentence: sentence.into(), detail: detail.into() }
     }
 
+    /// The figures in it, in the order of the page.
+    #[must_use]
+    pub fn figures(&self) -> Vec<&Figure> {
+        match self {
+            Self::Figure(figure) => vec![figure],
+            Self::Folded { blocks, .. } => blocks.iter().flat_map(Self::figures).collect(),
+            _ => vec![],
+        }
+    }
+
+    /// Blocks that are folded away.
+    pub fn folded(title: impl Into<String>, blocks: Vec<Self>) -> Self {
+        Self::Folded { title: title.into(), blocks }
+    }
+
     /// A list of plain items.
     pub fn list<T: Into<Text>>(items: impl IntoIterator<Item = T>) -> Self {
         Self::List(items.into_iter().map(Into::into).collect())
@@ -65,6 +89,21 @@ impl From<Table> for Block {
     fn from(table: Table) -> Self {
         Self::Table(table)
     }
+}
+
+/// One of the [`Block::Numbers`].
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub struct Number {
+    /// What it is.
+    pub label: String,
+    /// The number or word.
+    pub value: String,
+    /// Its unit; empty for none.
+    pub unit: String,
+    /// A remark below it.
+    pub note: String,
+    /// Colour by meaning.
+    pub tone: Tone,
 }
 
 /// How a finding sounds; the page shows a colour and a word, never the colour alone.
@@ -213,6 +252,8 @@ pub struct Cell {
     pub bar: Option<f64>,
     /// Address that the text leads to, relative to the page.
     pub link: Option<String>,
+    /// A picture (PNG) in place of text.
+    pub picture: Option<Vec<u8>>,
 }
 
 impl Cell {

@@ -26,6 +26,8 @@ pub struct Figure {
     pub shared_x: bool,
     /// The page lets the reader zoom (panels of numbers only; bars and heat maps stay pictures).
     pub interactive: bool,
+    /// Figures of one name zoom together and share the cursor; empty: this one by itself.
+    pub link: String,
     /// Width and height; the height may be left to the panels.
     pub size: Size,
 }
@@ -58,6 +60,7 @@ impl Figure {
             columns: 1,
             shared_x: true,
             interactive: false,
+            link: String::new(),
             size: Size::default(),
         }
     }
@@ -96,6 +99,18 @@ impl Figure {
     /// Lets the reader zoom on the page.
     pub fn interactive(mut self) -> Self {
         self.interactive = true;
+        self
+    }
+
+    /// Zooms together with all figures linked by the same name.
+    pub fn linked(mut self, name: impl Into<String>) -> Self {
+        self.link = name.into();
+        self.interactive()
+    }
+
+    /// Sets the height [px].
+    pub fn with_height(mut self, height: f64) -> Self {
+        self.size.height = Some(height);
         self
     }
 
@@ -324,6 +339,20 @@ impl Layer {
     /// A dashed horizontal reference line.
     pub fn hline(at: f64, label: impl Into<String>, role: Role) -> Self {
         Self::HLine { at, label: label.into(), role, dash: Dash::Dashed }
+    }
+
+    /// Takes it out of the legend.
+    pub fn unlabel(&mut self) {
+        match self {
+            Self::Line { label, .. }
+            | Self::Points { label, .. }
+            | Self::Band { label, .. }
+            | Self::HLine { label, .. }
+            | Self::VLine { label, .. }
+            | Self::Shade { label, .. }
+            | Self::ErrorBars { label, .. } => label.clear(),
+            Self::Bars(_) | Self::HeatMap(_) | Self::Text { .. } => {}
+        }
     }
 
     /// Order of drawing: shades lie lowest, bands above them, remarks on top of everything.

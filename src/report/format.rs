@@ -65,6 +65,21 @@ pub fn symbol(symbol: &str) -> String {
     stem.chars().chain(digits).collect()
 }
 
+/// A heading within a sentence: without its capital, save for people.
+///
+/// ```
+/// use amigo_ident::report::format::in_text;
+/// assert_eq!(in_text("Turning scrub"), "turning scrub");
+/// assert_eq!(in_text("Coulomb friction"), "Coulomb friction");
+/// ```
+pub fn in_text(heading: &str) -> String {
+    if ["Coulomb", "Stribeck"].iter().any(|name| heading.starts_with(name)) {
+        return heading.to_owned();
+    }
+    let mut letters = heading.chars();
+    letters.next().map_or(String::new(), |first| first.to_lowercase().chain(letters).collect())
+}
+
 /// A sentence of the program with units and powers of ten as in print: `5.2e-4 rad^2/s` becomes
 /// `5.2 × 10⁻⁴ rad²/s`.
 pub fn sentence(text: &str) -> String {

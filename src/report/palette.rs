@@ -77,8 +77,10 @@ pub const DARK_PARTNERS: [(Rgb, Rgb); 12] = [
 pub enum Role {
     /// A measured signal.
     Measured,
-    /// What the model says.
+    /// What the model says: with what was found, where there is another one beside it.
     Model,
+    /// What the model as given says, beside the one with what was found.
+    Given,
     /// Wheel 1, the right one.
     Wheel1,
     /// Wheel 2, the left one.
@@ -100,6 +102,7 @@ impl Role {
         match self {
             Self::Measured => BLUE,
             Self::Model => VERMILION,
+            Self::Given => INK,
             Self::Wheel1 => GREEN,
             Self::Wheel2 => PURPLE,
             Self::NoiseFloor => GREY,

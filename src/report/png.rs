@@ -18,22 +18,28 @@ type Color = [u8; 3];
 /// # Errors
 /// If the encoder refuses, which it does for a picture without pixels.
 pub(super) fn indexed(width: u32, height: u32, rgba: &[u8]) -> Result<Vec<u8>, EncodingError> {
-    let pixels = || rgba.chunks_exact(4).map(|p| [p[0], p[1], p[2]]);
+    let pixels: Vec<Color> = rgba.chunks_exact(4).map(|p| [p[0], p[1], p[2]]).collect();
+    // a drawing is made of long runs of one colour: its colours are looked up once a run
     let mut counts: HashMap<Color, usize> = HashMap::new();
-    pixels().for_each(|color| *counts.entry(color).or_default() += 1);
+    for run in pixels.chunk_by(|a, b| a == b) {
+        *counts.entry(run[0]).or_default() += run.len();
+    }
     let mut colors: Vec<Color> = counts.keys().copied().collect();
     // by the colour where counts are equal: the same picture gives the same file
     colors.sort_by_key(|color| (std::cmp::Reverse(counts[color]), *color));
     let palette = palette(&colors);
     let places: HashMap<Color, u8> =
         colors.iter().map(|color| (*color, nearest(&palette, *color))).collect();
-    let indices: Vec<u8> = pixels().map(|color| places[&color]).collect();
+    let mut indices: Vec<u8> = Vec::with_capacity(pixels.len());
+    for run in pixels.chunk_by(|a, b| a == b) {
+        indices.resize(indices.len() + run.len(), places[&run[0]]);
+    }
     let mut out = Vec::new();
     let mut encoder = Encoder::new(&mut out, width, height);
     encoder.set_color(ColorType::Indexed);
     encoder.set_depth(BitDepth::Eight);
     encoder.set_palette(palette.concat());
-    encoder.set_compression(Compression::High);
+    encoder.set_compression(Compression::Balanced);
     // neighbouring numbers of a palette are not neighbouring colours
     encoder.set_filter(Filter::NoFilter);
     let mut writer = encoder.write_header()?;

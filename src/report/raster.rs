@@ -19,13 +19,7 @@ const RESOLUTION: f32 = 2.0;
 /// # Errors
 /// [`ReportError`] if a library refuses; missing, infinite or absurd values are no errors.
 pub fn figure_to_svg(figure: &Figure) -> Result<String, ReportError> {
-    let options = WriteOptions {
-        preserve_text: false,
-        coordinates_precision: 2,
-        transforms_precision: 6,
-        ..WriteOptions::default()
-    };
-    Ok(tree(figure)?.to_string(&options))
+    Ok(svg(&tree(figure)?))
 }
 
 /// Draws a figure as PNG, two pixels per CSS pixel.
@@ -34,7 +28,26 @@ pub fn figure_to_svg(figure: &Figure) -> Result<String, ReportError> {
 /// [`ReportError`] if a library refuses or the picture is too large for the memory; missing,
 /// infinite or absurd values are no errors.
 pub fn figure_to_png(figure: &Figure) -> Result<Vec<u8>, ReportError> {
+    png(figure, &tree(figure)?)
+}
+
+/// Both from one drawing.
+pub(super) fn figure_to_both(figure: &Figure) -> Result<(Vec<u8>, String), ReportError> {
     let tree = tree(figure)?;
+    Ok((png(figure, &tree)?, svg(&tree)))
+}
+
+fn svg(tree: &Tree) -> String {
+    let options = WriteOptions {
+        preserve_text: false,
+        coordinates_precision: 2,
+        transforms_precision: 6,
+        ..WriteOptions::default()
+    };
+    tree.to_string(&options)
+}
+
+fn png(figure: &Figure, tree: &Tree) -> Result<Vec<u8>, ReportError> {
     let size = tree.size();
     let (width, height) =
         ((size.width() * RESOLUTION).ceil() as u32, (size.height() * RESOLUTION).ceil() as u32);
@@ -43,7 +56,7 @@ pub fn figure_to_png(figure: &Figure) -> Result<Vec<u8>, ReportError> {
     let mut pixmap = Pixmap::new(width, height).ok_or_else(|| failed("too large".to_owned()))?;
     pixmap.fill(Color::WHITE);
     let transform = Transform::from_scale(RESOLUTION, RESOLUTION);
-    resvg::render(&tree, transform, &mut pixmap.as_mut());
+    resvg::render(tree, transform, &mut pixmap.as_mut());
     indexed(width, height, pixmap.data()).map_err(|e| failed(e.to_string()))
 }
 

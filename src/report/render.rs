@@ -26,6 +26,7 @@ pub fn render(study: &Study) -> Result<Rendered, ReportError> {
         title: study.title.clone(),
         subtitle: subtitle(study),
         sections: sections(study),
+        versions: versions(study),
         footer: format!("{} {}", env!("CARGO_PKG_NAME"), study.version),
     };
     let page = render_page(&content)?;
@@ -50,10 +51,19 @@ fn sections(study: &Study) -> Vec<SectionContent> {
                 id: section.id().to_owned(),
                 title: section.title().to_owned(),
                 blocks,
+                folded: section.depth() == section::Depth::Details,
             }
         })
         .filter(|section| !section.blocks.is_empty())
         .collect()
+}
+
+/// The two models whose curves the reader can switch.
+fn versions(study: &Study) -> Vec<String> {
+    match study.completed {
+        Some(_) => vec!["the model as given".to_owned(), "with what was found".to_owned()],
+        None => vec![],
+    }
 }
 
 fn subtitle(study: &Study) -> String {

@@ -14,8 +14,8 @@ use crate::math::sgn;
 /// | a1 | `a1` | inertia that a wheel sees when it alone accelerates | kg m² |
 /// | a2 | `a2` | inertia that couples the wheels | kg m² |
 /// | a3 | `a3` | centrifugal coupling; positive if the centre of mass is behind the axle | kg m² |
-/// | a4 | `a4` | friction moment of wheel 1 | N m |
-/// | a5 | `a5` | friction moment of wheel 2 | N m |
+/// | a4 | `a4` | friction torque of wheel 1 | N m |
+/// | a5 | `a5` | friction torque of wheel 2 | N m |
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BaseParameters {
     /// Own inertia of a wheel [kg m²].
@@ -24,9 +24,9 @@ pub struct BaseParameters {
     pub a2: f64,
     /// Centrifugal coupling [kg m²].
     pub a3: f64,
-    /// Friction moment of wheel 1, the right wheel [N m].
+    /// Friction torque of wheel 1, the right wheel [N m].
     pub a4: f64,
-    /// Friction moment of wheel 2, the left wheel [N m].
+    /// Friction torque of wheel 2, the left wheel [N m].
     pub a5: f64,
 }
 
@@ -60,7 +60,7 @@ impl BaseParameters {
             && self.a5 >= 0.0
     }
 
-    /// Centrifugal moments [N m] of the left side of eq. (14) for wheel speeds [rad/s].
+    /// Centrifugal torques [N m] of the left side of eq. (14) for wheel speeds [rad/s].
     ///
     /// ```text
     /// c1 = a3 w2 (w2 - w1),  c2 = a3 w1 (w1 - w2)
@@ -82,7 +82,7 @@ impl BaseParameters {
         0.5 * self.a1 * (w1 * w1 + w2 * w2) + self.a2 * w1 * w2
     }
 
-    /// Drive moments [M1, M2] [N m] that give wheel accelerations [rad/s²] in a state.
+    /// Drive torques [M1, M2] [N m] that give wheel accelerations [rad/s²] in a state.
     ///
     /// ```text
     /// M1 = a1 dw1 + a2 dw2 + a3 w2² - a3 w1 w2 + a4 sgn(w1)
@@ -110,7 +110,7 @@ impl BaseParameters {
         ]
     }
 
-    /// Wheel accelerations [dw1, dw2] [rad/s²] that drive moments [N m] give in a state.
+    /// Wheel accelerations [dw1, dw2] [rad/s²] that drive torques [N m] give in a state.
     ///
     /// Source: the paper, eq. (14) solved for the accelerations, with sgn(0) = 0: a wheel at rest
     /// feels no friction here. A simulation needs friction that holds; this is the reference for
@@ -123,15 +123,15 @@ impl BaseParameters {
     /// use amigo_ident::robot::{Construction, State};
     /// let a = Construction::amigobot().parameters();
     /// let state = State { alpha: [0.0; 2], omega: [5.0, 3.0] };
-    /// let moment = a.inverse(&state, [2.0, -1.0]);
-    /// let [dw1, dw2] = a.forward(&state, moment);
+    /// let torque = a.inverse(&state, [2.0, -1.0]);
+    /// let [dw1, dw2] = a.forward(&state, torque);
     /// assert!((dw1 - 2.0).abs() < 1e-12 && (dw2 + 1.0).abs() < 1e-12);
     /// ```
     #[must_use]
-    pub fn forward(&self, state: &State, moment: [f64; 2]) -> [f64; 2] {
+    pub fn forward(&self, state: &State, torque: [f64; 2]) -> [f64; 2] {
         let [c1, c2] = self.centrifugal(state.omega);
-        let t1 = moment[0] - self.a4 * sgn(state.omega[0]) - c1;
-        let t2 = moment[1] - self.a5 * sgn(state.omega[1]) - c2;
+        let t1 = torque[0] - self.a4 * sgn(state.omega[0]) - c1;
+        let t2 = torque[1] - self.a5 * sgn(state.omega[1]) - c2;
         let d = self.determinant();
         [(self.a1 * t1 - self.a2 * t2) / d, (self.a1 * t2 - self.a2 * t1) / d]
     }
@@ -158,10 +158,10 @@ mod tests {
         fn forward_after_inverse_is_the_identity(
             a in parameters(), state in states(), dw in prop::array::uniform2(-50.0..50.0_f64)
         ) {
-            let moment = a.inverse(&state, dw);
-            let back = a.forward(&state, moment);
+            let torque = a.inverse(&state, dw);
+            let back = a.forward(&state, torque);
             // terms of size a3 w² and a4 cancel; the condition of the mass matrix is below 39
-            let size = moment[0].abs() + moment[1].abs() + a.a4 + a.a5 + a.a1 * 1000.0;
+            let size = torque[0].abs() + torque[1].abs() + a.a4 + a.a5 + a.a1 * 1000.0;
             for i in 0..2 {
                 prop_assert!((back[i] - dw[i]).abs() <= 1e-13 * size / a.a1 * 40.0);
             }
@@ -205,7 +205,7 @@ mod tests {
     fn the_centrifugal_moments_hold_the_frame_on_its_circle() {
         // Force balance of a steady left turn, worked out on its own: S lies l2 behind A, so the
         // frame needs m4 l2 beta_dot² forward (half from each wheel) and m4 v beta_dot to the
-        // left at S, whose moment about A is -l2 m4 v beta_dot (from the wheels at +-l1).
+        // left at S, whose torque about A is -l2 m4 v beta_dot (from the wheels at +-l1).
         let c = Construction::amigobot();
         let a = c.parameters();
         let (w1, w2) = (6.0, 2.0);

@@ -28,12 +28,4 @@ pub enum RobotError {
         /// Mass of wheel 2 [kg].
         m2: f64,
     },
-    /// A motor constant is not a finite number above zero.
-    #[error("motor: {key} = {found:?}, expected a finite number above zero; see its data sheet")]
-    Motor {
-        /// Field of [`Motor`](crate::robot::Motor).
-        key: &'static str,
-        /// Value found, in the unit of the field.
-        found: f64,
-    },
 }

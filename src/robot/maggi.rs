@@ -141,7 +141,7 @@ pub fn generalised_forces(
     c: &Construction,
     beta: f64,
     omega: [f64; 2],
-    moment: [f64; 2],
+    torque: [f64; 2],
     contact: [ContactForce; 2],
 ) -> Vector5<f64> {
     let (sin, cos) = beta.sin_cos();
@@ -151,8 +151,8 @@ pub fn generalised_forces(
         (t1.along + t2.along) * cos - (t1.across + t2.across) * sin,
         (t1.along + t2.along) * sin + (t1.across + t2.across) * cos,
         (t1.along - t2.along) * c.l1_m,
-        moment[0] - c.n1_n * c.f1_m * sgn(omega[0]) - t1.along * c.r_m,
-        moment[1] - c.n2_n * c.f2_m * sgn(omega[1]) - t2.along * c.r_m,
+        torque[0] - c.n1_n * c.f1_m * sgn(omega[0]) - t1.along * c.r_m,
+        torque[1] - c.n2_n * c.f2_m * sgn(omega[1]) - t2.along * c.r_m,
     )
 }
 
@@ -219,7 +219,7 @@ impl Motion {
     }
 }
 
-/// Drive moments [M1, M2] [N m] from the Maggi equations (4): the independent counterpart of
+/// Drive torques [M1, M2] [N m] from the Maggi equations (4): the independent counterpart of
 /// [`BaseParameters::inverse`](super::BaseParameters::inverse).
 ///
 /// ```text

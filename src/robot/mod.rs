@@ -15,7 +15,6 @@
 //! | [`dynamics`] | [`BaseParameters`]: inverse and forward dynamics in closed form | (14) |
 //! | [`state_space`] | A, B, G, f3, f4 | (16)-(18) |
 //! | [`maggi`] | the derivation of the closed form, done in numbers | (1)-(13) |
-//! | [`motor`] | voltage and current of a geared DC motor to moment | |
 //!
 //! Source of all equations: Giergiel and Buratowski, "Dynamics Modeling and Identification of the
 //! Amigobot Robot", Mechanics and Mechanical Engineering 14(1), 2010, pages 65-79; called "the
@@ -27,7 +26,6 @@ pub mod dynamics;
 pub mod error;
 pub mod kinematics;
 pub mod maggi;
-pub mod motor;
 pub mod presets;
 pub mod robot;
 pub mod state;
@@ -36,7 +34,6 @@ pub mod state_space;
 pub use construction::Construction;
 pub use dynamics::BaseParameters;
 pub use error::RobotError;
-pub use motor::Motor;
 pub use presets::{Preset, preset, presets};
 pub use robot::Robot;
 pub use state::State;

@@ -258,7 +258,7 @@ fn box_inertia(mass: f64, length: f64, width: f64) -> f64 {
 /// Construction data of a robot whose wheels are uniform discs and whose loads are those at rest.
 fn construction(body: &Body, wheels: &Wheels, caster: &Caster) -> Construction {
     let square = wheels.radius * wheels.radius;
-    // moments about the axle: the caster carries what the frame's weight tips onto it
+    // torques about the axle: the caster carries what the frame's weight tips onto it
     let tipped = if caster.behind == 0.0 { 0.0 } else { body.mass * body.behind / caster.behind };
     let on_a_wheel = (body.mass - tipped) / 2.0 + wheels.mass;
     Construction {

@@ -24,7 +24,7 @@ use crate::math::sgn;
 /// let model = StateSpace::new(Construction::amigobot().parameters());
 /// let at_rest = State::default();
 /// let rate = model.derivative(&at_rest, [0.1, 0.1]);
-/// assert!(rate[2] > 0.0 && rate[2] == rate[3]); // equal moments, straight ahead
+/// assert!(rate[2] > 0.0 && rate[2] == rate[3]); // equal torques, straight ahead
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StateSpace {
@@ -47,7 +47,7 @@ impl StateSpace {
         a
     }
 
-    /// Matrix B of eq. (18) [1]: f and the drive act on the speeds.
+    /// Matrix B of eq. (18) [1]: f and the input act on the speeds.
     #[must_use]
     pub fn b() -> Matrix4x2<f64> {
         let mut b = Matrix4x2::zeros();
@@ -56,7 +56,7 @@ impl StateSpace {
         b
     }
 
-    /// Gain of the drive [[G31, G32], [G41, G42]] of eq. (18) [1/(kg m²)].
+    /// Gain of the input [[G31, G32], [G41, G42]] of eq. (18) [1/(kg m²)].
     ///
     /// ```text
     /// G31 = G42 = a1 / (a1² - a2²),  G32 = G41 = -a2 / (a1² - a2²)
@@ -96,11 +96,11 @@ impl StateSpace {
         Vector2::new(f3, f4)
     }
 
-    /// Rate of change x' [rad/s, rad/s, rad/s², rad/s²] for drive moments [N m], eq. (17).
+    /// Rate of change x' [rad/s, rad/s, rad/s², rad/s²] for drive torques [N m], eq. (17).
     #[must_use]
-    pub fn derivative(&self, state: &State, moment: [f64; 2]) -> Vector4<f64> {
+    pub fn derivative(&self, state: &State, torque: [f64; 2]) -> Vector4<f64> {
         let x = Vector4::from(state.to_vector());
-        let u = Vector2::from(moment);
+        let u = Vector2::from(torque);
         Self::a() * x + Self::b() * (self.f(state) + self.g() * u)
     }
 }
@@ -116,12 +116,12 @@ mod tests {
             a1 in 1e-4..1.0_f64, k2 in -0.9..0.9_f64, k3 in -0.5..0.5_f64,
             a4 in 0.0..1.0_f64, a5 in 0.0..1.0_f64,
             x in prop::array::uniform4(-30.0..30.0_f64),
-            moment in prop::array::uniform2(-2.0..2.0_f64),
+            torque in prop::array::uniform2(-2.0..2.0_f64),
         ) {
             let a = BaseParameters { a1, a2: k2 * a1, a3: k3 * a1, a4, a5 };
             let state = State::from_vector(x);
-            let [dw1, dw2] = a.forward(&state, moment);
-            let rate = StateSpace::new(a).derivative(&state, moment);
+            let [dw1, dw2] = a.forward(&state, torque);
+            let rate = StateSpace::new(a).derivative(&state, torque);
             prop_assert_eq!([rate[0], rate[1]], state.omega);
             // sums of twelve products of this size, divided by D >= 0.19 a1²
             let size = (a4 + a5 + 4.0 + a.a3.abs() * 4.0 * 900.0) * a1 / a.determinant();

@@ -1,6 +1,8 @@
 //! Many parameter vectors over one input at once: eight simulations side by side in the lanes of
 //! the processor, each reduced to its ISE.
 
+use std::convert::Infallible;
+
 use rayon::prelude::*;
 use wide::f64x8;
 
@@ -8,6 +10,7 @@ use super::drive::Drive;
 use super::stepper::{SPEED_LIMIT, Stepper, pieces_between};
 use super::{Hold, Input, SimulateError, simulate};
 use crate::effects::BASE;
+use crate::math::runge_kutta_step;
 use crate::model::Model;
 use crate::robot::State;
 
@@ -214,12 +217,16 @@ impl<'a> Batch<'a> {
         let zero = f64x8::ZERO;
         let motion = self.motion();
         let w = self.omega;
-        let plus = |h: f64, k: &Wheels| [w[0] + k[0] * h, w[1] + k[1] * h];
-        let k1 = self.acceleration(&w, &start, &motion);
-        let k2 = self.acceleration(&plus(0.5 * h, &k1), &middle, &motion);
-        let k3 = self.acceleration(&plus(0.5 * h, &k2), &middle, &motion);
-        let k4 = self.acceleration(&plus(h, &k3), &end, &motion);
-        let after = [0, 1].map(|i| w[i] + (k1[i] + (k2[i] + k3[i]) * 2.0 + k4[i]) * (h / 6.0));
+        let Ok(after) = runge_kutta_step(&w, h, |c, w| {
+            let drive = if c == 0.0 {
+                &start
+            } else if c < 1.0 {
+                &middle
+            } else {
+                &end
+            };
+            Ok::<_, Infallible>(self.acceleration(w, drive, &motion))
+        });
         let reversed =
             (motion.sign[0] * after[0]).simd_lt(zero) | (motion.sign[1] * after[1]).simd_lt(zero);
         let mut smooth = self.sound & !reversed;
@@ -252,7 +259,7 @@ impl<'a> Batch<'a> {
         Motion { sign, stuck, mobility }
     }
 
-    /// What drives each wheel beside the inertia: moment less centrifugal moment and friction.
+    /// What drives each wheel beside the inertia: torque less centrifugal torque and friction.
     #[inline]
     fn force(&self, w: &Wheels, moment: &Wheels, motion: &Motion) -> Wheels {
         let turn = self.a3 * (w[1] - w[0]); // eq. (14)
@@ -290,7 +297,7 @@ mod tests {
     use crate::robot::Robot;
     use rand::{Rng, SeedableRng};
 
-    /// Moments that start, reverse and stop both wheels, and rest between.
+    /// Torques that start, reverse and stop both wheels, and rest between.
     fn lively(t: &[f64]) -> Vec<[f64; 2]> {
         let push = |t: f64| if t % 7.0 < 5.0 { 1.0 } else { 0.2 };
         let one = |t: f64| [0.35 * (2.1 * t).sin() + 0.05, 0.3 * (1.7 * t + 0.4).sin()];

@@ -1,6 +1,6 @@
-//! The drive between two samples.
+//! The input between two samples.
 
-/// A straight line of the drive over one sample.
+/// A straight line of the input over one sample.
 #[derive(Clone, Copy)]
 pub(super) struct Drive {
     from: f64,

@@ -1,13 +1,13 @@
-//! Anything that moves under a drive: a physical model with values, or a fuzzy emulator.
+//! Anything that moves under an input: a physical model with values, or a fuzzy emulator.
 
-use super::{FuzzyDynamics, Input, SimulateError, contact, simulate, simulate_acting};
+use super::{FuzzyDynamics, Input, RunIn, SimulateError, contact, simulate, simulate_acting};
 use crate::effects::Motion;
 use crate::model::Model;
 use crate::robot::State;
 
 /// What a method identified, able to move. Physics and fuzzy emulators alike.
 pub trait Dynamics: Send + Sync {
-    /// Wheel acceleration [rad/s^2] at time `t` [s] since the start under the acting drive [N m];
+    /// Wheel acceleration [rad/s^2] at time `t` [s] since the start under the acting input [N m];
     /// the right-hand side f + G u of eq. (17).
     ///
     /// # Errors
@@ -19,19 +19,19 @@ pub trait Dynamics: Send + Sync {
         moment: &[f64; 2],
     ) -> Result<[f64; 2], SimulateError>;
 
-    /// The acting drive from the recorded one.
+    /// The acting input from the recorded one.
     fn drive(&self, t: &[f64], recorded: &[[f64; 2]]) -> Vec<[f64; 2]> {
         let _ = t;
         recorded.to_vec()
     }
 
-    /// Free simulation from the recorded drive, one state a sample.
+    /// Free simulation from the recorded input, one state a sample.
     ///
     /// # Errors
     /// A diverging motion, or dynamics without acceleration.
     fn simulate(&self, input: &Input, start: State) -> Result<Vec<State>, SimulateError>;
 
-    /// Simulation of a part of a recording: `input.moment` is the acting drive ([`Dynamics::drive`]
+    /// Simulation of a part of a recording: `input.moment` is the acting input ([`Dynamics::drive`]
     /// over the whole recording) and time counts from `origin` [s]. The first samples of `input` are
     /// the run-in; the states behind it are returned, the first being `start`.
     ///
@@ -67,15 +67,6 @@ pub trait Dynamics: Send + Sync {
     fn fuzzy(&self) -> Option<&FuzzyDynamics> {
         None
     }
-}
-
-/// What was driven before a part of a recording: it makes ready the states that no sensor sees.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct RunIn {
-    /// Its samples, before the first of the part.
-    pub samples: usize,
-    /// The state of the wheels at its start.
-    pub start: State,
 }
 
 /// A physical model with parameter values.

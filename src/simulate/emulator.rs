@@ -1,21 +1,10 @@
 //! The state emulator of eq. (19), in parallel and serial-parallel structure.
 
 use super::dynamics::Dynamics;
-use super::{Hold, SimulateError};
+use super::{Hold, SimulateError, Structure};
+use crate::math::runge_kutta_step;
 use crate::recording::Recording;
 use crate::robot::State;
-
-/// Where the nonlinear functions f3, f4 take their argument from.
-#[derive(
-    Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
-)]
-#[serde(rename_all = "snake_case")]
-pub enum Structure {
-    /// From the emulator's own state.
-    Parallel,
-    /// From the measured state.
-    SerialParallel,
-}
 
 /// The gain matrix K of eq. (19), rows and columns in the order alpha1, alpha2, omega1, omega2.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -135,8 +124,10 @@ pub fn emulate(
         for k in piece.start + 1..piece.end {
             let (m, n) = (measured(k - 1), measured(k));
             let end = if hold == Hold::Linear { drive[k] } else { drive[k - 1] };
-            let rate = |time: f64, x: &[f64; 4]| -> Result<[f64; 4], SimulateError> {
-                let c = (time - t[k - 1]) / (t[k] - t[k - 1]);
+            let steps = (((t[k] - t[k - 1]) / 0.005).ceil() as usize).clamp(1, 1000);
+            let h = (t[k] - t[k - 1]) / steps as f64;
+            let rate = |c: f64, x: &[f64; 4]| -> Result<[f64; 4], SimulateError> {
+                let time = t[k - 1] + c * (t[k] - t[k - 1]);
                 let y: [f64; 4] = std::array::from_fn(|i| m[i] + c * (n[i] - m[i]));
                 let u = [0, 1].map(|i| drive[k - 1][i] + c * (end[i] - drive[k - 1][i]));
                 let at = if structure == Structure::Parallel { x } else { &y };
@@ -147,10 +138,9 @@ pub fn emulate(
                 }
                 Ok(rate)
             };
-            let steps = (((t[k] - t[k - 1]) / 0.005).ceil() as usize).clamp(1, 1000);
-            let h = (t[k] - t[k - 1]) / steps as f64;
             for step in 0..steps {
-                x = rk4(t[k - 1] + h * step as f64, h, &x, &rate)?;
+                let share = |c: f64| (step as f64 + c) / steps as f64;
+                x = runge_kutta_step(&x, h, |c, x| rate(share(c), x))?;
             }
             if !x.iter().all(|v| v.abs() < 1e9) {
                 return Err(SimulateError::Diverged { t: t[k], limit: 1e9 });
@@ -163,20 +153,6 @@ pub fn emulate(
 
 fn state(x: &[f64; 4]) -> State {
     State { alpha: [x[0], x[1]], omega: [x[2], x[3]] }
-}
-
-fn rk4(
-    t: f64,
-    h: f64,
-    x: &[f64; 4],
-    rate: &impl Fn(f64, &[f64; 4]) -> Result<[f64; 4], SimulateError>,
-) -> Result<[f64; 4], SimulateError> {
-    let plus = |h: f64, k: &[f64; 4]| std::array::from_fn(|i| x[i] + h * k[i]);
-    let k1 = rate(t, x)?;
-    let k2 = rate(t + 0.5 * h, &plus(0.5 * h, &k1))?;
-    let k3 = rate(t + 0.5 * h, &plus(0.5 * h, &k2))?;
-    let k4 = rate(t + h, &plus(h, &k3))?;
-    Ok(std::array::from_fn(|i| x[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i])))
 }
 
 #[cfg(test)]

@@ -3,8 +3,8 @@
 use super::drive::Drive;
 use super::friction::{Contact, contact};
 use crate::effects::{Coupling, DIRECTIONS, Effect, Motion, Terms, along, smallest_inertia};
-use crate::math::sgn;
-use crate::model::{Model, ModelError, Role, Roles, solve_mass};
+use crate::math::{runge_kutta_from, sgn};
+use crate::model::{Model, ModelError, Variation, Variations, solve_mass};
 
 /// alpha1, alpha2, omega1, omega2, and behind a coupling: body speeds u1, u2, twists phi1, phi2.
 pub(super) type Vector = [f64; 8];
@@ -37,7 +37,7 @@ impl<'m> Sum<'m> {
         let mut sum = Self { constant: Terms::zero(), varying: vec![] };
         for (e, effect) in model.effects().iter().enumerate().filter(|(_, e)| part(&***e)) {
             let p = &p[model.slots(e)];
-            if model.roles(e).vary() {
+            if model.variations(e).vary() {
                 sum.varying.push((&**effect, p));
             } else {
                 sum.constant.add(&effect.terms(x, p));
@@ -61,7 +61,7 @@ pub(super) struct Forces<'m> {
     pub(super) model: &'m Model,
     pub(super) p: &'m [f64],
     t0: f64,
-    /// All effects; with a body behind the wheels those on the wheels alone.
+    /// All effects; with a two-mass drivetrain those on the wheels alone.
     wheel: Sum<'m>,
     behind: Option<Behind<'m>>,
     /// Inverse of a mass matrix that is the same at every instant.
@@ -71,13 +71,13 @@ pub(super) struct Forces<'m> {
     level: [f64; 4],
 }
 
-/// A body behind the measured wheels.
+/// The second mass of a two-mass drivetrain.
 struct Behind<'m> {
     coupling: (&'m dyn Effect, &'m [f64]),
     body: Sum<'m>,
 }
 
-/// What acts on the wheels at one instant; with a body behind them its terms and the moments
+/// What acts on the wheels at one instant; with a body behind them its terms and the torques
 /// that are passed on to it.
 struct Acting {
     terms: Terms<f64>,
@@ -96,14 +96,15 @@ impl<'m> Forces<'m> {
         let wheel = Sum::new(model, p, &x, |e| !of_body(e));
         let behind =
             coupling.map(|coupling| Behind { coupling, body: Sum::new(model, p, &x, of_body) });
-        let varies = |role: fn(&Roles) -> Role| {
-            (0..model.effects().len()).any(|e| role(&model.roles(e)) == Role::Varying)
+        let varies = |variation: fn(&Variations) -> Variation| {
+            (0..model.effects().len())
+                .any(|e| variation(&model.variations(e)) == Variation::Varying)
         };
-        let steady = behind.is_none() && !varies(|roles| roles.mass);
+        let steady = behind.is_none() && !varies(|variations| variations.mass);
         let everywhere = wheel.at(&x);
         let inverse = if steady { inverse(&everywhere.mass).ok() } else { None };
         let level = everywhere.level;
-        let rough = varies(|roles| roles.level);
+        let rough = varies(|variations| variations.level);
         Self { model, p, t0, wheel, behind, inverse, rough, level }
     }
 
@@ -171,7 +172,7 @@ impl<'m> Forces<'m> {
         Ok(Departure { t, y: *y, freedom: contact.freedom(), contact, rate, resisting })
     }
 
-    /// [`Forces::depart`] in the ordinary case: only moments vary, and nothing is at rest.
+    /// [`Forces::depart`] in the ordinary case: only torques vary, and nothing is at rest.
     #[inline]
     fn sliding(&self, t: f64, y: &Vector, drive: &Drive) -> Option<Departure> {
         let inverse = self.inverse.as_ref().filter(|_| !self.rough)?;
@@ -199,7 +200,7 @@ impl<'m> Forces<'m> {
         [torque[0] + friction[0], torque[1] + friction[1]]
     }
 
-    /// What is left of a moment to accelerate the wheels, where only moments vary.
+    /// What is left of a torque to accelerate the wheels, where only torques vary.
     #[inline]
     fn remaining(&self, x: &Motion<f64>, moment: [f64; 2], resisting: &[f64; 2]) -> [f64; 2] {
         let mut b = [moment[0] - resisting[0], moment[1] - resisting[1]];
@@ -269,55 +270,29 @@ impl<'m> Forces<'m> {
     ) -> Result<Vector, ModelError> {
         let (t, h) = (from.t, to - from.t);
         if self.behind.is_none() {
-            return self.rigid_step(from, t, h, drive);
+            return self.rigid_step(from, to, drive);
         }
-        let (y, k1) = (&from.y, &from.rate);
-        let rates = |t: f64, y: &Vector| {
-            let acting = self.acting(t, y, drive);
+        runge_kutta_from(&from.y, &from.rate, h, |c, y| {
+            let acting = self.acting(instant(t, to, c), y, drive);
             with_body(y, self.constrained(&acting.terms, &acting.moment, from)?, &acting)
-        };
-        let plus = |h: f64, k: &Vector| -> Vector { std::array::from_fn(|i| y[i] + h * k[i]) };
-        let k2 = rates(t + 0.5 * h, &plus(0.5 * h, k1))?;
-        let k3 = rates(t + 0.5 * h, &plus(0.5 * h, &k2))?;
-        let k4 = rates(to, &plus(h, &k3))?;
-        Ok(std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i])))
+        })
     }
 
-    fn rigid_step(
-        &self,
-        from: &Departure,
-        t: f64,
-        h: f64,
-        drive: &Drive,
-    ) -> Result<Vector, ModelError> {
-        let y = &from.y;
-        let (a, w) = ([y[0], y[1]], [y[2], y[3]]);
-        let plus = |x: [f64; 2], h: f64, k: [f64; 2]| [x[0] + h * k[0], x[1] + h * k[1]];
-        let rate = |t: f64, a: [f64; 2], w: [f64; 2]| {
-            let x = Motion {
-                t: t - self.t0,
-                alpha: a,
-                omega: w,
-                variance: [0.0; 4],
-                robot: self.model.robot(),
-            };
-            self.rigid(&x, drive.at(t), from)
-        };
-        let (half, middle) = (0.5 * h, t + 0.5 * h);
-        let k1 = [from.rate[2], from.rate[3]];
-        let second = plus(w, half, k1);
-        let k2 = rate(middle, plus(a, half, w), second)?;
-        let third = plus(w, half, k2);
-        let k3 = rate(middle, plus(a, half, second), third)?;
-        let fourth = plus(w, h, k3);
-        let k4 = rate(t + h, plus(a, h, third), fourth)?;
-        let sum = |x: f64, k: [f64; 4]| x + h / 6.0 * (k[0] + 2.0 * (k[1] + k[2]) + k[3]);
-        let alpha = [0, 1].map(|i| sum(a[i], [w[i], second[i], third[i], fourth[i]]));
-        let omega = [0, 1].map(|i| sum(w[i], [k1[i], k2[i], k3[i], k4[i]]));
-        Ok([alpha[0], alpha[1], omega[0], omega[1], omega[0], omega[1], 0.0, 0.0])
+    fn rigid_step(&self, from: &Departure, to: f64, drive: &Drive) -> Result<Vector, ModelError> {
+        let (t, [a1, a2, w1, w2, ..]) = (from.t, from.y);
+        let first = [w1, w2, from.rate[2], from.rate[3]];
+        let [a1, a2, w1, w2] = runge_kutta_from(&[a1, a2, w1, w2], &first, to - t, |c, y| {
+            let t = instant(t, to, c);
+            let (alpha, omega) = ([y[0], y[1]], [y[2], y[3]]);
+            let robot = self.model.robot();
+            let x = Motion { t: t - self.t0, alpha, omega, variance: [0.0; 4], robot };
+            let [d1, d2] = self.rigid(&x, drive.at(t), from)?;
+            Ok([y[2], y[3], d1, d2])
+        })?;
+        Ok([a1, a2, w1, w2, w1, w2, 0.0, 0.0])
     }
 
-    /// Acceleration in the contact state of `from` without a body behind the wheels.
+    /// Acceleration in the contact state of `from` without a two-mass drivetrain.
     #[inline]
     fn rigid(
         &self,
@@ -332,7 +307,7 @@ impl<'m> Forces<'m> {
     }
 }
 
-/// The moment of dry friction on each wheel, with the signs of a contact state.
+/// The torque of dry friction on each wheel, with the signs of a contact state.
 #[inline]
 fn friction(level: &[f64; 4], sign: &[f64; 4]) -> [f64; 2] {
     let mut sum = [0.0; 2];
@@ -376,4 +351,9 @@ fn along_freedom(mass: &[f64; 3], b: &[f64; 2], n: &[f64; 2]) -> [f64; 2] {
     }
     let q = (n[0] * b[0] + n[1] * b[1]) / inertia;
     [n[0] * q, n[1] * q]
+}
+
+/// The instant at share `c` of the way from `t` to `to`; at the end `to` itself, not rounded.
+fn instant(t: f64, to: f64, c: f64) -> f64 {
+    if c < 1.0 { t + c * (to - t) } else { to }
 }

@@ -1,6 +1,9 @@
 //! A fuzzy state emulator as dynamics: acceleration = f̂(w1, w2) + G u.
 
+use std::convert::Infallible;
+
 use super::{Dynamics, Hold, Input, SimulateError, Structure, TakagiSugeno};
+use crate::math::runge_kutta_step;
 use crate::robot::State;
 
 /// Below this strength of its best trained rule a state is outside what was learnt.
@@ -131,20 +134,13 @@ impl Dynamics for FuzzyDynamics {
 
 impl FuzzyDynamics {
     fn step(&self, state: &State, h: f64, drive: impl Fn(f64) -> [f64; 2]) -> State {
-        let w = state.omega;
-        let plus = |h: f64, k: &[f64; 2]| [0, 1].map(|i| w[i] + h * k[i]);
-        let k1 = self.rate(&w, &drive(0.0));
-        let w2 = plus(0.5 * h, &k1);
-        let k2 = self.rate(&w2, &drive(0.5));
-        let w3 = plus(0.5 * h, &k2);
-        let k3 = self.rate(&w3, &drive(0.5));
-        let w4 = plus(h, &k3);
-        let k4 = self.rate(&w4, &drive(1.0));
-        State {
-            alpha: [0, 1]
-                .map(|i| state.alpha[i] + h / 6.0 * (w[i] + 2.0 * (w2[i] + w3[i]) + w4[i])),
-            omega: [0, 1].map(|i| w[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i])),
-        }
+        let ([a1, a2], [w1, w2]) = (state.alpha, state.omega);
+        let rate = |c: f64, x: &[f64; 4]| {
+            let [d1, d2] = self.rate(&[x[2], x[3]], &drive(c));
+            Ok::<_, Infallible>([x[2], x[3], d1, d2])
+        };
+        let Ok([a1, a2, w1, w2]) = runge_kutta_step(&[a1, a2, w1, w2], h, rate);
+        State { alpha: [a1, a2], omega: [w1, w2] }
     }
 }
 

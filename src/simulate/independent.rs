@@ -3,7 +3,7 @@
 //! trying all nine.
 
 use super::*;
-use crate::math::integrate::DormandPrince;
+use crate::math::dormand_prince::DormandPrince;
 use crate::model::Model;
 use crate::robot::{Robot, State};
 
@@ -17,7 +17,7 @@ struct Typed {
 type Mode = [f64; 2];
 
 impl Typed {
-    /// Moments less everything but inertia and dry friction, eq. (14).
+    /// Torques less everything but inertia and dry friction, eq. (14).
     fn driving(&self, w: &[f64; 2], m: [f64; 2]) -> [f64; 2] {
         let [_, _, a3, _, _] = self.a;
         [
@@ -26,7 +26,7 @@ impl Typed {
         ]
     }
 
-    /// Accelerations where standing wheels are held, and the moment that holds each wheel.
+    /// Accelerations where standing wheels are held, and the torque that holds each wheel.
     fn motion(&self, mode: &Mode, w: &[f64; 2], m: [f64; 2]) -> ([f64; 2], [f64; 2]) {
         let [a1, a2, _, a4, a5] = self.a;
         let q = self.driving(w, m);
@@ -64,7 +64,7 @@ impl Typed {
         panic!("no contact state fits speeds {w:?} and moments {m:?}");
     }
 
-    /// Speeds at the ends of intervals over which the moments run in straight lines.
+    /// Speeds at the ends of intervals over which the torques run in straight lines.
     fn run(&self, knots: &[f64], moments: &[[f64; 2]]) -> Vec<[f64; 2]> {
         let solver = DormandPrince { relative: 1e-12, absolute: 1e-13, max_steps: 100_000 };
         let mut w = [0.0; 2];

@@ -8,24 +8,29 @@ mod event;
 mod forces;
 mod friction;
 mod fuzzy_dynamics;
-mod made;
+mod input;
 mod movement;
+mod recorder;
 mod sensitivity;
 mod simulation;
 mod stepper;
 mod takagi_sugeno;
+mod walk;
 
 pub use batch::ise_of_many;
-pub use dynamics::{Dynamics, PhysicalDynamics, RunIn};
-pub use emulator::{Gain, GainError, Structure, emulate};
+pub use dynamics::{Dynamics, PhysicalDynamics};
+pub use emulator::{Gain, GainError, emulate};
 pub use friction::{Contact, contact};
 pub use fuzzy_dynamics::FuzzyDynamics;
-pub use made::{NoiseLevel, Recorder, record, record_disturbed};
+pub use input::{BETWEEN_ROWS, Hold, Input, RunIn, SimulateError, Structure};
 pub use movement::{Movement, Reference, Segment};
-pub(crate) use sensitivity::{LANES, follow};
+pub use recorder::{NoiseLevel, Recorder, record, record_disturbed};
+pub(crate) use sensitivity::{ActingInput, LANES, follow, follow_part};
 pub use sensitivity::{Sensitivities, simulate_with_sensitivities};
-pub use simulation::{Hold, Input, SimulateError, simulate, simulate_acting};
+pub(crate) use simulation::simulate_windows;
+pub use simulation::{simulate, simulate_acting};
 pub use takagi_sugeno::{Consequents, Defuzzification, Gaussian, MOST_MEMBERSHIPS, TakagiSugeno};
+pub(crate) use walk::{Ends, Walk};
 
 #[cfg(test)]
 mod independent;

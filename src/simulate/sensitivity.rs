@@ -1,14 +1,17 @@
 //! Simulation with exact sensitivities: how the motion changes with every parameter and with the
 //! initial state, in the same pass.
 
+use std::convert::Infallible;
+
 use wide::f64x4;
 
 use super::drive::Drive;
 use super::forces::{Departure, Forces, Vector, times};
 use super::friction::Contact;
-use super::stepper::{Passenger, Stepper};
+use super::stepper::{StepObserver, Stepper};
 use super::{Hold, Input, SimulateError, simulate};
 use crate::effects::{DIRECTIONS, along};
+use crate::math::runge_kutta_step;
 use crate::model::{Linearisation, Model};
 use crate::robot::State;
 
@@ -17,7 +20,7 @@ use crate::robot::State;
 pub struct Sensitivities {
     /// Parameters of the model plus the four initial states (alpha1, alpha2, omega1, omega2).
     pub columns: usize,
-    /// Columns with the room of those that fill up the last lanes.
+    /// Columns with the space of those that fill up the last lanes.
     stride: usize,
     /// `[k][i][j]` flattened: state i (alpha1, alpha2, omega1, omega2) at sample k by column j.
     values: Vec<f64>,
@@ -46,7 +49,7 @@ impl Sensitivities {
 /// ```
 /// Source: forward sensitivity analysis of hybrid systems (saltation matrix). The jump is what
 /// makes the derivative right through reversals and stops.
-/// Deviation: models with a body behind the wheels are differentiated by central differences.
+/// Deviation: models with a two-mass drivetrain are differentiated by central differences.
 ///
 /// # Errors
 /// As [`simulate`].
@@ -86,24 +89,55 @@ pub(crate) fn follow(
     if model.is_coupled() {
         return by_differences(model, p, input, start, visit);
     }
-    let (drive, derivatives) = model.drive_derivatives(input.t, input.moment, p);
+    let (acting, derivatives) = model.drive_derivatives(input.t, input.moment, p);
+    let (t, hold) = (input.t, input.hold);
+    let acting = ActingInput { t, acting: &acting, derivatives: &derivatives, hold };
+    follow_part(model, p, &acting, 0..t.len(), start, visit)
+}
+
+/// The input of a whole recording as the effects of a model change it.
+#[derive(Clone, Copy)]
+pub(crate) struct ActingInput<'a> {
+    /// Time [s]; effects that depend on time count from the first row.
+    pub(crate) t: &'a [f64],
+    /// The torque that acts [N m].
+    pub(crate) acting: &'a [[f64; 2]],
+    /// Its derivatives, [`Model::drive_derivatives`].
+    pub(crate) derivatives: &'a [Vec<[f64; 2]>],
+    /// Between the rows.
+    pub(crate) hold: Hold,
+}
+
+/// [`follow`] over the rows of `range` alone, from `start` at the first; rows are counted from it. The model
+/// must be without a second body.
+///
+/// # Errors
+/// As [`simulate`].
+pub(crate) fn follow_part(
+    model: &Model,
+    p: &[f64],
+    input: &ActingInput,
+    range: std::ops::Range<usize>,
+    start: State,
+    visit: Visit,
+) -> Result<(), SimulateError> {
     let mut stepper = Stepper::new(model, p, input.t[0], start);
     let mut variation = Variation::new(p.len());
     let mut values = Vec::with_capacity(4 * LANES * variation.groups.len());
     variation.write(&mut values);
     visit(0, &start, &values);
-    for k in 1..input.t.len() {
+    for k in range.start + 1..range.end {
         let last = match input.hold {
             Hold::Linear => k,
             Hold::Constant => k - 1,
         };
-        let acting = derivatives.iter().enumerate().filter(|(_, d)| !d.is_empty());
+        let by_input = input.derivatives.iter().enumerate().filter(|(_, d)| !d.is_empty());
         variation.drive.clear();
-        variation.drive.extend(acting.map(|(j, d)| (j, [d[k - 1], d[last]])));
+        variation.drive.extend(by_input.map(|(j, d)| (j, [d[k - 1], d[last]])));
         let (from, to) = (input.t[k - 1], input.t[k]);
-        stepper.advance(from, to, &drive[k - 1], &drive[last], &mut variation)?;
+        stepper.advance(from, to, &input.acting[k - 1], &input.acting[last], &mut variation)?;
         variation.write(&mut values);
-        visit(k, &stepper.state(), &values);
+        visit(k - range.start, &stepper.state(), &values);
     }
     Ok(())
 }
@@ -124,9 +158,9 @@ struct Node {
 }
 
 /// The sensitivities on their way.
-struct Variation {
+pub(super) struct Variation {
     groups: Vec<Group>,
-    /// Derivative of the drive by each parameter at both ends of the sample, where there is one.
+    /// Derivative of the input by each parameter at both ends of the sample, where there is one.
     drive: Vec<(usize, [[f64; 2]; 2])>,
     /// At the start, in the middle and at the end of a step.
     nodes: [Node; 3],
@@ -137,7 +171,7 @@ struct Variation {
 }
 
 impl Variation {
-    fn new(parameters: usize) -> Self {
+    pub(super) fn new(parameters: usize) -> Self {
         let count = (parameters + 4).div_ceil(LANES);
         let node = Node {
             place: ([f64::NAN; 2], [0.0; 4]),
@@ -152,11 +186,31 @@ impl Variation {
             end: Linearisation::new(parameters),
             at_end: None,
         };
+        variation.identity();
+        variation
+    }
+
+    /// The four initial states by themselves.
+    fn identity(&mut self) {
+        let parameters = self.middle.by_parameter.len();
         for i in 0..4 {
             let column = parameters + i;
-            variation.groups[column / LANES][i].as_mut_array()[column % LANES] = 1.0;
+            self.groups[column / LANES][i].as_mut_array()[column % LANES] = 1.0;
         }
-        variation
+    }
+
+    /// Derivatives count from here on; `acting` are those of the drive at both ends of the sample.
+    pub(super) fn restart(&mut self, acting: &[(usize, [[f64; 2]; 2])]) {
+        self.groups.iter_mut().for_each(|group| *group = [f64x4::ZERO; 4]);
+        self.identity();
+        self.drive.clear();
+        self.drive.extend_from_slice(acting);
+    }
+
+    /// Derivative of state `i` by a column.
+    #[inline]
+    pub(super) fn at(&self, i: usize, column: usize) -> f64 {
+        self.groups[column / LANES][i].as_array()[column % LANES]
     }
 
     /// Writes all columns, one state after the other.
@@ -211,34 +265,26 @@ impl Variation {
             .nodes
             .iter()
             .any(|node| node.by_state.iter().any(|row| row[0] != 0.0 || row[1] != 0.0));
-        let (half, sixth) = (f64x4::splat(0.5 * h), f64x4::splat(h / 6.0));
-        let h = f64x4::splat(h);
         for (n, group) in self.groups.iter_mut().enumerate() {
-            let rate = |node: &Node, a: [f64x4; 2], w: [f64x4; 2]| {
+            let Ok(after) = runge_kutta_step(group, h, |c, x| {
+                let node = if c == 0.0 {
+                    start
+                } else if c < 1.0 {
+                    middle
+                } else {
+                    end
+                };
                 let row = |i: usize| {
                     let by = node.by_state[i];
-                    let mut out = node.forcing[n][i] + w[0] * by[2] + w[1] * by[3];
+                    let mut out = node.forcing[n][i] + x[2] * by[2] + x[3] * by[3];
                     if angles {
-                        out += a[0] * by[0] + a[1] * by[1];
+                        out += x[0] * by[0] + x[1] * by[1];
                     }
                     out
                 };
-                [row(0), row(1)]
-            };
-            let [a1, a2, w1, w2] = *group;
-            let (a, w) = ([a1, a2], [w1, w2]);
-            let plus = |x: [f64x4; 2], h: f64x4, k: [f64x4; 2]| [x[0] + h * k[0], x[1] + h * k[1]];
-            let k1 = rate(start, a, w);
-            let second = plus(w, half, k1);
-            let k2 = rate(middle, plus(a, half, w), second);
-            let third = plus(w, half, k2);
-            let k3 = rate(middle, plus(a, half, second), third);
-            let fourth = plus(w, h, k3);
-            let k4 = rate(end, plus(a, h, third), fourth);
-            for i in 0..2 {
-                group[i] += sixth * (w[i] + (second[i] + third[i]) * 2.0 + fourth[i]);
-                group[2 + i] += sixth * (k1[i] + (k2[i] + k3[i]) * 2.0 + k4[i]);
-            }
+                Ok::<_, Infallible>([x[2], x[3], row(0), row(1)])
+            });
+            *group = after;
         }
     }
 }
@@ -264,7 +310,7 @@ impl Node {
     }
 }
 
-impl Passenger for Variation {
+impl StepObserver for Variation {
     fn smooth(&mut self, f: &Forces, from: &Departure, to: f64, end: &Vector, drive: &Drive) {
         let goes_on = self.at_end == Some((from.t, from.y));
         if goes_on && from.freedom.is_none() && self.drive.is_empty() && self.nodes[2].holds(from) {

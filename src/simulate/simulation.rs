@@ -1,61 +1,9 @@
-//! Free simulation: the motion that a model predicts from the drive alone.
+//! Free simulation: the motion that a model predicts from the input alone.
 
-use super::RunIn;
+use super::input::{Hold, Input, RunIn, SimulateError};
 use super::stepper::Stepper;
-use crate::model::{Model, ModelError};
-use crate::recording::RecordingError;
+use crate::model::Model;
 use crate::robot::State;
-
-/// What the drive does between two samples.
-#[derive(
-    Clone,
-    Copy,
-    Debug,
-    Default,
-    PartialEq,
-    Eq,
-    serde::Serialize,
-    serde::Deserialize,
-    schemars::JsonSchema,
-)]
-#[serde(rename_all = "snake_case")]
-pub enum Hold {
-    /// Runs in a straight line from sample to sample (first-order hold).
-    #[default]
-    Linear,
-    /// Keeps the value of the earlier sample (zero-order hold).
-    Constant,
-}
-
-/// The drive of a simulation: one row a sample.
-#[derive(Clone, Copy, Debug)]
-pub struct Input<'a> {
-    /// Time [s], strictly increasing.
-    pub t: &'a [f64],
-    /// Recorded drive [N m]; drive effects of the model are applied to it.
-    pub moment: &'a [[f64; 2]],
-    /// Between the samples.
-    pub hold: Hold,
-}
-
-/// Why a simulation stopped.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum SimulateError {
-    /// The model has no acceleration.
-    #[error(transparent)]
-    Model(#[from] ModelError),
-    /// What was simulated is no recording.
-    #[error(transparent)]
-    Recording(#[from] RecordingError),
-    /// The motion left all bounds.
-    #[error("the simulated motion diverges at t = {t:.3} s (wheel speed above {limit:.0e} rad/s)")]
-    Diverged {
-        /// When [s].
-        t: f64,
-        /// Bound [rad/s].
-        limit: f64,
-    },
-}
 
 /// Simulates the model from `start`; one state a sample of `input`, the first being `start`.
 ///
@@ -87,7 +35,7 @@ pub fn simulate(
     simulate_acting(model, p, &acting, input.t[0], &RunIn::default(), start)
 }
 
-/// Simulates a part of a recording: as [`simulate`], but `input.moment` is the acting drive, drive
+/// Simulates a part of a recording: as [`simulate`], but `input.moment` is the acting input, drive
 /// effects applied over the whole recording, and effects count time from `origin` [s]. Behind the run-in,
 /// whose states are not returned, the wheels are put to `start`; a body behind them keeps its slip
 /// and twist.
@@ -123,4 +71,47 @@ pub fn simulate_acting(
         }
     }
     Ok(motion)
+}
+
+/// Simulates the windows of a recording one after the other: at the first row of each, the wheels are put to
+/// its start, and a body behind them keeps its slip and twist, so that no window needs a run-in of its own.
+/// `input.moment` is the acting input; rows before the first window, and between pieces, are skipped.
+///
+/// # Errors
+/// As [`simulate`].
+pub(crate) fn simulate_windows(
+    model: &Model,
+    p: &[f64],
+    input: &Input,
+    windows: &[(std::ops::Range<usize>, State)],
+) -> Result<Vec<Vec<State>>, SimulateError> {
+    let mut out = Vec::with_capacity(windows.len());
+    let mut stepper: Option<(usize, Stepper)> = None;
+    for (rows, start) in windows {
+        let follows = stepper.take().filter(|(end, _)| *end == rows.start);
+        let mut now = match follows {
+            // the last row of one window is one before the first of the next
+            Some((_, mut stepper)) => {
+                step(&mut stepper, input, rows.start)?;
+                stepper.place_wheels(*start);
+                stepper
+            }
+            None => Stepper::new(model, p, input.t[0], *start),
+        };
+        let mut states = vec![*start];
+        for k in rows.start + 1..rows.end {
+            step(&mut now, input, k)?;
+            states.push(now.state());
+        }
+        out.push(states);
+        stepper = Some((rows.end, now));
+    }
+    Ok(out)
+}
+
+/// From row `k - 1` to row `k`.
+fn step(stepper: &mut Stepper, input: &Input, k: usize) -> Result<(), SimulateError> {
+    let last = if input.hold == Hold::Linear { k } else { k - 1 };
+    let (t, m) = (input.t, input.moment);
+    stepper.advance(t[k - 1], t[k], &m[k - 1], &m[last], &mut ())
 }

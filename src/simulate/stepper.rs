@@ -9,7 +9,7 @@ use crate::effects::along;
 use crate::model::Model;
 use crate::robot::State;
 
-/// Longest internal step [s]; the drive is smooth between samples, so this only bounds the
+/// Longest internal step [s]; the input is smooth between samples, so this only bounds the
 /// truncation error of Runge-Kutta for slow recordings.
 const LONGEST_STEP: f64 = 0.02;
 /// Largest product of internal step and fastest rate of a coupling that stays accurate.
@@ -22,8 +22,8 @@ const TOGETHER: f64 = 1e-11;
 /// More events than this within one step are grazing contacts: the direction is then held.
 const MANY_EVENTS: usize = 24;
 
-/// What rides along with the state: nothing, or its sensitivities.
-pub(super) trait Passenger {
+/// Follows every step of the integration: nothing, or the sensitivities of the state.
+pub(super) trait StepObserver {
     /// One smooth step from `from` to the state `end` at `to`.
     fn smooth(&mut self, f: &Forces, from: &Departure, to: f64, end: &Vector, drive: &Drive);
     /// The contact changed to `after` where the speeds along the directions `arrived` reached zero;
@@ -31,7 +31,7 @@ pub(super) trait Passenger {
     fn event(&mut self, arrived: [bool; 4], before: &[f64; 2], after: &Contact);
 }
 
-impl Passenger for () {
+impl StepObserver for () {
     fn smooth(&mut self, _: &Forces, _: &Departure, _: f64, _: &Vector, _: &Drive) {}
     fn event(&mut self, _: [bool; 4], _: &[f64; 2], _: &Contact) {}
 }
@@ -65,20 +65,20 @@ impl<'m> Stepper<'m> {
         State { alpha: [self.y[0], self.y[1]], omega: [self.y[2], self.y[3]] }
     }
 
-    /// From `from` to `to` [s], the drive running straight from `start` to `end`.
+    /// From `from` to `to` [s], the input running straight from `start` to `end`.
     pub(super) fn advance(
         &mut self,
         from: f64,
         to: f64,
         start: &[f64; 2],
         end: &[f64; 2],
-        passenger: &mut impl Passenger,
+        observer: &mut impl StepObserver,
     ) -> Result<(), SimulateError> {
         let drive = Drive::new(from, to, start, end);
         let pieces = self.pieces(from, to);
         for piece in 0..pieces {
             let edge = |k: usize| from + (to - from) * (k as f64 / pieces as f64);
-            self.piece(edge(piece), edge(piece + 1), &drive, passenger)?;
+            self.piece(edge(piece), edge(piece + 1), &drive, observer)?;
         }
         if self.y[2].abs().max(self.y[3].abs()) < SPEED_LIMIT {
             Ok(())
@@ -101,13 +101,13 @@ impl<'m> Stepper<'m> {
         from: f64,
         to: f64,
         drive: &Drive,
-        passenger: &mut impl Passenger,
+        observer: &mut impl StepObserver,
     ) -> Result<(), SimulateError> {
         let mut start = self.forces.depart(from, &self.y, drive)?;
         for event in 0.. {
             let whole = self.forces.step(&start, to, drive)?;
             if event >= MANY_EVENTS || !(self.excess(&start, to, &whole, drive)? > 0.0) {
-                passenger.smooth(&self.forces, &start, to, &whole, drive);
+                observer.smooth(&self.forces, &start, to, &whole, drive);
                 self.y = whole;
                 if event >= MANY_EVENTS {
                     self.rest(&start.contact, &whole);
@@ -116,12 +116,12 @@ impl<'m> Stepper<'m> {
             }
             let t = start.t + self.locate(&start, to, drive)?;
             let after = self.forces.step(&start, t, drive)?;
-            passenger.smooth(&self.forces, &start, t, &after, drive);
+            observer.smooth(&self.forces, &start, t, &after, drive);
             self.y = after;
             let arrived = self.rest(&start.contact, &after);
             let before = self.forces.acceleration(t, &self.y, drive, &start)?;
             start = self.forces.depart(t, &self.y, drive)?;
-            passenger.event(arrived, &before, &start.contact);
+            observer.event(arrived, &before, &start.contact);
         }
         Ok(())
     }
@@ -182,13 +182,13 @@ impl<'m> Stepper<'m> {
     }
 }
 
-/// A body behind the wheels starts with their speeds and without twist.
+/// A two-mass drivetrain starts with their speeds and without twist.
 fn at_rest_within(state: State) -> Vector {
     let (a, w) = (state.alpha, state.omega);
     [a[0], a[1], w[0], w[1], w[0], w[1], 0.0, 0.0]
 }
 
-/// How many internal steps a model without a body behind the wheels takes from `from` to `to` [s].
+/// How many internal steps a model without a two-mass drivetrain takes from `from` to `to` [s].
 pub(super) fn pieces_between(from: f64, to: f64) -> usize {
     divided(to - from, LONGEST_STEP)
 }

@@ -8,7 +8,7 @@ fn time(n: usize, step: f64) -> Vec<f64> {
     (0..n).map(|k| step * k as f64).collect()
 }
 
-/// Moments that start, reverse and stop both wheels.
+/// Torques that start, reverse and stop both wheels.
 fn lively(t: &[f64]) -> Vec<[f64; 2]> {
     t.iter()
         .map(|&t| [0.35 * (2.1 * t).sin() + 0.05, 0.3 * (1.7 * t + 0.4).sin() * (0.3 * t).cos()])
@@ -74,7 +74,7 @@ fn friction_never_makes_energy() {
         0.5 * p[0] * (w[0] * w[0] + w[1] * w[1]) + p[1] * w[0] * w[1]
     };
     for k in 1..t.len() {
-        // work of the drive over the sample, Simpson with the middle from the mean speed
+        // work of the input over the sample, Simpson with the middle from the mean speed
         let work: f64 = (0..2)
             .map(|i| {
                 let (m, w) = (

@@ -2,7 +2,8 @@
 
 use serde_json::{Map, Value, json};
 
-use super::{DiagnosisStudy, MethodStudy, Performance, Role, Study};
+use super::{DiagnosisStudy, MethodStudy, ModelStudy, Performance, Role, Study};
+use crate::conditioning::Finding;
 use crate::identify::{Estimate, Status};
 
 /// Version of the layout of `results.json`.
@@ -24,7 +25,10 @@ pub fn results(study: &Study) -> Value {
         "recordings": recordings(study),
         "methods": study.methods.iter().map(|m| method(study, m)).collect::<Vec<_>>(),
         "noise_floor": floor(study),
-        "failures": study.failures,
+        "failures": study.given.as_ref().map_or(&[][..], |m| &m.failures),
+        "grade": study.grade(),
+        "model_as_given": study.given.as_ref().map(|m| model(study, m)),
+        "model_completed": study.completed.as_ref().map(|m| model(study, m)),
         "versions": study.versions,
     });
     if !study.truth.is_empty() {
@@ -33,7 +37,7 @@ pub fn results(study: &Study) -> Value {
         out["truth"] = Value::Object(truth);
     }
     if let Some(d) = &study.diagnosis {
-        out["diagnosis"] = diagnosis(d);
+        out["diagnosis"] = diagnosis(study, d);
     }
     out
 }
@@ -55,7 +59,11 @@ fn recordings(study: &Study) -> Vec<Value> {
                     "dalpha1": r.noise.omega[0], "dalpha2": r.noise.omega[1],
                     "M1": r.noise.moment[0], "M2": r.noise.moment[1],
                 },
+                "conditioning": r.conditioning.iter().map(Finding::json).collect::<Vec<_>>(),
                 "findings": r.findings,
+                "dead_time_s": study.timing.map(|t| json!({
+                    "value": t.dead_time_s, "std_error": t.std_error_s, "corrected": t.correction_s,
+                })),
             })
         })
         .collect()
@@ -100,13 +108,14 @@ fn method(study: &Study, m: &MethodStudy) -> Value {
     json!({
         "method": m.name,
         "options": m.options,
-        "status": m.status.map_or("converged", status),
+        "status": m.status.map_or("converged", Status::name),
         "seconds": m.seconds,
         "iterations": m.work.iterations,
         "evaluations": m.work.evaluations,
         "parameters": m.estimates.iter().map(estimate).collect::<Vec<_>>(),
         "correlations": m.correlations,
         "notes": m.notes,
+        "angle_rms": of(&|p| p.angle_rms),
         "ise": of(&|p| p.ise[0] + p.ise[1]),
         "window_rms": of(&|p| p.window_rms),
         "ise_emulator": {
@@ -116,14 +125,6 @@ fn method(study: &Study, m: &MethodStudy) -> Value {
     })
 }
 
-fn status(status: Status) -> &'static str {
-    match status {
-        Status::Converged => "converged",
-        Status::IterationLimit => "iteration_limit",
-        Status::Stalled => "stalled",
-    }
-}
-
 fn floor(study: &Study) -> Value {
     json!({
         "ise": by_role(study, |r| study.recordings[r].floor.ise.iter().sum()),
@@ -131,7 +132,22 @@ fn floor(study: &Study) -> Value {
     })
 }
 
-fn diagnosis(d: &DiagnosisStudy) -> Value {
+/// The fit that the verdict is about: its error, floor and ratio, parameters and residual analysis.
+fn model(study: &Study, m: &ModelStudy) -> Value {
+    let (error, floor) = (study.error_of(m), study.judged_floor());
+    json!({
+        "effects": m.effects,
+        "window_rms": error,
+        "noise_floor": floor,
+        "ratio": error / floor,
+        "parameters": m.parameters.iter().map(|p| estimate(&p.estimate)).collect::<Vec<_>>(),
+        "failures": m.failures,
+        "horizons": m.horizons,
+        "residual_analysis": m.whiteness,
+    })
+}
+
+fn diagnosis(study: &Study, d: &DiagnosisStudy) -> Value {
     let ranking: Vec<Value> = d
         .ranking
         .iter()
@@ -158,14 +174,19 @@ fn diagnosis(d: &DiagnosisStudy) -> Value {
         "verdict": d.verdict,
         "sentence": d.sentence,
         "found": d.found,
+        "likely": d.likely,
+        "parameters": d.estimates.iter().map(estimate).collect::<Vec<_>>(),
+        "thresholds": crate::diagnose::THRESHOLDS,
         "ranking": ranking,
         "staircase": d.staircase,
         "unexplained_fraction": d.unexplained_fraction,
         "next_run": d.next_run,
         "next_movement": d.proposal,
         "false_alarm": d.false_alarm,
-        "dependences": d.missing_moment.as_ref().map(|m| m.dependences.iter().map(|d| json!({
-            "variable": d.variable, "log_significance": d.log_significance,
-        })).collect::<Vec<_>>()),
+        "effects": d.effects,
+        "dependences": study.curves.iter().map(|c| json!({
+            "variable": c.variable, "log_significance": c.log_significance,
+            "share_before": c.share_before, "share_after": c.share_after,
+        })).collect::<Vec<_>>(),
     })
 }

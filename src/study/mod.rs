@@ -4,12 +4,15 @@
 //! [`results`] turns it into the JSON that other programs read.
 
 mod json;
+mod model;
 
 pub use json::{SCHEMA, results};
+pub use model::{AT_FLOOR, FoundEffect, Grade, ModelStudy, ParameterStudy};
 
 use serde::Serialize;
 
-use crate::compare::{Failure, Floor, MissingMoment};
+use crate::compare::{Curve, Floor};
+use crate::conditioning::Finding;
 use crate::identify::{Estimate, Status, Trace, Work};
 use crate::recording::{DriveUnit, Measured, Noise, Regime};
 
@@ -89,6 +92,9 @@ pub struct RecordingStudy {
     pub measured: Measured,
     /// Noise of the channels.
     pub noise: Noise,
+    /// What sensors and logger did to it, and what was done about it.
+    #[serde(skip)]
+    pub conditioning: Vec<Finding>,
     /// What the quality check says, worst first.
     pub findings: Vec<String>,
     /// Error of the right model.
@@ -116,6 +122,9 @@ pub struct Performance {
     pub ise: [f64; 2],
     /// Root mean square error over windows of 2 s [rad/s].
     pub window_rms: f64,
+    /// Root mean square error of the angles of the free simulation, both wheels, without the first 20
+    /// samples [rad]: the score of the nonlinear benchmarks (Schoukens and Noël 2017).
+    pub angle_rms: f64,
     /// Quality index of the emulator in parallel structure [rad^2/s].
     pub ise_parallel: f64,
     /// Quality index of the emulator in serial-parallel structure [rad^2/s].
@@ -124,6 +133,8 @@ pub struct Performance {
     pub free: Vec<[f64; 2]>,
     /// Wheel speeds over windows [rad/s].
     pub windows: Vec<[f64; 2]>,
+    /// Rows at which the windows start.
+    pub window_starts: Vec<usize>,
     /// Emulator states in parallel structure (alpha1, alpha2, omega1, omega2).
     pub emulator: Vec<[f64; 4]>,
 }
@@ -193,7 +204,7 @@ pub struct Candidate {
     pub ise_validation_before: f64,
     /// With it.
     pub ise_validation_after: f64,
-    /// Window error on validation without and with it [rad/s].
+    /// 2 s simulation error on validation without and with it [rad/s].
     pub window_before: f64,
     /// With it.
     pub window_after: f64,
@@ -213,6 +224,8 @@ pub enum Verdict {
     ModelSufficient,
     /// Effects of the catalogue are missing.
     EffectsMissing,
+    /// An effect is likely, but not proven.
+    EffectLikely,
     /// Something is missing that no candidate explains.
     UnknownEffect,
 }
@@ -224,7 +237,7 @@ pub struct Step {
     pub added: Option<String>,
     /// Quality index on validation [rad^2/s].
     pub ise_validation: f64,
-    /// Window error on validation [rad/s].
+    /// 2 s simulation error on validation [rad/s].
     pub window_rms_validation: f64,
 }
 
@@ -237,6 +250,10 @@ pub struct DiagnosisStudy {
     pub sentence: String,
     /// Effects found, first found first.
     pub found: Vec<String>,
+    /// Effects that lower the held-out error without being proven.
+    pub likely: Vec<String>,
+    /// Parameters of the last model: that of the experiment with all effects found.
+    pub estimates: Vec<Estimate>,
     /// Candidates of the first step, best first.
     pub ranking: Vec<Candidate>,
     /// Error with each effect found.
@@ -249,8 +266,8 @@ pub struct DiagnosisStudy {
     pub proposal: Option<crate::diagnose::Proposal>,
     /// Stated false-alarm rate.
     pub false_alarm: f64,
-    /// How the missing moment depends on each variable, before anything is added.
-    pub missing_moment: Option<MissingMoment>,
+    /// The effects found, in words.
+    pub effects: Vec<FoundEffect>,
 }
 
 /// A version of the model that was run before: the staircase over the user's own versions.
@@ -258,11 +275,14 @@ pub struct DiagnosisStudy {
 pub struct Version {
     /// Effects of the model beyond the base.
     pub effects: Vec<String>,
-    /// Window error on the judged recordings [rad/s].
+    /// Checksum of the data that it was fitted to and judged on.
+    #[serde(default)]
+    pub data: String,
+    /// 2 s simulation error on the judged recordings [rad/s].
     pub window_rms: f64,
     /// Quality index on the judged recordings [rad^2/s].
     pub ise: f64,
-    /// Window error of the noise floor [rad/s].
+    /// 2 s simulation error of the noise floor [rad/s].
     pub floor: f64,
 }
 
@@ -293,14 +313,23 @@ pub struct Study {
     pub reference: Option<usize>,
     /// Gain K of the emulator on the wheel speeds [1/s].
     pub emulator_gain: f64,
-    /// Where the reference fit fails.
-    pub failures: Vec<Failure>,
-    /// How its missing moment depends on each variable.
-    pub missing_moment: Option<MissingMoment>,
+    /// The model as given: fitted by the diagnosis where there is one, else the reference fit. Verdict, error,
+    /// regimes, residual torque and figures are of this fit and of `completed`.
+    pub given: Option<ModelStudy>,
+    /// The model with the effects that the diagnosis found; `None` where there are none.
+    pub completed: Option<ModelStudy>,
+    /// How the residual torque of both depends on anything, over all recordings.
+    pub curves: Vec<Curve>,
     /// Diagnosis, where asked for.
     pub diagnosis: Option<DiagnosisStudy>,
+    /// Whether the experiment asks for the emulator: `[emulator]` or a method that fits one.
+    pub emulated: bool,
+    /// Whether it is the paper's movement.
+    pub of_paper: bool,
     /// Earlier versions of the model, oldest first, this one last.
     pub versions: Vec<Version>,
+    /// When the recorded input acts, where the data show it.
+    pub timing: Option<crate::diagnose::Timing>,
     /// True parameters of made data.
     pub truth: Vec<(String, f64)>,
     /// The files that hold the identified model, in words; `None` without a physical fit.
@@ -338,13 +367,13 @@ impl Study {
         grouped(findings, self.recordings.len())
     }
 
-    /// Root mean square window error of a method over the judged recordings [rad/s].
+    /// Root mean square 2 s simulation error of a method over the judged recordings [rad/s].
     #[must_use]
     pub fn judged_window_rms(&self, method: &MethodStudy) -> f64 {
         self.pooled(|r| method.performance.get(r).map_or(f64::NAN, |p| p.window_rms))
     }
 
-    /// Root mean square window error of the noise floor over the judged recordings [rad/s].
+    /// Root mean square 2 s simulation error of the noise floor over the judged recordings [rad/s].
     #[must_use]
     pub fn judged_floor(&self) -> f64 {
         self.pooled(|r| self.recordings[r].floor.window_rms)
@@ -363,6 +392,33 @@ impl Study {
         let sum: f64 =
             judged.iter().map(|&r| self.recordings[r].samples as f64 * rms(r).powi(2)).sum();
         (sum / samples).sqrt()
+    }
+
+    /// The model that the report ends with: with what was found, or as given.
+    #[must_use]
+    pub fn last_model(&self) -> Option<&ModelStudy> {
+        self.completed.as_ref().or(self.given.as_ref())
+    }
+
+    /// Root mean square 2 s simulation error of a model over the judged recordings [rad/s].
+    #[must_use]
+    pub fn error_of(&self, model: &ModelStudy) -> f64 {
+        self.pooled(|r| model.performance.get(r).map_or(f64::NAN, |p| p.window_rms))
+    }
+
+    /// Largest measured wheel speed of the judged recordings [rad/s].
+    #[must_use]
+    pub fn top_speed(&self) -> f64 {
+        let speeds =
+            self.judged().into_iter().flat_map(|r| self.recordings[r].omega.iter().flatten());
+        speeds.filter(|w| w.is_finite()).fold(0.0, |top: f64, w| top.max(w.abs()))
+    }
+
+    /// How good the last model is; `None` without a fit.
+    #[must_use]
+    pub fn grade(&self) -> Option<Grade> {
+        let model = self.last_model()?;
+        Some(Grade::of(self.error_of(model), self.judged_floor(), self.top_speed()))
     }
 
     /// The method shown in detail.

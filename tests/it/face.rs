@@ -290,7 +290,7 @@ fn the_schema_is_printed_and_new_files_name_one_that_lies_beside_them() {
     folder.run(&["check", "with.toml"]).says(0, &[]);
 }
 
-/// The rms window error on validation of the first method.
+/// The 2 s simulation error on validation of the first method.
 fn window_error(folder: &Folder) -> f64 {
     folder.results("reports/small")["methods"][0]["window_rms"]["validation"][0].as_f64().unwrap()
 }
@@ -306,7 +306,7 @@ fn a_formula_of_the_file_is_tried_beside_the_catalogue_and_can_be_added() {
         .replace("[\"turning_scrub\", \"viscous_friction\", \"slope\"]", "\"all\"");
     folder.write("mine.toml", format!("{text}\n{formula}"));
     folder.run(&["check", "mine.toml"]).says(0, &["all effects and the formulas cubic"]);
-    folder.run(&["mine.toml"]).says(0, &["Missing: cubic."]);
+    folder.run(&["mine.toml"]).says(0, &["Missing: cubic"]);
     folder.run(&["add", "cubic", "mine.toml"]).says(0, &["added cubic", "Nothing is missing"]);
 }
 
@@ -343,7 +343,7 @@ fn a_key_that_does_nothing_is_named_and_equal_findings_are_said_once() {
     let ran = folder.run(&["check", "e.toml"]);
     ran.says(0, &["e.toml: e\n", unused, note]);
     let ran = folder.run(&["e.toml"]);
-    ran.says(0, &["e: window error"]);
+    ran.says(0, &["e: 2 s simulation error"]);
     assert!(ran.err.contains("warning: e: simulation.duration_s has no effect"), "{}", ran.err);
     assert!(folder.read("reports/e/report.html").contains("<h1>e</h1>"));
 }

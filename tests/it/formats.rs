@@ -7,7 +7,7 @@ fn started_and_checked(name: &str, words: &[&str]) {
     let folder = Folder::new();
     folder.write(name, std::fs::read(root().join("tests/data").join(name)).unwrap());
     folder.run(&["new", name, "-o", "e.toml"]).says(0, words);
-    assert!(folder.read("e.toml").contains(&format!("#   {name}: ")));
+    assert!(folder.read("e.toml").contains(&format!("#   {name}")));
     folder.run(&["check", "e.toml"]).says(0, &[name]);
 }
 
@@ -37,7 +37,7 @@ fn a_wpilog_is_started_and_checked_like_a_table() {
 
 #[test]
 fn a_file_of_sysid_is_started_and_checked_like_a_table() {
-    started_and_checked("sysid.json", &["alpha1   = right_position [rev] in rev", "drive in V"]);
+    started_and_checked("sysid.json", &["alpha1   = right_position [rev] in rev", "input in V"]);
 }
 
 #[test]

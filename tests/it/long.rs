@@ -16,7 +16,7 @@ fn results(hold_rows: usize) -> Value {
          [[method]]\nname = \"constrained_regression\"\n"
     );
     folder.write("e.toml", text);
-    folder.run(&["e.toml"]).says(0, &["window error"]);
+    folder.run(&["e.toml"]).says(0, &["2 s simulation error"]);
     folder.results("reports/e")
 }
 

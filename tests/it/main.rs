@@ -3,14 +3,18 @@
 #![allow(clippy::print_stdout)]
 
 mod bad_input;
+mod conditioning;
+mod docs;
 mod export;
 mod face;
 mod formats;
 mod fuzz;
 mod hidden_effects;
+mod language;
 mod layering;
 mod long;
 mod modelica;
+mod page;
 mod recordings;
 mod shards;
 mod support;

@@ -39,6 +39,16 @@ impl ExperimentFile {
             (None, Some(s)) => s.check(&wrong)?,
             _ => {}
         }
+        self.check_keys(file)
+    }
+
+    /// The same for a file whose recordings come from elsewhere.
+    pub(in crate::experiment) fn check_keys(&self, file: &str) -> Result<(), FileError> {
+        let wrong = |key: &str, message: String| FileError::Value {
+            file: file.into(),
+            key: key.into(),
+            message,
+        };
         if let Some(diagnosis) = &self.diagnosis {
             diagnosis.check(&wrong)?;
         }

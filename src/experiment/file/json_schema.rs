@@ -105,7 +105,9 @@ fn effect_words() -> Value {
 /// `[robot]`: a preset, construction data, or a preset with some of them changed.
 pub(super) fn robot(generator: &mut SchemaGenerator) -> Schema {
     let mut table = Construction::json_schema(generator).to_value();
-    let preset = words(presets().into_iter().map(|p| (p.name.to_string(), String::new())));
+    let names = presets().into_iter().map(|p| (p.name.to_string(), String::new()));
+    let unknown = ("unknown".to_string(), "no construction data: no path".to_string());
+    let preset = words(names.chain([unknown]));
     let needed = table["required"].take();
     table["properties"]["preset"] = json!({
         "type": "string", "oneOf": preset,
@@ -230,11 +232,7 @@ fn method(method: &dyn identify::Identifier) -> Value {
     let typed = method.schema().to_value();
     let mut keys = Map::new();
     keys.insert("name".into(), json!({ "const": said.name, "description": said.title }));
-    for (key, _, meaning) in said.options {
-        let mut option = typed["properties"][&key].clone();
-        option["description"] = meaning.into();
-        keys.insert(key, option);
-    }
+    keys.extend(typed["properties"].as_object().cloned().unwrap_or_default());
     json!({ "title": said.title, "description": format!("Use when {}.", said.use_when),
             "type": "object", "properties": keys, "required": ["name"],
             "additionalProperties": false })

@@ -11,6 +11,7 @@ pub use schema::{
     CandidatesEntry, ColumnEntry, CustomEntry, CustomParameter, DiagnosisEntry, EmulatorEntry,
     ExperimentFile, FixedEntry, ModelEntry, MovementEntry, RecordingsEntry, SimulationEntry,
 };
+pub(super) use schema::{column_entries, hold_rows};
 
 use toml::{Table, Value};
 

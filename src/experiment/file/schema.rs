@@ -7,6 +7,7 @@ use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use toml::Table;
 
+use crate::conditioning::Settings;
 use crate::io::Column;
 use crate::recording::DriveUnit;
 use crate::simulate::{Hold, NoiseLevel, Segment};
@@ -22,6 +23,8 @@ pub struct ExperimentFile {
     pub robot: Option<Table>,
     /// Measured data.
     pub recordings: Option<RecordingsEntry>,
+    /// What sensors and loggers did to the recordings and is corrected; all of it unless switched off.
+    pub conditioning: Settings,
     /// Made data.
     pub simulation: Option<SimulationEntry>,
     /// The model.
@@ -65,7 +68,7 @@ pub struct RecordingsEntry {
     pub hold_rows: usize,
 }
 
-fn hold_rows() -> usize {
+pub(in crate::experiment) fn hold_rows() -> usize {
     1_000_000
 }
 
@@ -86,13 +89,16 @@ pub struct ColumnEntry {
     pub per_turn: Option<f64>,
     /// Moment per ampere [N m/A], for a drive that was recorded as current.
     pub torque_constant: Option<f64>,
+    /// Column with the nanoseconds of a time that is written as seconds and nanoseconds (`t` only).
+    pub nanoseconds: Option<String>,
 }
 
 impl From<ColumnEntry> for Column {
     fn from(entry: ColumnEntry) -> Self {
-        let ColumnEntry { name, unit, scale, offset, per_turn, torque_constant } = entry;
+        let ColumnEntry { name, unit, scale, offset, per_turn, torque_constant, nanoseconds } =
+            entry;
         let scale = scale.unwrap_or(1.0);
-        Self { unit, scale, offset, per_turn, torque_constant, ..Self::new(name) }
+        Self { unit, scale, offset, per_turn, torque_constant, nanoseconds, ..Self::new(name) }
     }
 }
 
@@ -107,6 +113,14 @@ fn columns<'de, D: Deserializer<'de>>(d: D) -> Result<BTreeMap<String, ColumnEnt
     }
     let entries = BTreeMap::<String, Entry>::deserialize(d)?;
     Ok(entries.into_iter().map(|(key, entry)| (key, entry.0)).collect())
+}
+
+/// The entries of a table of columns alone, as `recordings.columns` has them; the error is in words.
+pub(in crate::experiment) fn column_entries(
+    table: &Table,
+) -> Result<BTreeMap<String, ColumnEntry>, String> {
+    let hint = |e: toml::de::Error| super::error::with_hint(e.message());
+    columns(toml::Value::Table(table.clone())).map_err(hint)
 }
 
 struct NameOrTable;

@@ -9,7 +9,7 @@ use super::word::Word;
 use crate::experiment::diagnosis::run_diagnosis;
 use crate::experiment::error::RunError;
 use crate::experiment::plan::Plan;
-use crate::experiment::run::compare;
+use crate::experiment::run::{fits, measure};
 use crate::identify::{Estimate, Status};
 use crate::study::{DiagnosisStudy, MethodStudy, Role, Study, Verdict};
 
@@ -52,7 +52,15 @@ pub(super) struct Row {
     pub(super) seconds: Exact,
 }
 
+/// The status of a method without a fit.
+const FAILED: &str = "failed";
+
 impl Row {
+    /// Whether the method has no fit.
+    pub(super) fn failed(&self) -> bool {
+        self.status == FAILED
+    }
+
     /// Its texts, to be shared with other rows.
     pub(super) fn words(&mut self) -> [&mut Word; 5] {
         let Self { method, parameter, unit, status, reason, .. } = self;
@@ -77,7 +85,7 @@ pub(super) struct Cell {
 impl Cell {
     /// Whether a method failed in it.
     pub(super) fn failed(&self) -> bool {
-        self.rows.iter().any(|row| row.status == "failed")
+        self.rows.iter().any(Row::failed)
     }
 }
 
@@ -99,7 +107,7 @@ pub(super) fn run_cell(grid: &GridPlan, cell: usize, key: String, methods: &[&st
             return Cell { rows: failed(reason.into()), ..out };
         }
     };
-    let study = match compare(&plan) {
+    let study = match measure(&plan, &fits(&plan)) {
         Ok((study, _)) => study,
         Err(e) => return Cell { rows: failed(e.to_string()), ..out },
     };
@@ -116,13 +124,14 @@ pub(super) fn run_cell(grid: &GridPlan, cell: usize, key: String, methods: &[&st
 }
 
 fn diagnose(plan: &Plan, study: &Study) -> Option<Result<DiagnosisStudy, RunError>> {
-    plan.diagnosis.as_ref().map(|asked| run_diagnosis(plan, asked, study))
+    plan.diagnosis.as_ref().map(|asked| Ok(run_diagnosis(plan, asked, study)?.0))
 }
 
 fn verdict(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::ModelSufficient => "model_sufficient",
         Verdict::EffectsMissing => "effects_missing",
+        Verdict::EffectLikely => "effect_likely",
         Verdict::UnknownEffect => "unknown_effect",
     }
 }
@@ -141,7 +150,7 @@ fn failed_row(method: &str, reason: &str, seconds: f64) -> Row {
         ise_validation: MISSING,
         window_rms: MISSING,
         floor: MISSING,
-        status: "failed".into(),
+        status: FAILED.into(),
         reason: reason.into(),
         seconds: Exact(seconds),
     }
@@ -160,7 +169,7 @@ fn rows(study: &Study, method: &MethodStudy) -> Vec<Row> {
         ise_validation: Exact(study.judged_ise(method)),
         window_rms: Exact(study.judged_window_rms(method)),
         floor,
-        status: method.status.map_or("converged", status).into(),
+        status: method.status.map_or("converged", Status::name).into(),
         ..failed_row(&method.name, "", method.seconds)
     };
     if method.estimates.is_empty() {
@@ -180,13 +189,5 @@ fn with_estimate(base: &Row, e: &Estimate, study: &Study) -> Row {
         high: Exact(e.interval.1),
         truth: Exact(known.map_or(f64::NAN, |(_, v)| *v)),
         ..base.clone()
-    }
-}
-
-fn status(status: Status) -> &'static str {
-    match status {
-        Status::Converged => "converged",
-        Status::IterationLimit => "iteration_limit",
-        Status::Stalled => "stalled",
     }
 }

@@ -13,6 +13,9 @@ const MOST_SERIES: usize = 7;
 /// A point of a curve: place, value, lower and upper edge of its 95 % interval.
 type Point = (f64, f64, Option<(f64, f64)>);
 
+/// The 95 % interval of a quantity of the summary.
+type Interval = fn(&Summary) -> (f64, f64);
+
 /// What a figure shows of a summary.
 struct Quantity {
     id: &'static str,
@@ -22,7 +25,7 @@ struct Quantity {
     caption: &'static str,
     value: fn(&Summary) -> f64,
     /// 95 % interval of the value, where it is drawn around the curve.
-    interval: Option<fn(&Summary) -> (f64, f64)>,
+    interval: Option<Interval>,
     axis: fn(&str) -> Axis,
     /// What is to be reached: value, label, and where values fall by chance.
     target: Option<Target>,

@@ -50,7 +50,7 @@ pub(in crate::experiment) fn run_part(
         grid.cells(),
         command("merge", grid, options)
     );
-    Ok(Done { verdict, report: path, window_rms: (f64::NAN, f64::NAN) })
+    Ok(Done::of_grid(verdict, path))
 }
 
 /// Joins the parts of a grid and writes the folder that one run would have written. Parts of
@@ -145,7 +145,7 @@ fn write(
     folder.add("results.json", serde_json::to_string_pretty(&results).unwrap_or_default());
     let path = folder.write()?;
     let verdict = page::verdict(grid, cells, &summaries);
-    Ok(Done { verdict, report: path.join("report.html"), window_rms: (f64::NAN, f64::NAN) })
+    Ok(Done::of_grid(verdict, path.join("report.html")))
 }
 
 /// `results.json` of a grid. Its lists are made entry by entry while they are written.
@@ -180,7 +180,7 @@ fn results<'a>(
     let axes = axes.map(|a| json!({ "key": a.name, "path": a.key, "values": a.values }));
     let rows = cells.iter().flat_map(|cell| cell.rows.iter().map(move |row| (cell.cell, row)));
     let failures = rows
-        .filter(|(_, row)| row.status == "failed")
+        .filter(|(_, row)| row.failed())
         .map(|(cell, row)| json!({ "cell": cell, "method": &*row.method, "reason": &*row.reason }));
     Results {
         schema: SCHEMA,

@@ -8,6 +8,7 @@
 
 mod axes;
 mod cell;
+mod combinations;
 mod figures;
 mod finish;
 mod page;
@@ -20,10 +21,11 @@ mod word;
 
 pub use axes::GridAxis;
 pub(super) use axes::{Range, SIMULATION_KEYS, TABLES};
+pub use combinations::GridPlan;
 pub(super) use finish::{finish, merge, run_part};
 pub use part::{Shard, ShardError};
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use toml::{Table, Value};
 
@@ -31,17 +33,6 @@ use super::error::ExperimentError;
 use super::file::{ExperimentFile, FileError, set_value};
 use super::plan::Plan;
 use super::resolve::resolve;
-
-/// The combinations of a grid.
-#[derive(Clone, Debug)]
-pub struct GridPlan {
-    /// What varies, the last one fastest.
-    pub axes: Vec<GridAxis>,
-    /// The experiment file without its grid.
-    table: Table,
-    /// Its path.
-    path: PathBuf,
-}
 
 impl GridPlan {
     /// Checks the grid of a file and resolves its first combination that makes sense; the plan is
@@ -86,30 +77,6 @@ impl GridPlan {
         Err(first.unwrap_or_else(|| wrong("", "has no combination".into()).into()))
     }
 
-    /// Number of combinations.
-    #[must_use]
-    pub fn cells(&self) -> usize {
-        self.axes.iter().map(|axis| axis.values.len()).product()
-    }
-
-    /// The place of a cell on every axis; the last one varies fastest.
-    #[must_use]
-    pub fn places(&self, cell: usize) -> Vec<usize> {
-        let mut rest = cell;
-        let mut places: Vec<usize> = self
-            .axes
-            .iter()
-            .rev()
-            .map(|axis| {
-                let place = rest % axis.values.len();
-                rest /= axis.values.len();
-                place
-            })
-            .collect();
-        places.reverse();
-        places
-    }
-
     /// The experiment of a cell.
     ///
     /// # Errors
@@ -125,13 +92,6 @@ impl GridPlan {
         let file = ExperimentFile::from_table(&table).map_err(wrong)?;
         file.check(&shown)?;
         resolve(&self.path, "", &file)
-    }
-
-    /// What varies, in words: `noise_scale (5) × seed (100)`.
-    #[must_use]
-    pub fn words(&self) -> String {
-        let axes = self.axes.iter().map(|a| format!("{} ({})", a.name, a.values.len()));
-        axes.collect::<Vec<_>>().join(" × ")
     }
 }
 

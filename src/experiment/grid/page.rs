@@ -28,6 +28,7 @@ pub(super) fn render(
         id: id.into(),
         title: title.into(),
         blocks,
+        folded: false,
     };
     let failed = cells.iter().any(GridCell::failed);
     let tone = if failed { Tone::Notice } else { Tone::Neutral };
@@ -57,6 +58,7 @@ pub(super) fn render(
             env!("CARGO_PKG_VERSION")
         ),
         sections: sections.into_iter().filter(|s| !s.blocks.is_empty()).collect(),
+        versions: vec![],
         footer: format!("{} {}", env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION")),
     };
     let page = render_page(&content)?;
@@ -104,7 +106,7 @@ fn table(grid: &GridPlan, summaries: &[Summary]) -> Block {
     columns.extend(["n", "Failures", "Not identifiable"].map(|t| Column::number(t, "")));
     columns.extend(["Truth", "Bias", "RMSE", "Claimed error"].map(|t| Column::number(t, "")));
     columns.extend([Column::number("Coverage", ""), Column::number("Efficiency", "")]);
-    columns.extend(["Window error", "Noise floor"].map(|t| Column::number(t, "rad/s")));
+    columns.extend(["2 s simulation error", "Noise floor"].map(|t| Column::number(t, "rad/s")));
     let caption = if summaries.len() > MOST_ROWS {
         format!("The first {MOST_ROWS} of {} rows; all are in summary.csv.", summaries.len())
     } else {
@@ -175,7 +177,7 @@ fn failures(grid: &GridPlan, cells: &[GridCell]) -> Vec<Block> {
     let failed: Vec<_> = cells
         .iter()
         .flat_map(|c| c.rows.iter().map(move |row| (c, row)))
-        .filter(|(_, row)| row.status == "failed")
+        .filter(|(_, row)| row.failed())
         .collect();
     if failed.is_empty() {
         return vec![];

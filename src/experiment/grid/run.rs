@@ -119,11 +119,29 @@ pub(super) fn run_cells(
     path: &Path,
     wanted: &[usize],
 ) -> Result<Vec<Cell>, IoError> {
+    // what an interrupted run of the same experiment has finished is kept; one that was complete is
+    // run again, unless it is asked for
+    let resume = options.resume || is_interrupted(plan, grid, path, wanted)?;
     let mut finished = Finished::new(plan, grid);
-    let keep = |line: &str| options.resume && matches!(finished.take(line), Line::New);
+    let keep = |line: &str| resume && matches!(finished.take(line), Line::New);
     let journal = Journal::start(path, keep)?;
     finished.run(plan, grid, &journal, wanted, options.progress)?;
     Ok(finished.cells())
+}
+
+/// Whether a journal holds some of the wanted cells and not all.
+fn is_interrupted(
+    plan: &Plan,
+    grid: &GridPlan,
+    path: &Path,
+    wanted: &[usize],
+) -> Result<bool, IoError> {
+    let mut earlier = Finished::new(plan, grid);
+    Journal::read(path, |line| {
+        earlier.take(line);
+    })?;
+    let known = wanted.iter().filter(|cell| earlier.knows(**cell)).count();
+    Ok(known > 0 && known < wanted.len())
 }
 
 /// What the results depend on, besides the number of the cell: program, file as run, recordings.

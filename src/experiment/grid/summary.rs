@@ -44,7 +44,7 @@ pub(super) struct Summary {
     pub(super) std_error: f64,
     pub(super) coverage: f64,
     pub(super) efficiency: f64,
-    /// Mean window error on the judged recordings [rad/s].
+    /// Mean 2 s simulation error on the judged recordings [rad/s].
     pub(super) window_rms: f64,
     /// Mean noise floor of it [rad/s].
     pub(super) floor: f64,
@@ -95,7 +95,7 @@ pub(super) fn summaries(grid: &GridPlan, cells: &[Cell]) -> Result<Vec<Summary>,
     let mut failures: HashMap<(usize, &str), usize> = HashMap::new();
     let mut ran: HashSet<(usize, &str)> = HashSet::new();
     for ((_, row), condition) in rows.iter().zip(&condition) {
-        if row.status == "failed" {
+        if row.failed() {
             *failures.entry((*condition, &row.method)).or_default() += 1;
         } else {
             ran.insert((*condition, &row.method));
@@ -115,7 +115,7 @@ pub(super) fn summaries(grid: &GridPlan, cells: &[Cell]) -> Result<Vec<Summary>,
         let (cell, first) = rows[group[0]];
         let at = (condition[group[0]], &*first.method);
         // failures are told with the parameters, where the method has any
-        let failed = group.iter().all(|r| rows[*r].1.status == "failed");
+        let failed = group.iter().all(|r| rows[*r].1.failed());
         if failed && ran.contains(&at) {
             continue;
         }

@@ -12,7 +12,7 @@
 //! | `truth` | number | true value of made data, else NaN |
 //! | `ise_train` | number | quality index summed over the training recordings [rad^2/s] |
 //! | `ise_validation`, `window_rms_validation` | number | on the validation recordings, or on the training ones where there are none [rad^2/s, rad/s] |
-//! | `floor` | number | window error of the noise alone on the same recordings [rad/s] |
+//! | `floor` | number | 2 s simulation error of the noise alone on the same recordings [rad/s] |
 //! | `status` | text | `converged`, `iteration_limit`, `stalled` or `failed` |
 //! | `reason` | text | why it failed |
 //! | `verdict`, `found` | text | of the diagnosis, where one is asked for |

@@ -1,6 +1,7 @@
 //! Grids: keys, order, failures, repetition and resumption.
 
 use std::fs;
+use std::path::PathBuf;
 
 use super::axes::{SIMULATION_KEYS, axes};
 use super::*;

@@ -8,7 +8,7 @@
 
 {{parameters}}
 
-static const int linear = {{linear}};      // the moment runs straight between samples, else held
+static const int linear = {{linear}};      // the torque runs straight between samples, else held
 static const double longest_step = 1e-3;   // of the integration [s]
 static const double direction[4][2] = {{1.0, 0.0}, {0.0, 1.0}, {1.0, -1.0}, {1.0, 1.0}};
 
@@ -22,16 +22,48 @@ void model_simulate(int n, const double t[], double M[][2], const double alpha0[
 
 static double sgn(double x) { return (x > 0.0) - (x < 0.0); }
 
-// Mass matrix (m11, m12, m22), resisting moments, levels of dry friction.
+// Mass matrix (m11, m12, m22), resisting torques, levels of dry friction.
 void model_terms(double t, const double alpha[2], const double omega[2], double mass[3],
                  double torque[2], double level[4]) {
     (void)t, (void)alpha, (void)omega;
     {{terms}}
 }
 
-// The moments that act, from the recorded ones [N m].
+// The torques that act, from the recorded ones [N m].
 void model_drive(const double M[2], double acting[2]) {
     {{drive}}
+}
+
+// First-order lag of torques that run straight between samples, in place; tau [s].
+static void lag(int n, const double t[], double acting[][2], double tau) {
+    double before[2];
+    if (n > 0) before[0] = acting[0][0], before[1] = acting[0][1];
+    for (int k = 1; k < n; k++) {
+        const double h = t[k] - t[k - 1];
+        const double left = 40.0 * tau > h ? exp(-h / tau) : 0.0;
+        const double mean = (1.0 - left) * tau / h;
+        for (int i = 0; i < 2; i++) {
+            const double now = acting[k][i];
+            acting[k][i] =
+                left * acting[k - 1][i] + (mean - left) * before[i] + (1.0 - mean) * now;
+            before[i] = now;
+        }
+    }
+}
+
+// Torques as they were time [s] ago, straight between samples, in place; the first is held.
+static void postpone(int n, const double t[], double acting[][2], double time) {
+    int k = n - 1;
+    for (int row = n - 1; row >= 0; row--) {
+        const double at = t[row] - time;
+        while (k > 0 && t[k] > at) k--;
+        for (int i = 0; i < 2; i++) {
+            double torque = acting[k][i];
+            if (k < n - 1 && at > t[0])
+                torque += (at - t[k]) / (t[k + 1] - t[k]) * (acting[k + 1][i] - acting[k][i]);
+            acting[row][i] = torque;
+        }
+    }
 }
 
 static double along(int j, const double v[2]) {
@@ -176,15 +208,19 @@ static void advance(double t, double h, double y[4], const double from[2], const
     }
 }
 
-// The motion from recorded moments M, one row a sample of t [s], and the first state.
+// The motion from recorded torques M, one row a sample of t [s], and the first state. Until a row is done its
+// alpha holds the torques that act.
 void model_simulate(int n, const double t[], double M[][2], const double alpha0[2],
                     const double omega0[2], double alpha[][2], double omega[][2]) {
-    double y[4] = {alpha0[0], alpha0[1], omega0[0], omega0[1]};
+    double y[4] = {alpha0[0], alpha0[1], omega0[0], omega0[1]}, last[2] = {0.0, 0.0};
+    for (int k = 0; k < n; k++) model_drive(M[k], alpha[k]);
+    lag(n, t, alpha, {{lag}});
+    postpone(n, t, alpha, {{delay}});
     for (int k = 0; k < n; k++) {
+        const double now[2] = {alpha[k][0], alpha[k][1]};
         if (k > 0) {
-            double start[2], end[2], from[2], to[2];
-            model_drive(M[k - 1], start);
-            model_drive(M[linear ? k : k - 1], end);
+            double start[2] = {last[0], last[1]}, end[2] = {last[0], last[1]}, from[2], to[2];
+            if (linear) end[0] = now[0], end[1] = now[1];
             const int wanted = (int)ceil((t[k] - t[k - 1]) / longest_step - 1e-9);
             const int pieces = wanted > 1 ? wanted : 1;
             const double h = (t[k] - t[k - 1]) / pieces;
@@ -197,6 +233,7 @@ void model_simulate(int n, const double t[], double M[][2], const double alpha0[
             }
         }
         for (int i = 0; i < 2; i++) {
+            last[i] = now[i];
             alpha[k][i] = y[i];
             omega[k][i] = y[2 + i];
         }

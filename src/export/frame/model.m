@@ -10,18 +10,59 @@ function robot = model()
   robot.simulate = @simulate;
 end
 
-% Mass matrix (m11, m12, m22), resisting moments, levels of dry friction.
+% Mass matrix (m11, m12, m22), resisting torques, levels of dry friction.
 function [mass, torque, level] = terms(t, alpha, omega)
   {{parameters}}
   mass = zeros(1, 3); torque = zeros(1, 2); level = zeros(1, 4);
   {{terms}}
 end
 
-% The moments that act, from the recorded ones [N m].
+% The torques that act, from the recorded ones [N m].
 function acting = drive(M)
   {{parameters}}
   acting = zeros(1, 2);
   {{drive}}
+end
+
+% First-order lag of torques that run straight between samples; tau [s].
+function out = lagged(t, M, tau)
+  out = M;
+  for k = 2:numel(t)
+    h = t(k) - t(k - 1);
+    left = 0;
+    if 40 * tau > h
+      left = exp(-h / tau);
+    end
+    mean = (1 - left) * tau / h;
+    out(k, :) = left * out(k - 1, :) + (mean - left) * M(k - 1, :) + (1 - mean) * M(k, :);
+  end
+end
+
+% Torques as they were delay [s] ago, straight between samples; the first is held.
+function out = delayed(t, M, delay)
+  out = M;
+  k = 1;
+  last = numel(t);
+  for n = 1:last
+    at = t(n) - delay;
+    while k < last && t(k + 1) <= at
+      k = k + 1;
+    end
+    out(n, :) = M(k, :);
+    if k < last && at > t(1)
+      out(n, :) = M(k, :) + (at - t(k)) / (t(k + 1) - t(k)) * (M(k + 1, :) - M(k, :));
+    end
+  end
+end
+
+% The torques that act at every sample, from the recorded ones [N m].
+function out = acting_torques(t, M)
+  {{parameters}}
+  out = zeros(numel(t), 2);
+  for k = 1:numel(t)
+    out(k, :) = drive(M(k, :));
+  end
+  out = delayed(t, lagged(t, out, {{lag}}), {{delay}});
 end
 
 function d = direction(j)
@@ -150,18 +191,19 @@ function y = advance(t, h, y, first, last)
   end
 end
 
-% The motion from recorded moments M, one row a sample of t [s], and the first state.
+% The motion from recorded torques M, one row a sample of t [s], and the first state.
 function [alpha, omega] = simulate(t, M, alpha0, omega0)
-  LINEAR = {{linear}};  % the moment runs straight between samples; otherwise it is held
+  LINEAR = {{linear}};  % the torque runs straight between samples; otherwise it is held
   STEP = 1e-3;  % longest step of the integration [s]
   states = zeros(numel(t), 4);
+  acting = acting_torques(t, M);
   y = [alpha0(1), alpha0(2), omega0(1), omega0(2)];
   states(1, :) = y;
   for k = 2:numel(t)
-    first = drive(M(k - 1, :));
+    first = acting(k - 1, :);
     last = first;
     if LINEAR
-      last = drive(M(k, :));
+      last = acting(k, :);
     end
     pieces = max(1, ceil((t(k) - t(k - 1)) / STEP - 1e-9));
     h = (t(k) - t(k - 1)) / pieces;

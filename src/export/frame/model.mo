@@ -1,6 +1,6 @@
 {{header}}
 //
-// TwoWheelRobot.Robot takes the recorded moments and gives angles and speeds at a fixed step;
+// TwoWheelRobot.Robot takes the recorded torques and gives angles and speeds at a fixed step;
 // TwoWheelRobot.acceleration is the right-hand side alone.
 package TwoWheelRobot "Identified model of a two-wheel robot"
   {{parameters}}
@@ -30,7 +30,7 @@ package TwoWheelRobot "Identified model of a two-wheel robot"
     y := min(max(y * exp(-min(x * x, 36)) * 1.1283791670955126, -1), 1);
   end erf;
 
-  function terms "Mass matrix (m11, m12, m22), resisting moments, levels of dry friction"
+  function terms "Mass matrix (m11, m12, m22), resisting torques, levels of dry friction"
     input Real t;
     input Real alpha[2];
     input Real omega[2];
@@ -43,7 +43,7 @@ package TwoWheelRobot "Identified model of a two-wheel robot"
     {{terms}}
   end terms;
 
-  function drive "The moments that act, from the recorded ones [N m]"
+  function drive "The torques that act, from the recorded ones [N m]"
     input Real M[2];
     output Real acting[2];
   protected
@@ -306,20 +306,73 @@ package TwoWheelRobot "Identified model of a two-wheel robot"
     end while;
   end advance;
 
-  model Robot "Fixed-step simulation under recorded moments"
+  constant Integer rows = {{delay_rows}} "rows that the delay takes at steps of 1 ms and more";
+
+  function held "Lagged torques, newest first, at the start"
+    input Real M[2];
+    output Real slow[rows, 2];
+  algorithm
+    for row in 1:rows loop
+      slow[row, 1] := M[1];
+      slow[row, 2] := M[2];
+    end for;
+  end held;
+
+  function later "Lagged torques, newest first, one step later"
+    input Real before[rows, 2];
+    input Real first[2];
+    input Real last[2];
+    input Real left;
+    input Real mean;
+    output Real slow[rows, 2];
+  algorithm
+    for i in 1:2 loop
+      slow[1, i] := left * before[1, i] + (mean - left) * first[i] + (1 - mean) * last[i];
+      for row in 2:rows loop
+        slow[row, i] := before[row - 1, i];
+      end for;
+    end for;
+  end later;
+
+  function passed "Lagged torques of so many whole steps and a share of one ago"
+    input Real slow[rows, 2];
+    input Real whole;
+    input Real share;
+    output Real acting[2];
+  protected
+    Integer k;
+  algorithm
+    k := integer(whole) + 1;
+    for i in 1:2 loop
+      acting[i] := (1 - share) * slow[k, i] + share * slow[k + 1, i];
+    end for;
+  end passed;
+
+  model Robot "Fixed-step simulation under recorded torques"
     parameter Real step = 1e-3 "step of the integration [s]";
-    parameter Boolean linear = {{linear}} "the moment runs straight over a step, else it is held";
+    parameter Boolean linear = {{linear}} "the torque runs straight over a step, else it is held";
     parameter Real alpha0[2] = {0, 0} "first angles [rad]";
     parameter Real omega0[2] = {0, 0} "first speeds [rad/s]";
-    input Real M[2] "moments as recorded";
+    input Real M[2] "torques as recorded";
     discrete output Real alpha[2](start = alpha0, each fixed = true) "angles [rad]";
     discrete output Real omega[2](start = omega0, each fixed = true) "speeds [rad/s]";
   protected
+    constant Real lag = {{lag}} "time constant of the first-order lag [s]";
+    constant Real delay = {{delay}} "pure delay [s]";
+    parameter Real whole = min(floor(delay / step + 1e-9), rows - 2) "whole steps of the delay";
+    parameter Real share = delay / step - whole "the rest of it";
+    parameter Real left = if 40 * lag > step then exp(-step / max(lag, 1e-12)) else 0;
+    parameter Real mean = (1 - left) * lag / step;
     discrete Real y[4](start = {alpha0[1], alpha0[2], omega0[1], omega0[2]}, each fixed = true);
+    discrete Real commanded[2](each start = 0, each fixed = true);
+    discrete Real slow[rows, 2](each start = 0, each fixed = true) "lagged torques, newest first";
     discrete Real acting[2](each start = 0, each fixed = true);
   algorithm
     when sample(0, step) then
-      acting := drive(M);
+      commanded := drive(M);
+      slow := if time > 0.5 * step then later(pre(slow), pre(commanded), commanded, left, mean)
+              else held(commanded);
+      acting := passed(slow, whole, share);
       if time > 0.5 * step then
         y := advance(time - step, step, pre(y), pre(acting),
                      if linear then acting else pre(acting));

@@ -8,7 +8,7 @@ import math
 
 {{parameters}}
 
-LINEAR = {{linear}}  # the moment runs straight between samples; otherwise it is held
+LINEAR = {{linear}}  # the torque runs straight between samples; otherwise it is held
 STEP = 1e-3  # longest step of the integration [s]
 DIRECTIONS = ((1.0, 0.0), (0.0, 1.0), (1.0, -1.0), (1.0, 1.0))
 
@@ -18,17 +18,44 @@ def sgn(x):
 
 
 def terms(t, alpha, omega):
-    """Mass matrix (m11, m12, m22), resisting moments, levels of dry friction."""
+    """Mass matrix (m11, m12, m22), resisting torques, levels of dry friction."""
     mass, torque, level = [0.0] * 3, [0.0] * 2, [0.0] * 4
     {{terms}}
     return mass, torque, level
 
 
 def drive(M):
-    """The moments that act, from the recorded ones [N m]."""
+    """The torques that act, from the recorded ones [N m]."""
     acting = [0.0] * 2
     {{drive}}
     return acting
+
+
+def lagged(t, M, tau):
+    """First-order lag of torques that run straight between samples; tau [s]."""
+    out = [list(M[0])]
+    for k in range(1, len(t)):
+        h = t[k] - t[k - 1]
+        left = math.exp(-h / tau) if 40.0 * tau > h else 0.0
+        mean = (1.0 - left) * tau / h
+        out.append([
+            left * out[-1][i] + (mean - left) * M[k - 1][i] + (1.0 - mean) * M[k][i]
+            for i in range(2)
+        ])
+    return out
+
+
+def delayed(t, M, delay):
+    """Torques as they were delay [s] ago, straight between samples; the first is held."""
+    out, k, last = [], 0, len(t) - 1
+    for now in t:
+        at = now - delay
+        while k < last and t[k + 1] <= at:
+            k += 1
+        share = 0.0 if k == last or at <= t[0] else (at - t[k]) / (t[k + 1] - t[k])
+        end = M[min(k + 1, last)]
+        out.append([M[k][i] + share * (end[i] - M[k][i]) for i in range(2)])
+    return out
 
 
 def along(j, v):
@@ -143,12 +170,13 @@ def advance(t, h, y, start, end):
 
 
 def simulate(t, M, alpha, omega):
-    """The motion from recorded moments M, one pair a sample of t [s], and the first state."""
+    """The motion from recorded torques M, one pair a sample of t [s], and the first state."""
     y = [alpha[0], alpha[1], omega[0], omega[1]]
     states = [y]
+    acting = delayed(t, lagged(t, [drive(m) for m in M], {{lag}}), {{delay}})
     for k in range(1, len(t)):
-        start = drive(M[k - 1])
-        end = drive(M[k]) if LINEAR else start
+        start = acting[k - 1]
+        end = acting[k] if LINEAR else start
         pieces = max(1, math.ceil((t[k] - t[k - 1]) / STEP - 1e-9))
         h = (t[k] - t[k - 1]) / pieces
         for piece in range(pieces):

@@ -9,7 +9,7 @@ use crate::simulate::Structure;
 /// The fit of a fuzzy method: no physical parameters, the emulator as dynamics, and notes on what
 /// the number it reached means.
 #[must_use]
-pub fn finish(
+pub(super) fn finish(
     method: &str,
     problem: &Problem,
     theta: &[f64],
@@ -35,6 +35,7 @@ pub fn finish(
         work: Work { iterations, evaluations: journal.evaluations() },
         notes,
         traces: if best.is_empty() { vec![] } else { vec![trace] },
+        horizon_s: None,
     }
 }
 

@@ -1,28 +1,28 @@
-//! Levenberg-Marquardt over consequents (and premises) with a pull to a reference.
+//! Levenberg-Marquardt over consequents with a penalty on the distance from a reference.
 
 use nalgebra::{DMatrix, DVector};
 
-use super::problem::{Journal, Problem};
+use super::problem::{Journal, Normal, Problem};
 use super::settings::Start;
 use crate::identify::{IdentifyError, Status};
+use crate::math::{MinimiseOptions, MinimumStatus, Quadratic, minimise};
 use crate::simulate::Structure;
 
 /// Where a descent stops.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
-    /// Steps tried at the most.
+    /// Steps at the most.
     pub iterations: usize,
     /// Relative fall of the cost below which it has converged.
     pub tolerance: f64,
 }
 
-/// Minimises ISE(theta) + weight |theta - about|² from `theta`.
+/// Minimises ISE(theta) + weight |theta - about|² from `theta` by [`minimise`].
 ///
 /// ```text
-/// (H + weight I + mu diag H) d = g - weight (theta - about)
+/// gradient = -2 g + 2 weight (theta - about),   curvature = 2 H + 2 weight I
 /// ```
-/// mu falls by 10 after a step that lowers the cost, and rises by 4 after one that does not
-/// (Marquardt, SIAM J. 11 (1963)). `weight` = ridge tr(H)/n at the start.
+/// `weight` = ridge tr(H)/n at the start.
 ///
 /// Returns the consequents, the number of steps, and how it ended.
 #[must_use]
@@ -34,56 +34,45 @@ pub fn levenberg_marquardt(
     limits: Limits,
     journal: &Journal,
 ) -> (DVector<f64>, usize, Status) {
-    let mut theta = theta.clone();
-    let Some(mut normal) = problem.normal(theta.as_slice(), false) else {
-        return (theta, 0, Status::Stalled);
-    };
-    journal.note(normal.cost);
     let n = theta.len();
-    let weight = ridge * normal.h.trace() / n as f64;
-    let total = |cost: f64, theta: &DVector<f64>| cost + weight * (theta - about).norm_squared();
-    let mut cost = total(normal.cost, &theta);
-    let mut mu = 1e-3;
-    let mut small = 0;
-    for iteration in 0..limits.iterations {
-        let right = &normal.g - (&theta - about) * weight;
-        let floor = 1e-9 * normal.h.trace() / n as f64;
-        let mut matrix = normal.h.clone() + DMatrix::identity(n, n) * weight;
-        for j in 0..n {
-            matrix[(j, j)] += mu * (normal.h[(j, j)] + floor);
+    let Some(first) = problem.normal(theta.as_slice(), false) else {
+        return (theta.clone(), 0, Status::Stalled);
+    };
+    let weight = ridge * first.h.trace() / n as f64;
+    let total = |ise: f64, theta: &DVector<f64>| ise + weight * (theta - about).norm_squared();
+    let quadratic = |theta: &DVector<f64>, normal: Normal| {
+        journal.note(normal.cost);
+        Quadratic {
+            cost: total(normal.cost, theta),
+            gradient: (theta - about) * (2.0 * weight) - normal.g * 2.0,
+            hessian: (normal.h + DMatrix::identity(n, n) * weight) * 2.0,
         }
-        let step = matrix.cholesky().map(|factor| factor.solve(&right));
-        let trial = step.map(|step| &theta + step);
-        let better = trial.and_then(|trial| {
-            // the cost alone is cheap: derivatives only where the step is taken
-            let ise = problem.cost(trial.as_slice());
+    };
+    let mut first = Some(first);
+    let options = MinimiseOptions {
+        max_iterations: limits.iterations,
+        relative_tolerance: limits.tolerance,
+        ..MinimiseOptions::default()
+    };
+    let minimum = minimise(
+        theta,
+        |theta| {
+            let normal = first.take().or_else(|| problem.normal(theta.as_slice(), false))?;
+            Some(quadratic(theta, normal))
+        },
+        |theta| {
+            let ise = problem.cost(theta.as_slice());
             journal.note(ise);
-            let new = total(ise, &trial);
-            (new < cost).then_some((trial, new))
-        });
-        match better {
-            Some((trial, new)) => {
-                let fall = (cost - new) / cost;
-                small = if fall < limits.tolerance { small + 1 } else { 0 };
-                (theta, cost) = (trial, new);
-                if small >= 2 {
-                    return (theta, iteration + 1, Status::Converged);
-                }
-                let Some(next) = problem.normal(theta.as_slice(), false) else {
-                    return (theta, iteration + 1, Status::Stalled);
-                };
-                journal.note(next.cost);
-                normal = next;
-                mu = (0.1 * mu).max(1e-12);
-            }
-            None if mu > 1e8 => {
-                // no step of any length helps: at the minimum to rounding
-                return (theta, iteration + 1, Status::Converged);
-            }
-            None => mu *= 4.0,
-        }
-    }
-    (theta, limits.iterations, Status::IterationLimit)
+            Some(total(ise, theta))
+        },
+        &options,
+    );
+    let status = match minimum.status {
+        MinimumStatus::Converged => Status::Converged,
+        MinimumStatus::MaxIterations => Status::IterationLimit,
+        MinimumStatus::Stalled | MinimumStatus::NoStart => Status::Stalled,
+    };
+    (minimum.x, minimum.iterations, status)
 }
 
 /// Gains through which the continuation goes [1/s].

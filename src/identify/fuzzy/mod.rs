@@ -1,16 +1,17 @@
 //! What the fuzzy methods share: options, the cost with its derivatives, and how a fit is put
-//! together. The methods themselves are files of the room above.
+//! together. The methods themselves are files of the module above.
 
 mod finish;
 mod levenberg;
+mod method;
 mod pass;
 mod problem;
 mod settings;
 
-pub use finish::finish;
 pub use levenberg::{Limits, continuation, levenberg_marquardt};
+pub use method::{Found, Fuzzy, Job, Search};
 pub use problem::{DIVERGED, Journal, Normal, Problem};
-pub use settings::{InputGain, NamedRange, Range, Settings, Start, described};
+pub use settings::{InputGain, NamedRange, Range, Settings, Start};
 
 #[cfg(test)]
 mod comparison;

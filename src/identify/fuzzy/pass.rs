@@ -1,8 +1,11 @@
 //! One run of the emulator over a piece of a recording: wheel speeds alone, Runge-Kutta 4, with
 //! the derivative of that very scheme where it is asked for.
 
+use std::convert::Infallible;
+
 use nalgebra::DMatrix;
 
+use crate::math::runge_kutta_step;
 use crate::recording::Recording;
 use crate::simulate::{Hold, Structure, TakagiSugeno};
 
@@ -38,7 +41,7 @@ impl Between {
 }
 
 impl Piece {
-    /// All pieces of a recording, with the drive turned into accelerations.
+    /// All pieces of a recording, with the input turned into accelerations.
     pub(super) fn all(recording: &Recording, gain: &[[f64; 2]; 2], hold: Hold) -> Vec<Self> {
         let sigma = recording.noise().omega;
         let accelerate = |u: &[f64; 2]| [0, 1].map(|i| gain[i][0] * u[0] + gain[i][1] * u[1]);
@@ -96,14 +99,10 @@ pub(super) fn pass(
                 let c = (step as f64 + c) / steps as f64;
                 let (y, u) = (Between::at(&between.omega, c), Between::at(&between.drive, c));
                 let f = system.output(if structure == Structure::Parallel { w } else { &y });
-                [0, 1].map(|i| f[i] + u[i] + gain * (y[i] - w[i]))
+                Ok::<_, Infallible>([0, 1].map(|i| f[i] + u[i] + gain * (y[i] - w[i])))
             };
-            let plus = |h: f64, r: &[f64; 2]| [0, 1].map(|i| w[i] + h * r[i]);
-            let k1 = rate(0.0, &w);
-            let k2 = rate(0.5, &plus(0.5 * h, &k1));
-            let k3 = rate(0.5, &plus(0.5 * h, &k2));
-            let k4 = rate(1.0, &plus(h, &k3));
-            w = [0, 1].map(|i| w[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
+            let Ok(after) = runge_kutta_step(&w, h, rate);
+            w = after;
         }
         if !w.iter().all(|w| w.abs() < LIMIT) {
             return None;

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Problem;
 use crate::identify::prediction_error::PredictionError;
-use crate::identify::{Identifier, IdentifyError, OptionError, Task, from_options, options_schema};
+use crate::identify::{Identifier, IdentifyError, OptionError, Task};
 use crate::recording::DriveUnit;
 use crate::robot::BaseParameters;
 use crate::simulate::TakagiSugeno;
@@ -57,24 +57,30 @@ pub enum Start {
 }
 
 /// Options of a `[[method]]` block that every fuzzy method understands.
-#[derive(Clone, Debug, PartialEq, Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Settings {
-    /// Membership functions of each input.
+    /// Membership functions of each input; 6 make 36 rules.
+    #[schemars(range(min = 2, max = MOST_MEMBERSHIPS))]
     pub memberships: usize,
-    /// Over which speeds they are spread.
+    /// Speeds over which they are spread: "data" (measured speeds and a tenth beyond), "paper" (0
+    /// to 30 rad/s) or [low, high] in rad/s; beyond, the output is that of the edge.
     pub range: Range,
     /// What a rule concludes.
     pub consequents: Consequents,
     /// How rules are weighed.
     pub defuzzification: Defuzzification,
-    /// Where fhat takes its argument from.
+    /// Speeds at which fhat is evaluated, eq. (19): simulated (parallel) or measured.
     pub structure: Structure,
-    /// K on both wheel speeds [1/s].
+    /// K on both wheel speeds [1/s]; 0 is pure simulation. Unless given, that of `[emulator]` where it
+    /// is above 0.
     pub gain: f64,
-    /// Where G comes from.
+    /// Source of a1, a2 in G: construction data, or a prediction-error fit (always the fit where
+    /// the input is not in N m).
     pub input_gain: InputGain,
-    /// Weight of the pull to the friction level, relative to the mean square sensitivity.
+    /// Weight of the penalty on the distance from the friction level, relative to the mean square
+    /// sensitivity.
+    #[schemars(range(min = 0.0))]
     pub ridge: f64,
 }
 
@@ -93,93 +99,19 @@ impl Default for Settings {
     }
 }
 
-/// Keys of [`Settings`], default, meaning.
-const SHARED: [(&str, &str, &str); 8] = [
-    ("memberships", "6", "membership functions of each input (2 to 16); 6 make 36 rules"),
-    (
-        "range",
-        "\"data\"",
-        "over which speeds they are spread: \"data\" (measured speeds and a tenth beyond), \
-         \"paper\" (0 to 30 rad/s) or [low, high] in rad/s; beyond, the output is that of the edge",
-    ),
-    ("consequents", "\"constant\"", "\"constant\" or \"affine\""),
-    ("defuzzification", "\"weighted_average\"", "\"weighted_average\" or \"weighted_sum\""),
-    ("structure", "\"parallel\"", "\"parallel\" or \"serial_parallel\", eq. (19)"),
-    ("gain", "1.0", "K on both wheel speeds in 1/s; 0 is pure simulation"),
-    (
-        "input_gain",
-        "\"construction\"",
-        "G from a1, a2 of the \"construction\" data, or \"fitted\" by prediction error first \
-         (always so where the drive is not in N m)",
-    ),
-    ("ridge", "1e-5", "pull to the friction level, relative to the mean square sensitivity"),
-];
-
-/// The rows of a description: those every fuzzy method has, then its own.
-#[must_use]
-pub fn described(own: &[(&str, &str, &str)]) -> Vec<(String, String, String)> {
-    let row = |r: &(&str, &str, &str)| (r.0.into(), r.1.into(), r.2.into());
-    SHARED.iter().chain(own).map(row).collect()
-}
-
 impl Settings {
-    /// Splits the options of a block into those shared by all fuzzy methods and the method's own.
+    /// What ranges alone do not say.
     ///
     /// # Errors
-    /// Unknown keys, wrong types and values out of range, in words.
-    pub fn split<M: serde::de::DeserializeOwned>(
-        method: &str,
-        options: &toml::Table,
-        own: &[(&str, &str, &str)],
-    ) -> Result<(Self, M), OptionError> {
-        let (mut shared, mut rest) = (toml::Table::new(), toml::Table::new());
-        for (key, value) in options {
-            let known = |list: &[(&str, &str, &str)]| list.iter().any(|o| o.0 == key.as_str());
-            if known(&SHARED) {
-                shared.insert(key.clone(), value.clone());
-            } else if known(own) {
-                rest.insert(key.clone(), value.clone());
-            } else {
-                let all: Vec<String> = described(own).into_iter().map(|o| o.0).collect();
-                let message = format!("unknown option `{key}`; expected {}", all.join(", "));
-                return Err(OptionError { method: method.into(), message });
-            }
-        }
-        let settings: Self = from_options(method, &shared)?;
-        settings.check(method)?;
-        Ok((settings, from_options(method, &rest)?))
-    }
-
-    /// The JSON schema of what [`Settings::split`] reads.
-    #[must_use]
-    pub fn schema<M: schemars::JsonSchema>() -> schemars::Schema {
-        let (shared, mut own) = (options_schema::<Self>(), options_schema::<M>());
-        let keys = |schema: &schemars::Schema| {
-            schema.get("properties").and_then(|p| p.as_object().cloned()).unwrap_or_default()
-        };
-        let all: serde_json::Map<_, _> = keys(&own).into_iter().chain(keys(&shared)).collect();
-        own.insert("properties".into(), all.into());
-        own
-    }
-
-    fn check(&self, method: &str) -> Result<(), OptionError> {
+    /// A range of speeds that is none, and a gain that is unstable.
+    pub(super) fn check(&self, method: &str) -> Result<(), OptionError> {
         let refuse = |message: String| Err(OptionError { method: method.into(), message });
-        if !(2..=MOST_MEMBERSHIPS).contains(&self.memberships) {
-            let found = self.memberships;
-            return refuse(format!("memberships = {found}; expected 2 to {MOST_MEMBERSHIPS}"));
-        }
         if let Range::Given([low, high]) = self.range
             && !(low < high && low.is_finite() && high.is_finite())
         {
             return refuse(format!(
                 "range = [{low}, {high}]; expected [low, high] with low < high"
             ));
-        }
-        if !(self.ridge >= 0.0 && self.ridge.is_finite()) {
-            return refuse(format!("ridge = {}; expected 0 or more", self.ridge));
-        }
-        if !self.gain.is_finite() {
-            return refuse(format!("gain = {}; expected a number of 1/s", self.gain));
         }
         Gain::speed(self.gain).check().or_else(|e| refuse(e.to_string()))
     }

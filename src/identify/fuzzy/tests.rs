@@ -13,7 +13,7 @@ use crate::simulate::{emulate, record};
 /// Noise level N2.
 pub(super) const NOISE: NoiseLevel = NoiseLevel { dalpha: 0.05, alpha: 1e-3, moment: 0.005 };
 
-/// A made recording at noise level N2.
+/// A simulated recording at noise level N2.
 pub(super) fn made(movement: &Movement, seed: u64) -> Recording {
     let model = Model::base(Robot::amigobot());
     let recorder = Recorder { rate: 100.0, control_rate: 1000.0, noise: NOISE, ticks: None, seed };
@@ -139,7 +139,7 @@ fn the_cost_is_the_ise_of_the_emulator_that_the_rest_of_the_program_runs() {
         let theta = problem.closed_form(&level, 1e-7, "test").unwrap();
         let journal = Journal::default();
         let status = crate::identify::Status::Converged;
-        let fit = super::finish("test", &problem, theta.as_slice(), status, 1, &journal);
+        let fit = super::finish::finish("test", &problem, theta.as_slice(), status, 1, &journal);
         let (a, b) = (problem.cost(theta.as_slice()), ise(&fit, &train[0], 1.0, structure));
         // steps of 10 ms here, 5 ms there, through rules that bend within 0.5 rad/s
         assert!((a - b).abs() < 1e-3 * b, "{structure:?} {a} {b}");
@@ -223,14 +223,14 @@ fn options_that_are_not_understood_are_refused_in_words() {
     };
     let message = refuse("fuzzy_line_search", "sweps = 3");
     assert!(message.contains("unknown option `sweps`") && message.contains("sweeps"), "{message}");
-    assert!(refuse("fuzzy_anfis", "memberships = 40").contains("expected 2 to 16"));
+    assert!(refuse("fuzzy_anfis", "memberships = 40").contains("at least 2, at most 16"));
     assert!(refuse("fuzzy_gradient", "gain = -1").contains("not strictly stable"));
     assert!(refuse("fuzzy_gradient", "range = [3, 3]").contains("low < high"));
     assert!(refuse("fuzzy_least_squares", "structure = \"parallel\"").contains("serial-parallel"));
     // every default that is described is understood
-    for method in crate::identify::all().iter().filter(|m| m.describe().name.starts_with("fuzzy")) {
+    for method in crate::identify::all().iter().filter(|m| m.fits_emulator()) {
         let lines: Vec<String> =
-            method.describe().options.iter().map(|o| format!("{} = {}", o.0, o.1)).collect();
+            method.options().iter().map(|o| format!("{} = {}", o.key, o.default)).collect();
         let table: toml::Table = lines.join("\n").parse().unwrap();
         assert!(method.configure(&table).is_ok(), "{}", method.describe().name);
     }

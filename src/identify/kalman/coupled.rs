@@ -9,7 +9,7 @@ use part::{Friction, Part, Sides, friction};
 use super::ProcessNoise;
 use super::dynamics::Dynamics;
 use super::step::{
-    Covariance, Mean, PASS, Predicted, STILL, Sample, between, freeze, make_symmetric,
+    Covariance, Mean, PASS, Predicted, STILL, Sample, between, freeze, make_symmetric, tilt_angles,
 };
 use crate::effects::{
     Coupling, DIFFERENTIATED, DIRECTIONS, Jet, MOST_PARAMETERS, Motion, Terms, along,
@@ -46,7 +46,7 @@ pub(super) struct Coupled<'a> {
     /// What every effect adds at the present instant, with derivatives.
     terms: Vec<Terms<Jet>>,
     /// Derivatives of stiffness and damping by parameters.
-    joint: Vec<(usize, [f64; 2])>,
+    joint: Vec<(usize, [f64; 3])>,
     /// Derivative of the state after the step by each parameter, at the state before it.
     forced: Vec<SVector<f64, STATES>>,
 }
@@ -82,7 +82,7 @@ impl<'a> Coupled<'a> {
             }
             let own = &own[..slots.len()];
             if let Some(Coupling { rotor, stiffness, damping }) = effect.coupling_jet(&front, own) {
-                let partial = |k: usize| [stiffness.partial[4 + k], damping.partial[4 + k]];
+                let partial = |k: usize| [stiffness, damping, rotor].map(|v| v.partial[4 + k]);
                 self.joint.clear();
                 self.joint.extend(slots.enumerate().map(|(k, j)| (j, partial(k))));
                 coupling = Coupling {
@@ -158,10 +158,15 @@ impl<'a> Coupled<'a> {
                 self.forced[j] += gain * SVector::<f64, 2>::from(by);
             }
         }
-        for (j, [by_stiffness, by_damping]) in &self.joint {
+        for (j, [by_stiffness, by_damping, by_rotor]) in &self.joint {
             let passed =
                 [0, 1].map(|i| by_stiffness * x[TWIST + i] + by_damping * (x[2 + i] - x[BODY + i]));
             self.forced[*j] += (part.body_gain - part.gain) * SVector::<f64, 2>::from(passed);
+            // what the wheel gains of the inertia the body loses
+            let wheel = part.wheel_acceleration.map(|a| -by_rotor * a);
+            let body = part.body_acceleration.map(|a| by_rotor * a);
+            self.forced[*j] += part.gain * SVector::<f64, 2>::from(wheel)
+                + part.body_gain * SVector::<f64, 2>::from(body);
         }
     }
 
@@ -269,6 +274,7 @@ impl Dynamics<STATES> for Coupled<'_> {
         let (sum, cross) = (covariance[(2, 2)] + covariance[(3, 3)], 2.0 * covariance[(2, 3)]);
         out.spread = [sum - cross, sum + cross];
         out.acceleration = [0, 1].map(|i| (mean[2 + i] - before[2 + i]) / sample.step);
+        tilt_angles(mean, &out.gain, sample);
         self.add_noise(&out, sample, &left, mean, covariance);
         Ok(out)
     }

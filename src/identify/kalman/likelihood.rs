@@ -4,9 +4,10 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::ProcessNoise;
-use super::pass::{Columns, NoColumns, Pass, PassSettings, filter_pass};
+use super::pass::{Columns, Innovation, NoColumns, Pass, PassSettings, filter_pass};
 use super::prepare::Prepared;
 use crate::identify::{IdentifyError, Status};
+use crate::math::Information;
 use crate::model::{Model, ModelError};
 use crate::simulate::Hold;
 
@@ -123,6 +124,21 @@ impl Likelihood<'_> {
             .into_par_iter()
             .map(|r| self.pass(r, model, p, &settings, columns))
             .collect()
+    }
+
+    /// The innovations of every recording, at no noise but the given.
+    ///
+    /// # Errors
+    /// If the mass matrix is not positive definite.
+    pub fn innovations(
+        &self,
+        model: &Model,
+        p: &[f64],
+        noise: &ProcessNoise,
+    ) -> Result<Vec<Vec<Innovation>>, ModelError> {
+        let settings = PassSettings { keep_innovations: true, ..self.settings(noise, false) };
+        let pass = |r| Ok(self.pass(r, model, p, &settings, &[])?.innovations);
+        (0..self.prepared.len()).into_par_iter().map(pass).collect()
     }
 
     /// Log-likelihood alone.
@@ -294,21 +310,8 @@ fn told(model: &Model, p: &[f64], information: &DMatrix<f64>) -> Vec<usize> {
     out
 }
 
-/// `H⁻¹ g` over the free columns, with H scaled to unit diagonal; directions that the data do not
-/// give stay where they are.
+/// `H⁻¹ g` over the free columns; directions that the data do not give stay where they are.
 fn newton_step(h: &DMatrix<f64>, g: &DVector<f64>, free: &[usize]) -> Vec<f64> {
-    let n = free.len();
-    let scale: Vec<f64> = free.iter().map(|&j| h[(j, j)].max(1e-300).sqrt()).collect();
-    let scaled = DMatrix::from_fn(n, n, |i, k| h[(free[i], free[k])] / (scale[i] * scale[k]));
-    let right = DVector::from_fn(n, |i, _| g[free[i]] / scale[i]);
-    let eigen = scaled.symmetric_eigen();
-    let mut step = DVector::zeros(n);
-    for k in 0..n {
-        let value = eigen.eigenvalues[k];
-        if value > 1e-10 {
-            let v = eigen.eigenvectors.column(k);
-            step += v * (v.dot(&right) / value);
-        }
-    }
-    (0..n).map(|i| step[i] / scale[i]).collect()
+    let of_free = h.select_rows(free).select_columns(free);
+    Information::new(&of_free).solve(&g.select_rows(free)).iter().copied().collect()
 }

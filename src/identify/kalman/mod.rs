@@ -8,6 +8,8 @@
 mod accumulate;
 mod coupled;
 mod dynamics;
+mod exact;
+mod horizon;
 mod input_noise;
 mod joint;
 mod likelihood;
@@ -19,8 +21,9 @@ mod step;
 mod totals;
 
 pub use accumulate::Information;
+pub(crate) use horizon::{HorizonFilter, Reading, Sums, pieces};
 pub use likelihood::{Likelihood, Maximum};
-pub use pass::{Columns, Instant, NoColumns, Pass, PassSettings, filter_pass};
+pub use pass::{Columns, Innovation, Instant, NoColumns, Pass, PassSettings, filter_pass};
 pub use prepare::{Prepared, prepare};
 pub use standstill::standstill;
 pub use step::clarity;

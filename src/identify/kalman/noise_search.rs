@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
-use super::pass::{NoColumns, PassSettings, filter_pass};
+use super::pass::{Innovation, NoColumns, PassSettings, filter_pass};
 use super::{Likelihood, ProcessNoise};
 use crate::model::Model;
 use crate::simulate::Hold;
@@ -251,11 +251,12 @@ impl<'a> NoiseSearch<'a> {
         };
         let all = all?;
         let mut out = Slopes { gradient: Vector3::zeros(), information: Matrix3::zeros() };
-        for (k, &(e, s)) in all[0].iter().enumerate() {
+        for (k, innovation) in all[0].iter().enumerate() {
+            let (e, s) = (innovation.value, innovation.variance);
             let (mut by_e, mut by_s) = (Vector3::zeros(), Vector3::zeros());
             for (i, there) in all[1..].iter().enumerate() {
-                by_e[i] = (there[k].0 - e) / difference[i];
-                by_s[i] = (there[k].1 - s) / (difference[i] * s);
+                by_e[i] = (there[k].value - e) / difference[i];
+                by_s[i] = (there[k].variance - s) / (difference[i] * s);
             }
             out.gradient -= by_s * (0.5 * (1.0 - e * e / s)) + by_e * (e / s);
             out.information += by_s * by_s.transpose() * 0.5 + by_e * by_e.transpose() / s;
@@ -263,7 +264,7 @@ impl<'a> NoiseSearch<'a> {
         Some(out)
     }
 
-    fn innovations(&self, r: usize, x: &Vector3<f64>) -> Option<Vec<(f64, f64)>> {
+    fn innovations(&self, r: usize, x: &Vector3<f64>) -> Option<Vec<Innovation>> {
         let flat = self.likelihood.settings(&self.noise_at(x), false);
         let settings = PassSettings { keep_innovations: true, ..flat };
         let prepared = &self.likelihood.prepared[r];

@@ -8,7 +8,7 @@ use super::coupled::Coupled;
 use super::dynamics::{Dynamics, Rigid};
 use super::input_noise::InputNoise;
 use super::prepare::Prepared;
-use super::step::{Covariance, Mean, Predicted, Sample, between, correct};
+use super::step::{Covariance, Mean, Predicted, Sample, between, correct, lag_of_angle};
 use crate::effects::Motion;
 use crate::model::{Model, ModelError};
 
@@ -86,8 +86,21 @@ pub struct Pass {
     pub squares: [f64; 4],
     /// Innovations of each channel.
     pub count: [usize; 4],
-    /// Innovations and their variances in the order of the measurements, where kept.
-    pub innovations: Vec<(f64, f64)>,
+    /// In the order of the measurements, where kept.
+    pub innovations: Vec<Innovation>,
+}
+
+/// A measured value less its prediction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Innovation {
+    /// Row of the recording.
+    pub row: usize,
+    /// Channel: alpha1, alpha2, omega1, omega2.
+    pub channel: usize,
+    /// Innovation [rad, rad/s].
+    pub value: f64,
+    /// Its variance.
+    pub variance: f64,
 }
 
 impl Pass {
@@ -272,8 +285,13 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
             t: t[k - 1] - t[0],
             step: t[k] - t[k - 1],
             drive,
+            ends: [m[k - 1], m[k]],
+            tilt: lag_of_angle(c, &m[k - 1], &m[k]),
+            smoother: [0.0; 2],
+            crossing: [0.0; 4],
             change: [0, 1].map(|i| raw[k][i] - raw[k - 1][i]),
             by_parameter: &[],
+            ends_by_parameter: &[],
             doubt: self.prepared.doubt,
             still,
         }
@@ -332,7 +350,7 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
             let sight = [(i, 1.0), (i, 0.0)];
             let (e, s) =
                 correct(sight, value, variance, mean, covariance, &mut self.psi, &mut self.row);
-            self.count(i, e, s);
+            self.count(k, i, e, s);
         }
         if self.settings.derivatives && recording.t()[k] > self.block_end {
             let empty = DVector::zeros(self.block.len());
@@ -352,7 +370,7 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
                 let sight = [(i, 0.5), (i + 1, 0.5)];
                 let (psi, row) = (&mut self.psi, &mut self.row);
                 let (e, s) = correct(sight, value, variance, mean, covariance, psi, row);
-                self.count(i, e, s);
+                self.count(k, i, e, s);
                 let (psi, row) = (&mut self.psi, &mut self.row);
                 let apart = [(i, 1.0), (i + 1, -1.0)];
                 correct(apart, 0.0, variance, mean, covariance, psi, row);
@@ -360,12 +378,12 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
         }
     }
 
-    fn count(&mut self, i: usize, e: f64, s: f64) {
+    fn count(&mut self, row: usize, i: usize, e: f64, s: f64) {
         self.out.log_likelihood -= 0.5 * ((2.0 * std::f64::consts::PI * s).ln() + e * e / s);
         self.out.squares[i] += e * e / s;
         self.out.count[i] += 1;
         if self.settings.keep_innovations {
-            self.out.innovations.push((e, s));
+            self.out.innovations.push(Innovation { row, channel: i, value: e, variance: s });
         }
         if self.settings.derivatives {
             self.information.add(&self.row, e, s);

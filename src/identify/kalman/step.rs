@@ -6,6 +6,7 @@ use super::ProcessNoise;
 use crate::effects::{DIRECTIONS, Motion, along};
 use crate::math::Real;
 use crate::model::{Linearisation, Model, ModelError};
+use crate::simulate::Ends;
 
 /// alpha1, alpha2, omega1, omega2, d1, d2, and behind a coupling u1, u2, phi1, phi2.
 pub(super) type Mean<const N: usize> = SVector<f64, N>;
@@ -34,10 +35,22 @@ pub(super) struct Sample<'a> {
     pub(super) step: f64,
     /// Acting drive that the step uses [N m].
     pub(super) drive: [f64; 2],
+    /// The acting drive at both ends of the sample [N m].
+    pub(super) ends: Ends,
+    /// What of the drive moves the angle less than its mean would, see [`lag_of_angle`] [N m].
+    pub(super) tilt: [f64; 2],
     /// Change of the recorded drive over the sample [N m].
     pub(super) change: [f64; 2],
+    /// Smoothed less recorded input, mean over the row [N m]; derivatives by inertias are taken with
+    /// the smoothed one.
+    pub(super) smoother: [f64; 2],
+    /// Variance of a friction along each direction that may reverse within the sample [N^2 m^2],
+    /// where the step itself does not spread it.
+    pub(super) crossing: [f64; 4],
     /// Derivative of `drive` by each parameter; empty where no effect acts on the drive.
     pub(super) by_parameter: &'a [[f64; 2]],
+    /// Derivative of `ends` by each parameter that acts through them.
+    pub(super) ends_by_parameter: &'a [Option<Ends>],
     /// Variance of the speed of the body that noise leaves whatever the process does [rad^2/s^2].
     pub(super) doubt: f64,
     /// Wheels that stand still over the sample.
@@ -64,6 +77,30 @@ pub(super) struct Predicted<const N: usize> {
     pub(super) spread: [f64; 2],
 }
 
+/// What the second moment of a drive takes from the angle that its mean alone would give.
+///
+/// ```text
+/// ∫ (h - s) M ds = h² (mean/2 - tilt),   tilt = c (1 - c)/3 (M1 - M0)
+/// ```
+/// with the weight c of the later row in the mean: exact for a drive in straight lines (c = 1/2,
+/// M0/3 + M1/6), a held one (c = 0), and one held over m parts of the row, c = (m - 1)/(2 m).
+/// Derived here.
+pub(super) fn lag_of_angle(later: f64, start: &[f64; 2], end: &[f64; 2]) -> [f64; 2] {
+    [0, 1].map(|i| later * (1.0 - later) / 3.0 * (end[i] - start[i]))
+}
+
+/// Takes the second moment of the drive out of the angles after a step with its mean.
+pub(super) fn tilt_angles<const N: usize>(
+    mean: &mut Mean<N>,
+    gain: &SMatrix<f64, N, 2>,
+    sample: &Sample,
+) {
+    for i in (0..2).filter(|&i| !sample.still[i]) {
+        // the gain of the angle is h²/2 times the inverse inertia
+        mean[i] -= 2.0 * (gain[(i, 0)] * sample.tilt[0] + gain[(i, 1)] * sample.tilt[1]);
+    }
+}
+
 /// Moves mean and covariance over one sample, and the derivatives `psi` (6 x columns, the first
 /// ones the parameters of the model) with it.
 ///
@@ -71,6 +108,8 @@ pub(super) struct Predicted<const N: usize> {
 /// variance that the mean leaves out becomes process noise; a wheel that may pass through rest
 /// within the step adds the whole friction as noise, so the step is skipped softly. The step is
 /// implicit in the friction (its slope is stiff) and of second order elsewhere.
+// the caller owns the buffers, which are reused over millions of steps
+#[allow(clippy::too_many_arguments)]
 #[inline]
 pub(super) fn predict(
     model: &Model,
@@ -156,6 +195,7 @@ pub(super) fn predict(
         mean[2 + i] = after[i];
         mean[4 + i] *= transition[(4 + i, 4 + i)];
     }
+    tilt_angles(mean, &gain, sample);
     let mut torque_noise = Matrix2::zeros();
     for i in 0..2 {
         let inside = (sample.change[i].powi(2) - 6.0 * noise.sigma_m.powi(2)).max(0.0) / 12.0;

@@ -194,9 +194,9 @@ fn wrong_cells_are_named_with_row_line_and_column() {
     let e = with_line(7, "0.06,1,1,fast,1,0,0");
     assert!(e.contains("run.csv, row 7 (line 8 of the file): dalpha1 is `fast`"), "{e}");
     let e = with_line(7, "0.06,1,1,,1,0,0");
-    assert!(e.contains("row 7") && e.contains("dalpha1 is missing"), "{e}");
+    assert!(e.contains("row 7") && e.contains("dalpha1 is NaN"), "{e}");
     let e = with_line(40, "0.39,1,1");
-    assert!(e.contains("row 40") && e.contains("is missing"), "{e}");
+    assert!(e.contains("row 40") && e.contains("is NaN"), "{e}");
     let e = with_line(7, "0.06,1,1,NaN,1,0,0");
     assert!(e.contains("run.csv, row 7: dalpha1 is NaN") && e.contains("line 8"), "{e}");
     let e = with_line(7, "0.06,1,1,1,1,0,-inf");

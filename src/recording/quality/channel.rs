@@ -8,8 +8,6 @@ use super::{Finding, Severity, WHEELS, quantile};
 const SPIKE: f64 = 8.0;
 /// Share of samples that are left out when the ordinary zigzag is measured.
 const RARE: f64 = 0.02;
-/// A drive this many times its ordinary range is no command.
-const BEYOND: f64 = 1.5;
 /// A jump of an angle is at least this large [rad].
 const JUMP: f64 = 0.3;
 /// A limit is reached in at least this many samples, and in this share of them.
@@ -122,10 +120,9 @@ fn spikes(r: &Recording, name: &str, i: usize, values: &[[f64; 2]]) -> Option<Fi
     let found: Vec<usize> =
         sizes().enumerate().filter(|(_, z)| *z > limit).map(|(k, _)| k + 1).collect();
     let first = *found.first()?;
-    // a wheel cannot jump; a drive may be commanded to, but not far beyond its range
-    let beyond = found.iter().any(|&k| values[k][i].abs() > BEYOND * range);
-    let (severity, remedy) = if name == "M" && !beyond {
-        (Severity::Note, "wrong samples, or commands as short as that")
+    // a wheel cannot jump; a drive may be commanded to, and conditioning has asked the wheel
+    let (severity, remedy) = if name == "M" {
+        (Severity::Note, "wrong samples, or commands as short as that; the wheel does not tell")
     } else {
         (Severity::Warning, "single wrong samples; remove their rows, gaps in time are allowed")
     };

@@ -151,11 +151,10 @@ fn spikes_are_counted_and_the_first_is_shown() {
         }
         c.moment[1000][1] -= 2.0;
     });
-    let spiked: &[&[&str]] = &[
-        &["dalpha1 has 3 spikes (first at t = 4.000 s"],
-        &["M2 has 1 spike (first at t = 10.000 s"],
-    ];
-    finds(&r, spiked);
+    finds(&r, &[&["dalpha1 has 3 spikes (first at t = 4.000 s"]]);
+    // a torque can jump: that is a note
+    let notes = quality(&r, &Robot::amigobot()).findings;
+    assert!(notes.iter().any(|f| f.what.contains("M2 has 1 spike (first at t = 10.000 s")));
 }
 
 #[test]

@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD as BASE64;
 use maud::{Markup, PreEscaped, html};
 
 use super::Drawn;
-use crate::report::block::{Align, Block, Cell, Span, Table, Text, Tone};
+use crate::report::block::{Align, Block, Cell, Number, Span, Table, Text, Tone};
 
 /// Writes blocks in order and numbers figures and tables through the page.
 pub(super) struct Writer<'a> {
@@ -28,6 +28,7 @@ impl<'a> Writer<'a> {
             Block::Heading(heading) => html! { h3 { (heading) } },
             Block::Paragraph(paragraph) => html! { p { (text(paragraph)) } },
             Block::Verdict { tone, sentence, detail } => verdict(*tone, sentence, detail),
+            Block::Numbers(all) => numbers(all),
             Block::Table(shown) => {
                 self.tables += 1;
                 table(shown, self.tables)
@@ -41,6 +42,9 @@ impl<'a> Writer<'a> {
                 None => Markup::default(),
             },
             Block::Equation(equation) => html! { div.equation role="math" { (equation) } },
+            Block::Folded { title, blocks } => {
+                html! { details.more { summary { (title) } (self.blocks(blocks)) } }
+            }
             Block::HowToRead { aid, guide } => how_to_read(aid, guide),
             Block::List(items) => html! { ul { @for item in items { li { (text(item)) } } } },
             Block::Code(code) => html! { pre { code { (code) } } },
@@ -74,6 +78,23 @@ fn verdict(tone: Tone, sentence: &str, detail: &str) -> Markup {
                 (sentence)
             }
             @if !detail.is_empty() { p.detail { (detail) } }
+        }
+    }
+}
+
+fn numbers(all: &[Number]) -> Markup {
+    html! {
+        dl.numbers {
+            @for number in all {
+                div.(tone_name(number.tone)) {
+                    dt { (number.label) }
+                    dd.value {
+                        (number.value)
+                        @if !number.unit.is_empty() { " " span.unit { (number.unit) } }
+                    }
+                    @if !number.note.is_empty() { dd.note { (number.note) } }
+                }
+            }
         }
     }
 }
@@ -159,7 +180,9 @@ fn cell(cell: &Cell, align: &str) -> Markup {
     });
     html! {
         td class=[(!classes.is_empty()).then(|| classes.join(" "))] style=[style] data-value=[value] {
-            @if let Some(address) = &cell.link { a href=(address) { (cell.text) } }
+            @if let Some(png) = &cell.picture {
+                img.thumbnail alt="" src={ "data:image/png;base64," (BASE64.encode(png)) };
+            } @else if let Some(address) = &cell.link { a href=(address) { (cell.text) } }
             @else if cell.strong { strong { (cell.text) } }
             @else { (cell.text) }
         }

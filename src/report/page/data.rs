@@ -17,9 +17,11 @@ const DOTS: usize = 4000;
 const HEIGHT: (f64, f64) = (340.0, 190.0);
 
 #[derive(Serialize)]
-struct FigureData {
+struct FigureData<'a> {
     columns: usize,
     shared: bool,
+    #[serde(skip_serializing_if = "str::is_empty")]
+    link: &'a str,
     /// Columns of x values; layers refer to them by index, since most share one.
     xs: Vec<Vec<f64>>,
     panels: Vec<PanelData>,
@@ -47,6 +49,9 @@ struct LayerData {
     kind: &'static str,
     label: String,
     color: String,
+    /// Which of two models it shows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    version: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     x: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -87,7 +92,13 @@ pub(super) fn json(figure: &Figure) -> Result<String, ReportError> {
                 .collect(),
         });
     }
-    let data = FigureData { columns: figure.columns.max(1), shared: figure.shared_x, xs, panels };
+    let data = FigureData {
+        columns: figure.columns.max(1),
+        shared: figure.shared_x,
+        link: &figure.link,
+        xs,
+        panels,
+    };
     let text = serde_json::to_string(&data)
         .map_err(|source| ReportError::Data { figure: figure.id.clone(), source })?;
     Ok(text.replace('<', "\\u003c"))
@@ -146,6 +157,11 @@ fn layer(
         kind,
         label: label.to_owned(),
         color: role.css_variable(),
+        version: match role {
+            Role::Given => Some("given"),
+            Role::Model => Some("model"),
+            _ => None,
+        },
         ..LayerData::default()
     };
     match layer {

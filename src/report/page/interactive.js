@@ -6,6 +6,9 @@
   const MARGIN = { top: 6, right: 22, bottom: 24 };
   const FONT = "Inter, system-ui, 'DejaVu Sans', sans-serif";
 
+  const states = [];
+  let version = "both";
+
   // ---- building the figure ---------------------------------------------------------------------
   function element(tag, className, text = "") {
     const made = document.createElement(tag);
@@ -18,7 +21,8 @@
     const data = JSON.parse(figure.querySelector("script[type='application/json']").textContent);
     const plot = figure.querySelector(".plot");
     plot.style.gridTemplateColumns = `repeat(${Math.min(data.columns, data.panels.length)}, minmax(0, 1fr))`;
-    const state = { data, shared: data.shared, cursor: null, panels: [] };
+    const state = { data, shared: data.shared, link: data.link, cursor: null, panels: [] };
+    states.push(state);
     data.panels.forEach((panel, index) => {
       const box = element("div", "panel");
       if (panel.title) box.append(element("p", "panel-title", panel.title));
@@ -42,7 +46,7 @@
       });
       const ground = (layer) => layer.kind === "band" || layer.kind === "shade";
       [...panel.layers].sort((a, b) => ground(a) - ground(b))
-        .forEach((layer) => { if (layer.label) view.keys.push(legendKey(legend, layer)); });
+        .forEach((layer) => { if (layer.label) view.keys.push(legendKey(legend, state, view, layer)); });
       state.panels.push(view);
       listen(state, view);
     });
@@ -50,7 +54,15 @@
     const reset = element("button", "reset", "Reset view");
     reset.type = "button";
     reset.addEventListener("click", () => resetView(state));
-    tools.append(reset, element("span", "", "Drag to zoom, shift-drag to pan, ctrl-wheel to zoom, double-click to reset."));
+    const zoom = (text, name, factor) => {
+      const button = element("button", "reset", text);
+      button.type = "button";
+      button.title = name;
+      button.setAttribute("aria-label", name);
+      button.addEventListener("click", () => zoomAbout(state, state.panels[0], 0.5, factor));
+      return button;
+    };
+    tools.append(reset, zoom("+", "Zoom in", 0.5), zoom("−", "Zoom out", 2), element("span", "", "Drag to zoom, shift-drag to pan, ctrl-wheel to zoom, double-click to reset."));
     plot.after(tools);
     figure.classList.add("live");
     const redraw = () => draw(state);
@@ -65,14 +77,49 @@
     return ys.reduce((sum, y, i) => sum + (i && y !== null && ys[i - 1] !== null ? Math.abs(y - ys[i - 1]) : 0), 0);
   }
 
-  function legendKey(legend, layer) {
-    const key = element("span", "key");
+  // A key switches its curve in every panel of the figure.
+  function legendKey(legend, state, view, layer) {
+    const key = element("button", "key");
+    key.type = "button";
+    key.title = "Show or hide";
+    key.setAttribute("aria-pressed", "true");
     const sample = element("i", `sample ${layer.kind} ${layer.dash || ""}`);
     sample.style.color = `var(${layer.color})`;
     const reading = element("output", "");
     key.append(sample, layer.label, reading);
     legend.append(key);
+    key.addEventListener("click", () => {
+      const off = !layer.off;
+      const same = (other) => other.color === layer.color && other.kind === layer.kind && other.dash === layer.dash;
+      state.panels.forEach((panel) => panel.panel.layers.filter(same).forEach((other) => { other.off = off; }));
+      key.setAttribute("aria-pressed", String(!off));
+      state.panels.forEach(rescale);
+      draw(state);
+    });
     return { layer, reading };
+  }
+
+  const isShown = (layer) =>
+    !layer.off && (version === "both" || !layer.version || layer.version === version);
+
+  // The y range of what is seen, as long as the reader chose none.
+  function rescale(view) {
+    if (view.fixed) return;
+    const whole = view.x.every((v, i) => v === view.panel.x.range[i]) && view.panel.layers.every(isShown);
+    if (whole) { view.y = [...view.panel.y.range]; return; }
+    let [low, high] = [Infinity, -Infinity];
+    const see = (y) => { if (y !== null) { low = Math.min(low, y); high = Math.max(high, y); } };
+    for (const layer of view.panel.layers.filter((l) => l.y && isShown(l))) {
+      layer.xs.forEach((x, i) => {
+        if (x === null || x < view.x[0] || x > view.x[1]) return;
+        see(layer.y[i]);
+        if (layer.kind === "bars") { see(layer.low[i]); see(layer.high[i]); }
+      });
+    }
+    if (!(high > low)) return;
+    const log = view.panel.y.log;
+    const room = log ? Math.pow(high / low, 0.06) : 0.06 * (high - low);
+    view.y = log ? [low / room, high * room] : [low - room, high + room];
   }
 
   // ---- zooming ---------------------------------------------------------------------------------
@@ -84,15 +131,27 @@
     const [a, b] = range;
     const far = 1e-9 * Math.max(Math.abs(a), Math.abs(b));
     if (!(b - a > far) || !Number.isFinite(b - a)) return;
-    partners(state, view).forEach((other) => { other.x = [a, b]; });
+    for (const other of linked(state)) {
+      (other === state ? partners(state, view) : other.panels).forEach((panel) => { panel.x = [a, b]; rescale(panel); });
+      if (other !== state) draw(other);
+    }
+  }
+
+  // Figures over the same axis move together.
+  function linked(state) {
+    return state.link ? states.filter((other) => other.link === state.link) : [state];
   }
 
   function resetView(state) {
-    state.panels.forEach((view) => {
-      view.x = [...view.panel.x.range];
-      view.y = [...view.panel.y.range];
-    });
-    draw(state);
+    for (const other of linked(state)) {
+      other.panels.forEach((view) => {
+        view.x = [...view.panel.x.range];
+        view.y = [...view.panel.y.range];
+        view.fixed = false;
+        rescale(view);
+      });
+      draw(other);
+    }
   }
 
   function zoomAbout(state, view, s, factor) {
@@ -104,7 +163,7 @@
   function pan(state, view, start, dx, dy) {
     const moved = (axis, range, by) => [value(axis, range, by), value(axis, range, 1 + by)];
     setX(state, view, moved(view.panel.x, start.x, -dx));
-    view.y = moved(view.panel.y, start.y, dy);
+    if (dy) { view.y = moved(view.panel.y, start.y, dy); view.fixed = true; }
     draw(state);
   }
 
@@ -126,7 +185,7 @@
     });
     canvas.addEventListener("pointermove", (event) => {
       const to = place(event);
-      state.cursor = { view, ...to };
+      setCursor(state, { view, ...to });
       if (drag && drag.pan) return pan(state, view, drag, to.x - drag.from.x, to.y - drag.from.y);
       view.box = drag ? { from: drag.from, to } : null;
       draw(state);
@@ -140,7 +199,7 @@
       draw(state);
     });
     canvas.addEventListener("pointercancel", () => { drag = view.box = null; draw(state); });
-    canvas.addEventListener("pointerleave", () => { state.cursor = null; draw(state); });
+    canvas.addEventListener("pointerleave", () => { setCursor(state, null); draw(state); });
     canvas.addEventListener("dblclick", () => resetView(state));
     canvas.addEventListener("wheel", (event) => {
       // a bare wheel scrolls the page
@@ -162,6 +221,13 @@
     });
   }
 
+  function setCursor(state, cursor) {
+    for (const other of linked(state)) {
+      other.cursor = cursor;
+      if (other !== state) draw(other);
+    }
+  }
+
   // A flat drag takes a range of x, a high one also a range of y.
   function zoomTo(state, view, from, to) {
     const { width, height } = view.area;
@@ -171,7 +237,7 @@
     const [top, bottom] = sorted(from.y, to.y);
     if ((right - left) * width < 4) return;
     const high = (bottom - top) * height > 24;
-    if (high) view.y = [value(y, view.y, 1 - bottom), value(y, view.y, 1 - top)];
+    if (high) { view.y = [value(y, view.y, 1 - bottom), value(y, view.y, 1 - top)]; view.fixed = true; }
     setX(state, view, [value(x, view.x, left), value(x, view.x, right)]);
   }
 
@@ -221,7 +287,7 @@
     const [from, to] = panel.x.range.map((v) => share(panel.x, view.x, v));
     // a line that goes up and down by more than this looks like a blot under a thick pen
     const crowd = 8 * area.width / area.height * Math.abs(view.y[1] - view.y[0]) * (to - from);
-    for (const layer of panel.layers) drawLayer(context, layer, px, py, area, color, crowd);
+    for (const layer of panel.layers.filter(isShown)) drawLayer(context, layer, px, py, area, color, crowd);
     drawCursor(context, state, view, area, color);
     context.restore();
     const foot = area.top + area.height;
@@ -347,7 +413,7 @@
     const here = cursor && (cursor.view === view || state.shared);
     const at = here ? value(view.panel.x, view.x, cursor.x) : null;
     for (const { layer, reading } of view.keys) {
-      const readable = here && layer.y && layer.sorted;
+      const readable = here && layer.y && layer.sorted && isShown(layer);
       const index = readable ? nearest(layer.xs, at) : -1;
       reading.textContent = index < 0 ? "" : format(layer.y[index]);
     }
@@ -367,6 +433,13 @@
   }
 
   for (const figure of document.querySelectorAll("figure[data-interactive]")) build(figure);
+  for (const choice of document.querySelectorAll(".versions")) {
+    choice.hidden = false;
+    choice.addEventListener("change", (event) => {
+      version = event.target.value;
+      states.forEach((state) => { state.panels.forEach(rescale); draw(state); });
+    });
+  }
   // the picture is embedded once: the link takes it from the image
   for (const link of document.querySelectorAll("a[data-picture]")) {
     link.href = link.closest("figure").querySelector(".picture img").src;

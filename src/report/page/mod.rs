@@ -16,10 +16,10 @@ use super::figure::Figure;
 use super::fonts::{FAMILY, REGULAR, SEMI_BOLD};
 use super::palette::{AXIS, DARK_PARTNERS, GRID, INK, MUTED, Rgb, Role, SURFACE, css_variable};
 use super::plot::{Purpose, draw};
-use super::raster::{figure_to_png, figure_to_svg};
+use super::raster::figure_to_both;
 
 const INTERACTIVE: &str = concat!(include_str!("scales.js"), include_str!("interactive.js"));
-const SORT: &str = include_str!("sort.js");
+const SORT: &str = concat!(include_str!("sort.js"), include_str!("reading.js"));
 const STYLE: &str = include_str!("style.css");
 
 /// What a page says.
@@ -31,6 +31,9 @@ pub struct PageContent {
     pub subtitle: String,
     /// The sections, in order.
     pub sections: Vec<SectionContent>,
+    /// Names of the two models whose curves the reader can switch, that of [`Role::Given`] first; empty for
+    /// none.
+    pub versions: Vec<String>,
     /// Closing remarks; line breaks are kept.
     pub footer: String,
 }
@@ -44,6 +47,8 @@ pub struct SectionContent {
     pub title: String,
     /// What it is made of.
     pub blocks: Vec<Block>,
+    /// Whether it is folded until the reader opens it; what is folded is not printed.
+    pub folded: bool,
 }
 
 /// A page and the pictures on it, each drawn once.
@@ -98,6 +103,7 @@ struct Drawn<'a> {
 ///     id: "result".into(),
 ///     title: "Result".into(),
 ///     blocks: vec![Block::paragraph("1 < 2")],
+///     folded: false,
 /// };
 /// let content = PageContent { title: "Run 1".into(), sections: vec![section], ..Default::default() };
 /// assert!(page(&content)?.contains("1 &lt; 2"));
@@ -119,13 +125,8 @@ pub fn render_page(content: &PageContent) -> Result<Page, ReportError> {
 }
 
 fn draw_figures(content: &PageContent) -> Result<Vec<Drawn<'_>>, ReportError> {
-    let figures =
-        content.sections.iter().flat_map(|section| &section.blocks).filter_map(
-            |block| match block {
-                Block::Figure(figure) => Some(figure.as_ref()),
-                _ => None,
-            },
-        );
+    let blocks = content.sections.iter().flat_map(|section| &section.blocks);
+    let figures = blocks.flat_map(Block::figures);
     let mut named: Vec<(&Figure, String)> = Vec::new();
     for figure in figures {
         let stem = unique(figure.file_stem(), |stem| named.iter().all(|(_, taken)| taken != stem));
@@ -134,7 +135,7 @@ fn draw_figures(content: &PageContent) -> Result<Vec<Drawn<'_>>, ReportError> {
     named
         .into_par_iter()
         .map(|(figure, file_stem)| {
-            let (png, svg) = (figure_to_png(figure)?, figure_to_svg(figure)?);
+            let (png, svg) = figure_to_both(figure)?;
             let interactive = figure.is_interactive();
             let inline = if interactive { None } else { Some(draw(figure, Purpose::Inline)?) };
             let data = if interactive { Some(data::json(figure)?) } else { None };
@@ -173,7 +174,7 @@ fn write(content: &PageContent, drawn: &[Drawn<'_>]) -> String {
                     nav aria-label="Sections" {
                         ol {
                             @for (section, id) in content.sections.iter().zip(&ids) {
-                                li { a href={ "#" (id) } { (section.title) } }
+                                li.folded[section.folded] { a href={ "#" (id) } { (section.title) } }
                             }
                         }
                     }
@@ -184,8 +185,18 @@ fn write(content: &PageContent, drawn: &[Drawn<'_>]) -> String {
                         }
                         @for ((section, id), blocks) in content.sections.iter().zip(&ids).zip(&sections) {
                             section id=(id) {
-                                h2 { (section.title) }
-                                (blocks)
+                                @if section.folded {
+                                    details.folded {
+                                        summary { h2 { (section.title) } }
+                                        (blocks)
+                                    }
+                                } @else {
+                                    h2 { (section.title) }
+                                    (blocks)
+                                }
+                            }
+                            @if id == &ids[0] && content.versions.len() == 2 {
+                                (version_switch(&content.versions))
                             }
                         }
                         @if !content.footer.is_empty() { footer { (content.footer) } }
@@ -197,6 +208,22 @@ fn write(content: &PageContent, drawn: &[Drawn<'_>]) -> String {
         }
     }
     .into_string()
+}
+
+/// Shows the curves of one model or of both; hidden where no script runs.
+fn version_switch(names: &[String]) -> maud::Markup {
+    let choices = [("both", "both"), ("given", &names[0]), ("model", &names[1])];
+    html! {
+        fieldset.versions hidden {
+            legend { "Show" }
+            @for (value, name) in choices {
+                label {
+                    input type="radio" name="version" value=(value) checked[value == "both"];
+                    (name)
+                }
+            }
+        }
+    }
 }
 
 /// Anchors without spaces, unique on the page; figures have a prefix of their own.

@@ -1,13 +1,15 @@
 use super::*;
-use crate::report::block::{Cell, Column, Table, Text, Tone};
+use crate::report::block::{Cell, Column, Number, Table, Text, Tone};
 use crate::report::figure::{Axis, Layer, Panel};
 
 fn with_blocks(blocks: Vec<Block>) -> PageContent {
-    let section = SectionContent { id: "a b".into(), title: "<script>t".into(), blocks };
+    let (id, title) = ("a b".into(), "<script>t".into());
+    let section = SectionContent { id, title, blocks, folded: false };
     PageContent {
         title: "<script>alert(1)</script>".into(),
         subtitle: "a & b".into(),
         sections: vec![section.clone(), section],
+        versions: vec![],
         footer: "\"end\"".into(),
     }
 }
@@ -35,6 +37,12 @@ fn every_text_is_escaped_and_only_our_scripts_stand_on_the_page() {
         Block::Equation(evil.into()),
         Block::Code(evil.into()),
         Block::list([evil]),
+        Block::folded(evil, vec![Block::Heading(evil.into())]),
+        Block::Numbers(vec![Number {
+            label: evil.into(),
+            value: evil.into(),
+            ..Number::default()
+        }]),
         table.into(),
         series("live").into(),
         still.into(),
@@ -116,6 +124,6 @@ fn a_reading_aid_brings_the_text_of_the_guide_along() {
     let html = page(&with_blocks(vec![aid])).unwrap();
     assert!(html.contains("<p>So.</p>") && html.contains("needed to repeat the run"), "{html}");
     assert_eq!(blocks::guide("No such heading"), None);
-    let staircase = blocks::guide("Staircase of the error").unwrap();
+    let staircase = blocks::guide("Error by model version").unwrap();
     assert!(staircase.starts_with("One bar") && !staircase.contains('#'), "{staircase}");
 }

@@ -3,13 +3,12 @@
 use crate::report::ReportError;
 use crate::report::figure::{Dash, ErrorBar, Layer};
 use crate::report::palette::{Rgb, Role, SURFACE};
-use crate::report::polyline::{
-    Point, Rect, clip_line, clip_polygon, dashes, decimate, runs, thin_dots,
-};
+use crate::report::polyline::{Point, Rect, clip_line, clip_polygon, decimate, runs, thin_dots};
 
 use super::canvas::Canvas;
 use super::pen::{Anchor, LEGEND};
 use super::plan::Frame;
+use super::stroke::stroke;
 
 /// Opacity of bands.
 pub(in crate::report) const BAND: f64 = 0.25;
@@ -100,22 +99,6 @@ fn polyline(
         }
     }
     Ok(())
-}
-
-/// A line, unbroken or in dashes.
-pub(super) fn stroke(
-    canvas: &Canvas<'_>,
-    line: &[Point],
-    color: Rgb,
-    width: f64,
-    dash: Dash,
-) -> Result<(), ReportError> {
-    let pattern = match dash {
-        Dash::Solid => return canvas.line(line, color, width, 1.0),
-        Dash::Dashed => (3.5 * width, 2.5 * width),
-        Dash::Dotted => (width, 1.6 * width),
-    };
-    dashes(line, pattern).iter().try_for_each(|part| canvas.line(part, color, width, 1.0))
 }
 
 /// Infinite edges run to the border; a missing edge breaks the band.

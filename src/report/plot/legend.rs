@@ -6,8 +6,8 @@ use crate::report::palette::Role;
 use crate::report::polyline::Rect;
 
 use super::canvas::Canvas;
-use super::layers::stroke;
 use super::pen::{Anchor, LEGEND};
+use super::stroke::stroke;
 
 const SWATCH: f64 = 20.0;
 const BETWEEN: f64 = 18.0;

@@ -11,6 +11,7 @@ mod layers;
 mod legend;
 mod pen;
 mod plan;
+mod stroke;
 
 use super::ReportError;
 use super::figure::Figure;

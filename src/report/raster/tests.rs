@@ -132,7 +132,8 @@ fn every_layer_draws_every_awkward_series_without_panic() {
 #[test]
 fn a_page_of_awkward_figures_is_written() {
     let blocks = awkward_figures().into_iter().map(Into::into).collect();
-    let section = SectionContent { id: "all".into(), title: "all".into(), blocks };
+    let (id, title) = ("all".into(), "all".into());
+    let section = SectionContent { id, title, blocks, folded: false };
     let page = render_page(&PageContent { sections: vec![section], ..Default::default() }).unwrap();
     assert_eq!(page.pictures.len(), 3 * awkward().len());
 }

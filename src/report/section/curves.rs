@@ -69,75 +69,22 @@ pub(super) fn ranges(recording: &RecordingStudy, of: impl Fn(Regime) -> bool) ->
 
 /// The regimes in which the model fails significantly, as shades.
 pub(super) fn failing(study: &Study, recording: &RecordingStudy) -> Option<Layer> {
-    let failing: Vec<Regime> =
-        study.failures.iter().filter(|f| f.significant).map(|f| f.regime).collect();
+    let failures = study.given.iter().flat_map(|m| &m.failures);
+    let failing: Vec<Regime> = failures.filter(|f| f.significant).map(|f| f.regime).collect();
     let ranges = ranges(recording, |r| failing.contains(&r));
-    let label = "regimes where a moment is missing".to_owned();
+    let label = "regimes where the model as given fails".to_owned();
     (!ranges.is_empty()).then_some(Layer::Shade { ranges, label, role: Role::Highlight })
 }
 
-/// Where the robot turns, as shades.
-pub(super) fn turning(recording: &RecordingStudy) -> Option<Layer> {
-    let is_turn = |r: Regime| {
-        let name = r.name();
-        name.starts_with("pivot") || name.starts_with("curve")
-    };
-    let (ranges, label) = (ranges(recording, is_turn), "turning".to_owned());
-    (!ranges.is_empty()).then_some(Layer::Shade { ranges, label, role: Role::NoiseFloor })
-}
-
-/// The range that holds all but the outermost half percent of x on either side.
-pub(super) fn most_of(points: &[(f64, f64)]) -> Option<(f64, f64)> {
-    let mut x: Vec<f64> = points.iter().map(|p| p.0).filter(|x| x.is_finite()).collect();
-    x.sort_by(f64::total_cmp);
-    let last = x.len().checked_sub(1)?;
-    let aside = x.len() / 200;
-    let (low, high) = (x[aside], x[last - aside]);
-    (low < high).then_some((low, high))
-}
-
-/// Mean and standard error of the mean of y over bins of x with equal counts.
-pub(super) fn binned(points: &[(f64, f64)], bins: usize) -> Vec<(f64, f64, f64)> {
-    let mut sorted: Vec<(f64, f64)> =
-        points.iter().copied().filter(|p| p.0.is_finite() && p.1.is_finite()).collect();
-    sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let size = sorted.len().div_ceil(bins.max(1)).max(1);
-    sorted
-        .chunks(size)
-        .filter(|chunk| chunk.len() >= 2)
-        .map(|chunk| {
-            let n = chunk.len() as f64;
-            let at = chunk.iter().map(|p| p.0).sum::<f64>() / n;
-            let mean = chunk.iter().map(|p| p.1).sum::<f64>() / n;
-            let variance = chunk.iter().map(|p| (p.1 - mean).powi(2)).sum::<f64>() / (n - 1.0);
-            (at, mean, (variance / n).sqrt())
-        })
-        .collect()
-}
-
-/// At most `limit` of the items, evenly spaced.
-pub(super) fn thin<T: Copy>(items: &[T], limit: usize) -> Vec<T> {
-    items.iter().copied().step_by(items.len().div_ceil(limit.max(1)).max(1)).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn bins_hold_equal_counts_and_the_standard_error_of_their_mean() {
-        let points = [(3.0, 1.0), (1.0, 2.0), (2.0, 4.0), (4.0, 3.0), (f64::NAN, 1.0)];
-        // variance of (2, 4) is 2, of (1, 3) too; over two values the error is 1
-        assert_eq!(binned(&points, 2), vec![(1.5, 3.0, 1.0), (3.5, 2.0, 1.0)]);
-        assert!(binned(&[], 3).is_empty());
-        assert_eq!(thin(&[1, 2, 3, 4, 5], 2), vec![1, 4]);
-    }
-
-    #[test]
-    fn the_outermost_half_percent_is_left_aside() {
-        let points: Vec<(f64, f64)> = (0..=200).map(|k| (f64::from(k), 0.0)).collect();
-        assert_eq!(most_of(&points), Some((1.0, 199.0)));
-        assert_eq!(most_of(&points[..1]), None);
-        assert_eq!(most_of(&[]), None);
+/// Where 95 % of the noise of a measured speed lies.
+pub(super) fn noise_band(recording: &RecordingStudy, i: usize) -> Layer {
+    let half = 1.96 * recording.noise.omega[i];
+    let ends = [recording.t.first(), recording.t.last()];
+    Layer::Band {
+        x: ends.into_iter().flatten().copied().collect(),
+        lower: vec![-half; 2],
+        upper: vec![half; 2],
+        label: "95 % measurement-noise band".to_owned(),
+        role: Role::NoiseFloor,
     }
 }

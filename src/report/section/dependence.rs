@@ -1,22 +1,20 @@
-//! What the missing moment depends on: the trail to the missing effect.
-
-mod window_error;
+//! What the residual torque depends on, before and after what was found: the trail to the missing effect.
 
 use super::{Section, words};
-use crate::compare::{self, MissingMoment};
-use crate::report::block::{Block, Cell, Column, Table, Tone};
+use crate::compare::{Curve, CurveBin, Mean};
+use crate::report::block::{Block, Cell, Column, Table};
 use crate::report::figure::{Axis, Dash, ErrorBar, Figure, Layer, Panel, Role};
 use crate::report::format;
 use crate::study::Study;
 
-/// What the error depends on.
+/// What the residual torque depends on.
 #[derive(Default)]
 pub struct Dependence;
 
-/// Panels drawn, the strongest first.
-const PANELS: usize = 6;
-/// Error rate over all variables together.
-const FALSE_ALARM: f64 = 0.05;
+/// Variables drawn, those that explain most first.
+const DRAWN: usize = 3;
+/// Share of the residual torque below which no variable is called a cause: a tenth of its size (taste).
+const WORTH: f64 = 0.01;
 
 impl Section for Dependence {
     fn id(&self) -> &'static str {
@@ -24,138 +22,165 @@ impl Section for Dependence {
     }
 
     fn title(&self) -> &'static str {
-        "What the error depends on"
+        "What the residual torque depends on"
     }
 
     fn how_to_read(&self) -> &'static str {
-        "The missing moment is what would have to be added to the drive to explain the measurement; \
-         a curve that leaves its band away from zero shows the shape of the missing effect: a slope \
-         over speed is viscous friction, a step at zero is dry friction, a wave over the heading is \
-         a slope of the floor."
+        "The residual torque is what would have to be added to the model to explain the recorded input: a \
+         slope over speed is viscous friction, a step at zero is dry friction, a wave over the heading is a \
+         slope of the floor."
     }
 
     fn blocks(&self, study: &Study) -> Vec<Block> {
-        let mut blocks = Vec::new();
-        if let Some((missing, data)) = missing_moment(study) {
-            blocks.push(figure(study, missing, data).into());
-            blocks.push(table(study, missing, data).into());
+        if study.curves.is_empty() {
+            return vec![];
         }
-        blocks.extend(window_error::figure(study).map(Block::from));
-        blocks
+        let table = vec![table(study).into()];
+        vec![figure(study).into(), Block::folded("All variables", table)]
     }
 }
 
-/// The missing moment over the training data where there is a diagnosis, else over the judged data,
-/// and those data in words.
-fn missing_moment(study: &Study) -> Option<(&MissingMoment, &'static str)> {
-    let train = study.diagnosis.as_ref().and_then(|d| d.missing_moment.as_ref());
-    let judged = study.missing_moment.as_ref().map(|m| (m, study.judged_words()));
-    let missing = train.map(|m| (m, "training")).or(judged);
-    missing.filter(|(m, _)| !m.dependences.is_empty())
-}
-
-/// Whether a dependence stands out among all that are looked at (Bonferroni).
-fn is_significant(dependence: &compare::Dependence, count: usize) -> bool {
-    dependence.log_significance > (count as f64 / FALSE_ALARM).ln()
-}
-
-fn figure(study: &Study, missing: &MissingMoment, data: &str) -> Figure {
-    let shown = &missing.dependences[..missing.dependences.len().min(PANELS)];
-    let strongest = &shown[0];
-    let title = if is_significant(strongest, missing.dependences.len()) {
-        format!("The missing moment depends most clearly on the {}", strongest.variable.words())
-    } else {
-        "The missing moment depends on nothing that was looked at".to_owned()
+fn figure(study: &Study) -> Figure {
+    let first = &study.curves[0];
+    let before = format::percent(first.share_before);
+    let variable = first.variable.words();
+    let title = match first.share_after {
+        _ if first.share_before < WORTH => {
+            "The residual torque depends on nothing that was looked at".to_owned()
+        }
+        Some(after) => format!(
+            "The {variable} explains {before} of the residual torque; with {} in the model {} are left of it",
+            words::found(study),
+            format::percent(after)
+        ),
+        None => format!("The {variable} explains {before} of the residual torque"),
     };
     let mut figure = Figure::new("dependence", title)
-        .with_subtitle(format!("On {data} data; strongest first, bins of equal counts"))
-        .with_caption(
-            "Moment that the model misses, by wheel, in bins of each variable, with 95 % intervals \
-             (±1.96 standard errors). Effects that vary together share their trail: the first panel \
-             is the best clue.",
-        )
-        .with_columns(2);
-    figure.panels = shown.iter().map(|dependence| panel(study, dependence)).collect();
+        .with_subtitle("All recordings; means of bins with 95 % intervals")
+        .with_caption(caption(study))
+        .with_columns(2)
+        .interactive()
+        .with_height(680.0);
+    for curve in study.curves.iter().take(DRAWN) {
+        for (i, wheel) in words::WHEELS.into_iter().enumerate() {
+            let mut panel = panel(study, curve, i).with_title(wheel);
+            if !figure.panels.is_empty() {
+                panel.layers.iter_mut().for_each(Layer::unlabel);
+            }
+            figure.panels.push(panel);
+        }
+    }
     figure
 }
 
-fn panel(study: &Study, dependence: &compare::Dependence) -> Panel {
-    let unit = study.drive_unit.symbol();
-    let variable = dependence.variable;
-    let mut panel = Panel::new(
-        Axis::linear(variable.words(), variable.unit(unit)),
-        Axis::linear("missing moment", unit),
+fn caption(study: &Study) -> String {
+    let line = match study.curves[0].share_after {
+        Some(_) => {
+            " The line is what the effects found, with the other parameters fitted anew, add to the model."
+        }
+        None => "",
+    };
+    format!(
+        "Recorded input less what the model needs for the measured motion, behind a low-pass, in bins of a \
+         variable; rows near rest, where the direction of dry friction is not known, are left out. No line crosses a range without data.{line} Variables that \
+         varied together in these recordings share their curves."
     )
-    .with(Layer::HLine { at: 0.0, label: String::new(), role: Role::Ink, dash: Dash::Solid });
-    let (first, last) = (dependence.bins.first(), dependence.bins.last());
-    let width = first.zip(last).map_or(0.0, |(a, b)| b.at - a.at);
-    for (i, role) in [Role::Wheel1, Role::Wheel2].into_iter().enumerate() {
-        // the two wheels stand side by side, not on each other
-        let aside = (i as f64 - 0.5) * 0.012 * width;
-        let points: Vec<ErrorBar> = dependence
-            .bins
-            .iter()
-            .filter(|bin| bin.moment[i].is_finite() && bin.std_error[i].is_finite())
-            .map(|bin| {
-                let (y, reach) = (bin.moment[i], 1.96 * bin.std_error[i]);
-                ErrorBar { x: bin.at + aside, y, lower: y - reach, upper: y + reach }
-            })
-            .collect();
-        let line = points.iter().map(|p| (p.x, p.y)).collect();
-        let label = String::new();
-        panel = panel
-            .with(Layer::Line { points: line, label, role, width: 1.0, dash: Dash::Solid })
-            .with(Layer::ErrorBars { points, label: words::WHEELS[i].to_owned(), role });
+}
+
+/// The residual torque of a wheel over a variable: before, after, and what was found.
+fn panel(study: &Study, curve: &Curve, i: usize) -> Panel {
+    let unit = study.drive_unit.symbol();
+    let variable = curve.variable;
+    let zero =
+        Layer::HLine { at: 0.0, label: String::new(), role: Role::NoiseFloor, dash: Dash::Solid };
+    let mut x = Axis::linear(variable.words(), variable.unit(unit));
+    if let (Some(first), Some(last)) = (curve.bins.first(), curve.bins.last()) {
+        let room = 0.04 * (last.at - first.at);
+        x = x.with_range(first.at - room, last.at + room);
+    }
+    let mut panel = Panel::new(x, Axis::linear("residual torque", unit)).with(zero);
+    let is_after = curve.share_after.is_some();
+    if is_after {
+        let points =
+            joined(curve, |bin| bin.before[i].value - bin.after.map_or(0.0, |a| a[i].value));
+        let label = words::found(study);
+        let (role, dash) = (Role::Highlight, Dash::Solid);
+        panel = panel.with(Layer::Line { points, label, role, width: 2.4, dash });
+    }
+    let role = if is_after { Role::Given } else { Role::Model };
+    let points = joined(curve, |bin| bin.before[i].value);
+    let dash = Dash::Dotted;
+    panel = panel
+        .with(Layer::Line { points, label: String::new(), role, width: 1.0, dash })
+        .with(bars(curve, |bin| Some(bin.before[i]), words::given(study), role));
+    if is_after {
+        let after = |bin: &CurveBin| bin.after.map(|a| a[i]);
+        let (label, role) = (words::added(study), Role::Model);
+        panel = panel.with(bars(curve, after, label, role));
     }
     panel
 }
 
-fn table(study: &Study, missing: &MissingMoment, data: &str) -> Table {
-    let unit = study.drive_unit.symbol();
-    let columns = vec![
-        Column::text("Variable"),
-        Column::text("Evidence"),
-        Column::number("p", ""),
-        Column::number("Chi-square", ""),
-        Column::number("Degrees", ""),
-        Column::number("Largest, right", unit),
-        Column::number("Largest, left", unit),
-    ];
-    let caption = format!(
-        "Dependence of the missing moment on each variable, by a score test on {data} data \
-         (chi-square with so many degrees of freedom), and the largest moment of all bins. Evidence \
-         in words accounts for looking at all variables."
-    );
-    let mut table = Table::new(caption, columns);
-    let count = missing.dependences.len();
-    for d in &missing.dependences {
-        let (words, tone) = evidence(d, count);
-        let largest = |i: usize| {
-            let known = d.bins.iter().map(|b| b.moment[i]).filter(|m| m.is_finite());
-            known.max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(f64::NAN)
-        };
-        let moment = |v: f64| Cell::formatted(format::significant(v, 2), v);
-        let words = Cell::text(words);
-        table.push(vec![
-            Cell::text(d.variable.words()),
-            if tone == Tone::Neutral { words } else { words.tone(tone) },
-            Cell::p_value((-d.log_significance).exp()),
-            Cell::number(d.statistic),
-            Cell::count(d.rank),
-            moment(largest(0)),
-            moment(largest(1)),
-        ]);
+/// A line through the bins, broken where there are no data between two.
+fn joined(curve: &Curve, value: impl Fn(&CurveBin) -> f64) -> Vec<(f64, f64)> {
+    let mut out = Vec::new();
+    for bin in &curve.bins {
+        if !bin.joined && !out.is_empty() {
+            out.push((bin.at, f64::NAN));
+        }
+        out.push((bin.at, value(bin)));
     }
-    table
+    out
 }
 
-/// The strength of a dependence in words.
-fn evidence(d: &compare::Dependence, count: usize) -> (&'static str, Tone) {
-    let beyond = d.log_significance - (count as f64 / FALSE_ALARM).ln();
-    match beyond {
-        b if b > 50.0 => ("overwhelming", Tone::Bad),
-        b if b > 10.0 => ("strong", Tone::Bad),
-        b if b > 0.0 => ("clear", Tone::Notice),
-        _ => ("none", Tone::Neutral),
+fn bars(
+    curve: &Curve,
+    mean: impl Fn(&CurveBin) -> Option<Mean>,
+    label: String,
+    role: Role,
+) -> Layer {
+    let bar = |bin: &CurveBin| {
+        let Mean { value, std_error, .. } = mean(bin)?;
+        let reach = if std_error.is_finite() { 1.96 * std_error } else { 0.0 };
+        let (x, y) = (bin.at, value);
+        y.is_finite().then_some(ErrorBar { x, y, lower: y - reach, upper: y + reach })
+    };
+    Layer::ErrorBars { points: curve.bins.iter().filter_map(bar).collect(), label, role }
+}
+
+fn table(study: &Study) -> Table {
+    let unit = study.drive_unit.symbol();
+    let mut columns = vec![
+        Column::text("Variable"),
+        Column::number(format!("Explains, {}", words::given(study)), ""),
+        Column::number("Largest", unit),
+    ];
+    let is_after = study.curves.iter().any(|c| c.share_after.is_some());
+    if is_after {
+        columns.push(Column::number(format!("Explains, {}", words::added(study)), ""));
+        columns.push(Column::number("Largest", unit));
     }
+    let caption = "Share of the mean square of the residual torque that its mean over bins of a variable \
+                   explains, degrees of freedom taken off, and the largest mean; of both models as a share of the \
+                   model as given. All recordings.";
+    let mut table = Table::new(caption, columns);
+    let largest = |curve: &Curve, of: &dyn Fn(&CurveBin) -> Option<[Mean; 2]>| {
+        let means = curve.bins.iter().filter_map(of).flatten().map(|m| m.value);
+        let known = means.filter(|m| m.is_finite());
+        let v = known.max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(f64::NAN);
+        Cell::formatted(format::significant(v, 2), v)
+    };
+    let share = |v: f64| Cell::formatted(format::percent(v), v).bar(v);
+    for curve in &study.curves {
+        let mut row = vec![
+            Cell::text(curve.variable.words()),
+            share(curve.share_before),
+            largest(curve, &|b| Some(b.before)),
+        ];
+        if let Some(after) = curve.share_after {
+            row.extend([share(after), largest(curve, &|b| b.after)]);
+        }
+        table.push(row);
+    }
+    table
 }

@@ -1,6 +1,6 @@
 //! Which effect is missing, and how sure that is.
 
-use super::{Section, words};
+use super::{Depth, Section, words};
 use crate::diagnose::Proposal;
 use crate::report::block::{Block, Cell, Column, Table, Text, Tone};
 use crate::report::figure::{Axis, BarSeries, Bars, Direction, Figure, Layer, Panel, Role};
@@ -27,10 +27,13 @@ impl Section for Diagnosis {
         "Which effect is missing"
     }
 
+    fn depth(&self) -> Depth {
+        Depth::Details
+    }
+
     fn how_to_read(&self) -> &'static str {
-        "Every effect of the catalogue is added to the model by itself and judged by how much better \
-         the data become explained; the probability compares the candidates with each other, given \
-         that one of them, or none, is missing."
+        "Every effect of the catalogue is added to the model by itself; the criterion (BIC) compares them \
+         on the training data, and an effect is found only if it lowers the error on data that were held out."
     }
 
     fn blocks(&self, study: &Study) -> Vec<Block> {
@@ -72,13 +75,13 @@ fn ranking_figure(diagnosis: &DiagnosisStudy) -> Option<Figure> {
         format!("{name} explains the data best (probability {})", probability(best.probability))
     };
     let panel =
-        Panel::new(Axis::linear("log-evidence over the model without it", ""), Axis::unlabelled())
+        Panel::new(Axis::linear("-BIC/2 over the model without it", ""), Axis::unlabelled())
             .with(Layer::Bars(bars));
     let figure = Figure::new("ranking", title)
         .with_subtitle("Each candidate added by itself; at the bars: probability among the candidates")
         .with_caption(format!(
-            "Logarithm of the evidence for each candidate over the model without it, the best {} of \
-             {}. An advantage of 3 is e³ = 20 to one.",
+            "Half the fall of the Bayesian information criterion with each candidate, on training data, \
+             the best {} of {}. An advantage of 3 is e³ = 20 to one.",
             shown.len(),
             diagnosis.ranking.len()
         ))
@@ -112,7 +115,7 @@ fn summary(diagnosis: &DiagnosisStudy) -> Block {
         text
     };
     Block::Paragraph(text.plain(format!(
-        " False alarms: where nothing is missing, an effect is found in {} of experiments.",
+        " Where nothing is missing, an effect may be found in at most {} of experiments (false alarms).",
         format::percent(diagnosis.false_alarm)
     )))
 }
@@ -139,7 +142,8 @@ fn describe(candidate: &Candidate) -> Text {
     if !candidate.indistinguishable.is_empty() {
         let others: Vec<String> =
             candidate.indistinguishable.iter().map(|id| words::effect_in_text(id)).collect();
-        text = text.plain(format!(" These data cannot tell it from {}.", words::list(&others)));
+        text = text
+            .plain(format!(" Not distinguishable by these data from {}.", words::list(&others)));
     }
     text
 }
@@ -165,17 +169,17 @@ fn table(study: &Study, ranking: &[Candidate]) -> Table {
     let columns = vec![
         Column::text("Effect"),
         Column::number("Probability", ""),
-        Column::number("p", ""),
-        Column::number("Fall of BIC", ""),
-        Column::number("Window error", "rad/s"),
+        Column::number("p (held out)", ""),
+        Column::number("ΔBIC", ""),
+        Column::number("2 s simulation error", "rad/s"),
         Column::number("Quality index", "rad²/s"),
-        Column::number("Its moment, rms", study.drive_unit.symbol()),
+        Column::number("RMS torque", study.drive_unit.symbol()),
         Column::text("Parameters"),
-        Column::text("Not told apart from"),
+        Column::text("Indistinguishable from"),
     ];
     let before = ranking.first().map_or(String::new(), |c| {
         format!(
-            " Without any: window error {} rad/s, quality index {} rad²/s.",
+            " Without any: 2 s simulation error {} rad/s, quality index {} rad²/s.",
             format::digits(c.window_before, 3),
             format::digits(c.ise_validation_before, 3)
         )

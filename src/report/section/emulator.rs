@@ -3,7 +3,7 @@
 mod rules;
 
 use super::curves;
-use super::{Section, words};
+use super::{Depth, Section, words};
 use crate::report::block::{Block, Text};
 use crate::report::figure::{Axis, Dash, Figure, Layer, Panel, Role};
 use crate::report::format;
@@ -22,12 +22,19 @@ impl Section for Emulator {
         "State emulator and fuzzy system"
     }
 
+    fn depth(&self) -> Depth {
+        Depth::Details
+    }
+
     fn how_to_read(&self) -> &'static str {
         "The emulator runs beside the robot and is drawn to the measurement by the gain K, so its \
          error is small where K is large, whatever the model; with K = 0 it is a pure simulation."
     }
 
     fn blocks(&self, study: &Study) -> Vec<Block> {
+        if !study.emulated {
+            return vec![];
+        }
         let fuzzy = best_fuzzy(study);
         let mut blocks = Vec::new();
         if let Some((method, system)) = fuzzy.and_then(|m| Some((m, m.fuzzy.as_ref()?))) {
@@ -35,7 +42,7 @@ impl Section for Emulator {
             blocks.push(Block::paragraph(
                 Text::from("Takagi-Sugeno systems f31 and f41, fitted by ")
                     .strong(&name)
-                    .plain(", the fuzzy method with the lowest window error."),
+                    .plain(", the fuzzy method with the lowest 2 s simulation error."),
             ));
             blocks.extend(rules::figures(study, &name, system).into_iter().map(Block::from));
         }
@@ -48,7 +55,7 @@ impl Section for Emulator {
     }
 }
 
-/// The fuzzy method with the lowest window error on the judged recordings.
+/// The fuzzy method with the lowest 2 s simulation error on the judged recordings.
 fn best_fuzzy(study: &Study) -> Option<&MethodStudy> {
     let error = |m: &MethodStudy| {
         let rms = study.judged_window_rms(m);
@@ -84,7 +91,10 @@ fn states(
     let largest = |state: usize| (0..count).map(|k| measured(k, state).abs()).fold(1e-9, f64::max);
     let mut outputs = Figure::new("emulator-states", "States of the emulator and measured states")
         .with_subtitle(&subtitle)
-        .with_caption("Angles α and speeds ω of the wheels. The paper shows this as Fig. 13.")
+        .with_caption(format!(
+            "Angles α and speeds ω of the wheels.{}",
+            words::in_paper(study, "Fig. 13")
+        ))
         .interactive();
     let rms = |state: usize| {
         let square = |k: usize| (measured(k, state) - performance.emulator[k][state]).powi(2);
@@ -97,10 +107,10 @@ fn states(
     );
     let mut errors = Figure::new("emulator-errors", title)
         .with_subtitle(&subtitle)
-        .with_caption(
-            "Measured minus emulated states, wheel 1 right, wheel 2 left. The paper shows this as \
-             Fig. 14.",
-        )
+        .with_caption(format!(
+            "Measured minus emulated states, wheel 1 right, wheel 2 left.{}",
+            words::in_paper(study, "Fig. 14")
+        ))
         .interactive();
     for state in 0..4 {
         let limit = 5.0 * largest(state);

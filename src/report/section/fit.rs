@@ -1,11 +1,10 @@
-//! Measured against simulated wheel speeds on one recording.
+//! Measured against simulated wheel speeds on one recording, and the error of simulations of every length.
 
-use super::curves::{self, residual, simulated, wheel};
+use super::overlay::Overlay;
 use super::{Section, words};
-use crate::report::block::{Block, Text};
-use crate::report::figure::{Axis, Dash, Figure, Layer, Panel, Role, Size};
+use crate::report::block::{Block, Cell, Column, Table};
 use crate::report::format;
-use crate::study::{Performance, RecordingStudy, Study};
+use crate::study::{ModelStudy, Study};
 
 /// Measured against simulated.
 #[derive(Default)]
@@ -21,223 +20,49 @@ impl Section for Fit {
     }
 
     fn how_to_read(&self) -> &'static str {
-        "The free simulation starts once and is driven by the recorded drive alone, so errors add \
-         up; the 2 s windows start anew from the measured motion and show the model itself."
+        "The free simulation starts once and is driven by the recorded input alone, so errors add \
+         up; the 2 s simulations start anew from the measured motion and show the model itself."
     }
 
     fn blocks(&self, study: &Study) -> Vec<Block> {
-        let Some((_, recording)) = curves::shown(study) else { return vec![] };
-        if recording.t.is_empty() {
-            return vec![];
-        }
-        let performance = study
-            .reference_method()
-            .and_then(|method| Some((method, curves::shown_performance(study, method)?.1)));
-        let mut blocks = Vec::new();
-        if let Some((method, performance)) = performance {
-            blocks.push(Block::paragraph(
-                Text::from("Recording ")
-                    .strong(&recording.file)
-                    .plain(format!(" ({}), fit by ", recording.role.name()))
-                    .strong(words::method(study, method))
-                    .plain("."),
-            ));
-            blocks.push(speeds(study, recording, performance).into());
-        }
-        blocks.push(drive(study, recording).into());
-        blocks.push(velocity(study, recording).into());
-        let errors = performance.map(|(_, p)| p.windows.as_slice()).unwrap_or_default();
-        if recording.path.len() > 1 {
-            blocks.push(path(recording, errors).into());
-        }
+        let Some(overlay) = Overlay::of(study) else { return vec![] };
+        let mut blocks = vec![overlay.whole().into()];
+        blocks.extend(horizons(study).map(Block::from));
         blocks
     }
 }
 
-fn time() -> Axis {
-    Axis::linear("time", "s")
-}
-
-fn line(points: Vec<(f64, f64)>, label: &str, role: Role, width: f64) -> Layer {
-    Layer::Line { points, label: label.to_owned(), role, width, dash: Dash::Solid }
-}
-
-/// Both speeds with their residuals below.
-fn speeds(study: &Study, recording: &RecordingStudy, performance: &Performance) -> Figure {
-    let title = format!(
-        "Over 2 s the model errs by {} rad/s; noise alone would leave {}",
-        format::digits(performance.window_rms, 3),
-        format::digits(recording.floor.window_rms, 3)
+/// Error and fit of the models over simulations of every length.
+fn horizons(study: &Study) -> Option<Table> {
+    let given = study.given.as_ref().filter(|m| !m.horizons.is_empty())?;
+    let models: Vec<(&ModelStudy, String)> = std::iter::once((given, words::given(study)))
+        .chain(study.completed.as_ref().map(|m| (m, words::added(study))))
+        .collect();
+    let mut columns = vec![Column::text("Simulated for")];
+    for (_, name) in &models {
+        columns.push(Column::number(format!("Error, {name}"), "rad/s"));
+        columns.push(Column::number(format!("Fit right / left, {name}"), "%"));
+    }
+    let caption = format!(
+        "RMS error of both wheel speeds and fit, 100 (1 − ‖w − ŵ‖/‖w − mean‖), by the time that is simulated \
+         from the measured motion; one sample is the prediction of the Kalman filter. On {} data.",
+        study.judged_words()
     );
-    let mut figure = Figure::new("fit", title)
-        .with_subtitle(format!(
-            "{}, {} s at {} Hz",
-            recording.file,
-            format::significant(recording.duration_s, 3),
-            format::significant(recording.rate_hz, 3)
-        ))
-        .with_caption(
-            "Wheel speeds ω₁ (right) and ω₂ (left), measured and simulated, and the residual, \
-             measured minus simulated.",
-        )
-        .interactive();
-    let shade = curves::failing(study, recording);
-    let background = shade.clone().or_else(|| curves::turning(recording));
-    for i in 0..2 {
-        let mut panel = Panel::new(time(), Axis::linear(words::OMEGA[i], "rad/s"));
-        panel.layers.extend(background.clone());
-        let measured = wheel(&recording.t, &recording.omega, i);
-        let free = simulated(recording, &performance.free, i);
-        let panel = panel.with(Layer::points(measured, "measured", Role::Measured)).with(line(
-            free,
-            "free simulation",
-            Role::Model,
-            1.6,
-        ));
-        let mut below =
-            Panel::new(time(), Axis::linear(format!("residual of {}", words::OMEGA[i]), "rad/s"));
-        below.layers.extend(shade.clone().map(unlabelled));
-        let below = below
-            .with(line(
-                residual(recording, &performance.free, i),
-                "free simulation",
-                Role::Model,
-                1.2,
-            ))
-            .with(line(residual(recording, &performance.windows, i), "2 s windows", Role::Ink, 0.9))
-            .with(noise_band(recording, i));
-        figure = figure.with_panel(panel).with_panel(below);
+    let mut table = Table::new(caption, columns);
+    for (n, horizon) in given.horizons.iter().enumerate() {
+        let name = match horizon.seconds {
+            0.0 => "one sample".to_owned(),
+            s if s.is_infinite() => "the whole recording (free)".to_owned(),
+            s => format!("{} s", format::significant(s, 2)),
+        };
+        let mut row = vec![Cell::formatted(name, horizon.seconds)];
+        for (model, _) in &models {
+            let Some(h) = model.horizons.get(n) else { continue };
+            row.push(Cell::formatted(format::digits(h.rms, 3), h.rms));
+            let fit = h.fit_percent.map(|f| format::fixed(f, 1)).join(" / ");
+            row.push(Cell::formatted(fit, 0.5 * (h.fit_percent[0] + h.fit_percent[1])));
+        }
+        table.push(row);
     }
-    figure
-}
-
-fn unlabelled(mut shade: Layer) -> Layer {
-    if let Layer::Shade { label, .. } = &mut shade {
-        label.clear();
-    }
-    shade
-}
-
-/// Where 95 % of the noise of a measured speed lies.
-fn noise_band(recording: &RecordingStudy, i: usize) -> Layer {
-    let half = 1.96 * recording.noise.omega[i];
-    let ends = [recording.t.first(), recording.t.last()];
-    Layer::Band {
-        x: ends.into_iter().flatten().copied().collect(),
-        lower: vec![-half; 2],
-        upper: vec![half; 2],
-        label: "95 % of the measuring noise".to_owned(),
-        role: Role::NoiseFloor,
-    }
-}
-
-/// The recorded drives: Fig. 3 of the paper.
-fn drive(study: &Study, recording: &RecordingStudy) -> Figure {
-    let roles = [Role::Wheel1, Role::Wheel2];
-    let mut panel = Panel::new(time(), Axis::linear("drive", study.drive_unit.symbol()));
-    for i in 0..2 {
-        let label = format!("{} {}", words::DRIVE[i], words::WHEELS[i]);
-        panel = panel.with(line(wheel(&recording.t, &recording.moment, i), &label, roles[i], 1.2));
-    }
-    Figure::new("drive", "Recorded drive of the wheels")
-        .with_subtitle(&recording.file)
-        .with_caption("What drives the simulation. The paper shows this as Fig. 3.")
-        .with_panel(panel)
-        .interactive()
-}
-
-/// The measured speeds: Fig. 4 of the paper.
-fn velocity(study: &Study, recording: &RecordingStudy) -> Figure {
-    let roles = [Role::Wheel1, Role::Wheel2];
-    let mut panel = Panel::new(time(), Axis::linear("wheel speed", "rad/s"));
-    panel.layers.extend(curves::failing(study, recording));
-    for i in 0..2 {
-        let label = format!("{} {}", words::OMEGA[i], words::WHEELS[i]);
-        panel = panel.with(line(wheel(&recording.t, &recording.omega, i), &label, roles[i], 1.2));
-    }
-    let source = if recording.measured.omega { "Measured" } else { "Differentiated from angles" };
-    Figure::new("speeds", "Angular speeds of the wheels")
-        .with_subtitle(&recording.file)
-        .with_caption(format!("{source}. The paper shows this as Fig. 4."))
-        .with_panel(panel)
-        .interactive()
-}
-
-/// The way of the axle's centre, thicker where the model errs.
-fn path(recording: &RecordingStudy, windows: &[[f64; 2]]) -> Figure {
-    let place = |k: usize| (recording.path[k][0], recording.path[k][1]);
-    let all: Vec<(f64, f64)> = (0..recording.path.len()).map(place).collect();
-    let noise = recording.noise.omega.map(|s| s.max(1e-9));
-    let loud = |k: usize| -> f64 {
-        let one = |i: usize| ((recording.omega[k][i] - windows[k][i]) / noise[i]).powi(2);
-        (0.5 * (one(0) + one(1))).sqrt()
-    };
-    let count = windows.len().min(recording.omega.len()).min(all.len());
-    let smooth = smoothed(&(0..count).map(loud).collect::<Vec<_>>(), recording.rate_hz);
-    let above = |low: f64, high: f64| -> Vec<(f64, f64)> {
-        (0..count).filter(|&k| smooth[k] > low && smooth[k] <= high).map(|k| all[k]).collect()
-    };
-    let size = map_size(&all);
-    let start = all[0];
-    let dots = |points, label: &str, role, radius| Layer::Points {
-        points,
-        label: label.to_owned(),
-        role,
-        radius,
-        alpha: 1.0,
-    };
-    let panel = Panel::new(Axis::linear("x", "m"), Axis::linear("y", "m"))
-        .with_equal_units()
-        .with(line(all.clone(), "path", Role::NoiseFloor, 1.6))
-        .with(dots(above(2.0, 4.0), "error 2 to 4 times the noise", Role::Highlight, 1.6))
-        .with(dots(above(4.0, f64::INFINITY), "more than 4 times", Role::Model, 2.6))
-        .with(dots(vec![start], "start", Role::Ink, 4.5));
-    let shares = [above(2.0, 4.0).len(), above(4.0, f64::INFINITY).len()];
-    let share = (shares[0] + shares[1]) as f64 / count.max(1) as f64;
-    let title = match count {
-        0 => "The way of the robot".to_owned(),
-        _ if share == 0.0 => "The error stays below twice the measuring noise".to_owned(),
-        _ => format!(
-            "For {} of the time the error exceeds twice the measuring noise",
-            format::percent(share)
-        ),
-    };
-    let mut figure = Figure::new("path", title)
-        .with_subtitle(&recording.file)
-        .with_caption(
-            "Path of the axle's centre, computed from the wheel angles; dots mark where the window \
-             error, averaged over 0.2 s, exceeds the noise of the speeds.",
-        )
-        .with_panel(panel);
-    figure.size = size;
-    figure
-}
-
-/// Root mean square over 0.2 s.
-fn smoothed(values: &[f64], rate: f64) -> Vec<f64> {
-    let half = ((0.1 * rate) as usize).min(values.len());
-    let mut sums = vec![0.0];
-    for v in values {
-        let square = if v.is_finite() { (v * v).min(1e6) } else { 1e6 };
-        sums.push(sums[sums.len() - 1] + square);
-    }
-    (0..values.len())
-        .map(|k| {
-            let (from, to) = (k.saturating_sub(half), (k + half + 1).min(values.len()));
-            ((sums[to] - sums[from]) / (to - from) as f64).sqrt()
-        })
-        .collect()
-}
-
-/// A figure of fitting height for a map of these places.
-fn map_size(points: &[(f64, f64)]) -> Size {
-    const WIDTH: f64 = 620.0;
-    let span = |pick: fn(&(f64, f64)) -> f64| {
-        let values = || points.iter().map(pick).filter(|v| v.is_finite());
-        let ends =
-            (values().fold(f64::INFINITY, f64::min), values().fold(-f64::INFINITY, f64::max));
-        (ends.1 - ends.0).max(1e-3)
-    };
-    let height = (WIDTH * span(|p| p.1) / span(|p| p.0)).clamp(150.0, 480.0);
-    Size { width: WIDTH, height: Some(height + 130.0) }
+    Some(table)
 }

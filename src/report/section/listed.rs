@@ -5,7 +5,7 @@ use crate::study::Study;
 /// Recordings that a table shows at most; `results.json` has them all.
 pub(super) const MOST: usize = 200;
 
-/// The recordings that are listed, in their order: all of them, or the [`MOST`] whose window error
+/// The recordings that are listed, in their order: all of them, or the [`MOST`] whose 2 s simulation error
 /// exceeds the noise floor by the largest factor.
 pub(super) fn recordings(study: &Study) -> Vec<usize> {
     let mut all: Vec<usize> = (0..study.recordings.len()).collect();
@@ -29,7 +29,7 @@ pub(super) fn left_out(study: &Study) -> Option<String> {
     let count = study.recordings.len();
     (count > MOST).then(|| {
         format!(
-            "Of {count} recordings the {MOST} are listed in which the window error exceeds the \
+            "Of {count} recordings the {MOST} are listed in which the 2 s simulation error exceeds the \
              noise floor most; results.json has all."
         )
     })

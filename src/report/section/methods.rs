@@ -1,7 +1,8 @@
 //! All methods side by side.
 
-use super::parameters::{figures as traces, truth};
-use super::{Section, words};
+use super::estimates::{figures as traces, truth};
+use super::{Depth, Section, words};
+use crate::identify::Status;
 use crate::report::block::{Block, Cell, Column, Table, Text, Tone};
 use crate::report::figure::{
     Axis, BarSeries, Bars, Direction, Figure, Layer, Panel, Role as Color,
@@ -25,9 +26,13 @@ impl Section for Methods {
         "Methods"
     }
 
+    fn depth(&self) -> Depth {
+        Depth::Details
+    }
+
     fn how_to_read(&self) -> &'static str {
         "ISE is the integral of the squared errors of both wheel speeds, summed over the recordings; \
-         with noisy drives a free simulation wanders, so compare methods by their window error, and \
+         with noisy drives a free simulation wanders, so compare methods by their 2 s simulation error, and \
          both with the noise floor."
     }
 
@@ -37,13 +42,9 @@ impl Section for Methods {
         }
         let mut blocks = vec![table(study).into()];
         blocks.extend(figure(study).map(Block::from));
-        blocks.push(Block::paragraph(format!(
-            "The paper's quality index of 0.139 rad²/s is that of its emulator in the parallel \
-             structure, for a run of unpublished length, noise and gain K: the index grows with the \
-             length and falls with K, so it serves as an order of magnitude only. Here the noise of \
-             the measured speeds alone costs {} rad²/s on the judged recordings.",
-            format::digits(sensor_noise(study), 3)
-        )));
+        if study.of_paper {
+            blocks.push(paper_index(study));
+        }
         let remarks = remarks(study);
         if !remarks.is_empty() {
             blocks.push(Block::Heading("Remarks of the methods".to_owned()));
@@ -53,6 +54,17 @@ impl Section for Methods {
         blocks.extend(other.flat_map(|m| traces(study, m)).map(Block::from));
         blocks
     }
+}
+
+/// The paper's index beside that of the noise.
+fn paper_index(study: &Study) -> Block {
+    Block::paragraph(format!(
+        "The paper's quality index of 0.139 rad²/s is that of its emulator in the parallel structure, for \
+         a run of unpublished length, noise and gain K: the index grows with the length and falls with K, \
+         so it serves as an order of magnitude only. Here the noise of the measured speeds alone costs {} \
+         rad²/s on the judged recordings.",
+        format::digits(sensor_noise(study), 3)
+    ))
 }
 
 /// Sum over the recordings of a role; NaN where there is none or the method failed.
@@ -82,7 +94,7 @@ fn table(study: &Study) -> Table {
     let mut columns = vec![
         Column::text("Method"),
         Column::text("Ended"),
-        Column::number("Window error", "rad/s"),
+        Column::number("2 s simulation error", "rad/s"),
         Column::number("Over noise", "×"),
         Column::number("ISE train", "rad²/s"),
         Column::number("ISE validation", "rad²/s"),
@@ -100,7 +112,7 @@ fn table(study: &Study) -> Table {
         ""
     };
     let caption = format!(
-        "Methods. Window error and emulators (eq. 19, {gain} on the wheel speeds) on {} data: \
+        "Methods. 2 s simulation error and emulators (eq. 19, {gain} on the wheel speeds) on {} data: \
          the emulators by their ISE; ISE train and validation are of the free simulation. Passes: \
          evaluations over the data.{error}",
         study.judged_words()
@@ -122,10 +134,10 @@ fn row(study: &Study, method: &MethodStudy, is_reference: bool) -> Vec<Cell> {
     let ise = |role| sum(study, role, |r| method.performance.get(r).map(|p| p.ise[0] + p.ise[1]));
     let mut row = vec![
         if is_reference { name.strong() } else { name },
-        match words::status(method) {
-            "failed" => ended.tone(Tone::Bad),
-            "converged" | "–" => ended,
-            _ => ended.tone(Tone::Notice),
+        match method.status {
+            _ if method.failure.is_some() => ended.tone(Tone::Bad),
+            None | Some(Status::Converged) => ended,
+            Some(Status::IterationLimit | Status::Stalled) => ended.tone(Tone::Notice),
         },
         digits(rms),
         digits(ratio),
@@ -174,7 +186,7 @@ fn floor_row(study: &Study) -> Vec<Cell> {
     ]
 }
 
-/// Window error of every method, with the noise floor.
+/// 2 s simulation error of every method, with the noise floor.
 fn figure(study: &Study) -> Option<Figure> {
     let fitted: Vec<(&MethodStudy, f64)> = study
         .methods
@@ -199,11 +211,11 @@ fn figure(study: &Study) -> Option<Figure> {
         highlight: None,
     };
     let title = format!(
-        "Lowest window error: {}, {} times the noise floor",
+        "Lowest 2 s simulation error: {}, {} times the noise floor",
         words::list(&best),
         format::digits(lowest / study.judged_floor(), 3)
     );
-    let panel = Panel::new(Axis::linear("window error", "rad/s"), Axis::unlabelled())
+    let panel = Panel::new(Axis::linear("2 s simulation error", "rad/s"), Axis::unlabelled())
         .with(Layer::Bars(bars))
         .with(Layer::vline(study.judged_floor(), "noise floor", Color::Ink));
     let figure = Figure::new("methods", title)

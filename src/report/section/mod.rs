@@ -2,11 +2,23 @@
 
 mod curves;
 mod listed;
+mod overlay;
 mod words;
 
 use super::block::Block;
 use crate::catalogue;
 use crate::study::Study;
+
+/// How far down the reader finds a section.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Depth {
+    /// What comes out; the first screen.
+    Summary,
+    /// What the verdict rests on.
+    Evidence,
+    /// Everything else, folded away.
+    Details,
+}
 
 /// A part of the report: what it shows of a study.
 pub trait Section: Send + Sync {
@@ -19,6 +31,11 @@ pub trait Section: Send + Sync {
     /// How a newcomer reads it, in one sentence.
     fn how_to_read(&self) -> &'static str;
 
+    /// How far down the reader finds it.
+    fn depth(&self) -> Depth {
+        Depth::Evidence
+    }
+
     /// What it is made of; empty where the study has nothing to show, and then it is left out.
     fn blocks(&self, study: &Study) -> Vec<Block>;
 }
@@ -28,11 +45,14 @@ catalogue! {
     verdict::Verdict,
     staircase::Staircase,
     fit::Fit,
-    regimes::Regimes,
     dependence::Dependence,
-    diagnosis::Diagnosis,
+    regimes::Regimes,
+    residuals::Residuals,
     parameters::Parameters,
+    diagnosis::Diagnosis,
     methods::Methods,
+    estimates::Estimates,
+    signals::Signals,
     emulator::Emulator,
     recordings::Recordings,
     provenance::Provenance,

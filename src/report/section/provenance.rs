@@ -1,6 +1,6 @@
 //! What is needed to repeat the run.
 
-use super::{Section, listed, words};
+use super::{Depth, Section, listed, words};
 use crate::report::block::{Block, Cell, Column, Table, Text};
 use crate::study::Study;
 
@@ -15,6 +15,10 @@ impl Section for Provenance {
 
     fn title(&self) -> &'static str {
         "Provenance"
+    }
+
+    fn depth(&self) -> Depth {
+        Depth::Details
     }
 
     fn how_to_read(&self) -> &'static str {

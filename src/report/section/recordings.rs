@@ -1,6 +1,6 @@
 //! What was measured, and what is odd about it.
 
-use super::{Section, listed};
+use super::{Depth, Section, listed};
 use crate::report::block::{Block, Cell, Column, Table, Text};
 use crate::report::format;
 use crate::study::{RecordingStudy, Study};
@@ -16,6 +16,10 @@ impl Section for Recordings {
 
     fn title(&self) -> &'static str {
         "Recordings"
+    }
+
+    fn depth(&self) -> Depth {
+        Depth::Details
     }
 
     fn how_to_read(&self) -> &'static str {
@@ -47,6 +51,7 @@ impl Section for Recordings {
         let mut blocks: Vec<Block> =
             listed::left_out(study).into_iter().map(Block::paragraph).collect();
         blocks.push(table.into());
+        blocks.extend(conditioning(study, &shown));
         let groups = study.findings();
         let remarks = groups.len();
         let findings: Vec<Text> = groups
@@ -55,7 +60,7 @@ impl Section for Recordings {
             .map(|(files, finding)| Text::default().strong(files).plain(format!(": {finding}")))
             .collect();
         if remarks == 0 {
-            blocks.push(Block::paragraph("The check of the recordings has no remark."));
+            blocks.push(Block::paragraph("The check of the recordings found no issues."));
         } else {
             blocks.push(Block::Heading("What the check of the recordings says".to_owned()));
             if findings.len() < remarks {
@@ -67,6 +72,26 @@ impl Section for Recordings {
         }
         blocks
     }
+}
+
+/// What sensors and loggers did to the recordings; without a table where they did nothing.
+fn conditioning(study: &Study, shown: &[usize]) -> Option<Block> {
+    let columns = vec![Column::text("Recording"), Column::text("Action"), Column::text("Finding")];
+    let title = "What sensors and loggers did to the signals, and what was done about it.";
+    let mut table = Table::new(title, columns);
+    let mut any = false;
+    for &r in shown {
+        let recording = &study.recordings[r];
+        for finding in &recording.conditioning {
+            any = true;
+            table.push(vec![
+                Cell::text(&recording.file),
+                Cell::text(finding.action.name()),
+                Cell::text(finding.to_string()),
+            ]);
+        }
+    }
+    any.then(|| table.into())
 }
 
 fn row(r: &RecordingStudy) -> Vec<Cell> {

@@ -23,101 +23,131 @@ impl Section for Regimes {
 
     fn how_to_read(&self) -> &'static str {
         "A ratio of 1 means that noise explains the error, but an error made in one regime is carried \
-         into the next until the window ends; a star marks where a constant moment is missing itself, \
+         into the next until the simulation of 2 s ends; a star marks where the mean residual torque is \
          significant at 5 % after correction for looking at all regimes (Holm)."
     }
 
     fn blocks(&self, study: &Study) -> Vec<Block> {
-        if study.failures.is_empty() {
+        let Some(given) = study.given.as_ref().filter(|m| !m.failures.is_empty()) else {
             return vec![];
-        }
-        vec![map(study).into(), table(study).into()]
+        };
+        let models = [(words::given(study), given)].into_iter();
+        let models = models.chain(study.completed.as_ref().map(|m| (words::added(study), m)));
+        let models: Vec<(String, &[Failure])> =
+            models.map(|(name, m)| (name, m.failures.as_slice())).collect();
+        let table = vec![table(study, &models).into()];
+        vec![map(study, &models).into(), Block::folded("All regimes in numbers", table)]
     }
 }
 
-fn title(failures: &[Failure]) -> String {
-    let significant = failures.iter().filter(|f| f.significant);
-    match significant.min_by(|a, b| a.p_value.total_cmp(&b.p_value)) {
-        Some(worst) => format!(
-            "A moment is missing, most clearly in: {} ({} wheel)",
+fn title(study: &Study, models: &[(String, &[Failure])]) -> String {
+    let worst = |failures: &[Failure]| -> Option<String> {
+        let significant = failures.iter().filter(|f| f.significant);
+        let worst = significant.max_by(|a, b| a.ratio_to_noise.total_cmp(&b.ratio_to_noise))?;
+        Some(format!(
+            "{} ({} wheel)",
             words::regime(worst.regime),
-            words::SIDES[worst.wheel.saturating_sub(1).min(1)],
+            words::SIDES[worst.wheel.saturating_sub(1).min(1)]
+        ))
+    };
+    let Some((_, last)) = models.last() else { return String::new() };
+    match (worst(models[0].1), worst(last)) {
+        (Some(before), None) if models.len() > 1 => format!(
+            "The {} fails most clearly in: {before}; with {} it fails in no regime",
+            words::given(study),
+            words::found(study)
         ),
-        None => "In no regime is a missing moment significant".to_owned(),
+        (_, Some(worst)) => format!("The model fails most clearly in: {worst}"),
+        (_, None) => "The model fails in no regime".to_owned(),
     }
 }
 
-fn map(study: &Study) -> Figure {
-    let of = |regime: Regime, wheel: usize| {
-        study.failures.iter().find(|f| f.regime == regime && f.wheel == wheel)
-    };
+fn map(study: &Study, models: &[(String, &[Failure])]) -> Figure {
     let regimes: Vec<Regime> = Regime::ALL
         .into_iter()
-        .filter(|regime| (1..=2).any(|wheel| of(*regime, wheel).is_some()))
+        .filter(|regime| models[0].1.iter().any(|f| f.regime == *regime))
         .collect();
-    let rows = |cell: &dyn Fn(Option<&Failure>) -> f64| -> Vec<Vec<f64>> {
-        regimes.iter().map(|r| [1, 2].map(|wheel| cell(of(*r, wheel))).to_vec()).collect()
-    };
-    let text = |f: Option<&Failure>| match f {
-        Some(f) => {
-            let star = if f.significant { " *" } else { "" };
-            format!("{}{star}", format::digits(f.ratio_to_noise, 2))
-        }
-        None => String::new(),
-    };
-    let values = rows(&|f| f.map_or(f64::NAN, |f| f.ratio_to_noise));
-    let most = values.iter().flatten().copied().filter(|v| v.is_finite()).fold(2.0, f64::max);
-    let map = HeatMap {
-        rows: regimes.iter().map(|r| words::regime(*r)).collect(),
-        columns: words::WHEELS.map(str::to_owned).to_vec(),
-        text: regimes.iter().map(|r| [1, 2].map(|wheel| text(of(*r, wheel))).to_vec()).collect(),
-        values,
-        colors: ColorMap::Sequential,
-        label: "window error over noise floor".to_owned(),
-        unit: String::new(),
-        range: Some((0.5, most)),
-    };
-    let mut figure = Figure::new("regimes", title(&study.failures))
-        .with_subtitle(format!("Window error over noise floor, {} data", study.judged_words()))
+    let all = models.iter().flat_map(|m| m.1).map(|f| f.ratio_to_noise);
+    let most = all.filter(|v| v.is_finite()).fold(2.0, f64::max);
+    let mut figure = Figure::new("regimes", title(study, models))
+        .with_subtitle(format!("2 s simulation error over noise floor, {} data", study.judged_words()))
         .with_caption(
-            "Root mean square window error by regime of driving and wheel, over that of the noise \
-             floor. A star: the missing moment is significant.",
+            "Root mean square 2 s simulation error by regime of driving and wheel, over that of the noise \
+             floor. A star: the residual torque is significant.",
         )
-        .with_panel(Panel::new(Axis::unlabelled(), Axis::unlabelled()).with(Layer::HeatMap(map)));
-    figure.size = Size { width: 620.0, height: None };
+        .with_columns(models.len());
+    for (name, failures) in models {
+        let of = |regime: Regime, wheel: usize| {
+            failures.iter().find(|f| f.regime == regime && f.wheel == wheel)
+        };
+        let ratio = |f: Option<&Failure>| f.map_or(f64::NAN, |f| f.ratio_to_noise);
+        let text = |f: Option<&Failure>| match f {
+            Some(f) => {
+                let star = if f.significant { " *" } else { "" };
+                format!("{}{star}", format::digits(f.ratio_to_noise, 2))
+            }
+            None => String::new(),
+        };
+        let map = HeatMap {
+            rows: regimes.iter().map(|r| words::regime(*r)).collect(),
+            columns: words::SIDES.map(|side| format!("{side} wheel")).to_vec(),
+            text: regimes
+                .iter()
+                .map(|r| [1, 2].map(|wheel| text(of(*r, wheel))).to_vec())
+                .collect(),
+            values: regimes
+                .iter()
+                .map(|r| [1, 2].map(|wheel| ratio(of(*r, wheel))).to_vec())
+                .collect(),
+            colors: ColorMap::Sequential,
+            label: "error over floor".to_owned(),
+            unit: String::new(),
+            range: Some((0.5, most)),
+        };
+        let panel = Panel::new(Axis::unlabelled(), Axis::unlabelled()).with(Layer::HeatMap(map));
+        figure.panels.push(if models.len() > 1 { panel.with_title(name) } else { panel });
+    }
+    if models.len() == 1 {
+        figure.size = Size { width: 620.0, height: None };
+    }
     figure
 }
 
-fn table(study: &Study) -> Table {
+fn table(study: &Study, models: &[(String, &[Failure])]) -> Table {
     let unit = study.drive_unit.symbol();
-    let columns = vec![
-        Column::text("Regime"),
-        Column::text("Wheel"),
-        Column::number("Share of error", ""),
-        Column::number("Over noise", "×"),
-        Column::number("Missing moment", unit),
-        Column::number("p", ""),
-        Column::text("Sure"),
-        Column::number("Samples", ""),
-    ];
+    let mut columns =
+        vec![Column::text("Regime"), Column::text("Wheel"), Column::number("Samples", "")];
+    for (name, _) in models {
+        columns.push(Column::number(format!("Share of error, {name}"), ""));
+        columns.push(Column::number("Over floor", "×"));
+        columns.push(Column::number("Residual torque", unit));
+        columns.push(Column::number("p", ""));
+    }
     let caption = format!(
-        "Regimes by how far the error exceeds noise, on {} data: share of the summed squared window \
-         error, and the constant moment that the model misses there, ± standard error.",
+        "Regimes by how far the error exceeds noise, on {} data: share of the summed squared 2 s simulation \
+         error, and the mean residual torque ± standard error (over blocks of 1 s; a dash near rest).",
         study.judged_words()
     );
     let mut table = Table::new(caption, columns);
-    for f in &study.failures {
-        let significant = Cell::text(if f.significant { "yes" } else { "no" });
-        table.push(vec![
-            Cell::text(words::regime(f.regime)),
-            Cell::text(words::SIDES[f.wheel.saturating_sub(1).min(1)]),
-            Cell::formatted(format::percent(f.share_of_ise), f.share_of_ise).bar(f.share_of_ise),
-            Cell::formatted(format::digits(f.ratio_to_noise, 3), f.ratio_to_noise),
-            Cell::estimate(f.moment, f.std_error),
-            Cell::p_value(f.p_value),
-            if f.significant { significant.tone(Tone::Bad) } else { significant },
-            Cell::count(f.samples),
-        ]);
+    for first in models[0].1 {
+        let mut row = vec![
+            Cell::text(words::regime(first.regime)),
+            Cell::text(words::SIDES[first.wheel.saturating_sub(1).min(1)]),
+            Cell::count(first.samples),
+        ];
+        for (_, failures) in models {
+            let same = |f: &&Failure| f.regime == first.regime && f.wheel == first.wheel;
+            let Some(f) = failures.iter().find(same) else { continue };
+            let over = Cell::formatted(format::digits(f.ratio_to_noise, 3), f.ratio_to_noise);
+            row.extend([
+                Cell::formatted(format::percent(f.share_of_ise), f.share_of_ise)
+                    .bar(f.share_of_ise),
+                if f.significant { over.tone(Tone::Bad) } else { over },
+                Cell::estimate(f.moment, f.std_error),
+                Cell::p_value(f.p_value),
+            ]);
+        }
+        table.push(row);
     }
     table
 }

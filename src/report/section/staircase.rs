@@ -16,7 +16,7 @@ impl Section for Staircase {
     }
 
     fn title(&self) -> &'static str {
-        "Staircase of the error"
+        "Error by model version"
     }
 
     fn how_to_read(&self) -> &'static str {
@@ -90,7 +90,8 @@ impl Stair {
 }
 
 fn show(study: &Study, id: &str, lead: &str, stairs: &[Stair]) -> Vec<Block> {
-    vec![figure(study, id, lead, stairs).into(), table(study, lead, stairs).into()]
+    let table = vec![table(study, lead, stairs).into()];
+    vec![figure(study, id, lead, stairs).into(), Block::folded("In numbers", table)]
 }
 
 fn figure(study: &Study, id: &str, lead: &str, stairs: &[Stair]) -> Figure {
@@ -108,19 +109,20 @@ fn figure(study: &Study, id: &str, lead: &str, stairs: &[Stair]) -> Figure {
     let last = stairs.last().map_or(f64::NAN, |stair| stair.error);
     let title = if stairs.len() > 1 {
         format!(
-            "The error falls from {} to {} rad/s; noise alone leaves {}",
+            "{} from {} to {} rad/s; the noise floor is {}",
+            if last < first { "The error falls" } else { "The error changes" },
             format::digits(first, 3),
             format::digits(last, 3),
             format::digits(floor, 3)
         )
     } else {
         format!(
-            "The error is {} rad/s; noise alone leaves {}",
+            "The error is {} rad/s; the noise floor is {}",
             format::digits(last, 3),
             format::digits(floor, 3)
         )
     };
-    let panel = Panel::new(Axis::linear("window error", "rad/s"), Axis::unlabelled())
+    let panel = Panel::new(Axis::linear("2 s simulation error", "rad/s"), Axis::unlabelled())
         .with(Layer::Bars(bars))
         .with(Layer::vline(floor, "noise floor", Role::Ink));
     Figure::new(id, title)
@@ -134,13 +136,13 @@ fn figure(study: &Study, id: &str, lead: &str, stairs: &[Stair]) -> Figure {
 
 fn table(study: &Study, lead: &str, stairs: &[Stair]) -> Table {
     let caption = format!(
-        "{lead}. What is left: mean square window error above the noise floor, as a share of that \
+        "{lead}. What is left: mean square 2 s simulation error above the noise floor, as a share of that \
          of the first model; the quality index is that of the free simulation. On {} data.",
         study.judged_words()
     );
     let columns = vec![
         Column::text("Model"),
-        Column::number("Window error", "rad/s"),
+        Column::number("2 s simulation error", "rad/s"),
         Column::number("Over noise floor", "×"),
         Column::number("What is left", ""),
         Column::number("Quality index", "rad²/s"),

@@ -3,14 +3,16 @@
 use std::collections::HashSet;
 
 use super::all;
-use crate::compare::{Bin, Dependence, Failure, Floor, MissingMoment, Variable};
+use crate::compare::{
+    Curve, CurveBin, Failure, Floor, Horizon, Innovations, Mean, Variable, Whiteness, analysed,
+};
 use crate::identify::{Estimate, Status, Trace, Work};
 use crate::recording::{DriveUnit, Measured, Noise, Regime};
 use crate::report::block::Block;
 use crate::report::render;
 use crate::study::{
-    Candidate, DiagnosisStudy, FuzzyStudy, MethodStudy, Performance, RecordingStudy, Role, Step,
-    Study, Verdict, Version,
+    Candidate, DiagnosisStudy, FoundEffect, FuzzyStudy, MethodStudy, ModelStudy, ParameterStudy,
+    Performance, RecordingStudy, Role, Step, Study, Verdict, Version,
 };
 
 /// Samples of a made recording.
@@ -29,6 +31,7 @@ fn recording(role: Role) -> RecordingStudy {
         rate_hz: 100.0,
         measured: Measured { alpha: true, omega: true },
         noise: Noise { alpha: [1e-3; 2], omega: [0.05; 2], moment: [0.005; 2] },
+        conditioning: vec![],
         findings: vec!["a gap of 0.2 s at 1.0 s".to_owned()],
         floor: Floor { ise: [0.01; 2], window_rms: 0.05 },
         alpha: t.iter().map(|t| [4.0 - 4.0 * t.cos(), 3.0 * t.sin()]).collect(),
@@ -45,12 +48,14 @@ fn performance(r: &RecordingStudy, error: f64) -> Performance {
     let off = |w: &[f64; 2]| [w[0] + error, w[1] - error];
     let state = |(a, w): (&[f64; 2], &[f64; 2])| [a[0], a[1], w[0] + error, w[1]];
     Performance {
+        angle_rms: 0.01,
         ise: [error; 2],
         window_rms: error.abs(),
         ise_parallel: error,
         ise_serial_parallel: f64::INFINITY,
         free: r.omega.iter().map(off).collect(),
         windows: r.omega.iter().map(off).collect(),
+        window_starts: vec![0, SAMPLES / 2],
         emulator: r.alpha.iter().zip(&r.omega).map(state).collect(),
     }
 }
@@ -75,6 +80,7 @@ fn method(name: &str) -> MethodStudy {
 
 fn empty() -> Study {
     Study {
+        timing: None,
         experiment: "bare".to_owned(),
         title: "Bare".to_owned(),
         version: "0".to_owned(),
@@ -87,8 +93,11 @@ fn empty() -> Study {
         methods: vec![],
         reference: None,
         emulator_gain: 0.0,
-        failures: vec![],
-        missing_moment: None,
+        given: None,
+        completed: None,
+        curves: vec![],
+        emulated: false,
+        of_paper: false,
         diagnosis: None,
         versions: vec![],
         truth: vec![],
@@ -96,23 +105,61 @@ fn empty() -> Study {
     }
 }
 
-fn missing_moment() -> MissingMoment {
-    let bin = |k: usize| Bin {
+fn curve(variable: Variable, share: f64) -> Curve {
+    let mean = |value: f64| Mean { value, std_error: 0.001, blocks: 9 };
+    let bin = |k: usize| CurveBin {
         at: k as f64,
-        moment: [0.01 * k as f64, f64::NAN],
-        std_error: [0.002, f64::INFINITY],
+        joined: k != 0 && k != 6,
+        before: [mean(0.02 * (k as f64 - 5.5).signum()), mean(f64::NAN)],
+        after: Some([mean(0.0), mean(f64::NAN)]),
     };
-    let dependence = |variable, log_significance| Dependence {
-        variable,
-        bins: (0..12).map(bin).collect(),
-        statistic: 2.0 * log_significance,
-        size: 0.01,
-        rank: 12,
-        log_significance,
+    let bins = (0..12).map(bin).collect();
+    let (share_before, share_after) = (share, Some(0.01));
+    Curve { variable, bins, share_before, share_after, log_significance: 900.0 * share }
+}
+
+fn whiteness() -> Whiteness {
+    let wave = |turn: f64| vec![(0..400).map(|k| (turn * f64::from(k)).sin()).collect()];
+    let wheel = |turn: f64| Innovations { scaled: wave(turn), input: wave(0.3 * turn) };
+    analysed(&[wheel(2.1), wheel(1.7)], 0.01)
+}
+
+/// A model whose error on every recording is `error`.
+fn model(recordings: &[RecordingStudy], error: f64, effects: &[&str]) -> ModelStudy {
+    let failure = |regime, wheel, significant| Failure {
+        regime,
+        wheel,
+        share_of_ise: 0.4,
+        ratio_to_noise: 3.0,
+        p_value: 0.0,
+        moment: f64::NAN,
+        std_error: f64::INFINITY,
+        samples: 200,
+        significant,
     };
-    let dependences =
-        vec![dependence(Variable::TurnRate, 900.0), dependence(Variable::Heading, 1.0)];
-    MissingMoment { dependences }
+    let is_bad = error > 0.1;
+    let parameter = |effect: &str, symbol: &str, value: f64, std_error: f64| ParameterStudy {
+        effect: effect.to_owned(),
+        meaning: "a meaning".to_owned(),
+        estimate: Estimate::new(symbol, "V".to_owned(), value, std_error),
+    };
+    let mut parameters = vec![
+        parameter("inertia", "a1", 0.03, 1e-4),
+        parameter("inertia", "a2", -0.002, f64::INFINITY),
+    ];
+    parameters.extend(effects.iter().map(|id| parameter(id, "f_t", 0.02, 1e-4)));
+    ModelStudy {
+        effects: effects.iter().map(|e| (*e).to_owned()).collect(),
+        parameters,
+        performance: recordings.iter().map(|r| performance(r, error)).collect(),
+        residual_torque: recordings.iter().map(|r| r.moment.clone()).collect(),
+        failures: vec![
+            failure(Regime::PivotLeft, 1, is_bad),
+            failure(Regime::StraightSteady, 2, false),
+        ],
+        horizons: vec![Horizon { seconds: f64::INFINITY, rms: error, fit_percent: [90.0, -5.0] }],
+        whiteness: Some(whiteness()),
+    }
 }
 
 fn candidate(effect: &str, probability: f64, window_after: f64) -> Candidate {
@@ -141,6 +188,8 @@ fn diagnosis() -> DiagnosisStudy {
         window_rms_validation,
     };
     DiagnosisStudy {
+        likely: vec![],
+        estimates: vec![],
         verdict: Verdict::EffectsMissing,
         sentence: "Missing: turning_scrub.".to_owned(),
         found: vec!["turning_scrub".to_owned()],
@@ -153,7 +202,12 @@ fn diagnosis() -> DiagnosisStudy {
         next_run: Some("Record a turn.".to_owned()),
         proposal: None,
         false_alarm: 0.05,
-        missing_moment: Some(missing_moment()),
+        effects: vec![FoundEffect {
+            id: "turning_scrub".to_owned(),
+            title: "Turning scrub".to_owned(),
+            cause: "tyres scrub".to_owned(),
+            indistinguishable: vec![],
+        }],
     }
 }
 
@@ -199,19 +253,9 @@ pub(super) fn full() -> Study {
     failed.failure = Some("the data cannot give a2".to_owned());
     failed.status = None;
     let fuzzy = MethodStudy { fuzzy: Some(fuzzy()), ..performed("fuzzy_genetic", f64::NAN) };
-    let failure = |regime, wheel, significant| Failure {
-        regime,
-        wheel,
-        share_of_ise: 0.4,
-        ratio_to_noise: 3.0,
-        p_value: 0.0,
-        moment: f64::NAN,
-        std_error: f64::INFINITY,
-        samples: 200,
-        significant,
-    };
     let version = |effects: &[&str], window_rms| Version {
         effects: effects.iter().map(|e| (*e).to_owned()).collect(),
+        data: "sum".to_owned(),
         window_rms,
         ise: 0.2,
         floor: 0.05,
@@ -221,11 +265,11 @@ pub(super) fn full() -> Study {
         methods: vec![physical, failed, fuzzy, performed("diverging", f64::INFINITY)],
         reference: Some(0),
         emulator_gain: 2.0,
-        failures: vec![
-            failure(Regime::PivotLeft, 1, true),
-            failure(Regime::StraightSteady, 2, false),
-        ],
-        missing_moment: Some(missing_moment()),
+        given: Some(model(&recordings, 0.2, &[])),
+        completed: Some(model(&recordings, 0.05, &["turning_scrub"])),
+        curves: vec![curve(Variable::TurnRate, 0.7), curve(Variable::Heading, 0.1)],
+        emulated: true,
+        of_paper: true,
         diagnosis: Some(diagnosis()),
         versions: vec![version(&[], 0.4), version(&["turning_scrub"], 0.05)],
         truth: vec![("a1".to_owned(), 0.0305), ("a2".to_owned(), 0.0)],
@@ -247,10 +291,10 @@ fn a_full_study_has_every_section_and_every_figure_is_drawn_once() {
     let rendered = render(&study).unwrap();
     let figures: HashSet<&str> = rendered.figures.iter().map(|f| f.0.as_str()).collect();
     assert_eq!(figures.len(), rendered.figures.len());
-    for name in ["fit", "drive", "speeds", "path", "staircase", "staircase-versions", "regimes"]
+    for name in ["overlay", "fit", "drive", "speeds", "path", "staircase", "staircase-versions"]
         .into_iter()
-        .chain(["dependence", "window-error", "ranking", "estimates", "correlations", "methods"])
-        .chain(["memberships", "rules", "surface", "emulator-states", "emulator-errors"])
+        .chain(["regimes", "dependence", "residuals", "ranking", "estimates", "correlations"])
+        .chain(["methods", "memberships", "rules", "surface", "emulator-states", "emulator-errors"])
         .chain(["trace-prediction_error"])
     {
         assert!(figures.contains(format!("{name}.png").as_str()), "{name}");
@@ -288,7 +332,7 @@ fn an_empty_study_says_that_there_is_no_fit_and_leaves_the_rest_out() {
 fn a_study_without_validation_warns_and_judges_on_training_data() {
     let mut study = full();
     study.recordings.truncate(1);
-    study.diagnosis = None;
+    (study.diagnosis, study.completed) = (None, None);
     let html = render(&study).unwrap().html;
     assert!(html.contains("No validation recording is given"));
     assert!(html.contains("The error is 4 times the noise floor"));
@@ -301,9 +345,9 @@ fn a_study_whose_methods_all_failed_still_shows_why_and_what_was_recorded() {
     study.methods.truncate(2);
     study.methods.remove(0);
     study.reference = None;
-    (study.diagnosis, study.missing_moment) = (None, None);
-    (study.failures, study.versions) = (vec![], vec![]);
-    assert_eq!(ids(&study), ["verdict", "fit", "methods", "recordings", "provenance"]);
+    (study.diagnosis, study.given, study.completed) = (None, None, None);
+    (study.curves, study.versions) = (vec![], vec![]);
+    assert_eq!(ids(&study), ["verdict", "methods", "signals", "recordings", "provenance"]);
     assert!(render(&study).unwrap().html.contains("the data cannot give a2"));
 }
 
@@ -322,11 +366,11 @@ fn short_and_ragged_columns_are_drawn_as_far_as_they_go() {
         method.correlations.truncate(1);
     }
     render(&study).unwrap();
-    for method in &mut study.methods {
-        for performance in &mut method.performance {
-            performance.windows.truncate(3);
-            performance.emulator.clear();
-        }
+    let models = [&mut study.given, &mut study.completed].into_iter().flatten();
+    let of_models = models.flat_map(|m| &mut m.performance);
+    for performance in study.methods.iter_mut().flat_map(|m| &mut m.performance).chain(of_models) {
+        performance.windows.truncate(3);
+        performance.emulator.clear();
     }
     study.recordings[0].t.clear();
     study.recordings[1].omega.clear();
@@ -342,6 +386,27 @@ fn every_section_says_how_to_read_it_in_one_sentence_of_its_own() {
         assert!(aid.ends_with('.') && !aid.trim_end_matches('.').contains(". "), "{aid}");
         assert!(!section.title().is_empty());
     }
+}
+
+#[test]
+fn the_paper_and_the_emulator_are_shown_only_where_they_are_asked_for() {
+    let mut study = full();
+    assert!(render(&study).unwrap().html.contains("The paper shows this as Fig. 3"));
+    (study.emulated, study.of_paper) = (false, false);
+    let html = render(&study).unwrap().html;
+    assert!(!html.contains("The paper") && !html.contains("emulator-states"));
+}
+
+#[test]
+fn error_floor_and_ratio_are_those_of_one_fit() {
+    let study = full();
+    let Block::Numbers(numbers) = &all()[0].blocks(&study)[1] else {
+        panic!("numbers come second")
+    };
+    let values: Vec<&str> = numbers.iter().map(|n| n.value.as_str()).collect();
+    // the completed model has 0.05, the floor is 0.05
+    assert_eq!(values, ["0.0500", "0.0500", "1.00", "at the noise floor"]);
+    assert_eq!(numbers[0].note, "0.200 without turning scrub");
 }
 
 #[test]

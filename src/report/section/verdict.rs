@@ -1,16 +1,15 @@
 //! What comes out, in one sentence, and what to do next.
 
-use super::{Section, words};
-use crate::report::block::{Block, Text, Tone};
+use super::overlay::Overlay;
+use super::{Depth, Section, words};
+use crate::identify::Status;
+use crate::report::block::{Block, Number, Text, Tone};
 use crate::report::format;
-use crate::study::{self, MethodStudy, Role, Study};
+use crate::study::{self, AT_FLOOR, Grade, Role, Study};
 
 /// The verdict.
 #[derive(Default)]
 pub struct Verdict;
-
-/// An error above this many times the noise floor is worth words even if no regime stands out.
-const ABOVE_NOISE: f64 = 1.1;
 
 impl Section for Verdict {
     fn id(&self) -> &'static str {
@@ -21,63 +20,130 @@ impl Section for Verdict {
         "Verdict"
     }
 
+    fn depth(&self) -> Depth {
+        Depth::Summary
+    }
+
     fn how_to_read(&self) -> &'static str {
         "The noise floor is the error that a perfect model would still have, because speeds and \
-         drives are measured with noise; what lies above it is the model's."
+         inputs are measured with noise; what lies above it is the model's."
     }
 
     fn blocks(&self, study: &Study) -> Vec<Block> {
         let mut blocks = vec![finding(study)];
-        blocks.extend(cautions(study));
+        blocks.extend(numbers(study));
+        blocks.extend(Overlay::of(study).map(|overlay| Block::from(overlay.stretch())));
         blocks.extend(next_step(study));
+        blocks.extend(cautions(study));
         blocks
     }
 }
 
 fn finding(study: &Study) -> Block {
-    let Some(method) = study.reference_method() else {
+    let Some(model) = study.last_model() else {
         let reasons = study.methods.iter().filter_map(|m| m.failure.clone());
         let detail = reasons.collect::<Vec<_>>().join(" ");
         return Block::verdict(Tone::Bad, "No method has a fit, so nothing is judged.", detail);
     };
     let (tone, sentence) = match &study.diagnosis {
         Some(diagnosis) => (tone(diagnosis.verdict), diagnosis.sentence.clone()),
-        None => compared(study, method),
+        None => compared(study, study.error_of(model)),
     };
-    Block::verdict(tone, sentence, judged_on(study, method))
+    Block::verdict(tone, sentence, causes(study))
+}
+
+/// What the effects found are in the robot.
+fn causes(study: &Study) -> String {
+    let effects = study.diagnosis.iter().flat_map(|d| &d.effects);
+    let with_cause = effects.filter(|e| !e.cause.is_empty());
+    with_cause.map(|e| format!("{}: {}.", e.title, e.cause)).collect::<Vec<_>>().join(" ")
+}
+
+/// Error, floor, ratio and grade, all of the fit that the verdict is about.
+fn numbers(study: &Study) -> Option<Block> {
+    let (model, grade) = study.last_model().zip(study.grade())?;
+    let (error, floor) = (study.error_of(model), study.judged_floor());
+    let three = |v: f64| format::digits(v, 3);
+    let before = match (&study.completed, &study.given) {
+        (Some(_), Some(given)) => {
+            format!("{} without {}", three(study.error_of(given)), words::found(study))
+        }
+        _ => format!("of the {}", words::given(study)),
+    };
+    let tone = match grade {
+        Grade::AtFloor | Grade::Near => Tone::Good,
+        Grade::Useful => Tone::Neutral,
+        Grade::Poor => Tone::Notice,
+        Grade::NotUsable => Tone::Bad,
+    };
+    let number = |label: &str, value: String, unit: &str, note: String| Number {
+        label: label.to_owned(),
+        value,
+        unit: unit.to_owned(),
+        note,
+        tone: Tone::Neutral,
+    };
+    let share = format::percent(error / study.top_speed());
+    let judged = format!("on {} data; what noise alone leaves", study.judged_words());
+    Some(Block::Numbers(vec![
+        number("2 s simulation error", three(error), "rad/s", before),
+        number("Noise floor", three(floor), "rad/s", judged),
+        number(
+            "Error over floor",
+            three(error / floor),
+            "",
+            format!("error: {share} of the top speed"),
+        ),
+        Number {
+            tone,
+            ..number("The model is", grade.words().to_owned(), "", means(grade).to_owned())
+        },
+    ]))
+}
+
+/// What a grade means.
+fn means(grade: Grade) -> &'static str {
+    match grade {
+        Grade::AtFloor => "these recordings cannot show a better one",
+        Grade::Near => "what is left is small against noise or speed",
+        Grade::Useful => "it predicts speeds to 5 % of the top speed",
+        Grade::Poor => "it predicts speeds to 20 % of the top speed",
+        Grade::NotUsable => "its error is above 20 % of the top speed",
+    }
 }
 
 fn tone(verdict: study::Verdict) -> Tone {
     match verdict {
         study::Verdict::ModelSufficient => Tone::Good,
-        study::Verdict::EffectsMissing => Tone::Notice,
+        study::Verdict::EffectsMissing | study::Verdict::EffectLikely => Tone::Notice,
         study::Verdict::UnknownEffect => Tone::Bad,
     }
 }
 
 /// The verdict where no diagnosis was asked for: the error against its floor, and where.
-fn compared(study: &Study, method: &MethodStudy) -> (Tone, String) {
-    let ratio = study.judged_window_rms(method) / study.judged_floor();
+fn compared(study: &Study, error: f64) -> (Tone, String) {
+    let ratio = error / study.judged_floor();
     if !ratio.is_finite() {
         return (Tone::Bad, "The simulation of the fitted model diverges.".to_owned());
     }
     let times = format::significant(ratio, 2);
     let mut places: Vec<String> = Vec::new();
-    for failure in study.failures.iter().filter(|f| f.significant) {
+    let failures = study.given.iter().flat_map(|m| &m.failures);
+    for failure in failures.filter(|f| f.significant) {
         let place = words::regime(failure.regime);
         if !places.contains(&place) {
             places.push(place);
         }
     }
+    if ratio <= AT_FLOOR {
+        let sentence = "The model follows the measurement down to the noise floor.";
+        return (Tone::Good, sentence.to_owned());
+    }
     if places.is_empty() {
-        return if ratio < ABOVE_NOISE {
-            (Tone::Good, "The model follows the measurement down to the noise.".to_owned())
-        } else {
-            let sentence = format!(
-                "The error is {times} times the noise floor, but no regime of driving stands out."
-            );
-            (Tone::Notice, sentence)
-        };
+        let sentence = format!(
+            "The error is {times} times the noise floor, but no regime of driving stands out."
+        );
+        return (Tone::Notice, sentence);
     }
     let more = places.len().saturating_sub(3);
     places.truncate(3);
@@ -85,38 +151,9 @@ fn compared(study: &Study, method: &MethodStudy) -> (Tone, String) {
         places.push(format!("{more} more"));
     }
     let places = words::list(&places);
-    if ratio < ABOVE_NOISE {
-        let sentence = format!(
-            "The error is at the noise floor, yet a small moment is missing beyond doubt in: \
-             {places}."
-        );
-        return (Tone::Notice, sentence);
-    }
     (
         Tone::Bad,
         format!("The error is {times} times the noise floor; the model fails in: {places}."),
-    )
-}
-
-fn judged_on(study: &Study, method: &MethodStudy) -> String {
-    let (error, floor) = (study.judged_window_rms(method), study.judged_floor());
-    let said = format::digits(error, 3);
-    let start = study.diagnosis.as_ref().and_then(|d| d.staircase.first());
-    let own = start
-        .map(|step| format::digits(step.window_rms_validation, 3))
-        .filter(|own| *own != said)
-        .map_or(String::new(), |own| {
-            format!(" The diagnosis fits the model by itself, and starts from {own} rad/s.")
-        });
-    format!(
-        "Window error {} rad/s, noise floor {} rad/s (ratio {}); fit by {}, judged on {} data. \
-         Model: {}.{own}",
-        said,
-        format::digits(floor, 3),
-        format::digits(error / floor, 3),
-        words::method(study, method),
-        study.judged_words(),
-        words::model(study),
     )
 }
 
@@ -134,14 +171,15 @@ fn cautions(study: &Study) -> Vec<Block> {
              recording under `validation`.",
         );
     }
-    if let Some(method) = study.reference_method() {
-        if words::status(method) != "converged" {
+    // with a diagnosis the verdict rests on fits of its own
+    if let Some(method) = study.reference_method().filter(|_| study.diagnosis.is_none()) {
+        if method.failure.is_some() || method.status != Some(Status::Converged) {
             let sentence = format!(
-                "The fit is not settled: {} {}.",
+                "The fit did not converge: {} {}.",
                 words::method(study, method),
                 words::status(method)
             );
-            notice(sentence, "Take its numbers as provisional; another method may settle.");
+            notice(sentence, "Take its numbers as provisional; another method may converge.");
         }
         let unknown: Vec<String> = method
             .estimates
@@ -150,7 +188,7 @@ fn cautions(study: &Study) -> Vec<Block> {
             .map(|e| words::symbol(&e.symbol))
             .collect();
         if !unknown.is_empty() {
-            let sentence = format!("The data cannot give {}.", words::list(&unknown));
+            let sentence = format!("Not identifiable from these data: {}.", words::list(&unknown));
             notice(sentence, "See the parameters for what to record or to hold fixed.");
         }
     }
@@ -167,15 +205,15 @@ fn cautions(study: &Study) -> Vec<Block> {
             study.methods.len(),
             words::list(&failed)
         );
-        notice(sentence, "The reasons stand with the methods.");
+        notice(sentence, "The reasons are listed with the methods, below.");
     }
     let found = study.findings().len();
     if found > 0 {
         let sentence = match found {
-            1 => "The check of the recordings has one remark.".to_owned(),
-            many => format!("The check of the recordings has {many} remarks."),
+            1 => "The check of the recordings found one issue.".to_owned(),
+            many => format!("The check of the recordings found {many} issues."),
         };
-        notice(sentence, "They stand with the recordings.");
+        notice(sentence, "See Recordings, below.");
     }
     blocks
 }

@@ -37,12 +37,7 @@ pub(super) fn effect(id: &str) -> String {
 
 /// The name of an effect within a sentence: without its capital, save for people.
 pub(super) fn effect_in_text(id: &str) -> String {
-    let title = effect(id);
-    if ["Coulomb", "Stribeck"].iter().any(|name| title.starts_with(name)) {
-        return title;
-    }
-    let mut letters = title.chars();
-    letters.next().map_or(String::new(), |first| first.to_lowercase().chain(letters).collect())
+    format::in_text(&effect(id))
 }
 
 /// What a parameter of the catalogue means; empty for others.
@@ -124,6 +119,30 @@ pub(super) fn model(study: &Study) -> String {
         "base model (inertia, centrifugal, Coulomb friction)".to_owned()
     } else {
         format!("base model + {}", study.effects.join(" + "))
+    }
+}
+
+/// Where the paper shows the same, for its own movement; empty for any other.
+pub(super) fn in_paper(study: &Study, figure: &str) -> String {
+    if study.of_paper { format!(" The paper shows this as {figure}.") } else { String::new() }
+}
+
+/// The model as given, shortly: "base model".
+pub(super) fn given(study: &Study) -> String {
+    if study.effects.is_empty() { "base model".to_owned() } else { "model as given".to_owned() }
+}
+
+/// The effects found, in words: "turning scrub and slope".
+pub(super) fn found(study: &Study) -> String {
+    let effects = study.diagnosis.iter().flat_map(|d| &d.effects);
+    list(&effects.map(|e| format::in_text(&e.title)).collect::<Vec<_>>())
+}
+
+/// The model with what was found, shortly: "with turning scrub"; with a count where there are many.
+pub(super) fn added(study: &Study) -> String {
+    match study.diagnosis.as_ref().map_or(0, |d| d.effects.len()) {
+        1 => format!("with {}", found(study)),
+        many => format!("with {many} effects"),
     }
 }
 

@@ -6,7 +6,7 @@ use crate::recording::Recording;
 use crate::robot::Robot;
 use crate::simulate::{Hold, Movement, NoiseLevel, Recorder, record};
 
-/// A made recording of 15 s of a robot with the effect at `own`.
+/// A simulated recording of 15 s of a robot with the effect at `own`.
 fn recorded(id: &str, own: &[f64]) -> (Model, Vec<f64>, Recording) {
     let model = Model::base(Robot::amigobot()).add(id).unwrap();
     let mut p = model.initial();
@@ -26,7 +26,7 @@ fn likelihood(prepared: Prepared) -> Likelihood {
 #[test]
 fn a_joint_too_stiff_to_be_seen_has_the_likelihood_of_the_rigid_robot() {
     let rigid = Model::base(Robot::amigobot());
-    let (model, p, recording) = recorded("wheel_slip", &[20.0]);
+    let (model, p, recording) = recorded("wheel_slip", &[20.0, 0.025]);
     let likelihood = likelihood(prepare(&recording));
     let noise = likelihood.initial_noise();
     let jointed = likelihood.value(&model, &p, &noise).unwrap();
@@ -38,7 +38,7 @@ fn a_joint_too_stiff_to_be_seen_has_the_likelihood_of_the_rigid_robot() {
 
 #[test]
 fn the_derivatives_of_the_innovations_are_those_of_the_likelihood() {
-    for (id, own) in [("wheel_slip", vec![0.1]), ("compliance", vec![2.0, 0.02])] {
+    for (id, own) in [("wheel_slip", vec![0.1, 0.025]), ("compliance", vec![2.0, 0.02, 0.025])] {
         let (model, p, recording) = recorded(id, &own);
         let likelihood = likelihood(prepare(&recording));
         let noise = likelihood.initial_noise();
@@ -68,7 +68,7 @@ fn the_derivatives_of_the_innovations_are_those_of_the_likelihood() {
 
 #[test]
 fn stiffness_and_damping_of_a_hidden_spring_come_back_within_their_errors() {
-    let (model, p, recording) = recorded("compliance", &[2.0, 0.02]);
+    let (model, p, recording) = recorded("compliance", &[2.0, 0.02, 0.025]);
     let likelihood = likelihood(prepare(&recording));
     let mut start = model.initial();
     likelihood.place_joint(&model, &mut start);
@@ -76,7 +76,7 @@ fn stiffness_and_damping_of_a_hidden_spring_come_back_within_their_errors() {
     let covariance = maximum.information.clone().try_inverse().unwrap();
     for j in 0..p.len() {
         let z = (maximum.p[j] - p[j]) / covariance[(j, j)].sqrt();
-        // one recording: 3.5 standard errors leave one false alarm in 2000 for each of seven
+        // one recording: 3.5 standard errors leave one false alarm in 2000 for each of eight
         assert!(z.abs() < 3.5, "{j}: {} {} z = {z}", maximum.p[j], p[j]);
     }
 }

@@ -66,8 +66,9 @@ fn scoring_finds_noise_as_likely_as_a_simplex_does_from_either_side() {
             let solver = NelderMead::new(simplex.collect()).with_sd_tolerance(1e-3).unwrap();
             let run = Executor::new(search, solver).configure(|s| s.max_iters(200)).run().unwrap();
             let best = -run.state().get_best_cost();
-            // nats: the search stops where a step promises less than 0.05
-            assert!(value(&found) > best - 0.3, "{hidden:?} {found:?} {} {best}", value(&found));
+            // a slow moment that is not there gains one nat by chance: half of chi-squared with two
+            // degrees of freedom has the mean 1
+            assert!(value(&found) > best - 1.0, "{hidden:?} {found:?} {} {best}", value(&found));
             assert!(passes < 80, "{passes}");
         }
     }

@@ -12,13 +12,16 @@ const CELLS: usize = 40;
 
 /// Figures 8 to 11 of the paper.
 pub(super) fn figures(study: &Study, method: &str, system: &FuzzyStudy) -> Vec<Figure> {
-    let figures = [memberships(system), consequents(study, system), surface(system)];
+    let figures = [memberships(study, system), consequents(study, system), surface(study, system)];
     figures.into_iter().flatten().map(|f| f.with_subtitle(method)).collect()
 }
 
-fn memberships(system: &FuzzyStudy) -> Option<Figure> {
+fn memberships(study: &Study, system: &FuzzyStudy) -> Option<Figure> {
     let mut figure = Figure::new("memberships", "Membership functions of the wheel speeds")
-        .with_caption("The paper shows this as Fig. 8 (right wheel) and Fig. 9 (left wheel).");
+        .with_caption(format!(
+            "Sets of the right and of the left wheel speed.{}",
+            words::in_paper(study, "Fig. 8 (right wheel) and Fig. 9 (left wheel)")
+        ));
     figure.shared_x = false;
     for i in 0..2 {
         let mut panel = Panel::new(
@@ -46,9 +49,9 @@ fn consequents(study: &Study, system: &FuzzyStudy) -> Option<Figure> {
     let mut figure = Figure::new("rules", "Consequents of the rules")
         .with_caption(format!(
             "Constant part of each rule's output, sets of the right wheel speed upwards, of the left to \
-             the right ({} rules). The paper shows this as Fig. 10. Drive in {}.",
-            rules,
-            study.drive_unit.symbol()
+             the right ({rules} rules). Input in {}.{}",
+            study.drive_unit.symbol(),
+            words::in_paper(study, "Fig. 10")
         ))
         .with_columns(2);
     for (name, consequents) in SYSTEMS.into_iter().zip(&system.consequents) {
@@ -75,17 +78,18 @@ fn consequents(study: &Study, system: &FuzzyStudy) -> Option<Figure> {
     Some(figure)
 }
 
-fn surface(system: &FuzzyStudy) -> Option<Figure> {
+fn surface(study: &Study, system: &FuzzyStudy) -> Option<Figure> {
     let every = |length: usize| length.div_ceil(CELLS).max(1);
     let steps = [every(system.grid[0].len()), every(system.grid[1].len())];
     let names = |i: usize| -> Vec<String> {
         system.grid[i].iter().step_by(steps[i]).map(|v| format::fixed(*v, 1)).collect()
     };
     let mut figure = Figure::new("surface", "Output surface of the fuzzy systems")
-        .with_caption(
+        .with_caption(format!(
             "Output of f31 and f41 over both wheel speeds: the part of the acceleration that does \
-             not come from the drive. The paper shows this as Fig. 11.",
-        )
+             not come from the input.{}",
+            words::in_paper(study, "Fig. 11")
+        ))
         .with_columns(2);
     for (name, surface) in SYSTEMS.into_iter().zip(&system.surface) {
         if surface.is_empty() {

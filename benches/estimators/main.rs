@@ -1,0 +1,69 @@
+//! How well the estimators do on healthy robots of every size: coverage of their 95 % intervals and
+//! their 2 s simulation error beside that of the true parameters.
+//!
+//! ```text
+//! cargo bench --bench estimators -- presets [SETS] [METHOD] [OPTIONS]   own simulator, every preset
+//! cargo bench --bench estimators -- worlds FOLDER [METHOD] [OPTIONS]    healthy cases of a folder as
+//!                                                     described in ../shared/worlds/README.md
+//! ```
+//! Everything is seeded; results do not depend on the number of threads.
+#![allow(clippy::print_stdout)]
+
+mod cases;
+mod table;
+
+use std::path::Path;
+use std::time::Instant;
+
+use amigo_ident::compare::{simulate_recording, window_rms};
+use amigo_ident::identify::{self, Identifier, Task};
+use amigo_ident::model::Model;
+use amigo_ident::recording::Recording;
+use amigo_ident::simulate::{Hold, PhysicalDynamics};
+use rayon::prelude::*;
+
+use cases::Case;
+use table::{Row, print};
+
+/// Sets a preset where none are asked for.
+const SETS: u64 = 40;
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
+    let word = |n: usize| arguments.get(n).map(String::as_str);
+    let (name, options) = (word(2).unwrap_or("prediction_error"), word(3).unwrap_or(""));
+    let options = toml::from_str(options).expect("options as in an experiment file");
+    let method = identify::find(name).expect("a registered method");
+    let method = method.configure(&options).expect("options of the method");
+    let cases = match word(0) {
+        Some("worlds") => cases::of_folder(Path::new(word(1).unwrap_or("../shared/worlds/robots"))),
+        Some("presets") | None => {
+            cases::of_presets(word(1).and_then(|n| n.parse().ok()).unwrap_or(SETS))
+        }
+        Some(other) => panic!("`{other}` is neither presets nor worlds"),
+    };
+    let rows: Vec<Row> = cases.par_iter().map(|case| judge(case, &*method)).collect();
+    print(name, &rows);
+}
+
+/// Fits a case and compares with its truth.
+fn judge(case: &Case, method: &dyn Identifier) -> Row {
+    let task = Task { model: &case.model, train: &case.train, hold: Hold::Linear, seed: 1 };
+    let start = Instant::now();
+    let fit = method.identify(&task);
+    let seconds = start.elapsed().as_secs_f64();
+    let floor = error_of(&case.model, &case.truth, &case.held_out);
+    let Ok(fit) = fit else { return Row::failed(case, seconds) };
+    let p: Vec<f64> = fit.estimates.iter().map(|e| e.value).collect();
+    let ratio = error_of(&case.model, &p, &case.held_out) / floor;
+    let estimates = fit.estimates.iter().zip(&case.truth).collect::<Vec<_>>();
+    Row::new(case, &estimates, ratio, seconds, &fit)
+}
+
+/// Root mean square of the 2 s simulation error of the speeds [rad/s].
+fn error_of(model: &Model, p: &[f64], recording: &Recording) -> f64 {
+    let dynamics = PhysicalDynamics { model: model.clone(), p: p.to_vec() };
+    let motion = recording.local_motion();
+    simulate_recording(&dynamics, recording, &motion, Hold::Linear)
+        .map_or(f64::INFINITY, |simulated| window_rms(recording, &simulated.windows))
+}

@@ -1,0 +1,15 @@
+"""Exceptions, with the words of the command line."""
+
+from __future__ import annotations
+
+
+class AmigoError(Exception):
+    """Any error of this package."""
+
+
+class InputError(AmigoError, ValueError):
+    """Wrong arguments, files or data; the message names the place, what was found and the remedy."""
+
+
+class RunError(AmigoError, RuntimeError):
+    """A computation has no result: no fit exists, or the model cannot be simulated."""

@@ -1,0 +1,49 @@
+"""Experiment files."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+
+from . import _native
+from ._study import Comparison, Diagnosis, Study
+
+
+class Experiment:
+    """An experiment file with its recordings, loaded and checked."""
+
+    def __init__(self, plan: _native.Plan) -> None:
+        self._plan = plan
+
+    @classmethod
+    def from_toml(cls, path: str | os.PathLike[str], set: Iterable[str] = ()) -> Experiment:
+        """Loads a file.
+
+        :param set: overrides ``"KEY=VALUE"`` in TOML syntax, as ``--set`` of the command line.
+        :raises InputError: with file, line and, where close, the key that was meant.
+        """
+        return cls(_native.Plan.load(os.fspath(path), list(set)))
+
+    @property
+    def name(self) -> str:
+        """The name of its result folder."""
+        return self._plan.name
+
+    @property
+    def warnings(self) -> list[str]:
+        """What is odd about the file and its recordings, in sentences."""
+        return self._plan.warnings
+
+    def run(self, out: str | os.PathLike[str] | None = None) -> Study:
+        """Runs it: a :class:`Diagnosis` where the file has ``[diagnosis]``, else a :class:`Comparison`.
+
+        :param out: folder that receives the result folder; nothing is written unless given.
+        """
+        kind = Diagnosis if self._plan.has_diagnosis else Comparison
+        study = kind(self._plan.run(), self._plan)
+        if out is not None:
+            study.write(out)
+        return study
+
+    def __repr__(self) -> str:
+        return f"Experiment({self.name!r})"

@@ -1,0 +1,218 @@
+"""Recordings from files, frames and arrays."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Mapping
+from typing import Any, Union
+
+import numpy as np
+import numpy.typing as npt
+import polars as pl
+
+from . import _native
+from ._errors import InputError
+from ._settings import RobotLike, robot_keys
+
+Columns = Mapping[str, Union[str, Mapping[str, Any]]]
+
+
+class Recording:
+    """A checked recording: wheel angles and speeds, and the input that drove the wheels.
+
+    Sensor and logger faults are corrected as the command ``experiment`` corrects them; :attr:`findings` says
+    what was found. A recording is never changed.
+    """
+
+    def __init__(self, native: _native.Recording, robot: RobotLike) -> None:
+        self._native = native
+        self._robot = robot
+
+    @classmethod
+    def read(
+        cls,
+        path: str | os.PathLike[str],
+        columns: Columns | None = None,
+        drive_unit: str = "N m",
+        robot: RobotLike = None,
+    ) -> Recording:
+        """Reads CSV, Parquet, WPILOG, MCAP, MAT or SysId JSON.
+
+        :param columns: where names or units differ from ``t`` [s], ``alpha1``, ``alpha2`` [rad], ``dalpha1``,
+            ``dalpha2`` [rad/s], ``M1``, ``M2`` [``drive_unit``]: ``{"dalpha1": "right"}`` or
+            ``{"dalpha1": {"name": "right", "unit": "rpm", "scale": -1}}``.
+        :param drive_unit: unit of the input: ``"N m"``, ``"V"`` or ``"A"``; inertias and frictions come out per
+            that unit.
+        :param robot: name of a preset (``"amigobot"``, ``"unknown"``) or construction data (``l1_m``, ``r_m``, …).
+        :raises InputError: with file, row and column.
+        """
+        native = _native.Recording.read(
+            os.fspath(path), json.dumps(dict(columns or {})), drive_unit, json.dumps(robot_keys(robot))
+        )
+        return cls(native, robot)
+
+    @classmethod
+    def from_frame(
+        cls,
+        df: Any,
+        columns: Columns | None = None,
+        drive_unit: str = "N m",
+        robot: RobotLike = None,
+        name: str = "frame",
+    ) -> Recording:
+        """Takes a polars or pandas frame, a pyarrow table, or a mapping of names to arrays.
+
+        Only the columns that are needed are read; parameters as in :meth:`read`. Missing values count as
+        samples that were not recorded.
+        """
+        # pyarrow; polars and pandas; mappings
+        names = list(getattr(df, "column_names", getattr(df, "columns", df)))
+
+        def fetch(column: str) -> bytes:
+            try:
+                return np.asarray(df[column], dtype=np.float64).tobytes()
+            except (TypeError, ValueError) as e:
+                raise InputError(f"{name}: column `{column}` has no numbers: {e}") from e
+
+        native = _native.Recording.of_table(
+            name,
+            [str(n) for n in names],
+            fetch,
+            json.dumps(dict(columns or {})),
+            drive_unit,
+            json.dumps(robot_keys(robot)),
+        )
+        return cls(native, robot)
+
+    @classmethod
+    def from_arrays(
+        cls,
+        t: npt.ArrayLike,
+        inputs: npt.ArrayLike,
+        dalpha: npt.ArrayLike | None = None,
+        alpha: npt.ArrayLike | None = None,
+        drive_unit: str = "N m",
+        robot: RobotLike = None,
+        name: str = "arrays",
+    ) -> Recording:
+        """Takes arrays: ``t`` [s] of n values; ``inputs`` [``drive_unit``], ``dalpha`` [rad/s] and ``alpha`` [rad]
+        of shape (n, 2), right wheel first. Angles or speeds may be missing, not both."""
+        table: dict[str, Any] = {"t": np.asarray(t, dtype=np.float64)}
+        pairs = {"alpha": alpha, "dalpha": dalpha, "M": inputs}
+        for key, values in pairs.items():
+            if values is None:
+                continue
+            array = np.asarray(values, dtype=np.float64)
+            if array.ndim != 2 or array.shape[1] != 2:
+                raise InputError(f"{name}: {key} has the shape {array.shape}; expected (n, 2)")
+            table[f"{key}1"], table[f"{key}2"] = array[:, 0], array[:, 1]
+        return cls.from_frame(table, None, drive_unit, robot, name)
+
+    @property
+    def name(self) -> str:
+        """Its name, that of the file."""
+        return self._native.name
+
+    @property
+    def drive_unit(self) -> str:
+        """Unit of the input."""
+        return self._native.drive_unit
+
+    @property
+    def duration(self) -> float:
+        """From the first to the last sample [s]."""
+        return self._native.duration
+
+    @property
+    def samples(self) -> int:
+        """Rows."""
+        return self._native.samples
+
+    @property
+    def sha256(self) -> str | None:
+        """SHA-256 of the file; ``None`` for frames and arrays."""
+        return self._native.sha256
+
+    @property
+    def findings(self) -> list[str]:
+        """What was corrected, and what is odd, in sentences."""
+        return self._native.findings
+
+    @property
+    def noise(self) -> dict[str, Any]:
+        """Standard deviations of the measurement noise: ``alpha`` [rad], ``omega`` [rad/s], ``moment``
+        [:attr:`drive_unit`], each for both wheels."""
+        noise: dict[str, Any] = json.loads(self._native.noise())
+        return noise
+
+    @property
+    def t(self) -> npt.NDArray[np.float64]:
+        """Time [s], shape (n,)."""
+        return np.frombuffer(self._native.t())
+
+    @property
+    def alpha(self) -> npt.NDArray[np.float64]:
+        """Wheel angles [rad], shape (n, 2)."""
+        return np.frombuffer(self._native.alpha()).reshape(-1, 2)
+
+    @property
+    def dalpha(self) -> npt.NDArray[np.float64]:
+        """Wheel speeds [rad/s], shape (n, 2)."""
+        return np.frombuffer(self._native.dalpha()).reshape(-1, 2)
+
+    @property
+    def inputs(self) -> npt.NDArray[np.float64]:
+        """Recorded input [:attr:`drive_unit`], shape (n, 2)."""
+        return np.frombuffer(self._native.input()).reshape(-1, 2)
+
+    def frame(self) -> pl.DataFrame:
+        """The recording with the columns of the contract."""
+        columns: dict[str, Any] = {"t": self.t}
+        for key, values in (("alpha", self.alpha), ("dalpha", self.dalpha), ("M", self.inputs)):
+            columns[f"{key}1"], columns[f"{key}2"] = values[:, 0], values[:, 1]
+        return pl.DataFrame(columns)
+
+    def __repr__(self) -> str:
+        return f"Recording({self.name!r}, {self.samples} samples, {self.duration:.1f} s, input in {self.drive_unit})"
+
+
+RecordingLike = Union[Recording, str, "os.PathLike[str]"]
+
+
+def _is_table(item: Any) -> bool:
+    return hasattr(item, "columns") or isinstance(item, Mapping)
+
+
+def recording_list(
+    recordings: RecordingLike | Iterable[RecordingLike] | None, what: str
+) -> list[Recording]:
+    """One recording, path or frame, or several."""
+    if recordings is None:
+        return []
+    if isinstance(recordings, (Recording, str, os.PathLike)) or _is_table(recordings):
+        recordings = [recordings]  # type: ignore[list-item]
+
+    def one(item: Any) -> Recording:
+        if isinstance(item, Recording):
+            return item
+        if isinstance(item, (str, os.PathLike)):
+            return Recording.read(item)
+        if _is_table(item):
+            return Recording.from_frame(item)
+        raise InputError(f"{what}: {type(item).__name__}; expected a Recording, a path or a frame")
+
+    return [one(item) for item in recordings]
+
+
+def common_robot(recordings: list[Recording]) -> RobotLike:
+    """The robot of all recordings."""
+    if not recordings:
+        raise InputError("recordings: none is given; at least one is needed to fit")
+    robot = recordings[0]._robot
+    for other in recordings[1:]:
+        if other._robot != robot:
+            raise InputError(
+                f"{recordings[0].name} and {other.name} are of different robots ({robot!r}, {other._robot!r})"
+            )
+    return robot

@@ -1,0 +1,129 @@
+"""What `experiment export` writes, read back by other software."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import polars as pl
+import pytest
+
+FILE = """
+[recordings]
+train = ["{slope}/train_1.csv", "{slope}/train_2.csv"]
+validation = ["{slope}/validation.csv"]
+
+[[method]]
+name = "prediction_error"
+
+[diagnosis]
+candidates = ["slope", "viscous_friction"]
+max_effects = 1
+"""
+
+
+@pytest.fixture(scope="module")
+def exported(experiment, slope, tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("export")
+    (folder / "slope.toml").write_text(FILE.format(slope=slope))
+    before = experiment("export", "slope.toml", cwd=folder)
+    assert before.returncode == 2 and "run it first" in before.stderr
+    assert experiment("slope.toml", "--quiet", cwd=folder).returncode == 0
+    done = experiment("export", "slope.toml", "--to", "csv,parquet,mcap,mjcf,urdf,gains", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    assert "the model with the effects found (slope)" in done.stdout
+    return folder
+
+
+def results(folder: Path) -> dict:
+    return json.loads((folder / "reports/slope/results.json").read_text())
+
+
+def test_polars_reads_the_motion_that_results_json_judges(exported):
+    table = pl.read_csv(exported / "reports/slope/export/validation.csv")
+    measured = table["dalpha1_rad_s", "dalpha2_rad_s"].to_numpy()
+    rms = lambda mark: np.sqrt(  # noqa: E731
+        np.mean((measured - table[f"dalpha1_{mark}_rad_s", f"dalpha2_{mark}_rad_s"].to_numpy()) ** 2)
+    )
+    found = results(exported)
+    assert rms("simulated_2s") == pytest.approx(found["methods"][0]["window_rms"]["validation"][0], rel=1e-9)
+    last = found["diagnosis"]["staircase"][-1]
+    assert rms("simulated_2s_with_effects") == pytest.approx(last["window_rms_validation"], rel=1e-6)
+    assert table.columns[:7] == [
+        "t_s", "alpha1_rad", "alpha2_rad", "dalpha1_rad_s", "dalpha2_rad_s", "input1_N_m", "input2_N_m",
+    ]  # fmt: skip
+    assert {"slope_torque1_N_m", "slope_torque2_N_m"} <= set(table.columns)
+
+
+def test_pyarrow_and_the_mcap_reader_find_the_same_numbers(exported):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    reader = pytest.importorskip("mcap.reader")
+    folder = exported / "reports/slope/export"
+    table = pl.read_csv(folder / "validation.csv")
+    arrow = parquet.read_table(folder / "validation.parquet")
+    assert arrow.column_names == table.columns
+    for name in table.columns:
+        assert np.array_equal(arrow[name].to_numpy(), table[name].to_numpy(), equal_nan=True), name
+    with open(folder / "validation.mcap", "rb") as stream:
+        rows = [
+            (message.log_time, json.loads(message.data), schema.encoding, channel.topic)
+            for schema, channel, message in reader.make_reader(stream).iter_messages()
+        ]
+    assert len(rows) == table.height
+    assert {(encoding, topic) for _, _, encoding, topic in rows} == {("jsonschema", "/validation")}
+    t = table["t_s"].to_numpy()
+    assert np.allclose([time * 1e-9 for time, *_ in rows], t - t[0], atol=1e-9)
+    for name in table.columns[1:]:
+        values = np.array([row.get(name, np.nan) for _, row, *_ in rows], dtype=float)
+        assert np.array_equal(values, table[name].to_numpy(), equal_nan=True), name
+
+
+def test_a_run_of_another_file_is_not_exported(experiment, exported):
+    file = exported / "slope.toml"
+    text = file.read_text()
+    file.write_text(text.replace("max_effects = 1", "max_effects = 2"))
+    try:
+        refused = experiment("export", "slope.toml", cwd=exported)
+    finally:
+        file.write_text(text)
+    assert refused.returncode == 2 and "was changed since its last run" in refused.stderr
+    unknown = experiment("export", "slope.toml", "--to", "cvs", cwd=exported)
+    assert unknown.returncode == 2 and "csv, parquet, mcap" in unknown.stderr
+
+
+def test_urdf_and_sdf_hold_the_identified_numbers(exported):
+    folder = exported / "reports/slope/export"
+    values = {p["symbol"]: p["value"] for p in results(exported)["diagnosis"]["parameters"]}
+    urdf = ElementTree.parse(folder / "robot.urdf").getroot()
+    r = float(urdf.find("link[@name='right_wheel']/collision/geometry/sphere").get("radius"))
+    mass = sum(float(link.find("inertial/mass").get("value")) for link in urdf.findall("link"))
+    spin = float(urdf.find("link[@name='right_wheel']/inertial/inertia").get("iyy"))
+    # eq. (15): a1 + a2 = r² M/2 + inertia of a wheel about its axle
+    assert r * r * mass / 2 + spin == pytest.approx(values["a1"] + values["a2"], rel=1e-9)
+    friction = float(urdf.find("joint[@name='left']/dynamics").get("friction"))
+    assert friction == pytest.approx(values["a5"], rel=1e-12)
+    sdf = ElementTree.parse(folder / "robot.sdf").getroot()
+    assert float(sdf.find(".//joint[@name='left']/axis/dynamics/friction").text) == friction
+    assert "Not expressed: inclined floor" in (folder / "robot.urdf").read_text()
+
+
+def test_gains_are_those_of_the_equations_and_the_code_gives_the_torque_of_the_model(exported):
+    folder = exported / "reports/slope/export"
+    gains = json.loads((folder / "gains.json").read_text())
+    values = {p["symbol"]: p["value"] for p in results(exported)["diagnosis"]["parameters"]}
+    r, track = gains["wheel_radius_m"]["value"], gains["track_width_m"]["value"]
+    assert (r, track) == (0.05, 0.24)
+    # the weight of the slope has no part in it: its mean over all headings is zero
+    assert gains["linear"]["kS"] == pytest.approx(0.5 * (values["a4"] + values["a5"]), rel=1e-6)
+    assert gains["linear"]["kA"] == pytest.approx((values["a1"] + values["a2"]) / r, rel=1e-9)
+    assert gains["angular"]["kA"] == pytest.approx((values["a1"] - values["a2"]) * track / 2 / r, rel=1e-9)
+    code: dict = {}
+    exec((folder / "feedforward.py").read_text(), code)
+    right, left = code["feedforward"](0.5, 1.0, 0.0, 0.0)
+    expected = gains["linear"]["kS"] + 0.5 * gains["linear"]["kV"] + gains["linear"]["kA"]
+    assert right == left == pytest.approx(expected, rel=1e-12)
+    for mode in gains["control"].values():
+        assert mode["pi_margins"]["phase_deg"] > 45 and mode["pi_margins"]["gain"] > 2
+        assert mode["lqr_margins"]["phase_deg"] is None or mode["lqr_margins"]["phase_deg"] > 45

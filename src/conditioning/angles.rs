@@ -1,0 +1,201 @@
+//! Angles that wrap, and counters that were reset.
+//!
+//! An angle moves on from row to row by about as much as before. Where it steps by far more, and
+//! stays there, the step is not motion:
+//!
+//! ```text
+//! e_k = (alpha_k - alpha_(k-1)) - median of the increments of the rows around k
+//! ```
+//! Steps of one and the same size are the period of a wrap (a turn, a half, 2^n counts), others are
+//! resets of the counter.
+
+use std::f64::consts::TAU;
+
+use super::finding::{Channel, Finding, Kind};
+use super::signal::{column, median, pieces, quantile};
+use super::{Conditioned, Settings};
+use crate::math::noise::quantum;
+
+/// Rows to either side that say how the angle moves.
+const AROUND: usize = 4;
+/// A step is not motion if it is this many times the largest ordinary one around it: between two
+/// rows no wheel changes its increment by more than that increment itself, unless it is slower than
+/// the wrap can be told from (half a period a row).
+const BEYOND: f64 = 10.0;
+/// Part of a period by which its steps may differ: the increment of the row is part of the step.
+const ALIKE: f64 = 0.02;
+
+pub(super) fn unwrap(work: &mut Conditioned, settings: &Settings) {
+    let Some(alpha) = &work.channels.alpha else { return };
+    let pieces = pieces(&work.channels.t);
+    let mut corrected = alpha.clone();
+    for i in 0..2 {
+        let values = column(alpha, i);
+        let steps = steps(&values, &pieces);
+        if steps.is_empty() {
+            continue;
+        }
+        let (kinds, shifts) = explained(&values, &steps);
+        for kind in kinds {
+            let channel = Channel::Angle(i);
+            work.findings.push(Finding::corrected(channel, kind, "unwrap", settings.unwrap));
+        }
+        let mut shift = 0.0;
+        let mut next = shifts.iter().peekable();
+        for (k, row) in corrected.iter_mut().enumerate() {
+            if let Some((_, by)) = next.next_if(|(at, _)| *at == k) {
+                shift -= by;
+            }
+            row[i] += shift;
+        }
+    }
+    if settings.unwrap {
+        work.channels.alpha = Some(corrected);
+    }
+}
+
+/// Rows at which the angle steps by more than motion explains, and by how much.
+fn steps(values: &[f64], pieces: &[std::ops::Range<usize>]) -> Vec<(usize, f64)> {
+    let increments: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).collect();
+    // a fast wheel wraps in many rows, so that what is usual is that of three quarters of them
+    let usual = quantile(increments.iter().map(|d| d.abs()), 0.75);
+    let far = far(&increments);
+    let range = range(values);
+    let inside = |k: usize| pieces.iter().any(|p| p.start < k && k < p.end);
+    let mut out = Vec::new();
+    for k in 1..values.len() {
+        let size = increments[k - 1].abs();
+        // a wrap steps through more than half of the range; a reset through more than any motion
+        let stepped = (size > 0.5 * range && size > 2.0 * usual) || size > far;
+        if !stepped || !inside(k) {
+            continue;
+        }
+        let from = k.saturating_sub(AROUND + 1);
+        let near = increments[from..(k + AROUND).min(increments.len())].iter().copied();
+        out.push((k, increments[k - 1] - median(near)));
+    }
+    out
+}
+
+/// What no motion reaches from row to row; nothing is known of a wheel that hardly moves.
+fn far(increments: &[f64]) -> f64 {
+    let ordinary = quantile(increments.iter().map(|d| d.abs()), 0.98);
+    if ordinary > 0.0 { BEYOND * ordinary } else { f64::INFINITY }
+}
+
+fn range(values: &[f64]) -> f64 {
+    quantile(values.iter().copied(), 1.0) - quantile(values.iter().copied(), 0.0)
+}
+
+/// What the steps are, and by how much each is taken back.
+fn explained(values: &[f64], steps: &[(usize, f64)]) -> (Vec<Kind>, Vec<(usize, f64)>) {
+    if let Some(period) = period(values, steps) {
+        let turns = |by: f64| (by / period).round();
+        let wraps: Vec<(usize, f64)> = steps
+            .iter()
+            .filter(|(_, by)| turns(*by) != 0.0)
+            .map(|(k, by)| (*k, turns(*by) * period))
+            .collect();
+        return (vec![Kind::Wrapped { period_rad: period, turns: wraps.len() }], wraps);
+    }
+    let increments: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).collect();
+    let far = far(&increments);
+    let is_reset =
+        |(k, by): &(usize, f64)| increments[k - 1].abs() > far && lasts(values, (*k, *by));
+    let lasting: Vec<(usize, f64)> = steps.iter().copied().filter(is_reset).collect();
+    let kind = |(k, by): &(usize, f64)| Kind::Reset { row: k + 1, step_rad: *by };
+    (lasting.iter().map(kind).collect(), lasting)
+}
+
+/// Whether the angle stays where the step brought it; a wrong sample returns.
+fn lasts(values: &[f64], (k, by): (usize, f64)) -> bool {
+    let before = median(values[k.saturating_sub(AROUND)..k].iter().copied());
+    let after = median(values[k..(k + AROUND).min(values.len())].iter().copied());
+    (after - before - by).abs() < 0.5 * by.abs()
+}
+
+/// The period of which the steps are, if they are of one: a known one within two parts in a hundred,
+/// or one on which three steps and the range of the angle agree.
+fn period(values: &[f64], steps: &[(usize, f64)]) -> Option<f64> {
+    let size = median(steps.iter().map(|(_, by)| by.abs()));
+    let alike = |a: f64, b: f64| (a / b - 1.0).abs() < ALIKE;
+    if !steps.iter().all(|(_, by)| alike(by.abs(), size)) {
+        return None;
+    }
+    let range = range(values);
+    // no counter has less than six bits
+    let counts = quantum(values).map(|q| (q, (size / q).log2().round()));
+    let counts = counts.filter(|(_, bits)| *bits >= 6.0).map(|(q, bits)| q * bits.exp2());
+    let known = [Some(TAU), Some(0.5 * TAU), Some(2.0 * TAU), counts];
+    let known = known.into_iter().flatten().find(|p| alike(size, *p) && range < 1.05 * p);
+    known.or_else(|| (steps.len() >= 3 && range < 1.05 * size).then_some(size))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Context, condition};
+    use super::*;
+    use crate::recording::Channels;
+
+    fn conditioned(alpha: Vec<[f64; 2]>, h: f64) -> Conditioned {
+        let t: Vec<f64> = (0..alpha.len()).map(|k| h * k as f64).collect();
+        let moment = t.iter().map(|t| [t.sin(), t.cos()]).collect();
+        let channels = Channels { t, alpha: Some(alpha), omega: None, moment };
+        condition(channels, &Settings::default(), &Context::default()).unwrap()
+    }
+
+    /// Forth and back, up to 12 rad/s.
+    fn motion(n: usize, h: f64) -> Vec<[f64; 2]> {
+        (0..n)
+            .map(|k| h * k as f64)
+            .map(|t| [24.0 * (1.0 - (0.5 * t).cos()), 15.0 * (0.4 * t).sin()])
+            .collect()
+    }
+
+    #[test]
+    fn angles_that_wrap_at_a_turn_or_at_a_power_of_two_of_counts_are_unwrapped() {
+        for (period, quantum) in [(TAU, 1e-3), (0.5 * TAU, 1e-4), (1024.0 * 0.01, 0.01)] {
+            for low in [0.0, -0.5 * period] {
+                let truth = motion(2000, 0.02);
+                let round = |x: f64| (x / quantum).round() * quantum;
+                let wrap = |x: f64| round(x - low).rem_euclid(period) + low;
+                let done = conditioned(truth.iter().map(|v| v.map(wrap)).collect(), 0.02);
+                let found = done.channels.alpha.unwrap();
+                // up to the constant that nobody knows, within rounding
+                for i in 0..2 {
+                    let by = found[0][i] - truth[0][i];
+                    let worst = found.iter().zip(&truth).map(|(a, b)| (a[i] - b[i] - by).abs());
+                    let worst = worst.fold(0.0, f64::max);
+                    assert!(worst < 1.01 * quantum, "{period} {low} {i}: {worst}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_counter_that_was_reset_goes_on() {
+        let truth = motion(2000, 0.02);
+        let reset =
+            |(k, v): (usize, &[f64; 2])| if k < 900 { *v } else { [v[0] - truth[900][0], v[1]] };
+        let done = conditioned(truth.iter().enumerate().map(reset).collect(), 0.02);
+        assert!(
+            matches!(done.findings[0].kind, Kind::Reset { row: 901, .. }),
+            "{:?}",
+            done.findings
+        );
+        let end = done.channels.alpha.unwrap()[1999];
+        // what the wheel moved in the row of the reset is known as the median of its neighbours
+        assert!((end[0] - truth[1999][0]).abs() < 0.01);
+    }
+
+    #[test]
+    fn fast_motion_and_coarse_encoders_are_no_wraps() {
+        let coarse: Vec<[f64; 2]> =
+            motion(1000, 0.02).iter().map(|v| v.map(|x| (x / 0.3).round() * 0.3)).collect();
+        let slow: Vec<[f64; 2]> = (0..300).map(|k| [if k < 200 { 0.0 } else { 0.01 }; 2]).collect();
+        for alpha in [motion(1000, 0.1), coarse, slow] {
+            let done = conditioned(alpha.clone(), 0.02);
+            assert!(done.channels.alpha.as_ref() == Some(&alpha), "{:?}", done.findings);
+        }
+    }
+}

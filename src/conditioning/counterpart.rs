@@ -1,0 +1,212 @@
+//! Angle and speed of a wheel against each other: units and signs.
+//!
+//! ```text
+//! g = median over windows of  (integral of the speed) / (change of the angle)
+//! ```
+//! is 1, or it names what is wrong.
+
+use std::f64::consts::{PI, TAU};
+
+use super::finding::{Channel, Finding, Kind};
+use super::signal::{column, median, pieces, quantile};
+use super::{Conditioned, Context, Settings};
+
+/// Length of a window [s], and its rows at least: long enough for the steps of an encoder to be
+/// small against the motion, short against the motion itself.
+const WINDOW: (f64, usize) = (0.2, 6);
+/// Fewest windows of motion.
+const FEWEST: usize = 10;
+/// A known factor is met within this part: rounding of a logger is smaller, and no two factors are
+/// as close.
+const CLOSE: f64 = 0.03;
+
+/// What is converted, and its words.
+#[derive(Clone, Copy, PartialEq)]
+enum Target {
+    Speed,
+    Angle,
+    Time,
+}
+
+pub(super) fn units_and_signs(work: &mut Conditioned, settings: &Settings, context: &Context) {
+    if work.channels.alpha.is_none() || work.channels.omega.is_none() {
+        return;
+    }
+    let ratios = [0, 1].map(|i| ratio(work, i));
+    units(work, settings, context, ratios);
+    for (i, ratio) in ratios.into_iter().enumerate() {
+        if ratio.is_some_and(|g| g < 0.0) {
+            sign(work, settings, i);
+        }
+    }
+}
+
+/// Speed over slope of the angle, where the windows agree on one.
+fn ratio(work: &Conditioned, i: usize) -> Option<f64> {
+    let (t, c) = (&work.channels.t, &work.channels);
+    let (alpha, omega) = (column(c.alpha.as_ref()?, i), column(c.omega.as_ref()?, i));
+    let step = median(t.windows(2).map(|w| w[1] - w[0]));
+    let length = ((WINDOW.0 / step).round() as usize).clamp(WINDOW.1, t.len());
+    let mut pairs = Vec::new();
+    for piece in pieces(t) {
+        let mut from = piece.start;
+        while from + length < piece.end {
+            let rows = from..from + length;
+            let way = rows.clone().map(|k| 0.5 * (t[k + 1] - t[k]) * (omega[k] + omega[k + 1]));
+            pairs.push((way.sum::<f64>(), alpha[from + length] - alpha[from]));
+            from += length;
+        }
+    }
+    let fast = 0.3 * quantile(pairs.iter().map(|(_, a)| a.abs()), 0.95);
+    let ratios: Vec<f64> =
+        pairs.iter().filter(|(_, a)| fast > 0.0 && a.abs() > fast).map(|(w, a)| w / a).collect();
+    let middle = median(ratios.iter().copied());
+    let spread = median(ratios.iter().map(|g| (g / middle - 1.0).abs()));
+    (ratios.len() >= FEWEST && spread < 5.0 * CLOSE).then_some(middle)
+}
+
+/// Converts both wheels where both ratios, or the one there is, are the same known factor.
+fn units(work: &mut Conditioned, settings: &Settings, context: &Context, ratios: [Option<f64>; 2]) {
+    let there: Vec<f64> = ratios.into_iter().flatten().map(f64::abs).collect();
+    let Some(&first) = there.first() else { return };
+    if there.iter().any(|g| (g / first - 1.0).abs() > CLOSE) {
+        return;
+    }
+    let known = known(context);
+    let mut fits = known.iter().filter(|(factor, ..)| (first / factor - 1.0).abs() < CLOSE);
+    // with two that fit nobody knows which
+    let (Some((factor, unit, target)), None) = (fits.next(), fits.next()) else { return };
+    if unit.is_empty() {
+        return;
+    }
+    let channels: Vec<Channel> = match target {
+        Target::Speed => vec![Channel::Speed(0), Channel::Speed(1)],
+        Target::Angle => vec![Channel::Angle(0), Channel::Angle(1)],
+        Target::Time => vec![Channel::Time],
+    };
+    for channel in channels {
+        let kind = Kind::Unit { factor: first, unit };
+        work.findings.push(Finding::corrected(channel, kind, "units", settings.units));
+    }
+    if !settings.units {
+        return;
+    }
+    let c = &mut work.channels;
+    let scale = |rows: Option<&mut Vec<[f64; 2]>>, by: f64| {
+        rows.into_iter().flatten().for_each(|v| *v = v.map(|x| by * x));
+    };
+    match target {
+        Target::Speed => scale(c.omega.as_mut(), 1.0 / factor),
+        Target::Angle => scale(c.alpha.as_mut(), *factor),
+        Target::Time => c.t.iter_mut().for_each(|t| *t /= factor),
+    }
+}
+
+/// Ratios of speed to slope of the angle, and what they mean.
+fn known(context: &Context) -> Vec<(f64, &'static str, Target)> {
+    let degree = PI / 180.0;
+    let mut known = vec![
+        (1.0, "", Target::Speed),
+        (60.0 / TAU, "rpm", Target::Speed),
+        (1.0 / degree, "deg/s", Target::Speed),
+        (1.0 / TAU, "rev/s", Target::Speed),
+        (degree, "deg", Target::Angle),
+        (TAU, "rev", Target::Angle),
+        (PI, "half-turns", Target::Angle),
+        (1e3, "ms", Target::Time),
+        (1e6, "us", Target::Time),
+        (1e9, "ns", Target::Time),
+    ];
+    if let Some(r) = context.wheel_radius {
+        known.push((r, "m/s", Target::Speed));
+        known.push((1.0 / r, "m", Target::Angle));
+    }
+    known
+}
+
+/// Turns the one of angle and speed against which the input works: inertia and friction take energy,
+/// so that the input puts it in.
+fn sign(work: &mut Conditioned, settings: &Settings, i: usize) {
+    let c = &mut work.channels;
+    let (Some(alpha), Some(omega)) = (c.alpha.as_mut(), c.omega.as_mut()) else { return };
+    let way = |k: usize| alpha[k + 1][i] - alpha[k][i];
+    let energy: f64 = (0..c.t.len() - 1).map(|k| c.moment[k][i] * way(k)).sum();
+    let (channel, rows) =
+        if energy >= 0.0 { (Channel::Speed(i), omega) } else { (Channel::Angle(i), alpha) };
+    work.findings.push(Finding::corrected(channel, Kind::Sign, "signs", settings.signs));
+    if settings.signs {
+        rows.iter_mut().for_each(|v| v[i] = -v[i]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::condition;
+    use super::*;
+    use crate::recording::Channels;
+
+    fn channels() -> Channels {
+        let t: Vec<f64> = (0..2000).map(|k| 0.01 * f64::from(k)).collect();
+        let alpha = t.iter().map(|t| [4.0 * (1.0 - t.cos()), 3.0 * (1.0 - (0.7 * t).cos()) / 0.7]);
+        let omega = t.iter().map(|t| [4.0 * t.sin(), 3.0 * (0.7 * t).sin()]).collect();
+        // friction and inertia
+        let moment =
+            t.iter().map(|t| [t.sin() + 0.3 * t.cos(), (0.7 * t).sin() + 0.2 * (0.7 * t).cos()]);
+        Channels { alpha: Some(alpha.collect()), omega: Some(omega), moment: moment.collect(), t }
+    }
+
+    fn changed(change: impl Fn(&mut Channels)) -> Conditioned {
+        let mut c = channels();
+        change(&mut c);
+        let context = Context { wheel_radius: Some(0.05), ..Context::default() };
+        condition(c, &Settings::default(), &context).unwrap()
+    }
+
+    fn differ(a: Option<&Vec<[f64; 2]>>, b: Option<&Vec<[f64; 2]>>) -> f64 {
+        let pairs = a.unwrap().iter().flatten().zip(b.unwrap().iter().flatten());
+        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn every_known_unit_is_recognised_and_converted() {
+        let right = channels();
+        for (factor, unit, target) in
+            known(&Context { wheel_radius: Some(0.05), ..Context::default() })
+        {
+            let done = changed(|c| match target {
+                Target::Speed => {
+                    c.omega.iter_mut().flatten().for_each(|v| *v = v.map(|x| x * factor))
+                }
+                Target::Angle => {
+                    c.alpha.iter_mut().flatten().for_each(|v| *v = v.map(|x| x / factor))
+                }
+                Target::Time => c.t.iter_mut().for_each(|t| *t *= factor),
+            });
+            let found: Vec<&str> = done
+                .findings
+                .iter()
+                .filter_map(
+                    |f| if let Kind::Unit { unit, .. } = f.kind { Some(unit) } else { None },
+                )
+                .collect();
+            assert_eq!(found.first().copied().unwrap_or_default(), unit);
+            assert!(differ(done.channels.omega.as_ref(), right.omega.as_ref()) < 1e-9, "{unit}");
+            assert!(differ(done.channels.alpha.as_ref(), right.alpha.as_ref()) < 1e-9, "{unit}");
+            assert!((done.channels.t[1999] - 19.99).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn the_channel_that_the_input_works_against_is_turned() {
+        let right = channels();
+        let done = changed(|c| c.omega.iter_mut().flatten().for_each(|v| v[1] = -v[1]));
+        assert!(matches!(
+            done.findings[..],
+            [Finding { channel: Channel::Speed(1), kind: Kind::Sign, .. }]
+        ));
+        assert_eq!(done.channels.omega, right.omega);
+        let done = changed(|c| c.alpha.iter_mut().flatten().for_each(|v| v[0] = -v[0]));
+        assert!(matches!(done.findings[..], [Finding { channel: Channel::Angle(0), .. }]));
+        assert_eq!(done.channels.alpha.unwrap()[700], right.alpha.unwrap()[700]);
+    }
+}

@@ -1,0 +1,32 @@
+//! Channels that cannot be used as they are.
+
+/// Why channels are refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ConditioningError {
+    /// A sensor that never moves while its wheel is driven and the other moves.
+    #[error(
+        "the {wheel} wheel never moves (its angle and speed stay at {value} in all {rows} rows) although its input is as large as that of the other wheel: its encoder is dead or its column is the wrong one. Name another column for it; on runs straight ahead the columns of the other wheel may stand for both, and then a1 + a2 and the friction are found; [conditioning] refuse = false keeps it"
+    )]
+    Dead {
+        /// Wheel.
+        wheel: &'static str,
+        /// Where it stays.
+        value: f64,
+        /// Rows.
+        rows: usize,
+    },
+    /// An input that has lost its sign.
+    #[error(
+        "M{wheel} is never negative (row {row}: {value} while dalpha{wheel} = {speed:.3} rad/s), although the wheel is driven both ways: a magnitude without sign. Record the signed value, or name the column of the commanded voltage; [conditioning] sign_from_speed = true gives it the sign of the speed (wrong while braking), refuse = false keeps it"
+    )]
+    Magnitude {
+        /// Wheel, from 1.
+        wheel: usize,
+        /// First row of backward motion.
+        row: usize,
+        /// Input there.
+        value: f64,
+        /// Speed there [rad/s].
+        speed: f64,
+    },
+}

@@ -1,0 +1,110 @@
+//! The input: commands of a few levels, magnitudes without sign, offsets at rest.
+
+use super::error::ConditioningError;
+use super::finding::{Action, Channel, Finding, Kind};
+use super::signal::{FEW_LEVELS, column, levels, quantile};
+use super::{Conditioned, Context, Settings};
+
+/// Part of the fastest speed from which on a wheel turns one way.
+const MOVING: f64 = 0.2;
+/// Rows and part of all rows that a direction must have.
+const BOTH_WAYS: (usize, f64) = (20, 0.02);
+/// Rest before the start is looked at from so many rows on.
+const AT_REST: usize = 20;
+/// An offset is at most this part of the input's range: beyond, the robot is held by something.
+const OFFSET: f64 = 0.1;
+
+/// Inputs of a few levels: their jumps are commands and no noise.
+pub(super) fn few_levels(work: &mut Conditioned) {
+    for i in 0..2 {
+        let levels = levels(&work.channels.moment, i);
+        if levels > 1 && levels <= FEW_LEVELS {
+            let kind = Kind::FewLevels { levels };
+            work.findings.push(Finding { channel: Channel::Input(i), kind, action: Action::Used });
+        }
+    }
+}
+
+/// An input that is never negative although its wheel is driven both ways.
+pub(super) fn sign(work: &mut Conditioned, settings: &Settings) -> Result<(), ConditioningError> {
+    let Some(speeds) = speeds(work) else { return Ok(()) };
+    for i in 0..2 {
+        let speed = column(&speeds, i);
+        let input = column(&work.channels.moment, i);
+        let range = quantile(input.iter().copied(), 0.95);
+        let fast = MOVING * quantile(speed.iter().map(|w| w.abs()), 0.99);
+        let backward: Vec<usize> = (0..speed.len()).filter(|&k| speed[k] < -fast).collect();
+        let forward = speed.iter().filter(|w| **w > fast).count();
+        let enough = |n: usize| n >= BOTH_WAYS.0 && n as f64 > BOTH_WAYS.1 * speed.len() as f64;
+        // what drives it backwards must be an input of size and not the last of a swing
+        let driven = quantile(backward.iter().map(|&k| input[k]), 0.5) > OFFSET * range;
+        let negative = quantile(input.iter().copied(), 0.0) < -0.01 * range;
+        if negative || range <= 0.0 || !driven || !enough(backward.len()) || !enough(forward) {
+            continue;
+        }
+        let (row, channel) = (backward[0], Channel::Input(i));
+        if settings.sign_from_speed {
+            let rows = work.channels.moment.iter_mut().zip(&speed);
+            rows.for_each(|(m, w)| m[i] = m[i].copysign(*w));
+            let action = Action::Corrected("sign_from_speed");
+            work.findings.push(Finding { channel, kind: Kind::Magnitude, action });
+        } else if settings.refuse {
+            return Err(ConditioningError::Magnitude {
+                wheel: i + 1,
+                row: row + 1,
+                value: input[row],
+                speed: speed[row],
+            });
+        } else {
+            let action = Action::Noted;
+            work.findings.push(Finding { channel, kind: Kind::Magnitude, action });
+        }
+    }
+    Ok(())
+}
+
+/// Speeds as recorded, or else slopes of the angles.
+pub(super) fn speeds(work: &Conditioned) -> Option<Vec<[f64; 2]>> {
+    let c = &work.channels;
+    if let Some(omega) = &c.omega {
+        return Some(omega.clone());
+    }
+    let alpha = c.alpha.as_ref()?;
+    let slope = |k: usize| {
+        let (from, to) = (k.saturating_sub(2), (k + 2).min(alpha.len() - 1));
+        [0, 1].map(|i| (alpha[to][i] - alpha[from][i]) / (c.t[to] - c.t[from]))
+    };
+    Some((0..alpha.len()).map(slope).collect())
+}
+
+/// The mean of a measured input before the robot first moves.
+pub(super) fn at_rest(work: &mut Conditioned, context: &Context) {
+    if context.commanded {
+        return;
+    }
+    let c = &work.channels;
+    let stays = |rows: Option<&Vec<[f64; 2]>>, k: usize| rows.is_none_or(|v| v[k] == v[0]);
+    let rest =
+        (0..c.t.len()).take_while(|&k| stays(c.alpha.as_ref(), k) && stays(c.omega.as_ref(), k));
+    let rows = rest.count();
+    if rows < AT_REST || rows == c.t.len() {
+        return;
+    }
+    let mut found = Vec::new();
+    for i in 0..2 {
+        let still = column(&c.moment[..rows], i);
+        let mean = still.iter().sum::<f64>() / rows as f64;
+        let square = still.iter().map(|m| (m - mean).powi(2)).sum::<f64>();
+        let std_error = (square / (rows - 1) as f64 / rows as f64).sqrt();
+        let range = quantile(c.moment.iter().map(|m| m[i].abs()), 0.95);
+        if mean.abs() > 5.0 * std_error
+            && mean != 0.0
+            && mean.abs() < OFFSET * range
+            && std_error > 0.0
+        {
+            let kind = Kind::RestOffset { mean, std_error };
+            found.push(Finding { channel: Channel::Input(i), kind, action: Action::Noted });
+        }
+    }
+    work.findings.extend(found);
+}

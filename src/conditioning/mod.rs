@@ -1,0 +1,101 @@
+//! What sensors and loggers do to a signal, separated from what the robot does: a pure function from
+//! the channels of a file to channels that agree with each other, and a list of what was found.
+//!
+//! ```text
+//! rows       without a value | of a repeated or backward time | of a restarted clock
+//! angles     wrapped at a turn or a power of two of counts | reset
+//! channels   isolated wrong samples
+//! speeds     in another unit | of another sign | late | differences of the angles
+//! input      of a few levels | a magnitude without sign | not zero at rest
+//! sensors    that never move, refresh more slowly than the rows, or are coarse
+//! ```
+//! Each finding says what was done: corrected (with the key of `[conditioning]` that leaves it as it
+//! was), used as noise or timing, only noted, or refused. Healthy channels pass unchanged, bit by bit.
+
+mod angles;
+mod counterpart;
+mod error;
+mod finding;
+mod input;
+mod rows;
+mod sensors;
+mod settings;
+mod signal;
+mod speeds;
+mod spikes;
+
+pub use error::ConditioningError;
+pub use finding::{Action, Channel, Finding, Kind};
+pub use settings::Settings;
+pub use speeds::{Lag, common_lag};
+
+use crate::recording::Channels;
+
+/// Channels that agree with each other, and what was found on the way.
+#[derive(Clone, Debug)]
+pub struct Conditioned {
+    /// The channels, corrected where the findings say so.
+    pub channels: Channels,
+    /// What was found, in the order of the steps.
+    pub findings: Vec<Finding>,
+}
+
+/// What is known beside the channels.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Context {
+    /// Radius of the wheels [m], which tells metres from radians.
+    pub wheel_radius: Option<f64>,
+    /// Whether the input is a command (a voltage) and not measured.
+    pub commanded: bool,
+    /// What other recordings of the same log say of the speeds: for a recording that is too short or
+    /// too slow to show it by itself.
+    pub speed_lag: Option<Lag>,
+}
+
+/// Conditions the channels of a recording.
+///
+/// # Errors
+/// [`ConditioningError`] where a channel cannot be used as it is and cannot be corrected: with
+/// channel, row, value and remedy.
+///
+/// # Examples
+/// ```
+/// use amigo_ident::conditioning::{Context, Kind, Settings, condition};
+/// use amigo_ident::recording::Channels;
+/// use std::f64::consts::TAU;
+/// let t: Vec<f64> = (0..1000).map(|k| 0.01 * f64::from(k)).collect();
+/// let angle: Vec<[f64; 2]> = t.iter().map(|t| [3.0 * t, 2.0 * t]).collect();
+/// let wrapped = angle.iter().map(|a| a.map(|x| x.rem_euclid(TAU))).collect();
+/// let channels =
+///     Channels { alpha: Some(wrapped), omega: None, moment: vec![[0.1; 2]; 1000], t };
+/// let done = condition(channels, &Settings::default(), &Context::default()).unwrap();
+/// assert!(matches!(done.findings[0].kind, Kind::Wrapped { turns: 4, .. }));
+/// let last = done.channels.alpha.unwrap()[999];
+/// assert!((last[0] - angle[999][0]).abs() < 1e-9);
+/// ```
+pub fn condition(
+    channels: Channels,
+    settings: &Settings,
+    context: &Context,
+) -> Result<Conditioned, ConditioningError> {
+    let mut work = Conditioned { channels, findings: vec![] };
+    rows::values(&mut work, settings);
+    rows::times(&mut work, settings);
+    if work.channels.t.len() < FEWEST_ROWS {
+        return Ok(work); // the check of the recording says that it is too short
+    }
+    angles::unwrap(&mut work, settings);
+    spikes::sensors(&mut work, settings);
+    counterpart::units_and_signs(&mut work, settings, context);
+    sensors::still(&work, settings)?;
+    speeds::timing(&mut work, settings, context);
+    spikes::inputs(&mut work, settings, context);
+    input::few_levels(&mut work);
+    input::sign(&mut work, settings)?;
+    input::at_rest(&mut work, context);
+    sensors::refresh(&mut work);
+    Ok(work)
+}
+
+/// Fewer rows show nothing.
+const FEWEST_ROWS: usize = 50;

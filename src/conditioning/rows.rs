@@ -1,0 +1,218 @@
+//! Rows: without a number, of a repeated or backward time, of a clock that was restarted.
+
+use super::finding::{Channel, Finding, Kind};
+use super::signal::median;
+use super::{Conditioned, Settings};
+use crate::recording::Channels;
+
+/// A column that lacks more than this share of its values is not damaged but slower than the rows:
+/// a message that is lost now and then leaves a few holes, a slow sensor leaves most rows empty.
+const SPARSE: f64 = 0.05;
+/// Rows after a backward step that must all lie before it, for a restarted clock. One row that is
+/// late, or a few that came in another order, do not repeat that often.
+const RESTARTED: usize = 10;
+
+/// Leaves out rows without a number, and holds the values of columns that are slower than the rows.
+pub(super) fn values(work: &mut Conditioned, settings: &Settings) {
+    if !settings.rows
+        || columns(&work.channels).iter().all(|(_, v)| v.iter().all(|x| x.is_finite()))
+    {
+        return;
+    }
+    hold_sparse(work);
+    let channels = columns(&work.channels);
+    let complete: Vec<bool> = (0..work.channels.t.len())
+        .map(|k| channels.iter().all(|(_, v)| v[k].is_finite()))
+        .collect();
+    let rows = complete.iter().filter(|c| !**c).count();
+    if rows == 0 || rows == complete.len() {
+        return;
+    }
+    let first = complete.iter().position(|c| !c).unwrap_or(0) + 1;
+    keep(&mut work.channels, &complete);
+    let kind = Kind::MissingValues { rows, first };
+    work.findings.push(Finding::corrected(Channel::Time, kind, "rows", true));
+}
+
+/// Every column by itself.
+fn columns(c: &Channels) -> Vec<(Channel, Vec<f64>)> {
+    let mut out = vec![(Channel::Time, c.t.clone())];
+    for i in 0..2 {
+        let pairs = [
+            (Channel::Angle(i), c.alpha.as_ref()),
+            (Channel::Speed(i), c.omega.as_ref()),
+            (Channel::Input(i), Some(&c.moment)),
+        ];
+        let there = pairs.into_iter().filter_map(|(name, v)| v.map(|v| (name, v)));
+        out.extend(there.map(|(name, v)| (name, v.iter().map(|x| x[i]).collect())));
+    }
+    out
+}
+
+fn hold_sparse(work: &mut Conditioned) {
+    let c = &mut work.channels;
+    let pairs = [c.alpha.as_mut(), c.omega.as_mut(), Some(&mut c.moment)];
+    let names: [fn(usize) -> Channel; 3] = [Channel::Angle, Channel::Speed, Channel::Input];
+    for (rows, name) in pairs.into_iter().zip(names) {
+        let Some(rows) = rows else { continue };
+        for i in 0..2 {
+            let missing = rows.iter().filter(|v| !v[i].is_finite()).count();
+            let share = missing as f64 / rows.len() as f64;
+            if share <= SPARSE || missing == rows.len() {
+                continue;
+            }
+            let mut last = f64::NAN;
+            for v in rows.iter_mut() {
+                last = if v[i].is_finite() { v[i] } else { last };
+                v[i] = last;
+            }
+            let kind = Kind::SparseColumn { share: 1.0 - share };
+            work.findings.push(Finding::corrected(name(i), kind, "rows", true));
+        }
+    }
+}
+
+/// The rows whose flag is set.
+fn keep(c: &mut Channels, flags: &[bool]) {
+    fn filter<T: Copy>(v: &mut Vec<T>, flags: &[bool]) {
+        let mut k = 0;
+        v.retain(|_| {
+            k += 1;
+            flags[k - 1]
+        });
+    }
+    filter(&mut c.t, flags);
+    filter(&mut c.moment, flags);
+    for v in [c.alpha.as_mut(), c.omega.as_mut()].into_iter().flatten() {
+        filter(v, flags);
+    }
+}
+
+/// Makes time increase: rows after a restart of the clock are moved behind a gap; of the others the
+/// longest strictly increasing sequence stays, so that one wrong stamp costs one row whichever way
+/// it errs.
+pub(super) fn times(work: &mut Conditioned, settings: &Settings) {
+    let finite = work.channels.t.iter().all(|t| t.is_finite());
+    let increasing = |t: &[f64]| t.windows(2).all(|w| w[0] < w[1]);
+    if !settings.rows || !finite || increasing(&work.channels.t) {
+        return;
+    }
+    restarts(work);
+    if increasing(&work.channels.t) {
+        return;
+    }
+    let flags = longest_increasing(&work.channels.t);
+    let rows = flags.iter().filter(|f| !**f).count();
+    // a column that hardly ever increases is no time; the check of the recording says where
+    if 2 * rows > flags.len() {
+        return;
+    }
+    let first = flags.iter().position(|f| !f).unwrap_or(0) + 1;
+    keep(&mut work.channels, &flags);
+    let kind = Kind::TimeRows { rows, first };
+    work.findings.push(Finding::corrected(Channel::Time, kind, "rows", true));
+}
+
+/// Moves what follows a restart behind what stood before it, with a gap between them.
+fn restarts(work: &mut Conditioned) {
+    let t = &mut work.channels.t;
+    let step = median(t.windows(2).map(|w| w[1] - w[0]).filter(|h| *h > 0.0));
+    for k in RESTARTED..t.len().saturating_sub(RESTARTED) {
+        let before = t[k - RESTARTED..k].iter().copied().fold(f64::INFINITY, f64::min);
+        let after = t[k..k + RESTARTED].iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        if t[k] >= t[k - 1] || after >= before {
+            continue;
+        }
+        let back_s = t[k - 1] - t[k];
+        let shift = back_s + GAP_STEPS * step;
+        t[k..].iter_mut().for_each(|t| *t += shift);
+        let kind = Kind::ClockRestart { row: k + 1, back_s };
+        work.findings.push(Finding::corrected(Channel::Time, kind, "rows", true));
+    }
+}
+
+/// Steps of the gap behind a restart: well above the four that make a gap, and as good as none in
+/// the length of the recording.
+const GAP_STEPS: f64 = 10.0;
+
+/// Which rows belong to the longest strictly increasing subsequence (patience sorting).
+fn longest_increasing(t: &[f64]) -> Vec<bool> {
+    let mut tails: Vec<usize> = Vec::new();
+    let mut before = vec![usize::MAX; t.len()];
+    for k in 0..t.len() {
+        let place = tails.partition_point(|&j| t[j] < t[k]);
+        before[k] = if place > 0 { tails[place - 1] } else { usize::MAX };
+        if place == tails.len() {
+            tails.push(k);
+        } else {
+            tails[place] = k;
+        }
+    }
+    let mut flags = vec![false; t.len()];
+    let mut k = tails.last().copied().unwrap_or(usize::MAX);
+    while k != usize::MAX {
+        flags[k] = true;
+        k = before[k];
+    }
+    flags
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn work(t: Vec<f64>) -> Conditioned {
+        let moment = t.iter().map(|t| [*t, 0.0]).collect();
+        let omega = Some(vec![[1.0; 2]; t.len()]);
+        Conditioned { channels: Channels { t, alpha: None, omega, moment }, findings: vec![] }
+    }
+
+    fn even(n: usize) -> Vec<f64> {
+        (0..n).map(|k| 0.01 * k as f64).collect()
+    }
+
+    #[test]
+    fn one_wrong_stamp_costs_one_row_whichever_way_it_errs() {
+        for wrong in [-5.0, 0.31, 0.50, 1e9] {
+            let mut t = even(200);
+            t[50] = wrong;
+            let mut w = work(t);
+            times(&mut w, &Settings::default());
+            let expected = if wrong == 0.50 { 0 } else { 1 };
+            assert_eq!(w.channels.t.len(), 200 - expected, "{wrong}");
+            assert_eq!(w.findings.len(), expected);
+            assert!(w.channels.t.windows(2).all(|p| p[0] < p[1]));
+        }
+    }
+
+    #[test]
+    fn a_clock_that_was_restarted_goes_on_behind_a_gap() {
+        let t: Vec<f64> = even(100).into_iter().chain(even(80)).collect();
+        let mut w = work(t);
+        times(&mut w, &Settings::default());
+        assert!(matches!(w.findings[0].kind, Kind::ClockRestart { row: 101, .. }));
+        assert_eq!(w.channels.t.len(), 180);
+        // 0.99 s, then a gap of ten steps
+        assert!((w.channels.t[100] - 1.09).abs() < 1e-12);
+    }
+
+    #[test]
+    fn rows_without_a_number_are_left_out_and_slow_columns_are_held() {
+        let mut w = work(even(100));
+        w.channels.moment[7][1] = f64::NAN;
+        w.channels.omega =
+            Some((0..100).map(|k| [if k % 4 == 0 { k as f64 } else { f64::NAN }, 1.0]).collect());
+        values(&mut w, &Settings::default());
+        assert_eq!(w.channels.t.len(), 99);
+        assert!(matches!(w.findings[0], Finding { channel: Channel::Speed(0), .. }));
+        assert!(matches!(w.findings[1].kind, Kind::MissingValues { rows: 1, first: 8 }));
+        assert_eq!(w.channels.omega.unwrap()[5][0], 4.0);
+    }
+
+    #[test]
+    fn increasing_times_are_not_touched() {
+        let mut w = work(even(100));
+        times(&mut w, &Settings::default());
+        assert!(w.findings.is_empty() && w.channels.t == even(100));
+    }
+}

@@ -1,0 +1,41 @@
+//! What may be corrected: the keys of `[conditioning]`.
+
+use serde::{Deserialize, Serialize};
+
+/// The keys of `[conditioning]`; `false` leaves the channels as they were recorded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, schemars::JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Settings {
+    /// Rows without a value, with a repeated or an earlier time are left out; a clock that was
+    /// restarted goes on behind a gap.
+    pub rows: bool,
+    /// Angles that wrap, or whose counter was reset, go on.
+    pub unwrap: bool,
+    /// Isolated wrong samples are replaced by the line between their neighbours.
+    pub spikes: bool,
+    /// Speeds in another unit than the angles, by a known factor, are converted.
+    pub units: bool,
+    /// A speed or an angle of the opposite sign is turned.
+    pub signs: bool,
+    /// Speeds that lag the angles are advanced, or left out where a filter made them.
+    pub speeds: bool,
+    /// Sensors that never move and inputs without a sign are refused.
+    pub refuse: bool,
+    /// An input without a sign takes that of the speed.
+    pub sign_from_speed: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            rows: true,
+            unwrap: true,
+            spikes: true,
+            units: true,
+            signs: true,
+            speeds: true,
+            refuse: true,
+            sign_from_speed: false,
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! Small measures of a signal that several steps use.
+
+use std::ops::Range;
+
+use crate::recording::is_gap;
+
+/// The median; zero of nothing.
+pub(super) fn median(values: impl Iterator<Item = f64>) -> f64 {
+    quantile(values, 0.5)
+}
+
+/// The value below which a share of all lies; zero of nothing.
+pub(super) fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
+    let mut sorted: Vec<f64> = values.collect();
+    if sorted.is_empty() {
+        return 0.0;
+    }
+    let place = ((sorted.len() - 1) as f64 * share).round() as usize;
+    *sorted.select_nth_unstable_by(place, f64::total_cmp).1
+}
+
+/// One wheel of a pair of columns.
+pub(super) fn column(rows: &[[f64; 2]], i: usize) -> Vec<f64> {
+    rows.iter().map(|v| v[i]).collect()
+}
+
+/// Levels up to which an input is a list of commands: the steps of a measured and quantised signal are
+/// noise only where it crosses many of them (Widrow and Kollar, Quantization Noise, 2008).
+pub(super) const FEW_LEVELS: usize = 16;
+
+/// Number of values that a channel takes.
+pub(super) fn levels(rows: &[[f64; 2]], i: usize) -> usize {
+    let mut values = column(rows, i);
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    values.len()
+}
+
+/// Ranges of rows without a gap in time.
+pub(super) fn pieces(t: &[f64]) -> Vec<Range<usize>> {
+    let step = median(t.windows(2).map(|w| w[1] - w[0]));
+    let ends = (1..t.len()).filter(|&k| is_gap(t[k - 1], t[k], step));
+    let mut out = Vec::new();
+    let mut start = 0;
+    for end in ends.chain(std::iter::once(t.len())) {
+        out.push(start..end);
+        start = end;
+    }
+    out
+}
+
+/// Rows of a channel that differ from the row before, with the first one: what a sensor that is
+/// slower than the rows has measured.
+pub(super) fn changes(values: &[f64]) -> Vec<usize> {
+    (0..values.len()).filter(|&k| k == 0 || values[k] != values[k - 1]).collect()
+}
+
+/// Variance of white noise from fourth differences, the median over blocks: smooth motion leaves
+/// nothing, and starts and steps touch few blocks.
+pub(super) fn noise_variance(values: &[f64]) -> f64 {
+    let differences: Vec<f64> = values
+        .windows(5)
+        .map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).powi(2) / 70.0)
+        .collect();
+    median(differences.chunks(BLOCK).map(|b| b.iter().sum::<f64>() / b.len() as f64))
+}
+
+/// Differences of a block.
+const BLOCK: usize = 32;

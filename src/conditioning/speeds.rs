@@ -1,0 +1,358 @@
+//! The speeds on the time base of the angles.
+//!
+//! A speed that is recorded late by lambda integrates to the angle when it is read later:
+//!
+//! ```text
+//! Omega(b + lambda) - Omega(a + lambda) = g (alpha(b) - alpha(a)) + e,   Omega = integral of the speed
+//! ```
+//! over short windows (a, b); lambda and g minimise the sum of e^2 (Gauss-Newton from the best of a
+//! grid). The noise of the speeds at a and b enters both e and its derivative, with opposite signs,
+//! so that it leaves no bias. Speeds that are differences of the angles share their noise:
+//!
+//! ```text
+//! omega_k = (alpha_k - alpha_(k-m)) / (t_k - t_(k-m)) + e_k,   var e << var of the speeds' own noise
+//! ```
+
+use nalgebra::{Matrix2, Vector2};
+
+use super::finding::{Channel, Finding, Kind};
+use super::signal::{changes, column, median, noise_variance, pieces};
+use super::{Conditioned, Context, Settings};
+
+/// Window [s] and its samples at least: motion changes within a few tenths of a second.
+const WINDOW: (f64, usize) = (0.1, 4);
+/// Lags that are looked for [s], and in samples: filters of speeds reach back up to so far.
+const LONGEST: (f64, f64) = (0.25, 10.0);
+/// Standard errors from which on a lag is one: 1 in 2 million for noise of normal distribution.
+const SURE: f64 = 5.0;
+/// Part of a sample below which a lag is none: 1/sqrt(12), the standard deviation of an instant
+/// anywhere in its row, which is all that a row says of when its channels were read.
+const SMALL: f64 = 0.289;
+/// Longest difference of angles that is looked for [samples].
+const SPAN: usize = 16;
+/// Part of the speeds' own noise that differences of the angles may leave: an own sensor leaves at
+/// least all of it.
+const SHARED: f64 = 0.25;
+/// A lag of more samples is not one of reading one sensor after the other, but of a filter or a
+/// message that came late.
+const SKEW: f64 = 1.5;
+/// As exactly, up to this factor.
+const EXACT: f64 = 3.0;
+
+/// How much later than the angle a speed is recorded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lag {
+    /// Lag [s].
+    pub value: f64,
+    /// Its standard error [s].
+    pub std_error: f64,
+}
+
+/// The lag of the speeds that several recordings of one log have in common, from the findings of each;
+/// `None` where no recording shows one. One logger reads one sensor in one way.
+#[must_use]
+pub fn common_lag<'a>(recordings: impl Iterator<Item = &'a [Finding]>) -> Option<Lag> {
+    let shown = |findings: &[Finding]| {
+        findings.iter().find_map(|f| match f.kind {
+            Kind::Lag { lag_s, std_error_s } | Kind::Filtered { lag_s, std_error_s } => {
+                Some(Lag { value: lag_s, std_error: std_error_s })
+            }
+            _ => None,
+        })
+    };
+    pooled(&recordings.filter_map(shown).collect::<Vec<_>>())
+}
+
+/// A wheel's samples: the rows in which its sensors gave something new.
+struct Samples {
+    t: Vec<f64>,
+    alpha: Vec<f64>,
+    omega: Vec<f64>,
+    pieces: Vec<std::ops::Range<usize>>,
+    step: f64,
+    /// Whether every row is a sample.
+    all: bool,
+}
+
+pub(super) fn timing(work: &mut Conditioned, settings: &Settings, context: &Context) {
+    let Some(samples) =
+        [samples(work, 0), samples(work, 1)].into_iter().collect::<Option<Vec<_>>>()
+    else {
+        return;
+    };
+    let spans: Vec<Option<usize>> = samples.iter().map(span).collect();
+    // angles that come more slowly than the rows give poor speeds: then the late ones are moved instead
+    let full_rate = samples.iter().all(|s| s.all);
+    if let [Some(a), Some(b)] = spans[..]
+        && a == b
+        && full_rate
+    {
+        let lag_s = 0.5 * a as f64 * samples[0].step;
+        leave_out(work, settings, Kind::Differences { samples: a, lag_s });
+        return;
+    }
+    let lags: Vec<Lag> = samples.iter().filter_map(lag).collect();
+    let (own, step) = (pooled(&lags), samples[0].step);
+    let Some(lag) = own.filter(|l| l.is_sure(step)).or_else(|| shared(own, context.speed_lag))
+    else {
+        return;
+    };
+    let Lag { value: lag_s, std_error: std_error_s } = lag;
+    let spare = full_rate && samples.iter().all(|s| angles_suffice(s, lag_s));
+    if lag_s.abs() > SKEW * step && spare {
+        leave_out(work, settings, Kind::Filtered { lag_s, std_error_s });
+    } else {
+        for i in 0..2 {
+            let kind = Kind::Lag { lag_s, std_error_s };
+            work.findings.push(Finding::corrected(
+                Channel::Speed(i),
+                kind,
+                "speeds",
+                settings.speeds,
+            ));
+        }
+        if settings.speeds {
+            advance(work, lag_s, full_rate);
+        }
+    }
+}
+
+impl Lag {
+    fn is_sure(&self, step: f64) -> bool {
+        self.value.abs() >= SURE * self.std_error && self.value.abs() >= SMALL * step
+    }
+}
+
+/// The lag of other recordings, unless this one contradicts it.
+fn shared(own: Option<Lag>, others: Option<Lag>) -> Option<Lag> {
+    let agrees = |others: &Lag| {
+        own.is_none_or(|own| {
+            (own.value - others.value).abs() < SURE * own.std_error.hypot(others.std_error)
+        })
+    };
+    others.filter(agrees)
+}
+
+fn leave_out(work: &mut Conditioned, settings: &Settings, kind: Kind) {
+    for i in 0..2 {
+        work.findings.push(Finding::corrected(Channel::Speed(i), kind, "speeds", settings.speeds));
+    }
+    if settings.speeds {
+        work.channels.omega = None;
+    }
+}
+
+fn samples(work: &Conditioned, i: usize) -> Option<Samples> {
+    let c = &work.channels;
+    let (alpha, omega) = (column(c.alpha.as_ref()?, i), column(c.omega.as_ref()?, i));
+    let moves = |v: &[f64]| changes(v).len();
+    let new = |k: usize| k == 0 || alpha[k] != alpha[k - 1] || omega[k] != omega[k - 1];
+    let rows: Vec<usize> = (0..c.t.len()).filter(|&k| new(k)).collect();
+    // where most rows repeat both; else every row is a sample
+    let all = 2 * rows.len() > c.t.len() || moves(&alpha) < 50;
+    let rows = if all { (0..c.t.len()).collect() } else { rows };
+    let t: Vec<f64> = rows.iter().map(|&k| c.t[k]).collect();
+    let of = |v: &[f64]| rows.iter().map(|&k| v[k]).collect();
+    let step = median(t.windows(2).map(|w| w[1] - w[0]));
+    Some(Samples { alpha: of(&alpha), omega: of(&omega), pieces: pieces(&t), step, t, all })
+}
+
+/// Over how many samples the speeds are differences of the angles.
+fn span(s: &Samples) -> Option<usize> {
+    let own = noise_variance(&s.omega);
+    let rest = |m: usize| {
+        let inside = s.pieces.iter().flat_map(|p| p.start + m..p.end.max(p.start + m));
+        let error = |k: usize| s.omega[k] - (s.alpha[k] - s.alpha[k - m]) / (s.t[k] - s.t[k - m]);
+        trimmed(inside.map(|k| error(k).powi(2)).collect())
+    };
+    let spans = (1..=SPAN.min(s.t.len() / 4)).map(|m| (m, rest(m)));
+    let (m, least) = spans.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    (own > 0.0 && least < SHARED * own).then_some(m)
+}
+
+/// Mean of the smallest 95 % of squares over what that is for a normal variable of variance one: jumps
+/// and gaps do not count, and rows in which nothing changes do not hide the others.
+fn trimmed(mut squares: Vec<f64>) -> f64 {
+    squares.sort_by(f64::total_cmp);
+    squares.truncate((squares.len() * 19).div_ceil(20));
+    squares.iter().sum::<f64>() / squares.len().max(1) as f64 / 0.759
+}
+
+/// Lag of a wheel's speed.
+fn lag(s: &Samples) -> Option<Lag> {
+    let way = integral(s);
+    let windows = windows(s);
+    if windows.len() < 20 {
+        return None;
+    }
+    let longest = LONGEST.0.min(LONGEST.1 * s.step);
+    let count = (2.0 * longest / s.step).ceil() as i32;
+    let starts = (-count..=count).map(|j| 0.5 * f64::from(j) * s.step);
+    let cost = |lag: f64| solve(s, &way, &windows, lag).map_or(f64::INFINITY, |f| f.cost);
+    let start = starts.map(|l| (cost(l), l)).min_by(|a, b| a.0.total_cmp(&b.0))?.1;
+    let mut value = start;
+    let mut last = solve(s, &way, &windows, value)?;
+    for _ in 0..20 {
+        value += last.step.clamp(-s.step, s.step);
+        last = solve(s, &way, &windows, value)?;
+        if last.step.abs() < 1e-3 * last.std_error {
+            break;
+        }
+    }
+    let apart = (value - start).abs() <= s.step && last.std_error.is_finite();
+    apart.then_some(Lag { value, std_error: last.std_error })
+}
+
+/// Rows between which the motion is compared.
+fn windows(s: &Samples) -> Vec<(usize, usize)> {
+    let length = ((WINDOW.0 / s.step).round() as usize).max(WINDOW.1);
+    let starts = |p: &std::ops::Range<usize>| {
+        let (from, to) = (p.start, p.end);
+        (from..to).step_by(length).filter(move |a| a + length < to).map(move |a| (a, a + length))
+    };
+    s.pieces.iter().flat_map(starts).collect()
+}
+
+/// Integral of the speed up to each sample, by trapezoids.
+fn integral(s: &Samples) -> Vec<f64> {
+    let mut way = vec![0.0; s.t.len()];
+    for k in 1..s.t.len() {
+        way[k] = way[k - 1] + 0.5 * (s.t[k] - s.t[k - 1]) * (s.omega[k] + s.omega[k - 1]);
+    }
+    way
+}
+
+struct Step {
+    /// Mean square at this lag, with the best g.
+    cost: f64,
+    /// Gauss-Newton step of the lag [s].
+    step: f64,
+    std_error: f64,
+}
+
+/// Sum of squares at a lag, with the best g; windows far off all others are left out.
+fn solve(s: &Samples, way: &[f64], windows: &[(usize, usize)], lag: f64) -> Option<Step> {
+    let at = |t: f64, k: usize| read(s, way, t, k);
+    let row = |(a, b): &(usize, usize)| {
+        let (from, to) = (at(s.t[*a] + lag, *a)?, at(s.t[*b] + lag, *b)?);
+        Some((
+            to.0 - from.0 - (s.alpha[*b] - s.alpha[*a]),
+            to.1 - from.1,
+            s.alpha[*b] - s.alpha[*a],
+        ))
+    };
+    let rows: Vec<(f64, f64, f64)> = windows.iter().filter_map(row).collect();
+    let limit = 8.0 * 1.4826 * median(rows.iter().map(|(e, ..)| e.abs()));
+    let used = || rows.iter().filter(|(e, ..)| limit <= 0.0 || e.abs() <= limit);
+    let (mut normal, mut right, mut squares, mut n) = (Matrix2::zeros(), Vector2::zeros(), 0.0, 0);
+    for (e, slope, way) in used() {
+        let x = Vector2::new(*slope, -way);
+        normal += x * x.transpose();
+        right += x * *e;
+        squares += e * e;
+        n += 1;
+    }
+    let inverse = normal.try_inverse()?;
+    let step = -(inverse * right);
+    let rest = squares - right.dot(&(inverse * right));
+    let variance = rest.max(0.0) / f64::from((n - 2).max(1));
+    let cost = (squares - right[1] * right[1] / normal[(1, 1)]) / f64::from(n.max(1));
+    Some(Step { cost, step: step[0], std_error: (variance * inverse[(0, 0)]).sqrt() })
+}
+
+/// Integral and speed at a time near sample `k`.
+fn read(s: &Samples, way: &[f64], t: f64, k: usize) -> Option<(f64, f64)> {
+    let piece = s.pieces.iter().find(|p| p.contains(&k))?;
+    let next = s.t[piece.clone()].partition_point(|x| *x <= t) + piece.start;
+    let j = next.checked_sub(1).filter(|j| *j >= piece.start && next < piece.end)?;
+    let (h, share) = (s.t[next] - s.t[j], (t - s.t[j]) / (s.t[next] - s.t[j]));
+    let omega = s.omega[j] + share * (s.omega[next] - s.omega[j]);
+    Some((way[j] + 0.5 * share * h * (s.omega[j] + omega), omega))
+}
+
+/// Mean of the wheels' lags by their accuracy; none where they differ.
+fn pooled(lags: &[Lag]) -> Option<Lag> {
+    let weight = |l: &Lag| 1.0 / (l.std_error * l.std_error).max(1e-18);
+    let total: f64 = lags.iter().map(weight).sum();
+    let value = lags.iter().map(|l| weight(l) * l.value).sum::<f64>() / total;
+    let spread: f64 = lags.iter().map(|l| weight(l) * (l.value - value).powi(2)).sum();
+    let std_error = (spread.max(1.0) / total).sqrt();
+    (!lags.is_empty()).then_some(Lag { value, std_error })
+}
+
+/// Whether the angle says the speed as exactly as its own channel does, over no longer than this is late.
+fn angles_suffice(s: &Samples, lag: f64) -> bool {
+    let (angle, speed) = (noise_variance(&s.alpha).sqrt(), noise_variance(&s.omega).sqrt());
+    angle * 2.0_f64.sqrt() / lag.abs() < EXACT * speed
+}
+
+/// Reads the speeds later by `lag`: whole rows by moving them, the rest by the acceleration around,
+/// so that the noise of each speed stays its own.
+fn advance(work: &mut Conditioned, lag: f64, full_rate: bool) {
+    let t = work.channels.t.clone();
+    let step = median(t.windows(2).map(|w| w[1] - w[0]));
+    let rows = (lag / step).round() as isize;
+    // between the values of a slow sensor there is no slope
+    let rest = if full_rate { lag - rows as f64 * step } else { 0.0 };
+    let Some(omega) = &work.channels.omega else { return };
+    let pieces = pieces(&t);
+    let mut out = omega.clone();
+    let mut there = vec![false; t.len()];
+    for piece in &pieces {
+        for k in piece.clone() {
+            let source = k as isize + rows;
+            if source < piece.start as isize || source >= piece.end as isize {
+                continue;
+            }
+            let source = source as usize;
+            let near = source.saturating_sub(AROUND).max(piece.start)
+                ..(source + AROUND + 1).min(piece.end);
+            for i in 0..2 {
+                out[k][i] = omega[source][i] + rest * slope(&t, omega, near.clone(), i);
+            }
+            there[k] = true;
+        }
+    }
+    work.channels.omega = Some(out);
+    if rows != 0 {
+        keep(work, &there);
+    }
+}
+
+/// Samples to either side of the acceleration: its noise adds less than a fiftieth to that of the
+/// speed.
+const AROUND: usize = 3;
+
+/// Slope of a line through the speeds.
+fn slope(t: &[f64], omega: &[[f64; 2]], rows: std::ops::Range<usize>, i: usize) -> f64 {
+    let n = rows.len() as f64;
+    let middle = rows.clone().map(|k| t[k]).sum::<f64>() / n;
+    let square: f64 = rows.clone().map(|k| (t[k] - middle).powi(2)).sum();
+    if square > 0.0 {
+        rows.map(|k| (t[k] - middle) * omega[k][i]).sum::<f64>() / square
+    } else {
+        0.0
+    }
+}
+
+/// Drops the rows at the ends of pieces that have no speed of their time.
+fn keep(work: &mut Conditioned, there: &[bool]) {
+    let c = &mut work.channels;
+    let pick = |rows: &mut Vec<[f64; 2]>| {
+        let mut k = 0;
+        rows.retain(|_| {
+            k += 1;
+            there[k - 1]
+        });
+    };
+    let mut k = 0;
+    c.t.retain(|_| {
+        k += 1;
+        there[k - 1]
+    });
+    pick(&mut c.moment);
+    [c.alpha.as_mut(), c.omega.as_mut()].into_iter().flatten().for_each(pick);
+}
+
+#[cfg(test)]
+mod tests;

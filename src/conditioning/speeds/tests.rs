@@ -1,0 +1,134 @@
+//! Lags of speeds against the truth that made them.
+
+use rand::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+
+use super::super::{Action, Context, condition};
+use super::*;
+use crate::recording::Channels;
+
+const H: f64 = 0.01;
+
+/// Angle at a time.
+fn angle(t: f64) -> [f64; 2] {
+    [2.0 * (1.0 - (1.7 * t).cos()) + (0.6 * t).sin(), 1.5 * (1.0 - (1.3 * t).cos()) + 0.5 * t]
+}
+
+fn speed(t: f64) -> [f64; 2] {
+    [3.4 * (1.7 * t).sin() + 0.6 * (0.6 * t).cos(), 1.95 * (1.3 * t).sin() + 0.5]
+}
+
+/// Speeds that are `lag` late and have noise of their own.
+fn late(lag: f64, noise: f64, seed: u64) -> Channels {
+    late_beside(lag, noise, 1e-4, seed)
+}
+
+/// The same beside angles of that step [rad].
+fn late_beside(lag: f64, noise: f64, step: f64, seed: u64) -> Channels {
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+    let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+    let t: Vec<f64> = (0..3000).map(|k| H * f64::from(k)).collect();
+    let alpha = t.iter().map(|t| angle(*t).map(|a| (a / step).round() * step)).collect();
+    let omega = t.iter().map(|t| speed(t - lag).map(|w| w + noise * normal())).collect();
+    let moment = t.iter().map(|t| speed(*t)).collect();
+    Channels { t, alpha: Some(alpha), omega: Some(omega), moment }
+}
+
+fn done(channels: Channels) -> Conditioned {
+    condition(channels, &Settings::default(), &Context::default()).unwrap()
+}
+
+fn lag_of(findings: &[Finding]) -> Option<(f64, f64)> {
+    findings.iter().find_map(|f| match f.kind {
+        Kind::Lag { lag_s, std_error_s } => Some((lag_s, std_error_s)),
+        _ => None,
+    })
+}
+
+#[test]
+fn lags_of_any_part_of_a_row_lie_within_their_intervals() {
+    let (mut within, mut all) = (0, 0);
+    for lag in [0.004, 0.005, 0.010, 0.023, 0.04] {
+        for seed in 0..20 {
+            // beside angles that do not say the speed as exactly, speeds that are late by samples are kept
+            let step = if lag > 0.015 { 0.01 } else { 1e-4 };
+            let done = done(late_beside(lag, 0.02, step, seed));
+            let (found, error) =
+                lag_of(&done.findings).unwrap_or_else(|| panic!("{lag} {:?}", done.findings));
+            within += usize::from((found - lag).abs() < 2.0 * error);
+            all += 1;
+            // and the speeds agree with the angles again
+            let (t, omega) = (&done.channels.t, done.channels.omega.as_ref().unwrap());
+            let error = t.iter().zip(omega).skip(20).take(2900).map(|(t, w)| w[0] - speed(*t)[0]);
+            let mean_square = error.map(|e| e * e).sum::<f64>() / 2900.0;
+            assert!((mean_square.sqrt() / 0.02 - 1.0).abs() < 0.1, "{lag}: {}", mean_square.sqrt());
+        }
+    }
+    // 95.4 % of 100, standard error 2.1 %
+    assert!(within >= 89, "{within} of {all}");
+}
+
+#[test]
+fn speeds_in_time_pass_bit_by_bit() {
+    for seed in 0..40 {
+        let channels = late(0.0, 0.02, seed);
+        let before = channels.omega.clone();
+        let done = done(channels);
+        assert!(done.channels.omega == before, "{:?}", done.findings);
+    }
+}
+
+#[test]
+fn a_moving_average_of_the_angle_is_recognised_and_left_out() {
+    for span in [1, 5] {
+        let mut channels = late(0.0, 0.0, 0);
+        let alpha = channels.alpha.clone().unwrap();
+        let of = |k: usize| {
+            let before = k.saturating_sub(span);
+            [0, 1].map(|i| (alpha[k][i] - alpha[before][i]) / (span as f64 * H))
+        };
+        channels.omega = Some((0..3000).map(of).collect());
+        let done = done(channels);
+        assert!(done.channels.omega.is_none(), "{:?}", done.findings);
+        let kind = done.findings[0].kind;
+        assert!(matches!(kind, Kind::Differences { samples, .. } if samples == span), "{kind:?}");
+        assert_eq!(done.findings[0].action, Action::Corrected("speeds"));
+    }
+}
+
+#[test]
+fn a_filter_that_lags_by_samples_leaves_the_angles_alone() {
+    let mut channels = late(0.0, 0.05, 3);
+    // a first-order low pass of 50 ms
+    let mut last = [0.0; 2];
+    for w in channels.omega.as_mut().unwrap() {
+        last = [0, 1].map(|i| last[i] + (H / (0.05 + H)) * (w[i] - last[i]));
+        *w = last;
+    }
+    let done = done(channels);
+    assert!(
+        matches!(done.findings[0].kind, Kind::Filtered { lag_s, .. } if (lag_s - 0.05).abs() < 0.01),
+        "{:?}",
+        done.findings
+    );
+    assert!(done.channels.omega.is_none());
+}
+
+#[test]
+fn a_recording_too_short_to_show_its_lag_takes_that_of_the_others() {
+    let long = done(late_beside(0.04, 0.02, 0.01, 3));
+    let common = common_lag([long.findings.as_slice(), &[]].into_iter());
+    let common = common.expect("the long recording shows its lag");
+    let mut short = late_beside(0.04, 0.02, 0.01, 4);
+    let rows = 150;
+    short.t.truncate(rows);
+    short.moment.truncate(rows);
+    [&mut short.alpha, &mut short.omega].into_iter().flatten().for_each(|c| c.truncate(rows));
+    assert_eq!(lag_of(&done(short.clone()).findings), None);
+    let context = Context { speed_lag: Some(common), ..Context::default() };
+    let together = condition(short, &Settings::default(), &context).unwrap();
+    assert_eq!(lag_of(&together.findings), Some((common.value, common.std_error)));
+    // a recording that shows that its speeds are in time keeps them
+    let sound = condition(late(0.0, 0.02, 5), &Settings::default(), &context).unwrap();
+    assert_eq!(lag_of(&sound.findings), None);
+}

@@ -1,0 +1,113 @@
+//! Fitting a model by the simulation error over short windows.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::windows::{Sums, Windows, bounds};
+use crate::effects::Scale;
+use crate::math::descent::{MinimiseOptions, minimise};
+use crate::model::Model;
+
+/// Most Levenberg-Marquardt steps: fits that need more sit on a ridge on which the error no longer falls.
+const STEPS: usize = 20;
+/// The same where derivatives come from differences, which cost a simulation a parameter.
+const STEPS_BY_DIFFERENCES: usize = 8;
+/// A relative fall of the cost that no longer matters: among a thousand independent values it moves the
+/// criterion by a tenth.
+const TOLERANCE: f64 = 1e-4;
+/// Eigenvalue of the scaled information below which a direction is not identified.
+const UNSEEN: f64 = 1e-10;
+
+/// A model fitted by the error of its windows.
+#[derive(Clone)]
+pub struct WindowFit {
+    /// The model.
+    pub model: Model,
+    /// One value a parameter.
+    pub p: Vec<f64>,
+    /// Half of `Σ e²/s²` over the training windows.
+    pub cost: f64,
+    /// Covariance of all parameters, from the scores of the windows; zero for those that are held,
+    /// infinite for those that the data do not identify.
+    pub covariance: DMatrix<f64>,
+    /// Lies a free parameter at a bound?
+    pub at_bound: Vec<bool>,
+}
+
+/// Fits the free parameters of `model` from `start` by Levenberg and Marquardt's method. `None` where the
+/// start cannot be simulated.
+///
+/// ```text
+/// minimise ½ Σ_windows Σ_k (w(k) - ŵ(k; θ))²/s²
+/// covariance H⁻¹ (Σ g_b g_b') H⁻¹ m/(m - p),   g_b: gradient of window b of m, p parameters
+/// ```
+/// Source of the covariance: sandwich of White, Econometrica 50 (1982), clustered by windows.
+#[must_use]
+pub fn fit(windows: &Windows, model: &Model, start: &[f64], scale: &Scale) -> Option<WindowFit> {
+    let free = model.free();
+    let [lower, upper] = bounds(model, scale, &free);
+    let place = |x: &DVector<f64>| {
+        let mut p = start.to_vec();
+        free.iter().zip(x.iter()).for_each(|(&j, v)| p[j] = *v);
+        p
+    };
+    let first = DVector::from_iterator(free.len(), free.iter().map(|&j| start[j]));
+    let first = first.zip_zip_map(&lower, &upper, |v, low, high| v.clamp(low, high));
+    let options = MinimiseOptions {
+        max_iterations: if model.is_coupled() { STEPS_BY_DIFFERENCES } else { STEPS },
+        relative_tolerance: TOLERANCE,
+        lower: Some(lower.clone()),
+        upper: Some(upper.clone()),
+        ..MinimiseOptions::default()
+    };
+    let minimum = minimise(
+        &first,
+        |x| windows.quadratic(model, &place(x), &free),
+        |x| windows.cost(model, &place(x)),
+        &options,
+    );
+    minimum.cost.is_finite().then_some(())?;
+    let p = place(&minimum.x);
+    let sums = windows.sums(model, &p, &free)?;
+    let cost = 0.5 * sums.iter().map(|s| s.square).sum::<f64>();
+    let covariance = sandwich(&sums, &free, p.len());
+    let edge = |n: usize| minimum.x[n] <= lower[n] || minimum.x[n] >= upper[n];
+    let mut at_bound = vec![false; p.len()];
+    free.iter().enumerate().for_each(|(n, &j)| at_bound[j] = edge(n));
+    cost.is_finite().then_some(WindowFit { model: model.clone(), p, cost, covariance, at_bound })
+}
+
+/// Covariance of all `count` parameters from the sums of the windows over the `free` ones.
+fn sandwich(sums: &[Sums], free: &[usize], count: usize) -> DMatrix<f64> {
+    let n = free.len();
+    let h: DMatrix<f64> = sums.iter().map(|s| &s.information).sum();
+    let scale: Vec<f64> = (0..n).map(|a| 1.0 / h[(a, a)].max(f64::MIN_POSITIVE).sqrt()).collect();
+    let scaled = DMatrix::from_fn(n, n, |a, b| h[(a, b)] * scale[a] * scale[b]);
+    let eigen = scaled.symmetric_eigen();
+    let mut inverse = DMatrix::zeros(n, n);
+    let mut unseen = vec![false; n];
+    for (value, v) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+        if *value > UNSEEN {
+            inverse += v * v.transpose() / *value;
+        } else {
+            (0..n).filter(|&a| v[a].abs() > 1e-3).for_each(|a| unseen[a] = true);
+        }
+    }
+    let mut meat = DMatrix::zeros(n, n);
+    for s in sums {
+        let g = DVector::from_fn(n, |a, _| s.score[a] * scale[a]);
+        meat += &g * g.transpose();
+    }
+    let (m, lost) = (sums.len() as f64, n as f64);
+    let inflation = if m > lost { m / (m - lost) } else { f64::INFINITY };
+    let own = &inverse * meat * &inverse * inflation;
+    let mut out = DMatrix::zeros(count, count);
+    for a in 0..n {
+        for b in 0..n {
+            out[(free[a], free[b])] = own[(a, b)] * scale[a] * scale[b];
+        }
+        if unseen[a] {
+            out[(free[a], free[a])] = f64::INFINITY;
+        }
+    }
+    out
+}

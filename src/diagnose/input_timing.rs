@@ -1,0 +1,156 @@
+//! The time of the recorded input as a nuisance of every model of the diagnosis.
+
+use crate::effects::{Change, Description, Energy, ParameterSpec, Physics, Scale};
+use crate::math::Real;
+use crate::model::Model;
+use crate::recording::Recording;
+
+/// Id of the nuisance in models of the diagnosis; it is no effect of the catalogue.
+pub(super) const ID: &str = "input_timing";
+/// Symbol of its parameter, the shift of the input [s], among the estimates of a diagnosis.
+pub const SYMBOL: &str = "input_shift";
+
+/// The recorded input acts `shift` seconds later, within what logging explains.
+///
+/// ```text
+/// M(t) = M_recorded(t - shift),   cubic between the rows (Catmull and Rom)
+/// ```
+/// It is fitted along with every model, so that a wrong time base is not taken for physics, nor physics for
+/// a wrong time base.
+#[derive(Clone, Debug)]
+pub(super) struct InputTiming {
+    /// Smallest and largest shift [s].
+    pub(super) limits: (f64, f64),
+}
+
+impl Physics for InputTiming {
+    fn description(&self) -> Description {
+        Description {
+            id: ID.into(),
+            title: "Timing of the recorded input".into(),
+            equation: "M(t) = recorded M(t - shift)".into(),
+            cause: "logging: the input is averaged or held over a row".into(),
+            signature: String::new(),
+            excitation: String::new(),
+            equivalent: vec![],
+        }
+    }
+
+    fn parameters(&self) -> Vec<ParameterSpec> {
+        vec![ParameterSpec::shape(SYMBOL, "shift of the input", "s", (-1.0, 1.0), 1e-3)]
+    }
+
+    fn energy(&self) -> Energy {
+        Energy::Supplies
+    }
+
+    fn acts_on_drive(&self) -> bool {
+        true
+    }
+
+    fn change(&self) -> Change {
+        Change::TimeShift
+    }
+
+    fn limits(&self, _scale: &Scale) -> Vec<(f64, f64)> {
+        vec![self.limits]
+    }
+
+    fn drive<T: Real>(&self, t: &[f64], m: &[[T; 2]], p: &[T]) -> Option<Vec<[T; 2]>> {
+        Some(later(t, m, p[0]))
+    }
+}
+
+/// The acting input of a recording, and its derivatives by every parameter as
+/// [`Model::drive_derivatives`] gives them, but by a delay as means over the time of a row.
+///
+/// ```text
+/// dM/dT = (M(t - T - h/2) - M(t - T + h/2))/h
+/// ```
+/// A command that steps between two rows has slopes within one row alone: delayed by other than whole rows
+/// of uneven length, its samples may see none of them, and a descent would stop there.
+pub(super) fn input_derivatives(
+    model: &Model,
+    recording: &Recording,
+    p: &[f64],
+) -> (Vec<[f64; 2]>, Vec<Vec<[f64; 2]>>) {
+    let (t, moment, half) = (recording.t(), recording.moment(), 0.5 * recording.step());
+    let (acting, mut derivatives) = model.drive_derivatives(t, moment, p);
+    let delays = model
+        .effects()
+        .iter()
+        .enumerate()
+        .filter(|(_, effect)| effect.change() == Change::TimeShift && effect.id() != ID);
+    for j in delays.flat_map(|(e, _)| model.slots(e)) {
+        let at = |value: f64| {
+            let mut moved = p.to_vec();
+            moved[j] = value;
+            model.drive(t, moment, &moved)
+        };
+        let (low, high) = ((p[j] - half).max(0.0), p[j] + half);
+        let rows = at(low).into_iter().zip(at(high));
+        derivatives[j] = rows.map(|(a, b)| [0, 1].map(|i| (b[i] - a[i]) / (high - low))).collect();
+    }
+    (acting, derivatives)
+}
+
+/// A signal `shift` seconds later, by cubic interpolation between its rows; its ends are held.
+pub(super) fn later<T: Real>(t: &[f64], m: &[[T; 2]], shift: T) -> Vec<[T; 2]> {
+    let last = t.len() - 1;
+    if last == 0 {
+        return m.to_vec();
+    }
+    let slope = |j: usize, i: usize| {
+        let (a, b) = (j.saturating_sub(1), (j + 1).min(last));
+        (m[b][i] - m[a][i]) / (t[b] - t[a])
+    };
+    let mut k = 0;
+    let at_row = |&now: &f64| {
+        let at = -shift + now;
+        while k > 0 && t[k] > at.value() {
+            k -= 1;
+        }
+        while k + 1 < last && t[k + 1] <= at.value() {
+            k += 1;
+        }
+        if at.value() <= t[0] {
+            return m[0];
+        }
+        if at.value() >= t[last] {
+            return m[last];
+        }
+        let h = t[k + 1] - t[k];
+        let s = (at - T::from(t[k])) / h;
+        let (s2, s3) = (s * s, s * s * s);
+        let rise = s2 * 3.0 - s3 * 2.0;
+        [0, 1].map(|i| {
+            m[k][i]
+                + rise * (m[k + 1][i] - m[k][i])
+                + (s3 - s2 * 2.0 + s) * slope(k, i) * h
+                + (s3 - s2) * slope(k + 1, i) * h
+        })
+    };
+    t.iter().map(at_row).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::later;
+
+    #[test]
+    fn a_parabola_is_shifted_exactly_inside_and_held_at_the_ends() {
+        let t: Vec<f64> = (0..20).map(|k| 0.01 * f64::from(k)).collect();
+        let parabola = |t: f64| [3.0 * t * t - t, 2.0];
+        let m: Vec<[f64; 2]> = t.iter().map(|&t| parabola(t)).collect();
+        for shift in [-0.013, 0.004, 0.025] {
+            let found = later(&t, &m, shift);
+            // Catmull and Rom's slopes are exact for parabolas away from the ends
+            for k in 5..14 {
+                assert!((found[k][0] - parabola(t[k] - shift)[0]).abs() < 1e-14, "{k} {shift}");
+                assert_eq!(found[k][1], 2.0);
+            }
+        }
+        assert_eq!(later(&t, &m, 0.5)[3], m[0]);
+        assert_eq!(later(&t, &m, 0.0), m);
+    }
+}

@@ -1,0 +1,322 @@
+//! Low-passed regression of the input torque: the quick look of the screening, and of the timing.
+//!
+//! The torque that a model leaves unexplained on the smoothed motion is regressed on the columns of
+//! candidates, all of them low-passed alike and without a phase shift.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::candidate::{Candidate, still_instant};
+use super::nonnegative;
+use crate::compare::{filtered, smooth_motion};
+use crate::effects::{Motion, along};
+use crate::math::Real;
+use crate::model::{Linearisation, Model};
+use crate::recording::{LocalMotion, Recording};
+
+/// Largest cut-off as a share of the sampling rate: beyond it derivatives by differences are wrong by
+/// more than a tenth.
+const RESOLVED: f64 = 0.1;
+/// Share of the rms torque that noise of the acceleration may reach behind the low-pass.
+const NOISE: f64 = 0.05;
+/// Cycles of the cut-off that the shortest recording must hold, so that a fit has something to stand on.
+const CYCLES: f64 = 20.0;
+/// Speed, as a share of [`Scale::speed`](crate::effects::Scale), below which a row counts as rest, and the
+/// width over which the sign of the speed changes.
+const REST: f64 = 0.016;
+const WIDTH: f64 = 0.00125;
+/// Rows that are kept a cycle of the cut-off.
+const KEPT: f64 = 8.0;
+
+/// A recording behind the low-pass.
+struct Smooth<'a> {
+    recording: &'a Recording,
+    index: usize,
+    /// Smoothed motion of every row.
+    motion: Vec<LocalMotion>,
+    /// The recorded input behind the low-pass twice, as often as the torques it is compared with.
+    input: Vec<[f64; 2]>,
+}
+
+/// The rows of all recordings on which candidates are regressed.
+pub struct Regression<'a> {
+    model: &'a Model,
+    p: &'a [f64],
+    cutoff: f64,
+    speed: f64,
+    smooth: Vec<Smooth<'a>>,
+    /// Rows that are kept: recording, row, wheel.
+    rows: Vec<(usize, usize, usize)>,
+    /// Columns of the free parameters [N m per unit], and an orthonormal basis of them.
+    base: DMatrix<f64>,
+    basis: DMatrix<f64>,
+    /// Torque that the model at `p` leaves unexplained [N m].
+    torque: DVector<f64>,
+    /// Residual torque after the base [N m].
+    residual: DVector<f64>,
+    /// Independent values among the rows.
+    pub degrees: f64,
+}
+
+/// Cut-off of the low-pass [Hz]: a tenth of the sampling rate, or lower where noise of the measured speeds
+/// would make more than 5 % of the rms torque out of the acceleration.
+///
+/// ```text
+/// var(dw/dt) = 8 π² σ² fc³/(3 fs)
+/// ```
+#[must_use]
+pub fn cutoff(recordings: &[&Recording], mobility: f64) -> f64 {
+    let one = |r: &&Recording| {
+        let rate = 1.0 / r.step();
+        let sum: f64 = r.moment().iter().flatten().map(|m| m * m).sum();
+        let rms = (sum / (2 * r.len()) as f64).sqrt();
+        let noise = r.noise().omega;
+        let sigma = noise[0].max(noise[1]).max(1e-9 * r.top_speed());
+        let allowed = NOISE * rms * mobility / sigma;
+        let fresh = r.fresh().iter().filter(|f| **f).count().max(1) as f64 / r.len() as f64;
+        let eight = 8.0 * std::f64::consts::PI.powi(2);
+        let by_noise = (allowed * allowed * 3.0 * rate * fresh / eight).cbrt();
+        by_noise.min(RESOLVED * rate * fresh).max(CYCLES / r.duration()).min(0.4 * rate)
+    };
+    recordings.iter().map(one).fold(f64::INFINITY, f64::min)
+}
+
+impl<'a> Regression<'a> {
+    /// The regression of `recordings` on the free parameters of `model` around `p`. `None` where nothing is
+    /// left of them.
+    #[must_use]
+    pub fn new(
+        model: &'a Model,
+        p: &'a [f64],
+        recordings: &[&'a Recording],
+        cutoff: f64,
+        speed: f64,
+    ) -> Option<Self> {
+        let smooth: Vec<Smooth> = recordings
+            .iter()
+            .enumerate()
+            .map(|(index, recording)| {
+                let motion = smooth_motion(recording, cutoff);
+                let once = filtered(recording, cutoff, recording.moment());
+                let input = filtered(recording, cutoff, &once);
+                Smooth { recording, index, motion, input }
+            })
+            .collect();
+        let mut this = Self {
+            model,
+            p,
+            cutoff,
+            speed,
+            smooth,
+            rows: vec![],
+            base: DMatrix::zeros(0, 0),
+            basis: DMatrix::zeros(0, 0),
+            torque: DVector::zeros(0),
+            residual: DVector::zeros(0),
+            degrees: 0.0,
+        };
+        this.choose_rows();
+        let (columns, residual) = this.base_columns();
+        if this.rows.len() < 4 * columns.ncols().max(4) {
+            return None;
+        }
+        this.basis = orthonormal(columns.clone());
+        this.residual = this.left_by_base(&residual);
+        (this.base, this.torque) = (columns, residual);
+        Some(this)
+    }
+
+    /// Rows on which a wheel moves, thinned to what the low-pass leaves independent.
+    fn choose_rows(&mut self) {
+        let mut moving = 0.0;
+        for (index, smooth) in self.smooth.iter().enumerate() {
+            let r = smooth.recording;
+            let every = (1.0 / (KEPT * self.cutoff * r.step())).floor().max(1.0) as usize;
+            for piece in r.pieces() {
+                for k in piece.clone() {
+                    for i in 0..2 {
+                        if smooth.motion[k].omega[i].abs() <= REST * self.speed {
+                            continue;
+                        }
+                        moving += r.step();
+                        if (k - piece.start) % every == 0 {
+                            self.rows.push((index, k, i));
+                        }
+                    }
+                }
+            }
+        }
+        self.degrees = 2.0 * self.cutoff * moving;
+    }
+
+    /// Columns of the free parameters and the residual torque at `p`, low-passed, at the rows.
+    fn base_columns(&self) -> (DMatrix<f64>, DVector<f64>) {
+        let free = self.model.free();
+        let mut work = Linearisation::new(self.p.len());
+        let mut columns = DMatrix::zeros(self.rows.len(), free.len());
+        let mut residual = DVector::zeros(self.rows.len());
+        for smooth in &self.smooth {
+            let r = smooth.recording;
+            let (acting, by_input) = self.model.drive_derivatives(r.t(), r.moment(), self.p);
+            let mut signals = vec![vec![[0.0; 2]; r.len()]; free.len() + 1];
+            // the input passes the filter twice; everything else is made of motion that has passed once
+            let input = filtered(r, self.cutoff, &acting);
+            for k in 0..r.len() {
+                let m = &smooth.motion[k];
+                let x = self.motion(smooth, k);
+                let sign = self.signs(m);
+                self.model.linearise(&x, self.p, &m.acceleration, &sign, &mut work);
+                let needed = work.terms.moment(&m.acceleration, &sign);
+                signals[free.len()][k] = [0, 1].map(|i| input[k][i] - needed[i]);
+                for (n, &j) in free.iter().enumerate() {
+                    let by = by_input[j].get(k).copied().unwrap_or([0.0; 2]);
+                    signals[n][k] = [0, 1].map(|i| work.by_parameter[j][i] - by[i]);
+                }
+            }
+            for (n, signal) in signals.iter().enumerate() {
+                let passed = filtered(r, self.cutoff, signal);
+                for (row, (index, k, i)) in self.rows.iter().enumerate() {
+                    if *index != smooth.index {
+                        continue;
+                    }
+                    match n.cmp(&free.len()) {
+                        std::cmp::Ordering::Less => columns[(row, n)] = passed[*k][*i],
+                        _ => residual[row] = passed[*k][*i],
+                    }
+                }
+            }
+        }
+        (columns, residual)
+    }
+
+    fn motion<'b>(&'b self, smooth: &Smooth, k: usize) -> Motion<'b, f64> {
+        let (m, t) = (&smooth.motion[k], smooth.recording.t());
+        let (alpha, omega, robot) = (m.alpha, m.omega, self.model.robot());
+        Motion { t: t[k] - t[0], alpha, omega, variance: [0.0; 4], robot }
+    }
+
+    fn signs(&self, m: &LocalMotion) -> [f64; 4] {
+        let width = WIDTH * self.speed;
+        std::array::from_fn(|j| Real::erf(along(j, &m.omega) / width))
+    }
+
+    fn left_by_base(&self, signal: &DVector<f64>) -> DVector<f64> {
+        signal - &self.basis * (self.basis.transpose() * signal)
+    }
+
+    /// Residual sum of squares of the base.
+    #[must_use]
+    pub fn residual_square(&self) -> f64 {
+        self.residual.norm_squared()
+    }
+
+    /// Residual sum of squares of the base with the input `shift` seconds later.
+    #[must_use]
+    pub fn square_at_shift(&self, shift: f64) -> f64 {
+        let mut change = DVector::zeros(self.rows.len());
+        for smooth in &self.smooth {
+            let input = &smooth.input;
+            let shifted = super::timing::shifted(smooth.recording, input, shift);
+            for (row, (index, k, i)) in self.rows.iter().enumerate() {
+                if *index == smooth.index {
+                    change[row] = shifted[*k][*i] - input[*k][*i];
+                }
+            }
+        }
+        (&self.residual + self.left_by_base(&change)).norm_squared()
+    }
+
+    /// Twice the log-likelihood ratio of a candidate, and the estimates of its columns.
+    ///
+    /// ```text
+    /// LR = n ln(RSS0/RSS1),   n = 2 fc T
+    /// ```
+    #[must_use]
+    pub fn ratio(&self, candidate: &Candidate) -> (f64, Vec<f64>) {
+        self.regress(candidate, &self.columns(candidate))
+    }
+
+    /// Where a fit with the candidate starts: the free parameters of the model and the linear ones of the
+    /// candidate that explain the input torque together. It knows no sticking, on which a simulation from
+    /// a wrong start may hang.
+    #[must_use]
+    pub fn start(&self, candidate: &Candidate) -> Option<(Vec<f64>, Vec<f64>)> {
+        let own = self.columns(candidate);
+        let (rows, count) = (self.rows.len(), own.ncols());
+        let base = self.base.ncols();
+        let mut all = DMatrix::zeros(rows, base + count);
+        all.columns_mut(0, base).copy_from(&self.base);
+        all.columns_mut(base, count).copy_from(&-own);
+        let scale: Vec<f64> =
+            all.column_iter().map(|c| 1.0 / c.norm().max(f64::MIN_POSITIVE)).collect();
+        all.column_iter_mut().zip(&scale).for_each(|(mut c, s)| c *= *s);
+        let solution = all.svd(true, true).solve(&self.torque, 1e-9).ok()?;
+        let values: Vec<f64> = solution.iter().zip(&scale).map(|(v, s)| v * s).collect();
+        let free = self.model.free();
+        let mut p = self.p.to_vec();
+        free.iter().zip(&values).for_each(|(&j, v)| p[j] += v);
+        Some((p, values[base..].to_vec()))
+    }
+
+    /// The columns of a candidate at the rows, low-passed.
+    fn columns(&self, candidate: &Candidate) -> DMatrix<f64> {
+        let count = candidate.columns();
+        let mut columns = DMatrix::zeros(self.rows.len(), count);
+        let mut torque = vec![[0.0; 2]; count];
+        for smooth in &self.smooth {
+            let r = smooth.recording;
+            let mut signals = vec![vec![[0.0; 2]; r.len()]; count];
+            for k in 0..r.len() {
+                let at = still_instant(self.model, r, k, &smooth.motion[k]);
+                candidate.torque_at_row(smooth.index, &at, &mut torque);
+                torque.iter().zip(&mut signals).for_each(|(value, signal)| signal[k] = *value);
+            }
+            for (n, signal) in signals.iter().enumerate() {
+                let passed = filtered(r, self.cutoff, signal);
+                for (row, (index, k, i)) in self.rows.iter().enumerate() {
+                    if *index == smooth.index {
+                        columns[(row, n)] = passed[*k][*i];
+                    }
+                }
+            }
+        }
+        columns
+    }
+
+    fn regress(&self, candidate: &Candidate, columns: &DMatrix<f64>) -> (f64, Vec<f64>) {
+        let count = columns.ncols();
+        let none = (0.0, vec![0.0; count]);
+        let left = columns - &self.basis * (self.basis.transpose() * columns);
+        let seen = |n: usize| left.column(n).norm() > COLLINEAR * columns.column(n).norm();
+        if !(0..count).all(seen) {
+            return none;
+        }
+        // columns of a candidate stand on the side of the input, the base on that of the motion
+        let h = left.transpose() * &left;
+        let g = left.transpose() * &self.residual * -1.0;
+        let bounded: Vec<bool> = (0..count).map(|n| candidate.not_negative(n)).collect();
+        let (solution, gain) = nonnegative::solve(&h, &g, &bounded);
+        let before = self.residual_square();
+        let after = (before - gain).max(1e-12 * before);
+        (self.degrees * (before / after).ln(), solution)
+    }
+}
+
+/// Share of a column that the base must leave for it to be looked at.
+const COLLINEAR: f64 = 1e-4;
+
+/// Orthonormal columns that span those of `columns`.
+fn orthonormal(mut columns: DMatrix<f64>) -> DMatrix<f64> {
+    for mut column in columns.column_iter_mut() {
+        let norm = column.norm();
+        if norm > 0.0 {
+            column /= norm;
+        }
+    }
+    let svd = columns.svd(true, false);
+    let Some(u) = svd.u else { return DMatrix::zeros(0, 0) };
+    let largest = svd.singular_values.max();
+    let kept: Vec<usize> = (0..svd.singular_values.len())
+        .filter(|&n| svd.singular_values[n] > 1e-8 * largest)
+        .collect();
+    u.select_columns(&kept)
+}

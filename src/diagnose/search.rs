@@ -1,0 +1,375 @@
+//! The forward search: which effects are missing, and how many of them are proven.
+
+mod refit;
+mod steps;
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::candidate::{Candidate, candidates};
+use super::fit::{WindowFit, fit};
+use super::input_timing::{InputTiming, SYMBOL};
+use super::judge::Judge;
+use super::outcome::{Diagnosis, Ranked};
+use super::regression::{Regression, cutoff};
+use super::scale::scale_of;
+use super::screen::Screen;
+use super::thresholds::THRESHOLDS;
+use super::timing::{EARLIEST, LOGGING};
+use super::windows::{Windows, mobility};
+use crate::effects::{Change, Effect, Scale};
+use crate::identify::IdentifyError;
+use crate::model::Model;
+use crate::recording::Recording;
+use crate::simulate::Hold;
+
+/// What the diagnosis is asked.
+#[derive(Clone)]
+pub struct Settings {
+    /// Ids of the candidates; empty: all.
+    pub candidates: Vec<String>,
+    /// Candidates beside the catalogue: formulas of the user.
+    pub own: Vec<Arc<dyn Effect>>,
+    /// Largest probability that an effect is named where none is missing.
+    pub false_alarm: f64,
+    /// Most effects that are added.
+    pub max_effects: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { candidates: vec![], own: vec![], false_alarm: 0.05, max_effects: 4 }
+    }
+}
+
+/// The recordings of a diagnosis.
+#[derive(Clone, Copy)]
+pub struct Data<'a> {
+    /// Those that models are fitted to.
+    pub train: &'a [Recording],
+    /// Those that are held out; may be empty.
+    pub validation: &'a [Recording],
+    /// The input between the rows.
+    pub hold: Hold,
+    /// How much later than recorded the input stands already, [`super::timing`] [s].
+    pub corrected_s: f64,
+}
+
+/// Searches the effects that are missing from `model`: screen, refit, add the best, and again; the longest
+/// run of steps that the held-out error proves is the answer.
+///
+/// A step is proven if the held-out error falls by it and by all steps so far, each significantly at
+/// `settings.false_alarm` and by a share that is worth it, and if no step raises the error that is shown.
+///
+/// # Errors
+/// If the model as given cannot be simulated from any start.
+pub fn diagnose(
+    model: &Model,
+    starts: &[Vec<f64>],
+    data: &Data,
+    settings: &Settings,
+) -> Result<Diagnosis, IdentifyError> {
+    let search = Search::new(model, starts, data, settings)?;
+    let base = search.base(model, starts)?;
+    let mut tried: Vec<(Ranked, Vec<String>)> = Vec::new();
+    let mut rankings = vec![search.rank(&base)];
+    let mut shown = search.shown(&base);
+    while tried.len() < settings.max_effects {
+        let ranking = rankings.last().expect("there is one a step");
+        let Some(best) = ranking.first().filter(|best| best.bic < 0.0).cloned() else { break };
+        let Some(refit) = best.refit.clone() else { break };
+        // no run of steps may contain one that raises the error that is shown
+        let next = search.shown(&refit);
+        if !(next <= shown) {
+            break;
+        }
+        shown = next;
+        tried.push((best, equals(ranking)));
+        rankings.push(search.rank(&refit));
+    }
+    let steps = search.proven(&base, &tried);
+    let steps = search.exchanged(&base, steps, &rankings);
+    let steps = search.pruned(&base, steps);
+    let rest = rankings.get(steps.len()).cloned().unwrap_or_default();
+    let rest = search.with_falls(steps.last().map_or(&base, |s| &s.fit), rest);
+    let ranking = search.with_falls(&base, std::mem::take(&mut rankings[0]));
+    let validated = search.held.is_some();
+    Ok(Diagnosis { base, ranking, steps, rest, degrees: search.degrees, validated })
+}
+
+struct Search<'a> {
+    windows: Windows<'a>,
+    /// Windows of the validation recordings, with the judge of the error that is shown.
+    held: Option<Windows<'a>>,
+    judge: Judge,
+    settings: &'a Settings,
+    cutoff: f64,
+    degrees: f64,
+    scale: Scale,
+    /// Shifts of the input that logging explains [s].
+    range: (f64, f64),
+    /// How much later than recorded the input stands already [s].
+    corrected: f64,
+}
+
+impl<'a> Search<'a> {
+    fn new(
+        model: &Model,
+        starts: &[Vec<f64>],
+        data: &Data<'a>,
+        settings: &'a Settings,
+    ) -> Result<Self, IdentifyError> {
+        let train: Vec<&Recording> = data.train.iter().collect();
+        let start = starts.first().cloned().unwrap_or_else(|| model.initial());
+        let mobility = mobility(model, &start);
+        let cutoff = cutoff(&train, mobility);
+        let scale = scale_of(model, &start, &train, cutoff);
+        let windows = Windows::new(train, data.hold, mobility);
+        let validation: Vec<&Recording> = data.validation.iter().collect();
+        let held =
+            (!validation.is_empty()).then(|| Windows::new(validation.clone(), data.hold, mobility));
+        let judged = if data.validation.is_empty() { data.train } else { data.validation };
+        let judge = Judge::new(judged.to_vec(), data.hold);
+        let step = scale.step;
+        let corrected = data.corrected_s;
+        let range = (EARLIEST * step - corrected, LOGGING * step - corrected);
+        let degrees = 0.0;
+        let this =
+            Self { windows, held, judge, settings, cutoff, degrees, scale, range, corrected };
+        Ok(this.with_degrees(model, &start))
+    }
+
+    fn with_degrees(mut self, model: &Model, start: &[f64]) -> Self {
+        let regression =
+            Regression::new(model, start, &self.windows.recordings, self.cutoff, self.scale.speed);
+        let rows: usize = self.windows.recordings.iter().map(|r| r.len()).sum();
+        // without a regression every row of a window counts as one at the cut-off
+        let fallback = rows as f64 * 2.0 * self.cutoff * self.scale.step;
+        self.degrees = regression.map_or(fallback, |r| r.degrees).max(10.0);
+        self
+    }
+
+    /// The model as given with the time of its input, from the start whose fit is lowest.
+    fn base(&self, model: &Model, starts: &[Vec<f64>]) -> Result<WindowFit, IdentifyError> {
+        let shifts = |e: &Arc<dyn Effect>| e.change() == Change::TimeShift;
+        let timed = match model.effects().iter().any(shifts) {
+            true => model.clone(),
+            false => model.add_effect(Arc::new(InputTiming { limits: self.range }))?,
+        };
+        let fits = starts.iter().filter_map(|start| {
+            let mut start = start.clone();
+            start.resize(timed.parameters().len(), 0.0);
+            fit(&self.windows, &timed, &start, &self.scale)
+        });
+        fits.min_by(|a, b| a.cost.total_cmp(&b.cost)).ok_or_else(|| IdentifyError::NoStart {
+            method: "diagnosis".into(),
+            reason: "no start can be simulated over the windows".into(),
+        })
+    }
+
+    /// Screens all candidates, refits the best, and ranks them.
+    fn rank(&self, present: &WindowFit) -> Vec<Ranked> {
+        // a shift of the input is what timing would take for itself: it is held while shifts are looked at
+        let held = held_in_time(present);
+        let looks = [&present.model, &held].map(|model| {
+            let (p, recordings) = (&present.p, &self.windows.recordings);
+            let by_torque = Regression::new(model, p, recordings, self.cutoff, self.scale.speed);
+            (by_torque, Screen::new(model, p, &self.windows, self.degrees))
+        });
+        let mut ranked = self.screened(present, &looks);
+        ranked.sort_by(|a, b| a.screened.total_cmp(&b.screened));
+        let mut wanted = vec![false; ranked.len()];
+        let coupled = present.model.is_coupled();
+        let count = if coupled { THRESHOLDS.refitted_coupled } else { THRESHOLDS.refitted };
+        wanted.iter_mut().take(count).for_each(|w| *w = true);
+        let lead = ranked.first().map_or(0.0, |r| r.screened.min(0.0));
+        for (want, r) in wanted.iter_mut().zip(&ranked) {
+            let effect = &r.candidate.effect;
+            // what the first order sees badly is always tried, unless the regression rules it out
+            let blind = effect.several_starts() && effect.change() != Change::TwoMass;
+            *want |=
+                blind && !coupled && self.bic(&r.candidate, r.by_regression) < THRESHOLDS.ruled_out;
+            // its column is nearly exact, and its fit costs ten others
+            let behind = r.screened > THRESHOLDS.far_behind * lead;
+            *want &= effect.change() != Change::TwoMass || !behind;
+        }
+        ranked.par_iter_mut().zip(wanted).filter(|(_, want)| *want).for_each(|(r, _)| {
+            let by_torque = looks[usize::from(r.candidate.is_shift())].0.as_ref();
+            r.refit = self.refit(present, r, by_torque);
+            if let Some(refit) = &r.refit {
+                let ratio = 2.0 * self.degrees * 0.5 * (present.cost / refit.cost).ln();
+                r.bic_windows = self.bic(&r.candidate, ratio);
+                r.torque_rms = self.size(present, r);
+            }
+        });
+        self.set_criteria(&mut ranked);
+        ranked.sort_by(|a, b| a.bic.total_cmp(&b.bic));
+        self.choose_shift(&mut ranked);
+        ranked
+    }
+
+    /// Every candidate at its best shape.
+    fn screened(&self, present: &WindowFit, looks: &[Look; 2]) -> Vec<Ranked> {
+        let recordings = &self.windows.recordings;
+        let all = candidates(
+            &present.model,
+            &present.p,
+            &self.settings.candidates,
+            &self.settings.own,
+            recordings,
+            &self.scale,
+        );
+        let mut looked: Vec<Ranked> = all
+            .into_par_iter()
+            .map(|candidate| {
+                let (regression, screen) = &looks[usize::from(candidate.is_shift())];
+                let (by_regression, first) =
+                    regression.as_ref().map_or((0.0, vec![]), |r| r.ratio(&candidate));
+                let (by_windows, second) =
+                    screen.as_ref().map_or((0.0, vec![]), |s| s.ratio(&candidate));
+                let estimate = if by_windows > 0.0 { second } else { first };
+                let screened =
+                    self.bic(&candidate, by_regression) + self.bic(&candidate, by_windows);
+                Ranked {
+                    candidate,
+                    shapes: vec![],
+                    by_regression,
+                    by_windows,
+                    estimate,
+                    screened,
+                    torque_rms: f64::NAN,
+                    refit: None,
+                    bic_windows: f64::INFINITY,
+                    bic: f64::INFINITY,
+                    fall: None,
+                }
+            })
+            .collect();
+        self.level_grids(&mut looked);
+        let mut best: Vec<Ranked> = Vec::new();
+        for mut one in looked {
+            match best.iter_mut().find(|b| b.candidate.id == one.candidate.id) {
+                Some(b) => {
+                    b.shapes.push(one.candidate.clone());
+                    if one.screened < b.screened {
+                        one.shapes = std::mem::take(&mut b.shapes);
+                        *b = one;
+                    }
+                }
+                None => {
+                    one.shapes.push(one.candidate.clone());
+                    best.push(one);
+                }
+            }
+        }
+        best
+    }
+
+    /// Divides the ratios of an effect with many shapes and several columns by what half of the shapes
+    /// exceed: coloured errors raise all of them alike (a wave of an order that is not there must not win
+    /// by being tried often).
+    fn level_grids(&self, looked: &mut [Ranked]) {
+        let mut ids: Vec<String> = looked.iter().map(|r| r.candidate.id.clone()).collect();
+        ids.dedup();
+        for id in ids {
+            let own: Vec<usize> =
+                (0..looked.len()).filter(|&n| looked[n].candidate.id == id).collect();
+            let columns = own.first().map_or(0, |&n| looked[n].candidate.columns());
+            if own.len() < MANY || columns < 2 {
+                continue;
+            }
+            let expected = crate::math::distribution::chi2_quantile(0.5, columns as f64);
+            let median = |value: &dyn Fn(&Ranked) -> f64| {
+                let mut values: Vec<f64> = own.iter().map(|&n| value(&looked[n])).collect();
+                values.sort_by(f64::total_cmp);
+                (values[values.len() / 2] / expected).max(1.0)
+            };
+            let by = (median(&|r| r.by_regression), median(&|r| r.by_windows));
+            for n in own {
+                let r = &mut looked[n];
+                r.by_regression /= by.0;
+                r.by_windows /= by.1;
+                r.screened =
+                    self.bic(&r.candidate, r.by_regression) + self.bic(&r.candidate, r.by_windows);
+            }
+        }
+    }
+
+    /// Bayesian information criterion of a candidate with that ratio: every parameter, shapes included, costs
+    /// ln n.
+    fn bic(&self, candidate: &Candidate, ratio: f64) -> f64 {
+        candidate.p.len() as f64 * self.degrees.ln() - ratio
+    }
+
+    /// Sets what candidates are ranked by: regression and windows together. Where a column is made of the
+    /// input its noise stands on both sides of the regression, so such an effect is compared with the best of
+    /// the others by the windows alone.
+    fn set_criteria(&self, ranked: &mut [Ranked]) {
+        let of_input =
+            |r: &Ranked| matches!(r.candidate.effect.change(), Change::Input | Change::TimeShift);
+        for r in ranked.iter_mut().filter(|r| r.refit.is_some() && !of_input(r)) {
+            r.bic = self.bic(&r.candidate, r.by_regression) + r.bic_windows;
+        }
+        let others = ranked.iter().filter(|r| r.refit.is_some() && !of_input(r));
+        let first = others.min_by(|a, b| a.bic.total_cmp(&b.bic)).map(|r| (r.bic, r.bic_windows));
+        for r in ranked.iter_mut().filter(|r| r.refit.is_some() && of_input(r)) {
+            let by_regression = self.bic(&r.candidate, r.by_regression);
+            let clips = r.candidate.linear.is_empty() && !r.candidate.is_shift();
+            r.bic = match first {
+                // clipping small torques fits noise: the balance of the torques must agree
+                _ if clips && by_regression > -THRESHOLDS.alike => f64::INFINITY,
+                Some((bic, by_windows)) if r.bic_windows < 0.0 => {
+                    bic + 2.0 * (r.bic_windows - by_windows)
+                }
+                _ => 2.0 * r.bic_windows,
+            };
+        }
+    }
+
+    /// Between time shifts that are alike puts the one first whose held-out error is lower: a lag smooths the
+    /// noise of the recorded input and a delay does not, so the training error is biased between them.
+    fn choose_shift(&self, ranked: &mut [Ranked]) {
+        let Some(first) = ranked.first().filter(|r| r.candidate.is_shift()) else { return };
+        let rival =
+            (1..ranked.len()).find(|&n| ranked[n].candidate.is_shift() && alike(first, &ranked[n]));
+        let Some(n) = rival else { return };
+        let error = |r: &Ranked| r.refit.as_ref().map_or(f64::INFINITY, |fit| self.shown(fit));
+        if error(&ranked[n]) < error(&ranked[0]) {
+            ranked.swap(0, n);
+        }
+    }
+}
+
+/// The two looks of the screening at what a model leaves.
+type Look<'a> = (Option<Regression<'a>>, Option<Screen<'a>>);
+
+/// The model of a fit with the time of its input held.
+fn held_in_time(present: &WindowFit) -> Model {
+    let Ok(j) = present.model.index_of(SYMBOL) else { return present.model.clone() };
+    present.model.fix(SYMBOL, present.p[j]).unwrap_or_else(|_| present.model.clone())
+}
+
+/// Shapes of an effect from which on their ratios are levelled.
+const MANY: usize = 10;
+
+/// Effects that the data do not distinguish from the best, and those that are the same by their equations.
+fn equals(ranking: &[Ranked]) -> Vec<String> {
+    let Some(best) = ranking.first() else { return vec![] };
+    let mut out = best.candidate.effect.description().equivalent;
+    for other in ranking[1..].iter().filter(|r| alike(best, r)) {
+        if !out.contains(&other.candidate.id) {
+            out.push(other.candidate.id.clone());
+        }
+    }
+    out
+}
+
+/// Whether the data hardly distinguish two candidates that were refitted.
+fn alike(best: &Ranked, other: &Ranked) -> bool {
+    let shifts = best.candidate.is_shift() && other.candidate.is_shift();
+    // two shifts differ in the second order alone
+    let in_time = THRESHOLDS.alike_in_time * best.bic.abs();
+    let margin = if shifts { THRESHOLDS.alike.max(in_time) } else { THRESHOLDS.alike };
+    other.refit.is_some() && (other.bic - best.bic).abs() < margin
+}

@@ -1,0 +1,209 @@
+//! The steps that were tried: which of them held-out windows prove, and which of the effects stay.
+
+use rayon::prelude::*;
+
+use super::Search;
+use crate::diagnose::acceptance::{Fall, fall_of};
+use crate::diagnose::fit::{WindowFit, fit};
+use crate::diagnose::outcome::{Ranked, Step};
+use crate::diagnose::thresholds::THRESHOLDS;
+use crate::effects::Change;
+
+impl Search<'_> {
+    /// The squared errors of held-out windows under models, in order: each fitted to the training recordings,
+    /// or, without validation, to the other fold.
+    fn held_out(&self, fits: &[&WindowFit]) -> Vec<Option<Vec<f64>>> {
+        match &self.held {
+            Some(held) => fits.par_iter().map(|f| held.squares(&f.model, &f.p)).collect(),
+            None => fits.par_iter().map(|f| self.crossed(f)).collect(),
+        }
+    }
+
+    /// The squared errors of all training windows, each under the fit to the windows of the other fold.
+    fn crossed(&self, whole: &WindowFit) -> Option<Vec<f64>> {
+        let fold = |n: usize| self.windows.fold(n);
+        let fits: Vec<WindowFit> = [0, 1]
+            .iter()
+            .map(|&f| {
+                let other = self.windows.only(|n| fold(n) != f);
+                fit(&other, &whole.model, &whole.p, &self.scale)
+            })
+            .collect::<Option<_>>()?;
+        let squares: Vec<Vec<f64>> =
+            fits.iter().map(|f| self.windows.squares(&f.model, &f.p)).collect::<Option<_>>()?;
+        Some((0..self.windows.windows.len()).map(|n| squares[fold(n)][n]).collect())
+    }
+
+    fn fall(&self, before: &Option<Vec<f64>>, after: &Option<Vec<f64>>) -> Fall {
+        match (before, after) {
+            (Some(before), Some(after)) => fall_of(before, after),
+            _ => Fall::NONE,
+        }
+    }
+
+    fn passes(&self, fall: &Fall) -> bool {
+        let rate = self.settings.false_alarm;
+        match self.held {
+            Some(_) => fall.passes(rate, THRESHOLDS.least_fall),
+            None => fall.passes(THRESHOLDS.crossed_rate * rate, THRESHOLDS.least_fall_crossed),
+        }
+    }
+
+    /// Whether the step and all steps up to it are proven by held-out windows.
+    fn stands(&self, step: &Step) -> bool {
+        self.passes(&step.last) && self.passes(&step.total)
+    }
+
+    /// The longest run of the steps that were tried whose last step and whose total are proven, and that never
+    /// raises the error that is shown.
+    pub(super) fn proven(&self, base: &WindowFit, tried: &[(Ranked, Vec<String>)]) -> Vec<Step> {
+        let fits: Vec<&WindowFit> = std::iter::once(base)
+            .chain(tried.iter().filter_map(|(r, _)| r.refit.as_ref()))
+            .collect();
+        let squares = self.held_out(&fits);
+        let falling = self.falling(&fits);
+        let steps: Vec<Step> = tried
+            .iter()
+            .enumerate()
+            .filter_map(|(n, (r, equals))| {
+                Some(Step {
+                    id: r.candidate.id.clone(),
+                    fit: r.refit.clone()?,
+                    last: self.fall(&squares[n], &squares[n + 1]),
+                    total: self.fall(&squares[0], &squares[n + 1]),
+                    equals: equals.clone(),
+                })
+            })
+            .collect();
+        let proven = |n: &usize| *n <= falling && self.stands(&steps[n - 1]);
+        let length = (1..=steps.len()).rev().find(proven).unwrap_or(0);
+        steps.into_iter().take(length).collect()
+    }
+
+    /// Root mean square error over windows of 2 s of the recordings that are shown; infinite where it
+    /// cannot be simulated.
+    pub(super) fn shown(&self, fit: &WindowFit) -> f64 {
+        let judged = self.judge.judge(&fit.model, &fit.p).map(|j| j.window_rms);
+        judged.ok().filter(|rms| rms.is_finite()).unwrap_or(f64::INFINITY)
+    }
+
+    /// Drops effects that later ones made needless: without it the criterion is lower.
+    pub(super) fn pruned(&self, base: &WindowFit, steps: Vec<Step>) -> Vec<Step> {
+        let given = base.model.effects().len();
+        let Some(last) = steps.last() else { return steps };
+        for n in 0..steps.len().saturating_sub(1) {
+            let e = given + n;
+            let slots = last.fit.model.slots(e);
+            let model = last.fit.model.without(e);
+            let mut p = last.fit.p.clone();
+            p.drain(slots.clone());
+            let Some(without) = fit(&self.windows, &model, &p, &self.scale) else { continue };
+            let ratio = self.degrees * (without.cost / last.fit.cost).ln();
+            if ratio > slots.len() as f64 * self.degrees.ln() {
+                continue;
+            }
+            let kept: Vec<Step> =
+                steps.iter().enumerate().filter(|(k, _)| *k != n).map(|(_, s)| s.clone()).collect();
+            return self.pruned(base, self.rebuilt(base, &kept));
+        }
+        steps
+    }
+
+    /// Replaces effects, each place once, by others of their step that lower the criterion: of several effects
+    /// that are missing the first that is taken explains some of the others too, and its place may belong to
+    /// another. What comes out must be proven as the steps before were.
+    ///
+    /// Source: sequential replacement, Miller, Subset Selection in Regression (2002), section 3.3.
+    pub(super) fn exchanged(
+        &self,
+        base: &WindowFit,
+        steps: Vec<Step>,
+        rankings: &[Vec<Ranked>],
+    ) -> Vec<Step> {
+        if steps.len() < 2 {
+            return steps;
+        }
+        let mut best = steps.clone();
+        for n in 0..steps.len() {
+            let taken = |id: &str| best.iter().any(|s| s.id == id);
+            let others: Vec<&Ranked> = rankings[n]
+                .iter()
+                .filter(|r| r.refit.is_some() && r.bic < 0.0 && !taken(&r.candidate.id))
+                .take(THRESHOLDS.exchanged)
+                .collect();
+            for other in others {
+                let mut next = best.clone();
+                let Some(fit) = other.refit.clone() else { continue };
+                next[n] = Step { id: other.candidate.id.clone(), fit, equals: vec![], ..next[n] };
+                let next = self.rebuilt(base, &next);
+                let (Some(now), Some(then)) = (best.last(), next.last()) else { continue };
+                let more = then.fit.p.len() as f64 - now.fit.p.len() as f64;
+                let gain =
+                    self.degrees * (now.fit.cost / then.fit.cost).ln() - more * self.degrees.ln();
+                if next.len() == steps.len() && gain > THRESHOLDS.alike && self.stands(then) {
+                    best = next;
+                }
+            }
+        }
+        best
+    }
+
+    /// The same steps fitted anew in their order, with their falls.
+    fn rebuilt(&self, base: &WindowFit, steps: &[Step]) -> Vec<Step> {
+        let mut out: Vec<Step> = Vec::new();
+        let mut fits = vec![base.clone()];
+        let first = &self.held_out(&[base])[0];
+        for step in steps {
+            let before = fits.last().expect("the base is there");
+            let e = step.fit.model.effects().iter().position(|effect| effect.id() == step.id);
+            let Some(e) = e else { break };
+            let effect = step.fit.model.effects()[e].clone();
+            let shift = effect.change() == Change::TimeShift;
+            let before = if shift { self.untimed(before) } else { before.clone() };
+            let own = step.fit.p[step.fit.model.slots(e)].to_vec();
+            let Ok(model) = before.model.add_effect(effect) else { break };
+            let start: Vec<f64> = before.p.iter().copied().chain(own).collect();
+            let Some(next) = fit(&self.windows, &model, &start, &self.scale) else { break };
+            let squares = self.held_out(&[&before, &next]);
+            out.push(Step {
+                fit: next.clone(),
+                last: self.fall(&squares[0], &squares[1]),
+                total: self.fall(first, &squares[1]),
+                ..step.clone()
+            });
+            fits.push(next);
+        }
+        out.truncate(self.falling(&fits.iter().collect::<Vec<_>>()));
+        out
+    }
+
+    /// How many steps follow each other from the first of `fits` whose error that is shown falls, each by
+    /// more than the sampling of the input leaves open.
+    ///
+    /// ```text
+    /// rms_before² - rms_after² >= rms_unresolved²
+    /// ```
+    fn falling(&self, fits: &[&WindowFit]) -> usize {
+        let shown: Vec<f64> = fits.iter().map(|f| self.shown(f)).collect();
+        let Some(last) = fits.last() else { return 0 };
+        let open = self.judge.unresolved(&last.model, &last.p).powi(2);
+        let falls = |n: &usize| {
+            let (before, after) = (shown[n - 1], shown[*n]);
+            // an error that was infinite may fall to any other
+            after <= before && (before.is_infinite() || before.powi(2) - after.powi(2) >= open)
+        };
+        (1..shown.len()).take_while(falls).count()
+    }
+
+    /// The held-out falls of the candidates that were refitted.
+    pub(super) fn with_falls(&self, before: &WindowFit, mut ranking: Vec<Ranked>) -> Vec<Ranked> {
+        let refits: Vec<&WindowFit> = std::iter::once(before)
+            .chain(ranking.iter().filter_map(|r| r.refit.as_ref()))
+            .collect();
+        let squares = self.held_out(&refits);
+        let falls: Vec<Fall> = squares[1..].iter().map(|s| self.fall(&squares[0], s)).collect();
+        let refitted = ranking.iter_mut().filter(|r| r.refit.is_some());
+        refitted.zip(falls).for_each(|(r, fall)| r.fall = Some(fall));
+        ranking
+    }
+}

@@ -1,0 +1,68 @@
+//! Every limit of the diagnosis, with its reason.
+
+/// Limits of the diagnosis. All are dimensionless; those marked "taste" say what is worth a reader's
+/// attention, the others follow from statistics or physics.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Thresholds {
+    /// Least fall of the held-out error of an effect that is named, as a share (taste: a smaller one no
+    /// reader would call a better model).
+    pub least_fall: f64,
+    /// The same without a validation recording: folds share the statistics of one trajectory.
+    pub least_fall_crossed: f64,
+    /// Share of the false-alarm rate that is asked of cross-validation, for the same reason.
+    pub crossed_rate: f64,
+    /// Error over the noise floor beyond which something is missing. The floor is an estimate: of healthy
+    /// sets one in a hundred lies above (prototype measurement on 110 sets of other simulators).
+    pub above_floor: f64,
+    /// Error over the noise floor beyond which something is missing whether the residual torque shows structure or
+    /// not: no colour of the input noise that was tried makes three times the floor.
+    pub far_above_floor: f64,
+    /// Error beyond the floor that matters, as a share of the top speed (taste: 0.2 %).
+    pub excess: f64,
+    /// Error over the floor beyond which a likely effect is mentioned.
+    pub likely_above_floor: f64,
+    /// Least fall of the held-out error of a likely effect.
+    pub likely_fall: f64,
+    /// Bayesian information criterion below which evidence counts as strong (Kass and Raftery 1995: 6 to 10).
+    pub strong: f64,
+    /// Bayesian information criterion above which the regression rules an effect out.
+    pub ruled_out: f64,
+    /// Difference of the criterion below which two effects are not distinguishable (odds of 20 to 1).
+    pub alike: f64,
+    /// The same between two time shifts, as a share of the criterion itself: they differ in the second order
+    /// alone, and noise of the input decides about that much.
+    pub alike_in_time: f64,
+    /// Candidates that are refitted at each step, those that come first in the screening.
+    pub refitted: usize,
+    /// The same where the model has a second body, whose derivatives cost a simulation each.
+    pub refitted_coupled: usize,
+    /// Share of the criterion of the screening's best below which an effect with a second body is not refitted:
+    /// to first order it explains too little to come first.
+    pub far_behind: f64,
+    /// Starts of an effect with several that are followed to their minimum.
+    pub followed: usize,
+    /// Other effects of a step that are tried in its place once several are found (cost: a fit for each effect
+    /// behind it).
+    pub exchanged: usize,
+}
+
+/// The limits that the program uses.
+pub const THRESHOLDS: Thresholds = Thresholds {
+    least_fall: 0.01,
+    least_fall_crossed: 0.02,
+    crossed_rate: 0.4,
+    above_floor: 1.5,
+    far_above_floor: 3.0,
+    excess: 0.002,
+    likely_above_floor: 1.2,
+    likely_fall: 0.02,
+    strong: 10.0,
+    ruled_out: 10.0,
+    alike: 6.0,
+    alike_in_time: 0.1,
+    refitted: 8,
+    refitted_coupled: 2,
+    far_behind: 0.25,
+    followed: 2,
+    exchanged: 4,
+};

@@ -1,0 +1,390 @@
+//! The simulation error over short windows as a cost, with its derivatives.
+//!
+//! A window is simulated openly from the smoothed state at its first row. What the uncertainty of that
+//! start explains of the error is profiled out, so that windows may be short without a bias.
+
+mod sums;
+
+use std::ops::Range;
+
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+pub(super) use self::sums::Sums;
+use self::sums::{Accumulator, TINY};
+use super::input_timing::input_derivatives;
+use crate::compare::start_of;
+use crate::effects::{Motion, Scale};
+use crate::math::descent::Quadratic;
+use crate::model::{Model, solve_mass};
+use crate::recording::{LocalMotion, Recording};
+use crate::robot::State;
+use crate::simulate::{ActingInput, Hold, Input, LANES, follow_part, simulate_windows};
+
+/// Length of a window [s]: long enough for friction and viscous effects to show, short enough that noise
+/// of the input does not drown them; the acceptance test uses the same.
+pub(super) const WINDOW: f64 = 1.0;
+/// Largest growth of the variance of a speed over a window, in variances of the sensor: noise of the input is
+/// an estimate, and a recording that seems to have much of it must not lose its say where the model is wrong
+/// by more than either.
+const MOST_GROWTH: f64 = 8.0;
+/// Fewest rows of a window.
+const FEWEST: usize = 5;
+
+/// One window of a recording.
+#[derive(Clone, Debug)]
+pub struct Window {
+    /// The recording.
+    pub recording: usize,
+    /// Its rows.
+    pub rows: Range<usize>,
+    /// Smoothed state at the first row.
+    pub start: State,
+    /// Variance of its speeds [rad^2/s^2].
+    variance: [f64; 2],
+}
+
+/// Recordings cut into windows.
+pub struct Windows<'a> {
+    /// The recordings.
+    pub recordings: Vec<&'a Recording>,
+    /// Their smoothed motion.
+    pub motions: Vec<Vec<LocalMotion>>,
+    /// Every window, in order.
+    pub windows: Vec<Window>,
+    /// The input between the rows.
+    pub hold: Hold,
+    /// Variance of the measured speeds, a recording and wheel [rad^2/s^2].
+    noise: Vec<[f64; 2]>,
+    /// Variance that noise of the input adds to a speed, per second of simulation [rad^2/s^3].
+    growth: Vec<[f64; 2]>,
+}
+
+impl<'a> Windows<'a> {
+    /// Cuts `recordings` into windows of about 1 s. `mobility` is the acceleration that a torque of one
+    /// gives a wheel [1/(kg m²)]: how noise of the recorded input spreads into the simulated speed.
+    #[must_use]
+    pub fn new(recordings: Vec<&'a Recording>, hold: Hold, mobility: f64) -> Self {
+        let motions: Vec<Vec<LocalMotion>> =
+            recordings.par_iter().map(|r| r.local_motion()).collect();
+        let mut windows = Vec::new();
+        for (r, recording) in recordings.iter().enumerate() {
+            for piece in recording.pieces() {
+                windows.extend(cut(recording, piece).map(|rows| {
+                    let motion = &motions[r][rows.start];
+                    let (start, variance) = (start_of(motion), motion.omega_variance);
+                    Window { recording: r, rows, start, variance }
+                }));
+            }
+        }
+        let levels = recordings.iter().map(|r| r.noise());
+        let (noise, growth) = levels
+            .zip(&recordings)
+            .map(|(noise, r)| {
+                // a channel without visible noise still has rounding
+                let rounding = 1e-6 * r.top_speed();
+                let speed = noise.omega.map(|s| s.max(rounding).powi(2));
+                let input = noise.moment.map(|s| (s * mobility).powi(2) * r.step());
+                let most = |i: usize| MOST_GROWTH * speed[i] / WINDOW;
+                (speed, [0, 1].map(|i| input[i].min(most(i))))
+            })
+            .unzip();
+        Self { recordings, motions, windows, hold, noise, growth }
+    }
+
+    /// The windows whose number `keep` takes, of the same recordings.
+    pub(super) fn only(&self, keep: impl Fn(usize) -> bool) -> Self {
+        let windows = self.windows.iter().enumerate().filter(|(n, _)| keep(*n));
+        Self {
+            recordings: self.recordings.clone(),
+            motions: self.motions.clone(),
+            windows: windows.map(|(_, w)| w.clone()).collect(),
+            hold: self.hold,
+            noise: self.noise.clone(),
+            growth: self.growth.clone(),
+        }
+    }
+
+    /// The fold of a window, 0 or 1: thirds of each recording in turn, every other recording starting with
+    /// the other fold.
+    pub(super) fn fold(&self, n: usize) -> usize {
+        let window = &self.windows[n];
+        let t = self.recordings[window.recording].t();
+        let share = (t[window.rows.start] - t[0]) / (t[t.len() - 1] - t[0]);
+        ((3.0 * share) as usize + window.recording) % 2
+    }
+
+    /// One over the variance of the speed error of a wheel, at each row of a window; zero where the
+    /// sensor gave nothing new.
+    fn weight(&self, window: &Window, row: usize, wheel: usize) -> f64 {
+        let (r, k) = (window.recording, window.rows.start + row);
+        let recording = self.recordings[r];
+        if !recording.fresh()[k] {
+            return 0.0;
+        }
+        let t = recording.t();
+        let since = t[k] - t[window.rows.start];
+        1.0 / (self.noise[r][wheel] + self.growth[r][wheel] * since)
+    }
+
+    /// Errors of a model in every window: measured less simulated speed, one row a sample; `None` where
+    /// the model cannot move or diverges.
+    #[must_use]
+    pub fn errors(&self, model: &Model, p: &[f64]) -> Option<Vec<Errors>> {
+        let count = self.recordings.len();
+        let by_recording: Vec<Vec<Errors>> = (0..count)
+            .into_par_iter()
+            .map(|r| self.errors_of(r, model, p))
+            .collect::<Option<_>>()?;
+        Some(by_recording.into_iter().flatten().collect())
+    }
+
+    /// The errors of the windows of one recording, which follow each other in `self.windows`.
+    fn errors_of(&self, r: usize, model: &Model, p: &[f64]) -> Option<Vec<Errors>> {
+        let recording = self.recordings[r];
+        let acting = model.drive(recording.t(), recording.moment(), p);
+        let input = Input { t: recording.t(), moment: &acting, hold: self.hold };
+        let own = self.windows.iter().filter(|w| w.recording == r);
+        let windows: Vec<_> = own.map(|w| (w.rows.clone(), w.start)).collect();
+        let states = simulate_windows(model, p, &input, &windows).ok()?;
+        let one = |((rows, _), states): (&(Range<usize>, State), &Vec<State>)| {
+            let omega = &recording.omega()[rows.clone()];
+            let error = |(m, s): (&[f64; 2], &State)| [m[0] - s.omega[0], m[1] - s.omega[1]];
+            let error: Vec<[f64; 2]> = omega.iter().zip(states).map(error).collect();
+            let moving = [0, 1].map(|i| rows_until_rest(states, i));
+            let finite = error.iter().flatten().all(|e| e.is_finite());
+            finite.then_some(Errors { error, moving })
+        };
+        windows.iter().zip(&states).map(one).collect()
+    }
+
+    /// `Σ e²/s²` of every window, less what its start explains.
+    #[must_use]
+    pub fn squares(&self, model: &Model, p: &[f64]) -> Option<Vec<f64>> {
+        let errors = self.errors(model, p)?;
+        Some(self.windows.iter().zip(&errors).map(|(w, e)| self.square(w, e)).collect())
+    }
+
+    fn square(&self, window: &Window, errors: &Errors) -> f64 {
+        let mut total = 0.0;
+        for i in 0..2 {
+            let (mut square, mut linear, mut weights) = (0.0, 0.0, 0.0);
+            for (k, e) in errors.error.iter().enumerate() {
+                let w = self.weight(window, k, i);
+                square += w * e[i] * e[i];
+                if k < errors.moving[i] {
+                    linear += w * e[i];
+                    weights += w;
+                }
+            }
+            total += square - linear * linear / (weights + 1.0 / window.variance[i].max(TINY));
+        }
+        total
+    }
+
+    /// Half of `Σ e²/s²` over all windows.
+    #[must_use]
+    pub fn cost(&self, model: &Model, p: &[f64]) -> Option<f64> {
+        Some(0.5 * self.squares(model, p)?.iter().sum::<f64>())
+    }
+
+    /// The sums of every window over the columns `free` of the parameters.
+    #[must_use]
+    pub fn sums(&self, model: &Model, p: &[f64], free: &[usize]) -> Option<Vec<Sums>> {
+        let sum = |window: &Window, follow: Follow| {
+            let mut sums = Accumulator::new(free.len());
+            follow(&mut |k, i, e, psi, still| {
+                sums.add(i, e, psi, self.weight(window, k, i), still)
+            })?;
+            sums.finish(&window.variance)
+        };
+        self.each(model, p, free, sum)
+    }
+
+    /// Error, derivatives and rest of every row of every window.
+    pub(super) fn rows(&self, model: &Model, p: &[f64], free: &[usize]) -> Option<Vec<Vec<Row>>> {
+        let keep = |window: &Window, follow: Follow| {
+            let mut rows = vec![Row::default(); window.rows.len()];
+            follow(&mut |k, i, e, psi, still| {
+                let row = &mut rows[k];
+                (row.error[i], row.still[i]) = (e, still);
+                row.psi[i] = psi.to_vec();
+            })?;
+            Some(rows)
+        };
+        self.each(model, p, free, keep)
+    }
+
+    /// Calls `make` for every window with a function that visits its rows, in parallel.
+    fn each<T: Send>(
+        &self,
+        model: &Model,
+        p: &[f64],
+        free: &[usize],
+        make: impl Fn(&Window, Follow) -> Option<T> + Sync,
+    ) -> Option<Vec<T>> {
+        if model.is_coupled() {
+            return self.each_by_differences(model, p, free, make);
+        }
+        let acting: Vec<_> =
+            self.recordings.iter().map(|r| input_derivatives(model, r, p)).collect();
+        let stride = (p.len() + 4).next_multiple_of(LANES);
+        self.windows
+            .par_iter()
+            .map(|window| {
+                let (r, rows) = (window.recording, window.rows.clone());
+                let recording = self.recordings[r];
+                let (input, derivatives) = &acting[r];
+                let (t, hold) = (recording.t(), self.hold);
+                let input = ActingInput { t, acting: input, derivatives, hold };
+                make(window, &mut |see| {
+                    let mut psi = Vec::with_capacity(free.len());
+                    let visit = &mut |k: usize, state: &State, d: &[f64]| {
+                        let measured = recording.omega()[rows.start + k];
+                        for i in 0..2 {
+                            let row = &d[(2 + i) * stride..(3 + i) * stride];
+                            psi.clear();
+                            psi.extend(free.iter().map(|&j| row[j]));
+                            let e = measured[i] - state.omega[i];
+                            see(k, i, e, &psi, state.omega[i] == 0.0);
+                        }
+                    };
+                    follow_part(model, p, &input, rows.clone(), window.start, visit).ok()
+                })
+            })
+            .collect()
+    }
+
+    /// The same by forward differences, for models with a second body.
+    fn each_by_differences<T: Send>(
+        &self,
+        model: &Model,
+        p: &[f64],
+        free: &[usize],
+        make: impl Fn(&Window, Follow) -> Option<T> + Sync,
+    ) -> Option<Vec<T>> {
+        let middle = self.errors(model, p)?;
+        let by: Vec<(Vec<Errors>, f64)> = free
+            .par_iter()
+            .map(|&j| {
+                let h = DIFFERENCE * p[j].abs().max(1e-3 * typical(model, j));
+                let mut q = p.to_vec();
+                q[j] += h;
+                Some((self.errors(model, &q)?, h))
+            })
+            .collect::<Option<_>>()?;
+        self.windows
+            .par_iter()
+            .enumerate()
+            .map(|(n, window)| {
+                make(window, &mut |see| {
+                    let mut psi = Vec::with_capacity(free.len());
+                    for k in 0..window.rows.len() {
+                        for i in 0..2 {
+                            psi.clear();
+                            // the error is measured less simulated, so its derivative changes sign
+                            let now = middle[n].error[k][i];
+                            psi.extend(by.iter().map(|(up, h)| (now - up[n].error[k][i]) / h));
+                            let still = k >= middle[n].moving[i];
+                            see(k, i, middle[n].error[k][i], &psi, still);
+                        }
+                    }
+                    Some(())
+                })
+            })
+            .collect()
+    }
+
+    /// Cost, gradient and curvature over all windows.
+    #[must_use]
+    pub fn quadratic(&self, model: &Model, p: &[f64], free: &[usize]) -> Option<Quadratic> {
+        let mut total = Sums::zero(free.len());
+        self.sums(model, p, free)?.iter().for_each(|s| total.add(s));
+        let Sums { square, score, information } = total;
+        let cost = 0.5 * square;
+        cost.is_finite().then(|| Quadratic { cost, gradient: -score, hessian: information })
+    }
+
+    /// Row, wheel and weight of what the columns of a screening are regressed on: see
+    /// [`super::screen`].
+    pub(super) fn weights(&self, window: &Window) -> Vec<[f64; 2]> {
+        (0..window.rows.len()).map(|k| [0, 1].map(|i| self.weight(window, k, i))).collect()
+    }
+
+    /// One over the variance of the start's speeds.
+    pub(super) fn start_weight(window: &Window) -> [f64; 2] {
+        window.variance.map(|v| 1.0 / v.max(TINY))
+    }
+}
+
+/// Relative step of forward differences: the root of the precision to which a window is simulated (1e-12).
+const DIFFERENCE: f64 = 1e-6;
+
+/// What is told of a row of a window: its number, the wheel, the error, its derivatives and whether the
+/// simulated wheel rests.
+type See<'a> = &'a mut dyn FnMut(usize, usize, f64, &[f64], bool);
+/// Visits all rows of a window; `None` where the simulation fails.
+type Follow<'a> = &'a mut dyn FnMut(See) -> Option<()>;
+
+/// A row of a window.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Row {
+    /// Measured less simulated speeds [rad/s].
+    pub(super) error: [f64; 2],
+    /// Derivatives of the simulated speed of each wheel.
+    pub(super) psi: [Vec<f64>; 2],
+    /// Whether the simulated wheel rests.
+    pub(super) still: [bool; 2],
+}
+
+fn typical(model: &Model, j: usize) -> f64 {
+    model.parameters()[j].spec.typical.abs()
+}
+
+/// Errors of one window.
+pub struct Errors {
+    /// Measured less simulated wheel speeds [rad/s].
+    pub error: Vec<[f64; 2]>,
+    /// Rows until each wheel comes to rest in the simulation: until there an error of the start lasts.
+    pub moving: [usize; 2],
+}
+
+/// Rows before the simulated wheel rests.
+fn rows_until_rest(states: &[State], wheel: usize) -> usize {
+    states.iter().position(|s| s.omega[wheel] == 0.0).unwrap_or(states.len())
+}
+
+/// The windows of a piece: equal parts of about 1 s.
+fn cut(recording: &Recording, piece: &Range<usize>) -> impl Iterator<Item = Range<usize>> {
+    let t = recording.t();
+    let length = t[piece.end - 1] - t[piece.start];
+    let count = (length / WINDOW).round().max(1.0) as usize;
+    let edge = {
+        let (start, t) = (t[piece.start], t[piece.clone()].to_vec());
+        let first = piece.start;
+        move |n: usize| {
+            first + t.partition_point(|now| now - start < length * n as f64 / count as f64)
+        }
+    };
+    let end = piece.end;
+    let ranges = (0..count).map(move |n| edge(n)..if n + 1 == count { end } else { edge(n + 1) });
+    ranges.filter(|rows| rows.len() >= FEWEST)
+}
+
+/// The acceleration that a torque of one gives its wheel [1/(kg m²)], of a model at parameters `p`.
+#[must_use]
+pub fn mobility(model: &Model, p: &[f64]) -> f64 {
+    let (alpha, omega, variance) = ([0.0; 2], [0.0; 2], [0.0; 4]);
+    let x = Motion { t: 0.0, alpha, omega, variance, robot: model.robot() };
+    solve_mass(&model.terms(&x, p).mass, &[1.0, 0.0]).map_or(0.0, |a| a[0].abs())
+}
+
+/// Lower and upper bounds of the parameters `free` on recordings of that scale.
+#[must_use]
+pub(super) fn bounds(model: &Model, scale: &Scale, free: &[usize]) -> [DVector<f64>; 2] {
+    let limits: Vec<(f64, f64)> =
+        model.effects().iter().flat_map(|effect| effect.limits(scale)).collect();
+    let lower = free.iter().map(|&j| limits[j].0);
+    let upper = free.iter().map(|&j| limits[j].1);
+    [DVector::from_iterator(free.len(), lower), DVector::from_iterator(free.len(), upper)]
+}

@@ -1,0 +1,309 @@
+//! `experiment export`: the results of the last run, for other programs.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::error::ExperimentError;
+use super::execute::load;
+use super::fitted::{FittedModel, FittedModels};
+use super::overlay::{Overlay, overlay};
+use super::plan::Plan;
+use crate::export::{Gains, Identified, Operation, Simulator, gains_files, mjcf, urdf_sdf};
+use crate::identify::Estimate;
+use crate::io::{
+    ResultFolder, TableColumn, make_folder, write_csv_table, write_mcap_table, write_parquet_table,
+    write_whole,
+};
+use crate::recording::Recording;
+
+/// What `experiment export` writes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ExportFormat {
+    /// Measured and simulated motion of each recording as CSV.
+    Csv,
+    /// The same as Parquet.
+    Parquet,
+    /// The same as MCAP, for PlotJuggler, Foxglove and Rerun.
+    Mcap,
+    /// The identified robot for MuJoCo.
+    Mjcf,
+    /// The identified robot as URDF and SDF.
+    Urdf,
+    /// Feed-forward and controller gains.
+    Gains,
+}
+
+impl ExportFormat {
+    /// All of them.
+    pub const ALL: [Self; 6] =
+        [Self::Csv, Self::Parquet, Self::Mcap, Self::Mjcf, Self::Urdf, Self::Gains];
+
+    /// As on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Csv => "csv",
+            Self::Parquet => "parquet",
+            Self::Mcap => "mcap",
+            Self::Mjcf => "mjcf",
+            Self::Urdf => "urdf",
+            Self::Gains => "gains",
+        }
+    }
+}
+
+impl std::str::FromStr for ExportFormat {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        Self::ALL.into_iter().find(|f| f.name() == text).ok_or_else(|| {
+            let known = Self::ALL.map(Self::name).join(", ");
+            format!("no format is called `{text}`; there are {known}")
+        })
+    }
+}
+
+/// Writes the results of the last run of an experiment into the folder `export` of its result folder;
+/// says what was written.
+///
+/// # Errors
+/// A file that was not run, or was changed since; a file that cannot be written.
+pub fn export(
+    file: &Path,
+    formats: &[ExportFormat],
+    out: &Path,
+    set: &[String],
+) -> Result<String, ExperimentError> {
+    let plan = load(file, set)?;
+    let models = last_run(&plan, out)?;
+    let folder = out.join(&plan.name).join("export");
+    make_folder(&folder)?;
+    let mut said = format!("{}\n", words(&models));
+    let mut write = |files: Vec<(String, Vec<u8>)>| -> Result<(), ExperimentError> {
+        for (name, bytes) in files {
+            let path = folder.join(name);
+            write_whole(&path, &bytes)?;
+            let _ = writeln!(said, "    {}", path.display());
+        }
+        Ok(())
+    };
+    write(overlays(&plan, &models, formats)?)?;
+    let robot = Robot::of(&plan, &models);
+    let mut remarks = Vec::new();
+    for format in formats {
+        let (files, words) = robot.written(&plan, *format);
+        write(files.into_iter().map(|(name, text)| (name, text.into_bytes())).collect())?;
+        remarks.extend(words.into_iter().filter(|w| !remarks.contains(w)).collect::<Vec<_>>());
+    }
+    for remark in remarks {
+        let _ = writeln!(said, "{remark}");
+    }
+    Ok(said)
+}
+
+/// The identified robot for controllers and simulators.
+struct Robot<'a> {
+    fitted: &'a FittedModel,
+    values: Vec<f64>,
+    std_errors: Vec<f64>,
+    units: Vec<String>,
+    operation: Operation,
+}
+
+/// Time between the commands of a robot's controller, that of WPILib [s].
+const PERIOD: f64 = 0.02;
+
+/// Shifts of the input below this are not worth a word [s].
+const SHIFT: f64 = 1e-3;
+
+impl<'a> Robot<'a> {
+    fn of(plan: &Plan, models: &'a FittedModels) -> Self {
+        let fitted = models.last();
+        let each = || plan.recordings.iter().map(|m| &m.recording);
+        let largest = |of: &dyn Fn(&Recording) -> f64| each().map(of).fold(0.0, f64::max);
+        let peak = |r: &Recording| r.moment().iter().flatten().fold(0.0_f64, |a, m| a.max(m.abs()));
+        let operation = Operation {
+            top_speed: largest(&Recording::top_speed),
+            largest_input: largest(&peak),
+            time: largest(&Recording::duration),
+            period: PERIOD,
+        };
+        Self {
+            fitted,
+            values: fitted.values(),
+            std_errors: fitted.estimates.iter().map(|e| e.std_error).collect(),
+            units: fitted.estimates.iter().map(|e| e.unit.clone()).collect(),
+            operation,
+        }
+    }
+
+    /// Files of a format, and what it does not express.
+    fn written(&self, plan: &Plan, format: ExportFormat) -> (Vec<(String, String)>, Vec<String>) {
+        let unit = plan.recordings.first().map_or("N m", |m| m.recording.drive_unit().symbol());
+        let it = Identified {
+            model: &self.fitted.model,
+            values: &self.values,
+            std_errors: &self.std_errors,
+            units: &self.units,
+            drive_unit: unit,
+            hold: plan.hold,
+            experiment: &plan.name,
+            method: &self.fitted.method,
+            missing: &[],
+        };
+        let simulator = |made: Simulator| (made.files, made.left_out, made.notes);
+        let (files, left_out, notes) = match format {
+            ExportFormat::Mjcf => simulator(mjcf(&it, self.operation.time)),
+            ExportFormat::Urdf => simulator(urdf_sdf(&it, self.operation.time)),
+            ExportFormat::Gains => {
+                let gains = Gains::of(it.model, it.values, &self.operation);
+                let left_out = gains.left_out.clone();
+                (gains_files(&it, &gains, &self.operation), left_out, vec![])
+            }
+            ExportFormat::Csv | ExportFormat::Parquet | ExportFormat::Mcap => {
+                return (vec![], vec![]);
+            }
+        };
+        let name = format.name();
+        let mut words: Vec<String> = notes.into_iter().map(|n| format!("{name}: {n}")).collect();
+        words.extend(
+            left_out.iter().map(|l| format!("{name} does not express {}: {}", l.effect, l.reason)),
+        );
+        if self.fitted.input_shift_s.abs() > SHIFT {
+            let shift = 1e3 * self.fitted.input_shift_s;
+            words
+                .push(format!("{name}: the recorded input acts {shift:.1} ms later than recorded"));
+        }
+        (files, words)
+    }
+}
+
+/// Which model it is.
+fn words(models: &FittedModels) -> String {
+    match &models.found {
+        Some(found) => format!(
+            "the model with the effects found ({})",
+            found.model.effect_ids()[models.given.model.effects().len()..].join(", ")
+        ),
+        None => format!("the model of the file, fitted by {}", models.given.method),
+    }
+}
+
+/// Measured and simulated motion of every recording, files by name.
+fn overlays(
+    plan: &Plan,
+    models: &FittedModels,
+    formats: &[ExportFormat],
+) -> Result<Vec<(String, Vec<u8>)>, ExperimentError> {
+    let tables = [ExportFormat::Csv, ExportFormat::Parquet, ExportFormat::Mcap];
+    let formats: Vec<_> = formats.iter().filter(|f| tables.contains(f)).collect();
+    let mut files = Vec::new();
+    if formats.is_empty() {
+        return Ok(files);
+    }
+    for measured in &plan.recordings {
+        let made = overlay(&measured.recording, plan.hold, models)
+            .map_err(|e| ExperimentError::Run(e.into()))?;
+        for &format in &formats {
+            let name = format!("{}.{}", stem(&made.recording), format.name());
+            let bytes = table(&made, *format, Path::new(&name))?;
+            files.push((name, bytes));
+        }
+    }
+    Ok(files)
+}
+
+/// The name of a recording without its ending, as part of a file's name.
+fn stem(recording: &str) -> String {
+    let path = Path::new(recording);
+    let stem = path.file_stem().map_or(recording.into(), |s| s.to_string_lossy());
+    stem.replace(|c: char| !c.is_alphanumeric() && c != '-' && c != '_', "_")
+}
+
+fn table(overlay: &Overlay, format: ExportFormat, path: &Path) -> Result<Vec<u8>, ExperimentError> {
+    let columns = || -> Vec<TableColumn> {
+        let column =
+            |(name, values): &(String, Vec<f64>)| TableColumn::Number(name.clone(), values.clone());
+        overlay.columns.iter().map(column).collect()
+    };
+    Ok(match format {
+        ExportFormat::Parquet => write_parquet_table(path, &columns())?,
+        ExportFormat::Mcap => {
+            let (time, others) = overlay.columns.split_at(1);
+            write_mcap_table(path, &stem(&overlay.recording), &time[0].1, others)?
+        }
+        _ => write_csv_table(&columns())?,
+    })
+}
+
+/// The models of the last run of a plan, from `model.json` and `results.json` of its folder.
+fn last_run(plan: &Plan, out: &Path) -> Result<FittedModels, ExperimentError> {
+    let folder = ResultFolder::new(out, &plan.name);
+    let shown = plan.source.display().to_string();
+    let wrong = |message: String| ExperimentError::Meaning { file: shown.clone(), message };
+    let missing = || {
+        wrong(format!(
+            "{} has no results of it; run it first: experiment {shown}",
+            folder.path().display()
+        ))
+    };
+    if plan.grid.is_some() {
+        return Err(wrong("is a grid, which has many results; export a single experiment".into()));
+    }
+    let read = |name: &str| -> Option<Value> {
+        folder.earlier(name).and_then(|text| serde_json::from_str(&text).ok())
+    };
+    let results = read("results.json").ok_or_else(missing)?;
+    if folder.earlier("experiment.toml").is_some_and(|text| text != plan.file) {
+        return Err(wrong(
+            "was changed since its last run (or is read with another --set); run it again".into(),
+        ));
+    }
+    for (measured, last) in
+        plan.recordings.iter().zip(results["recordings"].as_array().into_iter().flatten())
+    {
+        if measured.sha256.as_deref() != last["sha256"].as_str() {
+            let name = measured.recording.name();
+            return Err(wrong(format!("{name} was changed since the last run; run it again")));
+        }
+    }
+    let model = read("model.json").ok_or_else(|| {
+        wrong(
+            "no method of the last run identified a physical model, so there is none to export"
+                .into(),
+        )
+    })?;
+    let effects = model["effects"].as_array().into_iter().flatten();
+    let given: Vec<Estimate> = effects
+        .flat_map(|e| e["parameters"].as_array().into_iter().flatten())
+        .map(estimate)
+        .collect();
+    let method = model["provenance"]["method"].as_str().unwrap_or_default();
+    let diagnosis = &results["diagnosis"];
+    let found: Vec<String> = diagnosis["found"]
+        .as_array()
+        .into_iter()
+        .flatten()
+        .filter_map(|id| id.as_str().map(str::to_owned))
+        .collect();
+    let with: Vec<Estimate> =
+        diagnosis["parameters"].as_array().into_iter().flatten().map(estimate).collect();
+    let of = |added: &[String], values: &[Estimate], method: &str| {
+        FittedModel::new(plan, added, values, method).map_err(|e| wrong(e.to_string()))
+    };
+    let given = of(&[], &given, method)?.ok_or_else(missing)?;
+    let found = if found.is_empty() { None } else { of(&found, &with, "diagnosis")? };
+    Ok(FittedModels { given, found })
+}
+
+/// A parameter as `model.json` and `results.json` write it.
+fn estimate(entry: &Value) -> Estimate {
+    let number = |key: &str| entry[key].as_f64();
+    let text = |key: &str| entry[key].as_str().unwrap_or_default();
+    let value = number("value").unwrap_or(f64::NAN);
+    let std_error = number("std_error").unwrap_or(f64::INFINITY);
+    let fixed = entry["fixed"].as_bool().unwrap_or(false);
+    Estimate { fixed, ..Estimate::new(text("symbol"), text("unit").into(), value, std_error) }
+}

@@ -1,0 +1,82 @@
+//! The models that an experiment ended with: the one that was asked for, and the one with the effects
+//! that the diagnosis found.
+
+use super::custom::add;
+use super::plan::Plan;
+use crate::diagnose::INPUT_SHIFT;
+use crate::identify::Estimate;
+use crate::model::{Model, ModelError};
+use crate::study::Study;
+
+/// A model with the values that were identified.
+#[derive(Clone, Debug)]
+pub struct FittedModel {
+    /// The model.
+    pub model: Model,
+    /// One estimate a parameter, in the order of the model.
+    pub estimates: Vec<Estimate>,
+    /// The recorded input acts so much later than recorded, within what logging explains [s].
+    pub input_shift_s: f64,
+    /// The method that found the values.
+    pub method: String,
+}
+
+impl FittedModel {
+    /// Of the model of a plan with `added` effects; `None` if a parameter has no estimate.
+    ///
+    /// # Errors
+    /// Effects that neither the catalogue nor the plan has.
+    pub(super) fn new(
+        plan: &Plan,
+        added: &[String],
+        estimates: &[Estimate],
+        method: &str,
+    ) -> Result<Option<Self>, ModelError> {
+        let mut model = plan.model.clone();
+        for id in added {
+            model = add(&model, id, &plan.own)?;
+        }
+        let of = |symbol: &String| estimates.iter().find(|e| e.symbol == *symbol).cloned();
+        let found: Option<Vec<Estimate>> = model.symbols().iter().map(of).collect();
+        let shift = of(&INPUT_SHIFT.to_owned()).map_or(0.0, |e| e.value);
+        let method = method.to_owned();
+        Ok(found.map(|estimates| Self { model, estimates, input_shift_s: shift, method }))
+    }
+
+    /// One value a parameter.
+    #[must_use]
+    pub fn values(&self) -> Vec<f64> {
+        self.estimates.iter().map(|e| e.value).collect()
+    }
+}
+
+/// The models of a finished experiment.
+#[derive(Clone, Debug)]
+pub struct FittedModels {
+    /// The model that was asked for, fitted by the reference method.
+    pub given: FittedModel,
+    /// The model with the effects that the diagnosis found, if it found any.
+    pub found: Option<FittedModel>,
+}
+
+impl FittedModels {
+    /// The models of a study of `plan`; `None` where no method identified a physical model.
+    ///
+    /// # Errors
+    /// Effects that neither the catalogue nor the plan has.
+    pub fn of(plan: &Plan, study: &Study) -> Result<Option<Self>, ModelError> {
+        let Some(method) = study.reference_method() else { return Ok(None) };
+        let given = FittedModel::new(plan, &[], &method.estimates, &method.name)?;
+        let diagnosis = study.diagnosis.as_ref().filter(|d| !d.found.is_empty());
+        let found = diagnosis
+            .map(|d| FittedModel::new(plan, &d.found, &d.estimates, "diagnosis"))
+            .transpose()?;
+        Ok(given.map(|given| Self { given, found: found.flatten() }))
+    }
+
+    /// The model with all that is known.
+    #[must_use]
+    pub fn last(&self) -> &FittedModel {
+        self.found.as_ref().unwrap_or(&self.given)
+    }
+}

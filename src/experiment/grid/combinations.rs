@@ -1,0 +1,51 @@
+//! What a grid varies, and how its combinations are counted.
+
+use std::path::PathBuf;
+
+use toml::Table;
+
+use super::axes::GridAxis;
+
+/// The combinations of a grid.
+#[derive(Clone, Debug)]
+pub struct GridPlan {
+    /// What varies, the last one fastest.
+    pub axes: Vec<GridAxis>,
+    /// The experiment file without its grid.
+    pub(super) table: Table,
+    /// Its path.
+    pub(super) path: PathBuf,
+}
+
+impl GridPlan {
+    /// Number of combinations.
+    #[must_use]
+    pub fn cells(&self) -> usize {
+        self.axes.iter().map(|axis| axis.values.len()).product()
+    }
+
+    /// The place of a cell on every axis; the last one varies fastest.
+    #[must_use]
+    pub fn places(&self, cell: usize) -> Vec<usize> {
+        let mut rest = cell;
+        let mut places: Vec<usize> = self
+            .axes
+            .iter()
+            .rev()
+            .map(|axis| {
+                let place = rest % axis.values.len();
+                rest /= axis.values.len();
+                place
+            })
+            .collect();
+        places.reverse();
+        places
+    }
+
+    /// What varies, in words: `noise_scale (5) × seed (100)`.
+    #[must_use]
+    pub fn words(&self) -> String {
+        let axes = self.axes.iter().map(|a| format!("{} ({})", a.name, a.values.len()));
+        axes.collect::<Vec<_>>().join(" × ")
+    }
+}

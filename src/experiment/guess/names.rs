@@ -1,0 +1,401 @@
+//! What the name of a column says: quantity, wheel, unit.
+
+/// What a column may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Quantity {
+    Time,
+    Nanoseconds,
+    Angle,
+    Speed,
+    Torque,
+    Current,
+    Voltage,
+}
+
+/// A wheel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Side {
+    Right,
+    Left,
+    /// A number or letter that does not say which: 0 or 1.
+    Numbered(usize),
+}
+
+/// What a name says.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Named {
+    pub(super) quantity: Option<Quantity>,
+    pub(super) side: Option<Side>,
+    pub(super) unit: Option<&'static str>,
+    /// What the robot was told, and not what it did.
+    pub(super) wished: bool,
+    /// The words that say none of this.
+    pub(super) rest: Vec<String>,
+}
+
+/// Words of each quantity, the ones that say most first.
+const QUANTITIES: [(Quantity, &[&str]); 7] = [
+    (Quantity::Nanoseconds, &["nanosec", "nsec", "nanosecs", "nanoseconds"]),
+    (
+        Quantity::Time,
+        &[
+            "t",
+            "time",
+            "timestamp",
+            "stamp",
+            "ts",
+            "sec",
+            "secs",
+            "second",
+            "seconds",
+            "clock",
+            "datetime",
+            "date",
+            "elapsed",
+            "millis",
+            "micros",
+            "zeit",
+        ],
+    ),
+    (
+        Quantity::Speed,
+        &[
+            "dalpha",
+            "omega",
+            "velocity",
+            "velocities",
+            "speed",
+            "vel",
+            "velo",
+            "rpm",
+            "erpm",
+            "w",
+            "dq",
+            "qd",
+            "dphi",
+            "dtheta",
+            "angvel",
+            "alphadot",
+            "thetadot",
+            "phidot",
+            "rate",
+            "drehzahl",
+            "geschwindigkeit",
+        ],
+    ),
+    (
+        Quantity::Angle,
+        &[
+            "alpha",
+            "angle",
+            "position",
+            "positions",
+            "pos",
+            "theta",
+            "enc",
+            "encoder",
+            "phi",
+            "q",
+            "rotations",
+            "rotation",
+            "turns",
+            "ticks",
+            "counts",
+            "count",
+            "tachometer",
+            "tacho",
+            "distance",
+            "dist",
+            "rev",
+            "winkel",
+        ],
+    ),
+    (Quantity::Torque, &["m", "moment", "torque", "tau", "effort", "efforts", "trq", "drehmoment"]),
+    (
+        Quantity::Current,
+        &["current", "currents", "cur", "curr", "i", "amps", "iq", "ia", "ampere", "strom"],
+    ),
+    (
+        Quantity::Voltage,
+        &["voltage", "voltages", "volt", "volts", "v", "u", "duty", "pwm", "spannung", "dutycycle"],
+    ),
+];
+
+/// Words of a name that is what the robot was told and not what it did.
+const WISHED: [&str; 12] = [
+    "command",
+    "commands",
+    "commanded",
+    "cmd",
+    "target",
+    "setpoint",
+    "sp",
+    "reference",
+    "ref",
+    "desired",
+    "goal",
+    "soll",
+];
+/// Words of quantities that are not those of a wheel.
+const OTHERS: [&str; 22] = [
+    "gyro",
+    "imu",
+    "heading",
+    "yaw",
+    "pitch",
+    "roll",
+    "battery",
+    "bat",
+    "vbat",
+    "bus",
+    "supply",
+    "vin",
+    "temp",
+    "temperature",
+    "accel",
+    "acc",
+    "gps",
+    "tilt",
+    "arm",
+    "error",
+    "fault",
+    "id",
+];
+
+/// Endings of a name that are a unit: as written, unit of the program, and whether it says the quantity
+/// by itself.
+const UNITS: [(&[&str], &str, Option<Quantity>); 22] = [
+    (
+        &["meterspersecond", "meterspersec", "metrespersecond", "mps", "m/s"],
+        "m/s",
+        Some(Quantity::Speed),
+    ),
+    (
+        &["radianspersecond", "radianspersec", "radpersec", "radpers", "radps", "rads", "rad/s"],
+        "rad/s",
+        Some(Quantity::Speed),
+    ),
+    (
+        &["degreespersecond", "degreespersec", "degpersec", "degpers", "degps", "dps", "deg/s"],
+        "deg/s",
+        Some(Quantity::Speed),
+    ),
+    (
+        &[
+            "rotationspersecond",
+            "rotationspersec",
+            "revolutionspersecond",
+            "revpersec",
+            "revpers",
+            "rev/s",
+            "rps",
+            "turnspersecond",
+            "turns/s",
+        ],
+        "rev/s",
+        Some(Quantity::Speed),
+    ),
+    (&["rotationsperminute", "rpm", "1/min", "r/min"], "rpm", Some(Quantity::Speed)),
+    (
+        &["ticks/s", "counts/s", "tickspersecond", "countspersecond", "cps"],
+        "ticks/s",
+        Some(Quantity::Speed),
+    ),
+    (&["radians", "rad"], "rad", None),
+    (&["degrees", "degree", "deg", "grad"], "deg", None),
+    (
+        &["rotations", "rotation", "revolutions", "turns", "turn", "revs", "rev"],
+        "rev",
+        Some(Quantity::Angle),
+    ),
+    (&["ticks", "tick", "counts"], "ticks", Some(Quantity::Angle)),
+    (&["meters", "metres"], "m", None),
+    (&["milliseconds", "millis", "msec", "ms"], "ms", Some(Quantity::Time)),
+    (&["microseconds", "micros", "usec", "us"], "us", Some(Quantity::Time)),
+    (&["nanoseconds", "ns"], "ns", Some(Quantity::Time)),
+    (&["milliamps", "ma"], "mA", Some(Quantity::Current)),
+    (&["amperes", "ampere", "amps", "amp", "a"], "A", Some(Quantity::Current)),
+    (&["millivolts", "mv"], "mV", Some(Quantity::Voltage)),
+    (&["volts", "volt", "v"], "V", Some(Quantity::Voltage)),
+    (&["mnm"], "mN m", Some(Quantity::Torque)),
+    (&["ncm"], "N cm", Some(Quantity::Torque)),
+    (&["newtonmeters", "newtonmetres", "nm"], "N m", Some(Quantity::Torque)),
+    (&["seconds", "second", "secs", "sec", "s"], "s", None),
+];
+
+/// What a name says.
+pub(super) fn named(name: &str) -> Named {
+    let (bare, bracket) = split_unit(name);
+    let mut words = words(bare);
+    let mut ending = bracket.and_then(|u| unit(&u.to_lowercase().replace([' ', '·', '*'], "")));
+    if ending.is_none() {
+        ending = take_unit(&mut words);
+    }
+    if ending.is_none() && words.iter().any(|w| w == "rpm" || w == "erpm") {
+        ending = unit("rpm");
+    }
+    let other = words.iter().any(|w| OTHERS.contains(&w.as_str()));
+    let wished = words.iter().any(|w| WISHED.contains(&w.as_str()));
+    let side = take_side(&mut words);
+    let mut quantity = None;
+    if !other {
+        quantity = take_quantity(&mut words);
+        if let Some((said, Some(of))) = ending
+            && quantity.is_none_or(|q| q == Quantity::Angle && of == Quantity::Speed)
+        {
+            // `right_rpm`, and `position_rpm` is no position; `a` alone as a unit is too little
+            quantity =
+                (said != "A" || !words.is_empty() || side.is_some()).then_some(of).or(quantity);
+        }
+    }
+    // `sec`, `millis`: a unit of time and nothing else
+    let time = matches!(ending, Some(("s" | "ms" | "us" | "ns", _)));
+    if quantity.is_none() && !other && time && words.is_empty() {
+        quantity = Some(Quantity::Time);
+    }
+    Named { quantity, side, unit: ending.map(|(unit, _)| unit), wished, rest: words }
+}
+
+/// The name and the unit in brackets behind it; an index is no unit.
+fn split_unit(name: &str) -> (&str, Option<&str>) {
+    let trimmed = name.trim().trim_end_matches([']', ')']);
+    match trimmed.split_once(['[', '(']) {
+        Some((bare, inner)) if inner.chars().any(char::is_alphabetic) => {
+            (bare.trim(), Some(inner.trim()))
+        }
+        _ => (name, None),
+    }
+}
+
+/// The words that a name is made of: `/drive/LeftVelocity[0]` of drive, left, velocity and 0.
+fn words(name: &str) -> Vec<String> {
+    let mut out = vec![String::new()];
+    let mut before = ' ';
+    let letters: Vec<char> = name.chars().collect();
+    for (k, &c) in letters.iter().enumerate() {
+        let next = letters.get(k + 1).copied().unwrap_or(' ');
+        let edge = !c.is_alphanumeric()
+            || (before.is_lowercase() && c.is_uppercase())
+            || (before.is_uppercase() && c.is_uppercase() && next.is_lowercase())
+            || before.is_ascii_digit() != c.is_ascii_digit();
+        if edge {
+            out.push(String::new());
+        }
+        if let (true, Some(last)) = (c.is_alphanumeric(), out.last_mut()) {
+            last.extend(c.to_lowercase());
+        }
+        before = c;
+    }
+    out.retain(|word| !word.is_empty());
+    out
+}
+
+fn unit(text: &str) -> Option<(&'static str, Option<Quantity>)> {
+    let found = UNITS.iter().find(|(words, ..)| words.contains(&text));
+    found.map(|(_, unit, of)| (*unit, *of))
+}
+
+/// Takes the unit off the end of the words: the longest ending that is one, of up to three words.
+fn take_unit(words: &mut Vec<String>) -> Option<(&'static str, Option<Quantity>)> {
+    for count in (1..=4.min(words.len())).rev() {
+        let from = words.len() - count;
+        let joined = words[from..].concat();
+        let slashed = words[from..].join("/");
+        // a name that is a unit and nothing else says it as its quantity: `t`, `v`, `a`
+        let alone = from == 0 && joined.len() < 2;
+        if let Some(found) = unit(&joined).or_else(|| unit(&slashed)).filter(|_| !alone) {
+            // words such as `rpm` and `volts` say the quantity too, `ticks` of an encoder as well
+            words.truncate(from);
+            return Some(found);
+        }
+    }
+    None
+}
+
+fn take_side(words: &mut Vec<String>) -> Option<Side> {
+    let side = |word: &str| match word {
+        "right" | "r" | "rt" | "rhs" | "rechts" | "re" => Some(Side::Right),
+        "left" | "l" | "lt" | "lhs" | "links" | "li" => Some(Side::Left),
+        _ => None,
+    };
+    if let Some(k) = words.iter().position(|w| side(w).is_some()) {
+        return side(&words.remove(k));
+    }
+    // two letters glued to one another: `wr`, `vl`, `il`
+    let glued =
+        words.iter().position(|w| w.len() == 2 && w.ends_with(['r', 'l']) && is_short(&w[..1]));
+    if let Some(k) = glued {
+        let word = words[k].clone();
+        words[k] = word[..1].to_string();
+        return side(&word[1..]);
+    }
+    let number = words.iter().rposition(|w| matches!(w.as_str(), "0" | "1" | "2"))?;
+    words.remove(number).parse().ok().map(Side::Numbered)
+}
+
+/// A letter that stands for a quantity of a wheel.
+fn is_short(letter: &str) -> bool {
+    matches!(letter, "w" | "v" | "i" | "u" | "m" | "q")
+}
+
+fn take_quantity(words: &mut Vec<String>) -> Option<Quantity> {
+    // a derivative: d alpha, wheel speed, alpha dot
+    let dot = words.iter().any(|w| matches!(w.as_str(), "dot" | "d"));
+    for (quantity, known) in QUANTITIES {
+        if let Some(k) = words.iter().position(|w| known.contains(&w.as_str())) {
+            // one letter says little among other words
+            if words[k].len() == 1 && words.len() > 1 && !dot {
+                continue;
+            }
+            words.remove(k);
+            let speed = dot && quantity == Quantity::Angle;
+            return Some(if speed { Quantity::Speed } else { quantity });
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_common_loggers_say_quantity_wheel_and_unit() {
+        use Quantity::*;
+        use Side::*;
+        let cases = [
+            ("time_ms", Some(Time), None, Some("ms")),
+            ("stamp", Some(Time), None, None),
+            ("timestamp_us", Some(Time), None, Some("us")),
+            ("sec", Some(Time), None, Some("s")),
+            ("header.stamp.nanosec", Some(Nanoseconds), None, None),
+            ("wR", Some(Speed), Some(Right), None),
+            ("vel_right [rpm]", Some(Speed), Some(Right), Some("rpm")),
+            ("left_vel", Some(Speed), Some(Left), None),
+            ("curR", Some(Current), Some(Right), None),
+            ("i_left_mA", Some(Current), Some(Left), Some("mA")),
+            ("right_rpm", Some(Speed), Some(Right), Some("rpm")),
+            ("LeftVelocityRadPerSec", Some(Speed), Some(Left), Some("rad/s")),
+            ("/Drive/RightAppliedVolts", Some(Voltage), Some(Right), Some("V")),
+            ("leftPositionRotations", Some(Angle), Some(Left), Some("rev")),
+            ("right_rev_per_s", Some(Speed), Some(Right), Some("rev/s")),
+            ("right_rev", Some(Angle), Some(Right), Some("rev")),
+            ("axis0.encoder.vel_estimate", Some(Speed), Some(Numbered(0)), None),
+            ("axis1.motor.current_control.Iq_measured", Some(Current), Some(Numbered(1)), None),
+            ("erpm_left", Some(Speed), Some(Left), Some("rpm")),
+            ("velocity(:,1)", Some(Speed), Some(Numbered(1)), None),
+            ("enc_l_ticks", Some(Angle), Some(Left), Some("ticks")),
+            ("tau_r", Some(Torque), Some(Right), None),
+            ("gyro_rate", None, None, None),
+            ("Vbat", None, None, None),
+            ("M2", Some(Torque), Some(Numbered(2)), None),
+            ("alpha1", Some(Angle), Some(Numbered(1)), None),
+            ("dalpha2", Some(Speed), Some(Numbered(2)), None),
+        ];
+        for (name, quantity, side, unit) in cases {
+            let found = named(name);
+            assert_eq!((found.quantity, found.side, found.unit), (quantity, side, unit), "{name}");
+        }
+        assert!(named("cmd_vel_left").wished && !named("left_vel").wished);
+    }
+}

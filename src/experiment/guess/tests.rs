@@ -1,0 +1,171 @@
+use super::*;
+
+fn columns(names: &[&str]) -> Vec<PreviewColumn> {
+    let ramp = |k: usize| if k == 0 { 0.01 } else { 0.3 };
+    let column = |(k, name): (usize, &&str)| PreviewColumn {
+        name: (*name).into(),
+        values: (0..100)
+            .map(|j| ramp(k) * f64::from(j) * if k == 0 { 1.0 } else { (0.1 * f64::from(j)).sin() })
+            .collect(),
+    };
+    names.iter().enumerate().map(column).collect()
+}
+
+fn found(g: &Guess) -> Vec<(&str, &str, Option<&str>)> {
+    g.columns.iter().map(|c| (c.key, c.name.as_str(), c.unit.as_deref())).collect()
+}
+
+/// Names as key, name, unit of what must be found.
+fn expect(names: &[&str], expected: &[(&str, &str, Option<&str>)], unit: DriveUnit) {
+    let g = guess(&columns(names));
+    assert_eq!(found(&g), expected, "{names:?}");
+    assert_eq!(g.drive_unit, unit, "{names:?}");
+}
+
+#[test]
+fn common_names_and_units_are_guessed() {
+    let rpm = Some("rpm");
+    expect(
+        &["time_ms", "right_rpm", "left_rpm", "tau_r", "tau_l"],
+        &[
+            ("t", "time_ms", Some("ms")),
+            ("dalpha1", "right_rpm", rpm),
+            ("dalpha2", "left_rpm", rpm),
+            ("M1", "tau_r", None),
+            ("M2", "tau_l", None),
+        ],
+        DriveUnit::NewtonMetre,
+    );
+    expect(
+        &["t", "wR", "wL", "curR", "curL"],
+        &[
+            ("t", "t", None),
+            ("dalpha1", "wR", None),
+            ("dalpha2", "wL", None),
+            ("M1", "curR", None),
+            ("M2", "curL", None),
+        ],
+        DriveUnit::Ampere,
+    );
+    expect(
+        &["stamp", "vel_right [rpm]", "vel_left [rpm]", "i_right_mA", "i_left_mA", "Vbat"],
+        &[
+            ("t", "stamp", None),
+            ("dalpha1", "vel_right [rpm]", rpm),
+            ("dalpha2", "vel_left [rpm]", rpm),
+            ("M1", "i_right_mA", Some("mA")),
+            ("M2", "i_left_mA", Some("mA")),
+        ],
+        DriveUnit::Ampere,
+    );
+    expect(
+        &["t", "alpha1", "alpha2", "dalpha1", "dalpha2", "V1", "V2", "gyro_angle"],
+        &[
+            ("t", "t", None),
+            ("alpha1", "alpha1", None),
+            ("alpha2", "alpha2", None),
+            ("dalpha1", "dalpha1", None),
+            ("dalpha2", "dalpha2", None),
+            ("M1", "V1", None),
+            ("M2", "V2", None),
+        ],
+        DriveUnit::Volt,
+    );
+}
+
+#[test]
+fn what_was_measured_goes_before_what_was_commanded() {
+    expect(
+        &[
+            "t",
+            "/commands/wheel_left.velocity",
+            "/commands/wheel_right.velocity",
+            "/commands/wheel_left.effort",
+            "/commands/wheel_right.effort",
+            "/states/arm_right.position",
+            "/states/wheel_left.velocity",
+            "/states/wheel_right.velocity",
+        ],
+        &[
+            ("t", "t", None),
+            ("dalpha1", "/states/wheel_right.velocity", None),
+            ("dalpha2", "/states/wheel_left.velocity", None),
+            ("M1", "/commands/wheel_right.effort", None),
+            ("M2", "/commands/wheel_left.effort", None),
+        ],
+        DriveUnit::NewtonMetre,
+    );
+    expect(
+        &[
+            "t",
+            "/Drive/LeftVelocityRadPerSec",
+            "/Drive/RightVelocityRadPerSec",
+            "/Drive/LeftAppliedVolts",
+            "/Drive/RightAppliedVolts",
+        ],
+        &[
+            ("t", "t", None),
+            ("dalpha1", "/Drive/RightVelocityRadPerSec", None),
+            ("dalpha2", "/Drive/LeftVelocityRadPerSec", None),
+            ("M1", "/Drive/RightAppliedVolts", None),
+            ("M2", "/Drive/LeftAppliedVolts", None),
+        ],
+        DriveUnit::Volt,
+    );
+}
+
+#[test]
+fn values_say_milliseconds_counts_and_their_number_per_turn() {
+    let t: Vec<f64> = (0..1000).map(|k| 20.0 * f64::from(k)).collect();
+    let speed: Vec<f64> = t.iter().map(|t| 6.0 * (1e-3 * t).sin()).collect();
+    let counts =
+        t.iter().map(|t| (6.0 * (1.0 - (1e-3 * t).cos()) * 2048.0 / std::f64::consts::TAU).round());
+    let counts: Vec<f64> = counts.collect();
+    let column =
+        |name: &str, values: &[f64]| PreviewColumn { name: name.into(), values: values.to_vec() };
+    let log = [
+        column("clock", &t),
+        column("enc_r", &counts),
+        column("enc_l", &counts),
+        column("w_r", &speed),
+        column("w_l", &speed),
+        column("u_r", &speed),
+        column("u_l", &speed),
+    ];
+    let g = guess(&log);
+    assert_eq!(g.columns[0].unit.as_deref(), Some("ms"));
+    assert!(g.columns[0].evidence[0].contains("19980 s at 0.050 Hz"), "{:?}", g.columns[0]);
+    assert_eq!(
+        (g.columns[1].unit.as_deref(), g.columns[1].per_turn),
+        (Some("ticks"), Some(2048.0))
+    );
+    // without speeds the question is asked
+    let g = guess(&log[..3]);
+    assert!(g.questions.iter().any(|q| q.contains("how many counts")), "{:?}", g.questions);
+}
+
+#[test]
+fn what_is_missing_is_asked_with_what_is_open() {
+    let log = columns(&["t", "wR", "wL", "foo", "bar"]);
+    let g = guess(&log);
+    assert_eq!(g.questions.len(), 1, "{:?}", g.questions);
+    let recordings = [("a.csv".into(), false)];
+    let written = Written {
+        recordings: &recordings,
+        folder: std::path::Path::new(""),
+        guess: &g,
+        said: &[],
+        columns: &log,
+    };
+    let text = file_text(&written);
+    assert!(text.contains("M1 = \"?\", M2 = \"?\"") && text.contains("#   foo "), "{text}");
+    let parsed: toml::Table = toml::from_str(&text).unwrap();
+    assert_eq!(parsed["recordings"]["columns"]["dalpha1"].as_str(), Some("wR"));
+}
+
+#[test]
+fn one_axis_stands_for_both_wheels() {
+    let g = guess(&columns(&["t", "q", "dq", "tau", "q_ref"]));
+    assert!(g.one_axis);
+    assert_eq!(found(&g)[1..3], [("alpha1", "q", None), ("alpha2", "q", None)]);
+}

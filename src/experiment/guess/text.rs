@@ -1,0 +1,215 @@
+//! The experiment file that `experiment new` writes.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use super::{Guess, Guessed};
+use crate::io::PreviewColumn;
+use crate::recording::DriveUnit;
+
+/// Columns whose first values a question shows at most.
+const SHOWN: usize = 40;
+
+/// What a file is written from.
+pub(in crate::experiment) struct Written<'a> {
+    /// Recordings with their use: whether they are of validation.
+    pub(in crate::experiment) recordings: &'a [(PathBuf, bool)],
+    /// Folder of the file.
+    pub(in crate::experiment) folder: &'a Path,
+    /// What the columns are.
+    pub(in crate::experiment) guess: &'a Guess,
+    /// What was seen in the recordings, each a sentence.
+    pub(in crate::experiment) said: &'a [String],
+    /// All columns of the first recording.
+    pub(in crate::experiment) columns: &'a [PreviewColumn],
+}
+
+impl Guess {
+    /// The guesses in words.
+    pub(in crate::experiment) fn words(&self) -> String {
+        let mut out = String::from("guessed from names and values of the columns (check them):\n");
+        for one in &self.columns {
+            let unit = one.unit.as_ref().map_or(String::new(), |u| format!(" in {u}"));
+            let why = one.evidence.join("; ");
+            let why = if why.is_empty() { why } else { format!("   ({why})") };
+            let _ = writeln!(out, "  {:<8} = {}{unit}{why}", one.key, one.name);
+        }
+        let _ = writeln!(out, "  input in {}", self.drive_unit.symbol());
+        if self.one_axis {
+            let _ = writeln!(
+                out,
+                "  one axis stands for both wheels: only a1 + a2 and the friction show"
+            );
+        }
+        for question in &self.questions {
+            let _ = writeln!(out, "  question: {question}");
+        }
+        out
+    }
+}
+
+/// The text of a commented experiment file.
+pub(in crate::experiment) fn file_text(w: &Written) -> String {
+    let files = |validation: bool| {
+        let of = w.recordings.iter().filter(|(_, v)| *v == validation);
+        let names: Vec<String> = of.map(|(path, _)| quoted(path, w.folder)).collect();
+        names.join(", ")
+    };
+    let hint = if w.recordings.iter().any(|(_, v)| *v) {
+        ""
+    } else {
+        "   # add one: errors are then judged on it"
+    };
+    let mut out = String::from("# What was seen:\n");
+    for line in w.said {
+        let _ = writeln!(out, "#   {line}");
+    }
+    for one in &w.guess.columns {
+        for why in &one.evidence {
+            let _ = writeln!(out, "#   {}: {}", in_a_line(&one.name), in_a_line(why));
+        }
+    }
+    questions(&mut out, w);
+    let _ = write!(
+        out,
+        "\ntitle = \"\"                  # heading of the report\n\n{ROBOT}\n\
+         [recordings]\ntrain      = [{}]\nvalidation = [{}]{hint}\n{}\n",
+        files(false),
+        files(true),
+        columns(w.guess)
+    );
+    let _ = write!(
+        out,
+        "drive_unit = {:?}           # \"N m\", \"V\" or \"A\": parameters come out per that unit\n{}",
+        w.guess.drive_unit.symbol(),
+        input_words(w.guess.drive_unit)
+    );
+    let _ = write!(
+        out,
+        "\n# [conditioning]             # corrections of the signals, all on; `experiment check` lists them\n\
+         # unwrap = true               # also rows, spikes, units, signs, speeds\n\n\
+         [model]\neffects = [{}]                # `experiment effects` lists them\n\n\
+         [[method]]\nname = \"prediction_error\"   # `experiment methods` lists them\n\n\
+         [[method]]\nname = \"torque_regression\"\n\n\
+         [diagnosis]\ncandidates  = \"all\"\nfalse_alarm = 0.05\nmax_effects = 3\n",
+        if w.guess.drive_unit == DriveUnit::Volt { "\"back_emf\"" } else { "" }
+    );
+    out
+}
+
+/// What must be said of the robot.
+const ROBOT: &str = "[robot]
+# Not in the log: which robot it was. The parameters a1 to a5 do not depend on it; the path, the heading
+# and speeds in m/s do. Until it is filled in, \"unknown\" keeps them out.
+preset = \"unknown\"            # amigobot, pioneer_3dx, turtlebot3_burger, e_puck, create_2, regbot, frc_tank_drive
+# l1_m = 0.15                 # half the distance between the wheels [m]
+# r_m  = 0.05                 # radius of the wheels [m]
+";
+
+fn input_words(unit: DriveUnit) -> &'static str {
+    match unit {
+        DriveUnit::NewtonMetre => "",
+        DriveUnit::Ampere => {
+            "# With the torque per ampere at the wheel (motor constant x gear) parameters come in SI units:\n\
+             # drive_unit = \"N m\" and torque_constant = 0.1 in M1 and M2 of columns\n"
+        }
+        DriveUnit::Volt => {
+            "hold       = \"constant\"      # a voltage is a command: it holds from row to row\n\
+             # The input is a voltage: back-EMF belongs to the model (kS = a4, kV = k_e, kA = a1 + a2, per radian)\n"
+        }
+    }
+}
+
+fn questions(out: &mut String, w: &Written) {
+    if w.guess.questions.is_empty() {
+        return;
+    }
+    out.push_str("#\n# To be answered:\n");
+    for question in &w.guess.questions {
+        let _ = writeln!(out, "#   - {}", in_a_line(question));
+    }
+    let used = |name: &str| w.guess.columns.iter().any(|c| c.name == name);
+    let open: Vec<&PreviewColumn> = w.columns.iter().filter(|c| !used(&c.name)).collect();
+    if open.is_empty() {
+        return;
+    }
+    out.push_str("# Columns that are still open, with their first values and their range:\n");
+    for column in open.iter().take(SHOWN) {
+        let first: Vec<String> = column.values.iter().take(3).map(|v| short(*v)).collect();
+        let finite = || column.values.iter().copied().filter(|v| v.is_finite());
+        let (low, high) =
+            (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
+        let range = if low <= high {
+            format!("{} .. {}", short(low), short(high))
+        } else {
+            "no numbers".into()
+        };
+        let _ =
+            writeln!(out, "#   {:<28} {:<32} {range}", in_a_line(&column.name), first.join(", "));
+    }
+    if open.len() > SHOWN {
+        let _ = writeln!(out, "#   and {} more", open.len() - SHOWN);
+    }
+}
+
+fn short(value: f64) -> String {
+    if value.fract() == 0.0 && value.abs() < 1e6 {
+        format!("{value}")
+    } else {
+        format!("{value:.5}")
+    }
+}
+
+/// The keys of `columns`; what is still open stands as `"?"`.
+fn columns(guess: &Guess) -> String {
+    let mut entries: Vec<String> = guess.columns.iter().filter(|c| says(c)).map(entry).collect();
+    let there = |key: &str| guess.columns.iter().any(|c| c.key == key);
+    let motion = there("alpha1") || there("dalpha1");
+    let needed = ["t", "dalpha1", "dalpha2", "M1", "M2"];
+    let open = needed.iter().filter(|key| !(there(key) || key.starts_with('d') && motion));
+    entries.extend(open.map(|key| format!("{key} = \"?\"")));
+    if entries.is_empty() {
+        return "# columns  = { t = \"time\", dalpha1 = { name = \"right_rpm\", unit = \"rpm\" } }"
+            .into();
+    }
+    // a table of its own lines is easier to correct than a long line
+    format!("columns    = {{ {} }}   # guessed: check", entries.join(", "))
+}
+
+/// Whether the entry says more than the program would take anyway.
+fn says(c: &Guessed) -> bool {
+    c.name != c.key || c.unit.is_some() || c.nanoseconds.is_some() || c.per_turn.is_some()
+}
+
+fn entry(c: &Guessed) -> String {
+    let mut keys = vec![format!("name = {}", text(&c.name))];
+    keys.extend(c.nanoseconds.as_ref().map(|n| format!("nanoseconds = {}", text(n))));
+    keys.extend(c.unit.as_ref().map(|u| format!("unit = {u:?}")));
+    keys.extend(c.per_turn.map(|n| format!("per_turn = {n:.1}")));
+    match &keys[..] {
+        [_] => format!("{} = {}", c.key, text(&c.name)),
+        _ => format!("{} = {{ {} }}", c.key, keys.join(", ")),
+    }
+}
+
+/// The path of a recording as the file writes it: relative to the file's folder where it can be.
+fn quoted(path: &Path, folder: &Path) -> String {
+    let relative = if folder.as_os_str().is_empty() {
+        path.to_path_buf()
+    } else if let Ok(inner) = path.strip_prefix(folder) {
+        inner.to_path_buf()
+    } else {
+        std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf())
+    };
+    text(&relative.to_string_lossy())
+}
+
+/// Text as TOML writes it; Rust's own escapes are others.
+fn text(text: &str) -> String {
+    toml::Value::from(text).to_string()
+}
+
+/// Words in a comment, which a line break in them would end.
+fn in_a_line(text: &str) -> String {
+    text.replace(char::is_control, "\u{fffd}")
+}

@@ -1,0 +1,208 @@
+//! What the values of columns say: units of time, counts, milliamperes, and what has to be asked.
+
+use super::{Guess, Guessed};
+use crate::io::PreviewColumn;
+use crate::recording::DriveUnit;
+
+/// Rates that logs of robots have [Hz].
+const RATES: (f64, f64) = (2.0, 2e4);
+/// Beyond this a stamp is that of a calendar [s]: the year 2001.
+const CALENDAR: f64 = 1e9;
+/// More than any motor of a small robot draws [A].
+const AMPERES: f64 = 200.0;
+/// Wheel speed beyond which a number is rather one of rpm [rad/s].
+const FAST: f64 = 120.0;
+
+/// What metres need.
+pub(super) const RADIUS: &str =
+    "what is the radius of the wheels? Angles or speeds are in metres: write r_m under [robot]";
+
+/// Whether a column increases in nearly all rows.
+pub(super) fn increases(values: &[f64]) -> bool {
+    let up = values.windows(2).filter(|w| w[1] > w[0]).count();
+    values.len() > 2 && 20 * up > 19 * (values.len() - 1)
+}
+
+/// Whether a unit that a name states is one of this quantity, and not that of the program anyway.
+pub(super) fn fits(key: &str, unit: &str) -> bool {
+    match key {
+        "alpha1" | "alpha2" => matches!(unit, "deg" | "rev" | "ticks" | "m"),
+        "dalpha1" | "dalpha2" => {
+            matches!(unit, "deg/s" | "rev/s" | "rpm" | "ticks/s" | "m/s")
+        }
+        "M1" | "M2" => matches!(unit, "mN m" | "N cm" | "mA" | "mV"),
+        _ => true,
+    }
+}
+
+/// Looks at the values of the guessed columns, and adds units, evidence and questions.
+pub(super) fn look(columns: &[PreviewColumn], guess: &mut Guess) {
+    let of = |name: &str| columns.iter().find(|c| c.name == name).map_or(&[][..], |c| &c.values);
+    for one in &mut guess.columns {
+        let values = of(&one.name);
+        match one.key {
+            "t" => time(values, one),
+            "alpha1" | "alpha2" => angle(values, one),
+            "dalpha1" | "dalpha2" => speed(values, one, &mut guess.questions),
+            _ if guess.drive_unit == DriveUnit::Ampere => current(values, one),
+            _ => {}
+        }
+    }
+    counts(columns, guess);
+    if guess.columns.iter().any(|c| c.name.to_lowercase().contains("erpm")) {
+        guess.questions.push(
+            "erpm counts electrical turns: divide by the pole pairs of the motor and the gear, \
+             scale = 0.14 for 7 pole pairs without gear"
+                .into(),
+        );
+    }
+    if guess.columns.iter().any(|c| c.name.to_lowercase().contains("duty")) {
+        guess
+            .questions
+            .push("duty is a part of the battery's voltage: scale = 12.0 for 12 V".into());
+    }
+    if guess.columns.iter().any(|c| matches!(c.unit.as_deref(), Some("m" | "m/s"))) {
+        guess.questions.push(RADIUS.into());
+    }
+    let [angles, speeds] = ["alpha", "dalpha"].map(|of| {
+        guess.columns.iter().any(|c| c.key.strip_prefix(of).is_some_and(|s| s.len() == 1))
+    });
+    if !angles && !speeds {
+        guess.questions.push("which columns hold the angles (alpha1, alpha2) or speeds (dalpha1, dalpha2) of the wheels?".into());
+    }
+    if !guess.columns.iter().any(|c| c.key == "M1") {
+        guess.questions.push(
+            "which columns hold the torques, currents or voltages of the motors (M1, M2)?".into(),
+        );
+    }
+    if !guess.columns.iter().any(|c| c.key == "t") {
+        guess.questions.push("which column holds the time (t)?".into());
+    }
+}
+
+/// The unit of a time that its name does not state, from its rate.
+fn time(values: &[f64], one: &mut Guessed) {
+    let mut steps: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).filter(|h| *h > 0.0).collect();
+    if steps.is_empty() || one.unit.is_some() || one.nanoseconds.is_some() {
+        return;
+    }
+    let middle = steps.len() / 2;
+    let step = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let (first, last) = (values[0], values[values.len() - 1]);
+    let units = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
+    let rate = |factor: f64| 1.0 / (step * factor);
+    let sound = |factor: f64| {
+        let calendar = first * factor > 0.3 * CALENDAR && first * factor < 4.0 * CALENDAR;
+        rate(factor) >= RATES.0 && rate(factor) <= RATES.1 && (first < CALENDAR || calendar)
+    };
+    let Some((unit, factor)) = units.into_iter().find(|(_, f)| sound(*f)) else { return };
+    if unit != "s" {
+        one.unit = Some(unit.into());
+        one.evidence.push(format!(
+            "{:.0} s at {:.3} Hz would be no log: this is {unit} ({:.1} s at {:.0} Hz)",
+            last - first,
+            1.0 / step,
+            (last - first) * factor,
+            rate(factor)
+        ));
+    }
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().filter(|v| v.is_finite()).fold(0.0, |a: f64, v| a.max(v.abs()))
+}
+
+fn whole(values: &[f64]) -> bool {
+    values.iter().all(|v| !v.is_finite() || v.fract() == 0.0)
+}
+
+fn angle(values: &[f64], one: &mut Guessed) {
+    if one.unit.is_none() && whole(values) && largest(values) > 50.0 {
+        one.unit = Some("ticks".into());
+        one.evidence.push("whole numbers: counts of an encoder".into());
+    }
+}
+
+fn speed(values: &[f64], one: &mut Guessed, questions: &mut Vec<String>) {
+    let top = largest(values);
+    if one.unit.is_none() && top > FAST && one.key == "dalpha1" {
+        questions.push(format!(
+            "`{}` goes up to {top:.0}: rad/s, or unit = \"rpm\", \"deg/s\", \"ticks/s\"?",
+            one.name
+        ));
+    }
+}
+
+fn current(values: &[f64], one: &mut Guessed) {
+    let top = largest(values);
+    if one.unit.is_none() && top > AMPERES {
+        one.unit = Some("mA".into());
+        one.evidence.push(format!("up to {top:.0}: milliamperes"));
+    }
+}
+
+/// Counts per turn where speeds in a known unit say them, else a question.
+fn counts(columns: &[PreviewColumn], guess: &mut Guess) {
+    let known: Vec<Guessed> = guess.columns.clone();
+    let of = |name: &str| columns.iter().find(|c| c.name == name).map_or(&[][..], |c| &c.values);
+    let time = known.iter().find(|c| c.key == "t");
+    let mut asked = false;
+    for one in guess
+        .columns
+        .iter_mut()
+        .filter(|c| c.unit.as_deref().is_some_and(|u| u.starts_with("ticks")))
+    {
+        let speed = known.iter().find(|c| c.key.strip_prefix('d') == Some(one.key));
+        let turns = time
+            .zip(speed)
+            .and_then(|(t, w)| per_turn(of(&t.name), t, of(&one.name), of(&w.name), w));
+        if let Some(turns) = turns {
+            one.per_turn = Some(turns);
+            one.evidence.push(format!("{turns} counts a turn, from the speed beside it"));
+        } else if !asked {
+            asked = true;
+            guess.questions.push(
+                "how many counts has a turn of the wheel (encoder lines x 4 x gear)? Write it as \
+                 per_turn of alpha1, alpha2"
+                    .into(),
+            );
+        }
+    }
+}
+
+/// Counts per turn: counts passed over the turns that the speed amounts to.
+fn per_turn(t: &[f64], time: &Guessed, counts: &[f64], speed: &[f64], of: &Guessed) -> Option<f64> {
+    let second = match time.unit.as_deref() {
+        Some("ms") => 1e-3,
+        Some("us") => 1e-6,
+        Some("ns") => 1e-9,
+        _ => 1.0,
+    };
+    let turn = match of.unit.as_deref() {
+        None => 1.0 / std::f64::consts::TAU,
+        Some("rpm") => 1.0 / 60.0,
+        Some("deg/s") => 1.0 / 360.0,
+        Some("rev/s") => 1.0,
+        Some(_) => return None,
+    };
+    let rows = 1..t.len().min(counts.len()).min(speed.len());
+    let (mut passed, mut turns) = (0.0, 0.0);
+    for k in rows {
+        let by = 0.5 * (speed[k] + speed[k - 1]) * (t[k] - t[k - 1]) * second * turn;
+        if by.is_finite() && counts[k].is_finite() && counts[k - 1].is_finite() {
+            passed += (counts[k] - counts[k - 1]) * by.signum();
+            turns += by.abs();
+        }
+    }
+    // a turn at least, and encoders of 4 to 10 million counts
+    let ratio = (passed / turns).abs();
+    (turns > 1.0 && (4.0..1e7).contains(&ratio)).then(|| nice(ratio))
+}
+
+/// A number of counts within half a percent that encoders have, else the number itself.
+fn nice(ratio: f64) -> f64 {
+    let powers = (3..24).map(|n| f64::from(1 << n));
+    let tens = [100.0, 200.0, 360.0, 400.0, 500.0, 1000.0, 1440.0, 2000.0, 4000.0, 5000.0, 10000.0];
+    let mut known = powers.chain(tens);
+    known.find(|k| (ratio / k - 1.0).abs() < 5e-3).unwrap_or_else(|| ratio.round())
+}

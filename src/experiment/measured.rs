@@ -1,0 +1,212 @@
+//! The measured recordings of an experiment: read, conditioned, checked.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
+
+use super::error::{ExperimentError, Meaning};
+use super::file::RecordingsEntry;
+use super::plan::Measured;
+use super::resolve::{UNKNOWN, words};
+use crate::conditioning::{
+    Action, Channel, Context, Finding, Kind, Lag, Settings, common_lag, condition,
+};
+use crate::io::{
+    ColumnMap, RawChannels, needed_columns, read_channels, read_long_recording, table_channels,
+};
+use crate::recording::{DriveUnit, LongRecording, Recording};
+use crate::robot::Robot;
+use crate::study::Role;
+
+/// The recordings of an experiment file at `path`, each read and conditioned.
+pub(super) fn read(
+    path: &Path,
+    entry: &RecordingsEntry,
+    settings: &Settings,
+    robot: &Robot,
+) -> Result<Vec<Measured>, Meaning> {
+    if entry.hold_rows < 1000 {
+        let found = entry.hold_rows;
+        return Err(words(format!("recordings.hold_rows = {found} must be 1000 or more")));
+    }
+    if let Some((key, _)) = entry.columns.iter().find(|(_, column)| column.name == "?") {
+        return Err(words(format!(
+            "recordings.columns.{key} = \"?\" is still open: write the name of a column of {}; the \
+             comments above say which there are",
+            entry.train.join(", ")
+        )));
+    }
+    let folder = path.parent().unwrap_or_else(|| Path::new("."));
+    let train = entry.train.iter().map(|f| (Role::Train, f));
+    let all: Vec<_> = train.chain(entry.validation.iter().map(|f| (Role::Validation, f))).collect();
+    let mut reading = Reading::new(robot.clone(), entry.drive_unit);
+    for (key, column) in &entry.columns {
+        reading.columns.put(key, column.clone().into())?;
+    }
+    (reading.hold_rows, reading.conditioning) = (entry.hold_rows, *settings);
+    let mut measured = in_threads(&all, |(role, file)| reading.one(*role, &folder.join(file)))?;
+    reading.speed_lag = common_lag(measured.iter().map(|m| m.conditioning.as_slice()));
+    if reading.speed_lag.is_some() {
+        let shows_none =
+            |m: &Measured| common_lag([m.conditioning.as_slice()].into_iter()).is_none();
+        let again: Vec<usize> = (0..all.len())
+            .filter(|&k| measured[k].long.is_none() && shows_none(&measured[k]))
+            .collect();
+        let read = in_threads(&again, |&k| reading.one(all[k].0, &folder.join(all[k].1)))?;
+        again.into_iter().zip(read).for_each(|(k, one)| measured[k] = one);
+    }
+    let train = measured.iter().filter(|m| m.role == Role::Train).map(|m| &m.recording);
+    if super::quality::without_drive(train) {
+        return Err(words(format!(
+            "recordings.train: M1 and M2 are zero throughout ({}); without a drive the parameters \
+             have no scale, so record the moments, or name their columns",
+            entry.train.join(", ")
+        )));
+    }
+    Ok(measured)
+}
+
+/// How recordings are read, conditioned and checked: what `[recordings]` and `[conditioning]` say.
+#[derive(Clone, Debug)]
+pub struct Reading {
+    /// Where each quantity stands, and in which unit.
+    pub columns: ColumnMap,
+    /// Unit of the input.
+    pub drive_unit: DriveUnit,
+    /// Rows up to which a recording is held in memory; of a longer file windows are held.
+    pub hold_rows: usize,
+    /// What may be corrected.
+    pub conditioning: Settings,
+    /// The robot, for wheel radius and quality check.
+    pub robot: Robot,
+    /// What the recordings of the log together say of the speeds.
+    pub speed_lag: Option<Lag>,
+}
+
+impl Reading {
+    /// Recordings of a robot whose columns have the names and units of the contract; everything is
+    /// corrected that can be.
+    #[must_use]
+    pub fn new(robot: Robot, drive_unit: DriveUnit) -> Self {
+        let radius = (robot.name != UNKNOWN).then(|| robot.r());
+        let columns = ColumnMap::new(drive_unit, radius);
+        let (conditioning, hold_rows) = (Settings::default(), super::file::hold_rows());
+        let speed_lag = None;
+        Self { columns, drive_unit, hold_rows, conditioning, robot, speed_lag }
+    }
+
+    /// The same with columns of other names or units, written as `recordings.columns` of a file.
+    ///
+    /// # Errors
+    /// Keys that are no quantity of the contract, unknown units.
+    pub fn with_columns(mut self, table: &toml::Table) -> Result<Self, ExperimentError> {
+        let entries = super::file::column_entries(table);
+        let entries = entries.map_err(|e| words(e).of("columns"))?;
+        for (key, column) in entries {
+            self.columns.put(&key, column.into())?;
+        }
+        Ok(self)
+    }
+
+    /// The recording of a file, conditioned and checked; windows of it where it is too long to be held.
+    ///
+    /// # Errors
+    /// What is wrong with the file or its values, with the place.
+    pub fn file(&self, role: Role, file: &Path) -> Result<Measured, ExperimentError> {
+        self.one(role, file).map_err(|e| e.of(&file.display().to_string()))
+    }
+
+    /// The recording of a table in memory that has the columns [`Self::needed`], conditioned and checked.
+    ///
+    /// # Errors
+    /// Missing columns, and what is wrong with their values.
+    pub fn table(
+        &self,
+        role: Role,
+        name: &str,
+        columns: &[(String, Vec<f64>)],
+    ) -> Result<Measured, ExperimentError> {
+        let raw = table_channels(name, columns, &self.columns)?;
+        let (recording, conditioning) = self.conditioned(raw).map_err(|e| e.of(name))?;
+        let findings = super::quality::findings(&recording, &self.robot);
+        Ok(Measured { role, recording, long: None, sha256: None, conditioning, findings })
+    }
+
+    /// Which of the columns `names` of a table are read.
+    ///
+    /// # Errors
+    /// A quantity that is not there, with the names that are.
+    pub fn needed(&self, name: &str, names: &[String]) -> Result<Vec<String>, ExperimentError> {
+        Ok(needed_columns(name, names, &self.columns)?)
+    }
+
+    fn one(&self, role: Role, file: &Path) -> Result<Measured, Meaning> {
+        let long = read_long_recording(file, &self.columns, self.drive_unit, self.hold_rows)?;
+        let (recording, long, sha256, conditioning) = match long {
+            Some((windows, long, sha256)) => {
+                let found = long_rows(&long);
+                (windows, Some(Arc::new(long)), sha256, found)
+            }
+            None => {
+                let raw = read_channels(file, &self.columns)?;
+                let sha256 = raw.sha256.clone();
+                let (recording, findings) = self.conditioned(raw)?;
+                (recording, None, sha256, findings)
+            }
+        };
+        let mut findings = super::quality::findings(&recording, &self.robot);
+        if let Some(long) = &long {
+            findings.insert(0, super::long::finding(&recording, long));
+        }
+        let sha256 = Some(sha256);
+        Ok(Measured { role, recording, long, sha256, conditioning, findings })
+    }
+
+    fn conditioned(&self, mut raw: RawChannels) -> Result<(Recording, Vec<Finding>), Meaning> {
+        let commanded = self.drive_unit == DriveUnit::Volt;
+        let wheel_radius = (self.robot.name != UNKNOWN).then(|| self.robot.r());
+        let context = Context { wheel_radius, commanded, speed_lag: self.speed_lag };
+        let channels = std::mem::take(&mut raw.channels);
+        let done = condition(channels, &self.conditioning, &context)
+            .map_err(|e| words(format!("{}: {e}", raw.name)))?;
+        raw.channels = done.channels;
+        Ok((raw.recording(self.drive_unit)?, done.findings))
+    }
+}
+
+/// What was left out of a recording that is read block by block.
+fn long_rows(long: &LongRecording) -> Vec<Finding> {
+    let (rows, first) = long.rows.left_out();
+    let (kind, action) = (Kind::TimeRows { rows, first }, Action::Corrected("rows"));
+    if rows == 0 { vec![] } else { vec![Finding { channel: Channel::Time, kind, action }] }
+}
+
+/// Does the same with every item in threads of its own, in their order; the first error in that
+/// order. Not in those of rayon: a thread of rayon that waits for polars, which has its own, begins
+/// the next item meanwhile, and the one after, until files and stack are used up.
+fn in_threads<T: Sync, R: Send>(
+    items: &[T],
+    work: impl Fn(&T) -> Result<R, Meaning> + Sync,
+) -> Result<Vec<R>, Meaning> {
+    let (next, failed) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let worker = || {
+        let mut done = Vec::new();
+        while !failed.load(Relaxed) {
+            let k = next.fetch_add(1, Relaxed);
+            let Some(item) = items.get(k) else { break };
+            let result = work(item);
+            failed.fetch_or(result.is_err(), Relaxed);
+            done.push((k, result));
+        }
+        done
+    };
+    let workers = rayon::current_num_threads().min(items.len());
+    let mut done: Vec<_> = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..workers).map(|_| scope.spawn(worker)).collect();
+        let joined = threads.into_iter().map(|thread| thread.join());
+        joined.flat_map(|done| done.unwrap_or_else(|e| std::panic::resume_unwind(e))).collect()
+    });
+    // items are taken in order, so that all before the first error are done
+    done.sort_by_key(|(k, _)| *k);
+    done.into_iter().map(|(_, result)| result).collect()
+}

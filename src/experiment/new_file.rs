@@ -1,0 +1,234 @@
+//! `experiment new`: recordings to a commented experiment file.
+
+use std::path::{Path, PathBuf};
+
+use super::error::ExperimentError;
+use super::guess::{Guess, Written, file_text, guess};
+use crate::conditioning::{Context, Finding, Settings, condition};
+use crate::io::{Column, ColumnMap, IoError, parts, preview, read_channels, write_whole};
+use crate::recording::{DriveUnit, Recording};
+
+/// The file beside an experiment file by which an editor checks it: what `experiment schema` prints.
+const SCHEMA: &str = "experiment.schema.json";
+/// Part of the larger of two mean speeds below which the other counts as zero: straight, or turning on
+/// the spot.
+const ONE_WAY: f64 = 0.15;
+/// Time over which angles are compared [s].
+const PASSED: f64 = 0.25;
+
+/// Looks at recordings and writes a commented experiment file.
+///
+/// # Errors
+/// Recordings that cannot be read, and a file that is there already.
+pub fn new_file(recordings: &[PathBuf], output: Option<&Path>) -> Result<String, ExperimentError> {
+    let first = &recordings[0];
+    let output = output.map_or_else(|| first.with_extension("toml"), Path::to_path_buf);
+    if output.exists() {
+        return Err(ExperimentError::Meaning {
+            file: output.display().to_string(),
+            message: "is there already; name another file with -o".into(),
+        });
+    }
+    let draft = draft(recordings, output.parent().unwrap_or_else(|| Path::new("")))?;
+    write_whole(&output, draft.text.as_bytes())?;
+    let file = output.display();
+    let next = if draft.is_open {
+        format!("to be completed in {file}: the questions above; then: experiment check {file}")
+    } else {
+        format!("next: experiment {file}")
+    };
+    Ok(format!("wrote {file}\n{}{next}\n", draft.words))
+}
+
+/// A file that is not written yet.
+pub(super) struct Draft {
+    /// Its text.
+    pub(super) text: String,
+    /// What was guessed, in words.
+    pub(super) words: String,
+    /// Whether something in it must be filled in before it can run.
+    pub(super) is_open: bool,
+}
+
+/// The experiment file of recordings, for a file in that folder.
+///
+/// # Errors
+/// Recordings that cannot be read.
+pub(super) fn draft(recordings: &[PathBuf], folder: &Path) -> Result<Draft, ExperimentError> {
+    let recordings = with_parts(recordings)?;
+    let columns = preview(&recordings[0])?;
+    let mut guess = guess(&columns);
+    let (mut said, mut kinds) = (vec![], vec![]);
+    for path in &recordings {
+        let (words, kind) = match look(path, &guess) {
+            Ok((recording, findings)) => {
+                take_units(&mut guess, &findings);
+                let kind = Kind::of(&recording);
+                (seen(&recording, &findings, kind), Some(kind))
+            }
+            Err(reason) => (vec![format!("not read yet: {reason}")], None),
+        };
+        let name = path.to_string_lossy();
+        said.extend(words.into_iter().map(|w| in_a_line(&format!("{name}: {w}"))));
+        kinds.push(kind);
+    }
+    let (validation, split) = split(&kinds);
+    said.extend(split);
+    let recordings: Vec<(PathBuf, bool)> = recordings.into_iter().zip(validation).collect();
+    let written =
+        Written { recordings: &recordings, folder, guess: &guess, said: &said, columns: &columns };
+    let mut text = file_text(&written);
+    if folder.join(SCHEMA).is_file() {
+        text = format!("#:schema ./{SCHEMA}\n\n{text}");
+    }
+    let metres = guess.columns.iter().any(|c| matches!(c.unit.as_deref(), Some("m" | "m/s")));
+    let is_open = metres || text.contains("\"?\"");
+    Ok(Draft { text, words: guess.words(), is_open })
+}
+
+/// The recordings, each test of a SysId file as one of its own.
+fn with_parts(recordings: &[PathBuf]) -> Result<Vec<PathBuf>, IoError> {
+    let mut out = Vec::new();
+    for path in recordings {
+        let parts = if path.is_file() { parts(path)? } else { vec![] };
+        let of = |part: &String| PathBuf::from(format!("{}#{part}", path.display()));
+        match parts.len() {
+            0 | 1 => out.push(path.clone()),
+            _ => out.extend(parts.iter().map(of)),
+        }
+    }
+    Ok(out)
+}
+
+/// A recording as the guess reads it, and what conditioning says; or why it cannot be read.
+fn look(path: &Path, guess: &Guess) -> Result<(Recording, Vec<Finding>), String> {
+    let mut columns = ColumnMap::new(guess.drive_unit, None);
+    for one in &guess.columns {
+        let column = Column {
+            unit: one.unit.clone(),
+            per_turn: one.per_turn,
+            nanoseconds: one.nanoseconds.clone(),
+            ..Column::new(&one.name)
+        };
+        columns.put(one.key, column).map_err(|e| e.to_string())?;
+    }
+    let mut raw = read_channels(path, &columns).map_err(|e| e.to_string())?;
+    let commanded = guess.drive_unit == DriveUnit::Volt;
+    let context = Context { commanded, ..Context::default() };
+    let settings = Settings { refuse: false, ..Settings::default() };
+    let channels = std::mem::take(&mut raw.channels);
+    let done = condition(channels, &settings, &context).map_err(|e| e.to_string())?;
+    raw.channels = done.channels;
+    let recording = raw.recording(guess.drive_unit).map_err(|e| e.to_string())?;
+    Ok((recording, done.findings))
+}
+
+/// Units that speeds and angles show of each other go into the file.
+fn take_units(guess: &mut Guess, findings: &[Finding]) {
+    for finding in findings {
+        let crate::conditioning::Kind::Unit { unit, .. } = finding.kind else { continue };
+        let key = finding.channel.name();
+        let open = guess.columns.iter_mut().find(|c| c.key == key && c.unit.is_none());
+        // half a turn has no unit in files; conditioning converts it
+        if let Some(one) = open.filter(|_| unit != "half-turns") {
+            one.unit = Some(unit.into());
+            one.evidence.push(format!("{finding}").split(';').next().unwrap_or_default().into());
+        }
+    }
+}
+
+fn seen(r: &Recording, findings: &[Finding], kind: Kind) -> Vec<String> {
+    let mut out = vec![format!(
+        "{} samples, {:.1} s at {:.0} Hz, {} gaps, {}",
+        r.len(),
+        r.duration(),
+        1.0 / r.step(),
+        r.pieces().len() - 1,
+        kind.words()
+    )];
+    out.extend(findings.iter().filter(|f| f.is_remarkable()).map(ToString::to_string));
+    out
+}
+
+/// A kind of movement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Straight,
+    Turning,
+    Mixed,
+}
+
+impl Kind {
+    /// By the angles that the wheels pass in a quarter of a second, in which the steps of an encoder are
+    /// small: equal ones are straight, opposite ones turning on the spot.
+    fn of(r: &Recording) -> Self {
+        let rows = ((PASSED / r.step()).round() as usize).clamp(1, r.len() - 1);
+        let size = |sign: f64| -> f64 {
+            let passed = |k: usize, i: usize| r.alpha()[k + rows][i] - r.alpha()[k][i];
+            (0..r.len() - rows).map(|k| (passed(k, 0) + sign * passed(k, 1)).powi(2)).sum()
+        };
+        let (sum, difference) = (size(1.0).sqrt(), size(-1.0).sqrt());
+        if difference < ONE_WAY * sum {
+            Self::Straight
+        } else if sum < ONE_WAY * difference {
+            Self::Turning
+        } else {
+            Self::Mixed
+        }
+    }
+
+    fn words(self) -> &'static str {
+        match self {
+            Self::Straight => "straight ahead",
+            Self::Turning => "turning on the spot",
+            Self::Mixed => "straight and turning",
+        }
+    }
+}
+
+/// Which recordings are kept for validation, and what must be said of that: of each kind of movement
+/// every third, the last of it first, so that no kind is judged that was not fitted.
+fn split(kinds: &[Option<Kind>]) -> (Vec<bool>, Vec<String>) {
+    let mut validation = vec![false; kinds.len()];
+    let mut said = Vec::new();
+    let many = kinds.len() > 1;
+    for kind in [Some(Kind::Straight), Some(Kind::Turning), Some(Kind::Mixed), None] {
+        let of: Vec<usize> = (0..kinds.len()).filter(|&k| kinds[k] == kind).collect();
+        if of.len() >= 2 {
+            of.iter().rev().step_by(3).for_each(|&k| validation[k] = true);
+        } else if let ([_], Some(kind), true) = (&of[..], kind, many) {
+            let words = kind.words();
+            said.push(format!(
+                "one recording alone is {words}: it is fitted, and nothing validates it"
+            ));
+        }
+    }
+    if many && !validation.contains(&true) {
+        said.push(
+            "no kind of movement was recorded twice, so that no recording is left for validation"
+                .into(),
+        );
+    }
+    (validation, said)
+}
+
+/// Words in a comment, which a line break in them would end.
+fn in_a_line(text: &str) -> String {
+    text.replace(char::is_control, "\u{fffd}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn validation_is_of_every_kind_that_was_recorded_twice_and_of_no_other() {
+        let (s, t) = (Some(Kind::Straight), Some(Kind::Turning));
+        assert_eq!(split(&[s, s, s, s, t, t]).0, [true, false, false, true, false, true]);
+        let (validation, said) = split(&[s, s, t]);
+        assert_eq!(validation, [false, true, false]);
+        assert!(said[0].contains("turning on the spot: it is fitted"), "{said:?}");
+        assert_eq!(split(&[s]), (vec![false], vec![]));
+        assert!(split(&[s, t]).1[2].contains("no recording is left"));
+    }
+}

@@ -1,0 +1,146 @@
+//! The verdict of a diagnosis as a sentence.
+
+use super::models;
+use crate::compare::Dependence;
+use crate::diagnose::{Conclusion, Diagnosis, Errors, Ranked};
+use crate::identify::Estimate;
+use crate::recording::DriveUnit;
+use crate::report::format;
+use crate::study::AT_FLOOR;
+
+/// What the sentence is made of.
+pub(super) struct Finding<'a> {
+    pub(super) conclusion: Conclusion,
+    pub(super) diagnosis: &'a Diagnosis,
+    pub(super) errors: &'a Errors,
+    /// What the residual torque of the last model depends on most.
+    pub(super) depends_on: Option<&'a Dependence>,
+    pub(super) likely: Option<&'a Ranked>,
+    pub(super) false_alarm: f64,
+    /// Unit of the input.
+    pub(super) unit: DriveUnit,
+}
+
+impl Finding<'_> {
+    /// The verdict, with the error that is left.
+    pub(super) fn sentence(&self) -> String {
+        match self.conclusion {
+            Conclusion::Sufficient => format!(
+                "Nothing is missing: no effect of the catalogue lowers the held-out error at a \
+                 false-alarm rate of {:.0} %. {}",
+                100.0 * self.false_alarm,
+                self.error()
+            ),
+            Conclusion::Missing => format!("Missing: {}. {}", self.names(), self.error()),
+            Conclusion::Likely => format!(
+                "Likely missing, not proven: {}. {}",
+                self.likely.map_or(String::new(), of),
+                self.error()
+            ),
+            Conclusion::Unknown if self.diagnosis.steps.is_empty() => {
+                format!("Something is missing that the catalogue does not explain. {}", self.rest())
+            }
+            Conclusion::Unknown => format!(
+                "Something is missing that the catalogue does not explain: with {} {:.0} % of the error \
+                 above the noise floor is left. {}",
+                self.names(),
+                100.0 * self.errors.unexplained(),
+                self.rest()
+            ),
+        }
+    }
+
+    /// The effects found, each with its size and those that these data do not distinguish from it.
+    fn names(&self) -> String {
+        let name = |step: &crate::diagnose::Step| {
+            let sized = self.sized(&step.id);
+            match step.equals.as_slice() {
+                [] => sized,
+                equals => {
+                    let equals: Vec<String> = equals.iter().map(|id| title(id)).collect();
+                    format!(
+                        "{sized} (or {}: not distinguishable from these data)",
+                        equals.join(" or ")
+                    )
+                }
+            }
+        };
+        self.diagnosis.steps.iter().map(name).collect::<Vec<_>>().join(", then ")
+    }
+
+    /// "turning scrub (turning_scrub), f_t = 0.0202 N m (95 %: 0.0198 to 0.0206)"; of many parameters the
+    /// first two that are estimated.
+    fn sized(&self, id: &str) -> String {
+        let fit = self.diagnosis.last();
+        let sizes: Vec<String> = models::parameters(fit, self.unit)
+            .iter()
+            .filter(|p| p.effect == id && !p.estimate.fixed && p.estimate.std_error.is_finite())
+            .take(SIZES)
+            .map(|p| size(&p.estimate))
+            .collect();
+        let effects = fit.model.effects().iter();
+        let description = effects.map(|e| e.description()).find(|d| d.id == id);
+        let name = description.map_or_else(|| title(id), |d| format::in_text(&d.title));
+        match sizes.as_slice() {
+            [] => format!("{name} ({id})"),
+            sizes => format!("{name} ({id}), {}", sizes.join(", ")),
+        }
+    }
+
+    fn error(&self) -> String {
+        let ratio = self.errors.ratio();
+        if !ratio.is_finite() {
+            return "The simulation of the model diverges on the judged recordings.".into();
+        }
+        let removed = 100.0 * (1.0 - self.errors.unexplained());
+        let found = !self.diagnosis.steps.is_empty();
+        match (found, ratio <= AT_FLOOR) {
+            (_, true) => "The 2 s simulation error is at the noise floor.".into(),
+            (true, false) => format!(
+                "This removes {removed:.0} % of the error above the noise floor; {ratio:.1} times the \
+                 floor is left."
+            ),
+            (false, false) => {
+                format!("The 2 s simulation error is {ratio:.1} times the noise floor.")
+            }
+        }
+    }
+
+    fn rest(&self) -> String {
+        let depends = match self.depends_on {
+            Some(d) => format!("The residual torque depends on the {}. ", d.variable.words()),
+            None => String::new(),
+        };
+        let likely = match self.likely {
+            Some(ranked) => format!("Likely, not proven: {}. ", of(ranked)),
+            None => String::new(),
+        };
+        format!("{depends}{likely}{}", self.error())
+    }
+}
+
+/// Parameters of an effect that a sentence gives.
+const SIZES: usize = 2;
+
+/// The name of an effect of the catalogue within a sentence; the id of any other.
+fn title(id: &str) -> String {
+    let known = crate::effects::find(id).map(|effect| effect.description().title);
+    known.map_or_else(|| id.to_owned(), |title| format::in_text(&title))
+}
+
+/// "f_t = 0.0202 N m (95 %: 0.0198 to 0.0206)".
+fn size(e: &Estimate) -> String {
+    let (low, high) = e.interval;
+    // to the first digit of the standard error
+    let decimals = (-e.std_error.log10().floor()).clamp(0.0, 9.0) as usize;
+    let fixed = |v: f64| format::fixed(v, decimals);
+    let unit = format::unit(&e.unit);
+    let unit = if unit.is_empty() || unit == "1" { String::new() } else { format!(" {unit}") };
+    format!("{} = {}{unit} (95 %: {} to {})", e.symbol, fixed(e.value), fixed(low), fixed(high))
+}
+
+fn of(ranked: &Ranked) -> String {
+    let fall = ranked.fall.map_or(0.0, |fall| 100.0 * (1.0 - fall.ratio));
+    let id = &ranked.candidate.id;
+    format!("{} ({id}), which lowers the held-out error by {fall:.0} %", title(id))
+}

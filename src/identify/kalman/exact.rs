@@ -1,0 +1,168 @@
+//! The step of the simulation inside the filter: stops, reversals and releases where they happen.
+
+use nalgebra::{Matrix2, SMatrix, SVector};
+
+use super::dynamics::Dynamics;
+use super::step::{Covariance, Mean, Predicted, Sample, make_symmetric};
+use crate::effects::{DIRECTIONS, Motion};
+use crate::model::{Linearisation, Model, ModelError, solve_mass};
+use crate::robot::State;
+use crate::simulate::{Ends, Walk};
+
+/// The rigid robot, moved as the simulation moves it: Runge-Kutta 4 with the input in a straight
+/// line between its ends, contact events located inside the row, exact derivatives through them.
+///
+/// Derivatives by inertias are those along the smoothed input. With the recorded one they would
+/// share its noise with the innovations, and inertias would come out too large (errors in
+/// variables) where friction is most of the input; as instruments they need not be exact.
+///
+/// States (alpha1, alpha2, omega1, omega2). What the input does not explain enters as torque noise:
+///
+/// ```text
+/// Q = diag(s_M² + max(0, ΔM² - 6 s_M²)/12) + Σ_j d_j d_j' crossing_j,   P <- F P F' + G Q G'
+/// ```
+pub(super) struct Exact<'a> {
+    model: &'a Model,
+    p: &'a [f64],
+    /// Standard deviation of the noise of the input [N m].
+    sigma: f64,
+    walk: Walk<'a>,
+    acting: Vec<(usize, Ends)>,
+    /// Wheels at rest after the step.
+    rest: [bool; 2],
+    /// `∂(mass matrix)/∂θ` of the parameters that have one, at rest: enough for an instrument.
+    slopes: Vec<(usize, Matrix2<f64>)>,
+}
+
+impl<'a> Exact<'a> {
+    pub(super) fn new(model: &'a Model, p: &'a [f64], sigma: f64) -> Self {
+        let walk = Walk::new(model, p);
+        let slopes = mass_slopes(model, p);
+        Self { model, p, sigma, walk, acting: vec![], rest: [false; 2], slopes }
+    }
+
+    /// What torque on the wheels does to the state over a step in which they move freely.
+    fn gain(&self, sample: &Sample, mean: &Mean<4>) -> Result<SMatrix<f64, 4, 2>, ModelError> {
+        let x = Motion {
+            t: sample.t,
+            alpha: [mean[0], mean[1]],
+            omega: [mean[2], mean[3]],
+            variance: [0.0; 4],
+            robot: self.model.robot(),
+        };
+        let mass = self.model.terms(&x, self.p).mass;
+        let [a, b] = [solve_mass(&mass, &[1.0, 0.0])?, solve_mass(&mass, &[0.0, 1.0])?];
+        let mobility = Matrix2::new(a[0], b[0], a[1], b[1]);
+        let h = sample.step;
+        let mut gain = SMatrix::<f64, 4, 2>::zeros();
+        gain.fixed_view_mut::<2, 2>(0, 0).copy_from(&(mobility * (0.5 * h * h)));
+        gain.fixed_view_mut::<2, 2>(2, 0).copy_from(&(mobility * h));
+        Ok(gain)
+    }
+}
+
+impl Dynamics<4> for Exact<'_> {
+    fn start(&mut self, _: &[f64; 2], _: &mut Mean<4>, _: &mut Covariance<4>) {}
+
+    fn predict(
+        &mut self,
+        sample: &Sample,
+        mean: &mut Mean<4>,
+        covariance: &mut Covariance<4>,
+        _: bool,
+    ) -> Result<Predicted<4>, ModelError> {
+        let gain = self.gain(sample, mean)?;
+        let before = State { alpha: [mean[0], mean[1]], omega: [mean[2], mean[3]] };
+        self.acting.clear();
+        let ends = sample.ends_by_parameter.iter().enumerate();
+        self.acting.extend(ends.filter_map(|(j, ends)| ends.map(|ends| (j, ends))));
+        let time = (sample.t, sample.t + sample.step);
+        let after = self.walk.step(&before, time, &sample.ends, &self.acting);
+        // a motion that diverges is far away: its likelihood is no number
+        let after = after.unwrap_or(State { alpha: [f64::NAN; 2], omega: [f64::NAN; 2] });
+        self.rest = after.omega.map(|w| w == 0.0);
+        let mut transition = Covariance::<4>::from_fn(|i, k| self.walk.by_state(i, k));
+        for i in (0..2).filter(|&i| self.rest[i]) {
+            // a wheel at rest has forgotten its speed
+            transition.row_mut(2 + i).fill(0.0);
+        }
+        *mean = Mean::<4>::new(after.alpha[0], after.alpha[1], after.omega[0], after.omega[1]);
+        let mut torque = Matrix2::zeros();
+        let white = self.sigma * self.sigma;
+        for i in 0..2 {
+            torque[(i, i)] = white + (sample.change[i].powi(2) - 6.0 * white).max(0.0) / 12.0;
+        }
+        for (j, d) in DIRECTIONS.iter().enumerate().filter(|(j, _)| sample.crossing[*j] > 0.0) {
+            for i in 0..2 {
+                (0..2).for_each(|k| torque[(i, k)] += d[i] * d[k] * sample.crossing[j]);
+            }
+        }
+        *covariance =
+            transition * *covariance * transition.transpose() + gain * torque * gain.transpose();
+        make_symmetric(covariance);
+        let acceleration = [0, 1].map(|i| (after.omega[i] - before.omega[i]) / sample.step);
+        Ok(Predicted {
+            gain,
+            transition,
+            acceleration,
+            sign: [0.0; 4],
+            alpha: before.alpha,
+            omega: before.omega,
+            variance: [0.0; 4],
+            spread: [0.0; 2],
+        })
+    }
+
+    fn carry(
+        &self,
+        predicted: &Predicted<4>,
+        sample: &Sample,
+        extra: &[[f64; 2]],
+        psi: &mut [[f64; 4]],
+    ) {
+        let (f, g) = (&predicted.transition, &predicted.gain);
+        for (j, column) in psi.iter_mut().enumerate() {
+            let old = *column;
+            for (i, value) in column.iter_mut().enumerate() {
+                let moved: f64 = (0..4).map(|k| f[(i, k)] * old[k]).sum();
+                *value = moved
+                    + match extra.get(j.wrapping_sub(self.p.len())) {
+                        None => self.walk.by_parameter(i, j),
+                        Some(torque) => g[(i, 0)] * torque[0] + g[(i, 1)] * torque[1],
+                    };
+            }
+        }
+        // what the smoothed input accelerates differently, inertias resist: A⁻¹ is G's over h
+        let smoother = SVector::<f64, 2>::from(sample.smoother);
+        let acceleration = g.fixed_view::<2, 2>(2, 0) * smoother / sample.step;
+        for (j, slope) in &self.slopes {
+            let torque = g * (slope * acceleration);
+            (0..4).for_each(|i| psi[*j][i] -= torque[i]);
+        }
+        for column in psi.iter_mut() {
+            for i in (0..2).filter(|&i| self.rest[i]) {
+                column[2 + i] = 0.0;
+            }
+        }
+    }
+
+    fn mass_slopes(&mut self, _: &Predicted<4>) -> Vec<(usize, Matrix2<f64>)> {
+        vec![]
+    }
+}
+
+fn mass_slopes(model: &Model, p: &[f64]) -> Vec<(usize, Matrix2<f64>)> {
+    let mut work = Linearisation::new(p.len());
+    let (still, robot) = ([0.0; 2], model.robot());
+    let x = Motion { t: 0.0, alpha: still, omega: still, variance: [0.0; 4], robot };
+    let mut by = |a: [f64; 2]| {
+        model.linearise(&x, p, &a, &[0.0; 4], &mut work);
+        work.by_parameter.clone()
+    };
+    let (none, first, second) = (by([0.0; 2]), by([1.0, 0.0]), by([0.0, 1.0]));
+    let slope = |j: usize| {
+        let part = |d: &[[f64; 2]], i: usize| d[j][i] - none[j][i];
+        Matrix2::new(part(&first, 0), part(&second, 0), part(&first, 1), part(&second, 1))
+    };
+    (0..p.len()).map(|j| (j, slope(j))).filter(|(_, d)| d.amax() > 0.0).collect()
+}

@@ -1,0 +1,366 @@
+//! The filter with a memory of a given length: from one-step prediction (no memory beyond the noise
+//! of the channels) towards free simulation.
+
+mod between_rows;
+mod drive;
+
+use std::ops::Range;
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use self::between_rows::{crossing, whole_noise};
+use self::drive::Drive;
+use super::ProcessNoise;
+use super::accumulate::Information;
+use super::coupled::Coupled;
+use super::dynamics::Dynamics;
+use super::exact::Exact;
+use super::prepare::Prepared;
+use super::step::{Covariance, Mean, Sample, correct, lag_of_angle};
+use crate::model::{Model, ModelError};
+use crate::recording::{LocalMotion, Recording};
+use crate::simulate::{Ends, Hold};
+
+/// Length of a piece, which the filter starts anew [s]: long against any horizon, short enough
+/// for several of them in every recording.
+const PIECE: f64 = 5.0;
+/// Length of the blocks whose scores are kept apart [s], and how many there should be: long
+/// against the memory of the filter, so that scores of different blocks are independent.
+const BLOCK: (f64, f64) = (2.0, 5.0);
+const BLOCKS: f64 = 20.0;
+/// Variance of an angle that defines the other one, of a computed channel.
+const EXACT: f64 = 1e-12;
+
+/// A stretch of rows over which the filter runs on its own.
+pub(crate) struct Piece {
+    /// Number of the recording.
+    pub(crate) recording: usize,
+    /// Its rows.
+    pub(crate) rows: Range<usize>,
+    start: LocalMotion,
+    blocks: usize,
+}
+
+/// The filter over recordings with noise as the channels show it.
+///
+/// ```text
+/// R_angle = s_a² + q T⁴/(4 D),   R_speed = s_w² + q T²/D,   q = s_M² D / a1²
+/// ```
+/// D is the interval between new measured values, T the horizon: the time over which noise of the
+/// input moves the robot as far as the measurement is then trusted. T = 0 is maximum likelihood.
+/// Nothing of the noise is estimated, so that it cannot absorb what the model lacks.
+///
+/// What the input does between its rows is noise of each row. With `alike` and a horizon it is the same
+/// in all rows, the mean of it in s_M: where the model is known to be wrong, rows in which the input
+/// moves, starts and reversals, are not to count for less.
+pub(crate) struct HorizonFilter<'a> {
+    pub(crate) prepared: &'a [Prepared<'a>],
+    /// The input between rows.
+    pub(crate) hold: Hold,
+    pub(crate) pieces: Vec<Piece>,
+    /// Variance of friction that may reverse within the row, of every row [N^2 m^2].
+    crossing: Vec<Vec<[f64; 4]>>,
+    /// Inertia of a wheel for which the horizon is converted to noise.
+    inertia: f64,
+    /// Standard deviation of the input with what it does between rows, of every recording [N m].
+    whole_noise: Vec<f64>,
+    /// Whether noise of the input is taken to be the same in all rows, where there is a horizon.
+    pub(crate) alike: bool,
+}
+
+/// How a pass reads the recorded input.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Reading {
+    /// As recorded; derivatives by inertias along the smoothed input.
+    Whole,
+    /// Every second row from its neighbours, to see what the sampling of the input does.
+    HalfRate,
+    /// As recorded, derivatives too, to see what its noise does.
+    Noisy,
+}
+
+/// What a pass over a piece sums up.
+#[derive(Clone)]
+pub(crate) struct Sums {
+    /// Measured values.
+    pub(crate) count: f64,
+    /// `Σ e²/S`.
+    pub(crate) square: f64,
+    /// `Σ ln S`.
+    pub(crate) log_variance: f64,
+    /// `Σ ψ ψ'/S`, of the parameters and of the time shift behind them.
+    pub(crate) information: DMatrix<f64>,
+    /// `Σ ψ e/S`.
+    pub(crate) score: DVector<f64>,
+    /// The same block by block.
+    pub(crate) blocks: Vec<DVector<f64>>,
+}
+
+impl<'a> HorizonFilter<'a> {
+    /// `p`: parameters near those sought, for the size of friction and inertia.
+    pub(crate) fn new(
+        prepared: &'a [Prepared<'a>],
+        hold: Hold,
+        model: &Model,
+        p: &[f64],
+        motions: &[Vec<LocalMotion>],
+    ) -> Self {
+        let total: f64 = prepared.iter().map(|p| p.recording.duration()).sum();
+        let length = (total / BLOCKS).clamp(BLOCK.0, BLOCK.1);
+        let piece = |(recording, rows): (usize, Range<usize>)| {
+            let t = prepared[recording].recording.t();
+            let seconds = t[rows.end - 1] - t[rows.start];
+            let blocks = (seconds / length).round().max(1.0) as usize;
+            Piece { recording, start: motions[recording][rows.start], blocks, rows }
+        };
+        let recordings: Vec<&Recording> = prepared.iter().map(|p| p.recording).collect();
+        let pieces = pieces(&recordings).into_iter().map(piece).collect();
+        let crossing =
+            prepared.iter().zip(motions).map(|(r, motion)| crossing(r, model, p, motion)).collect();
+        // both inputs of a single axis move it together
+        let single = recordings.iter().all(|r| r.is_single_axis());
+        let inertia = if single { p[0] + p[1] } else { p[0] };
+        let whole_noise = prepared.iter().map(whole_noise).collect();
+        Self { prepared, hold, pieces, crossing, inertia, whole_noise, alike: false }
+    }
+
+    /// Whether noise of the input is seen, without which every horizon is the same.
+    pub(crate) fn has_memory(&self) -> bool {
+        self.prepared.iter().any(|p| p.moment_noise > 0.0)
+    }
+
+    /// Variances of (alpha1, alpha2, omega1, omega2) at a horizon [s].
+    fn variance(&self, r: usize, horizon: f64) -> [f64; 4] {
+        let (prepared, recording) = (&self.prepared[r], self.prepared[r].recording);
+        let fresh = recording.fresh().iter().filter(|fresh| **fresh).count().max(1);
+        let refresh = recording.step() * recording.len() as f64 / fresh as f64;
+        let noise = if self.alike { self.whole_noise[r] } else { prepared.moment_noise };
+        let q = (noise / self.inertia).powi(2) * refresh;
+        let more = [q * horizon.powi(4) / (4.0 * refresh), q * horizon.powi(2) / refresh];
+        std::array::from_fn(|i| prepared.variance[i] + more[i / 2])
+    }
+
+    /// One pass over every piece, side by side: parameters `p`, input `shift` rows early.
+    ///
+    /// # Errors
+    /// If the mass matrix is not positive definite.
+    pub(crate) fn pass(
+        &self,
+        model: &Model,
+        p: &[f64],
+        shift: f64,
+        horizon: f64,
+        reading: Reading,
+    ) -> Result<Vec<Sums>, ModelError> {
+        let drive = |r| Drive::new(model, p, r, self.hold, shift, reading);
+        let drives: Vec<Drive> = self.prepared.iter().map(drive).collect();
+        let variances: Vec<[f64; 4]> =
+            (0..self.prepared.len()).map(|r| self.variance(r, horizon)).collect();
+        let singles: Vec<bool> =
+            self.prepared.iter().map(|p| p.recording.is_single_axis()).collect();
+        self.pieces
+            .par_iter()
+            .map(|piece| {
+                let r = piece.recording;
+                let run = Run {
+                    piece,
+                    prepared: &self.prepared[r],
+                    drive: &drives[r],
+                    variance: variances[r],
+                    crossing: &self.crossing[r],
+                    columns: p.len() + 1,
+                    single: singles[r],
+                    alike: self.alike && horizon > 0.0,
+                };
+                let sigma_m =
+                    if run.alike { self.whole_noise[r] } else { self.prepared[r].moment_noise };
+                if model.is_coupled() {
+                    let noise = ProcessNoise { sigma_m, sigma_d: 0.0, tau_d: 1.0, later: 0.5 };
+                    run.pass(Coupled::new(model, p, noise))
+                } else {
+                    run.pass(Exact::new(model, p, sigma_m))
+                }
+            })
+            .collect()
+    }
+}
+
+/// Pieces of about 5 s, in equal parts of what lies between gaps: recording and rows.
+pub(crate) fn pieces(recordings: &[&Recording]) -> Vec<(usize, Range<usize>)> {
+    let mut out = vec![];
+    for (r, recording) in recordings.iter().enumerate() {
+        for whole in recording.pieces().iter().filter(|piece| piece.len() > 4) {
+            let t = recording.t();
+            let seconds = t[whole.end - 1] - t[whole.start];
+            let parts = ((seconds / PIECE).round() as usize).clamp(1, whole.len() / 4);
+            let edge = |k: usize| whole.start + k * whole.len() / parts;
+            out.extend((0..parts).map(|k| (r, edge(k)..edge(k + 1))));
+        }
+    }
+    out
+}
+
+struct Run<'a> {
+    piece: &'a Piece,
+    prepared: &'a Prepared<'a>,
+    drive: &'a Drive,
+    variance: [f64; 4],
+    crossing: &'a [[f64; 4]],
+    columns: usize,
+    /// Whether both wheels carry the same numbers.
+    single: bool,
+    /// Whether noise of the input is the same in all rows.
+    alike: bool,
+}
+
+/// What goes along a pass.
+struct Gathered<const N: usize> {
+    psi: Vec<[f64; N]>,
+    row: Vec<f64>,
+    information: Information,
+    block: DVector<f64>,
+    out: Sums,
+}
+
+impl Run<'_> {
+    fn pass<D: Dynamics<N>, const N: usize>(&self, mut dynamics: D) -> Result<Sums, ModelError> {
+        let recording = self.prepared.recording;
+        let (t, rows, columns) = (recording.t(), &self.piece.rows, self.columns);
+        let (mut mean, mut covariance) = self.start::<N>();
+        dynamics.start(&self.drive.acting[rows.start], &mut mean, &mut covariance);
+        let mut gathered = Gathered {
+            psi: vec![[0.0; N]; columns],
+            row: vec![0.0; columns],
+            information: Information::new(columns),
+            block: DVector::zeros(columns),
+            out: Sums {
+                count: 0.0,
+                square: 0.0,
+                log_variance: 0.0,
+                information: DMatrix::zeros(0, 0),
+                score: DVector::zeros(0),
+                blocks: vec![],
+            },
+        };
+        let seconds = (t[rows.end - 1] - t[rows.start]) / self.piece.blocks as f64;
+        let mut by_parameter = vec![[0.0; 2]; columns - 1];
+        let mut by_ends = vec![None; columns - 1];
+        for k in rows.start + 1..rows.end {
+            let sample = self.sample(k, &mut by_parameter, &mut by_ends);
+            let predicted = dynamics.predict(&sample, &mut mean, &mut covariance, true)?;
+            let extra = [self.drive.by_shift(k)];
+            dynamics.carry(&predicted, &sample, &extra, &mut gathered.psi);
+            if recording.fresh()[k] {
+                self.measure(k, &mut mean, &mut covariance, &mut gathered);
+            }
+            if t[k] - t[rows.start] >= seconds * (gathered.out.blocks.len() + 1) as f64 {
+                gathered.close();
+            }
+        }
+        gathered.close();
+        let mut out = gathered.out;
+        (out.information, out.score) = gathered.information.finish();
+        Ok(out)
+    }
+
+    /// The motion around the first row, as uncertain as one measurement.
+    fn start<const N: usize>(&self) -> (Mean<N>, Covariance<N>) {
+        let (motion, k) = (&self.piece.start, self.piece.rows.start);
+        let (mut mean, mut covariance) = (Mean::<N>::zeros(), Covariance::<N>::zeros());
+        for i in 0..2 {
+            mean[i] = motion.alpha[i];
+            mean[2 + i] = if self.prepared.still[k][i] { 0.0 } else { motion.omega[i] };
+            // a computed speed is trusted no more than a measured one at this horizon
+            let memory = |c: usize| self.variance[c] - self.prepared.variance[c];
+            let or = |c: usize, computed: f64| {
+                if self.prepared.used[c] { self.variance[c] } else { computed + memory(c) }
+            };
+            covariance[(i, i)] = or(i, EXACT);
+            covariance[(2 + i, 2 + i)] = or(2 + i, motion.omega_variance[i].max(EXACT));
+        }
+        (mean, covariance)
+    }
+
+    fn sample<'s>(
+        &self,
+        k: usize,
+        by_parameter: &'s mut [[f64; 2]],
+        by_ends: &'s mut [Option<Ends>],
+    ) -> Sample<'s> {
+        let recording = self.prepared.recording;
+        let (t, raw) = (recording.t(), recording.moment());
+        let ends = self.drive.ends(&self.drive.acting, k);
+        let middle = |e: &Ends| [0, 1].map(|i| 0.5 * (e[0][i] + e[1][i]));
+        let (drive, smooth) = (middle(&ends), middle(&self.drive.ends(&self.drive.smooth, k)));
+        if self.drive.acts {
+            for (j, d) in self.drive.by_parameter.iter().enumerate().filter(|(_, d)| !d.is_empty())
+            {
+                let ends = self.drive.ends(d, k);
+                by_parameter[j] = middle(&ends);
+                by_ends[j] = Some(ends);
+            }
+        }
+        Sample {
+            t: t[k - 1] - t[0],
+            step: t[k] - t[k - 1],
+            drive,
+            tilt: lag_of_angle(0.5, &ends[0], &ends[1]),
+            ends,
+            change: if self.alike { [0.0; 2] } else { [0, 1].map(|i| raw[k][i] - raw[k - 1][i]) },
+            smoother: [0, 1].map(|i| smooth[i] - drive[i]),
+            crossing: if self.alike { [0.0; 4] } else { self.crossing[k] },
+            by_parameter: if self.drive.acts { by_parameter } else { &[] },
+            ends_by_parameter: if self.drive.acts { by_ends } else { &[] },
+            doubt: self.prepared.doubt,
+            still: [0, 1].map(|i| self.prepared.still[k - 1][i] && self.prepared.still[k][i]),
+        }
+    }
+
+    fn measure<const N: usize>(
+        &self,
+        k: usize,
+        mean: &mut Mean<N>,
+        covariance: &mut Covariance<N>,
+        gathered: &mut Gathered<N>,
+    ) {
+        let recording = self.prepared.recording;
+        let (a, w) = (recording.alpha()[k], recording.omega()[k]);
+        let single = self.single;
+        for (i, value) in [a[0], a[1], w[0], w[1]].into_iter().enumerate() {
+            if !self.prepared.used[i] || (single && i % 2 == 1) {
+                continue;
+            }
+            // one axis written down twice is measured once, by the mean of the wheels
+            let sight = if single { [(i, 0.5), (i + 1, 0.5)] } else { [(i, 1.0), (i, 0.0)] };
+            let (psi, row) = (&mut gathered.psi, &mut gathered.row);
+            let (e, s) = correct(sight, value, self.variance[i], mean, covariance, psi, row);
+            gathered.count(e, s);
+            if single {
+                // their difference, always zero, holds them together and says nothing
+                let apart = [(i, 1.0), (i + 1, -1.0)];
+                let (psi, row) = (&mut gathered.psi, &mut gathered.row);
+                correct(apart, 0.0, self.variance[i], mean, covariance, psi, row);
+            }
+        }
+    }
+}
+
+impl<const N: usize> Gathered<N> {
+    fn count(&mut self, e: f64, s: f64) {
+        self.out.count += 1.0;
+        self.out.square += e * e / s;
+        self.out.log_variance += s.ln();
+        self.information.add(&self.row, e, s);
+        for (sum, psi) in self.block.iter_mut().zip(&self.row) {
+            *sum += psi * e / s;
+        }
+    }
+
+    fn close(&mut self) {
+        if self.block.iter().any(|v| *v != 0.0) {
+            let empty = DVector::zeros(self.block.len());
+            self.out.blocks.push(std::mem::replace(&mut self.block, empty));
+        }
+    }
+}

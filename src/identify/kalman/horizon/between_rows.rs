@@ -1,0 +1,66 @@
+//! What the log does not say of the input between its rows, as noise.
+
+use crate::effects::{Motion, along};
+use crate::identify::kalman::prepare::Prepared;
+use crate::model::Model;
+use crate::recording::LocalMotion;
+
+/// Friction that may reverse within a row, where the log does not say when: the smoothed speed
+/// along it changes sign, or is smaller than its change; and one row to either side.
+pub(super) fn crossing(
+    prepared: &Prepared,
+    model: &Model,
+    p: &[f64],
+    motion: &[LocalMotion],
+) -> Vec<[f64; 4]> {
+    let recording = prepared.recording;
+    let mut out = vec![[0.0; 4]; recording.len()];
+    for piece in recording.pieces() {
+        for k in piece.start + 1..piece.end {
+            let (before, after) = (&motion[k - 1].omega, &motion[k].omega);
+            let x = Motion {
+                t: recording.t()[k] - recording.t()[0],
+                alpha: motion[k].alpha,
+                omega: *after,
+                variance: [0.0; 4],
+                robot: model.robot(),
+            };
+            let near = |j: usize| {
+                let (v, w) = (along(j, before), along(j, after));
+                v * w <= 0.0 || v.abs().min(w.abs()) < (w - v).abs()
+            };
+            if !(0..4).any(near) {
+                continue;
+            }
+            let level = model.terms(&x, p).level;
+            for j in (0..4).filter(|&j| near(j)) {
+                for row in k.saturating_sub(1).max(piece.start + 1)..(k + 2).min(piece.end) {
+                    out[row][j] = level[j].max(0.0).powi(2);
+                }
+            }
+        }
+    }
+    out
+}
+
+/// Standard deviation of the input over a row, what it does between rows included [N m]: a straight line
+/// that is in truth a step at some time in the row.
+///
+/// ```text
+/// s² = s_M² + mean max(0, ΔM² - 6 s_M²)/12
+/// ```
+pub(super) fn whole_noise(prepared: &Prepared) -> f64 {
+    let white = prepared.moment_noise.powi(2);
+    let moment = prepared.recording.moment();
+    let (mut sum, mut count) = (0.0, 0.0);
+    for piece in prepared.recording.pieces() {
+        for k in piece.start + 1..piece.end {
+            for i in 0..2 {
+                let change = (moment[k][i] - moment[k - 1][i]).powi(2);
+                sum += (change - 6.0 * white).max(0.0) / 12.0;
+                count += 1.0;
+            }
+        }
+    }
+    (white + sum / f64::max(count, 1.0)).sqrt()
+}

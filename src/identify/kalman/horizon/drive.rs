@@ -1,0 +1,87 @@
+//! The recorded input as a pass reads it.
+
+use super::Reading;
+use crate::identify::kalman::prepare::Prepared;
+use crate::model::Model;
+use crate::recording::Recording;
+use crate::simulate::{Ends, Hold};
+
+/// Half width of the average of the input in derivatives [s], and its fewest rows: what a wheel's
+/// speed controller does takes longer.
+const SMOOTH: f64 = 0.06;
+const FEWEST: usize = 3;
+
+/// The acting input of a recording, row by row.
+pub(super) struct Drive {
+    pub(super) acting: Vec<[f64; 2]>,
+    /// The same without most of its noise.
+    pub(super) smooth: Vec<[f64; 2]>,
+    pub(super) by_parameter: Vec<Vec<[f64; 2]>>,
+    pub(super) acts: bool,
+    hold: Hold,
+    shift: f64,
+}
+
+impl Drive {
+    pub(super) fn new(
+        model: &Model,
+        p: &[f64],
+        prepared: &Prepared,
+        hold: Hold,
+        shift: f64,
+        reading: Reading,
+    ) -> Self {
+        let r = prepared.recording;
+        let (whole, by_parameter) = model.drive_derivatives(r.t(), r.moment(), p);
+        let acts = by_parameter.iter().any(|d| !d.is_empty());
+        let smooth = if reading == Reading::Noisy { whole.clone() } else { smoothed(&whole, r) };
+        let acting = if reading == Reading::HalfRate { at_half_rate(&whole, r) } else { whole };
+        Self { acting, smooth, by_parameter, acts, hold, shift }
+    }
+
+    /// A signal at both ends of the row that ends with sample `k`, moved along its own line.
+    pub(super) fn ends(&self, signal: &[[f64; 2]], k: usize) -> Ends {
+        let (from, to) = (signal[k - 1], signal[k]);
+        match self.hold {
+            Hold::Constant => [from, from],
+            Hold::Linear => {
+                let moved = |x: [f64; 2]| [0, 1].map(|i| x[i] + self.shift * (to[i] - from[i]));
+                [moved(from), moved(to)]
+            }
+        }
+    }
+
+    /// Derivative of the input over the row by the shift.
+    pub(super) fn by_shift(&self, k: usize) -> [f64; 2] {
+        match self.hold {
+            Hold::Constant => [0.0; 2],
+            Hold::Linear => [0, 1].map(|i| self.smooth[k][i] - self.smooth[k - 1][i]),
+        }
+    }
+}
+
+/// A signal averaged over [`SMOOTH`] to either side, as far as its piece reaches.
+fn smoothed(signal: &[[f64; 2]], recording: &Recording) -> Vec<[f64; 2]> {
+    let half = ((SMOOTH / recording.step()).round() as usize).max(FEWEST);
+    let mut out = signal.to_vec();
+    for piece in recording.pieces() {
+        for k in piece.clone() {
+            // the same reach on both sides, or the average would be early or late
+            let reach = half.min(k - piece.start).min(piece.end - 1 - k);
+            let around = &signal[k - reach..k + reach + 1];
+            out[k] = [0, 1].map(|i| around.iter().map(|m| m[i]).sum::<f64>() / around.len() as f64);
+        }
+    }
+    out
+}
+
+/// A signal with every second row halfway between its neighbours.
+fn at_half_rate(signal: &[[f64; 2]], recording: &Recording) -> Vec<[f64; 2]> {
+    let mut out = signal.to_vec();
+    for piece in recording.pieces() {
+        for k in (piece.start + 1..piece.end.saturating_sub(1)).step_by(2) {
+            out[k] = [0, 1].map(|i| 0.5 * (signal[k - 1][i] + signal[k + 1][i]));
+        }
+    }
+    out
+}

@@ -1,0 +1,112 @@
+//! Which horizon: the one whose fit simulates best what it has not seen.
+
+use nalgebra::DVector;
+
+use super::descent::{Solution, chosen, descend, part, step};
+use super::open_loop::OpenLoop;
+use crate::identify::kalman::HorizonFilter;
+use crate::model::Model;
+
+/// Horizons that are compared [s]: from maximum likelihood to the length at which a missing effect
+/// begins to be amplified, at equal ratios.
+pub(super) const HORIZONS: [f64; 6] = [0.0, 0.05, 0.1, 0.2, 0.35, 0.7];
+/// The first of them where noise of the input biases those before [s]: over it the motion that
+/// the input makes outgrows what its noise does, as T against the root of T.
+pub(super) const SAFE: f64 = 0.2;
+/// Paired standard errors by which another one must be better than the first: one, the usual
+/// rule of cross-validation (Breiman et al. 1984, section 3.4.3).
+const STANDARD_ERRORS: f64 = 1.0;
+
+/// A solution with its errors on held-out pieces.
+pub(super) struct Candidate {
+    pub(super) solution: Solution,
+    /// Mean square 2 s error of each piece, by parameters from all others.
+    pub(super) held_out: Vec<f64>,
+}
+
+impl Candidate {
+    pub(super) fn new(model: &Model, solution: Solution, open: &OpenLoop) -> Self {
+        let held_out = open.errors(model, &left_out(model, &solution));
+        Self { solution, held_out }
+    }
+}
+
+/// Parameters without each piece in turn, by one step from those of all.
+///
+/// ```text
+/// θ_b = θ - (H - H_b)⁻¹ g_b
+/// ```
+fn left_out(model: &Model, solution: &Solution) -> Vec<Vec<f64>> {
+    let all = solution.information();
+    (0..solution.sums.len())
+        .map(|b| {
+            let sums = &solution.sums[b];
+            let others = &all - chosen(&sums.information, &solution.columns);
+            let back: DVector<f64> = -part(&sums.score, &solution.columns);
+            solution.moved(model, &step(&others, &back, 0.0)).0
+        })
+        .collect()
+}
+
+/// Mean of some errors.
+pub(super) fn mean(errors: &[f64]) -> f64 {
+    errors.iter().sum::<f64>() / errors.len().max(1) as f64
+}
+
+/// Whether errors are smaller than others by more than a paired standard error; anything finite is
+/// smaller than what is not.
+pub(super) fn clearly_smaller(errors: &[f64], than: &[f64]) -> bool {
+    if !mean(than).is_finite() {
+        return mean(errors).is_finite();
+    }
+    let gains: Vec<f64> = than.iter().zip(errors).map(|(a, b)| a - b).collect();
+    let n = gains.len() as f64;
+    let gain = mean(&gains);
+    let square: f64 = gains.iter().map(|g| (g - gain).powi(2)).sum();
+    let error = (square / (n * (n - 1.0).max(1.0))).sqrt();
+    // a single piece says nothing of the error
+    gain > STANDARD_ERRORS * error && n > 1.0
+}
+
+/// Fits at every horizon from a start, and takes the one of the smallest held-out error if it is
+/// clearly smaller than that of the first. `None` where no fit is finite.
+pub(super) fn choose(
+    filter: &HorizonFilter,
+    model: &Model,
+    start: (&[f64], f64),
+    horizons: &[f64],
+    open: &OpenLoop,
+) -> Option<Candidate> {
+    let (mut found, mut evaluations) = (Vec::<Candidate>::new(), 0);
+    for &horizon in horizons {
+        let begin = found
+            .last()
+            .map_or((start.0.to_vec(), start.1), |c| (c.solution.p.clone(), c.solution.shift));
+        let Some(solution) = descend(filter, model, (&begin.0, begin.1), horizon) else { continue };
+        evaluations += solution.evaluations;
+        found.push(Candidate::new(model, solution, open));
+    }
+    let by_error =
+        |a: &usize, b: &usize| mean(&found[*a].held_out).total_cmp(&mean(&found[*b].held_out));
+    let best = (0..found.len()).min_by(by_error)?;
+    let better = best > 0 && clearly_smaller(&found[best].held_out, &found[0].held_out);
+    let mut out = found.swap_remove(if better { best } else { 0 });
+    out.solution.evaluations = evaluations;
+    Some(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gain_counts_beyond_one_paired_standard_error() {
+        // gains 1, 1, 1, 5: mean 2, standard error sqrt(12/(4·3)) = 1
+        let than = [5.0, 6.0, 7.0, 8.0];
+        assert!(clearly_smaller(&[4.0, 5.0, 6.0, 3.0], &than));
+        // gains 0, 0, 0, 4: mean 1, standard error 1
+        assert!(!clearly_smaller(&[5.0, 6.0, 7.0, 4.0], &than));
+        assert!(clearly_smaller(&[9.0; 4], &[1.0, f64::INFINITY, 1.0, 1.0]));
+        assert!(!clearly_smaller(&[f64::INFINITY; 4], &[f64::INFINITY; 4]));
+    }
+}

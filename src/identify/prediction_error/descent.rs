@@ -1,0 +1,221 @@
+//! Gauss-Newton on the filter with a horizon.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::effects::ParameterKind;
+use crate::identify::Status;
+use crate::identify::kalman::{HorizonFilter, Reading, Sums};
+use crate::model::Model;
+use crate::simulate::Hold;
+
+/// Steps, at most.
+const STEPS: usize = 30;
+/// Decrease that no longer matters [nats]: a step of 0.03 standard errors.
+const NEGLIGIBLE: f64 = 5e-4;
+/// A step that promises less [nats], within a standard error of the solution, is taken unseen: the
+/// score leaves out how the gain depends on the parameters, so the cost need not fall there.
+const NEAR: f64 = 0.5;
+/// Damping after the first failure, and its factor.
+const DAMPING: (f64, f64) = (1e-2, 10.0);
+/// Share of the information, scaled to unit diagonal, below which a direction is not moved.
+const WEAK: f64 = 1e-10;
+/// Most rows that the input is moved.
+const MOST_SHIFT: f64 = 0.5;
+
+/// Where a descent ended.
+#[derive(Clone)]
+pub(super) struct Solution {
+    /// Horizon [s].
+    pub(super) horizon: f64,
+    /// Parameters of the model.
+    pub(super) p: Vec<f64>,
+    /// Rows by which the input acts early.
+    pub(super) shift: f64,
+    /// Columns that were estimated; behind the parameters stands the shift.
+    pub(super) columns: Vec<usize>,
+    /// Of each piece.
+    pub(super) sums: Vec<Sums>,
+    pub(super) status: Status,
+    pub(super) iterations: usize,
+    pub(super) evaluations: usize,
+}
+
+/// A step of the estimated columns, and the decrease of the cost that it promises [nats].
+#[derive(Clone)]
+struct Towards {
+    step: DVector<f64>,
+    promise: f64,
+}
+
+impl Solution {
+    fn total(&self, of: impl Fn(&Sums) -> f64) -> f64 {
+        self.sums.iter().map(of).sum()
+    }
+
+    /// Mean square of the normalised innovations.
+    pub(super) fn scale(&self) -> f64 {
+        self.total(|s| s.square) / self.total(|s| s.count).max(1.0)
+    }
+
+    /// Half of `N ln(Σ e²/S / N) + Σ ln S` [nats].
+    pub(super) fn cost(&self) -> f64 {
+        0.5 * (self.total(|s| s.count) * self.scale().ln() + self.total(|s| s.log_variance))
+    }
+
+    /// Information over the estimated columns.
+    pub(super) fn information(&self) -> DMatrix<f64> {
+        let n = self.columns.len();
+        let mut out = DMatrix::zeros(n, n);
+        for sums in &self.sums {
+            out += chosen(&sums.information, &self.columns);
+        }
+        out
+    }
+
+    /// How far the solution would move if the input were read in another way; to first order.
+    pub(super) fn moved_by(
+        &self,
+        filter: &HorizonFilter,
+        model: &Model,
+        reading: Reading,
+    ) -> Option<DVector<f64>> {
+        let there = filter.pass(model, &self.p, self.shift, self.horizon, reading).ok()?;
+        let mut change = DVector::zeros(self.columns.len());
+        for (there, here) in there.iter().zip(&self.sums) {
+            change += part(&(&there.score - &here.score), &self.columns);
+        }
+        let moved = step(&self.information(), &change, 0.0);
+        moved.iter().all(|v| v.is_finite()).then_some(moved)
+    }
+
+    /// The step by the score, without the columns that it would move across a bound at which they stand.
+    fn towards(&self, model: &Model, damping: f64) -> Towards {
+        let score = (0..self.sums.len())
+            .fold(DVector::zeros(self.columns.len()), |sum, piece| sum + self.score_of(piece));
+        let information = self.information();
+        let mut open: Vec<usize> = (0..self.columns.len()).collect();
+        loop {
+            let (h, g) = (chosen(&information, &open), part(&score, &open));
+            let short = step(&h, &g, damping);
+            let mut whole = DVector::zeros(self.columns.len());
+            open.iter().zip(short.iter()).for_each(|(&i, v)| whole[i] = *v);
+            let (p, shift) = self.moved(model, &whole);
+            let stays = |i: usize| match self.columns[i] {
+                j if j == p.len() => shift == self.shift,
+                j => p[j] == self.p[j],
+            };
+            let count = open.len();
+            open.retain(|&i| whole[i] == 0.0 || !stays(i));
+            if open.len() == count {
+                let promise = 0.5 * whole.dot(&score) / self.scale();
+                return Towards { step: whole, promise };
+            }
+        }
+    }
+
+    /// Score of a piece over the estimated columns.
+    pub(super) fn score_of(&self, piece: usize) -> DVector<f64> {
+        part(&self.sums[piece].score, &self.columns)
+    }
+
+    /// Parameters after a step of the estimated columns; shapes stay in their ranges.
+    pub(super) fn moved(&self, model: &Model, step: &DVector<f64>) -> (Vec<f64>, f64) {
+        let (mut p, mut shift) = (self.p.clone(), self.shift);
+        for (step, &j) in step.iter().zip(&self.columns) {
+            let Some(parameter) = model.parameters().get(j) else {
+                shift = (shift + step).clamp(-MOST_SHIFT, MOST_SHIFT);
+                continue;
+            };
+            p[j] += step;
+            if parameter.spec.kind == ParameterKind::Shape {
+                p[j] = p[j].clamp(parameter.spec.range.0, parameter.spec.range.1);
+            }
+        }
+        (p, shift)
+    }
+}
+
+/// Rows and columns of a matrix.
+pub(super) fn chosen(matrix: &DMatrix<f64>, columns: &[usize]) -> DMatrix<f64> {
+    let n = columns.len();
+    DMatrix::from_fn(n, n, |i, k| matrix[(columns[i], columns[k])])
+}
+
+/// Entries of a vector.
+pub(super) fn part(vector: &DVector<f64>, columns: &[usize]) -> DVector<f64> {
+    DVector::from_fn(columns.len(), |i, _| vector[columns[i]])
+}
+
+/// `(H + damping diag H)⁻¹ g` with H scaled to unit diagonal; directions without information stay.
+pub(super) fn step(h: &DMatrix<f64>, g: &DVector<f64>, damping: f64) -> DVector<f64> {
+    if g.is_empty() {
+        return g.clone();
+    }
+    let scale = h.diagonal().map(|d| if d > 0.0 { d.sqrt() } else { 1.0 });
+    let scaled = DMatrix::from_fn(h.nrows(), h.ncols(), |i, k| h[(i, k)] / (scale[i] * scale[k]));
+    let right = g.component_div(&scale);
+    let eigen = scaled.symmetric_eigen();
+    let mut out = DVector::zeros(g.len());
+    for (value, v) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+        if *value > WEAK {
+            out += v * (v.dot(&right) / (value + damping));
+        }
+    }
+    out.component_div(&scale)
+}
+
+/// The solution of `Σ ψ e/S = 0` by damped Gauss-Newton steps; `None` where the start has no finite cost.
+///
+/// A step is kept if it lowers the cost with its scale profiled out. The score leaves out how the gain
+/// depends on the parameters, and where the innovations are far larger than their variance says that part
+/// turns the slope of the cost round: a step that halves what the score promises is kept too.
+pub(super) fn descend(
+    filter: &HorizonFilter,
+    model: &Model,
+    (p, shift): (&[f64], f64),
+    horizon: f64,
+) -> Option<Solution> {
+    let mut columns = model.free();
+    if filter.hold == Hold::Linear {
+        columns.push(p.len());
+    }
+    let at = |p: Vec<f64>, shift: f64| {
+        let sums = filter.pass(model, &p, shift, horizon, Reading::Whole).ok()?;
+        let (columns, status) = (columns.clone(), Status::Converged);
+        let out =
+            Solution { horizon, p, shift, columns, sums, status, iterations: 0, evaluations: 0 };
+        out.cost().is_finite().then_some(out)
+    };
+    let mut here = at(p.to_vec(), shift)?;
+    let (mut damping, mut iterations, mut evaluations) = (0.0, 0, 1);
+    let status = loop {
+        let whole = here.towards(model, 0.0);
+        if whole.promise < NEGLIGIBLE {
+            break Status::Converged;
+        }
+        if iterations == STEPS {
+            break Status::IterationLimit;
+        }
+        let next = if damping > 0.0 { here.towards(model, damping) } else { whole.clone() };
+        if next.promise < NEGLIGIBLE {
+            break Status::Stalled;
+        }
+        let (p, shift) = here.moved(model, &next.step);
+        let near = damping == 0.0 && next.promise < NEAR;
+        evaluations += 1;
+        let kept = |there: &Solution| {
+            let halved = || there.towards(model, 0.0).promise < 0.5 * whole.promise;
+            near || there.cost() < here.cost() || halved()
+        };
+        match at(p, shift).filter(kept) {
+            Some(there) => {
+                here = there;
+                iterations += 1;
+                damping = if damping > DAMPING.0 { damping / DAMPING.1 } else { 0.0 };
+            }
+            None => damping = (damping * DAMPING.1).max(DAMPING.0),
+        }
+    };
+    (here.status, here.iterations, here.evaluations) = (status, iterations, evaluations);
+    Some(here)
+}

@@ -1,0 +1,97 @@
+//! Parameters that the data do not identify stay where the model starts.
+
+use nalgebra::DMatrix;
+
+use super::descent::{Solution, descend};
+use crate::identify::Task;
+use crate::identify::identifiability::{largest_input, torque_of_each};
+use crate::identify::kalman::HorizonFilter;
+use crate::identify::start::covariance_of_free;
+use crate::model::Model;
+use crate::recording::Recording;
+
+/// A model with what the data do not identify held, and its maximum of the likelihood.
+pub(super) struct Held {
+    pub(super) model: Model,
+    pub(super) solution: Solution,
+    /// Places of the parameters that were held.
+    pub(super) places: Vec<usize>,
+}
+
+impl Held {
+    /// Holds, one after the other, parameters of which the data say less than nothing.
+    ///
+    /// ```text
+    /// se_j |torque by parameter j in a curve at the recorded speeds| > largest recorded input
+    /// ```
+    /// An error of one standard error in such a parameter makes a torque as large as all of the
+    /// input: whatever its estimate is, a simulation of another motion with it means nothing. Of
+    /// several the least known is held first, since the others may then be known.
+    ///
+    /// Of a single axis, written down as two equal wheels, only sums are known and nothing can be held
+    /// on one wheel alone: there `se_j` is the error if all others were known, and steps leave the
+    /// differences where they start.
+    pub(super) fn of(task: &Task, filter: &HorizonFilter, first: Solution) -> Self {
+        let mut out = Self { model: task.model.clone(), solution: first, places: vec![] };
+        let initial = task.model.initial();
+        while let Some(j) = out.least_known(task) {
+            let symbol = &task.model.parameters()[j].spec.symbol;
+            let Ok(model) = out.model.fix(symbol, initial[j]) else { break };
+            let mut p = out.solution.p.clone();
+            // the sum of the inertias is known where one of them is not
+            if j == 1 {
+                p[0] += p[1] - initial[1];
+            }
+            p[j] = initial[j];
+            crate::identify::start::sound(&model, &mut p);
+            out.places.push(j);
+            out.model = model;
+            match descend(filter, &out.model, (&p, out.solution.shift), 0.0) {
+                Some(solution) => out.solution = solution,
+                None => break,
+            }
+        }
+        out
+    }
+
+    fn least_known(&self, task: &Task) -> Option<usize> {
+        let total = self.solution.p.len();
+        let mut information = DMatrix::zeros(total, total);
+        for sums in &self.solution.sums {
+            information += sums.information.view((0, 0), (total, total));
+        }
+        let single = task.train.iter().all(Recording::is_single_axis);
+        let covariance = if single {
+            DMatrix::from_diagonal(&information.diagonal().map(|i| 1.0 / i))
+        } else {
+            covariance_of_free(&self.model, &information)
+        } * self.solution.scale();
+        let input = largest_input(task.train);
+        let share = |(j, torque): (usize, f64)| {
+            let error = covariance[(j, j)].sqrt() * torque;
+            // a column without any torque has none at any value
+            let known = torque == 0.0 && information[(j, j)] > 0.0;
+            (!known && !(error <= input)).then_some((j, error))
+        };
+        let unknown = torque_of_each(&self.model, &self.solution.p, task.train);
+        let unknown = unknown.into_iter().filter(|(j, _)| !self.places.contains(j));
+        // of equals the last: a1 is the larger of the inertias, and what is left of their sum
+        let least =
+            unknown.filter_map(share).max_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
+        least.map(|(j, _)| j)
+    }
+
+    /// What to say of them.
+    pub(super) fn notes(&self, task: &Task) -> Vec<String> {
+        let one = |&j: &usize| {
+            let parameter = &task.model.parameters()[j];
+            let effect = crate::effects::find(&parameter.effect);
+            let remedy = effect.map_or("richer motion".into(), |e| e.description().excitation);
+            format!(
+                "{} is not identifiable from these data and was held at {:.6e}; record: {remedy}.",
+                parameter.spec.symbol, self.solution.p[j]
+            )
+        };
+        self.places.iter().map(one).collect()
+    }
+}

@@ -1,0 +1,61 @@
+//! Covariance from the scores of blocks, which holds where the model or its noise is wrong.
+
+use nalgebra::DMatrix;
+
+use super::descent::{Solution, part};
+use crate::identify::identifiability::inverse_where_known;
+use crate::identify::kalman::{HorizonFilter, Reading};
+use crate::model::Model;
+use crate::simulate::BETWEEN_ROWS;
+
+/// Covariance of the estimated columns and its degrees of freedom.
+pub(super) struct Spread {
+    pub(super) covariance: DMatrix<f64>,
+    pub(super) degrees: f64,
+}
+
+/// The sandwich over blocks of some seconds.
+///
+/// ```text
+/// C = H⁻¹ (Σ_b g_b g_b') H⁻¹ m/(m-1),   m blocks, m - p degrees of freedom
+/// ```
+/// At T = 0 no variance is smaller than that of the likelihood, `H⁻¹ Σ e²/S / N`. With no more
+/// blocks than columns the likelihood is all there is.
+///
+/// The input between its rows is not known. A straight line errs as the square of the interval, so
+/// of what halving the rate moves the solution by, a third is left at the whole rate; it is added
+/// as a standard deviation.
+///
+/// Source: White, Econometrica 50 (1982); Liang and Zeger, Biometrika 73 (1986).
+pub(super) fn spread(solution: &Solution, filter: &HorizonFilter, model: &Model) -> Spread {
+    let mut out = of_scores(solution);
+    if let Some(moved) = solution.moved_by(filter, model, Reading::HalfRate) {
+        let left = moved * BETWEEN_ROWS;
+        out.covariance += &left * left.transpose();
+    }
+    out
+}
+
+fn of_scores(solution: &Solution) -> Spread {
+    let n = solution.columns.len();
+    let inverse = inverse_where_known(&solution.information());
+    let model = &inverse * solution.scale();
+    let mut middle = DMatrix::zeros(n, n);
+    let mut blocks = 0.0;
+    for score in solution.sums.iter().flat_map(|s| &s.blocks) {
+        let score = part(score, &solution.columns);
+        middle += &score * score.transpose();
+        blocks += 1.0;
+    }
+    let degrees = blocks - n as f64;
+    if degrees < 1.0 {
+        return Spread { covariance: model, degrees: 1.0 };
+    }
+    let sandwich = &inverse * middle * &inverse * (blocks / (blocks - 1.0));
+    let stretch = |i: usize| {
+        let ratio = model[(i, i)] / sandwich[(i, i)].max(f64::MIN_POSITIVE);
+        if solution.horizon == 0.0 && ratio.is_finite() { ratio.max(1.0).sqrt() } else { 1.0 }
+    };
+    let covariance = DMatrix::from_fn(n, n, |i, k| sandwich[(i, k)] * stretch(i) * stretch(k));
+    Spread { covariance, degrees }
+}

@@ -1,0 +1,75 @@
+//! Maximum likelihood with all noise estimated along, a slow unknown torque among it.
+
+use super::{NAME, note_profile};
+use crate::identify::identifiability::{SingleAxis, identified};
+use crate::identify::kalman::{Likelihood, Maximum, prepare};
+use crate::identify::profile::profile;
+use crate::identify::{Fit, IdentifyError, Task, start};
+
+/// Largest share of a1 by which noise of the input may bias it and still be corrected.
+const MOST_BIAS: f64 = 0.1;
+
+/// ```text
+/// maximise  Σ_k Σ_i -½ (ln 2π S_i + e_i²/S_i)
+/// ```
+/// Efficient where the only thing wrong is coloured noise of the input; where the model lacks
+/// something the noise absorbs it.
+pub(super) fn identify(task: &Task, symbols: &[String]) -> Result<Fit, IdentifyError> {
+    let mut first = start::start(task, NAME)?;
+    let prepared = task.train.iter().map(prepare).collect();
+    let likelihood = Likelihood { prepared, hold: task.hold, slow_moment: true, timing: true };
+    likelihood.place_joint(task.model, &mut first);
+    let maximum = likelihood.maximise(task.model, &first, None, NAME)?;
+    let bias = likelihood.pull_of_input_noise(task.model, &maximum)?;
+    // the bias is known to first order, so a large one is not known
+    let small = bias[0].abs() < MOST_BIAS * maximum.p[0].abs();
+    let bias = if small { bias } else { vec![0.0; maximum.p.len()] };
+    let mut fit = fit(task, &maximum, &bias);
+    if !small {
+        fit.notes.push(
+            "The input is so noisy, or so rough, that it biases the inertias by more than can be \
+             corrected; their intervals are too narrow."
+                .into(),
+        );
+    }
+    for symbol in symbols {
+        let j = task.model.index_of(symbol)?;
+        let at = |held: &crate::model::Model, p: &[f64]| {
+            let there = likelihood.maximise(held, p, Some(maximum.noise), "profile")?;
+            Ok(there.log_likelihood)
+        };
+        note_profile(task, &maximum.p, j, &mut fit, |place| {
+            profile(task.model, &maximum.p, place, at)
+        })?;
+    }
+    Ok(fit)
+}
+
+/// The fit at a maximum, less what noise of the input biases.
+fn fit(task: &Task, maximum: &Maximum, bias: &[f64]) -> Fit {
+    let known = identified(
+        task.model,
+        &maximum.p,
+        &maximum.information,
+        None,
+        SingleAxis::CountedOnce,
+        task.train,
+    );
+    let unit = task.train[0].drive_unit();
+    let p = maximum.p.iter().zip(bias).map(|(p, bias)| p - bias).collect();
+    let mut fit = Fit::physical(NAME, task.model, p, known.covariance, unit);
+    fit.notes = known.notes;
+    let noise = maximum.noise;
+    fit.notes.push(format!(
+        "Noise of the input: {:.3e} white, {:.3e} slow with a time constant of {:.2} s \
+         (standard deviations, {}).",
+        noise.sigma_m,
+        noise.sigma_d,
+        noise.tau_d,
+        unit.symbol()
+    ));
+    fit.status = maximum.status;
+    fit.work.iterations = maximum.iterations;
+    fit.work.evaluations = maximum.evaluations;
+    fit
+}

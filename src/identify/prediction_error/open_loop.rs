@@ -1,0 +1,98 @@
+//! The error of open-loop simulations over 2 s, piece by piece: what the report shows, here on
+//! pieces that a fit has not seen.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use crate::model::Model;
+use crate::recording::{LocalMotion, Recording};
+use crate::robot::State;
+use crate::simulate::{Hold, Input, RunIn, simulate_acting};
+
+/// Length of a window [s], as of the 2 s simulation error everywhere.
+const WINDOW: f64 = 2.0;
+/// Rows before a window that effects on the input look back at, and over which a body behind the
+/// wheels gets under way [s].
+const BEFORE: f64 = 2.0;
+
+/// Windows of recordings, by pieces.
+pub(super) struct OpenLoop<'a> {
+    pub(super) train: &'a [Recording],
+    pub(super) motions: &'a [Vec<LocalMotion>],
+    pub(super) hold: Hold,
+    /// Recording and rows of each piece.
+    pub(super) pieces: Vec<(usize, Range<usize>)>,
+}
+
+impl OpenLoop<'_> {
+    /// Mean square error of the speeds [rad²/s²] (of the angles [rad²] where only they are
+    /// measured) over the windows of every piece, each with its own parameters; infinite where the
+    /// simulation diverges.
+    pub(super) fn errors(&self, model: &Model, p: &[Vec<f64>]) -> Vec<f64> {
+        let each = self.pieces.par_iter().zip(p);
+        each.map(|(piece, p)| self.error(model, p, piece).unwrap_or(f64::INFINITY)).collect()
+    }
+
+    /// The mean over all pieces with the same parameters.
+    pub(super) fn mean(&self, model: &Model, p: &[f64]) -> f64 {
+        let all = self.errors(model, &vec![p.to_vec(); self.pieces.len()]);
+        all.iter().sum::<f64>() / all.len().max(1) as f64
+    }
+
+    fn error(&self, model: &Model, p: &[f64], (r, rows): &(usize, Range<usize>)) -> Option<f64> {
+        let (recording, motion) = (&self.train[*r], &self.motions[*r]);
+        let t = recording.t();
+        let whole = recording.pieces().iter().find(|piece| piece.contains(&rows.start))?;
+        let from = whole.start + t[whole.start..].partition_point(|s| *s < t[rows.start] - BEFORE);
+        let acting = model.drive(&t[from..rows.end], &recording.moment()[from..rows.end], p);
+        let (mut sum, mut count) = (0.0, 0.0);
+        for window in windows(t, rows) {
+            let samples = if model.is_coupled() { window.start - from } else { 0 };
+            let first = window.start - samples;
+            let input = Input {
+                t: &t[first..window.end],
+                moment: &acting[first - from..window.end - from],
+                hold: self.hold,
+            };
+            let run_in = RunIn { samples, start: start(&motion[first]) };
+            let begin = start(&motion[window.start]);
+            let states = simulate_acting(model, p, &input, t[0], &run_in, begin).ok()?;
+            for (k, state) in window.zip(&states) {
+                let (measured, simulated) = if recording.measured().omega {
+                    (recording.omega()[k], state.omega)
+                } else {
+                    (recording.alpha()[k], state.alpha)
+                };
+                sum += (0..2).map(|i| (measured[i] - simulated[i]).powi(2)).sum::<f64>();
+                count += 2.0;
+            }
+        }
+        let mean = sum / f64::max(count, 1.0);
+        mean.is_finite().then_some(mean)
+    }
+}
+
+/// Windows of 2 s; a rest of less than half of it joins the last one.
+fn windows(t: &[f64], rows: &Range<usize>) -> Vec<Range<usize>> {
+    let seconds = t[rows.end - 1] - t[rows.start];
+    let count = ((seconds / WINDOW + 0.5).floor() as usize).max(1);
+    let edge = |n: usize| {
+        let at = t[rows.start] + WINDOW * n as f64;
+        if n == count {
+            rows.end
+        } else {
+            rows.start + t[rows.clone()].partition_point(|s| *s < at)
+        }
+    };
+    (0..count).map(|n| edge(n)..edge(n + 1)).filter(|window| !window.is_empty()).collect()
+}
+
+/// Where a simulation starts: the local motion, at rest where its own error hides the speed.
+fn start(motion: &LocalMotion) -> State {
+    let omega = [0, 1].map(|i| {
+        let w = motion.omega[i];
+        if w * w < 4.0 * motion.omega_variance[i] { 0.0 } else { w }
+    });
+    State { alpha: motion.alpha, omega }
+}

@@ -1,0 +1,56 @@
+//! The guard: where a plain regression simulates held-out pieces better, it is taken.
+
+use super::choice::{Candidate, clearly_smaller, mean};
+use super::open_loop::OpenLoop;
+use crate::identify::torque_regression::TorqueRegression;
+use crate::identify::{Fit, Task};
+
+/// Share of the error by which another method must be better to matter: that of an effect which
+/// enters the model.
+const MATTERS: f64 = 0.01;
+
+/// Ratio of the errors beyond which some pieces may decide alone: between methods that both work they differ
+/// by a few percent, so that one half more means that the fit fails on a kind of motion.
+const FAILS: f64 = 1.5;
+
+/// The fit, or that of the regression of torques if its 2 s simulation error on held-out pieces
+/// is smaller by one percent, and its logarithm by more than a paired standard error: most pieces
+/// must agree, not the few with the largest errors, unless the fit fails on those. A fit that fails
+/// on the very pieces that it was made from (both have the same parameters, so that neither fits
+/// better by having more) is not taken whatever is left out: a kind of motion that was driven once
+/// cannot be predicted from the others.
+pub(super) fn better(task: &Task, open: &OpenLoop, chosen: &Candidate, fit: Fit) -> Fit {
+    let Ok((mut rival, left_out)) = TorqueRegression::default().left_out(task, &open.pieces) else {
+        return fit;
+    };
+    let errors = open.errors(task.model, &left_out);
+    let [own, other] = [&fit, &rival].map(|fit| open.mean(task.model, &parameters(fit)).sqrt());
+    let fails_in_sample = !(own <= FAILS * other);
+    let matters = mean(&errors).sqrt() < (1.0 - MATTERS) * mean(&chosen.held_out).sqrt();
+    let logs = |errors: &[f64]| errors.iter().map(|e| e.ln()).collect::<Vec<f64>>();
+    let fails = mean(&chosen.held_out).sqrt() > FAILS * mean(&errors).sqrt();
+    let clear = fails || clearly_smaller(&logs(&errors), &logs(&chosen.held_out));
+    if !other.is_finite() || !(fails_in_sample || (matters && clear)) {
+        return fit;
+    }
+    let (errors, on) = if fails_in_sample {
+        ([other, own], "the training recordings")
+    } else {
+        ([mean(&errors).sqrt(), mean(&chosen.held_out).sqrt()], "held-out pieces")
+    };
+    let [its, filter] = errors;
+    rival.notes.insert(
+        0,
+        format!(
+            "These are the values of torque_regression: its 2 s simulation error on {on} is \
+             {its:.3e}, that of the filter {filter:.3e}."
+        ),
+    );
+    rival.method = fit.method;
+    rival.work.evaluations += fit.work.evaluations;
+    rival
+}
+
+fn parameters(fit: &Fit) -> Vec<f64> {
+    fit.estimates.iter().map(|e| e.value).collect()
+}

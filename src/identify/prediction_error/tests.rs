@@ -1,0 +1,101 @@
+//! The default method against known truths.
+
+use super::*;
+use crate::model::Model;
+use crate::robot::Robot;
+use crate::simulate::{Hold, Movement, NoiseLevel, Recorder, record};
+
+/// Four recordings of 25 s at noise level N2 of a robot under a 1 kHz speed controller.
+fn recordings(model: &Model, truth: &[f64], seed: u64) -> Vec<crate::recording::Recording> {
+    (0..4)
+        .map(|r| {
+            let movement = Movement::rich(model.robot(), seed * 10 + r, 25.0, 12.0);
+            let noise = NoiseLevel { dalpha: 0.05, alpha: 1e-3, moment: 0.005 };
+            let recorder = Recorder {
+                rate: 100.0,
+                control_rate: 1000.0,
+                noise,
+                ticks: None,
+                seed: seed * 100 + r,
+            };
+            record("made", model, truth, &movement, &recorder).unwrap()
+        })
+        .collect()
+}
+
+#[test]
+fn the_truth_is_found_within_the_standard_errors_that_are_claimed() {
+    let model = Model::base(Robot::amigobot());
+    let truth = model.initial();
+    let (mut sum, mut count) = (0.0, 0.0);
+    for seed in 0..3 {
+        let train = recordings(&model, &truth, seed);
+        let task = Task { model: &model, train: &train, hold: Hold::Linear, seed: 0 };
+        let fit = PredictionError::default().identify(&task).unwrap();
+        assert_eq!(fit.status, crate::identify::Status::Converged);
+        for (e, t) in fit.estimates.iter().zip(&truth) {
+            let z = (e.value - t) / e.std_error;
+            assert!(z.abs() < 4.0, "{} {z}", e.symbol);
+            sum += z * z;
+            count += 1.0;
+        }
+        // the Cramér-Rao bound of this bench is 0.031 % of a1
+        let a1 = fit.estimate("a1").unwrap();
+        assert!(a1.std_error / a1.value < 4.5e-4);
+    }
+    // chi-square of 15 over 15: mean 1, standard deviation 0.37
+    assert!(sum / count < 2.3, "{}", sum / count);
+}
+
+#[test]
+fn a_light_robot_whose_friction_is_most_of_the_input_is_not_found_too_heavy() {
+    let preset = crate::robot::preset("e_puck").unwrap();
+    let model = Model::base(Robot::new(preset.name, preset.construction).unwrap());
+    let truth = model.initial();
+    // torque noise of 4 % of the friction is 1.5 times the torque of an acceleration of 1 rad/s²
+    let noise = NoiseLevel { dalpha: 0.05, alpha: 1e-3, moment: 0.04 * truth[3] };
+    let train: Vec<Recording> = (0..3)
+        .map(|seed| {
+            let movement = Movement::rich(model.robot(), 4000 + seed, 20.0, 12.0);
+            let recorder = Recorder { rate: 200.0, control_rate: 1000.0, noise, ticks: None, seed };
+            record("light", &model, &truth, &movement, &recorder).unwrap()
+        })
+        .collect();
+    let task = Task { model: &model, train: &train, hold: Hold::Linear, seed: 0 };
+    let fit = PredictionError::default().identify(&task).unwrap();
+    let a1 = fit.estimate("a1").unwrap();
+    // the bias that noise of the input makes at T = 0 with plain derivatives is tens of percent
+    assert!((a1.value / truth[0] - 1.0).abs() < 0.1, "{} {:?}", a1.value / truth[0], fit.notes);
+    assert!(fit.horizon_s.is_some() || fit.notes[0].contains("torque_regression"));
+}
+
+#[test]
+fn what_straight_driving_does_not_identify_is_held_and_said() {
+    let model = Model::base(Robot::amigobot());
+    let truth = model.initial();
+    let segments = [0.4, 0.1, -0.3, -0.1, 0.5, 0.2, -0.5, 0.3, 0.0].map(|speed_m_s| {
+        crate::simulate::Segment { speed_m_s, turn_rad_s: 0.0, blend_s: 1.0, hold_s: 1.0 }
+    });
+    let movement = Movement { segments: segments.to_vec() };
+    let noise = NoiseLevel { dalpha: 0.05, alpha: 1e-3, moment: 0.005 };
+    let recorder = Recorder { rate: 100.0, control_rate: 1000.0, noise, ticks: None, seed: 5 };
+    let train = [record("straight", &model, &truth, &movement, &recorder).unwrap()];
+    let task = Task { model: &model, train: &train, hold: Hold::Linear, seed: 0 };
+    let fit = PredictionError::default().identify(&task).unwrap();
+    let a3 = fit.estimate("a3").unwrap();
+    assert!(!a3.identifiable && a3.value == truth[2], "{a3:?} {:?}", fit.notes);
+    assert!(fit.notes.iter().any(|n| n.starts_with("a3 is not identifiable")), "{:?}", fit.notes);
+}
+
+#[test]
+fn a_horizon_is_auto_or_seconds() {
+    let read = |text: &str| {
+        let options: toml::Table = toml::from_str(text).unwrap();
+        PredictionError::default().configure(&options).map(|_| ()).map_err(|e| e.message)
+    };
+    assert!(read("horizon_s = 'auto'").is_ok() && read("horizon_s = 0").is_ok());
+    assert!(read("horizon_s = 0.35").is_ok());
+    for wrong in ["horizon_s = -1.0", "horizon_s = 'long'", "horizon_s = nan"] {
+        assert!(read(wrong).unwrap_err().contains("horizon_s"), "{wrong}");
+    }
+}

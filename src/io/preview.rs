@@ -1,0 +1,43 @@
+//! A look at all columns of a file, whatever they hold.
+
+use std::path::Path;
+
+use super::error::format_error;
+use super::recording::{Source, headers};
+use super::{IoError, csv, parquet};
+
+/// A column with its values; NaN where a cell is no number.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PreviewColumn {
+    /// Name in the file.
+    pub name: String,
+    /// Values in order, of a signal with stamps of its own those of its own.
+    pub values: Vec<f64>,
+}
+
+/// All columns of a file with their values.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn preview(path: &Path) -> Result<Vec<PreviewColumn>, IoError> {
+    let headers = headers(path)?;
+    let column = |(name, values): (String, Vec<f64>)| PreviewColumn { name, values };
+    Ok(match headers.source {
+        Source::Text(layout) => csv::all(path, &layout)?.into_iter().map(column).collect(),
+        Source::Columns(columns) => columns.into_iter().map(column).collect(),
+        Source::Signals(signals) => signals.all().into_iter().map(column).collect(),
+        Source::Parquet => {
+            // columns of numbers alone: text is no signal
+            let read = |name: &String| {
+                let frame = parquet::read(path, vec![name.clone()])?;
+                let wrong = |e| format_error(path, "table", &e);
+                let column = frame.column(name).map_err(wrong)?;
+                let cast = column.cast(&polars::prelude::DataType::Float64).map_err(wrong)?;
+                let values = cast.f64().map_err(wrong)?.iter().map(|v| v.unwrap_or(f64::NAN));
+                Ok(PreviewColumn { name: name.clone(), values: values.collect() })
+            };
+            let read: Vec<Result<_, IoError>> = headers.names.iter().map(read).collect();
+            read.into_iter().filter_map(Result::ok).collect()
+        }
+    })
+}

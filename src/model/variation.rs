@@ -1,0 +1,109 @@
+//! Which terms of an effect change with the motion, read off its formula.
+
+use crate::effects::{Effect, Motion};
+use crate::math::{Formula, record};
+use crate::robot::Robot;
+
+/// How a group of terms depends on the instant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Variation {
+    /// Zero everywhere.
+    Absent,
+    /// The same at every time, angle and speed.
+    Constant,
+    /// Anything else.
+    Varying,
+}
+
+/// The variations of an effect's terms. Known before any simulation, so that what is constant is
+/// evaluated once a parameter vector and what is absent never.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Variations {
+    /// The mass matrix.
+    pub mass: Variation,
+    /// The resisting torques.
+    pub torque: Variation,
+    /// The levels of dry friction.
+    pub level: Variation,
+}
+
+/// Inputs that make up an instant: t, alpha1, alpha2, omega1, omega2.
+const MOTION: usize = 5;
+/// A place to record at; formulas that hold there only count as varying.
+const PLACE: [f64; MOTION] = [0.7, 0.3, -0.4, 1.1, -0.6];
+
+impl Variations {
+    pub(super) fn of(effect: &dyn Effect, robot: &Robot) -> Self {
+        let typical = effect.parameters().iter().map(|spec| spec.typical).collect::<Vec<f64>>();
+        let formula = record(&[&PLACE, &typical[..]].concat(), |inputs| {
+            let (x, p) = inputs.split_at(MOTION);
+            let (alpha, omega) = ([x[1], x[2]], [x[3], x[4]]);
+            let motion = Motion { t: x[0], alpha, omega, variance: [0.0; 4], robot };
+            let terms = effect.terms_symbolic(&motion, p);
+            [&terms.mass[..], &terms.torque, &terms.level].concat()
+        });
+        let variation = |outputs: std::ops::Range<usize>| {
+            let part = Formula { outputs: formula.outputs[outputs].to_vec(), ..formula.clone() };
+            if part.read || (0..MOTION).any(|input| part.depends_on(input)) {
+                Variation::Varying
+            } else if part.is_zero() {
+                Variation::Absent
+            } else {
+                Variation::Constant
+            }
+        };
+        Self { mass: variation(0..3), torque: variation(3..5), level: variation(5..9) }
+    }
+
+    /// Whether any term varies.
+    #[must_use]
+    pub fn vary(&self) -> bool {
+        self.mass.max(self.torque).max(self.level) == Variation::Varying
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::{Terms, all};
+
+    #[test]
+    fn what_is_called_constant_or_absent_is_so_at_every_instant() {
+        let robot = Robot::amigobot();
+        for effect in all() {
+            let variations = Variations::of(&*effect, &robot);
+            let p: Vec<f64> = effect.parameters().iter().map(|spec| spec.typical).collect();
+            let at = |k: usize| {
+                let x = |n: usize| 3.0 * ((7 * k + n) as f64).sin();
+                let (alpha, omega) = ([x(1), x(2)], [x(3), x(4)]);
+                let motion = Motion { t: x(0), alpha, omega, variance: [0.0; 4], robot: &robot };
+                effect.terms(&motion, &p)
+            };
+            let same = |variation: Variation, part: &dyn Fn(&Terms<f64>) -> Vec<f64>| {
+                let parts: Vec<Vec<f64>> = (0..40).map(|k| part(&at(k))).collect();
+                match variation {
+                    Variation::Absent => parts.iter().flatten().all(|v| *v == 0.0),
+                    Variation::Constant => parts.iter().all(|v| *v == parts[0]),
+                    Variation::Varying => true,
+                }
+            };
+            let right = same(variations.mass, &|t| t.mass.to_vec())
+                && same(variations.torque, &|t| t.torque.to_vec())
+                && same(variations.level, &|t| t.level.to_vec());
+            assert!(right, "{}: {variations:?}", effect.id());
+        }
+    }
+
+    #[test]
+    fn the_base_model_varies_in_its_centrifugal_moments_only() {
+        let robot = Robot::amigobot();
+        let of = |id: &str| Variations::of(&*crate::effects::find(id).unwrap(), &robot);
+        let (absent, constant) = (Variation::Absent, Variation::Constant);
+        let inertia = Variations { mass: constant, torque: absent, level: absent };
+        assert_eq!(of("inertia"), inertia);
+        let centrifugal = Variations { mass: absent, torque: Variation::Varying, level: absent };
+        assert_eq!(of("centrifugal"), centrifugal);
+        let coulomb = Variations { mass: absent, torque: absent, level: constant };
+        assert_eq!(of("coulomb_friction"), coulomb);
+    }
+}

@@ -1,0 +1,173 @@
+//! The parameters that each method found, with their intervals: the details behind the parameters.
+
+mod comparison;
+mod correlations;
+mod traces;
+
+pub(super) use traces::figures;
+
+use super::{Depth, Section, words};
+use crate::identify::Estimate;
+use crate::report::block::{Block, Cell, Column, Table, Text, Tone};
+use crate::report::format;
+use crate::study::{MethodStudy, Study};
+
+/// Estimates of the methods.
+#[derive(Default)]
+pub struct Estimates;
+
+impl Section for Estimates {
+    fn id(&self) -> &'static str {
+        "estimates"
+    }
+
+    fn title(&self) -> &'static str {
+        "Estimates of the methods"
+    }
+
+    fn depth(&self) -> Depth {
+        Depth::Details
+    }
+
+    fn how_to_read(&self) -> &'static str {
+        "An estimate is worth its interval: the data are compatible with every value inside the \
+         95 % interval, if the model is right."
+    }
+
+    fn blocks(&self, study: &Study) -> Vec<Block> {
+        let physical: Vec<&MethodStudy> =
+            study.methods.iter().filter(|m| !m.estimates.is_empty()).collect();
+        if physical.is_empty() {
+            return vec![];
+        }
+        let mut blocks: Vec<Block> = physical.iter().map(|m| table(study, m).into()).collect();
+        let beyond: Vec<Text> = physical
+            .iter()
+            .flat_map(|m| {
+                m.estimates.iter().filter_map(move |e| Some((m, words::out_of_range(e)?)))
+            })
+            .map(|(m, said)| {
+                Text::default().strong(words::method(study, m)).plain(format!(": {said}."))
+            })
+            .collect();
+        if !beyond.is_empty() {
+            blocks.push(Block::Heading("Values that make no physical sense".to_owned()));
+            blocks.push(Block::List(beyond));
+        }
+        blocks.extend(comparison::figure(study, &physical).map(Block::from));
+        let reference = study.reference_method().filter(|m| !m.estimates.is_empty());
+        let shown = reference.unwrap_or(physical[0]);
+        blocks.extend(correlations::figure(study, shown).map(Block::from));
+        blocks.extend(physical.iter().flat_map(|m| traces::figures(study, m)).map(Block::from));
+        blocks
+    }
+}
+
+/// The true value of a parameter, where it is known.
+pub(super) fn truth(study: &Study, symbol: &str) -> Option<f64> {
+    study.truth.iter().find(|(known, _)| known == symbol).map(|(_, value)| *value)
+}
+
+fn table(study: &Study, method: &MethodStudy) -> Table {
+    let mut columns = vec![
+        Column::text("Parameter"),
+        Column::text("Meaning"),
+        Column::number("Estimate ± std. error", ""),
+        Column::number("95 % interval", ""),
+        Column::text("Unit"),
+    ];
+    let known = !study.truth.is_empty();
+    if known {
+        columns.push(Column::number("True value", ""));
+        columns.push(Column::number("Error", "std. errors"));
+    }
+    let caption = format!("{} ({}).", method.title, words::method(study, method));
+    let mut table = Table::new(caption, columns);
+    for estimate in &method.estimates {
+        let mut row = row(estimate);
+        if known {
+            row.extend(against_truth(estimate, truth(study, &estimate.symbol)));
+        }
+        table.push(row);
+    }
+    table
+}
+
+fn row(e: &Estimate) -> Vec<Cell> {
+    let interval = if e.fixed {
+        Cell::formatted("held fixed", f64::NAN)
+    } else {
+        let (low, high) = e.interval;
+        let text = match (low.is_finite(), high.is_finite()) {
+            (true, true) => interval(low, high),
+            _ => format::NOT_IDENTIFIABLE.to_owned(),
+        };
+        Cell::formatted(text, high - low)
+    };
+    let estimate = Cell::estimate(e.value, e.std_error);
+    vec![
+        Cell::text(words::symbol(&e.symbol)).strong(),
+        Cell::text(words::meaning(&e.symbol)),
+        if e.fixed || e.identifiable { estimate } else { estimate.tone(Tone::Bad) },
+        interval,
+        Cell::text(words::unit(&e.unit)),
+    ]
+}
+
+/// "[0.119, 0.127]" to the digits in which the two ends differ; a common power of ten stands behind.
+pub(super) fn interval(low: f64, high: f64) -> String {
+    let width = high - low;
+    let size = low.abs().max(high.abs());
+    let digits =
+        if width > 0.0 { (size / width).log10().ceil().clamp(0.0, 9.0) as usize + 2 } else { 4 };
+    let exponent = if size > 0.0 { size.log10().floor() as i32 } else { 0 };
+    let ends = |power: i32| {
+        // both ends to the same place
+        let decimals = (digits as i32 - 1 - (exponent - power)).max(0) as usize;
+        let end = |v: f64| format::fixed(v / 10f64.powi(power), decimals);
+        format!("[{}, {}]", end(low), end(high))
+    };
+    if width == 0.0 {
+        return format!("[{0}, {0}]", format::number(low));
+    }
+    if (-2..5).contains(&exponent) {
+        return ends(0);
+    }
+    format!("{} × {}", ends(exponent), format::power_of_ten(exponent))
+}
+
+/// The true value, and how far the estimate is from it; beyond three standard errors it is marked.
+pub(super) fn against_truth(e: &Estimate, truth: Option<f64>) -> Vec<Cell> {
+    let Some(truth) = truth else { return vec![Cell::text(""), Cell::text("")] };
+    let errors = (e.value - truth) / e.std_error;
+    let cell = if errors.is_finite() && e.std_error > 0.0 && e.identifiable {
+        let cell = Cell::formatted(format::fixed(errors, 2), errors);
+        if errors.abs() > 3.0 { cell.tone(Tone::Bad) } else { cell }
+    } else {
+        Cell::formatted(format::MISSING, f64::NAN)
+    };
+    vec![Cell::number(truth), cell]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_interval_shows_the_digits_in_which_its_ends_differ() {
+        assert_eq!(interval(0.031_871, 0.031_912), "[0.031871, 0.031912]");
+        assert_eq!(interval(-1.0, 3.0), "[−1.0, 3.0]");
+        assert_eq!(interval(-6.44e-3, -3.81e-6), "[−6.44, 0.00] × 10⁻³");
+        assert_eq!(interval(0.1245, 0.125_23), "[0.12450, 0.12523]");
+        assert_eq!(interval(2.77e-4, 3.12e-4), "[2.77, 3.12] × 10⁻⁴");
+        assert_eq!(interval(0.0, 0.0), "[0, 0]");
+    }
+
+    #[test]
+    fn an_error_beyond_three_standard_errors_is_marked() {
+        let e = Estimate::new("a1", String::new(), 1.0, 0.1);
+        assert_eq!(against_truth(&e, Some(0.5))[1].tone, Some(Tone::Bad));
+        assert_eq!(against_truth(&e, Some(0.9))[1].tone, None);
+        assert_eq!(against_truth(&e, Some(0.9))[1].text, "1.00");
+    }
+}

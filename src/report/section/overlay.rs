@@ -1,0 +1,226 @@
+//! Measured and simulated speeds of the models of the verdict, on the recording that is shown.
+
+use super::curves::{self, residual, simulated, wheel};
+use super::words;
+use crate::report::figure::{Axis, Dash, Figure, Layer, Panel, Role};
+use crate::report::format;
+use crate::study::{ModelStudy, Performance, RecordingStudy, Study};
+
+/// Length of the stretch that the first screen shows [s]: four simulations of 2 s.
+const STRETCH: f64 = 8.0;
+
+/// Figures over the time of the recording that is shown zoom together.
+pub(super) const LINK: &str = "time";
+
+/// What is drawn of one recording.
+pub(super) struct Overlay<'a> {
+    study: &'a Study,
+    recording: &'a RecordingStudy,
+    given: &'a Performance,
+    completed: Option<&'a Performance>,
+}
+
+impl<'a> Overlay<'a> {
+    /// The recording shown in detail under the models of the verdict; `None` without a fit.
+    pub(super) fn of(study: &'a Study) -> Option<Self> {
+        let (index, recording) = curves::shown(study)?;
+        let of = |model: &'a ModelStudy| model.performance.get(index);
+        let given = of(study.given.as_ref()?)?;
+        let completed = study.completed.as_ref().and_then(of);
+        (recording.t.len() > 1).then_some(Self { study, recording, given, completed })
+    }
+
+    /// The models with their names and looks, the last on top.
+    fn models(&self) -> Vec<(&'a Performance, String, Role, Dash)> {
+        let error = |p: &Performance| format::digits(p.window_rms, 3);
+        let name = words::given(self.study);
+        let mut out = Vec::new();
+        match self.completed {
+            None => {
+                let label = format!("{name}: {} rad/s", error(self.given));
+                out.push((self.given, label, Role::Model, Dash::Solid));
+            }
+            Some(completed) => {
+                let label = format!("{name}: {} rad/s", error(self.given));
+                out.push((self.given, label, Role::Given, Dash::Dashed));
+                let label = format!("{}: {} rad/s", words::added(self.study), error(completed));
+                out.push((completed, label, Role::Model, Dash::Solid));
+            }
+        }
+        out
+    }
+
+    /// The first screen: both speeds over the stretch where the model as given errs most.
+    pub(super) fn stretch(&self) -> Figure {
+        let (first, last) = self.worst();
+        let title = match self.completed {
+            Some(_) => {
+                format!("Measured and simulated, without and with {}", words::found(self.study))
+            }
+            None => "Measured and simulated".to_owned(),
+        };
+        let whole = last - first < STRETCH - 1e-6 || self.recording.duration_s <= STRETCH;
+        let place = if whole { "" } else { ", the stretch in which the model as given errs most" };
+        let figure = Figure::new("overlay", title)
+            .with_subtitle(format!("{} ({}){place}", self.recording.file, self.used()))
+            .with_caption(
+                "Wheel speeds ω₁ (right) and ω₂ (left). Every simulation starts anew from the \
+                 measured motion after 2 s; at the names stands the RMS error of such simulations \
+                 over the whole recording.",
+            );
+        let figure = (0..2).fold(figure, |figure, i| {
+            let y = Axis::linear(words::OMEGA[i], "rad/s");
+            figure.with_panel(self.speeds(y, i, (first, last), |p| &p.windows))
+        });
+        figure.linked(LINK).with_height(400.0)
+    }
+
+    fn used(&self) -> &'static str {
+        match self.recording.role {
+            crate::study::Role::Validation => "held out from the fit",
+            crate::study::Role::Train => "training: no recording is held out",
+        }
+    }
+
+    /// The whole recording: both speeds and their residuals, over simulations of 2 s and free.
+    pub(super) fn whole(&self) -> Figure {
+        let floor = format::digits(self.recording.floor.window_rms, 3);
+        let error = |p: &Performance| format::digits(p.window_rms, 3);
+        let title = match self.completed {
+            Some(completed) => format!(
+                "The 2 s simulation error falls from {} to {} rad/s; the noise floor is {floor}",
+                error(self.given),
+                error(completed),
+            ),
+            None => format!(
+                "The 2 s simulation error is {} rad/s; the noise floor is {floor}",
+                error(self.given)
+            ),
+        };
+        let mut figure = Figure::new("fit", title)
+            .with_subtitle(format!(
+                "{}, {} s at {} Hz",
+                self.recording.file,
+                format::significant(self.recording.duration_s, 3),
+                format::significant(self.recording.rate_hz, 3)
+            ))
+            .with_caption(
+                "For each wheel: free simulation beside the measurement, and the residual (measured minus \
+                 simulated) of the 2 s simulations.",
+            )
+            .linked(LINK)
+            .with_height(680.0);
+        let ends = (self.recording.t[0], self.recording.t[self.recording.t.len() - 1]);
+        for i in 0..2 {
+            let y = Axis::linear(words::OMEGA[i], "rad/s");
+            let mut speeds = self.speeds(y, i, ends, |p| &p.free);
+            for layer in &mut speeds.layers {
+                // the errors at the names are those of the other panel
+                if let Layer::Line { label, .. } = layer
+                    && let Some((name, _)) = label.split_once(": ")
+                {
+                    *label = format!("{name}, free");
+                }
+            }
+            figure = figure.with_panel(speeds).with_panel(self.residuals(i));
+        }
+        figure
+    }
+
+    fn speeds(
+        &self,
+        y: Axis,
+        i: usize,
+        range: (f64, f64),
+        of: impl Fn(&Performance) -> &[[f64; 2]],
+    ) -> Panel {
+        let x = Axis::linear("time", "s").with_range(range.0, range.1);
+        let measured = wheel(&self.recording.t, &self.recording.omega, i);
+        let inside = |p: &&(f64, f64)| (range.0..=range.1).contains(&p.0);
+        let mut shown: Vec<(f64, f64)> = measured.iter().filter(inside).copied().collect();
+        // a wide pale line: dots would hide what lies below them
+        let mut panel = Panel::new(x, y).with(Layer::Line {
+            points: measured,
+            label: "measured".to_owned(),
+            role: Role::Measured,
+            width: 3.2,
+            dash: Dash::Solid,
+        });
+        for (performance, label, role, dash) in self.models() {
+            let rows = of(performance);
+            let points = self.broken(simulated(self.recording, rows, i), performance, rows);
+            shown.extend(points.iter().filter(inside));
+            let width = if role == Role::Given { 1.6 } else { 1.4 };
+            panel = panel.with(Layer::Line { points, label, role, width, dash });
+        }
+        panel.y.range = spread(&shown);
+        if i > 0 {
+            panel.layers.iter_mut().for_each(Layer::unlabel);
+        }
+        panel
+    }
+
+    fn residuals(&self, i: usize) -> Panel {
+        let label = format!("residual of {}", words::OMEGA[i]);
+        let mut panel = Panel::new(Axis::linear("time", "s"), Axis::linear(label, "rad/s"))
+            .with(curves::noise_band(self.recording, i));
+        for (performance, label, role, _) in self.models() {
+            let points = residual(self.recording, &performance.windows, i);
+            let points = self.broken(points, performance, &performance.windows);
+            let width = if role == Role::Given { 0.9 } else { 1.1 };
+            panel = panel.with(Layer::Line { points, label, role, width, dash: Dash::Solid });
+        }
+        if i > 0 {
+            panel.layers.iter_mut().for_each(Layer::unlabel);
+        }
+        panel
+    }
+
+    /// A curve without the jumps where the simulations of 2 s start anew.
+    fn broken(
+        &self,
+        points: Vec<(f64, f64)>,
+        performance: &Performance,
+        rows: &[[f64; 2]],
+    ) -> Vec<(f64, f64)> {
+        if !std::ptr::eq(rows, performance.windows.as_slice()) {
+            return points;
+        }
+        let mut out = Vec::with_capacity(points.len() + performance.window_starts.len());
+        let mut starts = performance.window_starts.iter().peekable();
+        for (k, point) in points.into_iter().enumerate() {
+            if starts.next_if(|start| **start == k).is_some() && k > 0 {
+                out.push((point.0, f64::NAN));
+            }
+            out.push(point);
+        }
+        out
+    }
+
+    /// The four simulations of 2 s in a row in which the model as given errs most.
+    fn worst(&self) -> (f64, f64) {
+        let t = &self.recording.t;
+        let last = t.len() - 1;
+        let rows = self.given.windows.iter().zip(&self.recording.omega);
+        let mut sums = vec![0.0];
+        for (s, m) in rows {
+            let square = (m[0] - s[0]).powi(2) + (m[1] - s[1]).powi(2);
+            sums.push(sums[sums.len() - 1] + if square.is_finite() { square } else { 0.0 });
+        }
+        let whole = (t[0], t[last]);
+        let end_of = |k: usize| t.partition_point(|now| *now <= t[k] + STRETCH);
+        let starts = self.given.window_starts.iter().copied();
+        let full = starts.filter(|&k| k <= last && t[k] + STRETCH <= t[last] + 1e-9);
+        let square = |k: usize| sums[end_of(k).min(sums.len() - 1)] - sums[k.min(sums.len() - 1)];
+        let worst = full.max_by(|&a, &b| square(a).total_cmp(&square(b)));
+        worst.map_or((whole.0, whole.1.min(whole.0 + STRETCH)), |k| (t[k], t[k] + STRETCH))
+    }
+}
+
+/// The range of y of points, with a little room.
+fn spread(points: &[(f64, f64)]) -> Option<(f64, f64)> {
+    let y = || points.iter().map(|p| p.1).filter(|y| y.is_finite());
+    let (low, high) = (y().fold(f64::INFINITY, f64::min), y().fold(f64::NEG_INFINITY, f64::max));
+    let room = 0.06 * (high - low);
+    (high > low).then_some((low - room, high + room))
+}

@@ -1,0 +1,166 @@
+//! The recorded signals of the recording that is shown, and its path.
+
+use super::curves::{self, wheel};
+use super::overlay::LINK;
+use super::{Depth, Section, words};
+use crate::report::block::Block;
+use crate::report::figure::{Axis, Dash, Figure, Layer, Panel, Role, Size};
+use crate::report::format;
+use crate::study::{RecordingStudy, Study};
+
+/// Recorded signals.
+#[derive(Default)]
+pub struct Signals;
+
+impl Section for Signals {
+    fn id(&self) -> &'static str {
+        "signals"
+    }
+
+    fn title(&self) -> &'static str {
+        "Recorded signals"
+    }
+
+    fn depth(&self) -> Depth {
+        Depth::Details
+    }
+
+    fn how_to_read(&self) -> &'static str {
+        "Input and speeds as the fit sees them, after conditioning, and the path that follows from the wheel \
+         angles."
+    }
+
+    fn blocks(&self, study: &Study) -> Vec<Block> {
+        let Some((index, recording)) = curves::shown(study) else { return vec![] };
+        if recording.t.is_empty() {
+            return vec![];
+        }
+        let mut blocks: Vec<Block> =
+            vec![drive(study, recording).into(), velocity(study, recording).into()];
+        let model = study.last_model().and_then(|m| m.performance.get(index));
+        let errors = model.map(|p| p.windows.as_slice()).unwrap_or_default();
+        if recording.path.len() > 1 {
+            blocks.push(path(recording, errors).into());
+        }
+        blocks
+    }
+}
+
+fn time() -> Axis {
+    Axis::linear("time", "s")
+}
+
+fn line(points: Vec<(f64, f64)>, label: &str, role: Role, width: f64) -> Layer {
+    Layer::Line { points, label: label.to_owned(), role, width, dash: Dash::Solid }
+}
+
+/// The recorded input: Fig. 3 of the paper.
+fn drive(study: &Study, recording: &RecordingStudy) -> Figure {
+    let roles = [Role::Wheel1, Role::Wheel2];
+    let mut panel = Panel::new(time(), Axis::linear("input", study.drive_unit.symbol()));
+    for i in 0..2 {
+        let label = format!("{} {}", words::DRIVE[i], words::WHEELS[i]);
+        panel = panel.with(line(wheel(&recording.t, &recording.moment, i), &label, roles[i], 1.2));
+    }
+    Figure::new("drive", "Recorded input of the wheels")
+        .with_subtitle(&recording.file)
+        .with_caption(format!("What drives the simulation.{}", words::in_paper(study, "Fig. 3")))
+        .with_panel(panel)
+        .linked(LINK)
+}
+
+/// The measured speeds: Fig. 4 of the paper.
+fn velocity(study: &Study, recording: &RecordingStudy) -> Figure {
+    let roles = [Role::Wheel1, Role::Wheel2];
+    let mut panel = Panel::new(time(), Axis::linear("wheel speed", "rad/s"));
+    panel.layers.extend(curves::failing(study, recording));
+    for i in 0..2 {
+        let label = format!("{} {}", words::OMEGA[i], words::WHEELS[i]);
+        panel = panel.with(line(wheel(&recording.t, &recording.omega, i), &label, roles[i], 1.2));
+    }
+    let source = if recording.measured.omega { "Measured" } else { "Differentiated from angles" };
+    Figure::new("speeds", "Angular speeds of the wheels")
+        .with_subtitle(&recording.file)
+        .with_caption(format!("{source}.{}", words::in_paper(study, "Fig. 4")))
+        .with_panel(panel)
+        .linked(LINK)
+}
+
+/// The path of the axle's centre, dotted where the model errs.
+fn path(recording: &RecordingStudy, windows: &[[f64; 2]]) -> Figure {
+    let place = |k: usize| (recording.path[k][0], recording.path[k][1]);
+    let all: Vec<(f64, f64)> = (0..recording.path.len()).map(place).collect();
+    let noise = recording.noise.omega.map(|s| s.max(1e-9));
+    let loud = |k: usize| -> f64 {
+        let one = |i: usize| ((recording.omega[k][i] - windows[k][i]) / noise[i]).powi(2);
+        (0.5 * (one(0) + one(1))).sqrt()
+    };
+    let count = windows.len().min(recording.omega.len()).min(all.len());
+    let smooth = smoothed(&(0..count).map(loud).collect::<Vec<_>>(), recording.rate_hz);
+    let above = |low: f64, high: f64| -> Vec<(f64, f64)> {
+        (0..count).filter(|&k| smooth[k] > low && smooth[k] <= high).map(|k| all[k]).collect()
+    };
+    let size = map_size(&all);
+    let start = all[0];
+    let dots = |points, label: &str, role, radius| Layer::Points {
+        points,
+        label: label.to_owned(),
+        role,
+        radius,
+        alpha: 1.0,
+    };
+    let panel = Panel::new(Axis::linear("x", "m"), Axis::linear("y", "m"))
+        .with_equal_units()
+        .with(line(all.clone(), "path", Role::NoiseFloor, 1.6))
+        .with(dots(above(2.0, 4.0), "error 2 to 4 times the noise", Role::Highlight, 1.6))
+        .with(dots(above(4.0, f64::INFINITY), "more than 4 times", Role::Model, 2.6))
+        .with(dots(vec![start], "start", Role::Ink, 4.5));
+    let shares = [above(2.0, 4.0).len(), above(4.0, f64::INFINITY).len()];
+    let share = (shares[0] + shares[1]) as f64 / count.max(1) as f64;
+    let title = match count {
+        0 => "Robot path".to_owned(),
+        _ if share == 0.0 => "The error stays below twice the measurement noise".to_owned(),
+        _ => format!(
+            "For {} of the time the error exceeds twice the measurement noise",
+            format::percent(share)
+        ),
+    };
+    let mut figure = Figure::new("path", title)
+        .with_subtitle(&recording.file)
+        .with_caption(
+            "Path of the axle's centre, computed from the wheel angles; dots mark where the 2 s simulation \
+             error, averaged over 0.2 s, exceeds the noise of the speeds.",
+        )
+        .with_panel(panel);
+    figure.size = size;
+    figure
+}
+
+/// Root mean square over 0.2 s.
+fn smoothed(values: &[f64], rate: f64) -> Vec<f64> {
+    let half = ((0.1 * rate) as usize).min(values.len());
+    let mut sums = vec![0.0];
+    for v in values {
+        let square = if v.is_finite() { (v * v).min(1e6) } else { 1e6 };
+        sums.push(sums[sums.len() - 1] + square);
+    }
+    (0..values.len())
+        .map(|k| {
+            let (from, to) = (k.saturating_sub(half), (k + half + 1).min(values.len()));
+            ((sums[to] - sums[from]) / (to - from) as f64).sqrt()
+        })
+        .collect()
+}
+
+/// A figure of fitting height for a map of these places.
+fn map_size(points: &[(f64, f64)]) -> Size {
+    const WIDTH: f64 = 620.0;
+    let span = |pick: fn(&(f64, f64)) -> f64| {
+        let values = || points.iter().map(pick).filter(|v| v.is_finite());
+        let ends =
+            (values().fold(f64::INFINITY, f64::min), values().fold(-f64::INFINITY, f64::max));
+        (ends.1 - ends.0).max(1e-3)
+    };
+    let height = (WIDTH * span(|p| p.1) / span(|p| p.0)).clamp(150.0, 480.0);
+    Size { width: WIDTH, height: Some(height + 130.0) }
+}

@@ -1,0 +1,81 @@
+//! What a simulation is given, and why it may stop.
+
+use crate::model::ModelError;
+use crate::recording::RecordingError;
+use crate::robot::State;
+
+/// What the drive does between two samples.
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    serde::Serialize,
+    serde::Deserialize,
+    schemars::JsonSchema,
+)]
+#[serde(rename_all = "snake_case")]
+pub enum Hold {
+    /// Runs in a straight line from sample to sample (first-order hold).
+    #[default]
+    Linear,
+    /// Keeps the value of the earlier sample (zero-order hold).
+    Constant,
+}
+
+/// Error of a straight line between the rows at the whole rate over what halving the rate changes: it falls
+/// as the square of the interval, so of a difference of 4 - 1 parts one is left.
+pub const BETWEEN_ROWS: f64 = 1.0 / 3.0;
+
+/// The drive of a simulation: one row a sample.
+#[derive(Clone, Copy, Debug)]
+pub struct Input<'a> {
+    /// Time [s], strictly increasing.
+    pub t: &'a [f64],
+    /// Recorded drive [N m]; drive effects of the model are applied to it.
+    pub moment: &'a [[f64; 2]],
+    /// Between the samples.
+    pub hold: Hold,
+}
+
+/// Why a simulation stopped.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SimulateError {
+    /// The model has no acceleration.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// What was simulated is no recording.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// The motion left all bounds.
+    #[error("the simulated motion diverges at t = {t:.3} s (wheel speed above {limit:.0e} rad/s)")]
+    Diverged {
+        /// When [s].
+        t: f64,
+        /// Bound [rad/s].
+        limit: f64,
+    },
+}
+
+/// What was driven before a part of a recording: it makes ready the states that no sensor sees.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RunIn {
+    /// Its samples, before the first of the part.
+    pub samples: usize,
+    /// The state of the wheels at its start.
+    pub start: State,
+}
+
+/// Where the nonlinear functions f3, f4 take their argument from.
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
+)]
+#[serde(rename_all = "snake_case")]
+pub enum Structure {
+    /// From the emulator's own state.
+    Parallel,
+    /// From the measured state.
+    SerialParallel,
+}

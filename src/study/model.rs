@@ -1,0 +1,152 @@
+//! A fitted model on the recordings of an experiment, in detail, and how good that is in a word.
+
+use serde::Serialize;
+
+use super::Performance;
+use crate::compare::{Failure, Horizon, Whiteness};
+use crate::diagnose::THRESHOLDS;
+use crate::identify::Estimate;
+
+/// A parameter of a fitted model.
+#[derive(Clone, Debug, Serialize)]
+pub struct ParameterStudy {
+    /// Id of the effect that it belongs to.
+    pub effect: String,
+    /// What it means.
+    pub meaning: String,
+    /// Its estimate.
+    pub estimate: Estimate,
+}
+
+/// A fitted model on the recordings of an experiment.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct ModelStudy {
+    /// Effects beyond the base.
+    pub effects: Vec<String>,
+    /// Parameters.
+    pub parameters: Vec<ParameterStudy>,
+    /// One per recording of the experiment; without emulators.
+    pub performance: Vec<Performance>,
+    /// Residual torque of every row of every recording [N m]; not a number near rest. Empty where the model is
+    /// no physical one.
+    pub residual_torque: Vec<Vec<[f64; 2]>>,
+    /// Regimes of driving, by how far the error of the judged recordings exceeds noise.
+    pub failures: Vec<Failure>,
+    /// Error of the judged recordings over simulations of several lengths.
+    pub horizons: Vec<Horizon>,
+    /// Residual analysis on the judged recordings.
+    pub whiteness: Option<Whiteness>,
+}
+
+impl ModelStudy {
+    /// The parameters of an effect.
+    pub fn of_effect<'a>(&'a self, id: &'a str) -> impl Iterator<Item = &'a Estimate> {
+        self.parameters.iter().filter(move |p| p.effect == id).map(|p| &p.estimate)
+    }
+
+    /// The estimate of a parameter.
+    #[must_use]
+    pub fn parameter(&self, symbol: &str) -> Option<&ParameterStudy> {
+        self.parameters.iter().find(|p| p.estimate.symbol == symbol)
+    }
+}
+
+/// An effect that the diagnosis accepted.
+#[derive(Clone, Debug, Serialize)]
+pub struct FoundEffect {
+    /// Id.
+    pub id: String,
+    /// Its name in words.
+    pub title: String,
+    /// What it is in the robot.
+    pub cause: String,
+    /// Ids of the effects that these data do not distinguish from it.
+    pub indistinguishable: Vec<String>,
+}
+
+/// How good a model is, in a word.
+///
+/// The first that applies, of the 2 s simulation error e on recordings that were not fitted, the noise floor
+/// and the top speed of a wheel:
+///
+/// | grade | condition |
+/// |---|---|
+/// | at the floor | e ≤ 1.2 floor |
+/// | near the floor | e ≤ 1.5 floor, or sqrt(e² - floor²) ≤ 0.2 % of the top speed |
+/// | useful | e ≤ 5 % of the top speed |
+/// | poor | e ≤ 20 % of the top speed |
+/// | not usable | beyond, or the simulation diverges |
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Grade {
+    /// These recordings cannot show a better model.
+    AtFloor,
+    /// What is left is small against noise or speed.
+    Near,
+    /// Good enough to predict motion to a few percent.
+    Useful,
+    /// The course of the motion is right, its size is not.
+    Poor,
+    /// No prediction.
+    NotUsable,
+}
+
+/// Error over the floor that counts as at the floor: the floor is known to about as much.
+pub const AT_FLOOR: f64 = 1.2;
+/// Error as a share of the top speed below which a model is useful: what feedforward leaves to a speed
+/// controller without trouble (taste).
+const USEFUL: f64 = 0.05;
+/// The same below which a model is poor: beyond it the sign of small accelerations is not predicted (taste).
+const POOR: f64 = 0.2;
+
+impl Grade {
+    /// The grade of an error over windows of 2 s, beside its floor and the top speed [rad/s].
+    ///
+    /// ```
+    /// use amigo_ident::study::Grade;
+    /// assert_eq!(Grade::of(0.055, 0.05, 10.0), Grade::AtFloor);
+    /// assert_eq!(Grade::of(0.3, 0.05, 10.0), Grade::Useful);
+    /// assert_eq!(Grade::of(f64::NAN, 0.05, 10.0), Grade::NotUsable);
+    /// ```
+    #[must_use]
+    pub fn of(error: f64, floor: f64, top_speed: f64) -> Self {
+        let excess = (error * error - floor * floor).max(0.0).sqrt();
+        let is_small = excess <= THRESHOLDS.excess * top_speed;
+        match error {
+            e if !e.is_finite() => Self::NotUsable,
+            e if e <= AT_FLOOR * floor => Self::AtFloor,
+            e if e <= THRESHOLDS.above_floor * floor || is_small => Self::Near,
+            e if e <= USEFUL * top_speed => Self::Useful,
+            e if e <= POOR * top_speed => Self::Poor,
+            _ => Self::NotUsable,
+        }
+    }
+
+    /// In words.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::AtFloor => "at the noise floor",
+            Self::Near => "near the noise floor",
+            Self::Useful => "useful",
+            Self::Poor => "poor",
+            Self::NotUsable => "not usable",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn grades_change_at_their_limits_and_only_get_worse() {
+        use Grade::{AtFloor, Near, NotUsable, Poor, Useful};
+        // floor 0.1, top speed 10: limits at 0.12, 0.15, 0.5 and 2
+        let at = |e| Grade::of(e, 0.1, 10.0);
+        let seen = [0.119, 0.121, 0.149, 0.151, 0.499, 0.501, 1.99, 2.01].map(at);
+        assert_eq!(seen, [AtFloor, Near, Near, Useful, Useful, Poor, Poor, NotUsable]);
+        // a very low floor: 0.2 % of the top speed is 0.02
+        assert_eq!([0.0199, 0.0202].map(|e| Grade::of(e, 0.001, 10.0)), [Near, Useful]);
+    }
+}

@@ -1,0 +1,62 @@
+//! What the documentation says of the program is what the program does.
+
+use std::fs;
+use std::path::Path;
+
+use amigo_ident::identify::{self, MethodOption};
+
+/// The options of a method; those that all fuzzy methods share stand under the name `fuzzy`.
+fn options(name: &str) -> Option<Vec<MethodOption>> {
+    let of = |name: &str| identify::find(name).map(|method| method.options());
+    let own = of("fuzzy_anfis")?;
+    let shared: Vec<MethodOption> =
+        of("fuzzy_genetic")?.into_iter().filter(|option| own.contains(option)).collect();
+    match name {
+        "fuzzy" => Some(shared),
+        _ if name.starts_with("fuzzy_") => {
+            Some(of(name)?.into_iter().filter(|option| !shared.contains(option)).collect())
+        }
+        _ => of(name),
+    }
+}
+
+fn table(options: &[MethodOption]) -> String {
+    let cell = |text: &str| text.replace('|', "\\|");
+    let row =
+        |o: &MethodOption| format!("| `{}` | `{}` | {} |\n", o.key, o.default, cell(&o.meaning));
+    let rows: String = options.iter().map(row).collect();
+    format!("| option | default | meaning |\n|---|---|---|\n{rows}")
+}
+
+/// The page with every table between `<!-- options of NAME -->` and `<!-- end -->` made anew.
+fn with_tables(page: &str) -> String {
+    let mut parts = page.split("<!-- options of ");
+    let mut out = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (name, rest) = part.split_once(" -->\n").expect("the mark of a table ends its line");
+        let (_, after) = rest.split_once("<!-- end -->").expect("a table ends with its mark");
+        let options = options(name).unwrap_or_else(|| panic!("no method `{name}`"));
+        out.push_str(&format!(
+            "<!-- options of {name} -->\n{}<!-- end -->{after}",
+            table(&options)
+        ));
+    }
+    out
+}
+
+#[test]
+fn the_tables_of_options_are_those_of_the_methods() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/methods.md");
+    let page = fs::read_to_string(&path).unwrap();
+    for method in identify::all() {
+        let name = method.describe().name;
+        let own = options(&name).unwrap();
+        let mark = format!("<!-- options of {name} -->");
+        assert!(own.is_empty() || page.contains(&mark), "docs/methods.md has no table {mark}");
+    }
+    let present = with_tables(&page);
+    if std::env::var_os("UPDATE_DOCS").is_some() {
+        fs::write(&path, &present).unwrap();
+    }
+    assert!(page == present, "docs/methods.md is out of date; run the test with UPDATE_DOCS=1");
+}

@@ -1,0 +1,151 @@
+//! What a user reads is written in the field's words: the table of CONTRIBUTING.md, "Language".
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use amigo_ident::{effects, identify};
+
+/// Phrases that are refused, in lower case, and what is written instead. Words count as a whole.
+const REFUSED: [(&str, &str); 40] = [
+    ("missing moment", "residual torque"),
+    ("missing moments", "residual torques"),
+    ("motor moment", "motor torque"),
+    ("recorded moment", "recorded torque"),
+    ("recorded moments", "recorded torques"),
+    ("noisy moments", "noisy torques"),
+    ("exact moments", "exact torques"),
+    ("made data", "synthetic data"),
+    ("made recording", "simulated recording"),
+    ("made recordings", "simulated recordings"),
+    ("window error", "2 s simulation error"),
+    ("window errors", "2 s simulation errors"),
+    ("staircase", "error by model version"),
+    ("holds the truth", "covers the true value"),
+    ("hold the truth", "cover the true value"),
+    ("known truth", "known parameters"),
+    ("errs by", "has an RMS error of"),
+    ("told apart", "distinguished"),
+    ("tell them apart", "distinguish them"),
+    ("strongest tie", "strongest correlation"),
+    ("share their trail", "are correlated"),
+    ("measuring noise", "measurement noise"),
+    ("swallows", "absorbs"),
+    ("takes up", "absorbs"),
+    ("body behind the wheels", "two-mass drivetrain"),
+    ("says nothing of", "… is not identifiable"),
+    ("say nothing of", "… are not identifiable"),
+    ("goes round once", "varies sinusoidally"),
+    ("mend", "correct"),
+    ("mended", "corrected"),
+    ("lets nothing be found", "allows no effects"),
+    ("are said in", "are declared in"),
+    ("runs go on", "can be resumed"),
+    ("is not settled", "did not converge"),
+    ("has no remark", "no issues found"),
+    ("wanders", "drifts"),
+    ("stranger", "effect outside the catalogue"),
+    ("twin", "equivalent effect"),
+    ("hunch", "…"),
+    ("the recorded drive", "the recorded input"),
+];
+
+/// Files and folders whose text is checked; code in backticks and fences is not.
+const CHECKED: [&str; 5] =
+    ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "docs", "experiments"];
+
+/// Source folders whose comments and strings are checked; the others follow as they are rewritten.
+const SOURCES: [&str; 9] = [
+    "src/bin",
+    "src/math",
+    "src/robot",
+    "src/model",
+    "src/simulate",
+    "src/effects",
+    "src/export",
+    "src/identify/fuzzy",
+    "examples",
+];
+
+fn texts(path: &Path, out: &mut Vec<PathBuf>) {
+    if path.is_dir() {
+        let mut entries: Vec<_> = fs::read_dir(path).unwrap().map(|e| e.unwrap().path()).collect();
+        entries.sort();
+        entries.iter().for_each(|entry| texts(entry, out));
+    } else if path.extension().is_some_and(|e| e == "md" || e == "toml" || e == "rs") {
+        out.push(path.to_path_buf());
+    }
+}
+
+/// The lines of a page that a reader takes as prose, with their numbers.
+fn prose(path: &Path, text: &str) -> Vec<(usize, String)> {
+    let is = |extension: &str| path.extension().is_some_and(|e| e == extension);
+    if is("rs") {
+        return (1..).zip(text.lines().map(str::to_owned)).collect();
+    }
+    let markdown = is("md");
+    let mut out = Vec::new();
+    let mut fenced = false;
+    for (number, line) in (1..).zip(text.lines()) {
+        if line.trim_start().starts_with("```") {
+            fenced = !fenced;
+        } else if markdown && line.starts_with("## ") && path.ends_with("CONTRIBUTING.md") {
+            // the table of the words themselves
+            fenced = line == "## Language";
+        } else if markdown && !fenced {
+            // what stands between backticks is every second part
+            let parts: Vec<&str> = line.split('`').step_by(2).collect();
+            out.push((number, parts.join(" ")));
+        } else if !markdown && let Some((_, comment)) = line.split_once('#') {
+            out.push((number, comment.to_owned()));
+        }
+    }
+    out
+}
+
+/// The refused phrases of a text, with their replacements.
+fn refused(text: &str) -> Vec<String> {
+    let text = text.to_lowercase();
+    let letter = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || c == '_');
+    let whole = |(at, word): (usize, &str)| {
+        !letter(text[..at].chars().last()) && !letter(text[at + word.len()..].chars().next())
+    };
+    let found = REFUSED.iter().filter(|(phrase, _)| text.match_indices(phrase).any(whole));
+    found.map(|(phrase, instead)| format!("\"{phrase}\": write \"{instead}\"")).collect()
+}
+
+#[test]
+fn pages_experiment_files_and_sources_use_the_words_of_the_field() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut paths = Vec::new();
+    CHECKED.iter().chain(&SOURCES).for_each(|name| texts(&root.join(name), &mut paths));
+    let mut wrong = Vec::new();
+    for path in &paths {
+        let text = fs::read_to_string(path).unwrap();
+        for (number, line) in prose(path, &text) {
+            let shown = path.strip_prefix(root).unwrap().display();
+            wrong.extend(refused(&line).into_iter().map(|r| format!("{shown}:{number}: {r}")));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn the_catalogues_use_the_words_of_the_field() {
+    let mut wrong = Vec::new();
+    for effect in effects::all() {
+        let text = effects::details(&effect.id()).unwrap();
+        wrong.extend(refused(&text).into_iter().map(|r| format!("{}: {r}", effect.id())));
+    }
+    for method in identify::all() {
+        let name = method.describe().name;
+        let text = identify::details(&name).unwrap();
+        wrong.extend(refused(&text).into_iter().map(|r| format!("{name}: {r}")));
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn a_refused_phrase_is_seen_as_a_whole_word_only() {
+    assert_eq!(refused("The Missing moment").len(), 1);
+    assert!(refused("a recommendation, twinned").is_empty());
+}

@@ -1,0 +1,133 @@
+//! The report in a browser. Where no Chromium is installed there is nothing to test with, and the tests say so.
+
+use std::fs;
+use std::process::{Command, Output};
+
+use crate::support::Folder;
+
+/// A robot that scrubs, small enough to be diagnosed at once: the report has both models.
+const SCRUB: &str = r#"title = "Scrub"
+[simulation]
+hidden     = { turning_scrub = { f_t = 0.02 } }
+noise      = { dalpha = 0.05, alpha = 0.001, M = 0.005 }
+seed       = 2
+train      = 2
+validation = 1
+duration_s = 12.0
+[[method]]
+name = "torque_regression"
+[diagnosis]
+candidates  = ["turning_scrub", "viscous_friction"]
+max_effects = 1
+"#;
+
+fn browser() -> Option<&'static str> {
+    let names = ["chromium", "chromium-browser", "google-chrome"];
+    let runs = |name: &&str| Command::new(name).arg("--version").output().is_ok();
+    let found = names.into_iter().find(runs);
+    if found.is_none() {
+        println!("no Chromium on this machine: the report is not opened");
+    }
+    found
+}
+
+/// Opens a page of the folder.
+fn open(browser: &str, folder: &Folder, page: &str, arguments: &[&str]) -> Output {
+    let profile = format!("--user-data-dir={}", folder.path("profile").display());
+    Command::new(browser)
+        .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"])
+        .args(["--disable-background-networking", "--disable-component-update", "--disable-sync"])
+        .args(["--enable-logging=stderr", "--virtual-time-budget=5000", "--window-size=1280,900"])
+        .arg(profile)
+        .args(arguments)
+        .arg(format!("file://{}", folder.path(page).display()))
+        .output()
+        .unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// Zooms the first figure and reads the places at the left edge of the others, hides a curve, switches the
+/// model; the answers stand in the title.
+const PROBE: &str = r##"<script>
+const figure = (name) => document.querySelector("#figure-" + name);
+const canvas = (name) => figure(name).querySelector("canvas");
+const edge = (name) => {
+  const box = canvas(name).getBoundingClientRect();
+  canvas(name).dispatchEvent(new PointerEvent("pointermove",
+    { clientX: box.left + 1, clientY: box.top + 20, bubbles: true }));
+  return Number(figure(name).querySelector(".axis-label").textContent.split("(").at(-1).split(",")[0]);
+};
+document.querySelectorAll("details").forEach((d) => { d.open = true; });
+setTimeout(() => {
+  const before = edge("fit");
+  canvas("overlay").dispatchEvent(new KeyboardEvent("keydown", { key: "+", bubbles: true }));
+  const after = ["overlay", "fit", "speeds"].map(edge);
+  const key = figure("fit").querySelector(".key");
+  key.click();
+  const choice = document.querySelector("input[value=given]");
+  choice.checked = true;
+  choice.dispatchEvent(new Event("change", { bubbles: true }));
+  console.error("probe");
+  document.title = JSON.stringify({ before, after, pressed: key.getAttribute("aria-pressed"),
+    wide: document.documentElement.scrollWidth - innerWidth });
+}, 500);
+</script></body>"##;
+
+#[test]
+fn a_report_opens_without_a_message_zooms_together_and_prints_on_few_pages() {
+    let Some(browser) = browser() else { return };
+    let folder = Folder::new();
+    folder.write("scrub.toml", SCRUB).run(&["scrub.toml"]).says(0, &["Missing: turning scrub"]);
+    let page = "reports/scrub/report.html";
+
+    let opened = open(browser, &folder, page, &["--dump-dom"]);
+    assert!(!text(&opened.stderr).contains("CONSOLE"), "{}", text(&opened.stderr));
+    assert!(text(&opened.stdout).contains("class=\"live\""), "the script did not run");
+
+    // the page forbids scripts that are not its own: the probe needs a copy that does not
+    let html = folder.read(page).replace("Content-Security-Policy", "x-policy");
+    folder.write("probe.html", html.replace("</body>", PROBE));
+    let probed = open(browser, &folder, "probe.html", &["--dump-dom"]);
+    assert!(text(&probed.stderr).contains("CONSOLE"), "messages of the console are not seen");
+    let dom = text(&probed.stdout);
+    let title = dom.split("<title>").nth(1).and_then(|t| t.split("</title>").next()).unwrap();
+    let seen: serde_json::Value =
+        serde_json::from_str(title).unwrap_or_else(|e| panic!("{title}: {e}"));
+    let after: Vec<f64> =
+        seen["after"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
+    // all show the same range now, and the overlay showed the later part of it before
+    assert!((after[0] - after[1]).abs() < 0.05 && (after[0] - after[2]).abs() < 0.05, "{seen}");
+    assert!((after[0] - seen["before"].as_f64().unwrap()).abs() > 0.2, "{seen}");
+    assert_eq!(seen["pressed"], "false");
+
+    open(browser, &folder, page, &[&format!("--print-to-pdf={}", folder.path("r.pdf").display())]);
+    let pdf = text(&fs::read(folder.path("r.pdf")).unwrap());
+    let counts =
+        pdf.split("/Count ").skip(1).filter_map(|s| s.split(|c: char| !c.is_ascii_digit()).next());
+    let pages = counts.filter_map(|s| s.parse::<usize>().ok()).max().unwrap();
+    assert!((2..=6).contains(&pages), "{pages} pages");
+}
+
+#[test]
+fn on_a_phone_nothing_but_tables_and_pictures_is_wider_than_the_screen() {
+    let Some(browser) = browser() else { return };
+    let folder = Folder::new();
+    let plain = SCRUB.split("[diagnosis]").next().unwrap();
+    folder.write("scrub.toml", plain).run(&["scrub.toml"]).says(0, &[]);
+    let html =
+        folder.read("reports/scrub/report.html").replace("Content-Security-Policy", "x-policy");
+    // Chromium's windows are 500 px wide at least: a frame has any width
+    let frame = r#"<iframe id="f" src="page.html" width="390" height="800"></iframe><script>
+      onmessage = (event) => { document.title = "wide " + event.data; };</script>"#;
+    let measure = "<script>setTimeout(() => parent.postMessage(\
+                   document.documentElement.scrollWidth - innerWidth, '*'), 500);</script></body>";
+    folder.write("page.html", html.replace("</body>", measure));
+    folder.write("frame.html", frame);
+    let dom = text(&open(browser, &folder, "frame.html", &["--dump-dom"]).stdout);
+    let title = dom.split("<title>").nth(1).and_then(|t| t.split("</title>").next());
+    let wider: f64 = title.and_then(|t| t.strip_prefix("wide ")).unwrap().parse().unwrap();
+    assert!(wider <= 0.0, "{wider} px wider than the screen");
+}
