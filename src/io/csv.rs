@@ -14,7 +14,7 @@ use polars::prelude::{
 
 pub(super) use self::blocks::{Blocks, has_more_lines};
 use super::IoError;
-use super::error::{format_error, shown};
+use super::error::{caught, format_error, shown};
 
 /// What the first lines of a file say about it.
 #[derive(Clone, Debug, PartialEq)]
@@ -136,7 +136,7 @@ fn options(layout: &Layout, truncate: bool) -> CsvReadOptions {
 }
 
 fn finish(path: &Path, options: CsvReadOptions) -> PolarsResult<DataFrame> {
-    options.try_into_reader_with_file_path(Some(path.to_path_buf()))?.finish()
+    caught(|| options.try_into_reader_with_file_path(Some(path.to_path_buf()))?.finish())
 }
 
 /// The rows of data with their line, both from 1.

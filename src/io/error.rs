@@ -1,9 +1,10 @@
 //! What is wrong with a file, in words.
 
 use std::io::ErrorKind;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
-use polars::prelude::PolarsError;
+use polars::prelude::{PolarsError, PolarsResult};
 
 use crate::recording::RecordingError;
 
@@ -272,6 +273,13 @@ pub(super) fn shortened(list: &str) -> String {
 /// A path as messages show it.
 pub(super) fn shown(path: &Path) -> String {
     path.display().to_string()
+}
+
+/// What polars reads; damaged files can make it panic (a CSV that ends in an open quote, a changed bit of
+/// Parquet), which is an error like any other.
+pub(super) fn caught<T>(read: impl FnOnce() -> PolarsResult<T>) -> PolarsResult<T> {
+    let damaged = |_| PolarsError::ComputeError("its data are damaged; write it again".into());
+    catch_unwind(AssertUnwindSafe(read)).map_err(damaged)?
 }
 
 /// What polars says of a file, in one line.

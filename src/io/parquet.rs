@@ -8,14 +8,13 @@
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use polars::prelude::{DataFrame, ParquetReader, PolarsResult, SerReader};
 
 use super::IoError;
 use super::bytes::{Bytes, Damage};
-use super::error::{format_error, shown};
+use super::error::{caught, format_error};
 
 const FORMAT: &str = "Parquet";
 const MAGIC: &[u8] = b"PAR1";
@@ -67,15 +66,9 @@ pub(super) fn read_rows(
     guarded(path, || reader().with_slice(Some((from, count))).finish())
 }
 
-/// What polars says; that it panics is said in words.
+/// What polars says of a file that may be damaged.
 fn guarded<T>(path: &Path, read: impl FnOnce() -> PolarsResult<T>) -> Result<T, IoError> {
-    let damaged = |_| IoError::Format {
-        file: shown(path),
-        format: FORMAT.into(),
-        reason: "its data are damaged; write it again".into(),
-    };
-    let read = catch_unwind(AssertUnwindSafe(read)).map_err(damaged)?;
-    read.map_err(|e| format_error(path, FORMAT, &e))
+    caught(read).map_err(|e| format_error(path, FORMAT, &e))
 }
 
 /// Opens a file whose numbers are possible, in its footer and in the pages of these columns.

@@ -260,6 +260,12 @@ proptest::proptest! {
 }
 
 #[test]
+fn a_file_that_ends_in_an_open_quote_is_refused() {
+    let error = refused(format!("{HEADER}\n\""));
+    assert!(error.contains("cannot be read as CSV: could not parse"), "{error}");
+}
+
+#[test]
 #[ignore = "writes 100 MB; prints the time that a million rows take"]
 #[expect(clippy::print_stdout, reason = "a measurement that is run by hand")]
 fn a_million_rows_are_read() {
