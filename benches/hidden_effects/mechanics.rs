@@ -17,8 +17,10 @@
 use super::hidden::Values;
 use super::robots::Machine;
 
-/// Speeds below this share of the top speed are creep: friction is tanh(w/width).
-const WIDTH: f64 = 1e-3;
+/// Speeds below this share of the top speed are creep: friction is tanh(w/width). A wheel that breaks away has
+/// crept to three times it, which must lie below the noise of every sensor (0.15 % of the top speed): creep that a
+/// sensor sees is an effect, and a robot with it is not healthy.
+const WIDTH: f64 = 1e-4;
 
 /// Frame speed and turn rate, motor angles and speeds, twists of the springs, heading.
 pub(crate) type State = [f64; 9];

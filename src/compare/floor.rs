@@ -136,8 +136,8 @@ fn sampling(
     Ok(Floor { ise, window_rms: (windows / (4.0 * t.len() as f64)).sqrt() })
 }
 
-/// The input with every other row filled in from its neighbours.
-fn every_other(recording: &Recording, phase: usize, hold: Hold) -> Vec<[f64; 2]> {
+/// The input with every other row, the even or the odd ones, filled in from its neighbours.
+pub(crate) fn every_other(recording: &Recording, phase: usize, hold: Hold) -> Vec<[f64; 2]> {
     let (t, m) = (recording.t(), recording.moment());
     let mut out = m.to_vec();
     for piece in recording.pieces() {

@@ -3,6 +3,7 @@
 mod refit;
 mod steps;
 
+use std::cmp::Ordering;
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -204,7 +205,7 @@ impl<'a> Search<'a> {
             }
         });
         self.set_criteria(&mut ranked);
-        ranked.sort_by(|a, b| a.bic.total_cmp(&b.bic));
+        ranked.sort_by(before);
         self.choose_shift(&mut ranked);
         ranked
     }
@@ -312,7 +313,7 @@ impl<'a> Search<'a> {
             r.bic = self.bic(&r.candidate, r.by_regression) + r.bic_windows;
         }
         let others = ranked.iter().filter(|r| r.refit.is_some() && !of_input(r));
-        let first = others.min_by(|a, b| a.bic.total_cmp(&b.bic)).map(|r| (r.bic, r.bic_windows));
+        let first = others.min_by(|a, b| before(a, b)).map(|r| (r.bic, r.bic_windows));
         for r in ranked.iter_mut().filter(|r| r.refit.is_some() && of_input(r)) {
             let by_regression = self.bic(&r.candidate, r.by_regression);
             let clips = r.candidate.linear.is_empty() && !r.candidate.is_shift();
@@ -348,6 +349,13 @@ type Look<'a> = (Option<Regression<'a>>, Option<Screen<'a>>);
 fn held_in_time(present: &WindowFit) -> Model {
     let Ok(j) = present.model.index_of(SYMBOL) else { return present.model.clone() };
     present.model.fix(SYMBOL, present.p[j]).unwrap_or_else(|_| present.model.clone())
+}
+
+/// The order of candidates: those first whose simulation confirms them, since the balance of the torques may be
+/// wrong by far where friction decides; among them by the criterion.
+fn before(a: &Ranked, b: &Ranked) -> Ordering {
+    let refuted = |r: &Ranked| r.bic_windows >= 0.0;
+    refuted(a).cmp(&refuted(b)).then(a.bic.total_cmp(&b.bic))
 }
 
 /// Shapes of an effect from which on their ratios are levelled.

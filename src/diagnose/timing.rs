@@ -4,12 +4,18 @@
 //! against the motion by up to half a row. That is timing, not physics; what is later than that is a delay
 //! of the actuator.
 
-use super::input_timing::later;
+use std::sync::Arc;
+
+use super::fit::{WindowFit, fit};
+use super::input_timing::{InputTiming, SYMBOL, later};
 use super::regression::{Regression, cutoff};
 use super::scale::scale_of;
-use super::windows::mobility;
+use super::windows::{Windows, mobility};
+use crate::compare::every_other;
+use crate::effects::Scale;
 use crate::model::Model;
 use crate::recording::Recording;
+use crate::simulate::{BETWEEN_ROWS, Hold};
 
 /// Largest delay that logging explains, in rows: the mean over a row, a value that is held through it, and a
 /// difference of angles all lie half a row off.
@@ -19,8 +25,8 @@ pub(super) const EARLIEST: f64 = -1.5;
 const RESOLUTION: f64 = 0.1;
 /// Longest delay that is searched [s], that of slow motor controllers on a bus.
 const LONGEST: f64 = 0.15;
-/// Shift that does not matter, in rows: a tenth of what logging explains.
-const NEGLIGIBLE: f64 = 0.05;
+/// Windows of 1 s that are simulated at most: their error of a shift is far below that of logging.
+const WINDOWS: usize = 120;
 /// Standard errors within which a delay may still be none, or one that logging explains.
 pub(super) const UNCERTAIN: f64 = 2.0;
 
@@ -35,20 +41,33 @@ pub struct Timing {
     pub correction_s: f64,
 }
 
-/// Estimates the shift of the input of `recordings` against the motion, with a model at `p`: the minimum of
-/// the residual of a low-passed regression of the input on the free parameters.
+/// Estimates the shift of the input of `recordings` against the motion, with a model at `p`: from the balance of
+/// the torques over the whole range, then by simulation. `None` where the motion does not carry it.
+///
+/// The balance is wrong by fractions of a row where friction decides, since its sign comes from a smoothed
+/// speed; a simulation stops and breaks away by itself.
+#[must_use]
+pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -> Option<Timing> {
+    let step = recordings.iter().map(|r| r.step()).fold(0.0, f64::max);
+    let cutoff = cutoff(recordings, mobility(model, p));
+    let scale = scale_of(model, p, recordings, cutoff);
+    let regression = Regression::new(model, p, recordings, cutoff, scale.speed)?;
+    let balanced = by_balance(&regression, step)?;
+    let simulated = by_simulation(model, p, balanced.0, recordings, hold, &scale);
+    let (dead_time_s, std_error_s) = simulated.unwrap_or(balanced);
+    let late = dead_time_s - UNCERTAIN * std_error_s > LOGGING * step;
+    let nothing = dead_time_s.abs() < UNCERTAIN * std_error_s;
+    let correction_s =
+        if late || nothing { 0.0 } else { dead_time_s.clamp(EARLIEST * step, LOGGING * step) };
+    Some(Timing { dead_time_s, std_error_s, correction_s })
+}
+
+/// Shift and standard error [s] by the residual of a low-passed regression of the input on the free parameters.
 ///
 /// ```text
 /// minimise RSS(T),   se² = 2 RSS/(n RSS''),   n = 2 fc (time of motion)
 /// ```
-/// `None` where the motion does not carry it.
-#[must_use]
-pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording]) -> Option<Timing> {
-    let step = recordings.iter().map(|r| r.step()).fold(0.0, f64::max);
-    let mobility = mobility(model, p);
-    let cutoff = cutoff(recordings, mobility);
-    let scale = scale_of(model, p, recordings, cutoff);
-    let regression = Regression::new(model, p, recordings, cutoff, scale.speed)?;
+fn by_balance(regression: &Regression, step: f64) -> Option<(f64, f64)> {
     let at = |shift: f64| regression.square_at_shift(shift);
     let latest = (LONGEST / step).ceil().max(-EARLIEST);
     // coarse over the whole range, fine around the lowest
@@ -70,14 +89,46 @@ pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording]) -> Option<Tim
     if !(bend > 0.0 && least > 0.0) {
         return None;
     }
-    let dead_time_s =
-        best + 0.5 * h * (before - after) / (before - 2.0 * least + after).max(1e-300);
-    let std_error_s = (2.0 * least / (regression.degrees * bend)).sqrt();
-    let late = dead_time_s - UNCERTAIN * std_error_s > LOGGING * step;
-    let nothing = dead_time_s.abs() < (NEGLIGIBLE * step).max(UNCERTAIN * std_error_s);
-    let correction_s =
-        if late || nothing { 0.0 } else { dead_time_s.clamp(EARLIEST * step, LOGGING * step) };
-    Some(Timing { dead_time_s, std_error_s, correction_s })
+    let shift = best + 0.5 * h * (before - after) / (before - 2.0 * least + after).max(1e-300);
+    Some((shift, (2.0 * least / (regression.degrees * bend)).sqrt()))
+}
+
+/// Shift and standard error [s] by the simulation error of windows of 1 s, fitted with the parameters from
+/// `start` on. Of what half of the rows of the input moves the shift by, the share of the rows themselves is in the
+/// error. `None` where the model cannot follow them, or where the shift leaves its range.
+fn by_simulation(
+    model: &Model,
+    p: &[f64],
+    start: f64,
+    recordings: &[&Recording],
+    hold: Hold,
+    scale: &Scale,
+) -> Option<(f64, f64)> {
+    let limits = (EARLIEST * scale.step, LONGEST.max(-EARLIEST * scale.step));
+    let all = Windows::new(recordings.to_vec(), hold, mobility(model, p));
+    let model = model.add_effect(Arc::new(InputTiming { limits })).ok()?;
+    let j = model.index_of(SYMBOL).ok()?;
+    let every = all.windows.len().div_ceil(WINDOWS);
+    let windows = all.only(|n| n % every == 0);
+    let from: Vec<f64> = p.iter().copied().chain([start]).collect();
+    let fit = fit(&windows, &model, &from, scale)?;
+    let moved = [0, 1].map(|phase| {
+        let halved = recordings.iter().map(|r| r.with_moment(every_other(r, phase, hold)));
+        let halved: Vec<Recording> = halved.collect();
+        let windows = windows.with_recordings(halved.iter().collect());
+        step_of(&windows, &fit, j).unwrap_or(f64::INFINITY)
+    });
+    let sampling = 0.5 * BETWEEN_ROWS.powi(2) * (moved[0].powi(2) + moved[1].powi(2));
+    let std_error = (fit.covariance[(j, j)] + sampling).sqrt();
+    (!fit.at_bound[j] && std_error.is_finite() && std_error > 0.0).then_some((fit.p[j], std_error))
+}
+
+/// How far one step of Gauss and Newton moves parameter `j` of a fit on other windows.
+fn step_of(windows: &Windows, fit: &WindowFit, j: usize) -> Option<f64> {
+    let free = fit.model.free();
+    let quadratic = windows.quadratic(&fit.model, &fit.p, &free)?;
+    let step = quadratic.hessian.lu().solve(&-quadratic.gradient)?;
+    free.iter().position(|&k| k == j).map(|n| step[n])
 }
 
 /// A signal of a recording `shift` seconds later, by cubic interpolation between its rows; the ends of every

@@ -105,6 +105,18 @@ impl<'a> Windows<'a> {
         }
     }
 
+    /// The same windows, with the same weights, of recordings that differ in their input alone.
+    pub(super) fn with_recordings<'b>(&self, recordings: Vec<&'b Recording>) -> Windows<'b> {
+        Windows {
+            recordings,
+            motions: self.motions.clone(),
+            windows: self.windows.clone(),
+            hold: self.hold,
+            noise: self.noise.clone(),
+            growth: self.growth.clone(),
+        }
+    }
+
     /// The fold of a window, 0 or 1: thirds of each recording in turn, every other recording starting with
     /// the other fold.
     pub(super) fn fold(&self, n: usize) -> usize {

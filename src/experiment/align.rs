@@ -19,7 +19,7 @@ pub(super) fn align(plan: &mut Plan) {
     let task = Task { model: &plan.model, train: &train, hold: plan.hold, seed: plan.seed };
     let Ok(start) = start::start(&task, "timing") else { return };
     let recordings: Vec<&Recording> = train.iter().collect();
-    plan.timing = timing(&plan.model, &start, &recordings);
+    plan.timing = timing(&plan.model, &start, &recordings, plan.hold);
     let Some(timing) = plan.timing.filter(|t| t.correction_s != 0.0) else { return };
     for Measured { recording, .. } in &mut plan.recordings {
         let moved = shifted(recording, recording.moment(), timing.correction_s);

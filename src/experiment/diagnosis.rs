@@ -45,7 +45,7 @@ pub(super) fn run_diagnosis(
     };
     let judge = Judge::new(plan.judged(), plan.hold);
     let floor = study.judged_floor();
-    let before = judge.judge(&plan.model, &diagnosis.base.p)?;
+    let before = judge.judge(&diagnosis.base.model, &diagnosis.base.p)?;
     let errors = judge.errors(&diagnosis, floor)?;
     let left = judge.structure_left(&diagnosis, &likelihood)?;
     let found = diagnosis.found();
