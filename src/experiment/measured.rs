@@ -14,7 +14,7 @@ use crate::conditioning::{
 use crate::io::{
     ColumnMap, RawChannels, needed_columns, read_channels, read_long_recording, table_channels,
 };
-use crate::recording::{DriveUnit, LongRecording, Recording};
+use crate::recording::{DriveUnit, LongRecording, Recording, share_noise};
 use crate::robot::Robot;
 use crate::study::Role;
 
@@ -55,6 +55,7 @@ pub(super) fn read(
         let read = in_threads(&again, |&k| reading.one(all[k].0, &folder.join(all[k].1)))?;
         again.into_iter().zip(read).for_each(|(k, one)| measured[k] = one);
     }
+    share_noise(&mut measured.iter_mut().map(|m| &mut m.recording).collect::<Vec<_>>());
     let train = measured.iter().filter(|m| m.role == Role::Train).map(|m| &m.recording);
     if super::quality::without_drive(train) {
         return Err(words(format!(

@@ -15,7 +15,7 @@ pub use drive_unit::DriveUnit;
 pub use error::RecordingError;
 pub use local::LocalMotion;
 pub use long::{LongRecording, Rows, Survey};
-pub use noise::Noise;
+pub use noise::{Noise, share_noise};
 pub use quality::{Finding, Gaps, Quality, Severity, quality};
 pub use recording::{Channels, Measured, Recording};
 pub(crate) use recording::{differentiate, is_gap};

@@ -16,8 +16,34 @@ pub struct Noise {
 
 /// Length of a block over which one estimate is taken [s].
 const BLOCK: f64 = 0.5;
+/// Fewest blocks over which the median is of the noise and not of the motion: a test of two seconds accelerates
+/// in most of them.
+const BLOCKS: f64 = 20.0;
 /// Fewest samples of a block.
 const SHORTEST: usize = 12;
+
+/// Gives recordings that are too short to show the noise of their sensors that of the longer ones, where it is
+/// less: the median of each channel over those of 10 s and more. All are by the same sensors.
+pub fn share_noise(recordings: &mut [&mut Recording]) {
+    let long = |r: &Recording| r.duration() >= BLOCKS * BLOCK;
+    let noises: Vec<Noise> = recordings.iter().filter(|r| long(r)).map(|r| r.noise()).collect();
+    if noises.is_empty() {
+        return;
+    }
+    let median = |value: &dyn Fn(&Noise) -> f64| {
+        let mut values: Vec<f64> = noises.iter().map(value).collect();
+        values.sort_by(f64::total_cmp);
+        values[values.len() / 2]
+    };
+    let most = Noise {
+        alpha: [0, 1].map(|i| median(&|n| n.alpha[i])),
+        omega: [0, 1].map(|i| median(&|n| n.omega[i])),
+        moment: [f64::INFINITY; 2],
+    };
+    for recording in recordings.iter_mut().filter(|r| !long(r)) {
+        recording.set_most_noise(most);
+    }
+}
 
 impl Recording {
     /// Noise of every channel from fourth differences, which remove any smooth motion.
@@ -27,17 +53,26 @@ impl Recording {
     /// ```
     /// with m the bias of a median, [`noise::white_noise_variance`].
     /// The median over blocks is immune to starts and reversals. A quantised channel has at least
-    /// the noise of its steps, q / sqrt(12).
+    /// the noise of its steps, q / sqrt(12). No channel has more than [`Recording::set_most_noise`] says.
     #[must_use]
     pub fn noise(&self) -> Noise {
         // rows that only repeat a slow sensor say nothing of its noise
         let channel = |values: &[[f64; 2]], sensed: bool| {
             [0, 1].map(|i| self.channel_noise(values, i, sensed))
         };
-        Noise {
+        let own = Noise {
             alpha: channel(self.alpha(), true),
             omega: channel(self.omega(), true),
             moment: channel(self.moment(), false),
+        };
+        let lower = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].min(b[1])];
+        match self.most_noise() {
+            Some(most) => Noise {
+                alpha: lower(own.alpha, most.alpha),
+                omega: lower(own.omega, most.omega),
+                ..own
+            },
+            None => own,
         }
     }
 
@@ -111,7 +146,7 @@ pub(super) fn quantum(values: &[[f64; 2]], i: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Channels, DriveUnit, Recording};
+    use super::super::{Channels, DriveUnit, Recording, share_noise};
     use rand::SeedableRng;
     use rand_distr::{Distribution, StandardNormal};
 
@@ -151,5 +186,34 @@ mod tests {
         let noise = Recording::new("a", channels, DriveUnit::NewtonMetre).unwrap().noise();
         // between q/sqrt(12) and what fourth differences of a staircase give
         assert!(noise.alpha[0] > 0.0144 && noise.alpha[0] < 0.03, "{noise:?}");
+    }
+
+    #[test]
+    fn a_short_quick_test_takes_the_noise_of_the_longer_ones() {
+        let recorded = |seconds: usize, rate: f64| {
+            let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(3);
+            let mut noise = |sigma: f64| -> f64 {
+                let drawn: f64 = StandardNormal.sample(&mut rng);
+                sigma * drawn
+            };
+            let t: Vec<f64> = (0..100 * seconds).map(|k| 0.01 * k as f64).collect();
+            let rows = |sigma: f64, noise: &mut dyn FnMut(f64) -> f64| -> Vec<[f64; 2]> {
+                t.iter()
+                    .map(|t| [(rate * t).sin(), (rate * t).cos()].map(|v| v + noise(sigma)))
+                    .collect()
+            };
+            let (alpha, omega) = (rows(1e-3, &mut noise), rows(0.02, &mut noise));
+            let moment = rows(0.0, &mut noise);
+            let c = Channels { t, alpha: Some(alpha), omega: Some(omega), moment };
+            Recording::new("x", c, DriveUnit::NewtonMetre).unwrap()
+        };
+        // at 120 rad/s and 100 Hz the fourth differences are of the motion
+        let (mut long, mut short) = (recorded(30, 1.0), recorded(2, 120.0));
+        assert!(short.noise().omega[0] > 0.04, "{:?}", short.noise());
+        let before = long.noise();
+        share_noise(&mut [&mut long, &mut short]);
+        assert_eq!(long.noise(), before);
+        assert_eq!(short.noise().omega, before.omega);
+        assert_eq!(short.noise().alpha, before.alpha);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{DriveUnit, RecordingError};
+use super::{DriveUnit, Noise, RecordingError};
 
 /// The columns of a recording before they are checked; row k of each belongs to `t[k]`.
 #[derive(Clone, Debug, Default)]
@@ -38,6 +38,8 @@ pub struct Recording {
     drive_unit: DriveUnit,
     pieces: Vec<Range<usize>>,
     fresh: Vec<bool>,
+    /// Most noise that the sensors have, as other recordings by them show.
+    most_noise: Option<Noise>,
 }
 
 /// Fewest samples of a recording: fourth differences and a line need that many.
@@ -77,7 +79,8 @@ impl Recording {
         };
         let columns = [("dalpha", &omega[..]), ("M", &moment[..]), ("alpha", &alpha[..])];
         super::limits::check(&name, &t, median_step(&t), columns)?;
-        Ok(Self { name, t, alpha, omega, moment, measured, drive_unit, pieces, fresh })
+        let most_noise = None;
+        Ok(Self { name, t, alpha, omega, moment, measured, drive_unit, pieces, fresh, most_noise })
     }
 
     /// Its name, usually that of the file.
@@ -170,6 +173,15 @@ impl Recording {
     pub fn with_moment(&self, moment: Vec<[f64; 2]>) -> Self {
         assert_eq!(moment.len(), self.len(), "one row of the drive a sample");
         Self { moment, ..self.clone() }
+    }
+
+    /// Its sensors have no more noise in angles and speeds than that.
+    pub fn set_most_noise(&mut self, noise: Noise) {
+        self.most_noise = Some(noise);
+    }
+
+    pub(super) fn most_noise(&self) -> Option<Noise> {
+        self.most_noise
     }
 
     /// The samples of an index range as a recording of its own.
