@@ -1,13 +1,14 @@
 //! The forward search: which effects are missing, and how many of them are proven.
 
+mod order;
 mod refit;
 mod steps;
 
-use std::cmp::Ordering;
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use self::order::{before, equals};
 use super::candidate::{Candidate, candidates};
 use super::fit::{WindowFit, fit};
 use super::input_timing::{InputTiming, SYMBOL};
@@ -206,7 +207,7 @@ impl<'a> Search<'a> {
         });
         self.set_criteria(&mut ranked);
         ranked.sort_by(before);
-        self.choose_shift(&mut ranked);
+        self.choose_alike(&mut ranked);
         ranked
     }
 
@@ -302,44 +303,6 @@ impl<'a> Search<'a> {
     fn bic(&self, candidate: &Candidate, ratio: f64) -> f64 {
         candidate.p.len() as f64 * self.degrees.ln() - ratio
     }
-
-    /// Sets what candidates are ranked by: regression and windows together. Where a column is made of the
-    /// input its noise stands on both sides of the regression, so such an effect is compared with the best of
-    /// the others by the windows alone.
-    fn set_criteria(&self, ranked: &mut [Ranked]) {
-        let of_input =
-            |r: &Ranked| matches!(r.candidate.effect.change(), Change::Input | Change::TimeShift);
-        for r in ranked.iter_mut().filter(|r| r.refit.is_some() && !of_input(r)) {
-            r.bic = self.bic(&r.candidate, r.by_regression) + r.bic_windows;
-        }
-        let others = ranked.iter().filter(|r| r.refit.is_some() && !of_input(r));
-        let first = others.min_by(|a, b| before(a, b)).map(|r| (r.bic, r.bic_windows));
-        for r in ranked.iter_mut().filter(|r| r.refit.is_some() && of_input(r)) {
-            let by_regression = self.bic(&r.candidate, r.by_regression);
-            let clips = r.candidate.linear.is_empty() && !r.candidate.is_shift();
-            r.bic = match first {
-                // clipping small torques fits noise: the balance of the torques must agree
-                _ if clips && by_regression > -THRESHOLDS.alike => f64::INFINITY,
-                Some((bic, by_windows)) if r.bic_windows < 0.0 => {
-                    bic + 2.0 * (r.bic_windows - by_windows)
-                }
-                _ => 2.0 * r.bic_windows,
-            };
-        }
-    }
-
-    /// Between time shifts that are alike puts the one first whose held-out error is lower: a lag smooths the
-    /// noise of the recorded input and a delay does not, so the training error is biased between them.
-    fn choose_shift(&self, ranked: &mut [Ranked]) {
-        let Some(first) = ranked.first().filter(|r| r.candidate.is_shift()) else { return };
-        let rival =
-            (1..ranked.len()).find(|&n| ranked[n].candidate.is_shift() && alike(first, &ranked[n]));
-        let Some(n) = rival else { return };
-        let error = |r: &Ranked| r.refit.as_ref().map_or(f64::INFINITY, |fit| self.shown(fit));
-        if error(&ranked[n]) < error(&ranked[0]) {
-            ranked.swap(0, n);
-        }
-    }
 }
 
 /// The two looks of the screening at what a model leaves.
@@ -351,33 +314,5 @@ fn held_in_time(present: &WindowFit) -> Model {
     present.model.fix(SYMBOL, present.p[j]).unwrap_or_else(|_| present.model.clone())
 }
 
-/// The order of candidates: those first whose simulation confirms them, since the balance of the torques may be
-/// wrong by far where friction decides; among them by the criterion.
-fn before(a: &Ranked, b: &Ranked) -> Ordering {
-    let refuted = |r: &Ranked| r.bic_windows >= 0.0;
-    refuted(a).cmp(&refuted(b)).then(a.bic.total_cmp(&b.bic))
-}
-
 /// Shapes of an effect from which on their ratios are levelled.
 const MANY: usize = 10;
-
-/// Effects that the data do not distinguish from the best, and those that are the same by their equations.
-fn equals(ranking: &[Ranked]) -> Vec<String> {
-    let Some(best) = ranking.first() else { return vec![] };
-    let mut out = best.candidate.effect.description().equivalent;
-    for other in ranking[1..].iter().filter(|r| alike(best, r)) {
-        if !out.contains(&other.candidate.id) {
-            out.push(other.candidate.id.clone());
-        }
-    }
-    out
-}
-
-/// Whether the data hardly distinguish two candidates that were refitted.
-fn alike(best: &Ranked, other: &Ranked) -> bool {
-    let shifts = best.candidate.is_shift() && other.candidate.is_shift();
-    // two shifts differ in the second order alone
-    let in_time = THRESHOLDS.alike_in_time * best.bic.abs();
-    let margin = if shifts { THRESHOLDS.alike.max(in_time) } else { THRESHOLDS.alike };
-    other.refit.is_some() && (other.bic - best.bic).abs() < margin
-}

@@ -29,9 +29,10 @@ pub struct Thresholds {
     pub ruled_out: f64,
     /// Difference of the criterion below which two effects are not distinguishable (odds of 20 to 1).
     pub alike: f64,
-    /// The same between two time shifts, as a share of the criterion itself: they differ in the second order
-    /// alone, and noise of the input decides about that much.
-    pub alike_in_time: f64,
+    /// The same as a share of the criterion itself, between two time shifts (they differ in the second order
+    /// alone, and noise of the input decides about that much) and where errors are far above the noise (they are
+    /// no independent values, which the criterion counts).
+    pub alike_share: f64,
     /// Candidates that are refitted at each step, those that come first in the screening.
     pub refitted: usize,
     /// The same where the model has a second body, whose derivatives cost a simulation each.
@@ -59,7 +60,7 @@ pub const THRESHOLDS: Thresholds = Thresholds {
     strong: 10.0,
     ruled_out: 10.0,
     alike: 6.0,
-    alike_in_time: 0.1,
+    alike_share: 0.1,
     refitted: 8,
     refitted_coupled: 2,
     far_behind: 0.25,

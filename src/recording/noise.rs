@@ -1,18 +1,7 @@
 //! How noisy the channels of a recording are, from the recording alone.
 
-use super::Recording;
+use super::recording::{Noise, Recording};
 use crate::math::noise;
-
-/// Standard deviations of white noise, right wheel first.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Noise {
-    /// Angles [rad].
-    pub alpha: [f64; 2],
-    /// Speeds [rad/s].
-    pub omega: [f64; 2],
-    /// Drive [drive unit].
-    pub moment: [f64; 2],
-}
 
 /// Length of a block over which one estimate is taken [s].
 const BLOCK: f64 = 0.5;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{DriveUnit, Noise, RecordingError};
+use super::{DriveUnit, RecordingError};
 
 /// The columns of a recording before they are checked; row k of each belongs to `t[k]`.
 #[derive(Clone, Debug, Default)]
@@ -24,6 +24,17 @@ pub struct Measured {
     pub alpha: bool,
     /// Speeds were measured (else differenced from the angles).
     pub omega: bool,
+}
+
+/// Standard deviations of white noise, right wheel first.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Noise {
+    /// Angles [rad].
+    pub alpha: [f64; 2],
+    /// Speeds [rad/s].
+    pub omega: [f64; 2],
+    /// Drive [drive unit].
+    pub moment: [f64; 2],
 }
 
 /// A checked recording: finite values, strictly increasing time, angles and speeds both there.

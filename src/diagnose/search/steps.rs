@@ -140,7 +140,9 @@ impl Search<'_> {
                 let more = then.fit.p.len() as f64 - now.fit.p.len() as f64;
                 let gain =
                     self.degrees * (now.fit.cost / then.fit.cost).ln() - more * self.degrees.ln();
-                if next.len() == steps.len() && gain > THRESHOLDS.alike && self.stands(then) {
+                let own = rankings[n].iter().find(|r| r.candidate.id == best[n].id);
+                let open = own.map_or(0.0, |own| self.open_share(own, other)).max(THRESHOLDS.alike);
+                if next.len() == steps.len() && gain > open && self.stands(then) {
                     best = next;
                 }
             }

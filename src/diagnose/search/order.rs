@@ -1,0 +1,97 @@
+//! The order of candidates: what they are ranked by, and which of those that are alike comes first.
+
+use std::cmp::Ordering;
+
+use super::Search;
+use crate::diagnose::outcome::Ranked;
+use crate::diagnose::thresholds::THRESHOLDS;
+use crate::effects::Change;
+
+impl Search<'_> {
+    /// Sets what candidates are ranked by: regression and windows together. Where a column is made of the
+    /// input its noise stands on both sides of the regression, so such an effect is compared with the best of
+    /// the others by the windows alone.
+    pub(super) fn set_criteria(&self, ranked: &mut [Ranked]) {
+        let of_input =
+            |r: &Ranked| matches!(r.candidate.effect.change(), Change::Input | Change::TimeShift);
+        for r in ranked.iter_mut().filter(|r| r.refit.is_some() && !of_input(r)) {
+            r.bic = self.bic(&r.candidate, r.by_regression) + r.bic_windows;
+        }
+        let others = ranked.iter().filter(|r| r.refit.is_some() && !of_input(r));
+        let first = others.min_by(|a, b| before(a, b)).map(|r| (r.bic, r.bic_windows));
+        for r in ranked.iter_mut().filter(|r| r.refit.is_some() && of_input(r)) {
+            let by_regression = self.bic(&r.candidate, r.by_regression);
+            let clips = r.candidate.linear.is_empty() && !r.candidate.is_shift();
+            r.bic = match first {
+                // clipping small torques fits noise: the balance of the torques must agree
+                _ if clips && by_regression > -THRESHOLDS.alike => f64::INFINITY,
+                Some((bic, by_windows)) if r.bic_windows < 0.0 => {
+                    bic + 2.0 * (r.bic_windows - by_windows)
+                }
+                _ => 2.0 * r.bic_windows,
+            };
+        }
+    }
+
+    /// Of the candidates that training windows do not set apart puts the one first whose held-out error is
+    /// lowest. Time shifts: a lag smooths the noise of the recorded input and a delay does not, so the training
+    /// error is biased between them. Far above the noise: what is left is no noise, and a criterion that takes
+    /// it for independent values decides by much more than it knows.
+    pub(super) fn choose_alike(&self, ranked: &mut [Ranked]) {
+        let Some(first) = ranked.first().filter(|r| r.refit.is_some()) else { return };
+        let near = |r: &Ranked| r.bic_windows - first.bic_windows < self.open_share(first, r);
+        let shifts = |r: &Ranked| first.candidate.is_shift() && r.candidate.is_shift();
+        let error = |r: &Ranked| r.refit.as_ref().map_or(f64::INFINITY, |fit| self.shown(fit));
+        let others = (1..ranked.len()).filter(|&n| {
+            let r = &ranked[n];
+            r.refit.is_some() && (shifts(r) && alike(first, r) || near(r))
+        });
+        let errors = others.map(|n| (n, error(&ranked[n])));
+        let lowest = errors.min_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some((n, _)) = lowest.filter(|(_, least)| *least < error(first)) {
+            ranked[..=n].rotate_right(1);
+        }
+    }
+
+    /// Difference of the criterion that training windows leave open between two refits far above their noise;
+    /// zero nearer to it, where the criterion itself says what it knows.
+    pub(super) fn open_share(&self, a: &Ranked, b: &Ranked) -> f64 {
+        let far = self.is_far_above(a) && self.is_far_above(b);
+        if far { THRESHOLDS.alike_share * a.bic_windows.abs() } else { 0.0 }
+    }
+
+    /// Whether the windows of a refit are missed by far more than their noise.
+    fn is_far_above(&self, r: &Ranked) -> bool {
+        let values: usize = self.windows.windows.iter().map(|w| 2 * w.rows.len()).sum();
+        let limit = 0.5 * THRESHOLDS.far_above_floor.powi(2) * values as f64;
+        r.refit.as_ref().is_some_and(|fit| fit.cost > limit)
+    }
+}
+
+/// The order of candidates: those first whose simulation confirms them, since the balance of the torques may be
+/// wrong by far where friction decides; among them by the criterion.
+pub(super) fn before(a: &Ranked, b: &Ranked) -> Ordering {
+    let refuted = |r: &Ranked| r.bic_windows >= 0.0;
+    refuted(a).cmp(&refuted(b)).then(a.bic.total_cmp(&b.bic))
+}
+
+/// Effects that the data do not distinguish from the best, and those that are the same by their equations.
+pub(super) fn equals(ranking: &[Ranked]) -> Vec<String> {
+    let Some(best) = ranking.first() else { return vec![] };
+    let mut out = best.candidate.effect.description().equivalent;
+    for other in ranking[1..].iter().filter(|r| alike(best, r)) {
+        if !out.contains(&other.candidate.id) {
+            out.push(other.candidate.id.clone());
+        }
+    }
+    out
+}
+
+/// Whether the data hardly distinguish two candidates that were refitted.
+fn alike(best: &Ranked, other: &Ranked) -> bool {
+    let shifts = best.candidate.is_shift() && other.candidate.is_shift();
+    // two shifts differ in the second order alone
+    let in_time = THRESHOLDS.alike_share * best.bic.abs();
+    let margin = if shifts { THRESHOLDS.alike.max(in_time) } else { THRESHOLDS.alike };
+    other.refit.is_some() && (other.bic - best.bic).abs() < margin
+}
