@@ -25,6 +25,15 @@ impl Finding<'_> {
     /// The verdict, with the error that is left.
     pub(super) fn sentence(&self) -> String {
         match self.conclusion {
+            // the floor is an estimate for white noise: coloured noise of the input reaches so far too
+            Conclusion::Sufficient if self.errors.above_floor() => format!(
+                "Nothing is proven to be missing: no effect of the catalogue lowers the held-out error at a \
+                 false-alarm rate of {:.0} %, and the residual torque depends on nothing that was tried. {} \
+                 Coloured noise of the recorded input makes that much, and so does a disturbance from \
+                 outside.",
+                100.0 * self.false_alarm,
+                self.error()
+            ),
             Conclusion::Sufficient => format!(
                 "Nothing is missing: no effect of the catalogue lowers the held-out error at a \
                  false-alarm rate of {:.0} %. {}",
