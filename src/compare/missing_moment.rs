@@ -70,8 +70,8 @@ impl Variable {
             Self::Alpha1 => "angle of wheel 1",
             Self::Alpha2 => "angle of wheel 2",
             Self::Time => "time",
-            Self::Moment1 => "drive of wheel 1",
-            Self::Moment2 => "drive of wheel 2",
+            Self::Moment1 => "input of wheel 1",
+            Self::Moment2 => "input of wheel 2",
         }
     }
 

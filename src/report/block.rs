@@ -244,6 +244,8 @@ pub struct Cell {
     pub text: String,
     /// What the column is sorted by; `None`: the text.
     pub sort_by: Option<f64>,
+    /// A second, smaller line; empty for none.
+    pub note: String,
     /// Stressed.
     pub strong: bool,
     /// Colour by meaning.
@@ -260,6 +262,13 @@ impl Cell {
     /// A cell of text.
     pub fn text(text: impl Into<String>) -> Self {
         Self { text: text.into(), ..Self::default() }
+    }
+
+    /// With a second, smaller line.
+    #[must_use]
+    pub fn noted(mut self, note: impl Into<String>) -> Self {
+        self.note = note.into();
+        self
     }
 
     /// A number with four significant digits.

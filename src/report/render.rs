@@ -72,13 +72,13 @@ fn subtitle(study: &Study) -> String {
         1 => "1 recording".to_owned(),
         many => format!("{many} recordings"),
     };
-    format!(
-        "{} · {} · {recordings}, {} s in all · {} {} · seed {}",
-        study.experiment,
-        study.robot,
-        format::significant(seconds, 3),
-        env!("CARGO_PKG_NAME"),
-        study.version,
-        study.seed
-    )
+    let recordings = format!("{recordings}, {} s in all", format::significant(seconds, 3));
+    let program = format!("{} {}", env!("CARGO_PKG_NAME"), study.version);
+    let mut parts = vec![study.experiment.clone(), study.robot.clone(), recordings, program];
+    // a name that says nothing; a seed that made nothing
+    parts.retain(|part| part != "unknown");
+    if study.recordings.iter().all(|r| r.sha256.is_none()) {
+        parts.push(format!("seed {}", study.seed));
+    }
+    parts.join(" · ")
 }

@@ -185,6 +185,7 @@ fn cell(cell: &Cell, align: &str) -> Markup {
             } @else if let Some(address) = &cell.link { a href=(address) { (cell.text) } }
             @else if cell.strong { strong { (cell.text) } }
             @else { (cell.text) }
+            @if !cell.note.is_empty() { span.note { (cell.note) } }
         }
     }
 }

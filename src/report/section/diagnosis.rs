@@ -56,9 +56,14 @@ impl Section for Diagnosis {
 }
 
 fn ranking_figure(diagnosis: &DiagnosisStudy) -> Option<Figure> {
-    let shown: Vec<&Candidate> =
-        diagnosis.ranking.iter().filter(|c| c.evidence.is_finite()).take(SHOWN).collect();
-    let best = shown.first()?;
+    let mut shown: Vec<&Candidate> =
+        diagnosis.ranking.iter().filter(|c| c.evidence.is_finite()).collect();
+    // the one accepted first may not be the one that was screened first
+    shown.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+    shown.truncate(SHOWN);
+    shown.first()?;
+    let accepted = diagnosis.found.first();
+    let place = accepted.and_then(|id| shown.iter().position(|c| c.effect == *id));
     let values: Vec<f64> = shown.iter().map(|c| c.evidence).collect();
     let mut series = BarSeries::new("", Role::Measured, values);
     series.text = shown.iter().map(|c| probability(c.probability)).collect();
@@ -66,13 +71,19 @@ fn ranking_figure(diagnosis: &DiagnosisStudy) -> Option<Figure> {
         categories: shown.iter().map(|c| words::effect(&c.effect)).collect(),
         series: vec![series],
         direction: Direction::Horizontal,
-        highlight: (!diagnosis.found.is_empty()).then_some(0),
+        highlight: place,
     };
-    let title = if diagnosis.found.is_empty() {
-        "No effect of the catalogue stands out".to_owned()
-    } else {
-        let name = words::effect(&best.effect);
-        format!("{name} explains the data best (probability {})", probability(best.probability))
+    let title = match place.map(|place| (place, shown[place])) {
+        None => "No effect of the catalogue stands out".to_owned(),
+        Some((0, best)) => {
+            let (name, p) = (words::effect(&best.effect), probability(best.probability));
+            format!("{name} explains the data best (probability {p})")
+        }
+        Some((_, accepted)) => {
+            let (name, best) =
+                (words::effect_in_text(&accepted.effect), words::effect(&shown[0].effect));
+            format!("{best} fits the training data best; {name} lowers the held-out error")
+        }
     };
     let panel =
         Panel::new(Axis::linear("-BIC/2 over the model without it", ""), Axis::unlabelled())
@@ -120,8 +131,15 @@ fn summary(diagnosis: &DiagnosisStudy) -> Block {
     )))
 }
 
+/// Candidates, the most probable first; equally probable ones as they were screened.
+fn by_probability(ranking: &[Candidate]) -> Vec<&Candidate> {
+    let mut sorted: Vec<&Candidate> = ranking.iter().collect();
+    sorted.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+    sorted
+}
+
 fn evidence(diagnosis: &DiagnosisStudy) -> Vec<Text> {
-    let ranking = diagnosis.ranking.iter().enumerate().take(SHOWN);
+    let ranking = by_probability(&diagnosis.ranking).into_iter().enumerate().take(SHOWN);
     let likely = ranking.filter(|(place, c)| *place < DESCRIBED || c.probability > LIKELY);
     likely.map(|(_, candidate)| describe(candidate)).collect()
 }
@@ -190,7 +208,7 @@ fn table(study: &Study, ranking: &[Candidate]) -> Table {
         study.judged_words()
     );
     let mut table = Table::new(caption, columns);
-    for c in ranking {
+    for c in by_probability(ranking) {
         let digits = |v: f64| Cell::formatted(format::digits(v, 3), v);
         let better = c.window_after < c.window_before;
         let after = digits(c.window_after);

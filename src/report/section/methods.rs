@@ -32,7 +32,7 @@ impl Section for Methods {
 
     fn how_to_read(&self) -> &'static str {
         "ISE is the integral of the squared errors of both wheel speeds, summed over the recordings; \
-         with noisy drives a free simulation wanders, so compare methods by their 2 s simulation error, and \
+         with noisy inputs a free simulation drifts, so compare methods by their 2 s simulation error, and \
          both with the noise floor."
     }
 
@@ -93,7 +93,7 @@ fn table(study: &Study) -> Table {
     let gain = format!("K = {} s⁻¹", format::number(study.emulator_gain));
     let mut columns = vec![
         Column::text("Method"),
-        Column::text("Ended"),
+        Column::text("Status"),
         Column::number("2 s simulation error", "rad/s"),
         Column::number("Over noise", "×"),
         Column::number("ISE train", "rad²/s"),
@@ -101,7 +101,7 @@ fn table(study: &Study) -> Table {
         Column::number("Emulator, parallel", "rad²/s"),
         Column::number("Emulator, serial-parallel", "rad²/s"),
         Column::number("Time", "s"),
-        Column::number("Passes", ""),
+        Column::number("Evaluations", ""),
     ];
     if known {
         columns.push(Column::number("Parameter error", "%"));
@@ -113,8 +113,7 @@ fn table(study: &Study) -> Table {
     };
     let caption = format!(
         "Methods. 2 s simulation error and emulators (eq. 19, {gain} on the wheel speeds) on {} data: \
-         the emulators by their ISE; ISE train and validation are of the free simulation. Passes: \
-         evaluations over the data.{error}",
+         the emulators by their ISE; ISE train and validation are of the free simulation.{error}",
         study.judged_words()
     );
     let mut table = Table::new(caption, columns);
@@ -219,10 +218,19 @@ fn figure(study: &Study) -> Option<Figure> {
         .with(Layer::Bars(bars))
         .with(Layer::vline(study.judged_floor(), "noise floor", Color::Ink));
     let figure = Figure::new("methods", title)
-        .with_subtitle(format!("On {} data", study.judged_words()))
+        .with_subtitle(format!("{}, on {} data", fitted_by(study), study.judged_words()))
         .with_caption("Root mean square error of both wheel speeds over windows of 2 s.")
         .with_panel(panel);
     Some(figure)
+}
+
+/// Whose errors these are: those of the verdict are of another fit where there is a diagnosis.
+fn fitted_by(study: &Study) -> String {
+    let model = format!("The {} as each method fits it", words::given(study));
+    match study.diagnosis {
+        Some(_) => format!("{model} (the verdict's errors are of the diagnosis's own fit)"),
+        None => model,
+    }
 }
 
 fn remarks(study: &Study) -> Vec<Text> {

@@ -63,16 +63,25 @@ impl<'a> Overlay<'a> {
         let place = if whole { "" } else { ", the stretch in which the model as given errs most" };
         let figure = Figure::new("overlay", title)
             .with_subtitle(format!("{} ({}){place}", self.recording.file, self.used()))
-            .with_caption(
+            .with_caption(format!(
                 "Wheel speeds ω₁ (right) and ω₂ (left). Every simulation starts anew from the \
                  measured motion after 2 s; at the names stands the RMS error of such simulations \
-                 over the whole recording.",
-            );
+                 over the whole recording{}.",
+                self.among()
+            ));
         let figure = (0..2).fold(figure, |figure, i| {
             let y = Axis::linear(words::OMEGA[i], "rad/s");
             figure.with_panel(self.speeds(y, i, (first, last), |p| &p.windows))
         });
         figure.linked(LINK).with_height(400.0)
+    }
+
+    /// How its errors relate to those of the verdict, where it is one of several recordings.
+    fn among(&self) -> String {
+        match self.study.judged().len() {
+            ..2 => String::new(),
+            many => format!(", one of {many} whose common error is that of the verdict"),
+        }
     }
 
     fn used(&self) -> &'static str {
@@ -86,14 +95,16 @@ impl<'a> Overlay<'a> {
     pub(super) fn whole(&self) -> Figure {
         let floor = format::digits(self.recording.floor.window_rms, 3);
         let error = |p: &Performance| format::digits(p.window_rms, 3);
+        // the errors of the verdict are those of all judged recordings
+        let here = if self.study.judged().len() > 1 { "On this recording the" } else { "The" };
         let title = match self.completed {
             Some(completed) => format!(
-                "The 2 s simulation error falls from {} to {} rad/s; the noise floor is {floor}",
+                "{here} 2 s simulation error falls from {} to {} rad/s; the noise floor is {floor}",
                 error(self.given),
                 error(completed),
             ),
             None => format!(
-                "The 2 s simulation error is {} rad/s; the noise floor is {floor}",
+                "{here} 2 s simulation error is {} rad/s; the noise floor is {floor}",
                 error(self.given)
             ),
         };
@@ -109,7 +120,7 @@ impl<'a> Overlay<'a> {
                  simulated) of the 2 s simulations.",
             )
             .linked(LINK)
-            .with_height(680.0);
+            .with_height(580.0);
         let ends = (self.recording.t[0], self.recording.t[self.recording.t.len() - 1]);
         for i in 0..2 {
             let y = Axis::linear(words::OMEGA[i], "rad/s");

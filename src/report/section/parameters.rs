@@ -54,14 +54,13 @@ fn caption(study: &Study) -> String {
     } else {
         " In colour: more than three standard errors from the true value."
     };
-    format!("Estimates with 95 % intervals, fitted by {by}.{marked}")
+    format!("Estimates ± standard error with 95 % intervals below, fitted by {by}.{marked}")
 }
 
 fn columns(study: &Study) -> Vec<Column> {
     let mut columns = vec![Column::text("Parameter"), Column::text("Meaning")];
     let mut model = |name: String| {
         columns.push(Column::number(capital(&name), ""));
-        columns.push(Column::number("95 % interval", ""));
     };
     model(words::given(study));
     if study.completed.is_some() {
@@ -85,8 +84,8 @@ fn cells(study: &Study, row: &ParameterStudy) -> Vec<Cell> {
     let mut out = vec![Cell::text(words::symbol(symbol)).strong(), Cell::text(&row.meaning)];
     for model in [&study.given, &study.completed].into_iter().flatten() {
         match model.parameter(symbol) {
-            Some(p) => out.extend(value(&p.estimate, known)),
-            None => out.extend([Cell::text("–"), Cell::text("")]),
+            Some(p) => out.push(value(&p.estimate, known)),
+            None => out.push(Cell::text(format::MISSING)),
         }
     }
     if !study.truth.is_empty() {
@@ -96,17 +95,17 @@ fn cells(study: &Study, row: &ParameterStudy) -> Vec<Cell> {
     out
 }
 
-/// A value and its interval.
-fn value(e: &Estimate, known: Option<f64>) -> [Cell; 2] {
+/// A value, and below it its interval.
+fn value(e: &Estimate, known: Option<f64>) -> Cell {
     if e.fixed {
-        return [Cell::number(e.value), Cell::text("held")];
+        return Cell::number(e.value).noted("held");
     }
     let estimate = Cell::estimate(e.value, e.std_error);
     let (low, high) = e.interval;
     if !low.is_finite() || !high.is_finite() {
-        return [estimate.tone(Tone::Bad), Cell::text(format::MISSING)];
+        return estimate.tone(Tone::Bad);
     }
     let far = known.is_some_and(|v| (e.value - v).abs() > FAR * e.std_error);
     let estimate = if far { estimate.tone(Tone::Notice) } else { estimate };
-    [estimate, Cell::formatted(interval(low, high), high - low)]
+    estimate.noted(interval(low, high))
 }

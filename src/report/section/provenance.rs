@@ -45,7 +45,7 @@ impl Section for Provenance {
             let mut sums = Table::new("Check sums of the recordings.", columns);
             for recording in listed::recordings(study).iter().map(|&r| &study.recordings[r]) {
                 let sum = recording.sha256.clone();
-                let sum = sum.unwrap_or_else(|| "made by the program from the seed".to_owned());
+                let sum = sum.unwrap_or_else(|| "synthetic, from the seed".to_owned());
                 sums.push(vec![Cell::text(&recording.file), Cell::text(sum)]);
             }
             blocks.extend(listed::left_out(study).map(Block::paragraph));

@@ -2,6 +2,7 @@
 
 use super::{Section, words};
 use crate::compare::Failure;
+use crate::diagnose::THRESHOLDS;
 use crate::recording::Regime;
 use crate::report::block::{Block, Cell, Column, Table, Tone};
 use crate::report::figure::{Axis, ColorMap, Figure, HeatMap, Layer, Panel, Size};
@@ -53,12 +54,30 @@ fn title(study: &Study, models: &[(String, &[Failure])]) -> String {
     let Some((_, last)) = models.last() else { return String::new() };
     match (worst(models[0].1), worst(last)) {
         (Some(before), None) if models.len() > 1 => format!(
-            "The {} fails most clearly in: {before}; with {} it fails in no regime",
+            "The {} fails most clearly in: {before}; with {} {}",
             words::given(study),
-            words::found(study)
+            words::found(study),
+            left(last)
         ),
         (_, Some(worst)) => format!("The model fails most clearly in: {worst}"),
-        (_, None) => "The model fails in no regime".to_owned(),
+        (_, None) => {
+            let left = left(last);
+            format!("{}{}", left[..1].to_uppercase(), &left[1..])
+        }
+    }
+}
+
+/// What is said where the residual torque is significant in no regime: that is no proof of a small error.
+fn left(failures: &[Failure]) -> String {
+    let ratios = failures.iter().filter(|f| f.ratio_to_noise.is_finite());
+    let largest = ratios.max_by(|a, b| a.ratio_to_noise.total_cmp(&b.ratio_to_noise));
+    match largest.filter(|f| f.ratio_to_noise > THRESHOLDS.above_floor) {
+        Some(f) => format!(
+            "no regime has a significant residual torque, but the error is up to {} times the floor ({})",
+            format::significant(f.ratio_to_noise, 2),
+            words::regime(f.regime)
+        ),
+        None => "no regime stands out".to_owned(),
     }
 }
 
@@ -73,7 +92,8 @@ fn map(study: &Study, models: &[(String, &[Failure])]) -> Figure {
         .with_subtitle(format!("2 s simulation error over noise floor, {} data", study.judged_words()))
         .with_caption(
             "Root mean square 2 s simulation error by regime of driving and wheel, over that of the noise \
-             floor. A star: the residual torque is significant.",
+             floor of the recording: where recordings differ in their floors, ratios differ from that of all \
+             together. A star: the residual torque is significant.",
         )
         .with_columns(models.len());
     for (name, failures) in models {

@@ -22,7 +22,7 @@ pub(super) fn figure(study: &Study, method: &MethodStudy) -> Option<Figure> {
     let name = |j: usize| words::symbol(&method.estimates[j].symbol);
     let title = match strongest {
         Some((i, j)) => format!(
-            "Strongest tie: {} and {}, correlation {}",
+            "Strongest correlation: {} and {}, {}",
             name(i),
             name(j),
             format::fixed(at(i, j), 2)
