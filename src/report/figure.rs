@@ -32,6 +32,9 @@ pub struct Figure {
     pub size: Size,
 }
 
+/// Width of a figure that nothing else is asked of [px].
+pub const WIDTH: f64 = 820.0;
+
 /// Size of a figure in CSS pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Size {
@@ -43,7 +46,7 @@ pub struct Size {
 
 impl Default for Size {
     fn default() -> Self {
-        Self { width: 820.0, height: None }
+        Self { width: WIDTH, height: None }
     }
 }
 
@@ -120,6 +123,13 @@ impl Figure {
         let stem: String = self.id.chars().map(keep).collect();
         let stem = stem.trim_matches('-');
         if stem.is_empty() { "figure".to_owned() } else { stem.to_owned() }
+    }
+
+    /// What it shows, in words for those who cannot see it.
+    pub fn description(&self) -> String {
+        let mut parts = vec![self.subtitle.as_str(), self.caption.as_str()];
+        parts.retain(|part| !part.is_empty());
+        parts.join(". ")
     }
 
     /// Whether the page can let the reader zoom: asked for, and every panel is made of numbers.

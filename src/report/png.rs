@@ -3,7 +3,9 @@
 
 use std::collections::HashMap;
 
-use png::{BitDepth, ColorType, Compression, Encoder, EncodingError, Filter};
+use png::{
+    BitDepth, ColorType, Compression, Encoder, EncodingError, Filter, PixelDimensions, Unit,
+};
 
 /// Colours of a palette at most.
 const COLORS: usize = 256;
@@ -12,12 +14,17 @@ const FREQUENT: usize = 192;
 
 type Color = [u8; 3];
 
-/// Encodes an opaque picture, given as four bytes a pixel. Up to 256 colours are kept as they are;
+/// Encodes an opaque picture of a resolution [1/in], given as four bytes a pixel. Up to 256 colours are kept as they are;
 /// of more, those that are not in the palette become the nearest that is.
 ///
 /// # Errors
 /// If the encoder refuses, which it does for a picture without pixels.
-pub(super) fn indexed(width: u32, height: u32, rgba: &[u8]) -> Result<Vec<u8>, EncodingError> {
+pub(super) fn indexed(
+    width: u32,
+    height: u32,
+    dpi: f64,
+    rgba: &[u8],
+) -> Result<Vec<u8>, EncodingError> {
     let pixels: Vec<Color> = rgba.chunks_exact(4).map(|p| [p[0], p[1], p[2]]).collect();
     // a drawing is made of long runs of one colour: its colours are looked up once a run
     let mut counts: HashMap<Color, usize> = HashMap::new();
@@ -39,6 +46,12 @@ pub(super) fn indexed(width: u32, height: u32, rgba: &[u8]) -> Result<Vec<u8>, E
     encoder.set_color(ColorType::Indexed);
     encoder.set_depth(BitDepth::Eight);
     encoder.set_palette(palette.concat());
+    let per_metre = (dpi / 0.0254).round() as u32;
+    encoder.set_pixel_dims(Some(PixelDimensions {
+        xppu: per_metre,
+        yppu: per_metre,
+        unit: Unit::Meter,
+    }));
     encoder.set_compression(Compression::Balanced);
     // neighbouring numbers of a palette are not neighbouring colours
     encoder.set_filter(Filter::NoFilter);
@@ -97,7 +110,7 @@ mod tests {
     #[test]
     fn few_colours_come_back_as_they_are() {
         let colors: Vec<Color> = (0..=255).map(|i| [i, 255 - i, 7]).collect();
-        let png = indexed(16, 16, &picture(&colors)).unwrap();
+        let png = indexed(16, 16, 300.0, &picture(&colors)).unwrap();
         assert_eq!(decoded(&png), colors);
     }
 
@@ -107,7 +120,7 @@ mod tests {
         let mut colors: Vec<Color> =
             (0..4096_u32).map(|i| [(i >> 4) as u8, (i >> 4) as u8, 16 * (i & 15) as u8]).collect();
         colors[77] = [255, 0, 0];
-        let back = decoded(&indexed(64, 64, &picture(&colors)).unwrap());
+        let back = decoded(&indexed(64, 64, 300.0, &picture(&colors)).unwrap());
         assert_eq!(back[77], [255, 0, 0]);
         // 256 places for an area of 256 x 256 shades leave steps of about 16 in each direction
         let worst = back.iter().zip(&colors).map(|(a, b)| distance(*a, *b)).max().unwrap();
@@ -116,6 +129,6 @@ mod tests {
 
     #[test]
     fn a_picture_without_pixels_is_refused() {
-        assert!(indexed(0, 0, &[]).is_err());
+        assert!(indexed(0, 0, 300.0, &[]).is_err());
     }
 }

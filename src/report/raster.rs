@@ -2,27 +2,36 @@
 
 use std::sync::{Arc, LazyLock};
 
+use maud::html;
 use resvg::tiny_skia::{Color, Pixmap, Transform};
 use resvg::usvg::{Options, Tree, WriteOptions, fontdb::Database};
 
 use super::ReportError;
 use super::figure::Figure;
 use super::fonts::{REGULAR, SEMI_BOLD};
-use super::plot::{Purpose, draw};
+use super::plot::{Purpose, draw, printable};
 use super::png::indexed;
 
+/// Resolution of a PNG: what journals ask of line art with shades [1/in].
+const DPI: f64 = 300.0;
+/// Width of a sheet's text, two columns of a journal, which a figure of the usual width fills [in]: its
+/// text is then of 7.5 points.
+const TEXT_WIDTH_IN: f64 = 7.16;
+/// CSS pixels to an inch of paper.
+const PIXELS_PER_IN: f64 = super::figure::WIDTH / TEXT_WIDTH_IN;
 /// Pixels of a PNG per CSS pixel.
-const RESOLUTION: f32 = 2.0;
+const RESOLUTION: f32 = (DPI / PIXELS_PER_IN) as f32;
 
-/// Draws a figure as SVG in which all text is paths, so that it looks the same everywhere.
+/// Draws a figure as SVG in which all text is paths, so that it looks the same everywhere; as wide on paper as
+/// its PNG, and with its title and caption as text for screen readers.
 ///
 /// # Errors
 /// [`ReportError`] if a library refuses; missing, infinite or absurd values are no errors.
 pub fn figure_to_svg(figure: &Figure) -> Result<String, ReportError> {
-    Ok(svg(&tree(figure)?))
+    Ok(svg(figure, &tree(figure)?))
 }
 
-/// Draws a figure as PNG, two pixels per CSS pixel.
+/// Draws a figure as PNG of 300 dpi; one of the usual width fills the text of a sheet.
 ///
 /// # Errors
 /// [`ReportError`] if a library refuses or the picture is too large for the memory; missing,
@@ -34,17 +43,36 @@ pub fn figure_to_png(figure: &Figure) -> Result<Vec<u8>, ReportError> {
 /// Both from one drawing.
 pub(super) fn figure_to_both(figure: &Figure) -> Result<(Vec<u8>, String), ReportError> {
     let tree = tree(figure)?;
-    Ok((png(figure, &tree)?, svg(&tree)))
+    Ok((png(figure, &tree)?, svg(figure, &tree)))
 }
 
-fn svg(tree: &Tree) -> String {
+fn svg(figure: &Figure, tree: &Tree) -> String {
     let options = WriteOptions {
         preserve_text: false,
         coordinates_precision: 2,
         transforms_precision: 6,
         ..WriteOptions::default()
     };
-    tree.to_string(&options)
+    let (width, height) = (f64::from(tree.size().width()), f64::from(tree.size().height()));
+    let inches = |pixels: f64| format!("{:.4}in", pixels / PIXELS_PER_IN);
+    let drawn = format!("width=\"{width}\" height=\"{height}\"");
+    let paper = format!(
+        "width=\"{}\" height=\"{}\" viewBox=\"0 0 {width} {height}\"",
+        inches(width),
+        inches(height)
+    );
+    described(&tree.to_string(&options).replacen(&drawn, &paper, 1), figure)
+}
+
+/// A drawing that says in words what it shows.
+pub(super) fn described(svg: &str, figure: &Figure) -> String {
+    let Some((head, rest)) = svg.split_once("<svg ") else { return svg.to_owned() };
+    let Some((attributes, drawing)) = rest.split_once('>') else { return svg.to_owned() };
+    let words = html! {
+        title { (printable(&figure.title)) }
+        desc { (printable(&figure.description())) }
+    };
+    format!("{head}<svg role=\"img\" {attributes}>{}{drawing}", words.into_string())
 }
 
 fn png(figure: &Figure, tree: &Tree) -> Result<Vec<u8>, ReportError> {
@@ -57,7 +85,7 @@ fn png(figure: &Figure, tree: &Tree) -> Result<Vec<u8>, ReportError> {
     pixmap.fill(Color::WHITE);
     let transform = Transform::from_scale(RESOLUTION, RESOLUTION);
     resvg::render(tree, transform, &mut pixmap.as_mut());
-    indexed(width, height, pixmap.data()).map_err(|e| failed(e.to_string()))
+    indexed(width, height, DPI, pixmap.data()).map_err(|e| failed(e.to_string()))
 }
 
 fn tree(figure: &Figure) -> Result<Tree, ReportError> {

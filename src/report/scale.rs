@@ -140,7 +140,7 @@ impl Scale {
         let stride = (f64::from(decades) / count.max(1.0)).ceil().max(1.0) as i32;
         let plain = from >= -3 && to <= 4;
         // with few decades the ones between are labelled too
-        let between = f64::from(decades) * 3.0 <= count + 1.0;
+        let between = f64::from(decades) * 3.0 <= count + 1.0 || decades < 2;
         let mut ticks = Vec::new();
         for exponent in from - 1..=to {
             for digit in 1..10 {
@@ -149,7 +149,7 @@ impl Scale {
                 let labelled = if digit == 1 {
                     exponent.rem_euclid(stride) == 0
                 } else {
-                    between && plain && matches!(digit, 2 | 5)
+                    between && matches!(digit, 2 | 5)
                 };
                 if !inside || digit > 1 && (stride > 1 || decades > 12) {
                     continue;
@@ -157,7 +157,8 @@ impl Scale {
                 let label = match (labelled, plain) {
                     (false, _) => String::new(),
                     (true, true) => format::fixed(at, (-exponent).max(0) as usize),
-                    (true, false) => format::power_of_ten(exponent),
+                    (true, false) if digit == 1 => format::power_of_ten(exponent),
+                    (true, false) => format!("{digit} × {}", format::power_of_ten(exponent)),
                 };
                 ticks.push(Tick { at, label });
             }

@@ -16,7 +16,7 @@ use super::figure::Figure;
 use super::fonts::{FAMILY, REGULAR, SEMI_BOLD};
 use super::palette::{AXIS, DARK_PARTNERS, GRID, INK, MUTED, Rgb, Role, SURFACE, css_variable};
 use super::plot::{Purpose, draw};
-use super::raster::figure_to_both;
+use super::raster::{described, figure_to_both};
 
 const INTERACTIVE: &str = concat!(include_str!("scales.js"), include_str!("interactive.js"));
 const SORT: &str = concat!(include_str!("sort.js"), include_str!("reading.js"));
@@ -137,7 +137,11 @@ fn draw_figures(content: &PageContent) -> Result<Vec<Drawn<'_>>, ReportError> {
         .map(|(figure, file_stem)| {
             let (png, svg) = figure_to_both(figure)?;
             let interactive = figure.is_interactive();
-            let inline = if interactive { None } else { Some(draw(figure, Purpose::Inline)?) };
+            let inline = if interactive {
+                None
+            } else {
+                Some(described(&draw(figure, Purpose::Inline)?, figure))
+            };
             let data = if interactive { Some(data::json(figure)?) } else { None };
             Ok(Drawn { figure, file_stem, inline, png, svg, data })
         })

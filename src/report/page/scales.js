@@ -43,8 +43,12 @@ function logTicks(a, b, count) {
   const list = [];
   for (let e = from; e <= to; e++) {
     if (e % stride !== 0) continue;
-    const label = plain ? String(Number(Math.pow(10, e).toPrecision(1))) : "10" + superscript(e);
-    list.push({ at: Math.pow(10, e), label });
+    for (const digit of from === to ? [1, 2, 5] : [1]) {
+      const at = digit * Math.pow(10, e);
+      if (at > b * 1.000001) continue;
+      const power = (digit > 1 ? `${digit} × ` : "") + "10" + superscript(e);
+      list.push({ at, label: plain ? String(Number(at.toPrecision(1))) : power });
+    }
   }
   return { list, exponent: 0 };
 }

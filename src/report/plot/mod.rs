@@ -14,11 +14,12 @@ mod plan;
 mod stroke;
 
 use super::ReportError;
-use super::figure::Figure;
+use super::figure::{Figure, WIDTH};
 use super::palette::SURFACE;
 use super::polyline::Rect;
 use super::scale::Scale;
 pub(super) use layers::{BAND as BAND_ALPHA, SHADE as SHADE_ALPHA};
+pub(super) use pen::printable;
 
 use canvas::Canvas;
 use pen::{Anchor, SUBTITLE, TITLE};
@@ -43,7 +44,7 @@ const BETWEEN_ROWS: f64 = 12.0;
 /// [`ReportError::Font`] and [`ReportError::Draw`] if the library refuses.
 pub(super) fn draw(figure: &Figure, purpose: Purpose) -> Result<String, ReportError> {
     pen::register_fonts()?;
-    let width = if figure.size.width.is_finite() { figure.size.width } else { 820.0 };
+    let width = if figure.size.width.is_finite() { figure.size.width } else { WIDTH };
     let width = width.clamp(240.0, 4000.0).round();
     let margin = if purpose == Purpose::Standalone { MARGIN } else { 2.0 };
     let inner = width - 2.0 * margin;

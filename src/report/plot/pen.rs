@@ -140,7 +140,7 @@ pub(super) fn register_fonts() -> Result<(), ReportError> {
 }
 
 /// Control characters may not stand in XML.
-pub(super) fn printable(text: &str) -> String {
+pub(in crate::report) fn printable(text: &str) -> String {
     let forbidden = |c: char| c.is_control() || matches!(c, '\u{FFFE}' | '\u{FFFF}');
     text.chars().map(|c| if forbidden(c) { ' ' } else { c }).collect()
 }

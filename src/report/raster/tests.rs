@@ -151,8 +151,12 @@ fn a_png_has_two_pixels_per_css_pixel_and_repeats_to_the_byte() {
     let png = figure_to_png(&figure).unwrap();
     let number = |at: usize| u32::from_be_bytes(png[at..at + 4].try_into().unwrap());
     // IHDR: width and height follow the eight bytes of signature and eight of chunk header
-    assert_eq!(number(16), 1000);
-    assert!((790..=802).contains(&number(20)), "{}", number(20));
+    // 500 px of 820 that are 7.16 in at 300 dpi: 500 / 820 * 2148
+    assert_eq!(number(16), 1310);
+    assert!((1035..=1051).contains(&number(20)), "{}", number(20));
+    // pHYs: 300 / 0.0254 pixels to the metre
+    let place = png.windows(4).position(|w| w == b"pHYs").unwrap();
+    assert_eq!((number(place + 4), number(place + 8), png[place + 12]), (11811, 11811, 1));
     assert_eq!(png, figure_to_png(&figure).unwrap());
 }
 
@@ -184,8 +188,8 @@ fn the_picture_shows_the_line_where_the_data_are() {
     };
     let x = picture.width() / 2;
     let rows: Vec<u32> = (0..picture.height()).filter(|y| is(x, *y, (0xD5, 0x5E, 0x00))).collect();
-    // 4 px at two pixels each, one lost to anti-aliasing at either side at most
-    assert!((7..=9).contains(&rows.len()), "{rows:?}");
+    // 4 px at 2.62 pixels each, one lost to anti-aliasing at either side at most
+    assert!((8..=11).contains(&rows.len()), "{rows:?}");
     assert!(is(x, rows[0] - 4, (0xFF, 0xFF, 0xFF)));
 }
 
@@ -207,4 +211,19 @@ fn a_map_widens_one_range_until_a_unit_is_as_long_in_x_as_in_y() {
         own().fold(0.0_f64, |a, b| a.max(*b)) - own().fold(f64::INFINITY, |a, b| a.min(*b))
     };
     assert!(side(0) > 50.0 && (side(0) - side(1)).abs() < 1.0, "{} {}", side(0), side(1));
+}
+
+#[test]
+fn a_drawing_says_in_words_what_it_shows_and_is_as_wide_on_paper_as_its_picture() {
+    let panel = Panel::new(Axis::linear("x", "m"), Axis::linear("y", "m")).with(Layer::line(
+        vec![(0.0, 0.0), (1.0, 1.0)],
+        "",
+        Role::Model,
+    ));
+    let figure = Figure::new("f", "Error < floor").with_caption("Of <b>.").with_panel(panel);
+    let svg = figure_to_svg(&figure).unwrap();
+    assert!(svg.contains("role=\"img\"") && svg.contains("width=\"7.1600in\""), "{}", &svg[..200]);
+    assert!(svg.contains("<title>Error &lt; floor</title><desc>Of &lt;b&gt;.</desc>"));
+    // still a drawing that readers of SVG take
+    assert!(Tree::from_str(&svg, &Options::default()).is_ok());
 }
