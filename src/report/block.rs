@@ -45,6 +45,19 @@ pub enum Block {
     List(Vec<Text>),
     /// Verbatim text: commands, configuration.
     Code(String),
+    /// Recordings to look into, one at a time; not printed.
+    Explorer(Vec<Track>),
+}
+
+/// A recording of a [`Block::Explorer`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Track {
+    /// Its name in the list.
+    pub name: String,
+    /// Its signals over time; panels and layers are alike in all tracks.
+    pub figure: Figure,
+    /// Where the robot is: time [s], x [m], y [m], heading [rad]; empty where that is not known.
+    pub path: Vec<[f64; 4]>,
 }
 
 impl Block {

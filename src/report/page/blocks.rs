@@ -4,19 +4,20 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD as BASE64;
 use maud::{Markup, PreEscaped, html};
 
-use super::Drawn;
+use super::{Drawn, explorer};
 use crate::report::block::{Align, Block, Cell, Number, Span, Table, Text, Tone};
 
 /// Writes blocks in order and numbers figures and tables through the page.
 pub(super) struct Writer<'a> {
     drawn: std::slice::Iter<'a, Drawn<'a>>,
+    explorers: std::slice::Iter<'a, String>,
     figures: usize,
     tables: usize,
 }
 
 impl<'a> Writer<'a> {
-    pub(super) fn new(drawn: &'a [Drawn<'a>]) -> Self {
-        Self { drawn: drawn.iter(), figures: 0, tables: 0 }
+    pub(super) fn new(drawn: &'a [Drawn<'a>], explorers: &'a [String]) -> Self {
+        Self { drawn: drawn.iter(), explorers: explorers.iter(), figures: 0, tables: 0 }
     }
 
     pub(super) fn blocks(&mut self, blocks: &[Block]) -> Markup {
@@ -48,6 +49,11 @@ impl<'a> Writer<'a> {
             Block::HowToRead { aid, guide } => how_to_read(aid, guide),
             Block::List(items) => html! { ul { @for item in items { li { (text(item)) } } } },
             Block::Code(code) => html! { pre { code { (code) } } },
+            // their data were written in the order in which they are met here
+            Block::Explorer(tracks) => match self.explorers.next() {
+                Some(json) => explorer::markup(tracks, json),
+                None => Markup::default(),
+            },
         }
     }
 }

@@ -17,7 +17,7 @@ const DOTS: usize = 4000;
 const HEIGHT: (f64, f64) = (340.0, 190.0);
 
 #[derive(Serialize)]
-struct FigureData<'a> {
+pub(super) struct FigureData<'a> {
     columns: usize,
     shared: bool,
     #[serde(skip_serializing_if = "str::is_empty")]
@@ -76,8 +76,15 @@ struct LayerData {
     dash: Option<&'static str>,
 }
 
-/// The data, with `<` written as `\u003c` so that no text can close the script element.
-pub(super) fn json(figure: &Figure) -> Result<String, ReportError> {
+/// Data as JSON, with `<` written as `\u003c` so that no text can close the script element.
+pub(super) fn json(data: &impl Serialize, figure: &str) -> Result<String, ReportError> {
+    let text = serde_json::to_string(data)
+        .map_err(|source| ReportError::Data { figure: figure.to_owned(), source })?;
+    Ok(text.replace('<', "\\u003c"))
+}
+
+/// What the script draws of a figure.
+pub(super) fn of(figure: &Figure) -> FigureData<'_> {
     let alone = figure.panels.len() <= figure.columns.max(1);
     let mut xs = Vec::new();
     let mut panels = Vec::new();
@@ -92,16 +99,13 @@ pub(super) fn json(figure: &Figure) -> Result<String, ReportError> {
                 .collect(),
         });
     }
-    let data = FigureData {
+    FigureData {
         columns: figure.columns.max(1),
         shared: figure.shared_x,
         link: &figure.link,
         xs,
         panels,
-    };
-    let text = serde_json::to_string(&data)
-        .map_err(|source| ReportError::Data { figure: figure.id.clone(), source })?;
-    Ok(text.replace('<', "\\u003c"))
+    }
 }
 
 /// Shades lowest, bands above them, remarks on top: as in the printed picture.

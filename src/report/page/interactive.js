@@ -2,7 +2,7 @@
 // values under the cursor. The data lie beside each figure as JSON; nothing is loaded. Without
 // scripting the printed picture stays in place.
 "use strict";
-(() => {
+const live = (() => {
   const MARGIN = { top: 6, right: 22, bottom: 24 };
   const FONT = "Inter, system-ui, 'DejaVu Sans', sans-serif";
 
@@ -17,8 +17,7 @@
     return made;
   }
 
-  function build(figure) {
-    const data = JSON.parse(figure.querySelector("script[type='application/json']").textContent);
+  function build(figure, data) {
     const plot = figure.querySelector(".plot");
     plot.style.gridTemplateColumns = `repeat(${Math.min(data.columns, data.panels.length)}, minmax(0, 1fr))`;
     const state = { data, shared: data.shared, link: data.link, cursor: null, panels: [] };
@@ -39,11 +38,7 @@
       plot.append(box);
       const below = index + data.columns >= data.panels.length || !data.shared;
       const view = { panel, canvas, label, keys: [], x: [...panel.x.range], y: [...panel.y.range], below };
-      panel.layers.forEach((layer) => {
-        layer.xs = data.xs[layer.x] || [];
-        layer.travel = travel(layer.y || []);
-        layer.sorted = layer.xs.every((v, i) => i === 0 || v === null || v >= layer.xs[i - 1]);
-      });
+      prepare(panel, data.xs);
       const ground = (layer) => layer.kind === "band" || layer.kind === "shade";
       [...panel.layers].sort((a, b) => ground(a) - ground(b))
         .forEach((layer) => { if (layer.label) view.keys.push(legendKey(legend, state, view, layer)); });
@@ -70,6 +65,34 @@
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
     document.fonts.ready.then(redraw);
     redraw();
+    return state;
+  }
+
+  function prepare(panel, xs) {
+    panel.layers.forEach((layer) => {
+      layer.xs = xs[layer.x] || [];
+      layer.travel = travel(layer.y || []);
+      layer.sorted = layer.xs.every((v, i) => i === 0 || v === null || v >= layer.xs[i - 1]);
+    });
+  }
+
+  // Shows other data in a figure of the same panels and layers; what is hidden stays so.
+  function load(state, data) {
+    state.panels.forEach((view, n) => {
+      const [old, panel] = [view.panel, data.panels[n]];
+      if (old !== panel) prepare(panel, data.xs);
+      panel.layers.forEach((layer, k) => { layer.off = old.layers[k]?.off; });
+      view.keys.forEach((key) => { key.layer = panel.layers[old.layers.indexOf(key.layer)]; });
+      view.panel = panel;
+    });
+    resetView(state);
+  }
+
+  // Sets the cursor to a place on the x axis.
+  function point(state, at) {
+    const [view] = state.panels;
+    state.cursor = { view: null, x: share(view.panel.x, view.x, at) };
+    draw(state);
   }
 
   // All ups and downs of a curve added.
@@ -85,10 +108,11 @@
     key.setAttribute("aria-pressed", "true");
     const sample = element("i", `sample ${layer.kind} ${layer.dash || ""}`);
     sample.style.color = `var(${layer.color})`;
-    const reading = element("output", "");
-    key.append(sample, layer.label, reading);
+    const made = { layer, reading: element("output", "") };
+    key.append(sample, layer.label, made.reading);
     legend.append(key);
     key.addEventListener("click", () => {
+      const { layer } = made;
       const off = !layer.off;
       const same = (other) => other.color === layer.color && other.kind === layer.kind && other.dash === layer.dash;
       state.panels.forEach((panel) => panel.panel.layers.filter(same).forEach((other) => { other.off = off; }));
@@ -96,7 +120,7 @@
       state.panels.forEach(rescale);
       draw(state);
     });
-    return { layer, reading };
+    return made;
   }
 
   const isShown = (layer) =>
@@ -226,6 +250,7 @@
       other.cursor = cursor;
       if (other !== state) draw(other);
     }
+    state.follow?.(cursor && value(cursor.view.panel.x, cursor.view.x, cursor.x));
   }
 
   // A flat drag takes a range of x, a high one also a range of y.
@@ -387,7 +412,7 @@
 
   function drawCursor(context, state, view, area, color) {
     const { cursor } = state;
-    if (cursor && (cursor.view === view || state.shared)) {
+    if (cursor && cursor.x >= 0 && cursor.x <= 1 && (cursor.view === view || state.shared)) {
       context.globalAlpha = 0.6;
       const x = area.left + cursor.x * area.width;
       segment(context, color("--muted"), x, area.top, x, area.top + area.height);
@@ -432,7 +457,9 @@
     return high < 0 || Math.abs(xs[low] - at) <= Math.abs(xs[high] - at) ? Math.min(low, high) : high;
   }
 
-  for (const figure of document.querySelectorAll("figure[data-interactive]")) build(figure);
+  for (const figure of document.querySelectorAll("figure[data-interactive]")) {
+    build(figure, JSON.parse(figure.querySelector("script[type='application/json']").textContent));
+  }
   for (const choice of document.querySelectorAll(".versions")) {
     choice.hidden = false;
     choice.addEventListener("change", (event) => {
@@ -445,4 +472,5 @@
     link.href = link.closest("figure").querySelector(".picture img").src;
     link.hidden = false;
   }
+  return { build, load, point };
 })();

@@ -3,6 +3,7 @@
 
 mod blocks;
 mod data;
+mod explorer;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD as BASE64;
@@ -18,7 +19,8 @@ use super::palette::{AXIS, DARK_PARTNERS, GRID, INK, MUTED, Rgb, Role, SURFACE, 
 use super::plot::{Purpose, draw};
 use super::raster::{described, figure_to_both};
 
-const INTERACTIVE: &str = concat!(include_str!("scales.js"), include_str!("interactive.js"));
+const INTERACTIVE: &str =
+    concat!(include_str!("scales.js"), include_str!("interactive.js"), include_str!("explorer.js"));
 const SORT: &str = concat!(include_str!("sort.js"), include_str!("reading.js"));
 const STYLE: &str = include_str!("style.css");
 
@@ -119,7 +121,8 @@ pub fn page(content: &PageContent) -> Result<String, ReportError> {
 /// [`ReportError`] if a figure cannot be drawn.
 pub fn render_page(content: &PageContent) -> Result<Page, ReportError> {
     let drawn = draw_figures(content)?;
-    let html = write(content, &drawn);
+    let blocks = content.sections.iter().flat_map(|section| &section.blocks);
+    let html = write(content, &drawn, &explorer::all(blocks)?);
     let picture = |d: Drawn| Picture { file_stem: d.file_stem, png: d.png, svg: d.svg };
     Ok(Page { html, pictures: drawn.into_iter().map(picture).collect() })
 }
@@ -142,7 +145,8 @@ fn draw_figures(content: &PageContent) -> Result<Vec<Drawn<'_>>, ReportError> {
             } else {
                 Some(described(&draw(figure, Purpose::Inline)?, figure))
             };
-            let data = if interactive { Some(data::json(figure)?) } else { None };
+            let data =
+                interactive.then(|| data::json(&data::of(figure), &figure.id)).transpose()?;
             Ok(Drawn { figure, file_stem, inline, png, svg, data })
         })
         .collect()
@@ -157,9 +161,9 @@ fn unique(name: String, is_free: impl Fn(&str) -> bool) -> String {
     numbered.into_iter().find(|name| is_free(name)).unwrap_or(name)
 }
 
-fn write(content: &PageContent, drawn: &[Drawn<'_>]) -> String {
+fn write(content: &PageContent, drawn: &[Drawn<'_>], explorers: &[String]) -> String {
     let ids = section_ids(content);
-    let mut writer = blocks::Writer::new(drawn);
+    let mut writer = blocks::Writer::new(drawn, explorers);
     let sections: Vec<_> = content.sections.iter().map(|s| writer.blocks(&s.blocks)).collect();
     let style = format!("{}{}{STYLE}", font_faces(), colors());
     html! {

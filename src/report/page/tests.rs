@@ -1,5 +1,5 @@
 use super::*;
-use crate::report::block::{Cell, Column, Number, Table, Text, Tone};
+use crate::report::block::{Cell, Column, Number, Table, Text, Tone, Track};
 use crate::report::figure::{Axis, Layer, Panel};
 
 fn with_blocks(blocks: Vec<Block>) -> PageContent {
@@ -46,11 +46,16 @@ fn every_text_is_escaped_and_only_our_scripts_stand_on_the_page() {
         table.into(),
         series("live").into(),
         still.into(),
+        Block::Explorer(vec![Track {
+            name: evil.into(),
+            figure: series("explored"),
+            path: vec![[0.0; 4], [f64::NAN; 4]],
+        }]),
     ]))
     .unwrap();
-    // two scripts of ours at the end and one data block per live figure and section
-    assert_eq!(html.matches("<script").count(), 4);
-    assert_eq!(html.matches("</script>").count(), 4);
+    // two scripts of ours at the end, and in both sections a block of data of the live figure and the explorer
+    assert_eq!(html.matches("<script").count(), 6);
+    assert_eq!(html.matches("</script>").count(), 6);
     assert!(!html.contains("<img onerror") && !html.contains("<b>\""));
     assert!(html.contains("\\u003c/script>"));
     assert!(
@@ -100,7 +105,7 @@ fn embedded_data_are_valid_json_with_gaps_as_null() {
             label: String::new(),
             role: Role::NoiseFloor,
         });
-    let text = data::json(&Figure::new("f", "").with_panel(panel)).unwrap();
+    let text = data::json(&data::of(&Figure::new("f", "").with_panel(panel)), "f").unwrap();
     let json: serde_json::Value = serde_json::from_str(&text).unwrap();
     let layers = &json["panels"][0]["layers"];
     // shade, band, line and dots; the line at no place is left out

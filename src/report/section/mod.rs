@@ -52,6 +52,7 @@ catalogue! {
     diagnosis::Diagnosis,
     methods::Methods,
     estimates::Estimates,
+    explorer::Explorer,
     signals::Signals,
     emulator::Emulator,
     recordings::Recordings,

@@ -1,0 +1,63 @@
+//! The explorer: recordings one at a time, with the robot on its path.
+
+use maud::{Markup, PreEscaped, html};
+use serde::Serialize;
+
+use super::data::{self, FigureData};
+use crate::report::ReportError;
+use crate::report::block::{Block, Track};
+use crate::report::format::round_significant;
+
+#[derive(Serialize)]
+struct TrackData<'a> {
+    figure: FigureData<'a>,
+    /// Time, x, y and heading, one column each.
+    path: [Vec<f64>; 4],
+}
+
+impl<'a> TrackData<'a> {
+    fn of(track: &'a Track) -> Self {
+        let column = |i: usize| track.path.iter().map(|row| round_significant(row[i], 5)).collect();
+        Self { figure: data::of(&track.figure), path: std::array::from_fn(column) }
+    }
+}
+
+/// The data of every explorer among blocks, in the order of the page.
+///
+/// # Errors
+/// If data cannot be written as JSON.
+pub(super) fn all<'a>(blocks: impl Iterator<Item = &'a Block>) -> Result<Vec<String>, ReportError> {
+    let tracks = blocks.filter_map(|block| match block {
+        Block::Explorer(tracks) => Some(tracks),
+        _ => None,
+    });
+    tracks.map(|tracks| json(tracks)).collect()
+}
+
+fn json(tracks: &[Track]) -> Result<String, ReportError> {
+    data::json(&tracks.iter().map(TrackData::of).collect::<Vec<_>>(), "explorer")
+}
+
+/// Empty shells that the script fills; without scripts there is nothing to explore.
+pub(super) fn markup(tracks: &[Track], json: &str) -> Markup {
+    html! {
+        div.explorer hidden {
+            p.tools {
+                label {
+                    "Recording "
+                    select { @for track in tracks { option { (track.name) } } }
+                }
+            }
+            div.replay {
+                canvas role="img" aria-label="The robot on its path" {}
+                p.tools {
+                    button.reset type="button" { "Play" }
+                    input type="range" min="0" value="0" step="1" aria-label="Time";
+                    output {}
+                }
+            }
+            figure { div.plot {} }
+            script type="application/json" { (PreEscaped(json)) }
+        }
+    }
+}
