@@ -1,7 +1,7 @@
 //! RMSE and coverage against the first key of numbers, a curve per method.
 
 use super::GridPlan;
-use super::summary::{Summary, conditions};
+use super::summary::{FEWEST_COVERED, Summary, conditions};
 use crate::math::distribution::chi2_quantile;
 use crate::report::block::Block;
 use crate::report::figure::{Axis, Figure, Layer, Panel, Role};
@@ -29,6 +29,8 @@ struct Quantity {
     axis: fn(&str) -> Axis,
     /// What is to be reached: value, label, and where values fall by chance.
     target: Option<Target>,
+    /// Repetitions below which it is not known well enough to be drawn.
+    fewest: usize,
 }
 
 struct Target {
@@ -41,38 +43,41 @@ const QUANTITIES: [Quantity; 3] = [
     Quantity {
         id: "grid_rmse",
         title: "Error of the estimates",
-        how_to_read: "Each curve is the root mean square difference between estimate and truth \
+        how_to_read: "Each curve is the root mean square difference between estimate and true value \
                       over the repetitions, the band its 95 % interval. Lower is better; where \
-                      bands overlap, the repetitions do not tell the methods apart.",
-        caption: "Root mean square difference between estimate and truth; bands are 95 % intervals.",
+                      bands overlap, the methods are not distinguishable.",
+        caption: "Root mean square difference between estimate and true value; bands are 95 % intervals.",
         value: |s| s.rmse,
         interval: Some(Summary::rmse_interval),
         axis: |unit| Axis::log("RMSE", unit),
+        fewest: 0,
         target: None,
     },
     Quantity {
         id: "grid_efficiency",
         title: "Efficiency of the estimates",
         how_to_read: "The variance that nothing unbiased can beat (as prediction_error claims it) \
-                      over the mean squared error. At 1 the method takes all out of the data; at \
+                      over the mean squared error. A method at 1 is efficient; at \
                       0.25 it needs four times the data. The grey band holds 95 % of the values \
                       that an efficient method shows by chance.",
         caption: "Smallest variance possible over mean squared error; 1 is the best that can be.",
         value: |s| s.efficiency,
         interval: None,
         axis: |_| Axis::log("bound / mean squared error", ""),
+        fewest: 0,
         target: Some(Target { at: 1.0, label: "efficient", chance: efficiency_by_chance }),
     },
     Quantity {
         id: "grid_coverage",
         title: "Coverage of the 95 % intervals",
-        how_to_read: "The share of repetitions whose interval holds the truth. Near 95 % the \
+        how_to_read: "The share of repetitions whose interval covers the true value. Near 95 % the \
                       claimed errors are honest; below, they are too small. The grey band holds \
                       95 % of the values that honest intervals show by chance.",
-        caption: "Share of the repetitions whose 95 % interval holds the truth.",
+        caption: "Share of the repetitions whose 95 % interval covers the true value.",
         value: |s| 100.0 * s.coverage,
         interval: None,
         axis: |_| Axis::linear("coverage", "%"),
+        fewest: FEWEST_COVERED,
         target: Some(Target { at: 95.0, label: "nominal", chance: coverage_by_chance }),
     },
 ];
@@ -105,7 +110,9 @@ pub(super) fn figures(grid: &GridPlan, summaries: &[Summary]) -> Vec<Block> {
     if parameters.is_empty() {
         return vec![];
     }
-    QUANTITIES.iter().map(|q| figure(grid, summaries, along, &parameters, q).into()).collect()
+    let repetitions = summaries.iter().map(|s| s.n).max().unwrap_or(0);
+    let known = QUANTITIES.iter().filter(|q| repetitions >= q.fewest);
+    known.map(|q| figure(grid, summaries, along, &parameters, q).into()).collect()
 }
 
 fn figure(

@@ -17,6 +17,7 @@ mod run;
 mod shell;
 mod summary;
 mod table;
+mod winner;
 mod word;
 
 pub use axes::GridAxis;
@@ -55,7 +56,7 @@ impl GridPlan {
         let axes = axes::axes(grid).map_err(|e| wrong(&e.key, e.message))?;
         for axis in &axes {
             if axis.key.starts_with("simulation.") && !table.contains_key("simulation") {
-                let message = "varies made data, and the file has no [simulation]".to_string();
+                let message = "varies synthetic data, and the file has no [simulation]".to_string();
                 return Err(wrong(&axis.name, message).into());
             }
             for value in &axis.values {

@@ -3,7 +3,8 @@
 use super::GridPlan;
 use super::cell::Cell as GridCell;
 use super::figures::figures;
-use super::summary::{Summary, conditions};
+use super::summary::{FEWEST_COVERED, Summary, conditions};
+use super::winner::winner;
 use crate::experiment::plan::Plan;
 use crate::report::block::{Block, Cell, Column, Table, Text, Tone};
 use crate::report::{PageContent, Picture, ReportError, SectionContent, format, render_page};
@@ -32,7 +33,12 @@ pub(super) fn render(
     };
     let failed = cells.iter().any(GridCell::failed);
     let tone = if failed { Tone::Notice } else { Tone::Neutral };
-    let mut first = vec![Block::verdict(tone, verdict(grid, cells, summaries), "")];
+    let headline = winner(grid, cells).map(|w| w.sentence());
+    let runs = verdict(grid, cells, summaries);
+    let mut first = vec![match headline {
+        Some(headline) => Block::verdict(tone, headline, runs),
+        None => Block::verdict(tone, runs, ""),
+    }];
     first.extend(figures(grid, summaries));
     let sections = vec![
         section("accuracy", "What the repetitions say", first),
@@ -70,10 +76,24 @@ pub(super) fn render(
 const MOST_ROWS: usize = 1000;
 
 const TABLE_WORDS: &str = "n estimates enter the means; failures are cells without a fit. RMSE is \
-     about the truth. Coverage near 95 % means that the claimed errors are honest. Efficiency is \
+     about the true value. Coverage near 95 % means that the claimed errors are honest. Efficiency is \
      the mean variance claimed by prediction_error in the same cells (a proxy of the Cramér-Rao \
      bound; the smallest claimed variance where that method does not run) over the mean square \
      error: near 1 nothing is left to gain, and above 1 only by chance or by a claim too large.";
+
+/// A coverage with its 95 % interval; of few repetitions the interval alone.
+fn coverage(s: &Summary) -> Cell {
+    let (low, high) = s.coverage_interval();
+    if !s.coverage.is_finite() {
+        return Cell::formatted(format::MISSING, f64::NAN);
+    }
+    let percent = |share: f64| format!("{:.0}", 100.0 * share.clamp(0.0, 1.0));
+    let interval = format!("{} to {} %", percent(low), percent(high));
+    match s.n {
+        ..FEWEST_COVERED => Cell::formatted(interval, s.coverage),
+        _ => Cell::formatted(format::percent(s.coverage), s.coverage).noted(interval),
+    }
+}
 
 /// Combinations, failures and coverage in a sentence per method.
 pub(super) fn verdict(grid: &GridPlan, cells: &[GridCell], summaries: &[Summary]) -> String {
@@ -91,8 +111,11 @@ pub(super) fn verdict(grid: &GridPlan, cells: &[GridCell], summaries: &[Summary]
         let of = summaries.iter().filter(|s| s.method == method && s.coverage.is_finite());
         let (covered, n) =
             of.fold((0.0, 0.0), |(c, n), s| (c + s.coverage * s.n as f64, n + s.n as f64));
+        if n < FEWEST_COVERED as f64 {
+            continue;
+        }
         out += &format!(
-            "; {method}: 95 % intervals hold the truth in {}",
+            "; {method}: 95 % intervals cover the true value in {}",
             format::percent(covered / n)
         );
     }
@@ -104,7 +127,7 @@ fn table(grid: &GridPlan, summaries: &[Summary]) -> Block {
     let mut columns: Vec<Column> = axes.iter().map(|k| Column::text(&grid.axes[*k].name)).collect();
     columns.extend([Column::text("Method"), Column::text("Parameter"), Column::text("Unit")]);
     columns.extend(["n", "Failures", "Not identifiable"].map(|t| Column::number(t, "")));
-    columns.extend(["Truth", "Bias", "RMSE", "Claimed error"].map(|t| Column::number(t, "")));
+    columns.extend(["True value", "Bias", "RMSE", "Claimed error"].map(|t| Column::number(t, "")));
     columns.extend([Column::number("Coverage", ""), Column::number("Efficiency", "")]);
     columns.extend(["2 s simulation error", "Noise floor"].map(|t| Column::number(t, "rad/s")));
     let caption = if summaries.len() > MOST_ROWS {
@@ -138,7 +161,7 @@ fn table(grid: &GridPlan, summaries: &[Summary]) -> Block {
         row.extend([s.n, s.failures, s.unidentifiable].map(Cell::count));
         row.push(Cell::number(s.truth));
         row.extend([s.bias, s.rmse, s.std_error].map(three));
-        row.push(Cell::formatted(format::percent(s.coverage), s.coverage));
+        row.push(coverage(s));
         row.extend([s.efficiency, s.window_rms, s.floor].map(three));
         table.push(row);
     }

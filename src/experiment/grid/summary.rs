@@ -13,6 +13,10 @@ use crate::math::distribution::{chi2_quantile, normal_quantile};
 /// Method whose claimed variance stands for the Cramér-Rao bound.
 const EFFICIENT: &str = "prediction_error";
 
+/// Repetitions below which a coverage is not said: of 20 honest intervals 19 cover the true value, of fewer
+/// all or all but one do, whatever the coverage is between 85 and 100 %.
+pub(super) const FEWEST_COVERED: usize = 20;
+
 /// A method and a parameter over the repetitions of a combination.
 ///
 /// ```text
