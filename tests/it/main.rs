@@ -15,6 +15,7 @@ mod layering;
 mod long;
 mod modelica;
 mod page;
+mod quoted;
 mod recordings;
 mod shards;
 mod support;

@@ -1,0 +1,158 @@
+//! The pages quote what the program prints: their commands are run, and the figures compared.
+
+use std::fs;
+use std::path::Path;
+
+use crate::support::{Folder, root};
+
+/// Difference of quoted and printed figures: the last digit that is printed, on another machine.
+const TOLERANCE: f64 = 0.02;
+
+/// A fenced block of a page: its language and its lines.
+struct Fence {
+    language: String,
+    lines: Vec<String>,
+}
+
+fn fences(page: &str) -> Vec<Fence> {
+    let mut out: Vec<Fence> = Vec::new();
+    let mut is_open = false;
+    for line in page.lines() {
+        match line.strip_prefix("```") {
+            Some(_) if is_open => is_open = false,
+            Some(language) => {
+                out.push(Fence { language: language.to_owned(), lines: vec![] });
+                is_open = true;
+            }
+            None if is_open => out.last_mut().unwrap().lines.push(line.to_owned()),
+            None => {}
+        }
+    }
+    out
+}
+
+/// Words and figures of a line; a typographic minus is a minus.
+fn words(line: &str) -> Vec<String> {
+    let line = line.replace('−', "-");
+    let separators = |c: char| c.is_whitespace() || "(),;:".contains(c);
+    line.split(separators)
+        .map(|word| word.trim_end_matches('.').to_owned())
+        .filter(|w| !w.is_empty())
+        .collect()
+}
+
+/// Whether both are the same word, or figures that differ by no more than two percent or two of the last digit.
+fn alike(quoted: &str, printed: &str) -> bool {
+    match (quoted.parse::<f64>(), printed.parse::<f64>()) {
+        (Ok(q), Ok(p)) => {
+            let decimals = quoted.split('.').nth(1).map_or(0, str::len) as i32;
+            (q - p).abs() <= (TOLERANCE * p.abs()).max(2.0 * 10f64.powi(-decimals))
+        }
+        _ => quoted == printed,
+    }
+}
+
+/// Whether the quoted lines stand in the printed ones in order; "…" stands for any lines.
+fn quotes(quoted: &[String], printed: &str) -> Result<(), String> {
+    let mut lines = printed.lines().map(words).filter(|w| !w.is_empty());
+    for line in quoted.iter().filter(|line| !line.trim().is_empty() && line.trim() != "…") {
+        let wanted = words(line);
+        let is_same = |printed: Vec<String>| {
+            printed.len() == wanted.len() && wanted.iter().zip(&printed).all(|(q, p)| alike(q, p))
+        };
+        if !lines.any(is_same) {
+            return Err(format!("not printed: {line}\nprinted:\n{printed}"));
+        }
+    }
+    Ok(())
+}
+
+/// The arguments of a command, with `*.csv` written out as a shell does.
+fn arguments(command: &str) -> Vec<String> {
+    let mut out = Vec::new();
+    for word in command.split_whitespace().skip(1) {
+        match word.strip_suffix("/*.csv") {
+            Some(folder) => {
+                let entries = fs::read_dir(root().join(folder)).unwrap();
+                let mut names: Vec<String> = entries
+                    .map(|e| format!("{folder}/{}", e.unwrap().file_name().to_string_lossy()))
+                    .filter(|name| name.ends_with(".csv"))
+                    .collect();
+                names.sort();
+                out.extend(names);
+            }
+            None => out.push(word.to_owned()),
+        }
+    }
+    out
+}
+
+fn copy(from: &Path, to: &Path) {
+    fs::create_dir_all(to).unwrap();
+    for entry in fs::read_dir(from).unwrap() {
+        let path = entry.unwrap().path();
+        let target = to.join(path.file_name().unwrap());
+        if path.is_dir() {
+            copy(&path, &target);
+        } else {
+            fs::copy(&path, target).unwrap();
+        }
+    }
+}
+
+#[test]
+fn the_guide_quotes_what_its_commands_print() {
+    let page = fs::read_to_string(root().join("docs/guide.md")).unwrap();
+    let (_, start) = page.split_once("\n## Get started\n").unwrap();
+    let start = start.split("\n## ").next().unwrap();
+    let folder = Folder::new();
+    copy(&root().join("recordings"), &folder.path("recordings"));
+    let (mut printed, mut compared) = (String::new(), 0);
+    for fence in fences(start) {
+        match fence.language.as_str() {
+            "sh" => {
+                for command in fence.lines.iter().filter(|l| l.starts_with("experiment ")) {
+                    let arguments = arguments(command);
+                    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+                    let ran = folder.run(&arguments);
+                    ran.says(0, &[]);
+                    printed = ran.out;
+                }
+            }
+            "text" => {
+                quotes(&fence.lines, &printed).unwrap_or_else(|e| panic!("docs/guide.md: {e}"));
+                compared += 1;
+            }
+            _ => {}
+        }
+    }
+    assert!(compared >= 4, "{compared} outputs compared");
+}
+
+#[test]
+fn the_readme_says_of_its_example_what_the_program_finds() {
+    let page = fs::read_to_string(root().join("README.md")).unwrap();
+    let folder = Folder::new();
+    let file = root().join("experiments/hidden_scrub.toml");
+    folder.run(&[file.to_str().unwrap()]).says(0, &[]);
+    let results = folder.results("reports/hidden_scrub");
+    let steps = results["diagnosis"]["staircase"].as_array().unwrap();
+    let error =
+        |step: &serde_json::Value| step["window_rms_validation"].as_f64().unwrap().to_string();
+    let quoted: Vec<String> = words(page.split("turning scrub,\n").nth(1).unwrap());
+    let figures: Vec<&String> = quoted.iter().filter(|w| w.parse::<f64>().is_ok()).collect();
+    let size = results["diagnosis"]["ranking"][0]["parameters"][0]["value"].as_f64().unwrap();
+    let found = [size.to_string(), "2".to_owned(), error(&steps[0]), error(&steps[1])];
+    for (quoted, found) in figures.into_iter().zip(&found) {
+        assert!(alike(quoted, found), "README.md says {quoted}, the program {found}");
+    }
+}
+
+#[test]
+fn a_stale_figure_is_seen_and_a_last_digit_is_not() {
+    let quote = |line: &str, printed: &str| quotes(&[line.to_owned()], printed).is_ok();
+    assert!(quote("error 0.1847 to 0.0303 rad/s.", "first\nerror 0.1846 to 0.0303 rad/s\n"));
+    assert!(!quote("error 0.1824 to 0.0315 rad/s", "error 0.1847 to 0.0303 rad/s"));
+    assert!(!quote("Missing: slope", "Missing: inclined floor (slope)"));
+    assert!(quote("…", "anything"));
+}
