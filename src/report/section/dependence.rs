@@ -60,7 +60,7 @@ fn figure(study: &Study) -> Figure {
         .with_caption(caption(study))
         .with_columns(2)
         .interactive()
-        .with_height(480.0);
+        .with_height(560.0);
     for curve in study.curves.iter().take(DRAWN) {
         for (i, wheel) in words::WHEELS.into_iter().enumerate() {
             let mut panel = panel(study, curve, i).with_title(wheel);
