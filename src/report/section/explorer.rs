@@ -30,8 +30,8 @@ impl Section for Explorer {
     }
 
     fn how_to_read(&self) -> &'static str {
-        "Choose a recording; the cursor on the curves moves the robot on its path, and the slider below the path \
-         moves both. Where the residual torque stands out, the path shows what the robot was doing."
+        "Where the residual torque stands out, the path shows what the robot was doing: the cursor on the curves \
+         moves the robot, and the slider moves both."
     }
 
     fn blocks(&self, study: &Study) -> Vec<Block> {

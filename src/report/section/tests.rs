@@ -347,7 +347,10 @@ fn a_study_whose_methods_all_failed_still_shows_why_and_what_was_recorded() {
     study.reference = None;
     (study.diagnosis, study.given, study.completed) = (None, None, None);
     (study.curves, study.versions) = (vec![], vec![]);
-    assert_eq!(ids(&study), ["verdict", "methods", "signals", "recordings", "provenance"]);
+    assert_eq!(
+        ids(&study),
+        ["verdict", "methods", "explorer", "signals", "recordings", "provenance"]
+    );
     assert!(render(&study).unwrap().html.contains("the data cannot give a2"));
 }
 
