@@ -99,6 +99,29 @@ impl Formula {
         self.outputs.iter().all(|&k| self.nodes[k] == Node::Constant(0.0))
     }
 
+    /// The largest degree of the results as polynomials of the inputs in `of`; `None` where one of them is no
+    /// polynomial.
+    #[must_use]
+    pub fn degree(&self, of: std::ops::Range<usize>) -> Option<usize> {
+        let mut degrees: Vec<Option<usize>> = Vec::with_capacity(self.nodes.len());
+        for node in &self.nodes {
+            degrees.push(match *node {
+                Node::Constant(_) => Some(0),
+                Node::Input(k) => Some(usize::from(of.contains(&k))),
+                Node::Unary(Unary::Negate, a) => degrees[a],
+                Node::Unary(_, a) => degrees[a].filter(|degree| *degree == 0),
+                Node::Binary(operator, a, b) => match (operator, degrees[a], degrees[b]) {
+                    (Binary::Add | Binary::Subtract, Some(a), Some(b)) => Some(a.max(b)),
+                    (Binary::Multiply, Some(a), Some(b)) => Some(a + b),
+                    (Binary::Divide, Some(a), Some(0)) => Some(a),
+                    (_, Some(0), Some(0)) => Some(0),
+                    _ => None,
+                },
+            });
+        }
+        self.outputs.iter().try_fold(0, |most, &k| Some(most.max(degrees[k]?)))
+    }
+
     /// Whether a result depends on input number `input`.
     #[must_use]
     pub fn depends_on(&self, input: usize) -> bool {
@@ -317,6 +340,17 @@ impl MulAssign for Symbol {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_degree_is_that_of_the_polynomial_in_the_inputs_asked_for() {
+        let degree = |f: fn(&[Symbol]) -> Symbol| record(&[0.3, 0.7], |x| vec![f(x)]).degree(0..1);
+        assert_eq!(degree(|x| x[1].sin()), Some(0));
+        assert_eq!(degree(|x| x[0] * x[1].exp() / x[1] - x[0]), Some(1));
+        assert_eq!(degree(|x| -x[0].squared() * x[1]), Some(2));
+        assert_eq!(degree(|x| x[0].squared() * x[0] + x[1]), Some(3));
+        assert_eq!(degree(|x| x[0] * x[0].abs()), None);
+        assert_eq!(degree(|x| x[1] / x[0]), None);
+    }
 
     fn formula<T: Real>(x: &[T]) -> T {
         let clipped = x[0].max(-x[1]).min(x[1]);

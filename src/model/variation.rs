@@ -11,6 +11,8 @@ pub enum Variation {
     Absent,
     /// The same at every time, angle and speed.
     Constant,
+    /// A polynomial of second degree in the wheel speeds, and nothing else of the motion.
+    Quadratic,
     /// Anything else.
     Varying,
 }
@@ -29,6 +31,7 @@ pub struct Variations {
 
 /// Inputs that make up an instant: t, alpha1, alpha2, omega1, omega2.
 const MOTION: usize = 5;
+const SPEEDS: std::ops::Range<usize> = 3..5;
 /// A place to record at; formulas that hold there only count as varying.
 const PLACE: [f64; MOTION] = [0.7, 0.3, -0.4, 1.1, -0.6];
 
@@ -44,8 +47,11 @@ impl Variations {
         });
         let variation = |outputs: std::ops::Range<usize>| {
             let part = Formula { outputs: formula.outputs[outputs].to_vec(), ..formula.clone() };
-            if part.read || (0..MOTION).any(|input| part.depends_on(input)) {
+            if part.read || (0..SPEEDS.start).any(|input| part.depends_on(input)) {
                 Variation::Varying
+            } else if SPEEDS.into_iter().any(|input| part.depends_on(input)) {
+                let quadratic = part.degree(SPEEDS).is_some_and(|degree| degree <= 2);
+                if quadratic { Variation::Quadratic } else { Variation::Varying }
             } else if part.is_zero() {
                 Variation::Absent
             } else {
@@ -58,7 +64,17 @@ impl Variations {
     /// Whether any term varies.
     #[must_use]
     pub fn vary(&self) -> bool {
-        self.mass.max(self.torque).max(self.level) == Variation::Varying
+        self.most() > Variation::Constant
+    }
+
+    /// Whether nothing varies but the torques, and these as a polynomial of second degree in the speeds.
+    #[must_use]
+    pub fn is_quadratic(&self) -> bool {
+        self.torque == Variation::Quadratic && self.mass.max(self.level) <= Variation::Constant
+    }
+
+    fn most(&self) -> Variation {
+        self.mass.max(self.torque).max(self.level)
     }
 }
 
@@ -84,7 +100,7 @@ mod tests {
                 match variation {
                     Variation::Absent => parts.iter().flatten().all(|v| *v == 0.0),
                     Variation::Constant => parts.iter().all(|v| *v == parts[0]),
-                    Variation::Varying => true,
+                    Variation::Quadratic | Variation::Varying => true,
                 }
             };
             let right = same(variations.mass, &|t| t.mass.to_vec())
@@ -101,7 +117,7 @@ mod tests {
         let (absent, constant) = (Variation::Absent, Variation::Constant);
         let inertia = Variations { mass: constant, torque: absent, level: absent };
         assert_eq!(of("inertia"), inertia);
-        let centrifugal = Variations { mass: absent, torque: Variation::Varying, level: absent };
+        let centrifugal = Variations { mass: absent, torque: Variation::Quadratic, level: absent };
         assert_eq!(of("centrifugal"), centrifugal);
         let coulomb = Variations { mass: absent, torque: absent, level: constant };
         assert_eq!(of("coulomb_friction"), coulomb);

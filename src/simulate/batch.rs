@@ -161,8 +161,9 @@ impl<'a> Batch<'a> {
     }
 
     fn square(&self, measured: &[f64; 2]) -> f64x8 {
-        let e = [0, 1].map(|i| f64x8::splat(measured[i]) - self.omega[i]);
-        e[0] * e[0] + e[1] * e[1]
+        let e = |i: usize| f64x8::splat(measured[i]) - self.omega[i];
+        let (first, second) = (e(0), e(1));
+        first * first + second * second
     }
 
     /// All lanes from one sample to the next.
@@ -173,7 +174,7 @@ impl<'a> Batch<'a> {
             let (from, to) = (edge(piece), edge(piece + 1));
             let (after, smooth) = self.step(from, to, drive);
             let omega = self.omega;
-            self.omega = [0, 1].map(|i| smooth.select(after[i], omega[i]));
+            self.omega = [smooth.select(after[0], omega[0]), smooth.select(after[1], omega[1])];
             if !smooth.all() {
                 self.one_by_one(!smooth.to_bitmask(), from, to, drive);
             }
@@ -212,8 +213,8 @@ impl<'a> Batch<'a> {
     fn step(&self, from: f64, to: f64, drive: &Drive) -> (Wheels, f64x8) {
         let h = to - from;
         let middle = drive.at(from + 0.5 * h);
-        let [start, middle, end] =
-            [drive.at(from), middle, drive.at(to)].map(|m| m.map(f64x8::splat));
+        let lanes = |[first, second]: [f64; 2]| [f64x8::splat(first), f64x8::splat(second)];
+        let (start, middle, end) = (lanes(drive.at(from)), lanes(middle), lanes(drive.at(to)));
         let zero = f64x8::ZERO;
         let motion = self.motion();
         let w = self.omega;
@@ -240,13 +241,15 @@ impl<'a> Batch<'a> {
     #[inline]
     fn motion(&self) -> Motion {
         let (zero, one) = (f64x8::ZERO, f64x8::ONE);
-        let rough = self.level.map(|level| level.simd_gt(zero));
-        let sign = [0, 1].map(|i| {
+        let rough = [self.level[0].simd_gt(zero), self.level[1].simd_gt(zero)];
+        let sign = |i: usize| {
             let w = self.omega[i];
             let side = w.simd_gt(zero).select(one, w.simd_lt(zero).select(-one, zero));
             rough[i] & side
-        });
-        let stuck = [0, 1].map(|i| rough[i] & self.omega[i].simd_eq(zero));
+        };
+        let sign = [sign(0), sign(1)];
+        let stuck = |i: usize| rough[i] & self.omega[i].simd_eq(zero);
+        let stuck = [stuck(0), stuck(1)];
         let [diagonal, beside] = self.inverse;
         let mut mobility = [diagonal, beside, diagonal];
         if (stuck[0] | stuck[1]).any() {

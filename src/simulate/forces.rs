@@ -2,8 +2,9 @@
 
 use super::drive::Drive;
 use super::friction::{Contact, contact};
-use crate::effects::{Coupling, DIRECTIONS, Effect, Motion, Terms, along, smallest_inertia};
-use crate::math::{runge_kutta_from, sgn};
+use super::speed_polynomial::SpeedPolynomial;
+use crate::effects::{Coupling, DIRECTIONS, Effect, Motion, Terms, smallest_inertia};
+use crate::math::runge_kutta_from;
 use crate::model::{Model, ModelError, Variation, Variations, solve_mass};
 
 /// alpha1, alpha2, omega1, omega2, and behind a coupling: body speeds u1, u2, twists phi1, phi2.
@@ -18,13 +19,16 @@ pub(super) struct Departure {
     pub(super) freedom: Option<[f64; 2]>,
     pub(super) rate: Vector,
     /// What resists on each wheel throughout the step [N m], where levels do not vary.
-    resisting: [f64; 2],
+    pub(super) resisting: [f64; 2],
 }
 
-/// Effects added up: what is the same at every instant is there already.
-struct Sum<'m> {
-    constant: Terms<f64>,
-    varying: Vec<(&'m dyn Effect, &'m [f64])>,
+/// Effects added up: what is the same at every instant is there already, and what is a polynomial of
+/// the speeds is one polynomial.
+pub(super) struct Sum<'m> {
+    pub(super) constant: Terms<f64>,
+    /// Less its constant, which is part of the above.
+    by_speed: SpeedPolynomial,
+    pub(super) varying: Vec<(&'m dyn Effect, &'m [f64])>,
 }
 
 impl<'m> Sum<'m> {
@@ -34,21 +38,28 @@ impl<'m> Sum<'m> {
         x: &Motion<f64>,
         part: impl Fn(&dyn Effect) -> bool,
     ) -> Self {
-        let mut sum = Self { constant: Terms::zero(), varying: vec![] };
+        let mut sum =
+            Self { constant: Terms::zero(), by_speed: SpeedPolynomial::default(), varying: vec![] };
         for (e, effect) in model.effects().iter().enumerate().filter(|(_, e)| part(&***e)) {
-            let p = &p[model.slots(e)];
-            if model.variations(e).vary() {
+            let (p, variations) = (&p[model.slots(e)], model.variations(e));
+            if variations.is_quadratic() {
+                let torque = |omega| effect.torque(&Motion { omega, ..*x }, p);
+                sum.by_speed.add(&SpeedPolynomial::through(torque));
+            } else if variations.vary() {
                 sum.varying.push((&**effect, p));
-            } else {
-                sum.constant.add(&effect.terms(x, p));
+                continue;
             }
+            sum.constant.add(&effect.terms(x, p));
         }
+        sum.by_speed.take_constant();
         sum
     }
 
     #[inline]
-    fn at(&self, x: &Motion<f64>) -> Terms<f64> {
+    pub(super) fn at(&self, x: &Motion<f64>) -> Terms<f64> {
         let mut terms = self.constant;
+        let by_speed = self.by_speed.rest(x.omega);
+        terms.torque = [terms.torque[0] + by_speed[0], terms.torque[1] + by_speed[1]];
         for (effect, p) in &self.varying {
             terms.add(&effect.terms(x, p));
         }
@@ -62,13 +73,15 @@ pub(super) struct Forces<'m> {
     pub(super) p: &'m [f64],
     t0: f64,
     /// All effects; with a two-mass drivetrain those on the wheels alone.
-    wheel: Sum<'m>,
+    pub(super) wheel: Sum<'m>,
     behind: Option<Behind<'m>>,
     /// Inverse of a mass matrix that is the same at every instant.
-    inverse: Option<[f64; 3]>,
+    pub(super) inverse: Option<[f64; 3]>,
+    /// What the polynomial of the speeds adds to the accelerations of a robot with such a matrix.
+    pub(super) by_speed: SpeedPolynomial,
     /// Whether the level of a dry friction varies, and the levels if none does.
-    rough: bool,
-    level: [f64; 4],
+    pub(super) rough: bool,
+    pub(super) level: [f64; 4],
 }
 
 /// The second mass of a two-mass drivetrain.
@@ -98,14 +111,16 @@ impl<'m> Forces<'m> {
             coupling.map(|coupling| Behind { coupling, body: Sum::new(model, p, &x, of_body) });
         let varies = |variation: fn(&Variations) -> Variation| {
             (0..model.effects().len())
-                .any(|e| variation(&model.variations(e)) == Variation::Varying)
+                .any(|e| variation(&model.variations(e)) > Variation::Constant)
         };
         let steady = behind.is_none() && !varies(|variations| variations.mass);
         let everywhere = wheel.at(&x);
         let inverse = if steady { inverse(&everywhere.mass).ok() } else { None };
         let level = everywhere.level;
         let rough = varies(|variations| variations.level);
-        Self { model, p, t0, wheel, behind, inverse, rough, level }
+        let negative = inverse.unwrap_or([0.0; 3]).map(|i| -i);
+        let by_speed = wheel.by_speed.mapped(|torque| times(&negative, torque));
+        Self { model, p, t0, wheel, behind, inverse, by_speed, rough, level }
     }
 
     #[inline]
@@ -162,9 +177,6 @@ impl<'m> Forces<'m> {
         y: &Vector,
         drive: &Drive,
     ) -> Result<Departure, ModelError> {
-        if let Some(departure) = self.sliding(t, y, drive) {
-            return Ok(departure);
-        }
         let acting = self.acting(t, y, drive);
         let contact = contact(&acting.terms, &acting.moment, &[y[2], y[3]])?;
         let rate = with_body(y, contact.acceleration, &acting)?;
@@ -172,38 +184,24 @@ impl<'m> Forces<'m> {
         Ok(Departure { t, y: *y, freedom: contact.freedom(), contact, rate, resisting })
     }
 
-    /// [`Forces::depart`] in the ordinary case: only torques vary, and nothing is at rest.
-    #[inline]
-    fn sliding(&self, t: f64, y: &Vector, drive: &Drive) -> Option<Departure> {
-        let inverse = self.inverse.as_ref().filter(|_| !self.rough)?;
-        let omega = [y[2], y[3]];
-        let mut sign = [0.0; 4];
-        for (j, sign) in sign.iter_mut().enumerate() {
-            if self.level[j] > 0.0 {
-                *sign = sgn(along(j, &omega));
-                if *sign == 0.0 {
-                    return None;
-                }
-            }
-        }
-        let resisting = self.resisting(&sign);
-        let a = times(inverse, &self.remaining(&self.motion(t, y), drive.at(t), &resisting));
-        let contact = Contact { sign, stuck: [false; 4], acceleration: a };
-        let rate = [y[2], y[3], a[0], a[1], a[0], a[1], 0.0, 0.0];
-        Some(Departure { t, y: *y, contact, freedom: None, rate, resisting })
-    }
-
     /// What resists throughout a step with these signs, of what does not vary [N m].
     #[inline]
-    fn resisting(&self, sign: &[f64; 4]) -> [f64; 2] {
+    pub(super) fn resisting(&self, sign: &[f64; 4]) -> [f64; 2] {
         let (torque, friction) = (self.wheel.constant.torque, friction(&self.level, sign));
         [torque[0] + friction[0], torque[1] + friction[1]]
     }
 
     /// What is left of a torque to accelerate the wheels, where only torques vary.
     #[inline]
-    fn remaining(&self, x: &Motion<f64>, moment: [f64; 2], resisting: &[f64; 2]) -> [f64; 2] {
-        let mut b = [moment[0] - resisting[0], moment[1] - resisting[1]];
+    pub(super) fn remaining(
+        &self,
+        x: &Motion<f64>,
+        moment: [f64; 2],
+        resisting: &[f64; 2],
+    ) -> [f64; 2] {
+        let by_speed = self.wheel.by_speed.rest(x.omega);
+        let left = |i: usize| moment[i] - resisting[i] - by_speed[i];
+        let mut b = [left(0), left(1)];
         for (effect, p) in &self.wheel.varying {
             let torque = effect.torque(x, p);
             b = [b[0] - torque[0], b[1] - torque[1]];
@@ -237,7 +235,8 @@ impl<'m> Forces<'m> {
         from: &Departure,
     ) -> Result<[f64; 2], ModelError> {
         let friction = friction(&terms.level, &from.contact.sign);
-        let b = [0, 1].map(|i| moment[i] - terms.torque[i] - friction[i]);
+        let left = |i: usize| moment[i] - terms.torque[i] - friction[i];
+        let b = [left(0), left(1)];
         match (from.freedom, self.inverse) {
             (None, Some([i11, i12, i22])) => Ok([i11 * b[0] + i12 * b[1], i12 * b[0] + i22 * b[1]]),
             (None, None) => solve_mass(&terms.mass, &b),
@@ -309,7 +308,7 @@ impl<'m> Forces<'m> {
 
 /// The torque of dry friction on each wheel, with the signs of a contact state.
 #[inline]
-fn friction(level: &[f64; 4], sign: &[f64; 4]) -> [f64; 2] {
+pub(super) fn friction(level: &[f64; 4], sign: &[f64; 4]) -> [f64; 2] {
     let mut sum = [0.0; 2];
     for (j, d) in DIRECTIONS.iter().enumerate() {
         let friction = level[j].max(0.0) * sign[j];

@@ -6,15 +6,19 @@ pub mod dynamics;
 mod emulator;
 mod event;
 mod forces;
+mod forcing;
 mod friction;
 mod fuzzy_dynamics;
+mod glide;
 mod input;
 mod movement;
 mod recorder;
 mod sensitivity;
 mod simulation;
+mod speed_polynomial;
 mod stepper;
 mod takagi_sugeno;
+mod variation;
 mod walk;
 
 pub use batch::ise_of_many;
@@ -25,11 +29,12 @@ pub use fuzzy_dynamics::FuzzyDynamics;
 pub use input::{BETWEEN_ROWS, Hold, Input, RunIn, SimulateError, Structure};
 pub use movement::{Movement, Reference, Segment};
 pub use recorder::{NoiseLevel, Recorder, record, record_disturbed};
-pub(crate) use sensitivity::{ActingInput, LANES, follow, follow_part};
+pub(crate) use sensitivity::{ActingInput, follow, follow_part};
 pub use sensitivity::{Sensitivities, simulate_with_sensitivities};
 pub(crate) use simulation::simulate_windows;
 pub use simulation::{simulate, simulate_acting};
 pub use takagi_sugeno::{Consequents, Defuzzification, Gaussian, MOST_MEMBERSHIPS, TakagiSugeno};
+pub(crate) use variation::LANES;
 pub(crate) use walk::{Ends, Walk};
 
 #[cfg(test)]

@@ -32,6 +32,7 @@ pub(super) trait StepObserver {
 }
 
 impl StepObserver for () {
+    #[inline]
     fn smooth(&mut self, _: &Forces, _: &Departure, _: f64, _: &Vector, _: &Drive) {}
     fn event(&mut self, _: [bool; 4], _: &[f64; 2], _: &Contact) {}
 }
@@ -45,6 +46,10 @@ pub(super) struct Stepper<'m> {
 impl<'m> Stepper<'m> {
     pub(super) fn new(model: &'m Model, p: &'m [f64], t0: f64, start: State) -> Self {
         Self { forces: Forces::new(model, p, t0), y: at_rest_within(start) }
+    }
+
+    pub(super) fn forces(&self) -> &Forces<'m> {
+        &self.forces
     }
 
     /// Puts the robot into another state.
@@ -103,6 +108,12 @@ impl<'m> Stepper<'m> {
         drive: &Drive,
         observer: &mut impl StepObserver,
     ) -> Result<(), SimulateError> {
+        if let Some(glide) = self.forces.glide(from, to, &self.y, drive) {
+            let (start, end) = (self.forces.start_of(&glide, from, &self.y), glide.end());
+            observer.smooth(&self.forces, &start, to, &end, drive);
+            self.y = end;
+            return Ok(());
+        }
         let mut start = self.forces.depart(from, &self.y, drive)?;
         for event in 0.. {
             let whole = self.forces.step(&start, to, drive)?;

@@ -1,8 +1,8 @@
 //! One sample at a time from any state, with the derivatives over it: what a filter needs.
 
 use super::SimulateError;
-use super::sensitivity::Variation;
 use super::stepper::Stepper;
+use super::variation::Variation;
 use crate::model::Model;
 use crate::robot::State;
 
@@ -23,7 +23,8 @@ impl<'m> Walk<'m> {
     /// Effects count time from zero.
     pub(crate) fn new(model: &'m Model, p: &'m [f64]) -> Self {
         let stepper = Stepper::new(model, p, 0.0, State::default());
-        Self { stepper, variation: Variation::new(p.len()), parameters: p.len() }
+        let variation = Variation::new(stepper.forces());
+        Self { stepper, variation, parameters: p.len() }
     }
 
     /// The state at `to` [s] from the state at `from`; `acting` are those of the input's ends by parameters that

@@ -1,0 +1,207 @@
+//! A step of wheels that slide from its beginning to its end, or that both stand, under a mass matrix
+//! that never changes: nearly every step of nearly every simulation.
+
+use super::drive::Drive;
+use super::forces::{Departure, Forces, Vector, friction, times};
+use super::friction::Contact;
+use crate::effects::along;
+use crate::math::sgn;
+
+/// A step that was taken.
+pub(super) struct Glide {
+    /// Signs of friction; none where the wheels stand.
+    sign: Option<[f64; 4]>,
+    /// Acceleration at its start.
+    first: [f64; 2],
+    /// alpha1, alpha2, omega1, omega2 at its end.
+    end: [f64; 4],
+}
+
+impl Glide {
+    /// The state at its end; nothing is behind the wheels.
+    #[inline]
+    pub(super) fn end(&self) -> Vector {
+        let [a1, a2, w1, w2] = self.end;
+        [a1, a2, w1, w2, w1, w2, 0.0, 0.0]
+    }
+}
+
+impl Forces<'_> {
+    /// The start of a step that was taken from `y` at `t`.
+    #[inline]
+    pub(super) fn start_of(&self, glide: &Glide, t: f64, y: &Vector) -> Departure {
+        let a = glide.first;
+        let sign = glide.sign.unwrap_or_default();
+        let stuck = match glide.sign {
+            Some(_) => [false; 4],
+            None => self.level.map(|level| level > 0.0),
+        };
+        let contact = Contact { sign, stuck, acceleration: a };
+        let freedom = glide.sign.is_none().then_some([0.0; 2]);
+        let rate = [y[2], y[3], a[0], a[1], a[0], a[1], 0.0, 0.0];
+        Departure { t, y: *y, contact, freedom, rate, resisting: self.resisting(&sign) }
+    }
+
+    /// One classical Runge-Kutta step from `y` at `from` to `to` [s]; `None` where the
+    /// contact decides: a wheel rests while the other moves, breaks away or reverses, or the mass matrix
+    /// varies.
+    #[inline]
+    pub(super) fn glide(&self, from: f64, to: f64, y: &Vector, drive: &Drive) -> Option<Glide> {
+        let inverse = self.inverse.as_ref()?;
+        if self.rough {
+            let sign = signs(&self.wheel.at(&self.motion(from, y)).level, y)?;
+            return self.slide(from, to, y, drive, sign, |t, y, moment| {
+                let terms = self.wheel.at(&self.motion(t, y));
+                let friction = friction(&terms.level, &sign);
+                let left = |i: usize| moment[i] - terms.torque[i] - friction[i];
+                times(inverse, &[left(0), left(1)])
+            });
+        }
+        if y[2] == 0.0 && y[3] == 0.0 {
+            return self.stand(from, to, y, drive);
+        }
+        let sign = signs(&self.level, y)?;
+        let resisting = self.resisting(&sign);
+        if self.wheel.varying.is_empty() {
+            return self.slide(from, to, y, drive, sign, |_, y, moment| {
+                self.acceleration_at([y[2], y[3]], moment, &resisting)
+            });
+        }
+        self.slide(from, to, y, drive, sign, |t, y, moment| {
+            times(inverse, &self.remaining(&self.motion(t, y), moment, &resisting))
+        })
+    }
+
+    /// Acceleration where every torque that varies is in the polynomial of the speeds.
+    #[inline]
+    pub(super) fn acceleration_at(
+        &self,
+        omega: [f64; 2],
+        moment: [f64; 2],
+        resisting: &[f64; 2],
+    ) -> [f64; 2] {
+        let inverse = self.inverse.as_ref().unwrap_or(&[0.0; 3]);
+        let by_drive = times(inverse, &[moment[0] - resisting[0], moment[1] - resisting[1]]);
+        let by_speed = self.by_speed.rest(omega);
+        [by_drive[0] + by_speed[0], by_drive[1] + by_speed[1]]
+    }
+
+    /// Both wheels at rest, held at both ends of the step.
+    #[inline]
+    fn stand(&self, from: f64, to: f64, y: &Vector, drive: &Drive) -> Option<Glide> {
+        let held = |t: f64| {
+            let b = self.remaining(&self.motion(t, y), drive.at(t), &self.wheel.constant.torque);
+            b[0].abs() <= self.level[0] && b[1].abs() <= self.level[1]
+        };
+        let rough = |j: usize| self.level[j] > 0.0;
+        if !(rough(0) && rough(1) && held(from) && held(to)) {
+            return None;
+        }
+        Some(Glide { sign: None, first: [0.0; 2], end: [y[0], y[1], 0.0, 0.0] })
+    }
+
+    #[inline]
+    fn slide(
+        &self,
+        from: f64,
+        to: f64,
+        y: &Vector,
+        drive: &Drive,
+        sign: [f64; 4],
+        acceleration: impl Fn(f64, &Vector, [f64; 2]) -> [f64; 2],
+    ) -> Option<Glide> {
+        let h = to - from;
+        let (half, middle) = (0.5 * h, from + 0.5 * h);
+        // the angles of a stage follow from the speeds of the one before
+        let stage = |step: f64, speed: [f64; 2], rate: [f64; 2]| -> Vector {
+            let [a1, a2, w1, w2, ..] = *y;
+            let w = [w1 + step * rate[0], w2 + step * rate[1]];
+            [a1 + step * speed[0], a2 + step * speed[1], w[0], w[1], w[0], w[1], 0.0, 0.0]
+        };
+        let moment = drive.at(middle);
+        let first = acceleration(from, y, drive.at(from));
+        let second = stage(half, [y[2], y[3]], first);
+        let k2 = acceleration(middle, &second, moment);
+        let third = stage(half, [second[2], second[3]], k2);
+        let k3 = acceleration(middle, &third, moment);
+        let fourth = stage(h, [third[2], third[3]], k3);
+        let k4 = acceleration(to, &fourth, drive.at(to));
+        let sixth = h / 6.0;
+        let speed = |i: usize| y[2 + i] + sixth * (first[i] + (k2[i] + k3[i]) * 2.0 + k4[i]);
+        let angle = |i: usize| y[i] + h * (y[2 + i] + sixth * (first[i] + k2[i] + k3[i]));
+        let omega = [speed(0), speed(1)];
+        let goes_on = |j: usize| sign[j] * along(j, &omega) >= 0.0;
+        // not a number is for the contact to refuse
+        let end = [angle(0), angle(1), omega[0], omega[1]];
+        (goes_on(0) && goes_on(1) && goes_on(2) && goes_on(3)).then_some(Glide {
+            sign: Some(sign),
+            first,
+            end,
+        })
+    }
+}
+
+/// The signs of friction of these levels; `None` where a direction that has one is at rest.
+#[inline]
+fn signs(level: &[f64; 4], y: &Vector) -> Option<[f64; 4]> {
+    let omega = [y[2], y[3]];
+    let mut sign = [0.0; 4];
+    for (j, sign) in sign.iter_mut().enumerate() {
+        if level[j] > 0.0 {
+            *sign = sgn(along(j, &omega));
+            if *sign == 0.0 {
+                return None;
+            }
+        }
+    }
+    Some(sign)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Model;
+    use crate::robot::Robot;
+
+    #[test]
+    fn a_step_is_that_of_the_contact_to_rounding() {
+        let models: [&[&str]; 4] = [
+            &[],
+            &["viscous_friction", "yaw_viscous", "lateral_com"],
+            &["quadratic_drag", "turning_scrub"],
+            &["stribeck", "torque_ripple", "caster_drag"],
+        ];
+        let y = [0.1, -0.2, 1.3, -0.8, 1.3, -0.8, 0.0, 0.0];
+        let drive = Drive::new(0.0, 0.01, &[0.3, -0.2], &[0.1, 0.2]);
+        for ids in models {
+            let model = Model::with_effects(Robot::amigobot(), ids).unwrap();
+            let p = model.initial();
+            let f = Forces::new(&model, &p, 0.0);
+            let glide = f.glide(0.0, 0.01, &y, &drive).unwrap();
+            let (start, from) = (f.start_of(&glide, 0.0, &y), f.depart(0.0, &y, &drive).unwrap());
+            let end = f.step(&from, 0.01, &drive).unwrap();
+            assert_eq!(start.contact.sign, from.contact.sign);
+            for i in 0..8 {
+                assert!((glide.end()[i] - end[i]).abs() < 1e-13, "{ids:?} {i}");
+                assert!((start.rate[i] - from.rate[i]).abs() < 1e-12, "{ids:?} {i}");
+            }
+        }
+    }
+
+    #[test]
+    fn wheels_stand_while_both_are_held_at_both_ends() {
+        let model = Model::base(Robot::amigobot());
+        let p = model.initial();
+        let f = Forces::new(&model, &p, 0.0);
+        let y = [0.4, 0.6, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let held = Drive::new(0.0, 0.01, &[0.12, -0.1], &[-0.1, 0.125]);
+        let glide = f.glide(0.0, 0.01, &y, &held).unwrap();
+        let (start, from) = (f.start_of(&glide, 0.0, &y), f.depart(0.0, &y, &held).unwrap());
+        assert_eq!((glide.end(), start.contact), (y, from.contact));
+        assert_eq!(start.freedom, Some([0.0; 2]));
+        for end in [[0.13, 0.0], [0.0, -0.13]] {
+            let away = Drive::new(0.0, 0.01, &[0.0; 2], &end);
+            assert!(f.glide(0.0, 0.01, &y, &away).is_none());
+        }
+    }
+}
