@@ -76,13 +76,16 @@ impl Identifier for OutputError {
 
     fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
         let problem = Problem::new(task, start::start(task, NAME)?);
+        let starts = problem.starts(self.starts);
+        let Some(first) = starts.first() else { return Err(no_start()) };
+        let [lower, upper] = problem.bounds(first);
         let options = MinimiseOptions {
             max_iterations: self.iterations,
             relative_tolerance: 2.0 * NEGLIGIBLE / problem.degrees(),
             absolute_tolerance: NEGLIGIBLE,
             last_step: true,
-            lower: Some(problem.bound(|range| range.0, f64::NEG_INFINITY)),
-            upper: Some(problem.bound(|range| range.1, f64::INFINITY)),
+            lower: Some(lower),
+            upper: Some(upper),
             ..MinimiseOptions::default()
         };
         let descend = |x: DVector<f64>| {
@@ -98,12 +101,11 @@ impl Identifier for OutputError {
             let minimum = minimise(&x, evaluate, |x| problem.cost(x), &options);
             (minimum, scores)
         };
-        let found: Vec<_> = problem.starts(self.starts).into_par_iter().map(descend).collect();
+        let found: Vec<_> = starts.into_par_iter().map(descend).collect();
         let minima = || found.iter().filter(|(m, _)| m.status != MinimumStatus::NoStart);
         let lowest = minima().min_by(|(a, _), (b, _)| a.cost.total_cmp(&b.cost));
         let Some((best, scores)) = lowest else {
-            let reason = "the start cannot be simulated".to_string();
-            return Err(IdentifyError::NoStart { method: NAME.into(), reason });
+            return Err(no_start());
         };
         let mut fit = problem.fit(best, scores);
         fit.work.evaluations = found.iter().map(|(m, _)| m.evaluations).sum();
@@ -116,6 +118,11 @@ impl Identifier for OutputError {
         }
         Ok(fit)
     }
+}
+
+fn no_start() -> IdentifyError {
+    let reason = "the start cannot be simulated".to_string();
+    IdentifyError::NoStart { method: NAME.into(), reason }
 }
 
 impl Problem<'_> {

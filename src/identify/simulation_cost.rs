@@ -24,6 +24,10 @@ const SCREENED: usize = 8;
 const FINE: usize = 30;
 const COARSE: usize = 5;
 const SCREENED_SECONDS: f64 = 6.0;
+/// Standard errors within which a wheel starts at rest, and standard deviations of the noise beyond which
+/// it turns.
+const AT_REST: f64 = 3.0;
+const TURNS: f64 = 6.0;
 /// Blocks within which residuals may be correlated [s].
 const BLOCK: f64 = 5.0;
 
@@ -59,8 +63,10 @@ impl<'a> Problem<'a> {
         for (r, piece) in &self.pieces {
             let m = self.task.train[*r].local_motion_at(piece.start);
             let still = self.prepared[*r].still[piece.start];
+            let at_rest =
+                |i: usize| still[i] || m.omega[i].abs() < AT_REST * m.omega_variance[i].sqrt();
             x.extend(m.alpha);
-            x.extend([0, 1].map(|i| if still[i] { 0.0 } else { m.omega[i] }));
+            x.extend([0, 1].map(|i| if at_rest(i) { 0.0 } else { m.omega[i] }));
         }
         DVector::from_vec(x)
     }
@@ -125,16 +131,36 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Bounds of shape parameters; the others and the initial states are free.
-    pub(super) fn bound(&self, side: impl Fn((f64, f64)) -> f64, none: f64) -> DVector<f64> {
-        let count = self.free.len() + 4 * self.pieces.len();
-        DVector::from_fn(count, |i, _| {
-            let parameter = self.free.get(i).map(|&j| &self.model().parameters()[j]);
-            match parameter {
-                Some(p) if p.spec.kind == ParameterKind::Shape => side(p.spec.range),
-                _ => none,
+    /// Lower and upper bounds of shape parameters, and of initial speeds that are zero at `start`: such a
+    /// wheel starts at rest or the way it turns first. Friction would stop it at once if it started the
+    /// other way, so that the cost has an edge at rest which no descent follows.
+    pub(super) fn bounds(&self, start: &DVector<f64>) -> [DVector<f64>; 2] {
+        let mut lower = DVector::repeat(start.len(), f64::NEG_INFINITY);
+        let mut upper = DVector::repeat(start.len(), f64::INFINITY);
+        for (i, &j) in self.free.iter().enumerate() {
+            let spec = &self.model().parameters()[j].spec;
+            if spec.kind == ParameterKind::Shape {
+                (lower[i], upper[i]) = spec.range;
             }
-        })
+        }
+        for (n, (r, piece)) in self.pieces.iter().enumerate() {
+            for wheel in 0..2 {
+                let i = self.free.len() + 4 * n + 2 + wheel;
+                match self.first_way(*r, piece, wheel) {
+                    Some(way) if start[i] == 0.0 && way > 0.0 => lower[i] = 0.0,
+                    Some(_) if start[i] == 0.0 => upper[i] = 0.0,
+                    _ => {}
+                }
+            }
+        }
+        [lower, upper]
+    }
+
+    /// The first speed of a wheel that is clear of the noise.
+    fn first_way(&self, r: usize, piece: &std::ops::Range<usize>, wheel: usize) -> Option<f64> {
+        let clear = TURNS * self.prepared[r].variance[2 + wheel].sqrt();
+        let speeds = self.task.train[r].omega()[piece.clone()].iter().map(|omega| omega[wheel]);
+        speeds.into_iter().find(|speed| speed.abs() > clear)
     }
 
     pub(super) fn parameters(&self, x: &DVector<f64>) -> Vec<f64> {
