@@ -143,21 +143,30 @@ impl<'a> Windows<'a> {
     /// the model cannot move or diverges.
     #[must_use]
     pub fn errors(&self, model: &Model, p: &[f64]) -> Option<Vec<Errors>> {
-        let count = self.recordings.len();
-        let by_recording: Vec<Vec<Errors>> = (0..count)
+        let acting: Vec<_> =
+            self.recordings.par_iter().map(|r| model.drive(r.t(), r.moment(), p)).collect();
+        // without a second body nothing before a window matters to it
+        let coupled = model.is_coupled();
+        let together = |a: &Window, b: &Window| coupled && a.recording == b.recording;
+        let groups: Vec<&[Window]> = self.windows.chunk_by(together).collect();
+        let by_group: Vec<Vec<Errors>> = groups
             .into_par_iter()
-            .map(|r| self.errors_of(r, model, p))
+            .map(|group| self.errors_of(group, &acting[group[0].recording], model, p))
             .collect::<Option<_>>()?;
-        Some(by_recording.into_iter().flatten().collect())
+        Some(by_group.into_iter().flatten().collect())
     }
 
-    /// The errors of the windows of one recording, which follow each other in `self.windows`.
-    fn errors_of(&self, r: usize, model: &Model, p: &[f64]) -> Option<Vec<Errors>> {
-        let recording = self.recordings[r];
-        let acting = model.drive(recording.t(), recording.moment(), p);
-        let input = Input { t: recording.t(), moment: &acting, hold: self.hold };
-        let own = self.windows.iter().filter(|w| w.recording == r);
-        let windows: Vec<_> = own.map(|w| (w.rows.clone(), w.start)).collect();
+    /// The errors of windows of one recording, which follow each other, under its acting input.
+    fn errors_of(
+        &self,
+        group: &[Window],
+        acting: &[[f64; 2]],
+        model: &Model,
+        p: &[f64],
+    ) -> Option<Vec<Errors>> {
+        let recording = self.recordings[group[0].recording];
+        let input = Input { t: recording.t(), moment: acting, hold: self.hold };
+        let windows: Vec<_> = group.iter().map(|w| (w.rows.clone(), w.start)).collect();
         let states = simulate_windows(model, p, &input, &windows).ok()?;
         let one = |((rows, _), states): (&(Range<usize>, State), &Vec<State>)| {
             let omega = &recording.omega()[rows.clone()];
@@ -239,7 +248,7 @@ impl<'a> Windows<'a> {
             return self.each_by_differences(model, p, free, make);
         }
         let acting: Vec<_> =
-            self.recordings.iter().map(|r| input_derivatives(model, r, p)).collect();
+            self.recordings.par_iter().map(|r| input_derivatives(model, r, p)).collect();
         let stride = (p.len() + 4).next_multiple_of(LANES);
         self.windows
             .par_iter()

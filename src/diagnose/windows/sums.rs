@@ -33,7 +33,8 @@ impl Sums {
 pub(super) struct Accumulator {
     square: f64,
     score: DVector<f64>,
-    information: DMatrix<f64>,
+    /// Lower triangle, row by row.
+    information: Vec<f64>,
     constant: [Constant; 2],
 }
 
@@ -51,7 +52,7 @@ impl Accumulator {
         Self {
             square: 0.0,
             score: DVector::zeros(columns),
-            information: DMatrix::zeros(columns, columns),
+            information: vec![0.0; columns * columns],
             constant: [constant(), constant()],
         }
     }
@@ -64,12 +65,10 @@ impl Accumulator {
         }
         self.square += weight * e * e;
         let n = psi.len();
-        for a in 0..n {
+        for (a, row) in self.information.chunks_exact_mut(n.max(1)).enumerate() {
             let weighted = weight * psi[a];
             self.score[a] += weighted * e;
-            for b in 0..=a {
-                self.information[(a, b)] += weighted * psi[b];
-            }
+            row[..=a].iter_mut().zip(psi).for_each(|(sum, psi)| *sum += weighted * psi);
         }
         if constant.lasts {
             constant.weights += weight;
@@ -83,18 +82,19 @@ impl Accumulator {
     /// Takes out what the start explains; `None` where a sum is not finite.
     pub(super) fn finish(mut self, variance: &[f64; 2]) -> Option<Sums> {
         let n = self.score.len();
+        let mut information = DMatrix::from_row_slice(n, n, &self.information);
         for (c, v) in self.constant.iter().zip(variance) {
             let total = c.weights + 1.0 / v.max(TINY);
             self.square -= c.error * c.error / total;
             for a in 0..n {
                 self.score[a] -= c.psi[a] * c.error / total;
                 for b in 0..=a {
-                    self.information[(a, b)] -= c.psi[a] * c.psi[b] / total;
+                    information[(a, b)] -= c.psi[a] * c.psi[b] / total;
                 }
             }
         }
-        self.information.fill_upper_triangle_with_lower_triangle();
-        let Self { square, score, information, .. } = self;
+        information.fill_upper_triangle_with_lower_triangle();
+        let Self { square, score, .. } = self;
         let finite = square.is_finite() && information.iter().all(|v| v.is_finite());
         finite.then_some(Sums { square, score, information })
     }
