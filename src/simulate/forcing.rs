@@ -10,7 +10,7 @@ use super::speed_polynomial::SpeedPolynomial;
 use crate::effects::{DIFFERENTIATED, DIRECTIONS, Jet, Motion};
 use crate::math::Dual;
 
-/// Quantities beside the constant: w1, w2, w1², w1 w2, w2², and the two accelerations.
+/// Quantities beside the constant: w1, w2, w1 (w1 - w2), w2 (w1 - w2), w1 w2, and the two accelerations.
 const QUANTITIES: usize = 7;
 /// Partial derivatives of a [`Jet`] before those of an effect's own parameters.
 const STATES: usize = 4;
@@ -37,7 +37,8 @@ struct Group {
 
 /// What acts at one instant: speeds, their products, accelerations.
 pub(super) fn quantities([w1, w2]: [f64; 2], a: [f64; 2]) -> [f64; QUANTITIES] {
-    [w1, w2, w1 * w1, w1 * w2, w2 * w2, a[0], a[1]]
+    let turn = w1 - w2;
+    [w1, w2, w1 * turn, w2 * turn, w1 * w2, a[0], a[1]]
 }
 
 impl Forcing {

@@ -1,7 +1,10 @@
 //! Torques that are polynomials of the two wheel speeds: what most effects add up to.
 
 /// A pair of polynomials of second degree in the wheel speeds, one a wheel: the factors of
-/// 1, w1, w2, w1², w1 w2, w2².
+/// 1, w1, w2, w1 (w1 - w2), w2 (w1 - w2), w1 w2.
+///
+/// What needs a difference of speeds is exactly zero where they are equal, and both wheels are summed
+/// alike: a robot that is driven straight stays straight, which an unstable one would not with rounding.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct SpeedPolynomial {
     pub(super) factors: [[f64; 2]; 6],
@@ -19,9 +22,12 @@ impl SpeedPolynomial {
             factors[0][i] = zero;
             factors[1][i] = 0.5 * (first - before);
             factors[2][i] = 0.5 * (second - behind);
-            factors[3][i] = 0.5 * (first + before) - zero;
-            factors[5][i] = 0.5 * (second + behind) - zero;
-            factors[4][i] = (both - first) - (second - zero);
+            let square_first = 0.5 * (first + before) - zero;
+            let square_second = 0.5 * (second + behind) - zero;
+            let product = (both - first) - (second - zero);
+            factors[3][i] = square_first;
+            factors[4][i] = -square_second;
+            factors[5][i] = square_first + product + square_second;
         }
         Self { factors }
     }
@@ -45,17 +51,26 @@ impl SpeedPolynomial {
     /// The values at these speeds, less the constant.
     #[inline]
     pub(super) fn rest(&self, [w1, w2]: [f64; 2]) -> [f64; 2] {
-        let [_, f1, f2, f11, f12, f22] = &self.factors;
-        let one = |i: usize| w1 * (f1[i] + w1 * f11[i] + w2 * f12[i]) + w2 * (f2[i] + w2 * f22[i]);
+        let [_, by_first, by_second, turn_first, turn_second, product] = &self.factors;
+        let (turn, both) = (w1 - w2, w1 * w2);
+        let one = |i: usize| {
+            (by_first[i] * w1 + by_second[i] * w2)
+                + turn * (turn_first[i] * w1 + turn_second[i] * w2)
+                + product[i] * both
+        };
         [one(0), one(1)]
     }
 
     /// The derivatives by the two speeds, a row a wheel.
     #[inline]
     pub(super) fn slope(&self, [w1, w2]: [f64; 2]) -> [[f64; 2]; 2] {
-        let [_, f1, f2, f11, f12, f22] = &self.factors;
+        let [_, by_first, by_second, turn_first, turn_second, product] = &self.factors;
+        let turn = w1 - w2;
         let one = |i: usize| {
-            [f1[i] + 2.0 * w1 * f11[i] + w2 * f12[i], f2[i] + 2.0 * w2 * f22[i] + w1 * f12[i]]
+            let inner = turn_first[i] * w1 + turn_second[i] * w2;
+            let first = by_first[i] + inner + turn * turn_first[i] + product[i] * w2;
+            let second = by_second[i] - inner + turn * turn_second[i] + product[i] * w1;
+            [first, second]
         };
         [one(0), one(1)]
     }
@@ -64,6 +79,13 @@ impl SpeedPolynomial {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_difference_of_equal_speeds_leaves_exactly_nothing() {
+        let turning = |[a, b]: [f64; 2]| [0.37 * b * (b - a), 0.37 * a * (a - b)];
+        let found = SpeedPolynomial::through(turning).mapped(|t| [31.7 * t[0] + 2.3 * t[1], t[0]]);
+        assert_eq!(found.rest([7.3, 7.3]), [0.0, 0.0]);
+    }
 
     #[test]
     fn six_places_determine_the_polynomials_and_their_slopes() {
