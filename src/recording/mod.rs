@@ -1,5 +1,6 @@
 //! What was measured: checked once, never changed.
 
+mod channels;
 mod drive_unit;
 mod error;
 mod limits;
@@ -11,13 +12,14 @@ mod recording;
 mod refresh;
 mod regime;
 
+pub use channels::{Channels, Measured, Noise};
 pub use drive_unit::DriveUnit;
 pub use error::RecordingError;
 pub use local::LocalMotion;
 pub use long::{LongRecording, Rows, Survey};
 pub use noise::share_noise;
 pub use quality::{Finding, Gaps, Quality, Severity, quality};
-pub use recording::{Channels, Measured, Noise, Recording};
+pub use recording::Recording;
 pub(crate) use recording::{differentiate, is_gap};
 pub use refresh::refreshed;
 pub use regime::Regime;

@@ -1,6 +1,6 @@
 //! How noisy the channels of a recording are, from the recording alone.
 
-use super::recording::{Noise, Recording};
+use super::{Noise, Recording};
 use crate::math::noise;
 
 /// Length of a block over which one estimate is taken [s].

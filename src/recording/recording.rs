@@ -2,40 +2,8 @@
 
 use std::ops::Range;
 
+use super::channels::{Channels, Measured, Noise};
 use super::{DriveUnit, RecordingError};
-
-/// The columns of a recording before they are checked; row k of each belongs to `t[k]`.
-#[derive(Clone, Debug, Default)]
-pub struct Channels {
-    /// Time [s], strictly increasing.
-    pub t: Vec<f64>,
-    /// Wheel angles [rad], right wheel first; `None` where not measured.
-    pub alpha: Option<Vec<[f64; 2]>>,
-    /// Wheel speeds [rad/s]; `None` where not measured.
-    pub omega: Option<Vec<[f64; 2]>>,
-    /// Drive of each wheel [`DriveUnit`].
-    pub moment: Vec<[f64; 2]>,
-}
-
-/// Which channels were measured and which were computed from the other.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-pub struct Measured {
-    /// Angles were measured (else integrated from the speeds).
-    pub alpha: bool,
-    /// Speeds were measured (else differenced from the angles).
-    pub omega: bool,
-}
-
-/// Standard deviations of white noise, right wheel first.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Noise {
-    /// Angles [rad].
-    pub alpha: [f64; 2],
-    /// Speeds [rad/s].
-    pub omega: [f64; 2],
-    /// Drive [drive unit].
-    pub moment: [f64; 2],
-}
 
 /// A checked recording: finite values, strictly increasing time, angles and speeds both there.
 #[derive(Clone, Debug)]
@@ -49,6 +17,8 @@ pub struct Recording {
     drive_unit: DriveUnit,
     pieces: Vec<Range<usize>>,
     fresh: Vec<bool>,
+    /// Median step in time [s].
+    step: f64,
     /// Most noise that the sensors have, as other recordings by them show.
     most_noise: Option<Noise>,
 }
@@ -89,9 +59,21 @@ impl Recording {
             (None, None) => return Err(RecordingError::NoMotion { name }),
         };
         let columns = [("dalpha", &omega[..]), ("M", &moment[..]), ("alpha", &alpha[..])];
-        super::limits::check(&name, &t, median_step(&t), columns)?;
-        let most_noise = None;
-        Ok(Self { name, t, alpha, omega, moment, measured, drive_unit, pieces, fresh, most_noise })
+        let (step, most_noise) = (median_step(&t), None);
+        super::limits::check(&name, &t, step, columns)?;
+        Ok(Self {
+            name,
+            t,
+            alpha,
+            omega,
+            moment,
+            measured,
+            drive_unit,
+            pieces,
+            fresh,
+            step,
+            most_noise,
+        })
     }
 
     /// Its name, usually that of the file.
@@ -173,7 +155,7 @@ impl Recording {
     /// Median step in time [s].
     #[must_use]
     pub fn step(&self) -> f64 {
-        median_step(&self.t)
+        self.step
     }
 
     /// The same recording with another drive, as a drive effect sees it.

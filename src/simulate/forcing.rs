@@ -4,7 +4,6 @@
 
 use wide::f64x4;
 
-use super::LANES;
 use super::forces::{Forces, times};
 use super::speed_polynomial::SpeedPolynomial;
 use crate::effects::{DIFFERENTIATED, DIRECTIONS, Jet, Motion};
@@ -15,6 +14,8 @@ const QUANTITIES: usize = 7;
 /// Partial derivatives of a [`Jet`] before those of an effect's own parameters.
 const STATES: usize = 4;
 
+/// Columns that are carried together in the lanes of the processor.
+pub(crate) const LANES: usize = 4;
 /// The derivatives of both accelerations by four parameters.
 pub(super) type Pair = [f64x4; 2];
 

@@ -24,6 +24,7 @@ mod walk;
 pub use batch::ise_of_many;
 pub use dynamics::{Dynamics, PhysicalDynamics};
 pub use emulator::{Gain, GainError, emulate};
+pub(crate) use forcing::LANES;
 pub use friction::{Contact, contact};
 pub use fuzzy_dynamics::FuzzyDynamics;
 pub use input::{BETWEEN_ROWS, Hold, Input, RunIn, SimulateError, Structure};
@@ -34,7 +35,6 @@ pub use sensitivity::{Sensitivities, simulate_with_sensitivities};
 pub(crate) use simulation::simulate_windows;
 pub use simulation::{simulate, simulate_acting};
 pub use takagi_sugeno::{Consequents, Defuzzification, Gaussian, MOST_MEMBERSHIPS, TakagiSugeno};
-pub(crate) use variation::LANES;
 pub(crate) use walk::{Ends, Walk};
 
 #[cfg(test)]

@@ -6,15 +6,13 @@ use wide::f64x4;
 
 use super::drive::Drive;
 use super::forces::{Departure, Forces, Vector, times};
-use super::forcing::{Forcing, Pair, quantities};
+use super::forcing::{Forcing, LANES, Pair, quantities};
 use super::friction::Contact;
 use super::stepper::StepObserver;
 use crate::effects::{DIRECTIONS, along};
 use crate::math::runge_kutta_step;
 use crate::model::Linearisation;
 
-/// Columns that are carried together in the lanes of the processor.
-pub(crate) const LANES: usize = 4;
 /// Derivatives of (alpha1, alpha2, omega1, omega2) by four columns.
 type Group = [f64x4; 4];
 

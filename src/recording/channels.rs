@@ -1,0 +1,34 @@
+//! What the channels of a recording are and how much noise they have.
+
+/// The columns of a recording before they are checked; row k of each belongs to `t[k]`.
+#[derive(Clone, Debug, Default)]
+pub struct Channels {
+    /// Time [s], strictly increasing.
+    pub t: Vec<f64>,
+    /// Wheel angles [rad], right wheel first; `None` where not measured.
+    pub alpha: Option<Vec<[f64; 2]>>,
+    /// Wheel speeds [rad/s]; `None` where not measured.
+    pub omega: Option<Vec<[f64; 2]>>,
+    /// Drive of each wheel [`DriveUnit`].
+    pub moment: Vec<[f64; 2]>,
+}
+
+/// Which channels were measured and which were computed from the other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Measured {
+    /// Angles were measured (else integrated from the speeds).
+    pub alpha: bool,
+    /// Speeds were measured (else differenced from the angles).
+    pub omega: bool,
+}
+
+/// Standard deviations of white noise, right wheel first.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Noise {
+    /// Angles [rad].
+    pub alpha: [f64; 2],
+    /// Speeds [rad/s].
+    pub omega: [f64; 2],
+    /// Drive [drive unit].
+    pub moment: [f64; 2],
+}
