@@ -9,7 +9,7 @@ pub struct Channels {
     pub alpha: Option<Vec<[f64; 2]>>,
     /// Wheel speeds [rad/s]; `None` where not measured.
     pub omega: Option<Vec<[f64; 2]>>,
-    /// Drive of each wheel [`DriveUnit`].
+    /// Drive of each wheel, in the unit that [`super::DriveUnit`] says.
     pub moment: Vec<[f64; 2]>,
 }
 
