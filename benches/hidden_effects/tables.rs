@@ -318,5 +318,5 @@ fn wilson(count: usize, of: usize) -> (f64, f64) {
     let share = count as f64 / n;
     let middle = share + z2 / (2.0 * n);
     let half = (z2 * (share * (1.0 - share) / n + z2 / (4.0 * n * n))).sqrt();
-    ((middle - half) / (1.0 + z2 / n), (middle + half) / (1.0 + z2 / n))
+    (((middle - half) / (1.0 + z2 / n)).max(0.0), (middle + half) / (1.0 + z2 / n))
 }

@@ -157,7 +157,7 @@ fn the_first_order_gain_of_a_small_torque_is_that_of_its_fit() {
 #[test]
 #[ignore = "a measurement: the coverage of dead times over 60 seeds each, half a minute"]
 #[expect(clippy::print_stdout, reason = "a measurement that is run by hand")]
-fn the_intervals_of_dead_times_hold_the_truth() {
+fn the_intervals_of_dead_times_cover_the_true_value() {
     let model = Model::base(Robot::amigobot());
     for delay in [0.0, 0.020, 0.023, 0.025, 0.030] {
         // a command is held for a millisecond
@@ -173,10 +173,10 @@ fn the_intervals_of_dead_times_hold_the_truth() {
         let inside = z.iter().filter(|z| z.abs() < 1.96).count();
         let mean = z.iter().sum::<f64>() / 60.0;
         println!(
-            "{:.0} ms: {inside} of 60 intervals of 95 % hold it, mean z {mean:.2}",
+            "{:.0} ms: {inside} of 60 intervals of 95 % cover it, mean z {mean:.2}",
             1e3 * delay
         );
-        // of 60 true 95 % intervals 50 or fewer hold it once in two thousand times
+        // of 60 true 95 % intervals 50 or fewer cover it once in two thousand times
         assert!(inside > 50, "{delay}: {inside}");
     }
 }
