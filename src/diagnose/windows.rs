@@ -45,6 +45,7 @@ pub struct Window {
 }
 
 /// Recordings cut into windows.
+#[derive(Clone)]
 pub struct Windows<'a> {
     /// The recordings.
     pub recordings: Vec<&'a Recording>,
@@ -95,26 +96,15 @@ impl<'a> Windows<'a> {
     /// The windows whose number `keep` takes, of the same recordings.
     pub(super) fn only(&self, keep: impl Fn(usize) -> bool) -> Self {
         let windows = self.windows.iter().enumerate().filter(|(n, _)| keep(*n));
-        Self {
-            recordings: self.recordings.clone(),
-            motions: self.motions.clone(),
-            windows: windows.map(|(_, w)| w.clone()).collect(),
-            hold: self.hold,
-            noise: self.noise.clone(),
-            growth: self.growth.clone(),
-        }
+        Self { windows: windows.map(|(_, w)| w.clone()).collect(), ..self.clone() }
     }
 
     /// The same windows, with the same weights, of recordings that differ in their input alone.
-    pub(super) fn with_recordings<'b>(&self, recordings: Vec<&'b Recording>) -> Windows<'b> {
-        Windows {
-            recordings,
-            motions: self.motions.clone(),
-            windows: self.windows.clone(),
-            hold: self.hold,
-            noise: self.noise.clone(),
-            growth: self.growth.clone(),
-        }
+    pub(super) fn with_recordings<'b>(&self, recordings: Vec<&'b Recording>) -> Windows<'b>
+    where
+        'a: 'b,
+    {
+        Windows { recordings, ..self.clone() }
     }
 
     /// The fold of a window, 0 or 1: thirds of each recording in turn, every other recording starting with
