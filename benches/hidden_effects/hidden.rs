@@ -126,7 +126,11 @@ pub(crate) fn values(
         }
         "torque_offset" => vec![("o1", side * torque), ("o2", uneven * torque)],
         // slow rows are few
-        "stribeck" => vec![("fs", 3.0 * torque), ("ws", 0.15 * machine.speed), ("fsd", 0.0)],
+        "stribeck" => {
+            let exponent = if rng.random::<bool>() { 1.0 } else { 2.0 };
+            let (level, speed) = (3.0 * torque, 0.15 * machine.speed);
+            vec![("fs", level), ("ws", speed), ("fsd", 0.0), ("fse", exponent)]
+        }
         "quadratic_drag" => vec![("c", torque / extent.square)],
         "slope" => {
             let heading = rng.random_range(0.0..std::f64::consts::TAU);

@@ -66,6 +66,8 @@ struct Resistance {
     sticky: f64,
     /// [ws]
     slow: f64,
+    /// [fse]
+    exponent: f64,
     /// [fw]
     warm: f64,
     /// [tw]
@@ -95,6 +97,7 @@ impl Resistance {
             drag: of("c"),
             sticky: of("fs"),
             slow: of("ws"),
+            exponent: of("fse"),
             warm: of("fw"),
             warming: of("tw"),
             loaded: of("cl"),
@@ -198,12 +201,15 @@ impl Mechanics {
         let caster = h.caster * dry(w[0] + w[1]);
         [0, 1].map(|i| {
             let (w, angle, side) = (w[i], y[ANGLE + i], if i == 0 { 1.0 } else { -1.0 });
-            let bell = |fs: f64| if fs == 0.0 { 0.0 } else { fs * (-(w / h.slow).powi(2)).exp() };
+            let fall = |fs: f64| match fs {
+                0.0 => 0.0,
+                _ => fs * (-(w.abs() / h.slow).powf(h.exponent)).exp(),
+            };
             let wave = |[sin, cos]: [f64; 2], n: f64| match (sin, cos) {
                 (0.0, 0.0) => 0.0,
                 _ => sin * (n * angle).sin() + cos * (n * angle).cos(),
             };
-            (self.level[i] + bell(h.sticky) + warm + side * loaded) * dry(w)
+            (self.level[i] + fall(h.sticky) + warm + side * loaded) * dry(w)
                 + (h.viscous[i] + h.drag * w.abs()) * w
                 + h.uneven[i] * w.abs()
                 + h.offset[i]

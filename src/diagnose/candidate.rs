@@ -152,6 +152,12 @@ impl Candidate {
         coupling(&self.effect, &self.p, self.around.model.robot())
     }
 
+    /// Whether all that shapes the effect are whole numbers.
+    pub(super) fn is_of_orders(&self) -> bool {
+        let specs = self.effect.parameters();
+        specs.iter().filter(|s| s.kind == ParameterKind::Shape).all(|s| s.whole)
+    }
+
     /// Whether the effect moves the input in time, and does nothing else.
     pub(super) fn is_shift(&self) -> bool {
         self.effect.change() == Change::TimeShift

@@ -9,8 +9,6 @@ use crate::model::Model;
 
 /// Most Levenberg-Marquardt steps: fits that need more sit on a ridge on which the error no longer falls.
 const STEPS: usize = 20;
-/// The same where derivatives come from differences, which cost a simulation a parameter.
-const STEPS_BY_DIFFERENCES: usize = 8;
 /// A relative fall of the cost that no longer matters: among a thousand independent values it moves the
 /// criterion by a tenth.
 const TOLERANCE: f64 = 1e-4;
@@ -53,7 +51,7 @@ pub fn fit(windows: &Windows, model: &Model, start: &[f64], scale: &Scale) -> Op
     let first = DVector::from_iterator(free.len(), free.iter().map(|&j| start[j]));
     let first = first.zip_zip_map(&lower, &upper, |v, low, high| v.clamp(low, high));
     let options = MinimiseOptions {
-        max_iterations: if model.is_coupled() { STEPS_BY_DIFFERENCES } else { STEPS },
+        max_iterations: STEPS,
         relative_tolerance: TOLERANCE,
         lower: Some(lower.clone()),
         upper: Some(upper.clone()),

@@ -75,7 +75,7 @@ pub fn diagnose(
     let search = Search::new(model, starts, data, settings)?;
     let base = search.base(model, starts)?;
     let mut tried: Vec<(Ranked, Vec<String>)> = Vec::new();
-    let mut rankings = vec![search.rank(&base)];
+    let mut rankings = vec![search.rank(&base, true)];
     let mut shown = search.shown(&base);
     while tried.len() < settings.max_effects {
         let ranking = rankings.last().expect("there is one a step");
@@ -88,7 +88,7 @@ pub fn diagnose(
         }
         shown = next;
         tried.push((best, equals(ranking)));
-        rankings.push(search.rank(&refit));
+        rankings.push(search.rank(&refit, false));
     }
     let steps = search.proven(&base, &tried);
     let steps = search.exchanged(&base, steps, &rankings);
@@ -171,7 +171,7 @@ impl<'a> Search<'a> {
     }
 
     /// Screens all candidates, refits the best, and ranks them.
-    fn rank(&self, present: &WindowFit) -> Vec<Ranked> {
+    fn rank(&self, present: &WindowFit, is_base: bool) -> Vec<Ranked> {
         // a shift of the input is what timing would take for itself: it is held while shifts are looked at
         let held = held_in_time(present);
         let looks = [&present.model, &held].map(|model| {
@@ -181,34 +181,66 @@ impl<'a> Search<'a> {
         });
         let mut ranked = self.screened(present, &looks);
         ranked.sort_by(|a, b| a.screened.total_cmp(&b.screened));
-        let mut wanted = vec![false; ranked.len()];
-        let coupled = present.model.is_coupled();
-        let count = if coupled { THRESHOLDS.refitted_coupled } else { THRESHOLDS.refitted };
-        wanted.iter_mut().take(count).for_each(|w| *w = true);
-        let lead = ranked.first().map_or(0.0, |r| r.screened.min(0.0));
-        for (want, r) in wanted.iter_mut().zip(&ranked) {
-            let effect = &r.candidate.effect;
-            // what the first order sees badly is always tried, unless the regression rules it out
-            let blind = effect.several_starts() && effect.change() != Change::TwoMass;
-            *want |=
-                blind && !coupled && self.bic(&r.candidate, r.by_regression) < THRESHOLDS.ruled_out;
-            // its column is nearly exact, and its fit costs ten others
-            let behind = r.screened > THRESHOLDS.far_behind * lead;
-            *want &= effect.change() != Change::TwoMass || !behind;
+        let (first, second) = self.wanted(present, &ranked);
+        let refit = |ranked: &mut [Ranked], wanted: &[usize]| {
+            let chosen = ranked.par_iter_mut().enumerate().filter(|(n, _)| wanted.contains(n));
+            chosen.for_each(|(_, r)| {
+                let by_torque = looks[usize::from(r.candidate.is_shift())].0.as_ref();
+                self.set_refit(present, r, by_torque);
+            });
+        };
+        refit(&mut ranked, &first);
+        let refits = || ranked.iter().filter_map(|r| Some((r, r.refit.as_ref()?.cost)));
+        let most_is_left = |cost: f64| cost > THRESHOLDS.most_left * present.cost;
+        if is_base && refits().all(|(r, cost)| self.is_far_above(r) && most_is_left(cost)) {
+            refit(&mut ranked, &second);
         }
-        ranked.par_iter_mut().zip(wanted).filter(|(_, want)| *want).for_each(|(r, _)| {
-            let by_torque = looks[usize::from(r.candidate.is_shift())].0.as_ref();
-            r.refit = self.refit(present, r, by_torque);
-            if let Some(refit) = &r.refit {
-                let ratio = 2.0 * self.degrees * 0.5 * (present.cost / refit.cost).ln();
-                r.bic_windows = self.bic(&r.candidate, ratio);
-                r.torque_rms = self.size(present, r);
-            }
-        });
         self.set_criteria(&mut ranked);
         ranked.sort_by(before);
         self.choose_alike(&mut ranked);
+        if std::env::var("DBG").is_ok() {
+            eprintln!("--- cost {} deg {} p {:?}", present.cost, self.degrees, present.p);
+            for r in ranked.iter().filter(|r| {
+                r.refit.is_some()
+                    || r.screened < 0.0
+                    || std::env::var("DBG").as_deref() == Ok(r.candidate.id.as_str())
+            }) {
+                eprintln!(
+                    "{:24} shape {:?} reg {:.1} win {:.1} screened {:.1} refit {:?} bicw {:.1} bic {:.1} shown {}",
+                    r.candidate.id,
+                    r.candidate.p,
+                    r.by_regression,
+                    r.by_windows,
+                    r.screened,
+                    r.refit.as_ref().map(|f| (f.cost, f.p.clone())),
+                    r.bic_windows,
+                    r.bic,
+                    r.refit.as_ref().map_or(0.0, |f| self.shown(f))
+                );
+            }
+        }
         ranked
+    }
+
+    /// The places of the candidates that are refitted, and of those that are where none of the first explains the
+    /// larger part of an error far above the noise: an effect with a second body whose fit costs that of ten others, and of which the
+    /// screening sees little where the effect bends the base fit.
+    fn wanted(&self, present: &WindowFit, ranked: &[Ranked]) -> (Vec<usize>, Vec<usize>) {
+        let coupled = present.model.is_coupled();
+        let count = if coupled { THRESHOLDS.refitted_coupled } else { THRESHOLDS.refitted };
+        let lead = ranked.first().map_or(0.0, |r| r.screened.min(0.0));
+        let two_mass = |r: &Ranked| r.candidate.effect.change() == Change::TwoMass;
+        let chosen = |n: usize, r: &Ranked| {
+            // what the first order sees badly is always tried, unless the regression rules it out
+            let blind = r.candidate.effect.several_starts() && !two_mass(r);
+            let open = self.bic(&r.candidate, r.by_regression) < THRESHOLDS.ruled_out;
+            let behind = two_mass(r) && r.screened > THRESHOLDS.far_behind * lead;
+            (n < count || blind && !coupled && open) && !behind
+        };
+        let places = 0..ranked.len();
+        let first: Vec<usize> = places.clone().filter(|&n| chosen(n, &ranked[n])).collect();
+        let second = places.filter(|n| two_mass(&ranked[*n]) && !first.contains(n)).collect();
+        (first, second)
     }
 
     /// Every candidate at its best shape.
@@ -268,17 +300,19 @@ impl<'a> Search<'a> {
         best
     }
 
-    /// Divides the ratios of an effect with many shapes and several columns by what half of the shapes
+    /// Divides the ratios of an effect of many orders and several columns by what half of the orders
     /// exceed: coloured errors raise all of them alike (a wave of an order that is not there must not win
-    /// by being tried often).
+    /// by being tried often). Shapes that are no whole numbers are neighbours of each other, and all of
+    /// them show the effect.
     fn level_grids(&self, looked: &mut [Ranked]) {
         let mut ids: Vec<String> = looked.iter().map(|r| r.candidate.id.clone()).collect();
         ids.dedup();
         for id in ids {
             let own: Vec<usize> =
                 (0..looked.len()).filter(|&n| looked[n].candidate.id == id).collect();
-            let columns = own.first().map_or(0, |&n| looked[n].candidate.columns());
-            if own.len() < MANY || columns < 2 {
+            let first = own.first().map(|&n| &looked[n].candidate);
+            let columns = first.map_or(0, Candidate::columns);
+            if !first.is_some_and(Candidate::is_of_orders) || own.len() < MANY || columns < 2 {
                 continue;
             }
             let expected = crate::math::distribution::chi2_quantile(0.5, columns as f64);
@@ -314,5 +348,5 @@ fn held_in_time(present: &WindowFit) -> Model {
     present.model.fix(SYMBOL, present.p[j]).unwrap_or_else(|_| present.model.clone())
 }
 
-/// Shapes of an effect from which on their ratios are levelled.
+/// Orders of an effect from which on their ratios are levelled.
 const MANY: usize = 10;

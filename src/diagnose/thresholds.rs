@@ -40,6 +40,9 @@ pub struct Thresholds {
     /// Share of the criterion of the screening's best below which an effect with a second body is not refitted:
     /// to first order it explains too little to come first.
     pub far_behind: f64,
+    /// Share of the squared error that the best refit may leave before effects with a second body are fitted
+    /// though they are far behind: the larger part is then unexplained.
+    pub most_left: f64,
     /// Starts of an effect with several that are followed to their minimum.
     pub followed: usize,
     /// Other effects of a step that are tried in its place once several are found (cost: a fit for each effect
@@ -64,6 +67,7 @@ pub const THRESHOLDS: Thresholds = Thresholds {
     refitted: 8,
     refitted_coupled: 2,
     far_behind: 0.25,
+    most_left: 0.5,
     followed: 2,
     exchanged: 4,
 };

@@ -63,13 +63,14 @@ impl Physics for Compliance {
         out
     }
 
-    /// Frequencies up to half the sampling rate, a twist that lasts for a row, and splits that leave either
-    /// side a tenth of the inertia: beyond that the wheels move as those of the rigid robot.
+    /// Frequencies up to half the sampling rate, damping up to the critical one of the stiffest spring, and
+    /// splits that leave either side a tenth of the inertia: beyond that the wheels move as those of the
+    /// rigid robot.
     fn limits(&self, scale: &Scale) -> Vec<(f64, f64)> {
         let reduced = 0.25 * scale.inertia;
         let nyquist = std::f64::consts::PI / scale.step;
         let spring = (1e-6 * reduced * nyquist * nyquist, reduced * nyquist * nyquist);
-        let damper = (1e-4 * reduced / scale.step, reduced / scale.step);
+        let damper = (1e-4 * reduced / scale.step, 2.0 * reduced * nyquist);
         vec![spring, damper, (0.1 * scale.inertia, 0.85 * scale.inertia)]
     }
 

@@ -271,11 +271,13 @@ fn mirrored(id: &str, p: &[f64]) -> Option<(String, Vec<f64>)> {
         "coulomb_friction" | "coulomb_asymmetry" | "torque_offset" | "viscous_asymmetry" => {
             (id, vec![p[1], p[0]])
         }
-        "stribeck" | "friction_warmup" => (id, vec![p[0], p[1], -p[2]]),
+        "stribeck" => (id, vec![p[0], p[1], -p[2], p[3]]),
+        "friction_warmup" => (id, vec![p[0], p[1], -p[2]]),
         "viscous_friction_1" => ("viscous_friction_2", p.to_vec()),
         "viscous_friction_2" => ("viscous_friction_1", p.to_vec()),
         "slope" => (id, vec![p[0], -p[1]]),
-        "lateral_com" | "wheel_radius_mismatch" => (id, vec![-p[0]]),
+        "lateral_com" => (id, vec![-p[0]]),
+        "wheel_radius_mismatch" => (id, vec![-p[0], -p[1]]),
         "wheel_eccentricity" => (id, vec![p[2], p[3], p[0], p[1]]),
         "torque_ripple" => (id, vec![p[2], p[3], p[0], p[1], p[4]]),
         "torque_gain" => return None,

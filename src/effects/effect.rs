@@ -103,6 +103,12 @@ pub trait Physics: Send + Sync + 'static {
     fn limits(&self, _scale: &Scale) -> Vec<(f64, f64)> {
         self.parameters().iter().map(|s| s.range).collect()
     }
+
+    /// Whether parameters within their limits are together what the effect means; if not, an estimate has
+    /// taken up something else.
+    fn is_itself(&self, _p: &[f64]) -> bool {
+        true
+    }
 }
 
 /// An effect as the program sees it: [`Physics`] without its type parameters.
@@ -154,6 +160,8 @@ pub trait Effect: Send + Sync {
     fn several_starts(&self) -> bool;
     /// [`Physics::limits`].
     fn limits(&self, scale: &Scale) -> Vec<(f64, f64)>;
+    /// [`Physics::is_itself`].
+    fn is_itself(&self, p: &[f64]) -> bool;
 }
 
 impl<P: Physics> Effect for P {
@@ -218,5 +226,8 @@ impl<P: Physics> Effect for P {
     }
     fn limits(&self, scale: &Scale) -> Vec<(f64, f64)> {
         Physics::limits(self, scale)
+    }
+    fn is_itself(&self, p: &[f64]) -> bool {
+        Physics::is_itself(self, p)
     }
 }

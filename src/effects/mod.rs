@@ -12,7 +12,7 @@ mod text;
 
 pub use custom::{Custom, CustomDefinition, CustomError, QUANTITIES};
 pub use effect::{Change, DIFFERENTIATED, Effect, Jet, MOST_PARAMETERS, Physics};
-pub use motion::{Coupling, DIRECTIONS, Motion, Terms, along, smallest_inertia};
+pub use motion::{Coupling, DIRECTIONS, MOST_OF_INERTIA, Motion, Terms, along, smallest_inertia};
 pub use scale::{FAST, Scale, geometric};
 pub use text::{details, details_of, overview};
 
@@ -63,6 +63,8 @@ pub struct ParameterSpec {
     pub typical: f64,
     /// Linear or shape.
     pub kind: ParameterKind,
+    /// Whether it is a whole number, which a descent does not change.
+    pub whole: bool,
 }
 
 impl ParameterSpec {
@@ -82,6 +84,7 @@ impl ParameterSpec {
             range,
             typical,
             kind: ParameterKind::Linear,
+            whole: false,
         }
     }
 
@@ -89,6 +92,12 @@ impl ParameterSpec {
     #[must_use]
     pub fn shape(symbol: &str, meaning: &str, unit: &str, range: (f64, f64), typical: f64) -> Self {
         Self { kind: ParameterKind::Shape, ..Self::linear(symbol, meaning, unit, range, typical) }
+    }
+
+    /// A shape that is a whole number: an order, an exponent.
+    #[must_use]
+    pub fn whole(symbol: &str, meaning: &str, range: (f64, f64), typical: f64) -> Self {
+        Self { whole: true, ..Self::shape(symbol, meaning, "", range, typical) }
     }
 }
 

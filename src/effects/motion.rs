@@ -113,7 +113,7 @@ impl<T: Real> Terms<T> {
 /// Effects that store energy or do no work act on the body, at its own speeds and angles; all
 /// others act on the measured wheel. The body has the mass matrix of the model less `rotor` on
 /// the diagonal. That is positive definite only if `rotor` is below the smallest eigenvalue of
-/// the mass matrix (a1 - |a2| in the base model), so a simulation takes at most nine tenths of it.
+/// the mass matrix (a1 - |a2| in the base model), so a simulation takes at most [`MOST_OF_INERTIA`] of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coupling<T> {
     /// Inertia on the measured side, part of a1 [kg m^2].
@@ -124,12 +124,16 @@ pub struct Coupling<T> {
     pub damping: T,
 }
 
+/// Largest share of the inertia on the measured side of a [`Coupling`]: the rest moves fifty times as fast, and
+/// no recording shows it.
+pub const MOST_OF_INERTIA: f64 = 0.98;
+
 impl Coupling<f64> {
-    /// The rotor that is taken: at most nine tenths of the smallest eigenvalue of the robot's mass
-    /// matrix (m11, m12, m22) [kg m^2].
+    /// The rotor that is taken: at most [`MOST_OF_INERTIA`] of the smallest eigenvalue of the robot's
+    /// mass matrix (m11, m12, m22) [kg m^2].
     #[must_use]
     pub fn rotor_within(&self, mass: &[f64; 3]) -> f64 {
-        self.rotor.min(0.9 * smallest_inertia(mass))
+        self.rotor.min(MOST_OF_INERTIA * smallest_inertia(mass))
     }
 }
 

@@ -40,13 +40,14 @@ impl Physics for TorqueRipple {
             amplitude("rc1", "cosine amplitude, wheel 1"),
             amplitude("rs2", "sine amplitude, wheel 2"),
             amplitude("rc2", "cosine amplitude, wheel 2"),
-            ParameterSpec::shape("n", "order, a whole number", "", (2.0, 60.0), 6.0),
+            ParameterSpec::whole("n", "order, a whole number", (2.0, 60.0), 6.0),
         ]
     }
 
-    /// Orders of which a whole wave was driven and that rows at half the top speed still resolve.
+    /// Orders of which a whole wave was driven, and of which rows at a quarter of the top speed see both halves:
+    /// a wave moves a slow wheel most, and in between the simulation follows the angle.
     fn shapes(&self, scale: &Scale) -> Vec<Vec<f64>> {
-        let resolved = |n: f64| n * 0.5 * scale.speed * scale.step < std::f64::consts::FRAC_PI_2;
+        let resolved = |n: f64| n * 0.25 * scale.speed * scale.step < std::f64::consts::PI;
         let driven = |n: f64| n * scale.angle >= std::f64::consts::TAU;
         let orders = (2..=60).map(f64::from).filter(|n| resolved(*n) && driven(*n));
         orders.map(|n| vec![n]).collect()

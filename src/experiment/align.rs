@@ -1,11 +1,20 @@
-//! Takes out of the recordings what logging does to the time of the input.
+//! What is settled from the training recordings before any method sees them: where shapes start, and when the
+//! recorded input acts.
 
 use super::plan::{Measured, Plan};
-use crate::diagnose::{shifted, timing};
+use crate::diagnose::{shapes_placed, shifted, timing};
 use crate::effects::Change;
 use crate::identify::{Task, start};
 use crate::recording::Recording;
 use crate::study::Role;
+
+/// Sets where fits of the model's shapes start; recordings that are read block by block leave them at their
+/// typical values.
+pub(super) fn place(plan: &mut Plan) {
+    if plan.recordings.iter().all(|m| m.long.is_none()) {
+        plan.model = shapes_placed(&plan.model, &plan.of(Role::Train), plan.hold);
+    }
+}
 
 /// Estimates when the recorded input acts and moves it where logging explains the shift; every stage sees
 /// recordings that agree. A model that has a time shift of its own is left alone.

@@ -21,22 +21,42 @@ const DURATION: f64 = 20.0;
 /// Candidates whose error on the judged recordings is simulated.
 const JUDGED: usize = 8;
 
-/// Runs the diagnosis of a plan and puts it into words. `study` holds the comparison already.
+/// Runs the diagnosis of a plan and puts it into words. `study` holds the comparison already; its noise floor
+/// becomes that of the model with what was found.
 ///
 /// # Errors
 /// If the model cannot be fitted or simulated.
 pub(super) fn run_diagnosis(
     plan: &Plan,
     asked: &DiagnosisPlan,
-    study: &Study,
+    study: &mut Study,
 ) -> Result<(DiagnosisStudy, Diagnosis), RunError> {
+    let diagnosis = search(plan, asked)?;
+    if !diagnosis.steps.is_empty() {
+        models::floor_under(plan, study, diagnosis.last())?;
+    }
+    Ok((in_words(plan, asked, study, &diagnosis)?, diagnosis))
+}
+
+/// Searches what is missing in the model of a plan.
+fn search(plan: &Plan, asked: &DiagnosisPlan) -> Result<Diagnosis, RunError> {
     let train = plan.of(Role::Train);
     let task = Task { model: &plan.model, train: &train, hold: plan.hold, seed: plan.seed };
     let starts = starts(plan, &task);
     let validation = plan.of(Role::Validation);
     let corrected_s = plan.timing.map_or(0.0, |t| t.correction_s);
     let data = Data { train: &train, validation: &validation, hold: plan.hold, corrected_s };
-    let diagnosis = diagnose(&plan.model, &starts, &data, &asked.settings).map_err(failed)?;
+    diagnose(&plan.model, &starts, &data, &asked.settings).map_err(failed)
+}
+
+/// A diagnosis in words.
+fn in_words(
+    plan: &Plan,
+    asked: &DiagnosisPlan,
+    study: &Study,
+    diagnosis: &Diagnosis,
+) -> Result<DiagnosisStudy, RunError> {
+    let train = plan.of(Role::Train);
     let likelihood = Likelihood {
         prepared: train.iter().map(prepare).collect(),
         hold: plan.hold,
@@ -46,19 +66,19 @@ pub(super) fn run_diagnosis(
     let judge = Judge::new(plan.judged(), plan.hold);
     let floor = study.judged_floor();
     let before = judge.judge(&diagnosis.base.model, &diagnosis.base.p)?;
-    let errors = judge.errors(&diagnosis, floor)?;
-    let left = judge.structure_left(&diagnosis, &likelihood)?;
+    let errors = judge.errors(diagnosis, floor)?;
+    let left = judge.structure_left(diagnosis, &likelihood)?;
     let found = diagnosis.found();
-    let probable = likely(&diagnosis, &errors);
+    let probable = likely(diagnosis, &errors);
     let leaves = probable.and_then(|r| r.fall).map(|fall| fall.ratio);
     let conclusion = conclude(found.len(), &errors, leaves, left.is_some());
     // where nothing is missing there is nothing to record
     let open = conclusion != Conclusion::Sufficient;
-    let proposal = open.then(|| propose(&diagnosis, &likelihood, plan.seed)).flatten();
-    let next_run = open.then(|| advice(&diagnosis, probable, proposal.as_ref())).flatten();
+    let proposal = open.then(|| propose(diagnosis, &likelihood, plan.seed)).flatten();
+    let next_run = open.then(|| advice(diagnosis, probable, proposal.as_ref())).flatten();
     let sentence = Finding {
         conclusion,
-        diagnosis: &diagnosis,
+        diagnosis,
         errors: &errors,
         depends_on: left.as_ref(),
         likely: probable,
@@ -66,7 +86,7 @@ pub(super) fn run_diagnosis(
         unit: study.drive_unit,
     }
     .sentence();
-    let said = DiagnosisStudy {
+    Ok(DiagnosisStudy {
         verdict: match conclusion {
             Conclusion::Sufficient => Verdict::ModelSufficient,
             Conclusion::Missing => Verdict::EffectsMissing,
@@ -80,15 +100,14 @@ pub(super) fn run_diagnosis(
             .into_iter()
             .map(|p| p.estimate)
             .collect(),
-        ranking: ranking(&diagnosis, &judge, before, floor)?,
-        staircase: staircase(&diagnosis, &judge, before)?,
+        ranking: ranking(diagnosis, &judge, before, floor)?,
+        staircase: staircase(diagnosis, &judge, before)?,
         unexplained_fraction: errors.unexplained(),
         next_run,
         proposal,
         false_alarm: asked.settings.false_alarm,
         effects: diagnosis.steps.iter().map(found_effect).collect(),
-    };
-    Ok((said, diagnosis))
+    })
 }
 
 /// An accepted effect in words.

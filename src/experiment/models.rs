@@ -3,10 +3,10 @@
 use rayon::prelude::*;
 
 use super::error::RunError;
-use super::plan::Plan;
+use super::plan::{Measured, Plan};
 use crate::compare::{
-    angle_rms, curves, failures, horizons, ise, residual_torque, simulate_recording, whiteness,
-    window_rms,
+    Floor, angle_rms, curves, failures, horizons, ise, noise_floor, residual_torque,
+    simulate_recording, whiteness, window_rms,
 };
 use crate::diagnose::{Diagnosis, WindowFit, cutoff, mobility};
 use crate::identify::Estimate;
@@ -65,6 +65,22 @@ pub(super) fn with_diagnosis(
     let after = completed.as_ref().filter(|_| !last.model.is_coupled());
     let curves = stage.curves(&base.model, cutoff, &given, after);
     Ok(Study { given: Some(given), completed, curves, diagnosis: Some(said), ..study })
+}
+
+/// Sets the noise floor of every recording to that of the model with what was found: noise of the input moves a
+/// model that lacks something by another amount.
+///
+/// # Errors
+/// A model that cannot move.
+pub(super) fn floor_under(plan: &Plan, study: &mut Study, fit: &WindowFit) -> Result<(), RunError> {
+    let dynamics = PhysicalDynamics { model: fit.model.clone(), p: fit.p.clone() };
+    let under = |m: &Measured| {
+        let (recording, motion) = (&m.recording, m.recording.local_motion());
+        noise_floor(&dynamics, recording, &motion, plan.hold, plan.seed)
+    };
+    let floors: Vec<Floor> = plan.recordings.par_iter().map(under).collect::<Result<_, _>>()?;
+    study.recordings.iter_mut().zip(floors).for_each(|(r, floor)| r.floor = floor);
+    Ok(())
 }
 
 /// The parameters of a fit of the diagnosis.

@@ -117,6 +117,7 @@ fn plan(
         timing: None,
         grid: None,
     };
+    super::align::place(&mut plan);
     super::align::align(&mut plan);
     Ok(plan)
 }

@@ -80,9 +80,9 @@ pub fn compare(plan: &Plan, fits: &[MethodFit]) -> Result<Study, RunError> {
 ///
 /// # Errors
 /// If the model cannot be fitted or simulated.
-pub fn diagnose(plan: &Plan, study: Study) -> Result<Study, RunError> {
+pub fn diagnose(plan: &Plan, mut study: Study) -> Result<Study, RunError> {
     let Some(asked) = &plan.diagnosis else { return Ok(study) };
-    let (said, diagnosis) = run_diagnosis(plan, asked, &study)?;
+    let (said, diagnosis) = run_diagnosis(plan, asked, &mut study)?;
     models::with_diagnosis(plan, study, said, &diagnosis)
 }
 

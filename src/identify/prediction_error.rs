@@ -12,7 +12,7 @@ use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 use super::identifiability::{SingleAxis, identified};
-use super::kalman::{HorizonFilter, Likelihood, Prepared, Reading, pieces, prepare};
+use super::kalman::{HorizonFilter, Prepared, Reading, pieces, prepare};
 use super::profile::{Profile, profile};
 use super::{
     Estimate, Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task, from_options,
@@ -154,7 +154,7 @@ impl PredictionError {
             let solution = descend(&filter, task.model, (&p, 0.0), 0.0)?;
             Some((filter, solution))
         };
-        let starts = ranked(task, &open, starts(task, prepared)?);
+        let starts = ranked(task, &open, starts(task)?);
         let (mut filter, first) =
             starts.into_iter().find_map(begin).ok_or_else(|| IdentifyError::NoStart {
                 method: NAME.into(),
@@ -208,7 +208,7 @@ fn biased_by_noise(filter: &HorizonFilter, held: &Held) -> bool {
 }
 
 /// Where descents may start: the weak form, the regression of torques, the construction.
-fn starts(task: &Task, prepared: &[Prepared]) -> Result<Vec<Vec<f64>>, IdentifyError> {
+fn starts(task: &Task) -> Result<Vec<Vec<f64>>, IdentifyError> {
     let mut all = vec![start::start(task, NAME)?];
     if let Ok(fit) = super::torque_regression::TorqueRegression::default().identify(task) {
         let mut p: Vec<f64> = fit.estimates.iter().map(|e| e.value).collect();
@@ -216,9 +216,6 @@ fn starts(task: &Task, prepared: &[Prepared]) -> Result<Vec<Vec<f64>>, IdentifyE
         all.push(p);
     }
     all.push(task.model.initial());
-    let (hold, slow_moment, timing) = (task.hold, false, false);
-    let likelihood = Likelihood { prepared: prepared.to_vec(), hold, slow_moment, timing };
-    all.iter_mut().for_each(|p| likelihood.place_joint(task.model, p));
     Ok(all)
 }
 

@@ -19,11 +19,6 @@ use crate::simulate::{Hold, Input, LANES, follow, simulate};
 const SCATTER: f64 = 0.3;
 /// Scattered values that are simulated for each one from which a descent starts.
 const SCREENED: usize = 8;
-/// Values of the first parameter of a body behind the wheels that are simulated, and of each other
-/// one, at equal ratios; and how much of each piece [s].
-const FINE: usize = 30;
-const COARSE: usize = 5;
-const SCREENED_SECONDS: f64 = 6.0;
 /// Standard errors within which a wheel starts at rest, and standard deviations of the noise beyond which
 /// it turns.
 const AT_REST: f64 = 3.0;
@@ -74,8 +69,7 @@ impl<'a> Problem<'a> {
     /// The first start, and the best by their ISE of many with parameters scattered around it.
     pub(super) fn starts(&self, count: usize) -> Vec<DVector<f64>> {
         let mut rng = ChaCha8Rng::seed_from_u64(self.task.seed);
-        let mut first = self.first();
-        self.find_body(&mut first);
+        let first = self.first();
         let scattered: Vec<DVector<f64>> = (0..SCREENED * (count - 1))
             .map(|_| {
                 let mut x = first.clone();
@@ -103,32 +97,6 @@ impl<'a> Problem<'a> {
             (self.input(*r, &piece), self.start(first, n), measured)
         });
         lowest(self.model(), &vectors, count, stretches)
-    }
-
-    /// Sets the parameters of a body behind the wheels to the best of a grid over their ranges. The
-    /// cost has a valley for every frequency at which the body could swing, and the weak form, which
-    /// knows no body, says nothing of them.
-    fn find_body(&self, first: &mut DVector<f64>) {
-        let model = self.model();
-        let Some(effect) = model.coupling_effect() else { return };
-        let own = |i: &usize| model.slots(effect).contains(&self.free[*i]);
-        let places: Vec<usize> = (0..self.free.len()).filter(own).collect();
-        let mut grid = vec![first.clone()];
-        for (n, &i) in places.iter().enumerate() {
-            let (low, high) = model.parameters()[self.free[i]].spec.range;
-            let steps = if n == 0 { FINE } else { COARSE };
-            let value = |k: usize| low * (high / low).powf(k as f64 / (steps - 1) as f64);
-            let along = |x: &DVector<f64>| {
-                let mut points = vec![x.clone(); steps];
-                points.iter_mut().enumerate().for_each(|(k, point)| point[i] = value(k));
-                points
-            };
-            grid = grid.iter().flat_map(along).collect();
-        }
-        grid.push(first.clone());
-        if let Some(&best) = self.lowest(&grid, 1, SCREENED_SECONDS).first() {
-            *first = grid.swap_remove(best);
-        }
     }
 
     /// Lower and upper bounds of shape parameters, and of initial speeds that are zero at `start`: such a

@@ -70,6 +70,9 @@ pub struct Parameter {
     pub spec: ParameterSpec,
     /// Held at this value instead of estimated.
     pub fixed: Option<f64>,
+    /// Where searches start, if not at the typical value.
+    #[serde(skip)]
+    pub start: Option<f64>,
 }
 
 /// A robot and the effects that act on it; parameter vectors `p` hold one value a parameter, in
@@ -163,6 +166,7 @@ impl Model {
             effect: id.clone(),
             spec,
             fixed: None,
+            start: None,
         }));
         self.slots.push(start..self.parameters.len());
         self.variations.push(Variations::of(&*effect, &self.robot));
@@ -177,7 +181,8 @@ impl Model {
             let start = model.parameters.len();
             model.push(effect.clone());
             for (new, old) in (start..).zip(self.slots(k)) {
-                model.parameters[new].fixed = self.parameters[old].fixed;
+                let Parameter { fixed, start, .. } = self.parameters[old];
+                (model.parameters[new].fixed, model.parameters[new].start) = (fixed, start);
             }
         }
         model
@@ -192,6 +197,14 @@ impl Model {
         let mut model = self.clone();
         model.parameters[index].fixed = Some(value);
         Ok(model)
+    }
+
+    /// This model with searches for parameter number `j` starting at a value.
+    #[must_use]
+    pub fn starting_at(&self, j: usize, value: f64) -> Self {
+        let mut model = self.clone();
+        model.parameters[j].start = Some(value);
+        model
     }
 
     /// The place of a parameter in `p`.
@@ -261,7 +274,8 @@ impl Model {
             .filter(|&j| self.parameters[j].spec.kind == ParameterKind::Linear && !of_drive[j])
             .collect()
     }
-    /// A start for searches: fixed values, construction values for a1..a5, typical ones elsewhere.
+    /// A start for searches: fixed values, given starts, construction values for a1..a5, typical ones
+    /// elsewhere.
     #[must_use]
     pub fn initial(&self) -> Vec<f64> {
         let a = self.robot.construction.parameters();
@@ -269,7 +283,7 @@ impl Model {
         self.parameters
             .iter()
             .enumerate()
-            .map(|(j, p)| p.fixed.or(base.get(j).copied()).unwrap_or(p.spec.typical))
+            .map(|(j, p)| p.fixed.or(p.start).or(base.get(j).copied()).unwrap_or(p.spec.typical))
             .collect()
     }
 

@@ -15,6 +15,21 @@ use crate::effects::ParameterKind;
 use crate::model::Model;
 
 impl Search<'_> {
+    /// Refits a candidate, with its criterion by the windows and its size.
+    pub(super) fn set_refit(
+        &self,
+        present: &WindowFit,
+        r: &mut Ranked,
+        by_torque: Option<&Regression>,
+    ) {
+        r.refit = self.refit(present, r, by_torque);
+        if let Some(refit) = &r.refit {
+            let ratio = self.degrees * (present.cost / refit.cost).ln();
+            r.bic_windows = self.bic(&r.candidate, ratio);
+            r.torque_rms = self.size(present, r);
+        }
+    }
+
     /// The fit with the candidate added; `None` where there is none within its limits.
     pub(super) fn refit(
         &self,
@@ -45,6 +60,20 @@ impl Search<'_> {
             .par_iter()
             .filter_map(|start| fit(&self.windows, &model, start, &self.scale))
             .collect();
+        if std::env::var("DBG").as_deref() == Ok(candidate.id.as_str()) {
+            for s in &starts {
+                eprintln!("  start {:?} cost {:?}", s, self.windows.cost(&model, s));
+            }
+            for f in &fits {
+                eprintln!(
+                    "  fit {:?} cost {} bound {:?} valid {}",
+                    f.p,
+                    f.cost,
+                    f.at_bound,
+                    self.valid(candidate, f)
+                );
+            }
+        }
         let best = fits.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost))?;
         self.valid(candidate, &best).then_some(best)
     }
@@ -111,8 +140,9 @@ impl Search<'_> {
         let first = fit.p.len() - candidate.p.len();
         let specs = candidate.effect.parameters();
         let shape = |j: usize| specs[j].kind == ParameterKind::Shape;
-        let whole = |j: usize| j >= crate::effects::DIFFERENTIATED;
-        let inside = (0..specs.len()).all(|j| !shape(j) || whole(j) || !fit.at_bound[first + j]);
+        let inside =
+            (0..specs.len()).all(|j| !shape(j) || specs[j].whole || !fit.at_bound[first + j]);
+        let inside = inside && candidate.effect.is_itself(&fit.p[first..]);
         let some = candidate.linear.is_empty()
             || candidate.linear.iter().any(|&j| !fit.at_bound[first + j]);
         let error = fit.covariance[(first, first)].sqrt();

@@ -107,12 +107,12 @@ pub(super) fn run_cell(grid: &GridPlan, cell: usize, key: String, methods: &[&st
             return Cell { rows: failed(reason.into()), ..out };
         }
     };
-    let study = match measure(&plan, &fits(&plan)) {
+    let mut study = match measure(&plan, &fits(&plan)) {
         Ok((study, _)) => study,
         Err(e) => return Cell { rows: failed(e.to_string()), ..out },
     };
     out.rows = study.methods.iter().flat_map(|method| rows(&study, method)).collect();
-    match diagnose(&plan, &study) {
+    match diagnose(&plan, &mut study) {
         None => {}
         Some(Ok(diagnosis)) => {
             out.verdict = verdict(diagnosis.verdict).into();
@@ -123,7 +123,7 @@ pub(super) fn run_cell(grid: &GridPlan, cell: usize, key: String, methods: &[&st
     out
 }
 
-fn diagnose(plan: &Plan, study: &Study) -> Option<Result<DiagnosisStudy, RunError>> {
+fn diagnose(plan: &Plan, study: &mut Study) -> Option<Result<DiagnosisStudy, RunError>> {
     plan.diagnosis.as_ref().map(|asked| Ok(run_diagnosis(plan, asked, study)?.0))
 }
 

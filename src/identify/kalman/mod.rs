@@ -11,7 +11,6 @@ mod dynamics;
 mod exact;
 mod horizon;
 mod input_noise;
-mod joint;
 mod likelihood;
 mod noise_search;
 mod pass;

@@ -15,10 +15,9 @@ const MOST_BIAS: f64 = 0.1;
 /// Efficient where the only thing wrong is coloured noise of the input; where the model lacks
 /// something the noise absorbs it.
 pub(super) fn identify(task: &Task, symbols: &[String]) -> Result<Fit, IdentifyError> {
-    let mut first = start::start(task, NAME)?;
+    let first = start::start(task, NAME)?;
     let prepared = task.train.iter().map(prepare).collect();
     let likelihood = Likelihood { prepared, hold: task.hold, slow_moment: true, timing: true };
-    likelihood.place_joint(task.model, &mut first);
     let maximum = likelihood.maximise(task.model, &first, None, NAME)?;
     let bias = likelihood.pull_of_input_noise(task.model, &maximum)?;
     // the bias is known to first order, so a large one is not known

@@ -70,8 +70,9 @@ fn the_derivatives_of_the_innovations_are_those_of_the_likelihood() {
 fn stiffness_and_damping_of_a_hidden_spring_come_back_within_their_errors() {
     let (model, p, recording) = recorded("compliance", &[2.0, 0.02, 0.025]);
     let likelihood = likelihood(prepare(&recording));
-    let mut start = model.initial();
-    likelihood.place_joint(&model, &mut start);
+    let placed =
+        crate::diagnose::shapes_placed(&model, std::slice::from_ref(&recording), Hold::Linear);
+    let start = placed.initial();
     let maximum = likelihood.maximise(&model, &start, None, "test").unwrap();
     let covariance = maximum.information.clone().try_inverse().unwrap();
     for j in 0..p.len() {
