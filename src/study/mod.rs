@@ -3,9 +3,11 @@
 //! A study holds no files and no models, only what was found; the report draws it and
 //! [`results`] turns it into the JSON that other programs read.
 
+mod invocation;
 mod json;
 mod model;
 
+pub use invocation::{Invocation, shell_word};
 pub use json::{SCHEMA, results};
 pub use model::{AT_FLOOR, FoundEffect, Grade, ModelStudy, ParameterStudy};
 
@@ -291,6 +293,9 @@ pub struct Version {
 pub struct Study {
     /// Name of the folder.
     pub experiment: String,
+    /// How the command line names it.
+    #[serde(skip)]
+    pub invocation: Invocation,
     /// Heading.
     pub title: String,
     /// Version of the program.

@@ -11,8 +11,8 @@ use crate::recording::{DriveUnit, Measured, Noise, Regime};
 use crate::report::block::Block;
 use crate::report::render;
 use crate::study::{
-    Candidate, DiagnosisStudy, FoundEffect, FuzzyStudy, MethodStudy, ModelStudy, ParameterStudy,
-    Performance, RecordingStudy, Role, Step, Study, Verdict, Version,
+    Candidate, DiagnosisStudy, FoundEffect, FuzzyStudy, Invocation, MethodStudy, ModelStudy,
+    ParameterStudy, Performance, RecordingStudy, Role, Step, Study, Verdict, Version,
 };
 
 /// Samples of a made recording.
@@ -82,6 +82,7 @@ fn empty() -> Study {
     Study {
         timing: None,
         experiment: "bare".to_owned(),
+        invocation: Invocation { file: "runs/bare.toml".to_owned(), ..Invocation::default() },
         title: "Bare".to_owned(),
         version: "0".to_owned(),
         seed: 1,
@@ -305,7 +306,7 @@ fn a_full_study_has_every_section_and_every_figure_is_drawn_once() {
         assert!(png.starts_with(b"\x89PNG"));
         assert!(String::from_utf8_lossy(svg).contains("<svg"));
     }
-    for word in ["Missing: turning_scrub.", "experiment add turning_scrub bare.toml"] {
+    for word in ["Missing: turning_scrub.", "experiment add turning_scrub runs/bare.toml"] {
         assert!(rendered.html.contains(word), "{word}");
     }
     assert!(!rendered.html.contains("<b>full</b>"));
