@@ -191,6 +191,7 @@ pub fn write(plan: &Plan, mut study: Study, out: &Path) -> Result<Done, Experime
     study.invocation.out = (out != Path::new(USUAL_OUT)).then(|| out.display().to_string());
     let model = super::model_out::model_out(plan, &study);
     study.model_out = model.as_ref().map(Written::words);
+    study.what_if = super::what_if::what_if(plan, &study);
     let rendered = crate::report::render(&study)?;
     let named = |(name, _): &&(String, Vec<u8>)| name == "overlay.png";
     let thumbnail = rendered.figures.iter().find(named).map(|(_, png)| png.clone());

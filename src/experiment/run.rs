@@ -146,6 +146,7 @@ pub(super) fn measure(
         truth: plan.truth.clone(),
         timing: plan.timing,
         model_out: None,
+        what_if: None,
     };
     Ok((study, right))
 }
@@ -286,8 +287,7 @@ fn performance(
         free: speeds(&simulated.free),
         windows: speeds(&simulated.windows),
         window_starts: simulated.window_starts,
-        emulator: parallel.map_or(vec![], |states| {
-            states.iter().map(|s| [s.alpha[0], s.alpha[1], s.omega[0], s.omega[1]]).collect()
-        }),
+        window_states: simulated.window_states.iter().map(models::four).collect(),
+        emulator: parallel.map_or(vec![], |states| states.iter().map(models::four).collect()),
     })
 }

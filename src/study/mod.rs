@@ -6,10 +6,12 @@
 mod invocation;
 mod json;
 mod model;
+mod what_if;
 
 pub use invocation::{Invocation, shell_word};
 pub use json::{SCHEMA, results};
 pub use model::{AT_FLOOR, FoundEffect, Grade, ModelStudy, ParameterStudy};
+pub use what_if::{Start, WhatIf};
 
 use serde::Serialize;
 
@@ -137,6 +139,8 @@ pub struct Performance {
     pub windows: Vec<[f64; 2]>,
     /// Rows at which the windows start.
     pub window_starts: Vec<usize>,
+    /// States there (alpha1, alpha2, omega1, omega2).
+    pub window_states: Vec<[f64; 4]>,
     /// Emulator states in parallel structure (alpha1, alpha2, omega1, omega2).
     pub emulator: Vec<[f64; 4]>,
 }
@@ -339,6 +343,9 @@ pub struct Study {
     pub truth: Vec<(String, f64)>,
     /// The files that hold the identified model, in words; `None` without a physical fit.
     pub model_out: Option<String>,
+    /// The last model as a function that the page of the report runs; `None` without a physical fit.
+    #[serde(skip)]
+    pub what_if: Option<WhatIf>,
 }
 
 impl Study {

@@ -56,6 +56,7 @@ fn performance(r: &RecordingStudy, error: f64) -> Performance {
         free: r.omega.iter().map(off).collect(),
         windows: r.omega.iter().map(off).collect(),
         window_starts: vec![0, SAMPLES / 2],
+        window_states: vec![[0.0; 4]; 2],
         emulator: r.alpha.iter().zip(&r.omega).map(state).collect(),
     }
 }
@@ -103,6 +104,7 @@ fn empty() -> Study {
         versions: vec![],
         truth: vec![],
         model_out: None,
+        what_if: None,
     }
 }
 
