@@ -18,6 +18,8 @@ pub struct Simulated {
     pub windows: Vec<State>,
     /// Rows at which the windows start.
     pub window_starts: Vec<usize>,
+    /// The states there.
+    pub window_states: Vec<State>,
 }
 
 /// Simulates a recording freely and over windows.
@@ -35,14 +37,16 @@ pub fn simulate_recording(
     let mut free = Vec::with_capacity(recording.len());
     let mut windows = Vec::with_capacity(recording.len());
     let mut window_starts = Vec::new();
+    let mut window_states = Vec::new();
     for piece in recording.pieces() {
         run(&drive, motion, piece.clone(), hold, &mut free)?;
         for window in windows_of(recording, piece, WINDOW) {
             window_starts.push(window.start);
+            window_states.push(start_of(&motion[window.start]));
             run(&drive, motion, window, hold, &mut windows)?;
         }
     }
-    Ok(Simulated { free, windows, window_starts })
+    Ok(Simulated { free, windows, window_starts, window_states })
 }
 
 /// The windows of `length` [s] of a piece; a short rest joins the last one.

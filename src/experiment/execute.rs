@@ -15,7 +15,7 @@ use super::run::run_in_stages;
 use super::stages::Stages;
 use crate::export::Written;
 use crate::io::{ResultFolder, check_writable, exists, read_text, write_csv};
-use crate::study::{DiagnosisStudy, ModelStudy, Study, Version, results};
+use crate::study::{DiagnosisStudy, Invocation, ModelStudy, Study, Version, results};
 
 /// What became of an experiment.
 #[derive(Debug)]
@@ -105,18 +105,23 @@ fn load_recordings(recordings: &[PathBuf], set: &[String]) -> Result<Plan, Exper
     let file = recordings[0].file_stem().map_or_else(|| "experiment".into(), PathBuf::from);
     let file = file.with_extension("toml");
     if draft.is_open {
-        let recording = recordings[0].display();
+        let typed = |path: &PathBuf| path.display().to_string();
+        let run = Invocation {
+            file: typed(&file),
+            recordings: recordings.iter().map(typed).collect(),
+            out: None,
+        };
         return Err(ExperimentError::Meaning {
-            file: recording.to_string(),
+            file: typed(&recordings[0]),
             message: format!(
-                "the columns do not say all that is needed.\n{}Answer it in a file: experiment new \
-                 {recording} -o {}",
+                "the columns do not say all that is needed.\n{}Answer it in a file: {}",
                 draft.words,
-                file.display()
+                run.new_file().unwrap_or_default()
             ),
         });
     }
     let mut plan = load_text(&file, draft.text, set)?;
+    plan.typed = recordings.to_vec();
     plan.remarks.insert(0, draft.words.trim_end().to_string());
     Ok(plan)
 }
@@ -172,6 +177,9 @@ fn finish(plan: &Plan, options: &RunOptions) -> Result<Done, ExperimentError> {
     write(plan, study, &options.out)
 }
 
+/// The folder of the results unless another one is named.
+const USUAL_OUT: &str = "reports";
+
 /// Writes the result folder of a study under `out`: report, figures, `results.json`, the identified
 /// model, and what is needed to repeat the run.
 ///
@@ -180,8 +188,10 @@ fn finish(plan: &Plan, options: &RunOptions) -> Result<Done, ExperimentError> {
 pub fn write(plan: &Plan, mut study: Study, out: &Path) -> Result<Done, ExperimentError> {
     let mut folder = ResultFolder::new(out, &plan.name);
     study.versions = versions(folder.earlier("versions.json").as_deref(), &study);
+    study.invocation.out = (out != Path::new(USUAL_OUT)).then(|| out.display().to_string());
     let model = super::model_out::model_out(plan, &study);
     study.model_out = model.as_ref().map(Written::words);
+    study.what_if = super::what_if::what_if(plan, &study);
     let rendered = crate::report::render(&study)?;
     let named = |(name, _): &&(String, Vec<u8>)| name == "overlay.png";
     let thumbnail = rendered.figures.iter().find(named).map(|(_, png)| png.clone());

@@ -29,6 +29,7 @@ mod resolve;
 mod run;
 mod sentence;
 mod stages;
+mod what_if;
 
 pub use check::check;
 pub use error::{ExperimentError, RunError};

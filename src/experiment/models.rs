@@ -12,6 +12,7 @@ use crate::diagnose::{Diagnosis, WindowFit, cutoff, mobility};
 use crate::identify::Estimate;
 use crate::model::Model;
 use crate::recording::{DriveUnit, LocalMotion, Recording};
+use crate::robot::State;
 use crate::simulate::{Dynamics, PhysicalDynamics};
 use crate::study::{DiagnosisStudy, ModelStudy, ParameterStudy, Performance, Study};
 
@@ -111,6 +112,11 @@ fn of_method(model: &Model, study: &Study) -> Vec<ParameterStudy> {
     known.filter_map(with).collect()
 }
 
+/// A state as (alpha1, alpha2, omega1, omega2).
+pub(super) fn four(s: &State) -> [f64; 4] {
+    [s.alpha[0], s.alpha[1], s.omega[0], s.omega[1]]
+}
+
 /// What the models of one experiment are judged on.
 struct Stage<'a> {
     plan: &'a Plan,
@@ -160,6 +166,7 @@ impl<'a> Stage<'a> {
                 free: simulated.free.iter().map(|s| s.omega).collect(),
                 windows: simulated.windows.iter().map(|s| s.omega).collect(),
                 window_starts: simulated.window_starts,
+                window_states: simulated.window_states.iter().map(four).collect(),
                 emulator: vec![],
             })
         };

@@ -7,6 +7,7 @@ use super::guess::{Guess, Written, file_text, guess};
 use crate::conditioning::{Context, Finding, Settings, condition};
 use crate::io::{Column, ColumnMap, IoError, parts, preview, read_channels, write_whole};
 use crate::recording::{DriveUnit, Recording};
+use crate::study::shell_word;
 
 /// The file beside an experiment file by which an editor checks it: what `experiment schema` prints.
 const SCHEMA: &str = "experiment.schema.json";
@@ -32,10 +33,11 @@ pub fn new_file(recordings: &[PathBuf], output: Option<&Path>) -> Result<String,
     let draft = draft(recordings, output.parent().unwrap_or_else(|| Path::new("")))?;
     write_whole(&output, draft.text.as_bytes())?;
     let file = output.display();
+    let typed = shell_word(&file.to_string());
     let next = if draft.is_open {
-        format!("to be completed in {file}: the questions above; then: experiment check {file}")
+        format!("to be completed in {file}: the questions above; then: experiment check {typed}")
     } else {
-        format!("next: experiment {file}")
+        format!("next: experiment {typed}")
     };
     Ok(format!("wrote {file}\n{}{next}\n", draft.words))
 }

@@ -60,6 +60,8 @@ pub struct Plan {
     pub file: String,
     /// Its path.
     pub source: PathBuf,
+    /// The recordings of a run without an experiment file, as typed; then there is nothing at `source`.
+    pub typed: Vec<PathBuf>,
     /// Model to fit.
     pub model: Model,
     /// Effects written as formulas in the file, in the model or not.

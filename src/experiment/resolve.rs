@@ -101,6 +101,7 @@ fn plan(
         title: title(file, &name),
         name,
         file: text.to_string(),
+        typed: vec![],
         source: std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf()),
         remarks,
         model,

@@ -14,7 +14,7 @@ use crate::identify::{Fit, Task};
 use crate::recording::{LocalMotion, Recording};
 use crate::robot::{State, kinematics};
 use crate::simulate::{Dynamics, SimulateError, Structure, emulate};
-use crate::study::{MethodStudy, Performance, RecordingStudy, Role, Study};
+use crate::study::{Invocation, MethodStudy, Performance, RecordingStudy, Role, Study};
 
 /// Methods in the order in which their fit is preferred for the detailed comparison.
 const PREFERRED: [&str; 4] = ["prediction_error", "weak_form", "output_error", "torque_regression"];
@@ -124,6 +124,7 @@ pub(super) fn measure(
         .collect::<Result<_, _>>()?;
     let study = Study {
         experiment: plan.name.clone(),
+        invocation: invocation(plan),
         title: plan.title.clone(),
         version: env!("CARGO_PKG_VERSION").into(),
         seed: plan.seed,
@@ -145,8 +146,20 @@ pub(super) fn measure(
         truth: plan.truth.clone(),
         timing: plan.timing,
         model_out: None,
+        what_if: None,
     };
     Ok((study, right))
+}
+
+/// The experiment on the command line, by paths from the current folder.
+fn invocation(plan: &Plan) -> Invocation {
+    let here = std::env::current_dir().unwrap_or_default();
+    let file = plan.source.strip_prefix(here).unwrap_or(&plan.source);
+    Invocation {
+        file: file.display().to_string(),
+        recordings: plan.typed.iter().map(|path| path.display().to_string()).collect(),
+        out: None,
+    }
 }
 
 fn fit(plan: &Plan, method: &MethodPlan, train: &[Recording]) -> MethodFit {
@@ -274,8 +287,7 @@ fn performance(
         free: speeds(&simulated.free),
         windows: speeds(&simulated.windows),
         window_starts: simulated.window_starts,
-        emulator: parallel.map_or(vec![], |states| {
-            states.iter().map(|s| [s.alpha[0], s.alpha[1], s.omega[0], s.omega[1]]).collect()
-        }),
+        window_states: simulated.window_states.iter().map(models::four).collect(),
+        emulator: parallel.map_or(vec![], |states| states.iter().map(models::four).collect()),
     })
 }

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::language::{LANGUAGES, Language};
+use super::language::{JAVASCRIPT, LANGUAGES, Language};
 use super::print::{Printed, number, print};
 use super::traced::{MOMENTS, MOTION, Obstacle, Traced, trace};
 use crate::model::Model;
@@ -57,13 +57,18 @@ impl Written {
         if self.obstacles.is_empty() {
             return names;
         }
-        let because = |o: &Obstacle| format!("{}: {}", o.effect, o.reason);
-        let reasons: Vec<String> = self.obstacles.iter().map(because).collect();
-        format!("{names}; not written as a function ({})", reasons.join("; "))
+        format!("{names}; not written as a function ({})", reasons(&self.obstacles))
     }
 }
 
-/// Writes `model.json`, and `model.py`, `model.m`, `model.c`, `model.mo` where every effect can be
+/// Obstacles in words.
+#[must_use]
+pub fn reasons(obstacles: &[Obstacle]) -> String {
+    let because = |o: &Obstacle| format!("{}: {}", o.effect, o.reason);
+    obstacles.iter().map(because).collect::<Vec<_>>().join("; ")
+}
+
+/// Writes `model.json`, and `model.py`, `model.m`, `model.c`, `model.mo`, `model.js` where every effect can be
 /// written as a function of the present instant.
 ///
 /// # Panics
@@ -73,14 +78,7 @@ pub fn files(identified: &Identified) -> Written {
     let n = identified.model.parameters().len();
     assert!(identified.values.len() == n && identified.std_errors.len() == n);
     assert_eq!(identified.units.len(), n);
-    let traced = if identified.values.iter().all(|v| v.is_finite()) {
-        trace(identified.model, identified.values)
-    } else {
-        Err(vec![Obstacle {
-            effect: "all".into(),
-            reason: "a parameter has no finite value".into(),
-        }])
-    };
+    let traced = traced(identified);
     let function =
         |traced: &Traced, l: &Language| (l.file.to_owned(), write(identified, traced, l));
     let (functions, obstacles) = match &traced {
@@ -93,6 +91,22 @@ pub fn files(identified: &Identified) -> Written {
     let mut files = vec![("model.json".to_owned(), data)];
     files.extend(functions);
     Written { files, obstacles }
+}
+
+/// The model as a function in JavaScript: the text of `model.js`.
+///
+/// # Errors
+/// Every effect that is no function of the present instant.
+pub fn javascript(identified: &Identified) -> Result<String, Vec<Obstacle>> {
+    Ok(write(identified, &traced(identified)?, &JAVASCRIPT))
+}
+
+fn traced(identified: &Identified) -> Result<Traced, Vec<Obstacle>> {
+    if identified.values.iter().all(|v| v.is_finite()) {
+        return trace(identified.model, identified.values);
+    }
+    let reason = "a parameter has no finite value".into();
+    Err(vec![Obstacle { effect: "all".into(), reason }])
 }
 
 fn json(it: &Identified, functions: &[&str], obstacles: &[Obstacle]) -> Value {

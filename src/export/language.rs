@@ -1,4 +1,4 @@
-//! The four languages: how each spells an expression, and its frame.
+//! The languages: how each spells an expression, and its frame.
 
 use crate::math::expression::Unary;
 
@@ -21,7 +21,7 @@ pub(super) struct Language {
 }
 
 /// All languages.
-pub(super) const LANGUAGES: [Language; 4] = [
+pub(super) const LANGUAGES: [Language; 5] = [
     Language {
         file: "model.py",
         frame: include_str!("frame/model.py"),
@@ -106,7 +106,38 @@ pub(super) const LANGUAGES: [Language; 4] = [
         constant: |name, value, remark| format!("constant Real {name} = {value}; // {remark}"),
         truth: ["false", "true"],
     },
+    JAVASCRIPT,
 ];
+
+/// JavaScript, which the page of the report runs too.
+pub(super) const JAVASCRIPT: Language = Language {
+    file: "model.js",
+    frame: include_str!("frame/model.js"),
+    comment: "//",
+    syntax: Syntax {
+        unary: |f| match f {
+            Unary::Ln => "Math.log",
+            Unary::Abs => "Math.abs",
+            Unary::Sin => "Math.sin",
+            Unary::Cos => "Math.cos",
+            Unary::Tan => "Math.tan",
+            Unary::Exp => "Math.exp",
+            Unary::Sqrt => "Math.sqrt",
+            Unary::Tanh => "Math.tanh",
+            Unary::Round => "Math.floor",
+            Unary::Sgn | Unary::Erf | Unary::Negate => plain(f),
+        },
+        binary: ["Math.min", "Math.max", "Math.pow"],
+        place: |array, k| format!("{array}[{k}]"),
+        temporary: |k, text| format!("const x{k} = {text};"),
+        name: |k| format!("x{k}"),
+        set: |target, text| format!("{target} = {text};"),
+    },
+    constant: |name, value, remark| {
+        format!("const {name} = changed.{name} ?? {value}; // {remark}")
+    },
+    truth: ["false", "true"],
+};
 
 /// The spelling that most languages share.
 fn plain(function: Unary) -> &'static str {

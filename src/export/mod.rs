@@ -1,4 +1,4 @@
-//! The identified model outside the program: as data and as a function in four languages.
+//! The identified model outside the program: as data and as a function in five languages.
 //!
 //! No equation is written twice. The effects run once with [`Symbol`](crate::math::Symbol)s, which
 //! records their formulas as a graph; each language prints that graph into a frame, a file in that
@@ -15,7 +15,7 @@ mod print;
 mod simulator;
 mod traced;
 
-pub use document::{Identified, SCHEMA, Written, files};
+pub use document::{Identified, SCHEMA, Written, files, javascript, reasons};
 pub use feedforward::gains_files;
 pub use gains::{Control, Feedforward, Gains, Operation};
 pub use loop_margins::Margins;

@@ -124,7 +124,8 @@ pub fn check_writable(folder: &Path) -> Result<(), IoError> {
 }
 
 /// Files of an identified model, which a run may or may not write.
-const FUNCTIONS: [&str; 5] = ["model.json", "model.py", "model.m", "model.c", "model.mo"];
+const FUNCTIONS: [&str; 6] =
+    ["model.json", "model.py", "model.m", "model.c", "model.mo", "model.js"];
 
 /// The file that says by its presence that a result folder is complete.
 const COMPLETE: &str = "results.json";

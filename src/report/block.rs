@@ -2,6 +2,7 @@
 
 use super::figure::Figure;
 use super::format;
+use super::what_if::WhatIf;
 
 /// One element of a section.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,6 +48,8 @@ pub enum Block {
     Code(String),
     /// Recordings to look into, one at a time; not printed.
     Explorer(Vec<Track>),
+    /// The same recordings simulated with other values of the parameters; not printed.
+    WhatIf(Box<WhatIf>),
 }
 
 /// A recording of a [`Block::Explorer`].

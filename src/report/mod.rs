@@ -18,6 +18,7 @@ mod raster;
 mod render;
 mod scale;
 pub mod section;
+pub mod what_if;
 
 pub use error::ReportError;
 pub use page::{Page, PageContent, Picture, SectionContent, page, render_page};

@@ -4,13 +4,15 @@
 use std::collections::HashMap;
 
 use png::{
-    BitDepth, ColorType, Compression, Encoder, EncodingError, Filter, PixelDimensions, Unit,
+    BitDepth, ColorType, DeflateCompression, Encoder, EncodingError, Filter, PixelDimensions, Unit,
 };
 
 /// Colours of a palette at most.
 const COLORS: usize = 256;
 /// Of these, how many go to the most frequent colours; the others to those farthest from all taken.
 const FREQUENT: usize = 192;
+/// Level of the compression: two thirds of the time of the usual 6, for files 6 % larger.
+const LEVEL: u8 = 4;
 
 type Color = [u8; 3];
 
@@ -25,11 +27,14 @@ pub(super) fn indexed(
     dpi: f64,
     rgba: &[u8],
 ) -> Result<Vec<u8>, EncodingError> {
-    let pixels: Vec<Color> = rgba.chunks_exact(4).map(|p| [p[0], p[1], p[2]]).collect();
     // a drawing is made of long runs of one colour: its colours are looked up once a run
+    let (pixels, _) = rgba.as_chunks::<4>();
+    let color = |[r, g, b, _]: [u8; 4]| [r, g, b];
+    let runs: Vec<(Color, usize)> =
+        pixels.chunk_by(|a, b| a == b).map(|run| (color(run[0]), run.len())).collect();
     let mut counts: HashMap<Color, usize> = HashMap::new();
-    for run in pixels.chunk_by(|a, b| a == b) {
-        *counts.entry(run[0]).or_default() += run.len();
+    for (color, length) in &runs {
+        *counts.entry(*color).or_default() += length;
     }
     let mut colors: Vec<Color> = counts.keys().copied().collect();
     // by the colour where counts are equal: the same picture gives the same file
@@ -38,8 +43,8 @@ pub(super) fn indexed(
     let places: HashMap<Color, u8> =
         colors.iter().map(|color| (*color, nearest(&palette, *color))).collect();
     let mut indices: Vec<u8> = Vec::with_capacity(pixels.len());
-    for run in pixels.chunk_by(|a, b| a == b) {
-        indices.resize(indices.len() + run.len(), places[&run[0]]);
+    for (color, length) in &runs {
+        indices.resize(indices.len() + length, places[color]);
     }
     let mut out = Vec::new();
     let mut encoder = Encoder::new(&mut out, width, height);
@@ -52,7 +57,7 @@ pub(super) fn indexed(
         yppu: per_metre,
         unit: Unit::Meter,
     }));
-    encoder.set_compression(Compression::Balanced);
+    encoder.set_deflate_compression(DeflateCompression::Level(LEVEL));
     // neighbouring numbers of a palette are not neighbouring colours
     encoder.set_filter(Filter::NoFilter);
     let mut writer = encoder.write_header()?;

@@ -3,11 +3,15 @@
 //! A study holds no files and no models, only what was found; the report draws it and
 //! [`results`] turns it into the JSON that other programs read.
 
+mod invocation;
 mod json;
 mod model;
+mod what_if;
 
+pub use invocation::{Invocation, shell_word};
 pub use json::{SCHEMA, results};
 pub use model::{AT_FLOOR, FoundEffect, Grade, ModelStudy, ParameterStudy};
+pub use what_if::{Start, WhatIf};
 
 use serde::Serialize;
 
@@ -135,6 +139,8 @@ pub struct Performance {
     pub windows: Vec<[f64; 2]>,
     /// Rows at which the windows start.
     pub window_starts: Vec<usize>,
+    /// States there (alpha1, alpha2, omega1, omega2).
+    pub window_states: Vec<[f64; 4]>,
     /// Emulator states in parallel structure (alpha1, alpha2, omega1, omega2).
     pub emulator: Vec<[f64; 4]>,
 }
@@ -291,6 +297,9 @@ pub struct Version {
 pub struct Study {
     /// Name of the folder.
     pub experiment: String,
+    /// How the command line names it.
+    #[serde(skip)]
+    pub invocation: Invocation,
     /// Heading.
     pub title: String,
     /// Version of the program.
@@ -334,6 +343,9 @@ pub struct Study {
     pub truth: Vec<(String, f64)>,
     /// The files that hold the identified model, in words; `None` without a physical fit.
     pub model_out: Option<String>,
+    /// The last model as a function that the page of the report runs; `None` without a physical fit.
+    #[serde(skip)]
+    pub what_if: Option<WhatIf>,
 }
 
 impl Study {

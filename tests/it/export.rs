@@ -155,6 +155,16 @@ int main(void) {
 }
 "#;
 
+const JAVASCRIPT: &str = r#"
+const robot = require("./model.js")();
+const read = (name) => require("fs").readFileSync(name, "utf8").trim().split("\n").map((l) => l.split(" ").map(Number));
+const say = (row) => console.log(row.join(" "));
+for (const r of read("states.txt")) say(robot.acceleration(r[0], r.slice(1, 3), r.slice(3, 5), r.slice(5, 7)));
+const run = read("drive.txt");
+const { alpha, omega } = robot.simulate(run.map((r) => r[0]), run.map((r) => r.slice(1)), [0, 0], [0, 0]);
+alpha.forEach((a, k) => say([...a, ...omega[k]]));
+"#;
+
 pub(crate) fn is_here(program: &str) -> bool {
     let found = Command::new(program).arg("--version").output().is_ok_and(|o| o.status.success());
     if !found {
@@ -256,6 +266,14 @@ fn the_octave_function_moves_as_the_program_does() {
 }
 
 #[test]
+fn the_javascript_function_moves_as_the_program_does() {
+    if is_here("node") {
+        let folder = prepared("main.js", JAVASCRIPT);
+        agrees("javascript", &run(&folder, "node", &["main.js"]));
+    }
+}
+
+#[test]
 fn a_model_with_a_memory_is_written_as_data_with_the_reason_and_not_as_a_function() {
     let ids = ["viscous_friction", "wheel_slip"];
     let model = Model::with_effects(Robot::amigobot(), &ids).unwrap();
@@ -290,7 +308,7 @@ fn every_effect_of_the_catalogue_without_a_memory_or_own_states_is_written() {
 fn an_experiment_leaves_the_model_and_takes_back_functions_that_no_longer_hold() {
     let folder = Folder::new();
     folder.write("run.csv", csv(&motion()));
-    let functions = ["model.py", "model.m", "model.c", "model.mo"];
+    let functions = ["model.py", "model.m", "model.c", "model.mo", "model.js"];
     folder.write("small.toml", on("run.csv") + "\n[model]\neffects = [\"viscous_friction\"]\n");
     folder.run(&["small.toml"]).says(0, &[]);
     let read = |name: &str| folder.read(&format!("reports/small/{name}"));
@@ -301,7 +319,9 @@ fn an_experiment_leaves_the_model_and_takes_back_functions_that_no_longer_hold()
     );
     assert_eq!(data["effects"][3]["id"], "viscous_friction");
     assert!(functions.iter().all(|name| folder.has(&format!("reports/small/{name}"))));
-    assert!(read("report.html").contains("model.json, model.py, model.m, model.c, model.mo"));
+    assert!(
+        read("report.html").contains("model.json, model.py, model.m, model.c, model.mo, model.js")
+    );
 
     folder.write("small.toml", on("run.csv") + "\n[model]\neffects = [\"wheel_slip\"]\n");
     folder.run(&["small.toml"]).says(0, &[]);

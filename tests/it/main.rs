@@ -14,6 +14,7 @@ mod language;
 mod layering;
 mod long;
 mod modelica;
+mod next_step;
 mod page;
 mod quoted;
 mod recordings;

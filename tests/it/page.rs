@@ -3,6 +3,13 @@
 use std::fs;
 use std::process::{Command, Output};
 
+use amigo_ident::compare::{ise, simulate_recording, window_rms};
+use amigo_ident::io::{ColumnMap, read_recording};
+use amigo_ident::model::Model;
+use amigo_ident::recording::DriveUnit;
+use amigo_ident::robot::Robot;
+use amigo_ident::simulate::{Hold, PhysicalDynamics};
+
 use crate::support::Folder;
 
 /// A robot that scrubs, small enough to be diagnosed at once: the report has both models.
@@ -47,6 +54,12 @@ fn open(browser: &str, folder: &Folder, page: &str, arguments: &[&str]) -> Outpu
 
 fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// What a probe wrote into the title of a page.
+fn title(dom: &str) -> serde_json::Value {
+    let title = dom.split("<title>").nth(1).and_then(|t| t.split("</title>").next()).unwrap();
+    serde_json::from_str(title).unwrap_or_else(|e| panic!("{title}: {e}"))
 }
 
 /// Zooms the first figure and reads the places at the left edge of the others, hides a curve, switches the
@@ -108,9 +121,7 @@ fn a_report_opens_without_a_message_zooms_together_and_prints_on_few_pages() {
     let probed = open(browser, &folder, "probe.html", &["--dump-dom"]);
     assert!(text(&probed.stderr).contains("CONSOLE"), "messages of the console are not seen");
     let dom = text(&probed.stdout);
-    let title = dom.split("<title>").nth(1).and_then(|t| t.split("</title>").next()).unwrap();
-    let seen: serde_json::Value =
-        serde_json::from_str(title).unwrap_or_else(|e| panic!("{title}: {e}"));
+    let seen = title(&dom);
     let after: Vec<f64> =
         seen["after"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
     // all show the same range now, and the overlay showed the later part of it before
@@ -125,12 +136,111 @@ fn a_report_opens_without_a_message_zooms_together_and_prints_on_few_pages() {
     assert!(explorer["now"].as_str().unwrap().ends_with(" s"), "{seen}");
     assert_ne!(explorer["moved"], 300, "{seen}");
 
-    open(browser, &folder, page, &[&format!("--print-to-pdf={}", folder.path("r.pdf").display())]);
+    let pages = printed(browser, &folder, page);
+    assert!((2..=4).contains(&pages), "{pages} pages");
+}
+
+/// Pages of print.
+fn printed(browser: &str, folder: &Folder, page: &str) -> usize {
+    open(browser, folder, page, &[&format!("--print-to-pdf={}", folder.path("r.pdf").display())]);
     let pdf = text(&fs::read(folder.path("r.pdf")).unwrap());
     let counts =
         pdf.split("/Count ").skip(1).filter_map(|s| s.split(|c: char| !c.is_ascii_digit()).next());
-    let pages = counts.filter_map(|s| s.parse::<usize>().ok()).max().unwrap();
-    assert!((2..=4).contains(&pages), "{pages} pages");
+    counts.filter_map(|s| s.parse::<usize>().ok()).max().unwrap()
+}
+
+/// Three methods, five parameters and four levels of noise: sixty rows of a table.
+const GRID: &str = r#"[simulation]
+movement   = "rich"
+noise      = { dalpha = 0.05, alpha = 0.001, M = 0.005 }
+train      = 1
+validation = 0
+duration_s = 6.0
+[[method]]
+name = "prediction_error"
+[[method]]
+name = "output_error"
+[[method]]
+name = "torque_regression"
+[grid]
+noise_scale = [0.25, 0.5, 1, 2]
+seed        = { count = 2 }
+"#;
+
+#[test]
+fn a_grid_prints_figures_table_and_file_on_three_pages() {
+    let Some(browser) = browser() else { return };
+    let folder = Folder::new();
+    folder.write("grid.toml", GRID).run(&["grid.toml"]).says(0, &[]);
+    assert_eq!(printed(browser, &folder, "reports/grid/report.html"), 3);
+}
+
+/// Opens the section, reads the errors of the estimates, takes friction off wheel 1 at half its range, reads
+/// again, and resets; the answers stand in the title.
+const SLIDERS: &str = r##"<script>
+const ready = (then) => setTimeout(then, 700);
+document.querySelectorAll("details").forEach((d) => { d.open = true; });
+ready(() => {
+  const box = document.querySelector(".what-if");
+  const read = () => [...box.querySelectorAll(".numbers output")].map((o) => o.textContent);
+  const first = read();
+  const input = [...box.querySelectorAll(".slider")].find((s) => s.textContent.includes("a₄")).querySelector("input");
+  input.value = -50;
+  input.dispatchEvent(new Event("input"));
+  ready(() => {
+    const moved = read();
+    const said = input.getAttribute("aria-valuetext");
+    box.querySelector(".tools .reset").click();
+    document.title = JSON.stringify({ first, moved, said, reset: read(), curves: box.querySelectorAll("canvas").length,
+      name: box.querySelector(".recording").textContent });
+  });
+});
+</script></body>"##;
+
+/// ISE and 2 s simulation error of the program on the validation recording, `change` times a4.
+fn by_the_program(folder: &Folder, change: f64) -> [f64; 2] {
+    let reports = folder.results("reports/scrub");
+    let estimates = reports["methods"][0]["parameters"].as_array().unwrap();
+    let mut p: Vec<f64> = estimates.iter().map(|e| e["value"].as_f64().unwrap()).collect();
+    p[3] *= change;
+    let model = Model::base(Robot::amigobot());
+    let unit = DriveUnit::NewtonMetre;
+    let file = folder.path("reports/scrub/made_validation_1.csv");
+    let (recording, _) = read_recording(&file, &ColumnMap::new(unit, None), unit).unwrap();
+    let simulated = simulate_recording(
+        &PhysicalDynamics { model, p },
+        &recording,
+        &recording.local_motion(),
+        Hold::Linear,
+    )
+    .unwrap();
+    [window_rms(&recording, &simulated.windows), ise(&recording, &simulated.free).iter().sum()]
+}
+
+#[test]
+fn the_sliders_of_the_report_simulate_as_the_program_does() {
+    let Some(browser) = browser() else { return };
+    let folder = Folder::new();
+    let plain = SCRUB.split("[diagnosis]").next().unwrap();
+    folder.write("scrub.toml", plain).run(&["scrub.toml"]).says(0, &[]);
+    let page = folder.read("reports/scrub/report.html");
+    // the policy of the page names its scripts: with the probe there is one more
+    let html = page.replace("Content-Security-Policy", "x-policy");
+    folder.write("probe.html", html.replace("</body>", SLIDERS));
+    let probed = open(browser, &folder, "probe.html", &["--dump-dom"]);
+    assert!(!text(&probed.stderr).contains("CONSOLE"), "{}", text(&probed.stderr));
+    let seen = title(&text(&probed.stdout));
+    assert_eq!((&seen["curves"], &seen["reset"]), (&2.into(), &seen["first"]), "{seen}");
+    assert!(seen["name"].as_str().unwrap().contains("validation"), "{seen}");
+    assert!(seen["said"].as_str().unwrap().ends_with("N m (−25 %)"), "{seen}");
+    for (key, change) in [("first", 1.0), ("moved", 0.75)] {
+        let expected = by_the_program(&folder, change);
+        for (found, expected) in seen[key].as_array().unwrap().iter().zip(expected) {
+            let found: f64 = found.as_str().unwrap().parse().unwrap();
+            // three digits are shown; breakaways come up to 1 ms late in the function
+            assert!((found / expected - 1.0).abs() < 0.01, "{key}: {found} for {expected}; {seen}");
+        }
+    }
 }
 
 #[test]

@@ -139,7 +139,7 @@ fn figure(
         .with_subtitle(format!("{} combinations: {}", grid.cells(), grid.words()))
         .with_how_to_read(quantity.how_to_read)
         .with_caption(quantity.caption)
-        .with_columns(if parameters.len() > 1 { 2 } else { 1 });
+        .with_columns(columns(parameters.len()));
     if names.len() > MOST_SERIES {
         let shown = format!(
             "{} The first {MOST_SERIES} of {} curves; all are in summary.csv.",
@@ -160,7 +160,7 @@ fn figure(
                 |s: &&Summary| s.parameter == *parameter && series_name(grid, s, along) == *name;
             let mut points: Vec<Point> = summaries
                 .iter()
-                .filter(of)
+                .filter(|s| of(s) && s.n >= quantity.fewest)
                 .map(|s| {
                     let interval = quantity.interval.map(|of| of(s));
                     (numbers[s.places[along]], (quantity.value)(s), interval)
@@ -176,6 +176,15 @@ fn figure(
         out = out.with_panel(panel);
     }
     out
+}
+
+/// Columns of a figure of so many panels.
+fn columns(panels: usize) -> usize {
+    match panels {
+        0 | 1 => 1,
+        2..=4 => 2,
+        _ => 3,
+    }
 }
 
 /// Where values fall by chance, over the width of the axis.

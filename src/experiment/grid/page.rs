@@ -3,7 +3,7 @@
 use super::GridPlan;
 use super::cell::Cell as GridCell;
 use super::figures::figures;
-use super::summary::{FEWEST_COVERED, Summary, conditions};
+use super::summary::{FEWEST_COVERED, Summary, conditions, share_interval};
 use super::winner::winner;
 use crate::experiment::plan::Plan;
 use crate::report::block::{Block, Cell, Column, Table, Text, Tone};
@@ -87,22 +87,26 @@ fn coverage(s: &Summary) -> Cell {
     if !s.coverage.is_finite() {
         return Cell::formatted(format::MISSING, f64::NAN);
     }
-    let percent = |share: f64| format!("{:.0}", 100.0 * share.clamp(0.0, 1.0));
-    let interval = format!("{} to {} %", percent(low), percent(high));
+    let interval = interval(low, high);
     match s.n {
         ..FEWEST_COVERED => Cell::formatted(interval, s.coverage),
         _ => Cell::formatted(format::percent(s.coverage), s.coverage).noted(interval),
     }
 }
 
-/// Combinations, failures and coverage in a sentence per method.
+fn interval(low: f64, high: f64) -> String {
+    let percent = |share: f64| format!("{:.0}", 100.0 * share.clamp(0.0, 1.0));
+    format!("{} to {} %", percent(low), percent(high))
+}
+
+/// Combinations, failures and, of enough repetitions, the coverage of every method.
 pub(super) fn verdict(grid: &GridPlan, cells: &[GridCell], summaries: &[Summary]) -> String {
     let failed = cells.iter().filter(|c| c.failed()).count();
     let failed = if failed == 0 { "none".into() } else { failed.to_string() };
     let mut out =
         format!("{} combinations of {}, {failed} with a failure", cells.len(), grid.words());
     let mut methods: Vec<&str> = Vec::new();
-    for s in summaries.iter().filter(|s| s.coverage.is_finite()) {
+    for s in summaries.iter().filter(|s| s.coverage.is_finite() && s.n >= FEWEST_COVERED) {
         if !methods.contains(&s.method.as_str()) {
             methods.push(&s.method);
         }
@@ -111,12 +115,14 @@ pub(super) fn verdict(grid: &GridPlan, cells: &[GridCell], summaries: &[Summary]
         let of = summaries.iter().filter(|s| s.method == method && s.coverage.is_finite());
         let (covered, n) =
             of.fold((0.0, 0.0), |(c, n), s| (c + s.coverage * s.n as f64, n + s.n as f64));
-        if n < FEWEST_COVERED as f64 {
-            continue;
-        }
+        // the parameters of one run share its noise: runs are counted, not estimates
+        let has_fit = |c: &&GridCell| c.rows.iter().any(|r| *r.method == *method && !r.failed());
+        let runs = cells.iter().filter(has_fit).count();
+        let (low, high) = share_interval(covered / n, runs);
         out += &format!(
-            "; {method}: 95 % intervals cover the true value in {}",
-            format::percent(covered / n)
+            "; {method}: 95 % intervals cover the true value in {} ({}, {runs} runs)",
+            format::percent(covered / n),
+            interval(low, high)
         );
     }
     out + "."

@@ -66,13 +66,18 @@ impl Summary {
         (end(0.975), end(0.025))
     }
 
-    /// 95 % interval of the coverage. Source: Wilson, J. Am. Stat. Assoc. 22 (1927) 209-212.
+    /// 95 % interval of the coverage.
     pub(super) fn coverage_interval(&self) -> (f64, f64) {
-        let (n, p, z) = (self.n as f64, self.coverage, normal_quantile(0.975));
-        let centre = (p + z * z / (2.0 * n)) / (1.0 + z * z / n);
-        let reach = z / (1.0 + z * z / n) * (p * (1.0 - p) / n + (z / (2.0 * n)).powi(2)).sqrt();
-        (centre - reach, centre + reach)
+        share_interval(self.coverage, self.n)
     }
+}
+
+/// 95 % interval of a share of n draws. Source: Wilson, J. Am. Stat. Assoc. 22 (1927) 209-212.
+pub(super) fn share_interval(p: f64, n: usize) -> (f64, f64) {
+    let (n, z) = (n as f64, normal_quantile(0.975));
+    let centre = (p + z * z / (2.0 * n)) / (1.0 + z * z / n);
+    let reach = z / (1.0 + z * z / n) * (p * (1.0 - p) / n + (z / (2.0 * n)).powi(2)).sqrt();
+    (centre - reach, centre + reach)
 }
 
 /// The axes that are not the seed.

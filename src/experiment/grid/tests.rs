@@ -197,3 +197,18 @@ fn a_journal_of_another_file_is_not_resumed() {
     folder.run(true).result.unwrap();
     assert_ne!(folder.table(), before);
 }
+
+#[test]
+fn coverage_is_stated_from_twenty_repetitions_on_with_its_interval_and_the_runs() {
+    let verdict = |count: usize| {
+        let done = Folder::with(&format!("seed = {{ count = {count} }}")).run(false).result;
+        done.unwrap().verdict
+    };
+    assert!(!verdict(19).contains("cover"), "{}", verdict(19));
+    let stated = verdict(20);
+    assert!(
+        stated.contains("torque_regression: 95 % intervals cover the true value in"),
+        "{stated}"
+    );
+    assert!(stated.contains(" %, 20 runs)"), "{stated}");
+}

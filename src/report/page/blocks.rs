@@ -4,20 +4,27 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD as BASE64;
 use maud::{Markup, PreEscaped, html};
 
-use super::{Drawn, explorer};
+use super::{Drawn, PageData, explorer, what_if};
 use crate::report::block::{Align, Block, Cell, Number, Span, Table, Text, Tone};
 
 /// Writes blocks in order and numbers figures and tables through the page.
 pub(super) struct Writer<'a> {
     drawn: std::slice::Iter<'a, Drawn<'a>>,
     explorers: std::slice::Iter<'a, String>,
+    what_ifs: std::slice::Iter<'a, String>,
     figures: usize,
     tables: usize,
 }
 
 impl<'a> Writer<'a> {
-    pub(super) fn new(drawn: &'a [Drawn<'a>], explorers: &'a [String]) -> Self {
-        Self { drawn: drawn.iter(), explorers: explorers.iter(), figures: 0, tables: 0 }
+    pub(super) fn new(drawn: &'a [Drawn<'a>], data: &'a PageData) -> Self {
+        Self {
+            drawn: drawn.iter(),
+            explorers: data.explorers.iter(),
+            what_ifs: data.what_ifs.iter(),
+            figures: 0,
+            tables: 0,
+        }
     }
 
     pub(super) fn blocks(&mut self, blocks: &[Block]) -> Markup {
@@ -52,6 +59,10 @@ impl<'a> Writer<'a> {
             // their data were written in the order in which they are met here
             Block::Explorer(tracks) => match self.explorers.next() {
                 Some(json) => explorer::markup(tracks, json),
+                None => Markup::default(),
+            },
+            Block::WhatIf(panel) => match self.what_ifs.next() {
+                Some(json) => what_if::markup(panel, json),
                 None => Markup::default(),
             },
         }

@@ -88,6 +88,12 @@ const live = (() => {
     resetView(state);
   }
 
+  // Shows what has changed in the data of a figure.
+  function update(state) {
+    state.panels.forEach((view) => { prepare(view.panel, state.data.xs); rescale(view); });
+    draw(state);
+  }
+
   // Sets the cursor to a place on the x axis.
   function point(state, at) {
     const [view] = state.panels;
@@ -472,5 +478,5 @@ const live = (() => {
     link.href = link.closest("figure").querySelector(".picture img").src;
     link.hidden = false;
   }
-  return { build, load, point };
+  return { build, load, point, update };
 })();

@@ -4,6 +4,7 @@
 mod blocks;
 mod data;
 mod explorer;
+mod what_if;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD as BASE64;
@@ -19,8 +20,12 @@ use super::palette::{AXIS, DARK_PARTNERS, GRID, INK, MUTED, Rgb, Role, SURFACE, 
 use super::plot::{Purpose, draw};
 use super::raster::{described, figure_to_both};
 
-const INTERACTIVE: &str =
-    concat!(include_str!("scales.js"), include_str!("interactive.js"), include_str!("explorer.js"));
+const INTERACTIVE: &str = concat!(
+    include_str!("scales.js"),
+    include_str!("interactive.js"),
+    include_str!("explorer.js"),
+    include_str!("what_if.js")
+);
 const SORT: &str = concat!(include_str!("sort.js"), include_str!("reading.js"));
 const STYLE: &str = include_str!("style.css");
 
@@ -93,6 +98,12 @@ struct Drawn<'a> {
     data: Option<String>,
 }
 
+/// Data of blocks that scripts fill, each in the order of the page.
+struct PageData {
+    explorers: Vec<String>,
+    what_ifs: Vec<String>,
+}
+
 /// Writes the page. Where the pictures are wanted as files too, [`render_page`] returns both.
 ///
 /// # Errors
@@ -121,8 +132,9 @@ pub fn page(content: &PageContent) -> Result<String, ReportError> {
 /// [`ReportError`] if a figure cannot be drawn.
 pub fn render_page(content: &PageContent) -> Result<Page, ReportError> {
     let drawn = draw_figures(content)?;
-    let blocks = content.sections.iter().flat_map(|section| &section.blocks);
-    let html = write(content, &drawn, &explorer::all(blocks)?);
+    let blocks = || content.sections.iter().flat_map(|section| &section.blocks);
+    let data = PageData { explorers: explorer::all(blocks())?, what_ifs: what_if::all(blocks())? };
+    let html = write(content, &drawn, &data, what_if::script(blocks()).as_deref());
     let picture = |d: Drawn| Picture { file_stem: d.file_stem, png: d.png, svg: d.svg };
     Ok(Page { html, pictures: drawn.into_iter().map(picture).collect() })
 }
@@ -161,9 +173,15 @@ fn unique(name: String, is_free: impl Fn(&str) -> bool) -> String {
     numbered.into_iter().find(|name| is_free(name)).unwrap_or(name)
 }
 
-fn write(content: &PageContent, drawn: &[Drawn<'_>], explorers: &[String]) -> String {
+fn write(
+    content: &PageContent,
+    drawn: &[Drawn<'_>],
+    data: &PageData,
+    model: Option<&str>,
+) -> String {
     let ids = section_ids(content);
-    let mut writer = blocks::Writer::new(drawn, explorers);
+    let scripts: Vec<&str> = [Some(SORT), model, Some(INTERACTIVE)].into_iter().flatten().collect();
+    let mut writer = blocks::Writer::new(drawn, data);
     let sections: Vec<_> = content.sections.iter().map(|s| writer.blocks(&s.blocks)).collect();
     let style = format!("{}{}{STYLE}", font_faces(), colors());
     html! {
@@ -171,7 +189,7 @@ fn write(content: &PageContent, drawn: &[Drawn<'_>], explorers: &[String]) -> St
         html lang="en" {
             head {
                 meta charset="utf-8";
-                meta http-equiv="Content-Security-Policy" content=(policy());
+                meta http-equiv="Content-Security-Policy" content=(policy(&scripts));
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="color-scheme" content="light dark";
                 title { (content.title) }
@@ -210,8 +228,7 @@ fn write(content: &PageContent, drawn: &[Drawn<'_>], explorers: &[String]) -> St
                         @if !content.footer.is_empty() { footer { (content.footer) } }
                     }
                 }
-                script { (PreEscaped(SORT)) }
-                script { (PreEscaped(INTERACTIVE)) }
+                @for script in &scripts { script { (PreEscaped(script)) } }
             }
         }
     }
@@ -246,14 +263,14 @@ fn section_ids(content: &PageContent) -> Vec<String> {
     ids
 }
 
-/// Nothing is loaded; only our two scripts run, named by their hashes.
-fn policy() -> String {
-    let hash = |script: &str| format!("'sha256-{}'", BASE64.encode(Sha256::digest(script)));
+/// Nothing is loaded; only our scripts run, named by their hashes.
+fn policy(scripts: &[&str]) -> String {
+    let hash = |script: &&str| format!("'sha256-{}'", BASE64.encode(Sha256::digest(script)));
+    let hashes: Vec<String> = scripts.iter().map(hash).collect();
     format!(
         "default-src 'none'; img-src data:; font-src data:; style-src 'unsafe-inline'; \
-         script-src {} {}; base-uri 'none'; form-action 'none'",
-        hash(SORT),
-        hash(INTERACTIVE)
+         script-src {}; base-uri 'none'; form-action 'none'",
+        hashes.join(" ")
     )
 }
 

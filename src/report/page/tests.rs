@@ -1,6 +1,7 @@
 use super::*;
 use crate::report::block::{Cell, Column, Number, Table, Text, Tone, Track};
 use crate::report::figure::{Axis, Layer, Panel};
+use crate::report::what_if::{Driven, Slider, WhatIf};
 
 fn with_blocks(blocks: Vec<Block>) -> PageContent {
     let (id, title) = ("a b".into(), "<script>t".into());
@@ -19,6 +20,25 @@ fn series(id: &str) -> Figure {
     let panel = Panel::new(Axis::linear("</script>", "s"), Axis::linear("y", ""))
         .with(Layer::line(points.collect(), "</script><b>", Role::Model));
     Figure::new(id, "<img onerror=1>").with_panel(panel).interactive()
+}
+
+/// A panel in which every text is `text`.
+fn simulated(text: &str) -> WhatIf {
+    let [name, symbol, meaning, unit] = [(); 4].map(|()| text.to_owned());
+    let recording = Driven {
+        name: text.into(),
+        t: vec![0.0, 0.1],
+        input: vec![[0.0; 2]; 2],
+        omega: vec![[0.0; 2]; 2],
+        starts: vec![],
+        floor: f64::NAN,
+    };
+    WhatIf {
+        script: format!("// {text}\n// </script><b>\nfunction model() {{}}"),
+        sliders: vec![Slider { name, symbol, meaning, unit, value: 1.0, half: 0.5, least: -1.0 }],
+        recordings: vec![recording],
+        figure: series("simulated"),
+    }
 }
 
 #[test]
@@ -51,11 +71,14 @@ fn every_text_is_escaped_and_only_our_scripts_stand_on_the_page() {
             figure: series("explored"),
             path: vec![[0.0; 4], [f64::NAN; 4]],
         }]),
+        Block::WhatIf(Box::new(simulated(evil))),
     ]))
     .unwrap();
-    // two scripts of ours at the end, and in both sections a block of data of the live figure and the explorer
-    assert_eq!(html.matches("<script").count(), 6);
-    assert_eq!(html.matches("</script>").count(), 6);
+    // three scripts of ours at the end, and in both sections a block of data of the live figure, the explorer
+    // and the sliders
+    assert_eq!(html.matches("<script").count(), 9);
+    assert_eq!(html.matches("</script>").count(), 9);
+    assert_eq!(html.matches("'sha256-").count(), 3);
     assert!(!html.contains("<img onerror") && !html.contains("<b>\""));
     assert!(html.contains("\\u003c/script>"));
     assert!(

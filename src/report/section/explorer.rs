@@ -1,7 +1,7 @@
 //! Every recording to look into: speeds, input and residual torque in step with the robot on its path.
 
 use super::curves::{simulated, wheel};
-use super::{Depth, Section, listed, words};
+use super::{Depth, Section, listed, what_if, words};
 use crate::report::block::{Block, Track};
 use crate::report::figure::{Axis, Dash, Figure, Layer, Panel, Role};
 use crate::report::format;
@@ -35,14 +35,9 @@ impl Section for Explorer {
     }
 
     fn blocks(&self, study: &Study) -> Vec<Block> {
-        let listed = listed::recordings(study);
-        let shown: Vec<usize> = listed.into_iter().take(CHOICES).collect();
+        let shown = shown(study);
         let each = (SAMPLES.0 / shown.len().max(1)).min(SAMPLES.1);
-        let tracks: Vec<Track> = shown
-            .iter()
-            .filter(|&&r| study.recordings[r].t.len() > 1)
-            .map(|&r| track(study, r, each))
-            .collect();
+        let tracks: Vec<Track> = shown.iter().map(|&r| track(study, r, each)).collect();
         if tracks.is_empty() {
             return vec![];
         }
@@ -52,8 +47,19 @@ impl Section for Explorer {
             blocks.push(Block::paragraph(format!("{here} of {all} recordings can be chosen.")));
         }
         blocks.push(Block::Explorer(tracks));
+        blocks.extend(what_if::blocks(study, &shown));
         blocks
     }
+}
+
+/// The recordings that can be chosen, those on which errors are judged first.
+fn shown(study: &Study) -> Vec<usize> {
+    let mut shown = listed::recordings(study);
+    shown.retain(|&r| study.recordings[r].t.len() > 1);
+    shown.truncate(CHOICES);
+    let judged = study.judged();
+    shown.sort_by_key(|r| !judged.contains(r));
+    shown
 }
 
 fn track(study: &Study, index: usize, most: usize) -> Track {

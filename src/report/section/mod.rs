@@ -3,6 +3,7 @@
 mod curves;
 mod listed;
 mod overlay;
+mod what_if;
 mod words;
 
 use super::block::Block;

@@ -55,11 +55,13 @@ impl Section for Provenance {
             blocks.push(Block::Heading("Experiment file as run".to_owned()));
             blocks.push(Block::Code(study.file.clone()));
         }
-        blocks.push(Block::paragraph(
+        let repeat = if study.invocation.recordings.is_empty() {
             Text::from("To repeat the run, save this file beside its recordings and type ")
-                .code(format!("experiment {}", words::file_name(study)))
-                .plain("."),
-        ));
+                .code(format!("experiment {}.toml", study.experiment))
+        } else {
+            Text::from("To repeat the run, type ").code(study.invocation.run())
+        };
+        blocks.push(Block::paragraph(repeat.plain(".")));
         blocks
     }
 }

@@ -11,8 +11,8 @@ use crate::recording::{DriveUnit, Measured, Noise, Regime};
 use crate::report::block::Block;
 use crate::report::render;
 use crate::study::{
-    Candidate, DiagnosisStudy, FoundEffect, FuzzyStudy, MethodStudy, ModelStudy, ParameterStudy,
-    Performance, RecordingStudy, Role, Step, Study, Verdict, Version,
+    Candidate, DiagnosisStudy, FoundEffect, FuzzyStudy, Invocation, MethodStudy, ModelStudy,
+    ParameterStudy, Performance, RecordingStudy, Role, Step, Study, Verdict, Version,
 };
 
 /// Samples of a made recording.
@@ -56,6 +56,7 @@ fn performance(r: &RecordingStudy, error: f64) -> Performance {
         free: r.omega.iter().map(off).collect(),
         windows: r.omega.iter().map(off).collect(),
         window_starts: vec![0, SAMPLES / 2],
+        window_states: vec![[0.0; 4]; 2],
         emulator: r.alpha.iter().zip(&r.omega).map(state).collect(),
     }
 }
@@ -82,6 +83,7 @@ fn empty() -> Study {
     Study {
         timing: None,
         experiment: "bare".to_owned(),
+        invocation: Invocation { file: "runs/bare.toml".to_owned(), ..Invocation::default() },
         title: "Bare".to_owned(),
         version: "0".to_owned(),
         seed: 1,
@@ -102,6 +104,7 @@ fn empty() -> Study {
         versions: vec![],
         truth: vec![],
         model_out: None,
+        what_if: None,
     }
 }
 
@@ -305,7 +308,7 @@ fn a_full_study_has_every_section_and_every_figure_is_drawn_once() {
         assert!(png.starts_with(b"\x89PNG"));
         assert!(String::from_utf8_lossy(svg).contains("<svg"));
     }
-    for word in ["Missing: turning_scrub.", "experiment add turning_scrub bare.toml"] {
+    for word in ["Missing: turning_scrub.", "experiment add turning_scrub runs/bare.toml"] {
         assert!(rendered.html.contains(word), "{word}");
     }
     assert!(!rendered.html.contains("<b>full</b>"));

@@ -219,26 +219,32 @@ fn cautions(study: &Study) -> Vec<Block> {
 }
 
 fn next_step(study: &Study) -> Vec<Block> {
-    let file = words::file_name(study);
     let Some(diagnosis) = &study.diagnosis else {
         let text = Text::from("Next step: to learn whether an effect is missing, and which, add ")
             .code("[diagnosis]")
-            .plain(" to the experiment file, or try one with ")
-            .code(format!("experiment add viscous_friction {file}"))
-            .plain(".");
+            .plain(" to the experiment file, or try one: ");
+        let text = add_command(study, "viscous_friction", text).plain(".");
         return if study.reference.is_some() { vec![Block::Paragraph(text)] } else { vec![] };
     };
     let mut blocks = Vec::new();
     if let Some(first) = diagnosis.found.first() {
         let text = Text::from("Next step: add ")
             .plain(words::effect_in_text(first))
-            .plain(" to the model with ")
-            .code(format!("experiment add {first} {file}"))
-            .plain(" and see whether the error falls on data that were not fitted.");
+            .plain(" to the model and see whether the error falls on data that were not fitted: ");
+        let text = add_command(study, first, text).plain(".");
         blocks.push(Block::Paragraph(text));
     }
     if let Some(next) = &diagnosis.next_run {
         blocks.push(Block::paragraph(Text::default().strong("Next recording. ").plain(next)));
     }
     blocks
+}
+
+/// The command that adds an effect, behind the one that writes the experiment file where there is none yet.
+fn add_command(study: &Study, effect: &str, text: Text) -> Text {
+    let text = match study.invocation.new_file() {
+        Some(command) => text.code(command).plain(", then "),
+        None => text,
+    };
+    text.code(study.invocation.add(effect))
 }

@@ -146,11 +146,6 @@ pub(super) fn added(study: &Study) -> String {
     }
 }
 
-/// The experiment file in a command.
-pub(super) fn file_name(study: &Study) -> String {
-    format!("{}.toml", study.experiment)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

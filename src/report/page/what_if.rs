@@ -1,0 +1,145 @@
+//! The panel in which recordings are simulated with other values of the parameters.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD as BASE64;
+use maud::{Markup, PreEscaped, html};
+use serde::Serialize;
+
+use super::data::{self, FigureData};
+use crate::report::ReportError;
+use crate::report::block::Block;
+use crate::report::what_if::{Driven, Slider, WhatIf};
+
+/// Positions of a slider on either side of the estimate.
+const POSITIONS: f64 = 100.0;
+
+#[derive(Serialize)]
+struct Data<'a> {
+    parameters: Vec<Parameter<'a>>,
+    recordings: Vec<RecordingData<'a>>,
+    figure: FigureData<'a>,
+}
+
+#[derive(Serialize)]
+struct Parameter<'a> {
+    name: &'a str,
+    unit: &'a str,
+    value: f64,
+    step: f64,
+}
+
+impl<'a> Parameter<'a> {
+    fn of(slider: &'a Slider) -> Self {
+        let Slider { name, unit, value, half, .. } = slider;
+        Self { name, unit, value: *value, step: half / POSITIONS }
+    }
+}
+
+/// Columns are little-endian 32-bit numbers in base64; the time is given by its differences.
+#[derive(Serialize)]
+struct RecordingData<'a> {
+    name: &'a str,
+    start: f64,
+    steps: String,
+    input: [String; 2],
+    omega: [String; 2],
+    starts: Vec<(usize, bool, [f64; 4])>,
+    floor: Option<f64>,
+}
+
+impl<'a> RecordingData<'a> {
+    fn of(driven: &'a Driven) -> Self {
+        let wheel = |rows: &[[f64; 2]], i: usize| column(rows.iter().map(|row| row[i]));
+        let pair = |rows: &[[f64; 2]]| [wheel(rows, 0), wheel(rows, 1)];
+        Self {
+            name: &driven.name,
+            start: driven.t.first().copied().unwrap_or(0.0),
+            steps: column(driven.t.windows(2).map(|t| t[1] - t[0])),
+            input: pair(&driven.input),
+            omega: pair(&driven.omega),
+            starts: driven.starts.iter().map(|s| (s.row, s.is_piece, s.state)).collect(),
+            floor: Some(driven.floor).filter(|floor| floor.is_finite()),
+        }
+    }
+}
+
+fn column(values: impl Iterator<Item = f64>) -> String {
+    BASE64.encode(values.flat_map(|v| (v as f32).to_le_bytes()).collect::<Vec<u8>>())
+}
+
+/// The panels among blocks, in the order of the page.
+fn panels<'a>(blocks: impl Iterator<Item = &'a Block>) -> impl Iterator<Item = &'a WhatIf> {
+    blocks.filter_map(|block| match block {
+        Block::WhatIf(panel) => Some(&**panel),
+        _ => None,
+    })
+}
+
+/// The data of every panel, in the order of the page.
+///
+/// # Errors
+/// If data cannot be written as JSON.
+pub(super) fn all<'a>(blocks: impl Iterator<Item = &'a Block>) -> Result<Vec<String>, ReportError> {
+    panels(blocks).map(json).collect()
+}
+
+fn json(panel: &WhatIf) -> Result<String, ReportError> {
+    let data = Data {
+        parameters: panel.sliders.iter().map(Parameter::of).collect(),
+        recordings: panel.recordings.iter().map(RecordingData::of).collect(),
+        figure: data::of(&panel.figure),
+    };
+    data::json(&data, "what-if")
+}
+
+/// The function that the panels of a page call. Names that a user chose stand in its comments alone, where they
+/// must not end the script.
+pub(super) fn script<'a>(blocks: impl Iterator<Item = &'a Block>) -> Option<String> {
+    let script = &panels(blocks).next()?.script;
+    Some(script.replace("</", "< /").replace("<!--", "< !--"))
+}
+
+/// The sliders and empty shells that the script fills; without scripts nothing can be simulated.
+pub(super) fn markup(panel: &WhatIf, json: &str) -> Markup {
+    html! {
+        div.what-if hidden {
+            h3 { "What if: other values of the parameters" }
+            p {
+                "Simulated with the recorded input from the first measured state: " strong.recording {}
+                ". The sliders begin at the estimates."
+            }
+            div.sliders {
+                @for (k, slider) in panel.sliders.iter().enumerate() { (row(k, slider)) }
+            }
+            p.tools { button.reset type="button" { "Reset to the estimates" } }
+            dl.numbers aria-live="polite" {
+                (number("2 s simulation error", "rad/s"))
+                (number("ISE of the free simulation", "rad²/s"))
+            }
+            figure { div.plot {} }
+            script type="application/json" { (PreEscaped(json)) }
+        }
+    }
+}
+
+fn row(k: usize, slider: &Slider) -> Markup {
+    let id = format!("what-if-{k}");
+    let least = (POSITIONS * slider.least).ceil();
+    html! {
+        div.slider {
+            label for=(id) { (slider.symbol) " " span { (slider.meaning) } }
+            input id=(id) type="range" min=(least) max=(POSITIONS) value="0" step="1";
+            output for=(id) {}
+        }
+    }
+}
+
+fn number(label: &str, unit: &str) -> Markup {
+    html! {
+        div.neutral {
+            dt { (label) }
+            dd.value { output {} " " span.unit { (unit) } }
+            dd.note {}
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! A model that the reader simulates with other values of its parameters.
+
+use super::figure::Figure;
+use crate::study::Start;
+
+/// Recordings simulated on the page by a function in JavaScript.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WhatIf {
+    /// The function `model(changed)`, as `model.js` holds it.
+    pub script: String,
+    /// What the reader can change.
+    pub sliders: Vec<Slider>,
+    /// In the order of the [`Explorer`](super::block::Block::Explorer) beside it.
+    pub recordings: Vec<Driven>,
+    /// A panel per wheel with the layers "measured", "identified" and "with these values", without points.
+    pub figure: Figure,
+}
+
+/// A parameter that can be changed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Slider {
+    /// Name in the function.
+    pub name: String,
+    /// Symbol, as in print.
+    pub symbol: String,
+    /// What it means.
+    pub meaning: String,
+    /// Unit, as in print.
+    pub unit: String,
+    /// Estimate, in the middle of the slider.
+    pub value: f64,
+    /// From the middle to the upper end.
+    pub half: f64,
+    /// Lower end in parts of `half`, -1 at least.
+    pub least: f64,
+}
+
+/// A recording to simulate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Driven {
+    /// What is simulated, in words.
+    pub name: String,
+    /// Time [s].
+    pub t: Vec<f64>,
+    /// Input.
+    pub input: Vec<[f64; 2]>,
+    /// Measured speeds [rad/s].
+    pub omega: Vec<[f64; 2]>,
+    /// Where simulations start.
+    pub starts: Vec<Start>,
+    /// 2 s simulation error of the noise floor [rad/s]; not a number where only a part is simulated.
+    pub floor: f64,
+}

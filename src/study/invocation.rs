@@ -1,0 +1,60 @@
+//! How an experiment is named on the command line.
+
+use serde::Serialize;
+
+/// The experiment as the command line names it, for commands that a report quotes.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Invocation {
+    /// Its file, or the file that `experiment new` is to write.
+    pub file: String,
+    /// The recordings of a run without an experiment file; else empty.
+    pub recordings: Vec<String>,
+    /// The folder of the results, unless it is the usual one.
+    pub out: Option<String>,
+}
+
+impl Invocation {
+    /// The command that writes the experiment file; `None` where there is one.
+    #[must_use]
+    pub fn new_file(&self) -> Option<String> {
+        let recordings = (!self.recordings.is_empty()).then(|| words(&self.recordings))?;
+        Some(format!("experiment new {recordings} -o {}", shell_word(&self.file)))
+    }
+
+    /// The command that adds an effect to the model.
+    ///
+    /// ```
+    /// use amigo_ident::study::Invocation;
+    /// let file = "floor run.toml".to_string();
+    /// let run = Invocation { file, out: Some("out".to_string()), ..Invocation::default() };
+    /// assert_eq!(run.add("slope"), "experiment add slope \"floor run.toml\" --out out");
+    /// ```
+    #[must_use]
+    pub fn add(&self, effect: &str) -> String {
+        let out =
+            self.out.as_ref().map_or(String::new(), |out| format!(" --out {}", shell_word(out)));
+        format!("experiment add {effect} {}{out}", shell_word(&self.file))
+    }
+
+    /// The command that runs the experiment again.
+    #[must_use]
+    pub fn run(&self) -> String {
+        let files = if self.recordings.is_empty() {
+            shell_word(&self.file)
+        } else {
+            words(&self.recordings)
+        };
+        format!("experiment {files}")
+    }
+}
+
+fn words(all: &[String]) -> String {
+    all.iter().map(|one| shell_word(one)).collect::<Vec<_>>().join(" ")
+}
+
+/// A word of a command, in quotes where a shell would split it.
+#[must_use]
+pub fn shell_word(text: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "_-./\\:+,=@%#".contains(c);
+    if text.chars().all(is_plain) { text.to_owned() } else { format!("\"{text}\"") }
+}
