@@ -58,18 +58,6 @@ pub(super) fn ratios(kernel: f64) {
         for (range, words) in [("paper", "0 to 30 rad/s"), ("data", "the range of the data")] {
             let options = format!("range = \"{range}\"").parse().expect("TOML");
             let method = method(&format!("fuzzy_{name}")).configure(&options).expect("an option");
-            if name == "gradient" || name == "nelder_mead" {
-                let f = method.identify(&task()).expect("a fit");
-                let t = &f.traces[0];
-                let mut last = 0.0;
-                for (a, v) in t.at.iter().zip(&t.values) {
-                    if *a > 1.15 * last {
-                        eprint!("{a}:{:.4} ", v[0]);
-                        last = *a;
-                    }
-                }
-                eprintln!("{name} {range} {:?}", f.work);
-            }
             let ise = method.identify(&task()).expect("a fit").traces[0]
                 .values
                 .last()
