@@ -3,11 +3,13 @@
 //! ```text
 //! cargo bench --bench speed               divan's figures, then the table of ratios
 //! cargo bench --bench speed -- ratios     the table alone
+//! cargo bench --bench speed -- emulators  the rows of the fuzzy methods alone
 //! cargo bench --bench speed -- simulation divan's figures of one group alone
 //! ```
 //! Ratios hold from machine to machine far better than times.
 #![allow(clippy::print_stdout)]
 
+mod fuzzy;
 mod kernels;
 
 use std::hint::black_box;
@@ -302,8 +304,17 @@ fn ratios() {
         row(&format!("filter with derivatives, {count} effects more"), over, time, full);
     }
     of_peers();
+    fuzzy::ratios(fourth);
     of_length();
     of_diagnosis(default);
+}
+
+/// The rows of the fuzzy methods alone.
+fn fuzzy_ratios() {
+    println!("| what | over | ratio | time |\n|---|---|---:|---:|");
+    let p = BASE.initial();
+    let steps = (RUN.len() - 1) as f64;
+    fuzzy::ratios(best(|| kernel_of_fourth_order(black_box(&p), &RUN)) / steps);
 }
 
 /// Beside kernels of the same work.
@@ -371,7 +382,9 @@ fn main() {
     one.build_global().expect("no pool before this");
     divan::main();
     let filter = std::env::args().skip(1).find(|a| !a.starts_with("--"));
-    if filter.is_none_or(|filter| filter == "ratios") {
-        ratios();
+    match filter.as_deref() {
+        None | Some("ratios") => ratios(),
+        Some("emulators") => fuzzy_ratios(),
+        Some(_) => (),
     }
 }

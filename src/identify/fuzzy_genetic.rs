@@ -3,7 +3,6 @@
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::fuzzy::{Found, Fuzzy, Job, Journal, Problem, Search, Start};
@@ -18,7 +17,7 @@ use super::{IdentifyError, MethodDescription, Status};
 /// survivors the two best as they are, children for the rest
 /// ```
 /// All random numbers are drawn in one order from the seed of the task and only the costs are
-/// computed in parallel, so that the result does not depend on the number of threads.
+/// computed in parallel (several side by side in a register), so that the result does not depend on the number of threads.
 ///
 /// Source: the paper's abstract (genetic algorithms); Eshelman and Schaffer, Foundations of Genetic
 /// Algorithms 2 (1993) for the crossover.
@@ -93,8 +92,8 @@ impl Genetic {
             theta
         };
         let judge = |children: Vec<Vec<f64>>| -> Vec<Individual> {
-            let costs: Vec<f64> =
-                children.par_iter().map(|genes| problem.cost(&theta(genes))).collect();
+            let thetas: Vec<Vec<f64>> = children.iter().map(|genes| theta(genes)).collect();
+            let costs = problem.costs(&thetas);
             let best = costs.iter().copied().fold(f64::INFINITY, f64::min);
             journal.note_many(costs.len(), best);
             children.into_iter().zip(costs).collect()

@@ -123,6 +123,12 @@ impl Model {
     /// The second half of [`Model::linearise`]: derivatives at acceleration `a` and signs `s` of
     /// what [`Model::evaluate`] left in `out`.
     pub fn differentiate(&self, a: &[f64; 2], s: &[f64; 4], out: &mut Linearisation) {
+        self.differentiate_by_state(a, s, out);
+        self.differentiate_by_parameter(a, s, out);
+    }
+
+    /// [`Model::differentiate`] by the motion alone.
+    pub fn differentiate_by_state(&self, a: &[f64; 2], s: &[f64; 4], out: &mut Linearisation) {
         out.by_state = [[0.0; STATES]; 2];
         for (e, terms) in out.effects.iter().enumerate() {
             let variations = self.variations(e);
@@ -133,6 +139,13 @@ impl Model {
                     out.by_state[1][k] += slope[1];
                 }
             }
+        }
+    }
+
+    /// [`Model::differentiate`] by the parameters alone.
+    pub fn differentiate_by_parameter(&self, a: &[f64; 2], s: &[f64; 4], out: &mut Linearisation) {
+        for (e, terms) in out.effects.iter().enumerate() {
+            let variations = self.variations(e);
             for (k, j) in self.slots(e).enumerate().take(DIFFERENTIATED) {
                 out.by_parameter[j] = slope(terms, variations, STATES + k, a, s);
             }

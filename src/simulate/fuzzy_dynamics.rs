@@ -2,7 +2,9 @@
 
 use std::convert::Infallible;
 
-use super::{Dynamics, Hold, Input, SimulateError, Structure, TakagiSugeno};
+use wide::f64x2;
+
+use super::{Dynamics, Hold, Input, Rules, SimulateError, Structure, TakagiSugeno, WithRules};
 use crate::math::runge_kutta_step;
 use crate::robot::State;
 
@@ -87,7 +89,10 @@ impl FuzzyDynamics {
     }
 
     fn rate(&self, omega: &[f64; 2], u: &[f64; 2]) -> [f64; 2] {
-        let f = self.system.output(omega);
+        self.driven(self.system.output(omega), u)
+    }
+
+    fn driven(&self, f: [f64; 2], u: &[f64; 2]) -> [f64; 2] {
         [0, 1].map(|i| f[i] + self.input_gain[i][0] * u[0] + self.input_gain[i][1] * u[1])
     }
 }
@@ -104,6 +109,26 @@ impl Dynamics for FuzzyDynamics {
 
     /// Runge-Kutta 4 in steps of at most 5 ms.
     fn simulate(&self, input: &Input, start: State) -> Result<Vec<State>, SimulateError> {
+        self.system.with_rules(Simulation { dynamics: self, input, start })
+    }
+
+    fn fuzzy(&self) -> Option<&Self> {
+        Some(self)
+    }
+}
+
+/// A simulation with the rules laid out for it.
+struct Simulation<'a, 'b> {
+    dynamics: &'a FuzzyDynamics,
+    input: &'a Input<'b>,
+    start: State,
+}
+
+impl WithRules for Simulation<'_, '_> {
+    type Output = Result<Vec<State>, SimulateError>;
+
+    fn run<const N: usize>(self, rules: &Rules<N>) -> Self::Output {
+        let Self { dynamics, input, start } = self;
         let mut motion = Vec::with_capacity(input.t.len());
         motion.push(start);
         let mut state = start;
@@ -117,7 +142,7 @@ impl Dynamics for FuzzyDynamics {
                     let c = (step as f64 + c) / steps as f64;
                     [0, 1].map(|i| from[i] + c * (to[i] - from[i]))
                 };
-                state = self.step(&state, dt / steps as f64, drive);
+                state = dynamics.step(rules, &state, dt / steps as f64, drive);
             }
             if !state.omega.iter().all(|w| w.abs() < LIMIT) {
                 return Err(SimulateError::Diverged { t, limit: LIMIT });
@@ -126,17 +151,21 @@ impl Dynamics for FuzzyDynamics {
         }
         Ok(motion)
     }
-
-    fn fuzzy(&self) -> Option<&Self> {
-        Some(self)
-    }
 }
 
 impl FuzzyDynamics {
-    fn step(&self, state: &State, h: f64, drive: impl Fn(f64) -> [f64; 2]) -> State {
+    #[inline]
+    fn step<const N: usize>(
+        &self,
+        rules: &Rules<N>,
+        state: &State,
+        h: f64,
+        drive: impl Fn(f64) -> [f64; 2],
+    ) -> State {
         let ([a1, a2], [w1, w2]) = (state.alpha, state.omega);
         let rate = |c: f64, x: &[f64; 4]| {
-            let [d1, d2] = self.rate(&[x[2], x[3]], &drive(c));
+            let f = rules.output(f64x2::new([x[2], x[3]])).to_array();
+            let [d1, d2] = self.driven(f, &drive(c));
             Ok::<_, Infallible>([x[2], x[3], d1, d2])
         };
         let Ok([a1, a2, w1, w2]) = runge_kutta_step(&[a1, a2, w1, w2], h, rate);

@@ -1,5 +1,12 @@
 //! The Takagi-Sugeno fuzzy systems f31 and f41 of the paper.
 
+mod grades;
+mod rules;
+mod side_by_side;
+
+pub(crate) use rules::{Rules, WithRules};
+pub(crate) use side_by_side::{RulesSideBySide, SIDE_BY_SIDE};
+
 use serde::{Deserialize, Serialize};
 
 /// Most membership functions an input may have.

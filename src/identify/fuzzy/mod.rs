@@ -5,7 +5,10 @@ mod finish;
 mod levenberg;
 mod method;
 mod pass;
+mod piece;
 mod problem;
+mod rows;
+mod sensitivity;
 mod settings;
 
 pub use levenberg::{Limits, continuation, levenberg_marquardt};

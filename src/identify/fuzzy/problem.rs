@@ -5,11 +5,14 @@ use std::cell::RefCell;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::pass::{Piece, Rows, pass, pass_closed, pass_with_sensitivities};
+use super::pass::{Emulator, pass, passes};
+use super::piece::Piece;
+use super::rows::Rows;
+use super::sensitivity::{Along, pass_along, pass_closed, pass_with_sensitivities};
 use crate::identify::{IdentifyError, Task};
 use crate::robot::BaseParameters;
 use crate::robot::StateSpace;
-use crate::simulate::{FuzzyDynamics, Structure, TakagiSugeno};
+use crate::simulate::{FuzzyDynamics, SIDE_BY_SIDE, Structure, TakagiSugeno};
 
 /// A cost that stands for "diverges": finite, since searches hang on infinities.
 pub const DIVERGED: f64 = 1e9;
@@ -135,36 +138,85 @@ impl Problem {
     /// ISE [rad²/s]; [`DIVERGED`] at the most.
     #[must_use]
     pub fn cost(&self, theta: &[f64]) -> f64 {
-        let system = self.system_with(theta);
+        let (system, emulator) = (self.system_with(theta), self.emulator());
         let costs: Vec<f64> = self
             .pieces
             .par_iter()
-            .map(|piece| pass(&system, piece, self.structure, self.gain).unwrap_or(DIVERGED))
+            .map(|piece| pass(&system, piece, emulator).unwrap_or(DIVERGED))
             .collect();
         costs.iter().sum::<f64>().min(DIVERGED)
+    }
+
+    /// [`Self::cost`] of many vectors, several side by side in the lanes of the processor; equal to it
+    /// but for rounding.
+    #[must_use]
+    pub fn costs(&self, thetas: &[Vec<f64>]) -> Vec<f64> {
+        let emulator = self.emulator();
+        let of_some = |thetas: &[Vec<f64>]| {
+            let mut sums = vec![0.0; thetas.len()];
+            for piece in &self.pieces {
+                let costs = passes(&self.system, thetas, piece, emulator);
+                for (sum, cost) in sums.iter_mut().zip(costs) {
+                    *sum += cost.unwrap_or(DIVERGED);
+                }
+            }
+            sums.into_iter().map(|sum| sum.min(DIVERGED)).collect::<Vec<f64>>()
+        };
+        thetas.par_chunks(SIDE_BY_SIDE).flat_map_iter(of_some).collect()
+    }
+
+    const fn emulator(&self) -> Emulator {
+        Emulator { structure: self.structure, gain: self.gain }
     }
 
     /// Cost, gradient and Gauss-Newton matrix over theta, followed by the premises (in the order of
     /// [`TakagiSugeno::premises`]) if `premises`; `None` where the emulator diverges.
     #[must_use]
     pub fn normal(&self, theta: &[f64], premises: bool) -> Option<Normal> {
+        let sum = self.rows(theta, premises, true)?;
+        Some(Normal { cost: sum.cost, g: sum.g.column(0).into_owned(), h: sum.h })
+    }
+
+    /// Sums over all pieces, with H if `curvature`.
+    fn rows(&self, theta: &[f64], premises: bool, curvature: bool) -> Option<Rows> {
         let system = self.system_with(theta);
         let columns = self.consequents() + if premises { system.premises().len() } else { 0 };
         let parts: Vec<Option<Rows>> = self
             .pieces
             .par_iter()
             .map(|piece| {
-                let mut rows = Rows::new(columns, 1);
-                let (structure, gain) = (self.structure, self.gain);
-                pass_with_sensitivities(&system, piece, structure, gain, premises, &mut rows)
+                let mut rows = Rows::new(columns, 1, curvature);
+                pass_with_sensitivities(&system, piece, self.emulator(), premises, &mut rows)
                     .then(|| rows.finished())
             })
             .collect();
-        let mut sum = Rows::new(columns, 1);
+        let mut sum = Rows::new(columns, 1, curvature);
         for part in parts {
             sum.add(&part?);
         }
-        Some(Normal { cost: sum.cost, g: sum.g.column(0).into_owned(), h: sum.h })
+        Some(sum)
+    }
+
+    /// Cost and gradient alone, which is a fraction of the work.
+    #[must_use]
+    pub fn gradient(&self, theta: &[f64]) -> Option<(f64, DVector<f64>)> {
+        let sum = self.rows(theta, false, false)?;
+        Some((sum.cost, sum.g.column(0) * -2.0))
+    }
+
+    /// Cost and its first two derivatives along one consequent; the second one is that of
+    /// Gauss and Newton. `None` where the emulator diverges.
+    #[must_use]
+    pub fn along(&self, theta: &[f64], j: usize) -> Option<[f64; 3]> {
+        let system = self.system_with(theta);
+        let parts: Option<Vec<Along>> = self
+            .pieces
+            .par_iter()
+            .map(|piece| pass_along(&system, piece, self.emulator(), j))
+            .collect();
+        let sum = |f: fn(&Along) -> f64, parts: &[Along]| parts.iter().map(f).sum::<f64>();
+        let parts = parts?;
+        Some([sum(|p| p.cost, &parts), -2.0 * sum(|p| p.g, &parts), 2.0 * sum(|p| p.h, &parts)])
     }
 
     /// Least squares of the serial-parallel structure in closed form, about `about`.
@@ -189,12 +241,12 @@ impl Problem {
             .pieces
             .par_iter()
             .map(|piece| {
-                let mut rows = Rows::new(n, 2);
+                let mut rows = Rows::new(n, 2, true);
                 pass_closed(&system, piece, self.gain, &mut rows);
                 rows.finished()
             })
             .collect();
-        let mut sum = Rows::new(n, 2);
+        let mut sum = Rows::new(n, 2, true);
         parts.iter().for_each(|part| sum.add(part));
         let weight = ridge * sum.h.trace() / n as f64;
         let factor = (&sum.h + DMatrix::identity(n, n) * weight).cholesky();

@@ -131,6 +131,35 @@ fn gradients_to_consequents_and_premises_equal_differences_in_both_structures() 
 }
 
 #[test]
+fn costs_side_by_side_and_slopes_along_one_consequent_are_those_of_the_cost() {
+    let train = [short(2), short(3)];
+    for structure in [Structure::Parallel, Structure::SerialParallel] {
+        let settings = Settings { structure, ..Settings::default() };
+        let (problem, level) = problem(&settings, &train);
+        let mut thetas: Vec<Vec<f64>> = (0..6_usize)
+            .map(|v| level.iter().enumerate().map(|(k, x)| x + ((k + v) as f64).sin()).collect())
+            .collect();
+        thetas[1] = vec![1e6; level.len()]; // leaves all bounds
+        let one_by_one: Vec<f64> = thetas.iter().map(|theta| problem.cost(theta)).collect();
+        for (a, b) in one_by_one.iter().zip(problem.costs(&thetas)) {
+            // rounding of 500 steps
+            assert!((a - b).abs() < 1e-11 * a, "{a} {b}");
+        }
+        let normal = problem.normal(&thetas[0], false).unwrap();
+        let (cost, gradient) = problem.gradient(&thetas[0]).unwrap();
+        assert!((cost - one_by_one[0]).abs() < 1e-11 * cost);
+        for j in problem.reached() {
+            let [cost, slope, curvature] = problem.along(&thetas[0], j).unwrap();
+            assert!((cost - one_by_one[0]).abs() < 1e-11 * cost);
+            // the same derivatives in another order of summation
+            assert!((slope + 2.0 * normal.g[j]).abs() < 1e-10 * normal.g.amax());
+            assert!((slope - gradient[j]).abs() < 1e-10 * gradient.amax());
+            assert!((curvature - 2.0 * normal.h[(j, j)]).abs() < 1e-10 * normal.h.amax());
+        }
+    }
+}
+
+#[test]
 fn the_cost_is_the_ise_of_the_emulator_that_the_rest_of_the_program_runs() {
     let train = [short(3)];
     for structure in [Structure::Parallel, Structure::SerialParallel] {

@@ -4,6 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 /// Rows gathered before they are multiplied.
 const BLOCK: usize = 256;
+/// Columns up to which a row is added at once: the products of a short one cost less than to gather it.
+const SHORT: usize = 12;
 
 /// Information `H = Σ ψ ψ' / S` and score `g = Σ ψ e / S` of whitened innovations.
 #[derive(Clone, Debug)]
@@ -28,14 +30,29 @@ impl Information {
 
     /// Adds one innovation `e` of variance `s` with the derivatives `psi` of its prediction.
     pub fn add(&mut self, psi: &[f64], e: f64, s: f64) {
-        let weight = 1.0 / s.sqrt();
-        self.rows.extend(psi.iter().map(|v| v * weight));
         let scaled = e / s;
         for (g, v) in self.score.iter_mut().zip(psi) {
             *g += v * scaled;
         }
+        if self.columns <= SHORT {
+            self.add_lower(psi, 1.0 / s);
+            return;
+        }
+        let weight = 1.0 / s.sqrt();
+        self.rows.extend(psi.iter().map(|v| v * weight));
         if self.rows.len() >= BLOCK * self.columns {
             self.flush();
+        }
+    }
+
+    /// The products of one row on and below the diagonal.
+    fn add_lower(&mut self, psi: &[f64], weight: f64) {
+        let columns = self.matrix.as_mut_slice().chunks_exact_mut(self.columns.max(1));
+        for (j, (column, x)) in columns.zip(psi).enumerate() {
+            let x = x * weight;
+            for (out, y) in column[j..].iter_mut().zip(&psi[j..]) {
+                *out += x * y;
+            }
         }
     }
 
@@ -53,6 +70,9 @@ impl Information {
     #[must_use]
     pub fn finish(mut self) -> (DMatrix<f64>, DVector<f64>) {
         self.flush();
+        if self.columns <= SHORT {
+            self.matrix.fill_upper_triangle_with_lower_triangle();
+        }
         (self.matrix, self.score)
     }
 }

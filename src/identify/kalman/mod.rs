@@ -6,6 +6,7 @@
 //! (`wheel_slip`, `compliance`) adds its speeds and twists (u1, u2, phi1, phi2).
 
 mod accumulate;
+mod correction;
 mod coupled;
 mod dynamics;
 mod exact;

@@ -4,11 +4,12 @@ use nalgebra::{DMatrix, DVector};
 
 use super::ProcessNoise;
 use super::accumulate::Information;
+use super::correction::correct;
 use super::coupled::Coupled;
 use super::dynamics::{Dynamics, Rigid};
 use super::input_noise::InputNoise;
 use super::prepare::Prepared;
-use super::step::{Covariance, Mean, Predicted, Sample, between, correct, lag_of_angle};
+use super::step::{Covariance, Mean, Predicted, Sample, between, lag_of_angle};
 use crate::effects::Motion;
 use crate::model::{Model, ModelError};
 
@@ -170,6 +171,7 @@ fn run<D: Dynamics<N>, const N: usize>(
         information: Information::new(width),
         block: DVector::zeros(width),
         block_end: recording.t()[0] + BLOCK,
+        determinant: 1.0,
         single,
         // a single axis is a drive with an encoder of its own, whose noise is small
         input_noise: (settings.derivatives && settings.input_noise && !single).then(|| {
@@ -207,6 +209,8 @@ struct Run<'a, D, const N: usize> {
     block: DVector<f64>,
     block_end: f64,
     input_noise: Option<InputNoise<N>>,
+    /// Product of 2 pi S over the measurements of a row: its logarithm is taken once.
+    determinant: f64,
     single: bool,
     out: Pass,
 }
@@ -352,6 +356,8 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
                 correct(sight, value, variance, mean, covariance, &mut self.psi, &mut self.row);
             self.count(k, i, e, s);
         }
+        self.out.log_likelihood -= 0.5 * self.determinant.ln();
+        self.determinant = 1.0;
         if self.settings.derivatives && recording.t()[k] > self.block_end {
             let empty = DVector::zeros(self.block.len());
             self.out.blocks.push(std::mem::replace(&mut self.block, empty));
@@ -379,7 +385,9 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
     }
 
     fn count(&mut self, row: usize, i: usize, e: f64, s: f64) {
-        self.out.log_likelihood -= 0.5 * ((2.0 * std::f64::consts::PI * s).ln() + e * e / s);
+        self.out.log_likelihood -= 0.5 * (e * e / s);
+        // two variances that are none must not make one that looks sound
+        self.determinant *= if s > 0.0 { 2.0 * std::f64::consts::PI * s } else { f64::NAN };
         self.out.squares[i] += e * e / s;
         self.out.count[i] += 1;
         if self.settings.keep_innovations {

@@ -3,6 +3,7 @@
 use nalgebra::{Matrix2, SMatrix, SVector};
 
 use super::ProcessNoise;
+use super::correction::{freeze, make_symmetric};
 use crate::effects::{DIRECTIONS, Motion, along};
 use crate::math::Real;
 use crate::model::{Linearisation, Model, ModelError};
@@ -150,7 +151,7 @@ pub(super) fn predict(
         clear[j] = clarity(j, v, sample.doubt);
         (sign[j], slope[j], rest[j]) = linearised(level, v, variance, clear[j]);
     }
-    model.differentiate(&[0.0; 2], &sign, work);
+    model.differentiate_by_state(&[0.0; 2], &sign, work);
     let resisting = terms.moment(&[0.0; 2], &sign);
     let smooth = Matrix2::new(
         work.by_state[0][2],
@@ -222,7 +223,7 @@ pub(super) fn predict(
     }
     let acceleration = [acceleration[0], acceleration[1]];
     if derivatives {
-        model.differentiate(&acceleration, &sign, work);
+        model.differentiate_by_parameter(&acceleration, &sign, work);
     }
     let (alpha, variance) = (x.alpha, x.variance);
     Ok(Predicted { gain, transition, acceleration, sign, alpha, omega, variance, spread })
@@ -381,55 +382,4 @@ fn omega_after(
     still: [bool; 2],
 ) -> [f64; 2] {
     [0, 1].map(|i| if still[i] { 0.0 } else { omega[i] + h * acceleration[i] })
-}
-
-/// Takes out what rounding made asymmetric.
-pub(super) fn make_symmetric<const N: usize>(covariance: &mut Covariance<N>) {
-    *covariance = (*covariance + covariance.transpose()) * 0.5;
-}
-
-/// Holds wheel `i` at rest.
-pub(super) fn freeze<const N: usize>(covariance: &mut Covariance<N>, mean: &mut Mean<N>, i: usize) {
-    mean[2 + i] = 0.0;
-    for k in 0..N {
-        covariance[(2 + i, k)] = 0.0;
-        covariance[(k, 2 + i)] = 0.0;
-    }
-    covariance[(2 + i, 2 + i)] = STILL;
-}
-
-/// What a scalar measurement sees: two states with their weights.
-pub(super) type Sight = [(usize, f64); 2];
-
-/// One scalar measurement: returns innovation and its variance, corrects mean, covariance and
-/// derivatives; `psi_row` receives the derivative of the prediction by every column.
-pub(super) fn correct<const N: usize>(
-    [(i, by_i), (k, by_k)]: Sight,
-    value: f64,
-    variance: f64,
-    mean: &mut Mean<N>,
-    covariance: &mut Covariance<N>,
-    psi: &mut [[f64; N]],
-    psi_row: &mut [f64],
-) -> (f64, f64) {
-    let e = value - by_i * mean[i] - by_k * mean[k];
-    let seen: Mean<N> = covariance.column(i) * by_i + covariance.column(k) * by_k;
-    let s = by_i * seen[i] + by_k * seen[k] + variance;
-    let gain = seen / s;
-    *mean += gain * e;
-    // a product that rounding leaves symmetric
-    let known = seen / s.sqrt();
-    for j in 0..N {
-        for i in 0..N {
-            covariance[(i, j)] -= known[i] * known[j];
-        }
-    }
-    for (out, column) in psi_row.iter_mut().zip(psi.iter_mut()) {
-        let predicted = by_i * column[i] + by_k * column[k];
-        *out = predicted;
-        for j in 0..N {
-            column[j] -= gain[j] * predicted;
-        }
-    }
-    (e, s)
 }

@@ -102,3 +102,112 @@ fn outside_the_range_the_output_is_that_of_the_edge() {
         assert_eq!(system.output_and_gradient(&[-30.0, 90.0]).1, [[0.0; 2]; 2]);
     }
 }
+
+/// Systems of many sizes: on even grids, with learnt premises, and next to their ranges' ends.
+fn of_all_sizes() -> impl Iterator<Item = TakagiSugeno> {
+    let with = |count: usize, c, d| {
+        let mut system = TakagiSugeno::uniform(count, [(-2.0, 5.0), (0.0, 30.0)], c, d);
+        let p: Vec<f64> = (0..system.parameters().len()).map(|k| (k as f64).sin()).collect();
+        system.set_parameters(&p);
+        system
+    };
+    let learnt = |mut system: TakagiSugeno| {
+        let moved: Vec<f64> = system
+            .premises()
+            .iter()
+            .enumerate()
+            .map(|(k, x)| x + 0.03 * (k as f64).cos())
+            .collect();
+        system.set_premises(&moved);
+        system
+    };
+    let sizes = [2, 4, 5, 6, 9, 11, 16].into_iter();
+    sizes.flat_map(move |count| {
+        [Consequents::Constant, Consequents::Affine].into_iter().flat_map(move |c| {
+            [Defuzzification::WeightedAverage, Defuzzification::WeightedSum]
+                .into_iter()
+                .flat_map(move |d| [with(count, c, d), learnt(with(count, c, d))])
+        })
+    })
+}
+
+const SPEEDS: [[f64; 2]; 5] = [[1.3, 2.2], [-1.9, 29.0], [4.9, 0.1], [-30.0, 90.0], [0.5, 15.0]];
+
+/// Sizes of the terms whose rounding the results share.
+fn size(system: &TakagiSugeno) -> f64 {
+    // affine consequents reach slopes of one times distances of 30; a power of the progression has a
+    // relative error of 1e-16 times its exponent, of 40 at most
+    if system.consequents() == Consequents::Affine { 1e-12 } else { 3e-14 }
+}
+
+#[test]
+fn rules_laid_out_for_many_evaluations_give_outputs_slopes_and_bases_of_the_system() {
+    struct Check<'a>(&'a TakagiSugeno);
+    impl WithRules for Check<'_> {
+        type Output = ();
+        fn run<const N: usize>(self, rules: &Rules<N>) {
+            let Self(system) = self;
+            let terms = system.consequents().terms();
+            for w in SPEEDS {
+                let pair = wide::f64x2::new(w);
+                let (value, gradient) = system.output_and_gradient(&w);
+                let (found, slopes) = (rules.output(pair).to_array(), rules.slopes(pair));
+                for o in 0..2 {
+                    assert!(
+                        (found[o] - value[o]).abs() < size(system),
+                        "{w:?} {found:?} {value:?}"
+                    );
+                    assert!((slopes.value.to_array()[o] - value[o]).abs() < size(system));
+                    for input in 0..2 {
+                        let slope = slopes.by[input].to_array()[o];
+                        // slopes of narrow functions are up to a hundred times the values
+                        let difference = (slope - gradient[o][input]).abs();
+                        assert!(difference < 100.0 * size(system), "{w:?} {difference}");
+                    }
+                }
+                let mut basis = [0; 2].map(|_| vec![0.0; system.parameters().len() / 2]);
+                system.basis(&w, &mut basis[0]);
+                rules.basis(&slopes.strength, pair, system.consequents(), &mut basis[1]);
+                for (k, (a, b)) in basis[0].iter().zip(&basis[1]).enumerate() {
+                    let rule = system.rule(k / terms);
+                    let one = rules.one(&slopes.strength, pair, rule, k % terms);
+                    assert!((a - b).abs() < size(system) && (a - one).abs() < size(system));
+                }
+            }
+        }
+    }
+    for system in of_all_sizes() {
+        system.with_rules(Check(&system));
+    }
+}
+
+#[test]
+fn systems_side_by_side_give_the_output_of_each() {
+    struct Check<'a>(&'a TakagiSugeno);
+    impl WithRules for Check<'_> {
+        type Output = ();
+        fn run<const N: usize>(self, _: &Rules<N>) {
+            let Self(system) = self;
+            let n = system.parameters().len();
+            let thetas: Vec<Vec<f64>> = (0..3_usize)
+                .map(|v| (0..n).map(|k| ((k + 7 * v) as f64).cos()).collect())
+                .collect();
+            let rules = RulesSideBySide::<N>::new(system, &thetas);
+            assert_eq!(rules.is_some(), system.consequents() == Consequents::Constant);
+            let Some(rules) = rules else { return };
+            let speeds = |i: usize| std::array::from_fn(|v| SPEEDS[(v + 1) % SPEEDS.len()][i]);
+            let omega = [speeds(0), speeds(1)].map(wide::f64x4::new);
+            let found = rules.output(&omega).map(wide::f64x4::to_array);
+            for (v, theta) in thetas.iter().enumerate() {
+                let mut one = system.clone();
+                one.set_parameters(theta);
+                let value = one.output(&SPEEDS[(v + 1) % SPEEDS.len()]);
+                assert!((found[0][v] - value[0]).abs() < size(system));
+                assert!((found[1][v] - value[1]).abs() < size(system));
+            }
+        }
+    }
+    for system in of_all_sizes() {
+        system.with_rules(Check(&system));
+    }
+}

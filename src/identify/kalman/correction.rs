@@ -1,0 +1,57 @@
+//! One correction of the filter, and what keeps a covariance sound.
+
+use super::step::{Covariance, Mean, STILL};
+
+/// Takes out what rounding made asymmetric.
+pub(super) fn make_symmetric<const N: usize>(covariance: &mut Covariance<N>) {
+    *covariance = (*covariance + covariance.transpose()) * 0.5;
+}
+
+/// Holds wheel `i` at rest.
+pub(super) fn freeze<const N: usize>(covariance: &mut Covariance<N>, mean: &mut Mean<N>, i: usize) {
+    mean[2 + i] = 0.0;
+    for k in 0..N {
+        covariance[(2 + i, k)] = 0.0;
+        covariance[(k, 2 + i)] = 0.0;
+    }
+    covariance[(2 + i, 2 + i)] = STILL;
+}
+
+/// What a scalar measurement sees: two states with their weights.
+pub(super) type Sight = [(usize, f64); 2];
+
+/// One scalar measurement: returns innovation and its variance, corrects mean, covariance and
+/// derivatives; `psi_row` receives the derivative of the prediction by every column.
+pub(super) fn correct<const N: usize>(
+    [(i, by_i), (k, by_k)]: Sight,
+    value: f64,
+    variance: f64,
+    mean: &mut Mean<N>,
+    covariance: &mut Covariance<N>,
+    psi: &mut [[f64; N]],
+    psi_row: &mut [f64],
+) -> (f64, f64) {
+    let e = value - by_i * mean[i] - by_k * mean[k];
+    let mut seen: Mean<N> = covariance.column(i) * by_i;
+    if by_k != 0.0 {
+        seen += covariance.column(k) * by_k;
+    }
+    let s = by_i * seen[i] + by_k * seen[k] + variance;
+    let gain = seen / s;
+    *mean += gain * e;
+    // a product that rounding leaves symmetric
+    let known = seen / s.sqrt();
+    for j in 0..N {
+        for i in 0..N {
+            covariance[(i, j)] -= known[i] * known[j];
+        }
+    }
+    for (out, column) in psi_row.iter_mut().zip(psi.iter_mut()) {
+        let predicted = by_i * column[i] + by_k * column[k];
+        *out = predicted;
+        for j in 0..N {
+            column[j] -= gain[j] * predicted;
+        }
+    }
+    (e, s)
+}

@@ -1,0 +1,148 @@
+//! Grades of all membership functions of an input at once, over several numbers side by side.
+
+use std::ops::{Add, Mul, Sub};
+
+use wide::{f64x2, f64x4};
+
+/// Numbers side by side in a register.
+pub(super) trait Numbers:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
+{
+    /// The exponential of each.
+    fn exponential(self) -> Self;
+    /// One over each.
+    fn reciprocal(self) -> Self;
+}
+
+impl Numbers for f64x2 {
+    /// The library's function of each: without wide registers it is faster than a series in lanes, and
+    /// the same whether one system is simulated or several.
+    #[inline]
+    fn exponential(self) -> Self {
+        Self::new(self.to_array().map(f64::exp))
+    }
+    #[inline]
+    fn reciprocal(self) -> Self {
+        Self::ONE / self
+    }
+}
+
+impl Numbers for f64x4 {
+    #[inline]
+    fn exponential(self) -> Self {
+        Self::new(self.to_array().map(f64::exp))
+    }
+    #[inline]
+    fn reciprocal(self) -> Self {
+        Self::ONE / self
+    }
+}
+
+/// Centres and widths of the membership functions of one input.
+pub(super) struct Premises {
+    pub(super) centre: Vec<f64>,
+    pub(super) width: Vec<f64>,
+}
+
+/// Least sum of the grades of an input: learnt functions may leave a gap in which all underflow.
+pub(super) const LEAST_SUM: f64 = 1e-150;
+/// Share by which spacings and widths may differ and count as even: rounding.
+const EVEN: f64 = 1e-12;
+/// Largest square of spacing over width for which the powers below stay within the numbers.
+const NARROWEST: f64 = 6.0;
+
+impl Premises {
+    /// Spacing and width, where all functions have the same.
+    fn even(&self) -> Option<(f64, f64)> {
+        let (spacing, width) = (self.centre[1] - self.centre[0], self.width[0]);
+        let spaced =
+            |w: &[f64]| (w[1] - w[0] - spacing).abs() <= EVEN * self.centre.len() as f64 * spacing;
+        let even = self.centre.windows(2).all(spaced)
+            && self.width.iter().all(|s| (s - width).abs() <= EVEN * width)
+            && spacing > 0.0
+            && (spacing / width).powi(2) < NARROWEST;
+        even.then_some((spacing, width))
+    }
+}
+
+/// The membership functions of the inputs that stand side by side in a `V`; `N` places, of which those
+/// beyond the functions have a grade of zero.
+pub(super) enum Grades<V, const N: usize> {
+    /// Functions of one width on an even grid, up to a factor that all grades share.
+    ///
+    /// ```text
+    /// mu_(m+k)(x) / mu_m(x) = r^k q_k,   r = exp((x - c_m) d/s²),   q_k = exp(-k² d²/(2 s²))
+    /// ```
+    /// with the spacing d: one exponential for all grades, where only their ratios matter. The middle m is
+    /// that of the places, so that loops have a known length.
+    Even { centre: V, rate: V, quotient: [V; N] },
+    /// Any functions: exp(factor (x - c)²).
+    Any { centre: [V; N], factor: [V; N], present: [V; N] },
+}
+
+impl<V: Numbers, const N: usize> Grades<V, N> {
+    /// Puts the functions of the inputs side by side with `join`; grades are relative to each other
+    /// if `relative`.
+    pub(super) fn new<const I: usize>(
+        inputs: [&Premises; I],
+        relative: bool,
+        join: impl Fn([f64; I]) -> V,
+    ) -> Self {
+        let count = inputs[0].centre.len();
+        let even = inputs.map(Premises::even);
+        if relative && even.iter().all(Option::is_some) {
+            let even = even.map(|e| e.unwrap_or((1.0, 1.0)));
+            let quotient = |k: usize| {
+                let steps = k as f64 - (N / 2) as f64;
+                let one = |(d, s): (f64, f64)| (-0.5 * (steps * d / s).powi(2)).exp();
+                join(even.map(|e| if k < count { one(e) } else { 0.0 }))
+            };
+            return Self::Even {
+                centre: join(
+                    inputs.map(|p| p.centre[0] + (N / 2) as f64 * (p.centre[1] - p.centre[0])),
+                ),
+                rate: join(even.map(|(d, s)| d / (s * s))),
+                quotient: std::array::from_fn(quotient),
+            };
+        }
+        let column = |f: &dyn Fn(&Premises, usize) -> f64| {
+            std::array::from_fn(|k| join(inputs.map(|p| if k < count { f(p, k) } else { 0.0 })))
+        };
+        Self::Any {
+            centre: column(&|p, k| p.centre[k]),
+            factor: column(&|p, k| -0.5 / p.width[k].powi(2)),
+            present: column(&|_, _| 1.0),
+        }
+    }
+
+    /// Grades at `x`.
+    #[inline(always)]
+    pub(super) fn at(&self, x: V) -> [V; N] {
+        match self {
+            Self::Even { centre, rate, quotient } => {
+                let r = ((x - *centre) * *rate).exponential();
+                let mut out = *quotient;
+                let mut power = r;
+                for k in N / 2 + 1..N {
+                    out[k] = out[k] * power;
+                    power = power * r;
+                }
+                let inverse = r.reciprocal();
+                let mut power = inverse;
+                for k in (0..N / 2).rev() {
+                    out[k] = out[k] * power;
+                    power = power * inverse;
+                }
+                out
+            }
+            Self::Any { centre, factor, present } => {
+                let mut out = *present;
+                for k in 0..N {
+                    let z = x - centre[k];
+                    out[k] = out[k] * (z * z * factor[k]).exponential();
+                }
+                out
+            }
+        }
+    }
+}
