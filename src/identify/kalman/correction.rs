@@ -1,6 +1,14 @@
 //! One correction of the filter, and what keeps a covariance sound.
 
-use super::step::{Covariance, Mean, STILL};
+use nalgebra::{SMatrix, SVector};
+
+/// alpha1, alpha2, omega1, omega2, d1, d2, and behind a coupling u1, u2, phi1, phi2.
+pub(super) type Mean<const N: usize> = SVector<f64, N>;
+/// Their covariance.
+pub(super) type Covariance<const N: usize> = SMatrix<f64, N, N>;
+
+/// Variance of a wheel that is known to stand still [rad^2/s^2].
+pub(super) const STILL: f64 = 1e-10;
 
 /// Takes out what rounding made asymmetric.
 pub(super) fn make_symmetric<const N: usize>(covariance: &mut Covariance<N>) {

@@ -7,9 +7,9 @@ use nalgebra::{Matrix2, SVector};
 use part::{Friction, Part, Sides, friction};
 
 use super::ProcessNoise;
-use super::correction::{freeze, make_symmetric};
+use super::correction::{Covariance, Mean, STILL, freeze, make_symmetric};
 use super::dynamics::Dynamics;
-use super::step::{Covariance, Mean, PASS, Predicted, STILL, Sample, between, tilt_angles};
+use super::step::{PASS, Predicted, Sample, between, tilt_angles};
 use crate::effects::{
     Coupling, DIFFERENTIATED, DIRECTIONS, Jet, MOST_PARAMETERS, Motion, Terms, along,
 };

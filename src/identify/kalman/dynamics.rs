@@ -4,7 +4,8 @@
 use nalgebra::Matrix2;
 
 use super::ProcessNoise;
-use super::step::{Covariance, Mean, Predicted, Sample, move_parameters, predict};
+use super::correction::{Covariance, Mean};
+use super::step::{Predicted, Sample, move_parameters, predict};
 use crate::model::{Linearisation, Model, ModelError};
 
 /// One prediction of a filter with `N` states, and its derivatives.

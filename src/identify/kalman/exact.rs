@@ -2,9 +2,9 @@
 
 use nalgebra::{Matrix2, SMatrix, SVector};
 
-use super::correction::make_symmetric;
+use super::correction::{Covariance, Mean, make_symmetric};
 use super::dynamics::Dynamics;
-use super::step::{Covariance, Mean, Predicted, Sample};
+use super::step::{Predicted, Sample};
 use crate::effects::{DIRECTIONS, Motion};
 use crate::model::{Linearisation, Model, ModelError, solve_mass};
 use crate::robot::State;

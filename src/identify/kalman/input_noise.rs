@@ -3,7 +3,8 @@
 
 use nalgebra::{DVector, Matrix2};
 
-use super::step::{Covariance, Predicted};
+use super::correction::Covariance;
+use super::step::Predicted;
 
 /// The mean of the score at the truth, gathered along a pass.
 ///

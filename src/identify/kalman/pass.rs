@@ -4,12 +4,12 @@ use nalgebra::{DMatrix, DVector};
 
 use super::ProcessNoise;
 use super::accumulate::Information;
-use super::correction::correct;
+use super::correction::{Covariance, Mean, correct};
 use super::coupled::Coupled;
 use super::dynamics::{Dynamics, Rigid};
 use super::input_noise::InputNoise;
 use super::prepare::Prepared;
-use super::step::{Covariance, Mean, Predicted, Sample, between, lag_of_angle};
+use super::step::{Predicted, Sample, between, lag_of_angle};
 use crate::effects::Motion;
 use crate::model::{Model, ModelError};
 

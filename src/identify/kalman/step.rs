@@ -3,19 +3,12 @@
 use nalgebra::{Matrix2, SMatrix, SVector};
 
 use super::ProcessNoise;
-use super::correction::{freeze, make_symmetric};
+use super::correction::{Covariance, Mean, STILL, freeze, make_symmetric};
 use crate::effects::{DIRECTIONS, Motion, along};
 use crate::math::Real;
 use crate::model::{Linearisation, Model, ModelError};
 use crate::simulate::Ends;
 
-/// alpha1, alpha2, omega1, omega2, d1, d2, and behind a coupling u1, u2, phi1, phi2.
-pub(super) type Mean<const N: usize> = SVector<f64, N>;
-/// Their covariance.
-pub(super) type Covariance<const N: usize> = SMatrix<f64, N, N>;
-
-/// Variance of a wheel that is known to stand still [rad^2/s^2].
-pub(super) const STILL: f64 = 1e-10;
 /// The exponential of less than minus this is zero.
 const UNDERFLOW: f64 = 746.0;
 

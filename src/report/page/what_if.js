@@ -47,8 +47,9 @@ for (const box of typeof document === "undefined" ? [] : document.querySelectorA
     { ...data.parameters[k], input: row.querySelector("input"), said: row.querySelector("output") }));
   const numbers = [...box.querySelectorAll(".numbers div")].map((part) => (
     { value: part.querySelector("output"), note: part.querySelector(".note") }));
-  // points drawn of a curve, and how far beyond the measured speeds a panel reaches at most
-  const [POINTS, FAR] = [2000, 2];
+  // points drawn of a curve, how far beyond the measured speeds a panel reaches at most, and the time between two
+  // simulations while a slider moves [ms]
+  const [POINTS, FAR, FRAME] = [2000, 2, 16];
   let [shown, measured, identified, state, waiting] = [null, null, null, null, false];
   box.hidden = false;
 
@@ -116,7 +117,7 @@ for (const box of typeof document === "undefined" ? [] : document.querySelectorA
     input.setAttribute("aria-valuetext", said.textContent);
   }
 
-  const later = () => { if (!waiting) { waiting = true; requestAnimationFrame(update); } };
+  const later = () => { if (!waiting) { waiting = true; setTimeout(update, FRAME); } };
   sliders.forEach(({ input }) => input.addEventListener("input", later));
   box.querySelector(".tools .reset").addEventListener("click", () => {
     sliders.forEach(({ input }) => { input.value = 0; });

@@ -96,7 +96,7 @@ fn json(panel: &WhatIf) -> Result<String, ReportError> {
 /// must not end the script.
 pub(super) fn script<'a>(blocks: impl Iterator<Item = &'a Block>) -> Option<String> {
     let script = &panels(blocks).next()?.script;
-    Some(script.replace("</", "< /").replace("<!--", "< !--"))
+    Some(script.replace("</", "< /").replace("<!", "< !").replace("<script", "< script"))
 }
 
 /// The sliders and empty shells that the script fills; without scripts nothing can be simulated.
