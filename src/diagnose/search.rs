@@ -198,27 +198,6 @@ impl<'a> Search<'a> {
         self.set_criteria(&mut ranked);
         ranked.sort_by(before);
         self.choose_alike(&mut ranked);
-        if std::env::var("DBG").is_ok() {
-            eprintln!("--- cost {} deg {} p {:?}", present.cost, self.degrees, present.p);
-            for r in ranked.iter().filter(|r| {
-                r.refit.is_some()
-                    || r.screened < 0.0
-                    || std::env::var("DBG").as_deref() == Ok(r.candidate.id.as_str())
-            }) {
-                eprintln!(
-                    "{:24} shape {:?} reg {:.1} win {:.1} screened {:.1} refit {:?} bicw {:.1} bic {:.1} shown {}",
-                    r.candidate.id,
-                    r.candidate.p,
-                    r.by_regression,
-                    r.by_windows,
-                    r.screened,
-                    r.refit.as_ref().map(|f| (f.cost, f.p.clone())),
-                    r.bic_windows,
-                    r.bic,
-                    r.refit.as_ref().map_or(0.0, |f| self.shown(f))
-                );
-            }
-        }
         ranked
     }
 

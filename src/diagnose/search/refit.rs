@@ -60,20 +60,6 @@ impl Search<'_> {
             .par_iter()
             .filter_map(|start| fit(&self.windows, &model, start, &self.scale))
             .collect();
-        if std::env::var("DBG").as_deref() == Ok(candidate.id.as_str()) {
-            for s in &starts {
-                eprintln!("  start {:?} cost {:?}", s, self.windows.cost(&model, s));
-            }
-            for f in &fits {
-                eprintln!(
-                    "  fit {:?} cost {} bound {:?} valid {}",
-                    f.p,
-                    f.cost,
-                    f.at_bound,
-                    self.valid(candidate, f)
-                );
-            }
-        }
         let best = fits.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost))?;
         self.valid(candidate, &best).then_some(best)
     }
