@@ -257,10 +257,11 @@ impl Model {
     pub fn symbols(&self) -> Vec<String> {
         self.parameters.iter().map(|p| p.spec.symbol.clone()).collect()
     }
-    /// Places in `p` that are estimated.
+    /// Places in `p` that are estimated by descents; whole numbers are chosen before.
     #[must_use]
     pub fn free(&self) -> Vec<usize> {
-        (0..self.parameters.len()).filter(|&j| self.parameters[j].fixed.is_none()).collect()
+        let free = |&j: &usize| self.parameters[j].fixed.is_none() && !self.parameters[j].spec.whole;
+        (0..self.parameters.len()).filter(free).collect()
     }
     /// Places in `p` that are estimated and enter linearly, as terms (not through the input).
     #[must_use]
