@@ -103,6 +103,42 @@ pub fn unresolved(
     Ok((sum / f64::max(count, 1.0)).sqrt() * BETWEEN_ROWS)
 }
 
+/// Root mean square difference over windows of 2 s [rad/s] that every other row of the input makes, less what
+/// noise of the recorded input has in it: rows left out move a sum of independent errors as much as the errors
+/// themselves do.
+///
+/// # Errors
+/// A model that cannot move.
+pub fn between_rows(
+    dynamics: &dyn Dynamics,
+    recordings: &[Recording],
+    motions: &[Vec<LocalMotion>],
+    hold: Hold,
+) -> Result<f64, SimulateError> {
+    let (mut sum, mut count) = (0.0, 0.0);
+    let mut rng = ChaCha8Rng::seed_from_u64(0);
+    for (recording, motion) in recordings.iter().zip(motions) {
+        let acting = Acting::new(dynamics, recording, recording.moment());
+        let whole = recording.pieces();
+        let short: Vec<_> = whole.iter().flat_map(|p| windows_of(recording, p, WINDOW)).collect();
+        let free = all(&acting, motion, whole, hold, None)?;
+        let windows = all(&acting, motion, &short, hold, None)?;
+        let halved = sampling(dynamics, recording, motion, hold, (&free, &windows))?;
+        let mut noise = 0.0;
+        for _ in 0..DRAWS {
+            let moment = noisier_drive(recording, recording.noise().moment, &mut rng);
+            let noisy = Acting::new(dynamics, recording, &moment);
+            let drawn = all(&noisy, motion, &short, hold, None)?;
+            let pairs = drawn.iter().zip(&windows);
+            noise += pairs.map(|(d, w)| spread(d, w, 0) + spread(d, w, 1)).sum::<f64>();
+        }
+        let rows = recording.len() as f64;
+        sum += (rows * halved.window_rms.powi(2) - 0.5 * noise / DRAWS as f64).max(0.0);
+        count += rows;
+    }
+    Ok((sum / f64::max(count, 1.0)).sqrt())
+}
+
 /// What is not known of the input between its rows: the difference that every other row makes, the mean
 /// over both ways of leaving rows out.
 fn sampling(

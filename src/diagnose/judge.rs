@@ -3,7 +3,9 @@
 use super::fit::WindowFit;
 use super::outcome::Diagnosis;
 use super::verdict::{Errors, structure};
-use crate::compare::{Dependence, ise, missing_moment, simulate_recording, unresolved, window_rms};
+use crate::compare::{
+    Dependence, between_rows, ise, missing_moment, simulate_recording, unresolved, window_rms,
+};
 use crate::identify::kalman::{Likelihood, prepare};
 use crate::model::{Model, ModelError};
 use crate::recording::{LocalMotion, Recording};
@@ -57,6 +59,14 @@ impl Judge {
     pub fn unresolved(&self, model: &Model, p: &[f64]) -> f64 {
         let dynamics = PhysicalDynamics { model: model.clone(), p: p.to_vec() };
         unresolved(&dynamics, &self.recordings, &self.motions, self.hold).unwrap_or(0.0)
+    }
+
+    /// Root mean square error over windows that the motion of the input between its rows may make [rad/s]; zero
+    /// where the model cannot be simulated.
+    #[must_use]
+    pub fn between_rows(&self, model: &Model, p: &[f64]) -> f64 {
+        let dynamics = PhysicalDynamics { model: model.clone(), p: p.to_vec() };
+        between_rows(&dynamics, &self.recordings, &self.motions, self.hold).unwrap_or(0.0)
     }
 
     /// The errors that a diagnosis started and ended with, beside the noise `floor` [rad/s].

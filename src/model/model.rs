@@ -260,7 +260,8 @@ impl Model {
     /// Places in `p` that are estimated by descents; whole numbers are chosen before.
     #[must_use]
     pub fn free(&self) -> Vec<usize> {
-        let free = |&j: &usize| self.parameters[j].fixed.is_none() && !self.parameters[j].spec.whole;
+        let free =
+            |&j: &usize| self.parameters[j].fixed.is_none() && !self.parameters[j].spec.whole;
         (0..self.parameters.len()).filter(free).collect()
     }
     /// Places in `p` that are estimated and enter linearly, as terms (not through the input).

@@ -180,7 +180,10 @@ impl Search<'_> {
     }
 
     /// How many steps follow each other from the first of `fits` whose error that is shown falls, each by
-    /// more than the sampling of the input leaves open.
+    /// more than the sampling of the input leaves open. A second body moves between the rows, as an input does
+    /// that was not recorded there, and can take the place of all that [`Judge::between_rows`] allows.
+    ///
+    /// [`Judge::between_rows`]: crate::diagnose::Judge::between_rows
     ///
     /// ```text
     /// rms_before² - rms_after² >= rms_unresolved²
@@ -188,11 +191,15 @@ impl Search<'_> {
     fn falling(&self, fits: &[&WindowFit]) -> usize {
         let shown: Vec<f64> = fits.iter().map(|f| self.shown(f)).collect();
         let Some(last) = fits.last() else { return 0 };
-        let open = self.judge.unresolved(&last.model, &last.p).powi(2);
+        let open = self.judge.unresolved(&last.model, &last.p);
         let falls = |n: &usize| {
             let (before, after) = (shown[n - 1], shown[*n]);
+            let new_body = fits[*n].model.is_coupled() && !fits[n - 1].model.is_coupled();
+            let fit = fits[n - 1];
+            let open = if new_body { self.judge.between_rows(&fit.model, &fit.p) } else { open };
             // an error that was infinite may fall to any other
-            after <= before && (before.is_infinite() || before.powi(2) - after.powi(2) >= open)
+            let enough = before.is_infinite() || before.powi(2) - after.powi(2) >= open.powi(2);
+            after <= before && enough
         };
         (1..shown.len()).take_while(falls).count()
     }
