@@ -26,13 +26,24 @@ max_effects = 2
 CANDIDATES = ["slope", "viscous_friction", "turning_scrub"]
 
 
-@pytest.fixture(scope="module")
-def expected(experiment, slope, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("cli")
-    (folder / "slope.toml").write_text(FILE.format(slope=slope))
+def results_of(experiment, folder, text):
+    (folder / "slope.toml").write_text(text)
     ran = experiment("slope.toml", "--quiet", cwd=folder)
     assert ran.returncode == 0, ran.stderr
     return json.loads((folder / "reports/slope/results.json").read_text())
+
+
+@pytest.fixture(scope="module")
+def expected(experiment, slope, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("diagnosed")
+    return results_of(experiment, folder, FILE.format(slope=slope))
+
+
+@pytest.fixture(scope="module")
+def compared(experiment, slope, tmp_path_factory):
+    """The same without a diagnosis, whose noise floor is that of the model with what was found."""
+    folder = tmp_path_factory.mktemp("compared")
+    return results_of(experiment, folder, FILE.format(slope=slope).split("[diagnosis]")[0])
 
 
 def as_path(path):
@@ -76,16 +87,16 @@ def test_a_diagnosis_has_the_numbers_of_the_command_line(source, slope, expected
 
 
 @pytest.mark.parametrize("source", [as_path, as_polars, as_pandas, as_arrays])
-def test_a_fit_and_its_comparison_have_the_numbers_of_the_command_line(source, slope, expected):
-    method = expected["methods"][0]
+def test_a_fit_and_its_comparison_have_the_numbers_of_the_command_line(source, slope, compared):
+    method = compared["methods"][0]
     fit = ai.identify([source(slope / f"train_{k}.csv") for k in (1, 2)])
     values = {p["symbol"]: p["value"] for p in method["parameters"]}
     assert dict(zip(fit.parameters["symbol"], fit.parameters["value"])) == values
     comparison = ai.compare(fit, source(slope / "validation.csv"))
     assert comparison.results["methods"][0]["window_rms"] == method["window_rms"]
-    assert comparison.results["noise_floor"] == expected["noise_floor"]
+    assert comparison.results["noise_floor"] == compared["noise_floor"]
     assert comparison.error == method["window_rms"]["validation"][0]
-    assert comparison.failures.height == len(expected["failures"])
+    assert comparison.failures.height == len(compared["failures"])
 
 
 def test_an_experiment_file_gives_what_the_command_line_gives(experiment, slope, expected, tmp_path):
