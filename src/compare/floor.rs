@@ -91,13 +91,8 @@ pub fn unresolved(
 ) -> Result<f64, SimulateError> {
     let (mut sum, mut count) = (0.0, 0.0);
     for (recording, motion) in recordings.iter().zip(motions) {
-        let acting = Acting::new(dynamics, recording, recording.moment());
-        let whole = recording.pieces();
-        let short: Vec<_> = whole.iter().flat_map(|p| windows_of(recording, p, WINDOW)).collect();
-        let free = all(&acting, motion, whole, hold, None)?;
-        let windows = all(&acting, motion, &short, hold, None)?;
-        let halved = sampling(dynamics, recording, motion, hold, (&free, &windows))?;
-        sum += recording.len() as f64 * halved.window_rms.powi(2);
+        let Halved { window_rms, .. } = halved(dynamics, recording, motion, hold)?;
+        sum += recording.len() as f64 * window_rms.powi(2);
         count += recording.len() as f64;
     }
     Ok((sum / f64::max(count, 1.0)).sqrt() * BETWEEN_ROWS)
@@ -118,12 +113,7 @@ pub fn between_rows(
     let (mut sum, mut count) = (0.0, 0.0);
     let mut rng = ChaCha8Rng::seed_from_u64(0);
     for (recording, motion) in recordings.iter().zip(motions) {
-        let acting = Acting::new(dynamics, recording, recording.moment());
-        let whole = recording.pieces();
-        let short: Vec<_> = whole.iter().flat_map(|p| windows_of(recording, p, WINDOW)).collect();
-        let free = all(&acting, motion, whole, hold, None)?;
-        let windows = all(&acting, motion, &short, hold, None)?;
-        let halved = sampling(dynamics, recording, motion, hold, (&free, &windows))?;
+        let Halved { short, windows, window_rms } = halved(dynamics, recording, motion, hold)?;
         let mut noise = 0.0;
         for _ in 0..DRAWS {
             let moment = noisier_drive(recording, recording.noise().moment, &mut rng);
@@ -133,10 +123,33 @@ pub fn between_rows(
             noise += pairs.map(|(d, w)| spread(d, w, 0) + spread(d, w, 1)).sum::<f64>();
         }
         let rows = recording.len() as f64;
-        sum += (rows * halved.window_rms.powi(2) - 0.5 * noise / DRAWS as f64).max(0.0);
+        sum += (rows * window_rms.powi(2) - 0.5 * noise / DRAWS as f64).max(0.0);
         count += rows;
     }
     Ok((sum / f64::max(count, 1.0)).sqrt())
+}
+
+/// The windows of a recording under its input, and the root mean square difference that every other row of
+/// the input makes there.
+struct Halved {
+    short: Vec<std::ops::Range<usize>>,
+    windows: Vec<State>,
+    window_rms: f64,
+}
+
+fn halved(
+    dynamics: &dyn Dynamics,
+    recording: &Recording,
+    motion: &[LocalMotion],
+    hold: Hold,
+) -> Result<Halved, SimulateError> {
+    let acting = Acting::new(dynamics, recording, recording.moment());
+    let whole = recording.pieces();
+    let short: Vec<_> = whole.iter().flat_map(|p| windows_of(recording, p, WINDOW)).collect();
+    let free = all(&acting, motion, whole, hold, None)?;
+    let windows = all(&acting, motion, &short, hold, None)?;
+    let Floor { window_rms, .. } = sampling(dynamics, recording, motion, hold, (&free, &windows))?;
+    Ok(Halved { short, windows, window_rms })
 }
 
 /// What is not known of the input between its rows: the difference that every other row makes, the mean

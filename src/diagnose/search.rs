@@ -202,8 +202,8 @@ impl<'a> Search<'a> {
     }
 
     /// The places of the candidates that are refitted, and of those that are where none of the first explains the
-    /// larger part of an error far above the noise: an effect with a second body whose fit costs that of ten others, and of which the
-    /// screening sees little where the effect bends the base fit.
+    /// larger part of an error far above the noise: an effect with a second body, whose fit costs that of ten
+    /// others, and of which the screening sees little where the effect bends the base fit.
     fn wanted(&self, present: &WindowFit, ranked: &[Ranked]) -> (Vec<usize>, Vec<usize>) {
         let coupled = present.model.is_coupled();
         let count = if coupled { THRESHOLDS.refitted_coupled } else { THRESHOLDS.refitted };

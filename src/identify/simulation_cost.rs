@@ -80,21 +80,17 @@ impl<'a> Problem<'a> {
                 x
             })
             .collect();
-        let best = self.lowest(&scattered, count - 1, f64::INFINITY);
+        let best = self.lowest(&scattered, count - 1);
         std::iter::once(first).chain(best.into_iter().map(|n| scattered[n].clone())).collect()
     }
 
-    /// The places of the `count` starts whose simulations of the first `seconds` of every piece
-    /// come nearest.
-    fn lowest(&self, starts: &[DVector<f64>], count: usize, seconds: f64) -> Vec<usize> {
+    /// The places of the `count` starts whose simulations come nearest.
+    fn lowest(&self, starts: &[DVector<f64>], count: usize) -> Vec<usize> {
         let Some(first) = starts.first() else { return vec![] };
         let vectors: Vec<Vec<f64>> = starts.iter().map(|x| self.parameters(x)).collect();
         let stretches = self.pieces.iter().enumerate().map(|(n, (r, piece))| {
-            let t = &self.task.train[*r].t()[piece.clone()];
-            let length = t.partition_point(|now| now - t[0] <= seconds);
-            let piece = piece.start..piece.start + length;
             let measured = &self.task.train[*r].omega()[piece.clone()];
-            (self.input(*r, &piece), self.start(first, n), measured)
+            (self.input(*r, piece), self.start(first, n), measured)
         });
         lowest(self.model(), &vectors, count, stretches)
     }
