@@ -265,6 +265,13 @@ pub fn contract_units() -> Vec<(&'static str, Vec<String>)> {
     CONTRACT.into_iter().map(all).collect()
 }
 
+/// Whether a text is a unit of some quantity of the contract.
+pub(super) fn is_unit(text: &str) -> bool {
+    let written = plain(text);
+    !written.is_empty()
+        && contract_units().iter().any(|(_, units)| units.iter().any(|u| plain(u) == written))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,6 +1,7 @@
 //! Tables of text: separators, decimal commas, comments, and where a wrong cell stands.
 
 mod blocks;
+mod unfold;
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
@@ -13,7 +14,9 @@ use polars::prelude::{
 };
 
 pub(super) use self::blocks::{Blocks, has_more_lines};
+pub(super) use self::unfold::unfold;
 use super::IoError;
+use super::columns::is_unit;
 use super::error::{caught, format_error, shown};
 
 /// What the first lines of a file say about it.
@@ -25,6 +28,8 @@ pub(super) struct Layout {
     decimal_comma: bool,
     /// Lines above the header: blank ones and comments.
     above: usize,
+    /// Whether the line below the names holds their units.
+    units: bool,
 }
 
 /// A header, with whatever stands above it, is looked for in this many bytes.
@@ -41,7 +46,7 @@ pub(super) fn layout(path: &Path) -> Result<Layout, IoError> {
         } else if lines.is_empty() {
             above += 1;
         }
-        if lines.len() == 2 {
+        if lines.len() == 3 {
             break;
         }
     }
@@ -60,9 +65,36 @@ pub(super) fn layout(path: &Path) -> Result<Layout, IoError> {
     if names.iter().all(|n| number(n, separator != ',').is_some()) {
         return Err(IoError::NoHeader { file: shown(path) });
     }
-    let row = lines.next().unwrap_or_default();
+    let mut row = lines.next().unwrap_or_default();
+    let units = units_of(&row, separator).filter(|units| units.len() == names.len());
+    if units.is_some() {
+        row = lines.next().unwrap_or_default();
+    }
     let decimal_comma = separator != ',' && row.contains(&b',') && !row.contains(&b'.');
-    Ok(Layout { names, separator: separator as u8, decimal_comma, above })
+    let (names, units) = match units {
+        Some(units) => (names.iter().zip(&units).map(with_unit).collect(), true),
+        None => (names, false),
+    };
+    Ok(Layout { names, separator: separator as u8, decimal_comma, above, units })
+}
+
+/// The units of a line that holds units and no number: `s,rpm,,mNm`.
+fn units_of(line: &[u8], separator: char) -> Option<Vec<String>> {
+    let text = str::from_utf8(line).ok()?.trim_end_matches(['\r', '\n']);
+    let bare = |cell: String| cell.trim_matches(['[', ']', '(', ')']).trim().to_string();
+    let cells: Vec<String> = split(text, separator).into_iter().map(bare).collect();
+    let data = cells.iter().any(|c| !c.is_empty() && value(c, separator != ',').is_some());
+    let units = cells.iter().filter(|c| is_unit(c)).count();
+    // a text among them may be a unit that is not known
+    (!data && 2 * units > cells.len()).then_some(cells)
+}
+
+fn with_unit((name, unit): (&String, &String)) -> String {
+    if unit.is_empty() || name.ends_with([']', ')']) {
+        name.clone()
+    } else {
+        format!("{name} [{unit}]")
+    }
 }
 
 /// The names of a header; within quotes a separator is a part of the name, and `""` a quote.
@@ -96,7 +128,8 @@ pub(super) fn read(path: &Path, layout: &Layout, names: &[String]) -> Result<Dat
     let fast = options(layout, false)
         .with_columns(Some(names.iter().map(|n| n.as_str().into()).collect()))
         .with_schema_overwrite(Some(Arc::new(schema)));
-    if let Ok(frame) = finish(path, fast)
+    if !layout.units
+        && let Ok(frame) = finish(path, fast)
         && frame.columns().iter().all(|c| c.null_count() == 0)
     {
         return Ok(frame);
@@ -122,6 +155,17 @@ pub(super) fn all(path: &Path, layout: &Layout) -> Result<Vec<(String, Vec<f64>)
     columns.map(|(name, column)| Ok((name.clone(), cells(column)?))).collect()
 }
 
+/// The cells of every column as they stand, spaces around them left out; blank lines are none.
+fn by_place(path: &Path, layout: &Layout) -> Result<Vec<Vec<String>>, IoError> {
+    let wrong = |e: PolarsError| format_error(path, "CSV", &e);
+    let frame = finish(path, options(layout, true)).map_err(wrong)?;
+    let cells = |column: &PolarsColumn| -> Result<Vec<String>, IoError> {
+        let texts = column.str().map_err(wrong)?.iter();
+        Ok(texts.map(|c| c.unwrap_or_default().trim().to_string()).collect())
+    };
+    frame.columns().iter().map(cells).collect()
+}
+
 fn options(layout: &Layout, truncate: bool) -> CsvReadOptions {
     let parse = CsvParseOptions::default()
         .with_separator(layout.separator)
@@ -131,6 +175,7 @@ fn options(layout: &Layout, truncate: bool) -> CsvReadOptions {
     CsvReadOptions::default()
         .with_has_header(true)
         .with_skip_lines(layout.above)
+        .with_skip_rows_after_header(usize::from(layout.units))
         .with_infer_schema_length(Some(0))
         .with_parse_options(parse)
 }
@@ -143,8 +188,9 @@ fn finish(path: &Path, options: CsvReadOptions) -> PolarsResult<DataFrame> {
 fn rows(path: &Path) -> Result<impl Iterator<Item = (usize, usize, Vec<u8>)>, IoError> {
     let file = File::open(path).map_err(|e| IoError::system(path, &e))?;
     let lines = BufReader::new(file).split(b'\n').map_while(Result::ok).enumerate();
-    let rows = lines.filter(|(_, line)| is_row(line)).enumerate();
-    Ok(rows.skip(1).map(|(row, (line, text))| (row, line + 1, text)))
+    let header = 1 + usize::from(layout(path)?.units);
+    let rows = lines.filter(|(_, line)| is_row(line)).skip(header).enumerate();
+    Ok(rows.map(|(row, (line, text))| (row + 1, line + 1, text)))
 }
 
 /// The line of a row of data.

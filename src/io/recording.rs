@@ -59,7 +59,10 @@ fn headers_of(path: &Path, part: Option<&str>) -> Result<Headers, IoError> {
     let (names, source) = match Format::of(path)? {
         Format::Csv => {
             let layout = csv::layout(path)?;
-            (layout.names.clone(), Source::Text(layout))
+            match csv::unfold(path, &layout)? {
+                Some(unfolded) => columns(unfolded),
+                None => (layout.names.clone(), Source::Text(layout)),
+            }
         }
         Format::Parquet => (parquet::names(path)?, Source::Parquet),
         Format::Wpilog => signals(wpilog::read(path)?),

@@ -213,3 +213,56 @@ fn bags_that_need_another_program_first_name_it() {
     let e = refused("run.bag", b"#ROSBAG V2.0\n and so on");
     assert!(e.contains("rosbags-convert"), "{e}");
 }
+
+/// Reads a text as a recording.
+fn text(content: &str, map: &ColumnMap) -> Result<Recording, IoError> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("log.csv");
+    write_whole(&path, content.as_bytes()).unwrap();
+    read_recording(&path, map, DriveUnit::NewtonMetre).map(|(recording, _)| recording)
+}
+
+#[test]
+fn a_line_of_units_below_the_names_counts() {
+    let mut log = String::from("# logger 3\nt,dalpha1,dalpha2,M1,M2\nms,rpm,rpm,Nm,mNm\n");
+    for k in 0..30 {
+        log += &format!("{},{},{},{},{}\n", 20 * k, 60 * (k % 5), 30, k, 1000 * k);
+    }
+    let read = text(&log, &ColumnMap::default()).unwrap();
+    assert_eq!(read.len(), 30);
+    assert!((read.t()[29] - 0.58).abs() < 1e-12);
+    let turn = std::f64::consts::TAU;
+    assert!((read.omega()[4][0] - 4.0 * turn).abs() < 1e-9);
+    assert!((read.moment()[7][0] - 7.0).abs() < 1e-12 && (read.moment()[7][1] - 7.0).abs() < 1e-12);
+    // rows count from the first row of numbers, and lines from the top
+    let wrong = log.replace("40,120", "x,120");
+    let error = text(&wrong, &ColumnMap::default()).unwrap_err().to_string();
+    assert!(error.contains("row 3") && error.contains("line 6"), "{error}");
+}
+
+#[test]
+fn rows_of_one_joint_each_are_put_side_by_side() {
+    let mut log = String::from("stamp,joint,position,velocity,effort\n");
+    for k in 0..40 {
+        let t = 0.02 * f64::from(k);
+        let (right, left) = (0.1 * f64::from(k), 0.2 * f64::from(k));
+        log += &format!("{t:.2},left_wheel,{left},{},0.3\n", f64::from(k % 3));
+        log += &format!("{t:.2},right_wheel,{right},{},0.4\n", f64::from(k % 4));
+    }
+    let map = map(
+        DriveUnit::NewtonMetre,
+        &[
+            ("t", "stamp", 1.0),
+            ("alpha1", "position.right_wheel", 1.0),
+            ("alpha2", "position.left_wheel", 1.0),
+            ("dalpha1", "velocity.right_wheel", 1.0),
+            ("dalpha2", "velocity.left_wheel", 1.0),
+            ("M1", "effort.right_wheel", 1.0),
+            ("M2", "effort.left_wheel", 1.0),
+        ],
+    );
+    let read = text(&log, &map).unwrap();
+    assert_eq!(read.len(), 40);
+    assert_eq!(read.omega()[7], [3.0, 1.0]);
+    assert_eq!(read.moment()[39], [0.4, 0.3]);
+}

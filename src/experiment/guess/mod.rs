@@ -58,16 +58,7 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
     out.columns.extend(time(&all));
     let angles = pair(&all, Quantity::Angle, ["alpha1", "alpha2"], &mut out.questions);
     let speeds = pair(&all, Quantity::Speed, ["dalpha1", "dalpha2"], &mut out.questions);
-    let mut input = None;
-    for (quantity, unit) in [
-        (Quantity::Torque, DriveUnit::NewtonMetre),
-        (Quantity::Current, DriveUnit::Ampere),
-        (Quantity::Voltage, DriveUnit::Volt),
-    ] {
-        if input.is_none() {
-            input = pair(&all, quantity, ["M1", "M2"], &mut out.questions).map(|p| (p, unit));
-        }
-    }
+    let input = input(columns, &all, &speeds, &mut out.questions);
     out.one_axis = [&angles, &speeds].into_iter().flatten().any(|p| p[0].name == p[1].name);
     out.columns.extend(angles.into_iter().flatten());
     out.columns.extend(speeds.into_iter().flatten());
@@ -77,6 +68,39 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
     }
     values::look(columns, &mut out);
     out
+}
+
+/// The torques, else the currents, else the voltages; what loses its sign where the wheels turn both ways
+/// comes last.
+fn input(
+    columns: &[PreviewColumn],
+    all: &[Candidate],
+    speeds: &Option<[Guessed; 2]>,
+    questions: &mut Vec<String>,
+) -> Option<([Guessed; 2], DriveUnit)> {
+    let quantities = [
+        (Quantity::Torque, DriveUnit::NewtonMetre),
+        (Quantity::Current, DriveUnit::Ampere),
+        (Quantity::Voltage, DriveUnit::Volt),
+    ];
+    let mut found: Vec<_> = quantities
+        .into_iter()
+        .filter_map(|(quantity, unit)| {
+            let mut asked = vec![];
+            let pair = pair(all, quantity, ["M1", "M2"], &mut asked)?;
+            Some((values::is_magnitude(columns, &pair, speeds), pair, unit, asked))
+        })
+        .collect();
+    // stable: among equals in the order above
+    found.sort_by_key(|(magnitude, ..)| *magnitude);
+    let refused =
+        found.iter().find(|(magnitude, ..)| *magnitude).map(|(_, p, ..)| p[0].name.clone());
+    let (magnitude, mut pair, unit, asked) = found.into_iter().next()?;
+    if let (Some(other), false) = (refused, magnitude) {
+        pair[0].evidence.push(format!("`{other}` is never negative: a magnitude without sign"));
+    }
+    questions.extend(asked);
+    Some((pair, unit))
 }
 
 /// The time: the best name whose values increase, else the one column that always increases.

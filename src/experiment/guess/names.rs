@@ -110,7 +110,10 @@ const QUANTITIES: [(Quantity, &[&str]); 7] = [
             "winkel",
         ],
     ),
-    (Quantity::Torque, &["m", "moment", "torque", "tau", "effort", "efforts", "trq", "drehmoment"]),
+    (
+        Quantity::Torque,
+        &["m", "moment", "torque", "tau", "effort", "efforts", "trq", "tq", "drehmoment"],
+    ),
     (
         Quantity::Current,
         &["current", "currents", "cur", "curr", "i", "amps", "iq", "ia", "ampere", "strom"],
@@ -227,7 +230,8 @@ const UNITS: [(&[&str], &str, Option<Quantity>); 22] = [
 pub(super) fn named(name: &str) -> Named {
     let (bare, bracket) = split_unit(name);
     let mut words = words(bare);
-    let mut ending = bracket.and_then(|u| unit(&u.to_lowercase().replace([' ', '·', '*'], "")));
+    let mut ending =
+        bracket.and_then(|u| unit(&u.to_lowercase().replace([' ', '·', '*', '.'], "")));
     if ending.is_none() {
         ending = take_unit(&mut words);
     }
@@ -241,8 +245,10 @@ pub(super) fn named(name: &str) -> Named {
     if !other {
         quantity = take_quantity(&mut words);
         if let Some((said, Some(of))) = ending
-            && quantity.is_none_or(|q| q == Quantity::Angle && of == Quantity::Speed)
+            && (bracket.is_some()
+                || quantity.is_none_or(|q| q == Quantity::Angle && of == Quantity::Speed))
         {
+            // what stands in brackets is a unit for certain: `v_l (m/s)` is no voltage
             // `right_rpm`, and `position_rpm` is no position; `a` alone as a unit is too little
             quantity =
                 (said != "A" || !words.is_empty() || side.is_some()).then_some(of).or(quantity);
@@ -386,6 +392,9 @@ mod tests {
             ("velocity(:,1)", Some(Speed), Some(Numbered(1)), None),
             ("enc_l_ticks", Some(Angle), Some(Left), Some("ticks")),
             ("tau_r", Some(Torque), Some(Right), None),
+            ("TqL", Some(Torque), Some(Left), None),
+            ("T_l (N.m)", Some(Torque), Some(Left), Some("N m")),
+            ("v_l (m/s)", Some(Speed), Some(Left), Some("m/s")),
             ("gyro_rate", None, None, None),
             ("Vbat", None, None, None),
             ("M2", Some(Torque), Some(Numbered(2)), None),

@@ -169,3 +169,45 @@ fn one_axis_stands_for_both_wheels() {
     assert!(g.one_axis);
     assert_eq!(found(&g)[1..3], [("alpha1", "q", None), ("alpha2", "q", None)]);
 }
+
+/// A log of wheels that turn both ways, with an input of the given shape for each name.
+fn driven(inputs: &[(&str, fn(f64) -> f64)], left: f64) -> Vec<PreviewColumn> {
+    let t: Vec<f64> = (0..1000).map(|k| 0.01 * f64::from(k)).collect();
+    let column = |name: &str, of: &dyn Fn(f64) -> f64| PreviewColumn {
+        name: name.into(),
+        values: t.iter().map(|t| of(*t)).collect(),
+    };
+    let mut out = vec![
+        column("t", &|t| t),
+        column("vel_r", &|t| 6.0 * t.sin()),
+        column("vel_l", &|t| left * 6.0 * (t + 0.1).sin()),
+    ];
+    out.extend(inputs.iter().map(|(name, of)| column(name, of)));
+    out
+}
+
+#[test]
+fn a_current_without_sign_gives_way_to_a_voltage_with_one() {
+    let log = driven(
+        &[
+            ("current_r", |t| t.sin().abs()),
+            ("current_l", |t| t.sin().abs()),
+            ("volt_r", f64::sin),
+            ("volt_l", f64::sin),
+        ],
+        1.0,
+    );
+    let g = guess(&log);
+    assert_eq!(g.drive_unit, DriveUnit::Volt);
+    assert!(g.columns.iter().any(|c| c.evidence.iter().any(|e| e.contains("current_r"))));
+    // nothing else is there: it stays, and is refused where it is read
+    assert_eq!(guess(&log[..5]).drive_unit, DriveUnit::Ampere);
+}
+
+#[test]
+fn wheels_that_turn_against_each_other_raise_a_question() {
+    let inputs: [(&str, fn(f64) -> f64); 2] = [("tau_r", f64::cos), ("tau_l", f64::cos)];
+    let asked = |left: f64| guess(&driven(&inputs, left)).questions.join(" ");
+    assert!(asked(-1.0).contains("mirrored"), "{}", asked(-1.0));
+    assert!(!asked(1.0).contains("mirrored"), "{}", asked(1.0));
+}

@@ -35,11 +35,59 @@ pub(super) fn fits(key: &str, unit: &str) -> bool {
     }
 }
 
+/// Whether an input never changes its sign although the wheels turn both ways.
+pub(super) fn is_magnitude(
+    columns: &[PreviewColumn],
+    input: &[Guessed; 2],
+    speeds: &Option<[Guessed; 2]>,
+) -> bool {
+    let of = |name: &str| columns.iter().find(|c| c.name == name).map_or(&[][..], |c| &c.values);
+    let extent = |one: &Guessed| {
+        let finite = of(&one.name).iter().filter(|v| v.is_finite());
+        finite.fold((0.0, 0.0), |(a, b): (f64, f64), v| (a.min(*v), b.max(*v)))
+    };
+    // a twentieth of the way: noise of a sensor at rest is no turn back
+    let both_ways = |(low, high): (f64, f64)| low < -0.05 * high && high > -0.05 * low;
+    let driven = speeds.iter().flatten().any(|one| both_ways(extent(one)));
+    driven && input.iter().all(|one| !both_ways(extent(one)))
+}
+
+/// Share of the rows with wheels that turn against each other beyond which it is asked whether a motor is
+/// mounted mirrored: nobody but a test of turning drives so.
+const OPPOSED: f64 = 2.0 / 3.0;
+
+/// The question whether one wheel counts the other way, where the wheels turn against each other nearly
+/// always.
+fn mirrored(columns: &[PreviewColumn], guess: &Guess) -> Option<String> {
+    let of = |key: &str| {
+        let one = guess.columns.iter().find(|c| c.key == key)?;
+        columns.iter().find(|c| c.name == one.name)
+    };
+    let (right, left) = of("dalpha1").zip(of("dalpha2"))?;
+    let tops = [largest(&right.values), largest(&left.values)];
+    let pairs = right.values.iter().zip(&left.values);
+    let moving: Vec<f64> = pairs
+        .filter(|(a, b)| a.abs() > 0.05 * tops[0] && b.abs() > 0.05 * tops[1])
+        .map(|(a, b)| a * b)
+        .collect();
+    let opposed = moving.iter().filter(|p| **p < 0.0).count();
+    (right.name != left.name && opposed as f64 > OPPOSED * moving.len() as f64).then(|| {
+        format!(
+            "the wheels turn against each other in {:.0} % of the rows: did the robot turn on the spot, or is a \
+             motor mounted mirrored? Then write scale = -1 in every column of that wheel",
+            100.0 * opposed as f64 / moving.len() as f64
+        )
+    })
+}
+
 /// Looks at the values of the guessed columns, and adds units, evidence and questions.
 pub(super) fn look(columns: &[PreviewColumn], guess: &mut Guess) {
     let of = |name: &str| columns.iter().find(|c| c.name == name).map_or(&[][..], |c| &c.values);
     for one in &mut guess.columns {
         let values = of(&one.name);
+        if one.unit.is_none() {
+            turns(one);
+        }
         match one.key {
             "t" => time(values, one),
             "alpha1" | "alpha2" => angle(values, one),
@@ -49,6 +97,8 @@ pub(super) fn look(columns: &[PreviewColumn], guess: &mut Guess) {
         }
     }
     counts(columns, guess);
+    let asked = mirrored(columns, guess);
+    guess.questions.extend(asked);
     if guess.columns.iter().any(|c| c.name.to_lowercase().contains("erpm")) {
         guess.questions.push(
             "erpm counts electrical turns: divide by the pole pairs of the motor and the gear, \
@@ -78,6 +128,17 @@ pub(super) fn look(columns: &[PreviewColumn], guess: &mut Guess) {
     if !guess.columns.iter().any(|c| c.key == "t") {
         guess.questions.push("which column holds the time (t)?".into());
     }
+}
+
+/// The unit of a controller whose names are known and say none.
+fn turns(one: &mut Guessed) {
+    let unit = match one.key {
+        "alpha1" | "alpha2" if one.name.ends_with("pos_estimate") => "rev",
+        "dalpha1" | "dalpha2" if one.name.ends_with("vel_estimate") => "rev/s",
+        _ => return,
+    };
+    one.unit = Some(unit.into());
+    one.evidence.push("ODrive counts in turns".into());
 }
 
 /// The unit of a time that its name does not state, from its rate.

@@ -36,9 +36,12 @@ pub(in crate::io) struct Blocks<'a> {
     wanted: Vec<(&'a str, usize)>,
     lines: BufReader<File>,
     text: Vec<u8>,
-    /// Lines and rows so far; the header is row 0.
+    /// Lines so far.
     line: usize,
-    row: Option<usize>,
+    /// Lines of the header that are still to come: names, and units where they have a line.
+    header: usize,
+    /// Rows so far.
+    row: usize,
 }
 
 impl<'a> Blocks<'a> {
@@ -51,7 +54,8 @@ impl<'a> Blocks<'a> {
         let place = |n: &String| layout.names.iter().position(|h| h == n).unwrap_or_default();
         let wanted = names.iter().map(|n| (n.as_str(), place(n))).collect();
         let lines = BufReader::with_capacity(1 << 16, file);
-        Ok(Self { path, layout, wanted, lines, text: vec![], line: 0, row: None })
+        let header = 1 + usize::from(layout.units);
+        Ok(Self { path, layout, wanted, lines, text: vec![], line: 0, header, row: 0 })
     }
 
     /// The next rows, so many at most; none at the end.
@@ -74,11 +78,13 @@ impl<'a> Blocks<'a> {
             self.line += 1;
             let separator = self.layout.separator;
             let blank = |b: &u8| b.is_ascii_whitespace() || *b == separator;
-            if !is_row(&self.text) || self.row.is_some() && self.text.iter().all(blank) {
+            if !is_row(&self.text) {
                 continue;
             }
-            self.row = Some(self.row.map_or(0, |row| row + 1));
-            if self.row != Some(0) {
+            if self.header > 0 {
+                self.header -= 1;
+            } else if !self.text.iter().all(blank) {
+                self.row += 1;
                 return Ok(true);
             }
         }
@@ -95,7 +101,7 @@ impl<'a> Blocks<'a> {
         } else {
             text.split(char::from(separator)).collect()
         };
-        let (row, line) = (self.row.unwrap_or_default(), self.line);
+        let (row, line) = (self.row, self.line);
         let used = plain.iter().rposition(|cell| !cell.trim().is_empty()).map_or(0, |k| k + 1);
         let expected = self.layout.names.len();
         if used > expected {
