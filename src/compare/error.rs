@@ -5,7 +5,7 @@ use crate::robot::State;
 use crate::simulate::{Dynamics, Hold, Input, RunIn, SimulateError};
 
 /// Length of an open-loop window [s].
-pub(super) const WINDOW: f64 = 2.0;
+pub(crate) const WINDOW: f64 = 2.0;
 /// Run-in of a window where a body behind the wheels must get under way first [s].
 const RUN_IN: f64 = 2.0;
 

@@ -7,7 +7,7 @@ use rand_distr::{Distribution, StandardNormal};
 use super::error::{Acting, WINDOW, start_of, windows_of};
 use crate::recording::{LocalMotion, Recording};
 use crate::robot::State;
-use crate::simulate::{BETWEEN_ROWS, Dynamics, Hold, SimulateError};
+use crate::simulate::{BETWEEN_ROWS, Dynamics, Hold, SimulateError, every_other};
 
 /// Draws of the noise.
 const DRAWS: usize = 8;
@@ -165,7 +165,7 @@ fn sampling(
     let short: Vec<_> = whole.iter().flat_map(|p| windows_of(recording, p, WINDOW)).collect();
     let (mut ise, mut windows) = ([0.0; 2], 0.0);
     for phase in 0..2 {
-        let moment = every_other(recording, phase, hold);
+        let moment = every_other(recording, recording.moment(), phase, hold);
         let acting = Acting::new(dynamics, recording, &moment);
         let free = all(&acting, motion, &whole, hold, None)?;
         for i in 0..2 {
@@ -183,22 +183,6 @@ fn sampling(
         }
     }
     Ok(Floor { ise, window_rms: (windows / (4.0 * t.len() as f64)).sqrt() })
-}
-
-/// The input with every other row, the even or the odd ones, filled in from its neighbours.
-pub(crate) fn every_other(recording: &Recording, phase: usize, hold: Hold) -> Vec<[f64; 2]> {
-    let (t, m) = (recording.t(), recording.moment());
-    let mut out = m.to_vec();
-    for piece in recording.pieces() {
-        for k in piece.clone().filter(|k| k % 2 == phase && *k > piece.start && k + 1 < piece.end) {
-            let share = match hold {
-                Hold::Linear => (t[k] - t[k - 1]) / (t[k + 1] - t[k - 1]),
-                Hold::Constant => 0.0,
-            };
-            out[k] = [0, 1].map(|i| m[k - 1][i] + share * (m[k + 1][i] - m[k - 1][i]));
-        }
-    }
-    out
 }
 
 fn spread(a: &State, b: &State, i: usize) -> f64 {

@@ -9,9 +9,8 @@ mod regime;
 mod residual_torque;
 mod whiteness;
 
-pub(crate) use error::start_of;
 pub use error::{Simulated, angle_rms, ise, simulate_recording, window_errors, window_rms};
-pub(crate) use floor::every_other;
+pub(crate) use error::{WINDOW, start_of};
 pub use floor::{Floor, between_rows, noise_floor, noisier_drive, unresolved};
 pub use horizon::{Horizon, fit_percent, horizons};
 pub use low_pass::{filtered, smooth_motion};

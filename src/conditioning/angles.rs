@@ -29,6 +29,7 @@ pub(super) fn unwrap(work: &mut Conditioned, settings: &Settings) {
     let Some(alpha) = &work.channels.alpha else { return };
     let pieces = pieces(&work.channels.t);
     let mut corrected = alpha.clone();
+    let mut periods = vec![];
     for i in 0..2 {
         let values = column(alpha, i);
         let steps = steps(&values, &pieces);
@@ -37,6 +38,9 @@ pub(super) fn unwrap(work: &mut Conditioned, settings: &Settings) {
         }
         let (kinds, shifts) = explained(&values, &steps);
         for kind in kinds {
+            if let Kind::Wrapped { period_rad, .. } = kind {
+                periods.push(period_rad);
+            }
             let channel = Channel::Angle(i);
             work.findings.push(Finding::corrected(channel, kind, "unwrap", settings.unwrap));
         }
@@ -49,9 +53,21 @@ pub(super) fn unwrap(work: &mut Conditioned, settings: &Settings) {
             row[i] += shift;
         }
     }
+    if let [right, left] = periods[..] {
+        start_alike(&mut corrected, right.max(left));
+    }
     if settings.unwrap {
         work.channels.alpha = Some(corrected);
     }
+}
+
+/// Takes the left angle to the period of the right one at the start. Which turn a wheel is in is not known of an
+/// angle that wraps, and the heading is counted from their difference: just below a turn and just above zero
+/// they stand alike.
+fn start_alike(alpha: &mut [[f64; 2]], period: f64) {
+    let Some([right, left]) = alpha.first().copied() else { return };
+    let turns = ((right - left) / period).round();
+    alpha.iter_mut().for_each(|row| row[1] += turns * period);
 }
 
 /// Rows at which the angle steps by more than motion explains, and by how much.
@@ -170,6 +186,16 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn wheels_whose_angles_wrap_start_in_the_same_turn() {
+        // at rest within noise: one reads a hair less than a turn, the other a hair more than none
+        let wrap = |v: [f64; 2]| [(v[0] - 1e-3).rem_euclid(TAU), (v[1] + 1e-3).rem_euclid(TAU)];
+        let wrapped: Vec<[f64; 2]> = motion(2000, 0.02).into_iter().map(wrap).collect();
+        assert!(wrapped[0][0] - wrapped[0][1] > 6.0);
+        let start = conditioned(wrapped, 0.02).channels.alpha.unwrap()[0];
+        assert!((start[0] - start[1] + 2e-3).abs() < 1e-9, "{start:?}");
     }
 
     #[test]

@@ -131,6 +131,8 @@ fn grid(
             };
             if effect.change() != Change::Torque {
                 candidate.form = Form::Signal(Arc::new(candidate.signals(recordings, forces)));
+            } else if let Some(first) = recordings.first() {
+                candidate.drop_absent(first);
             }
             candidate
         })
@@ -146,6 +148,37 @@ impl Candidate {
             Form::Signal(_) => Form::Signal(Arc::new(self.signals(recordings, &OnceCell::new()))),
         };
         Self { form, ..self.clone() }
+    }
+
+    /// Leaves out columns that are zero whatever this robot does, where others are not: a term times a3 where the
+    /// centre of mass is on the axle. Two motions in general position tell, one forward and one back.
+    fn drop_absent(&mut self, recording: &Recording) {
+        let top = recording.top_speed();
+        let around = self.around.clone();
+        let mut present = vec![false; self.columns()];
+        for (k, way) in [(0, 1.0), (recording.len() / 2, -1.0)] {
+            let moving = LocalMotion {
+                alpha: [1.0, 2.0],
+                omega: [0.7 * top * way, 0.4 * top * way],
+                acceleration: [top, -0.6 * top],
+                omega_variance: [0.0; 2],
+                alpha_variance: [0.0; 2],
+            };
+            let at = still_instant(&around.model, recording, k, &moving);
+            let mut torque = vec![[0.0; 2]; self.columns()];
+            self.torque_with(0, &at, &[way; 4], &mut torque);
+            present.iter_mut().zip(&torque).for_each(|(p, t)| *p |= *t != [0.0; 2]);
+        }
+        if present.contains(&true) {
+            let mut present = present.into_iter();
+            self.linear.retain(|_| present.next() == Some(true));
+        }
+    }
+
+    /// Parameters that an estimate has to find: shapes, and linear ones that move this robot.
+    pub(super) fn parameters(&self) -> usize {
+        let shape = |s: &&crate::effects::ParameterSpec| s.kind == ParameterKind::Shape;
+        self.effect.parameters().iter().filter(shape).count() + self.linear.len()
     }
 
     fn coupling(&self) -> Option<Coupling<f64>> {

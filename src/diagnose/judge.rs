@@ -4,7 +4,8 @@ use super::fit::WindowFit;
 use super::outcome::Diagnosis;
 use super::verdict::{Errors, structure};
 use crate::compare::{
-    Dependence, between_rows, ise, missing_moment, simulate_recording, unresolved, window_rms,
+    Dependence, WINDOW, between_rows, ise, missing_moment, noise_floor, simulate_recording,
+    unresolved, window_rms,
 };
 use crate::identify::kalman::{Likelihood, prepare};
 use crate::model::{Model, ModelError};
@@ -51,6 +52,28 @@ impl Judge {
             samples += count;
         }
         Ok(Judgement { ise: total, window_rms: (sum / samples).sqrt() })
+    }
+
+    /// Root mean square error over windows that the right model would still have [rad/s], of one near it; zero
+    /// where the model cannot be simulated.
+    #[must_use]
+    pub fn floor(&self, model: &Model, p: &[f64]) -> f64 {
+        let dynamics = PhysicalDynamics { model: model.clone(), p: p.to_vec() };
+        let (mut sum, mut samples) = (0.0, 0.0);
+        for (recording, motion) in self.recordings.iter().zip(&self.motions) {
+            let Ok(floor) = noise_floor(&dynamics, recording, motion, self.hold, 0) else {
+                return 0.0;
+            };
+            sum += recording.len() as f64 * floor.window_rms.powi(2);
+            samples += recording.len() as f64;
+        }
+        (sum / f64::max(samples, 1.0)).sqrt()
+    }
+
+    /// Windows that the judged recordings have.
+    #[must_use]
+    pub fn windows(&self) -> f64 {
+        self.recordings.iter().map(|r| r.duration() / WINDOW).sum()
     }
 
     /// Smallest change of the error over windows that the sampling of the input resolves [rad/s]; zero

@@ -13,7 +13,7 @@ use super::candidate::{Candidate, candidates};
 use super::fit::{WindowFit, fit};
 use super::input_timing::{InputTiming, SYMBOL};
 use super::judge::Judge;
-use super::outcome::{Diagnosis, Ranked};
+use super::outcome::{Diagnosis, Ranked, Step};
 use super::regression::{Regression, cutoff};
 use super::scale::scale_of;
 use super::screen::Screen;
@@ -74,25 +74,17 @@ pub fn diagnose(
 ) -> Result<Diagnosis, IdentifyError> {
     let search = Search::new(model, starts, data, settings)?;
     let base = search.base(model, starts)?;
-    let mut tried: Vec<(Ranked, Vec<String>)> = Vec::new();
-    let mut rankings = vec![search.rank(&base, true)];
-    let mut shown = search.shown(&base);
-    while tried.len() < settings.max_effects {
-        let ranking = rankings.last().expect("there is one a step");
-        let Some(best) = ranking.first().filter(|best| best.bic < 0.0).cloned() else { break };
-        let Some(refit) = best.refit.clone() else { break };
-        // no run of steps may contain one that raises the error that is shown
-        let next = search.shown(&refit);
-        if !(next <= shown) {
-            break;
+    let (mut steps, mut rankings) = search.climb(&base, search.rank(&base, true));
+    // nothing is said to be unknown before every effect of the catalogue has been simulated
+    if search.is_unexplained(steps.last().map_or(&base, |s| &s.fit))
+        && let Some(ranking) = search.with_second_bodies(&base, &rankings[0])
+    {
+        let again = search.climb(&base, ranking);
+        let error = |steps: &[Step]| search.shown(steps.last().map_or(&base, |s| &s.fit));
+        if error(&again.0) < error(&steps) {
+            (steps, rankings) = again;
         }
-        shown = next;
-        tried.push((best, equals(ranking)));
-        rankings.push(search.rank(&refit, false));
     }
-    let steps = search.proven(&base, &tried);
-    let steps = search.exchanged(&base, steps, &rankings);
-    let steps = search.pruned(&base, steps);
     let rest = rankings.get(steps.len()).cloned().unwrap_or_default();
     let rest = search.with_falls(steps.last().map_or(&base, |s| &s.fit), rest);
     let ranking = search.with_falls(&base, std::mem::take(&mut rankings[0]));
@@ -170,6 +162,55 @@ impl<'a> Search<'a> {
         })
     }
 
+    /// Adds the best of a ranking, ranks anew, and so on: the steps that held-out windows prove, and the
+    /// rankings at each.
+    fn climb(&self, base: &WindowFit, first: Vec<Ranked>) -> (Vec<Step>, Vec<Vec<Ranked>>) {
+        let mut tried: Vec<(Ranked, Vec<String>)> = Vec::new();
+        let mut rankings = vec![first];
+        let mut shown = self.shown(base);
+        while tried.len() < self.settings.max_effects {
+            let ranking = rankings.last().expect("there is one a step");
+            let Some(best) = ranking.first().filter(|best| best.bic < 0.0).cloned() else { break };
+            let Some(refit) = best.refit.clone() else { break };
+            // no run of steps may contain one that raises the error that is shown
+            let next = self.shown(&refit);
+            if !(next <= shown) {
+                break;
+            }
+            shown = next;
+            tried.push((best, equals(ranking)));
+            rankings.push(self.rank(&refit, false));
+        }
+        let steps = self.proven(base, &tried);
+        let steps = self.exchanged(base, steps, &rankings);
+        (self.pruned(base, steps), rankings)
+    }
+
+    /// Whether a model leaves more than noise of the error that is shown.
+    fn is_unexplained(&self, fit: &WindowFit) -> bool {
+        self.shown(fit) > THRESHOLDS.above_floor * self.judge.floor(&fit.model, &fit.p)
+    }
+
+    /// A ranking with the effects that have a second body refitted too; `None` where all of them are.
+    fn with_second_bodies(&self, present: &WindowFit, ranking: &[Ranked]) -> Option<Vec<Ranked>> {
+        let mut ranked = ranking.to_vec();
+        let open: Vec<&mut Ranked> =
+            ranked.iter_mut().filter(|r| is_two_mass(r) && r.refit.is_none()).collect();
+        if open.is_empty() {
+            return None;
+        }
+        open.into_par_iter().for_each(|r| self.set_refit(present, r, None));
+        self.order(&mut ranked);
+        Some(ranked)
+    }
+
+    /// Puts refitted candidates in order.
+    fn order(&self, ranked: &mut [Ranked]) {
+        self.set_criteria(ranked);
+        ranked.sort_by(before);
+        self.choose_alike(ranked);
+    }
+
     /// Screens all candidates, refits the best, and ranks them.
     fn rank(&self, present: &WindowFit, is_base: bool) -> Vec<Ranked> {
         // a shift of the input is what timing would take for itself: it is held while shifts are looked at
@@ -195,9 +236,7 @@ impl<'a> Search<'a> {
         if is_base && refits().all(|(r, cost)| self.is_far_above(r) && most_is_left(cost)) {
             refit(&mut ranked, &second);
         }
-        self.set_criteria(&mut ranked);
-        ranked.sort_by(before);
-        self.choose_alike(&mut ranked);
+        self.order(&mut ranked);
         ranked
     }
 
@@ -208,17 +247,16 @@ impl<'a> Search<'a> {
         let coupled = present.model.is_coupled();
         let count = if coupled { THRESHOLDS.refitted_coupled } else { THRESHOLDS.refitted };
         let lead = ranked.first().map_or(0.0, |r| r.screened.min(0.0));
-        let two_mass = |r: &Ranked| r.candidate.effect.change() == Change::TwoMass;
         let chosen = |n: usize, r: &Ranked| {
             // what the first order sees badly is always tried, unless the regression rules it out
-            let blind = r.candidate.effect.several_starts() && !two_mass(r);
+            let blind = r.candidate.effect.several_starts() && !is_two_mass(r);
             let open = self.bic(&r.candidate, r.by_regression) < THRESHOLDS.ruled_out;
-            let behind = two_mass(r) && r.screened > THRESHOLDS.far_behind * lead;
+            let behind = is_two_mass(r) && r.screened > THRESHOLDS.far_behind * lead;
             (n < count || blind && !coupled && open) && !behind
         };
         let places = 0..ranked.len();
         let first: Vec<usize> = places.clone().filter(|&n| chosen(n, &ranked[n])).collect();
-        let second = places.filter(|n| two_mass(&ranked[*n]) && !first.contains(n)).collect();
+        let second = places.filter(|n| is_two_mass(&ranked[*n]) && !first.contains(n)).collect();
         (first, second)
     }
 
@@ -314,8 +352,12 @@ impl<'a> Search<'a> {
     /// Bayesian information criterion of a candidate with that ratio: every parameter, shapes included, costs
     /// ln n.
     fn bic(&self, candidate: &Candidate, ratio: f64) -> f64 {
-        candidate.p.len() as f64 * self.degrees.ln() - ratio
+        candidate.parameters() as f64 * self.degrees.ln() - ratio
     }
+}
+
+fn is_two_mass(r: &Ranked) -> bool {
+    r.candidate.effect.change() == Change::TwoMass
 }
 
 /// The two looks of the screening at what a model leaves.

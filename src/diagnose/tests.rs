@@ -92,6 +92,21 @@ fn the_regression_finds_the_coefficient_and_the_timing_of_the_input() {
 }
 
 #[test]
+fn a_column_that_no_motion_of_the_robot_shows_is_left_out() {
+    let named = ["wheel_radius_mismatch".to_string()];
+    // the centre of mass of the tank drive is on its axle: a3 = 0, and no centrifugal torque
+    for (preset, columns) in [("amigobot", 2), ("frc_tank_drive", 1)] {
+        let robot = Robot::from_preset(preset).unwrap();
+        let model = Model::base(robot);
+        let recording = recorded(&[], NOISE, 7);
+        let p = model.initial();
+        let all = vec![&recording];
+        let found = candidates(&model, &p, &named, &[], &all, &scale(&model, &p, &all));
+        assert_eq!((found[0].columns(), found[0].parameters()), (columns, columns), "{preset}");
+    }
+}
+
+#[test]
 fn a_shift_of_the_input_is_found_to_a_fraction_of_a_row() {
     let model = Model::base(Robot::amigobot());
     for rows in [-0.5, 0.3, 2.0, 2.5, 3.0] {

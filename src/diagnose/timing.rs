@@ -11,11 +11,10 @@ use super::input_timing::{InputTiming, SYMBOL, later};
 use super::regression::{Regression, cutoff};
 use super::scale::scale_of;
 use super::windows::{Windows, mobility};
-use crate::compare::every_other;
 use crate::effects::Scale;
 use crate::model::Model;
 use crate::recording::Recording;
-use crate::simulate::{BETWEEN_ROWS, Hold};
+use crate::simulate::{BETWEEN_ROWS, Hold, every_other};
 
 /// Largest delay that logging explains, in rows: the mean over a row, a value that is held through it, and a
 /// difference of angles all lie half a row off.
@@ -113,7 +112,8 @@ fn by_simulation(
     let from: Vec<f64> = p.iter().copied().chain([start]).collect();
     let fit = fit(&windows, &model, &from, scale)?;
     let moved = [0, 1].map(|phase| {
-        let halved = recordings.iter().map(|r| r.with_moment(every_other(r, phase, hold)));
+        let halved =
+            recordings.iter().map(|r| r.with_moment(every_other(r, r.moment(), phase, hold)));
         let halved: Vec<Recording> = halved.collect();
         let windows = windows.with_recordings(halved.iter().collect());
         step_of(&windows, &fit, j).unwrap_or(f64::INFINITY)

@@ -106,7 +106,7 @@ pub trait Physics: Send + Sync + 'static {
 
     /// Whether parameters within their limits are together what the effect means; if not, an estimate has
     /// taken up something else.
-    fn is_itself(&self, _p: &[f64]) -> bool {
+    fn is_itself(&self, _p: &[f64], _errors: &[f64]) -> bool {
         true
     }
 }
@@ -161,7 +161,7 @@ pub trait Effect: Send + Sync {
     /// [`Physics::limits`].
     fn limits(&self, scale: &Scale) -> Vec<(f64, f64)>;
     /// [`Physics::is_itself`].
-    fn is_itself(&self, p: &[f64]) -> bool;
+    fn is_itself(&self, p: &[f64], errors: &[f64]) -> bool;
 }
 
 impl<P: Physics> Effect for P {
@@ -227,7 +227,7 @@ impl<P: Physics> Effect for P {
     fn limits(&self, scale: &Scale) -> Vec<(f64, f64)> {
         Physics::limits(self, scale)
     }
-    fn is_itself(&self, p: &[f64]) -> bool {
-        Physics::is_itself(self, p)
+    fn is_itself(&self, p: &[f64], errors: &[f64]) -> bool {
+        Physics::is_itself(self, p, errors)
     }
 }

@@ -100,7 +100,7 @@ impl Physics for Stribeck {
     }
 
     /// Static friction is above the kinetic one on either wheel.
-    fn is_itself(&self, p: &[f64]) -> bool {
+    fn is_itself(&self, p: &[f64], _errors: &[f64]) -> bool {
         p[2].abs() <= p[0]
     }
 

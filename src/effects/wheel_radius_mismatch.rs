@@ -6,6 +6,8 @@ use crate::math::Real;
 /// Share by which a3 over I of construction may be off: half, since a3 grows with the distance of the centre of
 /// mass, which is seldom measured (taste).
 const MOST_OFF: f64 = 0.5;
+/// Standard errors beyond which it is off for certain (95 %).
+const SURELY: f64 = 1.96;
 
 /// Wheels of radius r1 = r (1 + eps) and r2 = r (1 - eps), to first order in eps.
 ///
@@ -58,9 +60,10 @@ impl Physics for WheelRadiusMismatch {
         ]
     }
 
-    /// Both torques speak of one difference of radius.
-    fn is_itself(&self, p: &[f64]) -> bool {
-        p[1].abs() <= MOST_OFF * p[0].abs()
+    /// Both torques speak of one difference of radius, as far as the recordings say: where the centrifugal torque
+    /// is small, its part is off by anything.
+    fn is_itself(&self, p: &[f64], errors: &[f64]) -> bool {
+        p[1].abs() - SURELY * errors[1] <= MOST_OFF * p[0].abs()
     }
 
     fn energy(&self) -> Energy {
@@ -81,6 +84,14 @@ impl Physics for WheelRadiusMismatch {
 mod tests {
     use super::*;
     use crate::robot::Robot;
+
+    #[test]
+    fn a_centrifugal_torque_that_is_not_seen_refutes_nothing() {
+        let is_itself =
+            |p: [f64; 2], error: f64| Physics::is_itself(&WheelRadiusMismatch, &p, &[0.001, error]);
+        assert!(is_itself([0.02, 0.009], 0.001) && !is_itself([0.02, 0.02], 0.001));
+        assert!(is_itself([0.02, 0.6], 0.5) && is_itself([0.02, 0.0], f64::INFINITY));
+    }
 
     #[test]
     fn the_first_order_form_is_the_derivative_of_the_exact_moments() {

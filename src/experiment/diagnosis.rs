@@ -10,6 +10,7 @@ use crate::diagnose::{
 };
 use crate::identify::kalman::{Likelihood, prepare};
 use crate::identify::{Estimate, IdentifyError, Task, start};
+use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::SimulateError;
 use crate::study::{Candidate, DiagnosisStudy, FoundEffect, Role, Step, Study, Verdict};
@@ -31,7 +32,7 @@ pub(super) fn run_diagnosis(
     asked: &DiagnosisPlan,
     study: &mut Study,
 ) -> Result<(DiagnosisStudy, Diagnosis), RunError> {
-    let diagnosis = search(plan, asked)?;
+    let diagnosis = search(plan, asked, study)?;
     if !diagnosis.steps.is_empty() {
         models::floor_under(plan, study, diagnosis.last())?;
     }
@@ -39,14 +40,30 @@ pub(super) fn run_diagnosis(
 }
 
 /// Searches what is missing in the model of a plan.
-fn search(plan: &Plan, asked: &DiagnosisPlan) -> Result<Diagnosis, RunError> {
+fn search(plan: &Plan, asked: &DiagnosisPlan, study: &Study) -> Result<Diagnosis, RunError> {
     let train = plan.of(Role::Train);
-    let task = Task { model: &plan.model, train: &train, hold: plan.hold, seed: plan.seed };
+    let model = with_held(plan, &train, study);
+    let task = Task { model: &model, train: &train, hold: plan.hold, seed: plan.seed };
     let starts = starts(plan, &task);
     let validation = plan.of(Role::Validation);
     let corrected_s = plan.timing.map_or(0.0, |t| t.correction_s);
     let data = Data { train: &train, validation: &validation, hold: plan.hold, corrected_s };
-    diagnose(&plan.model, &starts, &data, &asked.settings).map_err(failed)
+    diagnose(&model, &starts, &data, &asked.settings).map_err(failed)
+}
+
+/// The model with what the data do not identify held where the preferred fit holds it: a fit that is free to
+/// move what no recording shows simulates others worse than the model as it was given. Of a single axis only
+/// sums are known, and nothing of one wheel is held.
+fn with_held(plan: &Plan, train: &[Recording], study: &Study) -> Model {
+    let mut model = plan.model.clone();
+    if train.iter().all(Recording::is_single_axis) {
+        return model;
+    }
+    let preferred = study.reference.map(|k| &study.methods[k].estimates);
+    for e in preferred.into_iter().flatten().filter(|e| !e.identifiable) {
+        model = model.fix(&e.symbol, e.value).unwrap_or(model);
+    }
+    model
 }
 
 /// A diagnosis in words.
@@ -129,7 +146,7 @@ fn starts(plan: &Plan, task: &Task) -> Vec<Vec<f64>> {
         out.extend(start::start(&Task { train: &moved, ..*task }, "diagnosis").ok());
     }
     out.extend(start::start(task, "diagnosis").ok());
-    out.push(plan.model.initial());
+    out.push(task.model.initial());
     out
 }
 

@@ -15,6 +15,7 @@ use super::stretch::{Signals, Stretch, Treatment};
 use super::{Fit, IdentifyError, Task};
 use crate::math::clustered_covariance;
 use crate::recording::Recording;
+use crate::simulate::every_other;
 
 /// Blocks within which residuals may be correlated [s]: as long as leaves enough of them.
 const BLOCK: (f64, f64) = (1.0, 5.0);
@@ -263,6 +264,19 @@ impl<'a> Regression<'a> {
         own.iter()
             .map(|(matrix, vector)| inverse_where_known(&(&all.0 - matrix)) * (&all.1 - vector))
             .collect()
+    }
+
+    /// How the right-hand side changes if every other row of the input is filled in from its neighbours, the mean
+    /// of both ways of doing so.
+    pub(super) fn halved(&self) -> DVector<f64> {
+        let halved = |phase: usize| {
+            let source = |r: &Recording| Source {
+                drive: every_other(r, r.moment(), phase, self.task.hold),
+                ..Source::measured(r)
+            };
+            self.rows_of(&self.task.train.iter().map(source).collect::<Vec<_>>()).1
+        };
+        0.5 * (halved(0) + halved(1)) - &self.y
     }
 
     /// Places of the columns in the parameters of the model.

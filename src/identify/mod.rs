@@ -12,6 +12,7 @@ mod linear_fit;
 mod method;
 mod profile;
 mod regressor;
+mod sampling;
 mod screening;
 mod simulation_cost;
 pub mod start;

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::identifiability::inverse_where_known;
 use super::inverse_dynamics::Regression;
+use super::sampling::at_least;
 use super::{
     Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task, from_options,
     options_schema,
@@ -83,7 +84,7 @@ impl Identifier for TorqueRegression {
 
     fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
         let rows = Regression::with_rest(task, self.cutoff_hz, self.rest_rad_s, NOISE_SHARE, NAME)?;
-        self.fit(&rows)
+        self.fit(&rows, false)
     }
 
     fn identify_long(
@@ -96,7 +97,7 @@ impl Identifier for TorqueRegression {
         }
         let settings = (self.cutoff_hz, self.rest_rad_s);
         let rows = super::streamed::regression(task, long, settings, NOISE_SHARE, NAME);
-        Some(rows.and_then(|rows| self.fit(&rows)))
+        Some(rows.and_then(|rows| self.fit(&rows, false)))
     }
 }
 
@@ -109,7 +110,8 @@ fn scaled_rows(x: &DMatrix<f64>, factor: &DVector<f64>) -> DMatrix<f64> {
 type Solved = (DVector<f64>, DVector<f64>, DVector<f64>, DVector<f64>);
 
 impl TorqueRegression {
-    /// The fit, and the parameters without each of some pieces (recording and rows) in turn.
+    /// The fit, its standard errors no smaller than what noise of the columns and the sampling of the input do, and
+    /// the parameters without each of some pieces (recording and rows) in turn.
     ///
     /// # Errors
     /// As [`Identifier::identify`].
@@ -119,7 +121,7 @@ impl TorqueRegression {
         pieces: &[(usize, std::ops::Range<usize>)],
     ) -> Result<(Fit, Vec<Vec<f64>>), IdentifyError> {
         let rows = Regression::with_rest(task, self.cutoff_hz, self.rest_rad_s, NOISE_SHARE, NAME)?;
-        let fit = self.fit(&rows)?;
+        let fit = self.fit(&rows, true)?;
         let p: Vec<f64> = fit.estimates.iter().map(|e| e.value).collect();
         let left_out = rows.left_out(pieces);
         let of = |values: DVector<f64>| {
@@ -130,16 +132,25 @@ impl TorqueRegression {
         Ok((fit, left_out.into_iter().map(of).collect()))
     }
 
-    fn fit(&self, rows: &Regression) -> Result<Fit, IdentifyError> {
+    /// The fit; if `widened`, with standard errors no smaller than what noise of the columns and the sampling of
+    /// the input do to the values.
+    fn fit(&self, rows: &Regression, widened: bool) -> Result<Fit, IdentifyError> {
         let (values, weights, psi, slope) = self.solve(rows).map_err(|e| {
             IdentifyError::Unsupported { method: NAME.into(), reason: e.to_string() }
         })?;
         let weighted = scaled_rows(&rows.x, &weights);
         let bread = inverse_where_known(&rows.x.tr_mul(&scaled_rows(&rows.x, &slope)));
-        let mut fit = rows.fit(NAME, &values, &rows.covariance(&bread, &psi))?;
         let inverse = inverse_where_known(&rows.x.tr_mul(&weighted));
         let mean = weights.sum() / weights.len() as f64;
-        rows.note_of_pull(&mut fit, &rows.pull(&values, &(inverse * mean)));
+        let pull = rows.pull(&values, &(inverse * mean));
+        let mut covariance = rows.covariance(&bread, &psi);
+        if widened {
+            at_least(&mut covariance, &pull);
+            let halved = rows.halved().component_mul(&slope);
+            at_least(&mut covariance, &(&bread * rows.x.tr_mul(&halved)));
+        }
+        let mut fit = rows.fit(NAME, &values, &covariance)?;
+        rows.note_of_pull(&mut fit, &pull);
         Ok(fit)
     }
 

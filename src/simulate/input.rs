@@ -1,7 +1,7 @@
 //! What a simulation is given, and why it may stop.
 
 use crate::model::ModelError;
-use crate::recording::RecordingError;
+use crate::recording::{Recording, RecordingError};
 use crate::robot::State;
 
 /// What the drive does between two samples.
@@ -28,6 +28,29 @@ pub enum Hold {
 /// Error of a straight line between the rows at the whole rate over what halving the rate changes: it falls
 /// as the square of the interval, so of a difference of 4 - 1 parts one is left.
 pub const BETWEEN_ROWS: f64 = 1.0 / 3.0;
+
+/// A signal of a recording with every other row, the even (`phase` 0) or the odd ones, filled in from its
+/// neighbours.
+pub(crate) fn every_other(
+    recording: &Recording,
+    signal: &[[f64; 2]],
+    phase: usize,
+    hold: Hold,
+) -> Vec<[f64; 2]> {
+    let t = recording.t();
+    let mut out = signal.to_vec();
+    for piece in recording.pieces() {
+        for k in piece.clone().filter(|k| k % 2 == phase && *k > piece.start && k + 1 < piece.end) {
+            let share = match hold {
+                Hold::Linear => (t[k] - t[k - 1]) / (t[k + 1] - t[k - 1]),
+                Hold::Constant => 0.0,
+            };
+            let (from, to) = (signal[k - 1], signal[k + 1]);
+            out[k] = [0, 1].map(|i| from[i] + share * (to[i] - from[i]));
+        }
+    }
+    out
+}
 
 /// The drive of a simulation: one row a sample.
 #[derive(Clone, Copy, Debug)]

@@ -27,6 +27,7 @@ pub use emulator::{Gain, GainError, emulate};
 pub(crate) use forcing::LANES;
 pub use friction::{Contact, contact};
 pub use fuzzy_dynamics::FuzzyDynamics;
+pub(crate) use input::every_other;
 pub use input::{BETWEEN_ROWS, Hold, Input, RunIn, SimulateError, Structure};
 pub use movement::{Movement, Reference, Segment};
 pub use recorder::{NoiseLevel, Recorder, record, record_disturbed};

@@ -128,7 +128,9 @@ impl Search<'_> {
         let shape = |j: usize| specs[j].kind == ParameterKind::Shape;
         let inside =
             (0..specs.len()).all(|j| !shape(j) || specs[j].whole || !fit.at_bound[first + j]);
-        let inside = inside && candidate.effect.is_itself(&fit.p[first..]);
+        let errors: Vec<f64> =
+            (first..fit.p.len()).map(|j| fit.covariance[(j, j)].sqrt()).collect();
+        let inside = inside && candidate.effect.is_itself(&fit.p[first..], &errors);
         let some = candidate.linear.is_empty()
             || candidate.linear.iter().any(|&j| !fit.at_bound[first + j]);
         let error = fit.covariance[(first, first)].sqrt();

@@ -9,6 +9,9 @@ use crate::diagnose::outcome::{Ranked, Step};
 use crate::diagnose::thresholds::THRESHOLDS;
 use crate::effects::Change;
 
+/// A fit with the squared errors of its held-out windows, where it can be simulated.
+type Held<'a> = (&'a WindowFit, &'a Option<Vec<f64>>);
+
 impl Search<'_> {
     /// The squared errors of held-out windows under models, in order: each fitted to the training recordings,
     /// or, without validation, to the other fold.
@@ -34,11 +37,34 @@ impl Search<'_> {
         Some((0..self.windows.windows.len()).map(|n| squares[fold(n)][n]).collect())
     }
 
-    fn fall(&self, before: &Option<Vec<f64>>, after: &Option<Vec<f64>>) -> Fall {
-        match (before, after) {
-            (Some(before), Some(after)) => fall_of(before, after),
-            _ => Fall::NONE,
+    /// The fall from one fit to another, each with its squared errors: by its mean over the windows, or by the
+    /// likelihood where the second explains all that the first leaves.
+    fn fall(&self, before: Held, after: Held) -> Fall {
+        let (Some(from), Some(to)) = (before.1, after.1) else { return Fall::NONE };
+        let fall = fall_of(from, to);
+        Fall { p_value: fall.p_value.min(self.explained(before.0, after.0)), ..fall }
+    }
+
+    /// Probability of held-out data as much likelier under the second fit, if the first were right; one unless
+    /// the first lies above the noise floor and the second at it. An effect that acts in a few windows (a
+    /// warm-up) lowers the error by far there and nowhere else, and a mean over all windows has a large error.
+    ///
+    /// ```text
+    /// p <= L(before)/L(after) = exp(-windows (rms_before^2 - rms_after^2)/(2 floor^2))
+    /// ```
+    /// The bound is Markov's inequality for a likelihood ratio whose models were fitted to other data; a window of
+    /// 2 s counts as one value, since its errors move together.
+    fn explained(&self, before: &WindowFit, after: &WindowFit) -> f64 {
+        let (from, to) = (self.shown(before), self.shown(after));
+        let limits = (THRESHOLDS.above_floor, THRESHOLDS.likely_above_floor);
+        if self.held.is_none() || limits.1 * from <= limits.0 * to {
+            return 1.0;
         }
+        let floor = self.judge.floor(&after.model, &after.p);
+        if from <= limits.0 * floor || to > limits.1 * floor {
+            return 1.0;
+        }
+        (-0.5 * self.judge.windows() * (from.powi(2) - to.powi(2)) / floor.powi(2)).exp()
     }
 
     fn passes(&self, fall: &Fall) -> bool {
@@ -69,8 +95,8 @@ impl Search<'_> {
                 Some(Step {
                     id: r.candidate.id.clone(),
                     fit: r.refit.clone()?,
-                    last: self.fall(&squares[n], &squares[n + 1]),
-                    total: self.fall(&squares[0], &squares[n + 1]),
+                    last: self.fall((fits[n], &squares[n]), (fits[n + 1], &squares[n + 1])),
+                    total: self.fall((base, &squares[0]), (fits[n + 1], &squares[n + 1])),
                     equals: equals.clone(),
                 })
             })
@@ -169,8 +195,8 @@ impl Search<'_> {
             let squares = self.held_out(&[&before, &next]);
             out.push(Step {
                 fit: next.clone(),
-                last: self.fall(&squares[0], &squares[1]),
-                total: self.fall(first, &squares[1]),
+                last: self.fall((&before, &squares[0]), (&next, &squares[1])),
+                total: self.fall((base, first), (&next, &squares[1])),
                 ..step.clone()
             });
             fits.push(next);
@@ -210,7 +236,9 @@ impl Search<'_> {
             .chain(ranking.iter().filter_map(|r| r.refit.as_ref()))
             .collect();
         let squares = self.held_out(&refits);
-        let falls: Vec<Fall> = squares[1..].iter().map(|s| self.fall(&squares[0], s)).collect();
+        let pairs = refits[1..].par_iter().zip(&squares[1..]);
+        let falls: Vec<Fall> =
+            pairs.map(|(fit, s)| self.fall((before, &squares[0]), (fit, s))).collect();
         let refitted = ranking.iter_mut().filter(|r| r.refit.is_some());
         refitted.zip(falls).for_each(|(r, fall)| r.fall = Some(fall));
         ranking

@@ -170,8 +170,11 @@ fn one_axis_stands_for_both_wheels() {
     assert_eq!(found(&g)[1..3], [("alpha1", "q", None), ("alpha2", "q", None)]);
 }
 
+/// A name with values as a function of time.
+type Input<'a> = (&'a str, fn(f64) -> f64);
+
 /// A log of wheels that turn both ways, with an input of the given shape for each name.
-fn driven(inputs: &[(&str, fn(f64) -> f64)], left: f64) -> Vec<PreviewColumn> {
+fn driven(inputs: &[Input], left: f64) -> Vec<PreviewColumn> {
     let t: Vec<f64> = (0..1000).map(|k| 0.01 * f64::from(k)).collect();
     let column = |name: &str, of: &dyn Fn(f64) -> f64| PreviewColumn {
         name: name.into(),
@@ -206,7 +209,7 @@ fn a_current_without_sign_gives_way_to_a_voltage_with_one() {
 
 #[test]
 fn wheels_that_turn_against_each_other_raise_a_question() {
-    let inputs: [(&str, fn(f64) -> f64); 2] = [("tau_r", f64::cos), ("tau_l", f64::cos)];
+    let inputs: [Input; 2] = [("tau_r", f64::cos), ("tau_l", f64::cos)];
     let asked = |left: f64| guess(&driven(&inputs, left)).questions.join(" ");
     assert!(asked(-1.0).contains("mirrored"), "{}", asked(-1.0));
     assert!(!asked(1.0).contains("mirrored"), "{}", asked(1.0));

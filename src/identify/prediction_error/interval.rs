@@ -5,8 +5,8 @@ use nalgebra::DMatrix;
 use super::descent::{Solution, part};
 use crate::identify::identifiability::inverse_where_known;
 use crate::identify::kalman::{HorizonFilter, Reading};
+use crate::identify::sampling::at_least;
 use crate::model::Model;
-use crate::simulate::BETWEEN_ROWS;
 
 /// Covariance of the estimated columns and its degrees of freedom.
 pub(super) struct Spread {
@@ -17,21 +17,20 @@ pub(super) struct Spread {
 /// The sandwich over blocks of some seconds.
 ///
 /// ```text
-/// C = H⁻¹ (Σ_b g_b g_b') H⁻¹ m/(m-1),   m blocks, m - p degrees of freedom
+/// C = H⁻¹ (Σ_b g_b g_b') H⁻¹ m/(m-p),   m blocks, p parameters, m - p degrees of freedom
 /// ```
-/// At T = 0 no variance is smaller than that of the likelihood, `H⁻¹ Σ e²/S / N`. With no more
-/// blocks than columns the likelihood is all there is.
+/// At T = 0 no variance is smaller than that of the likelihood, `H⁻¹ Σ e²/S / N`, and the factor is m/(m-1): the
+/// larger of two is taken already. With no more blocks than columns the likelihood is all there is.
 ///
-/// The input between its rows is not known. A straight line errs as the square of the interval, so
-/// of what halving the rate moves the solution by, a third is left at the whole rate; it is added
-/// as a standard deviation.
+/// The input between its rows is not known: no standard error is smaller than what halving its rate moves the
+/// solution by, the mean of both ways of doing so ([`at_least`]).
 ///
 /// Source: White, Econometrica 50 (1982); Liang and Zeger, Biometrika 73 (1986).
 pub(super) fn spread(solution: &Solution, filter: &HorizonFilter, model: &Model) -> Spread {
     let mut out = of_scores(solution);
-    if let Some(moved) = solution.moved_by(filter, model, Reading::HalfRate) {
-        let left = moved * BETWEEN_ROWS;
-        out.covariance += &left * left.transpose();
+    let moved = [0, 1].map(|phase| solution.moved_by(filter, model, Reading::HalfRate(phase)));
+    if let [Some(even), Some(odd)] = moved {
+        at_least(&mut out.covariance, &(0.5 * (even + odd)));
     }
     out
 }
@@ -51,7 +50,8 @@ fn of_scores(solution: &Solution) -> Spread {
     if degrees < 1.0 {
         return Spread { covariance: model, degrees: 1.0 };
     }
-    let sandwich = &inverse * middle * &inverse * (blocks / (blocks - 1.0));
+    let lost = if solution.horizon > 0.0 { n as f64 } else { 1.0 };
+    let sandwich = &inverse * middle * &inverse * (blocks / (blocks - lost));
     let stretch = |i: usize| {
         let ratio = model[(i, i)] / sandwich[(i, i)].max(f64::MIN_POSITIVE);
         if solution.horizon == 0.0 && ratio.is_finite() { ratio.max(1.0).sqrt() } else { 1.0 }

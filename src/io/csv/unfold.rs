@@ -5,6 +5,9 @@ use std::path::Path;
 use super::{Layout, by_place, value};
 use crate::io::IoError;
 
+/// Columns with their names.
+type Columns = Vec<(String, Vec<f64>)>;
+
 /// Rows that say whether a table has a row for each joint.
 const LOOKED_AT: usize = 64;
 /// The most joints of a robot that a log tells apart.
@@ -16,10 +19,7 @@ const JOINTS: usize = 16;
 ///
 /// # Errors
 /// A file that cannot be read.
-pub(in crate::io) fn unfold(
-    path: &Path,
-    layout: &Layout,
-) -> Result<Option<Vec<(String, Vec<f64>)>>, IoError> {
+pub(in crate::io) fn unfold(path: &Path, layout: &Layout) -> Result<Option<Columns>, IoError> {
     let Some((label, time)) = label_and_time(path, layout)? else { return Ok(None) };
     let texts = by_place(path, layout)?;
     let joints = distinct(texts[label].iter().map(String::as_str));

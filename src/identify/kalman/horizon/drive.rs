@@ -4,7 +4,7 @@ use super::Reading;
 use crate::identify::kalman::prepare::Prepared;
 use crate::model::Model;
 use crate::recording::Recording;
-use crate::simulate::{Ends, Hold};
+use crate::simulate::{Ends, Hold, every_other};
 
 /// Half width of the average of the input in derivatives [s], and its fewest rows: what a wheel's
 /// speed controller does takes longer.
@@ -34,8 +34,11 @@ impl Drive {
         let r = prepared.recording;
         let (whole, by_parameter) = model.drive_derivatives(r.t(), r.moment(), p);
         let acts = by_parameter.iter().any(|d| !d.is_empty());
-        let smooth = if reading == Reading::Noisy { whole.clone() } else { smoothed(&whole, r) };
-        let acting = if reading == Reading::HalfRate { at_half_rate(&whole, r) } else { whole };
+        let acting = match reading {
+            Reading::HalfRate(phase) => every_other(r, &whole, phase, Hold::Linear),
+            _ => whole,
+        };
+        let smooth = if reading == Reading::Noisy { acting.clone() } else { smoothed(&acting, r) };
         Self { acting, smooth, by_parameter, acts, hold, shift }
     }
 
@@ -70,17 +73,6 @@ fn smoothed(signal: &[[f64; 2]], recording: &Recording) -> Vec<[f64; 2]> {
             let reach = half.min(k - piece.start).min(piece.end - 1 - k);
             let around = &signal[k - reach..k + reach + 1];
             out[k] = [0, 1].map(|i| around.iter().map(|m| m[i]).sum::<f64>() / around.len() as f64);
-        }
-    }
-    out
-}
-
-/// A signal with every second row halfway between its neighbours.
-fn at_half_rate(signal: &[[f64; 2]], recording: &Recording) -> Vec<[f64; 2]> {
-    let mut out = signal.to_vec();
-    for piece in recording.pieces() {
-        for k in (piece.start + 1..piece.end.saturating_sub(1)).step_by(2) {
-            out[k] = [0, 1].map(|i| 0.5 * (signal[k - 1][i] + signal[k + 1][i]));
         }
     }
     out
