@@ -191,7 +191,7 @@ impl<'a> Search<'a> {
         self.shown(fit) > THRESHOLDS.above_floor * self.judge.floor(&fit.model, &fit.p)
     }
 
-    /// A ranking with the effects that have a second body refitted too; `None` where all of them are.
+    /// A ranking with the effects that have a second body refitted too, where one of them then comes first.
     fn with_second_bodies(&self, present: &WindowFit, ranking: &[Ranked]) -> Option<Vec<Ranked>> {
         let mut ranked = ranking.to_vec();
         let open: Vec<&mut Ranked> =
@@ -201,7 +201,7 @@ impl<'a> Search<'a> {
         }
         open.into_par_iter().for_each(|r| self.set_refit(present, r, None));
         self.order(&mut ranked);
-        Some(ranked)
+        ranked.first().is_some_and(is_two_mass).then_some(ranked)
     }
 
     /// Puts refitted candidates in order.

@@ -59,8 +59,10 @@ fn with_held(plan: &Plan, train: &[Recording], study: &Study) -> Model {
     if train.iter().all(Recording::is_single_axis) {
         return model;
     }
-    let preferred = study.reference.map(|k| &study.methods[k].estimates);
-    for e in preferred.into_iter().flatten().filter(|e| !e.identifiable) {
+    let estimates = study.reference_method().map_or(&[][..], |m| &m.estimates);
+    // a fit of which nothing is known holds nothing
+    let some = estimates.iter().any(|e| e.identifiable);
+    for e in estimates.iter().filter(|e| some && !e.identifiable) {
         model = model.fix(&e.symbol, e.value).unwrap_or(model);
     }
     model
