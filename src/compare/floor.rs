@@ -89,13 +89,41 @@ pub fn unresolved(
     motions: &[Vec<LocalMotion>],
     hold: Hold,
 ) -> Result<f64, SimulateError> {
-    let (mut sum, mut count) = (0.0, 0.0);
+    let square = |recording: &Recording, motion: &Vec<LocalMotion>| {
+        Ok(halved(dynamics, recording, motion, hold)?.window_rms.powi(2))
+    };
+    Ok(pooled(recordings, motions, square)? * BETWEEN_ROWS)
+}
+
+/// Root of the mean over all rows of a mean square of each recording.
+fn pooled(
+    recordings: &[Recording],
+    motions: &[Vec<LocalMotion>],
+    mut square: impl FnMut(&Recording, &Vec<LocalMotion>) -> Result<f64, SimulateError>,
+) -> Result<f64, SimulateError> {
+    let (mut sum, mut rows) = (0.0, 0.0);
     for (recording, motion) in recordings.iter().zip(motions) {
-        let Halved { window_rms, .. } = halved(dynamics, recording, motion, hold)?;
-        sum += recording.len() as f64 * window_rms.powi(2);
-        count += recording.len() as f64;
+        sum += recording.len() as f64 * square(recording, motion)?;
+        rows += recording.len() as f64;
     }
-    Ok((sum / f64::max(count, 1.0)).sqrt() * BETWEEN_ROWS)
+    Ok((sum / f64::max(rows, 1.0)).sqrt())
+}
+
+/// The floor of [`noise_floor`] over windows of all recordings [rad/s].
+///
+/// # Errors
+/// A model that cannot move.
+pub fn pooled_floor(
+    dynamics: &dyn Dynamics,
+    recordings: &[Recording],
+    motions: &[Vec<LocalMotion>],
+    hold: Hold,
+    seed: u64,
+) -> Result<f64, SimulateError> {
+    let square = |recording: &Recording, motion: &Vec<LocalMotion>| {
+        Ok(noise_floor(dynamics, recording, motion, hold, seed)?.window_rms.powi(2))
+    };
+    pooled(recordings, motions, square)
 }
 
 /// Root mean square difference over windows of 2 s [rad/s] that every other row of the input makes, less what
@@ -110,9 +138,8 @@ pub fn between_rows(
     motions: &[Vec<LocalMotion>],
     hold: Hold,
 ) -> Result<f64, SimulateError> {
-    let (mut sum, mut count) = (0.0, 0.0);
     let mut rng = ChaCha8Rng::seed_from_u64(0);
-    for (recording, motion) in recordings.iter().zip(motions) {
+    let square = |recording: &Recording, motion: &Vec<LocalMotion>| {
         let Halved { short, windows, window_rms } = halved(dynamics, recording, motion, hold)?;
         let mut noise = 0.0;
         for _ in 0..DRAWS {
@@ -122,11 +149,10 @@ pub fn between_rows(
             let pairs = drawn.iter().zip(&windows);
             noise += pairs.map(|(d, w)| spread(d, w, 0) + spread(d, w, 1)).sum::<f64>();
         }
-        let rows = recording.len() as f64;
-        sum += (rows * window_rms.powi(2) - 0.5 * noise / DRAWS as f64).max(0.0);
-        count += rows;
-    }
-    Ok((sum / f64::max(count, 1.0)).sqrt())
+        let noise = 0.5 * noise / DRAWS as f64 / recording.len() as f64;
+        Ok((window_rms.powi(2) - noise).max(0.0))
+    };
+    pooled(recordings, motions, square)
 }
 
 /// The windows of a recording under its input, and the root mean square difference that every other row of

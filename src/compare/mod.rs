@@ -11,7 +11,7 @@ mod whiteness;
 
 pub use error::{Simulated, angle_rms, ise, simulate_recording, window_errors, window_rms};
 pub(crate) use error::{WINDOW, start_of};
-pub use floor::{Floor, between_rows, noise_floor, noisier_drive, unresolved};
+pub use floor::{Floor, between_rows, noise_floor, noisier_drive, pooled_floor, unresolved};
 pub use horizon::{Horizon, fit_percent, horizons};
 pub use low_pass::{filtered, smooth_motion};
 pub use missing_moment::{

@@ -4,7 +4,7 @@ use super::fit::WindowFit;
 use super::outcome::Diagnosis;
 use super::verdict::{Errors, structure};
 use crate::compare::{
-    Dependence, WINDOW, between_rows, ise, missing_moment, noise_floor, simulate_recording,
+    Dependence, WINDOW, between_rows, ise, missing_moment, pooled_floor, simulate_recording,
     unresolved, window_rms,
 };
 use crate::identify::kalman::{Likelihood, prepare};
@@ -59,15 +59,7 @@ impl Judge {
     #[must_use]
     pub fn floor(&self, model: &Model, p: &[f64]) -> f64 {
         let dynamics = PhysicalDynamics { model: model.clone(), p: p.to_vec() };
-        let (mut sum, mut samples) = (0.0, 0.0);
-        for (recording, motion) in self.recordings.iter().zip(&self.motions) {
-            let Ok(floor) = noise_floor(&dynamics, recording, motion, self.hold, 0) else {
-                return 0.0;
-            };
-            sum += recording.len() as f64 * floor.window_rms.powi(2);
-            samples += recording.len() as f64;
-        }
-        (sum / f64::max(samples, 1.0)).sqrt()
+        pooled_floor(&dynamics, &self.recordings, &self.motions, self.hold, 0).unwrap_or(0.0)
     }
 
     /// Windows that the judged recordings have.

@@ -144,18 +144,13 @@ pub(super) fn read(path: &Path, layout: &Layout, names: &[String]) -> Result<Dat
 
 /// Every column, cells that are no numbers as NaN.
 pub(super) fn all(path: &Path, layout: &Layout) -> Result<Vec<(String, Vec<f64>)>, IoError> {
-    let wrong = |e: PolarsError| format_error(path, "CSV", &e);
-    let frame = finish(path, options(layout, true)).map_err(wrong)?;
     let comma = layout.separator != b',';
-    let cells = |column: &PolarsColumn| -> Result<Vec<f64>, IoError> {
-        let texts = column.str().map_err(wrong)?.iter();
-        Ok(texts.map(|c| value(c.unwrap_or_default(), comma).unwrap_or(f64::NAN)).collect())
-    };
-    let columns = layout.names.iter().zip(frame.columns());
-    columns.map(|(name, column)| Ok((name.clone(), cells(column)?))).collect()
+    let number = |cell: String| value(&cell, comma).unwrap_or(f64::NAN);
+    let columns = layout.names.iter().zip(by_place(path, layout)?);
+    Ok(columns.map(|(name, c)| (name.clone(), c.into_iter().map(number).collect())).collect())
 }
 
-/// The cells of every column as they stand, spaces around them left out; blank lines are none.
+/// The cells of every column as they stand, spaces around them left out.
 fn by_place(path: &Path, layout: &Layout) -> Result<Vec<Vec<String>>, IoError> {
     let wrong = |e: PolarsError| format_error(path, "CSV", &e);
     let frame = finish(path, options(layout, true)).map_err(wrong)?;

@@ -9,17 +9,27 @@ use crate::diagnose::outcome::{Ranked, Step};
 use crate::diagnose::thresholds::THRESHOLDS;
 use crate::effects::Change;
 
-/// A fit with the squared errors of its held-out windows, where it can be simulated.
-type Held<'a> = (&'a WindowFit, &'a Option<Vec<f64>>);
+/// A fit on recordings that nothing was fitted to.
+struct HeldOut<'a> {
+    fit: &'a WindowFit,
+    /// The squared errors of the windows, where they can be simulated.
+    squares: Option<Vec<f64>>,
+    /// The error that is shown [rad/s].
+    shown: f64,
+}
 
 impl Search<'_> {
-    /// The squared errors of held-out windows under models, in order: each fitted to the training recordings,
-    /// or, without validation, to the other fold.
-    fn held_out(&self, fits: &[&WindowFit]) -> Vec<Option<Vec<f64>>> {
-        match &self.held {
-            Some(held) => fits.par_iter().map(|f| held.squares(&f.model, &f.p)).collect(),
-            None => fits.par_iter().map(|f| self.crossed(f)).collect(),
-        }
+    /// The errors of held-out windows under models, in order: each fitted to the training recordings, or, without
+    /// validation, to the other fold.
+    fn held_out<'f>(&self, fits: &[&'f WindowFit]) -> Vec<HeldOut<'f>> {
+        let one = |fit: &&'f WindowFit| {
+            let squares = match &self.held {
+                Some(held) => held.squares(&fit.model, &fit.p),
+                None => self.crossed(fit),
+            };
+            HeldOut { fit, squares, shown: self.shown(fit) }
+        };
+        fits.par_iter().map(one).collect()
     }
 
     /// The squared errors of all training windows, each under the fit to the windows of the other fold.
@@ -37,12 +47,12 @@ impl Search<'_> {
         Some((0..self.windows.windows.len()).map(|n| squares[fold(n)][n]).collect())
     }
 
-    /// The fall from one fit to another, each with its squared errors: by its mean over the windows, or by the
-    /// likelihood where the second explains all that the first leaves.
-    fn fall(&self, before: Held, after: Held) -> Fall {
-        let (Some(from), Some(to)) = (before.1, after.1) else { return Fall::NONE };
+    /// The fall from one fit to another: by its mean over the windows, or by the likelihood where the second
+    /// explains all that the first leaves.
+    fn fall(&self, before: &HeldOut, after: &HeldOut) -> Fall {
+        let (Some(from), Some(to)) = (&before.squares, &after.squares) else { return Fall::NONE };
         let fall = fall_of(from, to);
-        Fall { p_value: fall.p_value.min(self.explained(before.0, after.0)), ..fall }
+        Fall { p_value: fall.p_value.min(self.explained(before, after)), ..fall }
     }
 
     /// Probability of held-out data as much likelier under the second fit, if the first were right; one unless
@@ -54,13 +64,13 @@ impl Search<'_> {
     /// ```
     /// The bound is Markov's inequality for a likelihood ratio whose models were fitted to other data; a window of
     /// 2 s counts as one value, since its errors move together.
-    fn explained(&self, before: &WindowFit, after: &WindowFit) -> f64 {
-        let (from, to) = (self.shown(before), self.shown(after));
+    fn explained(&self, before: &HeldOut, after: &HeldOut) -> f64 {
+        let (from, to) = (before.shown, after.shown);
         let limits = (THRESHOLDS.above_floor, THRESHOLDS.likely_above_floor);
         if self.held.is_none() || limits.1 * from <= limits.0 * to {
             return 1.0;
         }
-        let floor = self.judge.floor(&after.model, &after.p);
+        let floor = self.judge.floor(&after.fit.model, &after.fit.p);
         if from <= limits.0 * floor || to > limits.1 * floor {
             return 1.0;
         }
@@ -86,8 +96,9 @@ impl Search<'_> {
         let fits: Vec<&WindowFit> = std::iter::once(base)
             .chain(tried.iter().filter_map(|(r, _)| r.refit.as_ref()))
             .collect();
-        let squares = self.held_out(&fits);
-        let falling = self.falling(&fits);
+        let held_out = self.held_out(&fits);
+        let shown: Vec<f64> = held_out.iter().map(|h| h.shown).collect();
+        let falling = self.falling(&fits, &shown);
         let steps: Vec<Step> = tried
             .iter()
             .enumerate()
@@ -95,8 +106,8 @@ impl Search<'_> {
                 Some(Step {
                     id: r.candidate.id.clone(),
                     fit: r.refit.clone()?,
-                    last: self.fall((fits[n], &squares[n]), (fits[n + 1], &squares[n + 1])),
-                    total: self.fall((base, &squares[0]), (fits[n + 1], &squares[n + 1])),
+                    last: self.fall(&held_out[n], &held_out[n + 1]),
+                    total: self.fall(&held_out[0], &held_out[n + 1]),
                     equals: equals.clone(),
                 })
             })
@@ -181,6 +192,7 @@ impl Search<'_> {
         let mut out: Vec<Step> = Vec::new();
         let mut fits = vec![base.clone()];
         let first = &self.held_out(&[base])[0];
+        let mut shown = vec![first.shown];
         for step in steps {
             let before = fits.last().expect("the base is there");
             let e = step.fit.model.effects().iter().position(|effect| effect.id() == step.id);
@@ -192,20 +204,21 @@ impl Search<'_> {
             let Ok(model) = before.model.add_effect(effect) else { break };
             let start: Vec<f64> = before.p.iter().copied().chain(own).collect();
             let Some(next) = fit(&self.windows, &model, &start, &self.scale) else { break };
-            let squares = self.held_out(&[&before, &next]);
+            let held_out = self.held_out(&[&before, &next]);
             out.push(Step {
                 fit: next.clone(),
-                last: self.fall((&before, &squares[0]), (&next, &squares[1])),
-                total: self.fall((base, first), (&next, &squares[1])),
+                last: self.fall(&held_out[0], &held_out[1]),
+                total: self.fall(first, &held_out[1]),
                 ..step.clone()
             });
+            shown.push(held_out[1].shown);
             fits.push(next);
         }
-        out.truncate(self.falling(&fits.iter().collect::<Vec<_>>()));
+        out.truncate(self.falling(&fits.iter().collect::<Vec<_>>(), &shown));
         out
     }
 
-    /// How many steps follow each other from the first of `fits` whose error that is shown falls, each by
+    /// How many steps follow each other from the first of `fits` whose errors that are `shown` fall, each by
     /// more than the sampling of the input leaves open. A second body moves between the rows, as an input does
     /// that was not recorded there, and can take the place of all that [`Judge::between_rows`] allows.
     ///
@@ -214,8 +227,7 @@ impl Search<'_> {
     /// ```text
     /// rms_before² - rms_after² >= rms_unresolved²
     /// ```
-    fn falling(&self, fits: &[&WindowFit]) -> usize {
-        let shown: Vec<f64> = fits.iter().map(|f| self.shown(f)).collect();
+    fn falling(&self, fits: &[&WindowFit], shown: &[f64]) -> usize {
         let Some(last) = fits.last() else { return 0 };
         let open = self.judge.unresolved(&last.model, &last.p);
         let falls = |n: &usize| {
@@ -235,10 +247,9 @@ impl Search<'_> {
         let refits: Vec<&WindowFit> = std::iter::once(before)
             .chain(ranking.iter().filter_map(|r| r.refit.as_ref()))
             .collect();
-        let squares = self.held_out(&refits);
-        let pairs = refits[1..].par_iter().zip(&squares[1..]);
+        let held_out = self.held_out(&refits);
         let falls: Vec<Fall> =
-            pairs.map(|(fit, s)| self.fall((before, &squares[0]), (fit, s))).collect();
+            held_out[1..].par_iter().map(|after| self.fall(&held_out[0], after)).collect();
         let refitted = ranking.iter_mut().filter(|r| r.refit.is_some());
         refitted.zip(falls).for_each(|(r, fall)| r.fall = Some(fall));
         ranking
