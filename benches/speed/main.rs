@@ -309,6 +309,14 @@ fn ratios() {
     of_diagnosis(default);
 }
 
+/// The rows of the diagnosis and of the default fit alone.
+fn of_diagnosis_alone() {
+    println!("| what | over | ratio | time |\n|---|---|---:|---:|");
+    let fit_of_one = best(|| fit("prediction_error", std::slice::from_ref(&*RUN)));
+    row("fit by `prediction_error`, 25 s", "itself", fit_of_one, fit_of_one);
+    of_diagnosis(fit_of_one);
+}
+
 /// The rows of the fuzzy methods alone.
 fn fuzzy_ratios() {
     println!("| what | over | ratio | time |\n|---|---|---:|---:|");
@@ -385,6 +393,7 @@ fn main() {
     match filter.as_deref() {
         None | Some("ratios") => ratios(),
         Some("emulators") => fuzzy_ratios(),
+        Some("diagnosis") => of_diagnosis_alone(),
         Some(_) => (),
     }
 }

@@ -1,5 +1,7 @@
 //! The noise floor: the error that the right model would still have.
 
+use std::ops::Range;
+
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -21,15 +23,18 @@ pub struct Floor {
     pub window_rms: f64,
 }
 
-/// The error that remains for a perfect model: the noise of the measured speeds, what noise of the recorded
-/// torques (from differences) and of the starting state does to a simulation, and what the input does
+/// The error that remains for a perfect model: the noise of the measured speeds, what noise of the starting state
+/// does to a simulation, and what noise of the recorded torques (from differences) does, or what the input does
 /// between its rows, which nobody recorded.
 ///
 /// ```text
-/// floor = ∫ σ_w² dt + mean over 8 draws of ∫ (w(M + noise, x0 + noise) - w(M, x0))² dt
-///         + mean over both phases of ∫ (w(every other row of M) - w(M))² dt
+/// floor = ∫ σ_w² dt + mean over 8 draws of ∫ (w(M, x0 + noise) - w(M, x0))² dt
+///         + the larger of  mean over 8 draws of ∫ (w(M + noise, x0) - w(M, x0))² dt
+///                     and  mean over both phases of ∫ (w(every other row of M, x0) - w(M, x0))² dt
 /// ```
-/// `dynamics` stands for the right model; any model near it serves, since only the spread counts.
+/// Every other row of an input with independent noise differs from all of them by as much as that noise makes: the
+/// second has the first in it. `dynamics` stands for the right model; any model near it serves, since only the
+/// spread counts.
 ///
 /// # Errors
 /// A model that cannot move.
@@ -40,41 +45,16 @@ pub fn noise_floor(
     hold: Hold,
     seed: u64,
 ) -> Result<Floor, SimulateError> {
-    let noise = recording.noise();
-    let acting = Acting::new(dynamics, recording, recording.moment());
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let t = recording.t();
-    let (mut free, mut windows) = ([0.0; 2], 0.0);
-    let whole: Vec<_> = recording.pieces().to_vec();
-    let short: Vec<_> = whole.iter().flat_map(|p| windows_of(recording, p, WINDOW)).collect();
-    let mean_free = all(&acting, motion, &whole, hold, None)?;
-    let mean_windows = all(&acting, motion, &short, hold, None)?;
-    for _ in 0..DRAWS {
-        let moment = noisier_drive(recording, noise.moment, &mut rng);
-        let acting = Acting::new(dynamics, recording, &moment);
-        let drawn = all(&acting, motion, &whole, hold, Some(&mut rng))?;
-        for i in 0..2 {
-            let square = |k: usize| spread(&drawn[k], &mean_free[k], i);
-            for piece in &whole {
-                for k in piece.start + 1..piece.end {
-                    free[i] += 0.5 * (t[k] - t[k - 1]) * (square(k - 1) + square(k));
-                }
-            }
-        }
-        let drawn = all(&acting, motion, &short, hold, Some(&mut rng))?;
-        for (d, m) in drawn.iter().zip(&mean_windows) {
-            windows += spread(d, m, 0) + spread(d, m, 1);
-        }
-    }
-    let sampled = sampling(dynamics, recording, motion, hold, (&mean_free, &mean_windows))?;
-    let draws = DRAWS as f64;
-    let covered: f64 = whole.iter().map(|p| t[p.end - 1] - t[p.start]).sum();
-    let speed = noise.omega.map(|s| s * s);
-    let ise = [0, 1].map(|i| speed[i] * covered + free[i] / draws + sampled.ise[i]);
-    let variance = 0.5 * (speed[0] + speed[1])
-        + windows / draws / (2.0 * t.len() as f64)
-        + sampled.window_rms.powi(2);
-    Ok(Floor { ise, window_rms: variance.sqrt() })
+    let runs = Runs::new(dynamics, recording, motion, hold)?;
+    let input = runs.by_input_noise(&mut rng)?;
+    let start = runs.by_start_noise(&mut rng)?;
+    let half = runs.by_every_other_row()?;
+    let covered: f64 = recording.pieces().iter().map(|p| length(recording, p)).sum();
+    let speed = recording.noise().omega.map(|s| s * s);
+    let ise = [0, 1].map(|i| speed[i] * covered + start.ise[i] + input.ise[i].max(half.ise[i]));
+    let square = 0.5 * (speed[0] + speed[1]) + start.square + input.square.max(half.square);
+    Ok(Floor { ise, window_rms: square.sqrt() })
 }
 
 /// Root mean square error over windows of 2 s [rad/s] that a right model has on recordings because the input
@@ -90,23 +70,30 @@ pub fn unresolved(
     hold: Hold,
 ) -> Result<f64, SimulateError> {
     let square = |recording: &Recording, motion: &Vec<LocalMotion>| {
-        Ok(halved(dynamics, recording, motion, hold)?.window_rms.powi(2))
+        Ok(Runs::new(dynamics, recording, motion, hold)?.by_every_other_row()?.square)
     };
     Ok(pooled(recordings, motions, square)? * BETWEEN_ROWS)
 }
 
-/// Root of the mean over all rows of a mean square of each recording.
-fn pooled(
+/// Root mean square difference over windows of 2 s [rad/s] that every other row of the input makes, less what
+/// noise of the recorded input has in it: rows left out move a sum of independent errors as much as the errors
+/// themselves do.
+///
+/// # Errors
+/// A model that cannot move.
+pub fn between_rows(
+    dynamics: &dyn Dynamics,
     recordings: &[Recording],
     motions: &[Vec<LocalMotion>],
-    mut square: impl FnMut(&Recording, &Vec<LocalMotion>) -> Result<f64, SimulateError>,
+    hold: Hold,
 ) -> Result<f64, SimulateError> {
-    let (mut sum, mut rows) = (0.0, 0.0);
-    for (recording, motion) in recordings.iter().zip(motions) {
-        sum += recording.len() as f64 * square(recording, motion)?;
-        rows += recording.len() as f64;
-    }
-    Ok((sum / f64::max(rows, 1.0)).sqrt())
+    let mut rng = ChaCha8Rng::seed_from_u64(0);
+    let square = |recording: &Recording, motion: &Vec<LocalMotion>| {
+        let runs = Runs::new(dynamics, recording, motion, hold)?;
+        let noise = runs.by_input_noise(&mut rng)?.square;
+        Ok((runs.by_every_other_row()?.square - noise).max(0.0))
+    };
+    pooled(recordings, motions, square)
 }
 
 /// The floor of [`noise_floor`] over windows of all recordings [rad/s].
@@ -126,89 +113,122 @@ pub fn pooled_floor(
     pooled(recordings, motions, square)
 }
 
-/// Root mean square difference over windows of 2 s [rad/s] that every other row of the input makes, less what
-/// noise of the recorded input has in it: rows left out move a sum of independent errors as much as the errors
-/// themselves do.
-///
-/// # Errors
-/// A model that cannot move.
-pub fn between_rows(
-    dynamics: &dyn Dynamics,
+/// Root of the mean over all rows of a mean square of each recording.
+fn pooled(
     recordings: &[Recording],
     motions: &[Vec<LocalMotion>],
-    hold: Hold,
+    mut square: impl FnMut(&Recording, &Vec<LocalMotion>) -> Result<f64, SimulateError>,
 ) -> Result<f64, SimulateError> {
-    let mut rng = ChaCha8Rng::seed_from_u64(0);
-    let square = |recording: &Recording, motion: &Vec<LocalMotion>| {
-        let Halved { short, windows, window_rms } = halved(dynamics, recording, motion, hold)?;
-        let mut noise = 0.0;
-        for _ in 0..DRAWS {
-            let moment = noisier_drive(recording, recording.noise().moment, &mut rng);
-            let noisy = Acting::new(dynamics, recording, &moment);
-            let drawn = all(&noisy, motion, &short, hold, None)?;
-            let pairs = drawn.iter().zip(&windows);
-            noise += pairs.map(|(d, w)| spread(d, w, 0) + spread(d, w, 1)).sum::<f64>();
-        }
-        let noise = 0.5 * noise / DRAWS as f64 / recording.len() as f64;
-        Ok((window_rms.powi(2) - noise).max(0.0))
-    };
-    pooled(recordings, motions, square)
-}
-
-/// The windows of a recording under its input, and the root mean square difference that every other row of
-/// the input makes there.
-struct Halved {
-    short: Vec<std::ops::Range<usize>>,
-    windows: Vec<State>,
-    window_rms: f64,
-}
-
-fn halved(
-    dynamics: &dyn Dynamics,
-    recording: &Recording,
-    motion: &[LocalMotion],
-    hold: Hold,
-) -> Result<Halved, SimulateError> {
-    let acting = Acting::new(dynamics, recording, recording.moment());
-    let whole = recording.pieces();
-    let short: Vec<_> = whole.iter().flat_map(|p| windows_of(recording, p, WINDOW)).collect();
-    let free = all(&acting, motion, whole, hold, None)?;
-    let windows = all(&acting, motion, &short, hold, None)?;
-    let Floor { window_rms, .. } = sampling(dynamics, recording, motion, hold, (&free, &windows))?;
-    Ok(Halved { short, windows, window_rms })
-}
-
-/// What is not known of the input between its rows: the difference that every other row makes, the mean
-/// over both ways of leaving rows out.
-fn sampling(
-    dynamics: &dyn Dynamics,
-    recording: &Recording,
-    motion: &[LocalMotion],
-    hold: Hold,
-    whole_rate: (&[State], &[State]),
-) -> Result<Floor, SimulateError> {
-    let (t, whole) = (recording.t(), recording.pieces().to_vec());
-    let short: Vec<_> = whole.iter().flat_map(|p| windows_of(recording, p, WINDOW)).collect();
-    let (mut ise, mut windows) = ([0.0; 2], 0.0);
-    for phase in 0..2 {
-        let moment = every_other(recording, recording.moment(), phase, hold);
-        let acting = Acting::new(dynamics, recording, &moment);
-        let free = all(&acting, motion, &whole, hold, None)?;
-        for i in 0..2 {
-            let square = |k: usize| spread(&free[k], &whole_rate.0[k], i);
-            for piece in &whole {
-                let rows = piece.start + 1..piece.end;
-                ise[i] += rows
-                    .map(|k| 0.25 * (t[k] - t[k - 1]) * (square(k - 1) + square(k)))
-                    .sum::<f64>();
-            }
-        }
-        let half = all(&acting, motion, &short, hold, None)?;
-        for (h, w) in half.iter().zip(whole_rate.1) {
-            windows += spread(h, w, 0) + spread(h, w, 1);
-        }
+    let (mut sum, mut rows) = (0.0, 0.0);
+    for (recording, motion) in recordings.iter().zip(motions) {
+        sum += recording.len() as f64 * square(recording, motion)?;
+        rows += recording.len() as f64;
     }
-    Ok(Floor { ise, window_rms: (windows / (4.0 * t.len() as f64)).sqrt() })
+    Ok((sum / f64::max(rows, 1.0)).sqrt())
+}
+
+/// Simulations of a recording with an input or a start that differ from those recorded.
+struct Runs<'a> {
+    dynamics: &'a dyn Dynamics,
+    recording: &'a Recording,
+    motion: &'a [LocalMotion],
+    hold: Hold,
+    /// Rows of the windows of 2 s.
+    short: Vec<Range<usize>>,
+    /// The run as recorded.
+    plain: Run,
+}
+
+/// The states of a free simulation and of windows of 2 s.
+struct Run {
+    free: Vec<State>,
+    windows: Vec<State>,
+}
+
+/// How far runs are from the one as recorded.
+#[derive(Clone, Copy, Default)]
+struct Apart {
+    /// Of the free simulation, per wheel [rad^2/s].
+    ise: [f64; 2],
+    /// Of the windows, mean over rows and wheels [rad^2/s^2].
+    square: f64,
+}
+
+impl<'a> Runs<'a> {
+    fn new(
+        dynamics: &'a dyn Dynamics,
+        recording: &'a Recording,
+        motion: &'a [LocalMotion],
+        hold: Hold,
+    ) -> Result<Self, SimulateError> {
+        let whole = recording.pieces().iter();
+        let short = whole.flat_map(|p| windows_of(recording, p, WINDOW)).collect();
+        let plain = Run { free: vec![], windows: vec![] };
+        let mut runs = Self { dynamics, recording, motion, hold, short, plain };
+        runs.plain = runs.run(recording.moment(), None)?;
+        Ok(runs)
+    }
+
+    fn run(
+        &self,
+        moment: &[[f64; 2]],
+        mut rng: Option<&mut ChaCha8Rng>,
+    ) -> Result<Run, SimulateError> {
+        let acting = Acting::new(self.dynamics, self.recording, moment);
+        let whole = self.recording.pieces();
+        let free = all(&acting, self.motion, whole, self.hold, rng.as_deref_mut())?;
+        let windows = all(&acting, self.motion, &self.short, self.hold, rng)?;
+        Ok(Run { free, windows })
+    }
+
+    /// The mean over draws of noise of the recorded input.
+    fn by_input_noise(&self, rng: &mut ChaCha8Rng) -> Result<Apart, SimulateError> {
+        let sigma = self.recording.noise().moment;
+        self.mean(DRAWS, |_| self.run(&noisier_drive(self.recording, sigma, rng), None))
+    }
+
+    /// The mean over draws of noise of the starting states.
+    fn by_start_noise(&self, rng: &mut ChaCha8Rng) -> Result<Apart, SimulateError> {
+        self.mean(DRAWS, |_| self.run(self.recording.moment(), Some(rng)))
+    }
+
+    /// The mean over both ways of leaving out every other row of the input: what is not known of it between its
+    /// rows.
+    fn by_every_other_row(&self) -> Result<Apart, SimulateError> {
+        let halved = |phase| every_other(self.recording, self.recording.moment(), phase, self.hold);
+        self.mean(2, |phase| self.run(&halved(phase), None))
+    }
+
+    fn mean(
+        &self,
+        count: usize,
+        mut run: impl FnMut(usize) -> Result<Run, SimulateError>,
+    ) -> Result<Apart, SimulateError> {
+        let mut sum = Apart::default();
+        for n in 0..count {
+            let one = self.apart(&run(n)?);
+            sum.ise = [0, 1].map(|i| sum.ise[i] + one.ise[i]);
+            sum.square += one.square;
+        }
+        let share = 1.0 / count as f64;
+        Ok(Apart { ise: sum.ise.map(|v| share * v), square: share * sum.square })
+    }
+
+    fn apart(&self, run: &Run) -> Apart {
+        let t = self.recording.t();
+        let ise = [0, 1].map(|i| {
+            let square = |k: usize| spread(&run.free[k], &self.plain.free[k], i);
+            let rows = self.recording.pieces().iter().flat_map(|p| p.start + 1..p.end);
+            rows.map(|k| 0.5 * (t[k] - t[k - 1]) * (square(k - 1) + square(k))).sum()
+        });
+        let pairs = run.windows.iter().zip(&self.plain.windows);
+        let sum: f64 = pairs.map(|(a, b)| spread(a, b, 0) + spread(a, b, 1)).sum();
+        Apart { ise, square: sum / (2.0 * t.len() as f64) }
+    }
+}
+
+fn length(recording: &Recording, piece: &Range<usize>) -> f64 {
+    recording.t()[piece.end - 1] - recording.t()[piece.start]
 }
 
 fn spread(a: &State, b: &State, i: usize) -> f64 {
@@ -239,7 +259,7 @@ fn normal(rng: &mut ChaCha8Rng) -> f64 {
 fn all(
     acting: &Acting,
     motion: &[LocalMotion],
-    ranges: &[std::ops::Range<usize>],
+    ranges: &[Range<usize>],
     hold: Hold,
     mut rng: Option<&mut ChaCha8Rng>,
 ) -> Result<Vec<State>, SimulateError> {
@@ -264,4 +284,41 @@ fn all(
         out.extend(acting.simulate(motion, range.clone(), first, hold)?);
     }
     Ok(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::error::{simulate_recording, window_rms};
+    use super::*;
+    use crate::model::Model;
+    use crate::robot::Robot;
+    use crate::simulate::{Movement, NoiseLevel, PhysicalDynamics, Recorder, record};
+
+    #[test]
+    fn the_floor_is_the_error_of_the_true_parameters() {
+        let model = Model::base(Robot::amigobot());
+        let p = model.initial();
+        let dynamics = PhysicalDynamics { model: model.clone(), p: p.clone() };
+        // speeds that are noisier than the torques make them, and the other way round
+        for (dalpha, moment) in [(0.05, 1e-4), (0.002, 0.02)] {
+            let (mut error, mut floor) = (0.0, 0.0);
+            for seed in 0..8 {
+                let movement = Movement::rich(model.robot(), seed, 20.0, 12.0);
+                let noise = NoiseLevel { alpha: 1e-4, dalpha, moment };
+                let recorder =
+                    Recorder { rate: 200.0, control_rate: 1000.0, noise, ticks: None, seed };
+                let recording = record("true", &model, &p, &movement, &recorder).unwrap();
+                let motion = recording.local_motion();
+                let run = simulate_recording(&dynamics, &recording, &motion, Hold::Linear).unwrap();
+                error += window_rms(&recording, &run.windows).powi(2);
+                let found =
+                    noise_floor(&dynamics, &recording, &motion, Hold::Linear, seed).unwrap();
+                floor += found.window_rms.powi(2);
+            }
+            let ratio = (error / floor).sqrt();
+            // eighty windows of two wheels, whose errors follow the noise of the input like a random walk, leave
+            // 8 % of the root; the sampling of the input stands in the floor with more than it does
+            assert!((0.75..1.15).contains(&ratio), "{dalpha} {moment}: {ratio}");
+        }
+    }
 }

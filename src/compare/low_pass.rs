@@ -1,6 +1,8 @@
 //! Signals of a recording behind a low-pass without phase shift.
 
-use crate::math::filter::{butterworth, filter_zero_phase};
+use nalgebra::Vector2;
+
+use crate::math::filter::{Extension, butterworth, filter_both_ways, reflected};
 use crate::recording::{LocalMotion, Recording};
 
 /// Order of the low-pass; it is applied forwards and backwards.
@@ -12,12 +14,13 @@ const ORDER: usize = 2;
 pub fn filtered(r: &Recording, cutoff: f64, signal: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut out = signal.to_vec();
     let Ok(sections) = butterworth(ORDER, cutoff, 1.0 / r.step()) else { return out };
+    let edge = reflected(&sections);
     for piece in r.pieces() {
-        for i in 0..2 {
-            let column: Vec<f64> = piece.clone().map(|k| signal[k][i]).collect();
-            if let Ok(passed) = filter_zero_phase(&sections, &column) {
-                piece.clone().zip(passed).for_each(|(k, v)| out[k][i] = v);
-            }
+        let both: Vec<Vector2<f64>> =
+            signal[piece.clone()].iter().map(|v| Vector2::from(*v)).collect();
+        if both.len() > edge && both.iter().all(|v| v.iter().all(|v| v.is_finite())) {
+            let passed = filter_both_ways(&sections, &both, edge, Extension::Odd);
+            out[piece.clone()].iter_mut().zip(passed).for_each(|(v, p)| *v = p.into());
         }
     }
     out

@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use super::joint::{Around, Forces, coupling, joint_signal};
 use super::signals::signals;
-use crate::effects::{Change, Coupling, DIRECTIONS, Effect, Motion, ParameterKind, Scale, along};
+use crate::effects::{
+    Change, Coupling, DIRECTIONS, Effect, Jet, MOST_PARAMETERS, Motion, ParameterKind, Scale, along,
+};
 use crate::identify::kalman::{Instant, clarity};
 use crate::math::{Real, sgn};
 use crate::model::Model;
@@ -274,16 +276,36 @@ impl Candidate {
                 let (a, b) = (signal[at.sample], signal[(at.sample + 1).min(signal.len() - 1)]);
                 out[0] = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
             }
-            Form::Instant => {
-                let mut p = [0.0; 8];
-                p[..self.p.len()].copy_from_slice(&self.p);
-                for (column, &j) in out.iter_mut().zip(&self.linear) {
-                    p[j] = 1.0;
-                    let terms = self.effect.terms(&at.motion, &p[..self.p.len()]);
-                    *column = terms.moment(&at.acceleration, sign).map(|v| -v);
-                    p[j] = 0.0;
-                }
-            }
+            Form::Instant if self.linear.len() > 2 => self.by_derivative(at, sign, out),
+            Form::Instant => self.by_units(at, sign, out),
+        }
+    }
+
+    /// The columns by the effect with one linear parameter at one and the others at zero.
+    fn by_units(&self, at: &Instant, sign: &[f64; 4], out: &mut [[f64; 2]]) {
+        let mut p = [0.0; MOST_PARAMETERS];
+        p[..self.p.len()].copy_from_slice(&self.p);
+        for (column, &j) in out.iter_mut().zip(&self.linear) {
+            p[j] = 1.0;
+            let terms = self.effect.terms(&at.motion, &p[..self.p.len()]);
+            *column = terms.moment(&at.acceleration, sign).map(|v| -v);
+            p[j] = 0.0;
+        }
+    }
+
+    /// The same by the derivatives, which need the effect once: cheaper from three columns on.
+    fn by_derivative(&self, at: &Instant, sign: &[f64; 4], out: &mut [[f64; 2]]) {
+        let mut p = [Jet::constant(0.0); MOST_PARAMETERS];
+        p.iter_mut().zip(&self.p).for_each(|(jet, value)| jet.value = *value);
+        for &j in &self.linear {
+            p[j] = Jet::variable(0.0, j);
+        }
+        let Motion { t, alpha, omega, variance, robot } = at.motion;
+        let (alpha, omega) = (alpha.map(Jet::constant), omega.map(Jet::constant));
+        let x = Motion { t: Jet::constant(t), alpha, omega, variance, robot };
+        let moment = self.effect.terms_jet(&x, &p[..self.p.len()]).moment(&at.acceleration, sign);
+        for (column, &j) in out.iter_mut().zip(&self.linear) {
+            *column = [0, 1].map(|i| -moment[i].partial[j]);
         }
     }
 }

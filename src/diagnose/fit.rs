@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::windows::{Sums, Windows, bounds};
+use super::windows::{Sums, Windows, bounds, quadratic_of};
 use crate::effects::Scale;
 use crate::math::descent::{MinimiseOptions, minimise};
 use crate::model::Model;
@@ -57,16 +57,20 @@ pub fn fit(windows: &Windows, model: &Model, start: &[f64], scale: &Scale) -> Op
         upper: Some(upper.clone()),
         ..MinimiseOptions::default()
     };
-    let minimum = minimise(
-        &first,
-        |x| windows.quadratic(model, &place(x), &free),
-        |x| windows.cost(model, &place(x)),
-        &options,
-    );
+    // the sums of the lowest cost so far, of which the covariance is made
+    let mut lowest: (f64, Vec<Sums>) = (f64::INFINITY, vec![]);
+    let evaluate = |x: &DVector<f64>| {
+        let sums = windows.sums(model, &place(x), &free)?;
+        let quadratic = quadratic_of(&sums, free.len())?;
+        if quadratic.cost < lowest.0 {
+            lowest = (quadratic.cost, sums);
+        }
+        Some(quadratic)
+    };
+    let minimum = minimise(&first, evaluate, |x| windows.cost(model, &place(x)), &options);
     minimum.cost.is_finite().then_some(())?;
     let p = place(&minimum.x);
-    let sums = windows.sums(model, &p, &free)?;
-    let cost = 0.5 * sums.iter().map(|s| s.square).sum::<f64>();
+    let (cost, sums) = lowest;
     let covariance = sandwich(&sums, &free, p.len());
     let edge = |n: usize| minimum.x[n] <= lower[n] || minimum.x[n] >= upper[n];
     let mut at_bound = vec![false; p.len()];

@@ -62,10 +62,11 @@ impl Judge {
         pooled_floor(&dynamics, &self.recordings, &self.motions, self.hold, 0).unwrap_or(0.0)
     }
 
-    /// Windows that the judged recordings have.
+    /// Windows that the judged recordings have, each wheel for itself; one axis written down twice is one wheel.
     #[must_use]
-    pub fn windows(&self) -> f64 {
-        self.recordings.iter().map(|r| r.duration() / WINDOW).sum()
+    pub fn values(&self) -> f64 {
+        let wheels = |r: &Recording| if r.is_single_axis() { 1.0 } else { 2.0 };
+        self.recordings.iter().map(|r| wheels(r) * r.duration() / WINDOW).sum()
     }
 
     /// Smallest change of the error over windows that the sampling of the input resolves [rad/s]; zero

@@ -200,7 +200,7 @@ impl<'a> Regression<'a> {
     }
 
     fn left_by_base(&self, signal: &DVector<f64>) -> DVector<f64> {
-        signal - &self.basis * (self.basis.transpose() * signal)
+        signal - &self.basis * self.basis.tr_mul(signal)
     }
 
     /// Residual sum of squares of the base.
@@ -285,14 +285,14 @@ impl<'a> Regression<'a> {
     fn regress(&self, candidate: &Candidate, columns: &DMatrix<f64>) -> (f64, Vec<f64>) {
         let count = columns.ncols();
         let none = (0.0, vec![0.0; count]);
-        let left = columns - &self.basis * (self.basis.transpose() * columns);
+        let left = columns - &self.basis * self.basis.tr_mul(columns);
         let seen = |n: usize| left.column(n).norm() > COLLINEAR * columns.column(n).norm();
         if !(0..count).all(seen) {
             return none;
         }
         // columns of a candidate stand on the side of the input, the base on that of the motion
-        let h = left.transpose() * &left;
-        let g = left.transpose() * &self.residual * -1.0;
+        let h = left.tr_mul(&left);
+        let g = left.tr_mul(&self.residual) * -1.0;
         let bounded: Vec<bool> = (0..count).map(|n| candidate.not_negative(n)).collect();
         let (solution, gain) = nonnegative::solve(&h, &g, &bounded);
         let before = self.residual_square();

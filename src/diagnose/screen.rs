@@ -35,9 +35,39 @@ pub struct Screen<'a> {
 struct Rows {
     weight: Vec<[f64; 2]>,
     error: Vec<[f64; 2]>,
-    psi: Vec<[Vec<f64>; 2]>,
+    /// Derivatives of row k and wheel i, from place `(2 k + i) base` on.
+    psi: Vec<f64>,
     still: Vec<[bool; 2]>,
     start: [f64; 2],
+}
+
+/// Sums over rows, for the lower rows of the information alone: those above are known.
+struct Sums {
+    /// First row that is summed, and number of columns.
+    first: usize,
+    columns: usize,
+    /// Rows `first..columns`, one after the other.
+    information: Vec<f64>,
+    score: Vec<f64>,
+    square: f64,
+}
+
+impl Sums {
+    fn new(first: usize, columns: usize) -> Self {
+        let information = vec![0.0; (columns - first) * columns];
+        Self { first, columns, information, score: vec![0.0; columns], square: 0.0 }
+    }
+
+    /// Adds `weight` times the products of a row `psi` and its error.
+    fn add(&mut self, weight: f64, error: f64, psi: &[f64]) {
+        self.square += weight * error * error;
+        let lower = self.information.chunks_exact_mut(self.columns);
+        for (a, row) in (self.first..).zip(lower) {
+            let weighted = weight * psi[a];
+            self.score[a] += weighted * error;
+            row[..=a].iter_mut().zip(psi).for_each(|(sum, value)| *sum += weighted * value);
+        }
+    }
 }
 
 impl<'a> Screen<'a> {
@@ -59,7 +89,7 @@ impl<'a> Screen<'a> {
                 weight: windows.weights(window),
                 error: row.iter().map(|r| r.error).collect(),
                 still: row.iter().map(|r| r.still).collect(),
-                psi: row.into_iter().map(|r| r.psi).collect(),
+                psi: row.into_iter().flat_map(|r| r.psi).flatten().collect(),
                 start: Windows::start_weight(window),
             })
             .collect();
@@ -80,16 +110,16 @@ impl<'a> Screen<'a> {
 
     /// Information, score and squared error over the base and the columns of a candidate.
     fn sums(&self, candidate: Option<&Candidate>) -> (DMatrix<f64>, DVector<f64>, f64) {
-        let own = candidate.map_or(0, Candidate::columns);
-        let n = self.base + own;
-        let mut h = DMatrix::zeros(n, n);
-        let mut g = DVector::zeros(n);
-        let mut square = 0.0;
-        let mut row = vec![0.0; n];
+        let (base, own) = (self.base, candidate.map_or(0, Candidate::columns));
+        let n = base + own;
+        // the base among itself is known but for the first time
+        let mut sums = Sums::new(if own == 0 { 0 } else { base }, n);
         for (rows, window) in self.rows.iter().zip(&self.windows.windows) {
-            let moved = candidate.map(|c| self.integrals(c, window.recording, &window.rows, rows));
+            let moved = candidate
+                .map_or(vec![], |c| self.integrals(c, window.recording, window.rows.start, rows));
             for i in 0..2 {
-                let (mut weights, mut error, mut mean) = (1.0 * rows.start[i], 0.0, vec![0.0; n]);
+                let mut psi = vec![0.0; n];
+                let (mut weights, mut error, mut mean) = (rows.start[i], 0.0, vec![0.0; n]);
                 let mut lasts = true;
                 for k in 0..rows.error.len() {
                     lasts &= !rows.still[k][i];
@@ -97,55 +127,50 @@ impl<'a> Screen<'a> {
                     if w == 0.0 {
                         continue;
                     }
-                    row[..self.base].copy_from_slice(&rows.psi[k][i]);
-                    if let Some(moved) = &moved {
-                        for c in 0..own {
-                            row[self.base + c] = moved[k][c][i];
-                        }
-                    }
+                    psi[..base].copy_from_slice(&rows.psi[(2 * k + i) * base..][..base]);
+                    let columns = moved.iter().skip(k * own).map(|column| column[i]);
+                    psi[base..].iter_mut().zip(columns).for_each(|(p, column)| *p = column);
                     let e = rows.error[k][i];
-                    square += w * e * e;
-                    // the base among itself is known but for the first time
-                    let first = if own == 0 { 0 } else { self.base };
-                    for a in first..n {
-                        let weighted = w * row[a];
-                        g[a] += weighted * e;
-                        for b in 0..=a {
-                            h[(a, b)] += weighted * row[b];
-                        }
-                    }
+                    sums.add(w, e, &psi);
                     if lasts {
                         weights += w;
                         error += w * e;
-                        mean.iter_mut().zip(&row).for_each(|(m, r)| *m += w * r);
+                        mean.iter_mut().zip(&psi).for_each(|(m, p)| *m += w * p);
                     }
                 }
-                square -= error * error / weights;
-                let first = if own == 0 { 0 } else { self.base };
-                for a in first..n {
-                    g[a] -= mean[a] * error / weights;
-                    for b in 0..=a {
-                        h[(a, b)] -= mean[a] * mean[b] / weights;
-                    }
-                }
+                // what a constant of the window explains
+                let share = 1.0 / weights;
+                mean.iter_mut().for_each(|m| *m *= share);
+                sums.add(-weights, error * share, &mean);
             }
         }
-        if own > 0 {
+        self.completed(sums)
+    }
+
+    /// The whole information and score.
+    fn completed(&self, sums: Sums) -> (DMatrix<f64>, DVector<f64>, f64) {
+        let n = sums.columns;
+        let (mut h, mut g) = (DMatrix::zeros(n, n), DVector::from_vec(sums.score));
+        for (a, row) in (sums.first..).zip(sums.information.chunks_exact(n)) {
+            (0..=a).for_each(|b| h[(a, b)] = row[b]);
+        }
+        if sums.first > 0 {
             h.view_mut((0, 0), (self.base, self.base)).copy_from(&self.information);
             g.rows_mut(0, self.base).copy_from(&self.score);
         }
         h.fill_upper_triangle_with_lower_triangle();
-        (h, g, square)
+        (h, g, sums.square)
     }
 
-    /// What a torque of one in each column adds to the simulated speeds since the window's start.
+    /// What a torque of one in each column adds to the simulated speeds since the window's start, columns of
+    /// row k from place `k columns` on.
     fn integrals(
         &self,
         candidate: &Candidate,
         recording: usize,
-        range: &std::ops::Range<usize>,
+        first: usize,
         rows: &Rows,
-    ) -> Vec<Vec<[f64; 2]>> {
+    ) -> Vec<[f64; 2]> {
         let count = candidate.columns();
         let r = self.windows.recordings[recording];
         let motion: &[LocalMotion] = &self.windows.motions[recording];
@@ -153,22 +178,21 @@ impl<'a> Screen<'a> {
         let mut before = vec![[0.0; 2]; count];
         let mut now = vec![[0.0; 2]; count];
         let mut speed = vec![[0.0; 2]; count];
-        let mut out = Vec::with_capacity(range.len());
-        for (n, k) in range.clone().enumerate() {
+        let mut out = Vec::with_capacity(rows.still.len() * count);
+        for (n, still) in rows.still.iter().enumerate() {
+            let k = first + n;
             let at = still_instant(self.model, r, k, &motion[k]);
             candidate.torque_at_row(recording, &at, &mut now);
-            let still = rows.still[n];
-            for c in 0..count {
-                if n > 0 {
+            if n > 0 {
+                let h = t[k] - t[k - 1];
+                for c in 0..count {
                     let mean = [0, 1].map(|i| 0.5 * (before[c][i] + now[c][i]));
-                    let h = t[k] - t[k - 1];
-                    let rate = self.accelerate(mean, still);
-                    for i in 0..2 {
-                        speed[c][i] = if still[i] { 0.0 } else { speed[c][i] + h * rate[i] };
-                    }
+                    let rate = self.accelerate(mean, *still);
+                    let moving = |i: usize| if still[i] { 0.0 } else { speed[c][i] + h * rate[i] };
+                    speed[c] = [0, 1].map(moving);
                 }
             }
-            out.push(speed.clone());
+            out.extend_from_slice(&speed);
             std::mem::swap(&mut before, &mut now);
         }
         out

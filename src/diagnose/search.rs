@@ -119,10 +119,10 @@ impl<'a> Search<'a> {
         let mobility = mobility(model, &start);
         let cutoff = cutoff(&train, mobility);
         let scale = scale_of(model, &start, &train, cutoff);
-        let windows = Windows::new(train, data.hold, mobility);
+        let windows = Windows::new(train, data.hold, mobility).sampled(model, &start);
         let validation: Vec<&Recording> = data.validation.iter().collect();
-        let held =
-            (!validation.is_empty()).then(|| Windows::new(validation.clone(), data.hold, mobility));
+        let held = (!validation.is_empty())
+            .then(|| Windows::new(validation, data.hold, mobility).sampled(model, &start));
         let judged = if data.validation.is_empty() { data.train } else { data.validation };
         let judge = Judge::new(judged.to_vec(), data.hold);
         let step = scale.step;

@@ -5,8 +5,8 @@ use crate::effects::Scale;
 use crate::identify::{Task, start};
 use crate::model::Model;
 use crate::recording::{Channels, DriveUnit, Recording};
-use crate::robot::Robot;
-use crate::simulate::{Hold, Movement, NoiseLevel, Recorder, record};
+use crate::robot::{Robot, State};
+use crate::simulate::{Hold, Input, Movement, NoiseLevel, Recorder, record, simulate};
 
 const NOISE: NoiseLevel = NoiseLevel { alpha: 5e-4, dalpha: 0.02, moment: 0.002 };
 
@@ -143,6 +143,54 @@ fn friction_that_decides_the_motion_is_not_taken_for_a_shift_of_the_input() {
     let found = timing(&model, &first, &[&recording], Hold::Linear).unwrap();
     // a twentieth of a row is what the sampling of the input leaves
     assert!(found.dead_time_s.abs() < 5e-4 + 3.0 * found.std_error_s, "{found:?}");
+}
+
+#[test]
+fn a_shift_that_stands_in_for_a_missing_effect_is_not_taken_out() {
+    let model = Model::base(Robot::amigobot());
+    // friction of twice the level at top speed: the base model misses every slope, and an input that acts
+    // earlier or later is a little better
+    let mut significant = 0;
+    for seed in 21..27 {
+        let recording = recorded(&[("viscous_friction", &[0.02])], NOISE, seed);
+        let first = started(&model, std::slice::from_ref(&recording));
+        let found = timing(&model, &first, &[&recording], Hold::Linear).unwrap();
+        significant += usize::from(found.dead_time_s.abs() > 2.0 * found.std_error_s);
+        assert_eq!(found.correction_s, 0.0, "{seed}: {found:?}");
+    }
+    assert!(significant > 0, "the shift is never significant: the test shows nothing");
+}
+
+#[test]
+fn windows_that_hang_on_one_row_of_the_input_weigh_less() {
+    let model = Model::base(Robot::amigobot());
+    let p = model.initial();
+    let level = p[3];
+    // a second of driving, and one in which a single row breaks the wheels away from rest
+    let t: Vec<f64> = (0..200).map(|k| 0.01 * f64::from(k)).collect();
+    let torque = |k: usize| match k {
+        0..100 => 1.8 * level,
+        150 => 3.0 * level,
+        _ => 0.0,
+    };
+    let moment: Vec<[f64; 2]> = (0..200).map(|k| [torque(k); 2]).collect();
+    let input = Input { t: &t, moment: &moment, hold: Hold::Linear };
+    let motion = simulate(&model, &p, &input, State::default()).unwrap();
+    let c = Channels {
+        t: t.clone(),
+        alpha: Some(motion.iter().map(|s| s.alpha).collect()),
+        omega: Some(motion.iter().map(|s| s.omega).collect()),
+        moment: moment.clone(),
+    };
+    let recording = Recording::new("hangs", c, DriveUnit::NewtonMetre).unwrap();
+    let plain = Windows::new(vec![&recording], Hold::Linear, mobility(&model, &p));
+    let sampled = plain.clone().sampled(&model, &p);
+    assert_eq!(sampled.windows.len(), 2);
+    let share = |n: usize| {
+        let of = |windows: &Windows| windows.weights(&windows.windows[n])[40][0];
+        of(&sampled) / of(&plain)
+    };
+    assert!(share(0) > 1e3 * share(1), "{} {}", share(0), share(1));
 }
 
 #[test]

@@ -10,11 +10,12 @@ use super::fit::{WindowFit, fit};
 use super::input_timing::{InputTiming, SYMBOL, later};
 use super::regression::{Regression, cutoff};
 use super::scale::scale_of;
+use super::thresholds::THRESHOLDS;
 use super::windows::{Windows, mobility};
 use crate::effects::Scale;
 use crate::model::Model;
 use crate::recording::Recording;
-use crate::simulate::{BETWEEN_ROWS, Hold, every_other};
+use crate::simulate::{BETWEEN_ROWS, Hold};
 
 /// Largest delay that logging explains, in rows: the mean over a row, a value that is held through it, and a
 /// difference of angles all lie half a row off.
@@ -53,11 +54,12 @@ pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -
     let regression = Regression::new(model, p, recordings, cutoff, scale.speed)?;
     let balanced = by_balance(&regression, step)?;
     let simulated = by_simulation(model, p, balanced.0, recordings, hold, &scale);
-    let (dead_time_s, std_error_s) = simulated.unwrap_or(balanced);
+    let (dead_time_s, std_error_s) = simulated.map_or(balanced, |s| (s.shift, s.std_error));
     let late = dead_time_s - UNCERTAIN * std_error_s > LOGGING * step;
     let nothing = dead_time_s.abs() < UNCERTAIN * std_error_s;
-    let correction_s =
-        if late || nothing { 0.0 } else { dead_time_s.clamp(EARLIEST * step, LOGGING * step) };
+    let something_else = simulated.is_some_and(|s| s.left > THRESHOLDS.most_left);
+    let kept = late || nothing || something_else;
+    let correction_s = if kept { 0.0 } else { dead_time_s.clamp(EARLIEST * step, LOGGING * step) };
     Some(Timing { dead_time_s, std_error_s, correction_s })
 }
 
@@ -92,9 +94,20 @@ fn by_balance(regression: &Regression, step: f64) -> Option<(f64, f64)> {
     Some((shift, (2.0 * least / (regression.degrees * bend)).sqrt()))
 }
 
-/// Shift and standard error [s] by the simulation error of windows of 1 s, fitted with the parameters from
-/// `start` on. Of what half of the rows of the input moves the shift by, the share of the rows themselves is in the
-/// error. `None` where the model cannot follow them, or where the shift leaves its range.
+/// A shift by simulation.
+#[derive(Clone, Copy)]
+struct Simulated {
+    /// The shift and its standard error [s].
+    shift: f64,
+    std_error: f64,
+    /// Share of what the squared error exceeds noise by that the shift leaves: where it leaves most of it, the
+    /// model lacks something else, and the shift stands in for that.
+    left: f64,
+}
+
+/// The shift by the simulation error of windows of 1 s, fitted with the parameters from `start` on. Of what half
+/// of the rows of the input moves the shift by, the share of the rows themselves is in the error. `None` where the
+/// model cannot follow them, or where the shift leaves its range.
 fn by_simulation(
     model: &Model,
     p: &[f64],
@@ -102,25 +115,27 @@ fn by_simulation(
     recordings: &[&Recording],
     hold: Hold,
     scale: &Scale,
-) -> Option<(f64, f64)> {
+) -> Option<Simulated> {
     let limits = (EARLIEST * scale.step, LONGEST.max(-EARLIEST * scale.step));
     let all = Windows::new(recordings.to_vec(), hold, mobility(model, p));
-    let model = model.add_effect(Arc::new(InputTiming { limits })).ok()?;
-    let j = model.index_of(SYMBOL).ok()?;
+    let timed = model.add_effect(Arc::new(InputTiming { limits })).ok()?;
+    let j = timed.index_of(SYMBOL).ok()?;
     let every = all.windows.len().div_ceil(WINDOWS);
-    let windows = all.only(|n| n % every == 0);
+    let windows = all.only(|n| n % every == 0).sampled(model, p);
     let from: Vec<f64> = p.iter().copied().chain([start]).collect();
-    let fit = fit(&windows, &model, &from, scale)?;
+    let as_recorded = fit(&windows, model, p, scale)?;
+    let fit = fit(&windows, &timed, &from, scale)?;
     let moved = [0, 1].map(|phase| {
-        let halved =
-            recordings.iter().map(|r| r.with_moment(every_other(r, r.moment(), phase, hold)));
-        let halved: Vec<Recording> = halved.collect();
+        let halved = windows.halved(phase);
         let windows = windows.with_recordings(halved.iter().collect());
         step_of(&windows, &fit, j).unwrap_or(f64::INFINITY)
     });
     let sampling = 0.5 * BETWEEN_ROWS.powi(2) * (moved[0].powi(2) + moved[1].powi(2));
     let std_error = (fit.covariance[(j, j)] + sampling).sqrt();
-    (!fit.at_bound[j] && std_error.is_finite() && std_error > 0.0).then_some((fit.p[j], std_error))
+    let noise = 0.5 * windows.values() as f64;
+    let left = (fit.cost - noise).max(0.0) / (as_recorded.cost - noise).max(f64::MIN_POSITIVE);
+    let found = !fit.at_bound[j] && std_error.is_finite() && std_error > 0.0;
+    found.then_some(Simulated { shift: fit.p[j], std_error, left })
 }
 
 /// How far one step of Gauss and Newton moves parameter `j` of a fit on other windows.

@@ -3,6 +3,7 @@
 //! A window is simulated openly from the smoothed state at its first row. What the uncertainty of that
 //! start explains of the error is profiled out, so that windows may be short without a bias.
 
+mod errors;
 mod sums;
 
 use std::ops::Range;
@@ -10,8 +11,9 @@ use std::ops::Range;
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-pub(super) use self::sums::Sums;
+pub(super) use self::errors::Errors;
 use self::sums::{Accumulator, TINY};
+pub(super) use self::sums::{Sums, quadratic_of};
 use super::input_timing::input_derivatives;
 use crate::compare::start_of;
 use crate::effects::{Motion, Scale};
@@ -19,7 +21,7 @@ use crate::math::descent::Quadratic;
 use crate::model::{Model, solve_mass};
 use crate::recording::{LocalMotion, Recording};
 use crate::robot::State;
-use crate::simulate::{ActingInput, Hold, Input, LANES, follow_part, simulate_windows};
+use crate::simulate::{ActingInput, BETWEEN_ROWS, Hold, LANES, every_other, follow_part};
 
 /// Length of a window [s]: long enough for friction and viscous effects to show, short enough that noise
 /// of the input does not drown them; the acceptance test uses the same.
@@ -42,6 +44,8 @@ pub struct Window {
     pub start: State,
     /// Variance of its speeds [rad^2/s^2].
     variance: [f64; 2],
+    /// Variance that the motion of the input between its rows makes of each speed [rad^2/s^2].
+    sampled: [f64; 2],
 }
 
 /// Recordings cut into windows.
@@ -74,7 +78,7 @@ impl<'a> Windows<'a> {
                 windows.extend(cut(recording, piece).map(|rows| {
                     let motion = &motions[r][rows.start];
                     let (start, variance) = (start_of(motion), motion.omega_variance);
-                    Window { recording: r, rows, start, variance }
+                    Window { recording: r, rows, start, variance, sampled: [0.0; 2] }
                 }));
             }
         }
@@ -93,6 +97,32 @@ impl<'a> Windows<'a> {
         Self { recordings, motions, windows, hold, noise, growth }
     }
 
+    /// The same windows, in whose weights stands what the input between its rows may do there to `model` at `p`: a
+    /// third of what every other row changes. A window in which a wheel comes to rest or breaks away a row earlier
+    /// or later has errors far above noise whatever the parameters, and would decide all of them.
+    #[must_use]
+    pub fn sampled(mut self, model: &Model, p: &[f64]) -> Self {
+        let Some(whole) = self.errors(model, p) else { return self };
+        let mut added = vec![[0.0; 2]; self.windows.len()];
+        for phase in 0..2 {
+            let halved = self.halved(phase);
+            let windows = self.with_recordings(halved.iter().collect());
+            let Some(errors) = windows.errors(model, p) else { return self };
+            for ((sum, a), b) in added.iter_mut().zip(&errors).zip(&whole) {
+                let square = b.apart(a);
+                *sum = [0, 1].map(|i| sum[i] + 0.5 * BETWEEN_ROWS.powi(2) * square[i]);
+            }
+        }
+        self.windows.iter_mut().zip(added).for_each(|(window, v)| window.sampled = v);
+        self
+    }
+
+    /// The recordings with every other row of the input alone.
+    pub(super) fn halved(&self, phase: usize) -> Vec<Recording> {
+        let one = |r: &&Recording| r.with_moment(every_other(r, r.moment(), phase, self.hold));
+        self.recordings.iter().map(one).collect()
+    }
+
     /// The windows whose number `keep` takes, of the same recordings.
     pub(super) fn only(&self, keep: impl Fn(usize) -> bool) -> Self {
         let windows = self.windows.iter().enumerate().filter(|(n, _)| keep(*n));
@@ -105,6 +135,11 @@ impl<'a> Windows<'a> {
         'a: 'b,
     {
         Windows { recordings, ..self.clone() }
+    }
+
+    /// Number of speeds in all windows.
+    pub(super) fn values(&self) -> usize {
+        self.windows.iter().map(|w| 2 * w.rows.len()).sum()
     }
 
     /// The fold of a window, 0 or 1: thirds of each recording in turn, every other recording starting with
@@ -126,77 +161,8 @@ impl<'a> Windows<'a> {
         }
         let t = recording.t();
         let since = t[k] - t[window.rows.start];
-        1.0 / (self.noise[r][wheel] + self.growth[r][wheel] * since)
-    }
-
-    /// Errors of a model in every window: measured less simulated speed, one row a sample; `None` where
-    /// the model cannot move or diverges.
-    #[must_use]
-    pub fn errors(&self, model: &Model, p: &[f64]) -> Option<Vec<Errors>> {
-        let acting: Vec<_> =
-            self.recordings.par_iter().map(|r| model.drive(r.t(), r.moment(), p)).collect();
-        // without a second body nothing before a window matters to it
-        let coupled = model.is_coupled();
-        let together = |a: &Window, b: &Window| coupled && a.recording == b.recording;
-        let groups: Vec<&[Window]> = self.windows.chunk_by(together).collect();
-        let by_group: Vec<Vec<Errors>> = groups
-            .into_par_iter()
-            .map(|group| self.errors_of(group, &acting[group[0].recording], model, p))
-            .collect::<Option<_>>()?;
-        Some(by_group.into_iter().flatten().collect())
-    }
-
-    /// The errors of windows of one recording, which follow each other, under its acting input.
-    fn errors_of(
-        &self,
-        group: &[Window],
-        acting: &[[f64; 2]],
-        model: &Model,
-        p: &[f64],
-    ) -> Option<Vec<Errors>> {
-        let recording = self.recordings[group[0].recording];
-        let input = Input { t: recording.t(), moment: acting, hold: self.hold };
-        let windows: Vec<_> = group.iter().map(|w| (w.rows.clone(), w.start)).collect();
-        let states = simulate_windows(model, p, &input, &windows).ok()?;
-        let one = |((rows, _), states): (&(Range<usize>, State), &Vec<State>)| {
-            let omega = &recording.omega()[rows.clone()];
-            let error = |(m, s): (&[f64; 2], &State)| [m[0] - s.omega[0], m[1] - s.omega[1]];
-            let error: Vec<[f64; 2]> = omega.iter().zip(states).map(error).collect();
-            let moving = [0, 1].map(|i| rows_until_rest(states, i));
-            let finite = error.iter().flatten().all(|e| e.is_finite());
-            finite.then_some(Errors { error, moving })
-        };
-        windows.iter().zip(&states).map(one).collect()
-    }
-
-    /// `Σ e²/s²` of every window, less what its start explains.
-    #[must_use]
-    pub fn squares(&self, model: &Model, p: &[f64]) -> Option<Vec<f64>> {
-        let errors = self.errors(model, p)?;
-        Some(self.windows.iter().zip(&errors).map(|(w, e)| self.square(w, e)).collect())
-    }
-
-    fn square(&self, window: &Window, errors: &Errors) -> f64 {
-        let mut total = 0.0;
-        for i in 0..2 {
-            let (mut square, mut linear, mut weights) = (0.0, 0.0, 0.0);
-            for (k, e) in errors.error.iter().enumerate() {
-                let w = self.weight(window, k, i);
-                square += w * e[i] * e[i];
-                if k < errors.moving[i] {
-                    linear += w * e[i];
-                    weights += w;
-                }
-            }
-            total += square - linear * linear / (weights + 1.0 / window.variance[i].max(TINY));
-        }
-        total
-    }
-
-    /// Half of `Σ e²/s²` over all windows.
-    #[must_use]
-    pub fn cost(&self, model: &Model, p: &[f64]) -> Option<f64> {
-        Some(0.5 * self.squares(model, p)?.iter().sum::<f64>())
+        let grown = self.growth[r][wheel] * since;
+        1.0 / (self.noise[r][wheel] + grown + window.sampled[wheel])
     }
 
     /// The sums of every window over the columns `free` of the parameters.
@@ -309,11 +275,7 @@ impl<'a> Windows<'a> {
     /// Cost, gradient and curvature over all windows.
     #[must_use]
     pub fn quadratic(&self, model: &Model, p: &[f64], free: &[usize]) -> Option<Quadratic> {
-        let mut total = Sums::zero(free.len());
-        self.sums(model, p, free)?.iter().for_each(|s| total.add(s));
-        let Sums { square, score, information } = total;
-        let cost = 0.5 * square;
-        cost.is_finite().then(|| Quadratic { cost, gradient: -score, hessian: information })
+        quadratic_of(&self.sums(model, p, free)?, free.len())
     }
 
     /// Row, wheel and weight of what the columns of a screening are regressed on: see
@@ -350,19 +312,6 @@ pub(super) struct Row {
 
 fn typical(model: &Model, j: usize) -> f64 {
     model.parameters()[j].spec.typical.abs()
-}
-
-/// Errors of one window.
-pub struct Errors {
-    /// Measured less simulated wheel speeds [rad/s].
-    pub error: Vec<[f64; 2]>,
-    /// Rows until each wheel comes to rest in the simulation: until there an error of the start lasts.
-    pub moving: [usize; 2],
-}
-
-/// Rows before the simulated wheel rests.
-fn rows_until_rest(states: &[State], wheel: usize) -> usize {
-    states.iter().position(|s| s.omega[wheel] == 0.0).unwrap_or(states.len())
 }
 
 /// The windows of a piece: equal parts of about 1 s.

@@ -118,13 +118,19 @@ pub fn butterworth(order: usize, cutoff: f64, sample_rate: f64) -> Result<Vec<Se
 /// (3 (2 sections + 1), less 3 if the order is odd).
 pub fn filter_zero_phase(sections: &[Section], signal: &[f64]) -> Result<Vec<f64>, MathError> {
     check_finite("the signal", signal)?;
-    let first_order = sections.iter().filter(|s| s.is_first_order()).count();
-    let edge = 3 * (2 * sections.len() + 1 - first_order);
+    let edge = reflected(sections);
     if signal.len() <= edge {
         let (method, found, required) = ("the zero-phase filter", signal.len(), edge + 1);
         return Err(MathError::TooFewSamples { method, found, required });
     }
     Ok(filter_both_ways(sections, signal, edge, Extension::Odd))
+}
+
+/// Samples by which [`filter_zero_phase`] extends a signal at each end.
+#[must_use]
+pub fn reflected(sections: &[Section]) -> usize {
+    let first_order = sections.iter().filter(|s| s.is_first_order()).count();
+    3 * (2 * sections.len() + 1 - first_order)
 }
 
 /// Filters forwards and backwards a signal that is extended by `edge` samples, or by as many as it

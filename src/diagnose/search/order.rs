@@ -62,8 +62,8 @@ impl Search<'_> {
 
     /// Whether the windows of a refit are missed by far more than their noise.
     pub(super) fn is_far_above(&self, r: &Ranked) -> bool {
-        let values: usize = self.windows.windows.iter().map(|w| 2 * w.rows.len()).sum();
-        let limit = 0.5 * THRESHOLDS.far_above_floor.powi(2) * values as f64;
+        let values = self.windows.values() as f64;
+        let limit = 0.5 * THRESHOLDS.far_above_floor.powi(2) * values;
         r.refit.as_ref().is_some_and(|fit| fit.cost > limit)
     }
 }

@@ -7,13 +7,14 @@ use crate::diagnose::acceptance::{Fall, fall_of};
 use crate::diagnose::fit::{WindowFit, fit};
 use crate::diagnose::outcome::{Ranked, Step};
 use crate::diagnose::thresholds::THRESHOLDS;
+use crate::diagnose::windows::Errors;
 use crate::effects::Change;
 
 /// A fit on recordings that nothing was fitted to.
 struct HeldOut<'a> {
     fit: &'a WindowFit,
-    /// The squared errors of the windows, where they can be simulated.
-    squares: Option<Vec<f64>>,
+    /// The errors of the windows, where they can be simulated.
+    errors: Option<Vec<Errors>>,
     /// The error that is shown [rad/s].
     shown: f64,
 }
@@ -23,58 +24,65 @@ impl Search<'_> {
     /// validation, to the other fold.
     fn held_out<'f>(&self, fits: &[&'f WindowFit]) -> Vec<HeldOut<'f>> {
         let one = |fit: &&'f WindowFit| {
-            let squares = match &self.held {
-                Some(held) => held.squares(&fit.model, &fit.p),
+            let errors = match &self.held {
+                Some(held) => held.errors(&fit.model, &fit.p),
                 None => self.crossed(fit),
             };
-            HeldOut { fit, squares, shown: self.shown(fit) }
+            HeldOut { fit, errors, shown: self.shown(fit) }
         };
         fits.par_iter().map(one).collect()
     }
 
-    /// The squared errors of all training windows, each under the fit to the windows of the other fold.
-    fn crossed(&self, whole: &WindowFit) -> Option<Vec<f64>> {
+    /// The errors of all training windows, each under the fit to the windows of the other fold.
+    fn crossed(&self, whole: &WindowFit) -> Option<Vec<Errors>> {
         let fold = |n: usize| self.windows.fold(n);
-        let fits: Vec<WindowFit> = [0, 1]
-            .iter()
-            .map(|&f| {
-                let other = self.windows.only(|n| fold(n) != f);
-                fit(&other, &whole.model, &whole.p, &self.scale)
-            })
-            .collect::<Option<_>>()?;
-        let squares: Vec<Vec<f64>> =
-            fits.iter().map(|f| self.windows.squares(&f.model, &f.p)).collect::<Option<_>>()?;
-        Some((0..self.windows.windows.len()).map(|n| squares[fold(n)][n]).collect())
+        let of = |f: usize| {
+            let other = self.windows.only(|n| fold(n) != f);
+            let fit = fit(&other, &whole.model, &whole.p, &self.scale)?;
+            self.windows.errors(&fit.model, &fit.p)
+        };
+        let both = of(0)?.into_iter().zip(of(1)?).enumerate();
+        Some(both.map(|(n, (first, second))| if fold(n) == 0 { first } else { second }).collect())
     }
 
     /// The fall from one fit to another: by its mean over the windows, or by the likelihood where the second
     /// explains all that the first leaves.
     fn fall(&self, before: &HeldOut, after: &HeldOut) -> Fall {
-        let (Some(from), Some(to)) = (&before.squares, &after.squares) else { return Fall::NONE };
-        let fall = fall_of(from, to);
+        let (Some(from), Some(to)) = (&before.errors, &after.errors) else { return Fall::NONE };
+        let windows = self.held.as_ref().unwrap_or(&self.windows);
+        let fall = fall_of(
+            &windows.squares_of(from),
+            &windows.squares_of(to),
+            &windows.contrast(from, to),
+        );
+        // the likelihood is asked where it alone decides
+        if self.passes(&fall) || !self.passes(&Fall { p_value: 0.0, ..fall }) {
+            return fall;
+        }
         Fall { p_value: fall.p_value.min(self.explained(before, after)), ..fall }
     }
 
     /// Probability of held-out data as much likelier under the second fit, if the first were right; one unless
-    /// the first lies above the noise floor and the second at it. An effect that acts in a few windows (a
-    /// warm-up) lowers the error by far there and nowhere else, and a mean over all windows has a large error.
+    /// the second lies at the noise floor, so that noise is all that is left. An effect that acts in a few windows
+    /// (a warm-up, a limit that is seldom reached) lowers the error by far there and nowhere else, and a mean over
+    /// all windows has a large error.
     ///
     /// ```text
-    /// p <= L(before)/L(after) = exp(-windows (rms_before^2 - rms_after^2)/(2 floor^2))
+    /// p <= L(before)/L(after) = exp(-values (rms_before^2 - rms_after^2)/(2 floor^2))
     /// ```
-    /// The bound is Markov's inequality for a likelihood ratio whose models were fitted to other data; a window of
-    /// 2 s counts as one value, since its errors move together.
+    /// The bound is Markov's inequality for a likelihood ratio whose models were fitted to other data. A wheel in
+    /// a window of 2 s counts as one value, since its errors there move together; those of the two wheels have
+    /// noise of their own.
     fn explained(&self, before: &HeldOut, after: &HeldOut) -> f64 {
         let (from, to) = (before.shown, after.shown);
-        let limits = (THRESHOLDS.above_floor, THRESHOLDS.likely_above_floor);
-        if self.held.is_none() || limits.1 * from <= limits.0 * to {
+        if self.held.is_none() || to >= from {
             return 1.0;
         }
         let floor = self.judge.floor(&after.fit.model, &after.fit.p);
-        if from <= limits.0 * floor || to > limits.1 * floor {
+        if to > THRESHOLDS.likely_above_floor * floor {
             return 1.0;
         }
-        (-0.5 * self.judge.windows() * (from.powi(2) - to.powi(2)) / floor.powi(2)).exp()
+        (-0.5 * self.judge.values() * (from.powi(2) - to.powi(2)) / floor.powi(2)).exp()
     }
 
     fn passes(&self, fall: &Fall) -> bool {

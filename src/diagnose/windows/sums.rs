@@ -2,6 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::math::descent::Quadratic;
+
 /// Variance of a start that is known exactly.
 pub(super) const TINY: f64 = 1e-300;
 
@@ -27,6 +29,15 @@ impl Sums {
         self.score += &other.score;
         self.information += &other.information;
     }
+}
+
+/// Cost, gradient and curvature from the sums of all windows over `columns` parameters.
+pub(in crate::diagnose) fn quadratic_of(sums: &[Sums], columns: usize) -> Option<Quadratic> {
+    let mut total = Sums::zero(columns);
+    sums.iter().for_each(|s| total.add(s));
+    let Sums { square, score, information } = total;
+    let cost = 0.5 * square;
+    cost.is_finite().then(|| Quadratic { cost, gradient: -score, hessian: information })
 }
 
 /// Sums over the rows of a window, with and without the constant that its start may be off by.

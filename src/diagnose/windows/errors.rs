@@ -1,0 +1,128 @@
+//! The errors that a model leaves in windows, and what they tell.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::sums::TINY;
+use super::{Window, Windows};
+use crate::model::Model;
+use crate::robot::State;
+use crate::simulate::{Input, simulate_windows};
+
+/// Errors of one window.
+pub struct Errors {
+    /// Measured less simulated wheel speeds [rad/s].
+    pub error: Vec<[f64; 2]>,
+    /// Rows until each wheel comes to rest in the simulation: until there an error of the start lasts.
+    pub moving: [usize; 2],
+}
+
+impl Errors {
+    /// Mean square by which the simulated speeds of two models differ, a wheel [rad^2/s^2].
+    pub(super) fn apart(&self, other: &Self) -> [f64; 2] {
+        let square = |i: usize| {
+            let pairs = self.error.iter().zip(&other.error);
+            pairs.map(|(a, b)| (a[i] - b[i]).powi(2)).sum::<f64>() / self.error.len() as f64
+        };
+        [square(0), square(1)]
+    }
+}
+
+/// Rows before the simulated wheel rests.
+fn rows_until_rest(states: &[State], wheel: usize) -> usize {
+    states.iter().position(|s| s.omega[wheel] == 0.0).unwrap_or(states.len())
+}
+
+impl Windows<'_> {
+    /// Errors of a model in every window: measured less simulated speed, one row a sample; `None` where
+    /// the model cannot move or diverges.
+    #[must_use]
+    pub fn errors(&self, model: &Model, p: &[f64]) -> Option<Vec<Errors>> {
+        let acting: Vec<_> =
+            self.recordings.par_iter().map(|r| model.drive(r.t(), r.moment(), p)).collect();
+        // without a second body nothing before a window matters to it
+        let coupled = model.is_coupled();
+        let together = |a: &Window, b: &Window| coupled && a.recording == b.recording;
+        let groups: Vec<&[Window]> = self.windows.chunk_by(together).collect();
+        let by_group: Vec<Vec<Errors>> = groups
+            .into_par_iter()
+            .map(|group| self.errors_of(group, &acting[group[0].recording], model, p))
+            .collect::<Option<_>>()?;
+        Some(by_group.into_iter().flatten().collect())
+    }
+
+    /// The errors of windows of one recording, which follow each other, under its acting input.
+    fn errors_of(
+        &self,
+        group: &[Window],
+        acting: &[[f64; 2]],
+        model: &Model,
+        p: &[f64],
+    ) -> Option<Vec<Errors>> {
+        let recording = self.recordings[group[0].recording];
+        let input = Input { t: recording.t(), moment: acting, hold: self.hold };
+        let windows: Vec<_> = group.iter().map(|w| (w.rows.clone(), w.start)).collect();
+        let states = simulate_windows(model, p, &input, &windows).ok()?;
+        let one = |((rows, _), states): (&(Range<usize>, State), &Vec<State>)| {
+            let omega = &recording.omega()[rows.clone()];
+            let error = |(m, s): (&[f64; 2], &State)| [m[0] - s.omega[0], m[1] - s.omega[1]];
+            let error: Vec<[f64; 2]> = omega.iter().zip(states).map(error).collect();
+            let moving = [0, 1].map(|i| rows_until_rest(states, i));
+            let finite = error.iter().flatten().all(|e| e.is_finite());
+            finite.then_some(Errors { error, moving })
+        };
+        windows.iter().zip(&states).map(one).collect()
+    }
+
+    /// `Σ e²/s²` of every window, less what its start explains.
+    #[must_use]
+    pub fn squares(&self, model: &Model, p: &[f64]) -> Option<Vec<f64>> {
+        Some(self.squares_of(&self.errors(model, p)?))
+    }
+
+    /// [`Windows::squares`] of errors that are known.
+    pub(in crate::diagnose) fn squares_of(&self, errors: &[Errors]) -> Vec<f64> {
+        self.windows.iter().zip(errors).map(|(w, e)| self.square(w, e)).collect()
+    }
+
+    /// How well each window tells two models apart by the errors they leave: `D/(D + n)`, with D the sum of squares
+    /// by which their simulated speeds differ, in variances of the error, and n the number of values.
+    pub(in crate::diagnose) fn contrast(&self, one: &[Errors], other: &[Errors]) -> Vec<f64> {
+        let of = |((window, a), b): ((&Window, &Errors), &Errors)| {
+            let (mut apart, mut count) = (0.0, 0.0);
+            for (k, (a, b)) in a.error.iter().zip(&b.error).enumerate() {
+                for i in 0..2 {
+                    let w = self.weight(window, k, i);
+                    apart += w * (a[i] - b[i]).powi(2);
+                    count += f64::from(u8::from(w > 0.0));
+                }
+            }
+            if apart > 0.0 { apart / (apart + count) } else { 0.0 }
+        };
+        self.windows.iter().zip(one).zip(other).map(of).collect()
+    }
+
+    fn square(&self, window: &Window, errors: &Errors) -> f64 {
+        let mut total = 0.0;
+        for i in 0..2 {
+            let (mut square, mut linear, mut weights) = (0.0, 0.0, 0.0);
+            for (k, e) in errors.error.iter().enumerate() {
+                let w = self.weight(window, k, i);
+                square += w * e[i] * e[i];
+                if k < errors.moving[i] {
+                    linear += w * e[i];
+                    weights += w;
+                }
+            }
+            total += square - linear * linear / (weights + 1.0 / window.variance[i].max(TINY));
+        }
+        total
+    }
+
+    /// Half of `Σ e²/s²` over all windows.
+    #[must_use]
+    pub fn cost(&self, model: &Model, p: &[f64]) -> Option<f64> {
+        Some(0.5 * self.squares(model, p)?.iter().sum::<f64>())
+    }
+}
