@@ -115,4 +115,5 @@ def main():
     print(json.dumps({name: diagnose(cases / name) for name in names}, indent=0))
 
 
-main()
+if __name__ == "__main__":
+    main()

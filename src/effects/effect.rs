@@ -148,6 +148,8 @@ pub trait Effect: Send + Sync {
     fn coupling(&self, x: &Motion<f64>, p: &[f64]) -> Option<Coupling<f64>>;
     /// [`Physics::coupling`] with derivatives.
     fn coupling_jet(&self, x: &Motion<Jet>, p: &[Jet]) -> Option<Coupling<Jet>>;
+    /// [`Physics::coupling`] with symbols.
+    fn coupling_symbolic(&self, x: &Motion<Symbol>, p: &[Symbol]) -> Option<Coupling<Symbol>>;
     /// Whether it changes the input.
     fn acts_on_drive(&self) -> bool;
     /// [`Physics::change`].
@@ -207,6 +209,9 @@ impl<P: Physics> Effect for P {
         Physics::coupling(self, x, p)
     }
     fn coupling_jet(&self, x: &Motion<Jet>, p: &[Jet]) -> Option<Coupling<Jet>> {
+        Physics::coupling(self, x, p)
+    }
+    fn coupling_symbolic(&self, x: &Motion<Symbol>, p: &[Symbol]) -> Option<Coupling<Symbol>> {
         Physics::coupling(self, x, p)
     }
     fn acts_on_drive(&self) -> bool {

@@ -4,15 +4,17 @@
 //! An author writes [`Physics`] once, over any [`Real`](crate::math::Real); the program sees the object-safe
 //! [`Effect`], which evaluates it with plain numbers or with exact derivatives.
 
+mod coupling;
 mod custom;
 mod effect;
 mod motion;
 mod scale;
 mod text;
 
+pub use coupling::{BodyState, Coupling, MOST_OF_INERTIA, smallest_inertia};
 pub use custom::{Custom, CustomDefinition, CustomError, QUANTITIES};
 pub use effect::{Change, DIFFERENTIATED, Effect, Jet, MOST_PARAMETERS, Physics};
-pub use motion::{Coupling, DIRECTIONS, MOST_OF_INERTIA, Motion, Terms, along, smallest_inertia};
+pub use motion::{DIRECTIONS, Motion, Terms, along};
 pub use scale::{FAST, Scale, geometric};
 pub use text::{details, details_of, overview};
 

@@ -1,13 +1,15 @@
 //! A fuzzy system as numbers to draw.
 
+use super::plan::Plan;
+use crate::export::{FuzzyIdentified, fuzzy_files};
 use crate::simulate::FuzzyDynamics;
 use crate::study::FuzzyStudy;
 
 /// Points of a grid of speeds.
 const POINTS: usize = 61;
 
-/// Memberships, rules and output surface of a fitted system.
-pub(super) fn fuzzy_study(dynamics: &FuzzyDynamics) -> FuzzyStudy {
+/// Memberships, rules and output surface of a system that `method` fitted, and the system as a function.
+pub(super) fn fuzzy_study(plan: &Plan, method: &str, dynamics: &FuzzyDynamics) -> FuzzyStudy {
     let system = &dynamics.system;
     let range = system.range();
     let grid = [0, 1].map(|input: usize| -> Vec<f64> {
@@ -30,5 +32,14 @@ pub(super) fn fuzzy_study(dynamics: &FuzzyDynamics) -> FuzzyStudy {
             .map(|w1| grid[1].iter().map(|w2| system.output(&[*w1, *w2])[output]).collect())
             .collect()
     });
-    FuzzyStudy { grid, memberships, consequents, surface }
+    let unit = plan.recordings.first().map_or("N m", |m| m.recording.drive_unit().symbol());
+    let functions = fuzzy_files(&FuzzyIdentified {
+        dynamics,
+        robot: &plan.model.robot().name,
+        drive_unit: unit,
+        hold: plan.hold,
+        experiment: &plan.name,
+        method,
+    });
+    FuzzyStudy { grid, memberships, consequents, surface, functions }
 }

@@ -4,9 +4,12 @@ use super::plan::Plan;
 use crate::export::{Identified, Written, files};
 use crate::study::Study;
 
-/// What is written of the reference fit, the best physical one; `None` if it is not physical.
+/// What is written of the reference fit: the best physical one, or a fuzzy system where no fit is physical.
 pub(super) fn model_out(plan: &Plan, study: &Study) -> Option<Written> {
     let method = study.reference_method()?;
+    if let Some(fuzzy) = &method.fuzzy {
+        return Some(Written { files: fuzzy.functions.clone(), obstacles: vec![] });
+    }
     let estimates = plan
         .model
         .symbols()

@@ -251,7 +251,8 @@ fn method_study(
     out.notes.clone_from(&fit.notes);
     out.traces.clone_from(&fit.traces);
     out.correlations = fit.covariance.as_ref().map_or(vec![], correlations);
-    out.fuzzy = fit.dynamics.fuzzy().map(super::fuzzy_study::fuzzy_study);
+    out.fuzzy =
+        fit.dynamics.fuzzy().map(|f| super::fuzzy_study::fuzzy_study(plan, &method.name, f));
     for (measured, motion) in plan.recordings.iter().zip(motions) {
         out.performance.push(performance(plan, &*fit.dynamics, &measured.recording, motion)?);
     }

@@ -2,9 +2,9 @@
 
 use serde_json::{Value, json};
 
-use super::language::{JAVASCRIPT, LANGUAGES, Language};
-use super::print::{Printed, number, print};
-use super::traced::{MOMENTS, MOTION, Obstacle, Traced, trace};
+use super::fill::{Constant, Content};
+use super::language::JAVASCRIPT;
+use super::traced::{Obstacle, Traced, trace};
 use crate::model::Model;
 use crate::simulate::Hold;
 
@@ -69,7 +69,7 @@ pub fn reasons(obstacles: &[Obstacle]) -> String {
 }
 
 /// Writes `model.json`, and `model.py`, `model.m`, `model.c`, `model.mo`, `model.js` where every effect can be
-/// written as a function of the present instant.
+/// written as a function of the present state.
 ///
 /// # Panics
 /// If values, errors or units do not have one entry a parameter.
@@ -79,10 +79,8 @@ pub fn files(identified: &Identified) -> Written {
     assert!(identified.values.len() == n && identified.std_errors.len() == n);
     assert_eq!(identified.units.len(), n);
     let traced = traced(identified);
-    let function =
-        |traced: &Traced, l: &Language| (l.file.to_owned(), write(identified, traced, l));
     let (functions, obstacles) = match &traced {
-        Ok(traced) => (LANGUAGES.iter().map(|l| function(traced, l)).collect(), vec![]),
+        Ok(traced) => (content(identified, traced).files(), vec![]),
         Err(obstacles) => (vec![], obstacles.clone()),
     };
     let names: Vec<&str> = functions.iter().map(|(name, _): &(String, _)| name.as_str()).collect();
@@ -96,9 +94,14 @@ pub fn files(identified: &Identified) -> Written {
 /// The model as a function in JavaScript: the text of `model.js`.
 ///
 /// # Errors
-/// Every effect that is no function of the present instant.
+/// Every effect that is no function of the present state.
 pub fn javascript(identified: &Identified) -> Result<String, Vec<Obstacle>> {
-    Ok(write(identified, &traced(identified)?, &JAVASCRIPT))
+    Ok(content(identified, &traced(identified)?).fill(&JAVASCRIPT))
+}
+
+fn content<'a>(identified: &Identified, traced: &'a Traced) -> Content<'a> {
+    let (constants, header) = (constants(identified), header(identified, traced));
+    Content { traced, header, constants, hold: identified.hold }
 }
 
 fn traced(identified: &Identified) -> Result<Traced, Vec<Obstacle>> {
@@ -149,76 +152,13 @@ fn json(it: &Identified, functions: &[&str], obstacles: &[Obstacle]) -> Value {
     })
 }
 
-/// The frame of a language with its places filled.
-fn write(it: &Identified, traced: &Traced, language: &Language) -> String {
-    let terms = print_terms(it, traced, language);
-    let drive = print_drive(it, traced, language);
-    let counts = [terms.temporaries, drive.temporaries].map(|n| n.to_string());
-    let time = |parameter: Option<usize>| {
-        parameter.and_then(|j| names(it).nth(j)).unwrap_or_else(|| number(0.0))
-    };
-    // rows that a delay takes in a language that keeps them: at steps of 1 ms
-    let delay_rows = traced.delay.map_or(0, |j| (it.values[j] / 1e-3 + 1e-9) as usize) + 2;
-    let inline = [
-        ("{{linear}}", language.truth[usize::from(it.hold == Hold::Linear)]),
-        ("{{terms_temporaries}}", &counts[0]),
-        ("{{drive_temporaries}}", &counts[1]),
-        ("{{lag}}", &time(traced.lag)),
-        ("{{delay}}", &time(traced.delay)),
-        ("{{delay_rows}}", &delay_rows.to_string()),
-    ];
-    let blocks = [
-        ("{{header}}", header(it, language)),
-        ("{{parameters}}", parameters(it, language)),
-        ("{{terms}}", terms.statements),
-        ("{{drive}}", drive.statements),
-    ];
-    let mut out = String::new();
-    for line in language.frame.lines() {
-        let place = line.trim_start();
-        let indent = &line[..line.len() - place.len()];
-        match blocks.iter().find(|(mark, _)| *mark == place) {
-            Some((_, lines)) => lines.iter().for_each(|l| out += &format!("{indent}{l}\n")),
-            None => {
-                let fill = |text: String, (mark, value): &(&str, &str)| text.replace(mark, value);
-                out += &inline.iter().fold(line.to_owned(), fill);
-                out.push('\n');
-            }
-        }
-    }
-    out
-}
-
-fn print_terms(it: &Identified, traced: &Traced, language: &Language) -> Printed {
-    let place = language.syntax.place;
-    let motion = ["alpha", "omega"].into_iter().flat_map(|a| [place(a, 0), place(a, 1)]);
-    let inputs: Vec<String> =
-        std::iter::once("t".to_owned()).chain(motion).chain(names(it)).collect();
-    debug_assert_eq!(inputs.len(), MOTION + it.values.len());
-    let targets: Vec<String> = [("mass", 3), ("torque", 2), ("level", 4)]
-        .into_iter()
-        .flat_map(|(array, size)| (0..size).map(move |k| place(array, k)))
-        .collect();
-    print(&traced.terms, &inputs, &targets, &language.syntax)
-}
-
-fn print_drive(it: &Identified, traced: &Traced, language: &Language) -> Printed {
-    let place = language.syntax.place;
-    let now = [place("M", 0), place("M", 1)];
-    let unused = [String::new(), String::new()]; // the sample before: no formula depends on it
-    let inputs: Vec<String> = unused.into_iter().chain(now).chain(names(it)).collect();
-    debug_assert_eq!(inputs.len(), MOMENTS + it.values.len());
-    let targets = [place("acting", 0), place("acting", 1)];
-    print(&traced.drive, &inputs, &targets, &language.syntax)
-}
-
 /// Names of the parameters in the functions: a prefix keeps them off the words of any language.
 fn names<'a>(it: &'a Identified) -> impl Iterator<Item = String> + 'a {
     it.model.parameters().iter().map(|p| format!("p_{}", p.spec.symbol))
 }
 
-fn parameters(it: &Identified, language: &Language) -> Vec<String> {
-    let lines = names(it).enumerate().map(|(j, name)| {
+fn constants(it: &Identified) -> Vec<Constant> {
+    let constant = |(j, name): (usize, String)| {
         let unit = if it.units[j].is_empty() { "1" } else { &it.units[j] };
         let parameter = &it.model.parameters()[j];
         let error = match (parameter.fixed, it.std_errors[j]) {
@@ -226,14 +166,14 @@ fn parameters(it: &Identified, language: &Language) -> Vec<String> {
             (None, error) if error.is_finite() => format!("+- {error:.2e}"),
             (None, _) => "this data cannot give it".to_owned(),
         };
-        let remark = one_line(&format!("[{unit}] {error}; {}", parameter.spec.meaning));
-        (language.constant)(&name, &number(it.values[j]), &remark)
-    });
-    lines.collect()
+        let remark = format!("[{unit}] {error}; {}", parameter.spec.meaning);
+        Constant { name, value: it.values[j], remark }
+    };
+    names(it).enumerate().map(constant).collect()
 }
 
-/// What a reader of a function must know, as comments.
-fn header(it: &Identified, language: &Language) -> Vec<String> {
+/// What a reader of a function must know.
+fn header(it: &Identified, traced: &Traced) -> Vec<String> {
     let mut lines = vec![
         format!("Identified model of the robot \"{}\".", it.model.robot().name),
         format!(
@@ -261,12 +201,23 @@ fn header(it: &Identified, language: &Language) -> Vec<String> {
         let missing = it.missing.join(", ");
         lines.push(format!("The diagnosis found effects that are not in here: {missing}."));
     }
+    if !traced.body.outputs.is_empty() {
+        lines.extend(TWO_MASS.iter().map(|line| (*line).to_owned()));
+    }
     lines.extend(REST.iter().map(|line| (*line).to_owned()));
     lines
-        .iter()
-        .map(|line| format!("{} {}", language.comment, one_line(line)).trim_end().to_owned())
-        .collect()
 }
+
+/// The state of a two-mass drivetrain, in words.
+const TWO_MASS: [&str; 7] = [
+    "",
+    "Two-mass drivetrain: the state has eight numbers, y = (alpha1, alpha2, omega1, omega2, u1, u2, phi1,",
+    "phi2), with the speeds u [rad/s] and twists phi [rad] of the body, body = (u1, u2, phi1, phi2) in the",
+    "formulas. terms holds what acts on the wheels, with the rotors as mass and the torque passed on to the",
+    "body; the rates of u and phi stand in the function after it. A simulation starts with u = w, phi = 0,",
+    "and acceleration is asked for in that state; rates takes any. Its step is at most half the time",
+    "constant of the coupling.",
+];
 
 /// How rest is handled, in words.
 const REST: [&str; 13] = [
@@ -284,8 +235,3 @@ const REST: [&str; 13] = [
     "Written by the program from the same formulas that it fits; the equations stand in terms and",
     "drive.",
 ];
-
-/// Text that stays within a comment of one line, in C too, where a backslash would go on.
-fn one_line(text: &str) -> String {
-    text.replace(['\n', '\r', '\\'], " ")
-}

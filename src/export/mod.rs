@@ -7,6 +7,8 @@
 mod body;
 mod document;
 mod feedforward;
+mod fill;
+mod fuzzy;
 mod gains;
 mod language;
 mod loop_margins;
@@ -17,6 +19,7 @@ mod traced;
 
 pub use document::{Identified, SCHEMA, Written, files, javascript, reasons};
 pub use feedforward::gains_files;
+pub use fuzzy::{FuzzyIdentified, fuzzy_files};
 pub use gains::{Control, Feedforward, Gains, Operation};
 pub use loop_margins::Margins;
 pub use mechanics::{LeftOut, Mechanics};

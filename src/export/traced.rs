@@ -1,18 +1,19 @@
 //! The formulas of a model, recorded from its effects.
 
-use crate::effects::{Change, Effect, Motion, Terms};
+use crate::effects::{BodyState, Change, Coupling, Effect, Motion, Terms};
 use crate::math::{Formula, Symbol, record};
-use crate::model::Model;
+use crate::model::{Model, cramer};
 
-/// Inputs of [`Traced::terms`] before the parameters: t, alpha1, alpha2, omega1, omega2.
-pub(super) const MOTION: usize = 5;
+/// Inputs of [`Traced::terms`] before the parameters: t, alpha1, alpha2, omega1, omega2, and of a second body
+/// its speeds u1, u2 and twists phi1, phi2.
+pub(super) const MOTION: usize = 9;
 /// Inputs of [`Traced::drive`] before the parameters: M1, M2 of the sample before and of this one.
 pub(super) const MOMENTS: usize = 4;
 /// The place of recording; any would do, since only formulas without branches are taken.
-const PLACE: [f64; MOTION] = [0.7, 0.3, -0.4, 1.1, -0.6];
+const PLACE: [f64; MOTION] = [0.7, 0.3, -0.4, 1.1, -0.6, 0.9, -0.5, 0.02, -0.03];
 const RECORDED: [f64; MOMENTS] = [0.11, -0.07, 0.13, -0.09];
 
-/// Why a model cannot be written as a function of the present instant.
+/// Why a model cannot be written as a function of the present state.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Obstacle {
     /// The effect.
@@ -24,9 +25,15 @@ pub struct Obstacle {
 /// The formulas of a model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Traced {
-    /// From (t, alpha1, alpha2, omega1, omega2, parameters) to the mass matrix (m11, m12, m22),
-    /// the resisting torque on each wheel and the four levels of dry friction.
+    /// From (t, alpha1, alpha2, omega1, omega2, u1, u2, phi1, phi2, parameters) to the mass matrix
+    /// (m11, m12, m22), the resisting torque on each wheel and the four levels of dry friction. In a two-mass
+    /// drivetrain the mass is that of the rotors, and the torque passed on to the body resists.
     pub terms: Formula,
+    /// From the same to the rates (du1, du2, dphi1, dphi2) of the second body [rad/s^2, rad/s]; no results
+    /// without one.
+    pub body: Formula,
+    /// From the same to the fastest rate of the coupling [1/s]; zero without one.
+    pub fastest: Formula,
     /// From (M1, M2 of the sample before, M1, M2, parameters) to the torques that act, before lag and delay.
     pub drive: Formula,
     /// Number of the parameter that is the time constant of a first-order lag, if there is one.
@@ -38,8 +45,8 @@ pub struct Traced {
 /// Records the formulas of a model; `p` are the values of its parameters.
 ///
 /// # Errors
-/// Every effect that is neither a formula of the present instant nor a lag or delay of the input: states of
-/// its own (wheel slip, compliance), another memory of earlier torques, or a branch on a value.
+/// Every effect that is neither a formula of the present state nor a lag or delay of the input: another memory
+/// of earlier torques, or a branch on a value.
 ///
 /// # Examples
 /// ```
@@ -47,10 +54,13 @@ pub struct Traced {
 /// let model = Model::with_effects(Robot::amigobot(), &["slope"]).unwrap();
 /// let p = model.initial();
 /// let traced = trace(&model, &p).unwrap();
-/// let inputs = [&[0.0, 0.1, 0.2, 3.0, 2.0], &p[..]].concat();
+/// let (wheels, rigid) = ([0.0, 0.1, 0.2, 3.0, 2.0], [0.0; 4]);
+/// let inputs = [&wheels[..], &rigid, &p].concat();
 /// assert_eq!(traced.terms.evaluate(&inputs)[0], p[0]); // m11 = a1
+/// assert!(traced.body.outputs.is_empty());
 /// let slip = model.add("wheel_slip").unwrap();
-/// assert_eq!(trace(&slip, &slip.initial()).unwrap_err()[0].effect, "wheel_slip");
+/// let traced = trace(&slip, &slip.initial()).unwrap();
+/// assert_eq!(traced.body.outputs.len(), 4); // rates of u1, u2, phi1, phi2
 /// ```
 pub fn trace(model: &Model, p: &[f64]) -> Result<Traced, Vec<Obstacle>> {
     let obstacles: Vec<Obstacle> = (0..model.effects().len())
@@ -69,7 +79,9 @@ pub fn trace(model: &Model, p: &[f64]) -> Result<Traced, Vec<Obstacle>> {
         every.iter().copied().filter(|&e| Some(e) != lag && Some(e) != delay).collect();
     let parameter = |e: usize| model.slots(e).start;
     Ok(Traced {
-        terms: terms(model, &every, p),
+        terms: formula(model, p, |x| numbers(&x.separated().wheel)),
+        body: formula(model, p, |x| x.separated().body.map_or(vec![], |b| b.rates.to_vec())),
+        fastest: formula(model, p, |x| vec![x.separated().body.map_or(0.0.into(), |b| b.fastest)]),
         drive: drive(model, &instant, p),
         lag: lag.map(parameter),
         delay: delay.map(parameter),
@@ -114,12 +126,11 @@ fn behind_memory(model: &Model, e: usize, p: &[f64]) -> bool {
 
 /// Why effect number `e` cannot be written, if so.
 fn obstacle(model: &Model, e: usize, p: &[f64]) -> Option<&'static str> {
-    let effect = &model.effects()[e];
-    let x = motion(model, PLACE);
-    if effect.coupling(&x, &p[model.slots(e)]).is_some() {
-        return Some("it puts a body with states of its own behind the wheels");
-    }
-    let (terms, drive) = (terms(model, &[e], p), drive(model, &[e], p));
+    let terms = formula(model, p, |x| {
+        let coupling = x.coupling(e).map(|c| vec![c.rotor, c.stiffness, c.damping]);
+        [numbers(&x.sum([e], &x.motion)), coupling.unwrap_or_default()].concat()
+    });
+    let drive = drive(model, &[e], p);
     if memory(model, e, p).is_some() {
         return None;
     }
@@ -137,26 +148,84 @@ fn obstacle(model: &Model, e: usize, p: &[f64]) -> Option<&'static str> {
     None
 }
 
-fn motion<T: Copy>(model: &Model, x: [T; MOTION]) -> Motion<'_, T> {
-    let [t, alpha1, alpha2, omega1, omega2] = x;
-    Motion {
-        t,
-        alpha: [alpha1, alpha2],
-        omega: [omega1, omega2],
-        variance: [0.0; 4],
-        robot: model.robot(),
+/// A model at a place and parameters that are symbols.
+struct Place<'a> {
+    model: &'a Model,
+    motion: Motion<'a, Symbol>,
+    body: BodyState<Symbol>,
+    p: &'a [Symbol],
+}
+
+/// What acts on the wheels, and what a second body does.
+struct Separated {
+    wheel: Terms<Symbol>,
+    body: Option<Body>,
+}
+
+/// A second body at one instant.
+struct Body {
+    /// Of its speeds and twists.
+    rates: [Symbol; 4],
+    /// The fastest rate of the coupling.
+    fastest: Symbol,
+}
+
+impl Place<'_> {
+    fn coupling(&self, e: usize) -> Option<Coupling<Symbol>> {
+        let own = &self.p[self.model.slots(e)];
+        self.model.effects()[e].coupling_symbolic(&self.motion, own)
+    }
+
+    fn every(&self) -> std::ops::Range<usize> {
+        0..self.model.effects().len()
+    }
+
+    fn sum(&self, effects: impl IntoIterator<Item = usize>, x: &Motion<Symbol>) -> Terms<Symbol> {
+        let mut sum = Terms::zero();
+        for e in effects {
+            sum.add(&self.model.effects()[e].terms_symbolic(x, &self.p[self.model.slots(e)]));
+        }
+        sum
+    }
+
+    /// The equations as the simulation has them: of the robot as a whole, or of wheels and a second body.
+    fn separated(&self) -> Separated {
+        let Some(coupling) = self.every().find_map(|e| self.coupling(e)) else {
+            return Separated { wheel: self.sum(self.every(), &self.motion), body: None };
+        };
+        let (on_body, on_wheel): (Vec<usize>, Vec<usize>) =
+            self.every().partition(|&e| self.model.effects()[e].energy().of_the_body());
+        let mut wheel = self.sum(on_wheel, &self.motion);
+        let mut body = self.sum(on_body, &self.motion.of_body(&self.body));
+        let fastest = coupling.fastest_rate(&body.mass);
+        coupling.separate(&mut wheel, &mut body);
+        let passed = coupling.passed(&self.motion.omega, &self.body);
+        let [d1, d2] = cramer(&body.mass, &[0, 1].map(|i| passed[i] - body.torque[i]));
+        let [r1, r2] = [0, 1].map(|i| self.motion.omega[i] - self.body.speed[i]);
+        wheel.torque = [0, 1].map(|i| wheel.torque[i] + passed[i]);
+        Separated { wheel, body: Some(Body { rates: [d1, d2, r1, r2], fastest }) }
     }
 }
 
-fn terms(model: &Model, effects: &[usize], p: &[f64]) -> Formula {
+fn numbers(terms: &Terms<Symbol>) -> Vec<Symbol> {
+    [&terms.mass[..], &terms.torque, &terms.level].concat()
+}
+
+/// Records a formula of the place.
+fn formula(model: &Model, p: &[f64], f: impl Fn(&Place) -> Vec<Symbol>) -> Formula {
     record(&[&PLACE, p].concat(), |x| {
         let (place, p) = x.split_at(MOTION);
-        let place = motion(model, std::array::from_fn(|k| place[k]));
-        let mut sum = Terms::zero();
-        for &e in effects {
-            sum.add(&model.effects()[e].terms_symbolic(&place, &p[model.slots(e)]));
-        }
-        [&sum.mass[..], &sum.torque, &sum.level].concat()
+        let [t, alpha1, alpha2, omega1, omega2, u1, u2, phi1, phi2]: [Symbol; MOTION] =
+            std::array::from_fn(|k| place[k]);
+        let motion = Motion {
+            t,
+            alpha: [alpha1, alpha2],
+            omega: [omega1, omega2],
+            variance: [0.0; 4],
+            robot: model.robot(),
+        };
+        let body = BodyState { speed: [u1, u2], twist: [phi1, phi2] };
+        f(&Place { model, motion, body, p })
     })
 }
 
@@ -181,6 +250,22 @@ mod tests {
     use crate::effects::all;
     use crate::robot::Robot;
 
+    /// A place far from others, number k.
+    fn place(k: u32) -> [f64; MOTION] {
+        let at = |i: usize| 7.0 * (1.7 * f64::from(k) + 2.3 * i as f64).sin();
+        let mut place = std::array::from_fn(at);
+        place[0] = at(0).abs();
+        place
+    }
+
+    fn motion(
+        model: &Model,
+        [t, alpha1, alpha2, omega1, omega2, ..]: [f64; MOTION],
+    ) -> Motion<'_, f64> {
+        let (alpha, omega) = ([alpha1, alpha2], [omega1, omega2]);
+        Motion { t, alpha, omega, variance: [0.0; 4], robot: model.robot() }
+    }
+
     #[test]
     fn the_recorded_formulas_give_the_bits_of_the_effects_wherever_they_are_evaluated() {
         let mut count = 0;
@@ -188,21 +273,60 @@ mod tests {
             let base = Model::base(Robot::amigobot());
             let model = base.add(&effect.id()).unwrap_or(base);
             let p = model.initial();
-            let Ok(traced) = trace(&model, &p) else { continue };
+            if model.is_coupled() {
+                continue;
+            }
+            let traced = trace(&model, &p).unwrap();
             count += 1;
             for k in 0..40 {
-                let at = |i: usize| 7.0 * (1.7 * f64::from(k) + 2.3 * i as f64).sin();
-                let place = [at(0).abs(), at(1), at(2), at(3), at(4)];
+                let place = place(k);
                 let terms = model.terms(&motion(&model, place), &p);
                 let expected = [&terms.mass[..], &terms.torque, &terms.level].concat();
                 let found = traced.terms.evaluate(&[&place[..], &p].concat());
                 assert_eq!(found, expected, "{}", effect.id());
-                let m = [0.1 * at(5), 0.1 * at(6)];
+                let m = [0.1 * place[5], 0.1 * place[6]];
                 let acting = traced.drive.evaluate(&[&[f64::NAN; 2], &m[..], &p].concat());
                 assert_eq!(acting, model.drive(&[0.0], &[m], &p)[0], "{}", effect.id());
             }
         }
         assert_eq!(count, all().len() - 2); // slip, compliance
+    }
+
+    #[test]
+    fn a_two_mass_drivetrain_has_the_equations_of_its_documentation() {
+        let model = Model::with_effects(Robot::amigobot(), &["compliance", "slope"]).unwrap();
+        let p = model.initial();
+        let [a1, a2, a3, a4, a5, kt, dt, jr, ..] = p[..] else { panic!("{p:?}") };
+        let traced = trace(&model, &p).unwrap();
+        let slope = Model::with_effects(Robot::amigobot(), &["slope"]).unwrap();
+        let q = [&[0.0; 5], &p[8..]].concat();
+        for k in 0..40 {
+            let place @ [_, _, _, w1, w2, u1, u2, phi1, phi2] = place(k);
+            let inputs = [&place[..], &p].concat();
+            let passed = [kt * phi1 + dt * (w1 - u1), kt * phi2 + dt * (w2 - u2)];
+            let expected = [jr, 0.0, jr, passed[0], passed[1], a4, a5, 0.0, 0.0];
+            let near = |found: &[f64], expected: &[f64]| {
+                for (x, y) in found.iter().zip(expected) {
+                    assert!((x - y).abs() < 1e-12 * (1.0 + y.abs()), "{found:?} {expected:?}");
+                }
+            };
+            near(&traced.terms.evaluate(&inputs), &expected);
+            // (a1 - jr) du1 + a2 du2 + a3 u2 (u2 - u1) + weight = passed torque, at the angles behind the twists
+            let [d1, d2, r1, r2] = traced.body.evaluate(&inputs)[..] else { panic!() };
+            let mut behind = motion(&slope, place);
+            (behind.alpha[0], behind.alpha[1]) = (behind.alpha[0] - phi1, behind.alpha[1] - phi2);
+            let weight = slope.terms(&behind, &q).torque;
+            near(&[r1, r2], &[w1 - u1, w2 - u2]);
+            let left = [
+                (a1 - jr) * d1 + a2 * d2 + a3 * u2 * (u2 - u1) + weight[0],
+                a2 * d1 + (a1 - jr) * d2 + a3 * u1 * (u1 - u2) + weight[1],
+            ];
+            near(&left, &passed);
+            let lighter = a1 - a2.abs() - jr;
+            let mobility = 1.0 / jr + 1.0 / lighter;
+            let rate = (dt * mobility).max((kt * mobility).sqrt());
+            near(&traced.fastest.evaluate(&inputs), &[rate]);
+        }
     }
 
     #[test]

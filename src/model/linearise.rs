@@ -2,7 +2,7 @@
 
 use super::{Model, ModelError, Variation, Variations};
 use crate::effects::{DIFFERENTIATED, DIRECTIONS, Jet, Motion, Terms};
-use crate::math::Dual;
+use crate::math::{Dual, Real};
 
 /// Partial derivatives of a [`Jet`] before those of an effect's own parameters.
 const STATES: usize = 4;
@@ -233,5 +233,12 @@ pub fn solve_mass(mass: &[f64; 3], b: &[f64; 2]) -> Result<[f64; 2], ModelError>
     if !(m11 > 0.0 && determinant > 0.0) {
         return Err(ModelError::MassNotPositive { m11, m12, m22 });
     }
-    Ok([(m22 * b[0] - m12 * b[1]) / determinant, (m11 * b[1] - m12 * b[0]) / determinant])
+    Ok(cramer(mass, b))
+}
+
+/// The solution of `mass x = b` for a symmetric regular 2x2 matrix, by Cramer's rule.
+pub(crate) fn cramer<T: Real>(mass: &[T; 3], b: &[T; 2]) -> [T; 2] {
+    let [m11, m12, m22] = *mass;
+    let determinant = m11 * m22 - m12 * m12;
+    [(m22 * b[0] - m12 * b[1]) / determinant, (m11 * b[1] - m12 * b[0]) / determinant]
 }

@@ -4,6 +4,7 @@ mod linearise;
 mod model;
 mod variation;
 
+pub(crate) use linearise::cramer;
 pub use linearise::{Linearisation, solve_mass};
 pub use model::{Model, ModelError, Parameter};
 pub use variation::{Variation, Variations};

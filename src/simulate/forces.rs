@@ -3,7 +3,7 @@
 use super::drive::Drive;
 use super::friction::{Contact, contact};
 use super::speed_polynomial::SpeedPolynomial;
-use crate::effects::{Coupling, DIRECTIONS, Effect, Motion, Terms, smallest_inertia};
+use crate::effects::{BodyState, DIRECTIONS, Effect, Motion, Terms};
 use crate::math::runge_kutta_from;
 use crate::model::{Model, ModelError, Variation, Variations, solve_mass};
 
@@ -138,11 +138,7 @@ impl<'m> Forces<'m> {
     pub(super) fn coupling_rate(&self, t: f64, y: &Vector) -> Option<f64> {
         let Behind { coupling: (effect, p), body } = self.behind.as_ref()?;
         let x = self.motion(t, y);
-        let c = effect.coupling(&x, p)?;
-        let mass = body.at(&x).mass;
-        let (rotor, smallest) = (c.rotor_within(&mass), smallest_inertia(&mass));
-        let mobility = 1.0 / rotor + 1.0 / (smallest - rotor);
-        Some((c.damping * mobility).max((c.stiffness * mobility).sqrt()))
+        Some(effect.coupling(&x, p)?.fastest_rate(&body.at(&x).mass))
     }
 
     #[inline]
@@ -159,13 +155,10 @@ impl<'m> Forces<'m> {
         let Some(coupling) = effect.coupling(x, p) else {
             return Acting { terms: wheel, moment, body: None };
         };
-        let Coupling { stiffness, damping, .. } = coupling;
-        let at_body = Motion { alpha: [y[0] - y[6], y[1] - y[7]], omega: [y[4], y[5]], ..*x };
-        let mut body = behind.body.at(&at_body);
-        let rotor = coupling.rotor_within(&body.mass);
-        wheel.mass = [rotor, 0.0, rotor];
-        body.mass = [body.mass[0] - rotor, body.mass[1], body.mass[2] - rotor];
-        let passed = [0, 1].map(|i| stiffness * y[6 + i] + damping * (y[2 + i] - y[4 + i]));
+        let state = BodyState { speed: [y[4], y[5]], twist: [y[6], y[7]] };
+        let mut body = behind.body.at(&x.of_body(&state));
+        coupling.separate(&mut wheel, &mut body);
+        let passed = coupling.passed(&x.omega, &state);
         let moment = [moment[0] - passed[0], moment[1] - passed[1]];
         Acting { terms: wheel, moment, body: Some((body, passed)) }
     }

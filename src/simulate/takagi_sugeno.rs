@@ -9,6 +9,8 @@ pub(crate) use side_by_side::{RulesSideBySide, SIDE_BY_SIDE};
 
 use serde::{Deserialize, Serialize};
 
+use crate::math::Real;
+
 /// Most membership functions an input may have.
 pub const MOST_MEMBERSHIPS: usize = 16;
 
@@ -250,11 +252,42 @@ impl TakagiSugeno {
         (0..self.rules()).map(|r| self.rule(r)).map(|(i, j)| a.value[i] * b.value[j]).collect()
     }
 
-    /// [f31, f41] at wheel speeds `omega` [rad/s²].
+    /// [f31, f41] [rad/s²] at wheel speeds `omega` [rad/s].
     #[must_use]
-    pub fn output(&self, omega: &[f64; 2]) -> [f64; 2] {
-        let (a, b) = (self.graded(0, omega[0]).0, self.graded(1, omega[1]).0);
-        self.value(&a, &b)
+    pub fn output<T: Real>(&self, omega: &[T; 2]) -> [T; 2] {
+        let x = [0, 1].map(|i| {
+            let (low, high) = self.range[i];
+            omega[i].max(low.into()).min(high.into())
+        });
+        let [a, b] = [0, 1].map(|input| self.strengths(input, x[input]));
+        let zero = T::from(0.0);
+        [0, 1].map(|output| {
+            let mut sum = zero;
+            for i in 0..self.memberships[0].len() {
+                let mut row = zero;
+                for j in 0..self.memberships[1].len() {
+                    row += b[j] * self.concluded(output, (i, j), &x);
+                }
+                sum += a[i] * row;
+            }
+            sum
+        })
+    }
+
+    /// Strengths along one input at `x` within its range, normalised for the average.
+    fn strengths<T: Real>(&self, input: usize, x: T) -> [T; MOST_MEMBERSHIPS] {
+        let mut out = [T::from(0.0); MOST_MEMBERSHIPS];
+        let own = &mut out[..self.memberships[input].len()];
+        let mut sum = T::from(0.0);
+        for (strength, m) in own.iter_mut().zip(&self.memberships[input]) {
+            *strength = (((x - m.centre) / m.width).squared() * -0.5).exp();
+            sum += *strength;
+        }
+        if self.defuzzification == Defuzzification::WeightedAverage {
+            let sum = sum.max(1e-300.into());
+            own.iter_mut().for_each(|strength| *strength = *strength / sum);
+        }
+        out
     }
 
     /// [f31, f41] [rad/s²] and their derivatives [output][input] to the wheel speeds [1/s].
@@ -361,12 +394,22 @@ impl TakagiSugeno {
 
     /// What a rule concludes for an output at (x1, x2), with its slopes.
     fn conclusion(&self, output: usize, rule: (usize, usize), x1: f64, x2: f64) -> (f64, [f64; 2]) {
-        let p = self.consequent(output, rule.0 * self.memberships[1].len() + rule.1);
+        let value = self.concluded(output, rule, &[x1, x2]);
+        match *self.consequent(output, rule.0 * self.memberships[1].len() + rule.1) {
+            [_, first, second] => (value, [first, second]),
+            _ => (value, [0.0; 2]),
+        }
+    }
+
+    /// What a rule concludes for an output at `x`.
+    fn concluded<T: Real>(&self, output: usize, (i, j): (usize, usize), x: &[T; 2]) -> T {
+        let p = self.consequent(output, i * self.memberships[1].len() + j);
+        let constant = T::from(p[0]);
         match self.consequents {
-            Consequents::Constant => (p[0], [0.0; 2]),
+            Consequents::Constant => constant,
             Consequents::Affine => {
-                let (m, n) = (self.memberships[0][rule.0], self.memberships[1][rule.1]);
-                (p[0] + p[1] * (x1 - m.centre) + p[2] * (x2 - n.centre), [p[1], p[2]])
+                let (m, n) = (self.memberships[0][i], self.memberships[1][j]);
+                constant + (x[0] - m.centre) * p[1] + (x[1] - n.centre) * p[2]
             }
         }
     }

@@ -187,6 +187,9 @@ pub struct FuzzyStudy {
     pub consequents: [Vec<f64>; 2],
     /// Output surfaces of f31 and f41 on the grid, row w1, column w2 [rad/s^2].
     pub surface: [Vec<Vec<f64>>; 2],
+    /// The system as a function: files as name and text.
+    #[serde(skip)]
+    pub functions: Vec<(String, String)>,
 }
 
 /// An effect tried by the diagnosis.

@@ -2,19 +2,21 @@
 //
 // void model_acceleration(t, alpha, omega, M, a);                         a in rad/s^2
 // void model_simulate(n, t, M, alpha0, omega0, alpha, omega);             n samples
+// void model_rates(t, y, M, dy);                      of the state y = {alpha1, alpha2, omega1, omega2}
 // C99; compile together with your own sources and link with -lm.
 
 #include <math.h>
 
 {{parameters}}
 
+enum { STATES = {{states}} };              // numbers of a state
 static const int linear = {{linear}};      // the torque runs straight between samples, else held
 static const double longest_step = 1e-3;   // of the integration [s]
 static const double direction[4][2] = {{1.0, 0.0}, {0.0, 1.0}, {1.0, -1.0}, {1.0, 1.0}};
 
-void model_terms(double t, const double alpha[2], const double omega[2], double mass[3],
-                 double torque[2], double level[4]);
+void model_terms(double t, const double y[], double mass[3], double torque[2], double level[4]);
 void model_drive(const double M[2], double acting[2]);
+void model_rates(double t, const double y[], const double M[2], double rate[]);
 void model_acceleration(double t, const double alpha[2], const double omega[2],
                         const double M[2], double a[2]);
 void model_simulate(int n, const double t[], double M[][2], const double alpha0[2],
@@ -23,10 +25,26 @@ void model_simulate(int n, const double t[], double M[][2], const double alpha0[
 static double sgn(double x) { return (x > 0.0) - (x < 0.0); }
 
 // Mass matrix (m11, m12, m22), resisting torques, levels of dry friction.
-void model_terms(double t, const double alpha[2], const double omega[2], double mass[3],
-                 double torque[2], double level[4]) {
-    (void)t, (void)alpha, (void)omega;
+void model_terms(double t, const double y[], double mass[3], double torque[2], double level[4]) {
+    const double *alpha = y, *omega = y + 2, *body = y + 4;
+    (void)t, (void)alpha, (void)omega, (void)body;
     {{terms}}
+}
+
+// Rates of the state of a second body; none without one.
+static void body_rates(double t, const double y[], double rate[]) {
+    const double *alpha = y, *omega = y + 2, *body = y + 4;
+    (void)t, (void)alpha, (void)omega, (void)body, (void)rate;
+    {{body}}
+}
+
+// Fastest rate of a two-mass drivetrain [1/s]; zero without one.
+static double fastest_rate(double t, const double y[]) {
+    const double *alpha = y, *omega = y + 2, *body = y + 4;
+    double fastest[1];
+    (void)t, (void)alpha, (void)omega, (void)body;
+    {{fastest}}
+    return fastest[0];
 }
 
 // The torques that act, from the recorded ones [N m].
@@ -78,11 +96,11 @@ static void solve(const double mass[3], const double b[2], double x[2]) {
 }
 
 // Sign of the friction in each direction, and whether the direction sticks.
-static void contact(double t, const double y[4], const double acting[2], double sign[4],
+static void contact(double t, const double y[], const double acting[2], double sign[4],
                     int stuck[4]) {
     double mass[3], torque[2], level[4], a[2], held[4] = {0.0};
     int resting[4] = {0}, any = 0;
-    model_terms(t, y, y + 2, mass, torque, level);
+    model_terms(t, y, mass, torque, level);
     double b[2] = {acting[0] - torque[0], acting[1] - torque[1]};
     for (int j = 0; j < 4; j++) {
         sign[j] = 0.0;
@@ -116,10 +134,10 @@ static void contact(double t, const double y[4], const double acting[2], double 
 }
 
 // Acceleration in a fixed state of contact [rad/s^2].
-static void constrained(double t, const double y[4], const double acting[2],
+static void constrained(double t, const double y[], const double acting[2],
                         const double sign[4], const int stuck[4], double a[2]) {
     double mass[3], torque[2], level[4];
-    model_terms(t, y, y + 2, mass, torque, level);
+    model_terms(t, y, mass, torque, level);
     double b[2] = {acting[0] - torque[0], acting[1] - torque[1]};
     int count = 0, last = 0;
     for (int j = 0; j < 4; j++) {
@@ -140,38 +158,59 @@ static void constrained(double t, const double y[4], const double acting[2],
     }
 }
 
-// Acceleration of the wheels [rad/s^2]; t [s], alpha [rad], omega [rad/s], M as recorded.
-void model_acceleration(double t, const double alpha[2], const double omega[2],
-                        const double M[2], double a[2]) {
-    const double y[4] = {alpha[0], alpha[1], omega[0], omega[1]};
+// Rates of a state in a fixed state of contact.
+static void moving(double t, const double y[], const double acting[2], const double sign[4],
+                   const int stuck[4], double rate[]) {
+    rate[0] = y[2];
+    rate[1] = y[3];
+    constrained(t, y, acting, sign, stuck, rate + 2);
+    body_rates(t, y, rate + 4);
+}
+
+// Rates of a state y; t [s], M as recorded.
+void model_rates(double t, const double y[], const double M[2], double rate[]) {
     double acting[2], sign[4];
     int stuck[4];
     model_drive(M, acting);
     contact(t, y, acting, sign, stuck);
-    constrained(t, y, acting, sign, stuck, a);
+    moving(t, y, acting, sign, stuck, rate);
 }
 
-// One step in a fixed state of contact; y = (alpha1, alpha2, omega1, omega2).
-static void runge_kutta(double t, double h, const double y[4], const double start[2],
+// The state in which a simulation starts: a second body moves with the wheels.
+static void started(const double alpha[2], const double omega[2], double y[STATES]) {
+    const double all[8] = {alpha[0], alpha[1], omega[0], omega[1], omega[0], omega[1], 0.0, 0.0};
+    for (int i = 0; i < STATES; i++) y[i] = all[i];
+}
+
+// Acceleration of the wheels [rad/s^2]; t [s], alpha [rad], omega [rad/s], M as recorded.
+void model_acceleration(double t, const double alpha[2], const double omega[2],
+                        const double M[2], double a[2]) {
+    double y[STATES], rate[STATES];
+    started(alpha, omega, y);
+    model_rates(t, y, M, rate);
+    a[0] = rate[2];
+    a[1] = rate[3];
+}
+
+// One step in a fixed state of contact.
+static void runge_kutta(double t, double h, const double y[STATES], const double start[2],
                         const double end[2], const double sign[4], const int stuck[4],
-                        double out[4]) {
+                        double out[STATES]) {
     static const double node[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0, 2.0, 2.0, 1.0};
-    double k[4] = {0.0}, sum[4] = {0.0};
+    double k[STATES] = {0.0}, sum[STATES] = {0.0};
     for (int stage = 0; stage < 4; stage++) {
         const double c = node[stage];
-        double at[4], acting[2];
-        for (int i = 0; i < 4; i++) at[i] = y[i] + c * h * k[i];
+        double at[STATES], acting[2];
+        for (int i = 0; i < STATES; i++) at[i] = y[i] + c * h * k[i];
         for (int i = 0; i < 2; i++) acting[i] = start[i] + c * (end[i] - start[i]);
-        k[0] = at[2];
-        k[1] = at[3];
-        constrained(t + c * h, at, acting, sign, stuck, k + 2);
-        for (int i = 0; i < 4; i++) sum[i] += weight[stage] * k[i];
+        moving(t + c * h, at, acting, sign, stuck, k);
+        for (int i = 0; i < STATES; i++) sum[i] += weight[stage] * k[i];
     }
-    for (int i = 0; i < 4; i++) out[i] = y[i] + h / 6.0 * sum[i];
+    for (int i = 0; i < STATES; i++) out[i] = y[i] + h / 6.0 * sum[i];
 }
 
 // Sets the speed along direction j to zero; stuck directions stay so.
-static void rest(double y[4], const int stuck[4], int j) {
+static void rest(double y[STATES], const int stuck[4], int j) {
     const double n[2] = {-direction[j][1], direction[j][0]};
     double q = (n[0] * y[2] + n[1] * y[3]) / (n[0] * n[0] + n[1] * n[1]);
     if (stuck[0] || stuck[1] || stuck[2] || stuck[3]) q = 0.0;
@@ -180,10 +219,11 @@ static void rest(double y[4], const int stuck[4], int j) {
 }
 
 // One step; where a direction reverses in it, the step is split there by a secant.
-static void advance(double t, double h, double y[4], const double from[2], const double end[2]) {
+static void advance(double t, double h, double y[STATES], const double from[2],
+                    const double end[2]) {
     double start[2] = {from[0], from[1]};
     for (int piece = 0; piece < 8; piece++) {
-        double sign[4], new[4], split[2], share = 1.0;
+        double sign[4], new[STATES], split[2], share = 1.0;
         int stuck[4], first = -1;
         contact(t, y, start, sign, stuck);
         runge_kutta(t, h, y, start, end, sign, stuck, new);
@@ -199,7 +239,7 @@ static void advance(double t, double h, double y[4], const double from[2], const
             runge_kutta(t, share * h, y, start, split, sign, stuck, new);
             rest(new, stuck, first);
         }
-        for (int i = 0; i < 4; i++) y[i] = new[i];
+        for (int i = 0; i < STATES; i++) y[i] = new[i];
         if (first < 0) return;
         t += share * h;
         h *= 1.0 - share;
@@ -212,7 +252,8 @@ static void advance(double t, double h, double y[4], const double from[2], const
 // alpha holds the torques that act.
 void model_simulate(int n, const double t[], double M[][2], const double alpha0[2],
                     const double omega0[2], double alpha[][2], double omega[][2]) {
-    double y[4] = {alpha0[0], alpha0[1], omega0[0], omega0[1]}, last[2] = {0.0, 0.0};
+    double y[STATES], last[2] = {0.0, 0.0};
+    started(alpha0, omega0, y);
     for (int k = 0; k < n; k++) model_drive(M[k], alpha[k]);
     lag(n, t, alpha, {{lag}});
     postpone(n, t, alpha, {{delay}});
@@ -221,7 +262,9 @@ void model_simulate(int n, const double t[], double M[][2], const double alpha0[
         if (k > 0) {
             double start[2] = {last[0], last[1]}, end[2] = {last[0], last[1]}, from[2], to[2];
             if (linear) end[0] = now[0], end[1] = now[1];
-            const int wanted = (int)ceil((t[k] - t[k - 1]) / longest_step - 1e-9);
+            const double a_second =
+                fmax(1.0 / longest_step, 2.0 * fastest_rate(t[k - 1] - t[0], y));
+            const int wanted = (int)ceil((t[k] - t[k - 1]) * a_second - 1e-9);
             const int pieces = wanted > 1 ? wanted : 1;
             const double h = (t[k] - t[k - 1]) / pieces;
             for (int piece = 0; piece < pieces; piece++) {

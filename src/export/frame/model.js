@@ -3,20 +3,26 @@
 // const robot = model();                              // or model({ p_a1: 0.03 }), with another value of a parameter
 // const a = robot.acceleration(t, alpha, omega, M);   // [rad/s^2]
 // const { alpha, omega } = robot.simulate(t, M, alpha0, omega0); // arrays of pairs, one a sample
+// const dy = robot.rates(t, y, M);                    // of the state y = [alpha1, alpha2, omega1, omega2]
 "use strict";
 
 function model(changed = {}) {
   {{parameters}}
   const LINEAR = {{linear}}; // the torque runs straight between samples; otherwise it is held
+  const STATES = {{states}}; // numbers of a state
   const STEP = 1e-3; // longest step of the integration [s]
   const DIRECTIONS = [[1.0, 0.0], [0.0, 1.0], [1.0, -1.0], [1.0, 1.0]];
   const [NODES, WEIGHTS] = [[0.0, 0.5, 0.5, 1.0], [1.0, 2.0, 2.0, 1.0]];
+  // the state that terms, bodyRates and fastestRate are asked for: speeds u and twists phi of a second body last
+  const at = new Float64Array(STATES);
+  const [alpha, omega, body] = [at.subarray(0, 2), at.subarray(2, 4), at.subarray(4)];
   // what terms was asked for last: mass matrix (m11, m12, m22), resisting torques, levels of dry friction
   const [mass, torque, level] = [new Float64Array(3), new Float64Array(2), new Float64Array(4)];
   // the state of contact and places for what the functions compute, made once
   const [sign, stuck, resting, held] = [0, 1, 2, 3].map(() => new Float64Array(4));
-  const [rate, sum, after] = [0, 1, 2].map(() => new Float64Array(4));
-  const [a, b, g, start, split, alphaAt, omegaAt, actingAt] = Array.from({ length: 8 }, () => new Float64Array(2));
+  const [all, sum, after] = [0, 1, 2].map(() => new Float64Array(STATES));
+  const [a, b, g, start, split, actingAt] = Array.from({ length: 6 }, () => new Float64Array(2));
+  const rate = all.subarray(4); // of the state of a second body
 
   function sgn(x) {
     return (x > 0.0) - (x < 0.0);
@@ -34,8 +40,21 @@ function model(changed = {}) {
     return sgn(x) * Math.min(sum * Math.exp(-square) * 1.1283791670955126, 1.0);
   }
 
-  function terms(t, alpha, omega) {
+  function terms(t) {
     {{terms}}
+  }
+
+  // Rates of the state of a second body, into rate; none without one.
+  function bodyRates(t) {
+    {{body}}
+  }
+
+  // Fastest rate of a two-mass drivetrain in a state y [1/s]; zero without one.
+  function fastestRate(t, y) {
+    const fastest = [0.0];
+    at.set(y);
+    {{fastest}}
+    return fastest[0];
   }
 
   // The torques that act, from the recorded ones [N m].
@@ -82,9 +101,10 @@ function model(changed = {}) {
     x[1] = (mass[0] * second - mass[1] * first) / det;
   }
 
-  // Sign of the friction in each direction, and whether the direction sticks, into sign and stuck.
-  function contact(t, alpha, omega, acting) {
-    terms(t, alpha, omega);
+  // Sign of the friction in each direction in a state y, and whether the direction sticks, into sign and stuck.
+  function contact(t, y, acting) {
+    at.set(y);
+    terms(t);
     for (let i = 0; i < 2; i++) b[i] = acting[i] - torque[i];
     let any = false;
     for (let j = 0; j < 4; j++) {
@@ -119,12 +139,12 @@ function model(changed = {}) {
     }
   }
 
-  // Acceleration [rad/s^2] in the state of contact of sign and stuck, into a.
-  function constrained(t, alpha, omega, acting) {
+  // Acceleration [rad/s^2] of the state at in the state of contact of sign and stuck, into a.
+  function constrained(t, acting) {
     const count = stuck[0] + stuck[1] + stuck[2] + stuck[3];
     a[0] = a[1] = 0.0;
     if (count > 1) return;
-    terms(t, alpha, omega);
+    terms(t);
     for (let i = 0; i < 2; i++) b[i] = acting[i] - torque[i];
     for (let j = 0; j < 4; j++) {
       for (let i = 0; i < 2; i++) b[i] -= DIRECTIONS[j][i] * Math.max(level[j], 0.0) * sign[j];
@@ -141,25 +161,27 @@ function model(changed = {}) {
     a[1] = n1 * q;
   }
 
-  // One step from y = (alpha1, alpha2, omega1, omega2) in a fixed state of contact, into out.
+  // Rates of the state at in the state of contact of sign and stuck, into all.
+  function moving(t, acting) {
+    constrained(t, acting);
+    bodyRates(t);
+    for (let i = 0; i < 2; i++) {
+      all[i] = omega[i];
+      all[2 + i] = a[i];
+    }
+  }
+
+  // One step from y in a fixed state of contact, into out.
   function rungeKutta(t, h, y, start, end, out) {
     sum.fill(0.0);
     for (let stage = 0; stage < 4; stage++) {
       const [node, weight] = [NODES[stage], WEIGHTS[stage]];
-      for (let i = 0; i < 2; i++) {
-        alphaAt[i] = y[i] + (stage ? node * h * rate[i] : 0.0);
-        omegaAt[i] = y[2 + i] + (stage ? node * h * rate[2 + i] : 0.0);
-        actingAt[i] = start[i] + node * (end[i] - start[i]);
-      }
-      constrained(t + node * h, alphaAt, omegaAt, actingAt);
-      for (let i = 0; i < 2; i++) {
-        rate[i] = omegaAt[i];
-        rate[2 + i] = a[i];
-        sum[i] += weight * rate[i];
-        sum[2 + i] += weight * rate[2 + i];
-      }
+      for (let i = 0; i < STATES; i++) at[i] = y[i] + (stage ? node * h * all[i] : 0.0);
+      for (let i = 0; i < 2; i++) actingAt[i] = start[i] + node * (end[i] - start[i]);
+      moving(t + node * h, actingAt);
+      for (let i = 0; i < STATES; i++) sum[i] += weight * all[i];
     }
-    for (let i = 0; i < 4; i++) out[i] = y[i] + h / 6.0 * sum[i];
+    for (let i = 0; i < STATES; i++) out[i] = y[i] + h / 6.0 * sum[i];
   }
 
   // Sets the speed along direction j to zero; stuck directions stay so.
@@ -175,13 +197,12 @@ function model(changed = {}) {
   function advance(t, h, y, from, end) {
     start.set(from);
     for (let piece = 0; piece < 8; piece++) {
-      const [alpha, omega] = [y.subarray(0, 2), y.subarray(2, 4)];
-      contact(t, alpha, omega, start);
+      contact(t, y, start);
       rungeKutta(t, h, y, start, end, after);
       let share = 1.0;
       let first = -1;
       for (let j = 0; j < 4; j++) {
-        const before = along(j, omega);
+        const before = DIRECTIONS[j][0] * y[2] + DIRECTIONS[j][1] * y[3];
         const now = DIRECTIONS[j][0] * after[2] + DIRECTIONS[j][1] * after[3];
         if (sign[j] * now < 0.0 && (first < 0 || before / (before - now) < share)) {
           share = before / (before - now);
@@ -201,12 +222,22 @@ function model(changed = {}) {
     }
   }
 
+  // Rates of a state y; t [s], M as recorded.
+  function rates(t, y, M) {
+    const acts = drive(M);
+    contact(t, y, acts);
+    moving(t, acts);
+    return Array.from(all);
+  }
+
+  // The state in which a simulation starts: a second body moves with the wheels.
+  function started(alpha, omega) {
+    return Float64Array.from([...alpha, ...omega, ...omega, 0.0, 0.0].slice(0, STATES));
+  }
+
   // Acceleration of the wheels [rad/s^2]; t [s], alpha [rad], omega [rad/s], M as recorded.
   function acceleration(t, alpha, omega, M) {
-    const acts = drive(M);
-    contact(t, alpha, omega, acts);
-    constrained(t, alpha, omega, acts);
-    return [a[0], a[1]];
+    return rates(t, started(alpha, omega), M).slice(2, 4);
   }
 
   // The torques that act at every sample of t [s], from the recorded ones.
@@ -214,23 +245,37 @@ function model(changed = {}) {
     return delayed(t, lagged(t, M.map(drive), {{lag}}), {{delay}});
   }
 
-  // The motion from sample first up to, without, sample end, under torques that act; the state at sample first.
-  function motion(t, torques, first, end, alpha, omega) {
-    const y = Float64Array.of(alpha[0], alpha[1], omega[0], omega[1]);
+  // The state y one sample later, at sample k, under torques that act.
+  function follow(t, torques, k, y) {
     const [from, to] = [new Float64Array(2), new Float64Array(2)];
-    const out = { alpha: [[y[0], y[1]]], omega: [[y[2], y[3]]] };
-    for (let k = first + 1; k < end; k++) {
-      const begin = torques[k - 1];
-      const finish = LINEAR ? torques[k] : begin;
-      const pieces = Math.max(1, Math.ceil((t[k] - t[k - 1]) / STEP - 1e-9));
-      const h = (t[k] - t[k - 1]) / pieces;
-      for (let piece = 0; piece < pieces; piece++) {
-        for (let i = 0; i < 2; i++) {
-          from[i] = begin[i] + piece / pieces * (finish[i] - begin[i]);
-          to[i] = begin[i] + (piece + 1.0) / pieces * (finish[i] - begin[i]);
-        }
-        advance(t[k - 1] - t[0] + piece * h, h, y, from, to);
+    const begin = torques[k - 1];
+    const finish = LINEAR ? torques[k] : begin;
+    const perSecond = Math.max(1.0 / STEP, 2.0 * fastestRate(t[k - 1] - t[0], y));
+    const pieces = Math.max(1, Math.ceil((t[k] - t[k - 1]) * perSecond - 1e-9));
+    const h = (t[k] - t[k - 1]) / pieces;
+    for (let piece = 0; piece < pieces; piece++) {
+      for (let i = 0; i < 2; i++) {
+        from[i] = begin[i] + piece / pieces * (finish[i] - begin[i]);
+        to[i] = begin[i] + (piece + 1.0) / pieces * (finish[i] - begin[i]);
       }
+      advance(t[k - 1] - t[0] + piece * h, h, y, from, to);
+    }
+  }
+
+  // The motion from sample first up to, without, sample end, under torques that act; the wheels at sample first.
+  // A second body keeps slip and twist of the motion that ends there, if there is one.
+  function motion(t, torques, first, end, alpha, omega, before) {
+    const y = started(alpha, omega);
+    if (before && STATES > 4) {
+      follow(t, torques, first, before.end);
+      for (let i = 0; i < 2; i++) {
+        y[4 + i] += before.end[4 + i] - before.end[2 + i];
+        y[6 + i] = before.end[6 + i];
+      }
+    }
+    const out = { alpha: [[y[0], y[1]]], omega: [[y[2], y[3]]], end: y };
+    for (let k = first + 1; k < end; k++) {
+      follow(t, torques, k, y);
       out.alpha.push([y[0], y[1]]);
       out.omega.push([y[2], y[3]]);
     }
@@ -242,7 +287,7 @@ function model(changed = {}) {
     return motion(t, acting(t, M), 0, t.length, alpha, omega);
   }
 
-  return { acceleration, acting, motion, simulate };
+  return { rates, acceleration, acting, motion, simulate };
 }
 
 if (typeof module !== "undefined") module.exports = model;

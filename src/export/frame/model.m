@@ -3,18 +3,36 @@
 % robot = model();
 % a = robot.acceleration(t, alpha, omega, M);                  % [rad/s^2]
 % [alpha, omega] = robot.simulate(t, M, alpha0, omega0);       % n by 2, one row a sample
+% dy = robot.rates(t, y, M);                                   % of the state y = [alpha, omega]
 function robot = model()
   robot.terms = @terms;
   robot.drive = @drive;
+  robot.rates = @rates;
   robot.acceleration = @acceleration;
   robot.simulate = @simulate;
 end
 
 % Mass matrix (m11, m12, m22), resisting torques, levels of dry friction.
-function [mass, torque, level] = terms(t, alpha, omega)
+function [mass, torque, level] = terms(t, y)
   {{parameters}}
+  alpha = y(1:2); omega = y(3:4); body = y(5:end);
   mass = zeros(1, 3); torque = zeros(1, 2); level = zeros(1, 4);
   {{terms}}
+end
+
+% Rates of the state of a second body; none without one.
+function rate = body_rates(t, y)
+  {{parameters}}
+  alpha = y(1:2); omega = y(3:4); body = y(5:end);
+  rate = zeros(1, {{states}} - 4);
+  {{body}}
+end
+
+% Fastest rate of a two-mass drivetrain [1/s]; zero without one.
+function fastest = fastest_rate(t, y)
+  {{parameters}}
+  alpha = y(1:2); omega = y(3:4); body = y(5:end);
+  {{fastest}}
 end
 
 % The torques that act, from the recorded ones [N m].
@@ -82,13 +100,13 @@ function x = solve(mass, b)
 end
 
 % Sign of the friction in each direction, and whether the direction sticks.
-function [s, stuck] = contact(t, alpha, omega, acting)
-  [mass, torque, level] = terms(t, alpha, omega);
+function [s, stuck] = contact(t, y, acting)
+  [mass, torque, level] = terms(t, y);
   b = [acting(1) - torque(1), acting(2) - torque(2)];
   s = zeros(1, 4); stuck = false(1, 4); resting = false(1, 4);
   for j = 1:4
     if level(j) > 0
-      s(j) = sign(along(j, omega));
+      s(j) = sign(along(j, y(3:4)));
       resting(j) = s(j) == 0;
       b = b - direction(j) * level(j) * s(j);
     end
@@ -121,8 +139,8 @@ function [s, stuck] = contact(t, alpha, omega, acting)
 end
 
 % Acceleration in a fixed state of contact [rad/s^2].
-function a = constrained(t, alpha, omega, acting, s, stuck)
-  [mass, torque, level] = terms(t, alpha, omega);
+function a = constrained(t, y, acting, s, stuck)
+  [mass, torque, level] = terms(t, y);
   b = [acting(1) - torque(1), acting(2) - torque(2)];
   for j = 1:4
     b = b - direction(j) * max(level(j), 0) * s(j);
@@ -139,22 +157,37 @@ function a = constrained(t, alpha, omega, acting, s, stuck)
   end
 end
 
-% Acceleration of the wheels [rad/s^2]; t [s], alpha [rad], omega [rad/s], M as recorded.
-function a = acceleration(t, alpha, omega, M)
-  acting = drive(M);
-  [s, stuck] = contact(t, alpha, omega, acting);
-  a = constrained(t, alpha, omega, acting, s, stuck);
+% Rates of a state in a fixed state of contact.
+function dy = moving(t, y, acting, s, stuck)
+  dy = [y(3:4), constrained(t, y, acting, s, stuck), body_rates(t, y)];
 end
 
-% One step in a fixed state of contact; y = [alpha1, alpha2, omega1, omega2].
+% Rates of a state y; t [s], M as recorded.
+function dy = rates(t, y, M)
+  acting = drive(M);
+  [s, stuck] = contact(t, y, acting);
+  dy = moving(t, y, acting, s, stuck);
+end
+
+% The state in which a simulation starts: a second body moves with the wheels.
+function y = started(alpha, omega)
+  y = [alpha(1), alpha(2), omega(1), omega(2), omega(1), omega(2), 0, 0];
+  y = y(1:{{states}});
+end
+
+% Acceleration of the wheels [rad/s^2]; t [s], alpha [rad], omega [rad/s], M as recorded.
+function a = acceleration(t, alpha, omega, M)
+  dy = rates(t, started(alpha, omega), M);
+  a = dy(3:4);
+end
+
+% One step in a fixed state of contact.
 function new = runge_kutta(t, h, y, first, last, s, stuck)
-  at = @(share) first + share * (last - first);
-  rates = @(share, y) ...
-    [y(3:4), constrained(t + share * h, y(1:2), y(3:4), at(share), s, stuck)];
-  k1 = rates(0, y);
-  k2 = rates(0.5, y + 0.5 * h * k1);
-  k3 = rates(0.5, y + 0.5 * h * k2);
-  k4 = rates(1, y + h * k3);
+  at = @(share, y) moving(t + share * h, y, first + share * (last - first), s, stuck);
+  k1 = at(0, y);
+  k2 = at(0.5, y + 0.5 * h * k1);
+  k3 = at(0.5, y + 0.5 * h * k2);
+  k4 = at(1, y + h * k3);
   new = y + h / 6 * (k1 + 2 * (k2 + k3) + k4);
 end
 
@@ -172,7 +205,7 @@ end
 % One step; where a direction reverses in it, the step is split there by a secant.
 function y = advance(t, h, y, first, last)
   for piece = 1:8
-    [s, stuck] = contact(t, y(1:2), y(3:4), first);
+    [s, stuck] = contact(t, y, first);
     new = runge_kutta(t, h, y, first, last, s, stuck);
     share = 1; crossed = 0;
     for j = 1:4
@@ -195,9 +228,9 @@ end
 function [alpha, omega] = simulate(t, M, alpha0, omega0)
   LINEAR = {{linear}};  % the torque runs straight between samples; otherwise it is held
   STEP = 1e-3;  % longest step of the integration [s]
-  states = zeros(numel(t), 4);
+  y = started(alpha0, omega0);
+  states = zeros(numel(t), numel(y));
   acting = acting_torques(t, M);
-  y = [alpha0(1), alpha0(2), omega0(1), omega0(2)];
   states(1, :) = y;
   for k = 2:numel(t)
     first = acting(k - 1, :);
@@ -205,7 +238,8 @@ function [alpha, omega] = simulate(t, M, alpha0, omega0)
     if LINEAR
       last = acting(k, :);
     end
-    pieces = max(1, ceil((t(k) - t(k - 1)) / STEP - 1e-9));
+    steps_a_second = max(1 / STEP, 2 * fastest_rate(t(k - 1) - t(1), y));
+    pieces = max(1, ceil((t(k) - t(k - 1)) * steps_a_second - 1e-9));
     h = (t(k) - t(k - 1)) / pieces;
     for piece = 0:pieces - 1
       from = first + piece / pieces * (last - first);

@@ -1,7 +1,8 @@
 {{header}}
 //
 // TwoWheelRobot.Robot takes the recorded torques and gives angles and speeds at a fixed step;
-// TwoWheelRobot.acceleration is the right-hand side alone.
+// TwoWheelRobot.acceleration is the right-hand side alone. The state y has eight numbers, alpha, omega, and of a
+// second body its speeds u and twists phi; without one they are not used.
 package TwoWheelRobot "Identified model of a two-wheel robot"
   {{parameters}}
 
@@ -34,6 +35,7 @@ package TwoWheelRobot "Identified model of a two-wheel robot"
     input Real t;
     input Real alpha[2];
     input Real omega[2];
+    input Real body[4];
     output Real mass[3];
     output Real torque[2];
     output Real level[4];
@@ -42,6 +44,31 @@ package TwoWheelRobot "Identified model of a two-wheel robot"
   algorithm
     {{terms}}
   end terms;
+
+  function bodyRates "Rates of the state of a second body; zero without one"
+    input Real t;
+    input Real alpha[2];
+    input Real omega[2];
+    input Real body[4];
+    output Real rate[4];
+  protected
+    Real x[{{body_temporaries}}];
+  algorithm
+    rate := {0, 0, 0, 0};
+    {{body}}
+  end bodyRates;
+
+  function fastestRate "Fastest rate of a two-mass drivetrain [1/s]; zero without one"
+    input Real t;
+    input Real alpha[2];
+    input Real omega[2];
+    input Real body[4];
+    output Real fastest[1];
+  protected
+    Real x[{{fastest_temporaries}}];
+  algorithm
+    {{fastest}}
+  end fastestRate;
 
   function drive "The torques that act, from the recorded ones [N m]"
     input Real M[2];
@@ -94,7 +121,7 @@ package TwoWheelRobot "Identified model of a two-wheel robot"
 
   function contact "Sign of the friction in each direction, and whether the direction sticks"
     input Real t;
-    input Real y[4];
+    input Real y[8];
     input Real acting[2];
     output Real s[4];
     output Boolean stuck[4];
@@ -109,7 +136,7 @@ package TwoWheelRobot "Identified model of a two-wheel robot"
     Boolean moved;
     Integer sweeps;
   algorithm
-    (mass, torque, level) := terms(t, y[1:2], y[3:4]);
+    (mass, torque, level) := terms(t, y[1:2], y[3:4], y[5:8]);
     b := acting - torque;
     for j in 1:4 loop
       s[j] := if level[j] > 0 then sign(direction[j, :] * y[3:4]) else 0;
@@ -135,7 +162,7 @@ package TwoWheelRobot "Identified model of a two-wheel robot"
 
   function constrained "Acceleration in a fixed state of contact [rad/s^2]"
     input Real t;
-    input Real y[4];
+    input Real y[8];
     input Real acting[2];
     input Real s[4];
     input Boolean stuck[4];
@@ -149,7 +176,7 @@ package TwoWheelRobot "Identified model of a two-wheel robot"
     Real inertia;
     Integer count;
   algorithm
-    (mass, torque, level) := terms(t, y[1:2], y[3:4]);
+    (mass, torque, level) := terms(t, y[1:2], y[3:4], y[5:8]);
     b := acting - torque;
     n := {0, 0};
     count := 0;
@@ -170,6 +197,29 @@ package TwoWheelRobot "Identified model of a two-wheel robot"
     end if;
   end constrained;
 
+  function started "The state in which a simulation starts: a second body moves with the wheels"
+    input Real alpha[2];
+    input Real omega[2];
+    output Real y[8];
+  algorithm
+    y := {alpha[1], alpha[2], omega[1], omega[2], omega[1], omega[2], 0, 0};
+  end started;
+
+  function rates "Rates of a state y; M as recorded"
+    input Real t;
+    input Real y[8];
+    input Real M[2];
+    output Real k[8];
+  protected
+    Real acting[2];
+    Real s[4];
+    Boolean stuck[4];
+  algorithm
+    acting := drive(M);
+    (s, stuck) := contact(t, y, acting);
+    k := moving(t, y, acting, s, stuck);
+  end rates;
+
   function acceleration "Acceleration of the wheels [rad/s^2]; M as recorded"
     input Real t;
     input Real alpha[2];
@@ -177,52 +227,49 @@ package TwoWheelRobot "Identified model of a two-wheel robot"
     input Real M[2];
     output Real a[2];
   protected
-    Real y[4];
-    Real acting[2];
-    Real s[4];
-    Boolean stuck[4];
+    Real k[8];
   algorithm
-    y := {alpha[1], alpha[2], omega[1], omega[2]};
-    acting := drive(M);
-    (s, stuck) := contact(t, y, acting);
-    a := constrained(t, y, acting, s, stuck);
+    k := rates(t, started(alpha, omega), M);
+    a := k[3:4];
   end acceleration;
 
-  function rates "Derivatives of (alpha1, alpha2, omega1, omega2) in a fixed state of contact"
+  function moving "Rates of a state in a fixed state of contact"
     input Real t;
-    input Real y[4];
+    input Real y[8];
     input Real acting[2];
     input Real s[4];
     input Boolean stuck[4];
-    output Real k[4];
+    output Real k[8];
   protected
     Real a[2];
+    Real rate[4];
   algorithm
     a := constrained(t, y, acting, s, stuck);
-    k := {y[3], y[4], a[1], a[2]};
-  end rates;
+    rate := bodyRates(t, y[1:2], y[3:4], y[5:8]);
+    k := {y[3], y[4], a[1], a[2], rate[1], rate[2], rate[3], rate[4]};
+  end moving;
 
   function rungeKutta "One step in a fixed state of contact"
     input Real t;
     input Real h;
-    input Real y[4];
+    input Real y[8];
     input Real first[2];
     input Real last[2];
     input Real s[4];
     input Boolean stuck[4];
-    output Real new[4];
+    output Real new[8];
   protected
-    Real k1[4];
-    Real k2[4];
-    Real k3[4];
-    Real k4[4];
+    Real k1[8];
+    Real k2[8];
+    Real k3[8];
+    Real k4[8];
     Real middle[2];
   algorithm
     middle := first + 0.5 * (last - first);
-    k1 := rates(t, y, first, s, stuck);
-    k2 := rates(t + 0.5 * h, y + 0.5 * h * k1, middle, s, stuck);
-    k3 := rates(t + 0.5 * h, y + 0.5 * h * k2, middle, s, stuck);
-    k4 := rates(t + h, y + h * k3, last, s, stuck);
+    k1 := moving(t, y, first, s, stuck);
+    k2 := moving(t + 0.5 * h, y + 0.5 * h * k1, middle, s, stuck);
+    k3 := moving(t + 0.5 * h, y + 0.5 * h * k2, middle, s, stuck);
+    k4 := moving(t + h, y + h * k3, last, s, stuck);
     new := y + h / 6 * (k1 + 2 * (k2 + k3) + k4);
   end rungeKutta;
 
@@ -253,10 +300,10 @@ package TwoWheelRobot "Identified model of a two-wheel robot"
   function piece "The step up to the first reversal in it, which is placed by a secant"
     input Real t;
     input Real h;
-    input Real y0[4];
+    input Real y0[8];
     input Real first[2];
     input Real last[2];
-    output Real y[4];
+    output Real y[8];
     output Real share "of the step that was made: 1 if nothing reverses";
   protected
     Real s[4];
@@ -273,17 +320,17 @@ package TwoWheelRobot "Identified model of a two-wheel robot"
       n := {-direction[reversed, 2], direction[reversed, 1]};
       left := if stuck[1] or stuck[2] or stuck[3] or stuck[4] then 0
               else (n[1] * y[3] + n[2] * y[4]) / (n[1] * n[1] + n[2] * n[2]);
-      y := {y[1], y[2], left * n[1], left * n[2]};
+      y := {y[1], y[2], left * n[1], left * n[2], y[5], y[6], y[7], y[8]};
     end if;
   end piece;
 
   function advance "One step; where a direction reverses in it, it is split there"
     input Real t0;
     input Real h0;
-    input Real y0[4];
+    input Real y0[8];
     input Real start[2];
     input Real last[2];
-    output Real y[4];
+    output Real y[8];
   protected
     Real t;
     Real h;
@@ -305,6 +352,29 @@ package TwoWheelRobot "Identified model of a two-wheel robot"
       pieces := pieces + 1;
     end while;
   end advance;
+
+  function follow "One step in parts of at most half the time constant of a two-mass drivetrain"
+    input Real t;
+    input Real h;
+    input Real y0[8];
+    input Real first[2];
+    input Real last[2];
+    output Real y[8];
+  protected
+    Real fastest[1];
+    Integer parts;
+    Integer k;
+  algorithm
+    fastest := fastestRate(t, y0[1:2], y0[3:4], y0[5:8]);
+    parts := integer(2 * h * fastest[1]) + 1;
+    y := y0;
+    k := 0;
+    while k < parts and k < 1000 loop
+      y := advance(t + k * h / parts, h / parts, y, first + k / parts * (last - first),
+                   first + (k + 1) / parts * (last - first));
+      k := k + 1;
+    end while;
+  end follow;
 
   constant Integer rows = {{delay_rows}} "rows that the delay takes at steps of 1 ms and more";
 
@@ -363,7 +433,8 @@ package TwoWheelRobot "Identified model of a two-wheel robot"
     parameter Real share = delay / step - whole "the rest of it";
     parameter Real left = if 40 * lag > step then exp(-step / max(lag, 1e-12)) else 0;
     parameter Real mean = (1 - left) * lag / step;
-    discrete Real y[4](start = {alpha0[1], alpha0[2], omega0[1], omega0[2]}, each fixed = true);
+    discrete Real y[8](start = {alpha0[1], alpha0[2], omega0[1], omega0[2], omega0[1], omega0[2], 0, 0},
+                       each fixed = true);
     discrete Real commanded[2](each start = 0, each fixed = true);
     discrete Real slow[rows, 2](each start = 0, each fixed = true) "lagged torques, newest first";
     discrete Real acting[2](each start = 0, each fixed = true);
@@ -374,8 +445,8 @@ package TwoWheelRobot "Identified model of a two-wheel robot"
               else held(commanded);
       acting := passed(slow, whole, share);
       if time > 0.5 * step then
-        y := advance(time - step, step, pre(y), pre(acting),
-                     if linear then acting else pre(acting));
+        y := follow(time - step, step, pre(y), pre(acting),
+                    if linear then acting else pre(acting));
       end if;
       alpha := y[1:2];
       omega := y[3:4];

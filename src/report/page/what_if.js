@@ -16,10 +16,15 @@ const whatIf = (() => {
   // Speeds of the free simulation, which starts anew behind gaps, with the two errors of the program.
   function simulate(robot, { t, input, omega, starts }) {
     const acting = robot.acting(t, input);
-    const from = (list) => list.flatMap((start, k) => {
-      const end = k + 1 < list.length ? list[k + 1].row : t.length;
-      return robot.motion(t, acting, start.row, end, start.alpha, start.omega).omega;
-    });
+    const from = (list) => {
+      let last = null;
+      return list.flatMap((start, k) => {
+        const end = k + 1 < list.length ? list[k + 1].row : t.length;
+        const before = start.isPiece ? null : last;
+        last = robot.motion(t, acting, start.row, end, start.alpha, start.omega, before);
+        return last.omega;
+      });
+    };
     const pieces = starts.filter((start) => start.isPiece);
     const free = from(pieces);
     return { free, ise: ise(t, errors(omega, free), pieces), rms: rms(errors(omega, from(starts))) };

@@ -225,6 +225,7 @@ fn fuzzy() -> FuzzyStudy {
         consequents: [vec![1.5; 36], vec![-1.5; 36]],
         surface: [surface.clone(), surface],
         grid: [grid.clone(), grid],
+        functions: vec![],
     }
 }
 
