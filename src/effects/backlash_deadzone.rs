@@ -24,8 +24,8 @@ impl Physics for BacklashDeadzone {
             equation: "M = sgn(recorded M) max(|recorded M| - d, 0)".into(),
             cause: "gear play, dead band of the amplifier".into(),
             signature: "residual torque that steps where the torque changes sign".into(),
-            excitation: "hard braking, so that torque and speed have opposite signs; otherwise it \
-                         hides in a4 and a5"
+            excitation: "hard braking, so that torque and speed have opposite signs; otherwise \
+                         a4 and a5 absorb it"
                 .into(),
             equivalent: vec![],
         }

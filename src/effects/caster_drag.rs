@@ -25,7 +25,7 @@ impl Physics for CasterDrag {
             cause: "rolling resistance and bearing friction of the caster".into(),
             signature: "residual torque, the same on both wheels, that flips with v_A".into(),
             excitation: "wheels turning in opposite directions while v_A is not zero; otherwise \
-                         it hides in a4 and a5"
+                         a4 and a5 absorb it"
                 .into(),
             equivalent: vec![],
         }

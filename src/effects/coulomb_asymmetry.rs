@@ -24,7 +24,7 @@ impl Physics for CoulombAsymmetry {
             equation: "level a4 +- c1 forward/backward on wheel 1, a5 +- c2 on wheel 2".into(),
             cause: "gears or brushes that run harder in one direction".into(),
             signature: "constant residual torque, the same at every speed and at breakaway".into(),
-            excitation: "driving forward and backward; without reversals it hides in a4 and a5"
+            excitation: "driving forward and backward; without reversals a4 and a5 absorb it"
                 .into(),
             equivalent: vec!["torque_offset".into()],
         }

@@ -21,7 +21,7 @@ impl Physics for TorqueOffset {
             equation: "o1 on wheel 1, o2 on wheel 2 (recorded minus real torque)".into(),
             cause: "bias of the torque sensor, the current sensor or the amplifier".into(),
             signature: "constant residual torque, the same at every speed and at rest".into(),
-            excitation: "driving forward and backward; without reversals it hides in a4 and a5"
+            excitation: "driving forward and backward; without reversals a4 and a5 absorb it"
                 .into(),
             equivalent: vec!["coulomb_asymmetry".into()],
         }

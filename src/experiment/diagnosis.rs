@@ -3,7 +3,7 @@
 use super::error::RunError;
 use super::models;
 use super::plan::{DiagnosisPlan, Plan};
-use super::sentence::Finding;
+use super::sentence::{Finding, title};
 use crate::diagnose::{
     Conclusion, Data, Diagnosis, Judge, Judgement, Limits, Proposal, Ranked, Rivals, THRESHOLDS,
     conclude, diagnose, likely, next_run, probabilities, shifted,
@@ -312,15 +312,15 @@ fn advice(
     let mut out = Vec::new();
     if let Some(likely) = likely {
         let likely = likely.candidate.effect.description();
-        out.push(format!("To prove {}, record: {}.", likely.id, likely.excitation));
+        out.push(format!("To prove {}, record: {}.", title(&likely.id), likely.excitation));
     }
     let found = diagnosis.steps.first();
     if !same.equivalent.is_empty() && found.is_some() {
         out.push(format!(
             "No recording of wheel speeds and torques distinguishes {} from {}: they are the same in \
              the equations. A measurement of another kind is needed.",
-            same.id,
-            same.equivalent.join(" or ")
+            title(&same.id),
+            same.equivalent.iter().map(|id| title(id)).collect::<Vec<_>>().join(" or ")
         ));
     }
     let rivals: Vec<String> = match found {
@@ -332,15 +332,24 @@ fn advice(
             continue;
         };
         let description = rival.candidate.effect.description();
+        if found.is_none() {
+            let (first, second) = (title(&same.id), title(other));
+            out.push(format!(
+                "Of the catalogue, {first} and {second} come closest, neither proven."
+            ));
+        }
         out.push(format!(
-            "To distinguish {} from {other}, record: {}; and: {}.",
-            same.id, same.excitation, description.excitation
+            "To distinguish {} from {}, record: {}; and: {}.",
+            title(&same.id),
+            title(other),
+            same.excitation,
+            description.excitation
         ));
     }
     if let Some(proposal) = proposal {
         out.push(format!(
             "A manoeuvre of {:.0} s that does it is written to next_run.csv (set-points) and \
-             next_run.toml (segments); driven once, it names the right one with a probability of \
+             next_run.toml (segments); driven once, it identifies the right one with a probability of \
              {:.1} %.",
             proposal.movement.duration(),
             100.0 * proposal.probability

@@ -3,6 +3,7 @@
 use super::error::ExperimentError;
 use super::execute::Outcome;
 use super::options::{Done, RunOptions};
+use super::sentence::title;
 use crate::io::write_whole;
 use crate::report::block::{Block, Cell, Column, Table, Tone};
 use crate::report::{PageContent, SectionContent, format, page};
@@ -23,7 +24,6 @@ pub fn write_index(outcomes: &[Outcome], options: &RunOptions) -> Result<(), Exp
         Column::number("Error over floor", "×"),
         Column::number("2 s simulation error", "rad/s"),
         Column::text("Found"),
-        Column::text("Verdict"),
     ];
     let caption =
         "The experiments of this run; error over floor is that of the model with what was found.";
@@ -61,7 +61,9 @@ fn row(outcome: &Outcome, done: &Done, pictured: bool) -> Vec<Cell> {
         None => Cell::text(format::MISSING),
     };
     vec![
-        Cell::text(&outcome.title).link(format!("{}/report.html", outcome.name)),
+        Cell::text(&outcome.title)
+            .link(format!("{}/report.html", outcome.name))
+            .noted(&done.verdict),
         Cell { picture, ..Cell::text("") },
         grade,
         three(done.error_completed / done.floor),
@@ -69,9 +71,8 @@ fn row(outcome: &Outcome, done: &Done, pictured: bool) -> Vec<Cell> {
         Cell::text(if done.found.is_empty() {
             format::MISSING.into()
         } else {
-            done.found.join(", ")
+            done.found.iter().map(|id| title(id)).collect::<Vec<_>>().join(", ")
         }),
-        Cell::text(&done.verdict),
     ]
 }
 
@@ -85,9 +86,9 @@ fn tone(grade: Grade) -> Tone {
 }
 
 fn failed(outcome: &Outcome, reason: &str) -> Vec<Cell> {
-    let mut row = vec![Cell::text(&outcome.title), Cell::text("")];
+    let mut row = vec![Cell::text(&outcome.title).noted(reason), Cell::text("")];
     row.push(Cell::text("failed").tone(Tone::Bad));
     row.extend([f64::NAN; 2].map(Cell::number));
-    row.extend([Cell::text(""), Cell::text(reason)]);
+    row.push(Cell::text(""));
     row
 }

@@ -399,7 +399,7 @@ fn made(entry: &SimulationEntry, own: &[Own], robot: &Robot) -> Result<Made, Mea
         .map(|k| {
             let role = if k < entry.train { Role::Train } else { Role::Validation };
             let number = if k < entry.train { k + 1 } else { k + 1 - entry.train };
-            let name = format!("made {} {number}", role.name());
+            let name = format!("simulated {} {number}", role.name());
             let recording = record(
                 &name,
                 &truth,

@@ -50,10 +50,8 @@ impl Finding<'_> {
                 format!("Something is missing that the catalogue does not explain. {}", self.rest())
             }
             Conclusion::Unknown => format!(
-                "Something is missing that the catalogue does not explain: with {} {:.0} % of the error \
-                 above the noise floor is left. {}",
+                "Something is missing that the catalogue does not explain. Found: {}. {}",
                 self.names(),
-                100.0 * self.errors.unexplained(),
                 self.rest()
             ),
         }
@@ -102,29 +100,31 @@ impl Finding<'_> {
             return "The simulation of the model diverges on the judged recordings.".into();
         }
         let removed = 100.0 * (1.0 - self.errors.unexplained());
-        let found = !self.diagnosis.steps.is_empty();
-        match (found, ratio <= AT_FLOOR) {
-            (_, true) => "The 2 s simulation error is at the noise floor.".into(),
-            (true, false) => format!(
-                "This removes {removed:.0} % of the error above the noise floor; {ratio:.1} times the \
-                 floor is left."
+        let with = match self.diagnosis.steps.len() {
+            0 => "The",
+            1 => "With it the",
+            _ => "With them the",
+        };
+        match (self.diagnosis.steps.as_slice(), ratio <= AT_FLOOR) {
+            (_, true) => format!("{with} 2 s simulation error is at the noise floor."),
+            ([], false) => format!("The 2 s simulation error is {ratio:.1} times the noise floor."),
+            (_, false) => format!(
+                "This removes {removed:.0} % of the error above the noise floor; the 2 s simulation error is still \
+                 {ratio:.1} times the floor."
             ),
-            (false, false) => {
-                format!("The 2 s simulation error is {ratio:.1} times the noise floor.")
-            }
         }
     }
 
     fn rest(&self) -> String {
         let depends = match self.depends_on {
-            Some(d) => format!("The residual torque depends on the {}. ", d.variable.words()),
+            Some(d) => format!(" The residual torque depends on the {}.", d.variable.words()),
             None => String::new(),
         };
         let likely = match self.likely {
-            Some(ranked) => format!("Likely, not proven: {}. ", of(ranked)),
+            Some(ranked) => format!(" Likely, not proven: {}.", of(ranked)),
             None => String::new(),
         };
-        format!("{depends}{likely}{}", self.error())
+        format!("{}{depends}{likely}", self.error())
     }
 }
 
@@ -132,7 +132,7 @@ impl Finding<'_> {
 const SIZES: usize = 2;
 
 /// The name of an effect of the catalogue within a sentence; the id of any other.
-fn title(id: &str) -> String {
+pub(super) fn title(id: &str) -> String {
     let known = crate::effects::find(id).map(|effect| effect.description().title);
     known.map_or_else(|| id.to_owned(), |title| format::in_text(&title))
 }

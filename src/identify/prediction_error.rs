@@ -279,7 +279,7 @@ fn words(chosen: &Candidate, horizon: &Horizon) -> String {
         Horizon::Seconds(_) => "as given; 2 s simulation error of held-out pieces",
     };
     let meaning = if chosen.solution.horizon == 0.0 { " (maximum likelihood)" } else { "" };
-    format!("Prediction horizon: {} s{meaning}, {how}: {error:.3e}.", chosen.solution.horizon)
+    format!("Prediction horizon: {} s{meaning}, {how}: {error:.3e} rad/s.", chosen.solution.horizon)
 }
 
 /// What to say of a shift in time that is there beyond doubt.

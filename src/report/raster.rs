@@ -1,9 +1,10 @@
 //! From the drawing to what a reader opens: SVG without fonts to miss, and PNG.
 
+use std::cell::RefCell;
 use std::sync::{Arc, LazyLock};
 
 use maud::html;
-use resvg::tiny_skia::{Color, Pixmap, Transform};
+use resvg::tiny_skia::{PixmapMut, Transform};
 use resvg::usvg::{Options, Tree, WriteOptions, fontdb::Database};
 
 use super::ReportError;
@@ -21,6 +22,14 @@ const TEXT_WIDTH_IN: f64 = 7.16;
 const PIXELS_PER_IN: f64 = super::figure::WIDTH / TEXT_WIDTH_IN;
 /// Pixels of a PNG per CSS pixel.
 const RESOLUTION: f32 = (DPI / PIXELS_PER_IN) as f32;
+
+/// Bytes of a picture at most: 2 GB.
+const LARGEST: usize = i32::MAX as usize;
+
+thread_local! {
+    /// The picture that is drawn: fresh pages of memory for each took a tenth of a run.
+    static SHEET: RefCell<Vec<u8>> = const { RefCell::new(Vec::new()) };
+}
 
 /// Draws a figure as SVG in which all text is paths, so that it looks the same everywhere; as wide on paper as
 /// its PNG, and with its title and caption as text for screen readers.
@@ -81,11 +90,18 @@ fn png(figure: &Figure, tree: &Tree) -> Result<Vec<u8>, ReportError> {
         ((size.width() * RESOLUTION).ceil() as u32, (size.height() * RESOLUTION).ceil() as u32);
     let failed =
         |cause: String| ReportError::Raster { figure: figure.id.clone(), width, height, cause };
-    let mut pixmap = Pixmap::new(width, height).ok_or_else(|| failed("too large".to_owned()))?;
-    pixmap.fill(Color::WHITE);
-    let transform = Transform::from_scale(RESOLUTION, RESOLUTION);
-    resvg::render(tree, transform, &mut pixmap.as_mut());
-    indexed(width, height, DPI, pixmap.data()).map_err(|e| failed(e.to_string()))
+    let too_large = || failed("too large".to_owned());
+    let pixels = u64::from(width) * u64::from(height);
+    let bytes = usize::try_from(4 * pixels).ok().filter(|bytes| *bytes <= LARGEST);
+    let bytes = bytes.ok_or_else(too_large)?;
+    SHEET.with_borrow_mut(|sheet| {
+        sheet.clear();
+        sheet.resize(bytes, u8::MAX);
+        let mut pixmap = PixmapMut::from_bytes(sheet, width, height).ok_or_else(too_large)?;
+        let transform = Transform::from_scale(RESOLUTION, RESOLUTION);
+        resvg::render(tree, transform, &mut pixmap);
+        indexed(width, height, DPI, sheet).map_err(|e| failed(e.to_string()))
+    })
 }
 
 fn tree(figure: &Figure) -> Result<Tree, ReportError> {

@@ -220,7 +220,8 @@ fn set_overrides_a_key_and_quiet_prints_nothing() {
 #[test]
 fn check_says_what_would_be_done_and_writes_nothing() {
     let folder = small();
-    let words = ["small.toml: Small", "a1, a2, a3, a4, a5", "prediction_error", "made train 1"];
+    let words =
+        ["small.toml: Small", "a1, a2, a3, a4, a5", "prediction_error", "simulated train 1"];
     folder.run(&["check", "small.toml"]).says(0, &words);
     assert!(!folder.has("reports"));
     folder.run(&["check", "small.toml", "gone.toml"]).says(2, &["Small", "gone.toml"]);

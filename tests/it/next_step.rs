@@ -59,7 +59,7 @@ fn recordings_without_a_file_get_one_first() {
     folder.write("made.toml", SCRUB).run(&["made.toml"]).says(0, &[]);
     let names = ["floor run 1.csv", "floor run 2.csv", "floor run 3.csv"];
     for (name, made) in names.iter().zip(["train_1", "train_2", "validation_1"]) {
-        folder.write(name, folder.read(&format!("reports/made/made_{made}.csv")));
+        folder.write(name, folder.read(&format!("reports/made/simulated_{made}.csv")));
     }
     folder.run(&[&names[..], &["--out", "out"]].concat()).says(0, &["turning_scrub"]);
     let found = commands(&folder, "out/floor run 1/report.html");

@@ -45,6 +45,12 @@ impl GridAxis {
         self.key == "simulation.seed"
     }
 
+    /// Whether it changes the recordings, and not what is made of them.
+    #[must_use]
+    pub fn is_data(&self) -> bool {
+        self.key.starts_with("simulation.") || self.key.starts_with("recordings.")
+    }
+
     /// Its values as numbers, where all are.
     #[must_use]
     pub fn numbers(&self) -> Option<Vec<f64>> {

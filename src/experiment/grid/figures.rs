@@ -1,14 +1,12 @@
 //! RMSE and coverage against the first key of numbers, a curve per method.
 
 use super::GridPlan;
+use super::curves::{Curves, MOST_SERIES};
 use super::summary::{FEWEST_COVERED, Summary, conditions};
 use crate::math::distribution::chi2_quantile;
 use crate::report::block::Block;
 use crate::report::figure::{Axis, Figure, Layer, Panel, Role};
 use crate::report::format;
-
-/// Curves of one figure at most: as many as there are colours.
-const MOST_SERIES: usize = 7;
 
 /// A point of a curve: place, value, lower and upper edge of its 95 % interval.
 type Point = (f64, f64, Option<(f64, f64)>);
@@ -134,20 +132,13 @@ fn figure(
     // room for the first and the last dot
     let log = || Axis::log(&label, unit).with_range(least / 1.15, 1.15 * most);
     let x = || if wide { log() } else { Axis::linear(&label, unit) };
-    let names = series_names(grid, summaries, along);
+    let curves = Curves::new(grid, summaries, along);
+    let names = &curves.names;
     let mut out = Figure::new(quantity.id, quantity.title)
         .with_subtitle(format!("{} combinations: {}", grid.cells(), grid.words()))
         .with_how_to_read(quantity.how_to_read)
-        .with_caption(quantity.caption)
+        .with_caption(format!("{}{}", quantity.caption, curves.words(grid)))
         .with_columns(columns(parameters.len()));
-    if names.len() > MOST_SERIES {
-        let shown = format!(
-            "{} The first {MOST_SERIES} of {} curves; all are in summary.csv.",
-            quantity.caption,
-            names.len()
-        );
-        out = out.with_caption(shown);
-    }
     for (parameter, unit) in parameters {
         let mut panel = Panel::new(x(), (quantity.axis)(&format::unit(unit)))
             .with_title(format::symbol(parameter));
@@ -156,8 +147,7 @@ fn figure(
             panel = panel.with(chance(&numbers, (target.chance)(repetitions)));
         }
         for (n, name) in names.iter().take(MOST_SERIES).enumerate() {
-            let of =
-                |s: &&Summary| s.parameter == *parameter && series_name(grid, s, along) == *name;
+            let of = |s: &&Summary| s.parameter == *parameter && curves.has(grid, s, name);
             let mut points: Vec<Point> = summaries
                 .iter()
                 .filter(|s| of(s) && s.n >= quantity.fewest)
@@ -215,29 +205,4 @@ fn with_curve(mut panel: Panel, points: &[Point], name: &str, role: Role) -> Pan
         alpha: 1.0,
     };
     panel.with(Layer::line(centres, name, role)).with(dots)
-}
-
-/// The method, and the other conditions where there are any.
-fn series_name(grid: &GridPlan, s: &Summary, along: usize) -> String {
-    let axes = conditions(grid).into_iter().zip(&s.places).enumerate();
-    let others: Vec<String> = axes
-        .filter(|(j, (k, _))| *j != along && grid.axes[*k].values.len() > 1)
-        .map(|(_, (k, p))| format!("{} = {}", grid.axes[k].name, grid.axes[k].text(*p)))
-        .collect();
-    if others.is_empty() {
-        s.method.clone()
-    } else {
-        format!("{}, {}", s.method, others.join(", "))
-    }
-}
-
-fn series_names(grid: &GridPlan, summaries: &[Summary], along: usize) -> Vec<String> {
-    let mut out: Vec<String> = Vec::new();
-    for s in summaries.iter().filter(|s| !s.parameter.is_empty()) {
-        let name = series_name(grid, s, along);
-        if !out.contains(&name) {
-            out.push(name);
-        }
-    }
-    out
 }

@@ -8,6 +8,7 @@ use super::part::Shard;
 use super::run::{Finished, Line, run_cells};
 use super::shell::command;
 use super::summary::{self, Summary};
+use super::winner::winner;
 use super::{GridPlan, page, table};
 use crate::experiment::error::ExperimentError;
 use crate::experiment::options::{Done, RunOptions};
@@ -144,7 +145,8 @@ fn write(
     let results = results(plan, grid, cells, &summaries);
     folder.add("results.json", serde_json::to_string_pretty(&results).unwrap_or_default());
     let path = folder.write()?;
-    let verdict = page::verdict(grid, cells, &summaries);
+    let headline = winner(grid, cells).map(|winner| format!(" {}", winner.sentence()));
+    let verdict = page::verdict(grid, cells, &summaries) + &headline.unwrap_or_default();
     Ok(Done::of_grid(verdict, path.join("report.html")))
 }
 

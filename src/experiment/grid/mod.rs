@@ -9,6 +9,7 @@
 mod axes;
 mod cell;
 mod combinations;
+mod curves;
 mod figures;
 mod finish;
 mod page;

@@ -29,7 +29,7 @@ pub(super) fn render(
         id: id.into(),
         title: title.into(),
         blocks,
-        folded: false,
+        folded: id == "summary" && summaries.len() > MOST_OPEN,
     };
     let failed = cells.iter().any(GridCell::failed);
     let tone = if failed { Tone::Notice } else { Tone::Neutral };
@@ -72,6 +72,8 @@ pub(super) fn render(
     Ok(Rendered { html: page.html, figures })
 }
 
+/// Rows of a table that is not folded, and so printed, at most: two sheets.
+const MOST_OPEN: usize = 60;
 /// Rows of a table at most: a page of more is too heavy to open.
 const MOST_ROWS: usize = 1000;
 
@@ -128,19 +130,31 @@ pub(super) fn verdict(grid: &GridPlan, cells: &[GridCell], summaries: &[Summary]
     out + "."
 }
 
+type Count = (&'static str, fn(&Summary) -> usize);
+
+/// How many estimates there are, and how many are missing where any are.
+fn counts(summaries: &[Summary]) -> Vec<Count> {
+    let all: [Count; 3] =
+        [("n", |s| s.n), ("Failures", |s| s.failures), ("Not identifiable", |s| s.unidentifiable)];
+    let says = |(title, of): &Count| *title == "n" || summaries.iter().any(|s| of(s) > 0);
+    all.into_iter().filter(says).collect()
+}
+
 fn table(grid: &GridPlan, summaries: &[Summary]) -> Block {
     let axes = conditions(grid);
     let mut columns: Vec<Column> = axes.iter().map(|k| Column::text(&grid.axes[*k].name)).collect();
     columns.extend([Column::text("Method"), Column::text("Parameter"), Column::text("Unit")]);
-    columns.extend(["n", "Failures", "Not identifiable"].map(|t| Column::number(t, "")));
+    let counts = counts(summaries);
+    columns.extend(counts.iter().map(|(title, _)| Column::number(*title, "")));
     columns.extend(["True value", "Bias", "RMSE", "Claimed error"].map(|t| Column::number(t, "")));
     columns.extend([Column::number("Coverage", ""), Column::number("Efficiency", "")]);
     columns.extend(["2 s simulation error", "Noise floor"].map(|t| Column::number(t, "rad/s")));
-    let caption = if summaries.len() > MOST_ROWS {
+    let lead = if summaries.len() > MOST_ROWS {
         format!("The first {MOST_ROWS} of {} rows; all are in summary.csv.", summaries.len())
     } else {
-        "Every combination, method and parameter.".into()
+        "Every combination, method and parameter.".to_owned()
     };
+    let caption = format!("{lead} Bias, RMSE and claimed error in the unit of the parameter.");
     // a hundred repetitions give an error to 7 %: more digits would say nothing
     let three = |v: f64| Cell::formatted(format::digits(v, 3), v);
     let mut table = Table::new(caption, columns);
@@ -164,7 +178,7 @@ fn table(grid: &GridPlan, summaries: &[Summary]) -> Block {
             ]
             .map(Cell::text),
         );
-        row.extend([s.n, s.failures, s.unidentifiable].map(Cell::count));
+        row.extend(counts.iter().map(|(_, of)| Cell::count(of(s))));
         row.push(Cell::number(s.truth));
         row.extend([s.bias, s.rmse, s.std_error].map(three));
         row.push(coverage(s));

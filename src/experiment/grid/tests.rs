@@ -214,3 +214,15 @@ fn coverage_is_stated_from_twenty_repetitions_on_with_its_interval_and_the_runs(
     let runs = stated.rsplit(" %, ").next().and_then(|s| s.split(' ').next()).unwrap();
     assert!((20..=25).contains(&runs.parse::<u32>().unwrap()), "{stated}");
 }
+
+#[test]
+fn keys_for_which_no_colours_are_left_are_held_and_said() {
+    let grid = "duration_s = [2.0, 3.0]\nnoise_scale = [1, 2, 4]\nrate_hz = [50, 100, 200]\n\
+                \"model.effects\" = [[], [\"turning_scrub\"]]";
+    let folder = Folder::with(grid);
+    folder.run(false);
+    let html = fs::read_to_string(folder.0.path().join("g/report.html")).unwrap();
+    // six curves: the model's key before those of the data
+    assert!(html.contains("After the method: model.effects, noise_scale."), "{}", html.len());
+    assert!(html.contains("Shown at rate_hz = 100; all combinations are in summary.csv."));
+}

@@ -83,14 +83,13 @@ fn rival(name: &str, logs: &[f64], level: f64) -> Rival {
 }
 
 fn errors(grid: &GridPlan, cells: &[Cell]) -> Errors {
-    let is_data = |key: &str| key.starts_with("simulation.") || key.starts_with("recordings.");
     let mut out = Errors::new();
     for cell in cells {
         let places = grid.places(cell.cell);
         let axes = || grid.axes.iter().zip(&places);
-        let data: Vec<usize> = axes().filter(|(a, _)| is_data(&a.key)).map(|(_, p)| *p).collect();
+        let data: Vec<usize> = axes().filter(|(a, _)| a.is_data()).map(|(_, p)| *p).collect();
         let settings: Vec<String> = axes()
-            .filter(|(axis, _)| !is_data(&axis.key) && axis.values.len() > 1)
+            .filter(|(axis, _)| !axis.is_data() && axis.values.len() > 1)
             .map(|(axis, place)| format!("{} = {}", axis.name, axis.text(*place)))
             .collect();
         for row in cell.rows.iter().filter(|row| row.window_rms.0 > 0.0) {
@@ -114,6 +113,14 @@ impl Winner {
                 "{} has the smallest 2 s simulation error, {error} rad/s; that of {}, the next, is {ratio} larger \
                  (95 %: {low} to {high}, {} pairs).",
                 self.name, nearest.name, nearest.pairs
+            );
+        }
+        if self.rivals.iter().all(|rival| rival.interval == (1.0, 1.0)) {
+            let names: Vec<&str> = self.rivals.iter().map(|rival| rival.name.as_str()).collect();
+            return format!(
+                "{} has the same 2 s simulation error as {}, {error} rad/s.",
+                self.name,
+                names.join(", ")
             );
         }
         let alike: Vec<&Rival> = self.rivals.iter().filter(|r| !r.is_distinguished()).collect();
@@ -161,5 +168,7 @@ mod tests {
         let said = winner(rival("b", &[0.1, -0.1, 0.05, 0.0], 0.05)).sentence();
         assert!(said.contains("not distinguishable from b"), "{said}");
         assert!(winner(two).sentence().contains("too few"));
+        let same = winner(rival("b", &[0.0, 0.0, 0.0], 0.05)).sentence();
+        assert_eq!(same, "a has the same 2 s simulation error as b, 0.0500 rad/s.");
     }
 }

@@ -195,13 +195,15 @@ fn cell(cell: &Cell, align: &str) -> Markup {
         v if v.is_infinite() => format!("{}Infinity", if v < 0.0 { "-" } else { "" }),
         v => format!("{v}"),
     });
+    // a number is not broken before its power of ten
+    let shown = cell.text.replace(" × 10", "\u{a0}×\u{a0}10");
     html! {
         td class=[(!classes.is_empty()).then(|| classes.join(" "))] style=[style] data-value=[value] {
             @if let Some(png) = &cell.picture {
                 img.thumbnail alt="" src={ "data:image/png;base64," (BASE64.encode(png)) };
-            } @else if let Some(address) = &cell.link { a href=(address) { (cell.text) } }
-            @else if cell.strong { strong { (cell.text) } }
-            @else { (cell.text) }
+            } @else if let Some(address) = &cell.link { a href=(address) { (shown) } }
+            @else if cell.strong { strong { (shown) } }
+            @else { (shown) }
             @if !cell.note.is_empty() { span.note { (cell.note) } }
         }
     }
@@ -220,7 +222,10 @@ fn figure(drawn: &Drawn<'_>, number: usize) -> Markup {
             h4 { (figure.title) }
             @if !figure.subtitle.is_empty() { p.subtitle { (figure.subtitle) } }
             @match &drawn.inline {
-                Some(svg) => div.picture role="img" aria-label=(alt) { (PreEscaped(svg)) },
+                Some([wide, narrow]) => div.picture role="img" aria-label=(alt) {
+                    div.wide { (PreEscaped(wide)) }
+                    div.narrow { (PreEscaped(narrow)) }
+                },
                 None => div.picture { img src=(png) alt=(alt); },
             }
             @if let Some(data) = &drawn.data {

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::column::Column;
 use crate::report::ReportError;
 use crate::report::figure::{Axis, AxisScale, Dash, Figure, Layer};
 use crate::report::format::round_significant;
@@ -23,7 +24,7 @@ pub(super) struct FigureData<'a> {
     #[serde(skip_serializing_if = "str::is_empty")]
     link: &'a str,
     /// Columns of x values; layers refer to them by index, since most share one.
-    xs: Vec<Vec<f64>>,
+    xs: Vec<Column>,
     panels: Vec<PanelData>,
 }
 
@@ -55,11 +56,11 @@ struct LayerData {
     #[serde(skip_serializing_if = "Option::is_none")]
     x: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    y: Option<Vec<f64>>,
+    y: Option<Column>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    low: Option<Vec<f64>>,
+    low: Option<Column>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    high: Option<Vec<f64>>,
+    high: Option<Column>,
     #[serde(skip_serializing_if = "Option::is_none")]
     ranges: Option<Vec<(f64, f64)>>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -152,10 +153,10 @@ fn layer(
     x_range: (f64, f64),
     far: (f64, f64),
     y_range: (f64, f64),
-    xs: &mut Vec<Vec<f64>>,
+    xs: &mut Vec<Column>,
 ) -> LayerData {
-    let round = |values: Vec<f64>| -> Vec<f64> {
-        values.into_iter().map(|v| round_within(v, y_range)).collect()
+    let round = |values: Vec<f64>| -> Column {
+        Column(values.into_iter().map(|v| round_within(v, y_range)).collect())
     };
     let base = |kind: &'static str, label: &str, role: Role| LayerData {
         kind,
@@ -262,13 +263,13 @@ fn split(points: &[Point]) -> (Vec<f64>, Vec<f64>) {
 }
 
 /// Index of a column of x values, stored once.
-fn share(x: Vec<f64>, xs: &mut Vec<Vec<f64>>) -> usize {
+fn share(x: Vec<f64>, xs: &mut Vec<Column>) -> usize {
     let x: Vec<f64> = x.into_iter().map(|v| round_significant(v, 7)).collect();
-    let same = |a: &Vec<f64>| {
+    let same = |Column(a): &Column| {
         a.len() == x.len() && a.iter().zip(&x).all(|(a, b)| a.to_bits() == b.to_bits())
     };
     xs.iter().position(same).unwrap_or_else(|| {
-        xs.push(x);
+        xs.push(Column(x));
         xs.len() - 1
     })
 }

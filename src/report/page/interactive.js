@@ -68,9 +68,18 @@ const live = (() => {
     return state;
   }
 
+  // Numbers as the page stores them: as they are, or the differences of their multiples of a power of ten.
+  function column(stored) {
+    if (!stored || Array.isArray(stored)) return stored;
+    const power = Math.pow(10, stored.d);
+    let sum = 0;
+    return stored.v.map((step) => (step === null ? null : (sum += step) / power));
+  }
+
   function prepare(panel, xs) {
     panel.layers.forEach((layer) => {
-      layer.xs = xs[layer.x] || [];
+      layer.xs = column(xs[layer.x]) || [];
+      ["y", "low", "high"].forEach((name) => { layer[name] = column(layer[name]); });
       layer.travel = travel(layer.y || []);
       layer.sorted = layer.xs.every((v, i) => i === 0 || v === null || v >= layer.xs[i - 1]);
     });

@@ -2,8 +2,10 @@
 //! security policy says so to the browser.
 
 mod blocks;
+mod column;
 mod data;
 mod explorer;
+mod narrow;
 mod what_if;
 
 use base64::Engine as _;
@@ -17,8 +19,7 @@ use super::block::Block;
 use super::figure::Figure;
 use super::fonts::{FAMILY, REGULAR, SEMI_BOLD};
 use super::palette::{AXIS, DARK_PARTNERS, GRID, INK, MUTED, Rgb, Role, SURFACE, css_variable};
-use super::plot::{Purpose, draw};
-use super::raster::{described, figure_to_both};
+use super::raster::figure_to_both;
 
 const INTERACTIVE: &str = concat!(
     include_str!("scales.js"),
@@ -91,8 +92,9 @@ impl Picture {
 struct Drawn<'a> {
     figure: &'a Figure,
     file_stem: String,
-    /// Drawing that follows the page's colours; only where the figure stays a picture.
-    inline: Option<String>,
+    /// Drawings for a wide and a narrow screen that follow the page's colours; only where the figure stays a
+    /// picture.
+    inline: Option<[String; 2]>,
     png: Vec<u8>,
     svg: String,
     data: Option<String>,
@@ -152,11 +154,7 @@ fn draw_figures(content: &PageContent) -> Result<Vec<Drawn<'_>>, ReportError> {
         .map(|(figure, file_stem)| {
             let (png, svg) = figure_to_both(figure)?;
             let interactive = figure.is_interactive();
-            let inline = if interactive {
-                None
-            } else {
-                Some(described(&draw(figure, Purpose::Inline)?, figure))
-            };
+            let inline = if interactive { None } else { Some(narrow::both(figure)?) };
             let data =
                 interactive.then(|| data::json(&data::of(figure), &figure.id)).transpose()?;
             Ok(Drawn { figure, file_stem, inline, png, svg, data })

@@ -11,6 +11,8 @@ use super::stroke::stroke;
 
 const SWATCH: f64 = 20.0;
 const BETWEEN: f64 = 18.0;
+/// From line to line [px].
+const ROW: f64 = 20.0;
 
 /// How a series looks in the legend.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -126,6 +128,24 @@ pub(super) fn lines(entries: &[Entry], width: f64) -> Vec<&[Entry]> {
         lines.push(&entries[start..]);
     }
     lines
+}
+
+/// Room of lines above all panels, with a gap below them [px].
+pub(super) fn height(lines: usize) -> f64 {
+    if lines == 0 { 0.0 } else { lines as f64 * ROW + 8.0 }
+}
+
+/// Draws lines of entries below a place.
+pub(super) fn draw_lines(
+    canvas: &Canvas<'_>,
+    lines: &[&[Entry]],
+    (left, top): (f64, f64),
+    room: f64,
+) -> Result<(), ReportError> {
+    lines.iter().enumerate().try_for_each(|(i, line)| {
+        let baseline = top + LEGEND.size + i as f64 * ROW;
+        draw_line(canvas, line, (left, baseline), Anchor::Start, room)
+    })
 }
 
 /// Draws one line of entries; `x` is its left or right end.

@@ -12,6 +12,7 @@ mod legend;
 mod pen;
 mod plan;
 mod stroke;
+mod ticks;
 
 use super::ReportError;
 use super::figure::{Figure, WIDTH};
@@ -50,7 +51,10 @@ pub(super) fn draw(figure: &Figure, purpose: Purpose) -> Result<String, ReportEr
     let inner = width - 2.0 * margin;
     let heading = Heading::new(figure, inner, purpose);
     let mut plans = plans(figure);
-    let top = margin + heading.height();
+    let common = common_legend(figure, &mut plans);
+    let lines = legend::lines(&common, inner);
+    let below_heading = margin + heading.height();
+    let top = below_heading + legend::height(lines.len());
     let placed = place(figure, &mut plans, inner, top, margin);
     let size = (width as u32, (placed.bottom + margin).ceil() as u32);
 
@@ -63,6 +67,7 @@ pub(super) fn draw(figure: &Figure, purpose: Purpose) -> Result<String, ReportEr
             canvas.rectangle(sheet, SURFACE, 1.0)?;
         }
         heading.draw(&canvas, margin)?;
+        legend::draw_lines(&canvas, &lines, (margin, below_heading), inner)?;
         for (plan, frame) in plans.iter().zip(&placed.frames) {
             axes::grid(&canvas, plan, frame)?;
             layers::draw(&canvas, &plan.panel.layers, frame)?;
@@ -132,6 +137,17 @@ fn plans(figure: &Figure) -> Vec<Plan<'_>> {
     plans
 }
 
+/// The legend of the first of several columns, taken out to stand above all panels: in its cell it would push
+/// the plots of the row down.
+fn common_legend(figure: &Figure, plans: &mut [Plan<'_>]) -> Vec<legend::Entry> {
+    let Some(first) = plans.first_mut().filter(|_| figure.columns > 1) else { return Vec::new() };
+    let (own, common) = std::mem::take(&mut first.legend)
+        .into_iter()
+        .partition(|entry: &legend::Entry| entry.sample == legend::Sample::None);
+    first.legend = own;
+    common
+}
+
 /// The ranges of x and y that each panel shows.
 pub(super) fn panel_ranges(figure: &Figure) -> Vec<((f64, f64), (f64, f64))> {
     let range = |scale: Scale| (scale.first, scale.last);
@@ -152,30 +168,22 @@ fn place(figure: &Figure, plans: &mut [Plan<'_>], inner: f64, top: f64, margin: 
         .chunks(columns)
         .map(|row| row.iter().map(|plan| plan.wanted_height(cell_width, alone)).fold(0.0, f64::max))
         .collect();
-    let height_of = |heights: &[f64], i: usize| heights[i / columns];
     for (i, plan) in plans.iter_mut().enumerate() {
-        plan.measure_above(cell_width, height_of(&heights, i));
+        plan.measure_above(cell_width, heights[i / columns]);
     }
-    let sides: Vec<(f64, f64)> = (0..columns)
-        .map(|column| {
-            let own = plans.iter().enumerate().skip(column).step_by(columns);
-            own.fold((0.0, 0.0), |(left, right): (f64, f64), (i, plan)| {
-                let needed = plan.left(cell_width, height_of(&heights, i));
-                (left.max(needed), right.max(plan.right()))
-            })
-        })
-        .collect();
-    let plot_width = |column: usize| (cell_width - sides[column].0 - sides[column].1).max(40.0);
+    let beside = sides(plans, columns, cell_width, &heights);
+    let width = |sides: (f64, f64)| (cell_width - sides.0 - sides.1).max(40.0);
     let around: Vec<(f64, f64)> = plans
         .chunks(columns)
         .map(|row| {
             let above = row.iter().map(|plan| plan.above).fold(0.0, f64::max);
-            let below = row.iter().enumerate().map(|(c, plan)| plan.below(plot_width(c)));
+            let below = row.iter().enumerate().map(|(c, plan)| plan.below(width(beside[c])));
             (above, below.fold(0.0, f64::max))
         })
         .collect();
     stretch(figure, &mut heights, &around, top + margin);
-
+    // other heights have other ticks
+    let beside = sides(plans, columns, cell_width, &heights);
     let mut frames = Vec::with_capacity(plans.len());
     let mut y = top;
     for (r, row) in plans.chunks_mut(columns).enumerate() {
@@ -188,19 +196,33 @@ fn place(figure: &Figure, plans: &mut [Plan<'_>], inner: f64, top: f64, margin: 
                 right: left + cell_width,
                 bottom: y + above + heights[r] + below,
             };
-            let start = left + sides[c].0;
+            let start = left + beside[c].0;
             let rect = Rect {
                 left: start,
                 top: y + above,
-                right: start + plot_width(c),
+                right: start + width(beside[c]),
                 bottom: y + above + heights[r],
             };
             plan.equalise(&rect);
+            plan.fit_texts(rect.width(), beside[c].1);
             frames.push(Frame { cell, rect, x: plan.x, y: plan.y });
         }
         y += above + heights[r] + below + BETWEEN_ROWS;
     }
     Placed { frames, bottom: if plans.is_empty() { top } else { y - BETWEEN_ROWS } }
+}
+
+/// Room to the left and right of the plots of each column, for plots of these heights a row.
+fn sides(plans: &[Plan<'_>], columns: usize, cell_width: f64, heights: &[f64]) -> Vec<(f64, f64)> {
+    (0..columns)
+        .map(|column| {
+            let own = plans.iter().enumerate().skip(column).step_by(columns);
+            own.fold((0.0, 0.0), |(left, right): (f64, f64), (i, plan)| {
+                let needed = plan.left(cell_width, heights[i / columns]);
+                (left.max(needed), right.max(plan.right()))
+            })
+        })
+        .collect()
 }
 
 /// Stretches the plots to a height asked for, down to 40 px each.
@@ -213,4 +235,23 @@ fn stretch(figure: &Figure, heights: &mut [f64], around: &[(f64, f64)], outside:
     let room = height.min(10_000.0) - outside - surroundings - gaps;
     let factor = room / heights.iter().sum::<f64>();
     heights.iter_mut().for_each(|plot| *plot = (*plot * factor).max(40.0));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::figure::{Axis, Layer, Panel, Role};
+
+    #[test]
+    fn the_legend_of_several_columns_stands_once_above_all_panels() {
+        let line = Layer::line(vec![(0.0, 0.0), (1.0, 1.0)], "curve", Role::Model);
+        let panel = || Panel::new(Axis::linear("x", ""), Axis::linear("y", "")).with(line.clone());
+        let one = Figure::new("f", "").with_panel(panel()).with_panel(panel());
+        let two = one.clone().with_columns(2);
+        for (figure, above) in [(one, 0), (two, 1)] {
+            let mut plans = plans(&figure);
+            assert_eq!(common_legend(&figure, &mut plans).len(), above);
+            assert_eq!(plans.iter().map(|plan| plan.legend.len()).sum::<usize>(), 1 - above);
+        }
+    }
 }

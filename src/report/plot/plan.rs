@@ -5,12 +5,15 @@ use crate::report::polyline::{Point, Rect};
 use crate::report::scale::{Scale, Ticks};
 
 use super::legend::{self, Entry};
-use super::pen::{AXIS_LABEL, CATEGORY, PANEL_TITLE, TICK_LABEL};
+use super::pen::{AXIS_LABEL, CATEGORY, LEGEND, PANEL_TITLE, TICK_LABEL};
+use super::ticks::{x_ticks, y_ticks};
 
 /// Pixels between plot and tick labels.
 pub(super) const GAP: f64 = 7.0;
 /// Names left of a plot take at most this share of the width.
 const NAMES_SHARE: f64 = 0.34;
+/// Between a bar and the text at its end, and behind that [px].
+const TEXT_GAP: f64 = 10.0;
 /// A pixel place farther out than this is as good as at infinity.
 const FAR: f64 = 1e6;
 
@@ -77,10 +80,6 @@ impl<'a> Plan<'a> {
             if axis.range.is_none() {
                 *scale = Scale::new(axis, values.into_iter(), 0.06);
                 start_at_zero(scale, bars);
-                let has_text = bars.series.iter().any(|series| !series.text.is_empty());
-                if has_text && scale.kind == AxisScale::Linear {
-                    scale.last += 0.1 * (scale.last - scale.first);
-                }
             }
         }
         let across =
@@ -123,29 +122,46 @@ impl<'a> Plan<'a> {
         widen(&mut self.y, rect.height());
     }
 
+    /// Lengthens the axis of horizontal bars until the texts at their ends fit, on a plot so wide with so much room
+    /// to its right.
+    pub(super) fn fit_texts(&mut self, width: f64, right: f64) {
+        let Some(bars) = bars(self.panel).filter(|b| b.direction == Direction::Horizontal) else {
+            return;
+        };
+        let texts = bars.series.iter().flat_map(|series| &series.text);
+        let widest = texts.map(|text| LEGEND.width(text)).fold(0.0, f64::max);
+        let behind = (widest + TEXT_GAP - right).clamp(0.0, 0.5 * width);
+        if self.x.kind == AxisScale::Linear && self.panel.x.range.is_none() {
+            self.x.last += (self.x.last - self.x.first) * behind / (width - behind);
+        }
+    }
+
     pub(super) fn x_marks(&self, width: f64) -> Marks {
         match &self.x_names {
             Some(names) => Marks::Names(names.clone()),
-            None => Marks::Numbers(ticks_that_fit(&self.x, width)),
+            None => Marks::Numbers(x_ticks(&self.x, width)),
         }
     }
 
     pub(super) fn y_marks(&self, height: f64) -> Marks {
         match &self.y_names {
             Some(names) => Marks::Names(names.clone()),
-            None => Marks::Numbers(self.y.ticks((height / 38.0).clamp(2.0, 10.0))),
+            None => Marks::Numbers(y_ticks(&self.y, height)),
         }
     }
 
     /// Height the panel would like its plot to have [px].
     pub(super) fn wanted_height(&self, cell_width: f64, alone: bool) -> f64 {
+        let is_broken = |name: &String| CATEGORY.width(name) > NAMES_SHARE * cell_width;
         match (&self.y_names, bars(self.panel)) {
             (Some(names), Some(bars)) => {
-                let broken = |name: &String| CATEGORY.width(name) > NAMES_SHARE * cell_width;
-                let lines = if names.iter().any(broken) { 2.0 } else { 1.0 };
+                let lines = if names.iter().any(is_broken) { 2.0 } else { 1.0 };
                 let slot = (14.0 * bars.series.len() as f64 + 10.0)
                     .max(10.0 + lines * CATEGORY.line_height());
                 (names.len() as f64 * slot).clamp(60.0, 1400.0)
+            }
+            (Some(names), None) if names.iter().any(is_broken) => {
+                (names.len() as f64 * (4.0 + 2.0 * CATEGORY.line_height())).clamp(90.0, 1400.0)
             }
             (Some(names), None) => {
                 let count = names.len() as f64;
@@ -228,23 +244,6 @@ fn axis_label(marks: &Marks, axis: &crate::report::figure::Axis) -> String {
     match marks {
         Marks::Numbers(ticks) => ticks.axis_label(axis),
         Marks::Names(_) => Ticks::default().axis_label(axis),
-    }
-}
-
-/// As many ticks as have room for their labels.
-fn ticks_that_fit(scale: &Scale, width: f64) -> Ticks {
-    let mut count = (width / 70.0).clamp(1.0, 14.0);
-    loop {
-        let ticks = scale.ticks(count);
-        let labelled = || ticks.ticks.iter().filter(|tick| !tick.label.is_empty());
-        let half = |label: &str| TICK_LABEL.width(label) / 2.0;
-        let places: Vec<(f64, f64)> =
-            labelled().map(|t| (scale.share(t.at) * width, half(&t.label))).collect();
-        let crowded = places.windows(2).any(|p| p[1].0 - p[0].0 < p[0].1 + p[1].1 + 10.0);
-        if !crowded || count <= 1.0 {
-            return ticks;
-        }
-        count = (0.75 * count).max(1.0);
     }
 }
 

@@ -183,7 +183,7 @@ fn the_picture_shows_the_line_where_the_data_are() {
         dash: Dash::Solid,
     });
     let png = figure_to_png(&Figure::new("line", "").with_panel(panel)).unwrap();
-    let picture = Pixmap::decode_png(&png).unwrap();
+    let picture = resvg::tiny_skia::Pixmap::decode_png(&png).unwrap();
     let is = |x: u32, y: u32, color: (u8, u8, u8)| {
         picture.pixel(x, y).is_some_and(|p| (p.red(), p.green(), p.blue()) == color)
     };

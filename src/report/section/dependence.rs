@@ -49,9 +49,9 @@ fn figure(study: &Study) -> Figure {
             "The residual torque depends on nothing that was looked at".to_owned()
         }
         Some(after) => format!(
-            "The {variable} explains {before} of the residual torque; with {} in the model {} are left of it",
+            "The {variable} explains {before} of the residual torque, and {after} with {} in the model",
             words::found(study),
-            format::percent(after)
+            after = format::percent(after)
         ),
         None => format!("The {variable} explains {before} of the residual torque"),
     };
@@ -60,7 +60,7 @@ fn figure(study: &Study) -> Figure {
         .with_caption(caption(study))
         .with_columns(2)
         .interactive()
-        .with_height(560.0);
+        .with_height(620.0);
     for curve in study.curves.iter().take(DRAWN) {
         for (i, wheel) in words::WHEELS.into_iter().enumerate() {
             let mut panel = panel(study, curve, i).with_title(wheel);

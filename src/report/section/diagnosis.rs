@@ -86,13 +86,12 @@ fn ranking_figure(diagnosis: &DiagnosisStudy) -> Option<Figure> {
         }
     };
     let panel =
-        Panel::new(Axis::linear("-BIC/2 over the model without it", ""), Axis::unlabelled())
-            .with(Layer::Bars(bars));
+        Panel::new(Axis::linear("ΔBIC / 2", ""), Axis::unlabelled()).with(Layer::Bars(bars));
     let figure = Figure::new("ranking", title)
         .with_subtitle("Each candidate added by itself; at the bars: probability among the candidates")
         .with_caption(format!(
-            "Half the fall of the Bayesian information criterion with each candidate, on training data, \
-             the best {} of {}. An advantage of 3 is e³ = 20 to one.",
+            "ΔBIC: by how much the Bayesian information criterion prefers the model with the candidate, on training \
+             data; the best {} of {}. A difference of 3 in ΔBIC / 2 means odds of e³ = 20 to 1.",
             shown.len(),
             diagnosis.ranking.len()
         ))
@@ -203,20 +202,22 @@ fn table(study: &Study, ranking: &[Candidate]) -> Table {
         )
     });
     let caption = format!(
-        "All candidates, best first, each added by itself; errors with it on {} data, a dash where the candidate was not worth a \
-         simulation.{before}",
+        "All candidates, best first, each added by itself; errors with it on {} data, green where they are lower than \
+         without. A dash: ruled out before the fit.{before}",
         study.judged_words()
     );
     let mut table = Table::new(caption, columns);
     for c in by_probability(ranking) {
         let digits = |v: f64| Cell::formatted(format::digits(v, 3), v);
+        let dash = |v: f64| Cell::formatted(format::MISSING, v);
+        let fitted = c.delta_bic.is_finite();
         let better = c.window_after < c.window_before;
         let after = digits(c.window_after);
         table.push(vec![
             Cell::text(words::effect(&c.effect)),
             Cell::formatted(probability(c.probability), c.probability).bar(c.probability),
-            Cell::p_value(c.p_value),
-            digits(c.delta_bic),
+            if fitted { Cell::p_value(c.p_value) } else { dash(1.0) },
+            if fitted { digits(c.delta_bic) } else { dash(f64::NEG_INFINITY) },
             if better { after.tone(Tone::Good) } else { after },
             digits(c.ise_validation_after),
             Cell::formatted(format::significant(c.torque_rms, 2), c.torque_rms),

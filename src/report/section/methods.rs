@@ -98,11 +98,12 @@ fn table(study: &Study) -> Table {
         Column::number("Over noise", "×"),
         Column::number("ISE train", "rad²/s"),
         Column::number("ISE validation", "rad²/s"),
-        Column::number("Emulator, parallel", "rad²/s"),
-        Column::number("Emulator, serial-parallel", "rad²/s"),
-        Column::number("Time", "s"),
-        Column::number("Evaluations", ""),
     ];
+    if study.emulated {
+        columns.push(Column::number("Emulator, parallel", "rad²/s"));
+        columns.push(Column::number("Emulator, serial-parallel", "rad²/s"));
+    }
+    columns.extend([Column::number("Time", "s"), Column::number("Evaluations", "")]);
     if known {
         columns.push(Column::number("Parameter error", "%"));
     }
@@ -111,9 +112,14 @@ fn table(study: &Study) -> Table {
     } else {
         ""
     };
+    let emulators = if study.emulated {
+        format!(" Emulators of eq. 19, {gain} on the wheel speeds: their ISE on the same data.")
+    } else {
+        String::new()
+    };
     let caption = format!(
-        "Methods. 2 s simulation error and emulators (eq. 19, {gain} on the wheel speeds) on {} data: \
-         the emulators by their ISE; ISE train and validation are of the free simulation.{error}",
+        "Methods. 2 s simulation error on {} data; ISE of the free simulation on training and validation \
+         data.{emulators}{error}",
         study.judged_words()
     );
     let mut table = Table::new(caption, columns);
@@ -142,11 +148,13 @@ fn row(study: &Study, method: &MethodStudy, is_reference: bool) -> Vec<Cell> {
         digits(ratio),
         digits(ise(Role::Train)),
         digits(ise(Role::Validation)),
-        digits(judged_sum(study, method, |p| p.ise_parallel)),
-        digits(judged_sum(study, method, |p| p.ise_serial_parallel)),
-        Cell::formatted(format::significant(method.seconds, 2), method.seconds),
-        Cell::count(method.work.evaluations),
     ];
+    if study.emulated {
+        row.push(digits(judged_sum(study, method, |p| p.ise_parallel)));
+        row.push(digits(judged_sum(study, method, |p| p.ise_serial_parallel)));
+    }
+    row.push(Cell::formatted(format::significant(method.seconds, 2), method.seconds));
+    row.push(Cell::count(method.work.evaluations));
     if !study.truth.is_empty() {
         row.push(digits(parameter_error(study, method)));
     }

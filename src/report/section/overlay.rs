@@ -50,7 +50,7 @@ impl<'a> Overlay<'a> {
         out
     }
 
-    /// The first screen: both speeds over the stretch where the model as given errs most.
+    /// The first screen: both speeds over the stretch where the error of the model as given is largest.
     pub(super) fn stretch(&self) -> Figure {
         let (first, last) = self.worst();
         let title = match self.completed {
@@ -60,13 +60,12 @@ impl<'a> Overlay<'a> {
             None => "Measured and simulated".to_owned(),
         };
         let whole = last - first < STRETCH - 1e-6 || self.recording.duration_s <= STRETCH;
-        let place = if whole { "" } else { ", the stretch in which the model as given errs most" };
+        let place = if whole { "" } else { ", where the error of the model as given is largest" };
         let figure = Figure::new("overlay", title)
             .with_subtitle(format!("{} ({}){place}", self.recording.file, self.used()))
             .with_caption(format!(
-                "Wheel speeds ω₁ (right) and ω₂ (left). Every simulation starts anew from the \
-                 measured motion after 2 s; at the names stands the RMS error of such simulations \
-                 over the whole recording{}.",
+                "Wheel speeds ω₁ (right) and ω₂ (left). Simulations start anew from the measured motion every 2 s; \
+                 the legend gives their RMS error over the whole recording{}.",
                 self.among()
             ));
         let figure = (0..2).fold(figure, |figure, i| {
@@ -120,7 +119,7 @@ impl<'a> Overlay<'a> {
                  simulated) of the 2 s simulations.",
             )
             .linked(LINK)
-            .with_height(580.0);
+            .with_height(600.0);
         let ends = (self.recording.t[0], self.recording.t[self.recording.t.len() - 1]);
         for i in 0..2 {
             let y = Axis::linear(words::OMEGA[i], "rad/s");
@@ -172,7 +171,7 @@ impl<'a> Overlay<'a> {
     }
 
     fn residuals(&self, i: usize) -> Panel {
-        let label = format!("residual of {}", words::OMEGA[i]);
+        let label = format!("residual {}", words::OMEGA[i]);
         let mut panel = Panel::new(Axis::linear("time", "s"), Axis::linear(label, "rad/s"))
             .with(curves::noise_band(self.recording, i));
         for (performance, label, role, _) in self.models() {

@@ -106,6 +106,6 @@ fn value(e: &Estimate, known: Option<f64>) -> Cell {
         return estimate.tone(Tone::Bad);
     }
     let far = known.is_some_and(|v| (e.value - v).abs() > FAR * e.std_error);
-    let estimate = if far { estimate.tone(Tone::Notice) } else { estimate };
+    let estimate = if far { estimate.tone(Tone::Bad) } else { estimate };
     estimate.noted(interval(low, high))
 }

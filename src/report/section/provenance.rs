@@ -34,7 +34,7 @@ impl Section for Provenance {
         fact("Program", format!("{} {}", env!("CARGO_PKG_NAME"), study.version));
         fact("Robot", study.robot.clone());
         fact("Model", words::model(study));
-        fact("Unit of the drive", study.drive_unit.symbol().to_owned());
+        fact("Unit of the input", study.drive_unit.symbol().to_owned());
         fact("Seed", study.seed.to_string());
         if let Some(files) = &study.model_out {
             fact("Identified model", files.clone());
@@ -42,7 +42,7 @@ impl Section for Provenance {
         let mut blocks = vec![facts.into()];
         if !study.recordings.is_empty() {
             let columns = vec![Column::text("Recording"), Column::text("SHA-256")];
-            let mut sums = Table::new("Check sums of the recordings.", columns);
+            let mut sums = Table::new("Checksums of the recordings.", columns);
             for recording in listed::recordings(study).iter().map(|&r| &study.recordings[r]) {
                 let sum = recording.sha256.clone();
                 let sum = sum.unwrap_or_else(|| "synthetic, from the seed".to_owned());

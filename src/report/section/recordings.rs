@@ -39,7 +39,7 @@ impl Section for Recordings {
             Column::number("Rate", "Hz"),
             Column::number("Noise of angles", "rad"),
             Column::number("Noise of speeds", "rad/s"),
-            Column::number("Noise of drives", study.drive_unit.symbol()),
+            Column::number("Noise of inputs", study.drive_unit.symbol()),
             Column::number("Noise floor, windows", "rad/s"),
             Column::number("Noise floor, quality index", "rad²/s"),
         ];

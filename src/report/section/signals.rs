@@ -64,7 +64,10 @@ fn drive(study: &Study, recording: &RecordingStudy) -> Figure {
     }
     Figure::new("drive", "Recorded input of the wheels")
         .with_subtitle(&recording.file)
-        .with_caption(format!("What drives the simulation.{}", words::in_paper(study, "Fig. 3")))
+        .with_caption(format!(
+            "Input of both wheels after conditioning, as fit and simulation use it.{}",
+            words::in_paper(study, "Fig. 3")
+        ))
         .with_panel(panel)
         .linked(LINK)
 }
@@ -78,7 +81,11 @@ fn velocity(study: &Study, recording: &RecordingStudy) -> Figure {
         let label = format!("{} {}", words::OMEGA[i], words::WHEELS[i]);
         panel = panel.with(line(wheel(&recording.t, &recording.omega, i), &label, roles[i], 1.2));
     }
-    let source = if recording.measured.omega { "Measured" } else { "Differentiated from angles" };
+    let source = if recording.measured.omega {
+        "Measured speeds of both wheels"
+    } else {
+        "Speeds of both wheels, differentiated from the measured angles"
+    };
     Figure::new("speeds", "Angular speeds of the wheels")
         .with_subtitle(&recording.file)
         .with_caption(format!("{source}.{}", words::in_paper(study, "Fig. 4")))
@@ -86,7 +93,7 @@ fn velocity(study: &Study, recording: &RecordingStudy) -> Figure {
         .linked(LINK)
 }
 
-/// The path of the axle's centre, dotted where the model errs.
+/// The path of the axle's centre, dotted where the error of the model exceeds the noise.
 fn path(recording: &RecordingStudy, windows: &[[f64; 2]]) -> Figure {
     let place = |k: usize| (recording.path[k][0], recording.path[k][1]);
     let all: Vec<(f64, f64)> = (0..recording.path.len()).map(place).collect();
@@ -111,12 +118,18 @@ fn path(recording: &RecordingStudy, windows: &[[f64; 2]]) -> Figure {
     };
     let panel = Panel::new(Axis::linear("x", "m"), Axis::linear("y", "m"))
         .with_equal_units()
-        .with(line(all.clone(), "path", Role::NoiseFloor, 1.6))
-        .with(dots(above(2.0, 4.0), "error 2 to 4 times the noise", Role::Highlight, 1.6))
-        .with(dots(above(4.0, f64::INFINITY), "more than 4 times", Role::Model, 2.6))
-        .with(dots(vec![start], "start", Role::Ink, 4.5));
-    let shares = [above(2.0, 4.0).len(), above(4.0, f64::INFINITY).len()];
-    let share = (shares[0] + shares[1]) as f64 / count.max(1) as f64;
+        .with(line(all.clone(), "path", Role::NoiseFloor, 1.6));
+    let (some, many) = (above(2.0, 4.0), above(4.0, f64::INFINITY));
+    let share = (some.len() + many.len()) as f64 / count.max(1) as f64;
+    let marks = [
+        dots(some, "error 2 to 4 times the noise", Role::Highlight, 1.6),
+        dots(many, "more than 4 times", Role::Model, 2.6),
+        dots(vec![start], "start", Role::Ink, 4.5),
+    ];
+    // what does not occur is not in the legend
+    let occurs =
+        |layer: &Layer| !matches!(layer, Layer::Points { points, .. } if points.is_empty());
+    let panel = marks.into_iter().filter(occurs).fold(panel, Panel::with);
     let title = match count {
         0 => "Robot path".to_owned(),
         _ if share == 0.0 => "The error stays below twice the measurement noise".to_owned(),

@@ -106,8 +106,8 @@ fn means(grade: Grade) -> &'static str {
     match grade {
         Grade::AtFloor => "these recordings cannot show a better one",
         Grade::Near => "what is left is small against noise or speed",
-        Grade::Useful => "it predicts speeds to 5 % of the top speed",
-        Grade::Poor => "it predicts speeds to 20 % of the top speed",
+        Grade::Useful => "its error is within 5 % of the top speed",
+        Grade::Poor => "its error is within 20 % of the top speed",
         Grade::NotUsable => "its error is above 20 % of the top speed",
     }
 }

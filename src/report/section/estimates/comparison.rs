@@ -7,7 +7,7 @@ use crate::report::figure::{Axis, BarSeries, Bars, Direction, Figure, Layer, Pan
 use crate::report::format;
 use crate::study::{MethodStudy, Study};
 
-/// Deviations of the estimates from the truth, or from the reference method, in percent: one panel
+/// Deviations of the estimates from the true value, or from the reference method, in percent: one panel
 /// a parameter; nothing where there is nothing to compare.
 pub(super) fn figure(study: &Study, physical: &[&MethodStudy]) -> Option<Figure> {
     if study.truth.is_empty() && physical.len() < 2 {
@@ -27,7 +27,7 @@ pub(super) fn figure(study: &Study, physical: &[&MethodStudy]) -> Option<Figure>
     let (against, title) = if study.truth.is_empty() {
         ("the reference method", "How far the methods agree on each parameter")
     } else {
-        ("the truth", "How far each method is from the true parameters")
+        ("the true value", "How far each method is from the true parameters")
     };
     let mut figure = Figure::new("estimates", title)
         .with_subtitle(format!("Deviation from {against}, with 95 % intervals"))
@@ -82,7 +82,7 @@ fn panel(study: &Study, physical: &[&MethodStudy], reference: &Estimate) -> Opti
     let title = format!(
         "{}, {} {} {}",
         words::symbol(&reference.symbol),
-        if truth(study, &reference.symbol).is_some() { "truth" } else { "reference" },
+        if truth(study, &reference.symbol).is_some() { "true value" } else { "reference" },
         format::number(centre),
         words::unit(&reference.unit)
     );

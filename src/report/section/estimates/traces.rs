@@ -89,7 +89,7 @@ fn panel(
     };
     let mut panel = Panel::new(Axis::linear(x, x_unit), y);
     if let Some(at) = known.or(last.filter(|_| estimate.is_some())) {
-        let label = if known.is_some() { "truth" } else { "last value" };
+        let label = if known.is_some() { "true value" } else { "last value" };
         panel = panel.with(Layer::hline(at, label, Role::Ink));
     }
     let label = String::new();

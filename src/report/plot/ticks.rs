@@ -1,0 +1,68 @@
+//! How many ticks an axis of some pixels gets.
+
+use crate::report::scale::{Scale, Ticks};
+
+use super::pen::TICK_LABEL;
+
+/// Labels below which an axis is not read: two give its scale, the third shows whether it is straight.
+const FEWEST_LABELS: usize = 3;
+
+fn label_count(ticks: &Ticks) -> usize {
+    ticks.ticks.iter().filter(|tick| !tick.label.is_empty()).count()
+}
+
+/// Ticks about 38 px apart; closer where fewer than three would be labelled.
+pub(super) fn y_ticks(scale: &Scale, height: f64) -> Ticks {
+    let count = (height / 38.0).clamp(2.0, 10.0);
+    let closest = (height / TICK_LABEL.line_height()).max(count);
+    fewest_or_more(scale, count, closest, |_| true)
+}
+
+/// As many ticks as have room for their labels.
+pub(super) fn x_ticks(scale: &Scale, width: f64) -> Ticks {
+    let fits = |ticks: &Ticks| {
+        let labelled = ticks.ticks.iter().filter(|tick| !tick.label.is_empty());
+        let half = |label: &str| TICK_LABEL.width(label) / 2.0;
+        let places: Vec<(f64, f64)> =
+            labelled.map(|t| (scale.share(t.at) * width, half(&t.label))).collect();
+        places.windows(2).all(|p| p[1].0 - p[0].0 >= p[0].1 + p[1].1 + 10.0)
+    };
+    let mut count = (width / 70.0).clamp(1.0, 14.0);
+    while !fits(&scale.ticks(count)) && count > 1.0 {
+        count = (0.75 * count).max(1.0);
+    }
+    fewest_or_more(scale, count, (width / 20.0).max(count), fits)
+}
+
+/// About `count` ticks; where fewer than three of them are labelled, the first denser ones of which three are
+/// and that fit, or else those that fit and have the most labels.
+fn fewest_or_more(scale: &Scale, count: f64, most: f64, fits: impl Fn(&Ticks) -> bool) -> Ticks {
+    let mut best = scale.ticks(count);
+    let mut denser = count;
+    while label_count(&best) < FEWEST_LABELS && denser < most {
+        denser = (1.25 * denser).min(most);
+        let ticks = scale.ticks(denser);
+        if label_count(&ticks) > label_count(&best) && fits(&ticks) {
+            best = ticks;
+        }
+    }
+    best
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::figure::AxisScale;
+
+    #[test]
+    fn a_short_axis_keeps_three_labels_where_they_fit() {
+        let scale = Scale { kind: AxisScale::Linear, first: -0.027, last: 0.021 };
+        for height in [48.0, 60.0, 170.0] {
+            assert!(label_count(&y_ticks(&scale, height)) >= FEWEST_LABELS, "{height} px");
+        }
+        let percent = Scale { kind: AxisScale::Linear, first: -4.1, last: 4.1 };
+        assert!(label_count(&x_ticks(&percent, 260.0)) >= FEWEST_LABELS);
+        // labels never touch
+        assert!(label_count(&x_ticks(&percent, 40.0)) <= 2);
+    }
+}
