@@ -190,7 +190,8 @@ fn windows_that_hang_on_one_row_of_the_input_weigh_less() {
         let of = |windows: &Windows| windows.weights(&windows.windows[n])[40][0];
         of(&sampled) / of(&plain)
     };
-    assert!(share(0) > 1e3 * share(1), "{} {}", share(0), share(1));
+    // a third of a breakaway of some rad/s against rounding of the speeds
+    assert!(share(0) > 0.9 && share(1) < 0.05, "{} {}", share(0), share(1));
 }
 
 #[test]

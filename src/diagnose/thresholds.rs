@@ -11,7 +11,7 @@ pub struct Thresholds {
     pub least_fall_crossed: f64,
     /// Share of the false-alarm rate that is asked of cross-validation, for the same reason.
     pub crossed_rate: f64,
-    /// Error over the noise floor beyond which something is missing. The floor is an estimate: of healthy
+    /// Error over the noise floor beyond which something is missing, and a shift in time may stand in for it. The floor is an estimate: of healthy
     /// sets one in a hundred lies above (prototype measurement on 110 sets of other simulators).
     pub above_floor: f64,
     /// Error over the noise floor beyond which something is missing whether the residual torque shows structure or
@@ -41,11 +41,13 @@ pub struct Thresholds {
     /// to first order it explains too little to come first.
     pub far_behind: f64,
     /// Share of the squared error that the best refit may leave before effects with a second body are fitted
-    /// though they are far behind, and share of what exceeds noise that a shift in time may leave before it counts
-    /// as standing in for something else: the larger part is then unexplained.
+    /// though they are far behind: the larger part is then unexplained.
     pub most_left: f64,
     /// Starts of an effect with several that are followed to their minimum.
     pub followed: usize,
+    /// Standard errors within which a value may still be another: a delay none, or one that logging explains, the
+    /// parameter of an effect zero (a chance of one in twenty).
+    pub uncertain: f64,
     /// Other effects of a step that are tried in its place once several are found (cost: a fit for each effect
     /// behind it).
     pub exchanged: usize,
@@ -70,5 +72,6 @@ pub const THRESHOLDS: Thresholds = Thresholds {
     far_behind: 0.25,
     most_left: 0.5,
     followed: 2,
+    uncertain: 2.0,
     exchanged: 4,
 };

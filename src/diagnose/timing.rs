@@ -27,8 +27,6 @@ const RESOLUTION: f64 = 0.1;
 const LONGEST: f64 = 0.15;
 /// Windows of 1 s that are simulated at most: their error of a shift is far below that of logging.
 const WINDOWS: usize = 120;
-/// Standard errors within which a delay may still be none, or one that logging explains.
-pub(super) const UNCERTAIN: f64 = 2.0;
 
 /// How much later the recorded input acts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
@@ -54,10 +52,10 @@ pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -
     let regression = Regression::new(model, p, recordings, cutoff, scale.speed)?;
     let balanced = by_balance(&regression, step)?;
     let simulated = by_simulation(model, p, balanced.0, recordings, hold, &scale);
-    let (dead_time_s, std_error_s) = simulated.map_or(balanced, |s| (s.shift, s.std_error));
-    let late = dead_time_s - UNCERTAIN * std_error_s > LOGGING * step;
-    let nothing = dead_time_s.abs() < UNCERTAIN * std_error_s;
-    let something_else = simulated.is_some_and(|s| s.left > THRESHOLDS.most_left);
+    let (dead_time_s, std_error_s) = simulated.and_then(|s| s.shift).unwrap_or(balanced);
+    let late = dead_time_s - THRESHOLDS.uncertain * std_error_s > LOGGING * step;
+    let nothing = dead_time_s.abs() < THRESHOLDS.uncertain * std_error_s;
+    let something_else = simulated.is_some_and(|s| s.error > THRESHOLDS.above_floor);
     let kept = late || nothing || something_else;
     let correction_s = if kept { 0.0 } else { dead_time_s.clamp(EARLIEST * step, LOGGING * step) };
     Some(Timing { dead_time_s, std_error_s, correction_s })
@@ -97,17 +95,16 @@ fn by_balance(regression: &Regression, step: f64) -> Option<(f64, f64)> {
 /// A shift by simulation.
 #[derive(Clone, Copy)]
 struct Simulated {
-    /// The shift and its standard error [s].
-    shift: f64,
-    std_error: f64,
-    /// Share of what the squared error exceeds noise by that the shift leaves: where it leaves most of it, the
-    /// model lacks something else, and the shift stands in for that.
-    left: f64,
+    /// The shift and its standard error [s]; `None` where it leaves its range.
+    shift: Option<(f64, f64)>,
+    /// Error of the windows over what noise makes of them. Where it is above the floor the model lacks something
+    /// else, and the shift may stand in for that.
+    error: f64,
 }
 
 /// The shift by the simulation error of windows of 1 s, fitted with the parameters from `start` on. Of what half
 /// of the rows of the input moves the shift by, the share of the rows themselves is in the error. `None` where the
-/// model cannot follow them, or where the shift leaves its range.
+/// model cannot follow them.
 fn by_simulation(
     model: &Model,
     p: &[f64],
@@ -123,7 +120,6 @@ fn by_simulation(
     let every = all.windows.len().div_ceil(WINDOWS);
     let windows = all.only(|n| n % every == 0).sampled(model, p);
     let from: Vec<f64> = p.iter().copied().chain([start]).collect();
-    let as_recorded = fit(&windows, model, p, scale)?;
     let fit = fit(&windows, &timed, &from, scale)?;
     let moved = [0, 1].map(|phase| {
         let halved = windows.halved(phase);
@@ -132,10 +128,9 @@ fn by_simulation(
     });
     let sampling = 0.5 * BETWEEN_ROWS.powi(2) * (moved[0].powi(2) + moved[1].powi(2));
     let std_error = (fit.covariance[(j, j)] + sampling).sqrt();
-    let noise = 0.5 * windows.values() as f64;
-    let left = (fit.cost - noise).max(0.0) / (as_recorded.cost - noise).max(f64::MIN_POSITIVE);
+    let error = (fit.cost / (0.5 * windows.values() as f64)).sqrt();
     let found = !fit.at_bound[j] && std_error.is_finite() && std_error > 0.0;
-    found.then_some(Simulated { shift: fit.p[j], std_error, left })
+    Some(Simulated { shift: found.then_some((fit.p[j], std_error)), error })
 }
 
 /// How far one step of Gauss and Newton moves parameter `j` of a fit on other windows.

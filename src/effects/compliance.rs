@@ -1,5 +1,6 @@
 //! A torsional spring between motor and wheel.
 
+use super::effect::SURELY;
 use super::{
     Change, Coupling, Description, Energy, Motion, ParameterSpec, Physics, Scale, geometric,
 };
@@ -72,6 +73,11 @@ impl Physics for Compliance {
         let spring = (1e-6 * reduced * nyquist * nyquist, reduced * nyquist * nyquist);
         let damper = (1e-4 * reduced / scale.step, 2.0 * reduced * nyquist);
         vec![spring, damper, (0.1 * scale.inertia, 0.85 * scale.inertia)]
+    }
+
+    /// A spring that may be none leaves a damper, which is wheel slip.
+    fn is_itself(&self, p: &[f64], errors: &[f64]) -> bool {
+        p[0] > SURELY * errors[0]
     }
 
     fn energy(&self) -> Energy {

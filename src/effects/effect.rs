@@ -27,6 +27,9 @@ pub enum Change {
     TwoMass,
 }
 
+/// Standard errors by which a parameter differs from a value for certain (95 %).
+pub(super) const SURELY: f64 = 1.96;
+
 /// Factors on the typical value of a shape of which nothing else is known.
 const FACTORS: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
 

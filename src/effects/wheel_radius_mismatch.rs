@@ -1,13 +1,12 @@
 //! Wheels of unequal radius.
 
+use super::effect::SURELY;
 use super::{Description, Energy, Motion, ParameterSpec, Physics, Terms};
 use crate::math::Real;
 
 /// Share by which a3 over I of construction may be off: half, since a3 grows with the distance of the centre of
 /// mass, which is seldom measured (taste).
 const MOST_OFF: f64 = 0.5;
-/// Standard errors beyond which it is off for certain (95 %).
-const SURELY: f64 = 1.96;
 
 /// Wheels of radius r1 = r (1 + eps) and r2 = r (1 - eps), to first order in eps.
 ///

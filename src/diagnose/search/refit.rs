@@ -9,7 +9,7 @@ use crate::diagnose::input_timing::SYMBOL;
 use crate::diagnose::outcome::Ranked;
 use crate::diagnose::regression::Regression;
 use crate::diagnose::thresholds::THRESHOLDS;
-use crate::diagnose::timing::{LOGGING, UNCERTAIN};
+use crate::diagnose::timing::LOGGING;
 use crate::diagnose::windows::bounds;
 use crate::effects::ParameterKind;
 use crate::model::Model;
@@ -134,7 +134,7 @@ impl Search<'_> {
         let some = candidate.linear.is_empty()
             || candidate.linear.iter().any(|&j| !fit.at_bound[first + j]);
         let error = fit.covariance[(first, first)].sqrt();
-        let beyond = fit.p[first] - UNCERTAIN * error > LOGGING * self.scale.step;
+        let beyond = fit.p[first] - THRESHOLDS.uncertain * error > LOGGING * self.scale.step;
         let late = !candidate.is_shift() || beyond;
         inside && some && late
     }

@@ -8,7 +8,7 @@ use crate::diagnose::fit::{WindowFit, fit};
 use crate::diagnose::outcome::{Ranked, Step};
 use crate::diagnose::thresholds::THRESHOLDS;
 use crate::diagnose::windows::Errors;
-use crate::effects::Change;
+use crate::effects::{Change, ParameterKind};
 
 /// A fit on recordings that nothing was fitted to.
 struct HeldOut<'a> {
@@ -93,9 +93,9 @@ impl Search<'_> {
         }
     }
 
-    /// Whether the step and all steps up to it are proven by held-out windows.
+    /// Whether the step and all steps up to it are proven by held-out windows, and its effect has a size.
     fn stands(&self, step: &Step) -> bool {
-        self.passes(&step.last) && self.passes(&step.total)
+        self.passes(&step.last) && self.passes(&step.total) && has_size(step)
     }
 
     /// The longest run of the steps that were tried whose last step and whose total are proven, and that never
@@ -262,4 +262,15 @@ impl Search<'_> {
         refitted.zip(falls).for_each(|(r, fall)| r.fall = Some(fall));
         ranking
     }
+}
+
+/// Whether a linear parameter of the step's effect, if it has any, differs from zero by more than its uncertainty: an
+/// effect that the training recordings do not show may lower the held-out error by accident.
+fn has_size(step: &Step) -> bool {
+    let model = &step.fit.model;
+    let own = model.parameters().iter().enumerate().filter(|(_, p)| p.effect == step.id);
+    let linear = own.filter(|(_, p)| p.spec.kind == ParameterKind::Linear);
+    let errors = |j: usize| step.fit.p[j].abs() / step.fit.covariance[(j, j)].sqrt();
+    let mut sizes = linear.map(|(j, _)| errors(j)).peekable();
+    sizes.peek().is_none() || sizes.any(|size| size > THRESHOLDS.uncertain)
 }
