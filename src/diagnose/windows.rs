@@ -18,6 +18,7 @@ use super::input_timing::input_derivatives;
 use crate::compare::start_of;
 use crate::effects::{Motion, Scale};
 use crate::math::descent::Quadratic;
+use crate::math::noise::median;
 use crate::model::{Model, solve_mass};
 use crate::recording::{LocalMotion, Recording};
 use crate::robot::State;
@@ -44,8 +45,8 @@ pub struct Window {
     pub start: State,
     /// Variance of its speeds [rad^2/s^2].
     variance: [f64; 2],
-    /// Variance that the motion of the input between its rows makes of each speed [rad^2/s^2].
-    sampled: [f64; 2],
+    /// Factor on the weight of each wheel, one where the input between the rows does little.
+    share: [f64; 2],
 }
 
 /// Recordings cut into windows.
@@ -78,7 +79,7 @@ impl<'a> Windows<'a> {
                 windows.extend(cut(recording, piece).map(|rows| {
                     let motion = &motions[r][rows.start];
                     let (start, variance) = (start_of(motion), motion.omega_variance);
-                    Window { recording: r, rows, start, variance, sampled: [0.0; 2] }
+                    Window { recording: r, rows, start, variance, share: [1.0; 2] }
                 }));
             }
         }
@@ -99,21 +100,31 @@ impl<'a> Windows<'a> {
 
     /// The same windows, in whose weights stands what the input between its rows may do there to `model` at `p`: a
     /// third of what every other row changes. A window in which a wheel comes to rest or breaks away a row earlier
-    /// or later has errors far above noise whatever the parameters, and would decide all of them.
+    /// or later has errors far above noise whatever the parameters, and would decide all of them. Beside a model
+    /// whose own errors are larger that is little, and all windows count.
+    ///
+    /// ```text
+    /// weight × (σ² + m²)/(σ² + m² + d²/9),   d: change by every other row,   m: median error of the windows
+    /// ```
     #[must_use]
     pub fn sampled(mut self, model: &Model, p: &[f64]) -> Self {
         let Some(whole) = self.errors(model, p) else { return self };
-        let mut added = vec![[0.0; 2]; self.windows.len()];
+        let mut changed = vec![[0.0; 2]; self.windows.len()];
         for phase in 0..2 {
             let halved = self.halved(phase);
             let windows = self.with_recordings(halved.iter().collect());
             let Some(errors) = windows.errors(model, p) else { return self };
-            for ((sum, a), b) in added.iter_mut().zip(&errors).zip(&whole) {
+            for ((sum, a), b) in changed.iter_mut().zip(&errors).zip(&whole) {
                 let square = b.apart(a);
                 *sum = [0, 1].map(|i| sum[i] + 0.5 * BETWEEN_ROWS.powi(2) * square[i]);
             }
         }
-        self.windows.iter_mut().zip(added).for_each(|(window, v)| window.sampled = v);
+        let own = median(whole.iter().flat_map(Errors::mean_squares).collect()).unwrap_or(0.0);
+        let noise = &self.noise;
+        for (window, changed) in self.windows.iter_mut().zip(changed) {
+            let expected = noise[window.recording].map(|v| v + own);
+            window.share = [0, 1].map(|i| expected[i] / (expected[i] + changed[i]));
+        }
         self
     }
 
@@ -161,8 +172,7 @@ impl<'a> Windows<'a> {
         }
         let t = recording.t();
         let since = t[k] - t[window.rows.start];
-        let grown = self.growth[r][wheel] * since;
-        1.0 / (self.noise[r][wheel] + grown + window.sampled[wheel])
+        window.share[wheel] / (self.noise[r][wheel] + self.growth[r][wheel] * since)
     }
 
     /// The sums of every window over the columns `free` of the parameters.

@@ -120,7 +120,8 @@ fn sum_of_squares(values: &[f64]) -> f64 {
     values.iter().map(|v| v * v).sum()
 }
 
-fn median(mut values: Vec<f64>) -> Option<f64> {
+/// The median; of an even number the mean of the middle two, `None` of nothing.
+pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     let half = values.len() / 2;
     match values.len() % 2 {

@@ -21,11 +21,18 @@ pub struct Errors {
 impl Errors {
     /// Mean square by which the simulated speeds of two models differ, a wheel [rad^2/s^2].
     pub(super) fn apart(&self, other: &Self) -> [f64; 2] {
-        let square = |i: usize| {
-            let pairs = self.error.iter().zip(&other.error);
-            pairs.map(|(a, b)| (a[i] - b[i]).powi(2)).sum::<f64>() / self.error.len() as f64
-        };
-        [square(0), square(1)]
+        let pairs = self.error.iter().zip(&other.error);
+        self.mean_of(pairs.map(|(a, b)| [a[0] - b[0], a[1] - b[1]]))
+    }
+
+    /// Mean square error of each wheel [rad^2/s^2].
+    pub(super) fn mean_squares(&self) -> [f64; 2] {
+        self.mean_of(self.error.iter().copied())
+    }
+
+    fn mean_of(&self, values: impl Iterator<Item = [f64; 2]>) -> [f64; 2] {
+        let sum = values.fold([0.0; 2], |s, v| [s[0] + v[0] * v[0], s[1] + v[1] * v[1]]);
+        sum.map(|s| s / self.error.len() as f64)
     }
 }
 
