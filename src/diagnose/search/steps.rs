@@ -122,7 +122,22 @@ impl Search<'_> {
             .collect();
         let proven = |n: &usize| *n <= falling && self.stands(&steps[n - 1]);
         let length = (1..=steps.len()).rev().find(proven).unwrap_or(0);
-        steps.into_iter().take(length).collect()
+        let run = &steps[..length];
+        if length > 0 && length < falling && self.is_unexplained(&run[length - 1].fit) {
+            let turned = self.in_turn(base, &steps[..=length]);
+            return turned.unwrap_or_else(|| run.to_vec());
+        }
+        run.to_vec()
+    }
+
+    /// Steps with the last two in the other order, if that proves them: which of two effects comes first is chance
+    /// where both are large, and the one that acts in few windows is not proven behind the other.
+    fn in_turn(&self, base: &WindowFit, steps: &[Step]) -> Option<Vec<Step>> {
+        let mut order = steps.to_vec();
+        let last = order.len().checked_sub(1)?;
+        order.swap(last.checked_sub(1)?, last);
+        let turned = self.rebuilt(base, &order);
+        (turned.len() == steps.len() && self.stands(turned.last()?)).then_some(turned)
     }
 
     /// Root mean square error over windows of 2 s of the recordings that are shown; infinite where it
