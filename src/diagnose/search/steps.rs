@@ -123,16 +123,18 @@ impl Search<'_> {
         let proven = |n: &usize| *n <= falling && self.stands(&steps[n - 1]);
         let length = (1..=steps.len()).rev().find(proven).unwrap_or(0);
         let run = &steps[..length];
-        if length > 0 && length < falling && self.is_unexplained(&run[length - 1].fit) {
-            let turned = self.in_turn(base, &steps[..=length]);
+        let shift = tried.get(length).is_some_and(|(r, _)| r.candidate.is_shift());
+        if shift && length > 0 && length < falling && self.is_unexplained(&run[length - 1].fit) {
+            let turned = self.with_shift_before(base, &steps[..=length]);
             return turned.unwrap_or_else(|| run.to_vec());
         }
         run.to_vec()
     }
 
-    /// Steps with the last two in the other order, if that proves them: which of two effects comes first is chance
-    /// where both are large, and the one that acts in few windows is not proven behind the other.
-    fn in_turn(&self, base: &WindowFit, steps: &[Step]) -> Option<Vec<Step>> {
+    /// Steps of which the last moves the input in time, with that one before the others' last, if this order proves
+    /// them. Time comes first: a delay is tried only where its own interval proves it, acts in the few windows in
+    /// which the input changes, and is not proven by the mean over all behind an effect that acts in each.
+    fn with_shift_before(&self, base: &WindowFit, steps: &[Step]) -> Option<Vec<Step>> {
         let mut order = steps.to_vec();
         let last = order.len().checked_sub(1)?;
         order.swap(last.checked_sub(1)?, last);
