@@ -85,7 +85,12 @@ pub fn diagnose(
             (steps, rankings) = again;
         }
     }
-    let rest = rankings.get(steps.len()).cloned().unwrap_or_default();
+    // what is left was ranked beside the steps that were tried, which others may have replaced
+    let tried = |s: &Step| rankings[..steps.len()].iter().any(|r| r[0].candidate.id == s.id);
+    let rest = match (steps.last(), rankings.get(steps.len())) {
+        (Some(last), _) if !steps.iter().all(tried) => search.rank(&last.fit, false),
+        (_, ranking) => ranking.cloned().unwrap_or_default(),
+    };
     let rest = search.with_falls(steps.last().map_or(&base, |s| &s.fit), rest);
     let ranking = search.with_falls(&base, std::mem::take(&mut rankings[0]));
     let validated = search.held.is_some();

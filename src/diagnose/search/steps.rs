@@ -173,7 +173,7 @@ impl Search<'_> {
 
     /// Replaces effects, each place once, by others of their step that lower the criterion: of several effects
     /// that are missing the first that is taken explains some of the others too, and its place may belong to
-    /// another. What comes out must be proven as the steps before were.
+    /// another. What comes out must be proven as the steps before were, and not raise the error that is shown.
     ///
     /// Source: sequential replacement, Miller, Subset Selection in Regression (2002), section 3.3.
     pub(super) fn exchanged(
@@ -204,7 +204,8 @@ impl Search<'_> {
                     self.degrees * (now.fit.cost / then.fit.cost).ln() - more * self.degrees.ln();
                 let own = rankings[n].iter().find(|r| r.candidate.id == best[n].id);
                 let open = own.map_or(0.0, |own| self.open_share(own, other)).max(THRESHOLDS.alike);
-                if next.len() == steps.len() && gain > open && self.stands(then) {
+                let lower = self.shown(&then.fit) <= self.shown(&now.fit);
+                if next.len() == steps.len() && gain > open && lower && self.stands(then) {
                     best = next;
                 }
             }
