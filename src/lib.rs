@@ -56,6 +56,7 @@ pub mod diagnose;
 pub mod effects;
 pub mod experiment;
 pub mod export;
+pub mod filter;
 pub mod identify;
 pub mod io;
 pub mod math;

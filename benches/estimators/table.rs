@@ -56,7 +56,7 @@ impl Row {
             first: estimates[0].0.value / estimates[0].1 - 1.0,
             ratio,
             seconds,
-            notes: fit.notes.clone(),
+            notes: fit.notes.iter().map(ToString::to_string).collect(),
             evaluations: fit.work.evaluations,
         }
     }

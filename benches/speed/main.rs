@@ -17,7 +17,7 @@ use std::sync::LazyLock;
 use std::time::Instant;
 
 use amigo_ident::diagnose::{Data, Settings, diagnose};
-use amigo_ident::identify::kalman::{Likelihood, ProcessNoise, prepare};
+use amigo_ident::filter::{Likelihood, ProcessNoise, prepare};
 use amigo_ident::identify::{self, Identifier, Task, start};
 use amigo_ident::model::Model;
 use amigo_ident::recording::{LongRecording, Recording};

@@ -5,7 +5,7 @@ use amigo_ident::compare::{
 };
 use amigo_ident::diagnose::{Data, Diagnosis, Settings, diagnose};
 use amigo_ident::effects::BASE;
-use amigo_ident::identify::kalman::{Likelihood, prepare};
+use amigo_ident::filter::{Likelihood, prepare};
 use amigo_ident::identify::{Fit, Task, find, start};
 use amigo_ident::model::Model;
 use amigo_ident::recording::Recording;

@@ -31,7 +31,7 @@ impl Fit {
 
     #[getter]
     fn notes(&self) -> Vec<String> {
-        self.fit.notes.clone()
+        self.fit.notes.iter().map(ToString::to_string).collect()
     }
 
     #[getter]

@@ -5,6 +5,7 @@ use std::ops::Range;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
 
 use super::error::{Acting, WINDOW, start_of, windows_of};
 use crate::recording::{LocalMotion, Recording};
@@ -45,8 +46,13 @@ pub fn noise_floor(
     hold: Hold,
     seed: u64,
 ) -> Result<Floor, SimulateError> {
+    floor(&Runs::new(dynamics, recording, motion, hold, Simulated::FreelyAndOverWindows)?, seed)
+}
+
+/// [`noise_floor`] of the simulations that `runs` makes.
+fn floor(runs: &Runs, seed: u64) -> Result<Floor, SimulateError> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let runs = Runs::new(dynamics, recording, motion, hold)?;
+    let recording = runs.recording;
     let input = runs.by_input_noise(&mut rng)?;
     let start = runs.by_start_noise(&mut rng)?;
     let half = runs.by_every_other_row()?;
@@ -70,7 +76,8 @@ pub fn unresolved(
     hold: Hold,
 ) -> Result<f64, SimulateError> {
     let square = |recording: &Recording, motion: &Vec<LocalMotion>| {
-        Ok(Runs::new(dynamics, recording, motion, hold)?.by_every_other_row()?.square)
+        let runs = Runs::new(dynamics, recording, motion, hold, Simulated::OverWindows)?;
+        Ok(runs.by_every_other_row()?.square)
     };
     Ok(pooled(recordings, motions, square)? * BETWEEN_ROWS)
 }
@@ -87,10 +94,9 @@ pub fn between_rows(
     motions: &[Vec<LocalMotion>],
     hold: Hold,
 ) -> Result<f64, SimulateError> {
-    let mut rng = ChaCha8Rng::seed_from_u64(0);
     let square = |recording: &Recording, motion: &Vec<LocalMotion>| {
-        let runs = Runs::new(dynamics, recording, motion, hold)?;
-        let noise = runs.by_input_noise(&mut rng)?.square;
+        let runs = Runs::new(dynamics, recording, motion, hold, Simulated::OverWindows)?;
+        let noise = runs.by_input_noise(&mut ChaCha8Rng::seed_from_u64(0))?.square;
         Ok((runs.by_every_other_row()?.square - noise).max(0.0))
     };
     pooled(recordings, motions, square)
@@ -108,7 +114,8 @@ pub fn pooled_floor(
     seed: u64,
 ) -> Result<f64, SimulateError> {
     let square = |recording: &Recording, motion: &Vec<LocalMotion>| {
-        Ok(noise_floor(dynamics, recording, motion, hold, seed)?.window_rms.powi(2))
+        let runs = Runs::new(dynamics, recording, motion, hold, Simulated::OverWindows)?;
+        Ok(floor(&runs, seed)?.window_rms.powi(2))
     };
     pooled(recordings, motions, square)
 }
@@ -117,14 +124,20 @@ pub fn pooled_floor(
 fn pooled(
     recordings: &[Recording],
     motions: &[Vec<LocalMotion>],
-    mut square: impl FnMut(&Recording, &Vec<LocalMotion>) -> Result<f64, SimulateError>,
+    square: impl Fn(&Recording, &Vec<LocalMotion>) -> Result<f64, SimulateError> + Sync,
 ) -> Result<f64, SimulateError> {
-    let (mut sum, mut rows) = (0.0, 0.0);
-    for (recording, motion) in recordings.iter().zip(motions) {
-        sum += recording.len() as f64 * square(recording, motion)?;
-        rows += recording.len() as f64;
-    }
-    Ok((sum / f64::max(rows, 1.0)).sqrt())
+    let each = recordings.par_iter().zip(motions);
+    let squares: Vec<f64> = each.map(|(r, motion)| square(r, motion)).collect::<Result<_, _>>()?;
+    let rows = || recordings.iter().map(|r| r.len() as f64);
+    let sum: f64 = squares.iter().zip(rows()).map(|(square, rows)| rows * square).sum();
+    Ok((sum / f64::max(rows().sum(), 1.0)).sqrt())
+}
+
+/// How a recording is simulated.
+#[derive(Clone, Copy, PartialEq)]
+enum Simulated {
+    OverWindows,
+    FreelyAndOverWindows,
 }
 
 /// Simulations of a recording with an input or a start that differ from those recorded.
@@ -133,13 +146,14 @@ struct Runs<'a> {
     recording: &'a Recording,
     motion: &'a [LocalMotion],
     hold: Hold,
+    simulated: Simulated,
     /// Rows of the windows of 2 s.
     short: Vec<Range<usize>>,
     /// The run as recorded.
     plain: Run,
 }
 
-/// The states of a free simulation and of windows of 2 s.
+/// The states of a free simulation, if there is one, and of windows of 2 s.
 struct Run {
     free: Vec<State>,
     windows: Vec<State>,
@@ -160,11 +174,12 @@ impl<'a> Runs<'a> {
         recording: &'a Recording,
         motion: &'a [LocalMotion],
         hold: Hold,
+        simulated: Simulated,
     ) -> Result<Self, SimulateError> {
         let whole = recording.pieces().iter();
         let short = whole.flat_map(|p| windows_of(recording, p, WINDOW)).collect();
         let plain = Run { free: vec![], windows: vec![] };
-        let mut runs = Self { dynamics, recording, motion, hold, short, plain };
+        let mut runs = Self { dynamics, recording, motion, hold, simulated, short, plain };
         runs.plain = runs.run(recording.moment(), None)?;
         Ok(runs)
     }
@@ -176,9 +191,32 @@ impl<'a> Runs<'a> {
     ) -> Result<Run, SimulateError> {
         let acting = Acting::new(self.dynamics, self.recording, moment);
         let whole = self.recording.pieces();
-        let free = all(&acting, self.motion, whole, self.hold, rng.as_deref_mut())?;
-        let windows = all(&acting, self.motion, &self.short, self.hold, rng)?;
-        Ok(Run { free, windows })
+        let mut starts = |ranges: &[Range<usize>]| -> Vec<State> {
+            ranges
+                .iter()
+                .map(|range| start(&self.motion[range.start], rng.as_deref_mut()))
+                .collect()
+        };
+        // starts of the windows are the same draws with a free simulation and without
+        let (first, of_windows) = (starts(whole), starts(&self.short));
+        let free = match self.simulated {
+            Simulated::OverWindows => vec![],
+            Simulated::FreelyAndOverWindows => self.all(&acting, whole, &first)?,
+        };
+        Ok(Run { free, windows: self.all(&acting, &self.short, &of_windows)? })
+    }
+
+    fn all(
+        &self,
+        acting: &Acting,
+        ranges: &[Range<usize>],
+        starts: &[State],
+    ) -> Result<Vec<State>, SimulateError> {
+        let mut out = Vec::with_capacity(self.motion.len());
+        for (range, start) in ranges.iter().zip(starts) {
+            out.extend(acting.simulate(self.motion, range.clone(), *start, self.hold)?);
+        }
+        Ok(out)
     }
 
     /// The mean over draws of noise of the recorded input.
@@ -218,7 +256,8 @@ impl<'a> Runs<'a> {
         let t = self.recording.t();
         let ise = [0, 1].map(|i| {
             let square = |k: usize| spread(&run.free[k], &self.plain.free[k], i);
-            let rows = self.recording.pieces().iter().flat_map(|p| p.start + 1..p.end);
+            let pieces = self.recording.pieces().iter().filter(|_| !run.free.is_empty());
+            let rows = pieces.flat_map(|p| p.start + 1..p.end);
             rows.map(|k| 0.5 * (t[k] - t[k - 1]) * (square(k - 1) + square(k))).sum()
         });
         let pairs = run.windows.iter().zip(&self.plain.windows);
@@ -256,34 +295,20 @@ fn normal(rng: &mut ChaCha8Rng) -> f64 {
     StandardNormal.sample(rng)
 }
 
-fn all(
-    acting: &Acting,
-    motion: &[LocalMotion],
-    ranges: &[Range<usize>],
-    hold: Hold,
-    mut rng: Option<&mut ChaCha8Rng>,
-) -> Result<Vec<State>, SimulateError> {
-    let mut out = Vec::with_capacity(motion.len());
-    for range in ranges {
-        let mut local = motion[range.start];
-        let mut first = start_of(&local);
-        if let Some(rng) = rng.as_deref_mut() {
-            let draws = [normal(rng), normal(rng)];
-            let single = local.omega[0] == local.omega[1];
-            for i in 0..2 {
-                let draw = if single { draws[0] } else { draws[i] };
-                local.omega[i] += local.omega_variance[i].sqrt() * draw;
-            }
-            // a wheel that counted as resting stays so: the draw is about the noise of its speed
-            for i in 0..2 {
-                if first.omega[i] != 0.0 {
-                    first.omega[i] = local.omega[i];
-                }
-            }
+/// Where a simulation starts, moved by noise of the speeds where `rng` draws it.
+fn start(local: &LocalMotion, rng: Option<&mut ChaCha8Rng>) -> State {
+    let mut first = start_of(local);
+    let Some(rng) = rng else { return first };
+    let draws = [normal(rng), normal(rng)];
+    let single = local.omega[0] == local.omega[1];
+    for i in 0..2 {
+        // a wheel that counted as resting stays so: the draw is about the noise of its speed
+        if first.omega[i] != 0.0 {
+            let draw = if single { draws[0] } else { draws[i] };
+            first.omega[i] = local.omega[i] + local.omega_variance[i].sqrt() * draw;
         }
-        out.extend(acting.simulate(motion, range.clone(), first, hold)?);
     }
-    Ok(out)
+    first
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::effects::Motion;
-use crate::identify::kalman::{Columns, Instant, Likelihood, ProcessNoise};
+use crate::filter::{Columns, Instant, Likelihood, ProcessNoise};
 use crate::math::distribution::chi2_log_survival;
 use crate::math::{Information, eliminate};
 use crate::model::{Model, ModelError};

@@ -1,7 +1,7 @@
 //! Residual analysis: what the one-step prediction errors of a model still hold.
 
 use super::horizon::{Horizon, summary};
-use crate::identify::kalman::{Likelihood, prepare};
+use crate::filter::{Likelihood, prepare};
 use crate::math::distribution::normal_quantile;
 use crate::model::{Model, ModelError};
 use crate::recording::Recording;
@@ -90,7 +90,7 @@ pub fn whiteness(
     Ok(Whiteness { speeds, one_row, ..analysed(&wheels, step) })
 }
 
-fn row(v: &crate::identify::kalman::Innovation) -> usize {
+fn row(v: &crate::filter::Innovation) -> usize {
     v.row
 }
 

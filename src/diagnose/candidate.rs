@@ -3,12 +3,14 @@
 use std::cell::OnceCell;
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use super::joint::{Around, Forces, coupling, joint_signal};
 use super::signals::signals;
 use crate::effects::{
-    Change, Coupling, DIRECTIONS, Effect, Jet, MOST_PARAMETERS, Motion, ParameterKind, Scale, along,
+    Change, Coupling, Effect, MOST_PARAMETERS, Motion, Own, ParameterKind, Scale, along,
 };
-use crate::identify::kalman::{Instant, clarity};
+use crate::filter::{Instant, clarity};
 use crate::math::{Real, sgn};
 use crate::model::Model;
 use crate::recording::{LocalMotion, Recording};
@@ -168,7 +170,7 @@ impl Candidate {
             };
             let at = still_instant(&around.model, recording, k, &moving);
             let mut torque = vec![[0.0; 2]; self.columns()];
-            self.torque_with(0, &at, &[way; 4], &mut torque);
+            self.of_terms(&at, |_| way, &mut torque);
             present.iter_mut().zip(&torque).for_each(|(p, t)| *p |= *t != [0.0; 2]);
         }
         if present.contains(&true) {
@@ -206,7 +208,7 @@ impl Candidate {
         let Some(coupling) = self.coupling() else {
             return signals(&self.effect, &self.p, &self.linear, recordings);
         };
-        let all = || recordings.iter().map(|r| Forces::of(&self.around, r)).collect();
+        let all = || recordings.par_iter().map(|r| Forces::of(&self.around, r)).collect();
         let forces = forces.get_or_init(all).iter();
         forces.zip(recordings).map(|(f, r)| joint_signal(coupling, f, r)).collect()
     }
@@ -251,7 +253,14 @@ impl Candidate {
 
     /// Writes the torque of each column on the drive side [N m].
     pub fn torque(&self, recording: usize, at: &Instant, out: &mut [[f64; 2]]) {
-        self.torque_with(recording, at, &signs(at, self.rest), out);
+        match &self.form {
+            Form::Signal(signals) => {
+                let signal = &signals[recording];
+                let (a, b) = (signal[at.sample], signal[(at.sample + 1).min(signal.len() - 1)]);
+                out[0] = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
+            }
+            Form::Instant => self.of_terms(at, |j| sign(at, self.rest, j), out),
+        }
     }
 
     /// Writes the torque of each column on the side of the input at row `at.sample` itself [N m].
@@ -262,68 +271,37 @@ impl Candidate {
         }
     }
 
-    /// [`Candidate::torque`] with friction signs that are known.
-    pub(super) fn torque_with(
-        &self,
-        recording: usize,
-        at: &Instant,
-        sign: &[f64; 4],
-        out: &mut [[f64; 2]],
-    ) {
-        match &self.form {
-            Form::Signal(signals) => {
-                let signal = &signals[recording];
-                let (a, b) = (signal[at.sample], signal[(at.sample + 1).min(signal.len() - 1)]);
-                out[0] = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
-            }
-            Form::Instant if self.linear.len() > 2 => self.by_derivative(at, sign, out),
-            Form::Instant => self.by_units(at, sign, out),
-        }
-    }
-
-    /// The columns by the effect with one linear parameter at one and the others at zero.
-    fn by_units(&self, at: &Instant, sign: &[f64; 4], out: &mut [[f64; 2]]) {
-        let mut p = [0.0; MOST_PARAMETERS];
-        p[..self.p.len()].copy_from_slice(&self.p);
-        for (column, &j) in out.iter_mut().zip(&self.linear) {
-            p[j] = 1.0;
-            let terms = self.effect.terms(&at.motion, &p[..self.p.len()]);
-            *column = terms.moment(&at.acceleration, sign).map(|v| -v);
-            p[j] = 0.0;
-        }
-    }
-
-    /// The same by the derivatives, which need the effect once: cheaper from three columns on.
-    fn by_derivative(&self, at: &Instant, sign: &[f64; 4], out: &mut [[f64; 2]]) {
-        let mut p = [Jet::constant(0.0); MOST_PARAMETERS];
-        p.iter_mut().zip(&self.p).for_each(|(jet, value)| jet.value = *value);
-        for &j in &self.linear {
-            p[j] = Jet::variable(0.0, j);
+    /// The columns from the derivatives of the effect, with `sign` of the speed along each direction.
+    fn of_terms(&self, at: &Instant, sign: impl Fn(usize) -> f64, out: &mut [[f64; 2]]) {
+        let mut p = [Own::constant(0.0); MOST_PARAMETERS];
+        p.iter_mut().zip(&self.p).for_each(|(own, value)| own.value = *value);
+        for (column, &j) in self.linear.iter().enumerate() {
+            p[j] = Own::variable(0.0, column);
         }
         let Motion { t, alpha, omega, variance, robot } = at.motion;
-        let (alpha, omega) = (alpha.map(Jet::constant), omega.map(Jet::constant));
-        let x = Motion { t: Jet::constant(t), alpha, omega, variance, robot };
-        let moment = self.effect.terms_jet(&x, &p[..self.p.len()]).moment(&at.acceleration, sign);
-        for (column, &j) in out.iter_mut().zip(&self.linear) {
-            *column = [0, 1].map(|i| -moment[i].partial[j]);
+        let (alpha, omega) = (alpha.map(Own::constant), omega.map(Own::constant));
+        let x = Motion { t: Own::constant(t), alpha, omega, variance, robot };
+        let terms = self.effect.terms_own(&x, &p[..self.p.len()]);
+        let rough = |j: usize| terms.level[j] != Own::constant(0.0);
+        let signs = std::array::from_fn(|j| if rough(j) { sign(j) } else { 0.0 });
+        let moment = terms.moment(&at.acceleration, &signs);
+        for (n, column) in out.iter_mut().enumerate() {
+            *column = [0, 1].map(|i| -moment[i].partial[n]);
         }
     }
 }
 
-/// Friction signs in all directions; those that the model has none of are smoothed by the spread
-/// of the filter's speeds.
-fn signs(at: &Instant, rest: f64) -> [f64; 4] {
-    let spread = [at.motion.variance[2], at.motion.variance[3], at.spread[0], at.spread[1]];
-    let mut sign = at.sign;
-    for j in 0..DIRECTIONS.len() {
-        let v = along(j, &at.motion.omega);
-        let clear = clarity(j, v, at.doubt);
-        if sign[j] == 0.0 && clear > 0.0 {
-            let width = (2.0 * spread[j].max(0.0) + rest * rest).sqrt();
-            sign[j] = clear * if width > 0.0 { Real::erf(v / width) } else { sgn(v) };
-        }
+/// The friction sign along a direction; one that the model has none of is smoothed by the spread of the filter's
+/// speeds.
+fn sign(at: &Instant, rest: f64, direction: usize) -> f64 {
+    let v = along(direction, &at.motion.omega);
+    let clear = clarity(direction, v, at.doubt);
+    if at.sign[direction] != 0.0 || clear <= 0.0 {
+        return at.sign[direction];
     }
-    sign
+    let spread = [at.motion.variance[2], at.motion.variance[3], at.spread[0], at.spread[1]];
+    let width = (2.0 * spread[direction].max(0.0) + rest * rest).sqrt();
+    clear * if width > 0.0 { Real::erf(v / width) } else { sgn(v) }
 }
 
 /// An instant of the smooth motion, where no filter has run.

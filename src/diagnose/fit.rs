@@ -41,6 +41,18 @@ pub struct WindowFit {
 /// Source of the covariance: sandwich of White, Econometrica 50 (1982), clustered by windows.
 #[must_use]
 pub fn fit(windows: &Windows, model: &Model, start: &[f64], scale: &Scale) -> Option<WindowFit> {
+    fit_within(windows, model, start, scale, 0.0)
+}
+
+/// [`fit`] that ends where the cost falls by less than `negligible`.
+#[must_use]
+pub(super) fn fit_within(
+    windows: &Windows,
+    model: &Model,
+    start: &[f64],
+    scale: &Scale,
+    negligible: f64,
+) -> Option<WindowFit> {
     let free = model.free();
     let [lower, upper] = bounds(model, scale, &free);
     let place = |x: &DVector<f64>| {
@@ -53,6 +65,7 @@ pub fn fit(windows: &Windows, model: &Model, start: &[f64], scale: &Scale) -> Op
     let options = MinimiseOptions {
         max_iterations: STEPS,
         relative_tolerance: TOLERANCE,
+        absolute_tolerance: negligible,
         lower: Some(lower.clone()),
         upper: Some(upper.clone()),
         ..MinimiseOptions::default()

@@ -1,7 +1,7 @@
 //! The time of the recorded input as a nuisance of every model of the diagnosis.
 
 use crate::effects::{Change, Description, Energy, ParameterSpec, Physics, Scale};
-use crate::math::Real;
+use crate::math::{Dual, Real};
 use crate::model::Model;
 use crate::recording::Recording;
 
@@ -75,7 +75,8 @@ pub(super) fn input_derivatives(
     p: &[f64],
 ) -> (Vec<[f64; 2]>, Vec<Vec<[f64; 2]>>) {
     let (t, moment, half) = (recording.t(), recording.moment(), 0.5 * recording.step());
-    let (acting, mut derivatives) = model.drive_derivatives(t, moment, p);
+    let (acting, mut derivatives) =
+        by_timing(model, t, moment, p).unwrap_or_else(|| model.drive_derivatives(t, moment, p));
     let delays = model
         .effects()
         .iter()
@@ -94,16 +95,31 @@ pub(super) fn input_derivatives(
     (acting, derivatives)
 }
 
+/// What [`Model::drive_derivatives`] gives where the time of the input is all that acts on it, with the one
+/// derivative that there is; `None` elsewhere.
+fn by_timing(
+    model: &Model,
+    t: &[f64],
+    moment: &[[f64; 2]],
+    p: &[f64],
+) -> Option<(Vec<[f64; 2]>, Vec<Vec<[f64; 2]>>)> {
+    let mut acting = model.effects().iter().enumerate().filter(|(_, e)| e.acts_on_drive());
+    let (e, _) = acting.next().filter(|(_, effect)| effect.id() == ID)?;
+    acting.next().is_none().then_some(())?;
+    let j = model.slots(e).start;
+    let constant: Vec<_> = moment.iter().map(|m| m.map(Dual::<1>::constant)).collect();
+    let moved = later(t, &constant, Dual::variable(p[j], 0));
+    let mut derivatives = vec![vec![]; p.len()];
+    derivatives[j] = moved.iter().map(|m| m.map(|v| v.partial[0])).collect();
+    Some((moved.iter().map(|m| m.map(|v| v.value)).collect(), derivatives))
+}
+
 /// A signal `shift` seconds later, by cubic interpolation between its rows; its ends are held.
 pub(super) fn later<T: Real>(t: &[f64], m: &[[T; 2]], shift: T) -> Vec<[T; 2]> {
     let last = t.len() - 1;
     if last == 0 {
         return m.to_vec();
     }
-    let slope = |j: usize, i: usize| {
-        let (a, b) = (j.saturating_sub(1), (j + 1).min(last));
-        (m[b][i] - m[a][i]) / (t[b] - t[a])
-    };
     let mut k = 0;
     let at_row = |&now: &f64| {
         let at = -shift + now;
@@ -122,12 +138,16 @@ pub(super) fn later<T: Real>(t: &[f64], m: &[[T; 2]], shift: T) -> Vec<[T; 2]> {
         let h = t[k + 1] - t[k];
         let s = (at - T::from(t[k])) / h;
         let (s2, s3) = (s * s, s * s * s);
+        let (before, behind) = (k.saturating_sub(1), (k + 2).min(last));
+        // weights of the differences of four rows: the slope at a row is that through its neighbours
         let rise = s2 * 3.0 - s3 * 2.0;
+        let first = (s3 - s2 * 2.0 + s) * (h / (t[k + 1] - t[before]));
+        let second = (s3 - s2) * (h / (t[behind] - t[k]));
         [0, 1].map(|i| {
             m[k][i]
                 + rise * (m[k + 1][i] - m[k][i])
-                + (s3 - s2 * 2.0 + s) * slope(k, i) * h
-                + (s3 - s2) * slope(k + 1, i) * h
+                + first * (m[k + 1][i] - m[before][i])
+                + second * (m[behind][i] - m[k][i])
         })
     };
     t.iter().map(at_row).collect()

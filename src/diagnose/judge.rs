@@ -1,5 +1,7 @@
 //! Judging models on recordings that they were not fitted to.
 
+use rayon::prelude::*;
+
 use super::fit::WindowFit;
 use super::outcome::Diagnosis;
 use super::verdict::{Errors, structure};
@@ -7,7 +9,7 @@ use crate::compare::{
     Dependence, WINDOW, between_rows, ise, missing_moment, pooled_floor, simulate_recording,
     unresolved, window_rms,
 };
-use crate::identify::kalman::{Likelihood, prepare};
+use crate::filter::{Likelihood, prepare};
 use crate::model::{Model, ModelError};
 use crate::recording::{LocalMotion, Recording};
 use crate::simulate::{Hold, PhysicalDynamics, SimulateError};
@@ -33,7 +35,7 @@ impl Judge {
     /// Prepares `recordings` for judging models under drives held as `hold` says.
     #[must_use]
     pub fn new(recordings: Vec<Recording>, hold: Hold) -> Self {
-        let motions = recordings.iter().map(Recording::local_motion).collect();
+        let motions = recordings.par_iter().map(Recording::local_motion).collect();
         Self { recordings, motions, hold }
     }
 
@@ -43,12 +45,18 @@ impl Judge {
     /// A model that cannot move, or diverges.
     pub fn judge(&self, model: &Model, p: &[f64]) -> Result<Judgement, SimulateError> {
         let dynamics = PhysicalDynamics { model: model.clone(), p: p.to_vec() };
-        let (mut total, mut sum, mut samples) = (0.0, 0.0, 0.0);
-        for (recording, motion) in self.recordings.iter().zip(&self.motions) {
+        let one = |(recording, motion): (&Recording, &Vec<LocalMotion>)| {
             let simulated = simulate_recording(&dynamics, recording, motion, self.hold)?;
-            total += ise(recording, &simulated.free).iter().sum::<f64>();
+            let total = ise(recording, &simulated.free).iter().sum::<f64>();
+            Ok((total, window_rms(recording, &simulated.windows)))
+        };
+        let each = self.recordings.par_iter().zip(&self.motions).map(one);
+        let errors: Vec<(f64, f64)> = each.collect::<Result<_, SimulateError>>()?;
+        let (mut total, mut sum, mut samples) = (0.0, 0.0, 0.0);
+        for (recording, (ise, window_rms)) in self.recordings.iter().zip(errors) {
             let count = recording.len() as f64;
-            sum += count * window_rms(recording, &simulated.windows).powi(2);
+            total += ise;
+            sum += count * window_rms.powi(2);
             samples += count;
         }
         Ok(Judgement { ise: total, window_rms: (sum / samples).sqrt() })

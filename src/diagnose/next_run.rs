@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::candidate::Candidate;
 use crate::compare::project;
-use crate::identify::kalman::{
+use crate::filter::{
     Columns, Instant, Likelihood, PassSettings, Prepared, ProcessNoise, filter_pass,
 };
 use crate::model::Model;
@@ -153,7 +153,7 @@ impl Search<'_> {
     }
 
     fn discrimination(&self, run: &Recording) -> Option<f64> {
-        let mut prepared = crate::identify::kalman::prepare(run);
+        let mut prepared = crate::filter::prepare(run);
         prepared.variance = self.like.variance;
         prepared.used = self.like.used;
         prepared.doubt = self.like.doubt;

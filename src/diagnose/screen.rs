@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::candidate::{Candidate, still_instant};
 use super::nonnegative;
-use super::windows::Windows;
+use super::windows::{Row, Windows};
 use crate::compare::project;
 use crate::effects::{Motion, Terms};
 use crate::model::{Model, solve_mass};
@@ -23,7 +23,7 @@ pub struct Screen<'a> {
     model: &'a Model,
     windows: &'a Windows<'a>,
     rows: Vec<Rows>,
-    mass: [f64; 3],
+    mobility: Mobility,
     base: usize,
     information: DMatrix<f64>,
     score: DVector<f64>,
@@ -31,43 +31,50 @@ pub struct Screen<'a> {
     degrees: f64,
 }
 
-/// One window: error, derivatives and rest of the simulation.
+/// One window of a simulation, weighted.
 struct Rows {
     weight: Vec<[f64; 2]>,
-    error: Vec<[f64; 2]>,
-    /// Derivatives of row k and wheel i, from place `(2 k + i) base` on.
-    psi: Vec<f64>,
+    /// Row k and wheel i from place `(2 k + i)(base + 2)` on: derivatives, error, and one as long as a constant of
+    /// the window lasts, all times the weight.
+    weighted: Vec<f64>,
     still: Vec<[bool; 2]>,
-    start: [f64; 2],
+    /// One over the sum of the weights while the constant lasts, the start's among them.
+    share: [f64; 2],
+    /// Sums of `weighted` while the constant lasts.
+    mean: [Vec<f64>; 2],
 }
 
-/// Sums over rows, for the lower rows of the information alone: those above are known.
-struct Sums {
-    /// First row that is summed, and number of columns.
-    first: usize,
-    columns: usize,
-    /// Rows `first..columns`, one after the other.
-    information: Vec<f64>,
-    score: Vec<f64>,
-    square: f64,
-}
-
-impl Sums {
-    fn new(first: usize, columns: usize) -> Self {
-        let information = vec![0.0; (columns - first) * columns];
-        Self { first, columns, information, score: vec![0.0; columns], square: 0.0 }
-    }
-
-    /// Adds `weight` times the products of a row `psi` and its error.
-    fn add(&mut self, weight: f64, error: f64, psi: &[f64]) {
-        self.square += weight * error * error;
-        let lower = self.information.chunks_exact_mut(self.columns);
-        for (a, row) in (self.first..).zip(lower) {
-            let weighted = weight * psi[a];
-            self.score[a] += weighted * error;
-            row[..=a].iter_mut().zip(psi).for_each(|(sum, value)| *sum += weighted * value);
+impl Rows {
+    fn new(rows: Vec<Row>, weight: Vec<[f64; 2]>, start: [f64; 2], base: usize) -> Self {
+        let width = base + 2;
+        let mut weighted = vec![0.0; 2 * width * rows.len()];
+        let mut mean = [vec![0.0; width], vec![0.0; width]];
+        for i in 0..2 {
+            let mut lasts = true;
+            for (k, row) in rows.iter().enumerate() {
+                lasts &= !row.still[i];
+                let w = weight[k][i];
+                let out = &mut weighted[(2 * k + i) * width..][..width];
+                out.iter_mut().zip(&row.psi[i]).for_each(|(out, psi)| *out = w * psi);
+                out[base] = w * row.error[i];
+                if lasts {
+                    out[base + 1] = w;
+                    mean[i].iter_mut().zip(&*out).for_each(|(sum, value)| *sum += value);
+                }
+            }
         }
+        let share = [0, 1].map(|i| 1.0 / (start[i] + mean[i][base + 1]));
+        let still = rows.into_iter().map(|row| row.still).collect();
+        Self { weight, weighted, still, share, mean }
     }
+}
+
+/// What a candidate adds to the information and the score: products of its columns with the base, with each other
+/// and with the errors.
+struct Products {
+    by_base: DMatrix<f64>,
+    own: DMatrix<f64>,
+    score: DVector<f64>,
 }
 
 impl<'a> Screen<'a> {
@@ -81,85 +88,70 @@ impl<'a> Screen<'a> {
         degrees: f64,
     ) -> Option<Self> {
         let free = model.free();
-        let rows = windows.rows(model, p, &free)?;
-        let rows: Vec<Rows> = rows
-            .into_iter()
-            .zip(&windows.windows)
-            .map(|(row, window)| Rows {
-                weight: windows.weights(window),
-                error: row.iter().map(|r| r.error).collect(),
-                still: row.iter().map(|r| r.still).collect(),
-                psi: row.into_iter().flat_map(|r| r.psi).flatten().collect(),
-                start: Windows::start_weight(window),
-            })
-            .collect();
-        let mut this = Self {
+        let base = free.len();
+        let quadratic = windows.quadratic(model, p, &free)?;
+        let rows = windows.rows(model, p, &free)?.into_iter().zip(&windows.windows);
+        let rows = rows.map(|(rows, window)| {
+            Rows::new(rows, windows.weights(window), Windows::start_weight(window), base)
+        });
+        Some(Self {
             model,
             windows,
-            rows,
-            mass: terms(model, p).mass,
-            base: free.len(),
-            information: DMatrix::zeros(0, 0),
-            score: DVector::zeros(0),
-            square: 0.0,
+            rows: rows.collect(),
+            mobility: Mobility::of(&terms(model, p).mass),
+            base,
+            information: quadratic.hessian,
+            score: -quadratic.gradient,
+            square: 2.0 * quadratic.cost,
             degrees,
-        };
-        (this.information, this.score, this.square) = this.sums(None);
-        Some(this)
+        })
     }
 
-    /// Information, score and squared error over the base and the columns of a candidate.
-    fn sums(&self, candidate: Option<&Candidate>) -> (DMatrix<f64>, DVector<f64>, f64) {
-        let (base, own) = (self.base, candidate.map_or(0, Candidate::columns));
-        let n = base + own;
-        // the base among itself is known but for the first time
-        let mut sums = Sums::new(if own == 0 { 0 } else { base }, n);
+    /// The products of a candidate's columns over all windows.
+    fn products(&self, candidate: &Candidate) -> Products {
+        let (base, own) = (self.base, candidate.columns());
+        let width = base + 2;
+        let (mut by_row, mut among) = (vec![0.0; own * width], vec![0.0; own * own]);
+        let mut sums = Products {
+            by_base: DMatrix::zeros(own, base),
+            own: DMatrix::zeros(own, own),
+            score: DVector::zeros(own),
+        };
         for (rows, window) in self.rows.iter().zip(&self.windows.windows) {
-            let moved = candidate
-                .map_or(vec![], |c| self.integrals(c, window.recording, window.rows.start, rows));
+            let moved = self.integrals(candidate, window.recording, window.rows.start, rows);
             for i in 0..2 {
-                let mut psi = vec![0.0; n];
-                let (mut weights, mut error, mut mean) = (rows.start[i], 0.0, vec![0.0; n]);
-                let mut lasts = true;
-                for k in 0..rows.error.len() {
-                    lasts &= !rows.still[k][i];
-                    let w = rows.weight[k][i];
-                    if w == 0.0 {
+                by_row.fill(0.0);
+                among.fill(0.0);
+                for (k, columns) in moved.chunks_exact(own).enumerate() {
+                    let weight = rows.weight[k][i];
+                    if weight == 0.0 {
                         continue;
                     }
-                    psi[..base].copy_from_slice(&rows.psi[(2 * k + i) * base..][..base]);
-                    let columns = moved.iter().skip(k * own).map(|column| column[i]);
-                    psi[base..].iter_mut().zip(columns).for_each(|(p, column)| *p = column);
-                    let e = rows.error[k][i];
-                    sums.add(w, e, &psi);
-                    if lasts {
-                        weights += w;
-                        error += w * e;
-                        mean.iter_mut().zip(&psi).for_each(|(m, p)| *m += w * p);
+                    let weighted = &rows.weighted[(2 * k + i) * width..][..width];
+                    for (c, column) in columns.iter().enumerate() {
+                        let value = column[i];
+                        let sums = by_row[c * width..][..width].iter_mut().zip(weighted);
+                        sums.for_each(|(sum, row)| *sum += value * row);
+                        let sums = among[c * own..=c * own + c].iter_mut().zip(columns);
+                        sums.for_each(|(sum, other)| *sum += weight * value * other[i]);
                     }
                 }
                 // what a constant of the window explains
-                let share = 1.0 / weights;
-                mean.iter_mut().for_each(|m| *m *= share);
-                sums.add(-weights, error * share, &mean);
+                let constant = |c: usize| rows.share[i] * by_row[c * width + base + 1];
+                let mean = &rows.mean[i];
+                for c in 0..own {
+                    let by_row_of = |b: usize| by_row[c * width + b] - constant(c) * mean[b];
+                    (0..base).for_each(|b| sums.by_base[(c, b)] += by_row_of(b));
+                    sums.score[c] += by_row_of(base);
+                    for d in 0..=c {
+                        let explained = constant(c) * by_row[d * width + base + 1];
+                        sums.own[(c, d)] += among[c * own + d] - explained;
+                    }
+                }
             }
         }
-        self.completed(sums)
-    }
-
-    /// The whole information and score.
-    fn completed(&self, sums: Sums) -> (DMatrix<f64>, DVector<f64>, f64) {
-        let n = sums.columns;
-        let (mut h, mut g) = (DMatrix::zeros(n, n), DVector::from_vec(sums.score));
-        for (a, row) in (sums.first..).zip(sums.information.chunks_exact(n)) {
-            (0..=a).for_each(|b| h[(a, b)] = row[b]);
-        }
-        if sums.first > 0 {
-            h.view_mut((0, 0), (self.base, self.base)).copy_from(&self.information);
-            g.rows_mut(0, self.base).copy_from(&self.score);
-        }
-        h.fill_upper_triangle_with_lower_triangle();
-        (h, g, sums.square)
+        sums.own.fill_upper_triangle_with_lower_triangle();
+        sums
     }
 
     /// What a torque of one in each column adds to the simulated speeds since the window's start, columns of
@@ -187,7 +179,7 @@ impl<'a> Screen<'a> {
                 let h = t[k] - t[k - 1];
                 for c in 0..count {
                     let mean = [0, 1].map(|i| 0.5 * (before[c][i] + now[c][i]));
-                    let rate = self.accelerate(mean, *still);
+                    let rate = self.mobility.acceleration(mean, *still);
                     let moving = |i: usize| if still[i] { 0.0 } else { speed[c][i] + h * rate[i] };
                     speed[c] = [0, 1].map(moving);
                 }
@@ -198,14 +190,18 @@ impl<'a> Screen<'a> {
         out
     }
 
-    /// The acceleration that a torque gives wheels of which some rest.
-    fn accelerate(&self, torque: [f64; 2], still: [bool; 2]) -> [f64; 2] {
-        match still {
-            [false, false] => solve_mass(&self.mass, &torque).unwrap_or([0.0; 2]),
-            [false, true] => [torque[0] / self.mass[0], 0.0],
-            [true, false] => [0.0, torque[1] / self.mass[2]],
-            [true, true] => [0.0; 2],
-        }
+    /// Information and score over the base and a candidate.
+    fn completed(&self, products: &Products) -> (DMatrix<f64>, DVector<f64>) {
+        let (base, own) = (self.base, products.score.len());
+        let n = base + own;
+        let (mut h, mut g) = (DMatrix::zeros(n, n), DVector::zeros(n));
+        h.view_mut((0, 0), (base, base)).copy_from(&self.information);
+        h.view_mut((base, 0), (own, base)).copy_from(&products.by_base);
+        h.view_mut((0, base), (base, own)).copy_from(&products.by_base.transpose());
+        h.view_mut((base, base), (own, own)).copy_from(&products.own);
+        g.rows_mut(0, base).copy_from(&self.score);
+        g.rows_mut(base, own).copy_from(&products.score);
+        (h, g)
     }
 
     /// Twice the log-likelihood ratio of a candidate to first order, and the estimates of its columns.
@@ -216,7 +212,7 @@ impl<'a> Screen<'a> {
     #[must_use]
     pub fn ratio(&self, candidate: &Candidate) -> (f64, Vec<f64>) {
         let count = candidate.columns();
-        let (h, g, _) = self.sums(Some(candidate));
+        let (h, g) = self.completed(&self.products(candidate));
         let base: Vec<usize> = (0..self.base).collect();
         let own: Vec<usize> = (self.base..self.base + count).collect();
         let none = (0.0, vec![0.0; count]);
@@ -229,6 +225,32 @@ impl<'a> Screen<'a> {
         let (estimate, gain) = nonnegative::solve(&information, &score, &bounded);
         let after = (self.square - gain).max(1e-12 * self.square);
         (self.degrees * (self.square / after).ln(), estimate)
+    }
+}
+
+/// The accelerations that torques give wheels of which none or one rests.
+struct Mobility {
+    both: [f64; 3],
+    alone: [f64; 2],
+}
+
+impl Mobility {
+    fn of(mass: &[f64; 3]) -> Self {
+        let column = |torque: [f64; 2]| solve_mass(mass, &torque).unwrap_or([0.0; 2]);
+        let (first, second) = (column([1.0, 0.0]), column([0.0, 1.0]));
+        Self { both: [first[0], first[1], second[1]], alone: [1.0 / mass[0], 1.0 / mass[2]] }
+    }
+
+    fn acceleration(&self, torque: [f64; 2], still: [bool; 2]) -> [f64; 2] {
+        match still {
+            [false, false] => {
+                let [m11, m12, m22] = self.both;
+                [m11 * torque[0] + m12 * torque[1], m12 * torque[0] + m22 * torque[1]]
+            }
+            [false, true] => [torque[0] * self.alone[0], 0.0],
+            [true, false] => [0.0, torque[1] * self.alone[1]],
+            [true, true] => [0.0; 2],
+        }
     }
 }
 

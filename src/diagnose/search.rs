@@ -199,12 +199,12 @@ impl<'a> Search<'a> {
     /// A ranking with the effects that have a second body refitted too, where one of them then comes first.
     fn with_second_bodies(&self, present: &WindowFit, ranking: &[Ranked]) -> Option<Vec<Ranked>> {
         let mut ranked = ranking.to_vec();
-        let open: Vec<&mut Ranked> =
-            ranked.iter_mut().filter(|r| is_two_mass(r) && r.refit.is_none()).collect();
+        let is_open = |n: &usize| is_two_mass(&ranked[*n]) && ranked[*n].refit.is_none();
+        let open: Vec<usize> = (0..ranked.len()).filter(is_open).collect();
         if open.is_empty() {
             return None;
         }
-        open.into_par_iter().for_each(|r| self.set_refit(present, r, None));
+        self.refit_all(present, &mut ranked, &open, None);
         self.order(&mut ranked);
         ranked.first().is_some_and(is_two_mass).then_some(ranked)
     }
@@ -220,26 +220,20 @@ impl<'a> Search<'a> {
     fn rank(&self, present: &WindowFit, is_base: bool) -> Vec<Ranked> {
         // a shift of the input is what timing would take for itself: it is held while shifts are looked at
         let held = held_in_time(present);
-        let looks = [&present.model, &held].map(|model| {
+        let look = |model| {
             let (p, recordings) = (&present.p, &self.windows.recordings);
             let by_torque = Regression::new(model, p, recordings, self.cutoff, self.scale.speed);
             (by_torque, Screen::new(model, p, &self.windows, self.degrees))
-        });
+        };
+        let looks = rayon::join(|| look(&present.model), || look(&held)).into();
         let mut ranked = self.screened(present, &looks);
         ranked.sort_by(|a, b| a.screened.total_cmp(&b.screened));
         let (first, second) = self.wanted(present, &ranked);
-        let refit = |ranked: &mut [Ranked], wanted: &[usize]| {
-            let chosen = ranked.par_iter_mut().enumerate().filter(|(n, _)| wanted.contains(n));
-            chosen.for_each(|(_, r)| {
-                let by_torque = looks[usize::from(r.candidate.is_shift())].0.as_ref();
-                self.set_refit(present, r, by_torque);
-            });
-        };
-        refit(&mut ranked, &first);
+        self.refit_all(present, &mut ranked, &first, Some(&looks));
         let refits = || ranked.iter().filter_map(|r| Some((r, r.refit.as_ref()?.cost)));
         let most_is_left = |cost: f64| cost > THRESHOLDS.most_left * present.cost;
         if is_base && refits().all(|(r, cost)| self.is_far_above(r) && most_is_left(cost)) {
-            refit(&mut ranked, &second);
+            self.refit_all(present, &mut ranked, &second, Some(&looks));
         }
         self.order(&mut ranked);
         ranked

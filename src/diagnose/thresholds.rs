@@ -1,5 +1,7 @@
 //! Every limit of the diagnosis, with its reason.
 
+use crate::effects::SURELY;
+
 /// Limits of the diagnosis. All are dimensionless; those marked "taste" say what is worth a reader's
 /// attention, the others follow from statistics or physics.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -33,6 +35,8 @@ pub struct Thresholds {
     /// alone, and noise of the input decides about that much) and where errors are far above the noise (they are
     /// no independent values, which the criterion counts).
     pub alike_share: f64,
+    /// Share of what the first refit gains that decides nothing: others stop where their steps gain less.
+    pub negligible_share: f64,
     /// Candidates that are refitted at each step, those that come first in the screening.
     pub refitted: usize,
     /// The same where the model has a second body, whose derivatives cost a simulation each.
@@ -46,7 +50,7 @@ pub struct Thresholds {
     /// Starts of an effect with several that are followed to their minimum.
     pub followed: usize,
     /// Standard errors within which a value may still be another: a delay none, or one that logging explains, the
-    /// parameter of an effect zero (a chance of one in twenty).
+    /// parameter of an effect zero ([`SURELY`]: a chance of one in twenty).
     pub uncertain: f64,
     /// Other effects of a step that are tried in its place once several are found (cost: a fit for each effect
     /// behind it).
@@ -67,11 +71,12 @@ pub const THRESHOLDS: Thresholds = Thresholds {
     ruled_out: 10.0,
     alike: 6.0,
     alike_share: 0.1,
+    negligible_share: 0.01,
     refitted: 8,
     refitted_coupled: 2,
     far_behind: 0.25,
     most_left: 0.5,
     followed: 2,
-    uncertain: 2.0,
+    uncertain: SURELY,
     exchanged: 4,
 };

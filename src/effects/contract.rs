@@ -239,9 +239,9 @@ fn the_partials_of_the_drive_equal_central_differences() {
     each(5, |effect, id, _, rng| {
         let (t, m) = recorded(rng);
         let p = parameters(effect, rng);
-        let jets: Vec<Jet> = p.iter().enumerate().map(|(k, &v)| Dual::variable(v, k % 8)).collect();
-        let constant: Vec<[Jet; 2]> = m.iter().map(|row| row.map(Jet::constant)).collect();
-        let (plain, exact) = (effect.drive(&t, &m, &p), effect.drive_jet(&t, &constant, &jets));
+        let own: Vec<Own> = p.iter().enumerate().map(|(k, &v)| Dual::variable(v, k % 4)).collect();
+        let constant: Vec<[Own; 2]> = m.iter().map(|row| row.map(Own::constant)).collect();
+        let (plain, exact) = (effect.drive(&t, &m, &p), effect.drive_own(&t, &constant, &own));
         assert_eq!(plain.is_some(), effect.acts_on_drive(), "{id}");
         let (Some(plain), Some(exact)) = (plain, exact) else { return };
         for j in 0..p.len() {

@@ -3,12 +3,15 @@
 use super::{Coupling, Description, Energy, Motion, ParameterKind, ParameterSpec, Scale, Terms};
 use crate::math::{Dual, Real, Symbol};
 
-/// A dual number with eight partial derivatives. Effects see their instant with the partials
-/// (alpha1, alpha2, omega1, omega2, own parameters 0..4); drives see the parameters only.
+/// A dual number with eight partial derivatives: effects see their instant with the partials
+/// (alpha1, alpha2, omega1, omega2, own parameters 0..4).
 pub type Jet = Dual<8>;
 
 /// Parameters of an effect that a [`Jet`] has room for.
 pub const DIFFERENTIATED: usize = 4;
+
+/// A dual number with the partial derivatives by parameters alone, as many as an effect has.
+pub type Own = Dual<DIFFERENTIATED>;
 
 /// Most parameters of an effect: those that are differentiated, and behind them one whole number
 /// (an order), which has no derivative.
@@ -28,7 +31,7 @@ pub enum Change {
 }
 
 /// Standard errors by which a parameter differs from a value for certain (95 %).
-pub(super) const SURELY: f64 = 1.96;
+pub const SURELY: f64 = 1.96;
 
 /// Factors on the typical value of a shape of which nothing else is known.
 const FACTORS: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
@@ -132,6 +135,8 @@ pub trait Effect: Send + Sync {
     fn torque(&self, x: &Motion<f64>, p: &[f64]) -> [f64; 2];
     /// [`Physics::terms`] with derivatives.
     fn terms_jet(&self, x: &Motion<Jet>, p: &[Jet]) -> Terms<Jet>;
+    /// [`Physics::terms`] with derivatives by the own parameters alone.
+    fn terms_own(&self, x: &Motion<Own>, p: &[Own]) -> Terms<Own>;
     /// The torque of [`Effect::terms_jet`] alone.
     fn torque_jet(&self, x: &Motion<Jet>, p: &[Jet]) -> [Jet; 2];
     /// [`Physics::terms`] with symbols, which record the formula.
@@ -139,7 +144,7 @@ pub trait Effect: Send + Sync {
     /// [`Physics::drive`] with plain numbers.
     fn drive(&self, t: &[f64], m: &[[f64; 2]], p: &[f64]) -> Option<Vec<[f64; 2]>>;
     /// [`Physics::drive`] with derivatives.
-    fn drive_jet(&self, t: &[f64], m: &[[Jet; 2]], p: &[Jet]) -> Option<Vec<[Jet; 2]>>;
+    fn drive_own(&self, t: &[f64], m: &[[Own; 2]], p: &[Own]) -> Option<Vec<[Own; 2]>>;
     /// [`Physics::drive`] with symbols.
     fn drive_symbolic(
         &self,
@@ -188,6 +193,9 @@ impl<P: Physics> Effect for P {
     fn terms_jet(&self, x: &Motion<Jet>, p: &[Jet]) -> Terms<Jet> {
         Physics::terms(self, x, p)
     }
+    fn terms_own(&self, x: &Motion<Own>, p: &[Own]) -> Terms<Own> {
+        Physics::terms(self, x, p)
+    }
     fn torque_jet(&self, x: &Motion<Jet>, p: &[Jet]) -> [Jet; 2] {
         Physics::terms(self, x, p).torque
     }
@@ -197,7 +205,7 @@ impl<P: Physics> Effect for P {
     fn drive(&self, t: &[f64], m: &[[f64; 2]], p: &[f64]) -> Option<Vec<[f64; 2]>> {
         Physics::drive(self, t, m, p)
     }
-    fn drive_jet(&self, t: &[f64], m: &[[Jet; 2]], p: &[Jet]) -> Option<Vec<[Jet; 2]>> {
+    fn drive_own(&self, t: &[f64], m: &[[Own; 2]], p: &[Own]) -> Option<Vec<[Own; 2]>> {
         Physics::drive(self, t, m, p)
     }
     fn drive_symbolic(

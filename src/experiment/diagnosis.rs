@@ -8,7 +8,7 @@ use crate::diagnose::{
     Conclusion, Data, Diagnosis, Judge, Judgement, Limits, Proposal, Ranked, Rivals, THRESHOLDS,
     conclude, diagnose, likely, next_run, probabilities, shifted,
 };
-use crate::identify::kalman::{Likelihood, prepare};
+use crate::filter::{Likelihood, prepare};
 use crate::identify::{Estimate, IdentifyError, Task, start};
 use crate::model::Model;
 use crate::recording::Recording;

@@ -1,6 +1,6 @@
 //! Recordings of which only windows are held: what is said of them, and which methods read all.
 
-use crate::identify::{Fit, Identifier, IdentifyError, Task};
+use crate::identify::{Fit, Identifier, IdentifyError, Note, Task};
 use crate::recording::{LongRecording, Recording};
 
 /// What the check of the recordings says.
@@ -29,16 +29,10 @@ pub(super) fn identify(
     }
     let rows: usize = some.iter().map(|long| long.samples).sum();
     let (mut fit, note) = match method.identify_long(task, long) {
-        Some(fit) => {
-            let note = "were read block by block; cut-off and speed near rest come from the windows \
-                        that are held";
-            (fit?, format!("All {rows} rows {note}."))
-        }
+        Some(fit) => (fit?, Note::ReadInBlocks(rows)),
         None => {
             let windows: usize = some.iter().map(|long| long.windows).sum();
-            let note = "too long to be held: this method takes all rows at once (more memory: \
-                        hold_rows, under [recordings]), torque_regression reads them all";
-            (method.identify(task)?, format!("Fitted to {windows} windows of recordings {note}."))
+            (method.identify(task)?, Note::FittedToWindows(windows))
         }
     };
     fit.notes.push(note);

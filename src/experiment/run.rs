@@ -248,7 +248,7 @@ fn method_study(
     out.status = Some(fit.status);
     out.work = fit.work;
     out.estimates.clone_from(&fit.estimates);
-    out.notes.clone_from(&fit.notes);
+    out.notes = fit.notes.iter().map(ToString::to_string).collect();
     out.traces.clone_from(&fit.traces);
     out.correlations = fit.covariance.as_ref().map_or(vec![], correlations);
     out.fuzzy =

@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 use super::identifiability::inverse_where_known;
 use super::inverse_dynamics::Regression;
 use super::{
-    Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task, from_options,
-    options_schema,
+    Fit, Identifier, IdentifyError, MethodDescription, Note, OptionError, Status, Task,
+    from_options, options_schema,
 };
 use crate::math::clustered_covariance;
 
@@ -107,19 +107,11 @@ impl Identifier for ConstrainedRegression {
         }
         for (bound, multiplier) in bounds.iter().zip(&solved.multipliers) {
             if *multiplier > ACTIVE {
-                let free: Vec<String> = bound
-                    .columns
-                    .iter()
-                    .map(|(c, _)| {
-                        let symbol = &task.model.symbols()[rows.linear()[*c]];
-                        format!("{symbol} = {:.4e}", unbounded[*c])
-                    })
-                    .collect();
-                fit.notes.push(format!(
-                    "The bound {} is active; without bounds the data ask for {}.",
-                    bound.name,
-                    free.join(", ")
-                ));
+                let symbols = task.model.symbols();
+                let value =
+                    |(c, _): &(usize, _)| (symbols[rows.linear()[*c]].clone(), unbounded[*c]);
+                let unbounded = bound.columns.iter().map(value).collect();
+                fit.notes.push(Note::ActiveBound { bound: bound.name.clone(), unbounded });
             }
         }
         fit.status = solved.status;

@@ -4,6 +4,8 @@ use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
+use super::Note;
+use crate::math::MinimumStatus;
 use crate::math::distribution::{normal_quantile, t_quantile};
 use crate::model::Model;
 use crate::simulate::{Dynamics, PhysicalDynamics};
@@ -87,6 +89,16 @@ impl Status {
     }
 }
 
+impl From<MinimumStatus> for Status {
+    fn from(status: MinimumStatus) -> Self {
+        match status {
+            MinimumStatus::Converged => Self::Converged,
+            MinimumStatus::MaxIterations => Self::IterationLimit,
+            MinimumStatus::Stalled | MinimumStatus::NoStart => Self::Stalled,
+        }
+    }
+}
+
 /// What a fit cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Work {
@@ -125,8 +137,8 @@ pub struct Fit {
     pub status: Status,
     /// What it cost.
     pub work: Work,
-    /// Sentences for the reader: what the data cannot give, which bound is active.
-    pub notes: Vec<String>,
+    /// What the reader must know: what the data cannot give, which bound is active.
+    pub notes: Vec<Note>,
     /// Curves for drawing.
     pub traces: Vec<Trace>,
     /// Horizon over which predictions were judged [s], where the method has one.

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::regressor::Regressor;
+use super::{Note, Unknown};
 use crate::effects::Motion;
 use crate::math::Information;
 use crate::model::Model;
@@ -12,8 +13,8 @@ use crate::recording::Recording;
 pub(super) struct Identified {
     /// Covariance of all parameters; infinite where the data give nothing, zero where fixed.
     pub(super) covariance: DMatrix<f64>,
-    /// Sentences.
-    pub(super) notes: Vec<String>,
+    /// What is not known.
+    pub(super) notes: Vec<Note>,
 }
 
 /// A parameter whose moment, at the speeds of the recordings, is uncertain by more than this many
@@ -68,19 +69,10 @@ pub(super) fn identified(
         for &i in &part {
             covariance[(free[i], free[i])] = f64::INFINITY;
         }
-        notes.push(sentence(model, values, &finite, &free, scale, &direction, &part));
+        notes.push(note(model, values, &finite, &free, scale, &direction, &part));
     }
     if train.iter().all(Recording::is_single_axis) {
-        let twice = match axis {
-            SingleAxis::CountedOnce => "",
-            SingleAxis::CountedTwice => {
-                ", and their standard errors count the same data twice (multiply by 1.41)"
-            }
-        };
-        notes.push(format!(
-            "Both wheels carry the same numbers: this is one axis, so only sums over the two \
-             wheels can be known{twice}."
-        ));
+        notes.push(Note::SingleAxis { counted_twice: axis == SingleAxis::CountedTwice });
     }
     Identified { covariance, notes }
 }
@@ -221,8 +213,8 @@ pub(super) fn inverse_where_known(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     Information::new(matrix).inverse()
 }
 
-/// One sentence about a direction that the data do not give.
-fn sentence(
+/// What to say of a direction that the data do not give.
+fn note(
     model: &Model,
     values: &[f64],
     finite: &DMatrix<f64>,
@@ -230,45 +222,29 @@ fn sentence(
     scale: &DVector<f64>,
     direction: &DVector<f64>,
     part: &[usize],
-) -> String {
+) -> Note {
     let name = |i: usize| model.parameters()[free[i]].spec.symbol.clone();
     let effect = |i: usize| &model.parameters()[free[i]].effect;
-    let remedy = crate::effects::find(effect(part[0]))
+    let record = crate::effects::find(effect(part[0]))
         .map(|e| e.description().excitation)
         .unwrap_or_else(|| "richer motion".into());
-    match *part {
-        [i] => format!("The data say nothing of {}; record: {remedy}.", name(i)),
+    let unknown = match *part {
+        [i] => Unknown::One(name(i)),
         [i, k] => {
             // what is known is the combination across the direction that is not
             let (di, dk) = (direction[i] / scale[i], direction[k] / scale[k]);
-            let ratio = -di / dk;
-            let (a, b) = (free[i], free[k]);
-            let value = values[a] + values[b] / ratio;
+            let (a, b, weight) = (free[i], free[k], -dk / di);
             let variance =
-                finite[(a, a)] + 2.0 * finite[(a, b)] / ratio + finite[(b, b)] / (ratio * ratio);
-            let weight = 1.0 / ratio;
-            let other = if (weight - 1.0).abs() < 1e-3 {
-                format!("+ {}", name(k))
-            } else if (weight + 1.0).abs() < 1e-3 {
-                format!("- {}", name(k))
-            } else {
-                format!("{weight:+.4} {}", name(k))
-            };
-            format!(
-                "The data cannot tell {} from {}: only {} {other} = {value:.6} ± {:.2e} can be \
-                 known; record: {remedy}.",
-                name(i),
-                name(k),
-                name(i),
-                variance.max(0.0).sqrt()
-            )
+                finite[(a, a)] + 2.0 * finite[(a, b)] * weight + finite[(b, b)] * weight * weight;
+            Unknown::Two {
+                first: name(i),
+                second: name(k),
+                weight,
+                value: values[a] + weight * values[b],
+                std_error: variance.max(0.0).sqrt(),
+            }
         }
-        _ => {
-            let names: Vec<String> = part.iter().map(|&i| name(i)).collect();
-            format!(
-                "The data cannot give {} one by one, only combinations of them; record: {remedy}.",
-                names.join(", ")
-            )
-        }
-    }
+        _ => Unknown::Several(part.iter().map(|&i| name(i)).collect()),
+    };
+    Note::Unknown { unknown, record }
 }

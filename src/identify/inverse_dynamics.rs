@@ -12,7 +12,7 @@ use super::linear_fit::linear_fit;
 use super::regressor::{Regressor, drive_around};
 pub(super) use super::stretch::Source;
 use super::stretch::{Signals, Stretch, Treatment};
-use super::{Fit, IdentifyError, Task};
+use super::{Fit, IdentifyError, Note, Task};
 use crate::math::clustered_covariance;
 use crate::recording::Recording;
 use crate::simulate::every_other;
@@ -307,9 +307,7 @@ impl<'a> Regression<'a> {
         // with a single block rows count as independent
         let independent = if blocks < 2 { self.count } else { blocks };
         out = out.with_degrees(independent as f64 - self.linear().len() as f64);
-        let cutoffs: Vec<String> =
-            self.treatments.iter().map(|t| format!("{:.2}", t.cutoff)).collect();
-        out.notes.push(format!("Cut-off of the filter: {} Hz.", cutoffs.join(", ")));
+        out.notes.push(Note::CutOff(self.treatments.iter().map(|t| t.cutoff).collect()));
         out.work.evaluations = 1;
         Ok(out)
     }
@@ -320,15 +318,11 @@ impl<'a> Regression<'a> {
         for (&j, pull) in self.linear().iter().zip(pull.iter()) {
             let e = &fit.estimates[j];
             if e.std_error.is_finite() && pull.abs() > e.std_error {
-                pulled.push(format!("{} by about {pull:+.2e}", e.symbol));
+                pulled.push((e.symbol.clone(), *pull));
             }
         }
         if !pulled.is_empty() {
-            fit.notes.push(format!(
-                "Noise of the speeds pulls {}, more than the standard errors say: use \
-                 prediction_error, or a lower cut-off.",
-                pulled.join(", ")
-            ));
+            fit.notes.push(Note::Pulled(pulled));
         }
     }
 }

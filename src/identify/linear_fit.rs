@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::identifiability::{SingleAxis, identified};
-use super::{Fit, IdentifyError, Task};
+use super::{Fit, IdentifyError, Note, Task};
 
 /// A fit of the linear parameters alone: shapes and drives are held where the model starts.
 ///
@@ -57,7 +57,7 @@ pub(super) fn linear_fit(
 
 /// Where the data give a1 + a2 or a1 - a2 alone, takes of all that fit one that can move (a1 above
 /// |a2|); where they contradict it, says so.
-pub(super) fn settle(p: &mut [f64], task: &Task, blind: bool, notes: &mut Vec<String>) {
+pub(super) fn settle(p: &mut [f64], task: &Task, blind: bool, notes: &mut Vec<Note>) {
     let free = |j: usize| task.model.parameters()[j].fixed.is_none();
     if p[0] > 1.05 * p[1].abs() {
         return;
@@ -67,10 +67,6 @@ pub(super) fn settle(p: &mut [f64], task: &Task, blind: bool, notes: &mut Vec<St
         let sum = p[0] + side * p[1];
         (p[0], p[1]) = (0.525 * sum, 0.475 * side * sum);
     } else if !(p[0] > p[1].abs()) {
-        notes.push(
-            "a1 does not exceed |a2|: no mass matrix has these values, and they cannot be \
-             simulated; use constrained_regression, or prediction_error."
-                .into(),
-        );
+        notes.push(Note::MassNotPositive);
     }
 }

@@ -7,9 +7,9 @@ mod fit;
 pub mod fuzzy;
 mod identifiability;
 mod inverse_dynamics;
-pub mod kalman;
 mod linear_fit;
 mod method;
+mod note;
 mod profile;
 mod regressor;
 mod sampling;
@@ -27,6 +27,7 @@ pub use method::{
     options_of, options_schema,
 };
 
+pub use note::{Note, Unknown};
 pub use profile::{DROP, PROFILE};
 pub use text::{details, overview};
 

@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::identifiability::{SingleAxis, identified, inverse_where_known};
 use super::simulation_cost::Problem;
 use super::{
-    Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task, from_options,
-    options_schema, start,
+    Fit, Identifier, IdentifyError, MethodDescription, Note, OptionError, Status, Task,
+    from_options, options_schema, start,
 };
 use crate::math::descent::{MinimiseOptions, Minimum, MinimumStatus, minimise};
 use crate::math::{clustered_covariance, eliminate};
@@ -111,10 +111,7 @@ impl Identifier for OutputError {
         fit.work.evaluations = found.iter().map(|(m, _)| m.evaluations).sum();
         if found.len() > 1 {
             let agreeing = minima().filter(|(m, _)| m.cost < best.cost + 0.5).count();
-            fit.notes.push(format!(
-                "{agreeing} of {} descents end in the lowest minimum that was found.",
-                found.len()
-            ));
+            fit.notes.push(Note::Descents { agreeing, of: found.len() });
         }
         Ok(fit)
     }
@@ -155,23 +152,17 @@ impl Problem<'_> {
         let mut fit = Fit::physical(NAME, self.model(), p, known.covariance, unit);
         fit.notes = known.notes;
         if excess > 2.0 {
-            fit.notes.push(format!(
-                "The simulation misses the data by {:.1} times the noise of the sensors: the \
-                 torques are noisy or an effect is missing, and these intervals are too narrow.",
-                excess.sqrt()
-            ));
+            fit.notes.push(Note::Misses(excess.sqrt()));
         }
         let blocks = scores.nrows() as f64 - count as f64;
         if blocks >= 1.0 {
             fit = fit.with_degrees(blocks);
         }
         fit.status = match minimum.status {
-            MinimumStatus::Converged => Status::Converged,
             // the cost has an edge where a wheel begins to move; with nothing but noise left in
             // the residuals no lower cost is worth finding
             MinimumStatus::Stalled if excess < AT_NOISE => Status::Converged,
-            MinimumStatus::MaxIterations => Status::IterationLimit,
-            _ => Status::Stalled,
+            other => other.into(),
         };
         fit.work.iterations = minimum.iterations;
         fit.work.evaluations = minimum.evaluations;

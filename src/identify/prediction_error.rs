@@ -12,12 +12,12 @@ use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 use super::identifiability::{SingleAxis, identified};
-use super::kalman::{HorizonFilter, Prepared, Reading, pieces, prepare};
 use super::profile::{Profile, profile};
 use super::{
-    Estimate, Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task, from_options,
-    options_schema, start,
+    Estimate, Fit, Identifier, IdentifyError, MethodDescription, Note, OptionError, Task,
+    from_options, options_schema, start,
 };
+use crate::filter::{HorizonFilter, Prepared, Reading, pieces, prepare};
 use crate::model::Model;
 use crate::recording::{LocalMotion, Recording};
 use choice::{Candidate, HORIZONS, SAFE, choose, mean};
@@ -262,8 +262,8 @@ fn physical(
     let mut fit = fit.with_degrees(spread.degrees);
     fit.notes = held.notes(task);
     fit.notes.extend(known.notes);
-    fit.notes.push(words(chosen, horizon));
-    fit.notes.extend(shift_words(task, solution, &spread));
+    fit.notes.push(note_of(chosen, horizon));
+    fit.notes.extend(note_of_shift(task, solution, &spread));
     fit.horizon_s = Some(solution.horizon);
     fit.status = solution.status;
     fit.work.iterations = solution.iterations;
@@ -272,30 +272,21 @@ fn physical(
 }
 
 /// What to say of the horizon.
-fn words(chosen: &Candidate, horizon: &Horizon) -> String {
-    let error = mean(&chosen.held_out).sqrt();
-    let how = match horizon {
-        Horizon::Rule(Rule::Auto) => "chosen by the 2 s simulation error of held-out pieces",
-        Horizon::Seconds(_) => "as given; 2 s simulation error of held-out pieces",
-    };
-    let meaning = if chosen.solution.horizon == 0.0 { " (maximum likelihood)" } else { "" };
-    format!("Prediction horizon: {} s{meaning}, {how}: {error:.3e} rad/s.", chosen.solution.horizon)
+fn note_of(chosen: &Candidate, horizon: &Horizon) -> Note {
+    Note::Horizon {
+        seconds: chosen.solution.horizon,
+        chosen: matches!(horizon, Horizon::Rule(Rule::Auto)),
+        error: mean(&chosen.held_out).sqrt(),
+    }
 }
 
 /// What to say of a shift in time that is there beyond doubt.
-fn shift_words(task: &Task, solution: &Solution, spread: &interval::Spread) -> Option<String> {
+fn note_of_shift(task: &Task, solution: &Solution, spread: &interval::Spread) -> Option<Note> {
     let i = solution.columns.iter().position(|&j| j == solution.p.len())?;
     let step = task.train[0].step();
     let (late, error) = (-solution.shift * step, spread.covariance[(i, i)].sqrt() * step);
     let t = crate::math::distribution::t_quantile(0.975, spread.degrees);
-    (late.abs() > t * error).then(|| {
-        let way = if late > 0.0 { "after" } else { "before" };
-        format!(
-            "The input acts {:.2} ± {:.2} ms {way} it is recorded; accounted for.",
-            1e3 * late.abs(),
-            1e3 * error
-        )
-    })
+    (late.abs() > t * error).then_some(Note::InputShift(late, error))
 }
 
 fn add_profile(
@@ -322,9 +313,10 @@ fn note_profile(
     fit: &mut Fit,
     profile: impl FnOnce(&super::profile::Place) -> Result<Profile, IdentifyError>,
 ) -> Result<(), IdentifyError> {
-    let Estimate { symbol, unit, value, std_error, interval, .. } = fit.estimates[j].clone();
+    let Estimate { symbol, unit, value, std_error, interval: by_std_error, .. } =
+        fit.estimates[j].clone();
     if !(std_error.is_finite() && std_error > 0.0) {
-        fit.notes.push(format!("{symbol} has no profile: it is held, or the data do not give it."));
+        fit.notes.push(Note::NoProfile(symbol));
         return Ok(());
     }
     debug_assert_eq!(task.model.parameters().len(), p.len());
@@ -332,14 +324,8 @@ fn note_profile(
     let moved = value - p[j];
     found.trace.at.iter_mut().for_each(|v| *v += moved);
     let (low, high) = found.interval;
-    fit.notes.push(format!(
-        "Profile likelihood of {symbol}: 95 % interval {:.6e} to {:.6e} {unit} (by the standard \
-         error {:.6e} to {:.6e}).",
-        low + moved,
-        high + moved,
-        interval.0,
-        interval.1
-    ));
+    let interval = (low + moved, high + moved);
+    fit.notes.push(Note::Profile { symbol, unit, interval, by_std_error });
     fit.traces.push(found.trace);
     Ok(())
 }

@@ -7,9 +7,9 @@ use rand_distr::{Distribution, StandardNormal};
 use wide::f64x4;
 
 use super::Task;
-use super::kalman::{Prepared, prepare};
 use super::screening::lowest;
 use crate::effects::ParameterKind;
+use crate::filter::{Prepared, prepare};
 use crate::math::descent::Quadratic;
 use crate::model::Model;
 use crate::robot::State;

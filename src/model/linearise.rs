@@ -1,7 +1,7 @@
 //! Exact first derivatives of a model, and the dynamics solved from it.
 
 use super::{Model, ModelError, Variation, Variations};
-use crate::effects::{DIFFERENTIATED, DIRECTIONS, Jet, Motion, Terms};
+use crate::effects::{DIFFERENTIATED, DIRECTIONS, Jet, Motion, Own, Terms};
 use crate::math::{Dual, Real};
 
 /// Partial derivatives of a [`Jet`] before those of an effect's own parameters.
@@ -155,8 +155,6 @@ impl Model {
     /// Derivatives of the acting input with respect to every parameter: `[j][k]` is that of
     /// sample k by parameter j; empty for parameters that do not act through the input.
     ///
-    /// # Panics
-    /// If input effects have more than eight parameters together.
     #[must_use]
     pub fn drive_derivatives(
         &self,
@@ -165,27 +163,38 @@ impl Model {
         p: &[f64],
     ) -> (Vec<[f64; 2]>, Vec<Vec<[f64; 2]>>) {
         let mut derivatives = vec![Vec::new(); p.len()];
-        if !self.acts_on_drive() {
-            return (recorded.to_vec(), derivatives);
-        }
-        let mut m: Vec<[Jet; 2]> = recorded.iter().map(|row| row.map(Jet::constant)).collect();
-        let mut taken = Vec::new();
-        for (e, effect) in self.effects().iter().enumerate().filter(|(_, e)| e.acts_on_drive()) {
-            let own: Vec<Jet> = self
-                .slots(e)
-                .map(|j| {
-                    taken.push(j);
-                    Dual::variable(p[j], taken.len() - 1)
-                })
-                .collect();
-            if let Some(changed) = effect.drive_jet(t, &m, &own) {
-                m = changed;
+        let of_input = |e: &usize| self.effects()[*e].acts_on_drive();
+        let effects: Vec<usize> = (0..self.effects().len()).filter(of_input).collect();
+        let acting: Vec<usize> = effects.iter().flat_map(|&e| self.slots(e)).collect();
+        let mut input = None;
+        for seen in acting.chunks(DIFFERENTIATED) {
+            let m = self.drive_by(&effects, seen, t, recorded, p);
+            for (slot, &j) in seen.iter().enumerate() {
+                derivatives[j] = m.iter().map(|row| row.map(|v| v.partial[slot])).collect();
             }
+            input.get_or_insert_with(|| m.iter().map(|row| row.map(|v| v.value)).collect());
         }
-        for (slot, &j) in taken.iter().enumerate() {
-            derivatives[j] = m.iter().map(|row| row.map(|v| v.partial[slot])).collect();
-        }
-        (m.iter().map(|row| row.map(|v| v.value)).collect(), derivatives)
+        (input.unwrap_or_else(|| recorded.to_vec()), derivatives)
+    }
+
+    /// The acting input with its derivatives by the parameters `seen`.
+    fn drive_by(
+        &self,
+        effects: &[usize],
+        seen: &[usize],
+        t: &[f64],
+        recorded: &[[f64; 2]],
+        p: &[f64],
+    ) -> Vec<[Own; 2]> {
+        let parameter = |j: usize| match seen.iter().position(|&k| k == j) {
+            Some(slot) => Own::variable(p[j], slot),
+            None => Own::constant(p[j]),
+        };
+        let constant = recorded.iter().map(|row| row.map(Own::constant)).collect();
+        effects.iter().fold(constant, |m: Vec<[Own; 2]>, &e| {
+            let own: Vec<Own> = self.slots(e).map(parameter).collect();
+            self.effects()[e].drive_own(t, &m, &own).unwrap_or(m)
+        })
     }
 }
 

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules in the order in which they may import: each one only those before it.
-const ORDER: [&str; 14] = [
+const ORDER: [&str; 15] = [
     "math",
     "robot",
     "recording",
@@ -14,6 +14,7 @@ const ORDER: [&str; 14] = [
     "model",
     "simulate",
     "export",
+    "filter",
     "identify",
     "compare",
     "diagnose",

@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::Search;
+use super::{Look, Search};
 use crate::diagnose::candidate::{Candidate, column_size};
-use crate::diagnose::fit::{WindowFit, fit};
+use crate::diagnose::fit::{WindowFit, fit, fit_within};
 use crate::diagnose::input_timing::SYMBOL;
 use crate::diagnose::outcome::Ranked;
 use crate::diagnose::regression::Regression;
@@ -15,27 +15,55 @@ use crate::effects::ParameterKind;
 use crate::model::Model;
 
 impl Search<'_> {
-    /// Refits a candidate, with its criterion by the windows and its size.
-    pub(super) fn set_refit(
+    /// Refits the candidates at the places `wanted`, with their criterion by the windows and their size: the first of
+    /// them to the end, the others until their steps gain little beside it, and to the end where they come near the
+    /// best. Those whose parameters leave their limits have no refit.
+    pub(super) fn refit_all(
         &self,
         present: &WindowFit,
-        r: &mut Ranked,
-        by_torque: Option<&Regression>,
+        ranked: &mut [Ranked],
+        wanted: &[usize],
+        looks: Option<&[Look; 2]>,
     ) {
-        r.refit = self.refit(present, r, by_torque);
-        if let Some(refit) = &r.refit {
-            let ratio = self.degrees * (present.cost / refit.cost).ln();
-            r.bic_windows = self.bic(&r.candidate, ratio);
-            r.torque_rms = self.size(present, r);
-        }
+        let Some((lead, others)) = wanted.split_first() else { return };
+        let refit = |r: &mut Ranked, negligible: f64| {
+            let look = looks.map(|looks| &looks[usize::from(r.candidate.is_shift())]);
+            let by_torque = look.and_then(|(by_torque, _)| by_torque.as_ref());
+            r.refit = self.refit(present, r, by_torque, negligible);
+        };
+        refit(&mut ranked[*lead], 0.0);
+        let gain = |cost: f64| (present.cost - cost).max(0.0);
+        let of_lead = ranked[*lead].refit.as_ref().map_or(0.0, |fit| gain(fit.cost));
+        let negligible = THRESHOLDS.negligible_share * of_lead;
+        of(ranked, others).for_each(|r| refit(r, negligible));
+
+        let within = |r: &Ranked, fit: &WindowFit| self.valid(&r.candidate, fit);
+        let fits = || ranked.iter().filter_map(|r| Some((r, r.refit.as_ref()?)));
+        let costs = fits().filter(|(r, fit)| within(r, fit)).map(|(_, fit)| fit.cost);
+        let least = costs.fold(f64::INFINITY, f64::min);
+        let near = |fit: &WindowFit| fit.cost - least < THRESHOLDS.alike_share * gain(least);
+        of(ranked, wanted).for_each(|r| {
+            let Some(mut found) = r.refit.take() else { return };
+            if negligible > 0.0 && near(&found) {
+                let end = fit(&self.windows, &found.model, &found.p, &self.scale);
+                found = end.unwrap_or(found);
+            }
+            r.refit = within(r, &found).then_some(found);
+            if let Some(refit) = &r.refit {
+                let ratio = self.degrees * (present.cost / refit.cost).ln();
+                r.bic_windows = self.bic(&r.candidate, ratio);
+                r.torque_rms = self.size(present, r);
+            }
+        });
     }
 
-    /// The fit with the candidate added; `None` where there is none within its limits.
-    pub(super) fn refit(
+    /// The fit with the candidate added.
+    fn refit(
         &self,
         present: &WindowFit,
         r: &Ranked,
         by_torque: Option<&Regression>,
+        negligible: f64,
     ) -> Option<WindowFit> {
         let candidate = &r.candidate;
         let shift = candidate.is_shift();
@@ -54,14 +82,14 @@ impl Search<'_> {
             let Some((p, own)) = by_torque.and_then(|b| b.start(shape)) else { continue };
             starts.push(self.start(&WindowFit { p, ..before.clone() }, shape, &own));
         }
-        let followed = if model.is_coupled() { 1 } else { THRESHOLDS.followed };
+        // from the lower of two starts into the one valley that there is
+        let followed = if several && !model.is_coupled() { THRESHOLDS.followed } else { 1 };
         let starts = self.lowest(&model, starts, followed);
         let fits: Vec<WindowFit> = starts
             .par_iter()
-            .filter_map(|start| fit(&self.windows, &model, start, &self.scale))
+            .filter_map(|start| fit_within(&self.windows, &model, start, &self.scale, negligible))
             .collect();
-        let best = fits.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost))?;
-        self.valid(candidate, &best).then_some(best)
+        fits.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost))
     }
 
     /// Root mean square torque of a candidate at its estimates [N m].
@@ -138,4 +166,13 @@ impl Search<'_> {
         let late = !candidate.is_shift() || beyond;
         inside && some && late
     }
+}
+
+/// The candidates at `places`, in parallel.
+fn of<'a>(
+    ranked: &'a mut [Ranked],
+    places: &'a [usize],
+) -> impl ParallelIterator<Item = &'a mut Ranked> {
+    let all = ranked.par_iter_mut().enumerate();
+    all.filter(|(n, _)| places.contains(n)).map(|(_, r)| r)
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{DIVERGED, Journal, Problem};
-use crate::identify::{Fit, Status, Trace, Work};
+use crate::identify::{Fit, Note, Status, Trace, Work};
 use crate::simulate::Structure;
 
 /// The fit of a fuzzy method: no physical parameters, the emulator as dynamics, and notes on what
@@ -39,46 +39,19 @@ pub(super) fn finish(
     }
 }
 
-fn notes(problem: &Problem, theta: &[f64], trained: &[bool]) -> Vec<String> {
+fn notes(problem: &Problem, theta: &[f64], trained: &[bool]) -> Vec<Note> {
     let floor = problem.noise_floor;
-    let words = |ise: f64| {
-        if ise >= DIVERGED {
-            return "diverges".to_string();
-        }
-        if floor > 0.0 {
-            format!("is {ise:.4} rad^2/s, {:.2} times the noise floor", ise / floor)
-        } else {
-            format!("is {ise:.4} rad^2/s")
-        }
-    };
-    let structure = match problem.structure {
-        Structure::Parallel => "parallel",
-        Structure::SerialParallel => "serial-parallel",
-    };
-    let ise = problem.cost(theta);
-    let mut notes = vec![format!(
-        "{structure} structure, K = {} 1/s on the wheel speeds: the in-sample ISE {}",
-        problem.gain,
-        words(ise)
-    )];
+    let finite = |ise: f64| (ise < DIVERGED).then_some(ise);
+    let fed = Some((problem.structure, problem.gain));
+    let mut notes = vec![Note::Emulator { fed, ise: finite(problem.cost(theta)), floor }];
     if problem.gain > 0.0 || problem.structure == Structure::SerialParallel {
         let free = problem.with_gain(0.0).with_structure(Structure::Parallel).cost(theta);
-        notes.push(format!(
-            "the same rules simulated freely (K = 0): the in-sample ISE {}",
-            words(free)
-        ));
+        notes.push(Note::Emulator { fed: None, ise: finite(free), floor });
     }
     let count = trained.iter().filter(|t| **t).count();
-    notes.push(format!(
-        "{count} of {} rules were excited by the training recordings; speeds at which no excited \
-         rule fires with at least 0.2 are extrapolation, and the output there is not to be trusted",
-        trained.len()
-    ));
+    notes.push(Note::ExcitedRules { count, of: trained.len() });
     if problem.system.range().iter().any(|(low, _)| *low >= 0.0) {
-        notes.push(
-            "below zero speed the inputs are clamped: backward driving is treated as standstill"
-                .into(),
-        );
+        notes.push(Note::ForwardOnly);
     }
     notes
 }

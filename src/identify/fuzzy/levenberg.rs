@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::problem::{Journal, Normal, Problem};
 use super::settings::Start;
 use crate::identify::{IdentifyError, Status};
-use crate::math::{MinimiseOptions, MinimumStatus, Quadratic, minimise};
+use crate::math::{MinimiseOptions, Quadratic, minimise};
 use crate::simulate::Structure;
 
 /// Where a descent stops.
@@ -67,12 +67,7 @@ pub fn levenberg_marquardt(
         },
         &options,
     );
-    let status = match minimum.status {
-        MinimumStatus::Converged => Status::Converged,
-        MinimumStatus::MaxIterations => Status::IterationLimit,
-        MinimumStatus::Stalled | MinimumStatus::NoStart => Status::Stalled,
-    };
-    (minimum.x, minimum.iterations, status)
+    (minimum.x, minimum.iterations, minimum.status.into())
 }
 
 /// Gains through which the continuation goes [1/s].

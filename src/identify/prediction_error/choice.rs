@@ -4,7 +4,7 @@ use nalgebra::DVector;
 
 use super::descent::{Solution, chosen, descend, part, step};
 use super::open_loop::OpenLoop;
-use crate::identify::kalman::HorizonFilter;
+use crate::filter::HorizonFilter;
 use crate::model::Model;
 
 /// Horizons that are compared [s]: from maximum likelihood to the length at which a missing effect

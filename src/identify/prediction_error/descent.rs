@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::effects::ParameterKind;
+use crate::filter::{HorizonFilter, Reading, Sums};
 use crate::identify::Status;
-use crate::identify::kalman::{HorizonFilter, Reading, Sums};
 use crate::model::Model;
 use crate::simulate::Hold;
 

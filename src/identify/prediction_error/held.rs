@@ -3,10 +3,10 @@
 use nalgebra::DMatrix;
 
 use super::descent::{Solution, descend};
-use crate::identify::Task;
+use crate::filter::HorizonFilter;
 use crate::identify::identifiability::{largest_input, torque_of_each};
-use crate::identify::kalman::HorizonFilter;
 use crate::identify::start::covariance_of_free;
+use crate::identify::{Note, Task, Unknown};
 use crate::model::Model;
 use crate::recording::Recording;
 
@@ -82,15 +82,13 @@ impl Held {
     }
 
     /// What to say of them.
-    pub(super) fn notes(&self, task: &Task) -> Vec<String> {
+    pub(super) fn notes(&self, task: &Task) -> Vec<Note> {
         let one = |&j: &usize| {
             let parameter = &task.model.parameters()[j];
             let effect = crate::effects::find(&parameter.effect);
-            let remedy = effect.map_or("richer motion".into(), |e| e.description().excitation);
-            format!(
-                "{} is not identifiable from these data and was held at {:.6e}; record: {remedy}.",
-                parameter.spec.symbol, self.solution.p[j]
-            )
+            let record = effect.map_or("richer motion".into(), |e| e.description().excitation);
+            let unknown = Unknown::Held(parameter.spec.symbol.clone(), self.solution.p[j]);
+            Note::Unknown { unknown, record }
         };
         self.places.iter().map(one).collect()
     }

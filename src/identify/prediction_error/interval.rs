@@ -3,8 +3,8 @@
 use nalgebra::DMatrix;
 
 use super::descent::{Solution, part};
+use crate::filter::{HorizonFilter, Reading};
 use crate::identify::identifiability::inverse_where_known;
-use crate::identify::kalman::{HorizonFilter, Reading};
 use crate::identify::sampling::at_least;
 use crate::model::Model;
 

@@ -1,10 +1,10 @@
 //! Maximum likelihood with all noise estimated along, a slow unknown torque among it.
 
 use super::{NAME, note_profile};
+use crate::filter::{FilterError, Likelihood, Maximum, prepare};
 use crate::identify::identifiability::{SingleAxis, identified};
-use crate::identify::kalman::{Likelihood, Maximum, prepare};
 use crate::identify::profile::profile;
-use crate::identify::{Fit, IdentifyError, Task, start};
+use crate::identify::{Fit, IdentifyError, Note, Task, start};
 
 /// Largest share of a1 by which noise of the input may bias it and still be corrected.
 const MOST_BIAS: f64 = 0.1;
@@ -18,23 +18,19 @@ pub(super) fn identify(task: &Task, symbols: &[String]) -> Result<Fit, IdentifyE
     let first = start::start(task, NAME)?;
     let prepared = task.train.iter().map(prepare).collect();
     let likelihood = Likelihood { prepared, hold: task.hold, slow_moment: true, timing: true };
-    let maximum = likelihood.maximise(task.model, &first, None, NAME)?;
+    let maximum = likelihood.maximise(task.model, &first, None).map_err(unusable)?;
     let bias = likelihood.pull_of_input_noise(task.model, &maximum)?;
     // the bias is known to first order, so a large one is not known
     let small = bias[0].abs() < MOST_BIAS * maximum.p[0].abs();
     let bias = if small { bias } else { vec![0.0; maximum.p.len()] };
     let mut fit = fit(task, &maximum, &bias);
     if !small {
-        fit.notes.push(
-            "The input is so noisy, or so rough, that it biases the inertias by more than can be \
-             corrected; their intervals are too narrow."
-                .into(),
-        );
+        fit.notes.push(Note::BiasedByInput);
     }
     for symbol in symbols {
         let j = task.model.index_of(symbol)?;
         let at = |held: &crate::model::Model, p: &[f64]| {
-            let there = likelihood.maximise(held, p, Some(maximum.noise), "profile")?;
+            let there = likelihood.maximise(held, p, Some(maximum.noise)).map_err(unusable)?;
             Ok(there.log_likelihood)
         };
         note_profile(task, &maximum.p, j, &mut fit, |place| {
@@ -42,6 +38,15 @@ pub(super) fn identify(task: &Task, symbols: &[String]) -> Result<Fit, IdentifyE
         })?;
     }
     Ok(fit)
+}
+
+fn unusable(error: FilterError) -> IdentifyError {
+    match error {
+        FilterError::Model(error) => error.into(),
+        FilterError::NotFinite => {
+            IdentifyError::NoStart { method: NAME.into(), reason: error.to_string() }
+        }
+    }
 }
 
 /// The fit at a maximum, less what noise of the input biases.
@@ -59,15 +64,13 @@ fn fit(task: &Task, maximum: &Maximum, bias: &[f64]) -> Fit {
     let mut fit = Fit::physical(NAME, task.model, p, known.covariance, unit);
     fit.notes = known.notes;
     let noise = maximum.noise;
-    fit.notes.push(format!(
-        "Noise of the input: {:.3e} white, {:.3e} slow with a time constant of {:.2} s \
-         (standard deviations, {}).",
-        noise.sigma_m,
-        noise.sigma_d,
-        noise.tau_d,
-        unit.symbol()
-    ));
-    fit.status = maximum.status;
+    fit.notes.push(Note::InputNoise {
+        white: noise.sigma_m,
+        slow: noise.sigma_d,
+        time_constant: noise.tau_d,
+        unit: unit.symbol(),
+    });
+    fit.status = maximum.status.into();
     fit.work.iterations = maximum.iterations;
     fit.work.evaluations = maximum.evaluations;
     fit

@@ -3,7 +3,7 @@
 use super::choice::{Candidate, clearly_smaller, mean};
 use super::open_loop::OpenLoop;
 use crate::identify::torque_regression::TorqueRegression;
-use crate::identify::{Fit, Task};
+use crate::identify::{Fit, Note, Task};
 
 /// Share of the error by which another method must be better to matter: that of an effect which
 /// enters the model.
@@ -33,19 +33,12 @@ pub(super) fn better(task: &Task, open: &OpenLoop, chosen: &Candidate, fit: Fit)
     if !other.is_finite() || !(fails_in_sample || (matters && clear)) {
         return fit;
     }
-    let (errors, on) = if fails_in_sample {
-        ([other, own], "the training recordings")
-    } else {
-        ([mean(&errors).sqrt(), mean(&chosen.held_out).sqrt()], "held-out pieces")
+    let held_out = !fails_in_sample;
+    let [regression, filter] = match held_out {
+        true => [mean(&errors).sqrt(), mean(&chosen.held_out).sqrt()],
+        false => [other, own],
     };
-    let [its, filter] = errors;
-    rival.notes.insert(
-        0,
-        format!(
-            "These are the values of torque_regression: its 2 s simulation error on {on} is \
-             {its:.3e}, that of the filter {filter:.3e}."
-        ),
-    );
+    rival.notes.insert(0, Note::BetterRegression { held_out, regression, filter });
     rival.method = fit.method;
     rival.work.evaluations += fit.work.evaluations;
     rival

@@ -1,7 +1,7 @@
 use argmin::core::{CostFunction, Executor};
 use argmin::solver::neldermead::NelderMead;
 
-use crate::identify::kalman::{Likelihood, ProcessNoise, clarity, prepare};
+use crate::filter::{Likelihood, ProcessNoise, clarity, prepare};
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::robot::Robot;

@@ -4,8 +4,8 @@ use nalgebra::{Matrix2, SMatrix, SVector};
 
 use super::{BODY, Coupled, STATES, TWIST};
 use crate::effects::{Coupling, DIRECTIONS, along};
-use crate::identify::kalman::correction::{Covariance, Mean, STILL};
-use crate::identify::kalman::step::{clarity, linearised};
+use crate::filter::correction::{Covariance, Mean, STILL};
+use crate::filter::step::{clarity, linearised};
 
 /// What acts at one instant.
 pub(super) struct Sides {

@@ -3,11 +3,10 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::ProcessNoise;
 use super::pass::{Columns, Innovation, NoColumns, Pass, PassSettings, filter_pass};
 use super::prepare::Prepared;
-use crate::identify::{IdentifyError, Status};
-use crate::math::Information;
+use super::{FilterError, ProcessNoise};
+use crate::math::{Information, MinimumStatus};
 use crate::model::{Model, ModelError};
 use crate::simulate::Hold;
 
@@ -39,7 +38,7 @@ pub struct Maximum {
     /// The passes at the maximum, one a recording.
     pub passes: Vec<Pass>,
     /// How it ended.
-    pub status: Status,
+    pub status: MinimumStatus,
     /// Gauss-Newton steps.
     pub iterations: usize,
     /// Passes over all recordings.
@@ -62,7 +61,7 @@ const SLACK: f64 = 0.1;
 
 /// How a run of Gauss-Newton steps ended.
 struct Climb {
-    status: Status,
+    status: MinimumStatus,
     steps: usize,
     evaluations: usize,
     /// What it gained [nats].
@@ -188,8 +187,7 @@ impl Likelihood<'_> {
         model: &Model,
         start: &[f64],
         noise: Option<ProcessNoise>,
-        method: &str,
-    ) -> Result<Maximum, IdentifyError> {
+    ) -> Result<Maximum, FilterError> {
         let mut p = start.to_vec();
         let refresh = noise.is_none();
         let mut noise = noise.unwrap_or_else(|| self.initial_noise());
@@ -200,10 +198,10 @@ impl Likelihood<'_> {
             evaluations += count;
         }
         let mut iterations = 0;
-        let mut status = Status::IterationLimit;
+        let mut status = MinimumStatus::MaxIterations;
         for round in 0..ROUNDS {
             let steps = if refresh && round < 2 { 4 } else { STEPS };
-            let climb = self.climb(model, &mut p, &noise, steps, method)?;
+            let climb = self.climb(model, &mut p, &noise, steps)?;
             status = climb.status;
             iterations += climb.steps;
             evaluations += climb.evaluations;
@@ -238,16 +236,14 @@ impl Likelihood<'_> {
         p: &mut Vec<f64>,
         noise: &ProcessNoise,
         steps: usize,
-        method: &str,
-    ) -> Result<Climb, IdentifyError> {
+    ) -> Result<Climb, FilterError> {
         let (mut evaluations, mut gain) = (0, 0.0);
         for iteration in 0..steps {
             let passes = self.passes(model, p, noise, true, &[])?;
             evaluations += 1;
             let value: f64 = passes.iter().map(|pass| pass.log_likelihood).sum();
             if !value.is_finite() {
-                let reason = "the likelihood is not finite".to_string();
-                return Err(IdentifyError::NoStart { method: method.into(), reason });
+                return Err(FilterError::NotFinite);
             }
             let h: DMatrix<f64> = passes.iter().map(|pass| &pass.information).sum();
             let g: DVector<f64> = passes.iter().map(|pass| &pass.score).sum();
@@ -256,7 +252,7 @@ impl Likelihood<'_> {
             let promised = 0.5 * step.iter().zip(&free).map(|(s, &j)| s * g[j]).sum::<f64>();
             if promised < GAIN {
                 return Ok(Climb {
-                    status: Status::Converged,
+                    status: MinimumStatus::Converged,
                     steps: iteration,
                     evaluations,
                     gain,
@@ -287,17 +283,21 @@ impl Likelihood<'_> {
                     _ => share *= 0.5,
                 }
                 if share < 1e-4 {
-                    let status = if promised < SLACK { Status::Converged } else { Status::Stalled };
+                    let status = if promised < SLACK {
+                        MinimumStatus::Converged
+                    } else {
+                        MinimumStatus::Stalled
+                    };
                     return Ok(Climb { status, steps: iteration, evaluations, gain });
                 }
             };
             gain += moved;
             if moved < GAIN {
-                let (status, steps) = (Status::Converged, iteration + 1);
+                let (status, steps) = (MinimumStatus::Converged, iteration + 1);
                 return Ok(Climb { status, steps, evaluations, gain });
             }
         }
-        Ok(Climb { status: Status::IterationLimit, steps, evaluations, gain })
+        Ok(Climb { status: MinimumStatus::MaxIterations, steps, evaluations, gain })
     }
 }
 

@@ -28,6 +28,19 @@ pub use prepare::{Prepared, prepare};
 pub use standstill::standstill;
 pub use step::clarity;
 
+use crate::model::ModelError;
+
+/// Why a likelihood has no maximum to be found.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum FilterError {
+    /// The model cannot be evaluated.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// It is not finite at the start.
+    #[error("the likelihood is not finite")]
+    NotFinite,
+}
+
 /// Noise of the process: what the recorded drive does not explain.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct ProcessNoise {

@@ -1,6 +1,6 @@
 use nalgebra::DVector;
 
-use crate::identify::kalman::{Likelihood, Prepared, prepare};
+use crate::filter::{Likelihood, Prepared, prepare};
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::robot::Robot;
@@ -73,7 +73,7 @@ fn stiffness_and_damping_of_a_hidden_spring_come_back_within_their_errors() {
     let placed =
         crate::diagnose::shapes_placed(&model, std::slice::from_ref(&recording), Hold::Linear);
     let start = placed.initial();
-    let maximum = likelihood.maximise(&model, &start, None, "test").unwrap();
+    let maximum = likelihood.maximise(&model, &start, None).unwrap();
     let covariance = maximum.information.clone().try_inverse().unwrap();
     for j in 0..p.len() {
         let z = (maximum.p[j] - p[j]) / covariance[(j, j)].sqrt();

@@ -1,7 +1,7 @@
 //! The recorded input as a pass reads it.
 
 use super::Reading;
-use crate::identify::kalman::prepare::Prepared;
+use crate::filter::prepare::Prepared;
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::{Ends, Hold, every_other};

@@ -1,7 +1,7 @@
 //! What the log does not say of the input between its rows, as noise.
 
 use crate::effects::{Motion, along};
-use crate::identify::kalman::prepare::Prepared;
+use crate::filter::prepare::Prepared;
 use crate::model::Model;
 use crate::recording::LocalMotion;
 

@@ -1,0 +1,296 @@
+//! What a fit says beside its numbers.
+
+use std::fmt;
+
+use crate::simulate::Structure;
+
+/// One thing that the reader of a fit must know; its [`Display`](fmt::Display) is the sentence.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Note {
+    /// A bound holds an estimate back.
+    ActiveBound {
+        /// The bound as an inequality.
+        bound: String,
+        /// Symbols and values without bounds.
+        unbounded: Vec<(String, f64)>,
+    },
+    /// The data ask for a mass matrix that no body has.
+    MassNotPositive,
+    /// Cut-offs of the filter of a regression, one a recording [Hz].
+    CutOff(Vec<f64>),
+    /// Symbols and how far noise in the columns pulls their values.
+    Pulled(Vec<(String, f64)>),
+    /// The data do not give a parameter, or several one by one.
+    Unknown {
+        /// What is not known, and what is.
+        unknown: Unknown,
+        /// The motion that would tell.
+        record: String,
+    },
+    /// One axis written down twice.
+    SingleAxis {
+        /// Whether the standard errors count the data twice.
+        counted_twice: bool,
+    },
+    /// Descents from several starts.
+    Descents {
+        /// Those that end in the lowest minimum.
+        agreeing: usize,
+        /// All of them.
+        of: usize,
+    },
+    /// A free simulation misses the data by this many times the noise of the sensors.
+    Misses(f64),
+    /// The prediction horizon.
+    Horizon {
+        /// Its length; zero is maximum likelihood [s].
+        seconds: f64,
+        /// Whether held-out data chose it.
+        chosen: bool,
+        /// 2 s simulation error of held-out pieces [rad/s].
+        error: f64,
+    },
+    /// The input acts later than recorded by this and its standard error [s]; negative: earlier.
+    InputShift(f64, f64),
+    /// `torque_regression` simulates better, and its values are taken.
+    BetterRegression {
+        /// Whether on held-out pieces, or on the training recordings themselves.
+        held_out: bool,
+        /// Its 2 s simulation error [rad/s].
+        regression: f64,
+        /// That of the filter [rad/s].
+        filter: f64,
+    },
+    /// A profile that was asked for does not exist.
+    NoProfile(String),
+    /// A profile likelihood.
+    Profile {
+        /// Symbol.
+        symbol: String,
+        /// Its unit.
+        unit: String,
+        /// 95 % interval by the likelihood.
+        interval: (f64, f64),
+        /// The same by the standard error.
+        by_std_error: (f64, f64),
+    },
+    /// Noise of the input biases the inertias by more than can be corrected.
+    BiasedByInput,
+    /// Noise of the input as estimated.
+    InputNoise {
+        /// Standard deviation of its white part.
+        white: f64,
+        /// Of its slow part.
+        slow: f64,
+        /// Time constant of that [s].
+        time_constant: f64,
+        /// Unit of the deviations.
+        unit: &'static str,
+    },
+    /// Error of an emulator on the training recordings.
+    Emulator {
+        /// How it is fed; `None`: the same rules simulated freely.
+        fed: Option<(Structure, f64)>,
+        /// ISE [rad^2/s]; `None` where it diverges.
+        ise: Option<f64>,
+        /// That of the noise [rad^2/s]; zero where there is none.
+        floor: f64,
+    },
+    /// Rules that the training recordings excite.
+    ExcitedRules {
+        /// Excited.
+        count: usize,
+        /// All.
+        of: usize,
+    },
+    /// The emulator has no rules for backward speeds.
+    ForwardOnly,
+    /// All rows of recordings too long to be held were read in blocks.
+    ReadInBlocks(usize),
+    /// So many windows stand for recordings too long to be held.
+    FittedToWindows(usize),
+}
+
+/// What the data do not give.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Unknown {
+    /// One parameter.
+    One(String),
+    /// One parameter, which was held at a value.
+    Held(String, f64),
+    /// Two, of which `first + weight second` is known.
+    Two {
+        /// Symbol.
+        first: String,
+        /// Symbol.
+        second: String,
+        /// Weight of the second.
+        weight: f64,
+        /// The sum.
+        value: f64,
+        /// Its standard error.
+        std_error: f64,
+    },
+    /// More, in combinations.
+    Several(Vec<String>),
+}
+
+impl fmt::Display for Note {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::ActiveBound { bound, unbounded } => {
+                let values: Vec<_> = unbounded.iter().map(|(s, v)| format!("{s} = {v:.4e}")).collect();
+                let values = values.join(", ");
+                write!(f, "The bound {bound} is active; without bounds the data ask for {values}.")
+            }
+            Self::MassNotPositive => f.write_str(
+                "a1 does not exceed |a2|: no mass matrix has these values, and they cannot be \
+                 simulated; use constrained_regression, or prediction_error.",
+            ),
+            Self::CutOff(hz) => {
+                let hz: Vec<_> = hz.iter().map(|hz| format!("{hz:.2}")).collect();
+                write!(f, "Cut-off of the filter: {} Hz.", hz.join(", "))
+            }
+            Self::Pulled(by) => {
+                let by: Vec<_> = by.iter().map(|(s, v)| format!("{s} by about {v:+.2e}")).collect();
+                write!(
+                    f,
+                    "Noise of the speeds pulls {}, more than the standard errors say: use \
+                     prediction_error, or a lower cut-off.",
+                    by.join(", ")
+                )
+            }
+            Self::Unknown { unknown, record } => write!(f, "{unknown}; record: {record}."),
+            Self::SingleAxis { counted_twice } => {
+                f.write_str(
+                    "Both wheels carry the same numbers: this is one axis, so only sums over the two \
+                     wheels can be known",
+                )?;
+                f.write_str(if *counted_twice {
+                    ", and their standard errors count the same data twice (multiply by 1.41)."
+                } else {
+                    "."
+                })
+            }
+            Self::Descents { agreeing, of } => {
+                write!(f, "{agreeing} of {of} descents end in the lowest minimum that was found.")
+            }
+            Self::Misses(ratio) => write!(
+                f,
+                "The simulation misses the data by {ratio:.1} times the noise of the sensors: the \
+                 torques are noisy or an effect is missing, and these intervals are too narrow."
+            ),
+            Self::Horizon { seconds, chosen, error } => {
+                let meaning = if *seconds == 0.0 { " (maximum likelihood)" } else { "" };
+                let how = if *chosen {
+                    "chosen by the 2 s simulation error of held-out pieces"
+                } else {
+                    "as given; 2 s simulation error of held-out pieces"
+                };
+                write!(f, "Prediction horizon: {seconds} s{meaning}, {how}: {error:.3e} rad/s.")
+            }
+            Self::InputShift(late, error) => {
+                let way = if *late > 0.0 { "after" } else { "before" };
+                let (late, error) = (1e3 * late.abs(), 1e3 * error);
+                write!(f, "The input acts {late:.2} ± {error:.2} ms {way} it is recorded; accounted for.")
+            }
+            Self::BetterRegression { held_out, regression, filter } => {
+                let on = if *held_out { "held-out pieces" } else { "the training recordings" };
+                write!(
+                    f,
+                    "These are the values of torque_regression: its 2 s simulation error on {on} is \
+                     {regression:.3e}, that of the filter {filter:.3e}."
+                )
+            }
+            Self::NoProfile(symbol) => {
+                write!(f, "{symbol} has no profile: it is held, or the data do not give it.")
+            }
+            Self::Profile { symbol, unit, interval: (low, high), by_std_error } => write!(
+                f,
+                "Profile likelihood of {symbol}: 95 % interval {low:.6e} to {high:.6e} {unit} (by the \
+                 standard error {:.6e} to {:.6e}).",
+                by_std_error.0, by_std_error.1
+            ),
+            Self::BiasedByInput => f.write_str(
+                "The input is so noisy, or so rough, that it biases the inertias by more than can be \
+                 corrected; their intervals are too narrow.",
+            ),
+            Self::InputNoise { white, slow, time_constant, unit } => write!(
+                f,
+                "Noise of the input: {white:.3e} white, {slow:.3e} slow with a time constant of \
+                 {time_constant:.2} s (standard deviations, {unit})."
+            ),
+            Self::Emulator { fed, ise, floor } => {
+                match fed {
+                    Some((Structure::Parallel, gain)) => write!(f, "parallel structure, K = {gain} 1/s on the wheel speeds")?,
+                    Some((Structure::SerialParallel, gain)) => {
+                        write!(f, "serial-parallel structure, K = {gain} 1/s on the wheel speeds")?;
+                    }
+                    None => f.write_str("the same rules simulated freely (K = 0)")?,
+                }
+                match ise {
+                    None => f.write_str(": the in-sample ISE diverges"),
+                    Some(ise) if *floor > 0.0 => write!(
+                        f,
+                        ": the in-sample ISE is {ise:.4} rad^2/s, {:.2} times the noise floor",
+                        ise / floor
+                    ),
+                    Some(ise) => write!(f, ": the in-sample ISE is {ise:.4} rad^2/s"),
+                }
+            }
+            Self::ExcitedRules { count, of } => write!(
+                f,
+                "{count} of {of} rules were excited by the training recordings; speeds at which no \
+                 excited rule fires with at least 0.2 are extrapolation, and the output there is not \
+                 to be trusted"
+            ),
+            Self::ForwardOnly => f.write_str(
+                "below zero speed the inputs are clamped: backward driving is treated as standstill",
+            ),
+            Self::ReadInBlocks(rows) => write!(
+                f,
+                "All {rows} rows were read block by block; cut-off and speed near rest come from the \
+                 windows that are held."
+            ),
+            Self::FittedToWindows(windows) => write!(
+                f,
+                "Fitted to {windows} windows of recordings too long to be held: this method takes all \
+                 rows at once (more memory: hold_rows, under [recordings]), torque_regression reads \
+                 them all."
+            ),
+        }
+    }
+}
+
+impl fmt::Display for Unknown {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::One(symbol) => write!(f, "The data say nothing of {symbol}"),
+            Self::Held(symbol, value) => {
+                write!(
+                    f,
+                    "{symbol} is not identifiable from these data and was held at {value:.6e}"
+                )
+            }
+            Self::Two { first, second, weight, value, std_error } => {
+                let other = if (weight - 1.0).abs() < 1e-3 {
+                    format!("+ {second}")
+                } else if (weight + 1.0).abs() < 1e-3 {
+                    format!("- {second}")
+                } else {
+                    format!("{weight:+.4} {second}")
+                };
+                write!(
+                    f,
+                    "The data cannot tell {first} from {second}: only {first} {other} = {value:.6} ± \
+                     {std_error:.2e} can be known"
+                )
+            }
+            Self::Several(symbols) => write!(
+                f,
+                "The data cannot give {} one by one, only combinations of them",
+                symbols.join(", ")
+            ),
+        }
+    }
+}
