@@ -61,6 +61,9 @@ impl Physics for InputTiming {
     }
 }
 
+/// An acting input, and its derivatives by every parameter; those by parameters without one are empty.
+type Derivatives = (Vec<[f64; 2]>, Vec<Vec<[f64; 2]>>);
+
 /// The acting input of a recording, and its derivatives by every parameter as
 /// [`Model::drive_derivatives`] gives them, but by a delay as means over the time of a row.
 ///
@@ -69,11 +72,7 @@ impl Physics for InputTiming {
 /// ```
 /// A command that steps between two rows has slopes within one row alone: delayed by other than whole rows
 /// of uneven length, its samples may see none of them, and a descent would stop there.
-pub(super) fn input_derivatives(
-    model: &Model,
-    recording: &Recording,
-    p: &[f64],
-) -> (Vec<[f64; 2]>, Vec<Vec<[f64; 2]>>) {
+pub(super) fn input_derivatives(model: &Model, recording: &Recording, p: &[f64]) -> Derivatives {
     let (t, moment, half) = (recording.t(), recording.moment(), 0.5 * recording.step());
     let (acting, mut derivatives) =
         by_timing(model, t, moment, p).unwrap_or_else(|| model.drive_derivatives(t, moment, p));
@@ -97,12 +96,7 @@ pub(super) fn input_derivatives(
 
 /// What [`Model::drive_derivatives`] gives where the time of the input is all that acts on it, with the one
 /// derivative that there is; `None` elsewhere.
-fn by_timing(
-    model: &Model,
-    t: &[f64],
-    moment: &[[f64; 2]],
-    p: &[f64],
-) -> Option<(Vec<[f64; 2]>, Vec<Vec<[f64; 2]>>)> {
+fn by_timing(model: &Model, t: &[f64], moment: &[[f64; 2]], p: &[f64]) -> Option<Derivatives> {
     let mut acting = model.effects().iter().enumerate().filter(|(_, e)| e.acts_on_drive());
     let (e, _) = acting.next().filter(|(_, effect)| effect.id() == ID)?;
     acting.next().is_none().then_some(())?;

@@ -44,6 +44,19 @@ impl<'a> Exact<'a> {
 
     /// What torque on the wheels does to the state over a step in which they move freely.
     fn gain(&self, sample: &Sample, mean: &Mean<4>) -> Result<SMatrix<f64, 4, 2>, ModelError> {
+        let mobility = match self.walk.mobility() {
+            Some([i11, i12, i22]) => Matrix2::new(i11, i12, i12, i22),
+            None => self.mobility(sample, mean)?,
+        };
+        let h = sample.step;
+        let mut gain = SMatrix::<f64, 4, 2>::zeros();
+        gain.fixed_view_mut::<2, 2>(0, 0).copy_from(&(mobility * (0.5 * h * h)));
+        gain.fixed_view_mut::<2, 2>(2, 0).copy_from(&(mobility * h));
+        Ok(gain)
+    }
+
+    /// Inverse of a mass matrix that varies.
+    fn mobility(&self, sample: &Sample, mean: &Mean<4>) -> Result<Matrix2<f64>, ModelError> {
         let x = Motion {
             t: sample.t,
             alpha: [mean[0], mean[1]],
@@ -53,12 +66,7 @@ impl<'a> Exact<'a> {
         };
         let mass = self.model.terms(&x, self.p).mass;
         let [a, b] = [solve_mass(&mass, &[1.0, 0.0])?, solve_mass(&mass, &[0.0, 1.0])?];
-        let mobility = Matrix2::new(a[0], b[0], a[1], b[1]);
-        let h = sample.step;
-        let mut gain = SMatrix::<f64, 4, 2>::zeros();
-        gain.fixed_view_mut::<2, 2>(0, 0).copy_from(&(mobility * (0.5 * h * h)));
-        gain.fixed_view_mut::<2, 2>(2, 0).copy_from(&(mobility * h));
-        Ok(gain)
+        Ok(Matrix2::new(a[0], b[0], a[1], b[1]))
     }
 }
 

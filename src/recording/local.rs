@@ -2,7 +2,9 @@
 
 use std::ops::Range;
 
-use super::{Noise, Recording};
+use nalgebra::{Matrix3, Vector3};
+
+use super::{Measured, Noise, Recording};
 
 /// Half width of the widest neighbourhood [s], and its limits in samples.
 const HALF_WIDTH: f64 = 0.06;
@@ -76,35 +78,37 @@ impl Recording {
         let mut out = LocalMotion::default();
         for i in 0..2 {
             let sigma = [noise.alpha[i].max(1e-9), noise.omega[i].max(1e-9)];
-            self.fit_parabola(range(half), k, i, sigma, &mut out);
-            self.narrow(&range, (k, i), half, sigma, &mut out);
+            self.parabola(&range, Parabola::new(self, (k, i), sigma), half, &mut out);
         }
         out
     }
 
-    /// Replaces angle and speed of wheel `i` by those of the widest neighbourhood that agrees with all
-    /// narrower ones.
-    fn narrow(
+    /// Angle and speed of a wheel by the widest neighbourhood that agrees with all narrower ones, its
+    /// acceleration by the widest of all.
+    fn parabola(
         &self,
         range: &impl Fn(usize) -> Range<usize>,
-        (k, i): (usize, usize),
+        mut parabola: Parabola,
         widest: usize,
-        sigma: [f64; 2],
         out: &mut LocalMotion,
     ) {
+        let i = parabola.wheel;
         let both = self.measured().alpha && self.measured().omega;
         let mut half = if both { 1 } else { 2 };
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         let mut agreed: Option<LocalMotion> = None;
         while half < widest {
+            parabola.widen(range(half));
             let mut fit = *out;
-            self.fit_parabola(range(half), k, i, sigma, &mut fit);
+            parabola.fit(&mut fit);
             if !meets(&fit, i, &mut low, &mut high) {
                 break;
             }
             agreed = Some(fit);
             half = ((half as f64 * WIDER).round() as usize).max(half + 1);
         }
+        parabola.widen(range(widest));
+        parabola.fit(out);
         let all = half >= widest && meets(out, i, &mut low, &mut high);
         if let Some(fit) = agreed.filter(|_| !all) {
             (out.alpha[i], out.omega[i]) = (fit.alpha[i], fit.omega[i]);
@@ -112,50 +116,90 @@ impl Recording {
             out.alpha_variance[i] = fit.alpha_variance[i];
         }
     }
+}
 
-    fn fit_parabola(
-        &self,
-        range: Range<usize>,
-        k: usize,
-        i: usize,
-        sigma: [f64; 2],
-        out: &mut LocalMotion,
-    ) {
-        let measured = self.measured();
-        let mut normal = nalgebra::Matrix3::<f64>::zeros();
-        let mut right = nalgebra::Vector3::<f64>::zeros();
-        for n in range {
-            let tau = self.t()[n] - self.t()[k];
-            let mut add = |row: [f64; 3], value: f64, sigma: f64| {
-                let row = nalgebra::Vector3::from(row);
-                normal += row * row.transpose() / (sigma * sigma);
-                right += row * (value / (sigma * sigma));
-            };
-            if measured.alpha {
-                let value = self.alpha()[n][i] - self.alpha()[k][i];
-                add([1.0, tau, 0.5 * tau * tau], value, sigma[0]);
-            }
-            if measured.omega {
-                add([0.0, 1.0, tau], self.omega()[n][i], sigma[1]);
-            }
+/// Sums over a neighbourhood of a sample that grows to both sides: powers of the time τ since that sample, and
+/// their products with angle and speed of a wheel.
+struct Parabola<'a> {
+    recording: &'a Recording,
+    sample: usize,
+    wheel: usize,
+    /// One over the variance of angle and speed; zero for a channel that was not measured.
+    weight: [f64; 2],
+    range: Range<usize>,
+    /// Σ τ^j, j = 0..4.
+    powers: [f64; 5],
+    /// Σ τ^j (α - α_k), j = 0..2, and Σ τ^j ω, j = 0..1.
+    alpha: [f64; 3],
+    omega: [f64; 2],
+}
+
+impl<'a> Parabola<'a> {
+    fn new(recording: &'a Recording, (sample, wheel): (usize, usize), sigma: [f64; 2]) -> Self {
+        let Measured { alpha, omega } = recording.measured();
+        let weight = |measured, sigma: f64| if measured { 1.0 / (sigma * sigma) } else { 0.0 };
+        Self {
+            recording,
+            sample,
+            wheel,
+            weight: [weight(alpha, sigma[0]), weight(omega, sigma[1])],
+            range: sample..sample,
+            powers: [0.0; 5],
+            alpha: [0.0; 3],
+            omega: [0.0; 2],
         }
-        if !measured.alpha {
-            normal[(0, 0)] = 1.0;
+    }
+
+    /// Adds what a wider range has beside the present one.
+    fn widen(&mut self, to: Range<usize>) {
+        for n in (to.start..self.range.start).chain(self.range.end..to.end) {
+            let (r, k, i) = (self.recording, self.sample, self.wheel);
+            let tau = r.t()[n] - r.t()[k];
+            let square = tau * tau;
+            for (sum, power) in
+                self.powers.iter_mut().zip([1.0, tau, square, square * tau, square * square])
+            {
+                *sum += power;
+            }
+            let (alpha, omega) = (r.alpha()[n][i] - r.alpha()[k][i], r.omega()[n][i]);
+            for (sum, power) in self.alpha.iter_mut().zip([1.0, tau, square]) {
+                *sum += power * alpha;
+            }
+            self.omega = [self.omega[0] + omega, self.omega[1] + tau * omega];
         }
-        let scale = nalgebra::Vector3::from_fn(|j, _| 1.0 / normal[(j, j)].max(1e-300).sqrt());
+        self.range = to;
+    }
+
+    /// Writes the motion of the wheel; the sample itself where the neighbourhood does not give it.
+    ///
+    /// ```text
+    /// rows (1, τ, ½ τ²) of the angle and (0, 1, τ) of the speed
+    /// ```
+    fn fit(&self, out: &mut LocalMotion) {
+        let (i, [a, w], [s0, s1, s2, s3, s4]) = (self.wheel, self.weight, self.powers);
+        let measured = a > 0.0;
+        #[rustfmt::skip]
+        let normal = Matrix3::new(
+            if measured { a * s0 } else { 1.0 }, a * s1, 0.5 * a * s2,
+            a * s1, a * s2 + w * s0, 0.5 * a * s3 + w * s1,
+            0.5 * a * s2, 0.5 * a * s3 + w * s1, 0.25 * a * s4 + w * s2,
+        );
+        let [v0, v1, v2] = self.alpha;
+        let right =
+            Vector3::new(a * v0, a * v1 + w * self.omega[0], 0.5 * a * v2 + w * self.omega[1]);
+        let scale = Vector3::from_fn(|j, _| 1.0 / normal[(j, j)].max(1e-300).sqrt());
         let scaled = normal.component_mul(&(scale * scale.transpose()));
+        let (r, k) = (self.recording, self.sample);
         let Some(inverse) = scaled.try_inverse() else {
-            out.alpha[i] = self.alpha()[k][i];
-            out.omega[i] = self.omega()[k][i];
+            (out.alpha[i], out.omega[i]) = (r.alpha()[k][i], r.omega()[k][i]);
             return;
         };
         let covariance = inverse.component_mul(&(scale * scale.transpose()));
         let c = covariance * right;
-        out.alpha[i] = self.alpha()[k][i] + c[0];
-        out.omega[i] = c[1];
+        (out.alpha[i], out.omega[i]) = (r.alpha()[k][i] + c[0], c[1]);
         out.acceleration[i] = c[2];
         out.omega_variance[i] = covariance[(1, 1)].max(0.0);
-        out.alpha_variance[i] = if measured.alpha { covariance[(0, 0)].max(0.0) } else { 0.0 };
+        out.alpha_variance[i] = if measured { covariance[(0, 0)].max(0.0) } else { 0.0 };
     }
 }
 

@@ -45,6 +45,11 @@ impl<'m> Walk<'m> {
         Ok(self.stepper.state())
     }
 
+    /// Inverse of the mass matrix as (i11, i12, i22) where it is the same at every instant.
+    pub(crate) fn mobility(&self) -> Option<[f64; 3]> {
+        self.stepper.forces().inverse
+    }
+
     /// Derivative of state `i` (alpha1, alpha2, omega1, omega2) after the sample by parameter `j`.
     #[inline]
     pub(crate) fn by_parameter(&self, i: usize, j: usize) -> f64 {
