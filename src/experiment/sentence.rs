@@ -118,7 +118,9 @@ impl Finding<'_> {
     fn rest(&self) -> String {
         let depends = match self.depends_on {
             Some(d) => format!(" The residual torque depends on the {}.", d.variable.words()),
-            None => String::new(),
+            None => " The residual torque depends little on anything that was tried: coloured noise of the \
+                     recorded input and disturbances from outside look like this too."
+                .into(),
         };
         let likely = match self.likely {
             Some(ranked) => format!(" Likely, not proven: {}.", of(ranked)),

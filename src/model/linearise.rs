@@ -154,7 +154,6 @@ impl Model {
 
     /// Derivatives of the acting input with respect to every parameter: `[j][k]` is that of
     /// sample k by parameter j; empty for parameters that do not act through the input.
-    ///
     #[must_use]
     pub fn drive_derivatives(
         &self,
