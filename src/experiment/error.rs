@@ -87,3 +87,18 @@ impl Meaning {
         }
     }
 }
+
+/// What is wrong with a file, in words.
+pub(super) fn words(message: String) -> Meaning {
+    Meaning::Words(message)
+}
+
+/// What an unknown name may have meant, as the end of a sentence.
+pub(super) fn nearest(name: &str, known: &[&str]) -> String {
+    known
+        .iter()
+        .map(|k| (strsim::jaro_winkler(k, name), k))
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .filter(|(score, _)| *score > 0.75)
+        .map_or(String::new(), |(_, k)| format!("; did you mean `{k}`?"))
+}

@@ -4,10 +4,11 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 
+use super::error::words;
 use super::error::{ExperimentError, Meaning};
 use super::file::RecordingsEntry;
 use super::plan::Measured;
-use super::resolve::{UNKNOWN, words};
+use super::robot_table::UNKNOWN;
 use crate::conditioning::{
     Action, Channel, Context, Finding, Kind, Lag, Settings, common_lag, condition,
 };

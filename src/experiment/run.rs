@@ -213,7 +213,11 @@ fn describe(
 /// The path of the robot, where its lengths are known.
 fn path(plan: &Plan, r: &Recording) -> Vec<[f64; 3]> {
     let robot = plan.model.robot();
-    if super::resolve::has_no_track(robot) { vec![] } else { kinematics::path(robot, r.alpha()) }
+    if super::robot_table::has_no_track(robot) {
+        vec![]
+    } else {
+        kinematics::path(robot, r.alpha())
+    }
 }
 
 fn method_study(
@@ -223,21 +227,7 @@ fn method_study(
     seconds: f64,
     motions: &[Vec<LocalMotion>],
 ) -> Result<MethodStudy, SimulateError> {
-    let mut out = MethodStudy {
-        name: method.name.clone(),
-        title: method.title.clone(),
-        options: method.options.clone(),
-        failure: None,
-        status: None,
-        seconds,
-        work: crate::identify::Work::default(),
-        estimates: vec![],
-        correlations: vec![],
-        notes: vec![],
-        traces: vec![],
-        performance: vec![],
-        fuzzy: None,
-    };
+    let mut out = MethodStudy::new(&method.name, &method.title, &method.options, seconds);
     let fit = match fit {
         Ok(fit) => fit,
         Err(reason) => {

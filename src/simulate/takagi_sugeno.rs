@@ -105,17 +105,6 @@ pub struct TakagiSugeno {
     parameters: Vec<f64>,
 }
 
-/// Memberships of one input (normalised for the average) and their slopes.
-#[derive(Clone, Copy)]
-struct Grades {
-    value: [f64; MOST_MEMBERSHIPS],
-    slope: [f64; MOST_MEMBERSHIPS],
-    /// The input, clamped to its range.
-    x: f64,
-    /// 1 within the range, 0 where the input is clamped.
-    inside: f64,
-}
-
 impl TakagiSugeno {
     /// Membership functions evenly spaced over each range [rad/s], of half-height width equal to
     /// their spacing (s = spacing / 2.355), and consequents of zero.
@@ -248,17 +237,15 @@ impl TakagiSugeno {
     /// average.
     #[must_use]
     pub fn firing(&self, omega: &[f64; 2]) -> Vec<f64> {
-        let (a, b) = (self.graded(0, omega[0]).0, self.graded(1, omega[1]).0);
-        (0..self.rules()).map(|r| self.rule(r)).map(|(i, j)| a.value[i] * b.value[j]).collect()
+        let x = self.clamped(omega);
+        let [a, b] = [0, 1].map(|input| self.strengths(input, x[input]));
+        (0..self.rules()).map(|r| self.rule(r)).map(|(i, j)| a[i] * b[j]).collect()
     }
 
     /// [f31, f41] [rad/s²] at wheel speeds `omega` [rad/s].
     #[must_use]
     pub fn output<T: Real>(&self, omega: &[T; 2]) -> [T; 2] {
-        let x = [0, 1].map(|i| {
-            let (low, high) = self.range[i];
-            omega[i].max(low.into()).min(high.into())
-        });
+        let x = self.clamped(omega);
         let [a, b] = [0, 1].map(|input| self.strengths(input, x[input]));
         let zero = T::from(0.0);
         [0, 1].map(|output| {
@@ -271,6 +258,14 @@ impl TakagiSugeno {
                 sum += a[i] * row;
             }
             sum
+        })
+    }
+
+    /// The speeds within the range of the functions.
+    fn clamped<T: Real>(&self, omega: &[T; 2]) -> [T; 2] {
+        [0, 1].map(|i| {
+            let (low, high) = self.range[i];
+            omega[i].max(low.into()).min(high.into())
         })
     }
 
@@ -290,63 +285,35 @@ impl TakagiSugeno {
         out
     }
 
-    /// [f31, f41] [rad/s²] and their derivatives [output][input] to the wheel speeds [1/s].
-    #[must_use]
-    pub fn output_and_gradient(&self, omega: &[f64; 2]) -> ([f64; 2], [[f64; 2]; 2]) {
-        let (a, b) = (self.grades(0, omega[0]), self.grades(1, omega[1]));
-        self.evaluate(&a, &b)
-    }
-
-    /// The regressor of one output: output = basis · consequents of that output.
-    ///
-    /// # Panics
-    /// If `basis` has not one place a consequent of one output.
-    pub fn basis(&self, omega: &[f64; 2], basis: &mut [f64]) {
-        let (a, b) = (self.graded(0, omega[0]).0, self.graded(1, omega[1]).0);
-        let terms = self.consequents.terms();
-        let columns = self.memberships[1].len();
-        for (i, m) in self.memberships[0].iter().enumerate() {
-            for (j, n) in self.memberships[1].iter().enumerate() {
-                let strength = a.value[i] * b.value[j];
-                let at = &mut basis[(i * columns + j) * terms..][..terms];
-                at[0] = strength;
-                if terms == 3 {
-                    at[1] = strength * (a.x - m.centre);
-                    at[2] = strength * (b.x - n.centre);
-                }
-            }
-        }
-    }
-
     /// Derivatives of [f31, f41] to the centres and widths, in the order of [`Self::premises`].
     #[must_use]
     pub fn premise_gradient(&self, omega: &[f64; 2]) -> Vec<[f64; 2]> {
-        let (a, b) = (self.grades(0, omega[0]), self.grades(1, omega[1]));
-        let grades = [&a, &b];
-        let value = self.value(&a, &b);
+        let x = self.clamped(omega);
+        let strengths = [0, 1].map(|input| self.strengths(input, x[input]));
+        let value = self.output(omega);
         let mut out = Vec::new();
         for input in 0..2 {
             let count = self.memberships[input].len();
             let mut widths = Vec::with_capacity(count);
             for i in 0..count {
                 let m = self.memberships[input][i];
-                let z = (grades[input].x - m.centre) / m.width;
+                let z = (x[input] - m.centre) / m.width;
                 // mean of the consequents and of their slopes along the rules that use m
                 let (mut row, mut slope) = ([0.0; 2], [0.0; 2]);
                 for k in 0..self.memberships[1 - input].len() {
                     let rule = if input == 0 { (i, k) } else { (k, i) };
+                    let strength = strengths[1 - input][k];
                     for o in 0..2 {
-                        let (y, d) = self.conclusion(o, rule, a.x, b.x);
-                        row[o] += grades[1 - input].value[k] * y;
-                        slope[o] += grades[1 - input].value[k] * d[input];
+                        row[o] += strength * self.concluded(o, rule, &x);
+                        slope[o] += strength * self.slope(o, rule, input);
                     }
                 }
-                let grade = grades[input].value[i];
+                let strength = strengths[input][i];
                 let pull = [0, 1].map(|o| match self.defuzzification {
-                    Defuzzification::WeightedAverage => grade * (row[o] - value[o]),
-                    Defuzzification::WeightedSum => grade * row[o],
+                    Defuzzification::WeightedAverage => strength * (row[o] - value[o]),
+                    Defuzzification::WeightedSum => strength * row[o],
                 });
-                out.push([0, 1].map(|o| pull[o] * z / m.width - grade * slope[o]));
+                out.push([0, 1].map(|o| pull[o] * z / m.width - strength * slope[o]));
                 widths.push(pull.map(|p| p * z * z / m.width));
             }
             out.extend(widths);
@@ -354,51 +321,10 @@ impl TakagiSugeno {
         out
     }
 
-    /// Strengths along one input, and the sum by which they were divided.
-    fn graded(&self, input: usize, x: f64) -> (Grades, f64) {
-        let (low, high) = self.range[input];
-        let inside = if x >= low && x <= high { 1.0 } else { 0.0 };
-        let x = x.clamp(low, high);
-        let mut grades =
-            Grades { value: [0.0; MOST_MEMBERSHIPS], slope: [0.0; MOST_MEMBERSHIPS], x, inside };
-        let mut sum = 0.0;
-        for (value, m) in grades.value.iter_mut().zip(&self.memberships[input]) {
-            let z = (x - m.centre) / m.width;
-            *value = (-0.5 * z * z).exp();
-            sum += *value;
-        }
-        if self.defuzzification == Defuzzification::WeightedSum {
-            return (grades, 1.0);
-        }
-        // the sum over rules is the product of the sums, so each input is normalised alone
-        let sum = sum.max(1e-300);
-        grades.value[..self.memberships[input].len()].iter_mut().for_each(|value| *value /= sum);
-        (grades, sum)
-    }
-
-    fn grades(&self, input: usize, x: f64) -> Grades {
-        let (mut grades, sum) = self.graded(input, x);
-        let mut slopes = 0.0;
-        for (i, m) in self.memberships[input].iter().enumerate() {
-            let z = (grades.x - m.centre) / m.width;
-            grades.slope[i] = -z / m.width * grades.value[i] * sum * grades.inside;
-            slopes += grades.slope[i];
-        }
-        if self.defuzzification == Defuzzification::WeightedAverage {
-            for i in 0..self.memberships[input].len() {
-                grades.slope[i] = (grades.slope[i] - grades.value[i] * slopes) / sum;
-            }
-        }
-        grades
-    }
-
-    /// What a rule concludes for an output at (x1, x2), with its slopes.
-    fn conclusion(&self, output: usize, rule: (usize, usize), x1: f64, x2: f64) -> (f64, [f64; 2]) {
-        let value = self.concluded(output, rule, &[x1, x2]);
-        match *self.consequent(output, rule.0 * self.memberships[1].len() + rule.1) {
-            [_, first, second] => (value, [first, second]),
-            _ => (value, [0.0; 2]),
-        }
+    /// Slope along an input of what a rule concludes for an output.
+    fn slope(&self, output: usize, (i, j): (usize, usize), input: usize) -> f64 {
+        let own = self.consequent(output, i * self.memberships[1].len() + j);
+        own.get(1 + input).copied().unwrap_or(0.0)
     }
 
     /// What a rule concludes for an output at `x`.
@@ -412,40 +338,6 @@ impl TakagiSugeno {
                 constant + (x[0] - m.centre) * p[1] + (x[1] - n.centre) * p[2]
             }
         }
-    }
-
-    /// [f31, f41] from the strengths.
-    fn value(&self, a: &Grades, b: &Grades) -> [f64; 2] {
-        if self.consequents == Consequents::Affine {
-            return self.evaluate(a, b).0;
-        }
-        let (rows, columns) = (self.memberships[0].len(), self.memberships[1].len());
-        let outputs = self.parameters.split_at(rows * columns);
-        [outputs.0, outputs.1].map(|consequents| {
-            let mean = |row: &[f64]| row.iter().zip(&b.value).map(|(y, s)| s * y).sum::<f64>();
-            consequents.chunks_exact(columns).zip(&a.value).map(|(row, s)| s * mean(row)).sum()
-        })
-    }
-
-    fn evaluate(&self, a: &Grades, b: &Grades) -> ([f64; 2], [[f64; 2]; 2]) {
-        let (mut value, mut gradient) = ([0.0; 2], [[0.0; 2]; 2]);
-        for o in 0..2 {
-            for i in 0..self.memberships[0].len() {
-                // along one row of rules: mean, its slope in w2, mean slopes of the consequents
-                let (mut row, mut row2, mut d) = (0.0, 0.0, [0.0; 2]);
-                for j in 0..self.memberships[1].len() {
-                    let (y, slope) = self.conclusion(o, (i, j), a.x, b.x);
-                    row += b.value[j] * y;
-                    row2 += b.slope[j] * y;
-                    d[0] += b.value[j] * slope[0];
-                    d[1] += b.value[j] * slope[1];
-                }
-                value[o] += a.value[i] * row;
-                gradient[o][0] += a.slope[i] * row + a.value[i] * d[0] * a.inside;
-                gradient[o][1] += a.value[i] * (row2 + d[1] * b.inside);
-            }
-        }
-        (value, gradient)
     }
 }
 

@@ -101,7 +101,7 @@ impl<const N: usize> Rules<N> {
         omega.fast_max(self.low).fast_min(self.high)
     }
 
-    /// The regressor of one output at `omega`, as [`TakagiSugeno::basis`], from the strengths there.
+    /// The regressor of one output at `omega` from the strengths there: output = basis · consequents of that output.
     #[inline]
     pub(crate) fn basis(
         &self,

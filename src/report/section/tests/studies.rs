@@ -58,19 +58,9 @@ fn performance(r: &RecordingStudy, error: f64) -> Performance {
 
 fn method(name: &str) -> MethodStudy {
     MethodStudy {
-        name: name.to_owned(),
-        title: format!("The method {name}"),
-        options: String::new(),
-        failure: None,
         status: Some(Status::Converged),
-        seconds: 0.1,
         work: Work { iterations: 3, evaluations: 12 },
-        estimates: vec![],
-        correlations: vec![],
-        notes: vec![],
-        traces: vec![],
-        performance: vec![],
-        fuzzy: None,
+        ..MethodStudy::new(name, &format!("The method {name}"), "", 0.1)
     }
 }
 

@@ -1,0 +1,89 @@
+//! The `[robot]` table of an experiment file.
+
+use toml::Table;
+
+use super::error::{ExperimentError, Meaning, nearest, words};
+use crate::robot::{Construction, Robot};
+
+/// The robot of a `[robot]` table: a preset, construction data, or both.
+///
+/// # Errors
+/// Unknown presets and keys, values out of range.
+pub fn robot_of(table: &Table) -> Result<Robot, ExperimentError> {
+    robot(Some(table)).map_err(|e| e.of("[robot]"))
+}
+
+pub(super) fn robot(table: Option<&Table>) -> Result<Robot, Meaning> {
+    let Some(table) = table else { return Ok(Robot::amigobot()) };
+    let mut rest = table.clone();
+    let base = match rest.remove("preset") {
+        None => None,
+        Some(toml::Value::String(name)) => Some(preset(&name)?),
+        Some(other) => return Err(words(format!("[robot]: preset = {other} must be a name"))),
+    };
+    if rest.is_empty()
+        && let Some(robot) = base
+    {
+        return Ok(robot);
+    }
+    let known: Vec<&str> = Construction::amigobot().values().map(|(key, _)| key).collect();
+    if let Some(unknown) = rest.keys().find(|k| !known.contains(&k.as_str())) {
+        let near = nearest(unknown, &known);
+        return Err(words(format!("[robot]: unknown key `{unknown}`{near}")));
+    }
+    if let Some((key, value)) = rest.iter().find(|(_, v)| !v.is_float() && !v.is_integer()) {
+        return Err(words(format!("[robot]: {key} = {value} must be a number")));
+    }
+    // keys that are written replace those of the preset; without one all must be there
+    let mut values = Table::new();
+    if let Some(robot) = &base {
+        for (key, value) in robot.construction.values() {
+            values.insert(key.into(), value.into());
+        }
+    }
+    values.extend(rest);
+    let construction: Construction = toml::Value::Table(values)
+        .try_into()
+        .map_err(|e: toml::de::Error| {
+            let remedy = if base.is_some() {
+                ""
+            } else {
+                "; without a preset all construction data must be there, or add preset = \"amigobot\""
+            };
+            words(format!("[robot]: {}{remedy}", e.message()))
+        })?;
+    let given = |key: &str| table.get(key).is_some();
+    let name = match base {
+        None => "custom".into(),
+        Some(r) if r.name != UNKNOWN => format!("{} (changed)", r.name),
+        Some(_) if given("r_m") && given("l1_m") => "custom".into(),
+        // with the radius metres can be read, without the track there is still no path
+        Some(_) if given("r_m") => UNKNOWN_TRACK.into(),
+        Some(_) => UNKNOWN.into(),
+    };
+    Ok(Robot::new(name, construction)?)
+}
+
+/// The name of a robot whose construction nobody gave; lengths of the AmigoBot stand in where one is
+/// needed, and what would show them is left out.
+pub(super) const UNKNOWN: &str = "unknown";
+
+/// The same where the radius of the wheels is given.
+const UNKNOWN_TRACK: &str = "unknown (with its wheel radius)";
+
+/// Whether the track of a robot is not known, and so neither its heading nor its path.
+pub(super) fn has_no_track(robot: &Robot) -> bool {
+    robot.name == UNKNOWN || robot.name == UNKNOWN_TRACK
+}
+
+fn preset(name: &str) -> Result<Robot, Meaning> {
+    if name == UNKNOWN {
+        return Ok(Robot::new(UNKNOWN, Robot::amigobot().construction)?);
+    }
+    Robot::from_preset(name).ok_or_else(|| {
+        let presets = crate::robot::presets();
+        let known: Vec<&str> = presets.iter().map(|p| p.name).collect();
+        let near = nearest(name, &known);
+        words(format!("[robot]: no preset `{name}`{near}; there are {}", known.join(", ")))
+    })
+}

@@ -1,0 +1,100 @@
+//! What the methods of an experiment found.
+
+use serde::Serialize;
+
+use crate::identify::{Estimate, Status, Trace, Work};
+
+/// A method on one recording.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Performance {
+    /// Quality index of the free simulation per wheel [rad^2/s].
+    pub ise: [f64; 2],
+    /// Root mean square error over windows of 2 s [rad/s].
+    pub window_rms: f64,
+    /// Root mean square error of the angles of the free simulation, both wheels, without the first 20
+    /// samples [rad]: the score of the nonlinear benchmarks (Schoukens and Noël 2017).
+    pub angle_rms: f64,
+    /// Quality index of the emulator in parallel structure [rad^2/s].
+    pub ise_parallel: f64,
+    /// Quality index of the emulator in serial-parallel structure [rad^2/s].
+    pub ise_serial_parallel: f64,
+    /// Wheel speeds of the free simulation [rad/s].
+    pub free: Vec<[f64; 2]>,
+    /// Wheel speeds over windows [rad/s].
+    pub windows: Vec<[f64; 2]>,
+    /// Rows at which the windows start.
+    pub window_starts: Vec<usize>,
+    /// States there (alpha1, alpha2, omega1, omega2).
+    pub window_states: Vec<[f64; 4]>,
+    /// Emulator states in parallel structure (alpha1, alpha2, omega1, omega2).
+    pub emulator: Vec<[f64; 4]>,
+}
+
+/// What a method found, or why it found nothing.
+#[derive(Clone, Debug, Serialize)]
+pub struct MethodStudy {
+    /// Name in the experiment file.
+    pub name: String,
+    /// In words.
+    pub title: String,
+    /// Options that differ from the defaults, as written.
+    pub options: String,
+    /// Why there is no fit.
+    pub failure: Option<String>,
+    /// How it ended.
+    pub status: Option<Status>,
+    /// Wall time [s].
+    pub seconds: f64,
+    /// Work.
+    pub work: Work,
+    /// Parameters.
+    pub estimates: Vec<Estimate>,
+    /// Correlations between the parameters, row by row; empty where there are none.
+    pub correlations: Vec<Vec<f64>>,
+    /// Sentences.
+    pub notes: Vec<String>,
+    /// Curves.
+    pub traces: Vec<Trace>,
+    /// One per recording of the experiment.
+    pub performance: Vec<Performance>,
+    /// The fuzzy system, where the method fits one.
+    pub fuzzy: Option<FuzzyStudy>,
+}
+
+impl MethodStudy {
+    /// A method of which nothing is known but what it is called and how long it took [s].
+    #[must_use]
+    pub fn new(name: &str, title: &str, options: &str, seconds: f64) -> Self {
+        Self {
+            name: name.into(),
+            title: title.into(),
+            options: options.into(),
+            failure: None,
+            status: None,
+            seconds,
+            work: Work::default(),
+            estimates: vec![],
+            correlations: vec![],
+            notes: vec![],
+            traces: vec![],
+            performance: vec![],
+            fuzzy: None,
+        }
+    }
+}
+
+/// A fuzzy Takagi-Sugeno pair as numbers to draw.
+#[derive(Clone, Debug, Serialize)]
+pub struct FuzzyStudy {
+    /// Speeds at which memberships are drawn, per input [rad/s].
+    pub grid: [Vec<f64>; 2],
+    /// Membership functions per input on that grid.
+    pub memberships: [Vec<Vec<f64>>; 2],
+    /// Consequents (constant part) of f31 and f41, rule i1 * count + i2.
+    pub consequents: [Vec<f64>; 2],
+    /// Output surfaces of f31 and f41 on the grid, row w1, column w2 [rad/s^2].
+    pub surface: [Vec<Vec<f64>>; 2],
+    /// The system as a function: files as name and text.
+    #[serde(skip)]
+    pub functions: Vec<(String, String)>,
+}
