@@ -46,7 +46,7 @@ pub fn noise_floor(
     hold: Hold,
     seed: u64,
 ) -> Result<Floor, SimulateError> {
-    floor(&Runs::new(dynamics, recording, motion, hold, Simulated::FreelyAndOverWindows)?, seed)
+    floor(&Runs::new(dynamics, recording, motion, hold, Reach::FreeAndWindows)?, seed)
 }
 
 /// [`noise_floor`] of the simulations that `runs` makes.
@@ -76,7 +76,7 @@ pub fn unresolved(
     hold: Hold,
 ) -> Result<f64, SimulateError> {
     let square = |recording: &Recording, motion: &Vec<LocalMotion>| {
-        let runs = Runs::new(dynamics, recording, motion, hold, Simulated::OverWindows)?;
+        let runs = Runs::new(dynamics, recording, motion, hold, Reach::Windows)?;
         Ok(runs.by_every_other_row()?.square)
     };
     Ok(pooled(recordings, motions, square)? * BETWEEN_ROWS)
@@ -95,7 +95,7 @@ pub fn between_rows(
     hold: Hold,
 ) -> Result<f64, SimulateError> {
     let square = |recording: &Recording, motion: &Vec<LocalMotion>| {
-        let runs = Runs::new(dynamics, recording, motion, hold, Simulated::OverWindows)?;
+        let runs = Runs::new(dynamics, recording, motion, hold, Reach::Windows)?;
         let noise = runs.by_input_noise(&mut ChaCha8Rng::seed_from_u64(0))?.square;
         Ok((runs.by_every_other_row()?.square - noise).max(0.0))
     };
@@ -114,7 +114,7 @@ pub fn pooled_floor(
     seed: u64,
 ) -> Result<f64, SimulateError> {
     let square = |recording: &Recording, motion: &Vec<LocalMotion>| {
-        let runs = Runs::new(dynamics, recording, motion, hold, Simulated::OverWindows)?;
+        let runs = Runs::new(dynamics, recording, motion, hold, Reach::Windows)?;
         Ok(floor(&runs, seed)?.window_rms.powi(2))
     };
     pooled(recordings, motions, square)
@@ -135,9 +135,9 @@ fn pooled(
 
 /// How a recording is simulated.
 #[derive(Clone, Copy, PartialEq)]
-enum Simulated {
-    OverWindows,
-    FreelyAndOverWindows,
+enum Reach {
+    Windows,
+    FreeAndWindows,
 }
 
 /// Simulations of a recording with an input or a start that differ from those recorded.
@@ -146,7 +146,7 @@ struct Runs<'a> {
     recording: &'a Recording,
     motion: &'a [LocalMotion],
     hold: Hold,
-    simulated: Simulated,
+    reach: Reach,
     /// Rows of the windows of 2 s.
     short: Vec<Range<usize>>,
     /// The run as recorded.
@@ -155,7 +155,7 @@ struct Runs<'a> {
 
 /// The states of a free simulation, if there is one, and of windows of 2 s.
 struct Run {
-    free: Vec<State>,
+    free: Option<Vec<State>>,
     windows: Vec<State>,
 }
 
@@ -174,12 +174,12 @@ impl<'a> Runs<'a> {
         recording: &'a Recording,
         motion: &'a [LocalMotion],
         hold: Hold,
-        simulated: Simulated,
+        reach: Reach,
     ) -> Result<Self, SimulateError> {
         let whole = recording.pieces().iter();
         let short = whole.flat_map(|p| windows_of(recording, p, WINDOW)).collect();
-        let plain = Run { free: vec![], windows: vec![] };
-        let mut runs = Self { dynamics, recording, motion, hold, simulated, short, plain };
+        let plain = Run { free: None, windows: vec![] };
+        let mut runs = Self { dynamics, recording, motion, hold, reach, short, plain };
         runs.plain = runs.run(recording.moment(), None)?;
         Ok(runs)
     }
@@ -199,9 +199,9 @@ impl<'a> Runs<'a> {
         };
         // starts of the windows are the same draws with a free simulation and without
         let (first, of_windows) = (starts(whole), starts(&self.short));
-        let free = match self.simulated {
-            Simulated::OverWindows => vec![],
-            Simulated::FreelyAndOverWindows => self.all(&acting, whole, &first)?,
+        let free = match self.reach {
+            Reach::Windows => None,
+            Reach::FreeAndWindows => Some(self.all(&acting, whole, &first)?),
         };
         Ok(Run { free, windows: self.all(&acting, &self.short, &of_windows)? })
     }
@@ -255,9 +255,11 @@ impl<'a> Runs<'a> {
     fn apart(&self, run: &Run) -> Apart {
         let t = self.recording.t();
         let ise = [0, 1].map(|i| {
-            let square = |k: usize| spread(&run.free[k], &self.plain.free[k], i);
-            let pieces = self.recording.pieces().iter().filter(|_| !run.free.is_empty());
-            let rows = pieces.flat_map(|p| p.start + 1..p.end);
+            let Some((free, plain)) = run.free.as_ref().zip(self.plain.free.as_ref()) else {
+                return 0.0;
+            };
+            let square = |k: usize| spread(&free[k], &plain[k], i);
+            let rows = self.recording.pieces().iter().flat_map(|p| p.start + 1..p.end);
             rows.map(|k| 0.5 * (t[k] - t[k - 1]) * (square(k - 1) + square(k))).sum()
         });
         let pairs = run.windows.iter().zip(&self.plain.windows);

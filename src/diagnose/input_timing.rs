@@ -1,7 +1,7 @@
 //! The time of the recorded input as a nuisance of every model of the diagnosis.
 
 use crate::effects::{Change, Description, Energy, ParameterSpec, Physics, Scale};
-use crate::math::{Dual, Real};
+use crate::math::Real;
 use crate::model::Model;
 use crate::recording::Recording;
 
@@ -74,8 +74,7 @@ type Derivatives = (Vec<[f64; 2]>, Vec<Vec<[f64; 2]>>);
 /// of uneven length, its samples may see none of them, and a descent would stop there.
 pub(super) fn input_derivatives(model: &Model, recording: &Recording, p: &[f64]) -> Derivatives {
     let (t, moment, half) = (recording.t(), recording.moment(), 0.5 * recording.step());
-    let (acting, mut derivatives) =
-        by_timing(model, t, moment, p).unwrap_or_else(|| model.drive_derivatives(t, moment, p));
+    let (acting, mut derivatives) = model.drive_derivatives(t, moment, p);
     let delays = model
         .effects()
         .iter()
@@ -92,20 +91,6 @@ pub(super) fn input_derivatives(model: &Model, recording: &Recording, p: &[f64])
         derivatives[j] = rows.map(|(a, b)| [0, 1].map(|i| (b[i] - a[i]) / (high - low))).collect();
     }
     (acting, derivatives)
-}
-
-/// What [`Model::drive_derivatives`] gives where the time of the input is all that acts on it, with the one
-/// derivative that there is; `None` elsewhere.
-fn by_timing(model: &Model, t: &[f64], moment: &[[f64; 2]], p: &[f64]) -> Option<Derivatives> {
-    let mut acting = model.effects().iter().enumerate().filter(|(_, e)| e.acts_on_drive());
-    let (e, _) = acting.next().filter(|(_, effect)| effect.id() == ID)?;
-    acting.next().is_none().then_some(())?;
-    let j = model.slots(e).start;
-    let constant: Vec<_> = moment.iter().map(|m| m.map(Dual::<1>::constant)).collect();
-    let moved = later(t, &constant, Dual::variable(p[j], 0));
-    let mut derivatives = vec![vec![]; p.len()];
-    derivatives[j] = moved.iter().map(|m| m.map(|v| v.partial[0])).collect();
-    Some((moved.iter().map(|m| m.map(|v| v.value)).collect(), derivatives))
 }
 
 /// A signal `shift` seconds later, by cubic interpolation between its rows; its ends are held.

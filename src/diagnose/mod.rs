@@ -33,7 +33,7 @@ pub use screen::Screen;
 pub use search::{Data, Settings, diagnose};
 pub use shapes::shapes_placed;
 pub use thresholds::{THRESHOLDS, Thresholds};
-pub use timing::{Timing, shifted, timing};
+pub use timing::{Timing, shifted, timing, with_later_input};
 pub use verdict::{Conclusion, Errors, conclude, likely, probabilities, structure};
 pub use windows::{Windows, mobility};
 

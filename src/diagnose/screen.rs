@@ -8,10 +8,10 @@ use nalgebra::{DMatrix, DVector};
 
 use super::candidate::{Candidate, still_instant};
 use super::nonnegative;
-use super::windows::{Row, Windows};
+use super::windows::{Row, Windows, quadratic_of};
 use crate::compare::project;
 use crate::effects::{Motion, Terms};
-use crate::model::{Model, solve_mass};
+use crate::model::{Model, inverse_mass, times};
 use crate::recording::LocalMotion;
 use crate::robot::State;
 
@@ -89,9 +89,9 @@ impl<'a> Screen<'a> {
     ) -> Option<Self> {
         let free = model.free();
         let base = free.len();
-        let quadratic = windows.quadratic(model, p, &free)?;
-        let rows = windows.rows(model, p, &free)?.into_iter().zip(&windows.windows);
-        let rows = rows.map(|(rows, window)| {
+        let rows = windows.rows(model, p, &free)?;
+        let quadratic = quadratic_of(&windows.sums_of(&rows, base)?, base)?;
+        let rows = rows.into_iter().zip(&windows.windows).map(|(rows, window)| {
             Rows::new(rows, windows.weights(window), Windows::start_weight(window), base)
         });
         Some(Self {
@@ -236,17 +236,13 @@ struct Mobility {
 
 impl Mobility {
     fn of(mass: &[f64; 3]) -> Self {
-        let column = |torque: [f64; 2]| solve_mass(mass, &torque).unwrap_or([0.0; 2]);
-        let (first, second) = (column([1.0, 0.0]), column([0.0, 1.0]));
-        Self { both: [first[0], first[1], second[1]], alone: [1.0 / mass[0], 1.0 / mass[2]] }
+        let both = inverse_mass(mass).unwrap_or([0.0; 3]);
+        Self { both, alone: [1.0 / mass[0], 1.0 / mass[2]] }
     }
 
     fn acceleration(&self, torque: [f64; 2], still: [bool; 2]) -> [f64; 2] {
         match still {
-            [false, false] => {
-                let [m11, m12, m22] = self.both;
-                [m11 * torque[0] + m12 * torque[1], m12 * torque[0] + m22 * torque[1]]
-            }
+            [false, false] => times(&self.both, &torque),
             [false, true] => [torque[0] * self.alone[0], 0.0],
             [true, false] => [0.0, torque[1] * self.alone[1]],
             [true, true] => [0.0; 2],

@@ -130,6 +130,17 @@ fn a_shift_of_the_input_is_found_to_a_fraction_of_a_row() {
 }
 
 #[test]
+fn an_input_that_was_interpolated_keeps_the_noise_of_its_rows() {
+    let recording = recorded(&[], NoiseLevel { moment: 0.01, ..NOISE }, 18);
+    let before = recording.noise().moment;
+    let moved = with_later_input(&recording, 0.005);
+    assert_eq!(moved.noise().moment, before);
+    // between the rows the mean of four remains, whose fourth differences lack what is fastest
+    let plain = recording.with_moment(moved.moment().to_vec()).noise().moment;
+    assert!(plain[0] < 0.6 * before[0], "{plain:?} {before:?}");
+}
+
+#[test]
 fn friction_that_decides_the_motion_is_not_taken_for_a_shift_of_the_input() {
     // a tank drive of 57 kg: friction of six times the acceleration torque at 4 rad/s²
     let robot = Robot::from_preset("frc_tank_drive").unwrap();

@@ -94,7 +94,7 @@ fn by_balance(regression: &Regression, step: f64) -> Option<(f64, f64)> {
 
 /// A shift by simulation.
 #[derive(Clone, Copy)]
-struct Simulated {
+struct ShiftFit {
     /// The shift and its standard error [s]; `None` where it leaves its range.
     shift: Option<(f64, f64)>,
     /// Error of the windows over what noise makes of them. Where it is above the floor the model lacks something
@@ -112,7 +112,7 @@ fn by_simulation(
     recordings: &[&Recording],
     hold: Hold,
     scale: &Scale,
-) -> Option<Simulated> {
+) -> Option<ShiftFit> {
     let limits = (EARLIEST * scale.step, LONGEST.max(-EARLIEST * scale.step));
     let all = Windows::new(recordings.to_vec(), hold, mobility(model, p));
     let timed = model.add_effect(Arc::new(InputTiming { limits })).ok()?;
@@ -130,7 +130,7 @@ fn by_simulation(
     let std_error = (fit.covariance[(j, j)] + sampling).sqrt();
     let error = (fit.cost / (0.5 * windows.values() as f64)).sqrt();
     let found = !fit.at_bound[j] && std_error.is_finite() && std_error > 0.0;
-    Some(Simulated { shift: found.then_some((fit.p[j], std_error)), error })
+    Some(ShiftFit { shift: found.then_some((fit.p[j], std_error)), error })
 }
 
 /// How far one step of Gauss and Newton moves parameter `j` of a fit on other windows.
@@ -139,6 +139,12 @@ fn step_of(windows: &Windows, fit: &WindowFit, j: usize) -> Option<f64> {
     let quadratic = windows.quadratic(&fit.model, &fit.p, &free)?;
     let step = quadratic.hessian.lu().solve(&-quadratic.gradient)?;
     free.iter().position(|&k| k == j).map(|n| step[n])
+}
+
+/// A recording whose input acts `shift` seconds later.
+#[must_use]
+pub fn with_later_input(recording: &Recording, shift: f64) -> Recording {
+    recording.with_interpolated_moment(shifted(recording, recording.moment(), shift))
 }
 
 /// A signal of a recording `shift` seconds later, by cubic interpolation between its rows; the ends of every

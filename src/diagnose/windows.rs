@@ -19,7 +19,7 @@ use crate::compare::start_of;
 use crate::effects::{Motion, Scale};
 use crate::math::descent::Quadratic;
 use crate::math::noise::median;
-use crate::model::{Model, solve_mass};
+use crate::model::{Model, inverse_mass};
 use crate::recording::{LocalMotion, Recording};
 use crate::robot::State;
 use crate::simulate::{ActingInput, BETWEEN_ROWS, Hold, LANES, every_other, follow_part};
@@ -188,6 +188,21 @@ impl<'a> Windows<'a> {
         self.each(model, p, free, sum)
     }
 
+    /// The sums of every window from its `rows`, which hold derivatives by `columns` parameters.
+    pub(super) fn sums_of(&self, rows: &[Vec<Row>], columns: usize) -> Option<Vec<Sums>> {
+        let sum = |(rows, window): (&Vec<Row>, &Window)| {
+            let mut sums = Accumulator::new(columns);
+            for (k, row) in rows.iter().enumerate() {
+                for i in 0..2 {
+                    let weight = self.weight(window, k, i);
+                    sums.add(i, row.error[i], &row.psi[i], weight, row.still[i]);
+                }
+            }
+            sums.finish(&window.variance)
+        };
+        rows.iter().zip(&self.windows).map(sum).collect()
+    }
+
     /// Error, derivatives and rest of every row of every window.
     pub(super) fn rows(&self, model: &Model, p: &[f64], free: &[usize]) -> Option<Vec<Vec<Row>>> {
         let keep = |window: &Window, follow: Follow| {
@@ -346,7 +361,7 @@ fn cut(recording: &Recording, piece: &Range<usize>) -> impl Iterator<Item = Rang
 pub fn mobility(model: &Model, p: &[f64]) -> f64 {
     let (alpha, omega, variance) = ([0.0; 2], [0.0; 2], [0.0; 4]);
     let x = Motion { t: 0.0, alpha, omega, variance, robot: model.robot() };
-    solve_mass(&model.terms(&x, p).mass, &[1.0, 0.0]).map_or(0.0, |a| a[0].abs())
+    inverse_mass(&model.terms(&x, p).mass).map_or(0.0, |inverse| inverse[0])
 }
 
 /// Lower and upper bounds of the parameters `free` on recordings of that scale.

@@ -2,7 +2,7 @@
 //! recorded input acts.
 
 use super::plan::{Measured, Plan};
-use crate::diagnose::{shapes_placed, shifted, timing};
+use crate::diagnose::{shapes_placed, timing, with_later_input};
 use crate::effects::Change;
 use crate::identify::{Task, start};
 use crate::recording::Recording;
@@ -31,7 +31,6 @@ pub(super) fn align(plan: &mut Plan) {
     plan.timing = timing(&plan.model, &start, &recordings, plan.hold);
     let Some(timing) = plan.timing.filter(|t| t.correction_s != 0.0) else { return };
     for Measured { recording, .. } in &mut plan.recordings {
-        let moved = shifted(recording, recording.moment(), timing.correction_s);
-        *recording = recording.with_moment(moved);
+        *recording = with_later_input(recording, timing.correction_s);
     }
 }

@@ -6,7 +6,7 @@ use super::plan::{DiagnosisPlan, Plan};
 use super::sentence::{Finding, title};
 use crate::diagnose::{
     Conclusion, Data, Diagnosis, Judge, Judgement, Limits, Proposal, Ranked, Rivals, THRESHOLDS,
-    conclude, diagnose, likely, next_run, probabilities, shifted,
+    conclude, diagnose, likely, next_run, probabilities, with_later_input,
 };
 use crate::filter::{Likelihood, prepare};
 use crate::identify::{Estimate, IdentifyError, Task, start};
@@ -143,8 +143,7 @@ fn starts(plan: &Plan, task: &Task) -> Vec<Vec<f64>> {
     let mut out = Vec::new();
     let late = plan.timing.map_or(0.0, |t| t.dead_time_s - t.correction_s);
     if late > task.train.iter().map(Recording::step).fold(0.0, f64::max) {
-        let moved: Vec<Recording> =
-            task.train.iter().map(|r| r.with_moment(shifted(r, r.moment(), late))).collect();
+        let moved: Vec<Recording> = task.train.iter().map(|r| with_later_input(r, late)).collect();
         out.extend(start::start(&Task { train: &moved, ..*task }, "diagnosis").ok());
     }
     out.extend(start::start(task, "diagnosis").ok());

@@ -2,7 +2,7 @@
 
 use super::fitted::{FittedModel, FittedModels};
 use crate::compare::simulate_recording;
-use crate::diagnose::shifted;
+use crate::diagnose::with_later_input;
 use crate::effects::{Motion, Terms, along};
 use crate::math::sgn;
 use crate::recording::{LocalMotion, Recording};
@@ -82,8 +82,7 @@ impl Table {
         mark: &str,
         unit: &str,
     ) -> Result<(), SimulateError> {
-        let moved = shifted(recording, recording.moment(), fitted.input_shift_s);
-        let recording = &recording.with_moment(moved);
+        let recording = &with_later_input(recording, fitted.input_shift_s);
         let dynamics = PhysicalDynamics { model: fitted.model.clone(), p: fitted.values() };
         let simulated = simulate_recording(&dynamics, recording, motion, hold)?;
         let speeds = |states: &[crate::robot::State]| -> Vec<[f64; 2]> {

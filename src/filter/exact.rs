@@ -6,7 +6,7 @@ use super::correction::{Covariance, Mean, make_symmetric};
 use super::dynamics::Dynamics;
 use super::step::{Predicted, Sample};
 use crate::effects::{DIRECTIONS, Motion};
-use crate::model::{Linearisation, Model, ModelError, solve_mass};
+use crate::model::{Linearisation, Model, ModelError, inverse_mass};
 use crate::robot::State;
 use crate::simulate::{Ends, Walk};
 
@@ -44,10 +44,11 @@ impl<'a> Exact<'a> {
 
     /// What torque on the wheels does to the state over a step in which they move freely.
     fn gain(&self, sample: &Sample, mean: &Mean<4>) -> Result<SMatrix<f64, 4, 2>, ModelError> {
-        let mobility = match self.walk.mobility() {
-            Some([i11, i12, i22]) => Matrix2::new(i11, i12, i12, i22),
+        let [i11, i12, i22] = match self.walk.mobility() {
+            Some(constant) => constant,
             None => self.mobility(sample, mean)?,
         };
+        let mobility = Matrix2::new(i11, i12, i12, i22);
         let h = sample.step;
         let mut gain = SMatrix::<f64, 4, 2>::zeros();
         gain.fixed_view_mut::<2, 2>(0, 0).copy_from(&(mobility * (0.5 * h * h)));
@@ -56,7 +57,7 @@ impl<'a> Exact<'a> {
     }
 
     /// Inverse of a mass matrix that varies.
-    fn mobility(&self, sample: &Sample, mean: &Mean<4>) -> Result<Matrix2<f64>, ModelError> {
+    fn mobility(&self, sample: &Sample, mean: &Mean<4>) -> Result<[f64; 3], ModelError> {
         let x = Motion {
             t: sample.t,
             alpha: [mean[0], mean[1]],
@@ -64,9 +65,7 @@ impl<'a> Exact<'a> {
             variance: [0.0; 4],
             robot: self.model.robot(),
         };
-        let mass = self.model.terms(&x, self.p).mass;
-        let [a, b] = [solve_mass(&mass, &[1.0, 0.0])?, solve_mass(&mass, &[0.0, 1.0])?];
-        Ok(Matrix2::new(a[0], b[0], a[1], b[1]))
+        inverse_mass(&self.model.terms(&x, self.p).mass)
     }
 }
 

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::regressor::Regressor;
-use super::{Note, Unknown};
+use super::{Note, SingleAxis, Unknown};
 use crate::effects::Motion;
 use crate::math::Information;
 use crate::model::Model;
@@ -28,14 +28,6 @@ const ROUNDING: f64 = 1e-9;
 const ROUGH: f64 = 0.1;
 /// Parameters with less than this part in a direction do not take part in it.
 const PART: f64 = 1e-3;
-
-/// How a method counts one axis that is written down as two wheels: the filter measures it once, sums over
-/// the rows of both wheels take it twice.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum SingleAxis {
-    CountedOnce,
-    CountedTwice,
-}
 
 /// Inverts the information of the free parameters (scaled to unit diagonal) and says which the
 /// data cannot give, which combination of two they give instead, and which motion would help.
@@ -72,7 +64,7 @@ pub(super) fn identified(
         notes.push(note(model, values, &finite, &free, scale, &direction, &part));
     }
     if train.iter().all(Recording::is_single_axis) {
-        notes.push(Note::SingleAxis { counted_twice: axis == SingleAxis::CountedTwice });
+        notes.push(Note::SingleAxis(axis));
     }
     Identified { covariance, notes }
 }
@@ -105,6 +97,12 @@ fn hopeless(
         (variance.sqrt() * torque > HOPELESS * input).then_some(j)
     };
     torque_of_each(model, values, train).into_iter().filter_map(wanting).collect()
+}
+
+/// The motion that tells the parameters of the effect with that id.
+pub(super) fn to_record(effect: &str) -> String {
+    crate::effects::find(effect)
+        .map_or_else(|| "richer motion".into(), |e| e.description().excitation)
 }
 
 /// Largest recorded input [drive unit].
@@ -225,9 +223,7 @@ fn note(
 ) -> Note {
     let name = |i: usize| model.parameters()[free[i]].spec.symbol.clone();
     let effect = |i: usize| &model.parameters()[free[i]].effect;
-    let record = crate::effects::find(effect(part[0]))
-        .map(|e| e.description().excitation)
-        .unwrap_or_else(|| "richer motion".into());
+    let record = to_record(effect(part[0]));
     let unknown = match *part {
         [i] => Unknown::One(name(i)),
         [i, k] => {

@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::identifiability::{SingleAxis, identified};
-use super::{Fit, IdentifyError, Note, Task};
+use super::identifiability::identified;
+use super::{Fit, IdentifyError, Note, SingleAxis, Task};
 
 /// A fit of the linear parameters alone: shapes and drives are held where the model starts.
 ///

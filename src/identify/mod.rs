@@ -27,7 +27,7 @@ pub use method::{
     options_of, options_schema,
 };
 
-pub use note::{Note, Unknown};
+pub use note::{Note, SingleAxis, Unknown};
 pub use profile::{DROP, PROFILE};
 pub use text::{details, overview};
 

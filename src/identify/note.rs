@@ -4,6 +4,16 @@ use std::fmt;
 
 use crate::simulate::Structure;
 
+/// How a method counts one axis that is written down as two wheels: the filter measures it once, sums over
+/// the rows of both wheels take it twice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SingleAxis {
+    /// The standard errors are those of one axis.
+    CountedOnce,
+    /// The standard errors count the same data twice.
+    CountedTwice,
+}
+
 /// One thing that the reader of a fit must know; its [`Display`](fmt::Display) is the sentence.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Note {
@@ -28,10 +38,7 @@ pub enum Note {
         record: String,
     },
     /// One axis written down twice.
-    SingleAxis {
-        /// Whether the standard errors count the data twice.
-        counted_twice: bool,
-    },
+    SingleAxis(SingleAxis),
     /// Descents from several starts.
     Descents {
         /// Those that end in the lowest minimum.
@@ -161,15 +168,16 @@ impl fmt::Display for Note {
                 )
             }
             Self::Unknown { unknown, record } => write!(f, "{unknown}; record: {record}."),
-            Self::SingleAxis { counted_twice } => {
+            Self::SingleAxis(counted) => {
                 f.write_str(
                     "Both wheels carry the same numbers: this is one axis, so only sums over the two \
                      wheels can be known",
                 )?;
-                f.write_str(if *counted_twice {
-                    ", and their standard errors count the same data twice (multiply by 1.41)."
-                } else {
-                    "."
+                f.write_str(match counted {
+                    SingleAxis::CountedOnce => ".",
+                    SingleAxis::CountedTwice => {
+                        ", and their standard errors count the same data twice (multiply by 1.41)."
+                    }
                 })
             }
             Self::Descents { agreeing, of } => {

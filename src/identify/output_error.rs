@@ -4,10 +4,10 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::identifiability::{SingleAxis, identified, inverse_where_known};
+use super::identifiability::{identified, inverse_where_known};
 use super::simulation_cost::Problem;
 use super::{
-    Fit, Identifier, IdentifyError, MethodDescription, Note, OptionError, Status, Task,
+    Fit, Identifier, IdentifyError, MethodDescription, Note, OptionError, SingleAxis, Status, Task,
     from_options, options_schema, start,
 };
 use crate::math::descent::{MinimiseOptions, Minimum, MinimumStatus, minimise};

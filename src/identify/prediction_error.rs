@@ -11,11 +11,11 @@ mod rival;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-use super::identifiability::{SingleAxis, identified};
+use super::identifiability::identified;
 use super::profile::{Profile, profile};
 use super::{
-    Estimate, Fit, Identifier, IdentifyError, MethodDescription, Note, OptionError, Task,
-    from_options, options_schema, start,
+    Estimate, Fit, Identifier, IdentifyError, MethodDescription, Note, OptionError, SingleAxis,
+    Task, from_options, options_schema, start,
 };
 use crate::filter::{HorizonFilter, Prepared, Reading, pieces, prepare};
 use crate::model::Model;

@@ -244,6 +244,22 @@ pub fn solve_mass(mass: &[f64; 3], b: &[f64; 2]) -> Result<[f64; 2], ModelError>
     Ok(cramer(mass, b))
 }
 
+/// Inverse of a positive definite mass matrix as (i11, i12, i22): the accelerations that torques of one give.
+///
+/// # Errors
+/// [`ModelError::MassNotPositive`].
+#[inline]
+pub fn inverse_mass(mass: &[f64; 3]) -> Result<[f64; 3], ModelError> {
+    let [first, second] = [solve_mass(mass, &[1.0, 0.0])?, solve_mass(mass, &[0.0, 1.0])?];
+    Ok([first[0], first[1], second[1]])
+}
+
+/// Symmetric matrix (m11, m12, m22) times a vector.
+#[inline]
+pub fn times([m11, m12, m22]: &[f64; 3], b: &[f64; 2]) -> [f64; 2] {
+    [m11 * b[0] + m12 * b[1], m12 * b[0] + m22 * b[1]]
+}
+
 /// The solution of `mass x = b` for a symmetric regular 2x2 matrix, by Cramer's rule.
 pub(crate) fn cramer<T: Real>(mass: &[T; 3], b: &[T; 2]) -> [T; 2] {
     let [m11, m12, m22] = *mass;

@@ -5,6 +5,6 @@ mod model;
 mod variation;
 
 pub(crate) use linearise::cramer;
-pub use linearise::{Linearisation, solve_mass};
+pub use linearise::{Linearisation, inverse_mass, solve_mass, times};
 pub use model::{Model, ModelError, Parameter};
 pub use variation::{Variation, Variations};

@@ -42,17 +42,19 @@ impl Recording {
     /// ```
     /// with m the bias of a median, [`noise::white_noise_variance`].
     /// The median over blocks is immune to starts and reversals. A quantised channel has at least
-    /// the noise of its steps, q / sqrt(12). No channel has more than [`Recording::set_most_noise`] says.
+    /// the noise of its steps, q / sqrt(12). No channel has more than [`Recording::set_most_noise`] says, and an
+    /// input that was interpolated has that of its rows.
     #[must_use]
     pub fn noise(&self) -> Noise {
         // rows that only repeat a slow sensor say nothing of its noise
         let channel = |values: &[[f64; 2]], sensed: bool| {
             [0, 1].map(|i| self.channel_noise(values, i, sensed))
         };
+        let input = || channel(self.moment(), false);
         let own = Noise {
             alpha: channel(self.alpha(), true),
             omega: channel(self.omega(), true),
-            moment: channel(self.moment(), false),
+            moment: self.recorded_input_noise().unwrap_or_else(input),
         };
         let lower = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].min(b[1])];
         match self.most_noise() {

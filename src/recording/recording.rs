@@ -21,6 +21,8 @@ pub struct Recording {
     step: f64,
     /// Most noise that the sensors have, as other recordings by them show.
     most_noise: Option<Noise>,
+    /// Noise of the input as it was recorded, where it has been interpolated since [drive unit].
+    recorded_input_noise: Option<[f64; 2]>,
 }
 
 /// Fewest samples of a recording: fourth differences and a line need that many.
@@ -73,6 +75,7 @@ impl Recording {
             fresh,
             step,
             most_noise,
+            recorded_input_noise: None,
         })
     }
 
@@ -168,6 +171,21 @@ impl Recording {
         Self { moment, ..self.clone() }
     }
 
+    /// The same recording with its input interpolated from that of its rows. Interpolation smooths noise between
+    /// neighbouring rows, not what is left of it after integration: its level stays that of the rows.
+    ///
+    /// # Panics
+    /// If the length differs.
+    #[must_use]
+    pub fn with_interpolated_moment(&self, moment: Vec<[f64; 2]>) -> Self {
+        let recorded_input_noise = Some(self.noise().moment);
+        Self { recorded_input_noise, ..self.with_moment(moment) }
+    }
+
+    pub(super) fn recorded_input_noise(&self) -> Option<[f64; 2]> {
+        self.recorded_input_noise
+    }
+
     /// Its sensors have no more noise in angles and speeds than that.
     pub fn set_most_noise(&mut self, noise: Noise) {
         self.most_noise = Some(noise);
@@ -188,7 +206,8 @@ impl Recording {
             omega: self.measured.omega.then(|| self.omega[range.clone()].to_vec()),
             moment: self.moment[range].to_vec(),
         };
-        Self::new(self.name.clone(), channels, self.drive_unit)
+        let cut = Self::new(self.name.clone(), channels, self.drive_unit)?;
+        Ok(Self { recorded_input_noise: self.recorded_input_noise, ..cut })
     }
 }
 

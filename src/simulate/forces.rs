@@ -5,7 +5,7 @@ use super::friction::{Contact, contact};
 use super::speed_polynomial::SpeedPolynomial;
 use crate::effects::{BodyState, DIRECTIONS, Effect, Motion, Terms};
 use crate::math::runge_kutta_from;
-use crate::model::{Model, ModelError, Variation, Variations, solve_mass};
+use crate::model::{Model, ModelError, Variation, Variations, inverse_mass, solve_mass, times};
 
 /// alpha1, alpha2, omega1, omega2, and behind a coupling: body speeds u1, u2, twists phi1, phi2.
 pub(super) type Vector = [f64; 8];
@@ -115,7 +115,7 @@ impl<'m> Forces<'m> {
         };
         let steady = behind.is_none() && !varies(|variations| variations.mass);
         let everywhere = wheel.at(&x);
-        let inverse = if steady { inverse(&everywhere.mass).ok() } else { None };
+        let inverse = if steady { inverse_mass(&everywhere.mass).ok() } else { None };
         let level = everywhere.level;
         let rough = varies(|variations| variations.level);
         let negative = inverse.unwrap_or([0.0; 3]).map(|i| -i);
@@ -231,7 +231,7 @@ impl<'m> Forces<'m> {
         let left = |i: usize| moment[i] - terms.torque[i] - friction[i];
         let b = [left(0), left(1)];
         match (from.freedom, self.inverse) {
-            (None, Some([i11, i12, i22])) => Ok([i11 * b[0] + i12 * b[1], i12 * b[0] + i22 * b[1]]),
+            (None, Some(inverse)) => Ok(times(&inverse, &b)),
             (None, None) => solve_mass(&terms.mass, &b),
             (Some(n), _) => Ok(along_freedom(&terms.mass, &b, &n)),
         }
@@ -245,7 +245,7 @@ impl<'m> Forces<'m> {
     ) -> Result<[f64; 3], ModelError> {
         match (from.freedom, self.inverse) {
             (None, Some(inverse)) => Ok(inverse),
-            (None, None) => inverse(mass),
+            (None, None) => inverse_mass(mass),
             (Some(n), _) => {
                 let [m1, m2] = [[1.0, 0.0], [0.0, 1.0]].map(|b| along_freedom(mass, &b, &n));
                 Ok([m1[0], m1[1], m2[1]])
@@ -310,12 +310,6 @@ pub(super) fn friction(level: &[f64; 4], sign: &[f64; 4]) -> [f64; 2] {
     sum
 }
 
-/// Symmetric matrix (m11, m12, m22) times a vector.
-#[inline]
-pub(super) fn times([m11, m12, m22]: &[f64; 3], b: &[f64; 2]) -> [f64; 2] {
-    [m11 * b[0] + m12 * b[1], m12 * b[0] + m22 * b[1]]
-}
-
 /// All rates from the acceleration of the wheels.
 #[inline]
 fn with_body(y: &Vector, a: [f64; 2], acting: &Acting) -> Result<Vector, ModelError> {
@@ -326,12 +320,6 @@ fn with_body(y: &Vector, a: [f64; 2], acting: &Acting) -> Result<Vector, ModelEr
         rates[4..].copy_from_slice(&[du[0], du[1], y[2] - y[4], y[3] - y[5]]);
     }
     Ok(rates)
-}
-
-/// Inverse of a mass matrix as (i11, i12, i22).
-fn inverse(mass: &[f64; 3]) -> Result<[f64; 3], ModelError> {
-    let [first, second] = [solve_mass(mass, &[1.0, 0.0])?, solve_mass(mass, &[0.0, 1.0])?];
-    Ok([first[0], first[1], second[1]])
 }
 
 /// `n (n·b)/(n' A n)`, or zero where nothing is free.

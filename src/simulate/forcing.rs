@@ -4,10 +4,11 @@
 
 use wide::f64x4;
 
-use super::forces::{Forces, times};
+use super::forces::Forces;
 use super::speed_polynomial::SpeedPolynomial;
 use crate::effects::{DIFFERENTIATED, DIRECTIONS, Jet, Motion};
 use crate::math::Dual;
+use crate::model::times;
 
 /// Quantities beside the constant: w1, w2, w1 (w1 - w2), w2 (w1 - w2), w1 w2, and the two accelerations.
 const QUANTITIES: usize = 7;

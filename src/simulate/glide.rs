@@ -2,10 +2,11 @@
 //! that never changes: nearly every step of nearly every simulation.
 
 use super::drive::Drive;
-use super::forces::{Departure, Forces, Vector, friction, times};
+use super::forces::{Departure, Forces, Vector, friction};
 use super::friction::Contact;
 use crate::effects::along;
 use crate::math::sgn;
+use crate::model::times;
 
 /// A step that was taken.
 pub(super) struct Glide {

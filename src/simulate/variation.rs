@@ -5,13 +5,13 @@ use std::convert::Infallible;
 use wide::f64x4;
 
 use super::drive::Drive;
-use super::forces::{Departure, Forces, Vector, times};
+use super::forces::{Departure, Forces, Vector};
 use super::forcing::{Forcing, LANES, Pair, quantities};
 use super::friction::Contact;
 use super::stepper::StepObserver;
 use crate::effects::{DIRECTIONS, along};
 use crate::math::runge_kutta_step;
-use crate::model::Linearisation;
+use crate::model::{Linearisation, times};
 
 /// Derivatives of (alpha1, alpha2, omega1, omega2) by four columns.
 type Group = [f64x4; 4];

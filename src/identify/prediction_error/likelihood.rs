@@ -2,9 +2,9 @@
 
 use super::{NAME, note_profile};
 use crate::filter::{FilterError, Likelihood, Maximum, prepare};
-use crate::identify::identifiability::{SingleAxis, identified};
+use crate::identify::identifiability::identified;
 use crate::identify::profile::profile;
-use crate::identify::{Fit, IdentifyError, Note, Task, start};
+use crate::identify::{Fit, IdentifyError, Note, SingleAxis, Task, start};
 
 /// Largest share of a1 by which noise of the input may bias it and still be corrected.
 const MOST_BIAS: f64 = 0.1;
