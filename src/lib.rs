@@ -66,6 +66,7 @@ pub mod report;
 pub mod robot;
 pub mod simulate;
 pub mod study;
+pub mod verdict;
 
 /// The examples of the guide to the library, compiled and run.
 #[cfg(doctest)]

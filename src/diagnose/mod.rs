@@ -34,7 +34,7 @@ pub use search::{Data, Settings, diagnose};
 pub use shapes::shapes_placed;
 pub use thresholds::{THRESHOLDS, Thresholds};
 pub use timing::{Timing, shifted, timing, with_later_input};
-pub use verdict::{Conclusion, Errors, conclude, likely, probabilities, structure};
+pub use verdict::{Conclusion, Errors, conclude, likely, probabilities, structure, withheld};
 pub use windows::{Windows, mobility};
 
 #[cfg(test)]

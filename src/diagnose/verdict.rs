@@ -1,5 +1,6 @@
 //! The verdict: what is missing, what is likely, what is unknown, or nothing.
 
+use super::acceptance::Fall;
 use super::outcome::{Diagnosis, Ranked};
 use super::thresholds::THRESHOLDS;
 use crate::compare::{Dependence, MissingMoment};
@@ -99,6 +100,17 @@ pub fn likely<'a>(diagnosis: &'a Diagnosis, errors: &Errors) -> Option<&'a Ranke
     let lowers = fall.share >= THRESHOLDS.likely_fall && fall.ratio <= 1.0 - THRESHOLDS.likely_fall;
     let strong = best.bic < -THRESHOLDS.strong;
     (lowers && strong && errors.ratio() > THRESHOLDS.likely_above_floor).then_some(best)
+}
+
+/// The candidate that comes first after the last accepted step and lowers the held-out error significantly at
+/// `rate`, but is not accepted, although no other effect is likely: its size is within its uncertainty, or, of a
+/// second body, the input between its rows could do as much.
+#[must_use]
+pub fn withheld(diagnosis: &Diagnosis, rate: f64) -> Option<&Ranked> {
+    let best = diagnosis.rest.first()?;
+    let strong = best.bic < -THRESHOLDS.strong;
+    let falls = |fall: &Fall| fall.passes(rate, THRESHOLDS.least_fall);
+    (diagnosis.validated && strong && best.fall.as_ref().is_some_and(falls)).then_some(best)
 }
 
 /// Concludes from the number of effects found, the errors, and the share of the squared error that a likely

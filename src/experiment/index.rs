@@ -3,11 +3,11 @@
 use super::error::ExperimentError;
 use super::execute::Outcome;
 use super::options::{Done, RunOptions};
-use super::sentence::title;
 use crate::io::write_whole;
 use crate::report::block::{Block, Cell, Column, Table, Tone};
 use crate::report::{PageContent, SectionContent, format, page};
 use crate::study::Grade;
+use crate::verdict::title;
 
 /// Experiments with a thumbnail at most: each adds some 60 kB to the page.
 const PICTURED: usize = 30;

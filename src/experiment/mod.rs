@@ -28,7 +28,6 @@ mod remarks;
 mod resolve;
 mod robot_table;
 mod run;
-mod sentence;
 mod stages;
 mod what_if;
 

@@ -9,12 +9,11 @@ use crate::compare::{
     simulate_recording, whiteness, window_rms,
 };
 use crate::diagnose::{Diagnosis, WindowFit, cutoff, mobility};
-use crate::identify::Estimate;
 use crate::model::Model;
-use crate::recording::{DriveUnit, LocalMotion, Recording};
+use crate::recording::{LocalMotion, Recording};
 use crate::robot::State;
 use crate::simulate::{Dynamics, PhysicalDynamics};
-use crate::study::{DiagnosisStudy, ModelStudy, ParameterStudy, Performance, Study};
+use crate::study::{DiagnosisStudy, ModelStudy, ParameterStudy, Performance, Study, parameters_of};
 
 /// The study with the model of the reference fit, whose dynamics are `right`.
 ///
@@ -54,7 +53,7 @@ pub(super) fn with_diagnosis(
     let study_of = |fit: &WindowFit, found: &[String]| -> Result<ModelStudy, RunError> {
         let mut out = stage.physical(&fit.model, &fit.p, cutoff)?;
         out.effects = study.effects.iter().chain(found).cloned().collect();
-        out.parameters = parameters(fit, unit);
+        out.parameters = parameters_of(fit, unit);
         Ok(out)
     };
     let given = study_of(base, &[])?;
@@ -82,22 +81,6 @@ pub(super) fn floor_under(plan: &Plan, study: &mut Study, fit: &WindowFit) -> Re
     let floors: Vec<Floor> = plan.recordings.par_iter().map(under).collect::<Result<_, _>>()?;
     study.recordings.iter_mut().zip(floors).for_each(|(r, floor)| r.floor = floor);
     Ok(())
-}
-
-/// The parameters of a fit of the diagnosis.
-pub(super) fn parameters(fit: &WindowFit, unit: DriveUnit) -> Vec<ParameterStudy> {
-    let parameter = |(j, parameter): (usize, &crate::model::Parameter)| {
-        let fixed = parameter.fixed.is_some();
-        let std_error = if fixed { 0.0 } else { fit.covariance[(j, j)].sqrt() };
-        let spec = &parameter.spec;
-        let estimate = Estimate::new(&spec.symbol, unit.of(&spec.unit), fit.p[j], std_error);
-        ParameterStudy {
-            effect: parameter.effect.clone(),
-            meaning: spec.meaning.clone(),
-            estimate: Estimate { fixed, ..estimate },
-        }
-    };
-    fit.model.parameters().iter().enumerate().map(parameter).collect()
 }
 
 /// The parameters of the reference method, with their effects.

@@ -19,6 +19,7 @@ use super::dynamics::Dynamics;
 use super::exact::Exact;
 use super::prepare::Prepared;
 use super::step::{Sample, lag_of_angle};
+use crate::model::base::{A1, A2};
 use crate::model::{Model, ModelError};
 use crate::recording::{LocalMotion, Recording};
 use crate::simulate::{Ends, Hold};
@@ -122,7 +123,7 @@ impl<'a> HorizonFilter<'a> {
             prepared.iter().zip(motions).map(|(r, motion)| crossing(r, model, p, motion)).collect();
         // both inputs of a single axis move it together
         let single = recordings.iter().all(|r| r.is_single_axis());
-        let inertia = if single { p[0] + p[1] } else { p[0] };
+        let inertia = if single { p[A1] + p[A2] } else { p[A1] };
         let whole_noise = prepared.iter().map(whole_noise).collect();
         Self { prepared, hold, pieces, crossing, inertia, whole_noise, alike: false }
     }

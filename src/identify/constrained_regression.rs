@@ -14,6 +14,7 @@ use super::{
     from_options, options_schema,
 };
 use crate::math::clustered_covariance;
+use crate::model::base;
 
 /// Inverse-dynamic regression with physical bounds (a quadratic or linear program).
 ///
@@ -147,7 +148,7 @@ impl ConstrainedRegression {
                 let name = format!("{symbol} >= {low}");
                 out.push(Bound { name, columns: vec![(c, 1.0)], limit: low });
             }
-            if let Some(share) = self.within_construction.filter(|_| j < 5) {
+            if let Some(share) = self.within_construction.filter(|_| j < base::COUNT) {
                 let reach = share * construction[j].abs();
                 for side in [1.0, -1.0] {
                     let name = format!(

@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::identifiability::identified;
 use super::{Fit, IdentifyError, Note, SingleAxis, Task};
+use crate::model::base::{A1, A2};
 
 /// A fit of the linear parameters alone: shapes and drives are held where the model starts.
 ///
@@ -59,14 +60,14 @@ pub(super) fn linear_fit(
 /// |a2|); where they contradict it, says so.
 pub(super) fn settle(p: &mut [f64], task: &Task, blind: bool, notes: &mut Vec<Note>) {
     let free = |j: usize| task.model.parameters()[j].fixed.is_none();
-    if p[0] > 1.05 * p[1].abs() {
+    if p[A1] > 1.05 * p[A2].abs() {
         return;
     }
-    if blind && free(0) && free(1) {
-        let side = if p[1] < 0.0 { -1.0 } else { 1.0 };
-        let sum = p[0] + side * p[1];
-        (p[0], p[1]) = (0.525 * sum, 0.475 * side * sum);
-    } else if !(p[0] > p[1].abs()) {
+    if blind && free(A1) && free(A2) {
+        let side = if p[A2] < 0.0 { -1.0 } else { 1.0 };
+        let sum = p[A1] + side * p[A2];
+        (p[A1], p[A2]) = (0.525 * sum, 0.475 * side * sum);
+    } else if !(p[A1] > p[A2].abs()) {
         notes.push(Note::MassNotPositive);
     }
 }

@@ -8,6 +8,7 @@ use super::weak::{weak_rows, windows};
 use super::{IdentifyError, Task};
 use crate::math::Information;
 use crate::model::Model;
+use crate::model::base::{A1, A2};
 use crate::recording::Recording;
 
 /// Half width of a test function [s].
@@ -68,8 +69,8 @@ fn minimum_norm(x: &DMatrix<f64>, y: &DVector<f64>) -> DVector<f64> {
 pub(super) fn sound(model: &Model, p: &mut [f64]) {
     let parameters = model.parameters();
     let free = |j: usize| parameters[j].fixed.is_none();
-    if free(0) && !(p[0] > 1.05 * p[1].abs()) {
-        p[0] = (1.1 * p[1].abs()).max(1e-6);
+    if free(A1) && !(p[A1] > 1.05 * p[A2].abs()) {
+        p[A1] = (1.1 * p[A2].abs()).max(1e-6);
     }
     for (j, parameter) in parameters.iter().enumerate().filter(|(j, _)| free(*j)) {
         if parameter.effect == "coulomb_friction" {

@@ -1,5 +1,6 @@
 //! Effects added up: mass, torque, dry friction, drive, and named bounded parameters.
 
+pub mod base;
 mod linearise;
 mod model;
 mod variation;

@@ -4,8 +4,9 @@ use serde::Serialize;
 
 use super::Performance;
 use crate::compare::{Failure, Horizon, Whiteness};
-use crate::diagnose::THRESHOLDS;
+use crate::diagnose::{THRESHOLDS, WindowFit};
 use crate::identify::Estimate;
+use crate::recording::DriveUnit;
 
 /// A parameter of a fitted model.
 #[derive(Clone, Debug, Serialize)]
@@ -16,6 +17,23 @@ pub struct ParameterStudy {
     pub meaning: String,
     /// Its estimate.
     pub estimate: Estimate,
+}
+
+/// The parameters of a fit of the diagnosis on an input of that unit.
+#[must_use]
+pub fn parameters_of(fit: &WindowFit, unit: DriveUnit) -> Vec<ParameterStudy> {
+    let parameter = |(j, parameter): (usize, &crate::model::Parameter)| {
+        let fixed = parameter.fixed.is_some();
+        let std_error = if fixed { 0.0 } else { fit.covariance[(j, j)].sqrt() };
+        let spec = &parameter.spec;
+        let estimate = Estimate::new(&spec.symbol, unit.of(&spec.unit), fit.p[j], std_error);
+        ParameterStudy {
+            effect: parameter.effect.clone(),
+            meaning: spec.meaning.clone(),
+            estimate: Estimate { fixed, ..estimate },
+        }
+    };
+    fit.model.parameters().iter().enumerate().map(parameter).collect()
 }
 
 /// A fitted model on the recordings of an experiment.

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules in the order in which they may import: each one only those before it.
-const ORDER: [&str; 15] = [
+const ORDER: [&str; 16] = [
     "math",
     "robot",
     "recording",
@@ -20,6 +20,7 @@ const ORDER: [&str; 15] = [
     "diagnose",
     "study",
     "report",
+    "verdict",
     "experiment",
 ];
 

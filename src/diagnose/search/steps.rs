@@ -1,5 +1,6 @@
 //! The steps that were tried: which of them held-out windows prove, and which of the effects stay.
 
+use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::Search;
@@ -9,6 +10,7 @@ use crate::diagnose::outcome::{Ranked, Step};
 use crate::diagnose::thresholds::THRESHOLDS;
 use crate::diagnose::windows::Errors;
 use crate::effects::{Change, ParameterKind};
+use crate::math::distribution::chi2_log_survival;
 
 /// A fit on recordings that nothing was fitted to.
 struct HeldOut<'a> {
@@ -282,13 +284,30 @@ impl Search<'_> {
     }
 }
 
-/// Whether a linear parameter of the step's effect, if it has any, differs from zero by more than its uncertainty: an
-/// effect that the training recordings do not show may lower the held-out error by accident.
+/// Whether the linear parameters of the step's effect, if it has any, together differ from zero by more than their
+/// uncertainty: an effect that the training recordings do not show may lower the held-out error by accident.
+///
+/// ```text
+/// P(chi2(k) > p' C^-1 p) < P(|z| > uncertain),   C: covariance of the k parameters, z: standard normal
+/// ```
+/// Together, since of two that hide each other (the stiffness of a tyre and the inertia in front of it) each alone
+/// may be as good as unknown.
 fn has_size(step: &Step) -> bool {
-    let model = &step.fit.model;
+    let WindowFit { model, p, covariance, .. } = &step.fit;
     let own = model.parameters().iter().enumerate().filter(|(_, p)| p.effect == step.id);
-    let linear = own.filter(|(_, p)| p.spec.kind == ParameterKind::Linear);
-    let errors = |j: usize| step.fit.p[j].abs() / step.fit.covariance[(j, j)].sqrt();
-    let mut sizes = linear.map(|(j, _)| errors(j)).peekable();
-    sizes.peek().is_none() || sizes.any(|size| size > THRESHOLDS.uncertain)
+    let linear: Vec<usize> =
+        own.filter(|(_, p)| p.spec.kind == ParameterKind::Linear).map(|(j, _)| j).collect();
+    // a parameter at its bound has no variance
+    let (free, held): (Vec<usize>, Vec<usize>) =
+        linear.iter().partition(|&&j| covariance[(j, j)] > 0.0);
+    if linear.is_empty() || held.iter().any(|&j| p[j] != 0.0) {
+        return true;
+    }
+    let sizes = DVector::from_iterator(free.len(), free.iter().map(|&j| p[j]));
+    let Some(inverse) = covariance.select_rows(&free).select_columns(&free).cholesky() else {
+        return false;
+    };
+    let square = sizes.dot(&inverse.solve(&sizes));
+    chi2_log_survival(square, free.len() as f64)
+        < chi2_log_survival(THRESHOLDS.uncertain.powi(2), 1.0)
 }

@@ -8,6 +8,7 @@ use crate::identify::identifiability::{largest_input, to_record, torque_of_each}
 use crate::identify::start::covariance_of_free;
 use crate::identify::{Note, Task, Unknown};
 use crate::model::Model;
+use crate::model::base::{A1, A2};
 use crate::recording::Recording;
 
 /// A model with what the data do not identify held, and its maximum of the likelihood.
@@ -39,8 +40,8 @@ impl Held {
             let Ok(model) = out.model.fix(symbol, initial[j]) else { break };
             let mut p = out.solution.p.clone();
             // the sum of the inertias is known where one of them is not
-            if j == 1 {
-                p[0] += p[1] - initial[1];
+            if j == A2 {
+                p[A1] += p[A2] - initial[A2];
             }
             p[j] = initial[j];
             crate::identify::start::sound(&model, &mut p);

@@ -5,6 +5,7 @@ use crate::filter::{FilterError, Likelihood, Maximum, prepare};
 use crate::identify::identifiability::identified;
 use crate::identify::profile::profile;
 use crate::identify::{Fit, IdentifyError, Note, SingleAxis, Task, start};
+use crate::model::base::A1;
 
 /// Largest share of a1 by which noise of the input may bias it and still be corrected.
 const MOST_BIAS: f64 = 0.1;
@@ -21,7 +22,7 @@ pub(super) fn identify(task: &Task, symbols: &[String]) -> Result<Fit, IdentifyE
     let maximum = likelihood.maximise(task.model, &first, None).map_err(unusable)?;
     let bias = likelihood.pull_of_input_noise(task.model, &maximum)?;
     // the bias is known to first order, so a large one is not known
-    let small = bias[0].abs() < MOST_BIAS * maximum.p[0].abs();
+    let small = bias[A1].abs() < MOST_BIAS * maximum.p[A1].abs();
     let bias = if small { bias } else { vec![0.0; maximum.p.len()] };
     let mut fit = fit(task, &maximum, &bias);
     if !small {

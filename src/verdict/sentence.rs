@@ -1,12 +1,12 @@
 //! The verdict of a diagnosis as a sentence.
 
-use super::models;
 use crate::compare::Dependence;
 use crate::diagnose::{Conclusion, Diagnosis, Errors, Ranked};
+use crate::effects::Change;
 use crate::identify::Estimate;
 use crate::recording::DriveUnit;
 use crate::report::format;
-use crate::study::AT_FLOOR;
+use crate::study::{AT_FLOOR, parameters_of};
 
 /// What the sentence is made of.
 pub(super) struct Finding<'a> {
@@ -16,6 +16,8 @@ pub(super) struct Finding<'a> {
     /// What the residual torque of the last model depends on most.
     pub(super) depends_on: Option<&'a Dependence>,
     pub(super) likely: Option<&'a Ranked>,
+    /// What lowers the held-out error without being accepted.
+    pub(super) withheld: Option<&'a Ranked>,
     pub(super) false_alarm: f64,
     /// Unit of the input.
     pub(super) unit: DriveUnit,
@@ -34,12 +36,7 @@ impl Finding<'_> {
                 100.0 * self.false_alarm,
                 self.error()
             ),
-            Conclusion::Sufficient => format!(
-                "Nothing is missing: no effect of the catalogue lowers the held-out error at a \
-                 false-alarm rate of {:.0} %. {}",
-                100.0 * self.false_alarm,
-                self.error()
-            ),
+            Conclusion::Sufficient => self.sufficient(),
             Conclusion::Missing => format!("Missing: {}. {}", self.names(), self.error()),
             Conclusion::Likely => format!(
                 "Likely missing, not proven: {}. {}",
@@ -53,6 +50,24 @@ impl Finding<'_> {
                 "Something is missing that the catalogue does not explain. Found: {}. {}",
                 self.names(),
                 self.rest()
+            ),
+        }
+    }
+
+    fn sufficient(&self) -> String {
+        match self.withheld {
+            Some(ranked) => format!(
+                "Nothing is proven to be missing. {} With {} the held-out error falls by {:.0} %, but {}.",
+                self.error(),
+                named(ranked),
+                lowered(ranked),
+                why_withheld(ranked)
+            ),
+            None => format!(
+                "Nothing is missing: no effect of the catalogue lowers the held-out error at a \
+                 false-alarm rate of {:.0} %. {}",
+                100.0 * self.false_alarm,
+                self.error()
             ),
         }
     }
@@ -79,7 +94,7 @@ impl Finding<'_> {
     /// first two that are estimated.
     fn sized(&self, id: &str) -> String {
         let fit = self.diagnosis.last();
-        let sizes: Vec<String> = models::parameters(fit, self.unit)
+        let sizes: Vec<String> = parameters_of(fit, self.unit)
             .iter()
             .filter(|p| p.effect == id && !p.estimate.fixed && p.estimate.std_error.is_finite())
             .take(SIZES)
@@ -134,7 +149,7 @@ impl Finding<'_> {
 const SIZES: usize = 2;
 
 /// The name of an effect of the catalogue within a sentence; the id of any other.
-pub(super) fn title(id: &str) -> String {
+pub(crate) fn title(id: &str) -> String {
     let known = crate::effects::find(id).map(|effect| effect.description().title);
     known.map_or_else(|| id.to_owned(), |title| format::in_text(&title))
 }
@@ -150,8 +165,27 @@ fn size(e: &Estimate) -> String {
     format!("{} = {}{unit} (95 %: {} to {})", e.symbol, fixed(e.value), fixed(low), fixed(high))
 }
 
+/// Why an effect that lowers the held-out error is not accepted.
+fn why_withheld(ranked: &Ranked) -> &'static str {
+    match ranked.candidate.effect.change() {
+        Change::TwoMass => {
+            "what the input does between its rows could be the reason as well; a recording at a higher rate tells"
+        }
+        _ => "its size does not differ from zero by more than its uncertainty",
+    }
+}
+
 fn of(ranked: &Ranked) -> String {
-    let fall = ranked.fall.map_or(0.0, |fall| 100.0 * (1.0 - fall.ratio));
+    format!("{}, which lowers the held-out error by {:.0} %", named(ranked), lowered(ranked))
+}
+
+/// "turning scrub (turning_scrub)".
+fn named(ranked: &Ranked) -> String {
     let id = &ranked.candidate.id;
-    format!("{} ({id}), which lowers the held-out error by {fall:.0} %", title(id))
+    format!("{} ({id})", title(id))
+}
+
+/// By how much a candidate lowers the held-out error [%].
+fn lowered(ranked: &Ranked) -> f64 {
+    ranked.fall.map_or(0.0, |fall| 100.0 * (1.0 - fall.ratio))
 }

@@ -1,0 +1,118 @@
+//! The verdict of a diagnosis: what is missing, with the errors that show it, in plain data and in words.
+
+mod next;
+mod ranking;
+mod sentence;
+
+pub(crate) use self::sentence::title;
+
+use self::next::{advice, propose, to_prove};
+use self::ranking::{ranking, staircase};
+use self::sentence::Finding;
+use crate::diagnose::{
+    Conclusion, Diagnosis, Judge, Settings, WindowFit, conclude, likely, withheld,
+};
+use crate::filter::{Likelihood, prepare};
+use crate::recording::Recording;
+use crate::simulate::{Hold, SimulateError};
+use crate::study::{DiagnosisStudy, FoundEffect, Verdict, parameters_of};
+
+/// What a verdict rests on beside the diagnosis.
+#[derive(Clone, Copy, Debug)]
+pub struct Basis<'a> {
+    /// The recordings that were fitted.
+    pub train: &'a [Recording],
+    /// The recordings whose error is judged, best such that no model was fitted to.
+    pub judged: &'a [Recording],
+    /// The input between the rows.
+    pub hold: Hold,
+    /// Noise floor of the judged recordings under the last model of the diagnosis, root mean square over
+    /// windows of 2 s [rad/s], where it is known already.
+    pub floor: Option<f64>,
+    /// The false-alarm rate that the diagnosis was asked for.
+    pub false_alarm: f64,
+    /// Whether the residual torque of the filter contains a slow disturbance.
+    pub slow_moment: bool,
+    /// Seed of the proposed manoeuvre.
+    pub seed: u64,
+}
+
+impl<'a> Basis<'a> {
+    /// Of a diagnosis with default settings.
+    #[must_use]
+    pub fn new(train: &'a [Recording], judged: &'a [Recording], hold: Hold) -> Self {
+        let Settings { false_alarm, .. } = Settings::default();
+        Self { train, judged, hold, floor: None, false_alarm, slow_moment: true, seed: 0 }
+    }
+}
+
+/// The verdict of a diagnosis: errors of its first and its last model over the judged recordings against the
+/// noise floor, structure in the residual torque, and what to record next.
+///
+/// # Errors
+/// A model that cannot move, or diverges.
+pub fn verdict(diagnosis: &Diagnosis, basis: &Basis) -> Result<DiagnosisStudy, SimulateError> {
+    let likelihood = Likelihood {
+        prepared: basis.train.iter().map(prepare).collect(),
+        hold: basis.hold,
+        slow_moment: basis.slow_moment,
+        timing: false,
+    };
+    let unit = basis.train[0].drive_unit();
+    let judge = Judge::new(basis.judged.to_vec(), basis.hold);
+    let WindowFit { model, p, .. } = diagnosis.last();
+    let floor = basis.floor.unwrap_or_else(|| judge.floor(model, p));
+    let before = judge.judge(&diagnosis.base.model, &diagnosis.base.p)?;
+    let errors = judge.errors(diagnosis, floor)?;
+    let left = judge.structure_left(diagnosis, &likelihood)?;
+    let found = diagnosis.found();
+    let probable = likely(diagnosis, &errors);
+    let leaves = probable.and_then(|r| r.fall).map(|fall| fall.ratio);
+    let conclusion = conclude(found.len(), &errors, leaves, left.is_some());
+    // where nothing is missing there is nothing to record
+    let open = conclusion != Conclusion::Sufficient;
+    let proposal = open.then(|| propose(diagnosis, &likelihood, basis.seed)).flatten();
+    let withheld = withheld(diagnosis, basis.false_alarm).filter(|_| !open);
+    let next_run = match withheld {
+        Some(ranked) => Some(to_prove(ranked)),
+        None => open.then(|| advice(diagnosis, probable, proposal.as_ref())).flatten(),
+    };
+    let finding = Finding {
+        conclusion,
+        diagnosis,
+        errors: &errors,
+        depends_on: left.as_ref(),
+        likely: probable,
+        withheld,
+        false_alarm: basis.false_alarm,
+        unit,
+    };
+    let estimates = parameters_of(diagnosis.last(), unit).into_iter().map(|p| p.estimate);
+    Ok(DiagnosisStudy {
+        verdict: match conclusion {
+            Conclusion::Sufficient => Verdict::ModelSufficient,
+            Conclusion::Missing => Verdict::EffectsMissing,
+            Conclusion::Likely => Verdict::EffectLikely,
+            Conclusion::Unknown => Verdict::UnknownEffect,
+        },
+        sentence: finding.sentence(),
+        found,
+        likely: probable.map(|r| r.candidate.id.clone()).into_iter().collect(),
+        estimates: estimates.collect(),
+        ranking: ranking(diagnosis, &judge, before, floor)?,
+        staircase: staircase(diagnosis, &judge, before)?,
+        unexplained_fraction: errors.unexplained(),
+        next_run,
+        proposal,
+        false_alarm: basis.false_alarm,
+        effects: diagnosis.steps.iter().map(found_effect).collect(),
+    })
+}
+
+/// An accepted effect in words.
+fn found_effect(step: &crate::diagnose::Step) -> FoundEffect {
+    let effects = step.fit.model.effects();
+    let description = effects.iter().map(|e| e.description()).find(|d| d.id == step.id);
+    let (title, cause) = description.map_or_else(Default::default, |d| (d.title, d.cause));
+    FoundEffect { id: step.id.clone(), title, cause, indistinguishable: step.equals.clone() }
+}

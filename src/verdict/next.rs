@@ -1,0 +1,118 @@
+//! What to record next where the data leave two effects open.
+
+use super::sentence::title;
+use crate::diagnose::{Diagnosis, Limits, Proposal, Ranked, Rivals, next_run};
+use crate::effects::{Change, Description};
+use crate::filter::Likelihood;
+use crate::recording::Recording;
+
+/// Floor that a proposed manoeuvre keeps to, a square of this side [m].
+const FLOOR: f64 = 2.0;
+/// Its length [s].
+const DURATION: f64 = 20.0;
+
+/// The manoeuvre that would tell the best candidate from the nearest one that this data cannot
+/// tell from it.
+pub(super) fn propose(
+    diagnosis: &Diagnosis,
+    likelihood: &Likelihood,
+    seed: u64,
+) -> Option<Proposal> {
+    let (best, rival) = competing(diagnosis)?;
+    let recordings = || likelihood.prepared.iter().map(|p| p.recording);
+    let largest = |value: &dyn Fn(&Recording) -> f64| recordings().map(value).fold(0.0, f64::max);
+    let peak = |rows: &[[f64; 2]]| rows.iter().flatten().fold(0.0_f64, |a, v| a.max(v.abs()));
+    let limits = Limits {
+        speed: largest(&|r| peak(r.omega())),
+        moment: 1.2 * largest(&|r| peak(r.moment())),
+        floor: FLOOR,
+        duration: DURATION,
+    };
+    let rivals = Rivals {
+        effects: [&best.candidate, &rival.candidate],
+        sizes: [&best.estimate, &rival.estimate],
+    };
+    let base = &diagnosis.base;
+    let (noise, _) = likelihood.noise(&base.model, &base.p, &likelihood.initial_noise());
+    next_run(&base.model, &base.p, &noise, likelihood, &rivals, &limits, seed)
+}
+
+/// The two effects that a further recording should distinguish: the first that was found and one that is not
+/// distinguishable from it, or, where none was found, the first two that would lower the criterion.
+fn competing(diagnosis: &Diagnosis) -> Option<(&Ranked, &Ranked)> {
+    let best = diagnosis.ranking.first()?;
+    let same = best.candidate.effect.description().equivalent;
+    let rival = match diagnosis.steps.first() {
+        Some(step) => {
+            let other = step.equals.iter().find(|e| !same.contains(e))?;
+            diagnosis.ranking.iter().find(|r| r.candidate.id == *other)?
+        }
+        None => diagnosis.ranking.get(1)?,
+    };
+    let good = |r: &Ranked| r.refit.is_some() && r.bic < 0.0;
+    (good(best) && good(rival)).then_some((best, rival))
+}
+
+/// What to record so that an effect is proven.
+pub(super) fn to_prove(ranked: &Ranked) -> String {
+    let effect = &ranked.candidate.effect;
+    let Description { id, excitation, .. } = effect.description();
+    let faster = if effect.change() == Change::TwoMass { ", at a higher rate" } else { "" };
+    format!("To prove {}, record{faster}: {excitation}.", title(&id))
+}
+
+/// What to drive next, in words, where two effects cannot be told apart.
+pub(super) fn advice(
+    diagnosis: &Diagnosis,
+    likely: Option<&Ranked>,
+    proposal: Option<&Proposal>,
+) -> Option<String> {
+    let best = diagnosis.ranking.first()?;
+    let same = best.candidate.effect.description();
+    let mut out = Vec::new();
+    if let Some(likely) = likely {
+        out.push(to_prove(likely));
+    }
+    let found = diagnosis.steps.first();
+    if !same.equivalent.is_empty() && found.is_some() {
+        out.push(format!(
+            "No recording of wheel speeds and torques distinguishes {} from {}: they are the same in \
+             the equations. A measurement of another kind is needed.",
+            title(&same.id),
+            same.equivalent.iter().map(|id| title(id)).collect::<Vec<_>>().join(" or ")
+        ));
+    }
+    let rivals: Vec<String> = match found {
+        Some(step) => step.equals.clone(),
+        None => competing(diagnosis).map(|(_, r)| r.candidate.id.clone()).into_iter().collect(),
+    };
+    for other in rivals.iter().filter(|e| !same.equivalent.contains(e)) {
+        let Some(rival) = diagnosis.ranking.iter().find(|r| r.candidate.id == *other) else {
+            continue;
+        };
+        let description = rival.candidate.effect.description();
+        if found.is_none() {
+            let (first, second) = (title(&same.id), title(other));
+            out.push(format!(
+                "Of the catalogue, {first} and {second} come closest, neither proven."
+            ));
+        }
+        out.push(format!(
+            "To distinguish {} from {}, record: {}; and: {}.",
+            title(&same.id),
+            title(other),
+            same.excitation,
+            description.excitation
+        ));
+    }
+    if let Some(proposal) = proposal {
+        out.push(format!(
+            "A manoeuvre of {:.0} s that does it is written to next_run.csv (set-points) and \
+             next_run.toml (segments); driven once, it identifies the right one with a probability of \
+             {:.1} %.",
+            proposal.movement.duration(),
+            100.0 * proposal.probability
+        ));
+    }
+    (!out.is_empty()).then(|| out.join(" "))
+}
