@@ -27,7 +27,7 @@ pub use input_timing::SYMBOL as INPUT_SHIFT;
 pub use judge::{Judge, Judgement};
 pub use next_run::{Limits, Proposal, Rivals, next_run};
 pub use outcome::{Diagnosis, Ranked, Step};
-pub use regression::{Regression, cutoff};
+pub use regression::{Regression, Smoothed, cutoff};
 pub use scale::scale_of;
 pub use screen::Screen;
 pub use search::{Data, Settings, diagnose};

@@ -3,7 +3,10 @@
 //! The torque that a model leaves unexplained on the smoothed motion is regressed on the columns of
 //! candidates, all of them low-passed alike and without a phase shift.
 
+use std::sync::Arc;
+
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use super::candidate::{Candidate, still_instant};
 use super::nonnegative;
@@ -37,13 +40,35 @@ struct Smooth<'a> {
     input: Vec<[f64; 2]>,
 }
 
+/// Recordings behind the low-pass, made once for every regression on them.
+#[derive(Clone)]
+pub struct Smoothed<'a> {
+    /// Cut-off of the low-pass [Hz].
+    pub(super) cutoff: f64,
+    recordings: Arc<[Smooth<'a>]>,
+}
+
+impl<'a> Smoothed<'a> {
+    /// `recordings` behind a low-pass of that cut-off [Hz].
+    #[must_use]
+    pub fn new(recordings: &[&'a Recording], cutoff: f64) -> Self {
+        let one = |(index, recording): (usize, &&'a Recording)| {
+            let motion = smooth_motion(recording, cutoff);
+            let once = filtered(recording, cutoff, recording.moment());
+            let input = filtered(recording, cutoff, &once);
+            Smooth { recording, index, motion, input }
+        };
+        let recordings: Vec<Smooth> = recordings.par_iter().enumerate().map(one).collect();
+        Self { cutoff, recordings: recordings.into() }
+    }
+}
+
 /// The rows of all recordings on which candidates are regressed.
 pub struct Regression<'a> {
     model: &'a Model,
     p: &'a [f64],
-    cutoff: f64,
     speed: f64,
-    smooth: Vec<Smooth<'a>>,
+    smoothed: Smoothed<'a>,
     /// Rows that are kept: recording, row, wheel.
     rows: Vec<(usize, usize, usize)>,
     /// Columns of the free parameters [N m per unit], and an orthonormal basis of them.
@@ -81,32 +106,20 @@ pub fn cutoff(recordings: &[&Recording], mobility: f64) -> f64 {
 }
 
 impl<'a> Regression<'a> {
-    /// The regression of `recordings` on the free parameters of `model` around `p`. `None` where nothing is
-    /// left of them.
+    /// The regression of `smoothed` recordings on the free parameters of `model` around `p`, of which speeds below a
+    /// share of `speed` [rad/s] count as rest. `None` where nothing is left of them.
     #[must_use]
     pub fn new(
         model: &'a Model,
         p: &'a [f64],
-        recordings: &[&'a Recording],
-        cutoff: f64,
+        smoothed: &Smoothed<'a>,
         speed: f64,
     ) -> Option<Self> {
-        let smooth: Vec<Smooth> = recordings
-            .iter()
-            .enumerate()
-            .map(|(index, recording)| {
-                let motion = smooth_motion(recording, cutoff);
-                let once = filtered(recording, cutoff, recording.moment());
-                let input = filtered(recording, cutoff, &once);
-                Smooth { recording, index, motion, input }
-            })
-            .collect();
         let mut this = Self {
             model,
             p,
-            cutoff,
             speed,
-            smooth,
+            smoothed: smoothed.clone(),
             rows: vec![],
             base: DMatrix::zeros(0, 0),
             basis: DMatrix::zeros(0, 0),
@@ -128,9 +141,9 @@ impl<'a> Regression<'a> {
     /// Rows on which a wheel moves, thinned to what the low-pass leaves independent.
     fn choose_rows(&mut self) {
         let mut moving = 0.0;
-        for (index, smooth) in self.smooth.iter().enumerate() {
+        for (index, smooth) in self.smoothed.recordings.iter().enumerate() {
             let r = smooth.recording;
-            let every = (1.0 / (KEPT * self.cutoff * r.step())).floor().max(1.0) as usize;
+            let every = (1.0 / (KEPT * self.smoothed.cutoff * r.step())).floor().max(1.0) as usize;
             for piece in r.pieces() {
                 for k in piece.clone() {
                     for i in 0..2 {
@@ -145,7 +158,7 @@ impl<'a> Regression<'a> {
                 }
             }
         }
-        self.degrees = 2.0 * self.cutoff * moving;
+        self.degrees = 2.0 * self.smoothed.cutoff * moving;
     }
 
     /// Columns of the free parameters and the residual torque at `p`, low-passed, at the rows.
@@ -154,12 +167,12 @@ impl<'a> Regression<'a> {
         let mut work = Linearisation::new(self.p.len());
         let mut columns = DMatrix::zeros(self.rows.len(), free.len());
         let mut residual = DVector::zeros(self.rows.len());
-        for smooth in &self.smooth {
+        for smooth in self.smoothed.recordings.iter() {
             let r = smooth.recording;
             let (acting, by_input) = self.model.drive_derivatives(r.t(), r.moment(), self.p);
             let mut signals = vec![vec![[0.0; 2]; r.len()]; free.len() + 1];
             // the input passes the filter twice; everything else is made of motion that has passed once
-            let input = filtered(r, self.cutoff, &acting);
+            let input = filtered(r, self.smoothed.cutoff, &acting);
             for k in 0..r.len() {
                 let m = &smooth.motion[k];
                 let x = self.motion(smooth, k);
@@ -173,7 +186,7 @@ impl<'a> Regression<'a> {
                 }
             }
             for (n, signal) in signals.iter().enumerate() {
-                let passed = filtered(r, self.cutoff, signal);
+                let passed = filtered(r, self.smoothed.cutoff, signal);
                 for (row, (index, k, i)) in self.rows.iter().enumerate() {
                     if *index != smooth.index {
                         continue;
@@ -213,7 +226,7 @@ impl<'a> Regression<'a> {
     #[must_use]
     pub fn square_at_shift(&self, shift: f64) -> f64 {
         let mut change = DVector::zeros(self.rows.len());
-        for smooth in &self.smooth {
+        for smooth in self.smoothed.recordings.iter() {
             let input = &smooth.input;
             let shifted = super::timing::shifted(smooth.recording, input, shift);
             for (row, (index, k, i)) in self.rows.iter().enumerate() {
@@ -262,7 +275,7 @@ impl<'a> Regression<'a> {
         let count = candidate.columns();
         let mut columns = DMatrix::zeros(self.rows.len(), count);
         let mut torque = vec![[0.0; 2]; count];
-        for smooth in &self.smooth {
+        for smooth in self.smoothed.recordings.iter() {
             let r = smooth.recording;
             let mut signals = vec![vec![[0.0; 2]; r.len()]; count];
             for k in 0..r.len() {
@@ -271,7 +284,7 @@ impl<'a> Regression<'a> {
                 torque.iter().zip(&mut signals).for_each(|(value, signal)| signal[k] = *value);
             }
             for (n, signal) in signals.iter().enumerate() {
-                let passed = filtered(r, self.cutoff, signal);
+                let passed = filtered(r, self.smoothed.cutoff, signal);
                 for (row, (index, k, i)) in self.rows.iter().enumerate() {
                     if *index == smooth.index {
                         columns[(row, n)] = passed[*k][*i];

@@ -14,7 +14,7 @@ use super::fit::{WindowFit, fit};
 use super::input_timing::{InputTiming, SYMBOL};
 use super::judge::Judge;
 use super::outcome::{Diagnosis, Ranked, Step};
-use super::regression::{Regression, cutoff};
+use super::regression::{Regression, Smoothed, cutoff};
 use super::scale::scale_of;
 use super::screen::Screen;
 use super::thresholds::THRESHOLDS;
@@ -103,7 +103,8 @@ struct Search<'a> {
     held: Option<Windows<'a>>,
     judge: Judge,
     settings: &'a Settings,
-    cutoff: f64,
+    /// The training recordings behind the low-pass of the screening.
+    smoothed: Smoothed<'a>,
     degrees: f64,
     scale: Scale,
     /// Shifts of the input that logging explains [s].
@@ -124,6 +125,7 @@ impl<'a> Search<'a> {
         let mobility = mobility(model, &start);
         let cutoff = cutoff(&train, mobility);
         let scale = scale_of(model, &start, &train, cutoff);
+        let smoothed = Smoothed::new(&train, cutoff);
         let windows = Windows::new(train, data.hold, mobility).sampled(model, &start);
         let validation: Vec<&Recording> = data.validation.iter().collect();
         let held = (!validation.is_empty())
@@ -135,16 +137,15 @@ impl<'a> Search<'a> {
         let range = (EARLIEST * step - corrected, LOGGING * step - corrected);
         let degrees = 0.0;
         let this =
-            Self { windows, held, judge, settings, cutoff, degrees, scale, range, corrected };
+            Self { windows, held, judge, settings, smoothed, degrees, scale, range, corrected };
         Ok(this.with_degrees(model, &start))
     }
 
     fn with_degrees(mut self, model: &Model, start: &[f64]) -> Self {
-        let regression =
-            Regression::new(model, start, &self.windows.recordings, self.cutoff, self.scale.speed);
+        let regression = Regression::new(model, start, &self.smoothed, self.scale.speed);
         let rows: usize = self.windows.recordings.iter().map(|r| r.len()).sum();
         // without a regression every row of a window counts as one at the cut-off
-        let fallback = rows as f64 * 2.0 * self.cutoff * self.scale.step;
+        let fallback = rows as f64 * 2.0 * self.smoothed.cutoff * self.scale.step;
         self.degrees = regression.map_or(fallback, |r| r.degrees).max(10.0);
         self
     }
@@ -221,8 +222,8 @@ impl<'a> Search<'a> {
         // a shift of the input is what timing would take for itself: it is held while shifts are looked at
         let held = held_in_time(present);
         let look = |model| {
-            let (p, recordings) = (&present.p, &self.windows.recordings);
-            let by_torque = Regression::new(model, p, recordings, self.cutoff, self.scale.speed);
+            let p = &present.p;
+            let by_torque = Regression::new(model, p, &self.smoothed, self.scale.speed);
             (by_torque, Screen::new(model, p, &self.windows, self.degrees))
         };
         let looks = rayon::join(|| look(&present.model), || look(&held)).into();

@@ -83,7 +83,8 @@ fn the_regression_finds_the_coefficient_and_the_timing_of_the_input() {
     let first = started(&model, std::slice::from_ref(&recording));
     let all = vec![&recording];
     let scale = scale(&model, &first, &all);
-    let regression = Regression::new(&model, &first, &all, scale.bandwidth, scale.speed).unwrap();
+    let smoothed = Smoothed::new(&all, scale.bandwidth);
+    let regression = Regression::new(&model, &first, &smoothed, scale.speed).unwrap();
     let named = ["viscous_friction".to_string()];
     let found = candidates(&model, &first, &named, &[], &all, &scale);
     let (ratio, estimate) = regression.ratio(&found[0]);

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use super::fit::{WindowFit, fit};
 use super::input_timing::{InputTiming, SYMBOL, later};
-use super::regression::{Regression, cutoff};
+use super::regression::{Regression, Smoothed, cutoff};
 use super::scale::scale_of;
 use super::thresholds::THRESHOLDS;
 use super::windows::{Windows, mobility};
@@ -49,7 +49,8 @@ pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -
     let step = recordings.iter().map(|r| r.step()).fold(0.0, f64::max);
     let cutoff = cutoff(recordings, mobility(model, p));
     let scale = scale_of(model, p, recordings, cutoff);
-    let regression = Regression::new(model, p, recordings, cutoff, scale.speed)?;
+    let smoothed = Smoothed::new(recordings, cutoff);
+    let regression = Regression::new(model, p, &smoothed, scale.speed)?;
     let balanced = by_balance(&regression, step)?;
     let simulated = by_simulation(model, p, balanced.0, recordings, hold, &scale);
     let (dead_time_s, std_error_s) = simulated.and_then(|s| s.shift).unwrap_or(balanced);
