@@ -54,7 +54,7 @@ pub(crate) struct Piece {
 /// Nothing of the noise is estimated, so that it cannot absorb what the model lacks.
 ///
 /// What the input does between its rows is noise of each row. With `alike` and a horizon it is the same
-/// in all rows, the mean of it in s_M: where the model is known to be wrong, rows in which the input
+/// in all rows of all recordings, the mean of it in s_M: where the model is known to be wrong, rows in which the input
 /// moves, starts and reversals, are not to count for less.
 pub(crate) struct HorizonFilter<'a> {
     pub(crate) prepared: &'a [Prepared<'a>],
@@ -65,8 +65,8 @@ pub(crate) struct HorizonFilter<'a> {
     crossing: Vec<Vec<[f64; 4]>>,
     /// Inertia of a wheel for which the horizon is converted to noise.
     inertia: f64,
-    /// Standard deviation of the input with what it does between rows, of every recording [N m].
-    whole_noise: Vec<f64>,
+    /// Standard deviation of the input with what it does between rows [N m].
+    whole_noise: f64,
     /// Whether noise of the input is taken to be the same in all rows, where there is a horizon.
     pub(crate) alike: bool,
 }
@@ -124,7 +124,7 @@ impl<'a> HorizonFilter<'a> {
         // both inputs of a single axis move it together
         let single = recordings.iter().all(|r| r.is_single_axis());
         let inertia = if single { p[A1] + p[A2] } else { p[A1] };
-        let whole_noise = prepared.iter().map(whole_noise).collect();
+        let whole_noise = whole_noise(prepared);
         Self { prepared, hold, pieces, crossing, inertia, whole_noise, alike: false }
     }
 
@@ -138,7 +138,7 @@ impl<'a> HorizonFilter<'a> {
         let (prepared, recording) = (&self.prepared[r], self.prepared[r].recording);
         let fresh = recording.fresh().iter().filter(|fresh| **fresh).count().max(1);
         let refresh = recording.step() * recording.len() as f64 / fresh as f64;
-        let noise = if self.alike { self.whole_noise[r] } else { prepared.moment_noise };
+        let noise = if self.alike { self.whole_noise } else { prepared.moment_noise };
         let q = (noise / self.inertia).powi(2) * refresh;
         let more = [q * horizon.powi(4) / (4.0 * refresh), q * horizon.powi(2) / refresh];
         std::array::from_fn(|i| prepared.variance[i] + more[i / 2])
@@ -177,7 +177,7 @@ impl<'a> HorizonFilter<'a> {
                     alike: self.alike && horizon > 0.0,
                 };
                 let sigma_m =
-                    if run.alike { self.whole_noise[r] } else { self.prepared[r].moment_noise };
+                    if run.alike { self.whole_noise } else { self.prepared[r].moment_noise };
                 if model.is_coupled() {
                     let noise = ProcessNoise { sigma_m, sigma_d: 0.0, tau_d: 1.0, later: 0.5 };
                     run.pass(Coupled::new(model, p, noise))

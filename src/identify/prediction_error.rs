@@ -152,10 +152,10 @@ impl PredictionError {
         let begin = |p: Vec<f64>| {
             let filter = HorizonFilter::new(prepared, task.hold, task.model, &p, motions);
             let solution = descend(&filter, task.model, (&p, 0.0), 0.0)?;
-            Some((filter, solution))
+            Some((filter, solution, p))
         };
         let starts = ranked(task, &open, starts(task)?);
-        let (mut filter, first) =
+        let (mut filter, first, start) =
             starts.into_iter().find_map(begin).ok_or_else(|| IdentifyError::NoStart {
                 method: NAME.into(),
                 reason: "the likelihood is not finite at any start".into(),
@@ -167,7 +167,7 @@ impl PredictionError {
             Horizon::Seconds(horizon) => vec![horizon],
         };
         let begin = (held.solution.p.as_slice(), held.solution.shift);
-        let chosen = choose(&filter, &held.model, begin, &horizons, &open);
+        let chosen = choose(&filter, &held.model, (begin, &start), &horizons, &open);
         let chosen = chosen.ok_or_else(|| IdentifyError::NoStart {
             method: NAME.into(),
             reason: "the likelihood is not finite at any horizon".into(),

@@ -44,23 +44,24 @@ pub(super) fn crossing(
 }
 
 /// Standard deviation of the input over a row, what it does between rows included [N m]: a straight line
-/// that is in truth a step at some time in the row.
+/// that is in truth a step at some time in the row. The mean over the rows of all recordings: a test of steps is not
+/// to count for less than one of ramps.
 ///
 /// ```text
-/// s² = s_M² + mean max(0, ΔM² - 6 s_M²)/12
+/// s² = mean (s_M² + max(0, ΔM² - 6 s_M²)/12)
 /// ```
-pub(super) fn whole_noise(prepared: &Prepared) -> f64 {
-    let white = prepared.moment_noise.powi(2);
-    let moment = prepared.recording.moment();
+pub(super) fn whole_noise(prepared: &[Prepared]) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
-    for piece in prepared.recording.pieces() {
-        for k in piece.start + 1..piece.end {
+    for one in prepared {
+        let white = one.moment_noise.powi(2);
+        let moment = one.recording.moment();
+        for k in one.recording.pieces().iter().flat_map(|piece| piece.start + 1..piece.end) {
             for i in 0..2 {
                 let change = (moment[k][i] - moment[k - 1][i]).powi(2);
-                sum += (change - 6.0 * white).max(0.0) / 12.0;
+                sum += white + (change - 6.0 * white).max(0.0) / 12.0;
                 count += 1.0;
             }
         }
     }
-    (white + sum / f64::max(count, 1.0)).sqrt()
+    (sum / f64::max(count, 1.0)).sqrt()
 }

@@ -4,8 +4,9 @@ use nalgebra::DVector;
 
 use super::descent::{Solution, chosen, descend, part, step};
 use super::open_loop::OpenLoop;
+use crate::effects::ParameterKind;
 use crate::filter::HorizonFilter;
-use crate::model::Model;
+use crate::model::{Model, Parameter};
 
 /// Horizons that are compared [s]: from maximum likelihood to the length at which a missing effect
 /// begins to be amplified, at equal ratios.
@@ -68,21 +69,32 @@ pub(super) fn clearly_smaller(errors: &[f64], than: &[f64]) -> bool {
     gain > STANDARD_ERRORS * error && n > 1.0
 }
 
-/// Fits at every horizon from a start, and takes the one of the smallest held-out error if it is
+/// The parameters `p`, with shapes that lie at the edge of their range where they started: a delay of zero has no
+/// slope by which another horizon could leave it.
+fn off_the_edge(model: &Model, p: &[f64], start: &[f64]) -> Vec<f64> {
+    let place = |(j, parameter): (usize, &Parameter)| {
+        let (low, high) = parameter.spec.range;
+        let edge = parameter.spec.kind == ParameterKind::Shape && !(low < p[j] && p[j] < high);
+        if edge && parameter.fixed.is_none() { start[j] } else { p[j] }
+    };
+    model.parameters().iter().enumerate().map(place).collect()
+}
+
+/// Fits at every horizon from the last one's, the first from `begin`, and takes the one of the smallest held-out error if it is
 /// clearly smaller than that of the first. `None` where no fit is finite.
 pub(super) fn choose(
     filter: &HorizonFilter,
     model: &Model,
-    start: (&[f64], f64),
+    (begin, start): ((&[f64], f64), &[f64]),
     horizons: &[f64],
     open: &OpenLoop,
 ) -> Option<Candidate> {
     let (mut found, mut evaluations) = (Vec::<Candidate>::new(), 0);
     for &horizon in horizons {
-        let begin = found
-            .last()
-            .map_or((start.0.to_vec(), start.1), |c| (c.solution.p.clone(), c.solution.shift));
-        let Some(solution) = descend(filter, model, (&begin.0, begin.1), horizon) else { continue };
+        let last = found.last().map(|c| (c.solution.p.as_slice(), c.solution.shift));
+        let (p, shift) = last.unwrap_or(begin);
+        let p = off_the_edge(model, p, start);
+        let Some(solution) = descend(filter, model, (&p, shift), horizon) else { continue };
         evaluations += solution.evaluations;
         found.push(Candidate::new(model, solution, open));
     }
