@@ -188,9 +188,15 @@ pub(super) fn descend(
     };
     let mut here = at(p.to_vec(), shift)?;
     let (mut damping, mut iterations, mut evaluations) = (0.0, 0, 1);
+    let (mut share, mut promised) = (1.0, f64::INFINITY);
     let status = loop {
         let whole = here.towards(model, 0.0);
-        if whole.promise < NEGLIGIBLE {
+        // steps that are taken unseen go half as far where the last one did not lead nearer
+        if damping == 0.0 && whole.promise < NEAR && whole.promise > 0.5 * promised {
+            share *= 0.5;
+        }
+        promised = whole.promise;
+        if share * share * whole.promise < NEGLIGIBLE {
             break Status::Converged;
         }
         if iterations == STEPS {
@@ -200,8 +206,9 @@ pub(super) fn descend(
         if next.promise < NEGLIGIBLE {
             break Status::Stalled;
         }
-        let (p, shift) = here.moved(model, &next.step);
         let near = damping == 0.0 && next.promise < NEAR;
+        let step = if near { &next.step * share } else { next.step };
+        let (p, shift) = here.moved(model, &step);
         evaluations += 1;
         let kept = |there: &Solution| {
             let halved = || there.towards(model, 0.0).promise < 0.5 * whole.promise;
