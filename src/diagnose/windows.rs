@@ -98,14 +98,16 @@ impl<'a> Windows<'a> {
         Self { recordings, motions, windows, hold, noise, growth }
     }
 
-    /// The same windows, in whose weights stands what the input between its rows may do there to `model` at `p`: a
-    /// third of what every other row changes. A window in which a wheel comes to rest or breaks away a row earlier
-    /// or later has errors far above noise whatever the parameters, and would decide all of them. Beside a model
-    /// whose own errors are larger that is little, and all windows count.
+    /// The same windows, in whose weights stands what else than noise `model` at `p` leaves. What the input between
+    /// its rows may do there: a third of what every other row changes. A window in which a wheel comes to rest or
+    /// breaks away a row earlier or later has errors far above noise whatever the parameters, and would decide all of
+    /// them. And the model's own errors: where they are larger than noise, a recording whose sensors are quieter
+    /// knows no more than the others, and all windows count alike.
     ///
     /// ```text
-    /// weight × (σ² + m²)/(σ² + m² + d²/9),   d: change by every other row,   m: median error of the windows
+    /// weight × (σ_r²/σ²) (σ² + m²)/(σ_r² + m² + d²/9)
     /// ```
+    /// d: change by every other row, m: median error of all windows, σ_r: noise of the recording, σ: mean noise.
     #[must_use]
     pub fn sampled(mut self, model: &Model, p: &[f64]) -> Self {
         let Some(whole) = self.errors(model, p) else { return self };
@@ -121,9 +123,11 @@ impl<'a> Windows<'a> {
         }
         let own = median(whole.iter().flat_map(Errors::mean_squares).collect()).unwrap_or(0.0);
         let noise = &self.noise;
+        let mean = noise.iter().flatten().sum::<f64>() / (2 * noise.len()) as f64;
         for (window, changed) in self.windows.iter_mut().zip(changed) {
-            let expected = noise[window.recording].map(|v| v + own);
-            window.share = [0, 1].map(|i| expected[i] / (expected[i] + changed[i]));
+            let own_noise = noise[window.recording];
+            window.share = [0, 1]
+                .map(|i| own_noise[i] / mean * (mean + own) / (own_noise[i] + own + changed[i]));
         }
         self
     }
