@@ -311,3 +311,38 @@ fn has_size(step: &Step) -> bool {
     chi2_log_survival(square, free.len() as f64)
         < chi2_log_survival(THRESHOLDS.uncertain.powi(2), 1.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DMatrix;
+
+    use super::*;
+    use crate::model::Model;
+    use crate::robot::Robot;
+
+    /// A step by wheel slip with that traction, inertia of the wheel, standard errors and correlation.
+    fn step(values: [f64; 2], errors: [f64; 2], correlation: f64) -> Step {
+        let model = Model::with_effects(Robot::amigobot(), &["wheel_slip"]).unwrap();
+        let mut p = model.initial();
+        let n = p.len();
+        p[n - 2..].copy_from_slice(&values);
+        let mut covariance = DMatrix::identity(n, n);
+        let cross = correlation * errors[0] * errors[1];
+        let [a, b] = errors.map(|e| e * e);
+        covariance.view_mut((n - 2, n - 2), (2, 2)).copy_from_slice(&[a, cross, cross, b]);
+        let at_bound = vec![false; n];
+        let fit = WindowFit { model, p, cost: 1.0, covariance, at_bound };
+        let id = "wheel_slip".into();
+        Step { id, fit, last: Fall::NONE, total: Fall::NONE, equals: vec![] }
+    }
+
+    #[test]
+    fn parameters_that_hide_each_other_have_a_size_together() {
+        // each 1.7 standard errors from zero, their ratio known to a hundredth of that
+        assert!(has_size(&step([1.7, 1.7], [1.0, 1.0], 0.9999)));
+        // p' C^-1 p = 2 1.7²/(1 + 0.5) = 3.85, below 5.99 (chi2 of 2 at 95 %), and 8.3 with opposite signs
+        assert!(!has_size(&step([1.7, 1.7], [1.0, 1.0], 0.5)));
+        assert!(has_size(&step([1.7, -1.2], [1.0, 1.0], 0.5)));
+        assert!(!has_size(&step([0.1, 0.0], [1.0, 0.0], 0.0)));
+    }
+}
