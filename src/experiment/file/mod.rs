@@ -3,6 +3,7 @@
 mod check;
 mod error;
 mod json_schema;
+mod open;
 mod schema;
 
 pub use error::FileError;
@@ -31,13 +32,14 @@ impl ExperimentFile {
     /// assert!(error.contains("line 3") && error.contains("did you mean `seed`?"), "{error}");
     /// ```
     pub fn parse(name: &str, text: &str, overrides: &[String]) -> Result<Self, FileError> {
-        let file: Self = error::with_words(name, text, toml::from_str(text))?;
-        if overrides.is_empty() {
-            file.check(name)?;
-            return Ok(file);
-        }
-        let file = Self::from_table(&Self::table(name, text, overrides)?)
-            .map_err(|message| FileError::Override { entry: overrides.join(" "), message })?;
+        let table = Self::table(name, text, overrides)?;
+        open::refuse_open(name, &table)?;
+        let file = if overrides.is_empty() {
+            error::with_words(name, text, toml::from_str(text))?
+        } else {
+            Self::from_table(&table)
+                .map_err(|message| FileError::Override { entry: overrides.join(" "), message })?
+        };
         file.check(name)?;
         Ok(file)
     }
