@@ -39,11 +39,12 @@ pub(super) fn align(
     let sensors = cells.iter().filter(|(channel, _)| is_sensor(*channel));
     // of equals the first
     let Some(fastest) = sensors.rev().max_by_key(|(_, cells)| count(cells)) else { return };
-    let inputs = cells.iter().filter(|(channel, _)| !commanded && !is_sensor(*channel));
+    let inputs = cells.iter().filter(|c| !commanded && !is_sensor(c.0) && is_slow(c));
     let slowest = inputs.min_by_key(|(_, cells)| count(cells));
     let (base, kept) = slowest.filter(|(_, c)| count(c) < count(&fastest.1)).unwrap_or(fastest);
     let rows = work.channels.t.len();
     let share = |cells: &[bool]| count(cells) as f64 / rows as f64;
+    let mut flags = kept.clone();
     for (channel, own) in cells.iter().filter(|c| is_slow(c)) {
         if own == kept {
             continue;
@@ -60,6 +61,8 @@ pub(super) fn align(
         let values = values(&work.channels, *channel);
         let read = read(&work.channels.t, &values, own);
         put(&mut work.channels, *channel, &read);
+        // before its first sample and behind its last nothing is known
+        flags.iter_mut().zip(&read).for_each(|(flag, x)| *flag &= x.is_finite());
         let share = share(own);
         let kind = if is_held { Kind::HeldColumn { share } } else { Kind::SparseColumn { share } };
         work.findings.push(Finding::corrected(*channel, kind, "rows", true));
@@ -67,7 +70,9 @@ pub(super) fn align(
     if count(kept) < rows {
         let kind = Kind::OwnRows { share: share(kept) };
         work.findings.push(Finding::corrected(*base, kind, "rows", true));
-        keep(&mut work.channels, kept);
+    }
+    if count(&flags) < rows {
+        keep(&mut work.channels, &flags);
     }
 }
 
@@ -99,7 +104,7 @@ pub(super) fn read_in_turn(work: &mut Conditioned, settings: &Settings, context:
 const REGULAR: f64 = 0.8;
 
 /// The rows in which a channel has a new value: all, unless it changes after every so many rows.
-fn new_in(t: &[f64], values: &[f64]) -> Vec<bool> {
+pub(super) fn new_in(t: &[f64], values: &[f64]) -> Vec<bool> {
     let changes = changes(values);
     let runs: Vec<usize> = changes.windows(2).map(|w| w[1] - w[0]).collect();
     let usual = median(runs.iter().map(|r| *r as f64)) as usize;

@@ -7,7 +7,7 @@
 //! angles     wrapped at a turn or a power of two of counts | reset
 //! channels   isolated wrong samples
 //! speeds     in another unit | of another sign | late | differences of the angles
-//! input      against the motion | of a few levels | a magnitude without sign | not zero at rest
+//! input      sampled more slowly than the sensors | against the motion | of a few levels | a magnitude without sign | not zero at rest
 //! sensors    that never move, refresh more slowly than the rows, or are coarse
 //! ```
 //! Each finding says what was done: corrected (with the key of `[conditioning]` that leaves it as it
@@ -18,6 +18,7 @@ mod angles;
 mod counterpart;
 mod error;
 mod finding;
+mod held_input;
 mod input;
 mod rows;
 mod sensors;
@@ -94,6 +95,7 @@ pub fn condition(
     counterpart::units_and_signs(&mut work, settings, context);
     sensors::still(&work, settings)?;
     speeds::timing(&mut work, settings, context);
+    held_input::sampled(&mut work, settings, context);
     spikes::inputs(&mut work, settings, context);
     input::few_levels(&mut work);
     input::sign(&mut work, settings)?;

@@ -20,7 +20,7 @@ use super::csv::{ABSENT, is_units, split, value, with_unit};
 type Columns = Vec<(String, Vec<f64>)>;
 
 /// The table, with whatever stands above it, begins within this many bytes.
-const HEAD: u64 = 1 << 18;
+const HEAD: u64 = 1 << 16;
 /// Rows of the same number of cells that make a table: a preamble repeats itself less.
 const ROWS: usize = 5;
 /// Lines above the rows among which the names are looked for.
@@ -138,9 +138,12 @@ fn cells(line: &str, separator: char) -> Vec<String> {
 
 /// Whether at least half of the cells that hold something hold numbers.
 fn is_data(cells: &[String], separator: char) -> bool {
+    if cells.len() < 2 {
+        return false;
+    }
     let held = || cells.iter().filter(|c| !c.trim().is_empty());
     let numbers = held().filter(|c| value(c, separator != ',').is_some()).count();
-    cells.len() > 1 && numbers > 0 && 2 * numbers >= held().count()
+    numbers > 0 && 2 * numbers >= held().count()
 }
 
 fn table(lines: &[&str]) -> Option<Table> {

@@ -75,16 +75,16 @@ fn records_of_a_console_and_of_json_are_tables() {
         format!("{{\"t\":{k}{more},\"id\":\"a\"}}\n")
     };
     let found = read_bytes((0..9).map(line).collect::<String>().as_bytes()).unwrap();
-    assert_eq!(names(&found), ["t", "left.vel[0]", "left.vel[1]"]);
-    assert!(found[1].1[4].is_nan() && found[2].1[5] == 2.0);
+    assert_eq!(names(&found), ["left.vel[0]", "left.vel[1]", "t"]);
+    assert!(found[0].1[4].is_nan() && found[1].1[5] == 2.0);
 }
 
 #[test]
 fn files_of_json_hold_columns_or_records() {
     let read = |text: &str| record::of_json(&serde_json::from_str(text).unwrap());
     let found = read("{\"name\":\"a\",\"t\":[0,1,2],\"left\":{\"vel\":[1,null,3]}}").unwrap();
-    assert_eq!(names(&found), ["t", "left.vel"]);
-    assert!(found[1].1[1].is_nan() && found[1].1[2] == 3.0);
+    assert_eq!(names(&found), ["left.vel", "t"]);
+    assert!(found[0].1[1].is_nan() && found[0].1[2] == 3.0);
     for text in
         ["[{\"t\":0,\"w\":[1,2]},{\"t\":1}]", "{\"rows\":[{\"t\":0,\"w\":[1,2]},{\"t\":1}]}"]
     {
