@@ -165,7 +165,7 @@ fn a_dead_encoder_and_a_current_without_sign_are_refused_with_the_remedy() {
     folder.run(&["e.toml"]).says(2, &["run.csv: the left wheel never moves", "refuse = false"]);
     rows.iter_mut().for_each(|r| r[3] = r[3].abs());
     folder.write("run.csv", csv(&rows));
-    folder.run(&["e.toml"]).says(2, &["M1 is never negative", "sign_from_speed = true"]);
+    folder.run(&["e.toml"]).says(2, &["M1 never changes its sign", "sign_from_speed = true"]);
     folder.write("e.toml", format!("[conditioning]\nsign_from_speed = true\n\n{}", on("run.csv")));
     folder.run(&["check", "e.toml"]).says(0, &["takes the sign of the speed"]);
 }

@@ -109,7 +109,7 @@ pub(super) fn words(name: &str, kind: &Kind, channel: Channel) -> (String, Strin
             "taken as a command without noise".into(),
         ),
         Kind::Magnitude => (
-            format!("{name} is never negative although its wheel is driven both ways"),
+            format!("{name} never changes its sign although its wheel is driven both ways"),
             "takes the sign of the speed".into(),
         ),
         Kind::RestOffset { mean, std_error } => (

@@ -72,9 +72,11 @@ pub(super) fn look(
     } else {
         guess.questions.push(format!(
             "`{name}` is a share of the battery's voltage{}: with {full} for the whole of 12 V write \
-             scale = {:.5} in M1 and M2; until then a volt of the results is one unit of the command",
+             scale = {:.5}{} in M1 and M2; until then a volt of the results is one unit of the command",
             if is_pulse { String::new() } else { format!(" and goes up to {reaches}") },
-            12.0 / full
+            12.0 / full,
+            // what is added stands behind the factor
+            if is_pulse { format!(", offset = {}", -PULSE.1 * 12.0 / full) } else { String::new() },
         ));
     }
 }

@@ -191,7 +191,7 @@ impl Issue {
                 );
             }
             Self::ConstantInput { wheel, value: 0.0, .. } => {
-                return format!("{} coasts, or its drive was not recorded", WHEELS[wheel]);
+                return format!("{} coasts, or its input was not recorded", WHEELS[wheel]);
             }
             Self::OpposingInput(i) => {
                 return format!("its sign is wrong: scale = -1 for M{} in `columns`", i + 1);
@@ -202,10 +202,10 @@ impl Issue {
             Self::Still(_) => {
                 "its friction and inertia cannot be seen; check its encoder, or drive both wheels"
             }
-            Self::ConstantInput { .. } => "vary the drive; a constant one shows little",
+            Self::ConstantInput { .. } => "vary the input; a constant one shows little",
             Self::AtLimit { is_command: true, .. } => "a command of constant size",
             Self::AtLimit { .. } => {
-                "the drive or its sensor is at a limit; what is recorded there may not be what acts \
+                "the input or its sensor is at a limit; what is recorded there may not be what acts \
                  (see the effect torque_saturation)"
             }
             // a wheel cannot jump; an input may be commanded to, and conditioning has asked the wheel
@@ -238,7 +238,7 @@ impl Issue {
                 "only the difference a1 - a2 can be found; record straights and curves as well"
             }
             Self::OneWay(..) => {
-                "a constant offset of its drive cannot be told from Coulomb friction; record \
+                "a constant offset of its input is indistinguishable from Coulomb friction; record \
                  reversals"
             }
             Self::TooFast { .. } => {
