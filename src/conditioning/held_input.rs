@@ -113,7 +113,7 @@ mod tests {
             let t = h * k as f64;
             0.2 * (2.0 * t + i as f64).sin() + 0.3 * (17.0 * t).sin()
         };
-        let (mut omega, mut moment) = (vec![[6.0; 2]], vec![[wave(0, 0), wave(0, 1)]]);
+        let (mut omega, mut moment) = (vec![[-3.0; 2]], vec![[wave(0, 0), wave(0, 1)]]);
         for k in 1..8000_usize {
             let sample = k - k % 2;
             let before = (k - 1) - (k - 1) % 2;

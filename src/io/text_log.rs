@@ -202,7 +202,12 @@ fn names(
             units = Some(cells);
             continue;
         }
-        let unit = |k: usize| units.as_ref().map_or("", |u| u[k].as_str());
+        // or somewhere in the preamble, behind a word that says so
+        let of_line = |line: &&str| Some(self::cells(line, separator)).filter(|c| c.len() == count);
+        let preamble = || lines[..k].iter().rev().filter_map(of_line).find(|c| is_units(c));
+        let units = units.clone().or_else(preamble).unwrap_or_default();
+        let is_one = |cell: &&String| is_units(std::slice::from_ref(*cell));
+        let unit = |k: usize| units.get(k).filter(is_one).map_or("", String::as_str);
         let name = |(k, cell): (usize, &String)| {
             if cell.is_empty() { made_up(k) } else { with_unit(cell, unit(k)) }
         };

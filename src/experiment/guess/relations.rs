@@ -44,5 +44,5 @@ fn is_slope(t: &[f64], angle: &[f64], speed: &[f64]) -> bool {
             (xx, yy, xy) = (xx + change * change, yy + way * way, xy + change * way);
         }
     }
-    xx * yy > 0.0 && xy.abs() > SAME * (xx * yy).sqrt()
+    xx * yy > 0.0 && xy > SAME * (xx * yy).sqrt()
 }

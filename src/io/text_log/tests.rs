@@ -33,12 +33,13 @@ fn plain_tables_are_left_to_the_reader_of_csv() {
 fn names_are_found_below_a_preamble_behind_units_and_in_comments() {
     let motec = "\"Format\",\"MoTeC CSV File\",,\n\"Date\",\"05/03/2024\"\n\n\
                  \"Time\",\"Speed L\",\"Speed R\"\n\"s\",\"rpm\",\"rpm\"\n\n";
-    let labview = "Writer_Version\t2\nSamples\t12\t12\n***End_of_Header***\t\nX_Value\tl\tr\n";
+    let labview = "Writer_Version\t2\nY_Unit_Label\trpm\tA\nSamples\t12\t12\nX0\t0\t0\nDelta\t1\t1\n\
+                   ***End_of_Header***\t\nX_Value\tl\tr\n";
     let savetxt = "# robot 3\n# t left right\n";
     let comments = "// logger 3\n% SI\nt,a,b\n";
     for (above, separator, expected) in [
         (motec, ",", ["Time [s]", "Speed L [rpm]", "Speed R [rpm]"]),
-        (labview, "\t", ["X_Value", "l", "r"]),
+        (labview, "\t", ["X_Value", "l [rpm]", "r [A]"]),
         (savetxt, " ", ["t", "left", "right"]),
         (savetxt, ",", ["t", "left", "right"]),
         (comments, ",", ["t", "a", "b"]),
