@@ -76,9 +76,10 @@ pub(super) fn align(
     }
 }
 
-/// Sensors of the two wheels that the logger reads in turn: in each row one of them repeats its last value.
+/// Sensors of the two wheels that the logger reads in turn: in each row one of them repeats its last value. Half
+/// of the rows go, so that this is not for commands, which may change in any row.
 pub(super) fn read_in_turn(work: &mut Conditioned, settings: &Settings, context: &Context) {
-    if !settings.rows {
+    if !settings.rows || context.commanded {
         return;
     }
     for kind in [Channel::Angle, Channel::Speed] {
@@ -88,6 +89,13 @@ pub(super) fn read_in_turn(work: &mut Conditioned, settings: &Settings, context:
             .map(|(channel, values)| (channel, new_in(&work.channels.t, &values)))
             .collect();
         let [(_, right), (_, left)] = &cells[..] else { continue };
+        let every = |new: &[bool]| {
+            let rows: Vec<usize> = (0..new.len()).filter(|&k| new[k]).collect();
+            median(rows.windows(2).map(|w| (w[1] - w[0]) as f64))
+        };
+        if [every(right), every(left)] != [2.0; 2] {
+            continue;
+        }
         let count = |of: &dyn Fn(bool, bool) -> bool| {
             right.iter().zip(left).filter(|(r, l)| of(**r, **l)).count() as f64
         };
