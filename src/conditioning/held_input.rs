@@ -124,7 +124,7 @@ mod tests {
             omega.push([step(0), step(1)]);
             moment.push([wave(sample, 0), wave(sample, 1)]);
         }
-        omega.iter_mut().for_each(|w| *w = w.map(|x| x + 0.01 * normal()));
+        omega.iter_mut().for_each(|w| *w = w.map(|x| x + 0.005 * normal()));
         let t = (0..omega.len()).map(|k| h * k as f64).collect();
         Channels { t, alpha: None, omega: Some(omega), moment }
     }
