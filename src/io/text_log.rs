@@ -76,15 +76,19 @@ pub(super) fn read(path: &Path) -> Result<Option<Columns>, IoError> {
     Ok(Some(table.columns(text.lines())))
 }
 
-/// The columns of a JSON file that holds columns or records; `None` for any other, whose reader says what is
-/// wrong with it.
+/// The columns of a JSON file that holds columns or records, or one record in every line; `None` for any other,
+/// whose reader says what is wrong with it.
 ///
 /// # Errors
 /// A file that cannot be read.
 pub(super) fn json(path: &Path) -> Result<Option<Columns>, IoError> {
     let bytes = std::fs::read(path).map_err(|e| IoError::system(path, &e))?;
-    let value: Option<serde_json::Value> = serde_json::from_slice(&bytes).ok();
-    Ok(value.and_then(|value| record::of_json(&value)))
+    if let Ok(value) = serde_json::from_slice(&bytes) {
+        return Ok(record::of_json(&value));
+    }
+    let (text, _) = decoded(&bytes);
+    let lines: Vec<&str> = text.lines().collect();
+    Ok(record::is_one(&lines).then(|| record::columns(text.lines())))
 }
 
 /// The name of a column without one.
