@@ -12,8 +12,8 @@
 //! Between the samples of a measured input nobody knows it, and more rows would claim so. A sensor with less than half as many samples is held too: lines between few samples would be counted as
 //! measurements that nobody made.
 
+use super::cells::{columns, keep};
 use super::finding::{Channel, Finding, Kind};
-use super::rows::{columns, keep};
 use super::signal::{changes, median};
 use super::{Conditioned, Context, Settings};
 use crate::recording::{Channels, refreshed};

@@ -11,9 +11,9 @@
 //! ```
 
 use super::align::{Cells, align, new_in};
+use super::cells::columns;
 use super::finding::Channel;
 use super::input::speeds;
-use super::rows::columns;
 use super::signal::{column, median, pieces};
 use super::spikes::answer;
 use super::{Conditioned, Context, Settings};

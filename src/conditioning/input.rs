@@ -31,17 +31,20 @@ pub(super) fn sign(work: &mut Conditioned, settings: &Settings) -> Result<(), Co
     for i in 0..2 {
         let speed = column(&speeds, i);
         let mut input = column(&work.channels.moment, i);
-        if quantile(input.iter().copied(), 0.5) < 0.0 {
+        let of = |input: &[f64], share: f64| {
+            quantile(input.iter().copied().filter(|m| m.is_finite()), share)
+        };
+        if of(&input, 0.5) < 0.0 {
             input.iter_mut().for_each(|m| *m = -*m);
         }
-        let range = quantile(input.iter().copied(), 0.95);
+        let range = of(&input, 0.95);
         let fast = MOVING * quantile(speed.iter().map(|w| w.abs()), 0.99);
         let backward: Vec<usize> = (0..speed.len()).filter(|&k| speed[k] < -fast).collect();
         let forward = speed.iter().filter(|w| **w > fast).count();
         let enough = |n: usize| n >= BOTH_WAYS.0 && n as f64 > BOTH_WAYS.1 * speed.len() as f64;
         // what drives it backwards must be an input of size and not the last of a swing
         let driven = quantile(backward.iter().map(|&k| input[k]), 0.5) > OFFSET * range;
-        let negative = quantile(input.iter().copied(), 0.0) < -0.01 * range;
+        let negative = of(&input, 0.0) < -0.01 * range;
         if negative || range <= 0.0 || !driven || !enough(backward.len()) || !enough(forward) {
             continue;
         }

@@ -15,6 +15,7 @@
 
 mod align;
 mod angles;
+mod cells;
 mod counterpart;
 mod error;
 mod finding;

@@ -1,10 +1,10 @@
 //! Rows: without a number, of a repeated or backward time, of a clock that was restarted.
 
 use super::align::{Cells, align};
+use super::cells::{columns, keep};
 use super::finding::{Channel, Finding, Kind};
 use super::signal::median;
 use super::{Conditioned, Context, Settings};
-use crate::recording::Channels;
 
 /// A column that lacks more than this share of its values is not damaged but slower than the rows:
 /// a message that is lost now and then leaves a few holes, a slow sensor leaves most rows empty.
@@ -47,37 +47,6 @@ pub(super) fn values(work: &mut Conditioned, settings: &Settings, context: &Cont
     keep(&mut work.channels, &complete);
     let kind = Kind::MissingValues { rows, first };
     work.findings.push(Finding::corrected(Channel::Time, kind, "rows", true));
-}
-
-/// Every column by itself.
-pub(super) fn columns(c: &Channels) -> Vec<(Channel, Vec<f64>)> {
-    let mut out = vec![(Channel::Time, c.t.clone())];
-    for i in 0..2 {
-        let pairs = [
-            (Channel::Angle(i), c.alpha.as_ref()),
-            (Channel::Speed(i), c.omega.as_ref()),
-            (Channel::Input(i), Some(&c.moment)),
-        ];
-        let there = pairs.into_iter().filter_map(|(name, v)| v.map(|v| (name, v)));
-        out.extend(there.map(|(name, v)| (name, v.iter().map(|x| x[i]).collect())));
-    }
-    out
-}
-
-/// The rows whose flag is set.
-pub(super) fn keep(c: &mut Channels, flags: &[bool]) {
-    fn filter<T: Copy>(v: &mut Vec<T>, flags: &[bool]) {
-        let mut k = 0;
-        v.retain(|_| {
-            k += 1;
-            flags[k - 1]
-        });
-    }
-    filter(&mut c.t, flags);
-    filter(&mut c.moment, flags);
-    for v in [c.alpha.as_mut(), c.omega.as_mut()].into_iter().flatten() {
-        filter(v, flags);
-    }
 }
 
 /// Makes time increase: rows after a restart of the clock are moved behind a gap; of the others the
@@ -171,6 +140,7 @@ fn longest_increasing(t: &[f64]) -> Vec<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::recording::Channels;
 
     fn work(t: Vec<f64>) -> Conditioned {
         let moment = t.iter().map(|t| [*t, 0.0]).collect();

@@ -3,9 +3,12 @@
 use std::f64::consts::{PI, TAU};
 
 use super::Gaps;
-use super::timing::{SHORT, SLOW};
 use crate::recording::DriveUnit;
 
+/// Slowest rate at which starts and stops are still resolved [Hz].
+pub(super) const SLOW: f64 = 20.0;
+/// Shortest recording worth fitting [s]: two windows over which errors are judged.
+pub(super) const SHORT: f64 = 4.0;
 /// Names of the wheels in findings.
 const WHEELS: [&str; 2] = ["wheel 1 (right)", "wheel 2 (left)"];
 

@@ -1,14 +1,11 @@
 //! Checks of the time column: rate, jitter, gaps, length, sensors slower than the log.
 
 use super::super::Recording;
+use super::issue::{SHORT, SLOW};
 use super::{Finding, Gaps, Issue, Severity};
 
-/// Slowest rate at which starts and stops are still resolved [Hz].
-pub(super) const SLOW: f64 = 20.0;
 /// Jitter from which on even steps are not a good description [1].
 const UNEVEN: f64 = 0.3;
-/// Shortest recording worth fitting [s]: two windows over which errors are judged.
-pub(super) const SHORT: f64 = 4.0;
 /// Shortest piece between gaps over which an error is judged [s].
 const PIECE: f64 = 2.0;
 
