@@ -17,7 +17,7 @@ pub enum ConditioningError {
     },
     /// An input that has lost its sign.
     #[error(
-        "M{wheel} is never negative (row {row}: {value} while dalpha{wheel} = {speed:.3} rad/s), although the wheel is driven both ways: a magnitude without sign. Record the signed value, or name the column of the commanded voltage; [conditioning] sign_from_speed = true gives it the sign of the speed (wrong while braking), refuse = false keeps it"
+        "M{wheel} never changes its sign (row {row}: {value} while dalpha{wheel} = {speed:.3} rad/s), although the wheel is driven both ways: a magnitude without sign. Record the signed value, or name the column of the commanded voltage; [conditioning] sign_from_speed = true gives it the sign of the speed (wrong while braking), refuse = false keeps it"
     )]
     Magnitude {
         /// Wheel, from 1.

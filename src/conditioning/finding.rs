@@ -1,6 +1,10 @@
 //! What conditioning found: typed, with the words made in one place.
 
+mod words;
+
 use serde_json::{Value, json};
+
+use self::words::words;
 
 /// Names of the wheels.
 pub(super) const WHEELS: [&str; 2] = ["right", "left"];
@@ -67,9 +71,19 @@ pub enum Kind {
         /// The first of them.
         first: usize,
     },
-    /// A column that has its own, slower rows; held in between.
+    /// A column that has its own, slower rows; read between them.
     SparseColumn {
         /// Part of the rows that have a value [1].
+        share: f64,
+    },
+    /// A command or a slow sensor that has its own rows; held in between.
+    HeldColumn {
+        /// Part of the rows that have a value [1].
+        share: f64,
+    },
+    /// A column in whose rows the recording stands; those of other messages serve their own columns.
+    OwnRows {
+        /// Part of the rows that have a value of it [1].
         share: f64,
     },
     /// Rows whose time repeats or precedes that of others; left out.
@@ -79,9 +93,20 @@ pub enum Kind {
         /// The first of them.
         first: usize,
     },
+    /// A timer of so many seconds began again.
+    ClockWrap {
+        /// How often.
+        count: usize,
+        /// The first row behind it.
+        row: usize,
+        /// Its period [s].
+        period_s: f64,
+    },
     /// The clock went back [s] and on from there: the rows go on behind a gap.
     ClockRestart {
-        /// The row.
+        /// How often.
+        count: usize,
+        /// The first row behind it.
         row: usize,
         /// By how much [s].
         back_s: f64,
@@ -118,6 +143,10 @@ pub enum Kind {
     },
     /// A channel whose sign contradicts the others.
     Sign,
+    /// An input that takes the energy out that friction and inertia need.
+    Opposing,
+    /// Columns of the other wheel.
+    Exchanged,
     /// Speeds that are recorded so much later than the angles [s].
     Lag {
         /// Lag [s].
@@ -207,13 +236,18 @@ impl Kind {
         match *self {
             Self::MissingValues { rows, .. } => ("missing_values", rows as f64, "rows"),
             Self::SparseColumn { share } => ("sparse_column", share, "1"),
+            Self::HeldColumn { share } => ("held_column", share, "1"),
+            Self::OwnRows { share } => ("own_rows", share, "1"),
             Self::TimeRows { rows, .. } => ("time_not_increasing", rows as f64, "rows"),
+            Self::ClockWrap { period_s, .. } => ("clock_wrap", period_s, "s"),
             Self::ClockRestart { back_s, .. } => ("clock_restart", back_s, "s"),
             Self::Wrapped { period_rad, .. } => ("wrapped", period_rad, "rad"),
             Self::Reset { step_rad, .. } => ("reset", step_rad, "rad"),
             Self::Spikes { count, .. } => ("spikes", count as f64, "samples"),
             Self::Unit { factor, .. } => ("unit", factor, "1"),
             Self::Sign => ("sign", -1.0, "1"),
+            Self::Opposing => ("opposing", -1.0, "1"),
+            Self::Exchanged => ("exchanged", 1.0, "1"),
             Self::Lag { lag_s, .. } => ("lag", lag_s, "s"),
             Self::Filtered { lag_s, .. } => ("filtered", lag_s, "s"),
             Self::Differences { lag_s, .. } => ("differences_of_angle", lag_s, "s"),
@@ -229,117 +263,39 @@ impl Kind {
 
 impl std::fmt::Display for Finding {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let name = self.channel.name();
-        let (what, done) = words(&name, &self.kind, self.channel);
+        f.write_str(&self.sentence(&self.channel.name()))
+    }
+}
+
+impl Finding {
+    /// In words, of channels of that name.
+    fn sentence(&self, name: &str) -> String {
+        let (what, done) = words(name, &self.kind, self.channel);
         match self.action {
             Action::Corrected(key) => {
-                write!(f, "{what}; {done} ([conditioning] {key} = false leaves it)")
+                format!("{what}; {done} ([conditioning] {key} = false leaves it)")
             }
-            Action::Used => write!(f, "{what}; {done}"),
-            Action::Noted => write!(f, "{what}; left as recorded"),
+            Action::Used => format!("{what}; {done}"),
+            Action::Noted => format!("{what}; left as recorded"),
         }
     }
 }
 
-/// What was found, and what is done about it unless it is switched off.
-fn words(name: &str, kind: &Kind, channel: Channel) -> (String, String) {
-    let ms = |s: f64| format!("{:.2} ms", 1e3 * s);
-    let one = |count: usize, what: &str| {
-        if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
-    };
-    match *kind {
-        Kind::MissingValues { rows, first } => (
-            format!("{} without a number in some column (first: row {first})", one(rows, "row")),
-            "left out".into(),
-        ),
-        Kind::SparseColumn { share } => (
-            format!("{name} has a value in {:.1} % of the rows", 100.0 * share),
-            "the last value is held between them".into(),
-        ),
-        Kind::TimeRows { rows, first } => (
-            format!(
-                "{} whose time does not exceed that before (first: row {first})",
-                one(rows, "row")
-            ),
-            "left out".into(),
-        ),
-        Kind::ClockRestart { row, back_s } => (
-            format!("the time goes back by {back_s:.3} s at row {row} and on from there"),
-            "a restarted clock: what follows stands behind a gap".into(),
-        ),
-        Kind::Wrapped { period_rad, turns } => {
-            (format!("{name} wraps at {period_rad:.6} rad, {turns} times"), "unwrapped".into())
+/// The findings in words, those that say the same of several channels in one sentence.
+#[must_use]
+pub fn sentences(findings: &[Finding]) -> Vec<String> {
+    let mut groups: Vec<(Finding, Vec<String>)> = vec![];
+    for finding in findings {
+        let same = |f: &Finding| (f.kind, f.action) == (finding.kind, finding.action);
+        match groups.iter_mut().find(|(first, _)| same(first)) {
+            Some((_, names)) => names.push(finding.channel.name()),
+            None => groups.push((*finding, vec![finding.channel.name()])),
         }
-        Kind::Reset { row, step_rad } => (
-            format!("{name} jumps by {step_rad:+.4} rad at row {row} and stays there"),
-            "a reset counter: what follows is shifted back".into(),
-        ),
-        Kind::Spikes { count, first, largest } => (
-            format!(
-                "{name} has {} (first: row {first}; the largest stands out by {})",
-                one(count, "isolated wrong sample"),
-                if largest.abs() < 1e6 { format!("{largest:.4}") } else { format!("{largest:e}") }
-            ),
-            "replaced by the line between the neighbours".into(),
-        ),
-        Kind::Unit { factor, unit } => {
-            let other =
-                if matches!(channel, Channel::Speed(_)) { "the slope of" } else { "that of" };
-            (
-                format!("{name} is {factor:.4} times {other} its counterpart: it is in {unit}"),
-                "converted".into(),
-            )
-        }
-        Kind::Sign => (
-            format!("{name} has the opposite sign of its counterpart and of the input"),
-            "turned".into(),
-        ),
-        Kind::Lag { lag_s, std_error_s } => (
-            format!("{name} lags the angle by {} ± {}", ms(lag_s), ms(std_error_s)),
-            "advanced by that".into(),
-        ),
-        Kind::Filtered { lag_s, std_error_s } => (
-            format!(
-                "{name} lags the angle by {} ± {}, more than a sample, and is smoothed",
-                ms(lag_s),
-                ms(std_error_s)
-            ),
-            "left out: speeds are those of the angles".into(),
-        ),
-        Kind::Differences { samples, lag_s } => (
-            format!(
-                "{name} is the difference of the angle over {} ({} late)",
-                one(samples, "sample"),
-                ms(lag_s)
-            ),
-            "left out: it holds nothing beside the angle".into(),
-        ),
-        Kind::FewLevels { levels } => (
-            format!("{name} has {} only", one(levels, "level")),
-            "taken as a command without noise".into(),
-        ),
-        Kind::Magnitude => (
-            format!("{name} is never negative although its wheel is driven both ways"),
-            "takes the sign of the speed".into(),
-        ),
-        Kind::RestOffset { mean, std_error } => (
-            format!("{name} is {mean:.5} ± {std_error:.5} while the robot stands before it starts"),
-            format!("an offset of the sensor? `offset` of the column {name} takes it out"),
-        ),
-        Kind::Refresh { period_s } => (
-            format!(
-                "the sensors give a new value every {}, the rows come more often",
-                ms(period_s)
-            ),
-            "rows that repeat a value do not count as measurements".into(),
-        ),
-        Kind::Quantum { step } => (
-            format!("{name} comes in steps of {step:.6}"),
-            "counted as noise of step/sqrt(12)".into(),
-        ),
-        Kind::Dead => (
-            format!("{name} does not move although its wheel is driven"),
-            "its wheel is identified from nothing".into(),
-        ),
     }
+    let named = |names: &[String]| match names {
+        [one] => one.clone(),
+        [rest @ .., last] => format!("each of {} and {last}", rest.join(", ")),
+        [] => String::new(),
+    };
+    groups.iter().map(|(finding, names)| finding.sentence(&named(names))).collect()
 }

@@ -25,20 +25,26 @@ pub(super) fn few_levels(work: &mut Conditioned) {
     }
 }
 
-/// An input that is never negative although its wheel is driven both ways.
+/// An input that never changes its sign although its wheel is driven both ways.
 pub(super) fn sign(work: &mut Conditioned, settings: &Settings) -> Result<(), ConditioningError> {
     let Some(speeds) = speeds(work) else { return Ok(()) };
     for i in 0..2 {
         let speed = column(&speeds, i);
-        let input = column(&work.channels.moment, i);
-        let range = quantile(input.iter().copied(), 0.95);
+        let mut input = column(&work.channels.moment, i);
+        let of = |input: &[f64], share: f64| {
+            quantile(input.iter().copied().filter(|m| m.is_finite()), share)
+        };
+        if of(&input, 0.5) < 0.0 {
+            input.iter_mut().for_each(|m| *m = -*m);
+        }
+        let range = of(&input, 0.95);
         let fast = MOVING * quantile(speed.iter().map(|w| w.abs()), 0.99);
         let backward: Vec<usize> = (0..speed.len()).filter(|&k| speed[k] < -fast).collect();
         let forward = speed.iter().filter(|w| **w > fast).count();
         let enough = |n: usize| n >= BOTH_WAYS.0 && n as f64 > BOTH_WAYS.1 * speed.len() as f64;
         // what drives it backwards must be an input of size and not the last of a swing
         let driven = quantile(backward.iter().map(|&k| input[k]), 0.5) > OFFSET * range;
-        let negative = quantile(input.iter().copied(), 0.0) < -0.01 * range;
+        let negative = of(&input, 0.0) < -0.01 * range;
         if negative || range <= 0.0 || !driven || !enough(backward.len()) || !enough(forward) {
             continue;
         }
@@ -52,7 +58,7 @@ pub(super) fn sign(work: &mut Conditioned, settings: &Settings) -> Result<(), Co
             return Err(ConditioningError::Magnitude {
                 wheel: i + 1,
                 row: row + 1,
-                value: input[row],
+                value: work.channels.moment[row][i],
                 speed: speed[row],
             });
         } else {
@@ -96,7 +102,7 @@ pub(super) fn at_rest(work: &mut Conditioned, context: &Context) {
         let mean = still.iter().sum::<f64>() / rows as f64;
         let square = still.iter().map(|m| (m - mean).powi(2)).sum::<f64>();
         let std_error = (square / (rows - 1) as f64 / rows as f64).sqrt();
-        let range = quantile(c.moment.iter().map(|m| m[i].abs()), 0.95);
+        let range = quantile(c.moment[rows..].iter().map(|m| m[i].abs()), 0.95);
         if mean.abs() > 5.0 * std_error
             && mean != 0.0
             && mean.abs() < OFFSET * range

@@ -3,19 +3,23 @@
 //!
 //! ```text
 //! rows       without a value | of a repeated or backward time | of a restarted clock
+//! columns    slower than the rows | of the other wheel
 //! angles     wrapped at a turn or a power of two of counts | reset
 //! channels   isolated wrong samples
 //! speeds     in another unit | of another sign | late | differences of the angles
-//! input      of a few levels | a magnitude without sign | not zero at rest
+//! input      sampled more slowly than the sensors | against the motion | of a few levels | a magnitude without sign | not zero at rest
 //! sensors    that never move, refresh more slowly than the rows, or are coarse
 //! ```
 //! Each finding says what was done: corrected (with the key of `[conditioning]` that leaves it as it
 //! was), used as noise or timing, only noted, or refused. Healthy channels pass unchanged, bit by bit.
 
+mod align;
 mod angles;
+mod cells;
 mod counterpart;
 mod error;
 mod finding;
+mod held_input;
 mod input;
 mod rows;
 mod sensors;
@@ -23,9 +27,10 @@ mod settings;
 mod signal;
 mod speeds;
 mod spikes;
+mod wheels;
 
 pub use error::ConditioningError;
-pub use finding::{Action, Channel, Finding, Kind};
+pub use finding::{Action, Channel, Finding, Kind, sentences};
 pub use settings::Settings;
 pub use speeds::{Lag, common_lag};
 
@@ -79,19 +84,23 @@ pub fn condition(
     context: &Context,
 ) -> Result<Conditioned, ConditioningError> {
     let mut work = Conditioned { channels, findings: vec![] };
-    rows::values(&mut work, settings);
+    rows::values(&mut work, settings, context);
     rows::times(&mut work, settings);
     if work.channels.t.len() < FEWEST_ROWS {
         return Ok(work); // the check of the recording says that it is too short
     }
+    align::read_in_turn(&mut work, settings, context);
     angles::unwrap(&mut work, settings);
     spikes::sensors(&mut work, settings);
+    wheels::exchanged_sensors(&mut work, settings);
     counterpart::units_and_signs(&mut work, settings, context);
     sensors::still(&work, settings)?;
     speeds::timing(&mut work, settings, context);
+    held_input::sampled(&mut work, settings, context);
     spikes::inputs(&mut work, settings, context);
     input::few_levels(&mut work);
     input::sign(&mut work, settings)?;
+    wheels::inputs(&mut work, settings);
     input::at_rest(&mut work, context);
     sensors::refresh(&mut work);
     Ok(work)

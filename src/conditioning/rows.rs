@@ -1,9 +1,10 @@
 //! Rows: without a number, of a repeated or backward time, of a clock that was restarted.
 
+use super::align::{Cells, align};
+use super::cells::{columns, keep};
 use super::finding::{Channel, Finding, Kind};
 use super::signal::median;
-use super::{Conditioned, Settings};
-use crate::recording::Channels;
+use super::{Conditioned, Context, Settings};
 
 /// A column that lacks more than this share of its values is not damaged but slower than the rows:
 /// a message that is lost now and then leaves a few holes, a slow sensor leaves most rows empty.
@@ -12,14 +13,28 @@ const SPARSE: f64 = 0.05;
 /// late, or a few that came in another order, do not repeat that often.
 const RESTARTED: usize = 10;
 
-/// Leaves out rows without a number, and holds the values of columns that are slower than the rows.
-pub(super) fn values(work: &mut Conditioned, settings: &Settings) {
+/// Leaves out rows without a number, and brings columns that are slower than the rows to the rows of the
+/// fastest sensor.
+pub(super) fn values(work: &mut Conditioned, settings: &Settings, context: &Context) {
     if !settings.rows
         || columns(&work.channels).iter().all(|(_, v)| v.iter().all(|x| x.is_finite()))
     {
         return;
     }
-    hold_sparse(work);
+    let count = work.channels.t.len();
+    let cells: Vec<Cells> = columns(&work.channels)
+        .into_iter()
+        .filter(|(channel, _)| *channel != Channel::Time)
+        .map(|(channel, v)| (channel, v.iter().map(|x| x.is_finite()).collect()))
+        .collect();
+    let missing = |cells: &[bool]| cells.iter().filter(|c| !**c).count();
+    let is_sparse = |(_, cells): &Cells| {
+        let missing = missing(cells);
+        missing as f64 > SPARSE * count as f64 && missing < count
+    };
+    if cells.iter().any(is_sparse) {
+        align(work, &cells, is_sparse, context.commanded);
+    }
     let channels = columns(&work.channels);
     let complete: Vec<bool> = (0..work.channels.t.len())
         .map(|k| channels.iter().all(|(_, v)| v[k].is_finite()))
@@ -32,60 +47,6 @@ pub(super) fn values(work: &mut Conditioned, settings: &Settings) {
     keep(&mut work.channels, &complete);
     let kind = Kind::MissingValues { rows, first };
     work.findings.push(Finding::corrected(Channel::Time, kind, "rows", true));
-}
-
-/// Every column by itself.
-fn columns(c: &Channels) -> Vec<(Channel, Vec<f64>)> {
-    let mut out = vec![(Channel::Time, c.t.clone())];
-    for i in 0..2 {
-        let pairs = [
-            (Channel::Angle(i), c.alpha.as_ref()),
-            (Channel::Speed(i), c.omega.as_ref()),
-            (Channel::Input(i), Some(&c.moment)),
-        ];
-        let there = pairs.into_iter().filter_map(|(name, v)| v.map(|v| (name, v)));
-        out.extend(there.map(|(name, v)| (name, v.iter().map(|x| x[i]).collect())));
-    }
-    out
-}
-
-fn hold_sparse(work: &mut Conditioned) {
-    let c = &mut work.channels;
-    let pairs = [c.alpha.as_mut(), c.omega.as_mut(), Some(&mut c.moment)];
-    let names: [fn(usize) -> Channel; 3] = [Channel::Angle, Channel::Speed, Channel::Input];
-    for (rows, name) in pairs.into_iter().zip(names) {
-        let Some(rows) = rows else { continue };
-        for i in 0..2 {
-            let missing = rows.iter().filter(|v| !v[i].is_finite()).count();
-            let share = missing as f64 / rows.len() as f64;
-            if share <= SPARSE || missing == rows.len() {
-                continue;
-            }
-            let mut last = f64::NAN;
-            for v in rows.iter_mut() {
-                last = if v[i].is_finite() { v[i] } else { last };
-                v[i] = last;
-            }
-            let kind = Kind::SparseColumn { share: 1.0 - share };
-            work.findings.push(Finding::corrected(name(i), kind, "rows", true));
-        }
-    }
-}
-
-/// The rows whose flag is set.
-fn keep(c: &mut Channels, flags: &[bool]) {
-    fn filter<T: Copy>(v: &mut Vec<T>, flags: &[bool]) {
-        let mut k = 0;
-        v.retain(|_| {
-            k += 1;
-            flags[k - 1]
-        });
-    }
-    filter(&mut c.t, flags);
-    filter(&mut c.moment, flags);
-    for v in [c.alpha.as_mut(), c.omega.as_mut()].into_iter().flatten() {
-        filter(v, flags);
-    }
 }
 
 /// Makes time increase: rows after a restart of the clock are moved behind a gap; of the others the
@@ -113,10 +74,18 @@ pub(super) fn times(work: &mut Conditioned, settings: &Settings) {
     work.findings.push(Finding::corrected(Channel::Time, kind, "rows", true));
 }
 
-/// Moves what follows a restart behind what stood before it, with a gap between them.
+/// Periods of timers [s]: counters of 16 and 32 bits of milliseconds, and of 32 bits of microseconds.
+const TIMERS: [f64; 3] = [65.536, 4_294_967.296, 4_294.967_296];
+/// Steps by which the row after a wrap may come early or late.
+const LATE: f64 = 2.0;
+
+/// Moves what follows a restart behind what stood before it, with a gap between them. A clock that goes back
+/// by the period of a timer was not restarted: it wrapped, and there is no gap.
 fn restarts(work: &mut Conditioned) {
     let t = &mut work.channels.t;
     let step = median(t.windows(2).map(|w| w[1] - w[0]).filter(|h| *h > 0.0));
+    let mut restarts: Option<(usize, usize, f64)> = None;
+    let mut wraps: Option<(usize, usize, f64)> = None;
     for k in RESTARTED..t.len().saturating_sub(RESTARTED) {
         let before = t[k - RESTARTED..k].iter().copied().fold(f64::INFINITY, f64::min);
         let after = t[k..k + RESTARTED].iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -124,9 +93,20 @@ fn restarts(work: &mut Conditioned) {
             continue;
         }
         let back_s = t[k - 1] - t[k];
-        let shift = back_s + GAP_STEPS * step;
+        let is_wrap = |period: &&f64| (back_s + step - **period).abs() < LATE * step;
+        let (found, size, shift) = match TIMERS.iter().find(is_wrap) {
+            Some(period) => (&mut wraps, *period, *period),
+            None => (&mut restarts, back_s, back_s + GAP_STEPS * step),
+        };
         t[k..].iter_mut().for_each(|t| *t += shift);
-        let kind = Kind::ClockRestart { row: k + 1, back_s };
+        let (count, ..) = found.get_or_insert((0, k + 1, size));
+        *count += 1;
+    }
+    let kinds = [
+        wraps.map(|(count, row, period_s)| Kind::ClockWrap { count, row, period_s }),
+        restarts.map(|(count, row, back_s)| Kind::ClockRestart { count, row, back_s }),
+    ];
+    for kind in kinds.into_iter().flatten() {
         work.findings.push(Finding::corrected(Channel::Time, kind, "rows", true));
     }
 }
@@ -160,6 +140,7 @@ fn longest_increasing(t: &[f64]) -> Vec<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::recording::Channels;
 
     fn work(t: Vec<f64>) -> Conditioned {
         let moment = t.iter().map(|t| [*t, 0.0]).collect();
@@ -190,23 +171,38 @@ mod tests {
         let t: Vec<f64> = even(100).into_iter().chain(even(80)).collect();
         let mut w = work(t);
         times(&mut w, &Settings::default());
-        assert!(matches!(w.findings[0].kind, Kind::ClockRestart { row: 101, .. }));
+        assert!(matches!(
+            w.findings[..],
+            [Finding { kind: Kind::ClockRestart { count: 1, row: 101, .. }, .. }]
+        ));
         assert_eq!(w.channels.t.len(), 180);
         // 0.99 s, then a gap of ten steps
         assert!((w.channels.t[100] - 1.09).abs() < 1e-12);
     }
 
     #[test]
-    fn rows_without_a_number_are_left_out_and_slow_columns_are_held() {
+    fn a_timer_that_wraps_goes_on_without_a_gap() {
+        // a counter of milliseconds in 16 bits, from 60 s on, rows every 20 ms
+        let t = (0..1000).map(|k| 1e-3 * f64::from((60_000 + 20 * k) % 65_536)).collect();
+        let mut w = work(t);
+        times(&mut w, &Settings::default());
+        assert!(matches!(w.findings[..], [Finding { kind: Kind::ClockWrap { count: 1, .. }, .. }]));
+        let even = w.channels.t.windows(2).all(|p| (p[1] - p[0] - 0.02).abs() < 1e-9);
+        assert!(even && w.channels.t.len() == 1000);
+    }
+
+    #[test]
+    fn rows_without_a_number_are_left_out_and_slow_columns_are_read_between_their_rows() {
         let mut w = work(even(100));
         w.channels.moment[7][1] = f64::NAN;
         w.channels.omega =
-            Some((0..100).map(|k| [if k % 4 == 0 { k as f64 } else { f64::NAN }, 1.0]).collect());
-        values(&mut w, &Settings::default());
-        assert_eq!(w.channels.t.len(), 99);
+            Some((0..100).map(|k| [if k % 2 == 0 { k as f64 } else { f64::NAN }, 1.0]).collect());
+        values(&mut w, &Settings::default(), &Context::default());
         assert!(matches!(w.findings[0], Finding { channel: Channel::Speed(0), .. }));
         assert!(matches!(w.findings[1].kind, Kind::MissingValues { rows: 1, first: 8 }));
-        assert_eq!(w.channels.omega.unwrap()[5][0], 4.0);
+        // and the last one, behind the last value of the slow column
+        assert_eq!(w.channels.t.len(), 98);
+        assert_eq!(w.channels.omega.unwrap()[5][0], 5.0);
     }
 
     #[test]

@@ -15,8 +15,10 @@ pub struct Settings {
     pub spikes: bool,
     /// Speeds in another unit than the angles, by a known factor, are converted.
     pub units: bool,
-    /// A speed or an angle of the opposite sign is turned.
+    /// A speed or an angle of the opposite sign is turned, and an input that acts against the motion.
     pub signs: bool,
+    /// Columns that belong to the other wheel are exchanged.
+    pub exchanged: bool,
     /// Speeds that lag the angles are advanced, or left out where a filter made them.
     pub speeds: bool,
     /// Sensors that never move and inputs without a sign are refused.
@@ -33,6 +35,7 @@ impl Default for Settings {
             spikes: true,
             units: true,
             signs: true,
+            exchanged: true,
             speeds: true,
             refuse: true,
             sign_from_speed: false,

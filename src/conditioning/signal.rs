@@ -2,22 +2,8 @@
 
 use std::ops::Range;
 
+pub(super) use crate::math::{median, quantile};
 use crate::recording::is_gap;
-
-/// The median; zero of nothing.
-pub(super) fn median(values: impl Iterator<Item = f64>) -> f64 {
-    quantile(values, 0.5)
-}
-
-/// The value below which a share of all lies; zero of nothing.
-pub(super) fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
-    let mut sorted: Vec<f64> = values.collect();
-    if sorted.is_empty() {
-        return 0.0;
-    }
-    let place = ((sorted.len() - 1) as f64 * share).round() as usize;
-    *sorted.select_nth_unstable_by(place, f64::total_cmp).1
-}
 
 /// One wheel of a pair of columns.
 pub(super) fn column(rows: &[[f64; 2]], i: usize) -> Vec<f64> {

@@ -32,7 +32,7 @@ const SURE: f64 = 4.0;
 
 /// A wrong sample: its rows, what it should be, and by how much it stands out.
 #[derive(Clone, Debug)]
-struct Spike {
+pub(super) struct Spike {
     rows: std::ops::Range<usize>,
     value: f64,
     out: f64,
@@ -172,7 +172,7 @@ fn unfelt(work: &Conditioned, input: &[f64], found: Vec<Spike>, i: usize) -> Vec
 
 /// Change of speed per integral of the input, with its standard error, beside friction and a trend:
 /// `w_b - w_a = c1 int M dt - c2 int sgn(w) dt + c3 (b - a)` over stretches of ten rows.
-fn answer(t: &[f64], integral: &[f64], speed: &[f64], found: &[Spike]) -> (f64, f64) {
+pub(super) fn answer(t: &[f64], integral: &[f64], speed: &[f64], found: &[Spike]) -> (f64, f64) {
     let near =
         |a: usize, b: usize| found.iter().any(|s| s.rows.end + 2 > a && s.rows.start < b + 2);
     let pairs = (0..t.len().saturating_sub(STRETCH)).step_by(STRETCH).map(|a| (a, a + STRETCH));

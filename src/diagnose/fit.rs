@@ -32,7 +32,7 @@ pub struct WindowFit {
 }
 
 /// Fits the free parameters of `model` from `start` by Levenberg and Marquardt's method. `None` where the
-/// start cannot be simulated.
+/// start cannot be simulated, and without windows.
 ///
 /// ```text
 /// minimise ½ Σ_windows Σ_k (w(k) - ŵ(k; θ))²/s²
@@ -53,6 +53,9 @@ pub(super) fn fit_within(
     scale: &Scale,
     negligible: f64,
 ) -> Option<WindowFit> {
+    if windows.windows.is_empty() {
+        return None;
+    }
     let free = model.free();
     let [lower, upper] = bounds(model, scale, &free);
     let place = |x: &DVector<f64>| {

@@ -256,3 +256,25 @@ fn the_intervals_of_dead_times_cover_the_true_value() {
         assert!(inside > 50, "{delay}: {inside}");
     }
 }
+
+#[test]
+fn both_folds_have_windows_where_the_logger_paused_for_more_than_a_third_of_the_time() {
+    let r = recorded(&[], NOISE, 4);
+    let pause = |k: usize| if k < r.len() / 2 { 0.0 } else { 20.0 };
+    let channels = Channels {
+        t: r.t().iter().enumerate().map(|(k, t)| t + pause(k)).collect(),
+        alpha: Some(r.alpha().to_vec()),
+        omega: Some(r.omega().to_vec()),
+        moment: r.moment().to_vec(),
+    };
+    let paused = Recording::new("paused", channels, DriveUnit::NewtonMetre).unwrap();
+    let model = Model::base(Robot::amigobot());
+    let p = model.initial();
+    let windows = Windows::new(vec![&paused], Hold::Linear, mobility(&model, &p));
+    for fold in 0..2 {
+        let part = windows.only(|n| windows.fold(n) == fold);
+        assert!(part.windows.len() > 3, "{}", part.windows.len());
+    }
+    let none = windows.only(|_| false);
+    assert!(fit(&none, &model, &p, &scale(&model, &p, &[&paused])).is_none());
+}

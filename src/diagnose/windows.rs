@@ -157,13 +157,12 @@ impl<'a> Windows<'a> {
         self.windows.iter().map(|w| 2 * w.rows.len()).sum()
     }
 
-    /// The fold of a window, 0 or 1: thirds of each recording in turn, every other recording starting with
-    /// the other fold.
+    /// The fold of a window, 0 or 1: thirds of the rows of each recording in turn, every other recording
+    /// starting with the other fold. Thirds of the time may be empty, where the logger paused.
     pub(super) fn fold(&self, n: usize) -> usize {
         let window = &self.windows[n];
-        let t = self.recordings[window.recording].t();
-        let share = (t[window.rows.start] - t[0]) / (t[t.len() - 1] - t[0]);
-        ((3.0 * share) as usize + window.recording) % 2
+        let rows = self.recordings[window.recording].len();
+        (3 * window.rows.start / rows + window.recording) % 2
     }
 
     /// One over the variance of the speed error of a wheel, at each row of a window; zero where the

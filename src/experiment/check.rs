@@ -6,6 +6,8 @@ use std::path::Path;
 use super::error::ExperimentError;
 use super::execute::load;
 use super::plan::{DiagnosisPlan, Measured, Plan};
+use crate::conditioning::sentences;
+use crate::recording::{Finding, Issue};
 use crate::robot::Robot;
 use crate::study::grouped;
 
@@ -79,7 +81,7 @@ fn conditioning(plan: &Plan, out: &mut String) {
     let found: Vec<(&str, String)> = plan
         .recordings
         .iter()
-        .flat_map(|m| m.conditioning.iter().map(|f| (m.recording.name(), f.to_string())))
+        .flat_map(|m| sentences(&m.conditioning).into_iter().map(|s| (m.recording.name(), s)))
         .collect();
     let found = found.iter().map(|(name, words)| (*name, words.as_str()));
     for (names, words) in grouped(found, count) {
@@ -98,8 +100,8 @@ fn conditioning(plan: &Plan, out: &mut String) {
 
 /// What the quality check notes; between the windows of a long recording nothing is missing.
 fn notes<'a>(measured: &'a Measured, robot: &Robot) -> Vec<(&'a str, String)> {
-    let between = |note: &String| measured.long.is_some() && note.contains("gaps in time");
+    let between = |f: &Finding| measured.long.is_some() && matches!(f.issue, Issue::Gaps(..));
     let r = &measured.recording;
     let notes = super::quality::notes(r, robot).into_iter().filter(|note| !between(note));
-    notes.map(|note| (r.name(), note)).collect()
+    notes.map(|note| (r.name(), note.to_string())).collect()
 }

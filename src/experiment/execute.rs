@@ -104,7 +104,8 @@ fn load_recordings(recordings: &[PathBuf], set: &[String]) -> Result<Plan, Exper
     let draft = super::new_file::draft(recordings, Path::new(""))?;
     let file = recordings[0].file_stem().map_or_else(|| "experiment".into(), PathBuf::from);
     let file = file.with_extension("toml");
-    if draft.is_open {
+    let name = file.display().to_string();
+    if draft.is_open && ExperimentFile::parse(&name, &draft.text, set).is_err() {
         let typed = |path: &PathBuf| path.display().to_string();
         let run = Invocation {
             file: typed(&file),

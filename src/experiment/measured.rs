@@ -30,13 +30,6 @@ pub(super) fn read(
         let found = entry.hold_rows;
         return Err(words(format!("recordings.hold_rows = {found} must be 1000 or more")));
     }
-    if let Some((key, _)) = entry.columns.iter().find(|(_, column)| column.name == "?") {
-        return Err(words(format!(
-            "recordings.columns.{key} = \"?\" is still open: write the name of a column of {}; the \
-             comments above say which there are",
-            entry.train.join(", ")
-        )));
-    }
     let folder = path.parent().unwrap_or_else(|| Path::new("."));
     let train = entry.train.iter().map(|f| (Role::Train, f));
     let all: Vec<_> = train.chain(entry.validation.iter().map(|f| (Role::Validation, f))).collect();

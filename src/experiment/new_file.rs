@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::ExperimentError;
 use super::guess::{Guess, Written, file_text, guess};
-use crate::conditioning::{Context, Finding, Settings, condition};
+use crate::conditioning::{Context, Finding, Settings, condition, sentences};
 use crate::io::{Column, ColumnMap, IoError, parts, preview, read_channels, write_whole};
 use crate::recording::{DriveUnit, Recording};
 use crate::study::shell_word;
@@ -83,9 +83,7 @@ pub(super) fn draft(recordings: &[PathBuf], folder: &Path) -> Result<Draft, Expe
     if folder.join(SCHEMA).is_file() {
         text = format!("#:schema ./{SCHEMA}\n\n{text}");
     }
-    let metres = guess.columns.iter().any(|c| matches!(c.unit.as_deref(), Some("m" | "m/s")));
-    let is_open = metres || text.contains("\"?\"");
-    Ok(Draft { text, words: guess.words(), is_open })
+    Ok(Draft { is_open: text.contains("\"?\""), text, words: guess.words() })
 }
 
 /// The recordings, each test of a SysId file as one of its own.
@@ -102,14 +100,19 @@ fn with_parts(recordings: &[PathBuf]) -> Result<Vec<PathBuf>, IoError> {
     Ok(out)
 }
 
-/// A recording as the guess reads it, and what conditioning says; or why it cannot be read.
+/// A recording as the guess reads it, and what conditioning says; or why it cannot be read. Which way it
+/// moves does not depend on counts per turn and radius; what conditioning says of angles does.
 fn look(path: &Path, guess: &Guess) -> Result<(Recording, Vec<Finding>), String> {
-    let mut columns = ColumnMap::new(guess.drive_unit, None);
+    let is_scaled = !guess.columns.iter().any(|c| c.needs_per_turn() || c.is_in_metres());
+    let mut columns = ColumnMap::new(guess.drive_unit, (!is_scaled).then_some(1.0));
     for one in &guess.columns {
         let column = Column {
             unit: one.unit.clone(),
-            per_turn: one.per_turn,
+            per_turn: one.per_turn.or(one.needs_per_turn().then_some(std::f64::consts::TAU)),
+            scale: one.scale.unwrap_or(1.0),
+            offset: one.offset.unwrap_or(0.0),
             nanoseconds: one.nanoseconds.clone(),
+            times: one.times.clone(),
             ..Column::new(&one.name)
         };
         columns.put(one.key, column).map_err(|e| e.to_string())?;
@@ -122,7 +125,7 @@ fn look(path: &Path, guess: &Guess) -> Result<(Recording, Vec<Finding>), String>
     let done = condition(channels, &settings, &context).map_err(|e| e.to_string())?;
     raw.channels = done.channels;
     let recording = raw.recording(guess.drive_unit).map_err(|e| e.to_string())?;
-    Ok((recording, done.findings))
+    Ok((recording, if is_scaled { done.findings } else { vec![] }))
 }
 
 /// Units that speeds and angles show of each other go into the file.
@@ -133,6 +136,8 @@ fn take_units(guess: &mut Guess, findings: &[Finding]) {
         let open = guess.columns.iter_mut().find(|c| c.key == key && c.unit.is_none());
         // half a turn has no unit in files; conditioning converts it
         if let Some(one) = open.filter(|_| unit != "half-turns") {
+            let answered = one.asks_unit();
+            guess.questions.retain(|question| !question.starts_with(&answered));
             one.unit = Some(unit.into());
             one.evidence.push(format!("{finding}").split(';').next().unwrap_or_default().into());
         }
@@ -148,7 +153,8 @@ fn seen(r: &Recording, findings: &[Finding], kind: Kind) -> Vec<String> {
         r.pieces().len() - 1,
         kind.words()
     )];
-    out.extend(findings.iter().filter(|f| f.is_remarkable()).map(ToString::to_string));
+    let remarkable = findings.iter().copied().filter(Finding::is_remarkable);
+    out.extend(sentences(&remarkable.collect::<Vec<_>>()));
     out
 }
 

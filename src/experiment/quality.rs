@@ -1,6 +1,6 @@
 //! Findings of the quality check as sentences.
 
-use crate::recording::{Recording, Severity, quality};
+use crate::recording::{Finding, Recording, Severity, quality};
 use crate::robot::Robot;
 
 /// The warnings and problems of a recording, worst first.
@@ -9,9 +9,9 @@ pub(super) fn findings(recording: &Recording, robot: &Robot) -> Vec<String> {
 }
 
 /// What else is worth knowing of a recording.
-pub(super) fn notes(recording: &Recording, robot: &Robot) -> Vec<String> {
+pub(super) fn notes(recording: &Recording, robot: &Robot) -> Vec<Finding> {
     let notes = quality(recording, robot).findings.into_iter();
-    notes.filter(|f| f.severity == Severity::Note).map(|f| f.to_string()).collect()
+    notes.filter(|f| f.severity == Severity::Note).collect()
 }
 
 /// Whether no recording has any drive: then all parameters are only known up to a common factor.

@@ -12,7 +12,7 @@ pub(super) const CONTRACT: [&str; 7] = ["t", "alpha1", "alpha2", "dalpha1", "dal
 /// A column of a file and how its values are written.
 ///
 /// ```text
-/// value [SI] = factor of the unit * (scale * value in the file + offset)
+/// value [SI] = factor of the unit * (scale * value in the file + offset) * value of another column
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
@@ -30,6 +30,8 @@ pub struct Column {
     pub torque_constant: Option<f64>,
     /// Column with the nanoseconds of a time that is written as seconds and nanoseconds.
     pub nanoseconds: Option<String>,
+    /// Column that multiplies the value; 1 without one.
+    pub times: Option<String>,
     /// Whether the experiment file names it; a named column must be there.
     pub named: bool,
 }
@@ -46,6 +48,7 @@ impl Column {
             per_turn: None,
             torque_constant: None,
             nanoseconds: None,
+            times: None,
             named: true,
         }
     }
@@ -105,6 +108,10 @@ impl ColumnMap {
             let near = near.filter(|n| strsim::jaro_winkler(n, key) > 0.75).map(Into::into);
             IoError::UnknownColumn { column: key.into(), near }
         })?;
+        if column.torque_constant.is_some() && self.drive_unit != DriveUnit::NewtonMetre {
+            let need = "drive_unit = \"N m\" (the default) beside torque_constant".into();
+            return Err(IoError::UnitNeeds { column: key.into(), unit: "A".into(), need });
+        }
         let (factor, offset) = self.conversion(contract, &column, None)?;
         if factor == 0.0 || !factor.is_finite() || !offset.is_finite() {
             return Err(IoError::Scale { column: key.into(), factor, offset });
@@ -323,6 +330,10 @@ mod tests {
         assert!(e.contains("needs per_turn"), "{e}");
         let e = factor(&map, "M1", in_unit("A")).unwrap_err().to_string();
         assert!(e.contains("torque_constant") && e.contains("drive_unit = \"A\""), "{e}");
+        let amperes = &mut ColumnMap::new(DriveUnit::Ampere, None);
+        let column = Column { torque_constant: Some(0.1), ..Column::new("i") };
+        let e = amperes.put("M1", column).unwrap_err().to_string();
+        assert!(e.contains("drive_unit = \"N m\""), "{e}");
         let volts = ColumnMap::new(DriveUnit::Volt, None);
         assert!(factor(&volts, "M1", in_unit("N m")).is_err());
         let e = ColumnMap::default().set("alfa1", "q", None, 1.0).unwrap_err().to_string();

@@ -63,7 +63,7 @@ pub(super) fn layout(path: &Path) -> Result<Layout, IoError> {
         [',', ';', '\t'].into_iter().max_by_key(|c| (count(*c), *c == ',')).unwrap_or(',');
     let names = split(text, separator);
     if names.iter().all(|n| number(n, separator != ',').is_some()) {
-        return Err(IoError::NoHeader { file: shown(path) });
+        return Err(IoError::NoHeader { file: shown(path), count: names.len() });
     }
     let mut row = lines.next().unwrap_or_default();
     let units = units_of(&row, separator).filter(|units| units.len() == names.len());
@@ -72,33 +72,44 @@ pub(super) fn layout(path: &Path) -> Result<Layout, IoError> {
     }
     let decimal_comma = separator != ',' && row.contains(&b',') && !row.contains(&b'.');
     let (names, units) = match units {
-        Some(units) => (names.iter().zip(&units).map(with_unit).collect(), true),
+        Some(units) => (names.iter().zip(&units).map(|(n, u)| with_unit(n, u)).collect(), true),
         None => (names, false),
     };
     Ok(Layout { names, separator: separator as u8, decimal_comma, above, units })
 }
 
+/// Whether cells without a number are units, at least half of them; a text among them may be a unit that is
+/// not known.
+pub(super) fn is_units(cells: &[String]) -> bool {
+    2 * cells.iter().filter(|c| is_unit(bare(c))).count() > cells.len()
+}
+
+/// A unit without the brackets around it.
+fn bare(cell: &str) -> &str {
+    cell.trim_matches(['[', ']', '(', ')']).trim()
+}
+
 /// The units of a line that holds units and no number: `s,rpm,,mNm`.
 fn units_of(line: &[u8], separator: char) -> Option<Vec<String>> {
     let text = str::from_utf8(line).ok()?.trim_end_matches(['\r', '\n']);
-    let bare = |cell: String| cell.trim_matches(['[', ']', '(', ')']).trim().to_string();
-    let cells: Vec<String> = split(text, separator).into_iter().map(bare).collect();
+    let cells = split(text, separator).into_iter();
+    let cells: Vec<String> = cells.map(|cell| bare(&cell).to_string()).collect();
     let data = cells.iter().any(|c| !c.is_empty() && value(c, separator != ',').is_some());
-    let units = cells.iter().filter(|c| is_unit(c)).count();
-    // a text among them may be a unit that is not known
-    (!data && 2 * units > cells.len()).then_some(cells)
+    (!data && is_units(&cells)).then_some(cells)
 }
 
-fn with_unit((name, unit): (&String, &String)) -> String {
+/// A name with its unit behind it, where there is one and the name has none yet.
+pub(super) fn with_unit(name: &str, unit: &str) -> String {
+    let unit = bare(unit);
     if unit.is_empty() || name.ends_with([']', ')']) {
-        name.clone()
+        name.into()
     } else {
         format!("{name} [{unit}]")
     }
 }
 
 /// The names of a header; within quotes a separator is a part of the name, and `""` a quote.
-fn split(header: &str, separator: char) -> Vec<String> {
+pub(super) fn split(header: &str, separator: char) -> Vec<String> {
     let (mut names, mut quoted) = (vec![String::new()], false);
     let mut letters = header.chars().peekable();
     while let Some(c) = letters.next() {
@@ -249,7 +260,7 @@ fn by_cell(
 }
 
 /// Words for a value that is not there.
-const ABSENT: [&str; 6] = ["", "na", "n/a", "null", "none", "-"];
+pub(super) const ABSENT: [&str; 6] = ["", "na", "n/a", "null", "none", "-"];
 
 /// A cell of data as a number; NaN where it says that there is none.
 pub(super) fn value(cell: &str, decimal_comma: bool) -> Option<f64> {

@@ -39,11 +39,13 @@ pub enum IoError {
     },
     /// The first line is data.
     #[error(
-        "{file}: the first line holds numbers where the names of the columns are expected (a line that starts with # is a comment); write a header, for example t,dalpha1,dalpha2,M1,M2"
+        "{file}: the first line holds numbers where the names of the columns are expected (a line that starts with # is a comment); write a header, for example t,dalpha1,dalpha2,M1,M2, or name the {count} columns by their place: columns = {{ t = \"column1\", … }}"
     )]
     NoHeader {
         /// File.
         file: String,
+        /// Columns.
+        count: usize,
     },
     /// Nothing in it.
     #[error("{file} is empty; expected a header and rows of numbers")]

@@ -31,6 +31,10 @@ pub fn read_long_recording(
         return Ok(None);
     }
     let headers = headers(path)?;
+    // what is read as a whole is held as a whole
+    if !matches!(headers.source, Source::Text(_) | Source::Parquet) {
+        return Ok(None);
+    }
     let wanted = wanted(path, &headers, columns)?;
     let names = names_of(path, &headers, &wanted)?;
     let (path, columns) = (path.to_path_buf(), columns.clone());

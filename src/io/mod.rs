@@ -19,6 +19,7 @@ mod signals;
 mod summary;
 mod sysid;
 mod table;
+mod text_log;
 mod wpilog;
 
 pub use columns::{Column, ColumnMap, contract_units};

@@ -1,15 +1,18 @@
 //! A recording from a file of any format that is read.
 
+mod missing;
+
 use std::path::{Path, PathBuf};
 
 use polars::prelude::{DataFrame, DataType, PolarsError};
 
+use self::missing::missing;
 use super::columns::CONTRACT;
 use super::csv::{self, Layout};
-use super::error::{format_error, shortened, shown};
+use super::error::{format_error, shown};
 use super::format::Format;
 use super::signals::{Signals, frame};
-use super::{ColumnMap, IoError, mat, mcap, parquet, sha256, sysid, wpilog};
+use super::{ColumnMap, IoError, mat, mcap, parquet, sha256, sysid, text_log, wpilog};
 use crate::recording::{Channels, DriveUnit, Recording};
 
 /// Columns of a file.
@@ -34,6 +37,8 @@ pub(super) enum Source {
 
 /// The part of a time that is written as seconds and nanoseconds.
 const NANOSECONDS: &str = "t.nanoseconds";
+/// The columns that multiply the inputs, with their inputs.
+const FACTORS: [(&str, &str); 2] = [("M1.times", "M1"), ("M2.times", "M2")];
 
 /// A time beyond this is that of a calendar and not of the recording [s].
 const CALENDAR: f64 = 1e6;
@@ -57,18 +62,24 @@ fn headers_of(path: &Path, part: Option<&str>) -> Result<Headers, IoError> {
         (columns.iter().map(|(name, _)| name.clone()).collect(), Source::Columns(columns))
     };
     let (names, source) = match Format::of(path)? {
-        Format::Csv => {
-            let layout = csv::layout(path)?;
-            match csv::unfold(path, &layout)? {
-                Some(unfolded) => columns(unfolded),
-                None => (layout.names.clone(), Source::Text(layout)),
+        Format::Csv => match text_log::read(path)? {
+            Some(found) => columns(found),
+            None => {
+                let layout = csv::layout(path)?;
+                match csv::unfold(path, &layout)? {
+                    Some(unfolded) => columns(unfolded),
+                    None => (layout.names.clone(), Source::Text(layout)),
+                }
             }
-        }
+        },
         Format::Parquet => (parquet::names(path)?, Source::Parquet),
         Format::Wpilog => signals(wpilog::read(path)?),
         Format::Mcap => signals(mcap::read(path)?),
         Format::Mat => columns(mat::read(path)?),
-        Format::SysId => columns(sysid::read(path, part)?),
+        Format::SysId => match text_log::json(path)? {
+            Some(found) => columns(found),
+            None => columns(sysid::read(path, part)?),
+        },
     };
     Ok(Headers { names, source })
 }
@@ -162,7 +173,7 @@ pub(super) fn parted(path: &Path) -> (&Path, Option<&str>) {
 /// A file that cannot be read.
 pub fn parts(path: &Path) -> Result<Vec<String>, IoError> {
     match Format::of(path)? {
-        Format::SysId => sysid::tests(path),
+        Format::SysId if text_log::json(path)?.is_none() => sysid::tests(path),
         _ => Ok(vec![]),
     }
 }
@@ -238,6 +249,11 @@ pub(super) fn channels(
         if let (Some(part), "t") = (&part, key) {
             values.iter_mut().zip(part).for_each(|(t, ns)| *t += 1e-9 * ns);
         }
+        let factor = FACTORS.iter().find(|(_, input)| *input == key).map(|(factor, _)| factor);
+        if let Some((_, name)) = wanted.iter().find(|(k, _)| Some(k) == factor) {
+            let by = held(numbers(path, frame, name, place.first)?);
+            values.iter_mut().zip(by).for_each(|(x, by)| *x *= by);
+        }
         Ok(Some(values))
     };
     let pair = |a: Option<Vec<f64>>, b: Option<Vec<f64>>| {
@@ -249,6 +265,17 @@ pub(super) fn channels(
         omega: pair(one("dalpha1")?, one("dalpha2")?),
         moment: pair(one("M1")?, one("M2")?).unwrap_or_default(),
     })
+}
+
+/// The values with the last one in place of those that are missing: the battery is measured more slowly than
+/// the wheels. Before the first there is the first.
+fn held(mut values: Vec<f64>) -> Vec<f64> {
+    let mut last = values.iter().copied().find(|x| x.is_finite()).unwrap_or(f64::NAN);
+    for x in &mut values {
+        last = if x.is_finite() { *x } else { last };
+        *x = last;
+    }
+    values
 }
 
 /// Factor and offset of a column; the unit behind its name counts where the map gives none.
@@ -315,6 +342,13 @@ pub(super) fn wanted(
         }
         out.push((NANOSECONDS, name.clone()));
     }
+    for (key, input) in FACTORS {
+        let Some(name) = &columns.get(input).times else { continue };
+        if !headers.names.contains(name) {
+            return Err(missing(path, headers, key, name));
+        }
+        out.push((key, name.clone()));
+    }
     let has = |key: &str| out.iter().any(|(k, _)| *k == key);
     let angles = has("alpha1") && has("alpha2");
     let speeds = has("dalpha1") && has("dalpha2");
@@ -326,50 +360,6 @@ pub(super) fn wanted(
     out.retain(|(k, _)| !k.starts_with("alpha") || angles);
     out.retain(|(k, _)| !k.starts_with("dalpha") || speeds);
     Ok(out)
-}
-
-fn missing(path: &Path, headers: &Headers, key: &str, name: &str) -> IoError {
-    // without signs between: they outweigh the rest of names as short as M_2
-    let bare = |n: &str| n.to_lowercase().replace(|c: char| !c.is_alphanumeric(), "");
-    let near = headers
-        .names
-        .iter()
-        .filter(|n| !CONTRACT.contains(&n.as_str()))
-        .map(|n| (strsim::jaro_winkler(&bare(n), &bare(name)), n))
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .filter(|(score, _)| *score > 0.8)
-        .map(|(_, n)| n.clone());
-    IoError::MissingColumn {
-        file: shown(path),
-        column: name.into(),
-        key: key.into(),
-        near,
-        present: shortened(&of_interest(&headers.names)),
-    }
-}
-
-/// Names that are listed as they are.
-const LISTED: usize = 24;
-/// Words of the names of wheels' angles, speeds and inputs.
-const WORDS: [&str; 15] = [
-    "pos", "angle", "enc", "vel", "speed", "rpm", "volt", "current", "amp", "torque", "effort",
-    "left", "right", "wheel", "drive",
-];
-
-/// The names of columns; of many those that may be meant first, by the number of words that say so.
-fn of_interest(names: &[String]) -> String {
-    if names.len() <= LISTED {
-        return names.join(", ");
-    }
-    let words = |name: &String| {
-        let lower = name.to_lowercase();
-        WORDS.iter().filter(|word| lower.contains(**word)).count()
-    };
-    let mut sorted: Vec<&String> = names.iter().collect();
-    // stable: among equals in the order of the file
-    sorted.sort_by_key(|name| std::cmp::Reverse(words(name)));
-    let first: Vec<&str> = sorted.iter().take(LISTED).map(|n| n.as_str()).collect();
-    format!("{}, and {} others", first.join(", "), names.len() - LISTED)
 }
 
 /// A column of a frame, after so many rows, as numbers; a file of Parquet may hold whole numbers or text.

@@ -18,7 +18,10 @@ pub use error::RecordingError;
 pub use local::LocalMotion;
 pub use long::{LongRecording, Rows, Survey};
 pub use noise::share_noise;
-pub use quality::{Finding, Gaps, Quality, Severity, quality};
+pub use quality::{Finding, Gaps, Issue, Quality, Severity, quality};
+pub(crate) use quality::{
+    View, Window, exchanged_input, exchanged_speeds, opposing_input, windows_of,
+};
 pub use recording::Recording;
 pub(crate) use recording::{differentiate, is_gap};
 pub use refresh::refreshed;

@@ -4,10 +4,17 @@
 //! every channel by itself, the channels against each other, and what the driving excites.
 
 mod channel;
+mod consistency;
 mod excitation;
+mod issue;
 mod motion;
 mod timing;
 mod window;
+
+pub use issue::Issue;
+
+pub(crate) use consistency::{exchanged_input, exchanged_speeds, opposing_input};
+pub(crate) use window::{View, Window, windows_of};
 
 use super::Recording;
 use crate::robot::Robot;
@@ -21,7 +28,7 @@ pub enum Severity {
     Note,
     /// Results may be worse, or some parameters cannot be found.
     Warning,
-    /// Results will be wrong unless it is mended.
+    /// Results will be wrong unless it is corrected.
     Problem,
 }
 
@@ -37,26 +44,36 @@ impl Severity {
     }
 }
 
-/// Something that was noticed, and what to do about it.
-#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+/// Something that was noticed.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Finding {
     /// How much it matters.
     pub severity: Severity,
-    /// What was seen.
-    pub what: String,
-    /// What to do, or what follows from it.
-    pub remedy: String,
+    /// What it is.
+    pub issue: Issue,
 }
 
 impl Finding {
-    fn new(severity: Severity, what: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Self { severity, what: what.into(), remedy: remedy.into() }
+    fn new(severity: Severity, issue: Issue) -> Self {
+        Self { severity, issue }
+    }
+
+    /// What was seen.
+    #[must_use]
+    pub fn what(&self) -> String {
+        self.issue.what()
+    }
+
+    /// What to do, or what follows from it.
+    #[must_use]
+    pub fn remedy(&self) -> String {
+        self.issue.remedy()
     }
 }
 
 impl std::fmt::Display for Finding {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}: {}", self.what, self.remedy)
+        write!(f, "{}: {}", self.what(), self.remedy())
     }
 }
 
@@ -89,9 +106,6 @@ impl Quality {
     }
 }
 
-/// Names of the wheels in findings.
-const WHEELS: [&str; 2] = ["wheel 1 (right)", "wheel 2 (left)"];
-
 /// Checks a recording.
 ///
 /// # Examples
@@ -104,7 +118,7 @@ const WHEELS: [&str; 2] = ["wheel 1 (right)", "wheel 2 (left)"];
 /// let channels = Channels { t, alpha: None, omega: Some(omega), moment };
 /// let recording = Recording::new("run.csv", channels, DriveUnit::NewtonMetre).unwrap();
 /// let found = quality(&recording, &Robot::amigobot());
-/// assert!(found.at_least(Severity::Warning).any(|f| f.what.contains("wheel 2 (left) never moves")));
+/// assert!(found.at_least(Severity::Warning).any(|f| f.what().contains("wheel 2 (left) never moves")));
 /// ```
 #[must_use]
 pub fn quality(recording: &Recording, robot: &Robot) -> Quality {
@@ -121,12 +135,7 @@ pub fn quality(recording: &Recording, robot: &Robot) -> Quality {
 
 /// The value below which a share of all absolute values lies; zero of none.
 fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
-    let mut sizes: Vec<f64> = values.map(f64::abs).collect();
-    if sizes.is_empty() {
-        return 0.0;
-    }
-    let place = ((sizes.len() - 1) as f64 * share).round() as usize;
-    *sizes.select_nth_unstable_by(place, f64::total_cmp).1
+    crate::math::quantile(values.map(f64::abs), share)
 }
 
 #[cfg(test)]

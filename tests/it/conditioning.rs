@@ -44,8 +44,10 @@ fn columns(block: &toml::Table) -> Vec<(String, String, String)> {
         let of = |k: &str| column.get(k).and_then(toml::Value::as_str).unwrap_or_default();
         let name = column.as_str().unwrap_or_else(|| of("name"));
         out.push((key.clone(), name.to_string(), of("unit").to_string()));
-        if !of("nanoseconds").is_empty() {
-            out.push((String::new(), of("nanoseconds").to_string(), String::new()));
+        for other in ["nanoseconds", "times"] {
+            if !of(other).is_empty() {
+                out.push((other.into(), of(other).to_string(), String::new()));
+            }
         }
     }
     out
@@ -68,7 +70,8 @@ fn log(columns: &[(String, String, String)]) -> String {
                 ("alpha1" | "alpha2", _) => (angles[i] * 8192.0 / std::f64::consts::TAU).round(),
                 ("dalpha1" | "dalpha2", "rpm") => row[1 + i] * 60.0 / std::f64::consts::TAU,
                 ("dalpha1" | "dalpha2", "m/s") => row[1 + i] * 0.0762,
-                ("", _) => 0.0,
+                ("nanoseconds", _) => 0.0,
+                ("times", _) => 12_000.0,
                 (_, "mA") => 1e3 / 0.05 * row[3 + i],
                 _ => row[3 + i],
             };
@@ -85,13 +88,13 @@ fn the_examples_of_the_docs_are_accepted_as_they_stand() {
     let docs = std::fs::read_to_string(root().join("docs/files.md")).unwrap();
     let blocks: Vec<&str> =
         docs.split("```toml\n").skip(1).map(|b| b.split("```").next().unwrap()).collect();
-    assert!(blocks.len() >= 4, "{}", blocks.len());
+    assert!(blocks.len() >= 5, "{}", blocks.len());
     for block in blocks {
         let folder = Folder::new();
         let table: toml::Table = toml::from_str(block).unwrap();
         let columns = columns(&table);
         let plain = csv(&motion());
-        for file in ["run1.csv", "run2.csv", "log.csv", "drive.csv"] {
+        for file in ["run1.csv", "run2.csv", "log.csv", "pwm.csv", "drive.csv"] {
             folder.write(file, if columns.is_empty() { plain.clone() } else { log(&columns) });
         }
         folder.write("e.toml", block);
@@ -162,7 +165,7 @@ fn a_dead_encoder_and_a_current_without_sign_are_refused_with_the_remedy() {
     folder.run(&["e.toml"]).says(2, &["run.csv: the left wheel never moves", "refuse = false"]);
     rows.iter_mut().for_each(|r| r[3] = r[3].abs());
     folder.write("run.csv", csv(&rows));
-    folder.run(&["e.toml"]).says(2, &["M1 is never negative", "sign_from_speed = true"]);
+    folder.run(&["e.toml"]).says(2, &["M1 never changes its sign", "sign_from_speed = true"]);
     folder.write("e.toml", format!("[conditioning]\nsign_from_speed = true\n\n{}", on("run.csv")));
     folder.run(&["check", "e.toml"]).says(0, &["takes the sign of the speed"]);
 }
@@ -200,4 +203,90 @@ fn each_test_of_a_sysid_file_is_a_recording_and_every_kind_of_movement_is_traine
     folder.run(&["check", "s.toml"]).says(0, &["s.json#slow-forward: 200 samples", "0 gaps"]);
     folder.write("e.toml", on("s.json#slow-forwards"));
     folder.run(&["check", "e.toml"]).says(2, &["slow-forwards", "slow-forward"]);
+}
+
+/// Rows of [`motion`] with counts of an encoder of 1000 a turn: t, counts right and left, torques.
+fn counted() -> Vec<[f64; 5]> {
+    let mut turns = [0.0, 0.0];
+    let rows = motion();
+    let count = |r: &Row| {
+        (0..2).for_each(|i| turns[i] += 0.01 * r[1 + i] / std::f64::consts::TAU);
+        let [right, left] = turns.map(|t: f64| (1000.0 * t).floor());
+        [r[0], right, left, r[3], r[4]]
+    };
+    rows.iter().map(count).collect()
+}
+
+#[test]
+fn the_lines_of_a_console_ask_for_the_counts_of_a_turn_and_take_them() {
+    let line = |[t, r, l, mr, ml]: &[f64; 5]| {
+        format!("t={:.0},l={l},r={r},tau_l={ml},tau_r={mr}\n", 1e3 * t)
+    };
+    let folder = Folder::new();
+    folder.write("log.txt", format!("boot ok\n{}", counted().iter().map(line).collect::<String>()));
+    folder.run(&["new", "log.txt"]).says(0, &["to be completed", "how many counts has a turn"]);
+    let file = folder.read("log.toml");
+    assert!(file.contains("name = \"r\", unit = \"ticks\", per_turn = \"?\""), "{file}");
+    assert!(file.contains("600 samples"), "{file}");
+    let open = ["alpha1.per_turn = \"?\" is still open", "alpha2.per_turn: write the counts"];
+    folder.run(&["check", "log.toml"]).says(2, &open);
+    let set = |i| format!("recordings.columns.alpha{i}.per_turn=1000");
+    let (one, two) = (set(1), set(2));
+    folder.run(&["check", "log.toml", "--set", &one, "--set", &two]).says(0, &["600 samples"]);
+    folder.run(&["log.txt", "--set", &one, "--set", &two]).says(0, &["reports/log/report.html"]);
+    folder.run(&["log.txt"]).says(2, &["how many counts has a turn"]);
+}
+
+#[test]
+fn words_above_the_table_are_passed_over_and_columns_without_names_are_asked_for() {
+    let rows = motion();
+    let head = "LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\t\n\n";
+    let names = "X_Value\tright_speed\tleft_speed\tright_current\tleft_current";
+    let folder = Folder::new();
+    folder.write("a.lvm", format!("{head}{}", text(&rows, names, "\t", |x| x.to_string(), "\r\n")));
+    folder
+        .run(&["new", "a.lvm", "-o", "a.toml"])
+        .says(0, &["dalpha1  = right_speed", "input in A"]);
+    folder.run(&["check", "a.toml"]).says(0, &["600 samples"]);
+    let bare = csv(&rows);
+    folder.write("b.csv", bare.split_once('\n').unwrap().1);
+    folder.run(&["new", "b.csv"]).says(0, &["t        = column1", "to be completed"]);
+    assert!(folder.read("b.toml").contains("#   column2 "));
+    let mut file = folder.read("b.toml");
+    for (key, place) in [("dalpha1", 2), ("dalpha2", 3), ("M1", 4), ("M2", 5)] {
+        file = file.replace(&format!("{key} = \"?\""), &format!("{key} = \"column{place}\""));
+    }
+    folder.write("b.toml", file);
+    folder.run(&["check", "b.toml"]).says(0, &["600 samples"]);
+    folder.write("e.toml", on("b.csv"));
+    folder.run(&["check", "e.toml"]).says(2, &["the first line holds numbers", "column1"]);
+}
+
+#[test]
+fn a_duty_cycle_times_the_battery_is_a_voltage() {
+    let rows = motion();
+    let mut log = String::from("t,w_r,w_l,duty_r,duty_l,battery_mV\n");
+    for (k, [t, wr, wl, mr, ml]) in rows.iter().enumerate() {
+        // the battery is measured every tenth row, and falls
+        let volts = 12.0 - 0.1 * (k / 10) as f64 / 6.0;
+        let battery = if k % 10 == 0 { format!("{}", 1e3 * volts) } else { String::new() };
+        let _ = writeln!(log, "{t},{wr},{wl},{},{},{battery}", mr / volts, ml / volts);
+    }
+    let folder = Folder::new();
+    folder.write("log.csv", log).write("plain.csv", csv(&rows));
+    folder.run(&["new", "log.csv"]).says(0, &["duty_r times battery_mV", "the whole voltage"]);
+    folder.run(&["log.toml"]).says(0, &["log: "]);
+    folder.write("plain.toml", folder.read("log.toml").replace("log.csv", "plain.csv"));
+    let plain = folder.read("plain.toml");
+    let columns = plain.lines().find(|l| l.starts_with("columns")).unwrap().to_string();
+    folder.write("plain.toml", plain.replace(&columns, ""));
+    folder.run(&["plain.toml"]).says(0, &["plain: "]);
+    let value = |name: &str, k: usize| {
+        folder.results(name)["methods"][0]["parameters"][k]["value"].as_f64().unwrap()
+    };
+    for k in 0..5 {
+        let (a, b) = (value("reports/log", k), value("reports/plain", k));
+        // printed digits alone
+        assert!((a - b).abs() < 1e-6 * b.abs(), "{k}: {a} {b}");
+    }
 }

@@ -1,6 +1,5 @@
 //! The steps that were tried: which of them held-out windows prove, and which of the effects stay.
 
-use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::Search;
@@ -10,7 +9,6 @@ use crate::diagnose::outcome::{Ranked, Step};
 use crate::diagnose::thresholds::THRESHOLDS;
 use crate::diagnose::windows::Errors;
 use crate::effects::{Change, ParameterKind};
-use crate::math::distribution::chi2_log_survival;
 
 /// A fit on recordings that nothing was fitted to.
 struct HeldOut<'a> {
@@ -284,65 +282,13 @@ impl Search<'_> {
     }
 }
 
-/// Whether the linear parameters of the step's effect, if it has any, together differ from zero by more than their
-/// uncertainty: an effect that the training recordings do not show may lower the held-out error by accident.
-///
-/// ```text
-/// P(chi2(k) > p' C^-1 p) < P(|z| > uncertain),   C: covariance of the k parameters, z: standard normal
-/// ```
-/// Together, since of two that hide each other (the stiffness of a tyre and the inertia in front of it) each alone
-/// may be as good as unknown.
+/// Whether a linear parameter of the step's effect, if it has any, differs from zero by more than its uncertainty: an
+/// effect that the training recordings do not show may lower the held-out error by accident.
 fn has_size(step: &Step) -> bool {
-    let WindowFit { model, p, covariance, .. } = &step.fit;
+    let model = &step.fit.model;
     let own = model.parameters().iter().enumerate().filter(|(_, p)| p.effect == step.id);
-    let linear: Vec<usize> =
-        own.filter(|(_, p)| p.spec.kind == ParameterKind::Linear).map(|(j, _)| j).collect();
-    // a parameter at its bound has no variance
-    let (free, held): (Vec<usize>, Vec<usize>) =
-        linear.iter().partition(|&&j| covariance[(j, j)] > 0.0);
-    if linear.is_empty() || held.iter().any(|&j| p[j] != 0.0) {
-        return true;
-    }
-    let sizes = DVector::from_iterator(free.len(), free.iter().map(|&j| p[j]));
-    let Some(inverse) = covariance.select_rows(&free).select_columns(&free).cholesky() else {
-        return false;
-    };
-    let square = sizes.dot(&inverse.solve(&sizes));
-    chi2_log_survival(square, free.len() as f64)
-        < chi2_log_survival(THRESHOLDS.uncertain.powi(2), 1.0)
-}
-
-#[cfg(test)]
-mod tests {
-    use nalgebra::DMatrix;
-
-    use super::*;
-    use crate::model::Model;
-    use crate::robot::Robot;
-
-    /// A step by wheel slip with that traction, inertia of the wheel, standard errors and correlation.
-    fn step(values: [f64; 2], errors: [f64; 2], correlation: f64) -> Step {
-        let model = Model::with_effects(Robot::amigobot(), &["wheel_slip"]).unwrap();
-        let mut p = model.initial();
-        let n = p.len();
-        p[n - 2..].copy_from_slice(&values);
-        let mut covariance = DMatrix::identity(n, n);
-        let cross = correlation * errors[0] * errors[1];
-        let [a, b] = errors.map(|e| e * e);
-        covariance.view_mut((n - 2, n - 2), (2, 2)).copy_from_slice(&[a, cross, cross, b]);
-        let at_bound = vec![false; n];
-        let fit = WindowFit { model, p, cost: 1.0, covariance, at_bound };
-        let id = "wheel_slip".into();
-        Step { id, fit, last: Fall::NONE, total: Fall::NONE, equals: vec![] }
-    }
-
-    #[test]
-    fn parameters_that_hide_each_other_have_a_size_together() {
-        // each 1.7 standard errors from zero, their ratio known to a hundredth of that
-        assert!(has_size(&step([1.7, 1.7], [1.0, 1.0], 0.9999)));
-        // p' C^-1 p = 2 1.7²/(1 + 0.5) = 3.85, below 5.99 (chi2 of 2 at 95 %), and 8.3 with opposite signs
-        assert!(!has_size(&step([1.7, 1.7], [1.0, 1.0], 0.5)));
-        assert!(has_size(&step([1.7, -1.2], [1.0, 1.0], 0.5)));
-        assert!(!has_size(&step([0.1, 0.0], [1.0, 0.0], 0.0)));
-    }
+    let linear = own.filter(|(_, p)| p.spec.kind == ParameterKind::Linear);
+    let errors = |j: usize| step.fit.p[j].abs() / step.fit.covariance[(j, j)].sqrt();
+    let mut sizes = linear.map(|(j, _)| errors(j)).peekable();
+    sizes.peek().is_none() || sizes.any(|size| size > THRESHOLDS.uncertain)
 }

@@ -3,6 +3,7 @@
 mod check;
 mod error;
 mod json_schema;
+mod open;
 mod schema;
 
 pub use error::FileError;
@@ -31,13 +32,19 @@ impl ExperimentFile {
     /// assert!(error.contains("line 3") && error.contains("did you mean `seed`?"), "{error}");
     /// ```
     pub fn parse(name: &str, text: &str, overrides: &[String]) -> Result<Self, FileError> {
-        let file: Self = error::with_words(name, text, toml::from_str(text))?;
-        if overrides.is_empty() {
-            file.check(name)?;
-            return Ok(file);
-        }
-        let file = Self::from_table(&Self::table(name, text, overrides)?)
-            .map_err(|message| FileError::Override { entry: overrides.join(" "), message })?;
+        let table = Self::table(name, text, overrides)?;
+        open::refuse_open(name, &table)?;
+        let typed = || error::with_words(name, text, toml::from_str(text));
+        let file = if overrides.is_empty() {
+            typed()?
+        } else {
+            // what is wrong in the text itself has a line
+            if open::refuse_open(name, &Self::table(name, text, &[])?).is_ok() {
+                let _: Self = typed()?;
+            }
+            Self::from_table(&table)
+                .map_err(|message| FileError::Override { entry: overrides.join(" "), message })?
+        };
         file.check(name)?;
         Ok(file)
     }
@@ -59,6 +66,9 @@ impl ExperimentFile {
     }
 }
 
+/// Where a name stands for a table of that name.
+const COLUMNS: &str = "recordings.columns.";
+
 /// Applies one `a.b.c=value`.
 fn set(table: &mut Table, entry: &str) -> Result<(), FileError> {
     let wrong = |message: String| FileError::Override { entry: entry.into(), message };
@@ -71,7 +81,7 @@ fn set(table: &mut Table, entry: &str) -> Result<(), FileError> {
     set_value(table, key.trim(), parsed["value"].clone()).map_err(wrong)
 }
 
-/// Puts a value at a dotted key, making tables on the way.
+/// Puts a value at a dotted key, making tables on the way; a column that is its name becomes a table with it.
 ///
 /// # Errors
 /// If a part of the key is not a table.
@@ -81,6 +91,11 @@ pub(super) fn set_value(table: &mut Table, key: &str, value: Value) -> Result<()
     let mut place = table;
     for part in parts {
         let next = place.entry(part).or_insert_with(|| Value::Table(Table::new()));
+        if let Value::String(name) = &*next
+            && key.starts_with(COLUMNS)
+        {
+            *next = Value::Table(Table::from_iter([("name".to_string(), name.clone().into())]));
+        }
         place = next.as_table_mut().ok_or_else(|| format!("`{part}` of `{key}` is no table"))?;
     }
     place.insert(last.to_string(), value);

@@ -91,14 +91,23 @@ pub struct ColumnEntry {
     pub torque_constant: Option<f64>,
     /// Column with the nanoseconds of a time that is written as seconds and nanoseconds (`t` only).
     pub nanoseconds: Option<String>,
+    /// Column that multiplies the value, for example the voltage of the battery where the input is a
+    /// duty cycle (`M1` and `M2` only).
+    pub times: Option<String>,
 }
 
 impl From<ColumnEntry> for Column {
     fn from(entry: ColumnEntry) -> Self {
-        let ColumnEntry { name, unit, scale, offset, per_turn, torque_constant, nanoseconds } =
-            entry;
-        let scale = scale.unwrap_or(1.0);
-        Self { unit, scale, offset, per_turn, torque_constant, nanoseconds, ..Self::new(name) }
+        Self {
+            unit: entry.unit,
+            scale: entry.scale.unwrap_or(1.0),
+            offset: entry.offset,
+            per_turn: entry.per_turn,
+            torque_constant: entry.torque_constant,
+            nanoseconds: entry.nanoseconds,
+            times: entry.times,
+            ..Self::new(entry.name)
+        }
     }
 }
 

@@ -87,3 +87,15 @@ proptest::proptest! {
         let _ = ExperimentFile::parse("a.toml", &text, &[]);
     }
 }
+
+#[test]
+fn what_is_open_and_how_a_named_column_is_written_can_be_set() {
+    let text = "[recordings]\ntrain = [\"a\"]\n[recordings.columns]\nM1 = \"pwm\"\n\
+                alpha1 = { name = \"e\", per_turn = \"?\" }\n";
+    assert!(error(text).contains("per_turn = \"?\" is still open"));
+    let set = |key: &str| format!("recordings.columns.{key}");
+    let sets = [set("alpha1.per_turn=512"), set("M1.scale=0.5")];
+    let columns = ExperimentFile::parse("a.toml", text, &sets).unwrap().recordings.unwrap().columns;
+    assert_eq!(columns["alpha1"].per_turn, Some(512.0));
+    assert_eq!((columns["M1"].name.as_str(), columns["M1"].scale), ("pwm", Some(0.5)));
+}

@@ -1,6 +1,8 @@
 //! Guesses which column of a log is what, from names and values, and says why.
 
+mod commands;
 mod names;
+mod relations;
 mod text;
 mod values;
 
@@ -22,6 +24,14 @@ pub(super) struct Guessed {
     pub(super) nanoseconds: Option<String>,
     /// Counts per turn of the wheel.
     pub(super) per_turn: Option<f64>,
+    /// Factor on the value.
+    pub(super) scale: Option<f64>,
+    /// Added after the factor.
+    pub(super) offset: Option<f64>,
+    /// Column that multiplies the value.
+    pub(super) times: Option<String>,
+    /// Whether the name does not say which wheel it is.
+    pub(super) side_unsure: bool,
     /// What the guess rests on, beside the name.
     pub(super) evidence: Vec<String>,
 }
@@ -56,51 +66,83 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
         one_axis: false,
     };
     out.columns.extend(time(&all));
-    let angles = pair(&all, Quantity::Angle, ["alpha1", "alpha2"], &mut out.questions);
-    let speeds = pair(&all, Quantity::Speed, ["dalpha1", "dalpha2"], &mut out.questions);
-    let input = input(columns, &all, &speeds, &mut out.questions);
-    out.one_axis = [&angles, &speeds].into_iter().flatten().any(|p| p[0].name == p[1].name);
+    let mut angles = pair(&all, Some(Quantity::Angle), ANGLES);
+    let mut speeds = pair(&all, Some(Quantity::Speed), SPEEDS);
+    let two = |(q, unit)| Some((pair(&all, Some(q), ["M1", "M2"])?, unit));
+    let mut inputs: Vec<Input> = INPUTS.into_iter().filter_map(two).collect();
+    if angles.is_none() && speeds.is_none() {
+        // `l` and `r` and no more: counts, where they are whole numbers
+        let counts = |pair: &[Guessed; 2]| pair.iter().all(|c| values::are_counts(columns, c));
+        angles = pair(&all, None, ANGLES).filter(counts);
+    }
+    // one axis alone: a column that stands beside pairs is something else, as the current of both motors
+    if angles.is_none() && speeds.is_none() && inputs.is_empty() {
+        angles = one(&all, Quantity::Angle, ANGLES);
+        speeds = one(&all, Quantity::Speed, SPEEDS);
+        out.one_axis = angles.is_some() || speeds.is_some();
+        let alone = INPUTS.into_iter().map(|(q, unit)| Some((one(&all, q, ["M1", "M2"])?, unit)));
+        inputs = alone.flatten().collect();
+    }
+    let input = input(columns, inputs, angles.as_ref(), speeds.as_ref());
     out.columns.extend(angles.into_iter().flatten());
     out.columns.extend(speeds.into_iter().flatten());
     if let Some((input, unit)) = input {
         out.drive_unit = unit;
         out.columns.extend(input);
     }
+    out.questions.extend(which_is_right(&out.columns));
+    let battery = all.iter().find(|c| c.named.battery).map(|c| (c.column, c.named.unit));
     values::look(columns, &mut out);
+    commands::look(columns, battery, &mut out);
+    let hints = relations::hints(columns, &out);
+    out.questions.extend(hints);
     out
+}
+
+const ANGLES: [&str; 2] = ["alpha1", "alpha2"];
+const SPEEDS: [&str; 2] = ["dalpha1", "dalpha2"];
+/// What an input may be, the one that says most first.
+const INPUTS: [(Quantity, DriveUnit); 3] = [
+    (Quantity::Torque, DriveUnit::NewtonMetre),
+    (Quantity::Current, DriveUnit::Ampere),
+    (Quantity::Voltage, DriveUnit::Volt),
+];
+
+/// The columns of an input, and its unit.
+type Input = ([Guessed; 2], DriveUnit);
+
+/// The question whether the columns of the right wheel are those of the right one, where their names have numbers
+/// or letters alone.
+fn which_is_right(columns: &[Guessed]) -> Option<String> {
+    let named = |end: char| {
+        let unsure = columns.iter().filter(|c| c.side_unsure && c.key.ends_with(end));
+        unsure.map(|c| format!("`{}`", c.name)).collect::<Vec<_>>().join(", ")
+    };
+    let (right, left) = (named('1'), named('2'));
+    (!right.is_empty()).then(|| {
+        format!("is the right wheel that of {right}, and the left one that of {left}? Else exchange them")
+    })
 }
 
 /// The torques, else the currents, else the voltages; what loses its sign where the wheels turn both ways
 /// comes last.
 fn input(
     columns: &[PreviewColumn],
-    all: &[Candidate],
-    speeds: &Option<[Guessed; 2]>,
-    questions: &mut Vec<String>,
-) -> Option<([Guessed; 2], DriveUnit)> {
-    let quantities = [
-        (Quantity::Torque, DriveUnit::NewtonMetre),
-        (Quantity::Current, DriveUnit::Ampere),
-        (Quantity::Voltage, DriveUnit::Volt),
-    ];
-    let mut found: Vec<_> = quantities
-        .into_iter()
-        .filter_map(|(quantity, unit)| {
-            let mut asked = vec![];
-            let pair = pair(all, quantity, ["M1", "M2"], &mut asked)?;
-            Some((values::is_magnitude(columns, &pair, speeds), pair, unit, asked))
-        })
-        .collect();
+    found: Vec<Input>,
+    angles: Option<&[Guessed; 2]>,
+    speeds: Option<&[Guessed; 2]>,
+) -> Option<Input> {
+    let magnitude = |pair: &[Guessed; 2]| values::is_magnitude(columns, pair, angles, speeds);
+    let mut found: Vec<_> = found.into_iter().map(|i| (magnitude(&i.0), i)).collect();
     // stable: among equals in the order above
-    found.sort_by_key(|(magnitude, ..)| *magnitude);
-    let refused =
-        found.iter().find(|(magnitude, ..)| *magnitude).map(|(_, p, ..)| p[0].name.clone());
-    let (magnitude, mut pair, unit, asked) = found.into_iter().next()?;
+    found.sort_by_key(|(magnitude, _)| *magnitude);
+    let refused = found.iter().find(|(magnitude, _)| *magnitude).map(|(_, i)| i.0[0].name.clone());
+    let (magnitude, mut input) = found.into_iter().next()?;
     if let (Some(other), false) = (refused, magnitude) {
-        pair[0].evidence.push(format!("`{other}` is never negative: a magnitude without sign"));
+        let why = format!("`{other}` is never negative: a magnitude without sign");
+        input.0[0].evidence.push(why);
     }
-    questions.extend(asked);
-    Some((pair, unit))
+    Some(input)
 }
 
 /// The time: the best name whose values increase, else the one column that always increases.
@@ -110,8 +152,16 @@ fn time(all: &[Candidate]) -> Option<Guessed> {
         all.iter().filter(|c| c.named.quantity == Some(Quantity::Time)).collect();
     // the fewest other words first
     named.sort_by_key(|c| (c.column.name != "t", c.named.rest.len()));
-    let nanoseconds = all.iter().find(|c| c.named.quantity == Some(Quantity::Nanoseconds));
-    let best = named.iter().copied().find(rises).or_else(|| named.first().copied());
+    // the seconds and nanoseconds of one stamp; that of the message before that of its arrival
+    let of_stamp = |c: &Candidate| {
+        let mut parts = all.iter().filter(|n| n.named.quantity == Some(Quantity::Nanoseconds));
+        parts.find(|n| stem(&n.column.name) == stem(&c.column.name))
+    };
+    let stamped = named.iter().find(|c| of_stamp(c).is_some() && values::whole(&c.column.values));
+    let best = stamped
+        .copied()
+        .or_else(|| named.iter().copied().find(rises))
+        .or_else(|| named.first().copied());
     let mut evidence = vec![];
     let found = best.or_else(|| {
         evidence.push("the only column that increases from row to row".into());
@@ -122,21 +172,28 @@ fn time(all: &[Candidate]) -> Option<Guessed> {
         key: "t",
         name: found.column.name.clone(),
         unit: found.named.unit.filter(|u| *u != "s").map(Into::into),
-        nanoseconds: nanoseconds.map(|c| c.column.name.clone()),
+        nanoseconds: stamped.and_then(|c| of_stamp(c)).map(|c| c.column.name.clone()),
         evidence,
         ..Guessed::default()
     })
 }
 
+/// A name without its last word: `header.stamp.` of `header.stamp.nanosec`.
+fn stem(name: &str) -> &str {
+    &name[..name.rfind(|c: char| !c.is_alphanumeric()).map_or(0, |end| end + 1)]
+}
+
 /// The columns of a quantity at the right and the left wheel: two names that differ in the side only,
-/// those of what was measured before those of what was wished, the fewest other words first.
+/// those of what was measured before those of what was wished, the fewest other words first. Without a quantity
+/// names that say the side and nothing else.
 fn pair(
     all: &[Candidate],
-    quantity: Quantity,
+    quantity: Option<Quantity>,
     keys: [&'static str; 2],
-    questions: &mut Vec<String>,
 ) -> Option<[Guessed; 2]> {
-    let fits: Vec<&Candidate> = all.iter().filter(|c| c.named.quantity == Some(quantity)).collect();
+    let is_bare = |c: &&Candidate| quantity.is_some() || c.named.rest.is_empty();
+    let of_quantity = all.iter().filter(|c| c.named.quantity == quantity);
+    let fits: Vec<&Candidate> = of_quantity.filter(is_bare).collect();
     let partner = |a: &&Candidate| {
         fits.iter().copied().find(|b| {
             let same = a.named.rest == b.named.rest && a.named.wished == b.named.wished;
@@ -153,33 +210,43 @@ fn pair(
     let mut pairs: Vec<(&Candidate, &Candidate)> =
         fits.iter().copied().filter_map(|a| Some((a, partner(&a)?))).collect();
     pairs.sort_by_key(|(a, _)| (!exact(a), a.named.wished, a.named.rest.len()));
-    let (right, left) = match pairs.first() {
-        Some(pair) => *pair,
-        // one axis alone
-        None => match fits
-            .iter()
-            .copied()
-            .filter(|c| c.named.side.is_none() && !c.named.wished)
-            .collect::<Vec<_>>()[..]
-        {
-            [one] => (one, one),
-            _ => return None,
-        },
+    let (right, left, is_known) = match pairs.first() {
+        Some((a, b)) => (*a, *b, !matches!(a.named.side, Some(Side::Numbered(_)))),
+        None => lettered(&fits).map(|(a, b)| (a, b, false))?,
     };
-    if let Some(Side::Numbered(_)) = right.named.side
-        && !exact(&right)
-    {
-        let (r, l) = (&right.column.name, &left.column.name);
-        questions
-            .push(format!("is `{r}` the right wheel and `{l}` the left one? Else exchange them"));
-    }
-    let of = |c: &Candidate, key: &'static str| Guessed {
-        key,
-        name: c.column.name.clone(),
-        unit: c.named.unit.filter(|u| values::fits(key, u)).map(Into::into),
-        ..Guessed::default()
-    };
+    let unsure = !is_known && !exact(&right);
+    let of = |c, key| Guessed { side_unsure: unsure, ..of(c, key) };
     Some([of(right, keys[0]), of(left, keys[1])])
+}
+
+/// Two columns whose names differ in one letter or number alone, as those of motors B and C.
+fn lettered<'a, 'b>(fits: &[&'a Candidate<'b>]) -> Option<(&'a Candidate<'b>, &'a Candidate<'b>)> {
+    let differs = |a: &Candidate, b: &Candidate| {
+        let (a, b) = (&a.named.rest, &b.named.rest);
+        let mut others = a.iter().zip(b).filter(|(a, b)| a != b);
+        let short = |word: &String| word.len() == 1;
+        let one = others.next().is_some_and(|(a, b)| short(a) && short(b) && a < b);
+        a.len() == b.len() && one && others.next().is_none()
+    };
+    let pairs = || fits.iter().flat_map(|a| fits.iter().map(move |b| (*a, *b)));
+    let mut found = pairs().filter(|(a, b)| differs(a, b));
+    // with three motors nobody knows which
+    found.next().filter(|_| found.next().is_none())
+}
+
+/// The one column of a quantity, for both wheels.
+fn one(all: &[Candidate], quantity: Quantity, keys: [&'static str; 2]) -> Option<[Guessed; 2]> {
+    let fits = |c: &&Candidate| {
+        c.named.quantity == Some(quantity) && c.named.side.is_none() && !c.named.wished
+    };
+    let mut found = all.iter().filter(fits);
+    let (first, None) = (found.next()?, found.next()) else { return None };
+    Some(keys.map(|key| of(first, key)))
+}
+
+fn of(c: &Candidate, key: &'static str) -> Guessed {
+    let unit = c.named.unit.filter(|u| values::fits(key, u)).map(Into::into);
+    Guessed { key, name: c.column.name.clone(), unit, scale: c.named.scale, ..Guessed::default() }
 }
 
 #[cfg(test)]

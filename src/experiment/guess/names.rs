@@ -1,5 +1,9 @@
 //! What the name of a column says: quantity, wheel, unit.
 
+mod words;
+
+use self::words::{BATTERY, OTHERS, QUANTITIES, UNITS, WISHED};
+
 /// What a column may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Quantity {
@@ -27,225 +31,44 @@ pub(super) struct Named {
     pub(super) quantity: Option<Quantity>,
     pub(super) side: Option<Side>,
     pub(super) unit: Option<&'static str>,
+    /// Units of the value: 10 of `current_10mA`.
+    pub(super) scale: Option<f64>,
     /// What the robot was told, and not what it did.
     pub(super) wished: bool,
+    /// Whether it is the voltage of the battery.
+    pub(super) battery: bool,
     /// The words that say none of this.
     pub(super) rest: Vec<String>,
 }
-
-/// Words of each quantity, the ones that say most first.
-const QUANTITIES: [(Quantity, &[&str]); 7] = [
-    (Quantity::Nanoseconds, &["nanosec", "nsec", "nanosecs", "nanoseconds"]),
-    (
-        Quantity::Time,
-        &[
-            "t",
-            "time",
-            "timestamp",
-            "stamp",
-            "ts",
-            "sec",
-            "secs",
-            "second",
-            "seconds",
-            "clock",
-            "datetime",
-            "date",
-            "elapsed",
-            "millis",
-            "micros",
-            "zeit",
-        ],
-    ),
-    (
-        Quantity::Speed,
-        &[
-            "dalpha",
-            "omega",
-            "velocity",
-            "velocities",
-            "speed",
-            "vel",
-            "velo",
-            "rpm",
-            "erpm",
-            "w",
-            "dq",
-            "qd",
-            "dphi",
-            "dtheta",
-            "angvel",
-            "alphadot",
-            "thetadot",
-            "phidot",
-            "rate",
-            "drehzahl",
-            "geschwindigkeit",
-        ],
-    ),
-    (
-        Quantity::Angle,
-        &[
-            "alpha",
-            "angle",
-            "position",
-            "positions",
-            "pos",
-            "theta",
-            "enc",
-            "encoder",
-            "phi",
-            "q",
-            "rotations",
-            "rotation",
-            "turns",
-            "ticks",
-            "counts",
-            "count",
-            "tachometer",
-            "tacho",
-            "distance",
-            "dist",
-            "rev",
-            "winkel",
-        ],
-    ),
-    (
-        Quantity::Torque,
-        &["m", "moment", "torque", "tau", "effort", "efforts", "trq", "tq", "drehmoment"],
-    ),
-    (
-        Quantity::Current,
-        &["current", "currents", "cur", "curr", "i", "amps", "iq", "ia", "ampere", "strom"],
-    ),
-    (
-        Quantity::Voltage,
-        &["voltage", "voltages", "volt", "volts", "v", "u", "duty", "pwm", "spannung", "dutycycle"],
-    ),
-];
-
-/// Words of a name that is what the robot was told and not what it did.
-const WISHED: [&str; 12] = [
-    "command",
-    "commands",
-    "commanded",
-    "cmd",
-    "target",
-    "setpoint",
-    "sp",
-    "reference",
-    "ref",
-    "desired",
-    "goal",
-    "soll",
-];
-/// Words of quantities that are not those of a wheel.
-const OTHERS: [&str; 22] = [
-    "gyro",
-    "imu",
-    "heading",
-    "yaw",
-    "pitch",
-    "roll",
-    "battery",
-    "bat",
-    "vbat",
-    "bus",
-    "supply",
-    "vin",
-    "temp",
-    "temperature",
-    "accel",
-    "acc",
-    "gps",
-    "tilt",
-    "arm",
-    "error",
-    "fault",
-    "id",
-];
-
-/// Endings of a name that are a unit: as written, unit of the program, and whether it says the quantity
-/// by itself.
-const UNITS: [(&[&str], &str, Option<Quantity>); 22] = [
-    (
-        &["meterspersecond", "meterspersec", "metrespersecond", "mps", "m/s"],
-        "m/s",
-        Some(Quantity::Speed),
-    ),
-    (
-        &["radianspersecond", "radianspersec", "radpersec", "radpers", "radps", "rads", "rad/s"],
-        "rad/s",
-        Some(Quantity::Speed),
-    ),
-    (
-        &["degreespersecond", "degreespersec", "degpersec", "degpers", "degps", "dps", "deg/s"],
-        "deg/s",
-        Some(Quantity::Speed),
-    ),
-    (
-        &[
-            "rotationspersecond",
-            "rotationspersec",
-            "revolutionspersecond",
-            "revpersec",
-            "revpers",
-            "rev/s",
-            "rps",
-            "turnspersecond",
-            "turns/s",
-        ],
-        "rev/s",
-        Some(Quantity::Speed),
-    ),
-    (&["rotationsperminute", "rpm", "1/min", "r/min"], "rpm", Some(Quantity::Speed)),
-    (
-        &["ticks/s", "counts/s", "tickspersecond", "countspersecond", "cps"],
-        "ticks/s",
-        Some(Quantity::Speed),
-    ),
-    (&["radians", "rad"], "rad", None),
-    (&["degrees", "degree", "deg", "grad"], "deg", None),
-    (
-        &["rotations", "rotation", "revolutions", "turns", "turn", "revs", "rev"],
-        "rev",
-        Some(Quantity::Angle),
-    ),
-    (&["ticks", "tick", "counts"], "ticks", Some(Quantity::Angle)),
-    (&["meters", "metres"], "m", None),
-    (&["milliseconds", "millis", "msec", "ms"], "ms", Some(Quantity::Time)),
-    (&["microseconds", "micros", "usec", "us"], "us", Some(Quantity::Time)),
-    (&["nanoseconds", "ns"], "ns", Some(Quantity::Time)),
-    (&["milliamps", "ma"], "mA", Some(Quantity::Current)),
-    (&["amperes", "ampere", "amps", "amp", "a"], "A", Some(Quantity::Current)),
-    (&["millivolts", "mv"], "mV", Some(Quantity::Voltage)),
-    (&["volts", "volt", "v"], "V", Some(Quantity::Voltage)),
-    (&["mnm"], "mN m", Some(Quantity::Torque)),
-    (&["ncm"], "N cm", Some(Quantity::Torque)),
-    (&["newtonmeters", "newtonmetres", "nm"], "N m", Some(Quantity::Torque)),
-    (&["seconds", "second", "secs", "sec", "s"], "s", None),
-];
 
 /// What a name says.
 pub(super) fn named(name: &str) -> Named {
     let (bare, bracket) = split_unit(name);
     let mut words = words(bare);
+    let (mut scale, bracket) = bracket.map_or((None, None), |b| {
+        let (scale, unit) = many(b);
+        (scale, Some(unit))
+    });
     let mut ending =
         bracket.and_then(|u| unit(&u.to_lowercase().replace([' ', '·', '*', '.'], "")));
     if ending.is_none() {
         ending = take_unit(&mut words);
+        scale = scale.or_else(|| ending.and_then(|_| take_power_of_ten(&mut words)));
     }
     if ending.is_none() && words.iter().any(|w| w == "rpm" || w == "erpm") {
         ending = unit("rpm");
     }
     let other = words.iter().any(|w| OTHERS.contains(&w.as_str()));
+    let battery = words.iter().any(|w| BATTERY.contains(&w.as_str()))
+        && (matches!(ending, Some(("V" | "mV", _)))
+            || words.iter().any(|w| matches!(w.as_str(), "voltage" | "volt" | "volts" | "vbat")));
     let wished = words.iter().any(|w| WISHED.contains(&w.as_str()));
     let side = take_side(&mut words);
     let mut quantity = None;
     if !other {
         quantity = take_quantity(&mut words);
         if let Some((said, Some(of))) = ending
-            && (bracket.is_some()
+            && (bracket.is_some_and(|b| !b.is_empty())
                 || quantity.is_none_or(|q| q == Quantity::Angle && of == Quantity::Speed))
         {
             // what stands in brackets is a unit for certain: `v_l (m/s)` is no voltage
@@ -259,7 +82,29 @@ pub(super) fn named(name: &str) -> Named {
     if quantity.is_none() && !other && time && words.is_empty() {
         quantity = Some(Quantity::Time);
     }
-    Named { quantity, side, unit: ending.map(|(unit, _)| unit), wished, rest: words }
+    let unit = ending.map(|(unit, _)| unit);
+    Named { quantity, side, unit, scale, wished, battery, rest: words }
+}
+
+/// The number before a unit: `10 mA`, `0.1 A`.
+fn many(unit: &str) -> (Option<f64>, &str) {
+    let end = unit.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(unit.len());
+    let number: Option<f64> = unit[..end].parse().ok().filter(|x| *x > 0.0);
+    // `1/min` and the like are units
+    let rest = unit[end..].trim_start();
+    if number.is_some() && !rest.starts_with('/') { (number, rest) } else { (None, unit) }
+}
+
+/// Takes a power of ten off the end of the words, where the unit stood behind it.
+fn take_power_of_ten(words: &mut Vec<String>) -> Option<f64> {
+    let power = match words.last()?.as_str() {
+        "10" => 10.0,
+        "100" => 100.0,
+        "1000" => 1000.0,
+        _ => return None,
+    };
+    words.pop();
+    Some(power)
 }
 
 /// The name and the unit in brackets behind it; an index is no unit.
@@ -326,6 +171,22 @@ fn take_side(words: &mut Vec<String>) -> Option<Side> {
     };
     if let Some(k) = words.iter().position(|w| side(w).is_some()) {
         return side(&words.remove(k));
+    }
+    // the corners of a car: RL, FR
+    let corner = |w: &String| matches!(w.as_str(), "fl" | "fr" | "rl" | "rr");
+    if let Some(k) = words.iter().position(corner) {
+        let word = words[k].clone();
+        words[k] = if word.starts_with('f') { "front" } else { "rear" }.into();
+        return side(&word[1..]);
+    }
+    // glued to a quantity: `taur`, `encl`
+    let glued = |w: &String| {
+        let known = |word: &str| QUANTITIES.iter().any(|(_, words)| words.contains(&word));
+        w.len() > 3 && w.ends_with(['r', 'l']) && !known(w) && known(&w[..w.len() - 1])
+    };
+    if let Some(k) = words.iter().position(glued) {
+        let last = words[k].len() - 1;
+        return side(&words[k].split_off(last));
     }
     // two letters glued to one another: `wr`, `vl`, `il`
     let glued =
@@ -398,6 +259,15 @@ mod tests {
             ("gyro_rate", None, None, None),
             ("Vbat", None, None, None),
             ("M2", Some(Torque), Some(Numbered(2)), None),
+            ("M1_speed_qpps", Some(Speed), Some(Numbered(1)), Some("ticks/s")),
+            ("id2_present_velocity", Some(Speed), Some(Numbered(2)), None),
+            ("B_degrees", Some(Angle), None, Some("deg")),
+            ("ω right [rad/s]", Some(Speed), Some(Right), Some("rad/s")),
+            ("Motor Power Ch2", Some(Voltage), Some(Numbered(2)), None),
+            ("motL", Some(Voltage), Some(Left), None),
+            ("taur", Some(Torque), Some(Right), None),
+            ("Wheel Speed RL [rpm]", Some(Speed), Some(Left), Some("rpm")),
+            ("battery_voltage_mV", None, None, Some("mV")),
             ("alpha1", Some(Angle), Some(Numbered(1)), None),
             ("dalpha2", Some(Speed), Some(Numbered(2)), None),
         ];
@@ -406,5 +276,11 @@ mod tests {
             assert_eq!((found.quantity, found.side, found.unit), (quantity, side, unit), "{name}");
         }
         assert!(named("cmd_vel_left").wished && !named("left_vel").wished);
+        for name in ["current_10mA", "current [10 mA]"] {
+            assert_eq!((named(name).unit, named(name).scale), (Some("mA"), Some(10.0)), "{name}");
+        }
+        assert_eq!(named("speed [1/min]").scale, None);
+        assert!(named("battery_voltage_mV").battery && named("Vbat").battery);
+        assert!(!named("battery_charge").battery);
     }
 }

@@ -214,3 +214,114 @@ fn wheels_that_turn_against_each_other_raise_a_question() {
     assert!(asked(-1.0).contains("mirrored"), "{}", asked(-1.0));
     assert!(!asked(1.0).contains("mirrored"), "{}", asked(1.0));
 }
+
+fn column(name: &str, of: impl Fn(f64) -> f64) -> PreviewColumn {
+    let values = (0..1000).map(|k| of(0.01 * f64::from(k))).collect();
+    PreviewColumn { name: name.into(), values }
+}
+
+#[test]
+fn one_current_for_both_wheels_is_no_input_of_each() {
+    let log = [
+        column("time", |t| t),
+        column("left_encoder_counts", |t| (900.0 * t.sin()).floor()),
+        column("right_encoder_counts", |t| (800.0 * t.sin()).floor()),
+        column("left_pwm", |t| (100.0 * t.cos()).floor()),
+        column("right_pwm", |t| (90.0 * t.cos()).floor()),
+        column("current_mA", |t| 900.0 * t.cos().abs()),
+        column("battery_voltage_mV", |t| 14_000.0 - t),
+    ];
+    let g = guess(&log);
+    let m1 = g.columns.iter().find(|c| c.key == "M1").unwrap();
+    assert_eq!((m1.name.as_str(), m1.times.as_deref()), ("right_pwm", Some("battery_voltage_mV")));
+    // 8 bits of millivolts
+    assert!((m1.scale.unwrap() - 1e-3 / 255.0).abs() < 1e-12, "{:?}", m1.scale);
+    assert!(g.columns.iter().any(|c| c.needs_per_turn()));
+    // without the battery the full scale is asked for
+    let g = guess(&log[..6]);
+    assert!(g.questions.iter().any(|q| q.contains("scale = 0.04706")), "{:?}", g.questions);
+}
+
+#[test]
+fn a_pulse_of_a_servo_stands_at_1500_us() {
+    let log = [
+        column("t", |t| t),
+        column("w_r", f64::sin),
+        column("w_l", f64::sin),
+        column("pwm_us_r", |t| 1500.0 + 400.0 * t.cos()),
+        column("pwm_us_l", |t| 1500.0 + 300.0 * t.cos()),
+    ];
+    let g = guess(&log);
+    let m1 = g.columns.iter().find(|c| c.key == "M1").unwrap();
+    assert_eq!((m1.offset, g.drive_unit), (Some(-1500.0), DriveUnit::Volt));
+}
+
+#[test]
+fn nanoseconds_belong_to_the_seconds_of_the_same_stamp() {
+    let log = [
+        column("timestamp", |t| 1.7e9 + t),
+        column("header.stamp.sec", |t| 1.7e9 + t.floor()),
+        column("header.stamp.nsec", |t| 1e9 * t.fract()),
+        column("w_r", f64::sin),
+        column("w_l", f64::sin),
+    ];
+    let t = |log: &[PreviewColumn]| guess(log).columns.remove(0);
+    let found = t(&log);
+    assert_eq!(found.name, "header.stamp.sec");
+    assert_eq!(found.nanoseconds.as_deref(), Some("header.stamp.nsec"));
+    let other = [log[0].clone(), log[2].clone(), log[3].clone(), log[4].clone()];
+    assert_eq!((t(&other).name.as_str(), t(&other).nanoseconds), ("timestamp", None));
+}
+
+#[test]
+fn motors_b_and_c_are_the_wheels_and_which_is_right_is_asked() {
+    let log = [
+        column("t", |t| t),
+        column("B_degrees", |t| 900.0 * t.sin()),
+        column("C_degrees", |t| 800.0 * t.sin()),
+        column("B_power", |t| 60.0 * t.cos()),
+        column("C_power", |t| 50.0 * t.cos()),
+    ];
+    let g = guess(&log);
+    assert_eq!(
+        found(&g)[1..],
+        [
+            ("alpha1", "B_degrees", Some("deg")),
+            ("alpha2", "C_degrees", Some("deg")),
+            ("M1", "B_power", None),
+            ("M2", "C_power", None),
+        ]
+    );
+    assert_eq!(g.questions.iter().filter(|q| q.contains("is the right wheel that of")).count(), 1);
+}
+
+#[test]
+fn speeds_that_are_the_slope_of_the_counts_are_counts_a_second() {
+    let log = [
+        column("t", |t| t),
+        column("M1_enc", |t| (9000.0 * t.sin()).floor()),
+        column("M2_enc", |t| (8000.0 * t.sin()).floor()),
+        column("M1_speed", |t| (9000.0 * t.cos()).round()),
+        column("M2_speed", |t| (8000.0 * t.cos()).round()),
+    ];
+    let g = guess(&log);
+    let speed = g.columns.iter().find(|c| c.key == "dalpha1").unwrap();
+    assert_eq!(speed.unit.as_deref(), Some("ticks/s"));
+    assert!(g.columns.iter().all(|c| c.per_turn.is_none()), "{:?}", g.columns);
+}
+
+#[test]
+fn a_speed_without_a_name_is_recognised_as_the_slope_of_its_angle() {
+    let log = [
+        column("column1", |t| t),
+        column("column2", |t| 3.0 * t.sin()),
+        column("column3", |t| 2.0 * (1.7 * t).sin()),
+        column("column4", |t| 3.0 * t.cos()),
+        column("column5", |t| 3.4 * (1.7 * t).cos()),
+        column("column6", |t| 0.3 * (2.3 * t).sin()),
+    ];
+    let g = guess(&log);
+    let hints: Vec<&String> = g.questions.iter().filter(|q| q.contains("the slope of")).collect();
+    assert_eq!(hints.len(), 2, "{hints:?}");
+    assert!(hints[0].contains("`column4` is the slope of `column2`"), "{hints:?}");
+}

@@ -24,12 +24,33 @@ pub(in crate::experiment) struct Written<'a> {
     pub(in crate::experiment) columns: &'a [PreviewColumn],
 }
 
+impl Guessed {
+    /// Whether the counts per turn are needed and not known.
+    pub(in crate::experiment) fn needs_per_turn(&self) -> bool {
+        self.per_turn.is_none() && self.unit.as_deref().is_some_and(|u| u.starts_with("ticks"))
+    }
+
+    /// How the question for its unit begins.
+    pub(in crate::experiment) fn asks_unit(&self) -> String {
+        format!("`{}` goes", self.name)
+    }
+
+    /// Whether lengths need the radius of the wheels.
+    pub(in crate::experiment) fn is_in_metres(&self) -> bool {
+        matches!(self.unit.as_deref(), Some("m" | "m/s"))
+    }
+}
+
 impl Guess {
     /// The guesses in words.
     pub(in crate::experiment) fn words(&self) -> String {
         let mut out = String::from("guessed from names and values of the columns (check them):\n");
         for one in &self.columns {
-            let unit = one.unit.as_ref().map_or(String::new(), |u| format!(" in {u}"));
+            let scale = one.scale.map_or(String::new(), |x| format!("{x:.6} "));
+            let unit = one.unit.as_ref().map_or(String::new(), |u| format!(" in {scale}{u}"));
+            let times = one.times.as_ref().map_or(String::new(), |n| format!(" times {n}"));
+            let and = one.nanoseconds.as_ref().map_or(String::new(), |n| format!(" and {n}"));
+            let unit = format!("{and}{times}{unit}");
             let why = one.evidence.join("; ");
             let why = if why.is_empty() { why } else { format!("   ({why})") };
             let _ = writeln!(out, "  {:<8} = {}{unit}{why}", one.key, one.name);
@@ -72,8 +93,9 @@ pub(in crate::experiment) fn file_text(w: &Written) -> String {
     questions(&mut out, w);
     let _ = write!(
         out,
-        "\ntitle = \"\"                  # heading of the report\n\n{ROBOT}\n\
+        "\ntitle = \"\"                  # heading of the report\n\n{ROBOT}{}\n\
          [recordings]\ntrain      = [{}]\nvalidation = [{}]{hint}\n{}\n",
+        if w.guess.columns.iter().any(Guessed::is_in_metres) { RADIUS } else { OPTIONAL_RADIUS },
         files(false),
         files(true),
         columns(w.guess)
@@ -103,8 +125,10 @@ const ROBOT: &str = "[robot]
 # and speeds in m/s do. Until it is filled in, \"unknown\" keeps them out.
 preset = \"unknown\"            # amigobot, pioneer_3dx, turtlebot3_burger, e_puck, create_2, regbot, frc_tank_drive
 # l1_m = 0.15                 # half the distance between the wheels [m]
-# r_m  = 0.05                 # radius of the wheels [m]
 ";
+const OPTIONAL_RADIUS: &str = "# r_m  = 0.05                 # radius of the wheels [m]\n";
+const RADIUS: &str =
+    "r_m  = \"?\"                    # radius of the wheels [m], of speeds or angles in metres\n";
 
 fn input_words(unit: DriveUnit) -> &'static str {
     match unit {
@@ -178,14 +202,23 @@ fn columns(guess: &Guess) -> String {
 
 /// Whether the entry says more than the program would take anyway.
 fn says(c: &Guessed) -> bool {
-    c.name != c.key || c.unit.is_some() || c.nanoseconds.is_some() || c.per_turn.is_some()
+    let (name, evidence, side_unsure) = (c.name.clone(), c.evidence.clone(), c.side_unsure);
+    c.name != c.key
+        || *c != Guessed { key: c.key, name, evidence, side_unsure, ..Guessed::default() }
 }
 
 fn entry(c: &Guessed) -> String {
     let mut keys = vec![format!("name = {}", text(&c.name))];
     keys.extend(c.nanoseconds.as_ref().map(|n| format!("nanoseconds = {}", text(n))));
     keys.extend(c.unit.as_ref().map(|u| format!("unit = {u:?}")));
-    keys.extend(c.per_turn.map(|n| format!("per_turn = {n:.1}")));
+    match c.per_turn {
+        Some(n) => keys.push(format!("per_turn = {n:.1}")),
+        None if c.needs_per_turn() => keys.push("per_turn = \"?\"".into()),
+        None => {}
+    }
+    keys.extend(c.scale.map(|x| format!("scale = {x:?}")));
+    keys.extend(c.offset.map(|x| format!("offset = {x:?}")));
+    keys.extend(c.times.as_ref().map(|n| format!("times = {}", text(n))));
     match &keys[..] {
         [_] => format!("{} = {}", c.key, text(&c.name)),
         _ => format!("{} = {{ {} }}", c.key, keys.join(", ")),

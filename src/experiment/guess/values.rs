@@ -2,6 +2,7 @@
 
 use super::{Guess, Guessed};
 use crate::io::PreviewColumn;
+use crate::math::median;
 use crate::recording::DriveUnit;
 
 /// Rates that logs of robots have [Hz].
@@ -39,17 +40,31 @@ pub(super) fn fits(key: &str, unit: &str) -> bool {
 pub(super) fn is_magnitude(
     columns: &[PreviewColumn],
     input: &[Guessed; 2],
-    speeds: &Option<[Guessed; 2]>,
+    angles: Option<&[Guessed; 2]>,
+    speeds: Option<&[Guessed; 2]>,
 ) -> bool {
     let of = |name: &str| columns.iter().find(|c| c.name == name).map_or(&[][..], |c| &c.values);
-    let extent = |one: &Guessed| {
-        let finite = of(&one.name).iter().filter(|v| v.is_finite());
-        finite.fold((0.0, 0.0), |(a, b): (f64, f64), v| (a.min(*v), b.max(*v)))
+    let extent = |values: &mut dyn Iterator<Item = f64>| {
+        let finite = values.filter(|v| v.is_finite());
+        finite.fold((0.0, 0.0), |(a, b): (f64, f64), v| (a.min(v), b.max(v)))
     };
     // a twentieth of the way: noise of a sensor at rest is no turn back
     let both_ways = |(low, high): (f64, f64)| low < -0.05 * high && high > -0.05 * low;
-    let driven = speeds.iter().flatten().any(|one| both_ways(extent(one)));
-    driven && input.iter().all(|one| !both_ways(extent(one)))
+    let by_speed = |one: &Guessed| both_ways(extent(&mut of(&one.name).iter().copied()));
+    let by_angle = |one: &Guessed| {
+        let held: Vec<f64> = of(&one.name).iter().copied().filter(|v| v.is_finite()).collect();
+        let mut steps: Vec<f64> = held.windows(2).map(|w| w[1] - w[0]).collect();
+        steps.sort_by(f64::total_cmp);
+        // without the wraps of a counter
+        let at = |share: usize| steps.get(steps.len() * share / 100).copied().unwrap_or_default();
+        both_ways((at(2), at(98)))
+    };
+    let driven = match (speeds, angles) {
+        (Some(pair), _) => pair.iter().any(by_speed),
+        (None, Some(pair)) => pair.iter().any(by_angle),
+        (None, None) => false,
+    };
+    driven && !input.iter().any(by_speed)
 }
 
 /// Share of the rows with wheels that turn against each other beyond which it is asked whether a motor is
@@ -86,7 +101,7 @@ pub(super) fn look(columns: &[PreviewColumn], guess: &mut Guess) {
     for one in &mut guess.columns {
         let values = of(&one.name);
         if one.unit.is_none() {
-            turns(one);
+            of_controller(values, one);
         }
         match one.key {
             "t" => time(values, one),
@@ -106,12 +121,7 @@ pub(super) fn look(columns: &[PreviewColumn], guess: &mut Guess) {
                 .into(),
         );
     }
-    if guess.columns.iter().any(|c| c.name.to_lowercase().contains("duty")) {
-        guess
-            .questions
-            .push("duty is a part of the battery's voltage: scale = 12.0 for 12 V".into());
-    }
-    if guess.columns.iter().any(|c| matches!(c.unit.as_deref(), Some("m" | "m/s"))) {
+    if guess.columns.iter().any(Guessed::is_in_metres) {
         guess.questions.push(RADIUS.into());
     }
     let [angles, speeds] = ["alpha", "dalpha"].map(|of| {
@@ -131,24 +141,35 @@ pub(super) fn look(columns: &[PreviewColumn], guess: &mut Guess) {
 }
 
 /// The unit of a controller whose names are known and say none.
-fn turns(one: &mut Guessed) {
-    let unit = match one.key {
-        "alpha1" | "alpha2" if one.name.ends_with("pos_estimate") => "rev",
-        "dalpha1" | "dalpha2" if one.name.ends_with("vel_estimate") => "rev/s",
-        _ => return,
+fn of_controller(values: &[f64], one: &mut Guessed) {
+    let (angle, speed) = (one.key.starts_with("alpha"), one.key.starts_with("dalpha"));
+    let name = one.name.to_lowercase();
+    let (unit, scale, per_turn, why) = if angle && name.ends_with("pos_estimate") {
+        ("rev", None, None, "ODrive counts in turns")
+    } else if speed && name.ends_with("vel_estimate") {
+        ("rev/s", None, None, "ODrive counts in turns")
+    } else if !name.contains("present_") || !whole(values) {
+        return;
+    } else if angle {
+        ("ticks", None, Some(4096.0), "a Dynamixel of series X has 4096 counts a turn")
+    } else if speed {
+        ("rpm", Some(0.229), None, "a Dynamixel of series X counts speed in 0.229 rpm")
+    } else if name.contains("current") {
+        ("mA", Some(2.69), None, "a Dynamixel of series X counts current in 2.69 mA")
+    } else {
+        return;
     };
-    one.unit = Some(unit.into());
-    one.evidence.push("ODrive counts in turns".into());
+    (one.unit, one.scale, one.per_turn) = (Some(unit.into()), scale, per_turn);
+    one.evidence.push(why.into());
 }
 
 /// The unit of a time that its name does not state, from its rate.
 fn time(values: &[f64], one: &mut Guessed) {
-    let mut steps: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).filter(|h| *h > 0.0).collect();
-    if steps.is_empty() || one.unit.is_some() || one.nanoseconds.is_some() {
+    let steps = || values.windows(2).map(|w| w[1] - w[0]).filter(|h| *h > 0.0);
+    if steps().next().is_none() || one.unit.is_some() || one.nanoseconds.is_some() {
         return;
     }
-    let middle = steps.len() / 2;
-    let step = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let step = median(steps());
     let (first, last) = (values[0], values[values.len() - 1]);
     let units = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
     let rate = |factor: f64| 1.0 / (step * factor);
@@ -169,16 +190,25 @@ fn time(values: &[f64], one: &mut Guessed) {
     }
 }
 
-fn largest(values: &[f64]) -> f64 {
+pub(super) fn largest(values: &[f64]) -> f64 {
     values.iter().filter(|v| v.is_finite()).fold(0.0, |a: f64, v| a.max(v.abs()))
 }
 
-fn whole(values: &[f64]) -> bool {
+pub(super) fn whole(values: &[f64]) -> bool {
     values.iter().all(|v| !v.is_finite() || v.fract() == 0.0)
 }
 
+/// Whether a column holds whole numbers, and many: counts of an encoder.
+pub(super) fn are_counts(columns: &[PreviewColumn], one: &Guessed) -> bool {
+    let values = columns.iter().find(|c| c.name == one.name).map_or(&[][..], |c| &c.values);
+    whole(values) && largest(values) > COUNTED
+}
+
+/// Whole angles beyond this are no radians.
+const COUNTED: f64 = 50.0;
+
 fn angle(values: &[f64], one: &mut Guessed) {
-    if one.unit.is_none() && whole(values) && largest(values) > 50.0 {
+    if one.unit.is_none() && whole(values) && largest(values) > COUNTED {
         one.unit = Some("ticks".into());
         one.evidence.push("whole numbers: counts of an encoder".into());
     }
@@ -186,12 +216,17 @@ fn angle(values: &[f64], one: &mut Guessed) {
 
 fn speed(values: &[f64], one: &mut Guessed, questions: &mut Vec<String>) {
     let top = largest(values);
-    if one.unit.is_none() && top > FAST && one.key == "dalpha1" {
+    if is_unknown(values, one) && one.key == "dalpha1" {
         questions.push(format!(
-            "`{}` goes up to {top:.0}: rad/s, or unit = \"rpm\", \"deg/s\", \"ticks/s\"?",
-            one.name
+            "{} up to {top:.0}: rad/s, or unit = \"rpm\", \"deg/s\", \"ticks/s\"?",
+            one.asks_unit()
         ));
     }
+}
+
+/// Whether a speed is in a unit that nobody stated and that is none of SI.
+fn is_unknown(values: &[f64], one: &Guessed) -> bool {
+    one.unit.is_none() && largest(values) > FAST
 }
 
 fn current(values: &[f64], one: &mut Guessed) {
@@ -202,62 +237,85 @@ fn current(values: &[f64], one: &mut Guessed) {
     }
 }
 
-/// Counts per turn where speeds in a known unit say them, else a question.
+/// Counts per turn where speeds in a known unit say them, else a question. Speeds that are the slope of the
+/// counts are in counts as well.
 fn counts(columns: &[PreviewColumn], guess: &mut Guess) {
     let known: Vec<Guessed> = guess.columns.clone();
     let of = |name: &str| columns.iter().find(|c| c.name == name).map_or(&[][..], |c| &c.values);
     let time = known.iter().find(|c| c.key == "t");
     let mut asked = false;
-    for one in guess
-        .columns
-        .iter_mut()
-        .filter(|c| c.unit.as_deref().is_some_and(|u| u.starts_with("ticks")))
-    {
+    for k in 0..guess.columns.len() {
+        let one = &guess.columns[k];
+        if one.per_turn.is_some() || !one.unit.as_deref().is_some_and(|u| u.starts_with("ticks")) {
+            continue;
+        }
         let speed = known.iter().find(|c| c.key.strip_prefix('d') == Some(one.key));
-        let turns = time
+        let values = of(&one.name);
+        let ratio = time
             .zip(speed)
-            .and_then(|(t, w)| per_turn(of(&t.name), t, of(&one.name), of(&w.name), w));
-        if let Some(turns) = turns {
-            one.per_turn = Some(turns);
-            one.evidence.push(format!("{turns} counts a turn, from the speed beside it"));
-        } else if !asked {
+            .and_then(|(t, w)| Some((w, counts_by_speed(of(&t.name), t, values, of(&w.name))?)));
+        let turns = ratio.and_then(|(w, ratio)| Some(nice(ratio * unit_by_turn(of(&w.name), w)?)));
+        if let Some(turns) = turns.filter(|n| COUNTS.contains(n)) {
+            guess.columns[k].per_turn = Some(turns);
+            let why = format!("{turns} counts a turn, from the speed beside it");
+            guess.columns[k].evidence.push(why);
+            continue;
+        }
+        if let Some((w, _)) = ratio.filter(|(w, r)| w.unit.is_none() && (r - 1.0).abs() < ALIKE)
+            && let Some(w) = guess.columns.iter_mut().find(|c| c.key == w.key)
+        {
+            w.unit = Some("ticks/s".into());
+            w.evidence.push("the slope of the counts beside it: counts a second".into());
+        }
+        if !asked {
             asked = true;
             guess.questions.push(
                 "how many counts has a turn of the wheel (encoder lines x 4 x gear)? Write it as \
-                 per_turn of alpha1, alpha2"
+                 per_turn"
                     .into(),
             );
         }
     }
 }
 
-/// Counts per turn: counts passed over the turns that the speed amounts to.
-fn per_turn(t: &[f64], time: &Guessed, counts: &[f64], speed: &[f64], of: &Guessed) -> Option<f64> {
+/// Counts a turn that encoders have.
+const COUNTS: std::ops::Range<f64> = 4.0..1e7;
+/// Part by which the slope of a counter and its speed may differ.
+const ALIKE: f64 = 0.02;
+
+/// Units of a speed that are a turn a second, where its unit is known.
+fn unit_by_turn(values: &[f64], speed: &Guessed) -> Option<f64> {
+    let scale = speed.scale.unwrap_or(1.0);
+    let unit = match speed.unit.as_deref() {
+        None if is_unknown(values, speed) => return None,
+        None => std::f64::consts::TAU,
+        Some("rpm") => 60.0,
+        Some("deg/s") => 360.0,
+        Some("rev/s") => 1.0,
+        Some(_) => return None,
+    };
+    Some(unit / scale)
+}
+
+/// Counts passed over the integral of the speed as it stands, in counts per unit and second.
+fn counts_by_speed(t: &[f64], time: &Guessed, counts: &[f64], speed: &[f64]) -> Option<f64> {
     let second = match time.unit.as_deref() {
         Some("ms") => 1e-3,
         Some("us") => 1e-6,
         Some("ns") => 1e-9,
         _ => 1.0,
     };
-    let turn = match of.unit.as_deref() {
-        None => 1.0 / std::f64::consts::TAU,
-        Some("rpm") => 1.0 / 60.0,
-        Some("deg/s") => 1.0 / 360.0,
-        Some("rev/s") => 1.0,
-        Some(_) => return None,
-    };
-    let rows = 1..t.len().min(counts.len()).min(speed.len());
-    let (mut passed, mut turns) = (0.0, 0.0);
-    for k in rows {
-        let by = 0.5 * (speed[k] + speed[k - 1]) * (t[k] - t[k - 1]) * second * turn;
+    let rows = t.len().min(counts.len()).min(speed.len());
+    let (mut passed, mut way) = (0.0, 0.0);
+    for k in 1..rows {
+        let by = 0.5 * (speed[k] + speed[k - 1]) * (t[k] - t[k - 1]) * second;
         if by.is_finite() && counts[k].is_finite() && counts[k - 1].is_finite() {
             passed += (counts[k] - counts[k - 1]) * by.signum();
-            turns += by.abs();
+            way += by.abs();
         }
     }
-    // a turn at least, and encoders of 4 to 10 million counts
-    let ratio = (passed / turns).abs();
-    (turns > 1.0 && (4.0..1e7).contains(&ratio)).then(|| nice(ratio))
+    // counts enough for their steps to be small
+    (passed.abs() > 100.0 && way > 0.0).then(|| (passed / way).abs())
 }
 
 /// A number of counts within half a percent that encoders have, else the number itself.

@@ -5,7 +5,7 @@ use rand_distr::Distribution;
 
 use super::*;
 use crate::model::Model;
-use crate::model::base::{A1, A2, A4};
+use crate::model::base::A4;
 use crate::recording::{Channels, DriveUnit};
 use crate::robot::{Robot, State};
 use crate::simulate::{Hold, Input, Movement, NoiseLevel, Recorder, record, simulate};
@@ -102,20 +102,26 @@ fn steps_and_ramps(robot: &Model, truth: &[f64]) -> Vec<Recording> {
 #[test]
 fn short_tests_of_steps_count_as_much_as_long_ramps_where_the_model_is_wrong() {
     let robot = Robot::from_preset("frc_tank_drive").unwrap();
-    let hidden =
-        Model::with_effects(robot.clone(), &["viscous_friction", "turning_scrub"]).unwrap();
+    let effects = ["viscous_friction", "turning_scrub"];
+    let model = Model::with_effects(robot, &effects).unwrap();
+    let hidden = model.add_effect(crate::effects::find("actuator_delay").unwrap().into()).unwrap();
     let mut truth = hidden.initial();
-    truth[hidden.index_of("b").unwrap()] = 0.5 * truth[A4];
-    truth[hidden.index_of("f_t").unwrap()] = 0.6 * truth[A4];
+    let values = [("b", 0.4 * truth[A4]), ("f_t", 0.5 * truth[A4]), ("delay", 0.03)];
+    values.iter().for_each(|(symbol, value)| truth[hidden.index_of(symbol).unwrap()] = *value);
     let train = steps_and_ramps(&hidden, &truth);
-    let model = Model::with_effects(robot, &["viscous_friction"]).unwrap();
     let task = Task { model: &model, train: &train, hold: Hold::Constant, seed: 0 };
-    let fit = PredictionError::default().identify(&task).unwrap();
-    let [a1, a2] = ["a1", "a2"].map(|symbol| fit.estimate(symbol).unwrap().value);
-    // inertia of a pivot: with weights by each recording's own input it was 30 times the truth, which held the
-    // robot still in the step test
-    let of_pivot = (a1 - a2) / (truth[A1] - truth[A2]);
-    assert!((0.3..3.0).contains(&of_pivot), "{of_pivot}");
+    let motions: Vec<_> = train.iter().map(Recording::local_motion).collect();
+    let all: Vec<&Recording> = train.iter().collect();
+    let open = OpenLoop { train: &train, motions: &motions, hold: task.hold, pieces: pieces(&all) };
+    let error = |method: &dyn Identifier| {
+        let fit = method.identify(&task).unwrap();
+        let p: Vec<f64> = fit.estimates.iter().map(|e| e.value).collect();
+        (open.mean(&model, &p), p)
+    };
+    let (ours, simulated) =
+        (error(&PredictionError::default()), error(&super::super::OutputError::default()));
+    // weighted by what each recording's own input does, the steps counted for nothing
+    assert!(ours.0 < 1.3 * simulated.0, "{ours:?} {simulated:?}");
 }
 
 #[test]

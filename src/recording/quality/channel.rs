@@ -2,7 +2,7 @@
 
 use super::super::Recording;
 use super::super::noise::quantum;
-use super::{Finding, Severity, WHEELS, quantile};
+use super::{Finding, Issue, Severity, quantile};
 
 /// A spike stands out of both neighbours by this many times the ordinary zigzag.
 const SPIKE: f64 = 8.0;
@@ -44,28 +44,14 @@ fn still(r: &Recording, i: usize) -> Option<Finding> {
     let (low, high) = extremes(r.omega(), i);
     let top = quantile(r.omega().iter().flatten().copied(), 0.99);
     // an encoder at rest may flicker by a step
-    (high.max(-low) <= 1e-3 * top || (low, high) == (0.0, 0.0)).then(|| {
-        Finding::new(
-            Severity::Warning,
-            format!("{} never moves", WHEELS[i]),
-            "its friction and inertia cannot be seen; check its encoder, or drive both wheels",
-        )
-    })
+    let is_still = high.max(-low) <= 1e-3 * top || (low, high) == (0.0, 0.0);
+    is_still.then(|| Finding::new(Severity::Warning, Issue::Still(i)))
 }
 
 fn constant_drive(r: &Recording, i: usize) -> Option<Finding> {
     let (low, high) = extremes(r.moment(), i);
-    if low < high {
-        return None;
-    }
-    let name = format!("M{}", i + 1);
-    Some(if low == 0.0 {
-        let remedy = format!("{} coasts, or its drive was not recorded", WHEELS[i]);
-        Finding::new(Severity::Warning, format!("{name} is zero throughout"), remedy)
-    } else {
-        let what = format!("{name} is {low} {} throughout", r.drive_unit().symbol());
-        Finding::new(Severity::Warning, what, "vary the drive; a constant one shows little")
-    })
+    let issue = Issue::ConstantInput { wheel: i, value: low, unit: r.drive_unit() };
+    (low >= high).then(|| Finding::new(Severity::Warning, issue))
 }
 
 /// Many samples exactly at the largest or smallest drive.
@@ -81,19 +67,10 @@ fn limit(r: &Recording, i: usize) -> Option<Finding> {
     if samples < AT_LIMIT.0 || share < AT_LIMIT.1 || on_few_levels(r, i) {
         return None;
     }
-    let what = format!(
-        "M{} is exactly {extreme} {} at its extreme, {:.1} % of the samples",
-        i + 1,
-        r.drive_unit().symbol(),
-        100.0 * share
-    );
-    Some(if share > CONSTANT_COMMAND {
-        Finding::new(Severity::Note, what, "a command of constant size")
-    } else {
-        let remedy = "the drive or its sensor is at a limit; what is recorded there may not be \
-                      what acts (see the effect torque_saturation)";
-        Finding::new(Severity::Warning, what, remedy)
-    })
+    let (unit, is_command) = (r.drive_unit(), share > CONSTANT_COMMAND);
+    let severity = if is_command { Severity::Note } else { Severity::Warning };
+    let issue = Issue::AtLimit { wheel: i, value: extreme, unit, share, is_command };
+    Some(Finding::new(severity, issue))
 }
 
 /// Whether a channel is so coarse that every level is met often, the extreme ones too.
@@ -109,40 +86,21 @@ fn zigzag(w: &[[f64; 2]], i: usize) -> f64 {
     if before * after > 0.0 { before.abs().min(after.abs()) } else { 0.0 }
 }
 
-fn spikes(r: &Recording, name: &str, i: usize, values: &[[f64; 2]]) -> Option<Finding> {
+fn spikes(r: &Recording, channel: &'static str, i: usize, values: &[[f64; 2]]) -> Option<Finding> {
     let sizes = || values.windows(3).map(|w| zigzag(w, i));
     let positive = || sizes().filter(|z| *z > 0.0);
     let range = quantile(values.iter().map(|v| v[i]), 0.99);
     let ordinary = quantile(positive(), 1.0 - RARE).max(quantum(values, i));
     let limit = (SPIKE * quantile(positive(), 0.5))
         .max(2.0 * ordinary)
-        .max(if name == "M" { 0.15 } else { 0.05 } * range);
+        .max(if channel == "M" { 0.15 } else { 0.05 } * range);
     let found: Vec<usize> =
         sizes().enumerate().filter(|(_, z)| *z > limit).map(|(k, _)| k + 1).collect();
     let first = *found.first()?;
-    // a wheel cannot jump; a drive may be commanded to, and conditioning has asked the wheel
-    let (severity, remedy) = if name == "M" {
-        (Severity::Note, "wrong samples, or commands as short as that; the wheel does not tell")
-    } else {
-        (Severity::Warning, "single wrong samples; remove their rows, gaps in time are allowed")
-    };
-    Some(Finding::new(
-        severity,
-        format!(
-            "{name}{} has {} (first at t = {:.3} s: {:.4} between {:.4} and {:.4})",
-            i + 1,
-            number(found.len(), "spike"),
-            r.t()[first],
-            values[first][i],
-            values[first - 1][i],
-            values[first + 1][i]
-        ),
-        remedy,
-    ))
-}
-
-fn number(count: usize, what: &str) -> String {
-    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
+    let around = [first - 1, first, first + 1].map(|k| values[k][i]);
+    let severity = if channel == "M" { Severity::Note } else { Severity::Warning };
+    let (count, t) = (found.len(), r.t()[first]);
+    Some(Finding::new(severity, Issue::Spikes { channel, wheel: i, count, t, around }))
 }
 
 /// Steps of an angle that the speed cannot explain.
@@ -160,34 +118,14 @@ fn jumps(r: &Recording, i: usize) -> Option<Finding> {
     let limit = (6.0 * quantile(pairs().map(unexplained), 0.98)).max(JUMP);
     let found: Vec<usize> = pairs().filter(|&k| unexplained(k).abs() > limit).collect();
     let first = *found.first()?;
-    let size = step(first);
-    let turns = size.abs() / std::f64::consts::TAU;
-    let cause = if (turns - 1.0).abs() < 0.05 {
-        "the angle wraps at a full turn; count on beyond it"
-    } else {
-        "the counter wraps or counts were lost; unwrap it before, or leave the angles out"
-    };
-    Some(Finding::new(
-        Severity::Problem,
-        format!(
-            "alpha{} has {} (first at t = {:.3} s: {size:+.3} rad in one step)",
-            i + 1,
-            number(found.len(), "jump"),
-            t[first]
-        ),
-        cause,
-    ))
+    let (count, t, size) = (found.len(), t[first], step(first));
+    Some(Finding::new(Severity::Problem, Issue::Jumps { wheel: i, count, t, size }))
 }
 
 /// Speeds in steps that are a visible part of the speed itself.
 fn coarse_speed(r: &Recording, i: usize) -> Option<Finding> {
     let step = quantum(r.omega(), i);
     let top = quantile(r.omega().iter().map(|w| w[i]), 0.95);
-    (r.measured().alpha && step > 0.05 * top && top > 0.0).then(|| {
-        Finding::new(
-            Severity::Note,
-            format!("dalpha{} comes in steps of {step:.4} rad/s", i + 1),
-            "it seems to be counted from a coarse encoder; the angles hold more",
-        )
-    })
+    let is_coarse = r.measured().alpha && step > 0.05 * top && top > 0.0;
+    is_coarse.then(|| Finding::new(Severity::Note, Issue::CoarseSpeed(i, step)))
 }

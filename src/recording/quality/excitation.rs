@@ -2,7 +2,7 @@
 
 use super::super::Recording;
 use super::window::Window;
-use super::{Finding, Severity, WHEELS, quantile};
+use super::{Finding, Issue, Severity, quantile};
 
 /// Speed below which a wheel counts as standing, over the top speed [1].
 const STANDING: f64 = 0.03;
@@ -24,11 +24,7 @@ pub(super) fn findings(r: &Recording, windows: &[Window]) -> Vec<Finding> {
     let still = 1.0 - moving.len() as f64 / windows.len() as f64;
     if still > STANDSTILL.0 {
         let severity = if still > STANDSTILL.1 { Severity::Warning } else { Severity::Note };
-        out.push(Finding::new(
-            severity,
-            format!("the robot stands still for {:.0} % of the time", 100.0 * still),
-            "standing shows neither inertia nor friction in motion; drive more",
-        ));
+        out.push(Finding::new(severity, Issue::Standstill(still)));
     }
     out.extend(kinds(r, &moving));
     out.extend((0..2).filter_map(|i| one_way(&moving, i)));
@@ -37,9 +33,7 @@ pub(super) fn findings(r: &Recording, windows: &[Window]) -> Vec<Finding> {
 
 fn kinds(r: &Recording, moving: &[&Window]) -> Option<Finding> {
     if r.is_single_axis() {
-        let what = "both wheels carry the same numbers";
-        let remedy = "one axis written down twice: only a1 + a2 and one friction can be found";
-        return Some(Finding::new(Severity::Note, what, remedy));
+        return Some(Finding::new(Severity::Note, Issue::OneAxis));
     }
     let share = |part: &dyn Fn(&Window) -> f64| {
         let found = moving
@@ -48,14 +42,10 @@ fn kinds(r: &Recording, moving: &[&Window]) -> Option<Finding> {
         found.count() as f64 / moving.len() as f64
     };
     if share(&|w| w.speed[0] - w.speed[1]) < ABSENT {
-        let remedy = "only the sum a1 + a2 can be found, and a3 not at all; record curves and turns \
-                      as well";
-        return Some(Finding::new(Severity::Warning, "the robot drives straight only", remedy));
+        return Some(Finding::new(Severity::Warning, Issue::StraightOnly));
     }
     if share(&|w| w.speed[0] + w.speed[1]) < ABSENT {
-        let remedy =
-            "only the difference a1 - a2 can be found; record straights and curves as well";
-        return Some(Finding::new(Severity::Warning, "the robot turns on the spot only", remedy));
+        return Some(Finding::new(Severity::Warning, Issue::SpotOnly));
     }
     None
 }
@@ -66,14 +56,10 @@ fn one_way(moving: &[&Window], i: usize) -> Option<Finding> {
         let turning = moving.iter().filter(|w| sign * w.speed[i] > STANDING * top);
         turning.count() as f64 / moving.len() as f64
     };
-    let way = match (share(1.0) < 0.01, share(-1.0) < 0.01) {
-        (false, true) => "forward",
-        (true, false) => "backward",
+    let forward = match (share(1.0) < 0.01, share(-1.0) < 0.01) {
+        (false, true) => true,
+        (true, false) => false,
         _ => return None,
     };
-    Some(Finding::new(
-        Severity::Note,
-        format!("{} turns {way} only", WHEELS[i]),
-        "a constant offset of its drive cannot be told from Coulomb friction; record reversals",
-    ))
+    Some(Finding::new(Severity::Note, Issue::OneWay(i, forward)))
 }

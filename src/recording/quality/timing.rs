@@ -1,14 +1,11 @@
 //! Checks of the time column: rate, jitter, gaps, length, sensors slower than the log.
 
 use super::super::Recording;
-use super::{Finding, Gaps, Severity};
+use super::issue::{SHORT, SLOW};
+use super::{Finding, Gaps, Issue, Severity};
 
-/// Slowest rate at which starts and stops are still resolved [Hz].
-const SLOW: f64 = 20.0;
 /// Jitter from which on even steps are not a good description [1].
 const UNEVEN: f64 = 0.3;
-/// Shortest recording worth fitting [s]: two windows over which errors are judged.
-const SHORT: f64 = 4.0;
 /// Shortest piece between gaps over which an error is judged [s].
 const PIECE: f64 = 2.0;
 
@@ -31,47 +28,24 @@ pub(super) fn findings(r: &Recording, jitter: f64, gaps: Gaps) -> Vec<Finding> {
     let mut out = Vec::new();
     let rate = 1.0 / r.step();
     if r.duration() < SHORT {
-        out.push(Finding::new(
-            Severity::Warning,
-            format!("the recording lasts {:.2} s", r.duration()),
-            format!("record at least {SHORT:.0} s, better 20 s; or check the unit of t"),
-        ));
+        out.push(Finding::new(Severity::Warning, Issue::Short(r.duration())));
     }
     if rate < SLOW {
-        out.push(Finding::new(
-            Severity::Warning,
-            format!("{rate:.3} rows a second"),
-            format!("record at {SLOW:.0} Hz or more; or check the unit of t"),
-        ));
+        out.push(Finding::new(Severity::Warning, Issue::Slow(rate)));
     }
     if jitter > UNEVEN {
-        out.push(Finding::new(
-            Severity::Warning,
-            format!("the step in time varies by {:.0} %", 100.0 * jitter),
-            "write the time of measurement, not that of arrival",
-        ));
+        out.push(Finding::new(Severity::Warning, Issue::Uneven(jitter)));
     }
     if gaps.count > 0 {
         let short = r.pieces().iter().filter(|p| r.t()[p.end - 1] - r.t()[p.start] < PIECE).count();
         let severity =
             if 2 * short > r.pieces().len() { Severity::Warning } else { Severity::Note };
-        let plural = if gaps.count == 1 { "gap" } else { "gaps" };
-        out.push(Finding::new(
-            severity,
-            format!("{} {plural} in time, the longest {:.3} s", gaps.count, gaps.longest),
-            format!("gaps are left out; {short} pieces are too short to judge an error on"),
-        ));
+        out.push(Finding::new(severity, Issue::Gaps(gaps, short)));
     }
     let new = r.fresh().iter().filter(|f| **f).count();
     if new < r.len() {
-        out.push(Finding::new(
-            Severity::Note,
-            format!(
-                "{:.0} % of the rows repeat the sensors",
-                100.0 * (1.0 - new as f64 / r.len() as f64)
-            ),
-            "repeated rows are not counted as measurements",
-        ));
+        let share = 1.0 - new as f64 / r.len() as f64;
+        out.push(Finding::new(Severity::Note, Issue::Repeats(share)));
     }
     out
 }

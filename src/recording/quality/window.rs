@@ -6,15 +6,31 @@ use super::super::Recording;
 
 /// Means and slopes of the channels over a short window, right wheel first.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Window {
+pub(crate) struct Window {
     /// Mean wheel speed [rad/s].
-    pub(super) speed: [f64; 2],
+    pub(crate) speed: [f64; 2],
     /// Slope of the wheel speed [rad/s^2].
-    pub(super) acceleration: [f64; 2],
+    pub(crate) acceleration: [f64; 2],
     /// Slope of the wheel angle [rad/s].
-    pub(super) angle_rate: [f64; 2],
-    /// Mean drive.
-    pub(super) moment: [f64; 2],
+    pub(crate) angle_rate: [f64; 2],
+    /// Mean input.
+    pub(crate) moment: [f64; 2],
+}
+
+/// The channels that windows are made of.
+pub(crate) struct View<'a> {
+    /// Time [s].
+    pub(crate) t: &'a [f64],
+    /// Angles [rad].
+    pub(crate) alpha: &'a [[f64; 2]],
+    /// Speeds [rad/s].
+    pub(crate) omega: &'a [[f64; 2]],
+    /// Inputs.
+    pub(crate) moment: &'a [[f64; 2]],
+    /// Ranges of rows without a gap.
+    pub(crate) pieces: &'a [Range<usize>],
+    /// Median step [s].
+    pub(crate) step: f64,
 }
 
 /// Length of a window [s].
@@ -24,20 +40,32 @@ const SAMPLES: usize = 8;
 
 /// The windows of all pieces, one behind the other.
 pub(super) fn windows(r: &Recording) -> Vec<Window> {
-    let length = ((LENGTH / r.step()).round() as usize).max(SAMPLES);
-    let mut out = Vec::with_capacity(r.len() / length);
-    for piece in r.pieces() {
+    windows_of(&View {
+        t: r.t(),
+        alpha: r.alpha(),
+        omega: r.omega(),
+        moment: r.moment(),
+        pieces: r.pieces(),
+        step: r.step(),
+    })
+}
+
+/// The same of channels that are no recording yet.
+pub(crate) fn windows_of(v: &View) -> Vec<Window> {
+    let length = ((LENGTH / v.step).round() as usize).max(SAMPLES);
+    let mut out = Vec::with_capacity(v.t.len() / length);
+    for piece in v.pieces {
         let mut start = piece.start;
         while start + length <= piece.end {
-            out.push(window(r, start..start + length));
+            out.push(window(v, start..start + length));
             start += length;
         }
     }
     out
 }
 
-fn window(r: &Recording, range: Range<usize>) -> Window {
-    let t = &r.t()[range.clone()];
+fn window(v: &View, range: Range<usize>) -> Window {
+    let t = &v.t[range.clone()];
     let middle = t.iter().sum::<f64>() / t.len() as f64;
     let mean =
         |v: &[[f64; 2]]| [0, 1].map(|i| v.iter().map(|v| v[i]).sum::<f64>() / t.len() as f64);
@@ -48,11 +76,11 @@ fn window(r: &Recording, range: Range<usize>) -> Window {
             t.iter().zip(v).map(|(t, x)| (t - middle) * (x[i] - v[0][i])).sum::<f64>() / square
         })
     };
-    let omega = &r.omega()[range.clone()];
+    let omega = &v.omega[range.clone()];
     Window {
         speed: mean(omega),
         acceleration: slope(omega),
-        angle_rate: slope(&r.alpha()[range.clone()]),
-        moment: mean(&r.moment()[range]),
+        angle_rate: slope(&v.alpha[range.clone()]),
+        moment: mean(&v.moment[range]),
     }
 }

@@ -347,7 +347,10 @@ fn units_of_columns_are_those_that_the_program_converts() {
             let read = ["N m", "V", "A"].iter().any(|drive| {
                 let unit_of_drive = toml::from_str::<ExperimentFile>(&format!(
                     "{}drive_unit = \"{drive}\"\n",
-                    column(", per_turn = 500.0, torque_constant = 0.1")
+                    column(match *drive {
+                        "N m" => ", per_turn = 500.0, torque_constant = 0.1",
+                        _ => ", per_turn = 500.0",
+                    })
                 ));
                 let entry = unit_of_drive.unwrap().recordings.unwrap();
                 let mut map = crate::io::ColumnMap::new(entry.drive_unit, Some(0.1));

@@ -1,0 +1,257 @@
+//! Channels that come at times of their own, brought to the rows of the fastest sensor.
+//!
+//! A log that merges messages has a row for each, and in it the columns of that message alone; a log at a fixed
+//! rate repeats the last value of what is slower. In either case a column has values in some rows, its
+//! samples, and between them none:
+//!
+//! ```text
+//! rows           those in which the sensor with the most samples has one, or a measured input that has fewer
+//! other sensors  the line between the samples around the row, and a measured input as well
+//! a command      the last sample: it holds until the next
+//! ```
+//! Between the samples of a measured input nobody knows it, and more rows would claim so. A sensor with less than half as many samples is held too: lines between few samples would be counted as
+//! measurements that nobody made.
+
+use super::cells::{columns, keep};
+use super::finding::{Channel, Finding, Kind};
+use super::signal::{changes, median};
+use super::{Conditioned, Context, Settings};
+use crate::recording::{Channels, refreshed};
+
+/// A channel, and in which rows it has a sample.
+pub(super) type Cells = (Channel, Vec<bool>);
+
+/// Part of the samples of the fastest sensor below which another one is slow.
+const HALF: f64 = 0.5;
+/// Part of its range beyond which an angle does not move between two samples, but wraps.
+const WRAP: f64 = 0.5;
+
+/// Keeps the rows in which the sensor with the most samples has one, or the measured input with fewer, and reads
+/// the channels of which `is_slow` there.
+pub(super) fn align(
+    work: &mut Conditioned,
+    cells: &[Cells],
+    is_slow: impl Fn(&Cells) -> bool,
+    commanded: bool,
+) {
+    let count = |cells: &[bool]| cells.iter().filter(|c| **c).count();
+    let is_sensor = |channel: Channel| matches!(channel, Channel::Angle(_) | Channel::Speed(_));
+    let sensors = cells.iter().filter(|(channel, _)| is_sensor(*channel));
+    // of equals the first
+    let Some(fastest) = sensors.rev().max_by_key(|(_, cells)| count(cells)) else { return };
+    let inputs = cells.iter().filter(|c| !commanded && !is_sensor(c.0) && is_slow(c));
+    let slowest = inputs.min_by_key(|(_, cells)| count(cells));
+    let (base, kept) = slowest.filter(|(_, c)| count(c) < count(&fastest.1)).unwrap_or(fastest);
+    let rows = work.channels.t.len();
+    let share = |cells: &[bool]| count(cells) as f64 / rows as f64;
+    let mut flags = kept.clone();
+    for (channel, own) in cells.iter().filter(|c| is_slow(c)) {
+        if own == kept {
+            continue;
+        }
+        let few = (count(own) as f64) < HALF * count(kept) as f64;
+        let is_held = if is_sensor(*channel) { few } else { commanded };
+        let read = if is_held {
+            held
+        } else if matches!(channel, Channel::Angle(_)) {
+            along_angle
+        } else {
+            along
+        };
+        let values = values(&work.channels, *channel);
+        let read = read(&work.channels.t, &values, own);
+        put(&mut work.channels, *channel, &read);
+        // before its first sample and behind its last nothing is known
+        flags.iter_mut().zip(&read).for_each(|(flag, x)| *flag &= x.is_finite());
+        let share = share(own);
+        let kind = if is_held { Kind::HeldColumn { share } } else { Kind::SparseColumn { share } };
+        work.findings.push(Finding::corrected(*channel, kind, "rows", true));
+    }
+    if count(kept) < rows {
+        let kind = Kind::OwnRows { share: share(kept) };
+        work.findings.push(Finding::corrected(*base, kind, "rows", true));
+    }
+    if count(&flags) < rows {
+        keep(&mut work.channels, &flags);
+    }
+}
+
+/// Sensors of the two wheels that the logger reads in turn: in each row one of them repeats its last value. Half
+/// of the rows go, so that this is not for commands, which may change in any row.
+pub(super) fn read_in_turn(work: &mut Conditioned, settings: &Settings, context: &Context) {
+    if !settings.rows || context.commanded {
+        return;
+    }
+    for kind in [Channel::Angle, Channel::Speed] {
+        let cells: Vec<Cells> = columns(&work.channels)
+            .into_iter()
+            .filter(|(channel, _)| [kind(0), kind(1)].contains(channel))
+            .map(|(channel, values)| (channel, new_in(&work.channels.t, &values)))
+            .collect();
+        let [(_, right), (_, left)] = &cells[..] else { continue };
+        let every = |new: &[bool]| {
+            let rows: Vec<usize> = (0..new.len()).filter(|&k| new[k]).collect();
+            median(rows.windows(2).map(|w| (w[1] - w[0]) as f64))
+        };
+        if [every(right), every(left)] != [2.0; 2] {
+            continue;
+        }
+        let count = |of: &dyn Fn(bool, bool) -> bool| {
+            right.iter().zip(left).filter(|(r, l)| of(**r, **l)).count() as f64
+        };
+        let (both, one) = (count(&|r, l| r && l), count(&|r, l| r != l));
+        let rates = count(&|r, _| r) / count(&|_, l| l);
+        // read in the same rows they are as old as each other, which the refresh of the rows says
+        if one > both && (HALF..=1.0 / HALF).contains(&rates) {
+            align(work, &cells, |_| true, context.commanded);
+        }
+    }
+}
+
+/// Part of the runs of equal values that a sensor's are as long as, but for a row.
+const REGULAR: f64 = 0.8;
+
+/// The rows in which a channel has a new value: all, unless it changes after every so many rows.
+pub(super) fn new_in(t: &[f64], values: &[f64]) -> Vec<bool> {
+    let changes = changes(values);
+    let runs: Vec<usize> = changes.windows(2).map(|w| w[1] - w[0]).collect();
+    let usual = median(runs.iter().map(|r| *r as f64)) as usize;
+    let alike = runs.iter().filter(|run| run.abs_diff(usual) <= 1).count();
+    if usual < 2 || (alike as f64) < REGULAR * runs.len() as f64 {
+        return vec![true; values.len()];
+    }
+    let alone = Channels {
+        t: t.to_vec(),
+        alpha: Some(values.iter().map(|v| [*v; 2]).collect()),
+        omega: None,
+        moment: vec![],
+    };
+    refreshed(&alone)
+}
+
+fn values(channels: &Channels, channel: Channel) -> Vec<f64> {
+    let found = columns(channels).into_iter().find(|(name, _)| *name == channel);
+    found.map_or(vec![], |(_, values)| values)
+}
+
+fn put(c: &mut Channels, channel: Channel, values: &[f64]) {
+    let (rows, i) = match channel {
+        Channel::Angle(i) => (c.alpha.as_mut(), i),
+        Channel::Speed(i) => (c.omega.as_mut(), i),
+        Channel::Input(i) => (Some(&mut c.moment), i),
+        Channel::Time | Channel::Sensors => return,
+    };
+    rows.into_iter().flatten().zip(values).for_each(|(row, value)| row[i] = *value);
+}
+
+/// The last sample at each row; none before the first.
+fn held(_: &[f64], values: &[f64], own: &[bool]) -> Vec<f64> {
+    let mut last = f64::NAN;
+    let hold = |(value, own): (&f64, &bool)| {
+        last = if *own { *value } else { last };
+        last
+    };
+    values.iter().zip(own).map(hold).collect()
+}
+
+/// The line between the samples around each row; none before the first and after the last.
+fn along(t: &[f64], values: &[f64], own: &[bool]) -> Vec<f64> {
+    between(t, values, own, f64::INFINITY)
+}
+
+/// The same, but for samples between which an angle wraps: there the one before.
+fn along_angle(t: &[f64], values: &[f64], own: &[bool]) -> Vec<f64> {
+    let held = || values.iter().zip(own).filter(|(_, own)| **own).map(|(v, _)| *v);
+    let range = held().fold(f64::NEG_INFINITY, f64::max) - held().fold(f64::INFINITY, f64::min);
+    between(t, values, own, WRAP * range)
+}
+
+fn between(t: &[f64], values: &[f64], own: &[bool], most: f64) -> Vec<f64> {
+    let mut out = vec![f64::NAN; t.len()];
+    let samples: Vec<usize> = (0..t.len()).filter(|&k| own[k]).collect();
+    for w in samples.windows(2) {
+        let (from, to) = (w[0], w[1]);
+        let (rise, time) = (values[to] - values[from], t[to] - t[from]);
+        for k in from..to {
+            let share =
+                if time > 0.0 && rise.abs() <= most { (t[k] - t[from]) / time } else { 0.0 };
+            out[k] = values[from] + share * rise;
+        }
+    }
+    if let Some(&last) = samples.last() {
+        out[last] = values[last];
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::condition;
+    use super::*;
+
+    /// Messages in rows of their own: sensors every 20 ms, currents every 50 ms between them.
+    fn merged() -> Channels {
+        let mut rows: Vec<(f64, bool)> = (0..500).map(|k| (0.02 * f64::from(k), true)).collect();
+        rows.extend((0..200).map(|k| (0.05 * f64::from(k) + 0.007, false)));
+        rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let none = [f64::NAN; 2];
+        let of = |sensor: bool, value: fn(f64) -> f64| {
+            let cell =
+                |(t, s): &(f64, bool)| if *s == sensor { [value(*t), -value(*t)] } else { none };
+            rows.iter().map(cell).collect::<Vec<_>>()
+        };
+        Channels {
+            t: rows.iter().map(|(t, _)| *t).collect(),
+            alpha: Some(of(true, |t| 4.0 * (1.0 - t.cos()))),
+            omega: Some(of(true, |t| 4.0 * t.sin())),
+            moment: of(false, |t| 0.1 * t.cos()),
+        }
+    }
+
+    #[test]
+    fn rows_of_other_messages_do_not_repeat_the_sensors() {
+        let done = condition(merged(), &Settings::default(), &Context::default()).unwrap();
+        let c = &done.channels;
+        assert!(c.t.windows(2).all(|w| (w[1] - w[0] - 0.05).abs() < 1e-9), "{:?}", done.findings);
+        for (k, t) in c.t.iter().enumerate() {
+            assert!((c.moment[k][1] + 0.1 * t.cos()).abs() < 1e-12);
+            // a chord of 20 ms: 4 h^2/8
+            assert!((c.omega.as_ref().unwrap()[k][0] - 4.0 * t.sin()).abs() < 2.1e-4);
+        }
+        // a command holds until the next, and is known in every row
+        let commanded = Context { commanded: true, ..Context::default() };
+        let c = condition(merged(), &Settings::default(), &commanded).unwrap().channels;
+        assert!(c.t.windows(2).all(|w| (w[1] - w[0] - 0.02).abs() < 1e-9));
+        let off = |k: usize| (c.omega.as_ref().unwrap()[k][0] - 4.0 * c.t[k].sin()).abs();
+        assert!((0..c.t.len()).all(|k| off(k) < 1e-12));
+        let last = |t: f64| 0.05 * ((t - 0.007) / 0.05).floor() + 0.007;
+        let off = |k: usize| (c.moment[k][0] - 0.1 * last(c.t[k] + 1e-9).cos()).abs();
+        assert!((0..c.t.len()).all(|k| off(k) < 1e-12));
+    }
+
+    #[test]
+    fn wheels_that_are_read_in_turn_stand_at_the_same_times() {
+        let t: Vec<f64> = (0..4000).map(|k| 0.005 * f64::from(k)).collect();
+        let speed = |t: f64| [4.0 * t.sin(), 3.0 * (0.7 * t).cos()];
+        let mut omega: Vec<[f64; 2]> = t.iter().map(|t| speed(*t)).collect();
+        for k in 1..t.len() {
+            omega[k][k % 2] = omega[k - 1][k % 2];
+        }
+        let moment: Vec<[f64; 2]> = t.iter().map(|t| [t.cos(), t.sin()]).collect();
+        let channels = Channels { t, alpha: None, omega: Some(omega), moment };
+        let done = condition(channels, &Settings::default(), &Context::default()).unwrap();
+        let omega = done.channels.omega.unwrap();
+        assert!((1990..=2001).contains(&omega.len()), "{:?}", done.findings);
+        for (t, w) in done.channels.t.iter().zip(&omega).skip(2) {
+            // a chord of 10 ms: 4 h^2/8
+            assert!((0..2).all(|i| (w[i] - speed(*t)[i]).abs() < 6e-5), "{t}: {w:?}");
+        }
+        // both wheels in the same rows: that is the refresh of the rows
+        let t: Vec<f64> = (0..4000).map(|k| 0.005 * f64::from(k)).collect();
+        let slow: Vec<[f64; 2]> = (0..4000).map(|k| speed(0.005 * f64::from(k - k % 2))).collect();
+        let moment: Vec<[f64; 2]> = t.iter().map(|t| [t.cos(), t.sin()]).collect();
+        let channels = Channels { t, alpha: None, omega: Some(slow), moment };
+        let done = condition(channels, &Settings::default(), &Context::default()).unwrap();
+        assert_eq!(done.channels.t.len(), 4000);
+    }
+}

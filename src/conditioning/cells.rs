@@ -1,0 +1,35 @@
+//! The channels as columns of a table: each by itself, and with fewer rows.
+
+use super::finding::Channel;
+use crate::recording::Channels;
+
+/// Every column by itself.
+pub(super) fn columns(c: &Channels) -> Vec<(Channel, Vec<f64>)> {
+    let mut out = vec![(Channel::Time, c.t.clone())];
+    for i in 0..2 {
+        let pairs = [
+            (Channel::Angle(i), c.alpha.as_ref()),
+            (Channel::Speed(i), c.omega.as_ref()),
+            (Channel::Input(i), Some(&c.moment)),
+        ];
+        let there = pairs.into_iter().filter_map(|(name, v)| v.map(|v| (name, v)));
+        out.extend(there.map(|(name, v)| (name, v.iter().map(|x| x[i]).collect())));
+    }
+    out
+}
+
+/// The rows whose flag is set.
+pub(super) fn keep(c: &mut Channels, flags: &[bool]) {
+    fn filter<T: Copy>(v: &mut Vec<T>, flags: &[bool]) {
+        let mut k = 0;
+        v.retain(|_| {
+            k += 1;
+            flags[k - 1]
+        });
+    }
+    filter(&mut c.t, flags);
+    filter(&mut c.moment, flags);
+    for v in [c.alpha.as_mut(), c.omega.as_mut()].into_iter().flatten() {
+        filter(v, flags);
+    }
+}

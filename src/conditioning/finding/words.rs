@@ -1,0 +1,135 @@
+//! The words of findings.
+
+use super::{Channel, Kind};
+
+/// What was found, and what is done about it unless it is switched off.
+pub(super) fn words(name: &str, kind: &Kind, channel: Channel) -> (String, String) {
+    let ms = |s: f64| format!("{:.2} ms", 1e3 * s);
+    let one = |count: usize, what: &str| {
+        if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
+    };
+    match *kind {
+        Kind::MissingValues { rows, first } => (
+            format!("{} without a number in some column (first: row {first})", one(rows, "row")),
+            "left out".into(),
+        ),
+        Kind::SparseColumn { share } => (
+            format!("{name} has a new value in {:.1} % of the rows", 100.0 * share),
+            "the line between its values stands for it".into(),
+        ),
+        Kind::HeldColumn { share } => (
+            format!("{name} has a value in {:.1} % of the rows", 100.0 * share),
+            "it holds until the next".into(),
+        ),
+        Kind::OwnRows { share } => (
+            format!("{name} has a new value in {:.1} % of the rows", 100.0 * share),
+            "the recording has these rows; the others serve their own columns".into(),
+        ),
+        Kind::TimeRows { rows, first } => (
+            format!(
+                "{} whose time does not exceed that before (first: row {first})",
+                one(rows, "row")
+            ),
+            "left out".into(),
+        ),
+        Kind::ClockWrap { count, row, period_s } => (
+            format!(
+                "the time goes back {} by {period_s} s (first: row {row}), the period of a timer",
+                one(count, "time")
+            ),
+            "a timer that wrapped: the time goes on".into(),
+        ),
+        Kind::ClockRestart { count, row, back_s } => (
+            format!(
+                "the time goes back {} and on from there (first: by {back_s:.3} s at row {row})",
+                one(count, "time")
+            ),
+            "a restarted clock: what follows stands behind a gap".into(),
+        ),
+        Kind::Wrapped { period_rad, turns } => {
+            (format!("{name} wraps at {period_rad:.6} rad, {turns} times"), "unwrapped".into())
+        }
+        Kind::Reset { row, step_rad } => (
+            format!("{name} jumps by {step_rad:+.4} rad at row {row} and stays there"),
+            "a reset counter: what follows is shifted back".into(),
+        ),
+        Kind::Spikes { count, first, largest } => (
+            format!(
+                "{name} has {} (first: row {first}; the largest stands out by {})",
+                one(count, "isolated wrong sample"),
+                if largest.abs() < 1e6 { format!("{largest:.4}") } else { format!("{largest:e}") }
+            ),
+            "replaced by the line between the neighbours".into(),
+        ),
+        Kind::Unit { factor, unit } => {
+            let other =
+                if matches!(channel, Channel::Speed(_)) { "the slope of" } else { "that of" };
+            (
+                format!("{name} is {factor:.4} times {other} its counterpart: it is in {unit}"),
+                "converted".into(),
+            )
+        }
+        Kind::Sign => (
+            format!("{name} has the opposite sign of its counterpart and of the input"),
+            "turned".into(),
+        ),
+        Kind::Opposing if matches!(channel, Channel::Input(_)) => {
+            (format!("{name} acts against the motion of its wheel"), "turned".into())
+        }
+        Kind::Opposing => (
+            format!("{name} counts against its input and, nearly always, against the other wheel"),
+            "turned".into(),
+        ),
+        Kind::Exchanged => (
+            format!("{name} belongs to the other wheel: it follows the motion of that one"),
+            "exchanged".into(),
+        ),
+        Kind::Lag { lag_s, std_error_s } => (
+            format!("{name} lags the angle by {} ± {}", ms(lag_s), ms(std_error_s)),
+            "advanced by that".into(),
+        ),
+        Kind::Filtered { lag_s, std_error_s } => (
+            format!(
+                "{name} lags the angle by {} ± {}, more than a sample, and is smoothed",
+                ms(lag_s),
+                ms(std_error_s)
+            ),
+            "left out: speeds are those of the angles".into(),
+        ),
+        Kind::Differences { samples, lag_s } => (
+            format!(
+                "{name} is the difference of the angle over {} ({} late)",
+                one(samples, "sample"),
+                ms(lag_s)
+            ),
+            "left out: it holds nothing beside the angle".into(),
+        ),
+        Kind::FewLevels { levels } => (
+            format!("{name} has {} only", one(levels, "level")),
+            "taken as a command without noise".into(),
+        ),
+        Kind::Magnitude => (
+            format!("{name} never changes its sign although its wheel is driven both ways"),
+            "takes the sign of the speed".into(),
+        ),
+        Kind::RestOffset { mean, std_error } => (
+            format!("{name} is {mean:.5} ± {std_error:.5} while the robot stands before it starts"),
+            format!("an offset of the sensor? `offset` of the column {name} takes it out"),
+        ),
+        Kind::Refresh { period_s } => (
+            format!(
+                "the sensors give a new value every {}, the rows come more often",
+                ms(period_s)
+            ),
+            "rows that repeat a value do not count as measurements".into(),
+        ),
+        Kind::Quantum { step } => (
+            format!("{name} comes in steps of {step:.6}"),
+            "counted as noise of step/sqrt(12)".into(),
+        ),
+        Kind::Dead => (
+            format!("{name} does not move although its wheel is driven"),
+            "its wheel is identified from nothing".into(),
+        ),
+    }
+}

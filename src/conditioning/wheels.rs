@@ -1,0 +1,185 @@
+//! Columns that belong to the other wheel, and inputs of the wrong sign.
+//!
+//! Windows of 0.1 s say it with the same tests as the quality check: the speed of a wheel follows the angle of
+//! the other; the input of a wheel explains the motion of the other and not its own,
+//!
+//! ```text
+//! M = c1 dw/dt + c2 sgn(w) + c3 w
+//! ```
+//! or it acts against the acceleration (c1 five standard errors below zero) and takes energy out, which
+//! friction and inertia cannot give back.
+
+use super::finding::{Channel, Finding, Kind};
+use super::input::speeds;
+use super::signal::{median, pieces};
+use super::{Conditioned, Settings};
+use crate::recording::{
+    View, Window, exchanged_input, exchanged_speeds, opposing_input, windows_of,
+};
+
+/// Share of the windows in which the wheels turn against each other beyond which a wheel counts mirrored:
+/// nobody but a test of turning drives so.
+const MIRRORED: f64 = 2.0 / 3.0;
+
+/// Gives speeds or angles back to the wheel that they follow.
+pub(super) fn exchanged_sensors(work: &mut Conditioned, settings: &Settings) {
+    let c = &work.channels;
+    if c.alpha.is_none() || c.omega.is_none() || !exchanged_speeds(&windows(work)) {
+        return;
+    }
+    // the pair on which the inputs act as they should stays
+    let swapped = |rows: &Option<Vec<[f64; 2]>>| {
+        rows.as_ref().map(|rows| rows.iter().map(|v| [v[1], v[0]]).collect::<Vec<_>>())
+    };
+    let by_speeds = exchanged_input(&windows(work));
+    let channel = if by_speeds { Channel::Speed } else { Channel::Angle };
+    // by the speeds the inputs are exchanged, so that the speeds are those of the other wheel
+    let rows = if by_speeds { &mut work.channels.omega } else { &mut work.channels.alpha };
+    let other = swapped(rows);
+    for i in 0..2 {
+        let finding =
+            Finding::corrected(channel(i), Kind::Exchanged, "exchanged", settings.exchanged);
+        work.findings.push(finding);
+    }
+    if settings.exchanged {
+        *rows = other;
+    }
+}
+
+/// Gives inputs back to the wheel that they move, and turns those that act against it.
+pub(super) fn inputs(work: &mut Conditioned, settings: &Settings) {
+    let found = windows(work);
+    if exchanged_input(&found) {
+        for i in 0..2 {
+            let channel = Channel::Input(i);
+            let on = settings.exchanged;
+            work.findings.push(Finding::corrected(channel, Kind::Exchanged, "exchanged", on));
+        }
+        if settings.exchanged {
+            work.channels.moment.iter_mut().for_each(|m| m.swap(0, 1));
+        }
+        return;
+    }
+    let opposing: Vec<usize> = (0..2).filter(|i| opposing_input(&found, *i)).collect();
+    for &i in &opposing {
+        // of one wheel that turns against the other nearly always it is the sensors that count backwards
+        let backwards = opposing.len() == 1 && are_opposed(&found);
+        let channels: &[Channel] =
+            if backwards { &[Channel::Angle(i), Channel::Speed(i)] } else { &[Channel::Input(i)] };
+        for &channel in channels {
+            turn(work, settings, channel, i);
+        }
+    }
+}
+
+fn turn(work: &mut Conditioned, settings: &Settings, channel: Channel, i: usize) {
+    let c = &mut work.channels;
+    let rows = match channel {
+        Channel::Angle(_) => c.alpha.as_mut(),
+        Channel::Speed(_) => c.omega.as_mut(),
+        _ => Some(&mut c.moment),
+    };
+    let Some(rows) = rows else { return };
+    if settings.signs {
+        rows.iter_mut().for_each(|v| v[i] = -v[i]);
+    }
+    let kind = Kind::Opposing;
+    work.findings.push(Finding::corrected(channel, kind, "signs", settings.signs));
+}
+
+fn are_opposed(windows: &[Window]) -> bool {
+    let moving = windows.iter().filter(|w| w.speed[0] * w.speed[1] != 0.0).count();
+    let opposed = windows.iter().filter(|w| w.speed[0] * w.speed[1] < 0.0).count();
+    opposed as f64 > MIRRORED * moving as f64
+}
+
+fn windows(work: &Conditioned) -> Vec<Window> {
+    let c = &work.channels;
+    let Some(omega) = speeds(work) else { return vec![] };
+    let alpha = c.alpha.as_ref().unwrap_or(&omega);
+    let step = median(c.t.windows(2).map(|w| w[1] - w[0]));
+    let pieces = pieces(&c.t);
+    windows_of(&View { t: &c.t, alpha, omega: &omega, moment: &c.moment, pieces: &pieces, step })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Context, condition};
+    use super::*;
+    use crate::recording::Channels;
+
+    /// Two wheels with inertia 0.03, friction 0.1 and a motion of their own each.
+    fn channels() -> Channels {
+        let t: Vec<f64> = (0..3000).map(|k| 0.01 * f64::from(k)).collect();
+        let rate = [1.3, 2.1];
+        let of = |f: &dyn Fn(f64) -> f64| t.iter().map(|t| rate.map(|r| f(r * t))).collect();
+        let alpha: Vec<[f64; 2]> =
+            t.iter().map(|t| rate.map(|r| 5.0 * (1.0 - (r * t).cos()) / r)).collect();
+        let moment = t
+            .iter()
+            .map(|t| rate.map(|r| 0.03 * 5.0 * r * (r * t).cos() + 0.1 * (r * t).sin().signum()));
+        let omega: Vec<[f64; 2]> = of(&|x| 5.0 * x.sin());
+        Channels { alpha: Some(alpha), omega: Some(omega), moment: moment.collect(), t }
+    }
+
+    fn done(change: impl Fn(&mut Channels)) -> Conditioned {
+        let mut c = channels();
+        change(&mut c);
+        condition(c, &Settings::default(), &Context::default()).unwrap()
+    }
+
+    fn same(a: &Channels, b: &Channels) -> bool {
+        a.alpha == b.alpha && a.omega == b.omega && a.moment == b.moment
+    }
+
+    #[test]
+    fn exchanged_columns_are_given_back() {
+        let swap = |rows: &mut Vec<[f64; 2]>| rows.iter_mut().for_each(|v| v.swap(0, 1));
+        let changes: [&dyn Fn(&mut Channels); 3] = [
+            &|c| c.omega.iter_mut().for_each(swap),
+            &|c| c.alpha.iter_mut().for_each(swap),
+            &|c| swap(&mut c.moment),
+        ];
+        for (k, change) in changes.into_iter().enumerate() {
+            let done = done(change);
+            assert!(same(&done.channels, &channels()), "{k}: {:?}", done.findings);
+            assert_eq!(done.findings.len(), 2);
+        }
+        assert!(done(|_| ()).findings.is_empty());
+    }
+
+    #[test]
+    fn an_input_against_the_motion_is_turned() {
+        for i in 0..2 {
+            let done = done(|c| c.moment.iter_mut().for_each(|m| m[i] = -m[i]));
+            assert!(same(&done.channels, &channels()), "{:?}", done.findings);
+            assert_eq!(done.findings[0].channel, Channel::Input(i));
+        }
+        let both = done(|c| c.moment.iter_mut().for_each(|m| *m = m.map(|x| -x)));
+        assert!(same(&both.channels, &channels()), "{:?}", both.findings);
+        let off = Settings { signs: false, ..Settings::default() };
+        let mut c = channels();
+        c.moment.iter_mut().for_each(|m| m[0] = -m[0]);
+        let left = condition(c.clone(), &off, &Context::default()).unwrap();
+        assert!(same(&left.channels, &c) && left.findings.len() == 1);
+    }
+
+    #[test]
+    fn of_a_wheel_that_counts_backwards_the_sensors_are_turned() {
+        // both wheels ahead together, the left one counted backwards
+        let together = |c: &mut Channels| {
+            for rows in [c.alpha.as_mut(), c.omega.as_mut(), Some(&mut c.moment)] {
+                rows.into_iter().flatten().for_each(|v| v[1] = 1.1 * v[0]);
+            }
+        };
+        let mut right = channels();
+        together(&mut right);
+        let done = done(|c| {
+            together(c);
+            let motion = [c.alpha.as_mut(), c.omega.as_mut()];
+            motion.into_iter().flatten().flatten().for_each(|v| v[1] = -v[1]);
+        });
+        assert!(same(&done.channels, &right), "{:?}", done.findings);
+        assert_eq!(done.findings.len(), 2);
+    }
+}

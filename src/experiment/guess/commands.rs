@@ -1,0 +1,107 @@
+//! Inputs that are commands: a share of the battery's voltage, or a pulse of a servo.
+
+use super::values::largest;
+use super::{Guess, Guessed};
+use crate::io::PreviewColumn;
+use crate::recording::DriveUnit;
+
+/// Words of a command that is a share of the battery's voltage.
+const SHARES: [&str; 7] = ["duty", "pwm", "power", "throttle", "motor", "mot", "output"];
+/// Full scales of controllers: a share, percent, 7 and 8 bits, of Pololu, per mille, 10, 12 and 15 bits.
+const FULL: [f64; 9] = [1.0, 100.0, 127.0, 255.0, 400.0, 1000.0, 1023.0, 4095.0, 32767.0];
+/// Full scale of the PWM that most boards have: 8 bits.
+const PWM: f64 = 255.0;
+/// A pulse of a servo, and the one at which it stands [us].
+const PULSE: (f64, f64, f64) = (900.0, 1500.0, 2100.0);
+/// Voltages of batteries of robots [V].
+const BATTERIES: (f64, f64) = (2.0, 100.0);
+
+/// Completes inputs that are commands: the pulse at which a servo stands, the full scale, the battery's
+/// column; or asks for what is not there.
+pub(super) fn look(
+    columns: &[PreviewColumn],
+    battery: Option<(&PreviewColumn, Option<&str>)>,
+    guess: &mut Guess,
+) {
+    if guess.drive_unit != DriveUnit::Volt {
+        return;
+    }
+    let of = |name: &str| columns.iter().find(|c| c.name == name).map_or(&[][..], |c| &c.values);
+    let mut inputs: Vec<&mut Guessed> =
+        guess.columns.iter_mut().filter(|c| c.key.starts_with('M')).collect();
+    let share = |one: &&mut Guessed| {
+        let name = one.name.to_lowercase();
+        one.unit.is_none() && SHARES.iter().any(|word| name.contains(word))
+    };
+    if inputs.is_empty() || !inputs.iter().all(share) || inputs.iter().any(|c| is_volt(&c.name)) {
+        return;
+    }
+    let is_pulse = inputs.iter().all(|one| {
+        let mut values = of(&one.name).iter().filter(|v| v.is_finite()).peekable();
+        values.peek().is_some() && values.all(|v| (PULSE.0..=PULSE.2).contains(v))
+    });
+    if is_pulse {
+        for one in &mut inputs {
+            one.offset = Some(-PULSE.1);
+            one.evidence.push(format!(
+                "{:.0} to {:.0} us: a pulse of a servo, which stands at {:.0}",
+                PULSE.0, PULSE.2, PULSE.1
+            ));
+        }
+    }
+    let top = if is_pulse {
+        PULSE.1 - 1000.0
+    } else {
+        inputs.iter().map(|one| largest(of(&one.name))).fold(0.0, f64::max)
+    };
+    let full = if is_pulse { top } else { full_scale(top, &inputs[0].name.to_lowercase()) };
+    let reaches = (1e4 * top).round() / 1e4;
+    let volts = battery.and_then(|(column, unit)| Some((column, to_volts(column, unit)?)));
+    let name = inputs[0].name.clone();
+    if let Some((column, factor)) = volts.filter(|_| !is_pulse) {
+        for one in &mut inputs {
+            one.times = Some(column.name.clone());
+            one.scale = Some(factor / full).filter(|f| *f != 1.0);
+            one.evidence.push(format!("{full} is the whole of the battery's voltage"));
+        }
+        guess.questions.push(format!(
+            "`{name}` goes up to {reaches}: is {full} the whole voltage of `{}`? Else write another \
+             scale in M1 and M2",
+            column.name
+        ));
+    } else {
+        guess.questions.push(format!(
+            "`{name}` is a share of the battery's voltage{}: with {full} for the whole of 12 V write \
+             scale = {:.5}{} in M1 and M2; until then a volt of the results is one unit of the command",
+            if is_pulse { String::new() } else { format!(" and goes up to {reaches}") },
+            12.0 / full,
+            // what is added stands behind the factor
+            if is_pulse { format!(", offset = {}", -PULSE.1 * 12.0 / full) } else { String::new() },
+        ));
+    }
+}
+
+/// Whether a name says volts.
+fn is_volt(name: &str) -> bool {
+    name.to_lowercase().contains("volt")
+}
+
+/// The smallest full scale of controllers that holds the value, but for PWM that of most boards.
+fn full_scale(top: f64, name: &str) -> f64 {
+    if name.contains("pwm") && top > 1.0 && top <= PWM {
+        return PWM;
+    }
+    FULL.into_iter().find(|full| top <= 1.001 * full).unwrap_or(top)
+}
+
+/// Factor from the battery's column to volts, where its values are those of a battery.
+fn to_volts(column: &PreviewColumn, unit: Option<&str>) -> Option<f64> {
+    let top = largest(&column.values);
+    let factors: &[f64] = match unit {
+        Some("V") => &[1.0],
+        Some("mV") => &[1e-3],
+        _ => &[1.0, 1e-3],
+    };
+    let is_battery = |factor: &&f64| (BATTERIES.0..BATTERIES.1).contains(&(**factor * top));
+    factors.iter().find(is_battery).copied()
+}

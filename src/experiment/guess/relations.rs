@@ -1,0 +1,48 @@
+//! What columns without a telling name say of each other: a speed is the slope of its angle.
+
+use super::Guess;
+use crate::io::PreviewColumn;
+
+/// Columns that are compared at most: all pairs are looked at.
+const MOST: usize = 40;
+/// Windows that a recording is cut into.
+const WINDOWS: usize = 200;
+/// Correlation over the windows that says "the slope of": an angle and its speed reach it unless noise or
+/// coarse steps are a tenth of the motion in a window.
+const SAME: f64 = 0.99;
+
+/// Sentences on which open columns are the slope of which, where angles or speeds are still looked for.
+pub(super) fn hints(columns: &[PreviewColumn], guess: &Guess) -> Vec<String> {
+    let known = |key: &str| guess.columns.iter().find(|c| c.key == key);
+    let time = known("t").and_then(|t| columns.iter().find(|c| c.name == t.name));
+    let (Some(time), None, None) = (time, known("alpha1"), known("dalpha1")) else { return vec![] };
+    let used = |name: &str| guess.columns.iter().any(|c| c.name == name);
+    let open: Vec<&PreviewColumn> =
+        columns.iter().filter(|c| !used(&c.name) && c.values.len() == time.values.len()).collect();
+    if open.len() > MOST {
+        return vec![];
+    }
+    let pairs = open.iter().flat_map(|angle| open.iter().map(move |speed| (angle, speed)));
+    pairs
+        .filter(|(angle, speed)| is_slope(&time.values, &angle.values, &speed.values))
+        .map(|(angle, speed)| {
+            format!("`{}` is the slope of `{}`: a speed and its angle?", speed.name, angle.name)
+        })
+        .collect()
+}
+
+/// Whether the change of one column over windows goes with the integral of another.
+fn is_slope(t: &[f64], angle: &[f64], speed: &[f64]) -> bool {
+    let length = (t.len() / WINDOWS).max(4);
+    let (mut xx, mut yy, mut xy) = (0.0, 0.0, 0.0);
+    for from in (0..t.len().saturating_sub(length)).step_by(length) {
+        let change = angle[from + length] - angle[from];
+        let way: f64 = (from..from + length)
+            .map(|k| 0.5 * (t[k + 1] - t[k]) * (speed[k] + speed[k + 1]))
+            .sum();
+        if change.is_finite() && way.is_finite() {
+            (xx, yy, xy) = (xx + change * change, yy + way * way, xy + change * way);
+        }
+    }
+    xx * yy > 0.0 && xy > SAME * (xx * yy).sqrt()
+}

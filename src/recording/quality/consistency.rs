@@ -1,0 +1,91 @@
+//! Whether the columns of the wheels belong together: speeds, angles and inputs of one wheel.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::quantile;
+use super::window::Window;
+use crate::math::{fit, sgn};
+
+/// Fewest windows of motion that a check is based on.
+pub(super) const FEWEST: usize = 10;
+/// Correlation that says "the same signal".
+const SAME: f64 = 0.98;
+/// How many standard errors a fitted inertia must be below zero.
+const SURE: f64 = 5.0;
+/// Share of an input that the other wheel leaves, of what its own leaves and of all, where they are exchanged.
+const EXCHANGED: f64 = 0.3;
+
+/// Whether the speed of each wheel follows the angle of the other, and not its own.
+pub(crate) fn exchanged_speeds(windows: &[Window]) -> bool {
+    let windows = smooth(windows);
+    let follows =
+        |i: usize, j: usize| correlation(windows.iter().map(|w| (w.speed[i], w.angle_rate[j])));
+    let crossed = follows(0, 1).abs() > SAME && follows(1, 0).abs() > SAME;
+    let straight = follows(0, 0).abs() > 0.9 && follows(1, 1).abs() > 0.9;
+    windows.len() >= FEWEST && crossed && !straight
+}
+
+/// Whether the input of each wheel moves the other one.
+pub(crate) fn exchanged_input(windows: &[Window]) -> bool {
+    let crossed = |i: usize| -> Option<bool> {
+        let (own, other) = (simple_fit(windows, i, i)?, simple_fit(windows, i, 1 - i)?);
+        Some(other.rest < EXCHANGED * own.rest && other.rest < EXCHANGED)
+    };
+    crossed(0) == Some(true) && crossed(1) == Some(true)
+}
+
+/// Whether an input acts against the acceleration and also takes energy out: its sign is wrong, since
+/// friction and inertia need it put in.
+pub(crate) fn opposing_input(windows: &[Window], i: usize) -> bool {
+    let Some(fit) = simple_fit(windows, i, i) else { return false };
+    let work: f64 = windows.iter().map(|w| w.moment[i] * w.speed[i]).sum();
+    fit.inertia < -SURE * fit.std_error && work < 0.0
+}
+
+/// Windows without the jumps of an angle that wraps.
+fn smooth(windows: &[Window]) -> Vec<&Window> {
+    let limit = 3.0 * quantile(windows.iter().flat_map(|w| w.angle_rate), 0.9);
+    windows.iter().filter(|w| w.angle_rate.iter().all(|a| a.abs() <= limit)).collect()
+}
+
+fn correlation(pairs: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {
+    let n = pairs.clone().count().max(1) as f64;
+    let (sx, sy) = pairs.clone().fold((0.0, 0.0), |(a, b), (x, y)| (a + x, b + y));
+    let (mx, my) = (sx / n, sy / n);
+    let (mut xx, mut yy, mut xy) = (0.0, 0.0, 0.0);
+    for (x, y) in pairs {
+        xx += (x - mx) * (x - mx);
+        yy += (y - my) * (y - my);
+        xy += (x - mx) * (y - my);
+    }
+    if xx * yy > 0.0 { xy / (xx * yy).sqrt() } else { 0.0 }
+}
+
+/// `M = c1 dω + c2 sgn(ω) + c3 ω` of one wheel's drive on one wheel's motion.
+struct SimpleFit {
+    inertia: f64,
+    std_error: f64,
+    /// Share of the drive that is not explained [1].
+    rest: f64,
+}
+
+fn simple_fit(windows: &[Window], drive: usize, wheel: usize) -> Option<SimpleFit> {
+    let slow = 0.05 * quantile(windows.iter().map(|w| w.speed[wheel]), 0.99);
+    let used: Vec<&Window> = windows.iter().filter(|w| w.speed[wheel].abs() > slow).collect();
+    if used.len() < 3 * FEWEST {
+        return None;
+    }
+    let x = DMatrix::from_fn(used.len(), 3, |k, j| match j {
+        0 => used[k].acceleration[wheel],
+        1 => sgn(used[k].speed[wheel]),
+        _ => used[k].speed[wheel],
+    });
+    let y = DVector::from_fn(used.len(), |k, _| used[k].moment[drive]);
+    let total = y.norm_squared();
+    let fitted = fit(&x, &y, None).ok()?;
+    (total > 0.0 && fitted.rank == 3).then(|| SimpleFit {
+        inertia: fitted.coefficients[0],
+        std_error: fitted.std_errors[0],
+        rest: fitted.residuals.norm_squared() / total,
+    })
+}

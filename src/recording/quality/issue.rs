@@ -1,0 +1,298 @@
+//! What the quality check may notice, and the words for it.
+
+use std::f64::consts::{PI, TAU};
+
+use super::Gaps;
+use crate::recording::DriveUnit;
+
+/// Slowest rate at which starts and stops are still resolved [Hz].
+pub(super) const SLOW: f64 = 20.0;
+/// Shortest recording worth fitting [s]: two windows over which errors are judged.
+pub(super) const SHORT: f64 = 4.0;
+/// Names of the wheels in findings.
+const WHEELS: [&str; 2] = ["wheel 1 (right)", "wheel 2 (left)"];
+
+/// What was noticed; wheels count from 0, the right one.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Issue {
+    /// The recording lasts only so long [s].
+    Short(f64),
+    /// Rows a second [Hz].
+    Slow(f64),
+    /// Standard deviation of the step in time, over the median step [1].
+    Uneven(f64),
+    /// Gaps in time, with the number of pieces too short to judge an error on.
+    Gaps(Gaps, usize),
+    /// Share of the rows that repeat the sensors [1].
+    Repeats(f64),
+    /// A wheel never moves.
+    Still(usize),
+    /// An input is constant.
+    ConstantInput {
+        /// Wheel.
+        wheel: usize,
+        /// Value.
+        value: f64,
+        /// Its unit.
+        unit: DriveUnit,
+    },
+    /// An input often stands exactly at its extreme.
+    AtLimit {
+        /// Wheel.
+        wheel: usize,
+        /// The extreme.
+        value: f64,
+        /// Its unit.
+        unit: DriveUnit,
+        /// Share of the samples [1].
+        share: f64,
+        /// Whether it is so often there that it is a command of constant size.
+        is_command: bool,
+    },
+    /// Samples that stand out of both neighbours.
+    Spikes {
+        /// Channel, without the number of the wheel.
+        channel: &'static str,
+        /// Wheel.
+        wheel: usize,
+        /// How many.
+        count: usize,
+        /// Time of the first [s].
+        t: f64,
+        /// The first, between its neighbours.
+        around: [f64; 3],
+    },
+    /// Steps of an angle that no motion explains.
+    Jumps {
+        /// Wheel.
+        wheel: usize,
+        /// How many.
+        count: usize,
+        /// Time of the first [s].
+        t: f64,
+        /// Its size [rad].
+        size: f64,
+    },
+    /// Speeds in steps of so many rad/s, a visible part of the speed itself.
+    CoarseSpeed(usize, f64),
+    /// Share of the time at a standstill [1].
+    Standstill(f64),
+    /// Both wheels carry the same numbers.
+    OneAxis,
+    /// The robot drives straight only.
+    StraightOnly,
+    /// The robot turns on the spot only.
+    SpotOnly,
+    /// A wheel turns one way only; forward if true.
+    OneWay(usize, bool),
+    /// Wheel speeds that no robot reaches.
+    TooFast {
+        /// The highest [rad/s].
+        top: f64,
+        /// Radius of the wheels [m].
+        radius: f64,
+    },
+    /// The speed of each wheel follows the angle of the other.
+    ExchangedSpeeds,
+    /// A speed is not the slope of its angle.
+    Ratio {
+        /// Wheel.
+        wheel: usize,
+        /// Speed over slope [1].
+        ratio: f64,
+        /// Radius of the wheels [m].
+        radius: f64,
+    },
+    /// The input of each wheel moves the other.
+    ExchangedInput,
+    /// The input of a wheel acts against its motion.
+    OpposingInput(usize),
+}
+
+impl Issue {
+    /// What was seen.
+    #[must_use]
+    pub fn what(&self) -> String {
+        match *self {
+            Self::Short(duration) => format!("the recording lasts {duration:.2} s"),
+            Self::Slow(rate) => format!("{rate:.3} rows a second"),
+            Self::Uneven(jitter) => {
+                format!("the step in time varies by {:.0} %", 100.0 * jitter)
+            }
+            Self::Gaps(gaps, _) => {
+                let plural = if gaps.count == 1 { "gap" } else { "gaps" };
+                format!("{} {plural} in time, the longest {:.3} s", gaps.count, gaps.longest)
+            }
+            Self::Repeats(share) => {
+                format!("{:.0} % of the rows repeat the sensors", 100.0 * share)
+            }
+            Self::Still(i) => format!("{} never moves", WHEELS[i]),
+            Self::ConstantInput { wheel, value: 0.0, .. } => {
+                format!("M{} is zero throughout", wheel + 1)
+            }
+            Self::ConstantInput { wheel, value, unit } => {
+                format!("M{} is {value} {} throughout", wheel + 1, unit.symbol())
+            }
+            Self::AtLimit { wheel, value, unit, share, .. } => format!(
+                "M{} is exactly {value} {} at its extreme, {:.1} % of the samples",
+                wheel + 1,
+                unit.symbol(),
+                100.0 * share
+            ),
+            Self::Spikes { channel, wheel, count, t, around: [before, first, after] } => format!(
+                "{channel}{} has {} (first at t = {t:.3} s: {first:.4} between {before:.4} and {after:.4})",
+                wheel + 1,
+                number(count, "spike"),
+            ),
+            Self::Jumps { wheel, count, t, size } => format!(
+                "alpha{} has {} (first at t = {t:.3} s: {size:+.3} rad in one step)",
+                wheel + 1,
+                number(count, "jump"),
+            ),
+            Self::CoarseSpeed(i, step) => {
+                format!("dalpha{} comes in steps of {step:.4} rad/s", i + 1)
+            }
+            Self::Standstill(share) => {
+                format!("the robot stands still for {:.0} % of the time", 100.0 * share)
+            }
+            Self::OneAxis => "both wheels carry the same numbers".into(),
+            Self::StraightOnly => "the robot drives straight only".into(),
+            Self::SpotOnly => "the robot turns on the spot only".into(),
+            Self::OneWay(i, forward) => {
+                let way = if forward { "forward" } else { "backward" };
+                format!("{} turns {way} only", WHEELS[i])
+            }
+            Self::TooFast { top, radius } => format!(
+                "wheel speeds up to {top:.0} rad/s, {:.0} m/s on wheels of {radius} m",
+                top * radius
+            ),
+            Self::ExchangedSpeeds => "dalpha1 follows alpha2 and dalpha2 follows alpha1".into(),
+            Self::Ratio { wheel, ratio, .. } => {
+                format!("dalpha{0} is {ratio:.4} times the slope of alpha{0}", wheel + 1)
+            }
+            Self::ExchangedInput => "M1 moves wheel 2 and M2 moves wheel 1".into(),
+            Self::OpposingInput(i) => {
+                format!("M{} pushes {} against its motion", i + 1, WHEELS[i])
+            }
+        }
+    }
+
+    /// What to do, or what follows from it.
+    #[must_use]
+    pub fn remedy(&self) -> String {
+        match *self {
+            Self::Short(_) => {
+                return format!("record at least {SHORT:.0} s, better 20 s; or check the unit of t");
+            }
+            Self::Slow(_) => {
+                return format!("record at {SLOW:.0} Hz or more; or check the unit of t");
+            }
+            Self::Gaps(_, short) => {
+                return format!(
+                    "gaps are left out; {short} pieces are too short to judge an error on"
+                );
+            }
+            Self::ConstantInput { wheel, value: 0.0, .. } => {
+                return format!("{} coasts, or its input was not recorded", WHEELS[wheel]);
+            }
+            Self::OpposingInput(i) => {
+                return format!("its sign is wrong: scale = -1 for M{} in `columns`", i + 1);
+            }
+            Self::Ratio { wheel, ratio, radius } => return meaning(ratio, wheel, radius),
+            Self::Uneven(_) => "write the time of measurement, not that of arrival",
+            Self::Repeats(_) => "repeated rows are not counted as measurements",
+            Self::Still(_) => {
+                "its friction and inertia cannot be seen; check its encoder, or drive both wheels"
+            }
+            Self::ConstantInput { .. } => "vary the input; a constant one shows little",
+            Self::AtLimit { is_command: true, .. } => "a command of constant size",
+            Self::AtLimit { .. } => {
+                "the input or its sensor is at a limit; what is recorded there may not be what acts \
+                 (see the effect torque_saturation)"
+            }
+            // a wheel cannot jump; an input may be commanded to, and conditioning has asked the wheel
+            Self::Spikes { channel: "M", .. } => {
+                "wrong samples, or commands as short as that; the wheel does not tell"
+            }
+            Self::Spikes { .. } => {
+                "single wrong samples; remove their rows, gaps in time are allowed"
+            }
+            Self::Jumps { size, .. } if (size.abs() / TAU - 1.0).abs() < 0.05 => {
+                "the angle wraps at a full turn; count on beyond it"
+            }
+            Self::Jumps { .. } => {
+                "the counter wraps or counts were lost; unwrap it before, or leave the angles out"
+            }
+            Self::CoarseSpeed(..) => {
+                "it seems to be counted from a coarse encoder; the angles hold more"
+            }
+            Self::Standstill(_) => {
+                "standing shows neither inertia nor friction in motion; drive more"
+            }
+            Self::OneAxis => {
+                "one axis written down twice: only a1 + a2 and one friction can be found"
+            }
+            Self::StraightOnly => {
+                "only the sum a1 + a2 can be found, and a3 not at all; record curves and turns as \
+                 well"
+            }
+            Self::SpotOnly => {
+                "only the difference a1 - a2 can be found; record straights and curves as well"
+            }
+            Self::OneWay(..) => {
+                "a constant offset of its input is indistinguishable from Coulomb friction; record \
+                 reversals"
+            }
+            Self::TooFast { .. } => {
+                "check their unit (rpm? deg/s?) and the wheel radius of [robot]"
+            }
+            Self::ExchangedSpeeds => {
+                "the wheels are exchanged in one pair of columns (wheel 1 is the right one); swap \
+                 them in `columns`"
+            }
+            Self::ExchangedInput => {
+                "the inputs are exchanged (wheel 1 is the right one); swap them in `columns`"
+            }
+        }
+        .into()
+    }
+}
+
+fn number(count: usize, what: &str) -> String {
+    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
+}
+
+/// What a ratio of speed to slope of the angle other than one means.
+fn meaning(ratio: f64, i: usize, radius: f64) -> String {
+    let (degrees, minute) = (180.0 / PI, 60.0 / TAU);
+    let (speed, angle) = (format!("dalpha{}", i + 1), format!("alpha{}", i + 1));
+    let known = [
+        (1.0, String::new()),
+        (minute, format!("{speed} is in rpm")),
+        (degrees, format!("{speed} is in deg/s, or t in a wrong unit")),
+        (1.0 / TAU, format!("{speed} is in rev/s")),
+        (radius, format!("{speed} is in m/s")),
+        (1.0 / degrees, format!("{angle} is in deg")),
+        (TAU, format!("{angle} is in rev")),
+        (1.0 / radius, format!("{angle} is in m")),
+        (1e3, "t is in ms".into()),
+        (1e6, "t is in us".into()),
+        (1e9, "t is in ns".into()),
+    ];
+    let size = ratio.abs();
+    let unit = known.into_iter().find(|(factor, _)| (size / factor - 1.0).abs() < 0.03);
+    let sign = if ratio < 0.0 {
+        format!(
+            "the sign of one of them is wrong (forward is positive for both wheels): scale = -1 on {speed} or {angle}"
+        )
+    } else {
+        String::new()
+    };
+    let words = match unit {
+        Some((_, words)) if !words.is_empty() => format!("{words}; say so in `columns`"),
+        Some(_) => String::new(),
+        None => "a unit, a gear ratio or the counts per turn are wrong; correct it with unit or scale in `columns`".into(),
+    };
+    [sign, words].into_iter().filter(|w| !w.is_empty()).collect::<Vec<_>>().join(", and ")
+}
