@@ -3,7 +3,8 @@
 use super::error::RunError;
 use super::models;
 use super::plan::{DiagnosisPlan, Plan};
-use super::sentence::{Finding, title};
+use super::sentence::{Finding, residual_torque, title};
+use crate::compare::Variable;
 use crate::diagnose::{
     Conclusion, Data, Diagnosis, Judge, Judgement, Limits, Proposal, Ranked, Rivals, THRESHOLDS,
     conclude, diagnose, likely, next_run, probabilities, shifted,
@@ -12,6 +13,7 @@ use crate::filter::{Likelihood, prepare};
 use crate::identify::{Estimate, IdentifyError, Task, start};
 use crate::model::Model;
 use crate::recording::Recording;
+use crate::report::format;
 use crate::simulate::SimulateError;
 use crate::study::{Candidate, DiagnosisStudy, FoundEffect, Role, Step, Study, Verdict};
 
@@ -22,21 +24,43 @@ const DURATION: f64 = 20.0;
 /// Candidates whose error on the judged recordings is simulated.
 const JUDGED: usize = 8;
 
-/// Runs the diagnosis of a plan and puts it into words. `study` holds the comparison already; its noise floor
-/// becomes that of the model with what was found.
+/// Adds the diagnosis of a plan, in words, and its models to a study that holds the comparison already.
 ///
 /// # Errors
 /// If the model cannot be fitted or simulated.
 pub(super) fn run_diagnosis(
     plan: &Plan,
     asked: &DiagnosisPlan,
-    study: &mut Study,
-) -> Result<(DiagnosisStudy, Diagnosis), RunError> {
+    mut study: Study,
+) -> Result<Study, RunError> {
+    let Said { mut words, depends_on, diagnosis } = say(plan, asked, &mut study)?;
+    let study = models::with_diagnosis(plan, study, &diagnosis)?;
+    if words.verdict == Verdict::UnknownEffect {
+        words.sentence += &format!(" {}", residual_torque(&study.curves, depends_on));
+    }
+    Ok(Study { diagnosis: Some(words), ..study })
+}
+
+/// A diagnosis and its words.
+pub(super) struct Said {
+    pub(super) words: DiagnosisStudy,
+    /// The variable on which the residual torque of the last model depends significantly.
+    depends_on: Option<Variable>,
+    diagnosis: Diagnosis,
+}
+
+/// Runs the diagnosis of a plan and puts it into words. The noise floor of `study` becomes that of the model with
+/// what was found.
+///
+/// # Errors
+/// If the model cannot be fitted or simulated.
+pub(super) fn say(plan: &Plan, asked: &DiagnosisPlan, study: &mut Study) -> Result<Said, RunError> {
     let diagnosis = search(plan, asked, study)?;
     if !diagnosis.steps.is_empty() {
         models::floor_under(plan, study, diagnosis.last())?;
     }
-    Ok((in_words(plan, asked, study, &diagnosis)?, diagnosis))
+    let (words, depends_on) = in_words(plan, asked, study, &diagnosis)?;
+    Ok(Said { words, depends_on, diagnosis })
 }
 
 /// Searches what is missing in the model of a plan.
@@ -68,13 +92,13 @@ fn with_held(plan: &Plan, train: &[Recording], study: &Study) -> Model {
     model
 }
 
-/// A diagnosis in words.
+/// A diagnosis in words, and the variable on which the residual torque of its last model depends significantly.
 fn in_words(
     plan: &Plan,
     asked: &DiagnosisPlan,
     study: &Study,
     diagnosis: &Diagnosis,
-) -> Result<DiagnosisStudy, RunError> {
+) -> Result<(DiagnosisStudy, Option<Variable>), RunError> {
     let train = plan.of(Role::Train);
     let likelihood = Likelihood {
         prepared: train.iter().map(prepare).collect(),
@@ -99,13 +123,12 @@ fn in_words(
         conclusion,
         diagnosis,
         errors: &errors,
-        depends_on: left.as_ref(),
         likely: probable,
         false_alarm: asked.settings.false_alarm,
         unit: study.drive_unit,
     }
     .sentence();
-    Ok(DiagnosisStudy {
+    let said = DiagnosisStudy {
         verdict: match conclusion {
             Conclusion::Sufficient => Verdict::ModelSufficient,
             Conclusion::Missing => Verdict::EffectsMissing,
@@ -126,7 +149,8 @@ fn in_words(
         proposal,
         false_alarm: asked.settings.false_alarm,
         effects: diagnosis.steps.iter().map(found_effect).collect(),
-    })
+    };
+    Ok((said, left.map(|dependence| dependence.variable)))
 }
 
 /// An accepted effect in words.
@@ -349,10 +373,9 @@ fn advice(
     if let Some(proposal) = proposal {
         out.push(format!(
             "A manoeuvre of {:.0} s that does it is written to next_run.csv (set-points) and \
-             next_run.toml (segments); driven once, it identifies the right one with a probability of \
-             {:.1} %.",
+             next_run.toml (segments); driven once, it identifies the right one with a probability of {}.",
             proposal.movement.duration(),
-            100.0 * proposal.probability
+            format::probability(proposal.probability)
         ));
     }
     (!out.is_empty()).then(|| out.join(" "))

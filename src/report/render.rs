@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use super::ReportError;
 use super::block::Block;
 use super::page::{PageContent, Picture, SectionContent, render_page};
+use super::raster::figure_to_png;
 use super::{format, section};
 use crate::study::Study;
 
@@ -40,9 +41,9 @@ fn sections(study: &Study) -> Vec<SectionContent> {
         .map(|section| {
             let mut blocks = section.blocks(study);
             if !blocks.is_empty() {
-                // a verdict stands first, before any aid to read it
-                let is_verdict = |block: &Block| matches!(block, Block::Verdict { .. });
-                let place = blocks.iter().take_while(|block| is_verdict(block)).count();
+                // nothing stands before the finding and its figure
+                let is_summary = section.depth() == section::Depth::Summary;
+                let place = if is_summary { blocks.len() } else { 0 };
                 let aid = section.how_to_read().to_owned();
                 let guide = section.title().to_owned();
                 blocks.insert(place, Block::HowToRead { aid, guide });
@@ -56,6 +57,14 @@ fn sections(study: &Study) -> Vec<SectionContent> {
         })
         .filter(|section| !section.blocks.is_empty())
         .collect()
+}
+
+/// Measured and simulated speeds, small and without a legend, as PNG; `None` without a fit.
+///
+/// # Errors
+/// If the figure cannot be drawn.
+pub fn thumbnail(study: &Study) -> Result<Option<Vec<u8>>, ReportError> {
+    section::thumbnail(study).map(|figure| figure_to_png(&figure)).transpose()
 }
 
 /// The two models whose curves the reader can switch.
