@@ -29,6 +29,12 @@ pre, table { overflow-x: auto; display: block; max-width: 100% }
 pre { background: color-mix(in srgb, currentColor 8%, transparent); padding: .6rem }
 td, th { border-bottom: 1px solid color-mix(in srgb, currentColor 25%, transparent); padding: .2rem .6rem; text-align: left }
 img { max-width: 100%; background: #fff }
+nav a { text-decoration: none }
+nav a:hover { text-decoration: underline }
+nav li { padding: .1rem 0; line-height: 1.35 }
+#found:not(:empty) { border-bottom: 1px solid color-mix(in srgb, currentColor 25%, transparent); padding-bottom: .5rem }
+@media (min-width: 50rem) { nav { position: sticky; top: 0; align-self: flex-start; max-height: 100vh; overflow: auto } }
+@media (max-width: 50rem) { nav { flex-basis: 100% } nav ul:last-child { max-height: 8rem; overflow: auto } }
 """
 
 SEARCH = """

@@ -179,3 +179,32 @@ fn of(ranked: &Ranked) -> String {
     let id = &ranked.candidate.id;
     format!("{} ({id}), which lowers the held-out error by {fall:.0} %", title(id))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn curve(variable: Variable, before: f64, after: Option<f64>) -> Curve {
+        let log_significance = 50.0;
+        Curve { variable, bins: vec![], share_before: before, share_after: after, log_significance }
+    }
+
+    #[test]
+    fn the_verdict_names_the_variable_that_the_figure_shows() {
+        let given = [curve(Variable::Moment1, 0.72, None), curve(Variable::Time, 0.1, None)];
+        let words = residual_torque(&given, Some(Variable::TurnRate));
+        assert_eq!(words, "The residual torque depends most on the input of wheel 1 (72 % of it).");
+        let left =
+            [curve(Variable::TurnRate, 0.7, Some(0.0)), curve(Variable::Time, 0.1, Some(0.05))];
+        let words = residual_torque(&left, Some(Variable::TurnRate));
+        assert_eq!(words, "The residual torque that is left depends most on the time.");
+    }
+
+    #[test]
+    fn what_is_not_significant_beside_coloured_noise_says_so() {
+        let given = [curve(Variable::Moment1, 0.72, None)];
+        assert!(residual_torque(&given, None).contains("(72 % of it); coloured noise"));
+        let nothing = residual_torque(&[curve(Variable::Time, 0.001, None)], None);
+        assert!(nothing.starts_with("The residual torque depends little on anything"), "{nothing}");
+    }
+}

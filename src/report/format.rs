@@ -45,6 +45,11 @@ pub fn digits(value: f64, digits: usize) -> String {
         Some(exponent) if value != 0.0 && (-3..5).contains(&exponent) => {
             fixed(value, (digits as i32 - 1 - exponent).max(0) as usize)
         }
+        Some(exponent) if value != 0.0 => {
+            let text = format!("{value:.*e}", digits.max(1) - 1);
+            let mantissa = text.split('e').next().unwrap_or_default();
+            minus(format!("{mantissa} × {}", power_of_ten(exponent)))
+        }
         _ => significant(value, digits),
     }
 }

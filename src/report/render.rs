@@ -84,9 +84,12 @@ fn subtitle(study: &Study) -> String {
     let recordings = format!("{recordings}, {} s in all", format::significant(seconds, 3));
     let program = format!("{} {}", env!("CARGO_PKG_NAME"), study.version);
     let mut parts = vec![study.experiment.clone(), study.robot.clone(), recordings, program];
-    // a name that says nothing; a seed that made nothing
-    parts.retain(|part| part != "unknown");
-    if study.recordings.iter().all(|r| r.sha256.is_none()) {
+    let is_synthetic = study.recordings.iter().all(|r| r.sha256.is_none());
+    // a name that says nothing: unknown, or the default beside measured data of some other machine
+    let is_named = is_synthetic || study.file.contains("robot");
+    parts.retain(|part| part != "unknown" && (is_named || *part != study.robot));
+    // a seed that made nothing
+    if is_synthetic {
         parts.push(format!("seed {}", study.seed));
     }
     parts.join(" · ")

@@ -4,7 +4,7 @@ use super::*;
 fn digits_keep_their_zeros_and_sentences_are_set_as_in_print() {
     assert_eq!(digits(0.0, 3), "0");
     assert_eq!(digits(9.996, 3), "10.0");
-    assert_eq!(digits(1.2e-7, 3), "1.2 × 10⁻⁷");
+    assert_eq!(digits(1.2e-7, 3), "1.20 × 10⁻⁷");
     assert_eq!(digits(f64::NAN, 3), "–");
     assert_eq!(
         sentence("Noise: 4.985e-4 white, -1e2; 3 rad^2/s (the e-th, 2e)"),

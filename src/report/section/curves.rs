@@ -98,3 +98,26 @@ pub(super) fn noise_band(recording: &RecordingStudy, i: usize) -> Layer {
         role: Role::NoiseFloor,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::section::tests::full;
+
+    #[test]
+    fn the_recording_that_is_shown_is_the_judged_one_with_the_largest_error_over_its_floor() {
+        let mut study = full();
+        let (first, _) = shown(&study).unwrap();
+        study.recordings.push(study.recordings[first].clone());
+        for model in study.given.iter_mut().chain(&mut study.completed) {
+            model.performance.resize(study.recordings.len(), model.performance[first].clone());
+        }
+        // of equal ones the first
+        assert_eq!(shown(&study).unwrap().0, first);
+        let last = study.recordings.len() - 1;
+        study.given.as_mut().unwrap().performance[last].window_rms *= 2.0;
+        assert_eq!(shown(&study).unwrap().0, last);
+        study.recordings[last].floor.window_rms *= 4.0;
+        assert_eq!(shown(&study).unwrap().0, first);
+    }
+}

@@ -184,7 +184,6 @@ fn table(study: &Study, ranking: &[Candidate]) -> Table {
         Column::number("Quality index", "rad²/s"),
         Column::number("RMS torque", study.drive_unit.symbol()),
         Column::text("Parameters"),
-        Column::text("Indistinguishable from"),
     ];
     let before = ranking.first().map_or(String::new(), |c| {
         format!(
@@ -204,20 +203,25 @@ fn table(study: &Study, ranking: &[Candidate]) -> Table {
         let better = c.window_after < 0.99 * c.window_before;
         let after = digits(c.window_after);
         table.push(vec![
-            Cell::text(words::effect(&c.effect)),
+            Cell::text(words::effect(&c.effect)).noted(equivalents(c)),
             Cell::formatted(format::probability(c.probability), c.probability).bar(c.probability),
             Cell::p_value(c.p_value),
             digits(c.delta_bic),
             if better { after.tone(Tone::Good) } else { after },
             digits(c.ise_validation_after),
             Cell::formatted(format::significant(c.torque_rms, 2), c.torque_rms),
-            Cell::text(parameters(c).join("; ")),
-            Cell::text(words::list(
-                &c.indistinguishable.iter().map(|id| words::effect_in_text(id)).collect::<Vec<_>>(),
-            )),
+            // a value is not broken before its unit
+            Cell::text(parameters(c).join("; ").replace(' ', "\u{a0}").replace(";\u{a0}", "; ")),
         ]);
     }
     table
+}
+
+/// "or back-EMF": what these data do not distinguish from a candidate; empty for nothing.
+fn equivalents(candidate: &Candidate) -> String {
+    let others = candidate.indistinguishable.iter().map(|id| words::effect_in_text(id));
+    let others: Vec<String> = others.collect();
+    if others.is_empty() { String::new() } else { format!("or {}", others.join(" or ")) }
 }
 
 fn is_fitted(candidate: &Candidate) -> bool {

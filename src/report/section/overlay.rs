@@ -135,7 +135,7 @@ impl<'a> Overlay<'a> {
                  simulated) of the 2 s simulations.",
             )
             .linked(LINK)
-            .with_height(620.0);
+            .with_height(590.0);
         let ends = (self.recording.t[0], self.recording.t[self.recording.t.len() - 1]);
         for i in 0..2 {
             let y = Axis::linear(words::OMEGA[i], "rad/s");
