@@ -157,7 +157,7 @@ fn describe(candidate: &Candidate) -> Text {
     text
 }
 
-/// "f_t = 0.02010 ± 0.00020 N m".
+/// "f_t = 0.02010 ± 0.00020 N m", which breaks before the unit alone.
 fn parameters(candidate: &Candidate) -> Vec<String> {
     candidate
         .parameters
@@ -169,7 +169,9 @@ fn parameters(candidate: &Candidate) -> Vec<String> {
             } else {
                 words::unit(&e.unit)
             };
-            format!("{} = {value} {unit}", words::symbol(&e.symbol)).trim_end().to_owned()
+            let whole = |text: &str| text.replace(' ', "\u{a0}");
+            let value = whole(&format!("{} = {value}", words::symbol(&e.symbol)));
+            format!("{value} {}", whole(&unit)).trim_end().to_owned()
         })
         .collect()
 }
@@ -210,8 +212,7 @@ fn table(study: &Study, ranking: &[Candidate]) -> Table {
             if better { after.tone(Tone::Good) } else { after },
             digits(c.ise_validation_after),
             Cell::formatted(format::significant(c.torque_rms, 2), c.torque_rms),
-            // a value is not broken before its unit
-            Cell::text(parameters(c).join("; ").replace(' ', "\u{a0}").replace(";\u{a0}", "; ")),
+            Cell::text(parameters(c).join("; ")),
         ]);
     }
     table
