@@ -148,7 +148,7 @@ static CASES: [Case; 30] = [
         id: "viscous_asymmetry",
         hidden: &[("ba1", 1.2e-3), ("ba2", 8e-4)],
         against: Some(Variable::Omega1),
-        reading: "A roof on wheel 1: -ba1 |w1|, of the same sign in both directions, which neither \
+        reading: "An inverted V on wheel 1: -ba1 |w1|, of the same sign in both directions, which neither \
                   Coulomb nor viscous friction can absorb.",
         ..PLAIN
     },
