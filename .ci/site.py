@@ -12,7 +12,7 @@ from pathlib import Path
 import markdown
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGES = ["README.md", "docs/guide.md", "docs/files.md", "docs/methods.md", "docs/export.md", "docs/python.md",
+PAGES = ["README.md", "docs/guide.md", "docs/install.md", "docs/files.md", "docs/methods.md", "docs/export.md", "docs/python.md",
          "docs/library.md", "docs/grids.md", "docs/recordings.md", "docs/paper.md", "docs/effects/README.md",
          "docs/other_simulators.md", "docs/hidden_effects.md", "docs/robustness.md", "docs/speed.md",
          "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md"]  # fmt: skip
@@ -29,6 +29,12 @@ pre, table { overflow-x: auto; display: block; max-width: 100% }
 pre { background: color-mix(in srgb, currentColor 8%, transparent); padding: .6rem }
 td, th { border-bottom: 1px solid color-mix(in srgb, currentColor 25%, transparent); padding: .2rem .6rem; text-align: left }
 img { max-width: 100%; background: #fff }
+nav a { text-decoration: none }
+nav a:hover { text-decoration: underline }
+nav li { padding: .1rem 0; line-height: 1.35 }
+#found:not(:empty) { border-bottom: 1px solid color-mix(in srgb, currentColor 25%, transparent); padding-bottom: .5rem }
+@media (min-width: 50rem) { nav { position: sticky; top: 0; align-self: flex-start; max-height: 100vh; overflow: auto } }
+@media (max-width: 50rem) { nav { flex-basis: 100% } nav ul:last-child { max-height: 8rem; overflow: auto } }
 """
 
 SEARCH = """

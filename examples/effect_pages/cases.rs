@@ -43,7 +43,7 @@ const PLAIN: Case =
 
 /// Sizes as in the benchmark of hidden effects, with some exceptions: an order of ripple that 12 bins a
 /// turn can show, a limit that is not reached all the time, and softer contacts and shafts.
-static CASES: [Case; 29] = [
+static CASES: [Case; 30] = [
     Case {
         id: "inertia",
         held: &[("a2", 0.0)],
@@ -142,6 +142,14 @@ static CASES: [Case; 29] = [
         reading: "Two flat lines, at -c1 and -c2, as of a torque offset. They are flat against \
                   every variable; that this one comes first has no meaning. Near zero acceleration \
                   the robot mostly stands or rolls steadily, and the bands are wide.",
+        ..PLAIN
+    },
+    Case {
+        id: "viscous_asymmetry",
+        hidden: &[("ba1", 1.2e-3), ("ba2", 8e-4)],
+        against: Some(Variable::Omega1),
+        reading: "An inverted V on wheel 1: -ba1 |w1|, of the same sign in both directions, which neither \
+                  Coulomb nor viscous friction can absorb.",
         ..PLAIN
     },
     Case {

@@ -3,23 +3,45 @@
 use super::error::RunError;
 use super::models;
 use super::plan::{DiagnosisPlan, Plan};
+use crate::compare::Variable;
 use crate::diagnose::{Data, Diagnosis, diagnose, with_later_input};
 use crate::identify::{IdentifyError, Task, start};
 use crate::model::Model;
 use crate::recording::Recording;
-use crate::study::{DiagnosisStudy, Role, Study};
-use crate::verdict::{Basis, verdict};
+use crate::study::{DiagnosisStudy, Role, Study, Verdict};
+use crate::verdict::{Basis, concluded, residual_torque};
 
-/// Runs the diagnosis of a plan and puts it into words. `study` holds the comparison already; its noise floor
-/// becomes that of the model with what was found.
+/// Adds the diagnosis of a plan, in words, and its models to a study that holds the comparison already.
 ///
 /// # Errors
 /// If the model cannot be fitted or simulated.
 pub(super) fn run_diagnosis(
     plan: &Plan,
     asked: &DiagnosisPlan,
-    study: &mut Study,
-) -> Result<(DiagnosisStudy, Diagnosis), RunError> {
+    mut study: Study,
+) -> Result<Study, RunError> {
+    let Said { mut words, depends_on, diagnosis } = say(plan, asked, &mut study)?;
+    let study = models::with_diagnosis(plan, study, &diagnosis)?;
+    if words.verdict == Verdict::UnknownEffect {
+        words.sentence += &format!(" {}", residual_torque(&study.curves, depends_on));
+    }
+    Ok(Study { diagnosis: Some(words), ..study })
+}
+
+/// A diagnosis and its words.
+pub(super) struct Said {
+    pub(super) words: DiagnosisStudy,
+    /// The variable on which the residual torque of the last model depends significantly.
+    depends_on: Option<Variable>,
+    diagnosis: Diagnosis,
+}
+
+/// Runs the diagnosis of a plan and puts it into words. The noise floor of `study` becomes that of the model with
+/// what was found.
+///
+/// # Errors
+/// If the model cannot be fitted or simulated.
+pub(super) fn say(plan: &Plan, asked: &DiagnosisPlan, study: &mut Study) -> Result<Said, RunError> {
     let diagnosis = search(plan, asked, study)?;
     if !diagnosis.steps.is_empty() {
         models::floor_under(plan, study, diagnosis.last())?;
@@ -33,7 +55,8 @@ pub(super) fn run_diagnosis(
         slow_moment: asked.slow_moment,
         seed: plan.seed,
     };
-    Ok((verdict(&diagnosis, &basis)?, diagnosis))
+    let (words, depends_on) = concluded(&diagnosis, &basis)?;
+    Ok(Said { words, depends_on, diagnosis })
 }
 
 /// Searches what is missing in the model of a plan.

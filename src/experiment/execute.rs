@@ -188,14 +188,13 @@ const USUAL_OUT: &str = "reports";
 /// If the report cannot be drawn or a file cannot be written.
 pub fn write(plan: &Plan, mut study: Study, out: &Path) -> Result<Done, ExperimentError> {
     let mut folder = ResultFolder::new(out, &plan.name);
-    study.versions = versions(folder.earlier("versions.json").as_deref(), &study);
+    let (versions, comparable) = versions(folder.earlier("versions.json").as_deref(), &study);
+    study.versions = comparable;
     study.invocation.out = (out != Path::new(USUAL_OUT)).then(|| out.display().to_string());
     let model = super::model_out::model_out(plan, &study);
     study.model_out = model.as_ref().map(Written::words);
     study.what_if = super::what_if::what_if(plan, &study);
     let rendered = crate::report::render(&study)?;
-    let named = |(name, _): &&(String, Vec<u8>)| name == "overlay.png";
-    let thumbnail = rendered.figures.iter().find(named).map(|(_, png)| png.clone());
     folder.add("experiment.toml", study.file.clone());
     for (file, bytes) in rendered.figures {
         folder.add(file, bytes);
@@ -213,7 +212,7 @@ pub fn write(plan: &Plan, mut study: Study, out: &Path) -> Result<Done, Experime
         folder.add(file, write_csv(&measured.recording));
     }
     folder.add("estimates.parquet", super::estimates::parquet(&study)?);
-    folder.add("versions.json", serde_json::to_string_pretty(&study.versions).unwrap_or_default());
+    folder.add("versions.json", serde_json::to_string_pretty(&versions).unwrap_or_default());
     folder.add("report.html", rendered.html);
     let mut results = results(&study);
     results["file"] = plan.source.display().to_string().into();
@@ -223,13 +222,14 @@ pub fn write(plan: &Plan, mut study: Study, out: &Path) -> Result<Done, Experime
     let error = |model: Option<&ModelStudy>| model.map_or(f64::NAN, |m| study.error_of(m));
     Ok(Done {
         verdict: verdict(&study),
+        finding: finding(&study),
         report: path.join("report.html"),
         error: error(study.given.as_ref()),
         error_completed: error(study.last_model()),
         floor: study.judged_floor(),
         grade: study.grade(),
         found: study.diagnosis.as_ref().map_or(vec![], |d| d.found.clone()),
-        thumbnail,
+        thumbnail: crate::report::thumbnail(&study)?,
     })
 }
 
@@ -274,12 +274,15 @@ fn next_run_files(plan: &Plan, proposal: &crate::diagnose::Proposal) -> (String,
     (toml, csv)
 }
 
-/// Earlier versions of the model on the same data with this one at the end; one entry per set of effects.
-/// Errors on other recordings, or on other noise, are not comparable.
-fn versions(earlier: Option<&str>, study: &Study) -> Vec<Version> {
+/// Versions of the model that are kept at most, on whatever data.
+const VERSIONS: usize = 100;
+
+/// Earlier versions of the model with this one at the end, one entry per data and set of effects: all that are
+/// kept, and those on the same data. Errors on other recordings, or on other noise, are not comparable.
+fn versions(earlier: Option<&str>, study: &Study) -> (Vec<Version>, Vec<Version>) {
     let mut versions: Vec<Version> =
         earlier.and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default();
-    let Some(given) = &study.given else { return vec![] };
+    let Some(given) = &study.given else { return (versions, vec![]) };
     let judged = study.judged().into_iter();
     let ise = |r: usize| given.performance.get(r).map_or(f64::NAN, |p| p.ise[0] + p.ise[1]);
     let version = Version {
@@ -289,10 +292,13 @@ fn versions(earlier: Option<&str>, study: &Study) -> Vec<Version> {
         ise: judged.map(ise).sum(),
         floor: study.judged_floor(),
     };
-    let same_data = |v: &Version| v.data == version.data && v.window_rms.is_finite();
-    versions.retain(|v| same_data(v) && v.effects != version.effects);
+    let is_same = |v: &Version| v.data == version.data && v.effects == version.effects;
+    versions.retain(|v| v.window_rms.is_finite() && !is_same(v));
+    versions.drain(..versions.len().saturating_sub(VERSIONS - 1));
+    let comparable = versions.iter().filter(|v| v.data == version.data).cloned();
+    let comparable = comparable.chain([version.clone()]).collect();
     versions.push(version);
-    versions
+    (versions, comparable)
 }
 
 /// SHA-256 of what the model is fitted to and judged on: role, time and channels of every recording.
@@ -305,6 +311,15 @@ fn checksum(study: &Study) -> String {
         channels.iter().flat_map(|c| c.iter().flatten()).for_each(|v| hash.update(v.to_le_bytes()));
     }
     hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// What was found, without the figures that stand beside it in the index.
+fn finding(study: &Study) -> String {
+    match (&study.diagnosis, study.reference_method()) {
+        (Some(diagnosis), _) => diagnosis.sentence.clone(),
+        (None, Some(method)) => format!("Fitted by {}; no diagnosis.", method.name),
+        (None, None) => verdict(study),
+    }
 }
 
 /// The short verdict that the command prints.

@@ -9,7 +9,7 @@ use crate::report::{PageContent, SectionContent, format, page};
 use crate::study::Grade;
 use crate::verdict::title;
 
-/// Experiments with a thumbnail at most: each adds some 60 kB to the page.
+/// Experiments with a thumbnail at most: each adds some 20 kB to the page.
 const PICTURED: usize = 30;
 
 /// Writes `index.html`, which compares the experiments of one run.
@@ -63,7 +63,7 @@ fn row(outcome: &Outcome, done: &Done, pictured: bool) -> Vec<Cell> {
     vec![
         Cell::text(&outcome.title)
             .link(format!("{}/report.html", outcome.name))
-            .noted(&done.verdict),
+            .noted(&done.finding),
         Cell { picture, ..Cell::text("") },
         grade,
         three(done.error_completed / done.floor),

@@ -13,7 +13,7 @@ use crate::model::Model;
 use crate::recording::{LocalMotion, Recording};
 use crate::robot::State;
 use crate::simulate::{Dynamics, PhysicalDynamics};
-use crate::study::{DiagnosisStudy, ModelStudy, ParameterStudy, Performance, Study, parameters_of};
+use crate::study::{ModelStudy, ParameterStudy, Performance, Study, parameters_of};
 
 /// The study with the model of the reference fit, whose dynamics are `right`.
 ///
@@ -43,7 +43,6 @@ pub(super) fn with_reference(
 pub(super) fn with_diagnosis(
     plan: &Plan,
     study: Study,
-    said: DiagnosisStudy,
     diagnosis: &Diagnosis,
 ) -> Result<Study, RunError> {
     let stage = Stage::new(plan, &study);
@@ -57,14 +56,14 @@ pub(super) fn with_diagnosis(
         Ok(out)
     };
     let given = study_of(base, &[])?;
-    let completed = match said.found.as_slice() {
+    let completed = match diagnosis.found().as_slice() {
         [] => None,
         found => Some(study_of(last, found)?),
     };
     // a second mass is no part of the torque balance
     let after = completed.as_ref().filter(|_| !last.model.is_coupled());
     let curves = stage.curves(&base.model, cutoff, &given, after);
-    Ok(Study { given: Some(given), completed, curves, diagnosis: Some(said), ..study })
+    Ok(Study { given: Some(given), completed, curves, ..study })
 }
 
 /// Sets the noise floor of every recording to that of the model with what was found: noise of the input moves a

@@ -23,8 +23,10 @@ pub struct RunOptions {
 /// A finished experiment.
 #[derive(Clone, Debug)]
 pub struct Done {
-    /// Its verdict in a sentence.
+    /// Its verdict in a sentence, with the errors.
     pub verdict: String,
+    /// What was found, without the errors.
+    pub finding: String,
     /// Path of its report; of its journal, if it is a part of a grid.
     pub report: PathBuf,
     /// 2 s simulation error of the model as given on the judged recordings [rad/s]; not a number for a grid.
@@ -46,6 +48,16 @@ impl Done {
     pub(super) fn of_grid(verdict: String, report: PathBuf) -> Self {
         let (error, error_completed, floor) = (f64::NAN, f64::NAN, f64::NAN);
         let (grade, found, thumbnail) = (None, vec![], None);
-        Self { verdict, report, error, error_completed, floor, grade, found, thumbnail }
+        Self {
+            finding: verdict.clone(),
+            verdict,
+            report,
+            error,
+            error_completed,
+            floor,
+            grade,
+            found,
+            thumbnail,
+        }
     }
 }

@@ -80,10 +80,11 @@ pub fn compare(plan: &Plan, fits: &[MethodFit]) -> Result<Study, RunError> {
 ///
 /// # Errors
 /// If the model cannot be fitted or simulated.
-pub fn diagnose(plan: &Plan, mut study: Study) -> Result<Study, RunError> {
-    let Some(asked) = &plan.diagnosis else { return Ok(study) };
-    let (said, diagnosis) = run_diagnosis(plan, asked, &mut study)?;
-    models::with_diagnosis(plan, study, said, &diagnosis)
+pub fn diagnose(plan: &Plan, study: Study) -> Result<Study, RunError> {
+    match &plan.diagnosis {
+        Some(asked) => run_diagnosis(plan, asked, study),
+        None => Ok(study),
+    }
 }
 
 /// Measures the errors of the fits; returns the dynamics of the reference fit too.

@@ -272,6 +272,8 @@ pub struct Cell {
     pub link: Option<String>,
     /// A picture (PNG) in place of text.
     pub picture: Option<Vec<u8>>,
+    /// Something that is typed or copied; long ones are broken anywhere.
+    pub code: bool,
 }
 
 impl Cell {
@@ -320,6 +322,12 @@ impl Cell {
     /// Leads to an address relative to the page.
     pub fn link(mut self, address: impl Into<String>) -> Self {
         self.link = Some(address.into());
+        self
+    }
+
+    /// Shows the text as something that is typed or copied.
+    pub fn code(mut self) -> Self {
+        self.code = true;
         self
     }
 

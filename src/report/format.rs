@@ -45,6 +45,11 @@ pub fn digits(value: f64, digits: usize) -> String {
         Some(exponent) if value != 0.0 && (-3..5).contains(&exponent) => {
             fixed(value, (digits as i32 - 1 - exponent).max(0) as usize)
         }
+        Some(exponent) if value != 0.0 => {
+            let text = format!("{value:.*e}", digits.max(1) - 1);
+            let mantissa = text.split('e').next().unwrap_or_default();
+            minus(format!("{mantissa} × {}", power_of_ten(exponent)))
+        }
         _ => significant(value, digits),
     }
 }
@@ -133,7 +138,7 @@ pub fn superscript(value: i32) -> String {
 /// A value with its standard error, "0.1230 ± 0.0045": the error to two significant digits, the
 /// value to the same decimal place. A common power of ten stands outside the brackets.
 ///
-/// Not a number: [`MISSING`]. Infinite error: [`NOT_IDENTIFIABLE`].
+/// Not a number: [`MISSING`]. Infinite error: [`NOT_IDENTIFIABLE`]. Without an error: two digits of the value.
 ///
 /// ```
 /// use amigo_ident::report::format::estimate;
@@ -149,7 +154,7 @@ pub fn estimate(value: f64, std_error: f64) -> String {
         return NOT_IDENTIFIABLE.to_owned();
     }
     if std_error.is_nan() || std_error < 0.0 {
-        return format!("{} ± {MISSING}", number(value));
+        return significant(value, 2);
     }
     if std_error == 0.0 {
         return number(value);
@@ -198,12 +203,32 @@ pub fn p_value(p: f64) -> String {
     }
 }
 
-/// A share as percent with two significant digits: 0.0123 is "1.2 %".
+/// Two values in one unit to the same decimal place, two significant digits of the larger.
+///
+/// ```
+/// use amigo_ident::report::format::pair;
+/// assert_eq!(pair([0.05, 0.0487]), "0.050 / 0.049");
+/// assert_eq!(pair([0.00097, 0.00103]), "0.0010 / 0.0010");
+/// ```
+pub fn pair(values: [f64; 2]) -> String {
+    let larger = values.into_iter().map(f64::abs).fold(0.0, f64::max);
+    match decimal_exponent(larger, 2) {
+        Some(exponent) if (-4..5).contains(&exponent) && larger > 0.0 => {
+            values.map(|v| fixed(v, (1 - exponent).max(0) as usize)).join(" / ")
+        }
+        _ => values.map(|v| digits(v, 2)).join(" / "),
+    }
+}
+
+/// A share as percent with two significant digits: 0.0123 is "1.2 %"; less than a hundredth of a percent is no figure.
 pub fn percent(share: f64) -> String {
     if !share.is_finite() {
         return special(share);
     }
     let percent = 100.0 * share;
+    if percent != 0.0 && percent.abs() < 0.01 {
+        return "< 0.01 %".to_owned();
+    }
     let text = if percent.abs() >= 99.5 { fixed(percent, 0) } else { significant(percent, 2) };
     format!("{text} %")
 }
@@ -214,6 +239,22 @@ pub fn with_unit(value: f64, unit: &str) -> String {
         return number(value);
     }
     format!("{} {unit}", number(value))
+}
+
+/// A probability as percent; never "100 %" nor "0 %", which nothing is.
+///
+/// ```
+/// use amigo_ident::report::format::probability;
+/// assert_eq!(probability(1.0), "> 99.9 %");
+/// assert_eq!(probability(0.0), "< 0.1 %");
+/// assert_eq!(probability(0.5), "50 %");
+/// ```
+pub fn probability(p: f64) -> String {
+    match p {
+        p if p > 0.999 => "> 99.9 %".to_owned(),
+        p if (0.0..0.001).contains(&p) => "< 0.1 %".to_owned(),
+        p => percent(p),
+    }
 }
 
 /// A value with an SI prefix, three significant digits: `si(0.00123, "s")` is "1.23 ms".
@@ -294,95 +335,4 @@ fn minus(text: impl AsRef<str>) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn digits_keep_their_zeros_and_sentences_are_set_as_in_print() {
-        assert_eq!(digits(0.0, 3), "0");
-        assert_eq!(digits(9.996, 3), "10.0");
-        assert_eq!(digits(1.2e-7, 3), "1.2 × 10⁻⁷");
-        assert_eq!(digits(f64::NAN, 3), "–");
-        assert_eq!(
-            sentence("Noise: 4.985e-4 white, -1e2; 3 rad^2/s (the e-th, 2e)"),
-            "Noise: 4.985 × 10⁻⁴ white, −100; 3 rad²/s (the e-th, 2e)"
-        );
-        assert_eq!(symbol("a1"), "a₁");
-        assert_eq!(symbol("f_t"), "f_t");
-        assert_eq!(symbol("b_1"), "b_1");
-        assert_eq!(symbol("12"), "12");
-        assert_eq!(unit("kg m^2"), "kg m²");
-    }
-
-    #[test]
-    fn numbers_keep_their_significant_digits() {
-        assert_eq!(number(0.0), "0");
-        assert_eq!(number(-0.0), "0");
-        assert_eq!(number(3.0), "3");
-        assert_eq!(number(1234.56), "1235");
-        assert_eq!(number(12_345.6), "12346");
-        assert_eq!(number(123_456.0), "1.235 × 10⁵");
-        assert_eq!(number(0.001), "0.001");
-        assert_eq!(number(0.000_999_96), "0.001");
-        assert_eq!(number(9.999_6), "10");
-        assert_eq!(number(-1.5e-300), "−1.5 × 10⁻³⁰⁰");
-        assert_eq!(number(f64::INFINITY), "∞");
-        assert_eq!(number(f64::NEG_INFINITY), "−∞");
-        assert_eq!(scientific(1.234e-4, 3), "1.23 × 10⁻⁴");
-    }
-
-    #[test]
-    fn an_estimate_is_written_to_the_digits_of_its_error() {
-        assert_eq!(estimate(12.345, 0.67), "12.35 ± 0.67");
-        assert_eq!(estimate(12.345, 1.7), "12.3 ± 1.7");
-        assert_eq!(estimate(1234.5, 170.0), "1234 ± 170");
-        assert_eq!(estimate(-0.000_1, 0.02), "0.000 ± 0.020");
-        assert_eq!(estimate(0.5, 0.0996), "0.50 ± 0.10");
-        assert_eq!(estimate(2.0e6, 1.0e4), "(2.000 ± 0.010) × 10⁶");
-        assert_eq!(estimate(1e-300, 1e-301), "(1.00 ± 0.10) × 10⁻³⁰⁰");
-        assert_eq!(estimate(1.0, 1e-9), "1.0000000000 ± 0.0000000010");
-        assert_eq!(estimate(0.0, 0.5), "0.00 ± 0.50");
-        assert_eq!(estimate(0.25, 0.0), "0.25");
-    }
-
-    #[test]
-    fn what_the_data_cannot_tell_is_said_in_words() {
-        assert_eq!(estimate(f64::NAN, 1.0), "–");
-        assert_eq!(estimate(1.0, f64::NAN), "1 ± –");
-        assert_eq!(estimate(f64::INFINITY, 1.0), "not identifiable");
-        assert_eq!(interval(1.0, f64::NEG_INFINITY, f64::INFINITY), "not identifiable");
-        assert_eq!(interval(1.0, 0.5, f64::INFINITY), "1 [0.5, ∞]");
-        assert_eq!(interval(f64::NAN, 0.0, 1.0), "–");
-    }
-
-    #[test]
-    fn p_values_never_claim_more_than_nine_zeros() {
-        assert_eq!(p_value(0.0), "p < 10⁻⁹");
-        assert_eq!(p_value(3.21e-5), "p = 3.2 × 10⁻⁵");
-        assert_eq!(p_value(0.049), "p = 0.049");
-        assert_eq!(p_value(0.0999), "p = 0.10");
-        assert_eq!(p_value(0.5), "p = 0.50");
-        assert_eq!(p_value(1.0), "p = 1.00");
-        assert_eq!(p_value(f64::NAN), "p = –");
-        assert_eq!(p_value(1.5), "p = –");
-    }
-
-    #[test]
-    fn units_prefixes_and_counts() {
-        assert_eq!(si(0.00123, "s"), "1.23 ms");
-        assert_eq!(si(999.9, "Hz"), "1 kHz");
-        assert_eq!(si(0.0, "s"), "0 s");
-        assert_eq!(si(1e-20, "s"), "1 × 10⁻²⁰ s");
-        assert_eq!(with_unit(0.5, "kg m²"), "0.5 kg m²");
-        assert_eq!(with_unit(f64::NAN, "m"), "–");
-        assert_eq!(percent(0.01234), "1.2 %");
-        assert_eq!(percent(0.9999), "100 %");
-        assert_eq!(percent(-1.5), "−150 %");
-        assert_eq!(count(1234), "1234");
-        assert_eq!(count(1_234_567), "1\u{2009}234\u{2009}567");
-        assert_eq!(fixed(-0.001, 2), "0.00");
-        assert_eq!(superscript(-120), "⁻¹²⁰");
-        assert_eq!(round_significant(1.234_567_89, 6), 1.234_57);
-        assert!(round_significant(f64::NAN, 6).is_nan());
-    }
-}
+mod tests;

@@ -23,5 +23,5 @@ pub mod what_if;
 pub use error::ReportError;
 pub use page::{Page, PageContent, Picture, SectionContent, page, render_page};
 pub use raster::{figure_to_png, figure_to_svg};
-pub use render::{Rendered, render};
+pub use render::{Rendered, render, thumbnail};
 pub use section::Section;

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use super::ReportError;
 use super::block::Block;
 use super::page::{PageContent, Picture, SectionContent, render_page};
+use super::raster::figure_to_png;
 use super::{format, section};
 use crate::study::Study;
 
@@ -40,9 +41,9 @@ fn sections(study: &Study) -> Vec<SectionContent> {
         .map(|section| {
             let mut blocks = section.blocks(study);
             if !blocks.is_empty() {
-                // a verdict stands first, before any aid to read it
-                let is_verdict = |block: &Block| matches!(block, Block::Verdict { .. });
-                let place = blocks.iter().take_while(|block| is_verdict(block)).count();
+                // nothing stands before the finding and its figure
+                let is_summary = section.depth() == section::Depth::Summary;
+                let place = if is_summary { blocks.len() } else { 0 };
                 let aid = section.how_to_read().to_owned();
                 let guide = section.title().to_owned();
                 blocks.insert(place, Block::HowToRead { aid, guide });
@@ -56,6 +57,14 @@ fn sections(study: &Study) -> Vec<SectionContent> {
         })
         .filter(|section| !section.blocks.is_empty())
         .collect()
+}
+
+/// Measured and simulated speeds, small and without a legend, as PNG; `None` without a fit.
+///
+/// # Errors
+/// If the figure cannot be drawn.
+pub fn thumbnail(study: &Study) -> Result<Option<Vec<u8>>, ReportError> {
+    section::thumbnail(study).map(|figure| figure_to_png(&figure)).transpose()
 }
 
 /// The two models whose curves the reader can switch.
@@ -75,9 +84,14 @@ fn subtitle(study: &Study) -> String {
     let recordings = format!("{recordings}, {} s in all", format::significant(seconds, 3));
     let program = format!("{} {}", env!("CARGO_PKG_NAME"), study.version);
     let mut parts = vec![study.experiment.clone(), study.robot.clone(), recordings, program];
-    // a name that says nothing; a seed that made nothing
-    parts.retain(|part| part != "unknown");
-    if study.recordings.iter().all(|r| r.sha256.is_none()) {
+    let is_synthetic = study.recordings.iter().all(|r| r.sha256.is_none());
+    // a name that says nothing: unknown, or the default beside measured data of some other machine
+    let is_key = |line: &str| !line.trim_start().starts_with('#') || line.starts_with("# run with");
+    let is_named =
+        is_synthetic || study.file.lines().any(|line| is_key(line) && line.contains("robot"));
+    parts.retain(|part| part != "unknown" && (is_named || *part != study.robot));
+    // a seed that made nothing
+    if is_synthetic {
         parts.push(format!("seed {}", study.seed));
     }
     parts.join(" · ")

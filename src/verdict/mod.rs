@@ -4,11 +4,12 @@ mod next;
 mod ranking;
 mod sentence;
 
-pub(crate) use self::sentence::title;
+pub(crate) use self::sentence::{residual_torque, title};
 
 use self::next::{advice, propose, to_prove};
 use self::ranking::{ranking, staircase};
 use self::sentence::Finding;
+use crate::compare::Variable;
 use crate::diagnose::{
     Conclusion, Diagnosis, Judge, Settings, WindowFit, conclude, likely, withheld,
 };
@@ -52,6 +53,22 @@ impl<'a> Basis<'a> {
 /// # Errors
 /// A model that cannot move, or diverges.
 pub fn verdict(diagnosis: &Diagnosis, basis: &Basis) -> Result<DiagnosisStudy, SimulateError> {
+    let (mut words, depends_on) = concluded(diagnosis, basis)?;
+    if words.verdict == Verdict::UnknownEffect {
+        words.sentence += &format!(" {}", residual_torque(&[], depends_on));
+    }
+    Ok(words)
+}
+
+/// The verdict without what the residual torque depends on, and the variable on which that of the last model depends
+/// significantly.
+///
+/// # Errors
+/// As [`verdict`].
+pub(crate) fn concluded(
+    diagnosis: &Diagnosis,
+    basis: &Basis,
+) -> Result<(DiagnosisStudy, Option<Variable>), SimulateError> {
     let likelihood = Likelihood {
         prepared: basis.train.iter().map(prepare).collect(),
         hold: basis.hold,
@@ -81,14 +98,13 @@ pub fn verdict(diagnosis: &Diagnosis, basis: &Basis) -> Result<DiagnosisStudy, S
         conclusion,
         diagnosis,
         errors: &errors,
-        depends_on: left.as_ref(),
         likely: probable,
         withheld,
         false_alarm: basis.false_alarm,
         unit,
     };
     let estimates = parameters_of(diagnosis.last(), unit).into_iter().map(|p| p.estimate);
-    Ok(DiagnosisStudy {
+    let words = DiagnosisStudy {
         verdict: match conclusion {
             Conclusion::Sufficient => Verdict::ModelSufficient,
             Conclusion::Missing => Verdict::EffectsMissing,
@@ -106,7 +122,8 @@ pub fn verdict(diagnosis: &Diagnosis, basis: &Basis) -> Result<DiagnosisStudy, S
         proposal,
         false_alarm: basis.false_alarm,
         effects: diagnosis.steps.iter().map(found_effect).collect(),
-    })
+    };
+    Ok((words, left.map(|dependence| dependence.variable)))
 }
 
 /// An accepted effect in words.

@@ -5,6 +5,7 @@ use crate::diagnose::{Diagnosis, Limits, Proposal, Ranked, Rivals, next_run};
 use crate::effects::{Change, Description};
 use crate::filter::Likelihood;
 use crate::recording::Recording;
+use crate::report::format;
 
 /// Floor that a proposed manoeuvre keeps to, a square of this side [m].
 const FLOOR: f64 = 2.0;
@@ -108,10 +109,9 @@ pub(super) fn advice(
     if let Some(proposal) = proposal {
         out.push(format!(
             "A manoeuvre of {:.0} s that does it is written to next_run.csv (set-points) and \
-             next_run.toml (segments); driven once, it identifies the right one with a probability of \
-             {:.1} %.",
+             next_run.toml (segments); driven once, it identifies the right one with a probability of {}.",
             proposal.movement.duration(),
-            100.0 * proposal.probability
+            format::probability(proposal.probability)
         ));
     }
     (!out.is_empty()).then(|| out.join(" "))

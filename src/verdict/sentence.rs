@@ -1,6 +1,6 @@
 //! The verdict of a diagnosis as a sentence.
 
-use crate::compare::Dependence;
+use crate::compare::{Curve, Variable};
 use crate::diagnose::{Conclusion, Diagnosis, Errors, Ranked};
 use crate::effects::Change;
 use crate::identify::Estimate;
@@ -13,8 +13,6 @@ pub(super) struct Finding<'a> {
     pub(super) conclusion: Conclusion,
     pub(super) diagnosis: &'a Diagnosis,
     pub(super) errors: &'a Errors,
-    /// What the residual torque of the last model depends on most.
-    pub(super) depends_on: Option<&'a Dependence>,
     pub(super) likely: Option<&'a Ranked>,
     /// What lowers the held-out error without being accepted.
     pub(super) withheld: Option<&'a Ranked>,
@@ -30,7 +28,7 @@ impl Finding<'_> {
             // the floor is an estimate for white noise: coloured noise of the input reaches so far too
             Conclusion::Sufficient if self.errors.above_floor() => format!(
                 "Nothing is proven to be missing: no effect of the catalogue lowers the held-out error at a \
-                 false-alarm rate of {:.0} %, and the residual torque depends on nothing that was tried. {} \
+                 false-alarm rate of {:.0} %, and no dependence of the residual torque is significant. {} \
                  Coloured noise of the recorded input makes that much, and so does a disturbance from \
                  outside.",
                 100.0 * self.false_alarm,
@@ -131,17 +129,43 @@ impl Finding<'_> {
     }
 
     fn rest(&self) -> String {
-        let depends = match self.depends_on {
-            Some(d) => format!(" The residual torque depends on the {}.", d.variable.words()),
-            None => " The residual torque depends little on anything that was tried: coloured noise of the \
-                     recorded input and disturbances from outside look like this too."
-                .into(),
-        };
         let likely = match self.likely {
             Some(ranked) => format!(" Likely, not proven: {}.", of(ranked)),
             None => String::new(),
         };
-        format!("{}{depends}{likely}", self.error())
+        format!("{}{likely}", self.error())
+    }
+}
+
+/// Share of the residual torque from which on a variable is named (taste).
+const WORTH: f64 = 0.01;
+
+/// What the residual torque of the last model depends on, as the curves of the report show it. `tested` is the variable
+/// on which it depends significantly beside noise that is coloured.
+pub(crate) fn residual_torque(curves: &[Curve], tested: Option<Variable>) -> String {
+    let left = |c: &Curve| c.share_after.unwrap_or(c.share_before);
+    let shown = curves.iter().max_by(|a, b| left(a).total_cmp(&left(b)));
+    let shown = shown.filter(|c| left(c) >= WORTH).map(|c| (c.variable, left(c)));
+    let with_found = curves.iter().any(|c| c.share_after.is_some());
+    let depends = match (shown, tested) {
+        (Some((variable, _)), _) if with_found => {
+            format!("The residual torque that is left depends most on the {}", variable.words())
+        }
+        (Some((variable, share)), _) => {
+            let share = format::percent(share);
+            format!("The residual torque depends most on the {} ({share} of it)", variable.words())
+        }
+        (None, Some(variable)) => {
+            format!("The residual torque depends on the {}", variable.words())
+        }
+        (None, None) => "The residual torque depends little on anything that was tried".to_owned(),
+    };
+    match tested {
+        Some(_) => depends + ".",
+        None => {
+            depends
+                + "; coloured noise of the recorded input and disturbances from outside look like this too."
+        }
     }
 }
 
@@ -188,4 +212,33 @@ fn named(ranked: &Ranked) -> String {
 /// By how much a candidate lowers the held-out error [%].
 fn lowered(ranked: &Ranked) -> f64 {
     ranked.fall.map_or(0.0, |fall| 100.0 * (1.0 - fall.ratio))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn curve(variable: Variable, before: f64, after: Option<f64>) -> Curve {
+        let log_significance = 50.0;
+        Curve { variable, bins: vec![], share_before: before, share_after: after, log_significance }
+    }
+
+    #[test]
+    fn the_verdict_names_the_variable_that_the_figure_shows() {
+        let given = [curve(Variable::Moment1, 0.72, None), curve(Variable::Time, 0.1, None)];
+        let words = residual_torque(&given, Some(Variable::TurnRate));
+        assert_eq!(words, "The residual torque depends most on the input of wheel 1 (72 % of it).");
+        let left =
+            [curve(Variable::TurnRate, 0.7, Some(0.0)), curve(Variable::Time, 0.1, Some(0.05))];
+        let words = residual_torque(&left, Some(Variable::TurnRate));
+        assert_eq!(words, "The residual torque that is left depends most on the time.");
+    }
+
+    #[test]
+    fn what_is_not_significant_beside_coloured_noise_says_so() {
+        let given = [curve(Variable::Moment1, 0.72, None)];
+        assert!(residual_torque(&given, None).contains("(72 % of it); coloured noise"));
+        let nothing = residual_torque(&[curve(Variable::Time, 0.001, None)], None);
+        assert!(nothing.starts_with("The residual torque depends little on anything"), "{nothing}");
+    }
 }

@@ -20,3 +20,4 @@ mod quoted;
 mod recordings;
 mod shards;
 mod support;
+mod versions;

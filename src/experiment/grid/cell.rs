@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::GridPlan;
 use super::word::Word;
-use crate::experiment::diagnosis::run_diagnosis;
+use crate::experiment::diagnosis::say;
 use crate::experiment::error::RunError;
 use crate::experiment::plan::Plan;
 use crate::experiment::run::{fits, measure};
@@ -124,7 +124,7 @@ pub(super) fn run_cell(grid: &GridPlan, cell: usize, key: String, methods: &[&st
 }
 
 fn diagnose(plan: &Plan, study: &mut Study) -> Option<Result<DiagnosisStudy, RunError>> {
-    plan.diagnosis.as_ref().map(|asked| Ok(run_diagnosis(plan, asked, study)?.0))
+    plan.diagnosis.as_ref().map(|asked| Ok(say(plan, asked, study)?.words))
 }
 
 fn verdict(verdict: Verdict) -> &'static str {

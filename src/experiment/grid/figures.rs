@@ -5,7 +5,7 @@ use super::curves::{Curves, MOST_SERIES};
 use super::summary::{FEWEST_COVERED, Summary, conditions};
 use crate::math::distribution::chi2_quantile;
 use crate::report::block::Block;
-use crate::report::figure::{Axis, Figure, Layer, Panel, Role};
+use crate::report::figure::{Axis, Dash, Figure, Layer, Panel, Role};
 use crate::report::format;
 
 /// A point of a curve: place, value, lower and upper edge of its 95 % interval.
@@ -158,7 +158,7 @@ fn figure(
                 .filter(|p| p.1.is_finite())
                 .collect();
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
-            panel = with_curve(panel, &points, name, Role::Series(n));
+            panel = with_curve(panel, &points, name, n);
         }
         if let Some(target) = &quantity.target {
             panel = panel.with(Layer::hline(target.at, target.label, Role::Ink));
@@ -185,7 +185,10 @@ fn chance(x: &[f64], (low, high): (f64, f64)) -> Layer {
     Layer::Band { x, lower, upper, label: "by chance (95 %)".into(), role: Role::NoiseFloor }
 }
 
-fn with_curve(mut panel: Panel, points: &[Point], name: &str, role: Role) -> Panel {
+/// Adds the n-th curve: its colour, and its dashes for those who see no colour.
+fn with_curve(mut panel: Panel, points: &[Point], name: &str, n: usize) -> Panel {
+    let role = Role::Series(n);
+    let dash = [Dash::Solid, Dash::Dashed, Dash::Dotted][n % 3];
     let edges: Option<Vec<(f64, f64)>> = points.iter().map(|p| p.2).collect();
     if let Some(edges) = edges {
         panel = panel.with(Layer::Band {
@@ -204,5 +207,6 @@ fn with_curve(mut panel: Panel, points: &[Point], name: &str, role: Role) -> Pan
         radius: 3.0,
         alpha: 1.0,
     };
-    panel.with(Layer::line(centres, name, role)).with(dots)
+    let label = name.to_owned();
+    panel.with(Layer::Line { points: centres, label, role, width: 1.8, dash }).with(dots)
 }

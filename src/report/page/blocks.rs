@@ -91,7 +91,7 @@ fn verdict(tone: Tone, sentence: &str, detail: &str) -> Markup {
     html! {
         div.verdict.(tone_name(tone)) {
             p.sentence {
-                @if !word.is_empty() { span.word { (word) } }
+                @if !word.is_empty() { span.word aria-hidden="true" { (word) } }
                 (sentence)
             }
             @if !detail.is_empty() { p.detail { (detail) } }
@@ -156,7 +156,7 @@ fn table(table: &Table, number: usize) -> Markup {
     html! {
         div.table {
             table.sortable {
-                caption { b { "Table " (number) } (table.caption) }
+                caption { b { "Table " (number) } " " (table.caption) }
                 thead {
                     tr {
                         @for column in &table.columns {
@@ -202,6 +202,7 @@ fn cell(cell: &Cell, align: &str) -> Markup {
             @if let Some(png) = &cell.picture {
                 img.thumbnail alt="" src={ "data:image/png;base64," (BASE64.encode(png)) };
             } @else if let Some(address) = &cell.link { a href=(address) { (shown) } }
+            @else if cell.code { code { (shown) } }
             @else if cell.strong { strong { (shown) } }
             @else { (shown) }
             @if !cell.note.is_empty() { span.note { (cell.note) } }
@@ -216,13 +217,15 @@ fn figure(drawn: &Drawn<'_>, number: usize) -> Markup {
     let figure = drawn.figure;
     let png = format!("data:image/png;base64,{}", BASE64.encode(&drawn.png));
     let [file, drawing] = ["png", "svg"].map(|ending| format!("{}.{ending}", drawn.file_stem));
+    let heading = format!("title-{}", drawn.file_stem);
     let alt = [&figure.title, &figure.caption].map(String::as_str).join(". ");
     html! {
-        figure id={ "figure-" (drawn.file_stem) } data-interactive[drawn.data.is_some()] {
-            h4 { (figure.title) }
+        figure id={ "figure-" (drawn.file_stem) } aria-labelledby=(heading) data-interactive[drawn.data.is_some()] {
+            h3 id=(heading) { (figure.title) }
             @if !figure.subtitle.is_empty() { p.subtitle { (figure.subtitle) } }
             @match &drawn.inline {
-                Some([wide, narrow]) => div.picture role="img" aria-label=(alt) {
+                // each says in words what it shows
+                Some([wide, narrow]) => div.picture {
                     div.wide { (PreEscaped(wide)) }
                     div.narrow { (PreEscaped(narrow)) }
                 },
@@ -233,7 +236,7 @@ fn figure(drawn: &Drawn<'_>, number: usize) -> Markup {
                 script type="application/json" { (PreEscaped(data)) }
             }
             figcaption {
-                b { "Figure " (number) }
+                b { "Figure " (number) } " "
                 (figure.caption)
                 @if drawn.inline.is_some() {
                     a.download href=(png) download=(file) { "Download PNG" }

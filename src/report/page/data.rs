@@ -15,7 +15,7 @@ const COLUMNS: usize = 1000;
 /// Dots shown at most.
 const DOTS: usize = 4000;
 /// Height of a panel, alone and among others [px].
-const HEIGHT: (f64, f64) = (340.0, 190.0);
+const HEIGHT: (f64, f64) = (340.0, 165.0);
 
 #[derive(Serialize)]
 pub(super) struct FigureData<'a> {

@@ -1,10 +1,16 @@
-// Figures one can look into: drag to zoom, shift-drag to pan, double-click to reset, panels in step,
+// Figures one can look into: drag to zoom, shift-drag to pan, double-click to reset, arrow keys, panels in step,
 // values under the cursor. The data lie beside each figure as JSON; nothing is loaded. Without
 // scripting the printed picture stays in place.
 "use strict";
 const live = (() => {
   const MARGIN = { top: 6, right: 22, bottom: 24 };
-  const FONT = "Inter, system-ui, 'DejaVu Sans', sans-serif";
+
+  const HINT = matchMedia("(pointer: coarse)").matches
+    ? "Drag across to zoom, tap to read values."
+    : "Drag to zoom, shift-drag to pan, ctrl-wheel to zoom, double-click to reset.";
+  const KEYS = "Arrow keys pan, with shift they move the cursor; plus and minus zoom, Escape resets.";
+  // a step of the cursor by a key, as a share of the axis
+  const STEP = 0.02;
 
   const states = [];
   let version = "both";
@@ -22,17 +28,24 @@ const live = (() => {
     plot.style.gridTemplateColumns = `repeat(${Math.min(data.columns, data.panels.length)}, minmax(0, 1fr))`;
     const state = { data, shared: data.shared, link: data.link, cursor: null, panels: [] };
     states.push(state);
+    // of several columns the legend stands above all, each name once
+    const common = element("p", "legend common");
+    if (data.columns > 1) plot.before(common);
     data.panels.forEach((panel, index) => {
       const box = element("div", "panel");
       if (panel.title) box.append(element("p", "panel-title", panel.title));
       const head = element("div", "panel-head");
       const label = element("span", "axis-label");
-      const legend = element("span", "legend");
-      head.append(label, legend);
+      const legend = data.columns > 1 && index === 0 ? common : element("span", "legend");
+      head.append(label);
+      if (legend !== common) head.append(legend);
       const canvas = document.createElement("canvas");
       canvas.tabIndex = 0;
       canvas.setAttribute("role", "img");
-      canvas.setAttribute("aria-label", `${axisLabel(panel.y, 0)} over ${axisLabel(panel.x, 0)}`);
+      const curves = [...new Set(panel.layers.map((layer) => layer.label).filter(Boolean))].join(", ");
+      canvas.setAttribute("aria-label", [panel.title, `${axisLabel(panel.y, 0)} over ${axisLabel(panel.x, 0)}`, curves]
+        .filter(Boolean).join(": "));
+      canvas.setAttribute("aria-description", KEYS);
       canvas.style.height = `${panel.height}px`;
       box.append(head, canvas);
       plot.append(box);
@@ -41,7 +54,8 @@ const live = (() => {
       prepare(panel, data.xs);
       const ground = (layer) => layer.kind === "band" || layer.kind === "shade";
       [...panel.layers].sort((a, b) => ground(a) - ground(b))
-        .forEach((layer) => { if (layer.label) view.keys.push(legendKey(legend, state, view, layer)); });
+        .filter((layer) => layer.label && !(data.columns > 1 && state.panels.some((other) => isNamed(other, layer))))
+        .forEach((layer) => view.keys.push(legendKey(legend, state, view, layer)));
       state.panels.push(view);
       listen(state, view);
     });
@@ -57,7 +71,7 @@ const live = (() => {
       button.addEventListener("click", () => zoomAbout(state, state.panels[0], 0.5, factor));
       return button;
     };
-    tools.append(reset, zoom("+", "Zoom in", 0.5), zoom("−", "Zoom out", 2), element("span", "", "Drag to zoom, shift-drag to pan, ctrl-wheel to zoom, double-click to reset."));
+    tools.append(reset, zoom("+", "Zoom in", 0.5), zoom("−", "Zoom out", 2), element("span", "", HINT));
     plot.after(tools);
     figure.classList.add("live");
     const redraw = () => draw(state);
@@ -115,6 +129,8 @@ const live = (() => {
     return ys.reduce((sum, y, i) => sum + (i && y !== null && ys[i - 1] !== null ? Math.abs(y - ys[i - 1]) : 0), 0);
   }
 
+  const isNamed = (view, layer) => view.keys.some((key) => key.layer.label === layer.label);
+
   // A key switches its curve in every panel of the figure.
   function legendKey(legend, state, view, layer) {
     const key = element("button", "key");
@@ -123,13 +139,18 @@ const live = (() => {
     key.setAttribute("aria-pressed", "true");
     const sample = element("i", `sample ${layer.kind} ${layer.dash || ""}`);
     sample.style.color = `var(${layer.color})`;
+    if (layer.kind === "line") sample.style.borderTopWidth = `${Math.max(2, layer.width)}px`;
     const made = { layer, reading: element("output", "") };
     key.append(sample, layer.label, made.reading);
     legend.append(key);
     key.addEventListener("click", () => {
       const { layer } = made;
       const off = !layer.off;
-      const same = (other) => other.color === layer.color && other.kind === layer.kind && other.dash === layer.dash;
+      const curves = ["line", "bars", "dots"];
+      const alike = (other) => state.data.columns > 1 && curves.includes(other.kind) && curves.includes(layer.kind)
+        && (!other.label || other.label === layer.label);
+      const same = (other) => other.color === layer.color
+        && (alike(other) || (other.kind === layer.kind && other.dash === layer.dash));
       state.panels.forEach((panel) => panel.panel.layers.filter(same).forEach((other) => { other.off = off; }));
       key.setAttribute("aria-pressed", String(!off));
       state.panels.forEach(rescale);
@@ -221,6 +242,7 @@ const live = (() => {
       if (event.button !== 0) return;
       canvas.setPointerCapture(event.pointerId);
       drag = { from: place(event), pan: event.shiftKey, x: view.x, y: view.y };
+      setCursor(state, { view, ...drag.from });
     });
     canvas.addEventListener("pointermove", (event) => {
       const to = place(event);
@@ -238,7 +260,10 @@ const live = (() => {
       draw(state);
     });
     canvas.addEventListener("pointercancel", () => { drag = view.box = null; draw(state); });
-    canvas.addEventListener("pointerleave", () => { setCursor(state, null); draw(state); });
+    // a finger that was lifted leaves the values it read
+    canvas.addEventListener("pointerleave", (event) => {
+      if (event.pointerType !== "touch") { setCursor(state, null); draw(state); }
+    });
     canvas.addEventListener("dblclick", () => resetView(state));
     canvas.addEventListener("wheel", (event) => {
       // a bare wheel scrolls the page
@@ -247,11 +272,16 @@ const live = (() => {
       zoomAbout(state, view, place(event).x, (event.deltaY || event.deltaX) > 0 ? 1.25 : 0.8);
     }, { passive: false });
     canvas.addEventListener("keydown", (event) => {
+      const step = (by) => {
+        const at = (state.cursor ? state.cursor.x : 0.5) + by;
+        setCursor(state, { view, x: Math.min(1, Math.max(0, at)), y: 0.5 });
+        draw(state);
+      };
       const keys = {
         "+": () => zoomAbout(state, view, 0.5, 0.8),
         "-": () => zoomAbout(state, view, 0.5, 1.25),
-        ArrowLeft: () => pan(state, view, view, 0.1, 0),
-        ArrowRight: () => pan(state, view, view, -0.1, 0),
+        ArrowLeft: () => (event.shiftKey ? step(-STEP) : pan(state, view, view, 0.1, 0)),
+        ArrowRight: () => (event.shiftKey ? step(STEP) : pan(state, view, view, -0.1, 0)),
         Escape: () => resetView(state),
       };
       if (!keys[event.key]) return;
@@ -289,13 +319,19 @@ const live = (() => {
       const context = view.canvas.getContext("2d");
       context.font = `11.5px ${FONT}`;
       const plotHeight = view.panel.height - MARGIN.top - MARGIN.bottom - (view.below ? 20 : 0);
-      const y = ticks(view.panel.y, view.y, Math.min(10, Math.max(2, plotHeight / 38)));
+      const y = atLeastThree(view, Math.min(10, Math.max(2, plotHeight / 38)));
       const width = Math.max(...y.list.map((tick) => context.measureText(tick.label).width), 10);
       return { view, context, y, plotHeight, left: width + 9 };
     });
     // aligned left axes; side by side each column would only lose room, so all share the widest
     const left = Math.max(...prepared.map((panel) => panel.left));
     prepared.forEach((panel) => drawPanel(state, { ...panel, left, color }));
+  }
+
+  // One label says nothing of a scale.
+  function atLeastThree(view, count) {
+    const y = ticks(view.panel.y, view.y, count);
+    return y.list.length < 3 && count < 12 ? atLeastThree(view, count + 1) : y;
   }
 
   function drawPanel(state, { view, context, y, plotHeight, left, color }) {
@@ -343,86 +379,6 @@ const live = (() => {
     context.font = `12px ${FONT}`;
     if (view.below) context.fillText(axisLabel(panel.x, x.exponent), area.left + area.width / 2, foot + 27);
     readOut(state, view);
-  }
-
-  // canvas coordinates beyond this are cut off by some browsers
-  const clamp = (s) => Math.min(1e4, Math.max(-1e4, s));
-
-  function segment(context, style, x1, y1, x2, y2) {
-    context.strokeStyle = style;
-    context.beginPath();
-    context.moveTo(x1, y1);
-    context.lineTo(x2, y2);
-    context.stroke();
-  }
-
-  function drawLayer(context, layer, px, py, area, color, crowd) {
-    context.strokeStyle = context.fillStyle = color(layer.color);
-    const crowded = layer.kind === "line" && layer.travel > crowd;
-    context.lineWidth = Math.min(layer.width || 1.5, crowded ? 0.9 : 10);
-    context.lineJoin = "round";
-    context.setLineDash({ dashed: [6, 4], dotted: [1.5, 3] }[layer.dash] || []);
-    const [right, foot] = [area.left + area.width, area.top + area.height];
-    const kinds = {
-      line: () => { trace(context, layer.xs, layer.y, px, py); context.stroke(); },
-      dots: () => {
-        context.globalAlpha = layer.alpha;
-        layer.xs.forEach((x, i) => {
-          if (x === null || layer.y[i] === null) return;
-          context.beginPath();
-          context.arc(px(x), py(layer.y[i]), layer.radius, 0, 7);
-          context.fill();
-        });
-      },
-      band: () => {
-        context.globalAlpha = layer.alpha;
-        context.beginPath();
-        const whole = layer.xs.map((_, i) => i).filter((i) => layer.low[i] !== null && layer.high[i] !== null);
-        whole.forEach((i) => context.lineTo(px(layer.xs[i]), py(layer.high[i])));
-        whole.reverse().forEach((i) => context.lineTo(px(layer.xs[i]), py(layer.low[i])));
-        context.fill();
-      },
-      shade: () => {
-        context.globalAlpha = layer.alpha;
-        layer.ranges.forEach(([a, b]) => context.fillRect(px(a), area.top, px(b) - px(a), area.height));
-      },
-      hline: () => segment(context, color(layer.color), area.left, py(layer.at), right, py(layer.at)),
-      vline: () => segment(context, color(layer.color), px(layer.at), area.top, px(layer.at), foot),
-      bars: () => layer.xs.forEach((x, i) => {
-        if ([x, layer.y[i], layer.low[i], layer.high[i]].includes(null)) return;
-        const ends = [py(layer.low[i]), py(layer.high[i])];
-        segment(context, color(layer.color), px(x), ends[0], px(x), ends[1]);
-        ends.forEach((y) => segment(context, color(layer.color), px(x) - 3.5, y, px(x) + 3.5, y));
-        context.beginPath();
-        context.arc(px(x), py(layer.y[i]), 3.2, 0, 7);
-        context.fill();
-      }),
-      text: () => {
-        context.textAlign = "left";
-        context.textBaseline = "alphabetic";
-        context.font = `12px ${FONT}`;
-        const width = context.measureText(layer.text).width;
-        const x = Math.min(px(layer.at[0]), right - width - 4);
-        const y = Math.max(py(layer.at[1]), area.top + 12);
-        context.fillStyle = color("--paper");
-        context.fillRect(x - 3, y - 12, width + 6, 16);
-        context.fillStyle = color(layer.color);
-        context.fillText(layer.text, x, y);
-      },
-    };
-    kinds[layer.kind]();
-    context.globalAlpha = 1;
-    context.setLineDash([]);
-  }
-
-  function trace(context, xs, ys, px, py) {
-    context.beginPath();
-    let broken = true;
-    xs.forEach((x, i) => {
-      if (x === null || ys[i] === null) { broken = true; return; }
-      if (broken) context.moveTo(px(x), py(ys[i])); else context.lineTo(px(x), py(ys[i]));
-      broken = false;
-    });
   }
 
   function drawCursor(context, state, view, area, color) {

@@ -23,6 +23,7 @@ use super::raster::figure_to_both;
 
 const INTERACTIVE: &str = concat!(
     include_str!("scales.js"),
+    include_str!("canvas.js"),
     include_str!("interactive.js"),
     include_str!("explorer.js"),
     include_str!("what_if.js")
@@ -182,6 +183,8 @@ fn write(
     let mut writer = blocks::Writer::new(drawn, data);
     let sections: Vec<_> = content.sections.iter().map(|s| writer.blocks(&s.blocks)).collect();
     let style = format!("{}{}{STYLE}", font_faces(), colors());
+    // one section has no contents, and no heading beside that of the page
+    let is_single = content.sections.len() == 1;
     html! {
         (DOCTYPE)
         html lang="en" {
@@ -194,11 +197,13 @@ fn write(
                 style { (PreEscaped(style)) }
             }
             body {
-                div.layout {
-                    nav aria-label="Sections" {
-                        ol {
-                            @for (section, id) in content.sections.iter().zip(&ids) {
-                                li.folded[section.folded] { a href={ "#" (id) } { (section.title) } }
+                div.layout.single[is_single] {
+                    @if !is_single {
+                        nav aria-label="Sections" {
+                            ol {
+                                @for (section, id) in content.sections.iter().zip(&ids) {
+                                    li.folded[section.folded] { a href={ "#" (id) } { (section.title) } }
+                                }
                             }
                         }
                     }
@@ -209,7 +214,9 @@ fn write(
                         }
                         @for ((section, id), blocks) in content.sections.iter().zip(&ids).zip(&sections) {
                             section id=(id) {
-                                @if section.folded {
+                                @if is_single {
+                                    (blocks)
+                                } @else if section.folded {
                                     details.folded {
                                         summary { h2 { (section.title) } }
                                         (blocks)

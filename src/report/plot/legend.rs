@@ -17,7 +17,8 @@ const ROW: f64 = 20.0;
 /// How a series looks in the legend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Sample {
-    Line(Dash),
+    /// Dashes and width of the stroke [px].
+    Line(Dash, f64),
     Dots,
     Patch(f64),
     Whisker,
@@ -57,8 +58,8 @@ impl Entry {
             bottom: middle + half,
         };
         match self.sample {
-            Sample::Line(dash) => {
-                stroke(canvas, &[(x, middle), (x + SWATCH, middle)], color, 2.0, dash)?;
+            Sample::Line(dash, width) => {
+                stroke(canvas, &[(x, middle), (x + SWATCH, middle)], color, width, dash)?;
             }
             Sample::Dots => {
                 for share in [0.2, 0.5, 0.8] {
@@ -88,9 +89,13 @@ pub(super) fn entries(panel: &Panel) -> Vec<Entry> {
     };
     for layer in &panel.layers {
         match layer {
-            Layer::Line { label, role, dash, .. }
-            | Layer::HLine { label, role, dash, .. }
-            | Layer::VLine { label, role, dash, .. } => add(label, *role, Sample::Line(*dash)),
+            // thin lines are seen in a legend too
+            Layer::Line { label, role, dash, width, .. } => {
+                add(label, *role, Sample::Line(*dash, width.max(2.0)));
+            }
+            Layer::HLine { label, role, dash, .. } | Layer::VLine { label, role, dash, .. } => {
+                add(label, *role, Sample::Line(*dash, 2.0));
+            }
             Layer::Points { label, role, .. } => add(label, *role, Sample::Dots),
             Layer::Band { label, role, .. } => {
                 add(label, *role, Sample::Patch(super::layers::BAND))

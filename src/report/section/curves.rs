@@ -8,10 +8,20 @@ use crate::study::{MethodStudy, Performance, RecordingStudy, Study};
 /// diverges would flatten everything else.
 const FAR: f64 = 5.0;
 
-/// The recording shown in detail, the first judged one, with its index.
+/// The recording shown in detail, with its index: of those that are judged the one on which the model as given has
+/// the largest error over the noise floor.
 pub(super) fn shown(study: &Study) -> Option<(usize, &RecordingStudy)> {
-    let first = *study.judged().first()?;
-    Some((first, study.recordings.get(first)?))
+    let excess = |r: usize| {
+        let error = study.given.as_ref()?.performance.get(r)?.window_rms;
+        Some(error / study.recordings.get(r)?.floor.window_rms).filter(|ratio| ratio.is_finite())
+    };
+    let judged = study.judged();
+    let first = *judged.first()?;
+    let worst = judged.into_iter().filter_map(|r| Some((r, excess(r)?)));
+    // of equal ones the first
+    let worst = worst.reduce(|best, other| if other.1 > best.1 { other } else { best });
+    let index = worst.map_or(first, |(r, _)| r);
+    Some((index, study.recordings.get(index)?))
 }
 
 /// How a method does on the recording shown in detail.
@@ -86,5 +96,28 @@ pub(super) fn noise_band(recording: &RecordingStudy, i: usize) -> Layer {
         upper: vec![half; 2],
         label: "95 % measurement-noise band".to_owned(),
         role: Role::NoiseFloor,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::section::tests::full;
+
+    #[test]
+    fn the_recording_that_is_shown_is_the_judged_one_with_the_largest_error_over_its_floor() {
+        let mut study = full();
+        let (first, _) = shown(&study).unwrap();
+        study.recordings.push(study.recordings[first].clone());
+        for model in study.given.iter_mut().chain(&mut study.completed) {
+            model.performance.resize(study.recordings.len(), model.performance[first].clone());
+        }
+        // of equal ones the first
+        assert_eq!(shown(&study).unwrap().0, first);
+        let last = study.recordings.len() - 1;
+        study.given.as_mut().unwrap().performance[last].window_rms *= 2.0;
+        assert_eq!(shown(&study).unwrap().0, last);
+        study.recordings[last].floor.window_rms *= 4.0;
+        assert_eq!(shown(&study).unwrap().0, first);
     }
 }

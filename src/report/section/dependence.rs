@@ -60,10 +60,10 @@ fn figure(study: &Study) -> Figure {
         .with_caption(caption(study))
         .with_columns(2)
         .interactive()
-        .with_height(620.0);
-    for curve in study.curves.iter().take(DRAWN) {
-        for (i, wheel) in words::WHEELS.into_iter().enumerate() {
-            let mut panel = panel(study, curve, i).with_title(wheel);
+        .with_height(470.0);
+    for curve in drawn(study) {
+        for i in 0..2 {
+            let mut panel = panel(study, curve, i);
             if !figure.panels.is_empty() {
                 panel.layers.iter_mut().for_each(Layer::unlabel);
             }
@@ -71,6 +71,21 @@ fn figure(study: &Study) -> Figure {
         }
     }
     figure
+}
+
+/// The variables that explain most of the model as given, the last in favour of the one that explains most of what
+/// is left, where it is none of them.
+fn drawn(study: &Study) -> Vec<&Curve> {
+    let mut drawn: Vec<&Curve> = study.curves.iter().take(DRAWN).collect();
+    let left = |c: &Curve| c.share_after.unwrap_or(0.0);
+    let most = study.curves.iter().max_by(|a, b| left(a).total_cmp(&left(b)));
+    if let Some(most) = most.filter(|c| left(c) >= WORTH)
+        && drawn.iter().all(|c| c.variable != most.variable)
+    {
+        drawn.pop();
+        drawn.push(most);
+    }
+    drawn
 }
 
 fn caption(study: &Study) -> String {
@@ -98,7 +113,8 @@ fn panel(study: &Study, curve: &Curve, i: usize) -> Panel {
         let room = 0.04 * (last.at - first.at);
         x = x.with_range(first.at - room, last.at + room);
     }
-    let mut panel = Panel::new(x, Axis::linear("residual torque", unit)).with(zero);
+    let y = Axis::linear(format!("residual torque, {} wheel", words::SIDES[i]), unit);
+    let mut panel = Panel::new(x, y).with(zero);
     let is_after = curve.share_after.is_some();
     if is_after {
         let points =

@@ -45,6 +45,7 @@ impl Section for Diagnosis {
             blocks.push(Block::Heading("Evidence in words".to_owned()));
             blocks.push(Block::List(evidence(diagnosis)));
             blocks.push(table(study, &diagnosis.ranking).into());
+            blocks.extend(ruled_out(&diagnosis.ranking));
         }
         if let Some(next) = &diagnosis.next_run {
             blocks.push(Block::Heading("What to drive next".to_owned()));
@@ -66,7 +67,7 @@ fn ranking_figure(diagnosis: &DiagnosisStudy) -> Option<Figure> {
     let place = accepted.and_then(|id| shown.iter().position(|c| c.effect == *id));
     let values: Vec<f64> = shown.iter().map(|c| c.evidence).collect();
     let mut series = BarSeries::new("", Role::Measured, values);
-    series.text = shown.iter().map(|c| probability(c.probability)).collect();
+    series.text = shown.iter().map(|c| format::probability(c.probability)).collect();
     let bars = Bars {
         categories: shown.iter().map(|c| words::effect(&c.effect)).collect(),
         series: vec![series],
@@ -76,7 +77,7 @@ fn ranking_figure(diagnosis: &DiagnosisStudy) -> Option<Figure> {
     let title = match place.map(|place| (place, shown[place])) {
         None => "No effect of the catalogue stands out".to_owned(),
         Some((0, best)) => {
-            let (name, p) = (words::effect(&best.effect), probability(best.probability));
+            let (name, p) = (words::effect(&best.effect), format::probability(best.probability));
             format!("{name} explains the data best (probability {p})")
         }
         Some((_, accepted)) => {
@@ -97,15 +98,6 @@ fn ranking_figure(diagnosis: &DiagnosisStudy) -> Option<Figure> {
         ))
         .with_panel(panel);
     Some(figure)
-}
-
-/// A probability as percent; never "100 %" nor "0 %", which nothing is.
-fn probability(p: f64) -> String {
-    match p {
-        p if p > 0.999 => "> 99.9 %".to_owned(),
-        p if (0.0..0.001).contains(&p) => "< 0.1 %".to_owned(),
-        p => format::percent(p),
-    }
 }
 
 fn summary(diagnosis: &DiagnosisStudy) -> Block {
@@ -150,7 +142,7 @@ fn describe(candidate: &Candidate) -> Text {
         .code(&candidate.effect)
         .plain(format!(
             "), probability {}: {}.",
-            probability(candidate.probability),
+            format::probability(candidate.probability),
             candidate.words
         ));
     if !candidate.parameters.is_empty() {
@@ -165,7 +157,7 @@ fn describe(candidate: &Candidate) -> Text {
     text
 }
 
-/// "f_t = 0.02010 ± 0.00020 N m".
+/// "f_t = 0.02010 ± 0.00020 N m", which breaks before the unit alone.
 fn parameters(candidate: &Candidate) -> Vec<String> {
     candidate
         .parameters
@@ -177,7 +169,9 @@ fn parameters(candidate: &Candidate) -> Vec<String> {
             } else {
                 words::unit(&e.unit)
             };
-            format!("{} = {value} {unit}", words::symbol(&e.symbol)).trim_end().to_owned()
+            let whole = |text: &str| text.replace(' ', "\u{a0}");
+            let value = whole(&format!("{} = {value}", words::symbol(&e.symbol)));
+            format!("{value} {}", whole(&unit)).trim_end().to_owned()
         })
         .collect()
 }
@@ -192,7 +186,6 @@ fn table(study: &Study, ranking: &[Candidate]) -> Table {
         Column::number("Quality index", "rad²/s"),
         Column::number("RMS torque", study.drive_unit.symbol()),
         Column::text("Parameters"),
-        Column::text("Indistinguishable from"),
     ];
     let before = ranking.first().map_or(String::new(), |c| {
         format!(
@@ -202,35 +195,56 @@ fn table(study: &Study, ranking: &[Candidate]) -> Table {
         )
     });
     let caption = format!(
-        "All candidates, best first, each added by itself; errors with it on {} data, green where they are lower than \
-         without. A dash: ruled out before the fit.{before}",
+        "The candidates that were fitted, best first, each added by itself; errors with it on {} data, green where \
+         they are lower than without by 1 % at least.{before}",
         study.judged_words()
     );
     let mut table = Table::new(caption, columns);
-    for c in by_probability(ranking) {
+    for c in by_probability(ranking).into_iter().filter(|c| is_fitted(c)) {
         let digits = |v: f64| Cell::formatted(format::digits(v, 3), v);
-        let dash = |v: f64| Cell::formatted(format::MISSING, v);
-        let fitted = c.delta_bic.is_finite();
-        let better = c.window_after < c.window_before;
+        let better = c.window_after < 0.99 * c.window_before;
         let after = digits(c.window_after);
         table.push(vec![
-            Cell::text(words::effect(&c.effect)),
-            Cell::formatted(probability(c.probability), c.probability).bar(c.probability),
-            if fitted { Cell::p_value(c.p_value) } else { dash(1.0) },
-            if fitted { digits(c.delta_bic) } else { dash(f64::NEG_INFINITY) },
+            Cell::text(words::effect(&c.effect)).noted(equivalents(c)),
+            Cell::formatted(format::probability(c.probability), c.probability).bar(c.probability),
+            Cell::p_value(c.p_value),
+            digits(c.delta_bic),
             if better { after.tone(Tone::Good) } else { after },
             digits(c.ise_validation_after),
             Cell::formatted(format::significant(c.torque_rms, 2), c.torque_rms),
             Cell::text(parameters(c).join("; ")),
-            Cell::text(words::list(
-                &c.indistinguishable.iter().map(|id| words::effect_in_text(id)).collect::<Vec<_>>(),
-            )),
         ]);
     }
     table
 }
 
-/// The manoeuvre that tells the best two apart.
+/// "or back-EMF": what these data do not distinguish from a candidate; empty for nothing.
+fn equivalents(candidate: &Candidate) -> String {
+    let others = candidate.indistinguishable.iter().map(|id| words::effect_in_text(id));
+    let others: Vec<String> = others.collect();
+    if others.is_empty() { String::new() } else { format!("or {}", others.join(" or ")) }
+}
+
+fn is_fitted(candidate: &Candidate) -> bool {
+    candidate.delta_bic.is_finite()
+}
+
+/// The candidates that the screening put last, in a sentence.
+fn ruled_out(ranking: &[Candidate]) -> Option<Block> {
+    let names: Vec<String> = ranking
+        .iter()
+        .filter(|c| !is_fitted(c))
+        .map(|c| words::effect_in_text(&c.effect))
+        .collect();
+    (!names.is_empty()).then(|| {
+        Block::paragraph(format!(
+            "Ruled out by the screening, before a fit (each of probability < 0.1 %): {}.",
+            words::list(&names)
+        ))
+    })
+}
+
+/// The manoeuvre that distinguishes the best two.
 fn manoeuvre(proposal: &Proposal) -> Table {
     let columns = vec![
         Column::number("Segment", ""),
@@ -240,10 +254,10 @@ fn manoeuvre(proposal: &Proposal) -> Table {
         Column::number("Holding", "s"),
     ];
     let caption = format!(
-        "A manoeuvre that tells the best two apart: driven once, it names the right one with \
-         probability {}. Its statistic is {} (chi-square, one degree), against {} for a random \
+        "A manoeuvre that distinguishes the best two: driven once, it identifies the right one with a \
+         probability of {}. Its statistic is {} (chi-square, one degree), against {} for a random \
          manoeuvre of the same length.",
-        probability(proposal.probability),
+        format::probability(proposal.probability),
         format::digits(proposal.discrimination, 3),
         format::digits(proposal.random, 3)
     );
@@ -259,17 +273,4 @@ fn manoeuvre(proposal: &Proposal) -> Table {
         ]);
     }
     table
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn no_probability_is_written_as_certain() {
-        assert_eq!(probability(1.0), "> 99.9 %");
-        assert_eq!(probability(0.0), "< 0.1 %");
-        assert_eq!(probability(0.5), "50 %");
-        assert_eq!(probability(f64::NAN), "–");
-    }
 }

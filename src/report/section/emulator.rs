@@ -128,10 +128,11 @@ fn states(
         let time = || Axis::linear("time", "s");
         let real = over_time(&|k| measured(k, state));
         let emulated = over_time(&|k| near(performance.emulator[k][state]));
+        let name = |name: &'static str| if state == 0 { name } else { "" };
         outputs.panels.push(
             Panel::new(time(), Axis::linear(symbols[state], units[state]))
-                .with(Layer::points(real, "measured", Role::Measured))
-                .with(line(emulated, "emulator", 1.6, Role::Model)),
+                .with(Layer::points(real, name("measured"), Role::Measured))
+                .with(line(emulated, name("emulator"), 1.6, Role::Model)),
         );
         let error = over_time(&|k| measured(k, state) - near(performance.emulator[k][state]));
         let role = if state % 2 == 0 { Role::Wheel1 } else { Role::Wheel2 };

@@ -1,6 +1,6 @@
 //! Every recording to look into: speeds, input and residual torque in step with the robot on its path.
 
-use super::curves::{simulated, wheel};
+use super::curves::{self, simulated, wheel};
 use super::{Depth, Section, listed, what_if, words};
 use crate::report::block::{Block, Track};
 use crate::report::figure::{Axis, Dash, Figure, Layer, Panel, Role};
@@ -52,13 +52,13 @@ impl Section for Explorer {
     }
 }
 
-/// The recordings that can be chosen, those on which errors are judged first.
+/// The recordings that can be chosen: that of the other figures first, then those on which errors are judged.
 fn shown(study: &Study) -> Vec<usize> {
     let mut shown = listed::recordings(study);
     shown.retain(|&r| study.recordings[r].t.len() > 1);
     shown.truncate(CHOICES);
-    let judged = study.judged();
-    shown.sort_by_key(|r| !judged.contains(r));
+    let (judged, first) = (study.judged(), curves::shown(study).map(|(r, _)| r));
+    shown.sort_by_key(|r| (Some(*r) != first, !judged.contains(r)));
     shown
 }
 

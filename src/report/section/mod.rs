@@ -7,6 +7,7 @@ mod what_if;
 mod words;
 
 use super::block::Block;
+use super::figure::Figure;
 use crate::catalogue;
 use crate::study::Study;
 
@@ -58,6 +59,11 @@ catalogue! {
     emulator::Emulator,
     recordings::Recordings,
     provenance::Provenance,
+}
+
+/// The first figure of the report, small; `None` without a fit.
+pub(super) fn thumbnail(study: &Study) -> Option<Figure> {
+    Some(overlay::Overlay::of(study)?.thumbnail())
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::curves::{self, residual, simulated, wheel};
 use super::words;
-use crate::report::figure::{Axis, Dash, Figure, Layer, Panel, Role};
+use crate::report::figure::{Axis, Dash, Figure, Layer, Panel, Role, Size};
 use crate::report::format;
 use crate::study::{ModelStudy, Performance, RecordingStudy, Study};
 
@@ -55,12 +55,16 @@ impl<'a> Overlay<'a> {
         let (first, last) = self.worst();
         let title = match self.completed {
             Some(_) => {
-                format!("Measured and simulated, without and with {}", words::found(self.study))
+                format!("Measured and simulated, without and {}", words::added(self.study))
             }
             None => "Measured and simulated".to_owned(),
         };
         let whole = last - first < STRETCH - 1e-6 || self.recording.duration_s <= STRETCH;
-        let place = if whole { "" } else { ", where the error of the model as given is largest" };
+        let place = match (whole, self.completed) {
+            (true, _) => "",
+            (false, Some(_)) => ", where the error of the model as given is largest",
+            (false, None) => ", where the error is largest",
+        };
         let figure = Figure::new("overlay", title)
             .with_subtitle(format!("{} ({}){place}", self.recording.file, self.used()))
             .with_caption(format!(
@@ -72,7 +76,19 @@ impl<'a> Overlay<'a> {
             let y = Axis::linear(words::OMEGA[i], "rad/s");
             figure.with_panel(self.speeds(y, i, (first, last), |p| &p.windows))
         });
-        figure.linked(LINK).with_height(400.0)
+        figure.linked(LINK).with_height(340.0)
+    }
+
+    /// The wheel with the larger error without words, as large as a cell of a table.
+    pub(super) fn thumbnail(&self) -> Figure {
+        let rows = || self.given.windows.iter().zip(&self.recording.omega);
+        let square = |i: usize| rows().map(|(s, m)| (m[i] - s[i]).powi(2)).sum::<f64>();
+        let mut figure = self.stretch();
+        figure.panels.swap_remove(usize::from(square(0) > square(1)));
+        (figure.title, figure.subtitle) = (String::new(), String::new());
+        figure.panels.iter_mut().flat_map(|p| &mut p.layers).for_each(Layer::unlabel);
+        figure.size = Size { width: 240.0, height: Some(130.0) };
+        figure
     }
 
     /// How its errors relate to those of the verdict, where it is one of several recordings.
@@ -119,7 +135,7 @@ impl<'a> Overlay<'a> {
                  simulated) of the 2 s simulations.",
             )
             .linked(LINK)
-            .with_height(600.0);
+            .with_height(590.0);
         let ends = (self.recording.t[0], self.recording.t[self.recording.t.len() - 1]);
         for i in 0..2 {
             let y = Axis::linear(words::OMEGA[i], "rad/s");

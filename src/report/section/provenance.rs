@@ -33,7 +33,7 @@ impl Section for Provenance {
         };
         fact("Program", format!("{} {}", env!("CARGO_PKG_NAME"), study.version));
         fact("Robot", study.robot.clone());
-        fact("Model", words::model(study));
+        fact("Model", words::model(&study.effects));
         fact("Unit of the input", study.drive_unit.symbol().to_owned());
         fact("Seed", study.seed.to_string());
         if let Some(files) = &study.model_out {
@@ -46,7 +46,7 @@ impl Section for Provenance {
             for recording in listed::recordings(study).iter().map(|&r| &study.recordings[r]) {
                 let sum = recording.sha256.clone();
                 let sum = sum.unwrap_or_else(|| "synthetic, from the seed".to_owned());
-                sums.push(vec![Cell::text(&recording.file), Cell::text(sum)]);
+                sums.push(vec![Cell::text(&recording.file), Cell::text(sum).code()]);
             }
             blocks.extend(listed::left_out(study).map(Block::paragraph));
             blocks.push(sums.into());

@@ -96,7 +96,7 @@ fn conditioning(study: &Study, shown: &[usize]) -> Option<Block> {
 
 fn row(r: &RecordingStudy) -> Vec<Cell> {
     let pair = |values: [f64; 2]| {
-        let text = values.map(|v| format::significant(v, 2)).join(" / ");
+        let text = format::pair(values);
         Cell::formatted(text, values[0])
     };
     let measured = |is: bool, values| {

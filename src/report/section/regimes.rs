@@ -59,12 +59,20 @@ fn title(study: &Study, models: &[(String, &[Failure])]) -> String {
             words::found(study),
             left(last)
         ),
-        (_, Some(worst)) => format!("The model fails most clearly in: {worst}"),
-        (_, None) => {
-            let left = left(last);
-            format!("{}{}", left[..1].to_uppercase(), &left[1..])
+        (_, Some(worst)) if models.len() > 1 => {
+            format!(
+                "{} the model still fails most clearly in: {worst}",
+                capital(&words::added(study))
+            )
         }
+        (_, Some(worst)) => format!("The model fails most clearly in: {worst}"),
+        (_, None) => capital(&left(last)),
     }
+}
+
+fn capital(sentence: &str) -> String {
+    let mut letters = sentence.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// What is said where the residual torque is significant in no regime: that is no proof of a small error.

@@ -40,7 +40,7 @@ impl Section for Signals {
         let model = study.last_model().and_then(|m| m.performance.get(index));
         let errors = model.map(|p| p.windows.as_slice()).unwrap_or_default();
         if recording.path.len() > 1 {
-            blocks.push(path(recording, errors).into());
+            blocks.push(path(study, recording, errors).into());
         }
         blocks
     }
@@ -94,7 +94,7 @@ fn velocity(study: &Study, recording: &RecordingStudy) -> Figure {
 }
 
 /// The path of the axle's centre, dotted where the error of the model exceeds the noise.
-fn path(recording: &RecordingStudy, windows: &[[f64; 2]]) -> Figure {
+fn path(study: &Study, recording: &RecordingStudy, windows: &[[f64; 2]]) -> Figure {
     let place = |k: usize| (recording.path[k][0], recording.path[k][1]);
     let all: Vec<(f64, f64)> = (0..recording.path.len()).map(place).collect();
     let noise = recording.noise.omega.map(|s| s.max(1e-9));
@@ -130,11 +130,17 @@ fn path(recording: &RecordingStudy, windows: &[[f64; 2]]) -> Figure {
     let occurs =
         |layer: &Layer| !matches!(layer, Layer::Points { points, .. } if points.is_empty());
     let panel = marks.into_iter().filter(occurs).fold(panel, Panel::with);
+    let model = match &study.completed {
+        Some(_) => format!(" {}", words::added(study)),
+        None => String::new(),
+    };
     let title = match count {
         0 => "Robot path".to_owned(),
-        _ if share == 0.0 => "The error stays below twice the measurement noise".to_owned(),
+        _ if share == 0.0 => {
+            format!("The error{model} stays below twice the measurement noise everywhere")
+        }
         _ => format!(
-            "For {} of the time the error exceeds twice the measurement noise",
+            "The error{model} exceeds twice the measurement noise for {} of the time",
             format::percent(share)
         ),
     };

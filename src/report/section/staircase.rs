@@ -32,8 +32,7 @@ impl Section for Staircase {
                 .iter()
                 .map(|step| Stair {
                     name: match &step.added {
-                        None if study.effects.is_empty() => "base model".to_owned(),
-                        None => words::model(study),
+                        None => words::model(&study.effects),
                         Some(id) => format!("+ {}", words::effect_in_text(id)),
                     },
                     error: step.window_rms_validation,
@@ -53,11 +52,7 @@ impl Section for Staircase {
                 .versions
                 .iter()
                 .map(|version| Stair {
-                    name: if version.effects.is_empty() {
-                        "base model".to_owned()
-                    } else {
-                        format!("base + {}", version.effects.join(" + "))
-                    },
+                    name: words::model(&version.effects),
                     error: version.window_rms,
                     ise: version.ise,
                     floor: version.floor,

@@ -32,8 +32,8 @@ impl Section for Verdict {
     fn blocks(&self, study: &Study) -> Vec<Block> {
         let mut blocks = vec![finding(study)];
         blocks.extend(numbers(study));
-        blocks.extend(Overlay::of(study).map(|overlay| Block::from(overlay.stretch())));
         blocks.extend(next_step(study));
+        blocks.extend(Overlay::of(study).map(|overlay| Block::from(overlay.stretch())));
         blocks.extend(cautions(study));
         blocks
     }

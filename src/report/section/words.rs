@@ -113,13 +113,10 @@ pub(super) fn status(method: &MethodStudy) -> &'static str {
     }
 }
 
-/// The equation of the model's base with the effects added to it.
-pub(super) fn model(study: &Study) -> String {
-    if study.effects.is_empty() {
-        "base model (inertia, centrifugal, Coulomb friction)".to_owned()
-    } else {
-        format!("base model + {}", study.effects.join(" + "))
-    }
+/// The model's base with the effects added to it: "base model + back-EMF".
+pub(super) fn model(effects: &[String]) -> String {
+    let added = effects.iter().map(|id| effect_in_text(id));
+    std::iter::once("base model".to_owned()).chain(added).collect::<Vec<_>>().join(" + ")
 }
 
 /// Where the paper shows the same, for its own movement; empty for any other.
@@ -129,7 +126,12 @@ pub(super) fn in_paper(study: &Study, figure: &str) -> String {
 
 /// The model as given, shortly: "base model".
 pub(super) fn given(study: &Study) -> String {
-    if study.effects.is_empty() { "base model".to_owned() } else { "model as given".to_owned() }
+    let is_fuzzy = study.reference_method().is_some_and(|m| m.fuzzy.is_some());
+    match study.effects.is_empty() {
+        _ if is_fuzzy && study.diagnosis.is_none() => "fuzzy system".to_owned(),
+        true => "base model".to_owned(),
+        false => "model as given".to_owned(),
+    }
 }
 
 /// The effects found, in words: "turning scrub and slope".
