@@ -128,9 +128,10 @@ impl<'a> HorizonFilter<'a> {
         Self { prepared, hold, pieces, crossing, inertia, whole_noise, alike: false }
     }
 
-    /// Whether noise of the input is seen, without which every horizon is the same.
+    /// Whether the input has noise, without which every horizon is the same.
     pub(crate) fn has_memory(&self) -> bool {
-        self.prepared.iter().any(|p| p.moment_noise > 0.0)
+        let noise = |p: &Prepared| if self.alike { self.whole_noise } else { p.moment_noise };
+        self.prepared.iter().any(|p| noise(p) > 0.0)
     }
 
     /// Variances of (alpha1, alpha2, omega1, omega2) at a horizon [s].

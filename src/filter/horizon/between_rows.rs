@@ -65,3 +65,28 @@ pub(super) fn whole_noise(prepared: &[Prepared]) -> f64 {
     }
     (sum / f64::max(count, 1.0)).sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::whole_noise;
+    use crate::filter::prepare;
+    use crate::recording::{Channels, DriveUnit, Recording};
+
+    #[test]
+    fn steps_and_ramps_have_the_noise_of_their_mean() {
+        let recorded = |input: &dyn Fn(usize) -> f64| {
+            let t: Vec<f64> = (0..201).map(|k| 0.01 * k as f64).collect();
+            let moment = (0..201).map(|k| [input(k); 2]).collect();
+            let omega = t.iter().map(|t| [t.sin(), t.cos()]).collect();
+            let channels = Channels { t, alpha: None, omega: Some(omega), moment };
+            Recording::new("test", channels, DriveUnit::NewtonMetre).unwrap()
+        };
+        let step = recorded(&|k| if k > 100 { 6.0 } else { 0.0 });
+        let ramp = recorded(&|k| 0.25 * k as f64);
+        let both = [prepare(&step), prepare(&ramp)];
+        // a step of 6 in one of 200 changes, and 0.25 in each of 200, as uniform errors
+        let mean_square = 0.5 * (6.0_f64.powi(2) / 200.0 + 0.25_f64.powi(2)) / 12.0;
+        let white = 0.5 * both.iter().map(|p| p.moment_noise.powi(2)).sum::<f64>();
+        assert!((whole_noise(&both).powi(2) / (mean_square + white) - 1.0).abs() < 0.05);
+    }
+}

@@ -78,14 +78,14 @@ fn a_light_robot_whose_friction_is_most_of_the_input_is_not_found_too_heavy() {
 /// Short tests of one step and long ramps of a tank drive whose tyres resist turning, without noise of the input, as a
 /// characterisation by voltage writes them. Straight both ways and pivots.
 fn steps_and_ramps(robot: &Model, truth: &[f64]) -> Vec<Recording> {
-    let noise = rand_distr::Normal::new(0.0, 0.01).unwrap();
+    let noise = rand_distr::Normal::new(0.0, 0.002).unwrap();
     let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
     let level = truth[A4];
     let one = |(step, side): (bool, f64)| {
-        let rows = if step { 400 } else { 3000 };
+        let rows = if step { 400 } else { 1500 };
         let t: Vec<f64> = (0..rows).map(|k| 0.005 * f64::from(k)).collect();
         let torque = |t: &f64| {
-            let m = if step { if *t < 0.3 { 0.0 } else { 3.0 * level } } else { 0.2 * level * t };
+            let m = if step { if *t < 0.3 { 0.0 } else { 3.0 * level } } else { 0.4 * level * t };
             [m, side * m]
         };
         let moment: Vec<[f64; 2]> = t.iter().map(torque).collect();
