@@ -132,6 +132,20 @@ pub(super) fn later<T: Real>(t: &[f64], m: &[[T; 2]], shift: T) -> Vec<[T; 2]> {
     t.iter().map(at_row).collect()
 }
 
+/// A recording whose input acts `shift` seconds later.
+#[must_use]
+pub fn with_later_input(recording: &Recording, shift: f64) -> Recording {
+    recording.with_interpolated_moment(shifted(recording, recording.moment(), shift))
+}
+
+/// A signal of a recording `shift` seconds later, by cubic interpolation between its rows; the ends of every
+/// piece are held.
+#[must_use]
+pub fn shifted(recording: &Recording, signal: &[[f64; 2]], shift: f64) -> Vec<[f64; 2]> {
+    let pieces = recording.pieces().iter();
+    pieces.flat_map(|p| later(&recording.t()[p.clone()], &signal[p.clone()], shift)).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::later;

@@ -23,7 +23,7 @@ mod windows;
 pub use acceptance::{Fall, fall_of};
 pub use candidate::{Candidate, Form, candidates};
 pub use fit::{WindowFit, fit};
-pub use input_timing::SYMBOL as INPUT_SHIFT;
+pub use input_timing::{SYMBOL as INPUT_SHIFT, shifted, with_later_input};
 pub use judge::{Judge, Judgement};
 pub use next_run::{Limits, Proposal, Rivals, next_run};
 pub use outcome::{Diagnosis, Ranked, Step};
@@ -33,7 +33,7 @@ pub use screen::Screen;
 pub use search::{Data, Settings, diagnose};
 pub use shapes::shapes_placed;
 pub use thresholds::{THRESHOLDS, Thresholds};
-pub use timing::{Timing, shifted, timing, with_later_input};
+pub use timing::{Timing, timing};
 pub use verdict::{Conclusion, Errors, conclude, likely, probabilities, structure, withheld};
 pub use windows::{Windows, mobility};
 

@@ -9,6 +9,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::candidate::{Candidate, still_instant};
+use super::input_timing::shifted;
 use super::nonnegative;
 use crate::compare::{filtered, smooth_motion};
 use crate::effects::{Motion, along};
@@ -228,7 +229,7 @@ impl<'a> Regression<'a> {
         let mut change = DVector::zeros(self.rows.len());
         for smooth in self.smoothed.recordings.iter() {
             let input = &smooth.input;
-            let shifted = super::timing::shifted(smooth.recording, input, shift);
+            let shifted = shifted(smooth.recording, input, shift);
             for (row, (index, k, i)) in self.rows.iter().enumerate() {
                 if *index == smooth.index {
                     change[row] = shifted[*k][*i] - input[*k][*i];

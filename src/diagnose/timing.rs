@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use super::fit::{WindowFit, fit};
-use super::input_timing::{InputTiming, SYMBOL, later};
+use super::input_timing::{InputTiming, SYMBOL};
 use super::regression::{Regression, Smoothed, cutoff};
 use super::scale::scale_of;
 use super::thresholds::THRESHOLDS;
@@ -140,18 +140,4 @@ fn step_of(windows: &Windows, fit: &WindowFit, j: usize) -> Option<f64> {
     let quadratic = windows.quadratic(&fit.model, &fit.p, &free)?;
     let step = quadratic.hessian.lu().solve(&-quadratic.gradient)?;
     free.iter().position(|&k| k == j).map(|n| step[n])
-}
-
-/// A recording whose input acts `shift` seconds later.
-#[must_use]
-pub fn with_later_input(recording: &Recording, shift: f64) -> Recording {
-    recording.with_interpolated_moment(shifted(recording, recording.moment(), shift))
-}
-
-/// A signal of a recording `shift` seconds later, by cubic interpolation between its rows; the ends of every
-/// piece are held.
-#[must_use]
-pub fn shifted(recording: &Recording, signal: &[[f64; 2]], shift: f64) -> Vec<[f64; 2]> {
-    let pieces = recording.pieces().iter();
-    pieces.flat_map(|p| later(&recording.t()[p.clone()], &signal[p.clone()], shift)).collect()
 }

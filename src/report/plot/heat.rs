@@ -1,37 +1,18 @@
 //! Heat maps and their colour bar.
 
 use crate::report::ReportError;
-use crate::report::figure::{Axis, AxisScale, ColorMap, HeatMap};
+use crate::report::figure::{ColorMap, HeatMap};
 use crate::report::palette::{AXIS, CELL_EMPTY, MUTED, Rgb, diverging, sequential, text_on};
 use crate::report::polyline::Rect;
 use crate::report::scale::Scale;
 
 use super::canvas::Canvas;
+use super::colour_scale::scale;
 use super::pen::{Anchor, Pen, TICK_LABEL};
 use super::plan::Frame;
 
-/// Room to the right of the plot for the colour bar and its labels [px].
-pub(super) const BAR_ROOM: f64 = 82.0;
 /// Cells reach a pixel below their later neighbours: anti-aliasing would show a seam.
 const OVERLAP: f64 = 1.0;
-
-/// What the colour shows.
-pub(super) fn label(map: &HeatMap) -> String {
-    let axis = Axis::linear(map.label.clone(), map.unit.clone());
-    scale(map).ticks(5.0).axis_label(&axis)
-}
-
-fn scale(map: &HeatMap) -> Scale {
-    let axis = Axis { range: map.range, ..Axis::default() };
-    let values = || map.values.iter().flatten().copied().filter(|v| v.is_finite());
-    if map.colors == ColorMap::Sequential {
-        return Scale::new(&axis, values(), 0.0);
-    }
-    let given = map.range.map(|(a, b)| a.abs().max(b.abs()));
-    let largest = given.unwrap_or_else(|| values().fold(0.0, |most: f64, v| most.max(v.abs())));
-    let largest = if largest.is_finite() && largest > 0.0 { largest.min(1e300) } else { 1.0 };
-    Scale { kind: AxisScale::Linear, first: -largest, last: largest }
-}
 
 fn color(map: &HeatMap, share: f64) -> Rgb {
     match map.colors {

@@ -6,14 +6,9 @@ use crate::report::palette::{Rgb, Role, SURFACE};
 use crate::report::polyline::{Point, Rect, clip_line, clip_polygon, decimate, runs, thin_dots};
 
 use super::canvas::Canvas;
-use super::pen::{Anchor, LEGEND};
+use super::pen::{Anchor, BAND, LEGEND, SHADE};
 use super::plan::Frame;
 use super::stroke::stroke;
-
-/// Opacity of bands.
-pub(in crate::report) const BAND: f64 = 0.25;
-/// Opacity of shaded ranges.
-pub(in crate::report) const SHADE: f64 = 0.2;
 
 /// Shades lie lowest, bands above them, everything else above both in the given order.
 pub(super) fn draw(

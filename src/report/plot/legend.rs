@@ -6,7 +6,8 @@ use crate::report::palette::Role;
 use crate::report::polyline::Rect;
 
 use super::canvas::Canvas;
-use super::pen::{Anchor, LEGEND};
+use super::colour_scale;
+use super::pen::{Anchor, BAND, LEGEND, SHADE};
 use super::stroke::stroke;
 
 const SWATCH: f64 = 20.0;
@@ -97,11 +98,9 @@ pub(super) fn entries(panel: &Panel) -> Vec<Entry> {
                 add(label, *role, Sample::Line(*dash, 2.0));
             }
             Layer::Points { label, role, .. } => add(label, *role, Sample::Dots),
-            Layer::Band { label, role, .. } => {
-                add(label, *role, Sample::Patch(super::layers::BAND))
-            }
+            Layer::Band { label, role, .. } => add(label, *role, Sample::Patch(BAND)),
             Layer::Shade { label, role, .. } => {
-                add(label, *role, Sample::Patch(super::layers::SHADE));
+                add(label, *role, Sample::Patch(SHADE));
             }
             Layer::ErrorBars { label, role, .. } => add(label, *role, Sample::Whisker),
             Layer::Bars(bars) => {
@@ -109,7 +108,7 @@ pub(super) fn entries(panel: &Panel) -> Vec<Entry> {
                     add(&series.label, series.role, Sample::Patch(1.0));
                 }
             }
-            Layer::HeatMap(map) => add(&super::heat::label(map), Role::Ink, Sample::None),
+            Layer::HeatMap(map) => add(&colour_scale::label(map), Role::Ink, Sample::None),
             Layer::Text { .. } => {}
         }
     }

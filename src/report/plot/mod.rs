@@ -6,9 +6,11 @@
 mod axes;
 mod bars;
 mod canvas;
+mod colour_scale;
 mod heat;
 mod layers;
 mod legend;
+mod names_below;
 mod pen;
 mod plan;
 mod stroke;
@@ -19,8 +21,8 @@ use super::figure::{Figure, WIDTH};
 use super::palette::SURFACE;
 use super::polyline::Rect;
 use super::scale::Scale;
-pub(super) use layers::{BAND as BAND_ALPHA, SHADE as SHADE_ALPHA};
 pub(super) use pen::printable;
+pub(super) use pen::{BAND as BAND_ALPHA, SHADE as SHADE_ALPHA};
 
 use canvas::Canvas;
 use pen::{Anchor, SUBTITLE, TITLE};

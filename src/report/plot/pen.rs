@@ -9,6 +9,14 @@ use crate::report::ReportError;
 use crate::report::fonts::{FAMILY, REGULAR, SEMI_BOLD};
 use crate::report::palette::{INK, MUTED, Rgb};
 
+/// Opacity of bands.
+pub(in crate::report) const BAND: f64 = 0.25;
+/// Opacity of shaded ranges.
+pub(in crate::report) const SHADE: f64 = 0.2;
+
+/// Pixels between plot and tick labels.
+pub(super) const GAP: f64 = 7.0;
+
 /// plotters rounds coordinates to whole pixels; figures are drawn this much larger.
 pub(super) const SUPERSAMPLING: f64 = 8.0;
 /// plotters divides font sizes by this before it writes them.

@@ -4,12 +4,12 @@ use crate::report::figure::{AxisScale, Bars, Direction, Layer, Panel};
 use crate::report::polyline::{Point, Rect};
 use crate::report::scale::{Scale, Ticks};
 
+use super::colour_scale::BAR_ROOM;
 use super::legend::{self, Entry};
-use super::pen::{AXIS_LABEL, CATEGORY, LEGEND, PANEL_TITLE, TICK_LABEL};
+use super::names_below::names_below;
+use super::pen::{AXIS_LABEL, CATEGORY, GAP, LEGEND, PANEL_TITLE, TICK_LABEL};
 use super::ticks::{x_ticks, y_ticks};
 
-/// Pixels between plot and tick labels.
-pub(super) const GAP: f64 = 7.0;
 /// Names left of a plot take at most this share of the width.
 const NAMES_SHARE: f64 = 0.34;
 /// Between a bar and the text at its end, and behind that [px].
@@ -190,7 +190,7 @@ impl<'a> Plan<'a> {
     /// Room to the right of the plot [px]: half a tick label, or a colour bar.
     pub(super) fn right(&self) -> f64 {
         match heat_map(self.panel) {
-            Some(_) => super::heat::BAR_ROOM,
+            Some(_) => BAR_ROOM,
             None => 22.0,
         }
     }
@@ -202,7 +202,7 @@ impl<'a> Plan<'a> {
         }
         let marks = self.x_marks(width);
         let ticks = match &marks {
-            Marks::Names(names) => super::axes::names_below(names, width).height,
+            Marks::Names(names) => names_below(names, width).height,
             Marks::Numbers(_) => GAP + TICK_LABEL.line_height(),
         };
         let label =
