@@ -93,14 +93,15 @@ fn velocity(study: &Study, recording: &RecordingStudy) -> Figure {
         .linked(LINK)
 }
 
-/// The path of the axle's centre, dotted where the error of the model exceeds the noise.
+/// The path of the axle's centre, dotted where the error of the model exceeds the noise floor.
 fn path(study: &Study, recording: &RecordingStudy, windows: &[[f64; 2]]) -> Figure {
     let place = |k: usize| (recording.path[k][0], recording.path[k][1]);
     let all: Vec<(f64, f64)> = (0..recording.path.len()).map(place).collect();
-    let noise = recording.noise.omega.map(|s| s.max(1e-9));
+    // the floor of the verdict, so that the path tells the same of the model
+    let floor = recording.floor.window_rms.max(1e-9);
     let loud = |k: usize| -> f64 {
-        let one = |i: usize| ((recording.omega[k][i] - windows[k][i]) / noise[i]).powi(2);
-        (0.5 * (one(0) + one(1))).sqrt()
+        let square = |i: usize| (recording.omega[k][i] - windows[k][i]).powi(2);
+        (0.5 * (square(0) + square(1))).sqrt() / floor
     };
     let count = windows.len().min(recording.omega.len()).min(all.len());
     let smooth = smoothed(&(0..count).map(loud).collect::<Vec<_>>(), recording.rate_hz);
@@ -122,7 +123,7 @@ fn path(study: &Study, recording: &RecordingStudy, windows: &[[f64; 2]]) -> Figu
     let (some, many) = (above(2.0, 4.0), above(4.0, f64::INFINITY));
     let share = (some.len() + many.len()) as f64 / count.max(1) as f64;
     let marks = [
-        dots(some, "error 2 to 4 times the noise", Role::Highlight, 1.6),
+        dots(some, "error 2 to 4 times the floor", Role::Highlight, 1.6),
         dots(many, "more than 4 times", Role::Model, 2.6),
         dots(vec![start], "start", Role::Ink, 4.5),
     ];
@@ -137,10 +138,10 @@ fn path(study: &Study, recording: &RecordingStudy, windows: &[[f64; 2]]) -> Figu
     let title = match count {
         0 => "Robot path".to_owned(),
         _ if share == 0.0 => {
-            format!("The error{model} stays below twice the measurement noise everywhere")
+            format!("The error{model} stays below twice the noise floor everywhere")
         }
         _ => format!(
-            "The error{model} exceeds twice the measurement noise for {} of the time",
+            "The error{model} exceeds twice the noise floor for {} of the time",
             format::percent(share)
         ),
     };
@@ -148,7 +149,7 @@ fn path(study: &Study, recording: &RecordingStudy, windows: &[[f64; 2]]) -> Figu
         .with_subtitle(&recording.file)
         .with_caption(
             "Path of the axle's centre, computed from the wheel angles; dots mark where the 2 s simulation \
-             error, averaged over 0.2 s, exceeds the noise of the speeds.",
+             error, averaged over 0.2 s, exceeds twice the noise floor.",
         )
         .with_panel(panel);
     figure.size = size;
