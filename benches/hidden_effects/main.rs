@@ -11,16 +11,7 @@
 //! long run can be made in slices of `--minutes`. Tables are those of all cases asked for that have an outcome.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
-mod case;
-mod hidden;
-mod judge;
-mod logger;
-mod mechanics;
 mod options;
-mod own;
-mod robots;
-mod scenario;
-mod second;
 mod tables;
 
 use std::collections::BTreeMap;
@@ -30,10 +21,10 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::time::Instant;
 
-use case::Case;
-use judge::{Outcome, judge};
+use hidden_effects::case::Case;
+use hidden_effects::judge::{Outcome, judge};
+use hidden_effects::scenario::Scenario;
 use options::Options;
-use scenario::Scenario;
 
 /// Rate at which effects are searched where some are hidden: the program's default.
 const DEFAULT_RATE: f64 = 0.05;
@@ -112,9 +103,10 @@ fn write(cases: &[Case], folder: &Path, csv: bool) -> Result<(), String> {
         let scenario = Scenario::new(case)?;
         let toml = scenario.write(&folder.join(&name), csv)?;
         println!("{case}\n  experiment {}", toml.display());
-        let values = |own: &hidden::Values| -> serde_json::Map<String, serde_json::Value> {
-            own.iter().map(|(symbol, value)| ((*symbol).to_string(), (*value).into())).collect()
-        };
+        let values =
+            |own: &hidden_effects::hidden::Values| -> serde_json::Map<String, serde_json::Value> {
+                own.iter().map(|(symbol, value)| ((*symbol).to_string(), (*value).into())).collect()
+            };
         let parameters: serde_json::Map<_, _> =
             scenario.effects.iter().map(|(id, own)| (id.clone(), values(own).into())).collect();
         let size = (!case.hidden.is_empty()).then(|| case.size.name());

@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use super::case::{Case, SIZES, Simulator, Size};
-use super::hidden::{EFFECTS, OUTSIDE};
-use super::logger::{LOGS, Log};
-use super::robots::Machine;
+use hidden_effects::case::{Case, SIZES, Simulator, Size};
+use hidden_effects::hidden::{EFFECTS, OUTSIDE};
+use hidden_effects::logger::{LOGS, Log};
+use hidden_effects::robots::Machine;
 
 /// What is asked for.
 pub(crate) struct Options {

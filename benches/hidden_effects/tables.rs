@@ -2,11 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use super::case::{Case, SIZES, Simulator};
-use super::hidden::EFFECTS;
-use super::judge::{Outcome, Said};
-use super::robots::Machine;
-use super::scenario::DURATION;
+use hidden_effects::case::{Case, SIZES, Simulator};
+use hidden_effects::hidden::EFFECTS;
+use hidden_effects::judge::{Outcome, Said};
+use hidden_effects::robots::Machine;
+use hidden_effects::scenario::DURATION;
 
 type Row = (Case, Outcome);
 
@@ -273,7 +273,7 @@ fn outside(rows: &[&Row]) {
     println!(
         "\n## Outside the catalogue\n\n| what | unknown said | an effect named and no more | likely | nothing said |\n|---|---|---|---|---|"
     );
-    for kind in super::hidden::OUTSIDE {
+    for kind in hidden_effects::hidden::OUTSIDE {
         let own: Vec<&Row> = rows.iter().filter(|(c, _)| c.hidden == [kind]).copied().collect();
         let said = |verdict: &str| {
             let right = |(_, o): &&&Row| default(o).is_some_and(|s| s.verdict == verdict);

@@ -1,4 +1,4 @@
-//! The fast twin of the hidden-effect benchmark: a few of its cases, and checks of its second simulator.
+//! A few cases of the hidden-effect benchmark, and checks of its second simulator.
 
 use amigo_ident::model::Model;
 use amigo_ident::robot::State;
@@ -6,36 +6,11 @@ use amigo_ident::simulate::{Hold, Input, simulate};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-// the benchmark needs more of these files than its twin
-#[allow(dead_code)]
-#[path = "../../benches/hidden_effects/case.rs"]
-mod case;
-#[allow(dead_code)]
-#[path = "../../benches/hidden_effects/hidden.rs"]
-mod hidden;
-#[allow(dead_code)]
-#[path = "../../benches/hidden_effects/judge.rs"]
-mod judge;
-#[allow(dead_code)]
-#[path = "../../benches/hidden_effects/logger.rs"]
-mod logger;
-#[path = "../../benches/hidden_effects/mechanics.rs"]
-mod mechanics;
-#[path = "../../benches/hidden_effects/own.rs"]
-mod own;
-#[allow(dead_code)]
-#[path = "../../benches/hidden_effects/robots.rs"]
-mod robots;
-#[allow(dead_code)]
-#[path = "../../benches/hidden_effects/scenario.rs"]
-mod scenario;
-#[path = "../../benches/hidden_effects/second.rs"]
-mod second;
-
-use case::{Case, Size};
-use hidden::{EFFECTS, Extent, Values, values, with_gear};
-use judge::{Said, judge};
-use robots::Machine;
+use hidden_effects::case::{Case, Size};
+use hidden_effects::hidden::{EFFECTS, Extent, Values, values, with_gear};
+use hidden_effects::judge::{Said, judge};
+use hidden_effects::robots::Machine;
+use hidden_effects::{scenario, second};
 
 /// What is said of cases by their ids, and a failure that names those where `good` is not true.
 fn expect(ids: &[&str], good: fn(&Case, &Said) -> bool) {

@@ -16,21 +16,22 @@ use super::{own, second};
 /// Recordings that are fitted; one more is held out.
 const TRAIN: u64 = 2;
 /// Length of a recording [s].
-pub(crate) const DURATION: f64 = 25.0;
+pub const DURATION: f64 = 25.0;
 
 /// The recordings of a case.
-pub(crate) struct Scenario {
-    pub(crate) machine: Machine,
+pub struct Scenario {
+    /// The robot.
+    pub machine: Machine,
     /// The effects of the catalogue that are hidden, with their parameters.
-    pub(crate) effects: Vec<(String, Values)>,
+    pub effects: Vec<(String, Values)>,
     /// The true a1..a5.
-    pub(crate) truth: [f64; 5],
+    pub truth: [f64; 5],
     recordings: Vec<(String, Channels)>,
 }
 
 impl Scenario {
     /// Drives and records the case.
-    pub(crate) fn new(case: &Case) -> Result<Self, String> {
+    pub fn new(case: &Case) -> Result<Self, String> {
         let machine = Machine::of(&case.robot).ok_or("no such robot")?;
         let mut rng = ChaCha8Rng::seed_from_u64(case.stream());
         // sizes are those of an ordinary motion of the healthy robot
@@ -67,7 +68,7 @@ impl Scenario {
     }
 
     /// Writes the recordings as Parquet, or CSV, and the experiment file; returns its path.
-    pub(crate) fn write(&self, folder: &Path, csv: bool) -> Result<PathBuf, String> {
+    pub fn write(&self, folder: &Path, csv: bool) -> Result<PathBuf, String> {
         let words = |e: std::io::Error| format!("{}: {e}", folder.display());
         std::fs::create_dir_all(folder).map_err(words)?;
         let ending = if csv { "csv" } else { "parquet" };

@@ -9,7 +9,7 @@ use super::robots::Machine;
 
 /// Who drives the robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Simulator {
+pub enum Simulator {
     /// The project's own: event-driven stick and slip under a controller at 1 kHz.
     Own,
     /// The benchmark's: other equations, integrator, friction law, controller and set-points.
@@ -18,18 +18,21 @@ pub(crate) enum Simulator {
 
 /// How large a hidden effect is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Size {
+pub enum Size {
+    /// 3 % of the input.
     Weak,
+    /// 8 %.
     Moderate,
+    /// 20 %.
     Strong,
 }
 
 /// All sizes.
-pub(crate) const SIZES: [Size; 3] = [Size::Strong, Size::Moderate, Size::Weak];
+pub const SIZES: [Size; 3] = [Size::Strong, Size::Moderate, Size::Weak];
 
 impl Size {
     /// Root mean square torque of the effect over that of the input [1].
-    pub(crate) fn share(self) -> f64 {
+    pub fn share(self) -> f64 {
         match self {
             Self::Weak => 0.03,
             Self::Moderate => 0.08,
@@ -37,7 +40,8 @@ impl Size {
         }
     }
 
-    pub(crate) fn name(self) -> &'static str {
+    /// As in the id of a case.
+    pub fn name(self) -> &'static str {
         match self {
             Self::Weak => "weak",
             Self::Moderate => "moderate",
@@ -48,29 +52,29 @@ impl Size {
 
 /// A case; its id gives all of it.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Case {
+pub struct Case {
     /// Name of the robot.
-    pub(crate) robot: String,
+    pub robot: String,
     /// Who drives it.
-    pub(crate) simulator: Simulator,
+    pub simulator: Simulator,
     /// How it is recorded.
-    pub(crate) log: Log,
+    pub log: Log,
     /// Ids of what is hidden: none, one or two effects of the catalogue, or one outside it.
-    pub(crate) hidden: Vec<String>,
+    pub hidden: Vec<String>,
     /// How large.
-    pub(crate) size: Size,
+    pub size: Size,
     /// Seed of movements and noise; its remainder by three is the noise level.
-    pub(crate) seed: u64,
+    pub seed: u64,
 }
 
 impl Case {
     /// Whether what is hidden stands in the catalogue.
-    pub(crate) fn outside(&self) -> bool {
+    pub fn outside(&self) -> bool {
         self.hidden.iter().any(|h| OUTSIDE.contains(&h.as_str()))
     }
 
     /// Kind of case.
-    pub(crate) fn kind(&self) -> &'static str {
+    pub fn kind(&self) -> &'static str {
         match self.hidden.len() {
             0 => "healthy",
             1 if self.outside() => "outside",
@@ -80,12 +84,12 @@ impl Case {
     }
 
     /// Noise level: 0 low, 1 medium, 2 high.
-    pub(crate) fn level(&self) -> usize {
+    pub fn level(&self) -> usize {
         (self.seed % 3) as usize
     }
 
     /// A number for random draws, different for every case.
-    pub(crate) fn stream(&self) -> u64 {
+    pub fn stream(&self) -> u64 {
         // FNV-1a of the id
         let id = self.to_string();
         id.bytes()

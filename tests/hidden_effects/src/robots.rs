@@ -5,23 +5,23 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// Standard acceleration of gravity [m/s^2].
-pub(crate) const GRAVITY: f64 = 9.806_65;
+pub const GRAVITY: f64 = 9.806_65;
 /// Largest relative error of masses, inertias and friction in the construction data that a user has.
 const UNKNOWN: f64 = 0.1;
 
 /// A robot with the way it is driven.
 #[derive(Clone, Debug)]
-pub(crate) struct Machine {
+pub struct Machine {
     /// Name in the id of a case.
-    pub(crate) name: String,
+    pub name: String,
     /// Construction data as a user knows them; they go into the experiment file.
-    pub(crate) known: Construction,
+    pub known: Construction,
     /// The robot that is driven.
-    pub(crate) truth: Construction,
+    pub truth: Construction,
     /// Top speed of a wheel [rad/s].
-    pub(crate) speed: f64,
+    pub speed: f64,
     /// Largest wheel acceleration that is asked of it [rad/s^2].
-    pub(crate) acceleration: f64,
+    pub acceleration: f64,
 }
 
 /// Top speed [rad/s] and acceleration [rad/s^2] of a preset: data sheets and usual drivers.
@@ -45,7 +45,7 @@ fn pace(name: &str) -> (f64, f64) {
 
 impl Machine {
     /// The robot of a name: a preset, or `random_K`. `None` if there is none.
-    pub(crate) fn of(name: &str) -> Option<Self> {
+    pub fn of(name: &str) -> Option<Self> {
         if let Some(number) = name.strip_prefix("random_") {
             return number.parse().ok().map(Self::random);
         }
@@ -55,14 +55,14 @@ impl Machine {
     }
 
     /// The names of all presets.
-    pub(crate) fn presets() -> Vec<String> {
+    pub fn presets() -> Vec<String> {
         presets().into_iter().map(|p| p.name.to_string()).collect()
     }
 
     /// The K-th random robot: mass from 0.1 to 150 kg and deceleration by friction a4/(a1 + a2) from 1 to
     /// 60 rad/s^2, both spread evenly over their logarithms by multiples of irrational numbers; sizes
     /// with the cube root of the mass; speeds with the root of gravity times wheel radius (Froude).
-    pub(crate) fn random(number: u64) -> Self {
+    pub fn random(number: u64) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(0x5eed_0000 + number);
         let spread = |irrational: f64| (0.5 + number as f64 * irrational).fract();
         let mass = 0.1 * 1500_f64.powf(spread(0.618_033_988_749_895));
@@ -134,18 +134,18 @@ impl Machine {
     }
 
     /// The robot that is driven.
-    pub(crate) fn robot(&self) -> Robot {
+    pub fn robot(&self) -> Robot {
         Robot { name: self.name.clone(), construction: self.truth.clone() }
     }
 
     /// Deceleration by friction a4/(a1 + a2) [rad/s^2].
-    pub(crate) fn deceleration(&self) -> f64 {
+    pub fn deceleration(&self) -> f64 {
         let a = self.truth.parameters();
         a.a4 / (a.a1 + a.a2)
     }
 
     /// Mass in all [kg].
-    pub(crate) fn mass(&self) -> f64 {
+    pub fn mass(&self) -> f64 {
         self.truth.m1_kg + self.truth.m2_kg + self.truth.m4_kg
     }
 }

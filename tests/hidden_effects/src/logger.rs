@@ -7,22 +7,22 @@ use rand_distr::{Distribution, StandardNormal};
 use super::robots::Machine;
 
 /// Rate of exact motions [Hz].
-pub(crate) const EXACT: f64 = 1000.0;
+pub const EXACT: f64 = 1000.0;
 
 /// A motion as it was, at [`EXACT`] rows a second.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Exact {
+pub struct Exact {
     /// Wheel angles [rad].
-    pub(crate) alpha: Vec<[f64; 2]>,
+    pub alpha: Vec<[f64; 2]>,
     /// Wheel speeds [rad/s].
-    pub(crate) omega: Vec<[f64; 2]>,
+    pub omega: Vec<[f64; 2]>,
     /// Torques of the motors [N m].
-    pub(crate) torque: Vec<[f64; 2]>,
+    pub torque: Vec<[f64; 2]>,
 }
 
 /// How a motion is recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Log {
+pub enum Log {
     /// White noise on all channels, so many rows a second.
     White(u32),
     /// 100 Hz; the noise of the torques is an AR(1) process with 0.95 from row to row.
@@ -38,7 +38,7 @@ pub(crate) enum Log {
 }
 
 /// All kinds, the plain one first.
-pub(crate) const LOGS: [Log; 11] = [
+pub const LOGS: [Log; 11] = [
     Log::White(100),
     Log::White(20),
     Log::White(50),
@@ -58,14 +58,16 @@ const COUNTS: f64 = 20.0;
 const LAG: f64 = 0.05;
 
 impl Log {
-    pub(crate) fn name(self) -> String {
+    /// As in the id of a case.
+    pub fn name(self) -> String {
         match self {
             Self::White(rate) => format!("{rate}hz"),
             other => format!("{other:?}").to_lowercase(),
         }
     }
 
-    pub(crate) fn of(name: &str) -> Option<Self> {
+    /// The logger of that name.
+    pub fn of(name: &str) -> Option<Self> {
         LOGS.into_iter().find(|log| log.name() == name)
     }
 
@@ -81,7 +83,7 @@ const NOISE: [(f64, f64, f64); 3] =
     [(5e-4, 0.0015, 0.005), (1e-3, 0.004, 0.02), (2e-3, 0.012, 0.05)];
 
 /// Records `exact` of `machine` at a noise level.
-pub(crate) fn record(
+pub fn record(
     exact: &Exact,
     log: Log,
     machine: &Machine,

@@ -23,12 +23,14 @@ use super::robots::Machine;
 const WIDTH: f64 = 1e-4;
 
 /// Frame speed and turn rate, motor angles and speeds, twists of the springs, heading.
-pub(crate) type State = [f64; 9];
+pub type State = [f64; 9];
 /// Places in the state: speed, turn rate, motor angle, motor speed, twist of wheel 1, heading.
 const V: usize = 0;
 const B: usize = 1;
-pub(crate) const ANGLE: usize = 2;
-pub(crate) const SPEED: usize = 4;
+/// Place of the first motor angle.
+pub const ANGLE: usize = 2;
+/// Place of the first motor speed.
+pub const SPEED: usize = 4;
 const TWIST: usize = 6;
 const HEADING: usize = 8;
 
@@ -111,7 +113,7 @@ impl Resistance {
 
 /// A robot with all that is hidden in it.
 #[derive(Clone, Debug)]
-pub(crate) struct Mechanics {
+pub struct Mechanics {
     frame: f64,
     behind: f64,
     right: f64,
@@ -129,7 +131,7 @@ pub(crate) struct Mechanics {
 
 impl Mechanics {
     /// `machine` with effects of these values.
-    pub(crate) fn new(machine: &Machine, values: &Values, torque: f64) -> Self {
+    pub fn new(machine: &Machine, values: &Values, torque: f64) -> Self {
         let c = &machine.truth;
         let value = |symbol: &str| values.iter().find(|(s, _)| *s == symbol).map(|(_, v)| *v);
         let mismatch = value("eps").unwrap_or(0.0);
@@ -160,8 +162,7 @@ impl Mechanics {
     }
 
     /// The state in which wheels roll without slip at these speeds [rad/s].
-    #[allow(dead_code)] // the tests call it, the benchmark starts from rest
-    pub(crate) fn rolling(&self, w: [f64; 2]) -> State {
+    pub fn rolling(&self, w: [f64; 2]) -> State {
         let rim = [0, 1].map(|i| self.radius[i] * w[i]);
         let mut y: State = [0.0; 9];
         (y[V], y[B]) = (0.5 * (rim[0] + rim[1]), 0.5 * (rim[0] - rim[1]) / self.half_track);
@@ -170,14 +171,14 @@ impl Mechanics {
     }
 
     /// The same with a larger frame, friction in proportion.
-    pub(crate) fn loaded(&self, share: f64) -> Self {
+    pub fn loaded(&self, share: f64) -> Self {
         let more = 1.0 + share;
         let level = self.level.map(|f| f * more);
         Self { frame: self.frame * more, yaw: self.yaw * more, level, ..self.clone() }
     }
 
     /// The fastest rate of the equations [1/s]: friction near rest, or the link.
-    pub(crate) fn rate(&self) -> f64 {
+    pub fn rate(&self) -> f64 {
         let h = &self.resistance;
         let level =
             self.level[0].max(self.level[1]) + h.sticky + h.warm + 2.0 * (h.scrub + h.caster);
@@ -234,7 +235,7 @@ impl Mechanics {
     }
 
     /// Rates of the state under motor torques [N m].
-    pub(crate) fn rates(&self, t: f64, y: &State, motor: [f64; 2]) -> State {
+    pub fn rates(&self, t: f64, y: &State, motor: [f64; 2]) -> State {
         let (v, b, l) = (y[V], y[B], self.half_track);
         let resisting = self.resisting(t, y);
         let net = [0, 1].map(|i| motor[i] - resisting[i]);

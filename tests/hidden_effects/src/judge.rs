@@ -12,67 +12,71 @@ use super::scenario::Scenario;
 
 /// A refitted candidate of the first step.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct Look {
+pub struct Look {
     /// Effect.
-    pub(crate) effect: String,
+    pub effect: String,
     /// Reported p-value of the fall of the held-out error.
-    pub(crate) p_value: f64,
+    pub p_value: f64,
     /// Difference of the criterion (positive: better with it).
-    pub(crate) delta_bic: f64,
+    pub delta_bic: f64,
 }
 
 /// An estimated parameter of the base model beside its true value.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct Covered {
-    pub(crate) symbol: String,
-    pub(crate) truth: f64,
-    pub(crate) value: f64,
-    pub(crate) std_error: f64,
+pub struct Covered {
+    /// Symbol.
+    pub symbol: String,
+    /// True value [SI].
+    pub truth: f64,
+    /// Estimate [SI].
+    pub value: f64,
+    /// Its standard error [SI].
+    pub std_error: f64,
     /// Whether the 95 % interval covers the true value.
-    pub(crate) covered: bool,
+    pub covered: bool,
 }
 
 /// What was said at one rate.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct Said {
+pub struct Said {
     /// The rate that was asked for.
-    pub(crate) false_alarm: f64,
+    pub false_alarm: f64,
     /// Effects named, first found first.
-    pub(crate) found: Vec<String>,
+    pub found: Vec<String>,
     /// The verdict, as in `results.json`.
-    pub(crate) verdict: String,
+    pub verdict: String,
     /// Effects said to be likely.
-    pub(crate) likely: Vec<String>,
+    pub likely: Vec<String>,
     /// 2 s simulation error on the held-out recording, over the floor, by model version.
-    pub(crate) versions: Vec<f64>,
+    pub versions: Vec<f64>,
 }
 
 /// A case and what came out.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct Outcome {
+pub struct Outcome {
     /// Id of the case.
-    pub(crate) case: String,
+    pub case: String,
     /// Hidden effects with their parameters.
-    pub(crate) hidden: Vec<(String, Vec<(String, f64)>)>,
+    pub hidden: Vec<(String, Vec<(String, f64)>)>,
     /// At the rates that were asked for; only the first that names nothing is run.
-    pub(crate) said: Vec<Said>,
+    pub said: Vec<Said>,
     /// Candidates of the first step, best first.
-    pub(crate) ranking: Vec<Look>,
+    pub ranking: Vec<Look>,
     /// Default estimates.
-    pub(crate) estimates: Vec<Covered>,
+    pub estimates: Vec<Covered>,
     /// Dead time [s], where the data show it.
-    pub(crate) dead_time_s: Option<f64>,
+    pub dead_time_s: Option<f64>,
     /// What conditioning found, in words.
-    pub(crate) conditioning: Vec<String>,
+    pub conditioning: Vec<String>,
     /// Why there is no result.
-    pub(crate) failure: Option<String>,
+    pub failure: Option<String>,
     /// Wall time of the first run [s].
-    pub(crate) seconds: f64,
+    pub seconds: f64,
 }
 
 /// Runs the program on the case: at the largest of `rates` first, at the smaller ones while something is named
 /// (what is not named at a larger rate is not named at a smaller one).
-pub(crate) fn judge(case: &Case, rates: &[f64]) -> Outcome {
+pub fn judge(case: &Case, rates: &[f64]) -> Outcome {
     let empty = Outcome {
         case: case.to_string(),
         hidden: vec![],
@@ -174,37 +178,37 @@ fn describe(out: &mut Outcome, study: &Study, scenario: &Scenario) {
 }
 
 /// Whether two ids mean the same by the equations.
-pub(crate) fn same(a: &str, b: &str) -> bool {
+pub fn same(a: &str, b: &str) -> bool {
     let twins = || find(a).map(|e| e.description().equivalent).unwrap_or_default();
     a == b || twins().iter().any(|t| t == b)
 }
 
 impl Outcome {
     /// What was said at a rate; at the nearest larger one that was run.
-    pub(crate) fn at(&self, rate: f64) -> Option<&Said> {
+    pub fn at(&self, rate: f64) -> Option<&Said> {
         self.said.iter().find(|said| (said.false_alarm - rate).abs() < 1e-9)
     }
 }
 
 impl Said {
     /// Whether the first effect named is one that was hidden.
-    pub(crate) fn named(&self, hidden: &[String]) -> bool {
+    pub fn named(&self, hidden: &[String]) -> bool {
         self.found.first().is_some_and(|f| hidden.iter().any(|h| same(h, f)))
     }
 
     /// Whether what was hidden was named, and nothing else.
-    pub(crate) fn exact(&self, hidden: &[String]) -> bool {
+    pub fn exact(&self, hidden: &[String]) -> bool {
         self.found.len() == hidden.len()
             && hidden.iter().all(|h| self.found.iter().any(|f| same(h, f)))
     }
 
     /// Whether the error of a later version is above that of an earlier one.
-    pub(crate) fn rises(&self) -> bool {
+    pub fn rises(&self) -> bool {
         self.versions.windows(2).any(|w| w[1] > 1.000_001 * w[0])
     }
 
     /// Whether nothing is said to be missing although the error is above 1.5 times the floor.
-    pub(crate) fn silent(&self) -> bool {
+    pub fn silent(&self) -> bool {
         self.verdict == "model_sufficient" && self.versions.last().is_some_and(|last| *last > 1.5)
     }
 }

@@ -9,7 +9,7 @@ use super::logger::{EXACT, Exact};
 use super::robots::Machine;
 
 /// Effects of the catalogue that are hidden; those that are equal by their equations stand once.
-pub(crate) const EFFECTS: [&str; 24] = [
+pub const EFFECTS: [&str; 24] = [
     "viscous_friction",
     "viscous_friction_1",
     "viscous_friction_2",
@@ -37,13 +37,13 @@ pub(crate) const EFFECTS: [&str; 24] = [
 ];
 
 /// What is outside the catalogue.
-pub(crate) const OUTSIDE: [&str; 5] = ["carpet", "resonance", "hysteresis", "load_change", "bumps"];
+pub const OUTSIDE: [&str; 5] = ["carpet", "resonance", "hysteresis", "load_change", "bumps"];
 
 /// Root mean squares of a motion, in whose units effects are sized.
 #[derive(Clone, Debug)]
-pub(crate) struct Extent {
+pub struct Extent {
     /// Torque [N m].
-    pub(crate) torque: f64,
+    pub torque: f64,
     /// Wheel speed [rad/s].
     speed: f64,
     /// Its square [rad^2/s^2].
@@ -61,7 +61,8 @@ pub(crate) struct Extent {
 }
 
 impl Extent {
-    pub(crate) fn of(exact: &Exact) -> Self {
+    /// The extent of a simulated run.
+    pub fn of(exact: &Exact) -> Self {
         let rms = |values: &mut dyn Iterator<Item = f64>| {
             let (sum, n) = values.fold((0.0, 0.0), |(s, n), v| (s + v * v, n + 1.0));
             (sum / f64::max(n, 1.0)).sqrt()
@@ -92,12 +93,12 @@ impl Extent {
 }
 
 /// Values of the parameters of a hidden effect, by their symbols in the catalogue.
-pub(crate) type Values = Vec<(&'static str, f64)>;
+pub type Values = Vec<(&'static str, f64)>;
 
 /// The parameters of `effect` on a robot whose healthy motion has this extent: its root mean square torque is
 /// the size's share of that of the input, as far as physics allows. Times of lags, springs and slip are
 /// those of ordinary hardware. Effects of both wheels differ between them.
-pub(crate) fn values(
+pub fn values(
     effect: &str,
     size: Size,
     machine: &Machine,
@@ -199,13 +200,13 @@ fn gear(smallest: f64, uneven: f64) -> f64 {
 }
 
 /// The construction with the motor and gear that a two-mass drivetrain has: they come on top.
-pub(crate) fn with_gear(truth: &Construction, values: &Values) -> Construction {
+pub fn with_gear(truth: &Construction, values: &Values) -> Construction {
     let gear = values.iter().find(|(symbol, _)| matches!(*symbol, "jw" | "jr"));
     Construction { iz1_kg_m2: truth.iz1_kg_m2 + gear.map_or(0.0, |(_, j)| *j), ..truth.clone() }
 }
 
 /// Torques on the wheels from outside the catalogue.
-pub(crate) struct Outside {
+pub struct Outside {
     kind: String,
     /// Size [N m].
     level: f64,
@@ -219,7 +220,7 @@ pub(crate) struct Outside {
 
 impl Outside {
     /// `None` where nothing from outside the catalogue is hidden.
-    pub(crate) fn of(
+    pub fn of(
         hidden: &[String],
         size: Size,
         machine: &Machine,
@@ -235,12 +236,12 @@ impl Outside {
     }
 
     /// Share of the mass that comes on top in the second half.
-    pub(crate) fn extra_mass(&self) -> f64 {
+    pub fn extra_mass(&self) -> f64 {
         if self.kind == "load_change" { 0.25 } else { 0.0 }
     }
 
     /// Torques of the next `step` seconds [N m], that of the extra mass not among them.
-    pub(crate) fn torque(&mut self, t: f64, step: f64, heading: f64, w: [f64; 2]) -> [f64; 2] {
+    pub fn torque(&mut self, t: f64, step: f64, heading: f64, w: [f64; 2]) -> [f64; 2] {
         let against = |w: f64| -(w / self.slow).tanh();
         match self.kind.as_str() {
             // friction that changes twice in a turn of the heading, as on a carpet with a nap

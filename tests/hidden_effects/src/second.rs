@@ -155,7 +155,7 @@ impl Actuator {
 }
 
 /// Drives `machine` with effects of these values hidden in it; `torque`: an ordinary torque [N m].
-pub(crate) fn drive(
+pub fn drive(
     machine: &Machine,
     values: &Values,
     mut outside: Option<Outside>,
@@ -213,8 +213,7 @@ fn midpoint(mechanics: &Mechanics, t: f64, step: f64, y: &State, torque: [f64; 2
 /// Speeds of the second simulator without its controller, at every millisecond, under recorded torques that are
 /// linear between the milliseconds, from wheels that turn at `start` [rad/s]: for comparison with other
 /// simulators.
-#[allow(dead_code)] // the tests call it, the benchmark does not
-pub(crate) fn follow(
+pub fn follow(
     machine: &Machine,
     values: &Values,
     torques: &[[f64; 2]],
