@@ -1,4 +1,4 @@
-//! Weighted linear least squares with an honest account of what the data cannot tell.
+//! Weighted linear least squares that says what is not identifiable.
 
 use nalgebra::{DMatrix, DVector};
 

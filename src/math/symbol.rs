@@ -4,32 +4,8 @@ use std::cell::RefCell;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 use super::expression::{Binary, Unary};
+use super::formula::{Formula, Node};
 use super::scalar::Real;
-
-/// One operation of a [`Formula`]; operands are numbers of earlier nodes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Node {
-    /// A number.
-    Constant(f64),
-    /// Input number k.
-    Input(usize),
-    /// A function of one node.
-    Unary(Unary, usize),
-    /// An operator or function of two nodes.
-    Binary(Binary, usize, usize),
-}
-
-/// A recorded formula: operations in the order in which they were done, each one once.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Formula {
-    /// The operations; operands stand before what uses them.
-    pub nodes: Vec<Node>,
-    /// The nodes that are results.
-    pub outputs: Vec<usize>,
-    /// Whether a value was read on the way (by a branch, or a function that has no node), so that
-    /// the formula may hold at the recorded place only.
-    pub read: bool,
-}
 
 thread_local! {
     static TAPE: RefCell<Formula> = RefCell::default();
@@ -51,83 +27,6 @@ pub fn record(inputs: &[f64], f: impl FnOnce(&[Symbol]) -> Vec<Symbol>) -> Formu
     let outputs = f(&symbols).iter().map(|symbol| symbol.node()).collect();
     let formula = TAPE.replace(outer);
     Formula { outputs, ..formula }
-}
-
-impl Formula {
-    /// The results at other inputs.
-    ///
-    /// # Panics
-    /// If there are fewer inputs than were recorded.
-    #[must_use]
-    pub fn evaluate(&self, inputs: &[f64]) -> Vec<f64> {
-        let mut values: Vec<f64> = Vec::with_capacity(self.nodes.len());
-        for node in &self.nodes {
-            values.push(match *node {
-                Node::Constant(value) => value,
-                Node::Input(k) => inputs[k],
-                Node::Unary(function, a) => function.apply(values[a]),
-                Node::Binary(function, a, b) => function.apply(values[a], values[b]),
-            });
-        }
-        self.outputs.iter().map(|&k| values[k]).collect()
-    }
-
-    /// How many times each node is used: by nodes that the results need, and as a result.
-    #[must_use]
-    pub fn uses(&self) -> Vec<usize> {
-        let mut uses = vec![0; self.nodes.len()];
-        self.outputs.iter().for_each(|&k| uses[k] += 1);
-        for k in (0..self.nodes.len()).rev() {
-            if uses[k] == 0 {
-                continue;
-            }
-            match self.nodes[k] {
-                Node::Constant(_) | Node::Input(_) => {}
-                Node::Unary(_, a) => uses[a] += 1,
-                Node::Binary(_, a, b) => {
-                    uses[a] += 1;
-                    uses[b] += 1;
-                }
-            }
-        }
-        uses
-    }
-
-    /// Whether every result is the constant zero.
-    #[must_use]
-    pub fn is_zero(&self) -> bool {
-        self.outputs.iter().all(|&k| self.nodes[k] == Node::Constant(0.0))
-    }
-
-    /// The largest degree of the results as polynomials of the inputs in `of`; `None` where one of them is no
-    /// polynomial.
-    #[must_use]
-    pub fn degree(&self, of: std::ops::Range<usize>) -> Option<usize> {
-        let mut degrees: Vec<Option<usize>> = Vec::with_capacity(self.nodes.len());
-        for node in &self.nodes {
-            degrees.push(match *node {
-                Node::Constant(_) => Some(0),
-                Node::Input(k) => Some(usize::from(of.contains(&k))),
-                Node::Unary(Unary::Negate, a) => degrees[a],
-                Node::Unary(_, a) => degrees[a].filter(|degree| *degree == 0),
-                Node::Binary(operator, a, b) => match (operator, degrees[a], degrees[b]) {
-                    (Binary::Add | Binary::Subtract, Some(a), Some(b)) => Some(a.max(b)),
-                    (Binary::Multiply, Some(a), Some(b)) => Some(a + b),
-                    (Binary::Divide, Some(a), Some(0)) => Some(a),
-                    (_, Some(0), Some(0)) => Some(0),
-                    _ => None,
-                },
-            });
-        }
-        self.outputs.iter().try_fold(0, |most, &k| Some(most.max(degrees[k]?)))
-    }
-
-    /// Whether a result depends on input number `input`.
-    #[must_use]
-    pub fn depends_on(&self, input: usize) -> bool {
-        let uses = self.uses();
-        (0..self.nodes.len()).any(|k| self.nodes[k] == Node::Input(input) && uses[k] > 0)
-    }
 }
 
 /// A number that remembers how it came about: every operation is written on a tape, so physics
@@ -341,17 +240,6 @@ impl MulAssign for Symbol {
 mod tests {
     use super::*;
 
-    #[test]
-    fn the_degree_is_that_of_the_polynomial_in_the_inputs_asked_for() {
-        let degree = |f: fn(&[Symbol]) -> Symbol| record(&[0.3, 0.7], |x| vec![f(x)]).degree(0..1);
-        assert_eq!(degree(|x| x[1].sin()), Some(0));
-        assert_eq!(degree(|x| x[0] * x[1].exp() / x[1] - x[0]), Some(1));
-        assert_eq!(degree(|x| -x[0].squared() * x[1]), Some(2));
-        assert_eq!(degree(|x| x[0].squared() * x[0] + x[1]), Some(3));
-        assert_eq!(degree(|x| x[0] * x[0].abs()), None);
-        assert_eq!(degree(|x| x[1] / x[0]), None);
-    }
-
     fn formula<T: Real>(x: &[T]) -> T {
         let clipped = x[0].max(-x[1]).min(x[1]);
         (x[0] * x[1]).exp() / (x[0].squared() + 1.0).sqrt() - (x[1] * 2.0).sin() * x[0].cos()
@@ -393,14 +281,5 @@ mod tests {
             vec![if two.value() > 0.0 { x[0] } else { -x[0] }]
         });
         assert!(!none.read);
-    }
-
-    #[test]
-    fn dependence_is_that_of_the_results_not_of_what_was_dropped() {
-        let recorded = record(&[1.0, 2.0, 3.0], |x| {
-            let _dropped = x[1].exp();
-            vec![x[0] + x[2] * 0.0]
-        });
-        assert!(recorded.depends_on(0) && !recorded.depends_on(1) && !recorded.depends_on(2));
     }
 }

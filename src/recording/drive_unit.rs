@@ -1,4 +1,4 @@
-//! The unit in which the drive was recorded.
+//! The unit in which the input was recorded.
 
 /// The unit of the drive; inertias and frictions come out per that unit.
 #[derive(
@@ -36,7 +36,7 @@ impl DriveUnit {
         }
     }
 
-    /// The unit of a parameter whose unit is `unit` when the drive is in N m.
+    /// The unit of a parameter whose unit is `unit` when the input is in N m.
     ///
     /// # Examples
     /// ```

@@ -3,7 +3,7 @@
 
 use super::RecordingError;
 
-/// Size of an angle, a speed or a drive at most, in the units of the contract.
+/// Size of an angle, a speed or an input at most, in the units of the contract.
 const LARGEST: f64 = 1e9;
 /// Time after the first row at most [s].
 const LONGEST: f64 = 1e9;

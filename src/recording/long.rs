@@ -1,6 +1,7 @@
 //! Recordings too long to be held: windows of them, and a way to read all their rows again.
 
-use super::recording::{MINIMUM_SAMPLES, check_rows, median_step};
+use super::check::{MINIMUM_SAMPLES, check_rows};
+use super::gaps::median_step;
 use super::{Channels, DriveUnit, Recording, RecordingError, limits};
 
 /// Rows of all windows together, about.

@@ -1,8 +1,11 @@
 //! What was measured: checked once, never changed.
 
 mod channels;
+mod check;
+mod derived;
 mod drive_unit;
 mod error;
+mod gaps;
 mod limits;
 mod local;
 mod long;
@@ -13,8 +16,10 @@ mod refresh;
 mod regime;
 
 pub use channels::{Channels, Measured, Noise};
+pub(crate) use derived::differentiate;
 pub use drive_unit::DriveUnit;
 pub use error::RecordingError;
+pub(crate) use gaps::is_gap;
 pub use local::LocalMotion;
 pub use long::{LongRecording, Rows, Survey};
 pub use noise::share_noise;
@@ -23,6 +28,5 @@ pub(crate) use quality::{
     View, Window, exchanged_input, exchanged_speeds, opposing_input, windows_of,
 };
 pub use recording::Recording;
-pub(crate) use recording::{differentiate, is_gap};
 pub use refresh::refreshed;
 pub use regime::Regime;

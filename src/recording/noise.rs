@@ -71,7 +71,7 @@ impl Recording {
         let fresh = self.fresh().iter().filter(|f| **f).count().max(1);
         let step = if sensed { self.duration() / fresh as f64 } else { self.step() };
         let block = ((BLOCK / step) as usize).max(SHORTEST);
-        // blocks in which a coarse encoder does not move at all say nothing of its noise; a drive
+        // blocks in which a coarse encoder does not move at all do not show its noise; an input
         // that holds its value has none
         let keep = |variance: f64| variance > 0.0 || !sensed;
         let runs = self.runs(values, i, sensed);

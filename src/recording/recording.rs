@@ -1,8 +1,11 @@
-//! One recording: wheel angles, wheel speeds and drive over time.
+//! One recording: wheel angles, wheel speeds and input over time.
 
 use std::ops::Range;
 
 use super::channels::{Channels, Measured, Noise};
+use super::check::check;
+use super::derived::{integrate, slopes};
+use super::gaps::{median_step, pieces};
 use super::{DriveUnit, RecordingError};
 
 /// A checked recording: finite values, strictly increasing time, angles and speeds both there.
@@ -24,11 +27,6 @@ pub struct Recording {
     /// Noise of the input as it was recorded, where it has been interpolated since [drive unit].
     recorded_input_noise: Option<[f64; 2]>,
 }
-
-/// Fewest samples of a recording: fourth differences and a line need that many.
-pub(super) const MINIMUM_SAMPLES: usize = 10;
-/// A step in time of more than this many median steps is a gap.
-const GAP: f64 = 4.0;
 
 impl Recording {
     /// Checks the columns and completes the missing ones.
@@ -99,7 +97,7 @@ impl Recording {
     pub fn omega(&self) -> &[[f64; 2]] {
         &self.omega
     }
-    /// Recorded drive [`DriveUnit`].
+    /// Recorded input [`DriveUnit`].
     #[must_use]
     pub fn moment(&self) -> &[[f64; 2]] {
         &self.moment
@@ -109,7 +107,7 @@ impl Recording {
     pub fn measured(&self) -> Measured {
         self.measured
     }
-    /// Unit of the drive.
+    /// Unit of the input.
     #[must_use]
     pub fn drive_unit(&self) -> DriveUnit {
         self.drive_unit
@@ -161,13 +159,13 @@ impl Recording {
         self.step
     }
 
-    /// The same recording with another drive, as a drive effect sees it.
+    /// The same recording with another input, as an effect on the input makes it.
     ///
     /// # Panics
     /// If the length differs.
     #[must_use]
     pub fn with_moment(&self, moment: Vec<[f64; 2]>) -> Self {
-        assert_eq!(moment.len(), self.len(), "one row of the drive a sample");
+        assert_eq!(moment.len(), self.len(), "one row of the input a sample");
         Self { moment, ..self.clone() }
     }
 
@@ -209,146 +207,6 @@ impl Recording {
         let cut = Self::new(self.name.clone(), channels, self.drive_unit)?;
         Ok(Self { recorded_input_noise: self.recorded_input_noise, ..cut })
     }
-}
-
-fn check(
-    name: &str,
-    t: &[f64],
-    alpha: Option<&[[f64; 2]]>,
-    omega: Option<&[[f64; 2]]>,
-    moment: &[[f64; 2]],
-) -> Result<(), RecordingError> {
-    if t.len() < MINIMUM_SAMPLES {
-        let (samples, needed) = (t.len(), MINIMUM_SAMPLES);
-        return Err(RecordingError::TooShort { name: name.into(), samples, needed });
-    }
-    check_rows(name, t, alpha, omega, moment)
-}
-
-/// As [`check`], for any number of rows.
-pub(super) fn check_rows(
-    name: &str,
-    t: &[f64],
-    alpha: Option<&[[f64; 2]]>,
-    omega: Option<&[[f64; 2]]>,
-    moment: &[[f64; 2]],
-) -> Result<(), RecordingError> {
-    let not_finite = |row: usize, column: &str, value: f64| RecordingError::NotFinite {
-        name: name.into(),
-        row: row + 1,
-        column: column.into(),
-        value,
-    };
-    for (k, &time) in t.iter().enumerate() {
-        if !time.is_finite() {
-            return Err(not_finite(k, "t", time));
-        }
-        if k > 0 && time <= t[k - 1] {
-            let (row, previous) = (k + 1, t[k - 1]);
-            return Err(RecordingError::TimeNotIncreasing {
-                name: name.into(),
-                row,
-                t: time,
-                previous,
-            });
-        }
-    }
-    for (column, values) in [("alpha", alpha), ("dalpha", omega), ("M", Some(moment))] {
-        let Some(values) = values else { continue };
-        if values.len() != t.len() {
-            return Err(RecordingError::Length {
-                name: name.into(),
-                column: column.into(),
-                found: values.len(),
-                expected: t.len(),
-            });
-        }
-        for (k, row) in values.iter().enumerate() {
-            if let Some(i) = row.iter().position(|v| !v.is_finite()) {
-                return Err(not_finite(k, &format!("{column}{}", i + 1), row[i]));
-            }
-        }
-    }
-    Ok(())
-}
-
-pub(super) fn median_step(t: &[f64]) -> f64 {
-    crate::math::median(t.windows(2).map(|w| w[1] - w[0]))
-}
-
-/// Whether rows are missing between two, at that median step.
-pub(crate) fn is_gap(before: f64, after: f64, step: f64) -> bool {
-    after - before > GAP * step
-}
-
-fn pieces(t: &[f64]) -> Vec<Range<usize>> {
-    let step = median_step(t);
-    let mut out = Vec::new();
-    let mut start = 0;
-    for k in 1..t.len() {
-        if is_gap(t[k - 1], t[k], step) {
-            out.push(start..k);
-            start = k;
-        }
-    }
-    out.push(start..t.len());
-    out
-}
-
-fn integrate(t: &[f64], omega: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let mut alpha = vec![[0.0; 2]; t.len()];
-    for k in 1..t.len() {
-        for i in 0..2 {
-            alpha[k][i] =
-                alpha[k - 1][i] + 0.5 * (t[k] - t[k - 1]) * (omega[k][i] + omega[k - 1][i]);
-        }
-    }
-    alpha
-}
-
-/// Speeds from angles of which some rows repeat a slow sensor: those of the rows that do not, held
-/// like the angles in between.
-fn slopes(t: &[f64], alpha: &[[f64; 2]], pieces: &[Range<usize>], fresh: &[bool]) -> Vec<[f64; 2]> {
-    if fresh.iter().all(|f| *f) {
-        return differentiate(t, alpha, pieces);
-    }
-    let mut omega = vec![[0.0; 2]; t.len()];
-    for piece in pieces {
-        let is_new = |k: &usize| fresh[*k] || *k == piece.start;
-        let rows: Vec<usize> = piece.clone().filter(is_new).collect();
-        let times: Vec<f64> = rows.iter().map(|&k| t[k]).collect();
-        let angles: Vec<[f64; 2]> = rows.iter().map(|&k| alpha[k]).collect();
-        let slopes = differentiate(&times, &angles, std::slice::from_ref(&(0..rows.len())));
-        for (place, &row) in rows.iter().enumerate() {
-            let end = rows.get(place + 1).copied().unwrap_or(piece.end);
-            omega[row..end].fill(slopes[place]);
-        }
-    }
-    omega
-}
-
-/// Speeds from angles, in pieces without a gap.
-pub(crate) fn differentiate(
-    t: &[f64],
-    alpha: &[[f64; 2]],
-    pieces: &[Range<usize>],
-) -> Vec<[f64; 2]> {
-    let mut omega = vec![[0.0; 2]; t.len()];
-    for piece in pieces.iter().filter(|piece| piece.len() >= 2) {
-        for k in piece.clone() {
-            let (before, after) = (k.max(piece.start + 1) - 1, (k + 1).min(piece.end - 1));
-            for i in 0..2 {
-                let slope = |a: usize, b: usize| (alpha[b][i] - alpha[a][i]) / (t[b] - t[a]);
-                omega[k][i] = if before < k && after > k {
-                    let (h0, h1) = (t[k] - t[before], t[after] - t[k]);
-                    (slope(before, k) * h1 + slope(k, after) * h0) / (h0 + h1)
-                } else {
-                    slope(before, after)
-                };
-            }
-        }
-    }
-    omega
 }
 
 #[cfg(test)]

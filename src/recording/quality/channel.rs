@@ -12,7 +12,7 @@ const RARE: f64 = 0.02;
 const JUMP: f64 = 0.3;
 /// A limit is reached in at least this many samples, and in this share of them.
 const AT_LIMIT: (usize, f64) = (20, 0.005);
-/// Above this share at the extreme, the drive is a command of constant size.
+/// Above this share at the extreme, the input is a command of constant size.
 const CONSTANT_COMMAND: f64 = 0.4;
 
 pub(super) fn findings(r: &Recording) -> Vec<Finding> {

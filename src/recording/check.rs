@@ -1,0 +1,68 @@
+//! Whether the rows of a recording are complete, finite and in the order of time.
+
+use super::RecordingError;
+
+/// Fewest samples of a recording: fourth differences and a line need that many.
+pub(super) const MINIMUM_SAMPLES: usize = 10;
+
+/// Refuses a recording that has too few rows, or rows that [`check_rows`] refuses.
+pub(super) fn check(
+    name: &str,
+    t: &[f64],
+    alpha: Option<&[[f64; 2]]>,
+    omega: Option<&[[f64; 2]]>,
+    moment: &[[f64; 2]],
+) -> Result<(), RecordingError> {
+    if t.len() < MINIMUM_SAMPLES {
+        let (samples, needed) = (t.len(), MINIMUM_SAMPLES);
+        return Err(RecordingError::TooShort { name: name.into(), samples, needed });
+    }
+    check_rows(name, t, alpha, omega, moment)
+}
+
+/// As [`check`], for any number of rows.
+pub(super) fn check_rows(
+    name: &str,
+    t: &[f64],
+    alpha: Option<&[[f64; 2]]>,
+    omega: Option<&[[f64; 2]]>,
+    moment: &[[f64; 2]],
+) -> Result<(), RecordingError> {
+    let not_finite = |row: usize, column: &str, value: f64| RecordingError::NotFinite {
+        name: name.into(),
+        row: row + 1,
+        column: column.into(),
+        value,
+    };
+    for (k, &time) in t.iter().enumerate() {
+        if !time.is_finite() {
+            return Err(not_finite(k, "t", time));
+        }
+        if k > 0 && time <= t[k - 1] {
+            let (row, previous) = (k + 1, t[k - 1]);
+            return Err(RecordingError::TimeNotIncreasing {
+                name: name.into(),
+                row,
+                t: time,
+                previous,
+            });
+        }
+    }
+    for (column, values) in [("alpha", alpha), ("dalpha", omega), ("M", Some(moment))] {
+        let Some(values) = values else { continue };
+        if values.len() != t.len() {
+            return Err(RecordingError::Length {
+                name: name.into(),
+                column: column.into(),
+                found: values.len(),
+                expected: t.len(),
+            });
+        }
+        for (k, row) in values.iter().enumerate() {
+            if let Some(i) = row.iter().position(|v| !v.is_finite()) {
+                return Err(not_finite(k, &format!("{column}{}", i + 1), row[i]));
+            }
+        }
+    }
+    Ok(())
+}
