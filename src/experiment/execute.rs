@@ -6,7 +6,7 @@ use sha2::{Digest, Sha256};
 
 use super::error::ExperimentError;
 use super::file::ExperimentFile;
-use super::grid::{self, GridPlan};
+use super::grid;
 use super::options::{Done, RunOptions};
 use super::plan::Plan;
 use super::remarks::remarks;
@@ -138,7 +138,7 @@ fn load_text(file: &Path, text: String, set: &[String]) -> Result<Plan, Experime
     let remarks = remarks(&table);
     let plan = match &parsed.grid {
         None => resolve(file, &as_run, &parsed),
-        Some(grid) => GridPlan::load(file, &as_run, table, grid),
+        Some(grid) => grid::resolve_grid(file, &as_run, table, grid),
     };
     let mut plan = plan?;
     plan.remarks.splice(0..0, remarks);

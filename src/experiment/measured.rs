@@ -53,8 +53,8 @@ pub(super) fn read(
     let train = measured.iter().filter(|m| m.role == Role::Train).map(|m| &m.recording);
     if super::quality::without_drive(train) {
         return Err(words(format!(
-            "recordings.train: M1 and M2 are zero throughout ({}); without a drive the parameters \
-             have no scale, so record the moments, or name their columns",
+            "recordings.train: M1 and M2 are zero throughout ({}); without an input the parameters \
+             have no scale, so record the torques, or name their columns",
             entry.train.join(", ")
         )));
     }

@@ -1,7 +1,8 @@
-//! Runs the stages of an experiment; the only room that sees all.
+//! Runs the stages of an experiment; the only module that sees all.
 
 mod align;
 mod check;
+mod combinations;
 mod custom;
 mod diagnosis;
 mod error;
@@ -28,20 +29,21 @@ mod remarks;
 mod resolve;
 mod robot_table;
 mod run;
+mod shard;
 mod stages;
 mod what_if;
 
 pub use check::check;
+pub use combinations::GridPlan;
 pub use error::{ExperimentError, RunError};
 pub use execute::{Outcome, execute, load, load_all, merge, write};
 pub use export::{ExportFormat, export};
 pub use file::{
     CandidatesEntry, ColumnEntry, CustomEntry, CustomParameter, DiagnosisEntry, EmulatorEntry,
-    ExperimentFile, FileError, FixedEntry, ModelEntry, MovementEntry, RecordingsEntry,
+    ExperimentFile, FileError, FixedEntry, GridAxis, ModelEntry, MovementEntry, RecordingsEntry,
     SimulationEntry, json_schema,
 };
 pub use fitted::{FittedModel, FittedModels};
-pub use grid::{GridAxis, GridPlan, Shard, ShardError};
 pub use index::write_index;
 pub use loop_commands::add_effect;
 pub use measured::Reading;
@@ -52,3 +54,4 @@ pub use plan::{DiagnosisPlan, Measured, MethodPlan, Plan};
 pub use resolve::plan_of;
 pub use robot_table::robot_of;
 pub use run::{MethodFit, compare, diagnose, fits, run};
+pub use shard::{Shard, ShardError};

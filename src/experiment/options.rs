@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::grid::Shard;
+use super::shard::Shard;
 use crate::study::Grade;
 
 /// How experiments are run.

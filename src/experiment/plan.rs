@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::combinations::GridPlan;
 use super::custom::Own;
-use super::grid::GridPlan;
-use crate::conditioning::Finding;
+use crate::conditioning::{Finding, sentences};
 use crate::diagnose::{Settings, Timing};
 use crate::identify::Identifier;
 use crate::model::Model;
@@ -46,7 +46,7 @@ pub struct MethodPlan {
 pub struct DiagnosisPlan {
     /// Candidates, false-alarm rate and number of effects.
     pub settings: Settings,
-    /// Whether a slow unknown moment is part of the noise model.
+    /// Whether a slow unknown torque is part of the noise model.
     pub slow_moment: bool,
 }
 
@@ -70,7 +70,7 @@ pub struct Plan {
     pub remarks: Vec<String>,
     /// Recordings; at least one to train on.
     pub recordings: Vec<Measured>,
-    /// The drive between samples.
+    /// The input between samples.
     pub hold: Hold,
     /// When the recorded input acts, where the data show it.
     pub timing: Option<Timing>,
@@ -86,7 +86,7 @@ pub struct Plan {
     pub diagnosis: Option<DiagnosisPlan>,
     /// Seed of everything random.
     pub seed: u64,
-    /// True parameters of made data.
+    /// True parameters of synthetic data.
     pub truth: Vec<(String, f64)>,
     /// The combinations over which it is repeated; the rest is then that of the first one.
     pub grid: Option<GridPlan>,
@@ -112,7 +112,8 @@ impl Plan {
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let corrected = |m: &Measured| {
-            m.conditioning.iter().filter(|f| f.is_remarkable()).map(ToString::to_string).collect()
+            let remarkable = m.conditioning.iter().filter(|f| f.is_remarkable());
+            sentences(&remarkable.copied().collect::<Vec<_>>())
         };
         let said = self.grouped(corrected);
         said.into_iter().chain(self.remarks_and_findings()).collect()

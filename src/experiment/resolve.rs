@@ -266,7 +266,7 @@ fn diagnosis(file: &ExperimentFile, own: &[Own]) -> Result<Option<DiagnosisPlan>
 /// Recordings, hold, seed, and the true parameters of simulated ones.
 type Made = (Vec<Measured>, Hold, u64, Vec<(String, f64)>);
 
-/// Made recordings: a truth of base and hidden effects drives the movement.
+/// Simulated recordings: a robot with base and hidden effects follows the movement.
 fn made(entry: &SimulationEntry, own: &[Own], robot: &Robot) -> Result<Made, Meaning> {
     let mut truth = Model::base(robot.clone());
     for id in entry.hidden.keys() {

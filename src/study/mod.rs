@@ -3,12 +3,14 @@
 //! A study holds no files and no models, only what was found; the report draws it and
 //! [`results`] turns it into the JSON that other programs read.
 
+mod grouped;
 mod invocation;
 mod json;
 mod method;
 mod model;
 mod what_if;
 
+pub use grouped::grouped;
 pub use invocation::{Invocation, shell_word};
 pub use json::{SCHEMA, results};
 pub use method::{FuzzyStudy, MethodStudy, Performance};
@@ -43,42 +45,6 @@ impl Role {
     }
 }
 
-/// Recordings that a finding names at most.
-const NAMED: usize = 20;
-
-/// Recordings, each with a sentence on it, as sentences, each with the names of its recordings:
-/// "a.csv", "a.csv and b.csv", "3 recordings (a.csv, b.csv, c.csv)", or "all 3 recordings" where
-/// there are `count` in all. In the order of the first ones.
-///
-/// ```
-/// use amigo_ident::study::grouped;
-/// let said = grouped([("a", "is short"), ("b", "has gaps"), ("c", "is short")].into_iter(), 4);
-/// assert_eq!(said, [("a and c".to_string(), "is short"), ("b".to_string(), "has gaps")]);
-/// ```
-#[must_use]
-pub fn grouped<'a>(
-    findings: impl Iterator<Item = (&'a str, &'a str)>,
-    count: usize,
-) -> Vec<(String, &'a str)> {
-    let mut groups: Vec<(Vec<&str>, &str)> = Vec::new();
-    for (name, text) in findings {
-        match groups.iter_mut().find(|(_, known)| *known == text) {
-            Some((names, _)) => names.push(name),
-            None => groups.push((vec![name], text)),
-        }
-    }
-    let words = |names: Vec<&str>| match names.as_slice() {
-        [one] => (*one).to_string(),
-        all if all.len() == count => format!("all {count} recordings"),
-        [one, other] => format!("{one} and {other}"),
-        many if many.len() > NAMED => {
-            format!("{} recordings ({}, ...)", many.len(), many[..NAMED].join(", "))
-        }
-        many => format!("{} recordings ({})", many.len(), many.join(", ")),
-    };
-    groups.into_iter().map(|(names, text)| (words(names), text)).collect()
-}
-
 /// A recording of the experiment, with what was measured.
 #[derive(Clone, Debug, Serialize)]
 pub struct RecordingStudy {
@@ -86,7 +52,7 @@ pub struct RecordingStudy {
     pub role: Role,
     /// File or made name.
     pub file: String,
-    /// SHA-256 of the file; `None` for made data.
+    /// SHA-256 of the file; `None` for synthetic data.
     pub sha256: Option<String>,
     /// Samples.
     pub samples: usize,
@@ -128,7 +94,7 @@ pub struct Candidate {
     pub effect: String,
     /// Posterior probability among the candidates.
     pub probability: f64,
-    /// Effects that this data cannot tell from it.
+    /// Effects indistinguishable from it by these data.
     pub indistinguishable: Vec<String>,
     /// Of the score test.
     pub p_value: f64,
@@ -244,7 +210,7 @@ pub struct Study {
     pub robot: String,
     /// Effects of the model beyond the base.
     pub effects: Vec<String>,
-    /// Unit of the drive.
+    /// Unit of the input.
     pub drive_unit: DriveUnit,
     /// Recordings.
     pub recordings: Vec<RecordingStudy>,
@@ -271,7 +237,7 @@ pub struct Study {
     pub versions: Vec<Version>,
     /// When the recorded input acts, where the data show it.
     pub timing: Option<crate::diagnose::Timing>,
-    /// True parameters of made data.
+    /// True parameters of synthetic data.
     pub truth: Vec<(String, f64)>,
     /// The files that hold the identified model, in words; `None` without a physical fit.
     pub model_out: Option<String>,
@@ -301,9 +267,9 @@ impl Study {
         }
     }
 
-    /// What the check of the recordings found, each sentence once, with the names of its recordings.
+    /// What the check of the recordings found, alike sentences as one, with the names of its recordings.
     #[must_use]
-    pub fn findings(&self) -> Vec<(String, &str)> {
+    pub fn findings(&self) -> Vec<(String, String)> {
         let findings = self
             .recordings
             .iter()

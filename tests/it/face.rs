@@ -31,7 +31,7 @@ fn small() -> Folder {
     folder
 }
 
-/// The movement of 8 s turns one way only and cannot tell scrub from unequal Coulomb levels; the
+/// The movement of 8 s turns one way only and does not distinguish scrub from unequal Coulomb levels; the
 /// longer ones pivot both ways.
 fn long() -> String {
     SMALL.replace("train      = 1", "train      = 2").replace("duration_s = 8", "duration_s = 25")

@@ -1,8 +1,8 @@
 //! Imports go one way between modules and between files, and heavy crates stay in their modules.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
-use std::path::{Path, PathBuf};
+
+use crate::imports::{edges, files, rings};
 
 /// Modules in the order in which they may import: each one only those before it.
 const ORDER: [&str; 16] = [
@@ -35,39 +35,6 @@ const FENCES: [(&str, &[&str]); 8] = [
     ("clarabel", &["src/identify/", "src/math/"]),
     ("clap", &["src/bin/"]),
 ];
-
-fn sources(folder: &Path, out: &mut Vec<PathBuf>) {
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            sources(&path, out);
-        } else if path.extension().is_some_and(|e| e == "rs") {
-            out.push(path);
-        }
-    }
-}
-
-/// Every source file with its path from the root, and its text before the tests.
-fn files() -> Vec<(String, String)> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let mut paths = Vec::new();
-    sources(&root.join("src"), &mut paths);
-    paths
-        .into_iter()
-        .map(|path| {
-            let name = path.strip_prefix(root).unwrap().to_string_lossy().replace('\\', "/");
-            let text = fs::read_to_string(&path).unwrap();
-            let code = text.split("#[cfg(test)]").next().unwrap_or_default().to_string();
-            (name, code)
-        })
-        .filter(|(name, _)| !is_test(name))
-        .collect()
-}
-
-/// Files that are compiled for tests only.
-fn is_test(name: &str) -> bool {
-    name.ends_with("/tests.rs") || name.ends_with("/contract.rs") || name.contains("/tests/")
-}
 
 fn module(name: &str) -> Option<&str> {
     let inner = name.strip_prefix("src/")?;
@@ -140,186 +107,35 @@ fn heavy_crates_stay_in_their_modules() {
     assert!(broken.is_empty(), "crates outside their fence:\n{}", broken.join("\n"));
 }
 
+/// The stages through which an experiment passes, with the files and folders of `src/experiment` that hold them.
+/// Each imports only its own stage and those before it.
+const STAGES: [(&str, &[&str]); 6] = [
+    ("the file", &["file", "error", "remarks", "guess", "new_file"]),
+    ("a plan", &["combinations", "custom", "robot_table", "quality", "plan"]),
+    ("from the file to a plan", &["long", "measured", "align", "resolve"]),
+    ("from a plan to a study", &["models", "diagnosis", "fuzzy_study", "run"]),
+    (
+        "from a study to files",
+        &[
+            "fitted",
+            "overlay",
+            "estimates",
+            "model_out",
+            "what_if",
+            "shard",
+            "options",
+            "stages",
+            "grid",
+        ],
+    ),
+    ("commands", &["execute", "check", "export", "index", "loop_commands"]),
+];
+
 /// Rings known and not yet removed: none may be added.
-const KNOWN_RINGS: [&str; 2] = [
-    // a grid resolves the plan of each cell, and a plan with its measured recordings may hold a grid
-    "src/experiment/align.rs src/experiment/custom.rs src/experiment/file/json_schema.rs \
-     src/experiment/file/schema.rs src/experiment/grid/mod.rs src/experiment/measured.rs \
-     src/experiment/plan.rs src/experiment/resolve.rs",
+const KNOWN_RINGS: [&str; 1] = [
     // `Dynamics::fuzzy` gives the emulator behind the trait, for the figures of its rules
     "src/simulate/dynamics.rs src/simulate/fuzzy_dynamics.rs",
 ];
-
-/// The files of the crate by module path (`a::b`), and which names a module re-exports from where.
-struct Tree {
-    files: BTreeMap<String, String>,
-    reexports: BTreeMap<(String, String), String>,
-}
-
-impl Tree {
-    fn new(files: &[(String, String)]) -> Self {
-        let mut out = Self { files: BTreeMap::new(), reexports: BTreeMap::new() };
-        for (name, _) in files {
-            out.files.insert(path_of(name), name.clone());
-        }
-        for (name, code) in files {
-            let own = path_of(name);
-            for (public, path) in uses(code) {
-                let full = absolute(&own, &path);
-                if public && let Some((_, item)) = full.rsplit_once("::") {
-                    out.reexports.insert((own.clone(), item.to_owned()), full.clone());
-                }
-            }
-            // `catalogue!` declares and re-exports `module::Item`
-            let lines = code.split("catalogue! {").nth(1).and_then(|l| l.split('}').next());
-            for entry in lines.unwrap_or_default().split(',').map(str::trim) {
-                if let Some((module, item)) = entry.split_once("::") {
-                    let key = (own.clone(), item.to_owned());
-                    out.reexports.insert(key, format!("{own}::{module}::{item}"));
-                }
-            }
-        }
-        out
-    }
-
-    /// The file in which the last name of a path is defined, re-exports followed.
-    fn file(&self, path: &str) -> Option<&String> {
-        if let Some(file) = self.files.get(path) {
-            return Some(file);
-        }
-        let (module, item) = path.rsplit_once("::")?;
-        match self.reexports.get(&(module.to_owned(), item.to_owned())) {
-            Some(further) if further != path => self.file(further),
-            _ => self.file(module),
-        }
-    }
-}
-
-/// `a::b` of `src/a/b.rs` and of `src/a/b/mod.rs`.
-fn path_of(name: &str) -> String {
-    let inner = name.trim_start_matches("src/").trim_end_matches(".rs");
-    inner.trim_end_matches("/mod").replace('/', "::")
-}
-
-/// Every path of the `use` lines of a file, groups taken apart; whether it is public.
-fn uses(code: &str) -> Vec<(bool, String)> {
-    let mut out = Vec::new();
-    for line in code.split(';') {
-        let line = line.rsplit_once("\n\n").map_or(line, |(_, last)| last);
-        let line: Vec<&str> =
-            line.lines().filter(|l| !l.trim_start().starts_with("//")).map(str::trim).collect();
-        let joined = line.join(" ");
-        let line = joined.trim();
-        for (start, public) in [
-            ("pub use ", true),
-            ("pub(super) use ", true),
-            ("pub(crate) use ", true),
-            ("use ", false),
-        ] {
-            if let Some(rest) = line.strip_prefix(start) {
-                expand("", rest.trim(), &mut |path| out.push((public, path)));
-            }
-        }
-        out.extend(written_out(line).into_iter().map(|path| (false, path)));
-    }
-    out
-}
-
-/// Paths through `super` within the code of a statement.
-fn written_out(line: &str) -> Vec<String> {
-    let is_path = |c: &char| c.is_alphanumeric() || matches!(c, '_' | ':');
-    let starts = line
-        .match_indices("super::")
-        .filter(|(at, _)| *at == 0 || !line[..*at].ends_with(|c: char| is_path(&c)));
-    starts.map(|(at, _)| line[at..].chars().take_while(is_path).collect()).collect()
-}
-
-fn expand(before: &str, rest: &str, found: &mut impl FnMut(String)) {
-    let Some((head, group)) = rest.split_once('{') else {
-        let name = rest.split(" as ").next().unwrap_or_default().trim();
-        return found(format!(
-            "{before}{}",
-            name.trim_end_matches("::self").trim_end_matches("::*")
-        ));
-    };
-    let group = group.trim_end().trim_end_matches('}');
-    let (mut depth, mut part) = (0, String::new());
-    let mut parts = Vec::new();
-    for c in group.chars() {
-        depth += i32::from(c == '{') - i32::from(c == '}');
-        if c == ',' && depth == 0 {
-            parts.push(std::mem::take(&mut part));
-        } else {
-            part.push(c);
-        }
-    }
-    parts.push(part);
-    for part in parts.iter().map(|p| p.trim()).filter(|p| !p.is_empty()) {
-        let before = format!("{before}{head}");
-        match part {
-            "self" => found(before.trim_end_matches("::").to_owned()),
-            _ => expand(&before, part, found),
-        }
-    }
-}
-
-/// `super` and `crate` resolved from the module `own`; what is neither is a child of it.
-fn absolute(own: &str, path: &str) -> String {
-    let (mut base, mut rest) = (own.to_owned(), path);
-    if let Some(inner) = rest.strip_prefix("crate::") {
-        return inner.to_owned();
-    }
-    rest = rest.strip_prefix("self::").unwrap_or(rest);
-    while let Some(inner) = rest.strip_prefix("super::") {
-        base = base.rsplit_once("::").map_or(String::new(), |(parent, _)| parent.to_owned());
-        rest = inner;
-    }
-    if base.is_empty() { rest.to_owned() } else { format!("{base}::{rest}") }
-}
-
-/// Files that each file imports from. A module's own file lists and re-exports its children; that
-/// is not an import.
-fn edges(files: &[(String, String)]) -> BTreeMap<String, BTreeSet<String>> {
-    let tree = Tree::new(files);
-    let mut out = BTreeMap::new();
-    for (name, code) in files {
-        let own = path_of(name);
-        let targets = uses(code)
-            .into_iter()
-            .filter_map(|(_, path)| tree.file(&absolute(&own, &path)))
-            .filter(|target| *target != name && !path_of(target).starts_with(&format!("{own}::")))
-            .cloned()
-            .collect();
-        out.insert(name.clone(), targets);
-    }
-    out
-}
-
-/// Groups of files that reach each other, in alphabetical order.
-fn rings(edges: &BTreeMap<String, BTreeSet<String>>) -> Vec<String> {
-    let reach = |from: &String| {
-        let (mut seen, mut open) = (BTreeSet::new(), vec![from]);
-        while let Some(file) = open.pop() {
-            for next in edges.get(file).into_iter().flatten() {
-                if seen.insert(next.clone()) {
-                    open.push(next);
-                }
-            }
-        }
-        seen
-    };
-    let reached: BTreeMap<&String, BTreeSet<String>> =
-        edges.keys().map(|file| (file, reach(file))).collect();
-    let ring = |file: &String| -> Option<String> {
-        let mates: Vec<&str> = reached[file]
-            .iter()
-            .filter(|other| reached.get(other).is_some_and(|back| back.contains(file)))
-            .map(String::as_str)
-            .collect();
-        (mates.len() > 1).then(|| mates.join(" "))
-    };
-    edges.keys().filter_map(ring).collect::<BTreeSet<_>>().into_iter().collect()
-}
 
 #[test]
 fn no_files_import_each_other_in_a_ring() {
@@ -330,25 +146,49 @@ fn no_files_import_each_other_in_a_ring() {
     assert!(gone.is_empty(), "no longer a ring, take it off the list: {gone:?}");
 }
 
-#[test]
-fn a_ring_of_files_is_seen_through_a_re_export() {
-    let file = |name: &str, code: &str| (name.to_owned(), code.to_owned());
-    let files = [
-        file("src/a/mod.rs", "mod b;\nmod c;\npub use c::{C, Other};\n"),
-        file("src/a/b.rs", "use super::{C};\nuse crate::math::x;\n"),
-        file("src/a/c.rs", "use super::b::{self, f};\n"),
-        file("src/math.rs", ""),
-    ];
-    assert_eq!(rings(&edges(&files)), ["src/a/b.rs src/a/c.rs"]);
+/// The file or folder of `src/experiment` in which a file stands; none for its list of modules.
+fn part_of_experiment(file: &str) -> Option<&str> {
+    let inner = file.strip_prefix("src/experiment/")?;
+    let part = inner.split('/').next()?.trim_end_matches(".rs");
+    (part != "mod").then_some(part)
 }
 
 #[test]
-fn a_ring_of_files_is_seen_through_a_path_within_the_code() {
-    let file = |name: &str, code: &str| (name.to_owned(), code.to_owned());
-    let files = [
-        file("src/a/mod.rs", "mod b;\nmod c;\n"),
-        file("src/a/b.rs", "use super::c::C;\n"),
-        file("src/a/c.rs", "fn f() {\n    let x = Some(super::b::LIMIT);\n}\n"),
-    ];
-    assert_eq!(rings(&edges(&files)), ["src/a/b.rs src/a/c.rs"]);
+fn an_experiment_passes_through_its_stages_in_one_direction() {
+    let stage = |part: &str| STAGES.iter().position(|(_, parts)| parts.contains(&part));
+    let mut broken = Vec::new();
+    for (file, targets) in edges(&files()) {
+        let Some(part) = part_of_experiment(&file) else { continue };
+        let Some(own) = stage(part) else {
+            broken.push(format!("{file} is in no stage"));
+            continue;
+        };
+        let parts = targets.iter().filter_map(|target| part_of_experiment(target));
+        let later = parts.filter(|target| stage(target).is_some_and(|stage| stage > own));
+        broken.extend(later.map(|target| format!("{file} imports {target}")));
+    }
+    assert!(broken.is_empty(), "against the order of the stages:\n{}", broken.join("\n"));
+}
+
+/// Files by the folder of their module that holds them: `src/experiment/grid` for all of `grid/`.
+fn folders(edges: &BTreeMap<String, BTreeSet<String>>) -> BTreeMap<String, BTreeSet<String>> {
+    let folder = |file: &String| {
+        let parts: Vec<&str> = file.trim_end_matches(".rs").splitn(4, '/').take(3).collect();
+        parts.join("/")
+    };
+    let mut out: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for (file, targets) in edges {
+        let own = folder(file);
+        let others = targets.iter().map(folder).filter(|target| *target != own).collect::<Vec<_>>();
+        out.entry(own).or_default().extend(others);
+    }
+    out
+}
+
+#[test]
+fn no_folders_of_a_module_import_each_other_in_a_ring() {
+    let known = KNOWN_RINGS.map(|ring| ring.replace(".rs", ""));
+    let mut found = rings(&folders(&edges(&files())));
+    found.retain(|ring| !known.contains(ring));
+    assert!(found.is_empty(), "folders that import each other:\n{found:#?}");
 }

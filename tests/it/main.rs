@@ -2,14 +2,17 @@
 
 #![allow(clippy::print_stdout)]
 
-mod bad_input;
+mod bad_experiment;
+mod bad_recording;
 mod conditioning;
 mod docs;
 mod export;
+mod exported;
 mod face;
 mod formats;
 mod fuzz;
 mod hidden_effects;
+mod imports;
 mod language;
 mod layering;
 mod long;

@@ -5,7 +5,7 @@ use std::process::Command;
 use amigo_ident::model::Model;
 use amigo_ident::robot::Robot;
 
-use crate::export::{
+use crate::exported::{
     Exported, agrees, drive, is_here, model, models, prepared, run, states, written,
 };
 use crate::support::Folder;

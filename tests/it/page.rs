@@ -10,7 +10,7 @@ use amigo_ident::recording::DriveUnit;
 use amigo_ident::robot::Robot;
 use amigo_ident::simulate::{Hold, PhysicalDynamics};
 
-use crate::export::{is_here, run};
+use crate::exported::{is_here, run};
 use crate::support::Folder;
 
 /// A robot that scrubs, small enough to be diagnosed at once: the report has both models.

@@ -25,7 +25,7 @@ impl ExperimentFile {
         match (&self.recordings, &self.simulation) {
             (None, None) => {
                 let message = "is missing; add [recordings] with train = [\"run.csv\"] for measured \
-                               data, or [simulation] for made data";
+                               data, or [simulation] for synthetic data";
                 return Err(wrong("[recordings]", message.into()));
             }
             (Some(_), Some(_)) => {

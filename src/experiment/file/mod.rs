@@ -1,18 +1,25 @@
 //! The experiment file: what users type, checked before anything runs.
 
 mod check;
+mod column;
 mod error;
+mod grid;
 mod json_schema;
+mod key_schema;
 mod open;
 mod schema;
 
+pub use column::ColumnEntry;
+pub(super) use column::column_entries;
 pub use error::FileError;
+pub use grid::GridAxis;
+pub(super) use grid::axes;
 pub use json_schema::json_schema;
+pub(super) use schema::hold_rows;
 pub use schema::{
-    CandidatesEntry, ColumnEntry, CustomEntry, CustomParameter, DiagnosisEntry, EmulatorEntry,
-    ExperimentFile, FixedEntry, ModelEntry, MovementEntry, RecordingsEntry, SimulationEntry,
+    CandidatesEntry, CustomEntry, CustomParameter, DiagnosisEntry, EmulatorEntry, ExperimentFile,
+    FixedEntry, ModelEntry, MovementEntry, RecordingsEntry, SimulationEntry,
 };
-pub(super) use schema::{column_entries, hold_rows};
 
 use toml::{Table, Value};
 

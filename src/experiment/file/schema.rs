@@ -2,13 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use serde::de::value::MapAccessDeserializer;
-use serde::de::{MapAccess, Visitor};
-use serde::{Deserialize, Deserializer};
+use serde::Deserialize;
 use toml::Table;
 
+use super::column::{ColumnEntry, columns};
 use crate::conditioning::Settings;
-use crate::io::Column;
 use crate::recording::DriveUnit;
 use crate::simulate::{Hold, NoiseLevel, Segment};
 
@@ -19,25 +17,25 @@ pub struct ExperimentFile {
     /// Heading of the report.
     pub title: Option<String>,
     /// Preset or construction data; the AmigoBot unless given.
-    #[schemars(schema_with = "super::json_schema::robot")]
+    #[schemars(schema_with = "super::key_schema::robot")]
     pub robot: Option<Table>,
     /// Measured data.
     pub recordings: Option<RecordingsEntry>,
     /// What sensors and loggers did to the recordings and is corrected; all of it unless switched off.
     pub conditioning: Settings,
-    /// Made data.
+    /// Synthetic data.
     pub simulation: Option<SimulationEntry>,
     /// The model.
     pub model: ModelEntry,
     /// Methods to compare.
-    #[schemars(schema_with = "super::json_schema::methods")]
+    #[schemars(schema_with = "super::key_schema::methods")]
     pub method: Vec<Table>,
     /// Emulator of eq. (19).
     pub emulator: EmulatorEntry,
     /// Diagnosis.
     pub diagnosis: Option<DiagnosisEntry>,
     /// Keys over whose combinations the experiment is repeated.
-    #[schemars(schema_with = "super::json_schema::grid")]
+    #[schemars(schema_with = "super::key_schema::grid")]
     pub grid: Option<Table>,
 }
 
@@ -53,12 +51,12 @@ pub struct RecordingsEntry {
     pub validation: Vec<String>,
     /// Where column names or units differ from the contract.
     #[serde(default, deserialize_with = "columns")]
-    #[schemars(schema_with = "super::json_schema::columns")]
+    #[schemars(schema_with = "super::key_schema::columns")]
     pub columns: BTreeMap<String, ColumnEntry>,
-    /// Unit of the drive.
+    /// Unit of the input.
     #[serde(default)]
     pub drive_unit: DriveUnit,
-    /// The drive between samples.
+    /// The input between samples.
     #[serde(default)]
     pub hold: Hold,
     /// Rows up to which a recording is held in memory. Of a longer one (CSV, Parquet) windows are
@@ -72,92 +70,14 @@ pub(in crate::experiment) fn hold_rows() -> usize {
     1_000_000
 }
 
-/// A column of a file: its name, or name, unit and what the unit needs.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize, schemars::JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ColumnEntry {
-    /// Name in the file.
-    pub name: String,
-    /// Unit in the file; that of the header, or of the contract, unless given.
-    pub unit: Option<String>,
-    /// Factor on the value, for example a gear ratio or -1; 1 unless given.
-    pub scale: Option<f64>,
-    /// Added after the factor, in the unit of the file.
-    #[serde(default)]
-    pub offset: f64,
-    /// Counts of the encoder per turn of the wheel, for the units `ticks` and `ticks/s`.
-    pub per_turn: Option<f64>,
-    /// Moment per ampere [N m/A], for a drive that was recorded as current.
-    pub torque_constant: Option<f64>,
-    /// Column with the nanoseconds of a time that is written as seconds and nanoseconds (`t` only).
-    pub nanoseconds: Option<String>,
-    /// Column that multiplies the value, for example the voltage of the battery where the input is a
-    /// duty cycle (`M1` and `M2` only).
-    pub times: Option<String>,
-}
-
-impl From<ColumnEntry> for Column {
-    fn from(entry: ColumnEntry) -> Self {
-        Self {
-            unit: entry.unit,
-            scale: entry.scale.unwrap_or(1.0),
-            offset: entry.offset,
-            per_turn: entry.per_turn,
-            torque_constant: entry.torque_constant,
-            nanoseconds: entry.nanoseconds,
-            times: entry.times,
-            ..Self::new(entry.name)
-        }
-    }
-}
-
-/// `M1 = "tau_r"` or `M1 = { name = "tau_r", … }`; the errors of the table stay exact, which an
-/// untagged enumeration would swallow.
-fn columns<'de, D: Deserializer<'de>>(d: D) -> Result<BTreeMap<String, ColumnEntry>, D::Error> {
-    struct Entry(ColumnEntry);
-    impl<'de> Deserialize<'de> for Entry {
-        fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-            deserializer.deserialize_any(NameOrTable).map(Entry)
-        }
-    }
-    let entries = BTreeMap::<String, Entry>::deserialize(d)?;
-    Ok(entries.into_iter().map(|(key, entry)| (key, entry.0)).collect())
-}
-
-/// The entries of a table of columns alone, as `recordings.columns` has them; the error is in words.
-pub(in crate::experiment) fn column_entries(
-    table: &Table,
-) -> Result<BTreeMap<String, ColumnEntry>, String> {
-    let hint = |e: toml::de::Error| super::error::with_hint(e.message());
-    columns(toml::Value::Table(table.clone())).map_err(hint)
-}
-
-struct NameOrTable;
-
-impl<'de> Visitor<'de> for NameOrTable {
-    type Value = ColumnEntry;
-
-    fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("a column name, or { name = \"…\", unit = \"…\", scale = 1.0 }")
-    }
-
-    fn visit_str<E: serde::de::Error>(self, name: &str) -> Result<ColumnEntry, E> {
-        Ok(ColumnEntry { name: name.into(), ..ColumnEntry::default() })
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ColumnEntry, A::Error> {
-        ColumnEntry::deserialize(MapAccessDeserializer::new(map))
-    }
-}
-
 /// `[simulation]`.
 #[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SimulationEntry {
     /// `paper`, `rich`, or segments written out.
     pub movement: MovementEntry,
-    /// Effects in the truth that the model may lack: effect, then parameter = value.
-    #[schemars(schema_with = "super::json_schema::hidden")]
+    /// Effects of the simulated robot that the model may lack: effect, then parameter = value.
+    #[schemars(schema_with = "super::key_schema::hidden")]
     pub hidden: BTreeMap<String, BTreeMap<String, f64>>,
     /// Standard deviations of the noise.
     pub noise: NoiseLevel,
@@ -184,7 +104,7 @@ pub struct SimulationEntry {
     #[schemars(range(min = 1.0))]
     pub encoder_ticks: Option<f64>,
     /// True values of base parameters that differ from the construction.
-    #[schemars(schema_with = "super::json_schema::truth")]
+    #[schemars(schema_with = "super::key_schema::truth")]
     pub truth: BTreeMap<String, f64>,
     /// Factor on all noise, for grids.
     #[schemars(range(min = 0.0))]
@@ -229,10 +149,10 @@ pub enum MovementEntry {
 #[serde(default, deny_unknown_fields)]
 pub struct ModelEntry {
     /// Effects added to the base.
-    #[schemars(schema_with = "super::json_schema::effects")]
+    #[schemars(schema_with = "super::key_schema::effects")]
     pub effects: Vec<String>,
     /// Parameters held at a value or at the construction's.
-    #[schemars(schema_with = "super::json_schema::fixed")]
+    #[schemars(schema_with = "super::key_schema::fixed")]
     pub fixed: BTreeMap<String, FixedEntry>,
     /// Effects written as formulas.
     pub custom: Vec<CustomEntry>,
@@ -254,9 +174,9 @@ pub enum FixedEntry {
 pub struct CustomEntry {
     /// Id.
     pub id: String,
-    /// Resisting moment on wheel 1.
+    /// Resisting torque on wheel 1 [N m].
     pub torque1: String,
-    /// Resisting moment on wheel 2; the same formula with the wheels exchanged unless given.
+    /// Resisting torque on wheel 2 [N m]; the same formula with the wheels exchanged unless given.
     pub torque2: Option<String>,
     /// Parameters by symbol.
     pub parameters: BTreeMap<String, CustomParameter>,
@@ -310,7 +230,7 @@ pub struct DiagnosisEntry {
     /// Most effects that are added.
     #[schemars(range(min = 1))]
     pub max_effects: usize,
-    /// Whether a slow unknown moment (up to 1 s) is noise. `false` for a bench whose drive is known
+    /// Whether a slow unknown torque (up to 1 s) is noise. `false` for a bench whose input is known
     /// well: constant and slow effects show better, and coloured noise raises alarms.
     pub slow_moment: bool,
 }
@@ -333,5 +253,5 @@ pub enum CandidatesEntry {
     /// Only `all` is allowed.
     All(#[schemars(extend("const" = "all"))] String),
     /// Ids.
-    Some(#[schemars(schema_with = "super::json_schema::candidates")] Vec<String>),
+    Some(#[schemars(schema_with = "super::key_schema::candidates")] Vec<String>),
 }

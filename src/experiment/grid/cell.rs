@@ -4,8 +4,9 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use super::GridPlan;
+use super::resolve::resolve_cell;
 use super::word::Word;
+use crate::experiment::combinations::GridPlan;
 use crate::experiment::diagnosis::say;
 use crate::experiment::error::RunError;
 use crate::experiment::plan::Plan;
@@ -97,7 +98,7 @@ pub(super) fn run_cell(grid: &GridPlan, cell: usize, key: String, methods: &[&st
         methods.iter().map(|m| failed_row(m, &reason, seconds)).collect()
     };
     let mut out = Cell { key, cell, verdict: String::new(), found: String::new(), rows: vec![] };
-    let plan = match grid.plan(cell) {
+    let plan = match resolve_cell(grid, cell) {
         Ok(plan) => plan,
         // without the file, which machines may keep in different places
         Err(e) => {

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use super::GridPlan;
 use super::summary::{Summary, conditions};
+use crate::experiment::combinations::GridPlan;
 
 /// Curves of one figure at most: as many as there are colours.
 pub(super) const MOST_SERIES: usize = 7;

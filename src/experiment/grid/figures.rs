@@ -1,8 +1,8 @@
 //! RMSE and coverage against the first key of numbers, a curve per method.
 
-use super::GridPlan;
 use super::curves::{Curves, MOST_SERIES};
 use super::summary::{FEWEST_COVERED, Summary, conditions};
+use crate::experiment::combinations::GridPlan;
 use crate::math::distribution::chi2_quantile;
 use crate::report::block::Block;
 use crate::report::figure::{Axis, Dash, Figure, Layer, Panel, Role};

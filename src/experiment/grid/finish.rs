@@ -4,15 +4,16 @@ use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 
 use super::cell::Cell;
-use super::part::Shard;
 use super::run::{Finished, Line, run_cells};
 use super::shell::command;
 use super::summary::{self, Summary};
 use super::winner::winner;
-use super::{GridPlan, page, table};
+use super::{page, table};
+use crate::experiment::combinations::GridPlan;
 use crate::experiment::error::ExperimentError;
 use crate::experiment::options::{Done, RunOptions};
 use crate::experiment::plan::Plan;
+use crate::experiment::shard::Shard;
 use crate::io::{Journal, ResultFolder, write_csv_table};
 use crate::study::SCHEMA;
 

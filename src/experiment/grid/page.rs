@@ -1,10 +1,10 @@
 //! The report of a grid: what the repetitions say, figures, tables, provenance.
 
-use super::GridPlan;
 use super::cell::Cell as GridCell;
 use super::figures::figures;
 use super::summary::{FEWEST_COVERED, Summary, conditions, share_interval};
 use super::winner::winner;
+use crate::experiment::combinations::GridPlan;
 use crate::experiment::plan::Plan;
 use crate::report::block::{Block, Cell, Column, Table, Text, Tone};
 use crate::report::{PageContent, Picture, ReportError, SectionContent, format, render_page};

@@ -1,14 +1,15 @@
 //! Runs cells and keeps a journal of them.
 
+use std::fmt;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use rayon::prelude::*;
 
-use super::GridPlan;
 use super::cell::{Cell, run_cell};
 use super::word::Words;
+use crate::experiment::combinations::GridPlan;
 use crate::experiment::options::RunOptions;
 use crate::experiment::plan::Plan;
 use crate::io::{IoError, Journal, sha256_text};
@@ -156,10 +157,15 @@ fn base_key(plan: &Plan) -> String {
 fn progress(cells: usize, finished: usize, shown: bool) -> ProgressBar {
     let target = if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
     let bar = ProgressBar::with_draw_target(Some(cells as u64), target);
-    let style =
-        ProgressStyle::with_template("{wide_bar} {pos}/{len} combinations, {per_sec}, {eta} left");
-    if let Ok(style) = style {
-        bar.set_style(style);
+    // from the rate of this run: before its first combination there is none
+    let left = move |state: &ProgressState, out: &mut dyn fmt::Write| {
+        if state.pos() > finished as u64 {
+            let _ = write!(out, ", {:#} left", HumanDuration(state.eta()));
+        }
+    };
+    let template = "{wide_bar} {pos}/{len} combinations ({elapsed}{left})";
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style.with_key("left", left));
     }
     bar.set_position(finished as u64);
     bar.reset_eta();

@@ -1,6 +1,6 @@
 //! Commands as a shell takes them.
 
-use super::GridPlan;
+use crate::experiment::combinations::GridPlan;
 use crate::experiment::options::RunOptions;
 
 /// The command line that does `what` with the file of a grid, as for a shell.

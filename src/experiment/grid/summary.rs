@@ -6,7 +6,8 @@ use std::collections::{HashMap, HashSet};
 use serde_json::json;
 
 use super::cell::{Cell, Row};
-use super::{GridPlan, table::column_name};
+use super::table::column_name;
+use crate::experiment::combinations::GridPlan;
 use crate::io::{IoError, TableColumn, group_rows};
 use crate::math::distribution::{chi2_quantile, normal_quantile};
 
@@ -26,7 +27,7 @@ pub(super) const FEWEST_COVERED: usize = 20;
 /// ```
 /// with the estimate v and the truth v0. s is the standard error that `prediction_error` claims in
 /// the same cell, a proxy of the Cramér-Rao bound; where that method does not run, s is the
-/// smallest standard error that any method claims there. Estimates that the data cannot give
+/// smallest standard error that any method claims there. Estimates that are not identifiable
 /// (infinite standard error) are counted apart and enter none of the means; parameters held at a
 /// value have no coverage and no efficiency.
 #[derive(Clone, Debug, PartialEq)]

@@ -9,7 +9,7 @@
 //! | one per key of `[grid]`, by its name there | number or text | the combination |
 //! | `method`, `parameter`, `unit` | text | `parameter` is empty for methods without parameters and for failures |
 //! | `value`, `std_error`, `ci95_low`, `ci95_high` | number | estimate; NaN where there is none |
-//! | `truth` | number | true value of made data, else NaN |
+//! | `truth` | number | true value of synthetic data, else NaN |
 //! | `ise_train` | number | quality index summed over the training recordings [rad^2/s] |
 //! | `ise_validation`, `window_rms_validation` | number | on the validation recordings, or on the training ones where there are none [rad^2/s, rad/s] |
 //! | `floor` | number | 2 s simulation error of the noise alone on the same recordings [rad/s] |
@@ -21,7 +21,8 @@
 use std::path::Path;
 
 use super::cell::{Cell, Row};
-use super::{GridAxis, GridPlan};
+use crate::experiment::combinations::GridPlan;
+use crate::experiment::file::GridAxis;
 use crate::io::{IoError, TableColumn, write_parquet_pieces};
 
 /// Names that a key of the grid cannot take for its column.

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::GridPlan;
 use super::cell::Cell;
+use crate::experiment::combinations::GridPlan;
 use crate::math::distribution::t_quantile;
 use crate::report::format;
 

@@ -2,7 +2,13 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use serde_json::Map;
+
+use super::super::grid::TABLES;
 use super::*;
+use crate::identify;
+use crate::io::contract_units;
+use crate::robot::Construction;
 
 /// What of a value the schema refuses: the places. A check of the keywords that the schema uses; it
 /// fails on any other, so that none is passed over.
@@ -71,8 +77,7 @@ fn refused(schema: &Value, value: &Value, place: &str, out: &mut Vec<String>) {
         let dotted = || {
             let patterns = schema.get("patternProperties")?.as_object()?;
             let (table, rest) = key.split_once('.')?;
-            let fits =
-                grid::TABLES.contains(&table) && rest.split('.').all(|part| !part.is_empty());
+            let fits = TABLES.contains(&table) && rest.split('.').all(|part| !part.is_empty());
             patterns.values().next().filter(|_| fits)
         };
         let own = schema.get("properties").and_then(|p| p.get(key)).or_else(dotted);

@@ -42,8 +42,11 @@ fn cells(rows: Vec<Vec<Row>>) -> Vec<Cell> {
 
 fn seeds(count: i64) -> GridPlan {
     let values = (1..=count).map(toml::Value::Integer).collect();
-    let axis =
-        super::super::GridAxis { name: "seed".into(), key: "simulation.seed".into(), values };
+    let axis = crate::experiment::file::GridAxis {
+        name: "seed".into(),
+        key: "simulation.seed".into(),
+        values,
+    };
     GridPlan { axes: vec![axis], table: toml::Table::new(), path: std::path::PathBuf::new() }
 }
 

@@ -4,7 +4,7 @@ use serde::Deserialize;
 use toml::{Table, Value};
 
 /// Keys of `[simulation]`, which may stand in `[grid]` without their table.
-pub(in crate::experiment) const SIMULATION_KEYS: [&str; 13] = [
+pub(super) const SIMULATION_KEYS: [&str; 13] = [
     "movement",
     "hidden",
     "noise",
@@ -21,7 +21,7 @@ pub(in crate::experiment) const SIMULATION_KEYS: [&str; 13] = [
 ];
 
 /// Tables of an experiment file whose keys may vary.
-pub(in crate::experiment) const TABLES: [&str; 6] =
+pub(super) const TABLES: [&str; 6] =
     ["robot", "recordings", "simulation", "model", "emulator", "diagnosis"];
 
 /// Most combinations of a grid.
@@ -84,15 +84,15 @@ fn number(value: &Value) -> Option<f64> {
 }
 
 /// A key of `[grid]` that is wrong, and why.
-pub(super) struct WrongKey {
-    pub(super) key: String,
-    pub(super) message: String,
+pub(in crate::experiment) struct WrongKey {
+    pub(in crate::experiment) key: String,
+    pub(in crate::experiment) message: String,
 }
 
 /// `{ count = 100 }` or `{ from = 0.1, to = 10, steps = 5, log = true }`.
 #[derive(Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(in crate::experiment) struct Range {
+pub(super) struct Range {
     /// How many whole numbers, from `from` (1 unless given) on.
     #[schemars(range(min = 1, max = MOST_CELLS))]
     count: Option<usize>,
@@ -114,7 +114,7 @@ pub(in crate::experiment) struct Range {
 ///
 /// # Errors
 /// A key that no experiment file has, and values that are neither a list nor a range.
-pub(super) fn axes(grid: &Table) -> Result<Vec<GridAxis>, WrongKey> {
+pub(in crate::experiment) fn axes(grid: &Table) -> Result<Vec<GridAxis>, WrongKey> {
     let mut out: Vec<GridAxis> = Vec::new();
     for (name, values) in flat(grid, "") {
         let wrong = |message: String| WrongKey { key: name.clone(), message };
@@ -246,3 +246,6 @@ impl Range {
         Ok(all.into_iter().map(value).collect())
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use toml::Table;
 
-use super::axes::GridAxis;
+use super::file::GridAxis;
 
 /// The combinations of a grid.
 #[derive(Clone, Debug)]

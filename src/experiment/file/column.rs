@@ -1,0 +1,90 @@
+//! `[recordings] columns`: where a quantity stands in a recording, and in which unit.
+
+use std::collections::BTreeMap;
+
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{MapAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+use toml::Table;
+
+use crate::io::Column;
+
+/// A column of a file: its name, or name, unit and what the unit needs.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ColumnEntry {
+    /// Name in the file.
+    pub name: String,
+    /// Unit in the file; that of the header, or of the contract, unless given.
+    pub unit: Option<String>,
+    /// Factor on the value, for example a gear ratio or -1; 1 unless given.
+    pub scale: Option<f64>,
+    /// Added after the factor, in the unit of the file.
+    #[serde(default)]
+    pub offset: f64,
+    /// Counts of the encoder per turn of the wheel, for the units `ticks` and `ticks/s`.
+    pub per_turn: Option<f64>,
+    /// Torque per ampere [N m/A], for an input that was recorded as current.
+    pub torque_constant: Option<f64>,
+    /// Column with the nanoseconds of a time that is written as seconds and nanoseconds (`t` only).
+    pub nanoseconds: Option<String>,
+    /// Column that multiplies the value, for example the voltage of the battery where the input is a
+    /// duty cycle (`M1` and `M2` only).
+    pub times: Option<String>,
+}
+
+impl From<ColumnEntry> for Column {
+    fn from(entry: ColumnEntry) -> Self {
+        Self {
+            unit: entry.unit,
+            scale: entry.scale.unwrap_or(1.0),
+            offset: entry.offset,
+            per_turn: entry.per_turn,
+            torque_constant: entry.torque_constant,
+            nanoseconds: entry.nanoseconds,
+            times: entry.times,
+            ..Self::new(entry.name)
+        }
+    }
+}
+
+/// `M1 = "tau_r"` or `M1 = { name = "tau_r", … }`; the errors of the table stay exact, which an
+/// untagged enumeration would hide.
+pub(super) fn columns<'de, D: Deserializer<'de>>(
+    d: D,
+) -> Result<BTreeMap<String, ColumnEntry>, D::Error> {
+    struct Entry(ColumnEntry);
+    impl<'de> Deserialize<'de> for Entry {
+        fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+            deserializer.deserialize_any(NameOrTable).map(Entry)
+        }
+    }
+    let entries = BTreeMap::<String, Entry>::deserialize(d)?;
+    Ok(entries.into_iter().map(|(key, entry)| (key, entry.0)).collect())
+}
+
+/// The entries of a table of columns alone, as `recordings.columns` has them; the error is in words.
+pub(in crate::experiment) fn column_entries(
+    table: &Table,
+) -> Result<BTreeMap<String, ColumnEntry>, String> {
+    let hint = |e: toml::de::Error| super::error::with_hint(e.message());
+    columns(toml::Value::Table(table.clone())).map_err(hint)
+}
+
+struct NameOrTable;
+
+impl<'de> Visitor<'de> for NameOrTable {
+    type Value = ColumnEntry;
+
+    fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("a column name, or { name = \"…\", unit = \"…\", scale = 1.0 }")
+    }
+
+    fn visit_str<E: serde::de::Error>(self, name: &str) -> Result<ColumnEntry, E> {
+        Ok(ColumnEntry { name: name.into(), ..ColumnEntry::default() })
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ColumnEntry, A::Error> {
+        ColumnEntry::deserialize(MapAccessDeserializer::new(map))
+    }
+}

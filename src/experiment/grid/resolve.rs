@@ -1,0 +1,75 @@
+//! From `[grid]` to plans: of the whole grid, and of each of its combinations.
+
+use std::path::Path;
+
+use toml::{Table, Value};
+
+use crate::experiment::combinations::GridPlan;
+use crate::experiment::error::ExperimentError;
+use crate::experiment::file::{ExperimentFile, FileError, GridAxis, axes, set_value};
+use crate::experiment::plan::Plan;
+use crate::experiment::resolve::resolve;
+
+/// Checks the grid of a file and resolves its first combination that makes sense; the plan is
+/// that of this combination, with the grid.
+///
+/// # Errors
+/// Wrong keys and types, and a file that makes no sense in any combination.
+pub(in crate::experiment) fn resolve_grid(
+    path: &Path,
+    text: &str,
+    mut table: Table,
+    grid: &Table,
+) -> Result<Plan, ExperimentError> {
+    table.remove("grid");
+    let axes = checked_axes(path, &table, grid)?;
+    let grid = GridPlan { axes, table, path: path.to_path_buf() };
+    let mut first = None;
+    for cell in 0..grid.cells() {
+        match resolve_cell(&grid, cell) {
+            Ok(plan) => return Ok(Plan { grid: Some(grid), file: text.to_string(), ..plan }),
+            Err(e) => first = first.or(Some(e)),
+        }
+    }
+    // a grid has at least one cell, so there is a first error
+    Err(first.unwrap_or_else(|| wrong(path, "", "has no combination".into()).into()))
+}
+
+/// The axes of a grid, whose every value must be of the type of its key.
+fn checked_axes(path: &Path, table: &Table, grid: &Table) -> Result<Vec<GridAxis>, FileError> {
+    let axes = axes(grid).map_err(|e| wrong(path, &e.key, e.message))?;
+    for axis in &axes {
+        if axis.key.starts_with("simulation.") && !table.contains_key("simulation") {
+            let message = "varies synthetic data, and the file has no [simulation]".to_string();
+            return Err(wrong(path, &axis.name, message));
+        }
+        for value in &axis.values {
+            let mut one = table.clone();
+            set_value(&mut one, &axis.key, value.clone())
+                .and_then(|()| ExperimentFile::from_table(&one).map(|_| ()))
+                .map_err(|e| wrong(path, &axis.name, format!("= {value}: {e}")))?;
+        }
+    }
+    Ok(axes)
+}
+
+fn wrong(path: &Path, key: &str, message: String) -> FileError {
+    FileError::Value { file: path.display().to_string(), key: format!("grid.{key}"), message }
+}
+
+/// The experiment of a cell.
+///
+/// # Errors
+/// Values that make no sense.
+pub(super) fn resolve_cell(grid: &GridPlan, cell: usize) -> Result<Plan, ExperimentError> {
+    let shown = grid.path.display().to_string();
+    let wrong = |message: String| ExperimentError::Meaning { file: shown.clone(), message };
+    let mut table = grid.table.clone();
+    for (axis, place) in grid.axes.iter().zip(grid.places(cell)) {
+        let value: Value = axis.values[place].clone();
+        set_value(&mut table, &axis.key, value).map_err(wrong)?;
+    }
+    let file = ExperimentFile::from_table(&table).map_err(wrong)?;
+    file.check(&shown)?;
+    resolve(&grid.path, "", &file)
+}
