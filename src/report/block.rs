@@ -140,8 +140,8 @@ pub enum Tone {
 ///
 /// ```
 /// use amigo_ident::report::block::Text;
-/// let text = Text::from("The data cannot tell ").strong("a4").plain(" from ").strong("a5");
-/// assert_eq!(text.to_plain(), "The data cannot tell a4 from a5");
+/// let text = Text::from("Indistinguishable: ").strong("a4").plain(" and ").strong("a5");
+/// assert_eq!(text.to_plain(), "Indistinguishable: a4 and a5");
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Text(pub Vec<Span>);

@@ -1,5 +1,5 @@
 //! Every number a reader sees is written here: significant digits, U+2212 minus, powers of ten as
-//! superscripts, one word for "the data cannot tell".
+//! superscripts, one word for "not identifiable".
 
 /// What stands where a value is missing (NaN).
 pub const MISSING: &str = "–";

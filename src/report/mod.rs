@@ -2,7 +2,7 @@
 //!
 //! A section returns [`block::Block`]s; [`page()`] turns sections into one self-contained HTML file,
 //! [`figure_to_png`] and [`figure_to_svg`] turn a [`figure::Figure`] into a picture. Everything here
-//! is a pure function to strings and bytes: writing files is another room's work.
+//! is a pure function to strings and bytes: writing files is another module's work.
 
 pub mod block;
 mod error;

@@ -215,7 +215,6 @@ const BESIDE: &str = "The file lies in the folder of this report";
 
 fn figure(drawn: &Drawn<'_>, number: usize) -> Markup {
     let figure = drawn.figure;
-    let png = format!("data:image/png;base64,{}", BASE64.encode(&drawn.png));
     let [file, drawing] = ["png", "svg"].map(|ending| format!("{}.{ending}", drawn.file_stem));
     let heading = format!("title-{}", drawn.file_stem);
     let alt = [&figure.title, &figure.caption].map(String::as_str).join(". ");
@@ -229,7 +228,10 @@ fn figure(drawn: &Drawn<'_>, number: usize) -> Markup {
                     div.wide { (PreEscaped(wide)) }
                     div.narrow { (PreEscaped(narrow)) }
                 },
-                None => div.picture { img src=(png) alt=(alt); },
+                None => {
+                    @let png = format!("data:image/png;base64,{}", BASE64.encode(&drawn.png));
+                    div.picture { img src=(png) alt=(alt); }
+                },
             }
             @if let Some(data) = &drawn.data {
                 div.plot {}
@@ -239,7 +241,7 @@ fn figure(drawn: &Drawn<'_>, number: usize) -> Markup {
                 b { "Figure " (number) } " "
                 (figure.caption)
                 @if drawn.inline.is_some() {
-                    a.download href=(png) download=(file) { "Download PNG" }
+                    a.download href=(file) download=(file) title=(BESIDE) { "Download PNG" }
                 } @else {
                     a.download data-picture hidden download=(file) { "Download PNG" }
                 }

@@ -14,6 +14,10 @@ use crate::report::polyline::{Point, decimate, runs};
 const COLUMNS: usize = 1000;
 /// Dots shown at most.
 const DOTS: usize = 4000;
+/// Digits of the range of an axis that its values keep. A panel is 340 pixels high at most, so that values are right
+/// to a pixel where 30 of it lie one above the other; the x axis, which can be zoomed into further, keeps more.
+const Y_DIGITS: i32 = 4;
+const X_DIGITS: i32 = 6;
 /// Height of a panel, alone and among others [px].
 const HEIGHT: (f64, f64) = (340.0, 165.0);
 
@@ -156,7 +160,7 @@ fn layer(
     xs: &mut Vec<Column>,
 ) -> LayerData {
     let round = |values: Vec<f64>| -> Column {
-        Column(values.into_iter().map(|v| round_within(v, y_range)).collect())
+        Column(values.into_iter().map(|v| round_within(v, y_range, Y_DIGITS)).collect())
     };
     let base = |kind: &'static str, label: &str, role: Role| LayerData {
         kind,
@@ -173,7 +177,7 @@ fn layer(
         Layer::Line { points, label, role, width, dash } => {
             let (x, y) = split(&thinned(points));
             LayerData {
-                x: Some(share(x, xs)),
+                x: Some(share(x, x_range, xs)),
                 y: Some(round(y)),
                 width: Some(*width),
                 dash: dash_name(*dash),
@@ -184,7 +188,7 @@ fn layer(
             let stride = points.len().div_ceil(DOTS).max(1);
             let (x, y) = split(&points.iter().copied().step_by(stride).collect::<Vec<_>>());
             LayerData {
-                x: Some(share(x, xs)),
+                x: Some(share(x, x_range, xs)),
                 y: Some(round(y)),
                 radius: Some(*radius),
                 alpha: Some(*alpha),
@@ -197,7 +201,7 @@ fn layer(
                 round(values.iter().step_by(stride).map(|v| v.clamp(far.0, far.1)).collect())
             };
             LayerData {
-                x: Some(share(x.iter().copied().step_by(stride).collect(), xs)),
+                x: Some(share(x.iter().copied().step_by(stride).collect(), x_range, xs)),
                 low: Some(edge(lower)),
                 high: Some(edge(upper)),
                 alpha: Some(BAND_ALPHA),
@@ -227,7 +231,7 @@ fn layer(
                 round(values.into_iter().map(|v| v.clamp(far.0, far.1)).collect())
             };
             LayerData {
-                x: Some(share(column(|p| p.x), xs)),
+                x: Some(share(column(|p| p.x), x_range, xs)),
                 y: Some(round(column(|p| p.y))),
                 low: Some(within(column(|p| p.lower))),
                 high: Some(within(column(|p| p.upper))),
@@ -263,8 +267,8 @@ fn split(points: &[Point]) -> (Vec<f64>, Vec<f64>) {
 }
 
 /// Index of a column of x values, stored once.
-fn share(x: Vec<f64>, xs: &mut Vec<Column>) -> usize {
-    let x: Vec<f64> = x.into_iter().map(|v| round_significant(v, 7)).collect();
+fn share(x: Vec<f64>, range: (f64, f64), xs: &mut Vec<Column>) -> usize {
+    let x: Vec<f64> = x.into_iter().map(|v| round_within(v, range, X_DIGITS)).collect();
     let same = |Column(a): &Column| {
         a.len() == x.len() && a.iter().zip(&x).all(|(a, b)| a.to_bits() == b.to_bits())
     };
@@ -274,18 +278,19 @@ fn share(x: Vec<f64>, xs: &mut Vec<Column>) -> usize {
     })
 }
 
-/// Rounded to a hundred-thousandth of the range shown, and never finer than six digits.
-fn round_within(value: f64, range: (f64, f64)) -> f64 {
+/// Rounded to so many digits of the range shown, and never finer than one digit more.
+fn round_within(value: f64, range: (f64, f64), digits: i32) -> f64 {
     let span = (range.1 - range.0).abs();
-    let decimals = 5 - span.log10().ceil() as i32;
+    let finest = digits as usize + 1;
+    let decimals = digits - span.log10().ceil() as i32;
     if !value.is_finite()
         || !(0..=12).contains(&decimals)
         || range.0 > 0.0 && range.1 > 100.0 * range.0
     {
-        return round_significant(value, 6);
+        return round_significant(value, finest);
     }
     let rounded: f64 = format!("{value:.*}", decimals as usize).parse().unwrap_or(value);
-    round_significant(rounded, 6)
+    round_significant(rounded, finest)
 }
 
 fn dash_name(dash: Dash) -> Option<&'static str> {

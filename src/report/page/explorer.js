@@ -4,7 +4,7 @@ for (const box of document.querySelectorAll(".explorer")) {
   const tracks = JSON.parse(box.querySelector("script").textContent);
   const [choice, replay, map, play, scrub, now] = ["select", ".replay", ".replay canvas", ".replay button",
     "input[type=range]", ".replay output"].map((part) => box.querySelector(part));
-  let [t, x, y, heading] = tracks[0].path;
+  let [t, x, y, heading] = tracks[0].path.map(column);
   let running = null;
   box.hidden = false;
   const state = live.build(box.querySelector("figure"), tracks[0].figure);
@@ -23,7 +23,7 @@ for (const box of document.querySelectorAll(".explorer")) {
 
   function choose(number) {
     stop();
-    [t, x, y, heading] = tracks[number].path;
+    [t, x, y, heading] = tracks[number].path.map(column);
     live.load(state, tracks[number].figure);
     replay.hidden = t.length < 2;
     scrub.max = t.length - 1;

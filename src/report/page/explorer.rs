@@ -3,21 +3,25 @@
 use maud::{Markup, PreEscaped, html};
 use serde::Serialize;
 
+use super::column::Column;
 use super::data::{self, FigureData};
 use crate::report::ReportError;
 use crate::report::block::{Block, Track};
-use crate::report::format::round_significant;
+
+/// Parts of a second, a metre and a radian to which the path is kept: a millimetre is no pixel of a drawn path.
+const PATH_STEPS: f64 = 1e3;
 
 #[derive(Serialize)]
 struct TrackData<'a> {
     figure: FigureData<'a>,
     /// Time, x, y and heading, one column each.
-    path: [Vec<f64>; 4],
+    path: [Column; 4],
 }
 
 impl<'a> TrackData<'a> {
     fn of(track: &'a Track) -> Self {
-        let column = |i: usize| track.path.iter().map(|row| round_significant(row[i], 5)).collect();
+        let rounded = |v: f64| (v * PATH_STEPS).round() / PATH_STEPS;
+        let column = |i: usize| Column(track.path.iter().map(|row| rounded(row[i])).collect());
         Self { figure: data::of(&track.figure), path: std::array::from_fn(column) }
     }
 }

@@ -3,8 +3,6 @@
 // scripting the printed picture stays in place.
 "use strict";
 const live = (() => {
-  const MARGIN = { top: 6, right: 22, bottom: 24 };
-
   const HINT = matchMedia("(pointer: coarse)").matches
     ? "Drag across to zoom, tap to read values."
     : "Drag to zoom, shift-drag to pan, ctrl-wheel to zoom, double-click to reset.";
@@ -13,7 +11,6 @@ const live = (() => {
   const STEP = 0.02;
 
   const states = [];
-  let version = "both";
 
   // ---- building the figure ---------------------------------------------------------------------
   function element(tag, className, text = "") {
@@ -74,29 +71,12 @@ const live = (() => {
     tools.append(reset, zoom("+", "Zoom in", 0.5), zoom("−", "Zoom out", 2), element("span", "", HINT));
     plot.after(tools);
     figure.classList.add("live");
-    const redraw = () => draw(state);
+    const redraw = () => drawFigure(state);
     new ResizeObserver(redraw).observe(plot);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
     document.fonts.ready.then(redraw);
     redraw();
     return state;
-  }
-
-  // Numbers as the page stores them: as they are, or the differences of their multiples of a power of ten.
-  function column(stored) {
-    if (!stored || Array.isArray(stored)) return stored;
-    const power = Math.pow(10, stored.d);
-    let sum = 0;
-    return stored.v.map((step) => (step === null ? null : (sum += step) / power));
-  }
-
-  function prepare(panel, xs) {
-    panel.layers.forEach((layer) => {
-      layer.xs = column(xs[layer.x]) || [];
-      ["y", "low", "high"].forEach((name) => { layer[name] = column(layer[name]); });
-      layer.travel = travel(layer.y || []);
-      layer.sorted = layer.xs.every((v, i) => i === 0 || v === null || v >= layer.xs[i - 1]);
-    });
   }
 
   // Shows other data in a figure of the same panels and layers; what is hidden stays so.
@@ -114,19 +94,14 @@ const live = (() => {
   // Shows what has changed in the data of a figure.
   function update(state) {
     state.panels.forEach((view) => { prepare(view.panel, state.data.xs); rescale(view); });
-    draw(state);
+    drawFigure(state);
   }
 
   // Sets the cursor to a place on the x axis.
   function point(state, at) {
     const [view] = state.panels;
     state.cursor = { view: null, x: share(view.panel.x, view.x, at) };
-    draw(state);
-  }
-
-  // All ups and downs of a curve added.
-  function travel(ys) {
-    return ys.reduce((sum, y, i) => sum + (i && y !== null && ys[i - 1] !== null ? Math.abs(y - ys[i - 1]) : 0), 0);
+    drawFigure(state);
   }
 
   const isNamed = (view, layer) => view.keys.some((key) => key.layer.label === layer.label);
@@ -154,32 +129,9 @@ const live = (() => {
       state.panels.forEach((panel) => panel.panel.layers.filter(same).forEach((other) => { other.off = off; }));
       key.setAttribute("aria-pressed", String(!off));
       state.panels.forEach(rescale);
-      draw(state);
+      drawFigure(state);
     });
     return made;
-  }
-
-  const isShown = (layer) =>
-    !layer.off && (version === "both" || !layer.version || layer.version === version);
-
-  // The y range of what is seen, as long as the reader chose none.
-  function rescale(view) {
-    if (view.fixed) return;
-    const whole = view.x.every((v, i) => v === view.panel.x.range[i]) && view.panel.layers.every(isShown);
-    if (whole) { view.y = [...view.panel.y.range]; return; }
-    let [low, high] = [Infinity, -Infinity];
-    const see = (y) => { if (y !== null) { low = Math.min(low, y); high = Math.max(high, y); } };
-    for (const layer of view.panel.layers.filter((l) => l.y && isShown(l))) {
-      layer.xs.forEach((x, i) => {
-        if (x === null || x < view.x[0] || x > view.x[1]) return;
-        see(layer.y[i]);
-        if (layer.kind === "bars") { see(layer.low[i]); see(layer.high[i]); }
-      });
-    }
-    if (!(high > low)) return;
-    const log = view.panel.y.log;
-    const room = log ? Math.pow(high / low, 0.06) : 0.06 * (high - low);
-    view.y = log ? [low / room, high * room] : [low - room, high + room];
   }
 
   // ---- zooming ---------------------------------------------------------------------------------
@@ -193,7 +145,7 @@ const live = (() => {
     if (!(b - a > far) || !Number.isFinite(b - a)) return;
     for (const other of linked(state)) {
       (other === state ? partners(state, view) : other.panels).forEach((panel) => { panel.x = [a, b]; rescale(panel); });
-      if (other !== state) draw(other);
+      if (other !== state) drawFigure(other);
     }
   }
 
@@ -210,21 +162,21 @@ const live = (() => {
         view.fixed = false;
         rescale(view);
       });
-      draw(other);
+      drawFigure(other);
     }
   }
 
   function zoomAbout(state, view, s, factor) {
     const at = (t) => value(view.panel.x, view.x, t);
     setX(state, view, [at(s - s * factor), at(s + (1 - s) * factor)]);
-    draw(state);
+    drawFigure(state);
   }
 
   function pan(state, view, start, dx, dy) {
     const moved = (axis, range, by) => [value(axis, range, by), value(axis, range, 1 + by)];
     setX(state, view, moved(view.panel.x, start.x, -dx));
     if (dy) { view.y = moved(view.panel.y, start.y, dy); view.fixed = true; }
-    draw(state);
+    drawFigure(state);
   }
 
   function listen(state, view) {
@@ -249,7 +201,7 @@ const live = (() => {
       setCursor(state, { view, ...to });
       if (drag && drag.pan) return pan(state, view, drag, to.x - drag.from.x, to.y - drag.from.y);
       view.box = drag ? { from: drag.from, to } : null;
-      draw(state);
+      drawFigure(state);
     });
     canvas.addEventListener("pointerup", (event) => {
       const zoom = drag && !drag.pan;
@@ -257,12 +209,12 @@ const live = (() => {
       drag = null;
       view.box = null;
       if (zoom) zoomTo(state, view, from, place(event));
-      draw(state);
+      drawFigure(state);
     });
-    canvas.addEventListener("pointercancel", () => { drag = view.box = null; draw(state); });
+    canvas.addEventListener("pointercancel", () => { drag = view.box = null; drawFigure(state); });
     // a finger that was lifted leaves the values it read
     canvas.addEventListener("pointerleave", (event) => {
-      if (event.pointerType !== "touch") { setCursor(state, null); draw(state); }
+      if (event.pointerType !== "touch") { setCursor(state, null); drawFigure(state); }
     });
     canvas.addEventListener("dblclick", () => resetView(state));
     canvas.addEventListener("wheel", (event) => {
@@ -275,7 +227,7 @@ const live = (() => {
       const step = (by) => {
         const at = (state.cursor ? state.cursor.x : 0.5) + by;
         setCursor(state, { view, x: Math.min(1, Math.max(0, at)), y: 0.5 });
-        draw(state);
+        drawFigure(state);
       };
       const keys = {
         "+": () => zoomAbout(state, view, 0.5, 0.8),
@@ -293,7 +245,7 @@ const live = (() => {
   function setCursor(state, cursor) {
     for (const other of linked(state)) {
       other.cursor = cursor;
-      if (other !== state) draw(other);
+      if (other !== state) drawFigure(other);
     }
     state.follow?.(cursor && value(cursor.view.panel.x, cursor.view.x, cursor.x));
   }
@@ -311,131 +263,14 @@ const live = (() => {
     setX(state, view, [value(x, view.x, left), value(x, view.x, right)]);
   }
 
-  // ---- drawing ---------------------------------------------------------------------------------
-  function draw(state) {
-    const style = getComputedStyle(document.documentElement);
-    const color = (name) => style.getPropertyValue(name).trim();
-    const prepared = state.panels.map((view) => {
-      const context = view.canvas.getContext("2d");
-      context.font = `11.5px ${FONT}`;
-      const plotHeight = view.panel.height - MARGIN.top - MARGIN.bottom - (view.below ? 20 : 0);
-      const y = atLeastThree(view, Math.min(10, Math.max(2, plotHeight / 38)));
-      const width = Math.max(...y.list.map((tick) => context.measureText(tick.label).width), 10);
-      return { view, context, y, plotHeight, left: width + 9 };
-    });
-    // aligned left axes; side by side each column would only lose room, so all share the widest
-    const left = Math.max(...prepared.map((panel) => panel.left));
-    prepared.forEach((panel) => drawPanel(state, { ...panel, left, color }));
-  }
-
-  // One label says nothing of a scale.
-  function atLeastThree(view, count) {
-    const y = ticks(view.panel.y, view.y, count);
-    return y.list.length < 3 && count < 12 ? atLeastThree(view, count + 1) : y;
-  }
-
-  function drawPanel(state, { view, context, y, plotHeight, left, color }) {
-    const { canvas, panel } = view;
-    const ratio = window.devicePixelRatio || 1;
-    const width = canvas.clientWidth;
-    canvas.width = Math.round(width * ratio);
-    canvas.height = Math.round(panel.height * ratio);
-    context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    context.font = `11.5px ${FONT}`;
-    const area = { left, top: MARGIN.top, width: Math.max(20, width - left - MARGIN.right), height: plotHeight };
-    view.area = area;
-    const px = (v) => area.left + clamp(share(panel.x, view.x, v)) * area.width;
-    const py = (v) => area.top + (1 - clamp(share(panel.y, view.y, v))) * area.height;
-    const x = ticks(panel.x, view.x, Math.max(1, area.width / 80));
-    view.label.textContent = axisLabel(panel.y, y.exponent);
-    context.lineWidth = 1;
-    context.textBaseline = "middle";
-    context.textAlign = "right";
-    for (const tick of y.list) {
-      segment(context, color("--grid"), area.left, py(tick.at), area.left + area.width, py(tick.at));
-      context.fillStyle = color("--muted");
-      context.fillText(tick.label, area.left - 7, py(tick.at));
-    }
-    context.save();
-    context.beginPath();
-    context.rect(area.left, area.top - 1, area.width, area.height + 2);
-    context.clip();
-    const [from, to] = panel.x.range.map((v) => share(panel.x, view.x, v));
-    // a line that goes up and down by more than this looks like a blot under a thick pen
-    const crowd = 8 * area.width / area.height * Math.abs(view.y[1] - view.y[0]) * (to - from);
-    for (const layer of panel.layers.filter(isShown)) drawLayer(context, layer, px, py, area, color, crowd);
-    drawCursor(context, state, view, area, color);
-    context.restore();
-    const foot = area.top + area.height;
-    segment(context, color("--axis"), area.left, foot, area.left + area.width, foot);
-    context.textAlign = "center";
-    context.textBaseline = "top";
-    for (const tick of x.list) {
-      segment(context, color("--axis"), px(tick.at), foot, px(tick.at), foot + 4.5);
-      context.fillStyle = color("--muted");
-      if (view.below) context.fillText(tick.label, px(tick.at), foot + 8);
-    }
-    context.fillStyle = color("--ink");
-    context.font = `12px ${FONT}`;
-    if (view.below) context.fillText(axisLabel(panel.x, x.exponent), area.left + area.width / 2, foot + 27);
-    readOut(state, view);
-  }
-
-  function drawCursor(context, state, view, area, color) {
-    const { cursor } = state;
-    if (cursor && cursor.x >= 0 && cursor.x <= 1 && (cursor.view === view || state.shared)) {
-      context.globalAlpha = 0.6;
-      const x = area.left + cursor.x * area.width;
-      segment(context, color("--muted"), x, area.top, x, area.top + area.height);
-      context.globalAlpha = 1;
-    }
-    if (!view.box) return;
-    const { from, to } = view.box;
-    const high = Math.abs(to.y - from.y) * area.height > 24;
-    context.fillStyle = color("--muted");
-    context.globalAlpha = 0.25;
-    context.fillRect(
-      area.left + from.x * area.width,
-      high ? area.top + from.y * area.height : area.top,
-      (to.x - from.x) * area.width,
-      high ? (to.y - from.y) * area.height : area.height,
-    );
-    context.globalAlpha = 1;
-  }
-
-  // Values of the nearest samples beside the legend, the place of the cursor beside the axis label.
-  function readOut(state, view) {
-    const { cursor } = state;
-    const here = cursor && (cursor.view === view || state.shared);
-    const at = here ? value(view.panel.x, view.x, cursor.x) : null;
-    for (const { layer, reading } of view.keys) {
-      const readable = here && layer.y && layer.sorted && isShown(layer);
-      const index = readable ? nearest(layer.xs, at) : -1;
-      reading.textContent = index < 0 ? "" : format(layer.y[index]);
-    }
-    if (cursor && cursor.view === view) {
-      const height = value(view.panel.y, view.y, 1 - cursor.y);
-      view.label.textContent += `   (${format(at)}, ${format(height)})`;
-    }
-  }
-
-  function nearest(xs, at) {
-    let [low, high] = [0, xs.length - 1];
-    while (high - low > 1) {
-      const middle = (low + high) >> 1;
-      if (xs[middle] <= at) low = middle; else high = middle;
-    }
-    return high < 0 || Math.abs(xs[low] - at) <= Math.abs(xs[high] - at) ? Math.min(low, high) : high;
-  }
-
   for (const figure of document.querySelectorAll("figure[data-interactive]")) {
     build(figure, JSON.parse(figure.querySelector("script[type='application/json']").textContent));
   }
   for (const choice of document.querySelectorAll(".versions")) {
     choice.hidden = false;
     choice.addEventListener("change", (event) => {
-      version = event.target.value;
-      states.forEach((state) => { state.panels.forEach(rescale); draw(state); });
+      display.version = event.target.value;
+      states.forEach((state) => { state.panels.forEach(rescale); drawFigure(state); });
     });
   }
   // the picture is embedded once: the link takes it from the image

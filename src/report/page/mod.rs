@@ -24,6 +24,8 @@ use super::raster::figure_to_both;
 const INTERACTIVE: &str = concat!(
     include_str!("scales.js"),
     include_str!("canvas.js"),
+    include_str!("curves.js"),
+    include_str!("panel.js"),
     include_str!("interactive.js"),
     include_str!("explorer.js"),
     include_str!("what_if.js")

@@ -1,9 +1,11 @@
 // What if a parameter had another value: recordings simulated by the identified model of model.js.
 "use strict";
 const whatIf = (() => {
-  // Columns as 32-bit numbers; a step of the time keeps ten nanoseconds of what that holds.
-  const floats = (text) => new Float32Array(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer);
-  const pairs = ([a, b]) => { const second = floats(b); return Array.from(floats(a), (v, k) => [v, second[k]]); };
+  // The steps of the time have 32 bits, of which ten nanoseconds are kept; signals are 16-bit steps above the least value.
+  const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer;
+  const floats = (text) => new Float32Array(bytes(text));
+  const signal = ({ least, step, values }) => Float64Array.from(new Uint16Array(bytes(values)), (v) => least + v * step);
+  const pairs = ([a, b]) => { const second = signal(b); return Array.from(signal(a), (v, k) => [v, second[k]]); };
 
   function recording(data) {
     const t = [data.start];

@@ -35,26 +35,26 @@ impl<'a> Parameter<'a> {
     }
 }
 
-/// Columns are little-endian 32-bit numbers in base64; the time is given by its differences.
+/// Columns are little-endian numbers in base64: the differences of the time of 32 bits, signals of 16.
 #[derive(Serialize)]
 struct RecordingData<'a> {
     name: &'a str,
     start: f64,
     steps: String,
-    input: [String; 2],
-    omega: [String; 2],
+    input: [Signal; 2],
+    omega: [Signal; 2],
     starts: Vec<(usize, bool, [f64; 4])>,
     floor: Option<f64>,
 }
 
 impl<'a> RecordingData<'a> {
     fn of(driven: &'a Driven) -> Self {
-        let wheel = |rows: &[[f64; 2]], i: usize| column(rows.iter().map(|row| row[i]));
+        let wheel = |rows: &[[f64; 2]], i: usize| Signal::of(rows.iter().map(|row| row[i]));
         let pair = |rows: &[[f64; 2]]| [wheel(rows, 0), wheel(rows, 1)];
         Self {
             name: &driven.name,
             start: driven.t.first().copied().unwrap_or(0.0),
-            steps: column(driven.t.windows(2).map(|t| t[1] - t[0])),
+            steps: encoded(driven.t.windows(2).flat_map(|t| ((t[1] - t[0]) as f32).to_le_bytes())),
             input: pair(&driven.input),
             omega: pair(&driven.omega),
             starts: driven.starts.iter().map(|s| (s.row, s.is_piece, s.state)).collect(),
@@ -63,8 +63,30 @@ impl<'a> RecordingData<'a> {
     }
 }
 
-fn column(values: impl Iterator<Item = f64>) -> String {
-    BASE64.encode(values.flat_map(|v| (v as f32).to_le_bytes()).collect::<Vec<u8>>())
+/// A signal as whole steps above its least value, 65535 of them over its range: far below the noise of a sensor.
+#[derive(Serialize)]
+struct Signal {
+    least: f64,
+    step: f64,
+    values: String,
+}
+
+impl Signal {
+    fn of(values: impl Iterator<Item = f64> + Clone) -> Self {
+        let (least, most) = values
+            .clone()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (v.min(a), v.max(b)));
+        // a signal that never changes, or is empty, has no range
+        let range = if most > least { most - least } else { 1.0 };
+        let least = if least.is_finite() { least } else { 0.0 };
+        let step = range / f64::from(u16::MAX);
+        let whole = move |v: f64| ((v - least) / step).round() as u16;
+        Self { least, step, values: encoded(values.flat_map(move |v| whole(v).to_le_bytes())) }
+    }
+}
+
+fn encoded(bytes: impl Iterator<Item = u8>) -> String {
+    BASE64.encode(bytes.collect::<Vec<u8>>())
 }
 
 /// The panels among blocks, in the order of the page.

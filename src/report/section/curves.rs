@@ -1,6 +1,7 @@
 //! Columns of a study as points to draw.
 
-use crate::recording::Regime;
+use crate::math::median;
+use crate::recording::{Regime, is_gap};
 use crate::report::figure::{Layer, Role};
 use crate::study::{MethodStudy, Performance, RecordingStudy, Study};
 
@@ -55,6 +56,21 @@ pub(super) fn residual(recording: &RecordingStudy, rows: &[[f64; 2]], i: usize) 
     points.into_iter().zip(&recording.omega).map(|((t, v), m)| (t, m[i] - v)).collect()
 }
 
+/// A curve over time, broken where rows are missing.
+pub(super) fn broken_at_gaps(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    // a curve that is broken already holds the place of the break twice
+    let steps = points.windows(2).map(|pair| pair[1].0 - pair[0].0).filter(|step| *step > 0.0);
+    let step = median(steps);
+    let mut out: Vec<(f64, f64)> = Vec::with_capacity(points.len());
+    for point in points {
+        if out.last().is_some_and(|last| is_gap(last.0, point.0, step)) {
+            out.push((point.0, f64::NAN));
+        }
+        out.push(point);
+    }
+    out
+}
+
 fn fastest(recording: &RecordingStudy) -> f64 {
     let speeds = recording.omega.iter().flatten();
     speeds.filter(|v| v.is_finite()).fold(1e-9, |most: f64, v| most.max(v.abs()))
@@ -103,6 +119,15 @@ pub(super) fn noise_band(recording: &RecordingStudy, i: usize) -> Layer {
 mod tests {
     use super::*;
     use crate::report::section::tests::full;
+
+    #[test]
+    fn a_curve_over_time_breaks_where_rows_are_missing_and_nowhere_else() {
+        let rows = [0.0, 0.1, 0.2, 0.3, 1.5, 1.6, 1.7].map(|t| (t, 1.0)).to_vec();
+        let broken = broken_at_gaps(rows);
+        let places: Vec<usize> = (0..broken.len()).filter(|&k| broken[k].1.is_nan()).collect();
+        assert_eq!(places, [4]);
+        assert!(broken_at_gaps(vec![]).is_empty());
+    }
 
     #[test]
     fn the_recording_that_is_shown_is_the_judged_one_with_the_largest_error_over_its_floor() {

@@ -1,4 +1,4 @@
-//! What the residual torque depends on, before and after what was found: the trail to the missing effect.
+//! What the residual torque depends on, before and after what was found: which points to the missing effect.
 
 use super::{Section, words};
 use crate::compare::{Curve, CurveBin, Mean};

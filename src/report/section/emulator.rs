@@ -119,7 +119,7 @@ fn states(
             (0..count).map(|k| (recording.t[k], value(k))).collect()
         };
         let line = |points, label: &str, width, role| Layer::Line {
-            points,
+            points: curves::broken_at_gaps(points),
             label: label.to_owned(),
             role,
             width,

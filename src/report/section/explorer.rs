@@ -1,6 +1,6 @@
 //! Every recording to look into: speeds, input and residual torque in step with the robot on its path.
 
-use super::curves::{self, simulated, wheel};
+use super::curves::{self, broken_at_gaps, simulated, wheel};
 use super::{Depth, Section, listed, what_if, words};
 use crate::report::block::{Block, Track};
 use crate::report::figure::{Axis, Dash, Figure, Layer, Panel, Role};
@@ -172,6 +172,7 @@ impl<'a> Seen<'a> {
 }
 
 fn line(points: Vec<(f64, f64)>, label: String, role: Role, width: f64) -> Layer {
+    let points = broken_at_gaps(points);
     Layer::Line { points, label, role, width, dash: Dash::Solid }
 }
 

@@ -1,6 +1,6 @@
 //! Measured and simulated speeds of the models of the verdict, on the recording that is shown.
 
-use super::curves::{self, residual, simulated, wheel};
+use super::curves::{self, broken_at_gaps, residual, simulated, wheel};
 use super::words;
 use crate::report::figure::{Axis, Dash, Figure, Layer, Panel, Role, Size};
 use crate::report::format;
@@ -166,7 +166,7 @@ impl<'a> Overlay<'a> {
         let mut shown: Vec<(f64, f64)> = measured.iter().filter(inside).copied().collect();
         // a wide pale line: dots would hide what lies below them
         let mut panel = Panel::new(x, y).with(Layer::Line {
-            points: measured,
+            points: broken_at_gaps(measured),
             label: "measured".to_owned(),
             role: Role::Measured,
             width: 3.2,
@@ -175,6 +175,7 @@ impl<'a> Overlay<'a> {
         for (performance, label, role, dash) in self.models() {
             let rows = of(performance);
             let points = self.broken(simulated(self.recording, rows, i), performance, rows);
+            let points = broken_at_gaps(points);
             shown.extend(points.iter().filter(inside));
             let width = if role == Role::Given { 1.6 } else { 1.4 };
             panel = panel.with(Layer::Line { points, label, role, width, dash });
@@ -192,7 +193,7 @@ impl<'a> Overlay<'a> {
             .with(curves::noise_band(self.recording, i));
         for (performance, label, role, _) in self.models() {
             let points = residual(self.recording, &performance.windows, i);
-            let points = self.broken(points, performance, &performance.windows);
+            let points = broken_at_gaps(self.broken(points, performance, &performance.windows));
             let width = if role == Role::Given { 0.9 } else { 1.1 };
             panel = panel.with(Layer::Line { points, label, role, width, dash: Dash::Solid });
         }

@@ -1,6 +1,6 @@
 //! The recorded signals of the recording that is shown, and its path.
 
-use super::curves::{self, wheel};
+use super::curves::{self, broken_at_gaps, wheel};
 use super::overlay::LINK;
 use super::{Depth, Section, words};
 use crate::report::block::Block;
@@ -51,6 +51,7 @@ fn time() -> Axis {
 }
 
 fn line(points: Vec<(f64, f64)>, label: &str, role: Role, width: f64) -> Layer {
+    let points = broken_at_gaps(points);
     Layer::Line { points, label: label.to_owned(), role, width, dash: Dash::Solid }
 }
 

@@ -13,7 +13,7 @@ pub(super) const WHEELS: [&str; 2] = ["right wheel (1)", "left wheel (2)"];
 pub(super) const SIDES: [&str; 2] = ["right", "left"];
 /// Symbols of the wheel speeds.
 pub(super) const OMEGA: [&str; 2] = ["ω₁", "ω₂"];
-/// Symbols of the drives.
+/// Symbols of the inputs.
 pub(super) const DRIVE: [&str; 2] = ["M₁", "M₂"];
 
 /// A regime in a sentence: "pivot to the left".
@@ -56,7 +56,7 @@ pub(super) fn out_of_range(estimate: &Estimate) -> Option<String> {
         })
         .next()?;
     let (low, high) = spec.range;
-    // ranges hold for moments in N m; beside another drive they say nothing
+    // ranges hold for torques in N m, not for inputs in other units
     if spec.unit != estimate.unit {
         return None;
     }

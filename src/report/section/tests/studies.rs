@@ -239,7 +239,7 @@ pub(in crate::report::section) fn full() -> Study {
         values: (0..50).map(|k| vec![0.03, (-0.2 * f64::from(k)).exp()]).collect(),
     }];
     let mut failed = method("output_error");
-    failed.failure = Some("the data cannot give a2".to_owned());
+    failed.failure = Some("a2: not identifiable from these data".to_owned());
     failed.status = None;
     let fuzzy = MethodStudy { fuzzy: Some(fuzzy()), ..performed("fuzzy_genetic", f64::NAN) };
     let version = |effects: &[&str], window_rms| Version {
