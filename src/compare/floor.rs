@@ -277,7 +277,7 @@ fn spread(a: &State, b: &State, i: usize) -> f64 {
     if d.is_finite() { d } else { 0.0 }
 }
 
-/// The recorded drive with noise of the deviations `sigma` [N m] added, one draw a row and wheel.
+/// The recorded input with noise of the deviations `sigma` [N m] added, one draw a row and wheel.
 pub fn noisier_drive(
     recording: &Recording,
     sigma: [f64; 2],

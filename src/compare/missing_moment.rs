@@ -75,7 +75,7 @@ impl Variable {
         }
     }
 
-    /// Unit, for a drive of `drive_unit`.
+    /// Unit, for an input in `drive_unit`.
     #[must_use]
     pub fn unit(self, drive_unit: &'static str) -> &'static str {
         match self {

@@ -110,7 +110,7 @@ pub enum CustomError {
 /// |---|---|---|
 /// | t | time since the start of the recording | s |
 /// | w1, w2 | wheel speeds | rad/s |
-/// | w | speed of the wheel that the moment acts on | rad/s |
+/// | w | speed of the wheel that the torque acts on | rad/s |
 /// | alpha1, alpha2, alpha | wheel angles, likewise | rad |
 /// | v | forward speed v_A | m/s |
 /// | beta_dot, beta | turn rate and heading | rad/s, rad |

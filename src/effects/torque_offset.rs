@@ -1,4 +1,4 @@
-//! A constant bias of drive or torque sensor.
+//! A constant bias of motor or torque sensor.
 
 use super::{Description, Energy, Motion, ParameterSpec, Physics, Terms};
 use crate::math::Real;

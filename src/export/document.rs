@@ -164,7 +164,7 @@ fn constants(it: &Identified) -> Vec<Constant> {
         let error = match (parameter.fixed, it.std_errors[j]) {
             (Some(_), _) => "fixed".to_owned(),
             (None, error) if error.is_finite() => format!("+- {error:.2e}"),
-            (None, _) => "this data cannot give it".to_owned(),
+            (None, _) => "not identifiable from these data".to_owned(),
         };
         let remark = format!("[{unit}] {error}; {}", parameter.spec.meaning);
         Constant { name, value: it.values[j], remark }

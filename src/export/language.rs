@@ -16,7 +16,7 @@ pub(super) struct Language {
     pub(super) syntax: Syntax,
     /// A constant from name, value and remark.
     pub(super) constant: fn(&str, &str, &str) -> String,
-    /// Truth of "the drive runs straight between samples".
+    /// Whether the input is linear between samples.
     pub(super) truth: [&'static str; 2],
 }
 

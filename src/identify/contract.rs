@@ -101,7 +101,7 @@ fn noise_pulls_no_regression_far() {
         let name = method.describe().name;
         let fit = identify(&**method, &model, &train).unwrap();
         for (e, truth) in fit.estimates.iter().zip(model.initial()) {
-            // four standard errors of a2 for a regression; the free simulation wanders further
+            // four standard errors of a2 for a regression; the free simulation drifts further
             let limit = match (name.as_str(), e.symbol.as_str()) {
                 ("output_error", "a2") => 0.15,
                 (_, "a2") => 0.04,
@@ -145,7 +145,7 @@ fn a_robot_that_never_moves_is_refused_with_words() {
     }
 }
 
-/// Straight driving alone, both ways: a1 + a2 can be known, a1 - a2 and a3 cannot.
+/// Straight driving alone, both ways: a1 + a2 is identifiable, a1 - a2 and a3 are not.
 fn straight(model: &Model, noise: NoiseLevel) -> Recording {
     let speeds = [0.4, 0.1, -0.3, -0.1, 0.5, 0.2, -0.5, 0.3, 0.0];
     let segments = speeds
@@ -179,7 +179,7 @@ fn straight_driving_alone_is_marked_and_the_sum_is_given() {
             // likelihoods give a wide interval instead, where noise lets the difference be seen
             if !["prediction_error", "output_error"].contains(&name.as_str()) {
                 let said = |words: &str| fit.notes.iter().any(|n| n.to_string().contains(words));
-                assert!(said("only a1 + a2 = 0.0294"), "{name} {:?}", fit.notes);
+                assert!(said("identifiable is a1 + a2 = 0.0294"), "{name} {:?}", fit.notes);
                 assert!(said("say nothing of a3; record: fast curves"), "{name} {:?}", fit.notes);
                 assert!(fit.estimates[0].value > fit.estimates[1].value.abs(), "{name}");
             }
@@ -217,7 +217,7 @@ fn recursion_without_forgetting_ends_at_ordinary_least_squares() {
     assert!((last[0] / whole.estimates[0].value - 1.0).abs() < 1e-3);
 }
 
-/// A recording whose drive is what `change` makes of time, speeds and drive.
+/// A recording whose input is what `change` makes of time, speeds and input.
 fn changed(r: &Recording, change: impl Fn(usize, &[f64; 2], &[f64; 2]) -> [f64; 2]) -> Recording {
     let rows = r.omega().iter().zip(r.moment()).enumerate();
     r.with_moment(rows.map(|(k, (w, m))| change(k, w, m)).collect())

@@ -19,7 +19,7 @@ pub struct Estimate {
     pub unit: String,
     /// Value.
     pub value: f64,
-    /// Standard error; infinite where the data cannot give the parameter, zero where it is fixed.
+    /// Standard error; infinite where the parameter is not identifiable, zero where it is fixed.
     pub std_error: f64,
     /// 95 % interval.
     pub interval: (f64, f64),
@@ -131,13 +131,13 @@ pub struct Fit {
     /// One estimate a parameter of the physical model; empty for others.
     pub estimates: Vec<Estimate>,
     /// Covariance of all parameters (zero rows where fixed, infinite variance where the data
-    /// cannot give one).
+    /// do not identify one).
     pub covariance: Option<DMatrix<f64>>,
     /// How it ended.
     pub status: Status,
     /// What it cost.
     pub work: Work,
-    /// What the reader must know: what the data cannot give, which bound is active.
+    /// What the reader must know: what is not identifiable, which bound is active.
     pub notes: Vec<Note>,
     /// Curves for drawing.
     pub traces: Vec<Trace>,
@@ -147,7 +147,7 @@ pub struct Fit {
 
 impl Fit {
     /// A physical fit: `p` has one value a parameter of `model`, `covariance` is that of all of
-    /// them; an infinite variance marks what the data cannot give.
+    /// them; an infinite variance marks what is not identifiable.
     #[must_use]
     pub fn physical(
         method: &str,

@@ -1,4 +1,4 @@
-//! What the data cannot give, in words, and what they give in its place.
+//! What is not identifiable from the data, in words, and what is in its place.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -17,8 +17,8 @@ pub(super) struct Identified {
     pub(super) notes: Vec<Note>,
 }
 
-/// A parameter whose moment, at the speeds of the recordings, is uncertain by more than this many
-/// times the largest drive is not known.
+/// A parameter whose torque, at the speeds of the recordings, is uncertain by more than this many
+/// times the largest input is not identifiable.
 const HOPELESS: f64 = 1e3;
 /// Directions in which noise makes this share of the columns are not known.
 const NOISE_SHARE: f64 = 0.5;
@@ -29,8 +29,8 @@ const ROUGH: f64 = 0.1;
 /// Parameters with less than this part in a direction do not take part in it.
 const PART: f64 = 1e-3;
 
-/// Inverts the information of the free parameters (scaled to unit diagonal) and says which the
-/// data cannot give, which combination of two they give instead, and which motion would help.
+/// Inverts the information of the free parameters (scaled to unit diagonal) and says which are
+/// not identifiable, which combination of two is instead, and which motion would help.
 ///
 /// `values` has one entry a parameter; `information` is that of all parameters. A `given`
 /// covariance takes the place of the inverse information where the data give something.

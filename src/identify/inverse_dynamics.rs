@@ -30,7 +30,7 @@ struct Part {
     kept: Vec<usize>,
 }
 
-/// The regression `y = x θ + e` of the moment balance over all recordings.
+/// The regression `y = x θ + e` of the torque balance over all recordings.
 pub(super) struct Regression<'a> {
     pub(super) task: &'a Task<'a>,
     pub(super) regressor: Regressor<'a>,

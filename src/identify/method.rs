@@ -67,7 +67,9 @@ pub struct OptionError {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum IdentifyError {
     /// The data do not excite what is asked for.
-    #[error("{method}: the data cannot give {parameters} (rank {rank} of {columns}); {remedy}")]
+    #[error(
+        "{method}: {parameters}: not identifiable from these data (rank {rank} of {columns}); {remedy}"
+    )]
     NotExcited {
         /// Method.
         method: String,

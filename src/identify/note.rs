@@ -171,7 +171,7 @@ impl fmt::Display for Note {
             Self::SingleAxis(counted) => {
                 f.write_str(
                     "Both wheels carry the same numbers: this is one axis, so only sums over the two \
-                     wheels can be known",
+                     wheels are identifiable",
                 )?;
                 f.write_str(match counted {
                     SingleAxis::CountedOnce => ".",
@@ -290,13 +290,13 @@ impl fmt::Display for Unknown {
                 };
                 write!(
                     f,
-                    "The data cannot tell {first} from {second}: only {first} {other} = {value:.6} ± \
-                     {std_error:.2e} can be known"
+                    "{first} and {second} are indistinguishable from these data; identifiable is {first} {other} = \
+                     {value:.6} ± {std_error:.2e}"
                 )
             }
             Self::Several(symbols) => write!(
                 f,
-                "The data cannot give {} one by one, only combinations of them",
+                "Only combinations of {} are identifiable from these data, not each of them",
                 symbols.join(", ")
             ),
         }

@@ -18,10 +18,10 @@ use crate::math::{clustered_covariance, eliminate};
 /// ```text
 /// minimise ½ Σ_k Σ_i (y_i(k) - x_i(k; θ, x0))² / σ_i²,   i = alpha1, alpha2, omega1, omega2
 /// ```
-/// The whole recording is simulated freely from its moments; the initial state of every piece is
+/// The whole recording is simulated freely from its torques; the initial state of every piece is
 /// estimated too. Levenberg-Marquardt with exact sensitivities through stops and reversals, from
 /// the weak form (from a guess with too much friction the robot would never move). The parameters
-/// of a body behind the wheels, of which the weak form knows nothing, start from the best of a grid.
+/// of a two-mass drivetrain, which the weak form does not contain, start from the best of a grid.
 ///
 /// Source: Ljung, System Identification (1999), ch. 4; Janot et al. 2014.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
@@ -170,7 +170,7 @@ impl Problem<'_> {
     }
 
     /// Covariance of all parameters: the larger of the inverse information and what blocks of
-    /// residuals of 5 s show, since a simulation that wanders misses whole stretches alike.
+    /// residuals of 5 s show, since a simulation that drifts misses whole stretches alike.
     fn covariance(
         &self,
         minimum: &Minimum,

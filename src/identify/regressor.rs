@@ -1,4 +1,4 @@
-//! The moment balance as a linear regression: one column a linear parameter.
+//! The torque balance as a linear regression: one column a linear parameter.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use crate::model::{Linearisation, Model};
 use crate::recording::Recording;
 use crate::simulate::Hold;
 
-/// Takes the moment balance of a model apart by its linear parameters.
+/// Takes the torque balance of a model apart by its linear parameters.
 ///
 /// ```text
 /// column j = balance(parameter j one, other linear ones zero) - balance(all linear ones zero)

@@ -1,4 +1,4 @@
-//! A stretch of rows without a gap: which of them are used, and the filtered columns of the moment
+//! A stretch of rows without a gap: which of them are used, and the filtered columns of the torque
 //! balance over it. Recordings that are held are cut into stretches at their gaps; those that are
 //! read block by block at the blocks too.
 
@@ -151,7 +151,7 @@ fn cutoff(recording: &Recording, given: Option<f64>, noise_share: f64) -> f64 {
     given.unwrap_or_else(automatic).clamp(0.5_f64.min(0.1 * rate), 0.1 * rate)
 }
 
-/// The motion and the drive that columns are made of.
+/// The motion and the input torque that columns are made of.
 #[derive(Clone)]
 pub(super) struct Source {
     pub(super) alpha: Vec<[f64; 2]>,

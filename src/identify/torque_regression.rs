@@ -19,7 +19,7 @@ use crate::recording::LongRecording;
 /// W θ = M,   W = [dw1, dw2, w2(w2-w1), sgn(w1), …] per effect, θ = (W'W)⁻¹ W'M
 /// ```
 /// Speeds pass a zero-phase Butterworth filter of order 4, are differentiated, and the columns
-/// and the moments pass the same filter again, so that the relation stays linear; then every row
+/// and the torques pass the same filter again, so that the relation stays linear; then every row
 /// that the filter makes redundant is left out. Each movement between two stops or reversals is
 /// filtered on its own, so that friction at rest, which is not sgn(w), does not come in.
 ///

@@ -1,4 +1,4 @@
-//! Total least squares: noise in the columns as well as in the moments.
+//! Total least squares: noise in the columns as well as in the torques.
 
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};

@@ -1,4 +1,4 @@
-//! The weak form of the moment balance: integrals against test functions, which need no
+//! The weak form of the torque balance: integrals against test functions, which need no
 //! acceleration.
 
 use std::ops::Range;
@@ -84,7 +84,7 @@ pub(super) fn motion_at<'a>(
 /// ```text
 /// Σ_c θ_c ∫ (ψ torque_c - ψ' mass_c ω) dt = ∫ ψ M dt - (the same of what is not linear)
 /// ```
-/// Source: partial integration of the moment balance; Messenger and Bortz, SIAM Multiscale
+/// Source: partial integration of the torque balance; Messenger and Bortz, SIAM Multiscale
 /// Modeling & Simulation 19 (2021).
 pub(super) fn weak_rows(
     task: &Task,

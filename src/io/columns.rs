@@ -26,7 +26,7 @@ pub struct Column {
     pub offset: f64,
     /// Counts of the encoder per turn of the wheel, for the units `ticks` and `ticks/s`.
     pub per_turn: Option<f64>,
-    /// Moment at the wheel per ampere [N m/A], for a drive that was recorded as current.
+    /// Torque at the wheel per ampere [N m/A], for an input that was recorded as current.
     pub torque_constant: Option<f64>,
     /// Column with the nanoseconds of a time that is written as seconds and nanoseconds.
     pub nanoseconds: Option<String>,
@@ -74,7 +74,7 @@ impl Default for ColumnMap {
 }
 
 impl ColumnMap {
-    /// The columns of the contract for a drive in this unit and wheels of this radius [m], which
+    /// The columns of the contract for an input in this unit and wheels of this radius [m], which
     /// turns metres into radians.
     #[must_use]
     pub fn new(drive_unit: DriveUnit, wheel_radius: Option<f64>) -> Self {
@@ -228,7 +228,7 @@ fn quantity(key: &str) -> &'static str {
         "t" => "time",
         "alpha1" | "alpha2" => "an angle",
         "dalpha1" | "dalpha2" => "a speed",
-        _ => "a drive",
+        _ => "an input",
     }
 }
 

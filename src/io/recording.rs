@@ -317,7 +317,7 @@ fn is_element(name: &str) -> bool {
     inner.is_some_and(|(_, i)| !i.is_empty() && i.chars().all(index))
 }
 
-/// Contract column and its name in the file, for those that are there; t and the drives must be,
+/// Contract column and its name in the file, for those that are there; t and the inputs must be,
 /// and of angles and speeds at least one pair.
 pub(super) fn wanted(
     path: &Path,

@@ -96,7 +96,7 @@ impl BaseParameters {
     /// use amigo_ident::robot::{Construction, State};
     /// let a = Construction::amigobot().parameters();
     /// let straight = State { alpha: [0.0; 2], omega: [4.0, 4.0] };
-    /// // at constant speed straight ahead the drive has to overcome friction alone
+    /// // at constant speed straight ahead the input torque overcomes friction alone
     /// assert_eq!(a.inverse(&straight, [0.0, 0.0]), [a.a4, a.a5]);
     /// ```
     #[must_use]

@@ -23,7 +23,7 @@ pub(super) struct Group {
     /// Derivatives of row `2 window + wheel` by the speeds, `[row][column][sample of window]`;
     /// the last column is what is not linear.
     pub(super) slopes: Vec<Vec<Vec<[f64; 2]>>>,
-    /// Variances of the speeds, and of the drive of each wheel.
+    /// Variances of the speeds, and of the input of each wheel.
     pub(super) variance: [f64; 2],
     pub(super) drive_variance: [f64; 2],
     /// Block of each window.
