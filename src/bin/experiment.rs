@@ -329,8 +329,8 @@ fn run(run: &Run) -> ExitCode {
         }
     };
     warn(&plans, run.quiet);
-    if options.progress && plans.iter().any(|plan| plan.grid.is_some()) {
-        eprintln!("an interrupted grid goes on where it stopped by the same command");
+    if options.progress {
+        kept_on_interrupt(&plans, &options);
     }
     let outcomes: Vec<Outcome> =
         plans.into_par_iter().map(|plan| experiment::execute(plan, &options)).collect();
@@ -342,6 +342,21 @@ fn run(run: &Run) -> ExitCode {
     }
     let failed = outcomes.iter().filter(|o| o.result.is_err()).count();
     ExitCode::from(if failed > 0 { FAILED } else { 0 })
+}
+
+/// What Ctrl-C leaves and how to go on: said before, since the program then ends at once. Files have their names
+/// only when they are whole.
+fn kept_on_interrupt(plans: &[Plan], options: &RunOptions) {
+    let out = printable(&options.out.display().to_string());
+    if plans.iter().any(|plan| plan.grid.is_some()) {
+        eprintln!(
+            "Ctrl-C keeps every finished combination in {out}; the same command then runs the others only"
+        );
+    } else if plans.len() > 1 {
+        eprintln!(
+            "Ctrl-C keeps the finished experiments in {out}; run the files of the others again"
+        );
+    }
 }
 
 /// A word in place of the first file that is no file, but nearly a command.
