@@ -17,7 +17,7 @@ const DOTS: usize = 4000;
 /// Digits of the range of an axis that its values keep. A panel is 340 pixels high at most, so that values are right
 /// to a pixel where 30 of it lie one above the other; the x axis, which can be zoomed into further, keeps more.
 const Y_DIGITS: i32 = 4;
-const X_DIGITS: i32 = 6;
+const X_DIGITS: i32 = 5;
 /// Height of a panel, alone and among others [px].
 const HEIGHT: (f64, f64) = (340.0, 165.0);
 

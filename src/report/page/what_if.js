@@ -1,10 +1,14 @@
 // What if a parameter had another value: recordings simulated by the identified model of model.js.
 "use strict";
 const whatIf = (() => {
-  // The steps of the time have 32 bits, of which ten nanoseconds are kept; signals are 16-bit steps above the least value.
-  const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer;
-  const floats = (text) => new Float32Array(bytes(text));
-  const signal = ({ least, step, values }) => Float64Array.from(new Uint16Array(bytes(values)), (v) => least + v * step);
+  // The steps of the time have 32 bits, of which ten nanoseconds are kept; signals are whole steps above their least value.
+  const decoded = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+  const floats = (text) => new Float32Array(decoded(text).buffer);
+  const signal = ({ bytes, least, step, values }) => {
+    const from = decoded(values);
+    const whole = (k) => from.subarray(bytes * k, bytes * (k + 1)).reduceRight((sum, byte) => 256 * sum + byte, 0);
+    return Float64Array.from({ length: from.length / bytes }, (_, k) => least + whole(k) * step);
+  };
   const pairs = ([a, b]) => { const second = signal(b); return Array.from(signal(a), (v, k) => [v, second[k]]); };
 
   function recording(data) {
