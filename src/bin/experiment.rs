@@ -2,7 +2,7 @@
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 use std::io::IsTerminal;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use amigo_ident::experiment::{self, Done, ExportFormat, Outcome, Plan, RunOptions, Shard};
@@ -329,8 +329,9 @@ fn run(run: &Run) -> ExitCode {
         }
     };
     warn(&plans, run.quiet);
-    if options.progress {
-        kept_on_interrupt(&plans, &options);
+    let is_grid = plans.iter().any(|plan| plan.grid.is_some());
+    if options.progress && (is_grid || plans.len() > 1) {
+        kept_on_interrupt(is_grid, &options.out);
     }
     let outcomes: Vec<Outcome> =
         plans.into_par_iter().map(|plan| experiment::execute(plan, &options)).collect();
@@ -344,19 +345,11 @@ fn run(run: &Run) -> ExitCode {
     ExitCode::from(if failed > 0 { FAILED } else { 0 })
 }
 
-/// What Ctrl-C leaves and how to go on: said before, since the program then ends at once. Files have their names
-/// only when they are whole.
-fn kept_on_interrupt(plans: &[Plan], options: &RunOptions) {
-    let out = printable(&options.out.display().to_string());
-    if plans.iter().any(|plan| plan.grid.is_some()) {
-        eprintln!(
-            "Ctrl-C keeps every finished combination in {out}; the same command then runs the others only"
-        );
-    } else if plans.len() > 1 {
-        eprintln!(
-            "Ctrl-C keeps the finished experiments in {out}; run the files of the others again"
-        );
-    }
+/// What Ctrl-C leaves, said before: the program then ends at once. Files have their names only when they are whole.
+fn kept_on_interrupt(is_grid: bool, out: &Path) {
+    let again = "experiments; run the files of the others again";
+    let kept = if is_grid { "combinations; the same command runs the others" } else { again };
+    eprintln!("Ctrl-C keeps, in {}, finished {kept}", printable(&out.display().to_string()));
 }
 
 /// A word in place of the first file that is no file, but nearly a command.
