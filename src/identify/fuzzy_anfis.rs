@@ -4,7 +4,7 @@ use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
 use super::fuzzy::{
-    Found, Fuzzy, Job, Journal, Limits, Problem, Search, continuation, levenberg_marquardt,
+    Found, Fuzzy, Job, Journal, Limits, Penalty, Problem, Search, continuation, levenberg_marquardt,
 };
 use super::{IdentifyError, MethodDescription, Status};
 use crate::simulate::Structure;
@@ -66,8 +66,13 @@ impl Search for Anfis {
     fn search(&self, job: &mut Job) -> Result<Found, IdentifyError> {
         let Job { problem, level, ridge, journal, .. } = job;
         let limits = Limits { iterations: 60, tolerance: 1e-4 };
-        let (theta, ..) = continuation(problem, level, *ridge, limits, journal, Self::NAME)?;
-        let mut learner = Learner { theta, level, ridge: *ridge, journal };
+        let penalty = Penalty { about: level, weight: problem.penalty(*ridge) };
+        let descend = |problem: &Problem, theta: &DVector<f64>, limits| {
+            Ok(levenberg_marquardt(problem, theta, penalty, limits, journal))
+        };
+        let (theta, ..) =
+            continuation(problem, level, *ridge, limits, journal, Self::NAME, descend)?;
+        let mut learner = Learner { theta, penalty, ridge: *ridge, journal };
         let (iterations, status) = learner.learn(problem, self.epochs, self.step)?;
         Ok(Found { theta: learner.theta.as_slice().to_vec(), iterations, status })
     }
@@ -75,7 +80,7 @@ impl Search for Anfis {
 
 struct Learner<'a> {
     theta: DVector<f64>,
-    level: &'a DVector<f64>,
+    penalty: Penalty<'a>,
     ridge: f64,
     journal: &'a Journal,
 }
@@ -120,7 +125,7 @@ impl Learner<'_> {
     fn downhill(&self, problem: &Problem, scale: &[f64]) -> Option<Vec<f64>> {
         let normal = problem.normal(self.theta.as_slice(), true)?;
         self.journal.note(normal.cost);
-        let from = self.theta.len();
+        let from = problem.free().len();
         let slope: Vec<f64> =
             scale.iter().enumerate().map(|(k, s)| s * normal.g[from + k]).collect();
         let norm = slope.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -129,12 +134,11 @@ impl Learner<'_> {
 
     fn consequents(&self, problem: &Problem) -> Result<DVector<f64>, IdentifyError> {
         if problem.structure == Structure::SerialParallel {
-            return problem.closed_form(self.level, self.ridge, Anfis::NAME);
+            return problem.closed_form(self.penalty.about, self.ridge, Anfis::NAME);
         }
         let limits = Limits { iterations: INNER, tolerance: 1e-4 };
-        let (theta, level) = (&self.theta, self.level);
-        let journal = self.journal;
-        Ok(levenberg_marquardt(problem, theta, level, self.ridge, limits, journal).0)
+        let (theta, journal) = (&self.theta, self.journal);
+        Ok(levenberg_marquardt(problem, theta, self.penalty, limits, journal).0)
     }
 }
 

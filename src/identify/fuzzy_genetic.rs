@@ -17,7 +17,8 @@ use super::{IdentifyError, MethodDescription, Status};
 /// survivors the two best as they are, children for the rest
 /// ```
 /// All random numbers are drawn in one order from the seed of the task and only the costs are
-/// computed in parallel (several side by side in a register), so that the result does not depend on the number of threads.
+/// computed in parallel and side by side in registers, so that the result depends neither on the number of
+/// threads nor on the width of the registers.
 ///
 /// Source: the paper's abstract (genetic algorithms); Eshelman and Schaffer, Foundations of Genetic
 /// Algorithms 2 (1993) for the crossover.

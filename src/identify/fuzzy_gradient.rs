@@ -1,40 +1,53 @@
 //! Fuzzy emulator by a quasi-Newton method with the exact gradient.
 
+use std::cell::RefCell;
+
 use argmin::core::{CostFunction, Executor, Gradient, State};
 use argmin::solver::linesearch::MoreThuenteLineSearch;
 use argmin::solver::quasinewton::LBFGS;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
-use super::fuzzy::{DIVERGED, Found, Fuzzy, Job, Search, Start};
+use super::fuzzy::{
+    DIVERGED, Descent, Found, Fuzzy, Job, Limits, Penalty, Problem, Search, Start, continuation,
+};
 use super::{IdentifyError, MethodDescription, Status};
 
-/// Limited-memory BFGS over all consequents, with the exact gradient of the simulated cost.
+/// Limited-memory BFGS over the consequents that the recordings reach, with the exact gradient of the
+/// simulated cost and the gain lowered step by step.
 ///
 /// ```text
 /// gradient = -2 ∫ S'e dt,   S' = (∂fhat/∂what - K) S + Phi(what)
 /// theta = start + L⁻ᵀ z,   L Lᵀ = H + ridge at the start:  curvature alike in all directions of z
 /// ```
 /// Neighbouring rules depend on each other, so that a scale of its own for each leaves directions with
-/// curvatures a thousand apart; the factor of the whole matrix takes a tenth of the steps.
+/// curvatures a thousand apart; the factor of the whole matrix, computed once at every gain, takes a tenth
+/// of the steps.
 ///
 /// Source: Liu and Nocedal, Mathematical Programming 45 (1989); preconditioning: Nocedal and Wright,
 /// Numerical Optimization (2006), section 5.1; line search: Moré and Thuente,
-/// ACM TOMS 20 (1994).
+/// ACM TOMS 20 (1994); continuation: Allgower and Georg, Numerical Continuation Methods (1990).
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct QuasiNewton {
-    /// Iterations at the most.
+    /// Iterations at each gain, at the most.
     pub iterations: u64,
-    /// Where it starts.
+    /// Whether the gain is lowered step by step from 20 1/s (parallel structure).
+    pub continuation: bool,
+    /// Where it starts without continuation.
     pub start: Start,
 }
 
 impl Default for QuasiNewton {
     fn default() -> Self {
-        Self { iterations: 300, start: Start::Best }
+        Self { iterations: 300, continuation: true, start: Start::Best }
     }
 }
+
+/// Fall of the cost in a step below which it has converged, relative to the noise floor.
+const TOLERANCE: f64 = 5e-4;
+/// Steps that the approximation of the curvature remembers.
+const MEMORY: usize = 12;
 
 /// The method: this search with the options of all fuzzy methods.
 pub type FuzzyGradient = Fuzzy<QuasiNewton>;
@@ -50,63 +63,121 @@ impl Search for QuasiNewton {
             source: "Liu and Nocedal 1989; Moré and Thuente 1994".into(),
             use_when:
                 "there are so many rules that the matrix of Levenberg-Marquardt takes most of \
-                       the time: here it is computed once"
+                       the time: here it is computed once at every gain"
                     .into(),
-            avoid_when: "the start is far: fuzzy_levenberg_marquardt lowers the gain step by step"
+            avoid_when: "there are few rules: fuzzy_levenberg_marquardt needs fewer simulations"
                 .into(),
         }
     }
 
     fn search(&self, job: &mut Job) -> Result<Found, IdentifyError> {
-        let start = job.start(self.start)?;
-        let Some(normal) = job.problem.normal(start.as_slice(), false) else {
-            return Err(job.no_start("the emulator diverges from the start; raise `gain`"));
+        let job: &Job = job;
+        let limits = Limits { iterations: self.iterations as usize, tolerance: TOLERANCE };
+        let (problem, level) = (&job.problem.over_reached(), &job.level);
+        let penalty = Penalty { about: level, weight: problem.penalty(job.ridge) };
+        let descend = |problem: &Problem, start: &DVector<f64>, limits| {
+            Slope::new(job, problem, penalty, start)?.descend(limits)
         };
-        job.journal.note(normal.cost);
-        let mean = normal.h.trace() / start.len() as f64;
-        let weight = job.ridge * mean;
-        let n = start.len();
-        // without a ridge, rules that are never reached have no curvature
-        let curvature = normal.h + DMatrix::identity(n, n) * weight.max(1e-9 * mean);
-        let Some(factor) = curvature.cholesky() else {
-            return Err(job.no_start("the sensitivities at the start are not finite"));
+        let (theta, iterations, status) = if self.continuation {
+            continuation(problem, level, job.ridge, limits, &job.journal, Self::NAME, descend)?
+        } else {
+            descend(problem, &job.start(self.start)?, limits)?
         };
-        Slope { job, start, factor: factor.l(), weight }.descend(self.iterations)
+        Ok(Found { theta: theta.as_slice().to_vec(), iterations, status })
     }
 }
 
 /// Cost and gradient over scaled steps z from the start.
 struct Slope<'a> {
     job: &'a Job,
-    start: DVector<f64>,
+    problem: &'a Problem,
+    penalty: Penalty<'a>,
+    start: &'a DVector<f64>,
+    free: Vec<usize>,
     /// L.
     factor: DMatrix<f64>,
-    weight: f64,
+    /// Where it was evaluated last: the line search asks for cost and gradient one after the other.
+    last: RefCell<Option<Evaluation>>,
 }
 
-impl Slope<'_> {
+/// z with its cost and gradient.
+type Evaluation = (DVector<f64>, f64, DVector<f64>);
+
+impl<'a> Slope<'a> {
+    fn new(
+        job: &'a Job,
+        problem: &'a Problem,
+        penalty: Penalty<'a>,
+        start: &'a DVector<f64>,
+    ) -> Result<Self, IdentifyError> {
+        let Some(normal) = problem.normal(start.as_slice(), false) else {
+            return Err(job.no_start("the emulator diverges from the start; raise `gain`"));
+        };
+        job.journal.note(normal.cost);
+        let free = problem.free();
+        let n = free.len();
+        // without a ridge, consequents that hardly matter have no curvature
+        let least = 1e-9 * normal.h.trace() / n as f64;
+        let curvature = normal.h + DMatrix::identity(n, n) * penalty.weight.max(least);
+        let Some(factor) = curvature.cholesky() else {
+            return Err(job.no_start("the sensitivities at the start are not finite"));
+        };
+        let (factor, last) = (factor.l(), RefCell::default());
+        Ok(Self { job, problem, penalty, start, free, factor, last })
+    }
+
     fn theta(&self, z: &DVector<f64>) -> DVector<f64> {
         let mut step = z.clone();
         self.factor.tr_solve_lower_triangular_mut(&mut step);
-        &self.start + step
+        let mut theta = self.start.clone();
+        self.free.iter().zip(step.iter()).for_each(|(&j, step)| theta[j] += step);
+        theta
     }
 
-    fn descend(self, iterations: u64) -> Result<Found, IdentifyError> {
-        let first = DVector::zeros(self.start.len());
+    fn descend(self, limits: Limits) -> Result<Descent, IdentifyError> {
+        let first = DVector::zeros(self.free.len());
         let refuse = |e: argmin::core::Error| self.job.no_start(e);
-        let solver = LBFGS::new(MoreThuenteLineSearch::new(), 12)
-            .with_tolerance_cost(1e-9)
+        let tolerance = (limits.tolerance * self.problem.noise_floor).max(1e-9);
+        let solver = LBFGS::new(MoreThuenteLineSearch::new(), MEMORY)
+            .with_tolerance_cost(tolerance)
             .map_err(refuse)?;
+        let most = limits.iterations as u64;
         let run = Executor::new(&self, solver)
-            .configure(|s| s.param(first.clone()).max_iters(iterations))
+            .configure(|s| s.param(first.clone()).max_iters(most))
             .run();
         let run = run.map_err(refuse)?;
         let state = run.state();
         let best = state.get_best_param().cloned().unwrap_or(first);
         let done = state.get_iter();
-        let status = if done < iterations { Status::Converged } else { Status::IterationLimit };
-        let theta = self.theta(&best).as_slice().to_vec();
-        Ok(Found { theta, iterations: done as usize, status })
+        let status = if done < most { Status::Converged } else { Status::IterationLimit };
+        Ok((self.theta(&best), done as usize, status))
+    }
+
+    /// Cost and gradient at z. The cost is always finite: the line search does not end on one that is not.
+    fn at(&self, z: &DVector<f64>) -> (f64, DVector<f64>) {
+        if let Some((at, cost, gradient)) = &*self.last.borrow()
+            && at == z
+        {
+            return (*cost, gradient.clone());
+        }
+        let theta = self.theta(z);
+        let sound = theta.iter().all(|x| x.is_finite());
+        let found = sound.then(|| self.problem.gradient(theta.as_slice())).flatten();
+        let (cost, gradient) = match found {
+            Some((ise, slope)) => {
+                self.job.journal.note(ise);
+                let mut slope = slope + self.penalty.slope(&theta, &self.free);
+                self.factor.solve_lower_triangular_mut(&mut slope);
+                (ise + self.penalty.of(&theta), slope)
+            }
+            // uphill away from the start, along the way that diverges
+            None => {
+                self.job.journal.note(DIVERGED);
+                (DIVERGED, z * (DIVERGED / z.norm_squared().max(1.0)))
+            }
+        };
+        self.last.replace(Some((z.clone(), cost, gradient.clone())));
+        (cost, gradient)
     }
 }
 
@@ -114,15 +185,8 @@ impl CostFunction for &Slope<'_> {
     type Param = DVector<f64>;
     type Output = f64;
 
-    /// Always finite: the line search does not end on a cost that is not.
     fn cost(&self, z: &DVector<f64>) -> Result<f64, argmin::core::Error> {
-        let theta = self.theta(z);
-        if !theta.iter().all(|x| x.is_finite()) {
-            return Ok(DIVERGED);
-        }
-        let ise = self.job.problem.cost(theta.as_slice());
-        self.job.journal.note(ise);
-        Ok(ise + self.weight * (theta - &self.job.level).norm_squared())
+        Ok(self.at(z).0)
     }
 }
 
@@ -131,14 +195,6 @@ impl Gradient for &Slope<'_> {
     type Gradient = DVector<f64>;
 
     fn gradient(&self, z: &DVector<f64>) -> Result<DVector<f64>, argmin::core::Error> {
-        let theta = self.theta(z);
-        let Some((ise, slope)) = self.job.problem.gradient(theta.as_slice()) else {
-            // uphill away from the start, along the way that diverges
-            return Ok(z * (DIVERGED / z.norm_squared().max(1.0)));
-        };
-        self.job.journal.note(ise);
-        let mut slope = slope + (theta - &self.job.level) * (2.0 * self.weight);
-        self.factor.solve_lower_triangular_mut(&mut slope);
-        Ok(slope)
+        Ok(self.at(z).1)
     }
 }

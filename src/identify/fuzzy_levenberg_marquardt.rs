@@ -1,8 +1,11 @@
 //! Fuzzy emulator by Levenberg-Marquardt with exact sensitivities.
 
+use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
-use super::fuzzy::{Found, Fuzzy, Job, Limits, Search, Start, continuation, levenberg_marquardt};
+use super::fuzzy::{
+    Found, Fuzzy, Job, Limits, Penalty, Problem, Search, Start, continuation, levenberg_marquardt,
+};
 use super::{IdentifyError, MethodDescription};
 
 /// Levenberg-Marquardt over the consequents, with the gain lowered step by step.
@@ -34,6 +37,10 @@ impl Default for LevenbergMarquardt {
     }
 }
 
+/// Relative fall of the cost below which it has converged: a thousandth of what the noise of a recording
+/// does to the ISE.
+const TOLERANCE: f64 = 1e-4;
+
 /// The method: this search with the options of all fuzzy methods.
 pub type FuzzyLevenbergMarquardt = Fuzzy<LevenbergMarquardt>;
 
@@ -57,13 +64,16 @@ impl Search for LevenbergMarquardt {
     }
 
     fn search(&self, job: &mut Job) -> Result<Found, IdentifyError> {
-        let limits = Limits { iterations: self.iterations, tolerance: 1e-6 };
-        let (problem, level, journal) = (&job.problem, &job.level, &job.journal);
+        let limits = Limits { iterations: self.iterations, tolerance: TOLERANCE };
+        let (problem, level, journal) = (&job.problem.over_reached(), &job.level, &job.journal);
+        let penalty = Penalty { about: level, weight: problem.penalty(job.ridge) };
+        let descend = |problem: &Problem, theta: &DVector<f64>, limits| {
+            Ok(levenberg_marquardt(problem, theta, penalty, limits, journal))
+        };
         let (theta, iterations, status) = if self.continuation {
-            continuation(problem, level, job.ridge, limits, journal, Self::NAME)?
+            continuation(problem, level, job.ridge, limits, journal, Self::NAME, descend)?
         } else {
-            let start = job.start(self.start)?;
-            levenberg_marquardt(problem, &start, level, job.ridge, limits, journal)
+            descend(problem, &job.start(self.start)?, limits)?
         };
         Ok(Found { theta: theta.as_slice().to_vec(), iterations, status })
     }

@@ -1,25 +1,34 @@
 //! Fuzzy emulator by the simplex of Nelder and Mead.
 
-use argmin::core::{CostFunction, Executor, State};
-use argmin::solver::neldermead::NelderMead;
+use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 use super::fuzzy::{Found, Fuzzy, Job, Search, Start};
 use super::{IdentifyError, MethodDescription, Status};
 
-/// The simplex of Nelder and Mead over the consequents of the rules that the recordings reach.
+/// The simplex of Nelder and Mead over the consequents of the rules that the recordings reach, several
+/// vertices a round.
 ///
 /// ```text
-/// minimise ISE(theta) by reflecting, stretching and shrinking a simplex of n + 1 points
+/// c      = mean of the best n + 1 - p vertices
+/// x_r    = 2 c - x for each of the p worst; then, where it is the best of all, x_e = 3 c - 2 x,
+///          where it is no better than the vertices kept, (c + x_r)/2 or (c + x)/2
+/// shrink   halfway to the best vertex where none of the p has improved
+/// first  = start + edge · columns of L⁻ᵀ,   L Lᵀ = ∫ Psi'Psi dt + 1 % of its mean diagonal
 /// ```
+/// The p moves do not depend on each other, so that their costs are computed side by side. The moves commute
+/// with linear maps, so that the first simplex alone decides in what scales the search goes: its edges are as
+/// long as the data of the serial-parallel structure leave each direction open.
 ///
-/// Source: Nelder and Mead, Computer Journal 7 (1965), as MATLAB's fminsearch.
+/// Source: Nelder and Mead, Computer Journal 7 (1965); several vertices a round: Lee and Wiswall,
+/// Computational Economics 30 (2007).
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Simplex {
-    /// Moves of the simplex at the most.
-    pub iterations: u64,
-    /// Edge of the first simplex [rad/s²].
+    /// Rounds at the most.
+    pub iterations: usize,
+    /// Edge of the first simplex: its square is what each edge adds to the ISE of an emulator held at the
+    /// data [rad/√s].
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub edge: f64,
     /// Where it starts.
@@ -28,9 +37,18 @@ pub struct Simplex {
 
 impl Default for Simplex {
     fn default() -> Self {
-        Self { iterations: 4000, edge: 0.5, start: Start::Best }
+        Self { iterations: 200, edge: 1.0, start: Start::Best }
     }
 }
+
+/// Vertices that move in a round at the most: those that the widest register simulates at once.
+const MOST_MOVES: usize = 8;
+/// Vertices to one that moves, at the least: of a simplex that moves at once little remains.
+const KEPT: usize = 3;
+/// Share of the mean curvature that is added where the data leave directions open.
+const OPEN: f64 = 1e-2;
+/// Relative difference of the costs of the worst and the best vertex at which it has converged.
+const TOLERANCE: f64 = 1e-6;
 
 /// The method: this search with the options of all fuzzy methods.
 pub type FuzzyNelderMead = Fuzzy<Simplex>;
@@ -43,7 +61,7 @@ impl Search for Simplex {
             name: Self::NAME.into(),
             title: "Fuzzy emulator: Nelder-Mead simplex".into(),
             equation: "minimise ISE(theta) without derivatives by a simplex of n + 1 points".into(),
-            source: "Nelder and Mead 1965".into(),
+            source: "Nelder and Mead 1965; Lee and Wiswall 2007".into(),
             use_when: "optimisers are compared".into(),
             avoid_when: "more than a dozen rules are fitted: the simplex stagnates in many \
                          dimensions"
@@ -52,53 +70,112 @@ impl Search for Simplex {
     }
 
     fn search(&self, job: &mut Job) -> Result<Found, IdentifyError> {
-        let start = job.start(self.start)?.as_slice().to_vec();
-        let simplex = Corners { job, start, free: job.problem.reached() };
-        simplex.descend(self.edge, self.iterations)
+        let start = job.start(self.start)?;
+        let free = job.problem.reached();
+        let mut curvature = job.problem.closed_curvature(&free);
+        let n = free.len();
+        let open = OPEN * curvature.trace() / n.max(1) as f64;
+        curvature += DMatrix::identity(n, n) * open;
+        let Some(factor) = curvature.cholesky() else {
+            return Err(job.no_start("the recordings reach no rule"));
+        };
+        let simplex = Vertices { job, start, free, factor: factor.l(), vertices: vec![] };
+        Ok(simplex.descend(self.edge, self.iterations))
     }
 }
 
-/// The cost over the consequents in `free`, as steps from `start`.
-struct Corners<'a> {
+/// Steps from the start in scaled coordinates, and their cost.
+type Vertex = (DVector<f64>, f64);
+
+/// The simplex over the consequents in `free`.
+struct Vertices<'a> {
     job: &'a Job,
-    start: Vec<f64>,
+    start: DVector<f64>,
     free: Vec<usize>,
+    /// L.
+    factor: DMatrix<f64>,
+    /// From the best to the worst.
+    vertices: Vec<Vertex>,
 }
 
-impl CostFunction for Corners<'_> {
-    type Param = Vec<f64>;
-    type Output = f64;
-
-    fn cost(&self, steps: &Vec<f64>) -> Result<f64, argmin::core::Error> {
-        let cost = self.job.problem.cost(&self.theta(steps));
-        self.job.journal.note(cost);
-        Ok(cost)
-    }
-}
-
-impl Corners<'_> {
-    fn theta(&self, steps: &[f64]) -> Vec<f64> {
-        let mut theta = self.start.clone();
-        for (&j, step) in self.free.iter().zip(steps) {
-            theta[j] += step;
-        }
+impl Vertices<'_> {
+    fn theta(&self, z: &DVector<f64>) -> Vec<f64> {
+        let mut step = z.clone();
+        self.factor.tr_solve_lower_triangular_mut(&mut step);
+        let mut theta = self.start.as_slice().to_vec();
+        self.free.iter().zip(step.iter()).for_each(|(&j, step)| theta[j] += step);
         theta
     }
 
-    fn descend(self, edge: f64, iterations: u64) -> Result<Found, IdentifyError> {
-        let (n, job) = (self.free.len(), self.job);
-        let corner = |i: usize| (0..n).map(|j| if i == j { edge } else { 0.0 }).collect();
-        let points: Vec<Vec<f64>> = (0..=n).map(corner).rev().collect();
-        let refuse = |e: argmin::core::Error| job.no_start(e);
-        let solver = NelderMead::new(points).with_sd_tolerance(1e-9).map_err(refuse)?;
-        let run = Executor::new(self, solver).configure(|s| s.max_iters(iterations)).run();
-        let run = run.map_err(refuse)?;
-        let state = run.state();
-        let steps = state.get_best_param().cloned().unwrap_or_default();
-        let done = state.get_iter();
-        let status = if done < iterations { Status::Converged } else { Status::IterationLimit };
-        let corners = run.problem.problem.as_ref();
-        let theta = corners.map_or_else(Vec::new, |corners| corners.theta(&steps));
-        Ok(Found { theta, iterations: done as usize, status })
+    fn judged(&self, points: Vec<DVector<f64>>) -> Vec<Vertex> {
+        let thetas: Vec<Vec<f64>> = points.iter().map(|z| self.theta(z)).collect();
+        let costs = self.job.problem.costs(&thetas);
+        let best = costs.iter().copied().fold(f64::INFINITY, f64::min);
+        self.job.journal.note_many(costs.len(), best);
+        points.into_iter().zip(costs).collect()
+    }
+
+    fn descend(mut self, edge: f64, iterations: usize) -> Found {
+        let n = self.free.len();
+        let corner = |i: usize| DVector::from_fn(n, |j, _| if i == j { edge } else { 0.0 });
+        self.vertices = self.judged((0..=n).map(corner).collect());
+        let (mut rounds, mut status) = (0, Status::IterationLimit);
+        while rounds < iterations {
+            self.vertices.sort_by(|a, b| a.1.total_cmp(&b.1));
+            if self.vertices[n].1 - self.vertices[0].1 <= TOLERANCE * self.vertices[0].1 {
+                status = Status::Converged;
+                break;
+            }
+            self.round((n / KEPT).clamp(1, MOST_MOVES));
+            rounds += 1;
+        }
+        self.vertices.sort_by(|a, b| a.1.total_cmp(&b.1));
+        Found { theta: self.theta(&self.vertices[0].0), iterations: rounds, status }
+    }
+
+    /// Moves the `moves` worst vertices.
+    fn round(&mut self, moves: usize) {
+        let kept = self.vertices.len() - moves;
+        let (best, last_kept) = (self.vertices[0].1, self.vertices[kept - 1].1);
+        let mut centre = DVector::zeros(self.free.len());
+        self.vertices[..kept].iter().for_each(|(z, _)| centre += z);
+        centre /= kept as f64;
+        let reflect = |(z, _): &Vertex| &centre * 2.0 - z;
+        let reflected = self.judged(self.vertices[kept..].iter().map(reflect).collect());
+        // a reflection that is neither the best of all nor as bad as those that move is taken as it is
+        let second = |(old, new): (&Vertex, &Vertex)| {
+            if new.1 < best {
+                Some(&centre * 3.0 - &old.0 * 2.0)
+            } else if new.1 < last_kept {
+                None
+            } else {
+                Some((&centre + if new.1 < old.1 { &new.0 } else { &old.0 }) * 0.5)
+            }
+        };
+        let pairs = self.vertices[kept..].iter().zip(&reflected);
+        let trials: Vec<Option<DVector<f64>>> = pairs.map(second).collect();
+        let asked: Vec<bool> = trials.iter().map(Option::is_some).collect();
+        let mut tried = self.judged(trials.into_iter().flatten().collect()).into_iter();
+        let mut improved = false;
+        for ((old, new), asked) in self.vertices[kept..].iter_mut().zip(reflected).zip(asked) {
+            let tried = if asked { tried.next() } else { None };
+            let better = tried.filter(|tried| tried.1 < new.1.min(old.1));
+            improved |= better.is_some() || new.1 < last_kept;
+            if let Some(found) = better.or(Some(new)).filter(|found| found.1 < old.1) {
+                *old = found;
+            }
+        }
+        if !improved {
+            self.shrink();
+        }
+    }
+
+    /// All vertices halfway to the best one.
+    fn shrink(&mut self) {
+        let best = &self.vertices[0].0;
+        let halfway = self.vertices[1..].iter().map(|(z, _)| (z + best) * 0.5).collect();
+        let moved = self.judged(halfway);
+        self.vertices.truncate(1);
+        self.vertices.extend(moved);
     }
 }

@@ -10,6 +10,7 @@ pub mod expression;
 pub mod filter;
 mod formula;
 mod information;
+mod lanes;
 pub mod least_squares;
 pub mod noise;
 mod order;
@@ -25,6 +26,9 @@ pub use error::MathError;
 pub use expression::{Expression, ExpressionError};
 pub use formula::{Formula, Node};
 pub use information::{Information, eliminate};
+#[cfg(test)]
+pub(crate) use lanes::every_width;
+pub(crate) use lanes::{Lanes, Mask, in_lanes};
 pub use least_squares::{LinearFit, clustered_covariance, fit};
 pub use order::{median, quantile};
 pub use robust::{RobustFit, fit_huber};

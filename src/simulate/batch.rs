@@ -1,21 +1,20 @@
-//! Many parameter vectors over one input at once: eight simulations side by side in the lanes of
-//! the processor, each reduced to its ISE.
+//! Many parameter vectors over one input at once: simulations side by side in the lanes of the
+//! processor, each reduced to its ISE.
 
-use std::convert::Infallible;
-
+use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
-use wide::f64x8;
 
 use super::drive::Drive;
 use super::stepper::{SPEED_LIMIT, Stepper, pieces_between};
 use super::{Hold, Input, SimulateError, simulate};
 use crate::effects::BASE;
-use crate::math::runge_kutta_step;
+use crate::math::{Lanes, Mask, in_lanes};
 use crate::model::Model;
 use crate::robot::State;
 
-/// Simulations side by side.
-const LANES: usize = 8;
+/// Simulations that go on together: two of the widest registers, since a step of one waits for itself most of
+/// the time.
+const TOGETHER: usize = 16;
 /// A wheel counts as held only if what holds it is below its level by this share; what is closer
 /// to breaking away is decided by the scalar rule.
 const CLEARLY: f64 = 1.0 - 1e-9;
@@ -28,11 +27,12 @@ const CLEARLY: f64 = 1.0 - 1e-9;
 /// `measured` are wheel speeds [rad/s], one row a sample of `input`. Nothing of the trajectories
 /// is kept.
 ///
-/// Of the base model (a1..a5) eight vectors at a time run through the steps of [`simulate`], in
-/// the lanes of the processor. Sliding and sticking that last over a whole step are treated in the
+/// Of the base model (a1..a5) sixteen vectors at a time run through the steps of [`simulate`], in
+/// the widest registers of the processor. Sliding and sticking that last over a whole step are treated in the
 /// lanes; where a wheel stops, reverses or breaks away within a step, that lane alone takes the
-/// step by the scalar integrator. So the result is that of [`simulate`] to rounding. Models with
-/// further effects are simulated one vector after the other.
+/// step by the scalar integrator. So the result is that of [`simulate`] to rounding, and the same to the
+/// last bit for every width of the registers. Models with further effects are simulated one vector after
+/// the other.
 ///
 /// # Errors
 /// Each vector has its own result, with the errors of [`simulate`].
@@ -72,8 +72,8 @@ pub fn ise_of_many(
             .collect();
     }
     parameters
-        .par_chunks(LANES)
-        .map(|vectors| Batch::new(model, vectors, input, start).run(input, measured))
+        .par_chunks(TOGETHER)
+        .map(|vectors| in_lanes(Together { model, vectors, input, start, measured }))
         .collect::<Vec<_>>()
         .into_iter()
         .flatten()
@@ -89,292 +89,294 @@ fn ise(t: &[f64], measured: &[[f64; 2]], motion: &[State]) -> f64 {
     (1..t.len()).map(|k| 0.5 * (t[k] - t[k - 1]) * (square(k - 1) + square(k))).sum()
 }
 
-/// A number in each lane for each wheel.
-type Wheels = [f64x8; 2];
-
-/// Up to eight simulations of the base model on their way.
-struct Batch<'a> {
-    a2: f64x8,
-    /// Inverse of the mass matrix (on the diagonal, beside it), and of a1 alone.
-    inverse: [f64x8; 2],
-    alone: f64x8,
-    a3: f64x8,
-    /// Friction levels; not below zero.
-    level: Wheels,
-    omega: Wheels,
-    /// Lanes with a positive definite mass matrix; the others are left to the scalar rule, which
-    /// refuses them.
-    sound: f64x8,
-    /// One integrator a vector, for the steps that a lane cannot take.
-    scalar: Vec<Stepper<'a>>,
-    failed: [Option<SimulateError>; LANES],
+/// Up to [`TOGETHER`] simulations.
+struct Together<'a> {
+    model: &'a Model,
+    vectors: &'a [Vec<f64>],
+    input: &'a Input<'a>,
+    start: State,
+    measured: &'a [[f64; 2]],
 }
 
-/// How the wheels move through a step: the signs of friction and the inverse of the mass matrix
-/// with the rows of wheels that stick taken out.
-struct Motion {
-    sign: Wheels,
-    /// All bits set where the wheel sticks.
-    stuck: Wheels,
-    mobility: [f64x8; 3],
-}
+impl WithSimd for Together<'_> {
+    type Output = Vec<Result<f64, SimulateError>>;
 
-impl<'a> Batch<'a> {
-    fn new(model: &'a Model, vectors: &'a [Vec<f64>], input: &Input, start: State) -> Self {
-        // lanes that are left over repeat the last vector
-        let column = |j: usize| {
-            f64x8::new(std::array::from_fn(|lane| vectors[lane.min(vectors.len() - 1)][j]))
-        };
-        let zero = f64x8::ZERO;
-        let (a1, a2) = (column(0), column(1));
-        let determinant = a1 * a1 - a2 * a2;
-        let scalar = vectors.iter().map(|p| Stepper::new(model, p, input.t[0], start)).collect();
-        Self {
-            a2,
-            inverse: [a1 / determinant, -a2 / determinant],
-            alone: f64x8::ONE / a1,
-            a3: column(2),
-            level: [column(3).max(zero), column(4).max(zero)],
-            omega: start.omega.map(f64x8::splat),
-            sound: a1.simd_gt(zero) & determinant.simd_gt(zero),
-            scalar,
-            failed: std::array::from_fn(|_| None),
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Self { model, vectors, input, start, measured } = self;
+        let some = vectors.chunks(Lanes::<S>::COUNT);
+        let mut batches: Vec<Batch<S>> =
+            some.map(|vectors| Batch::new(simd, model, vectors, input, start)).collect();
+        for batch in &mut batches {
+            batch.before = batch.square(&measured[0]);
         }
-    }
-
-    fn run(mut self, input: &Input, measured: &[[f64; 2]]) -> Vec<Result<f64, SimulateError>> {
-        let mut sum = f64x8::ZERO;
-        let mut before = self.square(&measured[0]);
         for k in 1..input.t.len() {
             let (from, to) = (input.t[k - 1], input.t[k]);
             let last = if input.hold == Hold::Linear { k } else { k - 1 };
             let drive = Drive::new(from, to, &input.moment[k - 1], &input.moment[last]);
-            self.sample(from, to, &drive);
-            let after = self.square(&measured[k]);
-            sum += (before + after) * (0.5 * (to - from));
-            before = after;
-        }
-        let sums = sum.to_array();
-        let count = self.scalar.len();
-        let outcomes = self.failed.into_iter().zip(sums).take(count);
-        outcomes.map(|(failed, sum)| failed.map_or(Ok(sum), Err)).collect()
-    }
-
-    fn square(&self, measured: &[f64; 2]) -> f64x8 {
-        let e = |i: usize| f64x8::splat(measured[i]) - self.omega[i];
-        let (first, second) = (e(0), e(1));
-        first * first + second * second
-    }
-
-    /// All lanes from one sample to the next.
-    fn sample(&mut self, from: f64, to: f64, drive: &Drive) {
-        let pieces = pieces_between(from, to);
-        for piece in 0..pieces {
-            let edge = |k: usize| from + (to - from) * k as f64 / pieces as f64;
-            let (from, to) = (edge(piece), edge(piece + 1));
-            let (after, smooth) = self.step(from, to, drive);
-            let omega = self.omega;
-            self.omega = [smooth.select(after[0], omega[0]), smooth.select(after[1], omega[1])];
-            if !smooth.all() {
-                self.one_by_one(!smooth.to_bitmask(), from, to, drive);
+            let pieces = pieces_between(from, to);
+            for piece in 0..pieces {
+                let part = Part::of(piece, pieces, (from, to), &drive);
+                for batch in &mut batches {
+                    batch.advance(&part, &drive);
+                }
+            }
+            for batch in &mut batches {
+                batch.add(&measured[k], from, to);
             }
         }
-        let limit = f64x8::splat(SPEED_LIMIT);
-        let slow = self.omega[0].abs().simd_lt(limit) & self.omega[1].abs().simd_lt(limit);
-        if !slow.all() {
-            let beyond = !slow.to_bitmask();
-            for lane in (0..LANES).filter(|lane| beyond >> lane & 1 == 1) {
-                let error = SimulateError::Diverged { t: to, limit: SPEED_LIMIT };
-                self.failed[lane].get_or_insert(error);
-            }
+        batches.into_iter().flat_map(Batch::finished).collect()
+    }
+}
+
+/// One internal step, with the input at its start, middle and end [N m].
+struct Part {
+    from: f64,
+    to: f64,
+    moment: [[f64; 2]; 3],
+}
+
+impl Part {
+    fn of(piece: usize, pieces: usize, (from, to): (f64, f64), drive: &Drive) -> Self {
+        let edge = |k: usize| from + (to - from) * k as f64 / pieces as f64;
+        let (from, to) = (edge(piece), edge(piece + 1));
+        let moment = [drive.at(from), drive.at(from + 0.5 * (to - from)), drive.at(to)];
+        Self { from, to, moment }
+    }
+}
+
+/// A number in each lane for each wheel.
+type Wheels<S> = [Lanes<S>; 2];
+
+/// As many simulations of the base model as a register holds numbers.
+struct Batch<'a, S: Simd> {
+    simd: S,
+    a2: Lanes<S>,
+    /// Inverse of the mass matrix (on the diagonal, beside it), and of a1 alone.
+    inverse: [Lanes<S>; 2],
+    alone: Lanes<S>,
+    a3: Lanes<S>,
+    /// Friction levels; not below zero.
+    level: Wheels<S>,
+    omega: Wheels<S>,
+    /// Lanes without a positive definite mass matrix: they are left to the scalar rule, which refuses them.
+    refused: Mask<S>,
+    /// ISE so far, and the squared error of the row before.
+    sum: Lanes<S>,
+    before: Lanes<S>,
+    /// One integrator a vector, for the steps that a lane cannot take.
+    scalar: Vec<Stepper<'a>>,
+    failed: Vec<Option<SimulateError>>,
+}
+
+/// How the wheels move through a step: friction and the inverse of the mass matrix with the rows of wheels
+/// that stick taken out.
+struct Motion<S: Simd> {
+    friction: Wheels<S>,
+    stuck: [Mask<S>; 2],
+    any_stuck: bool,
+    mobility: [Lanes<S>; 3],
+}
+
+impl<'a, S: Simd> Batch<'a, S> {
+    fn new(
+        simd: S,
+        model: &'a Model,
+        vectors: &'a [Vec<f64>],
+        input: &Input,
+        start: State,
+    ) -> Self {
+        // lanes that are left over repeat the last vector
+        let lanes = |of: &dyn Fn(&[f64]) -> f64| {
+            let one = |lane: usize| of(&vectors[lane.min(vectors.len() - 1)]);
+            Lanes::load(simd, &(0..Lanes::<S>::COUNT).map(one).collect::<Vec<f64>>())
+        };
+        let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+        let determinant = |p: &[f64]| p[0] * p[0] - p[1] * p[1];
+        let sound = |p: &[f64]| f64::from(u8::from(p[0] > 0.0 && determinant(p) > 0.0));
+        Self {
+            simd,
+            a2: lanes(&|p| p[1]),
+            inverse: [lanes(&|p| p[0] / determinant(p)), lanes(&|p| -p[1] / determinant(p))],
+            alone: lanes(&|p| 1.0 / p[0]),
+            a3: lanes(&|p| p[2]),
+            level: [lanes(&|p| p[3].max(0.0)), lanes(&|p| p[4].max(0.0))],
+            omega: start.omega.map(|w| Lanes::splat(simd, w)),
+            refused: lanes(&sound).below(one),
+            sum: zero,
+            before: zero,
+            scalar: vectors.iter().map(|p| Stepper::new(model, p, input.t[0], start)).collect(),
+            failed: vectors.iter().map(|_| None).collect(),
         }
     }
 
-    /// The lanes whose bit is set take the step by the scalar rule.
-    fn one_by_one(&mut self, lanes: u32, from: f64, to: f64, drive: &Drive) {
-        let mut omega = self.omega.map(|w| w.to_array());
+    /// All lanes over one internal step.
+    #[inline(always)]
+    fn advance(&mut self, part: &Part, drive: &Drive) {
+        let before = self.omega;
+        let (after, event) = self.step(part.to - part.from, &part.moment);
+        self.omega = after;
+        if event.any() {
+            self.omega = [event.select(before[0], after[0]), event.select(before[1], after[1])];
+            let (zero, one) = (Lanes::splat(self.simd, 0.0), Lanes::splat(self.simd, 1.0));
+            self.one_by_one(event.select(one, zero), part, drive);
+        }
+    }
+
+    /// The lanes with a `flag` take the step by the scalar rule.
+    #[inline(never)]
+    fn one_by_one(&mut self, flag: Lanes<S>, part: &Part, drive: &Drive) {
+        let (flags, omega) = (stored(flag), self.omega.map(stored));
+        let [mut first, mut second] = omega;
         for (lane, scalar) in self.scalar.iter_mut().enumerate() {
-            if lanes >> lane & 1 == 0 || self.failed[lane].is_some() {
+            if flags[lane] == 0.0 || self.failed[lane].is_some() {
                 continue;
             }
             // nothing in the base model depends on the angles
-            scalar.place(State { alpha: [0.0; 2], omega: [omega[0][lane], omega[1][lane]] });
-            match scalar.piece(from, to, drive, &mut ()) {
-                Ok(()) => [omega[0][lane], omega[1][lane]] = scalar.state().omega,
+            scalar.place(State { alpha: [0.0; 2], omega: [first[lane], second[lane]] });
+            match scalar.piece(part.from, part.to, drive, &mut ()) {
+                Ok(()) => [first[lane], second[lane]] = scalar.state().omega,
                 Err(error) => self.failed[lane] = Some(error),
             }
         }
-        self.omega = omega.map(f64x8::new);
+        self.omega = [Lanes::load(self.simd, &first), Lanes::load(self.simd, &second)];
     }
 
-    /// One Runge-Kutta step of all lanes, and the lanes in which its contact state holds
+    /// The errors of the row that was reached; lanes beyond the speed limit have failed.
+    #[inline(always)]
+    fn add(&mut self, measured: &[f64; 2], from: f64, to: f64) {
+        let limit = Lanes::splat(self.simd, SPEED_LIMIT);
+        let [first, second] = self.omega;
+        // what is no number is not slow either
+        let slow = first.abs().below(limit) & second.abs().below(limit);
+        if !slow.all() {
+            self.too_fast(to);
+        }
+        let after = self.square(measured);
+        self.sum = self.sum + (self.before + after) * (0.5 * (to - from));
+        self.before = after;
+    }
+
+    #[inline(never)]
+    fn too_fast(&mut self, t: f64) {
+        let omega = self.omega.map(stored);
+        for (lane, failed) in self.failed.iter_mut().enumerate() {
+            if !omega.iter().all(|w| w[lane].abs() < SPEED_LIMIT) {
+                failed.get_or_insert(SimulateError::Diverged { t, limit: SPEED_LIMIT });
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn square(&self, measured: &[f64; 2]) -> Lanes<S> {
+        let (first, second) = (self.omega[0] - measured[0], self.omega[1] - measured[1]);
+        first * first + second * second
+    }
+
+    fn finished(self) -> Vec<Result<f64, SimulateError>> {
+        let sums = stored(self.sum);
+        let outcomes = self.failed.into_iter().zip(sums);
+        outcomes.map(|(failed, sum)| failed.map_or(Ok(sum), Err)).collect()
+    }
+
+    /// One Runge-Kutta step of all lanes, and the lanes in which its contact state does not hold
     /// throughout.
-    #[inline]
-    fn step(&self, from: f64, to: f64, drive: &Drive) -> (Wheels, f64x8) {
-        let h = to - from;
-        let middle = drive.at(from + 0.5 * h);
-        let lanes = |[first, second]: [f64; 2]| [f64x8::splat(first), f64x8::splat(second)];
-        let (start, middle, end) = (lanes(drive.at(from)), lanes(middle), lanes(drive.at(to)));
-        let zero = f64x8::ZERO;
+    #[inline(always)]
+    fn step(&self, h: f64, [start, middle, end]: &[[f64; 2]; 3]) -> (Wheels<S>, Mask<S>) {
         let motion = self.motion();
         let w = self.omega;
-        let Ok(after) = runge_kutta_step(&w, h, |c, w| {
-            let drive = if c == 0.0 {
-                &start
-            } else if c < 1.0 {
-                &middle
-            } else {
-                &end
-            };
-            Ok::<_, Infallible>(self.acceleration(w, drive, &motion))
-        });
-        let reversed =
-            (motion.sign[0] * after[0]).simd_lt(zero) | (motion.sign[1] * after[1]).simd_lt(zero);
-        let mut smooth = self.sound & !reversed;
-        if (motion.stuck[0] | motion.stuck[1]).any() {
-            smooth &= self.holds(&w, &start, &motion) & self.holds(&after, &end, &motion);
+        let first = self.acceleration(&w, start, &motion);
+        let second = self.acceleration(&plus(&w, &first, 0.5 * h), middle, &motion);
+        let third = self.acceleration(&plus(&w, &second, 0.5 * h), middle, &motion);
+        let fourth = self.acceleration(&plus(&w, &third, h), end, &motion);
+        let mut after = w;
+        for i in 0..2 {
+            let sum = first[i] + (second[i] + third[i]) * 2.0 + fourth[i];
+            after[i] = w[i] + sum * (h / 6.0);
         }
-        (after, smooth)
+        let zero = Lanes::splat(self.simd, 0.0);
+        let reversed = (motion.friction[0] * after[0]).below(zero)
+            | (motion.friction[1] * after[1]).below(zero);
+        let mut event = self.refused | reversed;
+        if motion.any_stuck {
+            event = event | self.loose(&w, start, &motion) | self.loose(&after, end, &motion);
+        }
+        (after, event)
     }
 
     /// Wheels that turn slide; those that do not, stick.
-    #[inline]
-    fn motion(&self) -> Motion {
-        let (zero, one) = (f64x8::ZERO, f64x8::ONE);
-        let rough = [self.level[0].simd_gt(zero), self.level[1].simd_gt(zero)];
-        let sign = |i: usize| {
-            let w = self.omega[i];
-            let side = w.simd_gt(zero).select(one, w.simd_lt(zero).select(-one, zero));
-            rough[i] & side
-        };
-        let sign = [sign(0), sign(1)];
-        let stuck = |i: usize| rough[i] & self.omega[i].simd_eq(zero);
-        let stuck = [stuck(0), stuck(1)];
+    #[inline(always)]
+    fn motion(&self) -> Motion<S> {
+        let zero = Lanes::splat(self.simd, 0.0);
+        let (w, level) = (self.omega, self.level);
+        let mut friction = [zero; 2];
+        for i in 0..2 {
+            let backward = w[i].below(zero).select(zero - level[i], zero);
+            friction[i] = zero.below(w[i]).select(level[i], backward);
+        }
+        let stuck =
+            [zero.below(level[0]) & w[0].equals(zero), zero.below(level[1]) & w[1].equals(zero)];
+        let any_stuck = (stuck[0] | stuck[1]).any();
         let [diagonal, beside] = self.inverse;
         let mut mobility = [diagonal, beside, diagonal];
-        if (stuck[0] | stuck[1]).any() {
+        if any_stuck {
             mobility = [
                 stuck[0].select(zero, stuck[1].select(self.alone, diagonal)),
                 (stuck[0] | stuck[1]).select(zero, beside),
                 stuck[1].select(zero, stuck[0].select(self.alone, diagonal)),
             ];
         }
-        Motion { sign, stuck, mobility }
+        Motion { friction, stuck, any_stuck, mobility }
     }
 
     /// What drives each wheel beside the inertia: torque less centrifugal torque and friction.
-    #[inline]
-    fn force(&self, w: &Wheels, moment: &Wheels, motion: &Motion) -> Wheels {
+    #[inline(always)]
+    fn force(&self, w: &Wheels<S>, moment: &[f64; 2], motion: &Motion<S>) -> Wheels<S> {
         let turn = self.a3 * (w[1] - w[0]); // eq. (14)
+        let [first, second] = motion.friction;
         [
-            moment[0] - turn * w[1] - self.level[0] * motion.sign[0],
-            moment[1] + turn * w[0] - self.level[1] * motion.sign[1],
+            Lanes::splat(self.simd, moment[0]) - turn * w[1] - first,
+            Lanes::splat(self.simd, moment[1]) + turn * w[0] - second,
         ]
     }
 
-    #[inline]
-    fn acceleration(&self, w: &Wheels, moment: &Wheels, motion: &Motion) -> Wheels {
+    #[inline(always)]
+    fn acceleration(&self, w: &Wheels<S>, moment: &[f64; 2], motion: &Motion<S>) -> Wheels<S> {
         let b = self.force(w, moment, motion);
         let [m11, m12, m22] = motion.mobility;
         [m11 * b[0] + m12 * b[1], m12 * b[0] + m22 * b[1]]
     }
 
-    /// Lanes in which every wheel that sticks is clearly held, against the pull of the other one
-    /// through a2, and every other one moves.
-    #[inline]
-    fn holds(&self, w: &Wheels, moment: &Wheels, motion: &Motion) -> f64x8 {
+    /// Lanes in which a wheel that sticks is not clearly held, against the pull of the other one
+    /// through a2, or another one does not move.
+    #[inline(always)]
+    fn loose(&self, w: &Wheels<S>, moment: &[f64; 2], motion: &Motion<S>) -> Mask<S> {
         let b = self.force(w, moment, motion);
         let a = self.acceleration(w, moment, motion);
-        let held = [0, 1].map(|i| {
+        let (zero, one) = (Lanes::splat(self.simd, 0.0), Lanes::splat(self.simd, 1.0));
+        let mut held = [one; 2];
+        for i in 0..2 {
             let need = (b[i] - self.a2 * a[1 - i]).abs();
-            let moves = !w[i].simd_eq(f64x8::ZERO);
-            motion.stuck[i].select(need.simd_lt(self.level[i] * CLEARLY), moves)
-        });
-        held[0] & held[1]
+            let enough = need.below(self.level[i] * CLEARLY).select(one, zero);
+            let moves = w[i].equals(zero).select(zero, one);
+            held[i] = motion.stuck[i].select(enough, moves);
+        }
+        (held[0] * held[1]).below(one)
     }
+}
+
+/// x + h k
+#[inline(always)]
+fn plus<S: Simd>(x: &Wheels<S>, k: &Wheels<S>, h: f64) -> Wheels<S> {
+    [x[0] + k[0] * h, x[1] + k[1] * h]
+}
+
+/// The number of each lane; zeros in the places that the register does not have.
+fn stored<S: Simd>(lanes: Lanes<S>) -> [f64; TOGETHER] {
+    let mut out = [0.0; TOGETHER];
+    lanes.store(&mut out);
+    out
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::robot::Robot;
-    use rand::{Rng, SeedableRng};
-
-    /// Torques that start, reverse and stop both wheels, and rest between.
-    fn lively(t: &[f64]) -> Vec<[f64; 2]> {
-        let push = |t: f64| if t % 7.0 < 5.0 { 1.0 } else { 0.2 };
-        let one = |t: f64| [0.35 * (2.1 * t).sin() + 0.05, 0.3 * (1.7 * t + 0.4).sin()];
-        t.iter().map(|&t| one(t).map(|m| push(t) * m)).collect()
-    }
-
-    /// Times with steps between 1 ms and 50 ms, which are cut into pieces of 20 ms.
-    fn uneven(count: usize, rng: &mut impl Rng) -> Vec<f64> {
-        let mut t = vec![3.0];
-        for k in 1..count {
-            let step = if k % 50 == 0 { 0.05 } else { rng.random_range(0.001..0.015) };
-            t.push(t[k - 1] + step);
-        }
-        t
-    }
-
-    fn compare(model: &Model, parameters: &[Vec<f64>], input: &Input, start: State) {
-        let measured: Vec<_> = input.t.iter().map(|&t| [3.0 * t.sin(), 2.0 * t.cos()]).collect();
-        let many = ise_of_many(model, parameters, input, start, &measured);
-        assert_eq!(many.len(), parameters.len());
-        for (n, (p, lane)) in parameters.iter().zip(many).enumerate() {
-            let one = simulate(model, p, input, start).map(|m| ise(input.t, &measured, &m));
-            match (one, lane) {
-                // rounding: 4000 steps of 1e-16 each, carried on by free wheels
-                (Ok(a), Ok(b)) => assert!((a - b).abs() <= 1e-9 * a, "{n} {p:?}: {a} {b}"),
-                (a, b) => assert_eq!(a.unwrap_err(), b.unwrap_err(), "{n} {p:?}"),
-            }
-        }
-    }
-
-    #[test]
-    fn lanes_equal_single_simulations_through_stops_reversals_and_rest() {
-        let model = Model::base(Robot::amigobot());
-        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
-        let t = uneven(4000, &mut rng);
-        let moment = lively(&t);
-        let mut parameters: Vec<Vec<f64>> = (0..29)
-            .map(|_| model.initial().iter().map(|a| a * rng.random_range(0.5..1.6)).collect())
-            .collect();
-        parameters[1][3] = 0.0; // no friction: never sticks
-        parameters[2][4] = -0.1; // counts as none
-        parameters[3][3] = 1.0; // never moves
-        parameters[4][1] = 2.0 * parameters[4][0]; // no acceleration
-        let start = State { alpha: [0.3, -1.0], omega: [0.0, 2.0] };
-        for hold in [Hold::Linear, Hold::Constant] {
-            compare(&model, &parameters, &Input { t: &t, moment: &moment, hold }, start);
-        }
-        // nothing pushes: both wheels coast to rest and stay
-        let none = vec![[0.0; 2]; t.len()];
-        compare(&model, &parameters, &Input { t: &t, moment: &none, hold: Hold::Linear }, start);
-    }
-
-    #[test]
-    fn a_lane_that_diverges_says_so_and_leaves_the_others_alone() {
-        let model = Model::base(Robot::amigobot());
-        let t: Vec<f64> = (0..500).map(|k| 0.01 * f64::from(k)).collect();
-        let moment = vec![[40.0, -3.0]; 500];
-        let mut parameters = vec![model.initial(); 3];
-        parameters[1][0] = 5e-5;
-        parameters[1][1] = 0.0;
-        parameters[1][2] = 0.0;
-        let input = Input { t: &t, moment: &moment, hold: Hold::Linear };
-        let found = ise_of_many(&model, &parameters, &input, State::default(), &moment);
-        assert!(matches!(found[1], Err(SimulateError::Diverged { .. })), "{:?}", found[1]);
-        compare(&model, &parameters, &input, State::default());
-    }
-
-    #[test]
-    fn models_with_further_effects_are_simulated_one_by_one() {
-        let model = Model::base(Robot::amigobot()).add("viscous_friction").unwrap();
-        let t: Vec<f64> = (0..300).map(|k| 0.01 * f64::from(k)).collect();
-        let moment = lively(&t);
-        let parameters = vec![model.initial(); 3];
-        let input = Input { t: &t, moment: &moment, hold: Hold::Linear };
-        compare(&model, &parameters, &input, State::default());
-    }
-}
+mod tests;

@@ -36,7 +36,7 @@ pub use sensitivity::{Sensitivities, simulate_with_sensitivities};
 pub(crate) use simulation::simulate_windows;
 pub use simulation::{simulate, simulate_acting};
 pub use takagi_sugeno::{Consequents, Defuzzification, Gaussian, MOST_MEMBERSHIPS, TakagiSugeno};
-pub(crate) use takagi_sugeno::{Rules, RulesSideBySide, SIDE_BY_SIDE, WithRules};
+pub(crate) use takagi_sugeno::{Rules, RulesSideBySide, WithRules};
 pub(crate) use walk::{Ends, Walk};
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ mod rules;
 mod side_by_side;
 
 pub(crate) use rules::{Rules, WithRules};
-pub(crate) use side_by_side::{RulesSideBySide, SIDE_BY_SIDE};
+pub(crate) use side_by_side::RulesSideBySide;
 
 use serde::{Deserialize, Serialize};
 
@@ -167,6 +167,13 @@ impl TakagiSugeno {
     #[must_use]
     pub fn rule(&self, rule: usize) -> (usize, usize) {
         (rule / self.memberships[1].len(), rule % self.memberships[1].len())
+    }
+
+    /// The rule of consequent `k` of an output, as the membership functions that it joins, and the term of
+    /// the rule.
+    pub(crate) fn place(&self, k: usize) -> ((usize, usize), usize) {
+        let terms = self.consequents.terms();
+        (self.rule(k / terms), k % terms)
     }
 
     /// Where rule `rule` fires most [rad/s].

@@ -17,73 +17,95 @@ pub struct Limits {
     pub tolerance: f64,
 }
 
+/// ISE(theta) + weight |theta - about|², what a descent minimises over [`Problem::free`].
+#[derive(Clone, Copy, Debug)]
+pub struct Penalty<'a> {
+    /// The reference.
+    pub about: &'a DVector<f64>,
+    /// See [`Problem::penalty`].
+    pub weight: f64,
+}
+
+impl Penalty<'_> {
+    /// weight |theta - about|².
+    #[must_use]
+    pub fn of(&self, theta: &DVector<f64>) -> f64 {
+        self.weight * (theta - self.about).norm_squared()
+    }
+
+    /// Its derivatives by the consequents `free`.
+    #[must_use]
+    pub fn slope(&self, theta: &DVector<f64>, free: &[usize]) -> DVector<f64> {
+        let one = |k: usize| 2.0 * self.weight * (theta[free[k]] - self.about[free[k]]);
+        DVector::from_fn(free.len(), |k, _| one(k))
+    }
+}
+
 /// Minimises ISE(theta) + weight |theta - about|² from `theta` by [`minimise`].
 ///
 /// ```text
 /// gradient = -2 g + 2 weight (theta - about),   curvature = 2 H + 2 weight I
 /// ```
-/// `weight` = ridge tr(H)/n at the start.
 ///
 /// Returns the consequents, the number of steps, and how it ended.
 #[must_use]
 pub fn levenberg_marquardt(
     problem: &Problem,
     theta: &DVector<f64>,
-    about: &DVector<f64>,
-    ridge: f64,
+    penalty: Penalty,
     limits: Limits,
     journal: &Journal,
 ) -> (DVector<f64>, usize, Status) {
-    let n = theta.len();
-    let Some(first) = problem.normal(theta.as_slice(), false) else {
-        return (theta.clone(), 0, Status::Stalled);
+    let free = problem.free();
+    let n = free.len();
+    let with = |x: &DVector<f64>| {
+        let mut theta = theta.clone();
+        free.iter().zip(x.iter()).for_each(|(&j, x)| theta[j] = *x);
+        theta
     };
-    let weight = ridge * first.h.trace() / n as f64;
-    let total = |ise: f64, theta: &DVector<f64>| ise + weight * (theta - about).norm_squared();
     let quadratic = |theta: &DVector<f64>, normal: Normal| {
         journal.note(normal.cost);
         Quadratic {
-            cost: total(normal.cost, theta),
-            gradient: (theta - about) * (2.0 * weight) - normal.g * 2.0,
-            hessian: (normal.h + DMatrix::identity(n, n) * weight) * 2.0,
+            cost: normal.cost + penalty.of(theta),
+            gradient: penalty.slope(theta, &free) - normal.g * 2.0,
+            hessian: (normal.h + DMatrix::identity(n, n) * penalty.weight) * 2.0,
         }
     };
-    let mut first = Some(first);
     let options = MinimiseOptions {
         max_iterations: limits.iterations,
         relative_tolerance: limits.tolerance,
         ..MinimiseOptions::default()
     };
     let minimum = minimise(
-        theta,
-        |theta| {
-            let normal = first.take().or_else(|| problem.normal(theta.as_slice(), false))?;
-            Some(quadratic(theta, normal))
+        &DVector::from_fn(n, |k, _| theta[free[k]]),
+        |x| {
+            let theta = with(x);
+            Some(quadratic(&theta, problem.normal(theta.as_slice(), false)?))
         },
-        |theta| {
+        |x| {
+            let theta = with(x);
             let ise = problem.cost(theta.as_slice());
             journal.note(ise);
-            Some(total(ise, theta))
+            Some(ise + penalty.of(&theta))
         },
         &options,
     );
-    (minimum.x, minimum.iterations, minimum.status.into())
+    (with(&minimum.x), minimum.iterations, minimum.status.into())
 }
 
 /// Gains through which the continuation goes [1/s].
 const LADDER: [f64; 8] = [20.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1];
-/// Relative fall of the cost at which an intermediate gain is left.
-const ENOUGH: f64 = 1e-3;
+/// How much coarser the tolerance is at which an intermediate gain is left.
+const COARSER: f64 = 30.0;
 
-/// Levenberg-Marquardt at gains of 20, 10, 5, ... 1/s down to that of `problem`, each from the
-/// consequents of the one before; the first from the closed form or the friction level, whichever
-/// costs less.
+/// Descents at gains of 20, 10, 5, ... 1/s down to that of `problem`, each from the consequents of the one
+/// before; the first from the closed form or the friction level, whichever costs less.
 ///
 /// A high gain holds the emulator at the data, where the cost is nearly quadratic. The
 /// serial-parallel structure is linear in the consequents and needs the last gain alone.
 ///
 /// # Errors
-/// See [`Problem::closed_form`].
+/// See [`Problem::closed_form`], and those of `descend`.
 pub fn continuation(
     problem: &Problem,
     level: &DVector<f64>,
@@ -91,7 +113,8 @@ pub fn continuation(
     limits: Limits,
     journal: &Journal,
     method: &str,
-) -> Result<(DVector<f64>, usize, Status), IdentifyError> {
+    descend: impl Fn(&Problem, &DVector<f64>, Limits) -> Result<Descent, IdentifyError>,
+) -> Result<Descent, IdentifyError> {
     let parallel = problem.structure == Structure::Parallel;
     let mut gains: Vec<f64> =
         LADDER.into_iter().filter(|k| parallel && *k > problem.gain).collect();
@@ -100,13 +123,15 @@ pub fn continuation(
     let (mut iterations, mut status) = (0, Status::Converged);
     for (i, &gain) in gains.iter().enumerate() {
         let last = i + 1 == gains.len();
-        let tolerance = if last { limits.tolerance } else { ENOUGH };
+        let tolerance = if last { 1.0 } else { COARSER } * limits.tolerance;
         let limits = Limits { tolerance, ..limits };
         journal.restart();
         let steps;
-        (theta, steps, status) =
-            levenberg_marquardt(&problem.with_gain(gain), &theta, level, ridge, limits, journal);
+        (theta, steps, status) = descend(&problem.with_gain(gain), &theta, limits)?;
         iterations += steps;
     }
     Ok((theta, iterations, status))
 }
+
+/// Consequents, steps, and how a descent ended.
+pub type Descent = (DVector<f64>, usize, Status);

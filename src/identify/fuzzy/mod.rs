@@ -10,8 +10,9 @@ mod problem;
 mod rows;
 mod sensitivity;
 mod settings;
+mod side_by_side;
 
-pub use levenberg::{Limits, continuation, levenberg_marquardt};
+pub use levenberg::{Descent, Limits, Penalty, continuation, levenberg_marquardt};
 pub use method::{Found, Fuzzy, Job, Search};
 pub use problem::{DIVERGED, Journal, Normal, Problem};
 pub use settings::{InputGain, NamedRange, Range, Settings, Start};

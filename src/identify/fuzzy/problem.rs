@@ -5,14 +5,15 @@ use std::cell::RefCell;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::pass::{Emulator, pass, passes};
+use super::pass::{Emulator, pass};
 use super::piece::Piece;
 use super::rows::Rows;
 use super::sensitivity::{Along, pass_along, pass_closed, pass_with_sensitivities};
+use super::side_by_side::{SIDE_BY_SIDE, passes};
 use crate::identify::{IdentifyError, Task};
 use crate::robot::BaseParameters;
 use crate::robot::StateSpace;
-use crate::simulate::{FuzzyDynamics, SIDE_BY_SIDE, Structure, TakagiSugeno};
+use crate::simulate::{FuzzyDynamics, Structure, TakagiSugeno};
 
 /// A cost that stands for "diverges": finite, since searches hang on infinities.
 pub const DIVERGED: f64 = 1e9;
@@ -38,7 +39,17 @@ pub struct Problem {
     pub gain: f64,
     /// ISE that the noise of the measured speeds alone makes [rad²/s].
     pub noise_floor: f64,
+    /// The consequents of one output by which derivatives are taken, and the same of the other.
+    free: Vec<usize>,
 }
+
+/// Strength that a rule must reach in some sample, for its consequents to be searched one by one.
+const REACHED: f64 = 0.01;
+/// The same for derivatives to be taken by them: below it, the pull to the friction level holds them.
+const FELT: f64 = 1e-3;
+/// Least gain at which the sensitivities are measured that the penalty is relative to [1/s], in the middle of
+/// those of the continuation. Towards none they would grow with the length of the recording.
+const LEAST_GAIN: f64 = 5.0;
 
 /// Cost, gradient and Gauss-Newton matrix: ISE(theta + d) ~ cost - 2 g'd + d'H d.
 #[derive(Clone, Debug)]
@@ -66,7 +77,23 @@ impl Problem {
         let pieces: Vec<Piece> =
             task.train.iter().flat_map(|r| Piece::all(r, &input_gain, task.hold)).collect();
         let noise_floor = pieces.iter().map(Piece::noise_floor).sum();
-        Self { pieces, system, input_gain, structure, gain, noise_floor }
+        let free = (0..system.parameters().len() / 2).collect();
+        Self { pieces, system, input_gain, structure, gain, noise_floor, free }
+    }
+
+    /// The same problem with derivatives by those consequents alone that the measured speeds reach.
+    #[must_use]
+    pub fn over_reached(&self) -> Self {
+        let mut free = self.stronger_than(FELT);
+        free.retain(|k| *k < self.consequents() / 2);
+        Self { free, ..self.clone() }
+    }
+
+    /// The consequents by which derivatives are taken.
+    #[must_use]
+    pub fn free(&self) -> Vec<usize> {
+        let other = self.free.iter().map(|k| k + self.consequents() / 2);
+        self.free.iter().copied().chain(other).collect()
     }
 
     /// The same problem with another gain.
@@ -118,6 +145,10 @@ impl Problem {
     /// some sample. The others do not change the cost noticeably.
     #[must_use]
     pub fn reached(&self) -> Vec<usize> {
+        self.stronger_than(REACHED)
+    }
+
+    fn stronger_than(&self, least: f64) -> Vec<usize> {
         let (rules, terms) = (self.system.rules(), self.system.consequents().terms());
         let mut strongest = vec![0.0_f64; rules];
         for omega in self.speeds() {
@@ -125,7 +156,7 @@ impl Problem {
                 *most = most.max(h);
             }
         }
-        let strong = |k: &usize| strongest[k / terms % rules] >= 0.01;
+        let strong = |k: &usize| strongest[k / terms % rules] >= least;
         (0..self.consequents()).filter(strong).collect()
     }
 
@@ -169,8 +200,8 @@ impl Problem {
         Emulator { structure: self.structure, gain: self.gain }
     }
 
-    /// Cost, gradient and Gauss-Newton matrix over theta, followed by the premises (in the order of
-    /// [`TakagiSugeno::premises`]) if `premises`; `None` where the emulator diverges.
+    /// Cost, gradient and Gauss-Newton matrix over [`Self::free`], followed by the premises (in the order
+    /// of [`TakagiSugeno::premises`]) if `premises`; `None` where the emulator diverges.
     #[must_use]
     pub fn normal(&self, theta: &[f64], premises: bool) -> Option<Normal> {
         let sum = self.rows(theta, premises, true)?;
@@ -180,13 +211,14 @@ impl Problem {
     /// Sums over all pieces, with H if `curvature`.
     fn rows(&self, theta: &[f64], premises: bool, curvature: bool) -> Option<Rows> {
         let system = self.system_with(theta);
-        let columns = self.consequents() + if premises { system.premises().len() } else { 0 };
+        let columns = 2 * self.free.len() + if premises { system.premises().len() } else { 0 };
         let parts: Vec<Option<Rows>> = self
             .pieces
             .par_iter()
             .map(|piece| {
                 let mut rows = Rows::new(columns, 1, curvature);
-                pass_with_sensitivities(&system, piece, self.emulator(), premises, &mut rows)
+                let (emulator, free) = (self.emulator(), &self.free);
+                pass_with_sensitivities(&system, piece, emulator, free, premises, &mut rows)
                     .then(|| rows.finished())
             })
             .collect();
@@ -197,7 +229,7 @@ impl Problem {
         Some(sum)
     }
 
-    /// Cost and gradient alone, which is a fraction of the work.
+    /// Cost and gradient over [`Self::free`] alone, which is a fraction of the work.
     #[must_use]
     pub fn gradient(&self, theta: &[f64]) -> Option<(f64, DVector<f64>)> {
         let sum = self.rows(theta, false, false)?;
@@ -235,20 +267,8 @@ impl Problem {
         ridge: f64,
         method: &str,
     ) -> Result<DVector<f64>, IdentifyError> {
-        let system = self.system_with(about.as_slice());
-        let n = self.consequents() / 2;
-        let parts: Vec<Rows> = self
-            .pieces
-            .par_iter()
-            .map(|piece| {
-                let mut rows = Rows::new(n, 2, true);
-                pass_closed(&system, piece, self.gain, &mut rows);
-                rows.finished()
-            })
-            .collect();
-        let mut sum = Rows::new(n, 2, true);
-        parts.iter().for_each(|part| sum.add(part));
-        let weight = ridge * sum.h.trace() / n as f64;
+        let (sum, n) = (self.closed_rows(about), self.free.len());
+        let weight = ridge * sum.h.trace() / (self.consequents() / 2) as f64;
         let factor = (&sum.h + DMatrix::identity(n, n) * weight).cholesky();
         let Some(factor) = factor else {
             return Err(IdentifyError::Unsupported {
@@ -257,7 +277,48 @@ impl Problem {
             });
         };
         let step = factor.solve(&sum.g);
-        Ok(about + DVector::from_iterator(2 * n, step.iter().copied()))
+        let mut theta = about.clone();
+        self.free().iter().zip(step.iter()).for_each(|(&j, step)| theta[j] += step);
+        Ok(theta)
+    }
+
+    /// ∫ Psi'Psi dt over the given consequents: what an emulator that is held at the data shows of them.
+    #[must_use]
+    pub fn closed_curvature(&self, consequents: &[usize]) -> DMatrix<f64> {
+        let n = self.consequents() / 2;
+        let all = Self { free: (0..n).collect(), ..self.clone() };
+        let h = all.closed_rows(&DVector::from_column_slice(self.system.parameters())).h;
+        let entry = |i: usize, j: usize| if i / n == j / n { h[(i % n, j % n)] } else { 0.0 };
+        let count = consequents.len();
+        DMatrix::from_fn(count, count, |i, j| entry(consequents[i], consequents[j]))
+    }
+
+    /// H = ∫ Psi'Psi dt of one output and ∫ Psi'e dt of both, serial-parallel.
+    fn closed_rows(&self, about: &DVector<f64>) -> Rows {
+        let system = self.system_with(about.as_slice());
+        let parts: Vec<Rows> = self
+            .pieces
+            .par_iter()
+            .map(|piece| {
+                let mut rows = Rows::new(self.free.len(), 2, true);
+                pass_closed(&system, piece, self.gain, &self.free, &mut rows);
+                rows.finished()
+            })
+            .collect();
+        let mut sum = Rows::new(self.free.len(), 2, true);
+        parts.iter().for_each(|part| sum.add(part));
+        sum
+    }
+
+    /// Weight of |theta - friction level|² in the cost of a descent [s³]: `ridge` times the mean square
+    /// sensitivity of an emulator that is held at the data (serial-parallel), with a gain of 5 1/s where that
+    /// of the problem is lower. It does not depend on theta, so that every method has the same minimum,
+    /// wherever it starts.
+    #[must_use]
+    pub fn penalty(&self, ridge: f64) -> f64 {
+        let reference = self.with_gain(self.gain.max(LEAST_GAIN));
+        let level = DVector::from_column_slice(self.system.parameters());
+        ridge * reference.closed_rows(&level).h.trace() / (self.consequents() / 2) as f64
     }
 
     /// The emulator with these consequents.

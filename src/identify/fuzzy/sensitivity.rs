@@ -5,7 +5,7 @@ use wide::f64x2;
 use super::pass::{Emulator, LIMIT};
 use super::piece::{Interval, Piece};
 use super::rows::Rows;
-use crate::simulate::{Consequents, Rules, Structure, TakagiSugeno, WithRules};
+use crate::simulate::{Rules, Structure, TakagiSugeno, WithRules};
 
 /// A matrix of two rows and columns, by columns.
 type Square = [f64x2; 2];
@@ -32,22 +32,25 @@ const STAGES: [(f64, f64); 4] = [(0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0)]
 /// S' = J S + Phi,   J = ∂fhat/∂what - K   (serial-parallel: -K),   Phi = ∂fhat/∂theta
 /// S+ = F S + Σ_s L_s Phi_s,   L_s = ∂w+/∂k_s = h/6 b_s + c_(s+1) h L_(s+1) J_(s+1)
 /// ```
+/// over the consequents `free` of either output,
 /// with the stages k_s of Runge-Kutta 4, their weights b_s/6 and places c_s: the derivative of the very
 /// scheme. Derived here, by the chain rule.
 pub(super) fn pass_with_sensitivities(
     system: &TakagiSugeno,
     piece: &Piece,
     emulator: Emulator,
+    free: &[usize],
     premises: bool,
     rows: &mut Rows,
 ) -> bool {
-    system.with_rules(Sensitive { system, piece, emulator, premises, rows })
+    system.with_rules(Sensitive { system, piece, emulator, free, premises, rows })
 }
 
 struct Sensitive<'a> {
     system: &'a TakagiSugeno,
     piece: &'a Piece,
     emulator: Emulator,
+    free: &'a [usize],
     premises: bool,
     rows: &'a mut Rows,
 }
@@ -70,22 +73,22 @@ impl WithRules for Sensitive<'_> {
     type Output = bool;
 
     fn run<const N: usize>(self, rules: &Rules<N>) -> bool {
-        let Self { system, piece, emulator, premises, rows } = self;
+        let Self { system, piece, emulator, free, premises, rows } = self;
         let p = rows.columns();
-        let n = system.parameters().len() / 2;
+        let places: Vec<_> = free.iter().map(|&k| system.place(k)).collect();
         let mut w = f64x2::new(piece.omega[0]);
         let mut s = [vec![0.0; p], vec![0.0; p]];
-        let mut bases = [0; 4].map(|_| vec![0.0; n]);
+        let mut bases = [0; 4].map(|_| vec![0.0; free.len()]);
         for k in 1..piece.t.len() {
             let interval = piece.interval(k);
             for number in 0..interval.steps {
                 let step = step(rules, emulator, &interval, number, w);
                 for (s, basis) in bases.iter_mut().enumerate() {
-                    rules.basis(&step.strength[s], step.at[s], system.consequents(), basis);
+                    rules.basis(&step.strength[s], step.at[s], &places, basis);
                 }
                 move_consequents(&step, &bases, &mut s);
                 if premises {
-                    move_premises(system, &step, 2 * n, &mut s);
+                    move_premises(system, &step, 2 * free.len(), &mut s);
                 }
                 w = step.after;
             }
@@ -218,9 +221,8 @@ impl WithRules for OneColumn<'_> {
 
     fn run<const N: usize>(self, rules: &Rules<N>) -> Option<Along> {
         let Self { system, piece, emulator, j } = self;
-        let (consequents, n) = (system.consequents(), system.parameters().len() / 2);
-        let (output, place) = (j / n, j % n);
-        let (rule, term) = (system.rule(place / consequents.terms()), place % consequents.terms());
+        let n = system.parameters().len() / 2;
+        let (output, (rule, term)) = (j / n, system.place(j % n));
         let (mut w, mut s) = (f64x2::new(piece.omega[0]), f64x2::ZERO);
         let (mut cost, mut g, mut h) = (f64x2::ZERO, f64x2::ZERO, f64x2::ZERO);
         for k in 1..piece.t.len() {
@@ -249,12 +251,19 @@ impl WithRules for OneColumn<'_> {
 
 /// The serial-parallel structure, linear in the consequents: Psi of one output is that of the
 /// other, so one row serves the two errors.
-pub(super) fn pass_closed(system: &TakagiSugeno, piece: &Piece, gain: f64, rows: &mut Rows) {
-    system.with_rules(Closed { consequents: system.consequents(), piece, gain, rows });
+pub(super) fn pass_closed(
+    system: &TakagiSugeno,
+    piece: &Piece,
+    gain: f64,
+    free: &[usize],
+    rows: &mut Rows,
+) {
+    system.with_rules(Closed { system, free, piece, gain, rows });
 }
 
 struct Closed<'a> {
-    consequents: Consequents,
+    system: &'a TakagiSugeno,
+    free: &'a [usize],
     piece: &'a Piece,
     gain: f64,
     rows: &'a mut Rows,
@@ -264,11 +273,11 @@ impl WithRules for Closed<'_> {
     type Output = ();
 
     fn run<const N: usize>(self, rules: &Rules<N>) {
-        let Self { consequents, piece, gain, rows } = self;
-        let n = rows.columns();
+        let Self { system, free, piece, gain, rows } = self;
+        let places: Vec<_> = free.iter().map(|&k| system.place(k)).collect();
         let mut w = f64x2::new(piece.omega[0]);
-        let mut psi = vec![0.0; n];
-        let mut basis = [0; 3].map(|_| vec![0.0; n]);
+        let mut psi = vec![0.0; free.len()];
+        let mut basis = [0; 3].map(|_| vec![0.0; free.len()]);
         for k in 1..piece.t.len() {
             let interval = piece.interval(k);
             // Runge-Kutta 4 of x' = -K x + b(t): x(1 - z + z²/2 - z³/6 + z⁴/24) + weights of b
@@ -286,7 +295,7 @@ impl WithRules for Closed<'_> {
                     let (y, u) = (f64x2::new(y), f64x2::new(u));
                     let f = rules.output(y) + u + y * gain;
                     w += f * weights[s];
-                    rules.basis(&rules.strengths(y), y, consequents, &mut basis[s]);
+                    rules.basis(&rules.strengths(y), y, &places, &mut basis[s]);
                 }
                 for (j, psi) in psi.iter_mut().enumerate() {
                     *psi = decay * *psi

@@ -79,7 +79,7 @@ pub struct Settings {
     /// the input is not in N m).
     pub input_gain: InputGain,
     /// Weight of the penalty on the distance from the friction level, relative to the mean square
-    /// sensitivity.
+    /// sensitivity of an emulator held at the data (serial-parallel).
     #[schemars(range(min = 0.0))]
     pub ridge: f64,
 }

@@ -2,7 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Journal, Limits, Problem, Settings, continuation};
+use super::{Journal, Limits, Penalty, Problem, Settings, continuation, levenberg_marquardt};
+use super::{NamedRange, Range};
 use crate::identify::{Fit, Note, Task, find};
 use crate::model::Model;
 use crate::recording::{Channels, DriveUnit, Recording};
@@ -131,6 +132,28 @@ fn gradients_to_consequents_and_premises_equal_differences_in_both_structures() 
 }
 
 #[test]
+fn derivatives_over_the_reached_consequents_are_those_over_all() {
+    let train = [short(2)];
+    let settings = Settings { range: Range::Named(NamedRange::Paper), ..Settings::default() };
+    let (problem, level) = problem(&settings, &train);
+    let some = problem.over_reached();
+    let free = some.free();
+    assert!(free.len() < 20 && problem.free().len() == 72, "{free:?}");
+    let (all, some) =
+        (problem.normal(level.as_slice(), false), some.normal(level.as_slice(), false));
+    let (all, some) = (all.unwrap(), some.unwrap());
+    assert_eq!(all.cost, some.cost);
+    for (k, &j) in free.iter().enumerate() {
+        // the same sums in blocks of another size
+        assert!((all.g[j] - some.g[k]).abs() < 1e-12 * all.g.amax());
+        assert!((all.h[(j, j)] - some.h[(k, k)]).abs() < 1e-12 * all.h.amax());
+    }
+    // what is left out is a millionth of the curvature, its strength squared
+    let left_out = all.h.trace() - some.h.trace();
+    assert!(left_out < 1e-5 * all.h.trace(), "{left_out}");
+}
+
+#[test]
 fn costs_side_by_side_and_slopes_along_one_consequent_are_those_of_the_cost() {
     let train = [short(2), short(3)];
     for structure in [Structure::Parallel, Structure::SerialParallel] {
@@ -181,7 +204,12 @@ fn levenberg_marquardt_reaches_the_noise_floor_of_the_training_data() {
     let (problem, level) = problem(&Settings::default(), &train);
     let journal = Journal::default();
     let limits = Limits { iterations: 60, tolerance: 1e-6 };
-    let (theta, ..) = continuation(&problem, &level, 1e-7, limits, &journal, "test").unwrap();
+    let penalty = Penalty { about: &level, weight: problem.penalty(1e-7) };
+    let descend = |problem: &Problem, theta: &DVector<f64>, limits| {
+        Ok(levenberg_marquardt(problem, theta, penalty, limits, &journal))
+    };
+    let (theta, ..) =
+        continuation(&problem, &level, 1e-7, limits, &journal, "test", descend).unwrap();
     let ratio = problem.cost(theta.as_slice()) / problem.noise_floor;
     // the start value is noisy too, which costs sigma²/K = 0.005 of a floor of 0.05 in all
     assert!(ratio < 1.2, "{ratio}");

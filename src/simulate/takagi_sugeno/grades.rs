@@ -2,7 +2,10 @@
 
 use std::ops::{Add, Mul, Sub};
 
-use wide::{f64x2, f64x4};
+use pulp::Simd;
+use wide::f64x2;
+
+use crate::math::Lanes;
 
 /// Numbers side by side in a register.
 pub(super) trait Numbers:
@@ -15,8 +18,7 @@ pub(super) trait Numbers:
 }
 
 impl Numbers for f64x2 {
-    /// The library's function of each: without wide registers it is faster than a series in lanes, and
-    /// the same whether one system is simulated or several.
+    /// The library's function of each: of two numbers it is faster than a series in lanes.
     #[inline]
     fn exponential(self) -> Self {
         Self::new(self.to_array().map(f64::exp))
@@ -27,14 +29,14 @@ impl Numbers for f64x2 {
     }
 }
 
-impl Numbers for f64x4 {
-    #[inline]
+impl<S: Simd> Numbers for Lanes<S> {
+    #[inline(always)]
     fn exponential(self) -> Self {
-        Self::new(self.to_array().map(f64::exp))
+        self.exp()
     }
-    #[inline]
+    #[inline(always)]
     fn reciprocal(self) -> Self {
-        Self::ONE / self
+        self.recip()
     }
 }
 
@@ -65,6 +67,10 @@ impl Premises {
     }
 }
 
+/// Most places whose powers, products of both inputs included, stay within the numbers:
+/// exp(2 · 8 · 4 · 6) = 1e167.
+const ONE_SIDED: usize = 9;
+
 /// The membership functions of the inputs that stand side by side in a `V`; `N` places, of which those
 /// beyond the functions have a grade of zero.
 pub(super) enum Grades<V, const N: usize> {
@@ -74,7 +80,8 @@ pub(super) enum Grades<V, const N: usize> {
     /// mu_(m+k)(x) / mu_m(x) = r^k q_k,   r = exp((x - c_m) d/s²),   q_k = exp(-k² d²/(2 s²))
     /// ```
     /// with the spacing d: one exponential for all grades, where only their ratios matter. The middle m is
-    /// that of the places, so that loops have a known length.
+    /// that of the places, so that loops have a known length. Up to [`ONE_SIDED`] places all grades are
+    /// multiplied by r^m, which leaves no division.
     Even { centre: V, rate: V, quotient: [V; N] },
     /// Any functions: exp(factor (x - c)²).
     Any { centre: [V; N], factor: [V; N], present: [V; N] },
@@ -122,6 +129,16 @@ impl<V: Numbers, const N: usize> Grades<V, N> {
             Self::Even { centre, rate, quotient } => {
                 let r = ((x - *centre) * *rate).exponential();
                 let mut out = *quotient;
+                if N <= ONE_SIDED {
+                    let mut powers = [r; N];
+                    for k in 2..N {
+                        powers[k] = powers[k / 2] * powers[k - k / 2];
+                    }
+                    for k in 1..N {
+                        out[k] = out[k] * powers[k];
+                    }
+                    return out;
+                }
                 let mut power = r;
                 for k in N / 2 + 1..N {
                     out[k] = out[k] * power;

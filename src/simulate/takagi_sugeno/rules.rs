@@ -20,7 +20,6 @@ pub(crate) struct Rules<const N: usize> {
     constant: [[f64x2; N]; N],
     /// Slopes of the consequents in w1 and w2, where they have any.
     affine: Option<Box<[[[f64x2; 2]; N]; N]>>,
-    count: usize,
 }
 
 /// What is to be done with the rules of a system, whatever their number.
@@ -91,7 +90,6 @@ impl<const N: usize> Rules<N> {
             steep: pair(&|p, k| p.width[k].powi(-2)),
             constant: std::array::from_fn(|i| std::array::from_fn(|j| consequent(i, j, 0))),
             affine,
-            count,
         }
     }
 
@@ -101,32 +99,29 @@ impl<const N: usize> Rules<N> {
         omega.fast_max(self.low).fast_min(self.high)
     }
 
-    /// The regressor of one output at `omega` from the strengths there: output = basis · consequents of that output.
+    /// The regressor of one output at `omega` from the strengths there: output = basis · consequents of that
+    /// output. Of each consequent wanted, `places` holds the functions its rule joins, and its term.
     #[inline]
     pub(crate) fn basis(
         &self,
         strength: &[f64x2; N],
         omega: f64x2,
-        consequents: Consequents,
+        places: &[((usize, usize), usize)],
         basis: &mut [f64],
     ) {
-        let pairs = strength.map(f64x2::to_array);
-        let [x1, x2] = self.clamped(omega).to_array();
-        let rows = basis.chunks_exact_mut(self.count * consequents.terms());
-        for ((row, [a, _]), c) in rows.zip(pairs).zip(&self.centre) {
-            for ((at, [_, b]), d) in
-                row.chunks_exact_mut(consequents.terms()).zip(pairs).zip(&self.centre)
-            {
-                at[0] = a * b;
-                if let [_, first, second] = at {
-                    *first = a * b * (x1 - c.to_array()[0]);
-                    *second = a * b * (x2 - d.to_array()[1]);
-                }
+        if self.affine.is_some() {
+            for (at, &(rule, term)) in basis.iter_mut().zip(places) {
+                *at = self.one(strength, omega, rule, term);
             }
+            return;
+        }
+        let pairs = strength.map(f64x2::to_array);
+        for (at, &((i, j), _)) in basis.iter_mut().zip(places) {
+            *at = pairs[i][0] * pairs[j][1];
         }
     }
 
-    /// One number of that: `term` of the rule of two functions.
+    /// One number of that.
     #[inline]
     pub(crate) fn one(
         &self,

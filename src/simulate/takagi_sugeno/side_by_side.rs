@@ -1,72 +1,88 @@
 //! Several systems that differ in their consequents alone, side by side.
 
-use wide::f64x4;
+use pulp::Simd;
 
 use super::grades::{Grades, LEAST_SUM};
-use super::{Consequents, Defuzzification, TakagiSugeno};
+use super::{Defuzzification, TakagiSugeno};
+use crate::math::Lanes;
 
-/// Systems in a register.
-pub(crate) const SIDE_BY_SIDE: usize = 4;
-
-/// Rules with constant consequents of [`SIDE_BY_SIDE`] systems; `N` as in [`super::Rules`].
-pub(crate) struct RulesSideBySide<const N: usize> {
-    range: [(f64x4, f64x4); 2],
-    grades: [Grades<f64x4, N>; 2],
+/// Rules with constant consequents of as many systems as a register holds numbers; `N` as in
+/// [`super::Rules`].
+pub(crate) struct RulesSideBySide<S: Simd, const N: usize> {
+    range: [(f64, f64); 2],
+    grades: [Grades<Lanes<S>, N>; 2],
     average: bool,
     /// Of each rule those of f31, then those of f41.
-    consequents: [[[f64x4; 2]; N]; N],
+    consequents: [[[Lanes<S>; 2]; N]; N],
 }
 
-impl<const N: usize> RulesSideBySide<N> {
-    /// Systems as `system` with the consequents of each of `thetas`; the last fills the places that are
-    /// left over. `None` if consequents are not constant.
-    pub(crate) fn new(system: &TakagiSugeno, thetas: &[Vec<f64>]) -> Option<Self> {
-        if system.consequents() != Consequents::Constant || thetas.is_empty() {
-            return None;
-        }
+impl<S: Simd, const N: usize> RulesSideBySide<S, N> {
+    /// Systems as `system`, of constant consequents, with those of each of `thetas`; the last fills the
+    /// places that are left over.
+    ///
+    /// # Panics
+    /// Without any.
+    pub(crate) fn new(simd: S, system: &TakagiSugeno, thetas: &[Vec<f64>]) -> Self {
         let count = system.memberships(0).len();
         let average = system.defuzzification() == Defuzzification::WeightedAverage;
-        let lanes = |place: usize| {
-            f64x4::new(std::array::from_fn(|lane| thetas[lane.min(thetas.len() - 1)][place]))
-        };
-        let consequent = |i: usize, j: usize| match i < count && j < count {
-            true => [0, 1].map(|o| lanes(o * count * count + i * count + j)),
-            false => [f64x4::ZERO; 2],
-        };
+        let mut lanes = vec![0.0; Lanes::<S>::COUNT];
+        let zero = Lanes::splat(simd, 0.0);
+        let mut consequents = [[[zero; 2]; N]; N];
+        for i in 0..count {
+            for j in 0..count {
+                for o in 0..2 {
+                    let place = o * count * count + i * count + j;
+                    for (lane, number) in lanes.iter_mut().enumerate() {
+                        *number = thetas[lane.min(thetas.len() - 1)][place];
+                    }
+                    consequents[i][j][o] = Lanes::load(simd, &lanes);
+                }
+            }
+        }
         let inputs = system.inputs();
-        Some(Self {
-            range: system.range().map(|(low, high)| (f64x4::splat(low), f64x4::splat(high))),
-            grades: [0, 1].map(|i| Grades::new([&inputs[i]], average, |[x]| f64x4::splat(x))),
-            average,
-            consequents: std::array::from_fn(|i| std::array::from_fn(|j| consequent(i, j))),
-        })
+        let grades = |i: usize| Grades::new([&inputs[i]], average, |[x]| Lanes::splat(simd, x));
+        Self { range: system.range(), grades: [grades(0), grades(1)], average, consequents }
     }
 
     /// [f31, f41] of every system at its own wheel speeds [rad/s²].
-    #[inline]
-    pub(crate) fn output(&self, omega: &[f64x4; 2]) -> [f64x4; 2] {
-        let [a, b] = [0, 1].map(|i| {
-            let (low, high) = self.range[i];
-            self.grades[i].at(omega[i].fast_max(low).fast_min(high))
-        });
-        let mut out = [f64x4::ZERO; 2];
-        for (a, row) in a.iter().zip(&self.consequents) {
-            let mut along = [f64x4::ZERO; 2];
-            for (b, [p, q]) in b.iter().zip(row) {
-                along[0] += *b * *p;
-                along[1] += *b * *q;
-            }
-            out[0] += *a * along[0];
-            out[1] += *a * along[1];
+    #[inline(always)]
+    pub(crate) fn output(&self, omega: &[Lanes<S>; 2]) -> [Lanes<S>; 2] {
+        let [(low_a, high_a), (low_b, high_b)] = self.range;
+        let a = self.grades[0].at(omega[0].max(low_a).min(high_a));
+        let b = self.grades[1].at(omega[1].max(low_b).min(high_b));
+        let (mut first, mut second) = along(&a[0], &b, &self.consequents[0]);
+        for i in 1..N {
+            let (p, q) = along(&a[i], &b, &self.consequents[i]);
+            (first, second) = (first + p, second + q);
         }
         if self.average {
-            let least = f64x4::splat(LEAST_SUM);
-            let sum = |grades: &[f64x4; N]| {
-                grades.iter().fold(f64x4::ZERO, |sum, g| sum + *g).fast_max(least)
-            };
-            let scale = f64x4::ONE / (sum(&a) * sum(&b));
-            out = out.map(|f| f * scale);
+            let scale = (sum(&a).max(LEAST_SUM) * sum(&b).max(LEAST_SUM)).recip();
+            (first, second) = (first * scale, second * scale);
         }
-        out
+        [first, second]
     }
+}
+
+/// What the rules of one function of the first input add to both outputs.
+#[inline(always)]
+fn along<S: Simd, const N: usize>(
+    a: &Lanes<S>,
+    b: &[Lanes<S>; N],
+    row: &[[Lanes<S>; 2]; N],
+) -> (Lanes<S>, Lanes<S>) {
+    let (mut first, mut second) = (b[0] * row[0][0], b[0] * row[0][1]);
+    for j in 1..N {
+        first = first + b[j] * row[j][0];
+        second = second + b[j] * row[j][1];
+    }
+    (*a * first, *a * second)
+}
+
+#[inline(always)]
+fn sum<S: Simd, const N: usize>(grades: &[Lanes<S>; N]) -> Lanes<S> {
+    let mut sum = grades[0];
+    for k in 1..N {
+        sum = sum + grades[k];
+    }
+    sum
 }

@@ -1,0 +1,91 @@
+//! Lanes against single simulations, and widths against each other.
+
+use super::*;
+use crate::math::every_width;
+use crate::robot::Robot;
+use rand::{Rng, SeedableRng};
+
+/// Torques that start, reverse and stop both wheels, and rest between.
+fn lively(t: &[f64]) -> Vec<[f64; 2]> {
+    let push = |t: f64| if t % 7.0 < 5.0 { 1.0 } else { 0.2 };
+    let one = |t: f64| [0.35 * (2.1 * t).sin() + 0.05, 0.3 * (1.7 * t + 0.4).sin()];
+    t.iter().map(|&t| one(t).map(|m| push(t) * m)).collect()
+}
+
+/// Times with steps between 1 ms and 50 ms, which are cut into pieces of 20 ms.
+fn uneven(count: usize, rng: &mut impl Rng) -> Vec<f64> {
+    let mut t = vec![3.0];
+    for k in 1..count {
+        let step = if k % 50 == 0 { 0.05 } else { rng.random_range(0.001..0.015) };
+        t.push(t[k - 1] + step);
+    }
+    t
+}
+
+fn compare(model: &Model, parameters: &[Vec<f64>], input: &Input, start: State) {
+    let measured: Vec<_> = input.t.iter().map(|&t| [3.0 * t.sin(), 2.0 * t.cos()]).collect();
+    let many = ise_of_many(model, parameters, input, start, &measured);
+    assert_eq!(many.len(), parameters.len());
+    if model.effects().iter().map(|effect| effect.id()).eq(BASE) {
+        let (vectors, measured) = (&parameters[..parameters.len().min(TOGETHER)], &measured[..]);
+        for arch in every_width() {
+            let same = arch.dispatch(Together { model, vectors, input, start, measured });
+            assert_eq!(same[..], many[..vectors.len()]);
+        }
+    }
+    for (n, (p, lane)) in parameters.iter().zip(many).enumerate() {
+        let one = simulate(model, p, input, start).map(|m| ise(input.t, &measured, &m));
+        match (one, lane) {
+            // rounding: 4000 steps of 1e-16 each, carried on by free wheels
+            (Ok(a), Ok(b)) => assert!((a - b).abs() <= 1e-9 * a, "{n} {p:?}: {a} {b}"),
+            (a, b) => assert_eq!(a.unwrap_err(), b.unwrap_err(), "{n} {p:?}"),
+        }
+    }
+}
+
+#[test]
+fn lanes_equal_single_simulations_through_stops_reversals_and_rest() {
+    let model = Model::base(Robot::amigobot());
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
+    let t = uneven(4000, &mut rng);
+    let moment = lively(&t);
+    let mut parameters: Vec<Vec<f64>> = (0..29)
+        .map(|_| model.initial().iter().map(|a| a * rng.random_range(0.5..1.6)).collect())
+        .collect();
+    parameters[1][3] = 0.0; // no friction: never sticks
+    parameters[2][4] = -0.1; // counts as none
+    parameters[3][3] = 1.0; // never moves
+    parameters[4][1] = 2.0 * parameters[4][0]; // no acceleration
+    let start = State { alpha: [0.3, -1.0], omega: [0.0, 2.0] };
+    for hold in [Hold::Linear, Hold::Constant] {
+        compare(&model, &parameters, &Input { t: &t, moment: &moment, hold }, start);
+    }
+    // nothing pushes: both wheels coast to rest and stay
+    let none = vec![[0.0; 2]; t.len()];
+    compare(&model, &parameters, &Input { t: &t, moment: &none, hold: Hold::Linear }, start);
+}
+
+#[test]
+fn a_lane_that_diverges_says_so_and_leaves_the_others_alone() {
+    let model = Model::base(Robot::amigobot());
+    let t: Vec<f64> = (0..500).map(|k| 0.01 * f64::from(k)).collect();
+    let moment = vec![[40.0, -3.0]; 500];
+    let mut parameters = vec![model.initial(); 3];
+    parameters[1][0] = 5e-5;
+    parameters[1][1] = 0.0;
+    parameters[1][2] = 0.0;
+    let input = Input { t: &t, moment: &moment, hold: Hold::Linear };
+    let found = ise_of_many(&model, &parameters, &input, State::default(), &moment);
+    assert!(matches!(found[1], Err(SimulateError::Diverged { .. })), "{:?}", found[1]);
+    compare(&model, &parameters, &input, State::default());
+}
+
+#[test]
+fn models_with_further_effects_are_simulated_one_by_one() {
+    let model = Model::base(Robot::amigobot()).add("viscous_friction").unwrap();
+    let t: Vec<f64> = (0..300).map(|k| 0.01 * f64::from(k)).collect();
+    let moment = lively(&t);
+    let parameters = vec![model.initial(); 3];
+    let input = Input { t: &t, moment: &moment, hold: Hold::Linear };
+    compare(&model, &parameters, &input, State::default());
+}
