@@ -310,7 +310,7 @@ impl Problem {
         sum
     }
 
-    /// Weight of |theta - friction level|² in the cost of a descent [s³]: `ridge` times the mean square
+    /// Weight of |theta - friction level|² in the cost of a descent: `ridge` times the mean square
     /// sensitivity of an emulator that is held at the data (serial-parallel), with a gain of 5 1/s where that
     /// of the problem is lower. It does not depend on theta, so that every method has the same minimum,
     /// wherever it starts.
