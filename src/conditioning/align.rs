@@ -9,10 +9,10 @@
 //! other sensors  the line between the samples around the row, and a measured input as well
 //! a command      the last sample: it holds until the next
 //! ```
-//! Between the samples of a measured input nobody knows it, and more rows would claim so. A sensor with less than half as many samples is held too: lines between few samples would be counted as
-//! measurements that nobody made.
+//! Between the samples of a measured input nobody knows it, and more rows would claim so. A sensor with less than
+//! half as many samples is held too: lines between few samples would be counted as measurements that nobody made.
 
-use super::cells::{columns, keep};
+use super::cells::{column, columns, keep, put};
 use super::finding::{Channel, Finding, Kind};
 use super::signal::{changes, median};
 use super::{Conditioned, Context, Settings};
@@ -58,7 +58,7 @@ pub(super) fn align(
         } else {
             along
         };
-        let values = values(&work.channels, *channel);
+        let values = column(&work.channels, *channel);
         let read = read(&work.channels.t, &values, own);
         put(&mut work.channels, *channel, &read);
         // before its first sample and behind its last nothing is known
@@ -127,21 +127,6 @@ pub(super) fn new_in(t: &[f64], values: &[f64]) -> Vec<bool> {
         moment: vec![],
     };
     refreshed(&alone)
-}
-
-fn values(channels: &Channels, channel: Channel) -> Vec<f64> {
-    let found = columns(channels).into_iter().find(|(name, _)| *name == channel);
-    found.map_or(vec![], |(_, values)| values)
-}
-
-fn put(c: &mut Channels, channel: Channel, values: &[f64]) {
-    let (rows, i) = match channel {
-        Channel::Angle(i) => (c.alpha.as_mut(), i),
-        Channel::Speed(i) => (c.omega.as_mut(), i),
-        Channel::Input(i) => (Some(&mut c.moment), i),
-        Channel::Time | Channel::Sensors => return,
-    };
-    rows.into_iter().flatten().zip(values).for_each(|(row, value)| row[i] = *value);
 }
 
 /// The last sample at each row; none before the first.

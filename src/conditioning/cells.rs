@@ -18,6 +18,23 @@ pub(super) fn columns(c: &Channels) -> Vec<(Channel, Vec<f64>)> {
     out
 }
 
+/// One column; empty where the recording has no such channel.
+pub(super) fn column(c: &Channels, channel: Channel) -> Vec<f64> {
+    let found = columns(c).into_iter().find(|(name, _)| *name == channel);
+    found.map_or(vec![], |(_, values)| values)
+}
+
+/// Replaces one column, if the recording has it.
+pub(super) fn put(c: &mut Channels, channel: Channel, values: &[f64]) {
+    let (rows, i) = match channel {
+        Channel::Angle(i) => (c.alpha.as_mut(), i),
+        Channel::Speed(i) => (c.omega.as_mut(), i),
+        Channel::Input(i) => (Some(&mut c.moment), i),
+        Channel::Time | Channel::Sensors => return,
+    };
+    rows.into_iter().flatten().zip(values).for_each(|(row, value)| row[i] = *value);
+}
+
 /// The rows whose flag is set.
 pub(super) fn keep(c: &mut Channels, flags: &[bool]) {
     fn filter<T: Copy>(v: &mut Vec<T>, flags: &[bool]) {

@@ -130,8 +130,13 @@ impl<'a> HorizonFilter<'a> {
 
     /// Whether the input has noise, without which every horizon is the same.
     pub(crate) fn has_memory(&self) -> bool {
-        let noise = |p: &Prepared| if self.alike { self.whole_noise } else { p.moment_noise };
-        self.prepared.iter().any(|p| noise(p) > 0.0)
+        (0..self.prepared.len()).any(|r| self.input_noise(r, self.alike) > 0.0)
+    }
+
+    /// Standard deviation of the input of a recording [N m]: its own, or, where rows count `alike`, that of all
+    /// recordings with what the input does between its rows.
+    fn input_noise(&self, r: usize, alike: bool) -> f64 {
+        if alike { self.whole_noise } else { self.prepared[r].moment_noise }
     }
 
     /// Variances of (alpha1, alpha2, omega1, omega2) at a horizon [s].
@@ -139,8 +144,7 @@ impl<'a> HorizonFilter<'a> {
         let (prepared, recording) = (&self.prepared[r], self.prepared[r].recording);
         let fresh = recording.fresh().iter().filter(|fresh| **fresh).count().max(1);
         let refresh = recording.step() * recording.len() as f64 / fresh as f64;
-        let noise = if self.alike { self.whole_noise } else { prepared.moment_noise };
-        let q = (noise / self.inertia).powi(2) * refresh;
+        let q = (self.input_noise(r, self.alike) / self.inertia).powi(2) * refresh;
         let more = [q * horizon.powi(4) / (4.0 * refresh), q * horizon.powi(2) / refresh];
         std::array::from_fn(|i| prepared.variance[i] + more[i / 2])
     }
@@ -177,8 +181,7 @@ impl<'a> HorizonFilter<'a> {
                     single: singles[r],
                     alike: self.alike && horizon > 0.0,
                 };
-                let sigma_m =
-                    if run.alike { self.whole_noise } else { self.prepared[r].moment_noise };
+                let sigma_m = self.input_noise(r, run.alike);
                 if model.is_coupled() {
                     let noise = ProcessNoise { sigma_m, sigma_d: 0.0, tau_d: 1.0, later: 0.5 };
                     run.pass(Coupled::new(model, p, noise))

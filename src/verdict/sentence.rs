@@ -25,15 +25,6 @@ impl Finding<'_> {
     /// The verdict, with the error that is left.
     pub(super) fn sentence(&self) -> String {
         match self.conclusion {
-            // the floor is an estimate for white noise: coloured noise of the input reaches so far too
-            Conclusion::Sufficient if self.errors.above_floor() => format!(
-                "Nothing is proven to be missing: no effect of the catalogue lowers the held-out error at a \
-                 false-alarm rate of {:.0} %, and no dependence of the residual torque is significant. {} \
-                 Coloured noise of the recorded input makes that much, and so does a disturbance from \
-                 outside.",
-                100.0 * self.false_alarm,
-                self.error()
-            ),
             Conclusion::Sufficient => self.sufficient(),
             Conclusion::Missing => format!("Missing: {}. {}", self.names(), self.error()),
             Conclusion::Likely => format!(
@@ -60,6 +51,15 @@ impl Finding<'_> {
                 named(ranked),
                 lowered(ranked),
                 why_withheld(ranked)
+            ),
+            // the floor is an estimate for white noise: coloured noise of the input reaches so far too
+            None if self.errors.above_floor() => format!(
+                "Nothing is proven to be missing: no effect of the catalogue lowers the held-out error at a \
+                 false-alarm rate of {:.0} %, and no dependence of the residual torque is significant. {} \
+                 Coloured noise of the recorded input makes that much, and so does a disturbance from \
+                 outside.",
+                100.0 * self.false_alarm,
+                self.error()
             ),
             None => format!(
                 "Nothing is missing: no effect of the catalogue lowers the held-out error at a \
