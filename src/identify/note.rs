@@ -68,6 +68,9 @@ pub enum Note {
         /// That of the filter [rad/s].
         filter: f64,
     },
+    /// Symbols and the values of `torque_regression`, from which the fit of a model that errs by more than noise
+    /// differs by more than both standard errors.
+    Disagreement(Vec<(String, f64)>),
     /// A profile that was asked for does not exist.
     NoProfile(String),
     /// A profile likelihood.
@@ -208,6 +211,16 @@ impl fmt::Display for Note {
                     f,
                     "These are the values of torque_regression: its 2 s simulation error on {on} is \
                      {regression:.3e}, that of the filter {filter:.3e}."
+                )
+            }
+            Self::Disagreement(values) => {
+                let values: Vec<_> = values.iter().map(|(s, v)| format!("{s} = {v:.4e}")).collect();
+                write!(
+                    f,
+                    "The model errs by more than the noise of the channels, and torque_regression gives {}: the \
+                     intervals are wide enough for both. An effect is missing, or noise of the input goes on from \
+                     row to row.",
+                    values.join(", ")
                 )
             }
             Self::NoProfile(symbol) => {

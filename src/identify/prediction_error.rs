@@ -2,6 +2,7 @@
 
 mod choice;
 mod descent;
+mod disagreement;
 mod held;
 mod interval;
 mod likelihood;
@@ -43,7 +44,8 @@ use open_loop::OpenLoop;
 /// its innovations are twice as large as noise makes them, horizons begin at 0.2 s; in the second case
 /// noise of the input is taken to be the same in all rows. Intervals come from the scores of blocks, with
 /// Student's t, and hold where the model is wrong too. Parameters that the data do not identify are
-/// held where the model starts. Of a single axis, written down as two equal wheels, the sums over
+/// held where the model starts. In the second case above they also hold the disagreement with the regression of
+/// torques. Of a single axis, written down as two equal wheels, the sums over
 /// both are estimated.
 ///
 /// The filter's step is that of the simulation: input in straight lines, stops and reversals
@@ -177,7 +179,7 @@ impl PredictionError {
             add_profile(task, &filter, &held.model, &chosen.solution, symbol, &mut fit)?;
         }
         if self.horizon_s == Horizon::default() {
-            return Ok(rival::better(task, &open, &chosen, fit));
+            return Ok(rival::better(task, &open, &chosen, fit, filter.alike));
         }
         Ok(fit)
     }

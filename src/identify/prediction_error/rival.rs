@@ -1,6 +1,7 @@
 //! The guard: where a plain regression simulates held-out pieces better, it is taken.
 
 use super::choice::{Candidate, clearly_smaller, mean};
+use super::disagreement::with_disagreement;
 use super::open_loop::OpenLoop;
 use crate::identify::torque_regression::TorqueRegression;
 use crate::identify::{Fit, Note, Task};
@@ -18,8 +19,15 @@ const FAILS: f64 = 1.5;
 /// must agree, not the few with the largest errors, unless the fit fails on those. A fit that fails
 /// on the very pieces that it was made from (both have the same parameters, so that neither fits
 /// better by having more) is not taken whatever is left out: a kind of motion that was driven once
-/// cannot be predicted from the others.
-pub(super) fn better(task: &Task, open: &OpenLoop, chosen: &Candidate, fit: Fit) -> Fit {
+/// cannot be predicted from the others. Where the model `errs` by more than noise, the intervals of a fit that is
+/// kept hold the disagreement of the two.
+pub(super) fn better(
+    task: &Task,
+    open: &OpenLoop,
+    chosen: &Candidate,
+    fit: Fit,
+    errs: bool,
+) -> Fit {
     let Ok((mut rival, left_out)) = TorqueRegression::default().left_out(task, &open.pieces) else {
         return fit;
     };
@@ -31,7 +39,7 @@ pub(super) fn better(task: &Task, open: &OpenLoop, chosen: &Candidate, fit: Fit)
     let fails = mean(&chosen.held_out).sqrt() > FAILS * mean(&errors).sqrt();
     let clear = fails || clearly_smaller(&logs(&errors), &logs(&chosen.held_out));
     if !other.is_finite() || !(fails_in_sample || (matters && clear)) {
-        return fit;
+        return if errs { with_disagreement(fit, &rival) } else { fit };
     }
     let held_out = !fails_in_sample;
     let [regression, filter] = match held_out {
