@@ -2,6 +2,7 @@
 
 mod order;
 mod refit;
+mod shifts;
 mod steps;
 
 use std::sync::Arc;
@@ -213,6 +214,8 @@ impl<'a> Search<'a> {
     /// Puts refitted candidates in order.
     fn order(&self, ranked: &mut [Ranked]) {
         self.set_criteria(ranked);
+        ranked.sort_by(before);
+        self.tell_shifts(ranked);
         ranked.sort_by(before);
         self.choose_alike(ranked);
     }

@@ -278,3 +278,49 @@ fn both_folds_have_windows_where_the_logger_paused_for_more_than_a_third_of_the_
     let none = windows.only(|_| false);
     assert!(fit(&none, &model, &p, &scale(&model, &p, &[&paused])).is_none());
 }
+
+#[test]
+fn a_lag_is_told_from_a_delay_of_its_length_where_the_input_is_noisy() {
+    let model = Model::base(Robot::amigobot());
+    // the noise of the input is a tenth of what it moves; a lag of a row halves it
+    let noise = NoiseLevel { moment: 0.015, ..NOISE };
+    let named = ["actuator_delay", "actuator_lag"].map(String::from).to_vec();
+    let settings = Settings { candidates: named.clone(), ..Settings::default() };
+    for (truth, seed) in [(0, 30), (0, 33), (1, 36), (1, 39)] {
+        // a command is held for a millisecond
+        let hidden: &[(&str, &[f64])] = &[(&named[truth], &[0.012])];
+        let [a, b, c] = [0, 1, 2].map(|r| recorded(hidden, noise, seed + r));
+        let (train, validation) = ([a, b], [c]);
+        let first = started(&model, &train);
+        let hold = Hold::Linear;
+        let data = Data { train: &train, validation: &validation, hold, corrected_s: 0.0 };
+        let found = diagnose(&model, &[first], &data, &settings).unwrap();
+        assert_eq!(found.steps[0].id, named[truth], "{seed}");
+    }
+}
+
+#[test]
+fn angles_alone_give_the_timing_of_a_robot_that_answers_within_a_row() {
+    let model = Model::with_effects(Robot::amigobot(), &["back_emf"]).unwrap();
+    let mut p = model.initial();
+    // volts: (a1 + a2)/k_e is 24 ms, a row 20 ms
+    p[..5].copy_from_slice(&[0.0095, 0.0012, 0.0, 0.6, 0.6]);
+    p[model.index_of("k_e").unwrap()] = 0.45;
+    let t: Vec<f64> = (0..1500).map(|k| 0.02 * f64::from(k)).collect();
+    let steps = [5.0, -3.0, 6.0, 2.0, -6.0, 0.5, 3.0, -5.0, -1.0, 4.0, -2.0];
+    let moment: Vec<[f64; 2]> = (0..t.len())
+        .map(|k| [steps[k / 17 % 11] + (3.0 * t[k]).sin(), steps[k / 23 % 11] + t[k].cos()])
+        .collect();
+    let input = Input { t: &t, moment: &moment, hold: Hold::Constant };
+    let states = simulate(&model, &p, &input, State::default()).unwrap();
+    let degrees = |v: f64| v.to_degrees().round().to_radians();
+    let alpha = Some(states.iter().map(|s| s.alpha.map(degrees)).collect());
+    let channels = Channels { t, alpha, omega: None, moment };
+    let recording = Recording::new("angles", channels, DriveUnit::Volt).unwrap();
+    // differences of the angles over two rows lag and smooth: by them the input came 8 ms too late
+    for (hold, late) in [(Hold::Constant, 0.0), (Hold::Linear, 0.01)] {
+        let found = timing(&model, &p, &[&recording], hold).unwrap();
+        let off = (found.dead_time_s - late).abs();
+        assert!(off < 0.002 && off < 3.0 * found.std_error_s, "{hold:?} {found:?}");
+    }
+}

@@ -31,9 +31,8 @@ pub struct Thresholds {
     pub ruled_out: f64,
     /// Difference of the criterion below which two effects are not distinguishable (odds of 20 to 1).
     pub alike: f64,
-    /// The same as a share of the criterion itself, between two time shifts (they differ in the second order
-    /// alone, and noise of the input decides about that much) and where errors are far above the noise (they are
-    /// no independent values, which the criterion counts).
+    /// The same as a share of the criterion itself, where errors are far above the noise (they are no independent
+    /// values, which the criterion counts).
     pub alike_share: f64,
     /// Share of what the first refit gains that decides nothing: others stop where their steps gain less.
     pub negligible_share: f64,

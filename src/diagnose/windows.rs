@@ -3,6 +3,7 @@
 //! A window is simulated openly from the smoothed state at its first row. What the uncertainty of that
 //! start explains of the error is profiled out, so that windows may be short without a bias.
 
+mod compared;
 mod errors;
 mod sums;
 
@@ -11,6 +12,7 @@ use std::ops::Range;
 use nalgebra::DVector;
 use rayon::prelude::*;
 
+use self::compared::{Compared, variance};
 pub(super) use self::errors::Errors;
 use self::sums::{Accumulator, TINY};
 pub(super) use self::sums::{Sums, quadratic_of};
@@ -89,7 +91,7 @@ impl<'a> Windows<'a> {
             .map(|(noise, r)| {
                 // a channel without visible noise still has rounding
                 let rounding = 1e-6 * r.top_speed();
-                let speed = noise.omega.map(|s| s.max(rounding).powi(2));
+                let speed = [0, 1].map(|i| variance(r, i).max(rounding * rounding));
                 let input = noise.moment.map(|s| (s * mobility).powi(2) * r.step());
                 let most = |i: usize| MOST_GROWTH * speed[i] / WINDOW;
                 (speed, [0, 1].map(|i| input[i].min(most(i))))
@@ -170,7 +172,8 @@ impl<'a> Windows<'a> {
     fn weight(&self, window: &Window, row: usize, wheel: usize) -> f64 {
         let (r, k) = (window.recording, window.rows.start + row);
         let recording = self.recordings[r];
-        if !recording.fresh()[k] {
+        let known = row > 0 || recording.measured().omega;
+        if !(recording.fresh()[k] && known) {
             return 0.0;
         }
         let t = recording.t();
@@ -244,14 +247,25 @@ impl<'a> Windows<'a> {
                 let input = ActingInput { t, acting: input, derivatives, hold };
                 make(window, &mut |see| {
                     let mut psi = Vec::with_capacity(free.len());
+                    let mut compared = Compared::new(recording, window);
+                    let mut before = [0, 1].map(|_| vec![0.0; free.len()]);
                     let visit = &mut |k: usize, state: &State, d: &[f64]| {
-                        let measured = recording.omega()[rows.start + k];
+                        let row = compared.row(k, state);
+                        let of = |signal: usize, j: usize| d[signal * stride + j];
                         for i in 0..2 {
-                            let row = &d[(2 + i) * stride..(3 + i) * stride];
                             psi.clear();
-                            psi.extend(free.iter().map(|&j| row[j]));
-                            let e = measured[i] - state.omega[i];
-                            see(k, i, e, &psi, state.omega[i] == 0.0);
+                            match row.mean_over {
+                                None => psi.extend(free.iter().map(|&j| of(2 + i, j))),
+                                Some(time) => {
+                                    let rise = |(&j, b): (&usize, &f64)| (of(i, j) - b) / time;
+                                    psi.extend(free.iter().zip(&before[i]).map(rise));
+                                }
+                            }
+                            if row.mean_over.is_some_and(f64::is_finite) {
+                                before[i].clear();
+                                before[i].extend(free.iter().map(|&j| of(i, j)));
+                            }
+                            see(k, i, row.error[i], &psi, state.omega[i] == 0.0);
                         }
                     };
                     follow_part(model, p, &input, rows.clone(), window.start, visit).ok()

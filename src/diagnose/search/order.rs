@@ -34,8 +34,7 @@ impl Search<'_> {
     }
 
     /// Of the candidates that training windows do not set apart puts the one first whose held-out error is
-    /// lowest. Time shifts: a lag smooths the noise of the recorded input and a delay does not, so the training
-    /// error is biased between them. Far above the noise: what is left is no noise, and a criterion that takes
+    /// lowest. Far above the noise: what is left is no noise, and a criterion that takes
     /// it for independent values decides by much more than it knows.
     pub(super) fn choose_alike(&self, ranked: &mut [Ranked]) {
         let Some(first) = ranked.first().filter(|r| r.refit.is_some()) else { return };
@@ -44,7 +43,7 @@ impl Search<'_> {
         let error = |r: &Ranked| r.refit.as_ref().map_or(f64::INFINITY, |fit| self.shown(fit));
         let others = (1..ranked.len()).filter(|&n| {
             let r = &ranked[n];
-            r.refit.is_some() && (shifts(r) && alike(first, r) || near(r))
+            r.refit.is_some() && !shifts(r) && near(r)
         });
         let errors = others.map(|n| (n, error(&ranked[n])));
         let lowest = errors.min_by(|a, b| a.1.total_cmp(&b.1));
@@ -89,9 +88,5 @@ pub(super) fn equals(ranking: &[Ranked]) -> Vec<String> {
 
 /// Whether the data hardly distinguish two candidates that were refitted.
 fn alike(best: &Ranked, other: &Ranked) -> bool {
-    let shifts = best.candidate.is_shift() && other.candidate.is_shift();
-    // two shifts differ in the second order alone
-    let in_time = THRESHOLDS.alike_share * best.bic.abs();
-    let margin = if shifts { THRESHOLDS.alike.max(in_time) } else { THRESHOLDS.alike };
-    other.refit.is_some() && (other.bic - best.bic).abs() < margin
+    other.refit.is_some() && (other.bic - best.bic).abs() < THRESHOLDS.alike
 }

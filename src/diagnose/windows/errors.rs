@@ -1,11 +1,9 @@
 //! The errors that a model leaves in windows, and what they tell.
 
-use std::ops::Range;
-
 use rayon::prelude::*;
 
 use super::sums::TINY;
-use super::{Window, Windows};
+use super::{Compared, Window, Windows};
 use crate::model::Model;
 use crate::robot::State;
 use crate::simulate::{Input, simulate_windows};
@@ -71,15 +69,15 @@ impl Windows<'_> {
         let input = Input { t: recording.t(), moment: acting, hold: self.hold };
         let windows: Vec<_> = group.iter().map(|w| (w.rows.clone(), w.start)).collect();
         let states = simulate_windows(model, p, &input, &windows).ok()?;
-        let one = |((rows, _), states): (&(Range<usize>, State), &Vec<State>)| {
-            let omega = &recording.omega()[rows.clone()];
-            let error = |(m, s): (&[f64; 2], &State)| [m[0] - s.omega[0], m[1] - s.omega[1]];
-            let error: Vec<[f64; 2]> = omega.iter().zip(states).map(error).collect();
+        let one = |(window, states): (&Window, &Vec<State>)| {
+            let mut compared = Compared::new(recording, window);
+            let error = |(k, state): (usize, &State)| compared.row(k, state).error;
+            let error: Vec<[f64; 2]> = states.iter().enumerate().map(error).collect();
             let moving = [0, 1].map(|i| rows_until_rest(states, i));
             let finite = error.iter().flatten().all(|e| e.is_finite());
             finite.then_some(Errors { error, moving })
         };
-        windows.iter().zip(&states).map(one).collect()
+        group.iter().zip(&states).map(one).collect()
     }
 
     /// `Σ e²/s²` of every window, less what its start explains.
@@ -123,6 +121,42 @@ impl Windows<'_> {
                 }
             }
             total += square - linear * linear / (weights + 1.0 / window.variance[i].max(TINY));
+        }
+        total
+    }
+
+    /// `Σ e²/S` of every window with the errors made independent of each other: noise of the input goes into a speed
+    /// as into a random walk, and what a filter of one level knew before is taken out.
+    ///
+    /// ```text
+    /// P += q Δt,   S = P + s²,   e = error - level,   level += P e/S,   P = P s²/S
+    /// ```
+    /// q: growth of the variance of a speed by noise of the input, s²: variance of the sensor.
+    pub(in crate::diagnose) fn innovations(&self, errors: &[Errors]) -> Vec<f64> {
+        self.windows.iter().zip(errors).map(|(w, e)| self.innovation(w, e)).collect()
+    }
+
+    fn innovation(&self, window: &Window, errors: &Errors) -> f64 {
+        let recording = self.recordings[window.recording];
+        let t = recording.t();
+        let mut total = 0.0;
+        for i in 0..2 {
+            let (q, r) = (self.growth[window.recording][i], self.noise[window.recording][i]);
+            let (mut level, mut variance) = (0.0, window.variance[i].max(TINY));
+            for (k, e) in errors.error.iter().enumerate() {
+                let row = window.rows.start + k;
+                if k > 0 {
+                    variance += q * (t[row] - t[row - 1]);
+                }
+                if self.weight(window, k, i) == 0.0 {
+                    continue;
+                }
+                let s = variance + r;
+                let innovation = e[i] - level;
+                total += innovation * innovation / s;
+                level += variance / s * innovation;
+                variance *= r / s;
+            }
         }
         total
     }

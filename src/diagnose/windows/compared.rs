@@ -1,0 +1,66 @@
+//! What a window compares in a row: the speeds, or what the angles say of them.
+
+use super::Window;
+use crate::recording::Recording;
+use crate::robot::State;
+
+/// Goes through the rows of a window, measured beside simulated.
+///
+/// Speeds that were computed from angles are means over the rows around, which a robot that answers within a row
+/// does not have at the row itself. Such recordings are compared by the mean speed from each new angle to the next,
+/// which the simulated angles give as exactly:
+///
+/// ```text
+/// e_k = ((α_k - α_j) - (α̂_k - α̂_j))/(t_k - t_j),   j: the row of the angle before
+/// ```
+pub(super) struct Compared<'a> {
+    recording: &'a Recording,
+    first: usize,
+    /// Time, measured and simulated angles of the last new row.
+    last: (f64, [f64; 2], [f64; 2]),
+}
+
+/// A row as compared.
+pub(super) struct Row {
+    /// Measured less simulated speeds [rad/s].
+    pub(super) error: [f64; 2],
+    /// Time since the angle before [s], where mean speeds are compared; infinite in rows that tell nothing.
+    pub(super) mean_over: Option<f64>,
+}
+
+impl<'a> Compared<'a> {
+    pub(super) fn new(recording: &'a Recording, window: &Window) -> Self {
+        let (first, alpha) = (window.rows.start, window.start.alpha);
+        Self { recording, first, last: (recording.t()[first], alpha, alpha) }
+    }
+
+    /// The next row, number `k` of the window, at the simulated `state`.
+    pub(super) fn row(&mut self, k: usize, state: &State) -> Row {
+        let (r, n) = (self.recording, self.first + k);
+        if r.measured().omega {
+            let error = [0, 1].map(|i| r.omega()[n][i] - state.omega[i]);
+            return Row { error, mean_over: None };
+        }
+        let (since, before, simulated) = self.last;
+        let time = r.t()[n] - since;
+        if k == 0 || !r.fresh()[n] {
+            return Row { error: [0.0; 2], mean_over: Some(f64::INFINITY) };
+        }
+        let measured = r.alpha()[n];
+        self.last = (r.t()[n], measured, state.alpha);
+        let moved = |i: usize| (measured[i] - before[i]) - (state.alpha[i] - simulated[i]);
+        Row { error: [0, 1].map(|i| moved(i) / time), mean_over: Some(time) }
+    }
+}
+
+/// Variance of the speeds that are compared [rad^2/s^2], of a wheel `i`: that of the speed channel, or of the
+/// difference of two angles over an interval between new ones.
+pub(super) fn variance(recording: &Recording, i: usize) -> f64 {
+    let noise = recording.noise();
+    if recording.measured().omega {
+        return noise.omega[i].powi(2);
+    }
+    let fresh = recording.fresh().iter().filter(|fresh| **fresh).count().max(1);
+    let refresh = recording.step() * recording.len() as f64 / fresh as f64;
+    2.0 * (noise.alpha[i] / refresh).powi(2)
+}
