@@ -5,7 +5,7 @@ use crate::math::distribution::t_survival;
 /// Largest correlation of neighbouring windows that is corrected for.
 const MOST_CORRELATED: f64 = 0.9;
 /// Fewest windows on which a fall can be tested.
-const FEWEST: usize = 4;
+pub(super) const FEWEST: usize = 4;
 
 /// The fall of the error from one model to the next over held-out windows.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -67,7 +67,7 @@ fn effective(weight: &[f64]) -> f64 {
 }
 
 /// Probability of a weighted mean as large if there were none (one-sided t).
-fn probability(d: &[f64], w: &[f64]) -> f64 {
+pub(super) fn probability(d: &[f64], w: &[f64]) -> f64 {
     let (total, count) = (w.iter().sum::<f64>(), effective(w));
     let mean = d.iter().zip(w).map(|(d, w)| d * w).sum::<f64>() / total;
     let off: Vec<f64> = d.iter().zip(w).map(|(d, w)| w * (d - mean)).collect();

@@ -90,6 +90,10 @@ pub(crate) fn concluded(
     let open = conclusion != Conclusion::Sufficient;
     let proposal = open.then(|| propose(diagnosis, &likelihood, basis.seed)).flatten();
     let withheld = withheld(diagnosis, basis.false_alarm).filter(|_| !open);
+    let now = judge.judge(model, p)?.window_rms;
+    let with = withheld.and_then(|r| r.refit.as_ref()).map(|fit| judge.judge(&fit.model, &fit.p));
+    // one that cannot be simulated raises it too
+    let raises = with.is_some_and(|with| !with.is_ok_and(|with| with.window_rms <= now));
     let next_run = match withheld {
         Some(ranked) => Some(to_prove(ranked)),
         None => open.then(|| advice(diagnosis, probable, proposal.as_ref())).flatten(),
@@ -100,6 +104,7 @@ pub(crate) fn concluded(
         errors: &errors,
         likely: probable,
         withheld,
+        raises,
         false_alarm: basis.false_alarm,
         unit,
     };

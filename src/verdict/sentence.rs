@@ -16,6 +16,8 @@ pub(super) struct Finding<'a> {
     pub(super) likely: Option<&'a Ranked>,
     /// What lowers the held-out error without being accepted.
     pub(super) withheld: Option<&'a Ranked>,
+    /// Whether that raises the 2 s simulation error.
+    pub(super) raises: bool,
     pub(super) false_alarm: f64,
     /// Unit of the input.
     pub(super) unit: DriveUnit,
@@ -50,7 +52,7 @@ impl Finding<'_> {
                 self.error(),
                 named(ranked),
                 lowered(ranked),
-                why_withheld(ranked)
+                self.why_withheld(ranked)
             ),
             // the floor is an estimate for white noise: coloured noise of the input reaches so far too
             None if self.errors.above_floor() => format!(
@@ -67,6 +69,20 @@ impl Finding<'_> {
                 100.0 * self.false_alarm,
                 self.error()
             ),
+        }
+    }
+
+    /// Why an effect that lowers the held-out error is not accepted.
+    fn why_withheld(&self, ranked: &Ranked) -> &'static str {
+        match ranked.candidate.effect.change() {
+            _ if self.raises => {
+                "the 2 s simulation error rises with it, as that of a right model may where friction decides when a \
+                 wheel stops"
+            }
+            Change::TwoMass => {
+                "what the input does between its rows could be the reason as well; a recording at a higher rate tells"
+            }
+            _ => "its size does not differ from zero by more than its uncertainty",
         }
     }
 
@@ -187,16 +203,6 @@ fn size(e: &Estimate) -> String {
     let unit = format::unit(&e.unit);
     let unit = if unit.is_empty() || unit == "1" { String::new() } else { format!(" {unit}") };
     format!("{} = {}{unit} (95 %: {} to {})", e.symbol, fixed(e.value), fixed(low), fixed(high))
-}
-
-/// Why an effect that lowers the held-out error is not accepted.
-fn why_withheld(ranked: &Ranked) -> &'static str {
-    match ranked.candidate.effect.change() {
-        Change::TwoMass => {
-            "what the input does between its rows could be the reason as well; a recording at a higher rate tells"
-        }
-        _ => "its size does not differ from zero by more than its uncertainty",
-    }
 }
 
 fn of(ranked: &Ranked) -> String {

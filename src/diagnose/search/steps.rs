@@ -3,8 +3,10 @@
 use rayon::prelude::*;
 
 use super::Search;
+use super::shifts::probability_of_shift;
 use crate::diagnose::acceptance::{Fall, fall_of};
 use crate::diagnose::fit::{WindowFit, fit};
+use crate::diagnose::input_timing::ID;
 use crate::diagnose::outcome::{Ranked, Step};
 use crate::diagnose::thresholds::THRESHOLDS;
 use crate::diagnose::windows::Errors;
@@ -55,11 +57,18 @@ impl Search<'_> {
             &windows.squares_of(to),
             &windows.contrast(from, to),
         );
-        // the likelihood is asked where it alone decides
+        // the others are asked where they alone decide
         if self.passes(&fall) || !self.passes(&Fall { p_value: 0.0, ..fall }) {
             return fall;
         }
-        Fall { p_value: fall.p_value.min(self.explained(before, after)), ..fall }
+        let p_value = fall.p_value.min(self.explained(before, after));
+        let p_value = match &self.held {
+            Some(held) if is_later(before.fit, after.fit) => {
+                p_value.min(probability_of_shift(held, before.fit, after.fit))
+            }
+            _ => p_value,
+        };
+        Fall { p_value, ..fall }
     }
 
     /// Probability of held-out data as much likelier under the second fit, if the first were right; one unless
@@ -280,6 +289,15 @@ impl Search<'_> {
         refitted.zip(falls).for_each(|(r, fall)| r.fall = Some(fall));
         ranking
     }
+}
+
+/// Whether one fit has an effect that moves the input in time and the other does not.
+fn is_later(before: &WindowFit, after: &WindowFit) -> bool {
+    let shifts = |fit: &WindowFit| {
+        let moves = fit.model.effects().iter().filter(|e| e.change() == Change::TimeShift);
+        moves.filter(|e| e.id() != ID).count()
+    };
+    shifts(after) > shifts(before)
 }
 
 /// Whether a linear parameter of the step's effect, if it has any, differs from zero by more than its uncertainty: an
