@@ -28,6 +28,7 @@ pub(super) fn onset<E>(h: f64, value: impl Fn(f64) -> Result<f64, E>) -> Result<
             }
             None => 0.5 * (low + high),
         };
+        let trial = within(trial, low, high);
         let at = value(trial)?;
         if at > 0.0 {
             earlier = Some((high, at_high));
@@ -63,6 +64,7 @@ pub(super) fn crossing<E>(h: f64, value: impl Fn(f64) -> Result<f64, E>) -> Resu
         } else {
             0.5 * (low + high)
         };
+        let trial = within(trial, low, high);
         let at = value(trial)?;
         let side = if at > 0.0 { 1 } else { -1 };
         if side > 0 {
@@ -77,10 +79,27 @@ pub(super) fn crossing<E>(h: f64, value: impl Fn(f64) -> Result<f64, E>) -> Resu
     Ok(high)
 }
 
+/// A trial, or the middle where a step that diverges has left no number.
+fn within(trial: f64, low: f64, high: f64) -> f64 {
+    if trial.is_finite() { trial } else { 0.5 * (low + high) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use std::cell::Cell;
+
+    #[test]
+    fn a_step_that_diverges_has_an_end() {
+        for large in [f64::INFINITY, f64::MAX] {
+            let curve = |x: f64| Ok::<f64, ()>(if x < 0.3 { -large } else { large });
+            for end in [crossing(1.0, curve), onset(1.0, curve)] {
+                assert!((0.0..=1.0).contains(&end.unwrap()));
+            }
+            let none = |_: f64| Ok::<f64, ()>(f64::NAN);
+            assert!(crossing(1.0, none).is_ok() && onset(1.0, none).is_ok());
+        }
+    }
 
     #[test]
     fn a_crossing_is_found_in_few_trials() {
