@@ -4,6 +4,7 @@
 use super::plan::{Measured, Plan};
 use crate::diagnose::{shapes_placed, timing, with_later_input};
 use crate::effects::Change;
+use crate::filter::noise_of_jumps;
 use crate::identify::{Task, start};
 use crate::recording::Recording;
 use crate::study::Role;
@@ -16,8 +17,8 @@ pub(super) fn place(plan: &mut Plan) {
     }
 }
 
-/// Estimates when the recorded input acts and moves it where logging explains the shift; every stage sees
-/// recordings that agree. A model that has a time shift of its own is left alone.
+/// Estimates when the recorded input acts and moves it where logging explains the shift, and how much of its jumps from
+/// row to row is noise; every stage sees recordings that agree. A model that has a time shift of its own is left alone.
 pub(super) fn align(plan: &mut Plan) {
     let shifts = |e: &std::sync::Arc<dyn crate::effects::Effect>| e.change() == Change::TimeShift;
     let long = plan.recordings.iter().any(|m| m.long.is_some());
@@ -29,6 +30,8 @@ pub(super) fn align(plan: &mut Plan) {
     let Ok(start) = start::start(&task, "timing") else { return };
     let recordings: Vec<&Recording> = train.iter().collect();
     plan.timing = timing(&plan.model, &start, &recordings, plan.hold);
+    let share = noise_of_jumps(&plan.model, &start, &recordings, plan.hold);
+    plan.recordings.iter_mut().for_each(|m| m.recording.set_noise_of_jumps(share));
     let Some(timing) = plan.timing.filter(|t| t.correction_s != 0.0) else { return };
     for Measured { recording, .. } in &mut plan.recordings {
         *recording = with_later_input(recording, timing.correction_s);

@@ -12,6 +12,7 @@ mod dynamics;
 mod exact;
 mod horizon;
 mod input_noise;
+mod jumps;
 mod likelihood;
 mod noise_search;
 mod pass;
@@ -22,6 +23,7 @@ mod totals;
 
 pub use accumulate::Information;
 pub(crate) use horizon::{HorizonFilter, Reading, Sums, pieces};
+pub use jumps::noise_of_jumps;
 pub use likelihood::{Likelihood, Maximum};
 pub use pass::{Columns, Innovation, Instant, NoColumns, Pass, PassSettings, filter_pass};
 pub use prepare::{Prepared, prepare};

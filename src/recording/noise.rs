@@ -43,18 +43,15 @@ impl Recording {
     /// with m the bias of a median, [`noise::white_noise_variance`].
     /// The median over blocks is immune to starts and reversals. A quantised channel has at least
     /// the noise of its steps, q / sqrt(12). No channel has more than [`Recording::set_most_noise`] says, and an
-    /// input that was interpolated has that of its rows.
+    /// input that was interpolated has that of its rows, less what of its jumps is no noise
+    /// ([`Recording::set_noise_of_jumps`]).
     #[must_use]
     pub fn noise(&self) -> Noise {
-        // rows that only repeat a slow sensor say nothing of its noise
-        let channel = |values: &[[f64; 2]], sensed: bool| {
-            [0, 1].map(|i| self.channel_noise(values, i, sensed))
-        };
-        let input = || channel(self.moment(), false);
+        let channel = |values: &[[f64; 2]]| [0, 1].map(|i| self.channel_noise(values, i, true));
         let own = Noise {
-            alpha: channel(self.alpha(), true),
-            omega: channel(self.omega(), true),
-            moment: self.recorded_input_noise().unwrap_or_else(input),
+            alpha: channel(self.alpha()),
+            omega: channel(self.omega()),
+            moment: self.input_jumps().map(|jumps| self.noise_of_jumps() * jumps),
         };
         let lower = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].min(b[1])];
         match self.most_noise() {
@@ -67,6 +64,14 @@ impl Recording {
         }
     }
 
+    /// Standard deviation of the jumps of the input from row to row [drive unit], which are noise or the input itself.
+    #[must_use]
+    pub fn input_jumps(&self) -> [f64; 2] {
+        let jumps = || [0, 1].map(|i| self.channel_noise(self.moment(), i, false));
+        self.recorded_input_noise().unwrap_or_else(jumps)
+    }
+
+    /// `sensed`: rows that only repeat a slow sensor say nothing of its noise.
     fn channel_noise(&self, values: &[[f64; 2]], i: usize, sensed: bool) -> f64 {
         let fresh = self.fresh().iter().filter(|f| **f).count().max(1);
         let step = if sensed { self.duration() / fresh as f64 } else { self.step() };

@@ -26,6 +26,8 @@ pub struct Recording {
     most_noise: Option<Noise>,
     /// Noise of the input as it was recorded, where it has been interpolated since [drive unit].
     recorded_input_noise: Option<[f64; 2]>,
+    /// Share of the jumps of the input from row to row that is noise.
+    noise_of_jumps: f64,
 }
 
 impl Recording {
@@ -74,6 +76,7 @@ impl Recording {
             step,
             most_noise,
             recorded_input_noise: None,
+            noise_of_jumps: 1.0,
         })
     }
 
@@ -176,8 +179,18 @@ impl Recording {
     /// If the length differs.
     #[must_use]
     pub fn with_interpolated_moment(&self, moment: Vec<[f64; 2]>) -> Self {
-        let recorded_input_noise = Some(self.noise().moment);
+        let recorded_input_noise = Some(self.input_jumps());
         Self { recorded_input_noise, ..self.with_moment(moment) }
+    }
+
+    /// Of the jumps of the input from row to row, [`Recording::input_jumps`], only the share `share` (0 to 1, of the
+    /// standard deviation) is noise.
+    pub fn set_noise_of_jumps(&mut self, share: f64) {
+        self.noise_of_jumps = share;
+    }
+
+    pub(super) fn noise_of_jumps(&self) -> f64 {
+        self.noise_of_jumps
     }
 
     pub(super) fn recorded_input_noise(&self) -> Option<[f64; 2]> {
@@ -205,7 +218,9 @@ impl Recording {
             moment: self.moment[range].to_vec(),
         };
         let cut = Self::new(self.name.clone(), channels, self.drive_unit)?;
-        Ok(Self { recorded_input_noise: self.recorded_input_noise, ..cut })
+        let (recorded_input_noise, noise_of_jumps) =
+            (self.recorded_input_noise, self.noise_of_jumps);
+        Ok(Self { recorded_input_noise, noise_of_jumps, ..cut })
     }
 }
 

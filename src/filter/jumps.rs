@@ -1,0 +1,66 @@
+//! Whether the jumps of an input from row to row are noise, by what the robot does.
+
+use super::{Likelihood, ProcessNoise, prepare};
+use crate::model::Model;
+use crate::recording::Recording;
+use crate::simulate::Hold;
+
+/// Log-likelihood by which another level of noise must be better [nats]: that of four standard errors.
+const SURE: f64 = 8.0;
+
+/// Share (0 to 1) of the standard deviation of the input's jumps, [`Recording::input_jumps`], that is noise: the most
+/// likely noise of the input for a model at `p` over that of its differences, where innovations refute the latter.
+///
+/// A command that is held, and a controller that answers the steps of an encoder, jump from row to row as noise does, but
+/// the robot follows them. A model that lacks something makes the innovations larger and the share one.
+#[must_use]
+pub fn noise_of_jumps(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -> f64 {
+    let prepared = recordings.iter().map(|r| prepare(r)).collect();
+    let likelihood = Likelihood { prepared, hold, slow_moment: false, timing: false };
+    let seen = likelihood.initial_noise();
+    let (likely, _) = likelihood.noise(model, p, &seen);
+    let value = |noise: &ProcessNoise| likelihood.value(model, p, noise);
+    let Some((seen_value, likely_value)) = value(&seen).zip(value(&likely)) else { return 1.0 };
+    let refuted = likely.sigma_m < seen.sigma_m && likely_value - seen_value > SURE;
+    if refuted { likely.sigma_m / seen.sigma_m } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::{Channels, DriveUnit};
+    use crate::robot::{Robot, State};
+    use crate::simulate::{Input, simulate};
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    /// Share of jumps of 0.03 N m of a held input over 25 s at 100 Hz that is noise, where the robot follows them and
+    /// where they are on the recorded input alone.
+    fn found(real: bool) -> f64 {
+        let model = Model::base(Robot::amigobot());
+        let p = model.initial();
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(7);
+        let mut normal = |sigma: f64| -> f64 {
+            let draw: f64 = StandardNormal.sample(&mut rng);
+            sigma * draw
+        };
+        let t: Vec<f64> = (0..2500).map(|k| 0.01 * f64::from(k)).collect();
+        let smooth = |t: f64| [0.35 + 0.2 * (1.1 * t).sin(), 0.3 + 0.2 * (0.7 * t).cos()];
+        let jumping: Vec<[f64; 2]> =
+            t.iter().map(|&t| smooth(t).map(|m| m + normal(0.03))).collect();
+        let acting = if real { jumping.clone() } else { t.iter().map(|&t| smooth(t)).collect() };
+        let input = Input { t: &t, moment: &acting, hold: Hold::Constant };
+        let states = simulate(&model, &p, &input, State::default()).unwrap();
+        let omega = states.iter().map(|s| s.omega.map(|w| w + normal(0.005))).collect();
+        let channels = Channels { t, alpha: None, omega: Some(omega), moment: jumping };
+        let recording = Recording::new("jumps", channels, DriveUnit::NewtonMetre).unwrap();
+        noise_of_jumps(&model, &p, &[&recording], Hold::Constant)
+    }
+
+    #[test]
+    fn jumps_that_the_robot_follows_are_no_noise() {
+        assert!(found(true) < 0.1, "{}", found(true));
+        // the level of the differences is known to 2 %, and four standard errors are asked for
+        assert!(found(false) > 0.9, "{}", found(false));
+    }
+}
