@@ -5,7 +5,7 @@ use crate::math::distribution::t_survival;
 /// Largest correlation of neighbouring windows that is corrected for.
 const MOST_CORRELATED: f64 = 0.9;
 /// Fewest windows on which a fall can be tested.
-pub(super) const FEWEST: usize = 4;
+const FEWEST: usize = 4;
 
 /// The fall of the error from one model to the next over held-out windows.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -18,16 +18,20 @@ pub struct Fall {
     pub ratio: f64,
     /// Windows.
     pub windows: usize,
+    /// Whether the effect moves the input in time: how large it is is a time then. A controller has to know of it, of
+    /// which the error of a simulation tells little.
+    pub later: bool,
 }
 
 impl Fall {
     /// No windows to judge on.
-    pub const NONE: Self = Self { p_value: 1.0, share: 0.0, ratio: 1.0, windows: 0 };
+    pub const NONE: Self = Self { p_value: 1.0, share: 0.0, ratio: 1.0, windows: 0, later: false };
 
-    /// Whether it is significant at `rate`, at least `least` and no rise of the root mean square.
+    /// Whether it is significant at `rate`, at least `least` where the effect does not move the input in time, and no
+    /// rise of the root mean square.
     #[must_use]
     pub fn passes(&self, rate: f64, least: f64) -> bool {
-        self.p_value < rate && self.share >= least && self.ratio <= 1.0
+        self.p_value < rate && (self.later || self.share >= least) && self.ratio <= 1.0
     }
 }
 
@@ -57,7 +61,7 @@ pub fn fall_of(before: &[f64], after: &[f64], weight: &[f64]) -> Fall {
     let p_value = probability(&d, &w);
     let mean = d.iter().sum::<f64>() / d.len() as f64;
     let ratio = (after.iter().sum::<f64>() / before.iter().sum::<f64>()).sqrt();
-    Fall { p_value, share: 1.0 - (-0.5 * mean).exp(), ratio, windows: d.len() }
+    Fall { p_value, share: 1.0 - (-0.5 * mean).exp(), ratio, windows: d.len(), later: false }
 }
 
 /// How many values of equal weight are as good as these.
@@ -67,7 +71,7 @@ fn effective(weight: &[f64]) -> f64 {
 }
 
 /// Probability of a weighted mean as large if there were none (one-sided t).
-pub(super) fn probability(d: &[f64], w: &[f64]) -> f64 {
+fn probability(d: &[f64], w: &[f64]) -> f64 {
     let (total, count) = (w.iter().sum::<f64>(), effective(w));
     let mean = d.iter().zip(w).map(|(d, w)| d * w).sum::<f64>() / total;
     let off: Vec<f64> = d.iter().zip(w).map(|(d, w)| w * (d - mean)).collect();

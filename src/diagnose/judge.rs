@@ -126,12 +126,11 @@ impl Judge {
         let WindowFit { model, p, .. } = diagnosis.last();
         let prepared = self.recordings.iter().map(prepare).collect();
         let elsewhere = Likelihood { prepared, ..likelihood.clone() };
-        let rms = likelihood.moment_rms();
         let mut strongest: Option<Dependence> = None;
         for seen in [likelihood, &elsewhere] {
             let (noise, _) = seen.noise(model, p, &seen.initial_noise());
             let left = missing_moment(model, p, &noise, seen)?;
-            let Some(found) = structure(&left, rms) else { continue };
+            let Some(found) = structure(&left) else { continue };
             if strongest.as_ref().is_none_or(|s| s.log_significance <= found.log_significance) {
                 strongest = Some(found.clone());
             }

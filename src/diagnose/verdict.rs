@@ -35,8 +35,6 @@ pub struct Errors {
 /// Least -ln p of the strongest dependence of the residual torque that counts as structure: one in ten
 /// million for one look, so that some hundred bins and variables do not make one.
 const STRUCTURE: f64 = 16.0;
-/// Least size of a dependence, as a share of the rms input (taste).
-const WORTH: f64 = 0.05;
 /// Share of the explainable error that effects may leave and still explain it: the larger part.
 const UNEXPLAINED: f64 = 0.5;
 /// Squared error above the floor, as a share of the floor, below which nothing is left to explain.
@@ -85,11 +83,10 @@ impl Errors {
     }
 }
 
-/// The strongest dependence that counts as structure: significant, and larger than 5 % of the
-/// root mean square drive `rms` [N m].
+/// The strongest dependence that counts as structure, a significant one; whether it matters the error says.
 #[must_use]
-pub fn structure(left: &MissingMoment, rms: f64) -> Option<&Dependence> {
-    left.dependences.iter().find(|d| d.log_significance > STRUCTURE && d.size > WORTH * rms)
+pub fn structure(left: &MissingMoment) -> Option<&Dependence> {
+    left.dependences.iter().find(|d| d.log_significance > STRUCTURE)
 }
 
 /// The candidate that lowers the held-out error after the last accepted step without being proven.
@@ -140,7 +137,9 @@ pub fn conclude(found: usize, errors: &Errors, likely: Option<f64>, structure: b
 /// Source: Kass and Raftery, J. Am. Stat. Assoc. 90 (1995).
 #[must_use]
 pub fn probabilities(ranking: &[Ranked]) -> Vec<f64> {
-    let ranks: Vec<f64> = ranking.iter().map(|r| -0.5 * r.bic).collect();
+    // one that simulation refutes is no likelier than none, whatever the balance of the torques says
+    let bic = |r: &Ranked| if r.bic_windows < 0.0 { r.bic } else { r.bic.max(0.0) };
+    let ranks: Vec<f64> = ranking.iter().map(|r| -0.5 * bic(r)).collect();
     let largest = ranks.iter().copied().fold(0.0, f64::max);
     let weights: Vec<f64> = ranks.iter().map(|r| (r - largest).exp()).collect();
     let sum = weights.iter().sum::<f64>() + (-largest).exp();
@@ -170,10 +169,9 @@ mod tests {
     }
 
     #[test]
-    fn structure_is_significant_and_worth_a_word() {
-        assert!(structure(&left(40.0, 0.02), 0.2).is_some());
-        assert!(structure(&left(40.0, 0.001), 0.2).is_none());
-        assert!(structure(&left(5.0, 0.02), 0.2).is_none());
+    fn structure_is_significant() {
+        assert!(structure(&left(40.0, 0.001)).is_some());
+        assert!(structure(&left(5.0, 0.02)).is_none());
     }
 
     #[test]

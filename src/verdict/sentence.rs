@@ -56,7 +56,7 @@ impl Finding<'_> {
             ),
             // the floor is an estimate for white noise: coloured noise of the input reaches so far too
             None if self.errors.above_floor() => format!(
-                "Nothing is proven to be missing: no effect of the catalogue lowers the held-out error at a \
+                "Nothing is proven to be missing: none of the effects of the catalogue is proven at a \
                  false-alarm rate of {:.0} %, and no dependence of the residual torque is significant. {} \
                  Coloured noise of the recorded input makes that much, and so does a disturbance from \
                  outside.",
@@ -64,7 +64,7 @@ impl Finding<'_> {
                 self.error()
             ),
             None => format!(
-                "Nothing is missing: no effect of the catalogue lowers the held-out error at a \
+                "Nothing is missing: none of the effects of the catalogue is proven at a \
                  false-alarm rate of {:.0} %. {}",
                 100.0 * self.false_alarm,
                 self.error()

@@ -51,10 +51,30 @@ impl Search<'_> {
             r.refit = within(r, &found).then_some(found);
             if let Some(refit) = &r.refit {
                 let ratio = self.degrees * (present.cost / refit.cost).ln();
+                let ratio = ratio.max(self.ratio_of_shift(&r.candidate, refit));
                 r.bic_windows = self.bic(&r.candidate, ratio);
                 r.torque_rms = self.size(present, r);
             }
         });
+    }
+
+    /// Ratio of a shift of the input by its own uncertainty, zero for other effects.
+    ///
+    /// ```text
+    /// z² = ((T - h/2)/se)²,   se from the scores of the windows
+    /// ```
+    /// The error of a window is mostly noise of the input that adds up until its end. That hides a shift, which acts
+    /// in the few rows in which the input changes, from the fall of the cost, but not from the scores.
+    ///
+    /// Source: Wald's test with the covariance of White, Econometrica 50 (1982).
+    fn ratio_of_shift(&self, candidate: &Candidate, fit: &WindowFit) -> f64 {
+        if !candidate.is_shift() {
+            return 0.0;
+        }
+        let first = fit.p.len() - candidate.p.len();
+        let beyond = (fit.p[first] - LOGGING * self.scale.step).max(0.0);
+        let variance = fit.covariance[(first, first)];
+        if variance > 0.0 { beyond.powi(2) / variance } else { 0.0 }
     }
 
     /// The fit with the candidate added.

@@ -6,10 +6,13 @@ use rayon::prelude::*;
 
 use super::Search;
 use crate::compare::noisier_drive;
-use crate::diagnose::acceptance::{FEWEST, probability};
-use crate::diagnose::fit::WindowFit;
+use crate::diagnose::fit::{WindowFit, fit};
+use crate::diagnose::input_timing::ID;
 use crate::diagnose::outcome::Ranked;
+use crate::diagnose::timing::LOGGING;
 use crate::diagnose::windows::Windows;
+use crate::effects::Change;
+use crate::math::distribution::t_survival;
 use crate::recording::Recording;
 
 /// Pairs of draws of the noise: what they leave of its effect on a sum over all rows is below a hundredth of it.
@@ -58,13 +61,28 @@ fn evidence(one: &[f64], other: &[f64]) -> f64 {
     if square > 0.0 { sum * sum / (square * m / (m - 1.0)) } else { 0.0 }
 }
 
-/// Probability of held-out errors as much smaller under the second fit, which moves the input in time, if they were not.
-/// A shift acts in the few rows in which the input changes. Over a whole window the noise of the input that adds up until
-/// its end hides it: a delay that is known to a tenth of itself changed the mean error by a thirtieth.
-pub(super) fn probability_of_shift(held: &Windows, before: &WindowFit, after: &WindowFit) -> f64 {
-    let Some((from, to)) = noiseless(held, before).zip(noiseless(held, after)) else { return 1.0 };
-    let falls: Vec<f64> = from.iter().zip(&to).map(|(a, b)| a - b).collect();
-    if falls.len() < FEWEST { 1.0 } else { probability(&falls, &vec![1.0; falls.len()]) }
+impl Search<'_> {
+    /// Probability of a shift as large on held-out recordings, where it is estimated anew, if the input acted no later
+    /// than logging explains (one-sided t).
+    ///
+    /// ```text
+    /// t = (T - h/2)/se,   m - p degrees of freedom: windows, free parameters
+    /// ```
+    /// A fall of the error would ask for a shift beyond half of the way to the one that was fitted: a window whose error
+    /// would be least there has the same error at both ends.
+    pub(super) fn probability_of_logging(&self, after: &WindowFit) -> f64 {
+        let Some(held) = &self.held else { return 1.0 };
+        let is_shift = |e: &usize| {
+            let effect = &after.model.effects()[*e];
+            effect.change() == Change::TimeShift && effect.id() != ID
+        };
+        let Some(e) = (0..after.model.effects().len()).rev().find(is_shift) else { return 1.0 };
+        let j = after.model.slots(e).start;
+        let Some(own) = fit(held, &after.model, &after.p, &self.scale) else { return 1.0 };
+        let degrees = held.windows.len() as f64 - after.model.free().len() as f64;
+        let t = (own.p[j] - LOGGING * self.scale.step) / own.covariance[(j, j)].sqrt();
+        if degrees >= 1.0 && t.is_finite() { t_survival(t, degrees) } else { 1.0 }
+    }
 }
 
 /// Squared innovations of every window, less what noise of the recorded input makes of them: by as much as it raises

@@ -3,7 +3,6 @@
 use rayon::prelude::*;
 
 use super::Search;
-use super::shifts::probability_of_shift;
 use crate::diagnose::acceptance::{Fall, fall_of};
 use crate::diagnose::fit::{WindowFit, fit};
 use crate::diagnose::input_timing::ID;
@@ -57,18 +56,14 @@ impl Search<'_> {
             &windows.squares_of(to),
             &windows.contrast(from, to),
         );
+        let fall = Fall { later: is_later(before.fit, after.fit), ..fall };
         // the others are asked where they alone decide
         if self.passes(&fall) || !self.passes(&Fall { p_value: 0.0, ..fall }) {
             return fall;
         }
-        let p_value = fall.p_value.min(self.explained(before, after));
-        let p_value = match &self.held {
-            Some(held) if is_later(before.fit, after.fit) => {
-                p_value.min(probability_of_shift(held, before.fit, after.fit))
-            }
-            _ => p_value,
-        };
-        Fall { p_value, ..fall }
+        let likelihood = self.explained(before, after);
+        let shift = if fall.later { self.probability_of_logging(after.fit) } else { 1.0 };
+        Fall { p_value: fall.p_value.min(likelihood).min(shift), ..fall }
     }
 
     /// Probability of held-out data as much likelier under the second fit, if the first were right; one unless
