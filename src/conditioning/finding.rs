@@ -93,6 +93,11 @@ pub enum Kind {
         /// The first of them.
         first: usize,
     },
+    /// Stamps scatter about even times, on which the motion is smoother; the rows stand there.
+    Jitter {
+        /// Root mean square of the scatter, as a share of a row.
+        share: f64,
+    },
     /// A timer of so many seconds began again.
     ClockWrap {
         /// How often.
@@ -239,6 +244,7 @@ impl Kind {
             Self::HeldColumn { share } => ("held_column", share, "1"),
             Self::OwnRows { share } => ("own_rows", share, "1"),
             Self::TimeRows { rows, .. } => ("time_not_increasing", rows as f64, "rows"),
+            Self::Jitter { share } => ("jitter", share, "rows"),
             Self::ClockWrap { period_s, .. } => ("clock_wrap", period_s, "s"),
             Self::ClockRestart { back_s, .. } => ("clock_restart", back_s, "s"),
             Self::Wrapped { period_rad, .. } => ("wrapped", period_rad, "rad"),

@@ -2,7 +2,7 @@
 //! the channels of a file to channels that agree with each other, and a list of what was found.
 //!
 //! ```text
-//! rows       without a value | of a repeated or backward time | of a restarted clock
+//! rows       without a value | of a repeated or backward time | of a restarted clock | whose stamps scatter
 //! columns    slower than the rows | of the other wheel
 //! angles     wrapped at a turn or a power of two of counts | reset
 //! channels   isolated wrong samples
@@ -21,6 +21,7 @@ mod error;
 mod finding;
 mod held_input;
 mod input;
+mod jitter;
 mod rows;
 mod sensors;
 mod settings;
@@ -89,6 +90,7 @@ pub fn condition(
     if work.channels.t.len() < FEWEST_ROWS {
         return Ok(work); // the check of the recording says that it is too short
     }
+    jitter::even_times(&mut work, settings);
     align::read_in_turn(&mut work, settings, context);
     angles::unwrap(&mut work, settings);
     spikes::sensors(&mut work, settings);

@@ -304,12 +304,10 @@ fn a_delay_is_proven_by_its_time_where_noise_of_the_input_hides_it_from_the_erro
     let model = Model::base(Robot::amigobot());
     let named = ["actuator_delay", "actuator_lag"].map(String::from).to_vec();
     let settings = Settings { candidates: named, ..Settings::default() };
-    let delays: [(&[(&str, &[f64])], f64, usize); 3] = [
-        (&[("actuator_delay", &[0.02])], 0.03, 1),
-        (&[("actuator_delay", &[0.014])], 0.02, 1),
-        (&[], 0.03, 0),
-    ];
-    for (hidden, moment, count) in delays {
+    for (delay, moment, count) in [(Some(0.02), 0.03, 1), (Some(0.014), 0.02, 1), (None, 0.03, 0)] {
+        let size: Vec<f64> = delay.into_iter().collect();
+        let effect = [("actuator_delay", size.as_slice())];
+        let hidden = &effect[..size.len()];
         for seed in [50, 53, 56] {
             let noise = NoiseLevel { moment, ..NOISE };
             let [a, b, c] = [0, 1, 2].map(|r| recorded(hidden, noise, seed + r));
@@ -318,7 +316,7 @@ fn a_delay_is_proven_by_its_time_where_noise_of_the_input_hides_it_from_the_erro
             let hold = Hold::Linear;
             let data = Data { train: &train, validation: &validation, hold, corrected_s: 0.0 };
             let found = diagnose(&model, &[first], &data, &settings).unwrap();
-            assert_eq!(found.steps.len(), count, "{hidden:?} {seed}");
+            assert_eq!(found.steps.len(), count, "{delay:?} {seed}");
         }
     }
 }

@@ -32,6 +32,14 @@ pub(super) fn words(name: &str, kind: &Kind, channel: Channel) -> (String, Strin
             ),
             "left out".into(),
         ),
+        Kind::Jitter { share } => (
+            format!(
+                "the times of the rows scatter by {:.0} % of a row about even times, on which the sensors move more \
+                 smoothly",
+                100.0 * share
+            ),
+            "the rows stand on the even times".into(),
+        ),
         Kind::ClockWrap { count, row, period_s } => (
             format!(
                 "the time goes back {} by {period_s} s (first: row {row}), the period of a timer",

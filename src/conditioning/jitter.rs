@@ -1,0 +1,183 @@
+//! Stamps that scatter about the even times at which the rows were sampled: those of a receiver, which a bus, a scheduler
+//! or a radio makes late by turns.
+
+use std::ops::Range;
+
+use super::finding::{Channel, Finding, Kind};
+use super::signal::{median, pieces};
+use super::{Conditioned, Settings};
+
+/// Scatter of the stamps, as a share of a row, below which they are left alone (taste).
+const LITTLE: f64 = 0.01;
+/// Scatter beyond which a row cannot be told from the next, and the share of rows that may have more.
+const HALF: f64 = 0.5;
+const FEW: f64 = 0.05;
+/// Share of its distance from a stamp by which the clock that counts rows follows: over some twenty rows.
+const FOLLOWED: f64 = 0.05;
+/// Rows to either side over which the even times are a straight line: the drift of a clock takes longer.
+const REACH: usize = 50;
+/// Rows whose errors are taken together, and fewest blocks of them.
+const BLOCK: usize = 16;
+const BLOCKS: usize = 8;
+/// Standard errors by which the motion must be smoother on even times: one log in a million by chance.
+const SURE: f64 = 5.0;
+
+/// Puts rows on even times where the sensors move more smoothly on these than on the stamps.
+///
+/// ```text
+/// e_k = (v_k - Σ_j w_j v_j)/√(1 + Σ_j w_j²),   w: cubic through two rows on either side, by either of the times
+/// z = mean d/(sd d/√m) > 5,   d: Σ (e_stamp² - e_even²) over blocks of 16 rows, m of them
+/// ```
+/// White noise of the sensors alone gives both the same e; a sensor that was read at uneven times, as stamped, gives the
+/// even times the larger one.
+pub(super) fn even_times(work: &mut Conditioned, settings: &Settings) {
+    let t = &work.channels.t;
+    if !settings.rows || !t.windows(2).all(|w| w[0] < w[1]) {
+        return;
+    }
+    let pieces = pieces(t);
+    let even: Vec<f64> = pieces.iter().flat_map(|piece| even(&t[piece.clone()])).collect();
+    let step = median(t.windows(2).map(|w| w[1] - w[0]));
+    let off: Vec<f64> = t.iter().zip(&even).map(|(t, even)| (t - even) / step).collect();
+    let share = (off.iter().map(|o| o * o).sum::<f64>() / off.len() as f64).sqrt();
+    let far = off.iter().filter(|o| o.abs() > HALF).count() as f64;
+    let increasing = even.windows(2).all(|w| w[0] < w[1]);
+    if !(share > LITTLE) || far > FEW * off.len() as f64 || !increasing {
+        return;
+    }
+    let Some(values) = work.channels.alpha.as_ref().or(work.channels.omega.as_ref()) else {
+        return;
+    };
+    if !is_smoother(values, t, &even, &pieces) {
+        return;
+    }
+    work.channels.t = even;
+    let kind = Kind::Jitter { share };
+    work.findings.push(Finding::corrected(Channel::Time, kind, "rows", true));
+}
+
+/// The even times of a piece: rows counted by a clock that follows the stamps slowly, on a line through those around.
+fn even(t: &[f64]) -> Vec<f64> {
+    let h = median(t.windows(2).map(|w| w[1] - w[0]));
+    if t.len() <= 2 || !(h > 0.0) {
+        return t.to_vec();
+    }
+    let (mut clock, mut place) = (t[0], 0.0);
+    let places: Vec<f64> = std::iter::once(0.0)
+        .chain(t[1..].iter().map(|&now| {
+            let rows = ((now - clock) / h).round().max(1.0);
+            clock += rows * h;
+            clock += FOLLOWED * (now - clock);
+            place += rows;
+            place
+        }))
+        .collect();
+    let on_line = |k: usize| {
+        let around = k.saturating_sub(REACH)..(k + REACH + 1).min(t.len());
+        let count = around.len() as f64;
+        let x = |j: usize| places[j] - places[k];
+        let y = |j: usize| t[j] - t[k] - h * x(j);
+        let (mx, my) = around.clone().fold((0.0, 0.0), |(a, b), j| (a + x(j), b + y(j)));
+        let (mx, my) = (mx / count, my / count);
+        let sums = around.fold((0.0, 0.0), |(xx, xy), j| {
+            (xx + (x(j) - mx).powi(2), xy + (x(j) - mx) * (y(j) - my))
+        });
+        t[k] + my - mx * sums.1 / sums.0
+    };
+    (0..t.len()).map(on_line).collect()
+}
+
+/// Whether the sensors move more smoothly over `even` than over the stamps `t`.
+fn is_smoother(values: &[[f64; 2]], t: &[f64], even: &[f64], pieces: &[Range<usize>]) -> bool {
+    let differences: Vec<f64> = pieces
+        .iter()
+        .flat_map(|piece| {
+            let inner = (piece.start + 2..piece.end.saturating_sub(2)).collect::<Vec<_>>();
+            let blocks = inner.chunks_exact(BLOCK).map(|block| {
+                block.iter().map(|&k| error(values, t, k) - error(values, even, k)).sum::<f64>()
+            });
+            blocks.collect::<Vec<_>>()
+        })
+        .collect();
+    let m = differences.len() as f64;
+    if differences.len() < BLOCKS {
+        return false;
+    }
+    let mean = differences.iter().sum::<f64>() / m;
+    let square: f64 = differences.iter().map(|d| (d - mean).powi(2)).sum();
+    mean > 0.0 && mean * m.sqrt() > SURE * (square / (m - 1.0)).sqrt()
+}
+
+/// Squared error of row `k` against the cubic through its four neighbours, in units of what white noise makes of it.
+fn error(values: &[[f64; 2]], t: &[f64], k: usize) -> f64 {
+    let around = [k - 2, k - 1, k + 1, k + 2];
+    let weight = |j: usize| {
+        let others = around.iter().filter(|&&i| i != j);
+        others.map(|&i| (t[k] - t[i]) / (t[j] - t[i])).product::<f64>()
+    };
+    let weights = around.map(weight);
+    let noise = 1.0 + weights.iter().map(|w| w * w).sum::<f64>();
+    let off = |i: usize| {
+        let line: f64 = around.iter().zip(weights).map(|(&j, w)| w * values[j][i]).sum();
+        (values[k][i] - line).powi(2)
+    };
+    (off(0) + off(1)) / noise
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::Channels;
+    use rand::{Rng, SeedableRng};
+
+    /// Rows of 10 ms read at `t + read` and stamped `t + stamped`, uniform in shares of a row; every fortieth row is lost.
+    fn work(read: f64, stamped: f64, noise: f64) -> Conditioned {
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(2);
+        let mut uniform = |width: f64| width * (rng.random::<f64>() - 0.5);
+        let rows = (0..2000).filter(|k| k % 40 != 7).map(|k| 0.01 * f64::from(k) * 1.0003);
+        let rows: Vec<(f64, f64)> = rows
+            .map(|t| {
+                let (own, late) = (uniform(0.01 * read), uniform(0.01 * stamped));
+                (t + own, t + if stamped > 0.0 { late } else { own })
+            })
+            .collect();
+        let motion = |t: f64| [9.0 * t + 3.0 * (1.7 * t).sin(), 8.0 * t + 2.0 * (2.3 * t).cos()];
+        let alpha = rows.iter().map(|(t, _)| motion(*t).map(|a| a + uniform(noise))).collect();
+        let t: Vec<f64> = rows.iter().map(|(_, stamp)| *stamp).collect();
+        let moment = vec![[0.1; 2]; t.len()];
+        Conditioned {
+            channels: Channels { t, alpha: Some(alpha), omega: None, moment },
+            findings: vec![],
+        }
+    }
+
+    #[test]
+    fn scattered_stamps_of_even_rows_are_made_even() {
+        let mut work = work(0.0, 0.3, 1e-3);
+        even_times(&mut work, &Settings::default());
+        assert!(
+            matches!(work.findings[0].kind, Kind::Jitter { share } if (0.08..0.095).contains(&share))
+        );
+        let true_times = (0..2000).filter(|k| k % 40 != 7).map(|k| 0.01 * f64::from(k) * 1.0003);
+        // a line through a hundred stamps of 0.87 ms knows its middle to 0.09 ms, its ends to twice that
+        for (found, is) in work.channels.t.iter().zip(true_times) {
+            assert!((found - is).abs() < 6e-4, "{found} {is}");
+        }
+    }
+
+    #[test]
+    fn rows_that_were_read_at_uneven_times_keep_their_stamps() {
+        for noise in [1e-4, 1e-2] {
+            let mut uneven = work(0.3, 0.0, noise);
+            even_times(&mut uneven, &Settings::default());
+            assert!(uneven.findings.is_empty());
+        }
+        let mut exact = work(0.0, 0.0, 1e-3);
+        even_times(&mut exact, &Settings::default());
+        assert!(exact.findings.is_empty());
+        let off = Settings { rows: false, ..Settings::default() };
+        let mut left = work(0.0, 0.3, 1e-3);
+        even_times(&mut left, &off);
+        assert!(left.findings.is_empty());
+    }
+}
