@@ -116,6 +116,13 @@ pub enum Kind {
         /// By how much [s].
         back_s: f64,
     },
+    /// A clock that stands still over so many rows and goes on by so many seconds.
+    CoarseClock {
+        /// Its tick [s].
+        tick_s: f64,
+        /// Rows within a tick.
+        rows: f64,
+    },
     /// An angle that wraps at so many radians.
     Wrapped {
         /// Period [rad].
@@ -247,6 +254,7 @@ impl Kind {
             Self::Jitter { share } => ("jitter", share, "rows"),
             Self::ClockWrap { period_s, .. } => ("clock_wrap", period_s, "s"),
             Self::ClockRestart { back_s, .. } => ("clock_restart", back_s, "s"),
+            Self::CoarseClock { tick_s, .. } => ("coarse_clock", tick_s, "s"),
             Self::Wrapped { period_rad, .. } => ("wrapped", period_rad, "rad"),
             Self::Reset { step_rad, .. } => ("reset", step_rad, "rad"),
             Self::Spikes { count, .. } => ("spikes", count as f64, "samples"),

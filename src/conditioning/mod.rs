@@ -2,7 +2,7 @@
 //! the channels of a file to channels that agree with each other, and a list of what was found.
 //!
 //! ```text
-//! rows       without a value | of a repeated or backward time | of a restarted clock | whose stamps scatter
+//! rows       without a value | of a repeated or backward time | of a restarted clock | of a coarse clock | whose stamps scatter
 //! columns    slower than the rows | of the other wheel
 //! angles     wrapped at a turn or a power of two of counts | reset
 //! channels   isolated wrong samples
@@ -16,6 +16,7 @@
 mod align;
 mod angles;
 mod cells;
+mod clock;
 mod counterpart;
 mod error;
 mod finding;
@@ -87,8 +88,9 @@ pub fn condition(
     let mut work = Conditioned { channels, findings: vec![] };
     rows::values(&mut work, settings, context);
     rows::times(&mut work, settings);
-    if work.channels.t.len() < FEWEST_ROWS {
-        return Ok(work); // the check of the recording says that it is too short
+    let t = &work.channels.t;
+    if t.len() < FEWEST_ROWS || !rows::is_increasing(t) {
+        return Ok(work); // the check of the recording says that it is too short, or where time stands still
     }
     jitter::even_times(&mut work, settings);
     align::read_in_turn(&mut work, settings, context);

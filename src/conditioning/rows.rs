@@ -2,6 +2,7 @@
 
 use super::align::{Cells, align};
 use super::cells::{columns, keep};
+use super::clock;
 use super::finding::{Channel, Finding, Kind};
 use super::signal::median;
 use super::{Conditioned, Context, Settings};
@@ -49,17 +50,17 @@ pub(super) fn values(work: &mut Conditioned, settings: &Settings, context: &Cont
     work.findings.push(Finding::corrected(Channel::Time, kind, "rows", true));
 }
 
-/// Makes time increase: rows after a restart of the clock are moved behind a gap; of the others the
-/// longest strictly increasing sequence stays, so that one wrong stamp costs one row whichever way
-/// it errs.
+/// Makes time increase: rows after a restart of the clock are moved behind a gap, those within a tick of a coarse
+/// clock are spread over it; of the others the longest strictly increasing sequence stays, so that one wrong stamp
+/// costs one row whichever way it errs.
 pub(super) fn times(work: &mut Conditioned, settings: &Settings) {
     let finite = work.channels.t.iter().all(|t| t.is_finite());
-    let increasing = |t: &[f64]| t.windows(2).all(|w| w[0] < w[1]);
-    if !settings.rows || !finite || increasing(&work.channels.t) {
+    if !settings.rows || !finite || is_increasing(&work.channels.t) {
         return;
     }
     restarts(work);
-    if increasing(&work.channels.t) {
+    clock::coarse(work);
+    if is_increasing(&work.channels.t) {
         return;
     }
     let flags = longest_increasing(&work.channels.t);
@@ -72,6 +73,11 @@ pub(super) fn times(work: &mut Conditioned, settings: &Settings) {
     keep(&mut work.channels, &flags);
     let kind = Kind::TimeRows { rows, first };
     work.findings.push(Finding::corrected(Channel::Time, kind, "rows", true));
+}
+
+/// Whether every row is later than that before.
+pub(super) fn is_increasing(t: &[f64]) -> bool {
+    t.windows(2).all(|w| w[0] < w[1])
 }
 
 /// Periods of timers [s]: counters of 16 and 32 bits of milliseconds, and of 32 bits of microseconds.

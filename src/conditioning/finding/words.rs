@@ -54,6 +54,13 @@ pub(super) fn words(name: &str, kind: &Kind, channel: Channel) -> (String, Strin
             ),
             "a restarted clock: what follows stands behind a gap".into(),
         ),
+        Kind::CoarseClock { tick_s, rows } => (
+            format!(
+                "the time goes on in steps of {} s, each with {rows:.1} rows",
+                (1e6 * tick_s).round() / 1e6
+            ),
+            "a coarse clock: the rows are spread evenly over its steps".into(),
+        ),
         Kind::Wrapped { period_rad, turns } => {
             (format!("{name} wraps at {period_rad:.6} rad, {turns} times"), "unwrapped".into())
         }

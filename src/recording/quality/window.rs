@@ -50,8 +50,11 @@ pub(super) fn windows(r: &Recording) -> Vec<Window> {
     })
 }
 
-/// The same of channels that are no recording yet.
+/// The same of channels that are no recording yet; none where time does not go on from row to row.
 pub(crate) fn windows_of(v: &View) -> Vec<Window> {
+    if v.step.is_nan() || v.step <= 0.0 {
+        return vec![];
+    }
     let length = ((LENGTH / v.step).round() as usize).max(SAMPLES);
     let mut out = Vec::with_capacity(v.t.len() / length);
     for piece in v.pieces {
