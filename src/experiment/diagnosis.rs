@@ -9,7 +9,7 @@ use crate::identify::{IdentifyError, Task, start};
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::study::{DiagnosisStudy, Role, Study, Verdict};
-use crate::verdict::{Basis, concluded, residual_torque};
+use crate::verdict::{Basis, concluded, residual_torque, unless_undetermined};
 
 /// Adds the diagnosis of a plan, in words, and its models to a study that holds the comparison already.
 ///
@@ -25,6 +25,7 @@ pub(super) fn run_diagnosis(
     if words.verdict == Verdict::UnknownEffect {
         words.sentence += &format!(" {}", residual_torque(&study.curves, depends_on));
     }
+    let words = unless_undetermined(words, study.reference_method());
     Ok(Study { diagnosis: Some(words), ..study })
 }
 

@@ -81,6 +81,14 @@ impl MethodStudy {
             fuzzy: None,
         }
     }
+
+    /// Whether the columns do not determine the model: the descent stalled, and a1 is not identifiable. Such a fit
+    /// may simulate well, as one with a huge inertia does where a column that hardly moves is taken for a speed.
+    #[must_use]
+    pub fn is_undetermined(&self) -> bool {
+        let a1 = self.estimates.iter().find(|e| e.symbol == "a1");
+        self.status == Some(Status::Stalled) && a1.is_some_and(|e| !e.identifiable && !e.fixed)
+    }
 }
 
 /// A fuzzy Takagi-Sugeno pair as numbers to draw.
@@ -97,4 +105,22 @@ pub struct FuzzyStudy {
     /// The system as a function: files as name and text.
     #[serde(skip)]
     pub functions: Vec<(String, String)>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fit_that_stalled_without_a1_determines_nothing() {
+        let fit = |status, std_error| MethodStudy {
+            status: Some(status),
+            estimates: vec![Estimate::new("a1", "kg m^2".into(), 9e16, std_error)],
+            ..MethodStudy::new("output_error", "", "", 0.0)
+        };
+        assert!(fit(Status::Stalled, f64::INFINITY).is_undetermined());
+        // on runs straight ahead a1 + a2 is found, and a1 is not
+        assert!(!fit(Status::Converged, f64::INFINITY).is_undetermined());
+        assert!(!fit(Status::Stalled, 1.0).is_undetermined());
+    }
 }

@@ -324,10 +324,14 @@ impl Study {
         speeds.filter(|w| w.is_finite()).fold(0.0, |top: f64, w| top.max(w.abs()))
     }
 
-    /// How good the last model is; `None` without a fit.
+    /// How good the last model is; `None` without a fit. A model that the columns do not determine is not usable,
+    /// whatever its error.
     #[must_use]
     pub fn grade(&self) -> Option<Grade> {
         let model = self.last_model()?;
+        if self.reference_method().is_some_and(MethodStudy::is_undetermined) {
+            return Some(Grade::NotUsable);
+        }
         Some(Grade::of(self.error_of(model), self.judged_floor(), self.top_speed()))
     }
 

@@ -3,8 +3,10 @@
 mod next;
 mod ranking;
 mod sentence;
+mod undetermined;
 
 pub(crate) use self::sentence::{residual_torque, title};
+pub(crate) use self::undetermined::unless_undetermined;
 
 use self::next::{advice, propose, to_prove};
 use self::ranking::{ranking, staircase};
