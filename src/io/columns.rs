@@ -30,6 +30,8 @@ pub struct Column {
     pub torque_constant: Option<f64>,
     /// Column with the nanoseconds of a time that is written as seconds and nanoseconds.
     pub nanoseconds: Option<String>,
+    /// Whether the column holds the step from row to row, and the time is the sum of the steps.
+    pub sum: bool,
     /// Column that multiplies the value; 1 without one.
     pub times: Option<String>,
     /// Whether the experiment file names it; a named column must be there.
@@ -48,6 +50,7 @@ impl Column {
             per_turn: None,
             torque_constant: None,
             nanoseconds: None,
+            sum: false,
             times: None,
             named: true,
         }
@@ -179,6 +182,7 @@ impl ColumnMap {
     fn units(&self, key: &str, column: &Column) -> Vec<(&'static str, Result<f64, &'static str>)> {
         let count = column.per_turn.map(|n| TAU / n).ok_or("per_turn, the counts per wheel turn");
         let metre = self.wheel_radius.map(|r| 1.0 / r).ok_or("the wheel radius of [robot]");
+        let part = |of_metre: f64| metre.map(|factor| of_metre * factor);
         let degree = Ok(PI / 180.0);
         match key {
             "t" => vec![("s", Ok(1.0)), ("ms", Ok(1e-3)), ("us", Ok(1e-6)), ("ns", Ok(1e-9))],
@@ -188,6 +192,8 @@ impl ColumnMap {
                 ("rev", Ok(TAU)),
                 ("ticks", count),
                 ("m", metre),
+                ("cm", part(1e-2)),
+                ("mm", part(1e-3)),
             ],
             "dalpha1" | "dalpha2" => vec![
                 ("rad/s", Ok(1.0)),
@@ -196,6 +202,8 @@ impl ColumnMap {
                 ("rev/s", Ok(TAU)),
                 ("ticks/s", count),
                 ("m/s", metre),
+                ("cm/s", part(1e-2)),
+                ("mm/s", part(1e-3)),
             ],
             _ => self.drives(column),
         }
@@ -299,7 +307,11 @@ mod tests {
         assert!((60.0 * of("dalpha1", "rpm") - TAU).abs() < 1e-12);
         assert!((360.0 * of("alpha2", "deg") - TAU).abs() < 1e-12);
         assert_eq!(of("dalpha2", "rev/s"), TAU);
-        assert_eq!(of("dalpha2", "m/s"), 20.0);
+        assert_eq!([of("dalpha2", "m/s"), of("alpha1", "m")], [20.0; 2]);
+        assert!((of("dalpha2", "mm/s") - 0.02).abs() < 1e-15);
+        assert!(
+            (of("alpha1", "cm") - 0.2).abs() < 1e-15 && (of("dalpha1", "cm/s") - 0.2).abs() < 1e-15
+        );
         assert_eq!([of("M1", "Nm"), of("M1", "N·m"), of("M2", "mNm")], [1.0, 1.0, 1e-3]);
         assert_eq!([of("t", "ms"), of("t", "µs"), of("t", "ns")], [1e-3, 1e-6, 1e-9]);
     }

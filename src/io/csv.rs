@@ -1,6 +1,9 @@
 //! Tables of text: separators, decimal commas, comments, and where a wrong cell stands.
 
 mod blocks;
+mod by_cell;
+mod lists;
+mod number;
 mod unfold;
 
 use std::fs::File;
@@ -9,11 +12,13 @@ use std::path::Path;
 use std::sync::Arc;
 
 use polars::prelude::{
-    Column as PolarsColumn, CsvParseOptions, CsvReadOptions, DataFrame, DataType, NamedFrom,
-    PolarsError, PolarsResult, Schema, SerReader, Series,
+    Column as PolarsColumn, CsvParseOptions, CsvReadOptions, DataFrame, DataType, PolarsError,
+    PolarsResult, Schema, SerReader,
 };
 
 pub(super) use self::blocks::{Blocks, has_more_lines};
+pub(super) use self::lists::lists;
+pub(super) use self::number::{ABSENT, number, value};
 pub(super) use self::unfold::unfold;
 use super::IoError;
 use super::columns::is_unit;
@@ -145,20 +150,50 @@ pub(super) fn read(path: &Path, layout: &Layout, names: &[String]) -> Result<Dat
     {
         return Ok(frame);
     }
-    // slow but exact: spaces, blank lines, which row holds text that is no number
-    if let Some(ragged) = ragged(path, layout)? {
-        return Err(ragged);
-    }
-    let frame = finish(path, options(layout, true)).map_err(|e| format_error(path, "CSV", &e))?;
-    by_cell(path, layout, &frame, names)
+    // slow but exact: spaces, blank lines, rows that are none
+    by_cell::read(path, layout, names)
 }
 
-/// Every column, cells that are no numbers as NaN.
-pub(super) fn all(path: &Path, layout: &Layout) -> Result<Vec<(String, Vec<f64>)>, IoError> {
+/// A column of text as it stands.
+pub(super) struct TextColumn {
+    pub(super) name: String,
+    /// Cells that are no numbers are NaN.
+    pub(super) values: Vec<f64>,
+    /// The words of a column of words, each once; none where there are many.
+    pub(super) words: Vec<String>,
+}
+
+/// Words of a column that has a few: states, directions, names of motors.
+const WORDS: usize = 16;
+
+/// Every column.
+pub(super) fn all(path: &Path, layout: &Layout) -> Result<Vec<TextColumn>, IoError> {
     let comma = layout.separator != b',';
-    let number = |cell: String| value(&cell, comma).unwrap_or(f64::NAN);
     let columns = layout.names.iter().zip(by_place(path, layout)?);
-    Ok(columns.map(|(name, c)| (name.clone(), c.into_iter().map(number).collect())).collect())
+    // a separator at the end of the header names nothing
+    let is_column = |(name, cells): &(&String, Vec<String>)| {
+        !name.is_empty() || cells.iter().any(|cell| !cell.is_empty())
+    };
+    let column = |(name, cells): (&String, Vec<String>)| {
+        let words = words(&cells, comma);
+        let number = |cell: String| value(&cell, comma).unwrap_or(f64::NAN);
+        TextColumn { name: name.clone(), values: cells.into_iter().map(number).collect(), words }
+    };
+    Ok(columns.filter(is_column).map(column).collect())
+}
+
+/// The words of cells, where all of them are words and few differ.
+fn words(cells: &[String], comma: bool) -> Vec<String> {
+    let mut words: Vec<String> = vec![];
+    for cell in cells {
+        if value(cell, comma).is_some() || words.len() > WORDS {
+            return vec![];
+        }
+        if !words.contains(cell) {
+            words.push(cell.clone());
+        }
+    }
+    if words.len() > WORDS { vec![] } else { words }
 }
 
 /// The cells of every column as they stand, spaces around them left out.
@@ -202,140 +237,4 @@ fn rows(path: &Path) -> Result<impl Iterator<Item = (usize, usize, Vec<u8>)>, Io
 /// The line of a row of data.
 pub(super) fn line_of(path: &Path, row: usize) -> Option<usize> {
     rows(path).ok()?.find(|(k, ..)| *k == row).map(|(_, line, _)| line)
-}
-
-/// The first row with more cells than the header has names; empty ones at the end do not count.
-fn ragged(path: &Path, layout: &Layout) -> Result<Option<IoError>, IoError> {
-    let expected = layout.names.len();
-    for (row, line, text) in rows(path)? {
-        if text.contains(&b'"') {
-            continue; // a separator may stand inside quotes
-        }
-        let cells = text.split(|b| *b == layout.separator);
-        let used = cells.enumerate().filter(|(_, cell)| !cell.trim_ascii().is_empty());
-        let found = used.last().map_or(0, |(k, _)| k + 1);
-        if found > expected {
-            let file = shown(path);
-            return Ok(Some(IoError::Ragged { file, row, line, found, expected }));
-        }
-    }
-    Ok(None)
-}
-
-/// The wanted columns of a frame of text, cell by cell.
-fn by_cell(
-    path: &Path,
-    layout: &Layout,
-    frame: &DataFrame,
-    names: &[String],
-) -> Result<DataFrame, IoError> {
-    let wrong = |e: PolarsError| format_error(path, "CSV", &e);
-    // by place: the header may hold spaces around the names
-    let place = |name: &String| layout.names.iter().position(|n| n == name).unwrap_or_default();
-    let columns: Vec<&PolarsColumn> =
-        names.iter().filter_map(|n| frame.select_at_idx(place(n))).collect();
-    let texts = columns.iter().map(|c| c.str()).collect::<Result<Vec<_>, _>>().map_err(wrong)?;
-    let all = frame.columns().iter().map(|c| c.str()).collect::<Result<Vec<_>, _>>();
-    let all = all.map_err(wrong)?;
-    let mut values = vec![Vec::with_capacity(frame.height()); texts.len()];
-    let mut row = 0;
-    for k in 0..frame.height() {
-        if all.iter().all(|t| t.get(k).unwrap_or_default().trim().is_empty()) {
-            continue; // a blank line
-        }
-        row += 1;
-        for (j, text) in texts.iter().enumerate() {
-            let cell = text.get(k).unwrap_or_default();
-            let value = value(cell, layout.separator != b',');
-            values[j].push(value.ok_or_else(|| {
-                let line = line_of(path, row);
-                IoError::not_a_number(path, row, line, &names[j], cell)
-            })?);
-        }
-    }
-    let height = values.first().map_or(0, Vec::len);
-    let columns = names.iter().zip(values);
-    let columns = columns.map(|(n, v)| Series::new(n.as_str().into(), v).into()).collect();
-    DataFrame::new(height, columns).map_err(wrong)
-}
-
-/// Words for a value that is not there.
-pub(super) const ABSENT: [&str; 6] = ["", "na", "n/a", "null", "none", "-"];
-
-/// A cell of data as a number; NaN where it says that there is none.
-pub(super) fn value(cell: &str, decimal_comma: bool) -> Option<f64> {
-    let bare = cell.trim().trim_matches('"').trim().to_lowercase();
-    if ABSENT.contains(&bare.as_str()) {
-        return Some(f64::NAN);
-    }
-    number(cell, decimal_comma).or_else(|| date_time(&bare))
-}
-
-/// A date with time, or a time of day, in seconds: `2026-03-03T12:00:00.250Z`, `12:00:00.25`. Time zones
-/// shift all rows alike and do not matter.
-fn date_time(text: &str) -> Option<f64> {
-    let (date, time) = match text.split_once(['t', ' ']) {
-        Some((date, time)) => (Some(date), time),
-        None => (None, text),
-    };
-    let clock = time.trim_end_matches('z').split(['+']).next().unwrap_or_default();
-    let clock = if clock.matches('-').count() == 1 { clock.split('-').next()? } else { clock };
-    let mut parts = clock.split(':');
-    let mut part = || parts.next()?.replacen(',', ".", 1).parse::<f64>().ok();
-    let (hours, minutes, seconds) = (part()?, part()?, part().unwrap_or(0.0));
-    let days = match date {
-        None => 0.0,
-        Some(date) => {
-            let mut parts = date.split(['-', '/', '.']).map(|p| p.parse::<i64>().ok());
-            let (a, b, c) = (parts.next()??, parts.next()??, parts.next()??);
-            // the year first, as ISO 8601 has it, or last
-            let (year, month, day) = if a > 31 { (a, b, c) } else { (c, b, a) };
-            days_since_1970(year, month, day)? as f64
-        }
-    };
-    Some(86400.0 * days + 3600.0 * hours + 60.0 * minutes + seconds)
-}
-
-/// Days of the Gregorian calendar. Source: H. Hinnant, chrono-compatible low-level date algorithms.
-fn days_since_1970(year: i64, month: i64, day: i64) -> Option<i64> {
-    if !(1..=12).contains(&month) || !(1..=31).contains(&day) || !(1900..3000).contains(&year) {
-        return None;
-    }
-    let year = if month <= 2 { year - 1 } else { year };
-    let (era, month) = (year.div_euclid(400), (month + 9) % 12);
-    let in_era = year - 400 * era;
-    let in_year = (153 * month + 2) / 5 + day - 1;
-    Some(146_097 * era + 365 * in_era + in_era / 4 - in_era / 100 + in_year - 719_468)
-}
-
-/// A cell as a number; a comma may be the decimal sign where it does not separate columns.
-pub(super) fn number(cell: &str, decimal_comma: bool) -> Option<f64> {
-    let cell = cell.trim().trim_matches('"').trim();
-    let parsed = cell.parse().ok();
-    if parsed.is_none() && decimal_comma { cell.replacen(',', ".", 1).parse().ok() } else { parsed }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn dates_and_times_of_day_are_seconds() {
-        // python: datetime(2026, 3, 3, 12, 0, 0, 250000, timezone.utc).timestamp()
-        let expected = 1_772_539_200.25;
-        for text in [
-            "2026-03-03T12:00:00.250Z",
-            "2026-03-03 12:00:00.25",
-            "03.03.2026 12:00:00,250",
-            "2026-03-03T12:00:00.25+01:00",
-        ] {
-            assert_eq!(value(text, true), Some(expected), "{text}");
-        }
-        assert_eq!(value("12:00:01.5", false), Some(43201.5));
-        assert!(value("", false).unwrap().is_nan() && value("null", false).unwrap().is_nan());
-        assert_eq!(
-            [value("broken", true), value("2026-13-03 00:00", true), value("1:x", true)],
-            [None; 3]
-        );
-    }
 }

@@ -167,7 +167,7 @@ pub enum IoError {
     },
     /// More cells in a row than names in the header.
     #[error(
-        "{file}, row {row} (line {line}): {found} cells, and the header has {expected}; a decimal comma needs another separator, for example `;`"
+        "{file}, row {row} (line {line}): {found} cells, and the header has {expected}; {}", if *most { "a decimal comma needs another separator, for example `;`" } else { "more than 1 % of the rows are not those of the header: leave them out" }
     )]
     Ragged {
         /// File.
@@ -180,6 +180,8 @@ pub enum IoError {
         found: usize,
         /// Names in the header.
         expected: usize,
+        /// Whether most rows have another number of cells than the header.
+        most: bool,
     },
     /// A binary file that breaks the rules of its format.
     #[error(
@@ -301,6 +303,14 @@ impl IoError {
     ) -> Self {
         let text = text.chars().take(40).collect();
         Self::NotANumber { file: shown(path), row, line, column: column.into(), text }
+    }
+
+    /// The error of a row of which there are many or few.
+    pub(super) fn of_most(mut self, is_usual: bool) -> Self {
+        if let Self::Ragged { most, .. } = &mut self {
+            *most = is_usual;
+        }
+        self
     }
 
     /// A file that holds nothing of what is needed.

@@ -13,6 +13,8 @@ pub struct PreviewColumn {
     pub name: String,
     /// Values in order, of a signal with stamps of its own those of its own.
     pub values: Vec<f64>,
+    /// The words of a column that holds a few and no numbers.
+    pub words: Vec<String>,
 }
 
 /// All columns of a file with their values.
@@ -21,9 +23,11 @@ pub struct PreviewColumn {
 /// A file that cannot be read.
 pub fn preview(path: &Path) -> Result<Vec<PreviewColumn>, IoError> {
     let headers = headers(path)?;
-    let column = |(name, values): (String, Vec<f64>)| PreviewColumn { name, values };
+    let column = |(name, values): (String, Vec<f64>)| PreviewColumn { name, values, words: vec![] };
+    let of_text =
+        |c: csv::TextColumn| PreviewColumn { name: c.name, values: c.values, words: c.words };
     Ok(match headers.source {
-        Source::Text(layout) => csv::all(path, &layout)?.into_iter().map(column).collect(),
+        Source::Text(layout) => csv::all(path, &layout)?.into_iter().map(of_text).collect(),
         Source::Columns(columns) => columns.into_iter().map(column).collect(),
         Source::Signals(signals) => signals.all().into_iter().map(column).collect(),
         Source::Parquet => {
@@ -34,7 +38,7 @@ pub fn preview(path: &Path) -> Result<Vec<PreviewColumn>, IoError> {
                 let column = frame.column(name).map_err(wrong)?;
                 let cast = column.cast(&polars::prelude::DataType::Float64).map_err(wrong)?;
                 let values = cast.f64().map_err(wrong)?.iter().map(|v| v.unwrap_or(f64::NAN));
-                Ok(PreviewColumn { name: name.clone(), values: values.collect() })
+                Ok(PreviewColumn { name: name.clone(), values: values.collect(), words: vec![] })
             };
             let read: Vec<Result<_, IoError>> = headers.names.iter().map(read).collect();
             read.into_iter().filter_map(Result::ok).collect()

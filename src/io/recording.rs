@@ -66,8 +66,12 @@ fn headers_of(path: &Path, part: Option<&str>) -> Result<Headers, IoError> {
             Some(found) => columns(found),
             None => {
                 let layout = csv::layout(path)?;
-                match csv::unfold(path, &layout)? {
-                    Some(unfolded) => columns(unfolded),
+                let several = match csv::unfold(path, &layout)? {
+                    Some(unfolded) => Some(unfolded),
+                    None => csv::lists(path, &layout)?,
+                };
+                match several {
+                    Some(found) => columns(found),
                     None => (layout.names.clone(), Source::Text(layout)),
                 }
             }
@@ -201,6 +205,8 @@ pub(super) struct Place {
     pub(super) first: usize,
     /// Time of the first row of all, where that is the start of a calendar.
     start: f64,
+    /// Time of the last row before it, where the file has steps in place of times.
+    passed: f64,
 }
 
 /// The columns of those names, which must have the same length.
@@ -237,14 +243,27 @@ pub(super) fn channels(
         let Some((_, name)) = wanted.iter().find(|(k, _)| *k == key) else { return Ok(None) };
         let (factor, offset) = conversion(path, columns, key, name)?;
         let mut values = numbers(path, frame, name, place.first)?;
-        if key == "t" && place.first == 0 && (factor * values[0]).abs() > CALENDAR {
-            place.start = values[0];
+        // a row without a time may come first
+        let start = values.iter().copied().find(|t| t.is_finite()).unwrap_or_default();
+        if key == "t"
+            && place.first == 0
+            && !columns.get("t").sum
+            && (factor * start).abs() > CALENDAR
+        {
+            place.start = start;
         }
         if key == "t" && place.start != 0.0 {
             values.iter_mut().for_each(|t| *t -= place.start);
         }
         if (factor, offset) != (1.0, 0.0) {
             values.iter_mut().for_each(|x| *x = factor * *x + offset);
+        }
+        if key == "t" && columns.get("t").sum {
+            for t in &mut values {
+                // a row without a step is one without a time
+                place.passed += if t.is_finite() { *t } else { 0.0 };
+                *t = if t.is_finite() { place.passed } else { f64::NAN };
+            }
         }
         if let (Some(part), "t") = (&part, key) {
             values.iter_mut().zip(part).for_each(|(t, ns)| *t += 1e-9 * ns);

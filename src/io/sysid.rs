@@ -61,17 +61,20 @@ fn names(object: &Map<String, Value>) -> Vec<String> {
 
 fn object(path: &Path) -> Result<Map<String, Value>, IoError> {
     let bytes = std::fs::read(path).map_err(|e| IoError::system(path, &e))?;
-    serde_json::from_slice(&bytes).map_err(|e| {
-        let reason = format!("{e}; expected the object that SysId saved");
-        IoError::Format { file: shown(path), format: "SysId JSON".into(), reason }
-    })
+    let wrong =
+        |reason: String| IoError::Format { file: shown(path), format: "SysId JSON".into(), reason };
+    let object: Map<String, Value> = serde_json::from_slice(&bytes)
+        .map_err(|e| wrong(format!("{e}; expected the object that SysId saved")))?;
+    if object.get("sysid") != Some(&Value::Bool(true)) {
+        let expected = "its object has no `sysid` that is true, so another program wrote it (older tools of FRC \
+                        wrote rows without names). Save its rows as CSV with a header, or as lists of numbers by \
+                        their names: {\"t\": [0, 0.01], \"left_volts\": [1, 2], …}";
+        return Err(wrong(expected.into()));
+    }
+    Ok(object)
 }
 
 fn columns(object: &Map<String, Value>) -> Result<Vec<(String, Vec<f64>)>, Damage> {
-    if object.get("sysid") != Some(&Value::Bool(true)) {
-        let expected = "`sysid` true, as SysId writes it";
-        return Err(Damage::new("the object", expected, "another JSON file"));
-    }
     let mut tests = Vec::new();
     for (name, value) in object {
         if let Value::Array(rows) = value

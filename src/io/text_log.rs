@@ -1,5 +1,5 @@
 //! Logs of text that are no plain CSV: another encoding, words above the table, columns parted by spaces,
-//! a header in a comment or none, a record of `name=value` or of JSON in every line.
+//! a header in a comment or none, a record of `name=value` or of JSON in every line, messages of YAML.
 //!
 //! The table is the first run of lines that have the same number of cells, most of them numbers. Its
 //! names stand in the line above, if need be behind a line of units or a comment sign (as `savetxt` of
@@ -7,6 +7,7 @@
 
 mod decode;
 mod record;
+mod yaml;
 
 use std::fs::File;
 use std::io::Read;
@@ -37,6 +38,8 @@ struct Table {
     /// Line of the names, unless they are made up.
     header: Option<usize>,
     names: Vec<String>,
+    /// Cells before the first that has a name.
+    before: usize,
     /// Line of the first row.
     first: usize,
 }
@@ -59,6 +62,10 @@ pub(super) fn read(path: &Path) -> Result<Option<Columns>, IoError> {
     let mut lines: Vec<&str> = text.lines().collect();
     if is_cut {
         lines.pop();
+    }
+    if yaml::is_one(&lines) {
+        let (text, _) = decoded(&bytes(u64::MAX)?);
+        return Ok(Some(yaml::columns(text.lines())));
     }
     let table = table(&lines);
     let Some(table) = table else {
@@ -107,7 +114,7 @@ impl Table {
         for line in lines.skip(self.first).filter(|line| !is_blank(line) && !is_comment(line)) {
             let cells = cells(line, self.separator);
             for (k, (_, values)) in columns.iter_mut().enumerate() {
-                let cell = cells.get(k).map_or("", String::as_str);
+                let cell = cells.get(self.before + k).map_or("", String::as_str);
                 values.push(value(cell, self.separator != ',').unwrap_or(f64::NAN));
             }
         }
@@ -119,7 +126,10 @@ impl Table {
 /// comment of `#`.
 fn is_plain(table: &Table, lines: &[&str]) -> bool {
     let first = lines.iter().position(|line| !is_blank(line) && !line.starts_with('#'));
-    PLAIN.contains(&table.separator) && first.is_some() && table.header == first
+    PLAIN.contains(&table.separator)
+        && first.is_some()
+        && table.header == first
+        && table.before == 0
 }
 
 fn is_blank(line: &str) -> bool {
@@ -154,9 +164,33 @@ fn table(lines: &[&str]) -> Option<Table> {
     SEPARATORS.into_iter().find_map(|separator| {
         let first = first_row(lines, separator)?;
         let count = cells(lines[first], separator).len();
-        let (header, names) = names(lines, first, separator, count);
-        Some(Table { separator, header, names, first })
+        let found = std::iter::once((0, 0))
+            .chain(unnamed(lines, first, separator))
+            .map(|(before, behind)| {
+                (before, names(lines, first, separator, count - before - behind))
+            })
+            .find(|(_, (header, _))| header.is_some());
+        let (before, (header, names)) =
+            found.unwrap_or_else(|| (0, (None, (0..count).map(made_up).collect())));
+        Some(Table { separator, header, names, before, first })
     })
+}
+
+/// Cells at the beginning and at the end of the rows that may have no name: one with the same word in every row, by
+/// which a console tells lines apart, and an empty one behind a separator at the end.
+fn unnamed(lines: &[&str], first: usize, separator: char) -> Vec<(usize, usize)> {
+    let rows: Vec<Vec<String>> = lines[first..]
+        .iter()
+        .filter(|line| !is_blank(line) && !is_comment(line))
+        .map(|line| cells(line, separator))
+        .collect();
+    let rows: Vec<&Vec<String>> = rows.iter().filter(|row| row.len() == rows[0].len()).collect();
+    let head = rows[0].first().filter(|cell| value(cell, separator != ',').is_none_or(f64::is_nan));
+    let before = usize::from(head.is_some() && rows.iter().all(|row| row.first() == head));
+    let is_empty = |row: &&Vec<String>| row.len() > 2 && row.last().is_some_and(String::is_empty);
+    let behind = usize::from(rows.iter().all(is_empty));
+    let ways = [(0, behind), (before, 0), (before, behind)];
+    ways.into_iter().filter(|way| *way != (0, 0)).collect()
 }
 
 /// The first of several rows of data with the same number of cells.
@@ -174,7 +208,8 @@ fn first_row(lines: &[&str], separator: char) -> Option<usize> {
     Some(run[0].0)
 }
 
-/// The names of so many columns above the first row, and the line that they stand in.
+/// The names of so many columns above the first row, and the line that they stand in; made-up ones without any.
+/// Separators at the end of that line name nothing.
 fn names(
     lines: &[&str],
     first: usize,
@@ -186,10 +221,17 @@ fn names(
             |c: &String| ABSENT.contains(&c.as_str()) || value(c, separator != ',').is_none();
         cells.len() == count && cells.iter().all(named) && cells.iter().any(|c| !c.is_empty())
     };
+    let named_cells = |line: &str, separator: char| {
+        let mut cells = cells(line, separator);
+        while cells.len() > count && cells.last().is_some_and(String::is_empty) {
+            cells.pop();
+        }
+        cells
+    };
     // the first line of all, whatever stands between: rows may be broken
     let top = (0..first).find(|k| !is_blank(lines[*k]) && !lines[*k].starts_with('#'));
     if let Some(k) = top {
-        let cells = cells(lines[k], separator);
+        let cells = named_cells(lines[k], separator);
         if no_number(&cells) && cells.iter().all(|c| !c.is_empty()) {
             return (Some(k), cells);
         }
@@ -199,7 +241,7 @@ fn names(
     for k in above {
         let line = lines[k].trim_start_matches(['#', '%', '/', ' ']);
         let ways: &[char] = if is_comment(lines[k]) { &SEPARATORS } else { &[separator] };
-        let Some(cells) = ways.iter().map(|s| cells(line, *s)).find(|c| no_number(c)) else {
+        let Some(cells) = ways.iter().map(|s| named_cells(line, *s)).find(|c| no_number(c)) else {
             continue;
         };
         if units.is_none() && is_units(&cells) {

@@ -28,6 +28,9 @@ pub struct ColumnEntry {
     pub torque_constant: Option<f64>,
     /// Column with the nanoseconds of a time that is written as seconds and nanoseconds (`t` only).
     pub nanoseconds: Option<String>,
+    /// Whether the column holds the step from row to row, and the time is the sum of the steps (`t` only).
+    #[serde(default)]
+    pub sum: bool,
     /// Column that multiplies the value, for example the voltage of the battery where the input is a
     /// duty cycle (`M1` and `M2` only).
     pub times: Option<String>,
@@ -42,6 +45,7 @@ impl From<ColumnEntry> for Column {
             per_turn: entry.per_turn,
             torque_constant: entry.torque_constant,
             nanoseconds: entry.nanoseconds,
+            sum: entry.sum,
             times: entry.times,
             ..Self::new(entry.name)
         }

@@ -111,6 +111,7 @@ impl<'a> Blocks<'a> {
                 line,
                 found: used,
                 expected,
+                most: true,
             });
         }
         for ((name, place), column) in self.wanted.iter().zip(values) {

@@ -15,7 +15,8 @@ const JOINTS: usize = 16;
 
 /// The columns of a table that has a row for each joint, with the name of the joint in a column of text, one
 /// for each quantity and joint: `velocity` of `left` becomes `velocity.left`. Rows of one time become one row;
-/// what a joint does not have at that time is NaN. `None` for any other table.
+/// what a joint does not have at that time is NaN. A quantity that one joint alone has keeps its name, and one
+/// that none has is left out: so are messages of several kinds in one table. `None` for any other table.
 ///
 /// # Errors
 /// A file that cannot be read.
@@ -55,11 +56,35 @@ pub(in crate::io) fn unfold(path: &Path, layout: &Layout) -> Result<Option<Colum
             }
         }
     }
-    Ok(Some(names.into_iter().zip(columns).collect()))
+    let columns: Columns = names.into_iter().zip(columns).collect();
+    let quantities: Vec<&String> = quantities.iter().map(|k| &layout.names[*k]).collect();
+    Ok(Some(with_numbers(columns, &quantities)))
+}
+
+/// The columns that hold numbers, behind the first, which is the time. One joint is behind the other, and each has
+/// these quantities in order.
+fn with_numbers(columns: Columns, quantities: &[&String]) -> Columns {
+    if quantities.is_empty() {
+        return columns;
+    }
+    let is_filled = |(_, values): &(String, Vec<f64>)| values.iter().any(|x| !x.is_nan());
+    let filled: Vec<bool> = columns.iter().map(is_filled).collect();
+    let joints_with = |quantity: usize| {
+        filled.iter().skip(1 + quantity).step_by(quantities.len()).filter(|f| **f).count()
+    };
+    let numbered = columns.into_iter().enumerate().filter(|(k, _)| *k == 0 || filled[*k]);
+    numbered
+        .map(|(k, (name, values))| {
+            let quantity = k.saturating_sub(1) % quantities.len();
+            let alone = k > 0 && joints_with(quantity) == 1;
+            (if alone { quantities[quantity].clone() } else { name }, values)
+        })
+        .collect()
 }
 
 /// Places of the names of joints and of the time: the one column of text, of two to [`JOINTS`] words that
-/// come again, and the first that never falls and changes.
+/// come again, and the first that never falls and changes. Joints differ from the row before in
+/// at least half of the rows; the state of a robot stays for many.
 fn label_and_time(path: &Path, layout: &Layout) -> Result<Option<(usize, usize)>, IoError> {
     let comma = layout.separator != b',';
     let head: Vec<Vec<String>> = super::rows(path)?
@@ -80,7 +105,11 @@ fn label_and_time(path: &Path, layout: &Layout) -> Result<Option<(usize, usize)>
         let values: Option<Vec<f64>> = cells(*k).map(|c| value(c, comma)).collect();
         values.is_some_and(|v| v.windows(2).all(|w| w[1] >= w[0]) && v[0] < v[v.len() - 1])
     };
-    Ok((0..layout.names.len()).find(rises).map(|time| (label, time)))
+    let Some(time) = (0..layout.names.len()).find(rises) else { return Ok(None) };
+    let labels: Vec<&str> = cells(label).collect();
+    let changes = labels.windows(2).filter(|w| w[0] != w[1]).count();
+    let alternates = 2 * changes >= labels.len().saturating_sub(1);
+    Ok(alternates.then_some((label, time)))
 }
 
 fn distinct<'a>(texts: impl Iterator<Item = &'a str>) -> Vec<String> {

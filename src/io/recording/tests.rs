@@ -262,7 +262,7 @@ proptest::proptest! {
 #[test]
 fn a_file_that_ends_in_an_open_quote_is_refused() {
     let error = refused(format!("{HEADER}\n\""));
-    assert!(error.contains("cannot be read as CSV: could not parse"), "{error}");
+    assert!(error.contains("run.csv") && !error.contains("no row of data"), "{error}");
 }
 
 #[test]

@@ -35,7 +35,7 @@ fn the_tests_of_a_file_become_one_recording_with_a_gap() {
 #[test]
 fn other_objects_are_refused_with_what_is_missing() {
     let e = refused("x.json", b"{\"slow-forward\": [[1, 2, 3, 4]]}");
-    assert!(e.contains("expected `sysid` true"), "{e}");
+    assert!(e.contains("no `sysid` that is true"), "{e}");
     let e = refused("x.json", b"{\"sysid\": true, \"slow-forward\": []}");
     assert!(e.contains("expected tests such as slow-forward"), "{e}");
     let e = refused("x.json", b"{\"sysid\": true, \"slow-forward\": [[1, 2, 3]]}");

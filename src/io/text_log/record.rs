@@ -26,7 +26,7 @@ pub(super) fn columns<'a>(lines: impl Iterator<Item = &'a str>) -> Columns {
 }
 
 /// Records side by side.
-fn collected(records: impl Iterator<Item = Vec<(String, f64)>>) -> Columns {
+pub(super) fn collected(records: impl Iterator<Item = Vec<(String, f64)>>) -> Columns {
     let mut columns: Columns = vec![];
     let mut places: HashMap<String, usize> = HashMap::new();
     for (row, pairs) in records.enumerate() {

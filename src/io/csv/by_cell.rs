@@ -1,0 +1,68 @@
+//! Plain CSV cell by cell: spaces, blank lines, and rows that are none.
+
+use std::path::Path;
+
+use polars::prelude::DataFrame;
+
+use super::{Layout, rows, split, value};
+use crate::io::IoError;
+use crate::io::error::shown;
+use crate::io::signals::frame;
+
+/// Share of the rows that may be no row of the table: a console prints a word now and then, or runs two lines
+/// into one. With more the file is another one than its header says.
+const STRAY: f64 = 0.01;
+
+/// The wanted columns as numbers. A row with more cells than names, or with text where a number is needed, is one
+/// without values, up to [`STRAY`] of the rows.
+pub(super) fn read(path: &Path, layout: &Layout, names: &[String]) -> Result<DataFrame, IoError> {
+    // by place: the header may hold spaces around the names
+    let place = |name: &String| layout.names.iter().position(|n| n == name).unwrap_or_default();
+    let places: Vec<usize> = names.iter().map(place).collect();
+    let mut values: Vec<Vec<f64>> = vec![vec![]; names.len()];
+    let (mut count, mut stray, mut first) = (0_u32, 0_u32, None);
+    for (row, line, text) in rows(path)? {
+        let cells = split(&String::from_utf8_lossy(&text), char::from(layout.separator));
+        if cells.iter().all(String::is_empty) && !text.contains(&b'"') {
+            continue; // a blank line
+        }
+        count += 1;
+        let parsed = parsed(path, layout, names, &places, &cells, (row, line));
+        let numbers = parsed.unwrap_or_else(|error| {
+            stray += 1;
+            first.get_or_insert(error);
+            vec![f64::NAN; names.len()]
+        });
+        values.iter_mut().zip(numbers).for_each(|(column, number)| column.push(number));
+    }
+    match first {
+        Some(error) if f64::from(stray) > STRAY * f64::from(count) => {
+            Err(error.of_most(2 * stray > count))
+        }
+        _ => frame(path, names.iter().map(String::as_str).zip(values)),
+    }
+}
+
+/// The wanted cells of a row, which has its number and its line, or what is wrong with it.
+fn parsed(
+    path: &Path,
+    layout: &Layout,
+    names: &[String],
+    places: &[usize],
+    cells: &[String],
+    (row, line): (usize, usize),
+) -> Result<Vec<f64>, IoError> {
+    let expected = layout.names.len();
+    // empty cells at the end do not count
+    let found = cells.iter().rposition(|cell| !cell.is_empty()).map_or(0, |k| k + 1);
+    if found > expected {
+        let file = shown(path);
+        return Err(IoError::Ragged { file, row, line, found, expected, most: false });
+    }
+    let number = |(place, name): (&usize, &String)| {
+        let cell = cells.get(*place).map_or("", String::as_str);
+        let wrong = || IoError::not_a_number(path, row, Some(line), name, cell);
+        value(cell, layout.separator != b',').ok_or_else(wrong)
+    };
+    places.iter().zip(names).map(number).collect()
+}

@@ -1,0 +1,147 @@
+//! A cell of text as a number: decimal commas, dates and times of day.
+
+/// Words for a value that is not there.
+pub(in crate::io) const ABSENT: [&str; 6] = ["", "na", "n/a", "null", "none", "-"];
+
+/// A cell of data as a number; NaN where it says that there is none.
+pub(in crate::io) fn value(cell: &str, decimal_comma: bool) -> Option<f64> {
+    let bare = cell.trim().trim_matches('"').trim().to_lowercase();
+    if ABSENT.contains(&bare.as_str()) {
+        return Some(f64::NAN);
+    }
+    number(cell, decimal_comma).or_else(|| date_time(&bare))
+}
+
+/// A cell as a number; a comma may be the decimal sign where it does not separate columns.
+pub(in crate::io) fn number(cell: &str, decimal_comma: bool) -> Option<f64> {
+    let cell = cell.trim().trim_matches('"').trim();
+    let parsed = cell.parse().ok();
+    if parsed.is_none() && decimal_comma { cell.replacen(',', ".", 1).parse().ok() } else { parsed }
+}
+
+/// Seconds of a day.
+const DAY: f64 = 86400.0;
+
+/// A date with time, or a time of day, in seconds: `2026-03-03T12:00:00.250Z`, `3/3/2026 1:00:00 PM`,
+/// `12:00:00.25`. Time zones shift all rows alike and do not matter.
+fn date_time(text: &str) -> Option<f64> {
+    let text = text.trim_matches(['[', ']']).trim();
+    let is_half = |word: &str| text.strip_suffix(word).map(str::trim_end);
+    let (text, half) = match (is_half("am"), is_half("pm")) {
+        (Some(text), _) => (text, Some(0.0)),
+        (_, Some(text)) => (text, Some(DAY / 2.0)),
+        _ => (text, None),
+    };
+    // a span of time, as pandas writes it
+    if let Some((days, time)) = text.split_once(" days ") {
+        return Some(DAY * days.parse::<f64>().ok()? + clock(time, half)?);
+    }
+    // the last slash of `2026/03/03/12:00:00`
+    let parted = text
+        .split_once(['t', ' '])
+        .or_else(|| text.rsplit_once('/').filter(|(date, _)| date.contains('/')));
+    match parted {
+        Some((date, time)) => Some(DAY * days_of(date, half.is_some())? + clock(time, half)?),
+        None => clock(text, half),
+    }
+}
+
+/// Seconds of a time of day: hours and minutes, with seconds if need be; minutes and seconds where the last
+/// of two parts has a fraction, or the last of three the three digits of milliseconds. `half` is what the half
+/// of the day adds, where one is written.
+fn clock(time: &str, half: Option<f64>) -> Option<f64> {
+    let time = time.trim_end_matches('z').split('+').next().unwrap_or_default();
+    let time = if time.matches('-').count() == 1 { time.split('-').next()? } else { time };
+    let part = |text: &str| text.replacen(',', ".", 1).parse::<f64>().ok();
+    let of_milliseconds = |text: &str| text.len() == 3 && text.parse::<u16>().is_ok();
+    let parts: Vec<&str> = time.split(':').collect();
+    let (hours, minutes, seconds) = match parts[..] {
+        [minutes, seconds] if seconds.contains(['.', ',']) => (0.0, part(minutes)?, part(seconds)?),
+        [hours, minutes] => (part(hours)?, part(minutes)?, 0.0),
+        [minutes, seconds, rest] if of_milliseconds(rest) => {
+            (0.0, part(minutes)?, part(seconds)? + 1e-3 * part(rest)?)
+        }
+        [hours, minutes, seconds] => (part(hours)?, part(minutes)?, part(seconds)?),
+        [hours, minutes, seconds, rest] => {
+            let fraction = part(&format!("0.{rest}"))?;
+            (part(hours)?, part(minutes)?, part(seconds)? + fraction)
+        }
+        _ => return None,
+    };
+    let hours = half.map_or(hours, |half| hours % 12.0 + half / 3600.0);
+    Some(3600.0 * hours + 60.0 * minutes + seconds)
+}
+
+/// Days of a date since 1970; the year stands first, as ISO 8601 has it, or last. The month stands before the day
+/// in the notation of the United States: beside halves of the day, and where only that can be meant.
+fn days_of(date: &str, is_american: bool) -> Option<f64> {
+    let mut parts = date.split(['-', '/', '.']).map(|p| p.parse::<i64>().ok());
+    let (a, b, c) = (parts.next()??, parts.next()??, parts.next()??);
+    let (year, month, day) = if a > 31 {
+        (a, b, c)
+    } else if is_american || b > 12 {
+        (c, a, b)
+    } else {
+        (c, b, a)
+    };
+    days_since_1970(year, month, day).map(|days| days as f64)
+}
+
+/// Days of the Gregorian calendar. Source: H. Hinnant, chrono-compatible low-level date algorithms.
+fn days_since_1970(year: i64, month: i64, day: i64) -> Option<i64> {
+    if !(1..=12).contains(&month) || !(1..=31).contains(&day) || !(1900..3000).contains(&year) {
+        return None;
+    }
+    let year = if month <= 2 { year - 1 } else { year };
+    let (era, month) = (year.div_euclid(400), (month + 9) % 12);
+    let in_era = year - 400 * era;
+    let in_year = (153 * month + 2) / 5 + day - 1;
+    Some(146_097 * era + 365 * in_era + in_era / 4 - in_era / 100 + in_year - 719_468)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dates_and_times_of_day_are_seconds() {
+        // python: datetime(2026, 3, 3, 12, 0, 0, 250000, timezone.utc).timestamp()
+        let expected = 1_772_539_200.25;
+        for text in [
+            "2026-03-03T12:00:00.250Z",
+            "2026-03-03 12:00:00.25",
+            "03.03.2026 12:00:00,250",
+            "2026-03-03T12:00:00.25+01:00",
+            "2026/03/03/12:00:00.25",
+            "3/3/2026 12:00:00.250 PM",
+            "2026-03-03 12:00:00:250",
+        ] {
+            assert_eq!(value(text, true), Some(expected), "{text}");
+        }
+        assert!(value("", false).unwrap().is_nan() && value("null", false).unwrap().is_nan());
+        for text in ["broken", "2026-13-03 00:00", "1:x", "1:03:00 XM", "12:00:x"] {
+            assert_eq!(value(text, true), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn clocks_of_two_parts_and_halves_of_the_day_are_read() {
+        for (text, seconds) in [
+            ("12:00:01.5", 43_201.5),
+            ("12:34", 45_240.0),
+            // Excel shows minutes and seconds
+            ("12:34.5", 754.5),
+            ("3:00:020", 180.02),
+            ("[13:03:00.5]", 46_980.5),
+            ("1:03:00.5 PM", 46_980.5),
+            ("12:00:00.5 am", 0.5),
+            ("0 days 00:00:02.5", 2.5),
+        ] {
+            assert_eq!(value(text, false), Some(seconds), "{text}");
+        }
+        // the 14th is no month; the day after the 10th of June is the 11th in both notations
+        let day = |text: &str| value(text, false).unwrap();
+        assert_eq!(day("6/14/2024 00:00") - day("13.6.2024 00:00"), 86_400.0);
+        assert_eq!(day("6/11/2024 0:00:00 AM") - day("6/10/2024 0:00:00 AM"), 86_400.0);
+    }
+}
