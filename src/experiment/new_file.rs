@@ -103,6 +103,9 @@ fn with_parts(recordings: &[PathBuf]) -> Result<Vec<PathBuf>, IoError> {
 /// A recording as the guess reads it, and what conditioning says; or why it cannot be read. Which way it
 /// moves does not depend on counts per turn and radius; what conditioning says of angles does.
 fn look(path: &Path, guess: &Guess) -> Result<(Recording, Vec<Finding>), String> {
+    if guess.columns.iter().any(|c| c.scale_open) {
+        return Err("the time between two rows is not known".into());
+    }
     let is_scaled = !guess.columns.iter().any(|c| c.needs_per_turn() || c.is_in_metres());
     let mut columns = ColumnMap::new(guess.drive_unit, (!is_scaled).then_some(1.0));
     for one in &guess.columns {
@@ -112,6 +115,7 @@ fn look(path: &Path, guess: &Guess) -> Result<(Recording, Vec<Finding>), String>
             scale: one.scale.unwrap_or(1.0),
             offset: one.offset.unwrap_or(0.0),
             nanoseconds: one.nanoseconds.clone(),
+            sum: one.sum,
             times: one.times.clone(),
             ..Column::new(&one.name)
         };
@@ -138,7 +142,7 @@ fn take_units(guess: &mut Guess, findings: &[Finding]) {
         if let Some(one) = open.filter(|_| unit != "half-turns") {
             let answered = one.asks_unit();
             guess.questions.retain(|question| !question.starts_with(&answered));
-            one.unit = Some(unit.into());
+            (one.unit, one.unit_open) = (Some(unit.into()), false);
             one.evidence.push(format!("{finding}").split(';').next().unwrap_or_default().into());
         }
     }

@@ -22,5 +22,6 @@ mod page;
 mod quoted;
 mod recordings;
 mod shards;
+mod stray_logs;
 mod support;
 mod versions;

@@ -41,6 +41,8 @@ fn collect(key: &str, value: Option<&Value>, out: &mut Vec<String>) {
 fn wanted(key: &str) -> &'static str {
     match key.rsplit('.').next().unwrap_or_default() {
         "per_turn" => "the counts of the encoder per turn of the wheel (lines x 4 x gear)",
+        "unit" => "the unit of the column; the comments above say which fit",
+        "scale" => "the time between two rows [s], as the column counts rows",
         "r_m" => "the radius of the wheels [m]",
         _ => "the name of a column of the recording; the comments above say which there are",
     }

@@ -34,8 +34,10 @@ pub(super) fn look(
         one.unit.is_none() && SHARES.iter().any(|word| name.contains(word))
     };
     if inputs.is_empty() || !inputs.iter().all(share) || inputs.iter().any(|c| is_volt(&c.name)) {
+        millivolts(&mut inputs, of);
         return;
     }
+    inputs.iter_mut().for_each(|one| one.is_share = true);
     let is_pulse = inputs.iter().all(|one| {
         let mut values = of(&one.name).iter().filter(|v| v.is_finite()).peekable();
         values.peek().is_some() && values.all(|v| (PULSE.0..=PULSE.2).contains(v))
@@ -78,6 +80,17 @@ pub(super) fn look(
             // what is added stands behind the factor
             if is_pulse { format!(", offset = {}", -PULSE.1 * 12.0 / full) } else { String::new() },
         ));
+    }
+}
+
+/// Voltages beyond those of any battery are millivolts.
+fn millivolts<'a>(inputs: &mut [&mut Guessed], of: impl Fn(&str) -> &'a [f64]) {
+    let top = inputs.iter().map(|one| largest(of(&one.name))).fold(0.0, f64::max);
+    if top > BATTERIES.1 && inputs.iter().all(|one| one.unit.is_none() && one.scale.is_none()) {
+        for one in inputs {
+            one.unit = Some("mV".into());
+            one.evidence.push(format!("up to {top:.0}: millivolts"));
+        }
     }
 }
 

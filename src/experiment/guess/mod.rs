@@ -1,12 +1,18 @@
 //! Guesses which column of a log is what, from names and values, and says why.
 
+mod beside;
+mod clock;
 mod commands;
+mod counts;
+mod labels;
 mod names;
+mod pairs;
 mod relations;
 mod text;
 mod values;
 
-use self::names::{Named, Quantity, Side, named};
+use self::names::{Named, Quantity, named};
+use self::pairs::Pairs;
 pub(super) use self::text::{Written, file_text};
 use crate::io::PreviewColumn;
 use crate::recording::DriveUnit;
@@ -26,6 +32,14 @@ pub(super) struct Guessed {
     pub(super) per_turn: Option<f64>,
     /// Factor on the value.
     pub(super) scale: Option<f64>,
+    /// Whether the unit must be asked for.
+    pub(super) unit_open: bool,
+    /// Whether the factor must be asked for: the time between two rows, of a column that counts rows.
+    pub(super) scale_open: bool,
+    /// Whether it is a command that is a share of the battery's voltage.
+    pub(super) is_share: bool,
+    /// Whether the values are steps, and what is meant is their sum.
+    pub(super) sum: bool,
     /// Added after the factor.
     pub(super) offset: Option<f64>,
     /// Column that multiplies the value.
@@ -57,7 +71,7 @@ struct Candidate<'a> {
 
 /// Guesses from names and values; a name of the program wins over any other.
 pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
-    let all: Vec<Candidate> =
+    let mut all: Vec<Candidate> =
         columns.iter().map(|column| Candidate { named: named(&column.name), column }).collect();
     let mut out = Guess {
         columns: vec![],
@@ -65,25 +79,39 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
         questions: vec![],
         one_axis: false,
     };
-    out.columns.extend(time(&all));
-    let mut angles = pair(&all, Some(Quantity::Angle), ANGLES);
-    let mut speeds = pair(&all, Some(Quantity::Speed), SPEEDS);
-    let two = |(q, unit)| Some((pair(&all, Some(q), ["M1", "M2"])?, unit));
-    let mut inputs: Vec<Input> = INPUTS.into_iter().filter_map(two).collect();
+    out.columns.extend(clock::time(&all));
+    out.questions.extend(beside::look(&mut all));
+    let owners = labels::owners(columns);
+    // a column without a number is none
+    all.retain(|c| c.column.values.iter().any(|v| v.is_finite()));
+    let mut pairs = Pairs::new(&all);
+    let mut angles = pairs.of(Quantity::Angle, ANGLES);
+    let mut speeds = pairs.of(Quantity::Speed, SPEEDS);
+    let mut two = |(q, unit)| Some((pairs.of(q, INPUT)?, unit));
+    let mut inputs: Vec<Input> = INPUTS.into_iter().filter_map(&mut two).collect();
     if angles.is_none() && speeds.is_none() {
         // `l` and `r` and no more: counts, where they are whole numbers
-        let counts = |pair: &[Guessed; 2]| pair.iter().all(|c| values::are_counts(columns, c));
-        angles = pair(&all, None, ANGLES).filter(counts);
+        let counts = |pair: &[Guessed; 2]| pair.iter().all(|c| counts::are(columns, c));
+        angles = pairs.bare(ANGLES).filter(counts);
     }
+    let is_sure = |pair: &Option<[Guessed; 2]>| pair.as_ref().is_some_and(|p| !p[0].side_unsure);
     // one axis alone: a column that stands beside pairs is something else, as the current of both motors
-    if angles.is_none() && speeds.is_none() && inputs.is_empty() {
-        angles = one(&all, Quantity::Angle, ANGLES);
-        speeds = one(&all, Quantity::Speed, SPEEDS);
-        out.one_axis = angles.is_some() || speeds.is_some();
-        let alone = INPUTS.into_iter().map(|(q, unit)| Some((one(&all, q, ["M1", "M2"])?, unit)));
-        inputs = alone.flatten().collect();
+    if !is_sure(&angles)
+        && !is_sure(&speeds)
+        && inputs.is_empty()
+        && !pairs.are_several
+        && owners.is_none()
+    {
+        let none = angles.is_none() && speeds.is_none();
+        let axis = Axis::of(&all);
+        if axis.moves() && (none || !axis.inputs.is_empty()) {
+            out.one_axis = true;
+            (angles, speeds, inputs) = (axis.angles, axis.speeds, axis.inputs);
+        }
     }
-    let input = input(columns, inputs, angles.as_ref(), speeds.as_ref());
+    let are_several = pairs.are_several;
+    out.questions.extend(pairs.questions.into_iter().chain(owners));
+    let input = input(columns, inputs, angles.as_ref(), speeds.as_ref(), &mut out.questions);
     out.columns.extend(angles.into_iter().flatten());
     out.columns.extend(speeds.into_iter().flatten());
     if let Some((input, unit)) = input {
@@ -92,15 +120,42 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
     }
     out.questions.extend(which_is_right(&out.columns));
     let battery = all.iter().find(|c| c.named.battery).map(|c| (c.column, c.named.unit));
-    values::look(columns, &mut out);
+    values::units(columns, &mut out);
+    counts::per_turn(columns, &mut out);
+    values::questions(columns, &mut out);
     commands::look(columns, battery, &mut out);
-    let hints = relations::hints(columns, &out);
-    out.questions.extend(hints);
+    out.questions.extend(labels::directions(columns, &out));
+    if !are_several {
+        out.questions.extend(relations::hints(columns, &out));
+    }
     out
+}
+
+/// One axis that stands for both wheels.
+struct Axis {
+    angles: Option<[Guessed; 2]>,
+    speeds: Option<[Guessed; 2]>,
+    inputs: Vec<Input>,
+}
+
+impl Axis {
+    fn of(all: &[Candidate]) -> Self {
+        let input = |(q, unit)| Some((pairs::one(all, q, INPUT)?, unit));
+        Self {
+            angles: pairs::one(all, Quantity::Angle, ANGLES),
+            speeds: pairs::one(all, Quantity::Speed, SPEEDS),
+            inputs: INPUTS.into_iter().filter_map(input).collect(),
+        }
+    }
+
+    fn moves(&self) -> bool {
+        self.angles.is_some() || self.speeds.is_some()
+    }
 }
 
 const ANGLES: [&str; 2] = ["alpha1", "alpha2"];
 const SPEEDS: [&str; 2] = ["dalpha1", "dalpha2"];
+const INPUT: [&str; 2] = ["M1", "M2"];
 /// What an input may be, the one that says most first.
 const INPUTS: [(Quantity, DriveUnit); 3] = [
     (Quantity::Torque, DriveUnit::NewtonMetre),
@@ -124,124 +179,35 @@ fn which_is_right(columns: &[Guessed]) -> Option<String> {
     })
 }
 
-/// The torques, else the currents, else the voltages; what loses its sign where the wheels turn both ways
-/// comes last.
+/// The torques, else the currents, else the voltages, of those that change; what loses its sign where the wheels turn
+/// both ways comes last.
 fn input(
     columns: &[PreviewColumn],
     found: Vec<Input>,
     angles: Option<&[Guessed; 2]>,
     speeds: Option<&[Guessed; 2]>,
+    questions: &mut Vec<String>,
 ) -> Option<Input> {
+    let is_still = |i: &Input| i.0.iter().all(|c| values::never_changes(columns, c));
+    let (still, found): (Vec<Input>, Vec<Input>) = found.into_iter().partition(is_still);
+    let still =
+        still.first().map(|i| format!("`{}` and `{}` never change", i.0[0].name, i.0[1].name));
     let magnitude = |pair: &[Guessed; 2]| values::is_magnitude(columns, pair, angles, speeds);
     let mut found: Vec<_> = found.into_iter().map(|i| (magnitude(&i.0), i)).collect();
     // stable: among equals in the order above
     found.sort_by_key(|(magnitude, _)| *magnitude);
     let refused = found.iter().find(|(magnitude, _)| *magnitude).map(|(_, i)| i.0[0].name.clone());
-    let (magnitude, mut input) = found.into_iter().next()?;
+    let Some((magnitude, mut input)) = found.into_iter().next() else {
+        questions
+            .extend(still.map(|words| format!("{words}: was the input of the motors recorded?")));
+        return None;
+    };
+    input.0[0].evidence.extend(still);
     if let (Some(other), false) = (refused, magnitude) {
         let why = format!("`{other}` is never negative: a magnitude without sign");
         input.0[0].evidence.push(why);
     }
     Some(input)
-}
-
-/// The time: the best name whose values increase, else the one column that always increases.
-fn time(all: &[Candidate]) -> Option<Guessed> {
-    let rises = |c: &&Candidate| values::increases(&c.column.values);
-    let mut named: Vec<&Candidate> =
-        all.iter().filter(|c| c.named.quantity == Some(Quantity::Time)).collect();
-    // the fewest other words first
-    named.sort_by_key(|c| (c.column.name != "t", c.named.rest.len()));
-    // the seconds and nanoseconds of one stamp; that of the message before that of its arrival
-    let of_stamp = |c: &Candidate| {
-        let mut parts = all.iter().filter(|n| n.named.quantity == Some(Quantity::Nanoseconds));
-        parts.find(|n| stem(&n.column.name) == stem(&c.column.name))
-    };
-    let stamped = named.iter().find(|c| of_stamp(c).is_some() && values::whole(&c.column.values));
-    let best = stamped
-        .copied()
-        .or_else(|| named.iter().copied().find(rises))
-        .or_else(|| named.first().copied());
-    let mut evidence = vec![];
-    let found = best.or_else(|| {
-        evidence.push("the only column that increases from row to row".into());
-        let mut rising = all.iter().filter(rises);
-        rising.next().filter(|_| rising.next().is_none())
-    })?;
-    Some(Guessed {
-        key: "t",
-        name: found.column.name.clone(),
-        unit: found.named.unit.filter(|u| *u != "s").map(Into::into),
-        nanoseconds: stamped.and_then(|c| of_stamp(c)).map(|c| c.column.name.clone()),
-        evidence,
-        ..Guessed::default()
-    })
-}
-
-/// A name without its last word: `header.stamp.` of `header.stamp.nanosec`.
-fn stem(name: &str) -> &str {
-    &name[..name.rfind(|c: char| !c.is_alphanumeric()).map_or(0, |end| end + 1)]
-}
-
-/// The columns of a quantity at the right and the left wheel: two names that differ in the side only,
-/// those of what was measured before those of what was wished, the fewest other words first. Without a quantity
-/// names that say the side and nothing else.
-fn pair(
-    all: &[Candidate],
-    quantity: Option<Quantity>,
-    keys: [&'static str; 2],
-) -> Option<[Guessed; 2]> {
-    let is_bare = |c: &&Candidate| quantity.is_some() || c.named.rest.is_empty();
-    let of_quantity = all.iter().filter(|c| c.named.quantity == quantity);
-    let fits: Vec<&Candidate> = of_quantity.filter(is_bare).collect();
-    let partner = |a: &&Candidate| {
-        fits.iter().copied().find(|b| {
-            let same = a.named.rest == b.named.rest && a.named.wished == b.named.wished;
-            let sides = (a.named.side, b.named.side);
-            let opposite = matches!(
-                sides,
-                (Some(Side::Right), Some(Side::Left))
-                    | (Some(Side::Numbered(1)), Some(Side::Numbered(2) | Side::Numbered(0)))
-            );
-            same && opposite
-        })
-    };
-    let exact = |c: &&Candidate| keys.contains(&c.column.name.as_str());
-    let mut pairs: Vec<(&Candidate, &Candidate)> =
-        fits.iter().copied().filter_map(|a| Some((a, partner(&a)?))).collect();
-    pairs.sort_by_key(|(a, _)| (!exact(a), a.named.wished, a.named.rest.len()));
-    let (right, left, is_known) = match pairs.first() {
-        Some((a, b)) => (*a, *b, !matches!(a.named.side, Some(Side::Numbered(_)))),
-        None => lettered(&fits).map(|(a, b)| (a, b, false))?,
-    };
-    let unsure = !is_known && !exact(&right);
-    let of = |c, key| Guessed { side_unsure: unsure, ..of(c, key) };
-    Some([of(right, keys[0]), of(left, keys[1])])
-}
-
-/// Two columns whose names differ in one letter or number alone, as those of motors B and C.
-fn lettered<'a, 'b>(fits: &[&'a Candidate<'b>]) -> Option<(&'a Candidate<'b>, &'a Candidate<'b>)> {
-    let differs = |a: &Candidate, b: &Candidate| {
-        let (a, b) = (&a.named.rest, &b.named.rest);
-        let mut others = a.iter().zip(b).filter(|(a, b)| a != b);
-        let short = |word: &String| word.len() == 1;
-        let one = others.next().is_some_and(|(a, b)| short(a) && short(b) && a < b);
-        a.len() == b.len() && one && others.next().is_none()
-    };
-    let pairs = || fits.iter().flat_map(|a| fits.iter().map(move |b| (*a, *b)));
-    let mut found = pairs().filter(|(a, b)| differs(a, b));
-    // with three motors nobody knows which
-    found.next().filter(|_| found.next().is_none())
-}
-
-/// The one column of a quantity, for both wheels.
-fn one(all: &[Candidate], quantity: Quantity, keys: [&'static str; 2]) -> Option<[Guessed; 2]> {
-    let fits = |c: &&Candidate| {
-        c.named.quantity == Some(quantity) && c.named.side.is_none() && !c.named.wished
-    };
-    let mut found = all.iter().filter(fits);
-    let (first, None) = (found.next()?, found.next()) else { return None };
-    Some(keys.map(|key| of(first, key)))
 }
 
 fn of(c: &Candidate, key: &'static str) -> Guessed {

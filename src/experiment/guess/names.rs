@@ -2,7 +2,8 @@
 
 mod words;
 
-use self::words::{BATTERY, OTHERS, QUANTITIES, UNITS, WISHED};
+pub(super) use self::words::WISHED;
+use self::words::{BATTERY, OTHERS, QUANTITIES, STEPS, UNITS, WEAK};
 
 /// What a column may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -29,6 +30,8 @@ pub(super) enum Side {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Named {
     pub(super) quantity: Option<Quantity>,
+    /// The word that says the quantity; empty where the unit does.
+    pub(super) word: String,
     pub(super) side: Option<Side>,
     pub(super) unit: Option<&'static str>,
     /// Units of the value: 10 of `current_10mA`.
@@ -37,6 +40,8 @@ pub(super) struct Named {
     pub(super) wished: bool,
     /// Whether it is the voltage of the battery.
     pub(super) battery: bool,
+    /// Whether it is the step between two rows.
+    pub(super) step: bool,
     /// The words that say none of this.
     pub(super) rest: Vec<String>,
 }
@@ -52,24 +57,27 @@ pub(super) fn named(name: &str) -> Named {
     let mut ending =
         bracket.and_then(|u| unit(&u.to_lowercase().replace([' ', '·', '*', '.'], "")));
     if ending.is_none() {
-        ending = take_unit(&mut words);
+        ending = unit_behind(&mut words);
         scale = scale.or_else(|| ending.and_then(|_| take_power_of_ten(&mut words)));
     }
     if ending.is_none() && words.iter().any(|w| w == "rpm" || w == "erpm") {
         ending = unit("rpm");
     }
-    let other = words.iter().any(|w| OTHERS.contains(&w.as_str()));
+    let step = words.iter().any(|w| STEPS.contains(&w.as_str()))
+        || words.windows(2).any(|w| w[0] == "delta" && matches!(w[1].as_str(), "t" | "time"));
+    let other = step || words.iter().any(|w| OTHERS.contains(&w.as_str()));
     let battery = words.iter().any(|w| BATTERY.contains(&w.as_str()))
         && (matches!(ending, Some(("V" | "mV", _)))
             || words.iter().any(|w| matches!(w.as_str(), "voltage" | "volt" | "volts" | "vbat")));
     let wished = words.iter().any(|w| WISHED.contains(&w.as_str()));
     let side = take_side(&mut words);
-    let mut quantity = None;
+    let (mut quantity, mut word) = (None, String::new());
     if !other {
-        quantity = take_quantity(&mut words);
+        if let Some((said, by)) = take_quantity(&mut words) {
+            (quantity, word) = (Some(said), by);
+        }
         if let Some((said, Some(of))) = ending
-            && (bracket.is_some_and(|b| !b.is_empty())
-                || quantity.is_none_or(|q| q == Quantity::Angle && of == Quantity::Speed))
+            && (bracket.is_some_and(|b| !b.is_empty()) || is_overruled(quantity, &word, of))
         {
             // what stands in brackets is a unit for certain: `v_l (m/s)` is no voltage
             // `right_rpm`, and `position_rpm` is no position; `a` alone as a unit is too little
@@ -83,7 +91,36 @@ pub(super) fn named(name: &str) -> Named {
         quantity = Some(Quantity::Time);
     }
     let unit = ending.map(|(unit, _)| unit);
-    Named { quantity, side, unit, scale, wished, battery, rest: words }
+    Named { quantity, word, side, unit, scale, wished, battery, step, rest: words }
+}
+
+/// Whether the unit behind a name says more than its word: the speed of `position_rpm`, what is not the input of
+/// `left_motor_rpm`, and any quantity beside a single letter.
+fn is_overruled(quantity: Option<Quantity>, word: &str, of: Quantity) -> bool {
+    match quantity {
+        None => true,
+        Some(Quantity::Angle) => of == Quantity::Speed,
+        Some(_) => WEAK.contains(&word) || word.len() == 1,
+    }
+}
+
+/// Takes the unit off the end of the words. A single letter stays where another word says a quantity of which it is
+/// no unit: `a` of `speed_a` is a motor.
+fn unit_behind(words: &mut Vec<String>) -> Option<(&'static str, Option<Quantity>)> {
+    let before = words.clone();
+    let found = take_unit(words)?;
+    let letter =
+        before.last().is_some_and(|last| last.len() == 1) && before.len() == words.len() + 1;
+    if letter
+        && let Some(of) = found.1
+        && let Some((said, word)) = take_quantity(&mut words.clone())
+        && said != of
+        && !WEAK.contains(&word.as_str())
+    {
+        *words = before;
+        return None;
+    }
+    Some(found)
 }
 
 /// The number before a unit: `10 mA`, `0.1 A`.
@@ -205,18 +242,20 @@ fn is_short(letter: &str) -> bool {
     matches!(letter, "w" | "v" | "i" | "u" | "m" | "q")
 }
 
-fn take_quantity(words: &mut Vec<String>) -> Option<Quantity> {
+/// The quantity and the word that says it.
+fn take_quantity(words: &mut Vec<String>) -> Option<(Quantity, String)> {
     // a derivative: d alpha, wheel speed, alpha dot
     let dot = words.iter().any(|w| matches!(w.as_str(), "dot" | "d"));
+    let is_alone = words.iter().filter(|w| !w.chars().all(|c| c.is_ascii_digit())).count() == 1;
     for (quantity, known) in QUANTITIES {
         if let Some(k) = words.iter().position(|w| known.contains(&w.as_str())) {
             // one letter says little among other words
-            if words[k].len() == 1 && words.len() > 1 && !dot {
+            if words[k].len() == 1 && !is_alone && !dot {
                 continue;
             }
-            words.remove(k);
+            let word = words.remove(k);
             let speed = dot && quantity == Quantity::Angle;
-            return Some(if speed { Quantity::Speed } else { quantity });
+            return Some((if speed { Quantity::Speed } else { quantity }, word));
         }
     }
     None
@@ -256,6 +295,18 @@ mod tests {
             ("TqL", Some(Torque), Some(Left), None),
             ("T_l (N.m)", Some(Torque), Some(Left), Some("N m")),
             ("v_l (m/s)", Some(Speed), Some(Left), Some("m/s")),
+            ("left_motor_rpm", Some(Speed), Some(Left), Some("rpm")),
+            ("motor_left_deg", Some(Angle), Some(Left), Some("deg")),
+            ("left_motor_ticks", Some(Angle), Some(Left), Some("ticks")),
+            ("left_mm_s", Some(Speed), Some(Left), Some("mm/s")),
+            ("vR_cm_s", Some(Speed), Some(Right), Some("cm/s")),
+            ("speed_a", Some(Speed), None, None),
+            ("rpmA", Some(Speed), None, Some("rpm")),
+            ("pwm_a", Some(Voltage), None, None),
+            ("left_a", Some(Current), Some(Left), Some("A")),
+            ("Left Vol", Some(Voltage), Some(Left), None),
+            ("dt_ms", None, None, Some("ms")),
+            ("steering_deg", None, None, Some("deg")),
             ("gyro_rate", None, None, None),
             ("Vbat", None, None, None),
             ("M2", Some(Torque), Some(Numbered(2)), None),

@@ -24,6 +24,7 @@ pub(super) fn hints(columns: &[PreviewColumn], guess: &Guess) -> Vec<String> {
     }
     let pairs = open.iter().flat_map(|angle| open.iter().map(move |speed| (angle, speed)));
     pairs
+        .filter(|(angle, speed)| angle.name != speed.name)
         .filter(|(angle, speed)| is_slope(&time.values, &angle.values, &speed.values))
         .map(|(angle, speed)| {
             format!("`{}` is the slope of `{}`: a speed and its angle?", speed.name, angle.name)

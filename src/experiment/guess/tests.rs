@@ -1,5 +1,8 @@
 use super::*;
 
+mod clocks;
+mod wheels;
+
 fn columns(names: &[&str]) -> Vec<PreviewColumn> {
     let ramp = |k: usize| if k == 0 { 0.01 } else { 0.3 };
     let column = |(k, name): (usize, &&str)| PreviewColumn {

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use super::names::named;
 use super::{Guess, Guessed};
 use crate::io::PreviewColumn;
 use crate::recording::DriveUnit;
@@ -37,7 +38,7 @@ impl Guessed {
 
     /// Whether lengths need the radius of the wheels.
     pub(in crate::experiment) fn is_in_metres(&self) -> bool {
-        matches!(self.unit.as_deref(), Some("m" | "m/s"))
+        matches!(self.unit.as_deref(), Some("m" | "cm" | "mm" | "m/s" | "cm/s" | "mm/s"))
     }
 }
 
@@ -47,7 +48,9 @@ impl Guess {
         let mut out = String::from("guessed from names and values of the columns (check them):\n");
         for one in &self.columns {
             let scale = one.scale.map_or(String::new(), |x| format!("{x:.6} "));
-            let unit = one.unit.as_ref().map_or(String::new(), |u| format!(" in {scale}{u}"));
+            let unit = one.unit.as_ref().map(|u| format!(" in {scale}{u}"));
+            let open = if one.unit_open { " in \"?\"" } else { "" };
+            let unit = unit.unwrap_or_else(|| open.into());
             let times = one.times.as_ref().map_or(String::new(), |n| format!(" times {n}"));
             let and = one.nanoseconds.as_ref().map_or(String::new(), |n| format!(" and {n}"));
             let unit = format!("{and}{times}{unit}");
@@ -56,6 +59,9 @@ impl Guess {
             let _ = writeln!(out, "  {:<8} = {}{unit}{why}", one.key, one.name);
         }
         let _ = writeln!(out, "  input in {}", self.drive_unit.symbol());
+        if let Some(assumed) = self.assumed() {
+            let _ = writeln!(out, "  {assumed}");
+        }
         if self.one_axis {
             let _ = writeln!(
                 out,
@@ -66,6 +72,27 @@ impl Guess {
             let _ = writeln!(out, "  question: {question}");
         }
         out
+    }
+
+    /// The units of columns of which neither name nor values state one. Of commands there is a question.
+    fn assumed(&self) -> Option<String> {
+        let input = self.drive_unit.symbol();
+        let unit = |key: &str| match key {
+            "t" => "s",
+            "alpha1" | "alpha2" => "rad",
+            "dalpha1" | "dalpha2" => "rad/s",
+            _ => input,
+        };
+        let is_assumed = |c: &&Guessed| {
+            let named = named(&c.name);
+            let is_open = c.unit_open || c.scale_open || c.is_share;
+            let is_known = c.unit.is_some() || c.scale.is_some() || c.nanoseconds.is_some();
+            c.name != c.key && named.unit.is_none() && !is_open && !is_known
+        };
+        let assumed = self.columns.iter().filter(is_assumed);
+        let words: Vec<String> = assumed.map(|c| format!("{} in {}", c.key, unit(c.key))).collect();
+        (!words.is_empty())
+            .then(|| format!("assumed, as nothing states a unit: {}", words.join(", ")))
     }
 }
 
@@ -89,6 +116,9 @@ pub(in crate::experiment) fn file_text(w: &Written) -> String {
         for why in &one.evidence {
             let _ = writeln!(out, "#   {}: {}", in_a_line(&one.name), in_a_line(why));
         }
+    }
+    if let Some(assumed) = w.guess.assumed() {
+        let _ = writeln!(out, "#   {assumed}");
     }
     questions(&mut out, w);
     let _ = write!(
@@ -202,21 +232,25 @@ fn columns(guess: &Guess) -> String {
 
 /// Whether the entry says more than the program would take anyway.
 fn says(c: &Guessed) -> bool {
-    let (name, evidence, side_unsure) = (c.name.clone(), c.evidence.clone(), c.side_unsure);
+    let (name, evidence) = (c.name.clone(), c.evidence.clone());
+    let (side_unsure, is_share) = (c.side_unsure, c.is_share);
     c.name != c.key
-        || *c != Guessed { key: c.key, name, evidence, side_unsure, ..Guessed::default() }
+        || *c != Guessed { key: c.key, name, evidence, side_unsure, is_share, ..Guessed::default() }
 }
 
 fn entry(c: &Guessed) -> String {
     let mut keys = vec![format!("name = {}", text(&c.name))];
     keys.extend(c.nanoseconds.as_ref().map(|n| format!("nanoseconds = {}", text(n))));
     keys.extend(c.unit.as_ref().map(|u| format!("unit = {u:?}")));
+    keys.extend(c.unit_open.then(|| "unit = \"?\"".into()));
+    keys.extend(c.sum.then(|| "sum = true".into()));
     match c.per_turn {
         Some(n) => keys.push(format!("per_turn = {n:.1}")),
         None if c.needs_per_turn() => keys.push("per_turn = \"?\"".into()),
         None => {}
     }
     keys.extend(c.scale.map(|x| format!("scale = {x:?}")));
+    keys.extend(c.scale_open.then(|| "scale = \"?\"".into()));
     keys.extend(c.offset.map(|x| format!("offset = {x:?}")));
     keys.extend(c.times.as_ref().map(|n| format!("times = {}", text(n))));
     match &keys[..] {

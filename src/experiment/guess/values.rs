@@ -1,5 +1,6 @@
 //! What the values of columns say: units of time, counts, milliamperes, and what has to be asked.
 
+use super::names::named;
 use super::{Guess, Guessed};
 use crate::io::PreviewColumn;
 use crate::math::median;
@@ -27,13 +28,25 @@ pub(super) fn increases(values: &[f64]) -> bool {
 /// Whether a unit that a name states is one of this quantity, and not that of the program anyway.
 pub(super) fn fits(key: &str, unit: &str) -> bool {
     match key {
-        "alpha1" | "alpha2" => matches!(unit, "deg" | "rev" | "ticks" | "m"),
+        "alpha1" | "alpha2" => matches!(unit, "deg" | "rev" | "ticks" | "m" | "cm" | "mm"),
         "dalpha1" | "dalpha2" => {
-            matches!(unit, "deg/s" | "rev/s" | "rpm" | "ticks/s" | "m/s")
+            matches!(unit, "deg/s" | "rev/s" | "rpm" | "ticks/s" | "m/s" | "cm/s" | "mm/s")
         }
         "M1" | "M2" => matches!(unit, "mN m" | "N cm" | "mA" | "mV"),
         _ => true,
     }
+}
+
+/// Whether a column holds one value and no other.
+pub(super) fn never_changes(columns: &[PreviewColumn], one: &Guessed) -> bool {
+    let values = columns.iter().find(|c| c.name == one.name).map_or(&[][..], |c| &c.values);
+    is_constant(values)
+}
+
+fn is_constant(values: &[f64]) -> bool {
+    let mut held = values.iter().filter(|v| v.is_finite());
+    let first = held.next();
+    held.all(|v| Some(v) == first)
 }
 
 /// Whether an input never changes its sign although the wheels turn both ways.
@@ -95,8 +108,8 @@ fn mirrored(columns: &[PreviewColumn], guess: &Guess) -> Option<String> {
     })
 }
 
-/// Looks at the values of the guessed columns, and adds units, evidence and questions.
-pub(super) fn look(columns: &[PreviewColumn], guess: &mut Guess) {
+/// Adds the units that the values of the guessed columns show, with the evidence.
+pub(super) fn units(columns: &[PreviewColumn], guess: &mut Guess) {
     let of = |name: &str| columns.iter().find(|c| c.name == name).map_or(&[][..], |c| &c.values);
     for one in &mut guess.columns {
         let values = of(&one.name);
@@ -106,12 +119,15 @@ pub(super) fn look(columns: &[PreviewColumn], guess: &mut Guess) {
         match one.key {
             "t" => time(values, one),
             "alpha1" | "alpha2" => angle(values, one),
-            "dalpha1" | "dalpha2" => speed(values, one, &mut guess.questions),
             _ if guess.drive_unit == DriveUnit::Ampere => current(values, one),
             _ => {}
         }
     }
-    counts(columns, guess);
+}
+
+/// Adds the questions that the values of the guessed columns raise.
+pub(super) fn questions(columns: &[PreviewColumn], guess: &mut Guess) {
+    open_units(columns, guess);
     let asked = mirrored(columns, guess);
     guess.questions.extend(asked);
     if guess.columns.iter().any(|c| c.name.to_lowercase().contains("erpm")) {
@@ -131,9 +147,7 @@ pub(super) fn look(columns: &[PreviewColumn], guess: &mut Guess) {
         guess.questions.push("which columns hold the angles (alpha1, alpha2) or speeds (dalpha1, dalpha2) of the wheels?".into());
     }
     if !guess.columns.iter().any(|c| c.key == "M1") {
-        guess.questions.push(
-            "which columns hold the torques, currents or voltages of the motors (M1, M2)?".into(),
-        );
+        guess.questions.push(no_input(columns, guess).into());
     }
     if !guess.columns.iter().any(|c| c.key == "t") {
         guess.questions.push("which column holds the time (t)?".into());
@@ -165,12 +179,14 @@ fn of_controller(values: &[f64], one: &mut Guessed) {
 
 /// The unit of a time that its name does not state, from its rate.
 fn time(values: &[f64], one: &mut Guessed) {
-    let steps = || values.windows(2).map(|w| w[1] - w[0]).filter(|h| *h > 0.0);
-    if steps().next().is_none() || one.unit.is_some() || one.nanoseconds.is_some() {
-        return;
-    }
-    let step = median(steps());
-    let (first, last) = (values[0], values[values.len() - 1]);
+    let is_known = one.unit.is_some() || one.nanoseconds.is_some() || one.scale_open;
+    let Some(step) = row_step(values, one.sum).filter(|_| !is_known) else { return };
+    let held = || values.iter().copied().filter(|v| v.is_finite());
+    let (first, last) = if one.sum {
+        (0.0, held().sum())
+    } else {
+        (held().next().unwrap_or_default(), held().next_back().unwrap_or_default())
+    };
     let units = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
     let rate = |factor: f64| 1.0 / (step * factor);
     let sound = |factor: f64| {
@@ -190,6 +206,20 @@ fn time(values: &[f64], one: &mut Guessed) {
     }
 }
 
+/// Repeated stamps for each that differs beyond which a clock is coarser than the rows.
+const COARSE: f64 = 0.5;
+
+/// Time between two rows, in the unit of the column, which holds times or steps.
+fn row_step(values: &[f64], are_steps: bool) -> Option<f64> {
+    let steps: Vec<f64> =
+        if are_steps { values.to_vec() } else { values.windows(2).map(|w| w[1] - w[0]).collect() };
+    let forward = || steps.iter().copied().filter(|h| *h > 0.0);
+    let (count, repeated) =
+        (forward().count() as f64, steps.iter().filter(|h| **h == 0.0).count() as f64);
+    let step = (count > 0.0).then(|| median(forward()))?;
+    Some(if repeated > COARSE * count { step * count / (count + repeated) } else { step })
+}
+
 pub(super) fn largest(values: &[f64]) -> f64 {
     values.iter().filter(|v| v.is_finite()).fold(0.0, |a: f64, v| a.max(v.abs()))
 }
@@ -198,14 +228,8 @@ pub(super) fn whole(values: &[f64]) -> bool {
     values.iter().all(|v| !v.is_finite() || v.fract() == 0.0)
 }
 
-/// Whether a column holds whole numbers, and many: counts of an encoder.
-pub(super) fn are_counts(columns: &[PreviewColumn], one: &Guessed) -> bool {
-    let values = columns.iter().find(|c| c.name == one.name).map_or(&[][..], |c| &c.values);
-    whole(values) && largest(values) > COUNTED
-}
-
 /// Whole angles beyond this are no radians.
-const COUNTED: f64 = 50.0;
+pub(super) const COUNTED: f64 = 50.0;
 
 fn angle(values: &[f64], one: &mut Guessed) {
     if one.unit.is_none() && whole(values) && largest(values) > COUNTED {
@@ -214,18 +238,39 @@ fn angle(values: &[f64], one: &mut Guessed) {
     }
 }
 
-fn speed(values: &[f64], one: &mut Guessed, questions: &mut Vec<String>) {
-    let top = largest(values);
-    if is_unknown(values, one) && one.key == "dalpha1" {
-        questions.push(format!(
-            "{} up to {top:.0}: rad/s, or unit = \"rpm\", \"deg/s\", \"ticks/s\"?",
-            one.asks_unit()
-        ));
+/// Units of speeds that can only be asked for: of numbers that are hardly rad/s, and of a bare `v`, which is as often
+/// that of the ground. Both wheels have one unit.
+fn open_units(columns: &[PreviewColumn], guess: &mut Guess) {
+    let of = |name: &str| columns.iter().find(|c| c.name == name).map_or(&[][..], |c| &c.values);
+    let is_open = |one: &Guessed| {
+        one.key.starts_with("dalpha")
+            && (is_unknown(of(&one.name), one)
+                || one.unit.is_none() && named(&one.name).word == "v")
+    };
+    let Some(first) = guess.columns.iter().find(|c| is_open(c)) else { return };
+    let top = largest(of(&first.name));
+    let digits = if top < 10.0 { 3 } else { 0 };
+    guess.questions.push(format!(
+        "{} up to {top:.digits$}: in rad/s, rpm, deg/s, rev/s, ticks/s, m/s, cm/s or mm/s? Write it as unit",
+        first.asks_unit()
+    ));
+    let speeds = guess.columns.iter_mut().filter(|c| c.key.starts_with("dalpha"));
+    speeds.filter(|c| c.unit.is_none()).for_each(|c| c.unit_open = true);
+}
+
+/// What is asked where no input was found; where no column is left there is none.
+fn no_input(columns: &[PreviewColumn], guess: &Guess) -> &'static str {
+    let is_used = |c: &&PreviewColumn| guess.columns.iter().any(|g| g.name == c.name);
+    if columns.iter().filter(|c| !is_used(c)).all(|c| is_constant(&c.values)) {
+        "this log holds no input: record the torques, currents or voltages of the motors (M1, M2), without which the \
+         dynamics cannot be found"
+    } else {
+        "which columns hold the torques, currents or voltages of the motors (M1, M2)?"
     }
 }
 
 /// Whether a speed is in a unit that nobody stated and that is none of SI.
-fn is_unknown(values: &[f64], one: &Guessed) -> bool {
+pub(super) fn is_unknown(values: &[f64], one: &Guessed) -> bool {
     one.unit.is_none() && largest(values) > FAST
 }
 
@@ -235,93 +280,4 @@ fn current(values: &[f64], one: &mut Guessed) {
         one.unit = Some("mA".into());
         one.evidence.push(format!("up to {top:.0}: milliamperes"));
     }
-}
-
-/// Counts per turn where speeds in a known unit say them, else a question. Speeds that are the slope of the
-/// counts are in counts as well.
-fn counts(columns: &[PreviewColumn], guess: &mut Guess) {
-    let known: Vec<Guessed> = guess.columns.clone();
-    let of = |name: &str| columns.iter().find(|c| c.name == name).map_or(&[][..], |c| &c.values);
-    let time = known.iter().find(|c| c.key == "t");
-    let mut asked = false;
-    for k in 0..guess.columns.len() {
-        let one = &guess.columns[k];
-        if one.per_turn.is_some() || !one.unit.as_deref().is_some_and(|u| u.starts_with("ticks")) {
-            continue;
-        }
-        let speed = known.iter().find(|c| c.key.strip_prefix('d') == Some(one.key));
-        let values = of(&one.name);
-        let ratio = time
-            .zip(speed)
-            .and_then(|(t, w)| Some((w, counts_by_speed(of(&t.name), t, values, of(&w.name))?)));
-        let turns = ratio.and_then(|(w, ratio)| Some(nice(ratio * unit_by_turn(of(&w.name), w)?)));
-        if let Some(turns) = turns.filter(|n| COUNTS.contains(n)) {
-            guess.columns[k].per_turn = Some(turns);
-            let why = format!("{turns} counts a turn, from the speed beside it");
-            guess.columns[k].evidence.push(why);
-            continue;
-        }
-        if let Some((w, _)) = ratio.filter(|(w, r)| w.unit.is_none() && (r - 1.0).abs() < ALIKE)
-            && let Some(w) = guess.columns.iter_mut().find(|c| c.key == w.key)
-        {
-            w.unit = Some("ticks/s".into());
-            w.evidence.push("the slope of the counts beside it: counts a second".into());
-        }
-        if !asked {
-            asked = true;
-            guess.questions.push(
-                "how many counts has a turn of the wheel (encoder lines x 4 x gear)? Write it as \
-                 per_turn"
-                    .into(),
-            );
-        }
-    }
-}
-
-/// Counts a turn that encoders have.
-const COUNTS: std::ops::Range<f64> = 4.0..1e7;
-/// Part by which the slope of a counter and its speed may differ.
-const ALIKE: f64 = 0.02;
-
-/// Units of a speed that are a turn a second, where its unit is known.
-fn unit_by_turn(values: &[f64], speed: &Guessed) -> Option<f64> {
-    let scale = speed.scale.unwrap_or(1.0);
-    let unit = match speed.unit.as_deref() {
-        None if is_unknown(values, speed) => return None,
-        None => std::f64::consts::TAU,
-        Some("rpm") => 60.0,
-        Some("deg/s") => 360.0,
-        Some("rev/s") => 1.0,
-        Some(_) => return None,
-    };
-    Some(unit / scale)
-}
-
-/// Counts passed over the integral of the speed as it stands, in counts per unit and second.
-fn counts_by_speed(t: &[f64], time: &Guessed, counts: &[f64], speed: &[f64]) -> Option<f64> {
-    let second = match time.unit.as_deref() {
-        Some("ms") => 1e-3,
-        Some("us") => 1e-6,
-        Some("ns") => 1e-9,
-        _ => 1.0,
-    };
-    let rows = t.len().min(counts.len()).min(speed.len());
-    let (mut passed, mut way) = (0.0, 0.0);
-    for k in 1..rows {
-        let by = 0.5 * (speed[k] + speed[k - 1]) * (t[k] - t[k - 1]) * second;
-        if by.is_finite() && counts[k].is_finite() && counts[k - 1].is_finite() {
-            passed += (counts[k] - counts[k - 1]) * by.signum();
-            way += by.abs();
-        }
-    }
-    // counts enough for their steps to be small
-    (passed.abs() > 100.0 && way > 0.0).then(|| (passed / way).abs())
-}
-
-/// A number of counts within half a percent that encoders have, else the number itself.
-fn nice(ratio: f64) -> f64 {
-    let powers = (3..24).map(|n| f64::from(1 << n));
-    let tens = [100.0, 200.0, 360.0, 400.0, 500.0, 1000.0, 1440.0, 2000.0, 4000.0, 5000.0, 10000.0];
-    let mut known = powers.chain(tens);
-    known.find(|k| (ratio / k - 1.0).abs() < 5e-3).unwrap_or_else(|| ratio.round())
 }

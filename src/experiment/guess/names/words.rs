@@ -4,7 +4,7 @@ use super::Quantity;
 
 /// Words of each quantity, the ones that say most first.
 pub(super) const QUANTITIES: [(Quantity, &[&str]); 7] = [
-    (Quantity::Nanoseconds, &["nanosec", "nsec", "nanosecs", "nanoseconds"]),
+    (Quantity::Nanoseconds, &["nanosec", "nsec", "nanosecs", "nsecs", "nanoseconds"]),
     (
         Quantity::Time,
         &[
@@ -24,6 +24,8 @@ pub(super) const QUANTITIES: [(Quantity, &[&str]); 7] = [
             "millis",
             "micros",
             "zeit",
+            // of a day: the milliseconds of VESC Tool
+            "today",
         ],
     ),
     (
@@ -101,6 +103,7 @@ pub(super) const QUANTITIES: [(Quantity, &[&str]); 7] = [
             "voltages",
             "volt",
             "volts",
+            "vol",
             "v",
             "u",
             "duty",
@@ -116,8 +119,14 @@ pub(super) const QUANTITIES: [(Quantity, &[&str]); 7] = [
     ),
 ];
 
+/// Words of an input that name its motor as well: beside a unit of something else they say nothing.
+pub(super) const WEAK: [&str; 4] = ["power", "motor", "mot", "throttle"];
+
+/// Words of the step between two rows.
+pub(super) const STEPS: [&str; 4] = ["dt", "deltat", "interval", "period"];
+
 /// Words of a name that is what the robot was told and not what it did.
-pub(super) const WISHED: [&str; 12] = [
+pub(in crate::experiment::guess) const WISHED: [&str; 12] = [
     "command",
     "commands",
     "commanded",
@@ -132,7 +141,7 @@ pub(super) const WISHED: [&str; 12] = [
     "soll",
 ];
 /// Words of quantities that are not those of a wheel.
-pub(super) const OTHERS: [&str; 23] = [
+pub(super) const OTHERS: [&str; 25] = [
     "gyro",
     "imu",
     "heading",
@@ -156,6 +165,8 @@ pub(super) const OTHERS: [&str; 23] = [
     "fault",
     "watt",
     "watts",
+    "steer",
+    "steering",
 ];
 
 /// Words of the voltage that all motors share.
@@ -164,7 +175,9 @@ pub(super) const BATTERY: [&str; 8] =
 
 /// Endings of a name that are a unit: as written, unit of the program, and whether it says the quantity
 /// by itself.
-pub(super) const UNITS: [(&[&str], &str, Option<Quantity>); 22] = [
+pub(super) const UNITS: [(&[&str], &str, Option<Quantity>); 26] = [
+    (&["mm/s", "mmps", "mmpersec", "mmpersecond"], "mm/s", Some(Quantity::Speed)),
+    (&["cm/s", "cmps", "cmpersec", "cmpersecond"], "cm/s", Some(Quantity::Speed)),
     (
         &["meterspersecond", "meterspersec", "metrespersecond", "mps", "m/s"],
         "m/s",
@@ -219,6 +232,8 @@ pub(super) const UNITS: [(&[&str], &str, Option<Quantity>); 22] = [
     ),
     (&["ticks", "tick", "counts"], "ticks", Some(Quantity::Angle)),
     (&["meters", "metres"], "m", None),
+    (&["centimeters", "centimetres", "cm"], "cm", Some(Quantity::Angle)),
+    (&["millimeters", "millimetres", "mm"], "mm", Some(Quantity::Angle)),
     (&["milliseconds", "millis", "msec", "ms"], "ms", Some(Quantity::Time)),
     (&["microseconds", "micros", "usec", "us"], "us", Some(Quantity::Time)),
     (&["nanoseconds", "ns"], "ns", Some(Quantity::Time)),

@@ -1,0 +1,98 @@
+//! What other columns say of a name that could be two things.
+
+use super::Candidate;
+use super::names::{Quantity, Side, WISHED};
+
+/// Reads names anew that mean something else beside others, and gives what must be asked of them.
+///
+/// ```text
+/// right_p, right_i, right_d      the terms of a controller, and i no current
+/// current_right, target_right    the present value of what is set, and no electric current
+/// v_right, pwm_right             a speed, and no second voltage
+/// ```
+pub(super) fn look(all: &mut [Candidate]) -> Vec<String> {
+    controller_terms(all);
+    bare_speeds(all);
+    present_values(all).into_iter().collect()
+}
+
+fn words(c: &Candidate, but: &[&str]) -> Vec<String> {
+    let mut words: Vec<String> =
+        c.named.rest.iter().filter(|w| !but.contains(&w.as_str())).cloned().collect();
+    words.sort();
+    words
+}
+
+fn controller_terms(all: &mut [Candidate]) {
+    let is_term = |i: &Candidate| {
+        let beside = |letter: &str| {
+            all.iter().any(|c| {
+                c.named.side == i.named.side
+                    && c.named.rest.iter().any(|w| w == letter)
+                    && words(c, &[letter]) == words(i, &[])
+            })
+        };
+        i.named.word == "i" && i.named.unit.is_none() && beside("p") && beside("d")
+    };
+    let terms: Vec<bool> = all.iter().map(is_term).collect();
+    forget(all, &terms);
+}
+
+/// Makes columns those of no quantity.
+fn forget(all: &mut [Candidate], flags: &[bool]) {
+    all.iter_mut().zip(flags).filter(|(_, flag)| **flag).for_each(|(c, _)| c.named.quantity = None);
+}
+
+/// Whether a wheel's motion was measured.
+fn moves(c: &Candidate) -> bool {
+    matches!(c.named.quantity, Some(Quantity::Angle | Quantity::Speed))
+        && !c.named.wished
+        && is_of_wheel(c)
+}
+
+fn is_of_wheel(c: &Candidate) -> bool {
+    matches!(c.named.side, Some(Side::Right | Side::Left | Side::Numbered(_)))
+}
+
+fn bare_speeds(all: &mut [Candidate]) {
+    let is_bare = |c: &Candidate| {
+        c.named.quantity == Some(Quantity::Voltage) && c.named.word == "v" && c.named.unit.is_none()
+    };
+    let is_input = |c: &Candidate| {
+        c.named.quantity == Some(Quantity::Voltage) && c.named.word != "v" && is_of_wheel(c)
+    };
+    let speeds = || all.iter().any(|c| c.named.quantity == Some(Quantity::Speed) && moves(c));
+    if all.iter().any(is_input) && !speeds() {
+        for c in all.iter_mut().filter(|c| is_bare(c) && is_of_wheel(c)) {
+            c.named.quantity = Some(Quantity::Speed);
+        }
+    }
+}
+
+fn present_values(all: &mut [Candidate]) -> Option<String> {
+    if all.iter().any(moves) {
+        return None;
+    }
+    let is_present = |c: &Candidate| {
+        c.named.quantity == Some(Quantity::Current)
+            && c.named.word.starts_with("cur")
+            && c.named.unit.is_none()
+            && all.iter().any(|w| {
+                w.named.wished
+                    && w.named.quantity.is_none()
+                    && w.named.side == c.named.side
+                    && words(w, &WISHED) == words(c, &[])
+            })
+    };
+    let flags: Vec<bool> = all.iter().map(is_present).collect();
+    forget(all, &flags);
+    let names = all.iter().zip(&flags).filter(|(_, flag)| **flag);
+    let names: Vec<String> = names.map(|(c, _)| format!("`{}`", c.column.name)).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "{} stand beside set-points of the same name: are they the present speeds (dalpha1, dalpha2), or electric \
+             currents (M1, M2)?",
+            names.join(", ")
+        )
+    })
+}

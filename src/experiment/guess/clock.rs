@@ -1,0 +1,114 @@
+//! The column of the time.
+
+use super::names::Quantity;
+use super::values::{increases, largest, whole};
+use super::{Candidate, Guessed};
+
+/// Nanoseconds of a stamp come near to a second and never reach it.
+const NANOSECONDS: (f64, f64) = (5e8, 1e9);
+
+/// The time: the best name whose values increase, else two columns that are seconds and nanoseconds, else the one
+/// column that always increases; of rows that have only the step between them its sum. A column that counts the
+/// rows says nothing of their time, which is asked for.
+pub(super) fn time(all: &[Candidate]) -> Option<Guessed> {
+    named(all)
+        .or_else(|| seconds_and_nanoseconds(all))
+        .or_else(|| rising(all))
+        .or_else(|| steps(all))
+}
+
+fn guessed(c: &Candidate) -> Guessed {
+    Guessed {
+        key: "t",
+        name: c.column.name.clone(),
+        unit: c.named.unit.filter(|u| *u != "s").map(Into::into),
+        ..Guessed::default()
+    }
+}
+
+/// By the name, the fewest other words first; the seconds and nanoseconds of one stamp before all others, as that of
+/// the message goes before that of its arrival.
+fn named(all: &[Candidate]) -> Option<Guessed> {
+    let rises = |c: &&Candidate| increases(&c.column.values);
+    // a time in words that are not read is none
+    let holds = |c: &&Candidate| c.column.values.iter().any(|v| v.is_finite());
+    let is_time = |c: &&Candidate| c.named.quantity == Some(Quantity::Time);
+    let mut named: Vec<&Candidate> = all.iter().filter(is_time).filter(holds).collect();
+    named.sort_by_key(|c| (c.column.name != "t", c.named.rest.len()));
+    let of_stamp = |c: &Candidate| {
+        let mut parts = all.iter().filter(|n| n.named.quantity == Some(Quantity::Nanoseconds));
+        parts.find(|n| stem(&n.column.name) == stem(&c.column.name))
+    };
+    let stamped = named.iter().find(|c| of_stamp(c).is_some() && whole(&c.column.values));
+    let best = stamped
+        .copied()
+        .or_else(|| named.iter().copied().find(rises))
+        .or_else(|| named.first().copied())?;
+    let nanoseconds = stamped.and_then(|c| of_stamp(c)).map(|c| c.column.name.clone());
+    Some(Guessed { nanoseconds, ..guessed(best) })
+}
+
+/// A name without its last word: `header.stamp.` of `header.stamp.nanosec`.
+fn stem(name: &str) -> &str {
+    &name[..name.rfind(|c: char| !c.is_alphanumeric()).map_or(0, |end| end + 1)]
+}
+
+/// Whole numbers below 10^9 that fall back in the very rows in which another column of whole numbers rises.
+fn seconds_and_nanoseconds(all: &[Candidate]) -> Option<Guessed> {
+    let is_part = |c: &&Candidate| {
+        let values = &c.column.values;
+        let top = largest(values);
+        whole(values)
+            && (NANOSECONDS.0..NANOSECONDS.1).contains(&top)
+            && values.iter().all(|v| *v >= 0.0)
+    };
+    let goes_on = |seconds: &[f64], part: &[f64]| {
+        let rows = || seconds.windows(2).zip(part.windows(2));
+        let steps = rows().filter(|(s, _)| s[1] > s[0]).count();
+        steps > 1
+            && rows().all(|(s, p)| s[1] >= s[0] && (s[1] > s[0] || p[1] > p[0]))
+            && rows().filter(|(s, p)| s[1] > s[0] && p[1] < p[0]).count() == steps
+    };
+    all.iter().filter(is_part).find_map(|part| {
+        let mut others = all.iter().filter(|c| whole(&c.column.values));
+        let seconds = others.find(|c| goes_on(&c.column.values, &part.column.values))?;
+        let name = &part.column.name;
+        let why = format!("it goes on by one where `{name}` falls back: seconds and nanoseconds");
+        let nanoseconds = Some(name.clone());
+        Some(Guessed { nanoseconds, evidence: vec![why], ..guessed(seconds) })
+    })
+}
+
+/// The one column that increases from row to row; a count of the rows only where there is no other.
+fn rising(all: &[Candidate]) -> Option<Guessed> {
+    // counts of a wheel that turns one way rise as well
+    let rising =
+        |c: &&Candidate| increases(&c.column.values) && !c.named.step && c.named.quantity.is_none();
+    let (rows, times): (Vec<&Candidate>, Vec<&Candidate>) =
+        all.iter().filter(rising).partition(|c| counts_rows(&c.column.values));
+    let of = |c: &Candidate, why: &str, scale_open| Guessed {
+        evidence: vec![why.into()],
+        scale_open,
+        ..guessed(c)
+    };
+    match (&times[..], &rows[..]) {
+        ([one], _) => Some(of(one, "the only column that increases from row to row", false)),
+        ([], [one, ..]) => Some(of(one, "it goes on by 1 from row to row: it counts rows", true)),
+        _ => None,
+    }
+}
+
+/// Whether a column goes on by exactly 1 from row to row.
+fn counts_rows(values: &[f64]) -> bool {
+    let held: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    whole(&held) && held.len() > 2 && held.windows(2).all(|w| w[1] - w[0] == 1.0)
+}
+
+/// The steps between the rows.
+fn steps(all: &[Candidate]) -> Option<Guessed> {
+    let is_positive = |c: &Candidate| c.column.values.iter().skip(1).all(|v| *v > 0.0);
+    let mut found = all.iter().filter(|c| c.named.step && is_positive(c));
+    let one = found.next().filter(|_| found.next().is_none())?;
+    let why = "the step from row to row: the time is its sum".into();
+    Some(Guessed { sum: true, evidence: vec![why], ..guessed(one) })
+}

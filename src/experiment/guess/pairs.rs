@@ -1,0 +1,195 @@
+//! Columns that belong together: the same quantity at the right and at the left wheel.
+
+use super::names::{Quantity, Side};
+use super::{Candidate, Guessed, of};
+
+/// Letters in which two names differ that are no motors: axes of space and of a motor's field, and the terms of a
+/// controller.
+const NO_MOTORS: [&str; 7] = ["x", "y", "z", "d", "q", "p", "i"];
+/// Words of a name that is that of a wheel.
+const WHEELS: [&str; 4] = ["wheel", "wheels", "drive", "traction"];
+/// Words of the motor that is meant where one current is that of the battery.
+const MOTORS: [&str; 5] = ["motor", "wheel", "wheels", "drive", "mot"];
+
+/// Looks for pairs, and collects what must be asked of those that it does not take.
+pub(super) struct Pairs<'a, 'b> {
+    all: &'a [Candidate<'b>],
+    pub(super) questions: Vec<String>,
+    /// Whether there are more wheels or motors than two.
+    pub(super) are_several: bool,
+}
+
+/// The columns of the right and the left wheel.
+type Two<'a, 'b> = (&'a Candidate<'b>, &'a Candidate<'b>);
+
+impl<'a, 'b> Pairs<'a, 'b> {
+    pub(super) fn new(all: &'a [Candidate<'b>]) -> Self {
+        Self { all, questions: vec![], are_several: false }
+    }
+
+    /// The columns of a quantity at the right and the left wheel: two names that differ in the side only, those of
+    /// what was measured before those of what was wished, sides before numbers, wheels before other words, the
+    /// fewest words first. Of more wheels than two, and of speeds and angles that were wished alone, it is asked.
+    pub(super) fn of(
+        &mut self,
+        quantity: Quantity,
+        keys: [&'static str; 2],
+    ) -> Option<[Guessed; 2]> {
+        let fits: Vec<&'a Candidate<'b>> =
+            self.all.iter().filter(|c| c.named.quantity == Some(quantity)).collect();
+        let (pair, others) = best(&fits, keys)?;
+        if !others.is_empty() {
+            self.are_several = true;
+            self.questions.push(format!(
+                "which of {} are those of the right and of the left wheel ({}, {})? Write them in place of \"?\"",
+                listed(&[&[pair.0, pair.1], &others[..]].concat()),
+                keys[0],
+                keys[1]
+            ));
+            return None;
+        }
+        let is_motion = matches!(quantity, Quantity::Angle | Quantity::Speed);
+        if is_motion && pair.0.named.wished && !is_exact(pair.0, keys) {
+            self.questions.push(format!(
+                "{} are set-points by their names: which columns hold what was measured ({}, {})?",
+                listed(&[pair.0, pair.1]),
+                keys[0],
+                keys[1]
+            ));
+            return None;
+        }
+        Some(guessed(pair, keys))
+    }
+
+    /// Two columns whose names say the side and nothing else.
+    pub(super) fn bare(&self, keys: [&'static str; 2]) -> Option<[Guessed; 2]> {
+        let is_bare = |c: &&Candidate| c.named.quantity.is_none() && c.named.rest.is_empty();
+        let fits: Vec<&Candidate> = self.all.iter().filter(is_bare).collect();
+        best(&fits, keys)
+            .filter(|(_, others)| others.is_empty())
+            .map(|(pair, _)| guessed(pair, keys))
+    }
+}
+
+fn listed(columns: &[&Candidate]) -> String {
+    columns.iter().map(|c| format!("`{}`", c.column.name)).collect::<Vec<_>>().join(", ")
+}
+
+fn is_exact(c: &Candidate, keys: [&str; 2]) -> bool {
+    keys.contains(&c.column.name.as_str())
+}
+
+fn guessed((right, left): Two, keys: [&'static str; 2]) -> [Guessed; 2] {
+    let is_known = matches!(right.named.side, Some(Side::Right)) || is_exact(right, keys);
+    let one = |c, key| Guessed { side_unsure: !is_known, ..of(c, key) };
+    [one(right, keys[0]), one(left, keys[1])]
+}
+
+/// The pair that comes first, and the columns that may as well be the wheels.
+fn best<'a, 'b>(
+    fits: &[&'a Candidate<'b>],
+    keys: [&str; 2],
+) -> Option<(Two<'a, 'b>, Vec<&'a Candidate<'b>>)> {
+    let partner = |a: &&'a Candidate<'b>| {
+        fits.iter().copied().find(|b| {
+            let same = a.named.rest == b.named.rest && a.named.wished == b.named.wished;
+            let sides = (a.named.side, b.named.side);
+            let opposite = matches!(
+                sides,
+                (Some(Side::Right), Some(Side::Left))
+                    | (Some(Side::Numbered(1)), Some(Side::Numbered(2) | Side::Numbered(0)))
+            );
+            same && opposite
+        })
+    };
+    let mut pairs: Vec<Two> =
+        fits.iter().copied().filter_map(|a| Some((a, partner(&a)?))).collect();
+    pairs.sort_by_key(|(a, _)| {
+        let n = &a.named;
+        (!is_exact(a, keys), n.wished, is_numbered(a), !has_word(a, &WHEELS), n.rest.len())
+    });
+    let Some(&pair) = pairs.first() else { return lettered(fits).map(|pair| (pair, vec![])) };
+    let others = if is_exact(pair.0, keys) || !is_numbered(pair.0) {
+        vec![]
+    } else {
+        let mut others = siblings(fits, pair);
+        others.extend(rivals(&pairs));
+        others
+    };
+    Some((pair, others))
+}
+
+fn is_numbered(c: &Candidate) -> bool {
+    matches!(c.named.side, Some(Side::Numbered(_)))
+}
+
+fn has_word(c: &Candidate, words: &[&str]) -> bool {
+    c.named.rest.iter().any(|w| words.contains(&w.as_str()))
+}
+
+/// The columns that go on with the numbers of a pair: the other wheels of four.
+fn siblings<'a, 'b>(fits: &[&'a Candidate<'b>], pair: Two) -> Vec<&'a Candidate<'b>> {
+    let is_number = |word: &String| word.chars().all(|c| c.is_ascii_digit());
+    let stem = |c: &Candidate| -> Option<Vec<String>> {
+        let numbers = c.named.rest.iter().filter(|w| is_number(w)).count();
+        match (c.named.side, numbers) {
+            (Some(Side::Numbered(_)), _) => Some(c.named.rest.clone()),
+            (None, 1) => Some(c.named.rest.iter().filter(|w| !is_number(w)).cloned().collect()),
+            _ => None,
+        }
+    };
+    let own = [pair.0, pair.1].map(|c| &c.column.name);
+    let is_one = |c: &&&Candidate| {
+        !own.contains(&&c.column.name)
+            && c.named.wished == pair.0.named.wished
+            && stem(c).is_some_and(|s| s == pair.0.named.rest)
+    };
+    fits.iter().filter(is_one).copied().collect()
+}
+
+/// Other numbered pairs of the same kind that are no variants of the first: of two arms and two wheels, nobody says
+/// which are the wheels.
+fn rivals<'a, 'b>(pairs: &[Two<'a, 'b>]) -> Vec<&'a Candidate<'b>> {
+    let first = pairs[0].0;
+    let alike = |c: &Candidate| {
+        (c.named.wished, is_numbered(c), has_word(c, &WHEELS))
+            == (first.named.wished, true, has_word(first, &WHEELS))
+    };
+    let is_variant = |c: &Candidate| first.named.rest.iter().all(|w| c.named.rest.contains(w));
+    let rivals = pairs[1..].iter().filter(|(a, _)| alike(a) && !is_variant(a));
+    rivals.flat_map(|(a, b)| [*a, *b]).collect()
+}
+
+/// Two columns whose names differ in one letter or number alone, as those of motors B and C.
+fn lettered<'a, 'b>(fits: &[&'a Candidate<'b>]) -> Option<Two<'a, 'b>> {
+    let short = |word: &String| word.len() == 1 && !NO_MOTORS.contains(&word.as_str());
+    let differs = |a: &Candidate, b: &Candidate| {
+        let (a, b) = (&a.named.rest, &b.named.rest);
+        let mut others = a.iter().zip(b).filter(|(a, b)| a != b);
+        let one = others.next().is_some_and(|(a, b)| short(a) && short(b) && a < b);
+        a.len() == b.len() && one && others.next().is_none()
+    };
+    let pairs = || fits.iter().flat_map(|a| fits.iter().map(move |b| (*a, *b)));
+    let mut found = pairs().filter(|(a, b)| differs(a, b));
+    // with three motors nobody knows which
+    found.next().filter(|_| found.next().is_none())
+}
+
+/// The one column of a quantity, for both wheels: that of a motor or wheel, with the fewest other words.
+pub(super) fn one(
+    all: &[Candidate],
+    quantity: Quantity,
+    keys: [&'static str; 2],
+) -> Option<[Guessed; 2]> {
+    let fits = |c: &&Candidate| {
+        c.named.quantity == Some(quantity) && c.named.side.is_none() && !c.named.wished
+    };
+    let rank = |c: &Candidate| (!has_word(c, &MOTORS), c.named.rest.len());
+    let mut found: Vec<&Candidate> = all.iter().filter(fits).collect();
+    found.sort_by_key(|c| rank(c));
+    match found[..] {
+        [] => None,
+        [first, second, ..] if rank(first) == rank(second) => None,
+        [first, ..] => Some(keys.map(|key| of(first, key))),
+    }
+}

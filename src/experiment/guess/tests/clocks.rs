@@ -1,0 +1,60 @@
+//! Which column is the time.
+
+use super::*;
+
+fn counted(name: &str, of: impl Fn(usize) -> f64) -> PreviewColumn {
+    PreviewColumn { name: name.into(), values: (0..400).map(of).collect(), words: vec![] }
+}
+
+fn time(columns: &[PreviewColumn]) -> Guessed {
+    guess(columns).columns.into_iter().find(|c| c.key == "t").unwrap()
+}
+
+#[test]
+fn a_column_that_counts_rows_has_its_step_asked() {
+    let log = [counted("sample", |k| k as f64), counted("count_l", |k| (k * k % 7) as f64)];
+    let found = time(&log);
+    assert!(found.scale_open && found.unit.is_none(), "{found:?}");
+    // a time that is there goes before it
+    let log = [log[0].clone(), counted("column2", |k| 0.02 * k as f64)];
+    assert_eq!((time(&log).name.as_str(), time(&log).scale_open), ("column2", false));
+    // milliseconds by their name
+    assert_eq!(time(&[counted("ms", |k| k as f64)]).unit.as_deref(), Some("ms"));
+}
+
+#[test]
+fn seconds_and_nanoseconds_without_names_belong_together() {
+    let log = [
+        counted("column1", |k| 1_718_000_000.0 + (k / 30) as f64),
+        counted("column2", |k| 33_333_333.0 * (k % 30) as f64),
+        counted("column3", |k| (0.1 * k as f64).sin()),
+    ];
+    let found = time(&log);
+    assert_eq!((found.name.as_str(), found.nanoseconds.as_deref()), ("column1", Some("column2")));
+}
+
+#[test]
+fn steps_between_rows_are_summed() {
+    let log = [
+        counted("dt_ms", |_| 50.0),
+        counted("rpm_l", |k| k as f64),
+        counted("rpm_r", |k| k as f64),
+    ];
+    let found = time(&log);
+    assert!(found.sum && found.name == "dt_ms" && found.unit.as_deref() == Some("ms"), "{found:?}");
+    assert_eq!(time(&[counted("dt", |_| 0.02), log[1].clone()]).unit, None);
+    // a time in words that are not read is none
+    let date = PreviewColumn {
+        words: vec!["Mon Jun 10 13:03:00 2024".into()],
+        ..counted("date", |_| f64::NAN)
+    };
+    assert!(time(&[date, log[0].clone()]).sum);
+    // never where there is a time
+    assert!(!time(&[log[0].clone(), counted("time", |k| 0.05 * k as f64)]).sum);
+}
+
+#[test]
+fn seconds_of_a_coarse_clock_are_no_milliseconds() {
+    let of_day = counted("timestamp", |k| 43_380.0 + (k / 4) as f64);
+    assert_eq!(time(&[of_day]).unit, None);
+}
