@@ -10,7 +10,7 @@ pub(crate) use self::undetermined::unless_undetermined;
 
 use self::next::{advice, propose, to_prove};
 use self::ranking::{ranking, staircase};
-use self::sentence::Finding;
+use self::sentence::{Finding, Withheld};
 use crate::compare::Variable;
 use crate::diagnose::{
     Conclusion, Diagnosis, Judge, Settings, WindowFit, conclude, likely, withheld,
@@ -93,11 +93,9 @@ pub(crate) fn concluded(
     let proposal = open.then(|| propose(diagnosis, &likelihood, basis.seed)).flatten();
     let withheld = withheld(diagnosis, basis.false_alarm).filter(|_| !open);
     let now = judge.judge(model, p)?.window_rms;
-    let with = withheld.and_then(|r| r.refit.as_ref()).map(|fit| judge.judge(&fit.model, &fit.p));
-    // one that cannot be simulated raises it too
-    let raises = with.is_some_and(|with| !with.is_ok_and(|with| with.window_rms <= now));
+    let reason = withheld.and_then(|r| r.refit.as_ref()).map(|fit| reason(&judge, now, fit));
     let next_run = match withheld {
-        Some(ranked) => Some(to_prove(ranked)),
+        Some(ranked) => Some(to_prove(ranked, matches!(reason, Some(Withheld::BetweenRows)))),
         None => open.then(|| advice(diagnosis, probable, proposal.as_ref())).flatten(),
     };
     let finding = Finding {
@@ -106,7 +104,7 @@ pub(crate) fn concluded(
         errors: &errors,
         likely: probable,
         withheld,
-        raises,
+        reason,
         false_alarm: basis.false_alarm,
         unit,
     };
@@ -131,6 +129,20 @@ pub(crate) fn concluded(
         effects: diagnosis.steps.iter().map(found_effect).collect(),
     };
     Ok((words, left.map(|dependence| dependence.variable)))
+}
+
+/// Why a fit that lowers the held-out error from the one that is shown, `now` [rad/s], is not accepted.
+fn reason(judge: &Judge, now: f64, fit: &WindowFit) -> Withheld {
+    let with = judge.judge(&fit.model, &fit.p).map_or(f64::INFINITY, |with| with.window_rms);
+    let open = judge.unresolved(&fit.model, &fit.p);
+    // one that cannot be simulated raises it too
+    if !(with <= now) {
+        Withheld::Raises
+    } else if fit.model.is_coupled() || now.powi(2) - with.powi(2) < open.powi(2) {
+        Withheld::BetweenRows
+    } else {
+        Withheld::Small
+    }
 }
 
 /// An accepted effect in words.

@@ -54,11 +54,12 @@ fn competing(diagnosis: &Diagnosis) -> Option<(&Ranked, &Ranked)> {
     (good(best) && good(rival)).then_some((best, rival))
 }
 
-/// What to record so that an effect is proven.
-pub(super) fn to_prove(ranked: &Ranked) -> String {
+/// What to record so that an effect is proven; where the input `between_rows` could be the reason, faster.
+pub(super) fn to_prove(ranked: &Ranked, between_rows: bool) -> String {
     let effect = &ranked.candidate.effect;
     let Description { id, excitation, .. } = effect.description();
-    let faster = if effect.change() == Change::TwoMass { ", at a higher rate" } else { "" };
+    let faster = between_rows || effect.change() == Change::TwoMass;
+    let faster = if faster { ", at a higher rate" } else { "" };
     format!("To prove {}, record{faster}: {excitation}.", title(&id))
 }
 
@@ -72,7 +73,7 @@ pub(super) fn advice(
     let same = best.candidate.effect.description();
     let mut out = Vec::new();
     if let Some(likely) = likely {
-        out.push(to_prove(likely));
+        out.push(to_prove(likely, false));
     }
     let found = diagnosis.steps.first();
     if !same.equivalent.is_empty() && found.is_some() {

@@ -2,7 +2,6 @@
 
 use crate::compare::{Curve, Variable};
 use crate::diagnose::{Conclusion, Diagnosis, Errors, Ranked};
-use crate::effects::Change;
 use crate::identify::Estimate;
 use crate::recording::DriveUnit;
 use crate::report::format;
@@ -16,11 +15,37 @@ pub(super) struct Finding<'a> {
     pub(super) likely: Option<&'a Ranked>,
     /// What lowers the held-out error without being accepted.
     pub(super) withheld: Option<&'a Ranked>,
-    /// Whether that raises the 2 s simulation error.
-    pub(super) raises: bool,
+    /// The reason.
+    pub(super) reason: Option<Withheld>,
     pub(super) false_alarm: f64,
     /// Unit of the input.
     pub(super) unit: DriveUnit,
+}
+
+/// Why an effect that lowers the held-out error is not accepted.
+#[derive(Clone, Copy)]
+pub(super) enum Withheld {
+    /// The 2 s simulation error rises.
+    Raises,
+    /// The sampling of the input leaves as much open.
+    BetweenRows,
+    /// Its size is within its uncertainty.
+    Small,
+}
+
+impl Withheld {
+    fn words(self) -> &'static str {
+        match self {
+            Self::Raises => {
+                "the 2 s simulation error rises with it, as that of a right model may where friction decides when a \
+                 wheel stops"
+            }
+            Self::BetweenRows => {
+                "what the input does between its rows could be the reason as well; a recording at a higher rate tells"
+            }
+            Self::Small => "its size does not differ from zero by more than its uncertainty",
+        }
+    }
 }
 
 impl Finding<'_> {
@@ -52,7 +77,7 @@ impl Finding<'_> {
                 self.error(),
                 named(ranked),
                 lowered(ranked),
-                self.why_withheld(ranked)
+                self.reason.map_or("it is not proven", Withheld::words)
             ),
             // the floor is an estimate for white noise: coloured noise of the input reaches so far too
             None if self.errors.above_floor() => format!(
@@ -69,20 +94,6 @@ impl Finding<'_> {
                 100.0 * self.false_alarm,
                 self.error()
             ),
-        }
-    }
-
-    /// Why an effect that lowers the held-out error is not accepted.
-    fn why_withheld(&self, ranked: &Ranked) -> &'static str {
-        match ranked.candidate.effect.change() {
-            _ if self.raises => {
-                "the 2 s simulation error rises with it, as that of a right model may where friction decides when a \
-                 wheel stops"
-            }
-            Change::TwoMass => {
-                "what the input does between its rows could be the reason as well; a recording at a higher rate tells"
-            }
-            _ => "its size does not differ from zero by more than its uncertainty",
         }
     }
 

@@ -264,9 +264,12 @@ impl Search<'_> {
             let (before, after) = (shown[n - 1], shown[*n]);
             let new_body = fits[*n].model.is_coupled() && !fits[n - 1].model.is_coupled();
             let fit = fits[n - 1];
+            // what the sampling leaves open of a time is half a row, which a shift exceeds
+            let later = is_later(fit, fits[*n]);
             let open = if new_body { self.judge.between_rows(&fit.model, &fit.p) } else { open };
             // an error that was infinite may fall to any other
-            let enough = before.is_infinite() || before.powi(2) - after.powi(2) >= open.powi(2);
+            let enough =
+                later || before.is_infinite() || before.powi(2) - after.powi(2) >= open.powi(2);
             after <= before && enough
         };
         (1..shown.len()).take_while(falls).count()
