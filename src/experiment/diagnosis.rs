@@ -25,7 +25,7 @@ pub(super) fn run_diagnosis(
     if words.verdict == Verdict::UnknownEffect {
         words.sentence += &format!(" {}", residual_torque(&study.curves, depends_on));
     }
-    let words = unless_undetermined(words, study.reference_method());
+    let words = unless_undetermined(words, study.is_undetermined());
     Ok(Study { diagnosis: Some(words), ..study })
 }
 

@@ -246,6 +246,9 @@ pub struct Study {
     pub what_if: Option<WhatIf>,
 }
 
+/// Least root mean square difference of the wheel speeds over that of their sum for runs that turn (taste).
+const TURNS: f64 = 0.1;
+
 impl Study {
     /// The recordings on which errors are judged: validation, or train where there is none.
     #[must_use]
@@ -329,15 +332,46 @@ impl Study {
     #[must_use]
     pub fn grade(&self) -> Option<Grade> {
         let model = self.last_model()?;
-        if self.reference_method().is_some_and(MethodStudy::is_undetermined) {
+        if self.is_undetermined() {
             return Some(Grade::NotUsable);
         }
         Some(Grade::of(self.error_of(model), self.judged_floor(), self.top_speed()))
+    }
+
+    /// Whether the columns do not determine the model, though the wheels turn against each other. On runs straight
+    /// ahead, as those of a single axis, a1 + a2 is found and a1 is not.
+    #[must_use]
+    pub fn is_undetermined(&self) -> bool {
+        let turns = turns(self.recordings.iter().flat_map(|r| &r.omega));
+        turns && self.reference_method().is_some_and(MethodStudy::is_undetermined)
     }
 
     /// The method shown in detail.
     #[must_use]
     pub fn reference_method(&self) -> Option<&MethodStudy> {
         self.methods.get(self.reference?)
+    }
+}
+
+/// Whether wheels turn against each other, of whose speeds these are the rows.
+fn turns<'a>(rows: impl Iterator<Item = &'a [f64; 2]>) -> bool {
+    let add =
+        |(d, s): (f64, f64), w: &[f64; 2]| (d + (w[0] - w[1]).powi(2), s + (w[0] + w[1]).powi(2));
+    let (difference, sum) = rows.fold((0.0, 0.0), add);
+    difference > TURNS * TURNS * sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::turns;
+
+    #[test]
+    fn an_axis_written_down_twice_does_not_turn() {
+        let axis: Vec<[f64; 2]> = (0..100).map(|k| [f64::from(k).sin(); 2]).collect();
+        assert!(!turns(axis.iter()));
+        let straight: Vec<[f64; 2]> = axis.iter().map(|w| [w[0] + 0.02, w[1] - 0.02]).collect();
+        assert!(!turns(straight.iter()));
+        let curve: Vec<[f64; 2]> = axis.iter().map(|w| [w[0], 0.7 * w[1]]).collect();
+        assert!(turns(curve.iter()));
     }
 }

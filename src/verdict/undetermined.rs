@@ -1,6 +1,6 @@
 //! The verdict where the columns do not determine the model.
 
-use crate::study::{DiagnosisStudy, MethodStudy, Verdict};
+use crate::study::{DiagnosisStudy, Verdict};
 
 /// What is said in place of a comparison with the noise floor.
 const SENTENCE: &str = "These columns do not determine the model: the fit stalled, and a1 is not identifiable. Its \
@@ -9,12 +9,9 @@ const SENTENCE: &str = "These columns do not determine the model: the fit stalle
 const NEXT: &str = "Check in the experiment file that the columns are those of the wheels and of their input, and that \
                     the units are right: `experiment new` shows the ranges of all columns.";
 
-/// Takes the findings back where the fit determines nothing: what such a model leaves is no effect.
-pub(crate) fn unless_undetermined(
-    words: DiagnosisStudy,
-    method: Option<&MethodStudy>,
-) -> DiagnosisStudy {
-    if !method.is_some_and(MethodStudy::is_undetermined) {
+/// Takes the findings back where the columns do not determine the model: what such a fit leaves is no effect.
+pub(crate) fn unless_undetermined(words: DiagnosisStudy, is_undetermined: bool) -> DiagnosisStudy {
+    if !is_undetermined {
         return words;
     }
     DiagnosisStudy {

@@ -49,9 +49,11 @@ impl Search<'_> {
                 found = end.unwrap_or(found);
             }
             r.refit = within(r, &found).then_some(found);
+            let is_noise = !self.is_far_above(r);
             if let Some(refit) = &r.refit {
                 let ratio = self.degrees * (present.cost / refit.cost).ln();
-                let ratio = ratio.max(self.ratio_of_shift(&r.candidate, refit));
+                let by_time = if is_noise { self.ratio_of_shift(&r.candidate, refit) } else { 0.0 };
+                let ratio = ratio.max(by_time);
                 r.bic_windows = self.bic(&r.candidate, ratio);
                 r.torque_rms = self.size(present, r);
             }
@@ -63,8 +65,8 @@ impl Search<'_> {
     /// ```text
     /// z² = ((T - h/2)/se)²,   se from the scores of the windows
     /// ```
-    /// The error of a window is mostly noise of the input that adds up until its end. That hides a shift, which acts
-    /// in the few rows in which the input changes, from the fall of the cost, but not from the scores.
+    /// Near the floor the error of a window is mostly noise of the input that adds up until its end. That hides a shift,
+    /// which acts in the few rows in which the input changes, from the fall of the cost, but not from the scores.
     ///
     /// Source: Wald's test with the covariance of White, Econometrica 50 (1982).
     fn ratio_of_shift(&self, candidate: &Candidate, fit: &WindowFit) -> f64 {
