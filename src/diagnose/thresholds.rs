@@ -51,6 +51,9 @@ pub struct Thresholds {
     /// Standard errors within which a value may still be another: a delay none, or one that logging explains, the
     /// parameter of an effect zero ([`SURELY`]: a chance of one in twenty).
     pub uncertain: f64,
+    /// Least lag or delay that is named, in rows: half a row that logging explains, and a quarter (taste), since what
+    /// is known to a hundredth of a row exceeds a half by what a controller takes for its work.
+    pub least_shift: f64,
     /// Other effects of a step that are tried in its place once several are found (cost: a fit for each effect
     /// behind it).
     pub exchanged: usize,
@@ -77,5 +80,6 @@ pub const THRESHOLDS: Thresholds = Thresholds {
     most_left: 0.5,
     followed: 2,
     uncertain: SURELY,
+    least_shift: 0.75,
     exchanged: 4,
 };

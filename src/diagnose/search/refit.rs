@@ -184,7 +184,9 @@ impl Search<'_> {
         let some = candidate.linear.is_empty()
             || candidate.linear.iter().any(|&j| !fit.at_bound[first + j]);
         let error = fit.covariance[(first, first)].sqrt();
-        let beyond = fit.p[first] - THRESHOLDS.uncertain * error > LOGGING * self.scale.step;
+        let (shift, step) = (fit.p[first], self.scale.step);
+        let beyond = shift - THRESHOLDS.uncertain * error > LOGGING * step;
+        let beyond = beyond && shift > THRESHOLDS.least_shift * step;
         let late = !candidate.is_shift() || beyond;
         inside && some && late
     }
