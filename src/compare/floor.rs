@@ -57,7 +57,7 @@ fn floor(runs: &Runs, seed: u64) -> Result<Floor, SimulateError> {
     let start = runs.by_start_noise(&mut rng)?;
     let half = runs.by_every_other_row()?;
     // jumps that are no noise are known, though every other row does not show them
-    let noise = noise_of_jumps(recording);
+    let noise = recording.noise_of_jumps().powi(2);
     let input = |jumps: f64, half: f64| (noise * jumps).max(half - (1.0 - noise) * jumps);
     let covered: f64 = recording.pieces().iter().map(|p| length(recording, p)).sum();
     let speed = recording.noise().omega.map(|s| s * s);
@@ -100,7 +100,7 @@ pub fn between_rows(
     let square = |recording: &Recording, motion: &Vec<LocalMotion>| {
         let runs = Runs::new(dynamics, recording, motion, hold, Reach::Windows)?;
         let jumps = runs.by_input_jumps(&mut ChaCha8Rng::seed_from_u64(0))?.square;
-        let noise = noise_of_jumps(recording) * jumps;
+        let noise = recording.noise_of_jumps().powi(2) * jumps;
         Ok((runs.by_every_other_row()?.square - noise).max(0.0))
     };
     pooled(recordings, motions, square)
@@ -270,13 +270,6 @@ impl<'a> Runs<'a> {
         let sum: f64 = pairs.map(|(a, b)| spread(a, b, 0) + spread(a, b, 1)).sum();
         Apart { ise, square: sum / (2.0 * t.len() as f64) }
     }
-}
-
-/// Share of the variance of the input's jumps that is noise.
-fn noise_of_jumps(recording: &Recording) -> f64 {
-    let (noise, jumps) = (recording.noise().moment, recording.input_jumps());
-    let square = |v: [f64; 2]| v[0] * v[0] + v[1] * v[1];
-    if square(jumps) > 0.0 { square(noise) / square(jumps) } else { 1.0 }
 }
 
 fn length(recording: &Recording, piece: &Range<usize>) -> f64 {

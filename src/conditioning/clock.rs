@@ -10,7 +10,7 @@ use std::ops::Range;
 use super::Conditioned;
 use super::cells::columns;
 use super::finding::{Channel, Finding, Kind};
-use super::signal::median;
+use super::signal::{changes, median};
 
 /// Mean number of rows within a tick from which on a clock is coarse; repeated stamps that are fewer are those of
 /// single rows.
@@ -50,15 +50,9 @@ pub(super) fn coarse(work: &mut Conditioned) {
 
 /// The runs of rows with one stamp.
 fn ticks(t: &[f64]) -> Vec<Range<usize>> {
-    let mut out = vec![];
-    let mut start = 0;
-    for end in 1..=t.len() {
-        if end == t.len() || t[end] != t[start] {
-            out.push(start..end);
-            start = end;
-        }
-    }
-    out
+    let starts = changes(t);
+    let ends = starts.iter().skip(1).copied().chain([t.len()]);
+    starts.iter().copied().zip(ends).map(|(start, end)| start..end).collect()
 }
 
 /// Whether rows with a repeated stamp repeat all else too, though something moves.

@@ -4,6 +4,7 @@
 use std::ops::Range;
 
 use super::finding::{Channel, Finding, Kind};
+use super::rows::is_increasing;
 use super::signal::{median, pieces};
 use super::{Conditioned, Settings};
 
@@ -32,7 +33,7 @@ const SURE: f64 = 5.0;
 /// even times the larger one.
 pub(super) fn even_times(work: &mut Conditioned, settings: &Settings) {
     let t = &work.channels.t;
-    if !settings.rows || !t.windows(2).all(|w| w[0] < w[1]) {
+    if !settings.rows {
         return;
     }
     let pieces = pieces(t);
@@ -41,8 +42,7 @@ pub(super) fn even_times(work: &mut Conditioned, settings: &Settings) {
     let off: Vec<f64> = t.iter().zip(&even).map(|(t, even)| (t - even) / step).collect();
     let share = (off.iter().map(|o| o * o).sum::<f64>() / off.len() as f64).sqrt();
     let far = off.iter().filter(|o| o.abs() > HALF).count() as f64;
-    let increasing = even.windows(2).all(|w| w[0] < w[1]);
-    if !(share > LITTLE) || far > FEW * off.len() as f64 || !increasing {
+    if !(share > LITTLE) || far > FEW * off.len() as f64 || !is_increasing(&even) {
         return;
     }
     let Some(values) = work.channels.alpha.as_ref().or(work.channels.omega.as_ref()) else {

@@ -1,9 +1,7 @@
 //! Small measures of a signal that several steps use.
 
-use std::ops::Range;
-
 pub(super) use crate::math::{median, quantile};
-use crate::recording::is_gap;
+pub(super) use crate::recording::pieces;
 
 /// One wheel of a pair of columns.
 pub(super) fn column(rows: &[[f64; 2]], i: usize) -> Vec<f64> {
@@ -20,19 +18,6 @@ pub(super) fn levels(rows: &[[f64; 2]], i: usize) -> usize {
     values.sort_by(f64::total_cmp);
     values.dedup();
     values.len()
-}
-
-/// Ranges of rows without a gap in time.
-pub(super) fn pieces(t: &[f64]) -> Vec<Range<usize>> {
-    let step = median(t.windows(2).map(|w| w[1] - w[0]));
-    let ends = (1..t.len()).filter(|&k| is_gap(t[k - 1], t[k], step));
-    let mut out = Vec::new();
-    let mut start = 0;
-    for end in ends.chain(std::iter::once(t.len())) {
-        out.push(start..end);
-        start = end;
-    }
-    out
 }
 
 /// Rows of a channel that differ from the row before, with the first one: what a sensor that is

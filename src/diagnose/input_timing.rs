@@ -61,6 +61,13 @@ impl Physics for InputTiming {
     }
 }
 
+/// Places of the effects of a model that move its input in time, without the nuisance.
+pub(super) fn shifts(model: &Model) -> impl DoubleEndedIterator<Item = usize> {
+    let effects = model.effects();
+    let is_one = |e: &usize| effects[*e].change() == Change::TimeShift && effects[*e].id() != ID;
+    (0..effects.len()).filter(is_one)
+}
+
 /// An acting input, and its derivatives by every parameter; those by parameters without one are empty.
 type Derivatives = (Vec<[f64; 2]>, Vec<Vec<[f64; 2]>>);
 
@@ -75,12 +82,7 @@ type Derivatives = (Vec<[f64; 2]>, Vec<Vec<[f64; 2]>>);
 pub(super) fn input_derivatives(model: &Model, recording: &Recording, p: &[f64]) -> Derivatives {
     let (t, moment, half) = (recording.t(), recording.moment(), 0.5 * recording.step());
     let (acting, mut derivatives) = model.drive_derivatives(t, moment, p);
-    let delays = model
-        .effects()
-        .iter()
-        .enumerate()
-        .filter(|(_, effect)| effect.change() == Change::TimeShift && effect.id() != ID);
-    for j in delays.flat_map(|(e, _)| model.slots(e)) {
+    for j in shifts(model).flat_map(|e| model.slots(e)) {
         let at = |value: f64| {
             let mut moved = p.to_vec();
             moved[j] = value;

@@ -26,6 +26,22 @@ fn started(model: &Model, train: &[Recording]) -> Vec<f64> {
     start::start(&Task { model, train, hold: Hold::Linear, seed: 0 }, "test").unwrap()
 }
 
+/// The diagnosis of the base model on two training recordings with `effects` and one of validation.
+fn diagnosed(
+    effects: &[(&str, &[f64])],
+    noise: NoiseLevel,
+    seed: u64,
+    settings: &Settings,
+) -> Diagnosis {
+    let model = Model::base(Robot::amigobot());
+    let [a, b, c] = [0, 1, 2].map(|r| recorded(effects, noise, seed + r));
+    let (train, validation) = ([a, b], [c]);
+    let first = started(&model, &train);
+    let data =
+        Data { train: &train, validation: &validation, hold: Hold::Linear, corrected_s: 0.0 };
+    diagnose(&model, &[first], &data, settings).unwrap()
+}
+
 fn scale(model: &Model, p: &[f64], recordings: &[&Recording]) -> Scale {
     scale_of(model, p, recordings, cutoff(recordings, mobility(model, p)))
 }
@@ -281,7 +297,6 @@ fn both_folds_have_windows_where_the_logger_paused_for_more_than_a_third_of_the_
 
 #[test]
 fn a_lag_is_told_from_a_delay_of_its_length_where_the_input_is_noisy() {
-    let model = Model::base(Robot::amigobot());
     // the noise of the input is a tenth of what it moves; a lag of a row halves it
     let noise = NoiseLevel { moment: 0.015, ..NOISE };
     let named = ["actuator_delay", "actuator_lag"].map(String::from).to_vec();
@@ -289,19 +304,13 @@ fn a_lag_is_told_from_a_delay_of_its_length_where_the_input_is_noisy() {
     for (truth, seed) in [(0, 30), (0, 33), (1, 36), (1, 39)] {
         // a command is held for a millisecond
         let hidden: &[(&str, &[f64])] = &[(&named[truth], &[0.012])];
-        let [a, b, c] = [0, 1, 2].map(|r| recorded(hidden, noise, seed + r));
-        let (train, validation) = ([a, b], [c]);
-        let first = started(&model, &train);
-        let hold = Hold::Linear;
-        let data = Data { train: &train, validation: &validation, hold, corrected_s: 0.0 };
-        let found = diagnose(&model, &[first], &data, &settings).unwrap();
+        let found = diagnosed(hidden, noise, seed, &settings);
         assert_eq!(found.steps[0].id, named[truth], "{seed}");
     }
 }
 
 #[test]
 fn a_delay_is_proven_by_its_time_where_noise_of_the_input_hides_it_from_the_error() {
-    let model = Model::base(Robot::amigobot());
     let named = ["actuator_delay", "actuator_lag"].map(String::from).to_vec();
     let settings = Settings { candidates: named, ..Settings::default() };
     for (delay, moment, count) in [(Some(0.02), 0.03, 1), (Some(0.014), 0.02, 1), (None, 0.03, 0)] {
@@ -310,12 +319,7 @@ fn a_delay_is_proven_by_its_time_where_noise_of_the_input_hides_it_from_the_erro
         let hidden = &effect[..size.len()];
         for seed in [50, 53, 56] {
             let noise = NoiseLevel { moment, ..NOISE };
-            let [a, b, c] = [0, 1, 2].map(|r| recorded(hidden, noise, seed + r));
-            let (train, validation) = ([a, b], [c]);
-            let first = started(&model, &train);
-            let hold = Hold::Linear;
-            let data = Data { train: &train, validation: &validation, hold, corrected_s: 0.0 };
-            let found = diagnose(&model, &[first], &data, &settings).unwrap();
+            let found = diagnosed(hidden, noise, seed, &settings);
             assert_eq!(found.steps.len(), count, "{delay:?} {seed}");
         }
     }

@@ -68,7 +68,7 @@ pub enum Note {
         /// That of the filter [rad/s].
         filter: f64,
     },
-    /// Symbols and the values of `torque_regression`, from which the fit of a model that errs by more than noise
+    /// Symbols and the values of `torque_regression`, from which the fit of a model with an error above noise
     /// differs by more than both standard errors.
     Disagreement(Vec<(String, f64)>),
     /// A profile that was asked for does not exist.
@@ -217,7 +217,7 @@ impl fmt::Display for Note {
                 let values: Vec<_> = values.iter().map(|(s, v)| format!("{s} = {v:.4e}")).collect();
                 write!(
                     f,
-                    "The model errs by more than the noise of the channels, and torque_regression gives {}: the \
+                    "The error of the model is above the noise of the channels, and torque_regression gives {}: the \
                      intervals are wide enough for both. An effect is missing, or noise of the input goes on from \
                      row to row.",
                     values.join(", ")

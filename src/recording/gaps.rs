@@ -16,7 +16,7 @@ pub(crate) fn is_gap(before: f64, after: f64, step: f64) -> bool {
 }
 
 /// Index ranges without a gap, in order.
-pub(super) fn pieces(t: &[f64]) -> Vec<Range<usize>> {
+pub(crate) fn pieces(t: &[f64]) -> Vec<Range<usize>> {
     let step = median_step(t);
     let mut out = Vec::new();
     let mut start = 0;

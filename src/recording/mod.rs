@@ -19,7 +19,7 @@ pub use channels::{Channels, Measured, Noise};
 pub(crate) use derived::differentiate;
 pub use drive_unit::DriveUnit;
 pub use error::RecordingError;
-pub(crate) use gaps::is_gap;
+pub(crate) use gaps::{is_gap, pieces};
 pub use local::LocalMotion;
 pub use long::{LongRecording, Rows, Survey};
 pub use noise::share_noise;

@@ -189,7 +189,9 @@ impl Recording {
         self.noise_of_jumps = share;
     }
 
-    pub(super) fn noise_of_jumps(&self) -> f64 {
+    /// Share of the standard deviation of the input's jumps that is noise.
+    #[must_use]
+    pub fn noise_of_jumps(&self) -> f64 {
         self.noise_of_jumps
     }
 

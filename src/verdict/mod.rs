@@ -92,8 +92,8 @@ pub(crate) fn concluded(
     let open = conclusion != Conclusion::Sufficient;
     let proposal = open.then(|| propose(diagnosis, &likelihood, basis.seed)).flatten();
     let withheld = withheld(diagnosis, basis.false_alarm).filter(|_| !open);
-    let now = judge.judge(model, p)?.window_rms;
-    let reason = withheld.and_then(|r| r.refit.as_ref()).map(|fit| reason(&judge, now, fit));
+    let refit = withheld.and_then(|r| r.refit.as_ref());
+    let reason = refit.map(|fit| reason(&judge, errors.after, fit));
     let next_run = match withheld {
         Some(ranked) => Some(to_prove(ranked, matches!(reason, Some(Withheld::BetweenRows)))),
         None => open.then(|| advice(diagnosis, probable, proposal.as_ref())).flatten(),
@@ -131,14 +131,15 @@ pub(crate) fn concluded(
     Ok((words, left.map(|dependence| dependence.variable)))
 }
 
-/// Why a fit that lowers the held-out error from the one that is shown, `now` [rad/s], is not accepted.
+/// Why a fit that lowers the held-out error is not accepted; `now`: square of the error that is shown [rad^2/s^2].
 fn reason(judge: &Judge, now: f64, fit: &WindowFit) -> Withheld {
-    let with = judge.judge(&fit.model, &fit.p).map_or(f64::INFINITY, |with| with.window_rms);
+    let with =
+        judge.judge(&fit.model, &fit.p).map_or(f64::INFINITY, |with| with.window_rms.powi(2));
     let open = judge.unresolved(&fit.model, &fit.p);
     // one that cannot be simulated raises it too
     if !(with <= now) {
         Withheld::Raises
-    } else if fit.model.is_coupled() || now.powi(2) - with.powi(2) < open.powi(2) {
+    } else if fit.model.is_coupled() || now - with < open.powi(2) {
         Withheld::BetweenRows
     } else {
         Withheld::Small

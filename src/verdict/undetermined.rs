@@ -4,7 +4,7 @@ use crate::study::{DiagnosisStudy, Verdict};
 
 /// What is said in place of a comparison with the noise floor.
 const SENTENCE: &str = "These columns do not determine the model: the fit stalled, and a1 is not identifiable. Its \
-                        error says nothing of the robot.";
+                        error is no measure of it.";
 /// What to do about it.
 const NEXT: &str = "Check in the experiment file that the columns are those of the wheels and of their input, and that \
                     the units are right: `experiment new` shows the ranges of all columns.";

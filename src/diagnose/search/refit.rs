@@ -185,9 +185,9 @@ impl Search<'_> {
             || candidate.linear.iter().any(|&j| !fit.at_bound[first + j]);
         let error = fit.covariance[(first, first)].sqrt();
         let (shift, step) = (fit.p[first], self.scale.step);
-        let beyond = shift - THRESHOLDS.uncertain * error > LOGGING * step;
-        let beyond = beyond && shift > THRESHOLDS.least_shift * step;
-        let late = !candidate.is_shift() || beyond;
+        let late = !candidate.is_shift()
+            || shift - THRESHOLDS.uncertain * error > LOGGING * step
+                && shift > THRESHOLDS.least_shift * step;
         inside && some && late
     }
 }

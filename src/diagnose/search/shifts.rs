@@ -7,11 +7,10 @@ use rayon::prelude::*;
 use super::Search;
 use crate::compare::noisier_drive;
 use crate::diagnose::fit::{WindowFit, fit};
-use crate::diagnose::input_timing::ID;
+use crate::diagnose::input_timing::shifts;
 use crate::diagnose::outcome::Ranked;
 use crate::diagnose::timing::LOGGING;
 use crate::diagnose::windows::Windows;
-use crate::effects::Change;
 use crate::math::distribution::t_survival;
 use crate::recording::Recording;
 
@@ -72,11 +71,7 @@ impl Search<'_> {
     /// would be least there has the same error at both ends.
     pub(super) fn probability_of_logging(&self, after: &WindowFit) -> f64 {
         let Some(held) = &self.held else { return 1.0 };
-        let is_shift = |e: &usize| {
-            let effect = &after.model.effects()[*e];
-            effect.change() == Change::TimeShift && effect.id() != ID
-        };
-        let Some(e) = (0..after.model.effects().len()).rev().find(is_shift) else { return 1.0 };
+        let Some(e) = shifts(&after.model).next_back() else { return 1.0 };
         let j = after.model.slots(e).start;
         let Some(own) = fit(held, &after.model, &after.p, &self.scale) else { return 1.0 };
         let degrees = held.windows.len() as f64 - after.model.free().len() as f64;

@@ -1,11 +1,13 @@
 //! The steps that were tried: which of them held-out windows prove, and which of the effects stay.
 
+use std::sync::OnceLock;
+
 use rayon::prelude::*;
 
 use super::Search;
 use crate::diagnose::acceptance::{Fall, fall_of};
 use crate::diagnose::fit::{WindowFit, fit};
-use crate::diagnose::input_timing::ID;
+use crate::diagnose::input_timing::shifts;
 use crate::diagnose::outcome::{Ranked, Step};
 use crate::diagnose::thresholds::THRESHOLDS;
 use crate::diagnose::windows::Errors;
@@ -18,6 +20,8 @@ struct HeldOut<'a> {
     errors: Option<Vec<Errors>>,
     /// The error that is shown [rad/s].
     shown: f64,
+    /// [`Search::probability_of_logging`], which costs a fit, once it was asked.
+    by_logging: OnceLock<f64>,
 }
 
 impl Search<'_> {
@@ -29,7 +33,7 @@ impl Search<'_> {
                 Some(held) => held.errors(&fit.model, &fit.p),
                 None => self.crossed(fit),
             };
-            HeldOut { fit, errors, shown: self.shown(fit) }
+            HeldOut { fit, errors, shown: self.shown(fit), by_logging: OnceLock::new() }
         };
         fits.par_iter().map(one).collect()
     }
@@ -62,7 +66,8 @@ impl Search<'_> {
             return fall;
         }
         let likelihood = self.explained(before, after);
-        let shift = if fall.later { self.probability_of_logging(after.fit) } else { 1.0 };
+        let by_logging = || self.probability_of_logging(after.fit);
+        let shift = if fall.later { *after.by_logging.get_or_init(by_logging) } else { 1.0 };
         Fall { p_value: fall.p_value.min(likelihood).min(shift), ..fall }
     }
 
@@ -291,11 +296,7 @@ impl Search<'_> {
 
 /// Whether one fit has an effect that moves the input in time and the other does not.
 fn is_later(before: &WindowFit, after: &WindowFit) -> bool {
-    let shifts = |fit: &WindowFit| {
-        let moves = fit.model.effects().iter().filter(|e| e.change() == Change::TimeShift);
-        moves.filter(|e| e.id() != ID).count()
-    };
-    shifts(after) > shifts(before)
+    shifts(&after.model).count() > shifts(&before.model).count()
 }
 
 /// Whether a linear parameter of the step's effect, if it has any, differs from zero by more than its uncertainty: an

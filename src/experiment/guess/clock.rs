@@ -9,7 +9,7 @@ const NANOSECONDS: (f64, f64) = (5e8, 1e9);
 
 /// The time: the best name whose values increase, else two columns that are seconds and nanoseconds, else the one
 /// column that always increases; of rows that have only the step between them its sum. A column that counts the
-/// rows says nothing of their time, which is asked for.
+/// rows is not their time, which is asked for.
 pub(super) fn time(all: &[Candidate]) -> Option<Guessed> {
     named(all)
         .or_else(|| seconds_and_nanoseconds(all))

@@ -2,7 +2,7 @@
 
 use crate::identify::{Estimate, Fit, Note};
 
-/// A fit of a model that errs by more than noise, with intervals that hold its disagreement with `other`, a fit of
+/// A fit of a model with an error above noise, with intervals that hold its disagreement with `other`, a fit of
 /// the same model. Noise of the input that goes on from row to row moves the simulated robot, which the filter takes
 /// for less of the input: inertias come out too large by far more than their standard errors. The regression of
 /// torques has that noise on its left side, where it does not pull.
