@@ -137,6 +137,15 @@ pub enum Kind {
         /// Size of the jump [rad].
         step_rad: f64,
     },
+    /// Speeds without angles behind a low-pass of their sensor, as the motion says that they make.
+    LowPass {
+        /// Its time constant [s].
+        time_s: f64,
+        /// Standard error of that [s].
+        std_error_s: f64,
+    },
+    /// An input that keeps its value until the next row, as the motion says that it makes.
+    HeldInput,
     /// Isolated wrong samples.
     Spikes {
         /// How many.
@@ -220,7 +229,8 @@ pub struct Finding {
 }
 
 impl Finding {
-    pub(super) fn corrected(channel: Channel, kind: Kind, key: &'static str, on: bool) -> Self {
+    /// A finding that was corrected where `on`, the switch `key` of `[conditioning]`.
+    pub(crate) fn corrected(channel: Channel, kind: Kind, key: &'static str, on: bool) -> Self {
         let action = if on { Action::Corrected(key) } else { Action::Noted };
         Self { channel, kind, action }
     }
@@ -264,6 +274,8 @@ impl Kind {
             Self::Exchanged => ("exchanged", 1.0, "1"),
             Self::Lag { lag_s, .. } => ("lag", lag_s, "s"),
             Self::Filtered { lag_s, .. } => ("filtered", lag_s, "s"),
+            Self::LowPass { time_s, .. } => ("low_pass", time_s, "s"),
+            Self::HeldInput => ("held_input", 1.0, "rows"),
             Self::Differences { lag_s, .. } => ("differences_of_angle", lag_s, "s"),
             Self::FewLevels { levels } => ("few_levels", levels as f64, "levels"),
             Self::Magnitude => ("magnitude", 1.0, "1"),

@@ -2,7 +2,9 @@
 
 mod acceptance;
 mod candidate;
+mod evidence;
 mod fit;
+mod hold;
 mod input_timing;
 mod joint;
 mod judge;
@@ -15,6 +17,7 @@ mod screen;
 mod search;
 mod shapes;
 mod signals;
+mod speed_filter;
 mod thresholds;
 mod timing;
 mod verdict;
@@ -23,6 +26,7 @@ mod windows;
 pub use acceptance::{Fall, fall_of};
 pub use candidate::{Candidate, Form, candidates};
 pub use fit::{WindowFit, fit};
+pub use hold::hold;
 pub use input_timing::{SYMBOL as INPUT_SHIFT, shifted, with_later_input};
 pub use judge::{Judge, Judgement};
 pub use next_run::{Limits, Proposal, Rivals, next_run};
@@ -32,10 +36,13 @@ pub use scale::scale_of;
 pub use screen::Screen;
 pub use search::{Data, Settings, diagnose};
 pub use shapes::shapes_placed;
+pub use speed_filter::{SpeedFilter, advanced, speed_filter};
 pub use thresholds::{THRESHOLDS, Thresholds};
 pub use timing::{Timing, timing};
 pub use verdict::{Conclusion, Errors, conclude, likely, probabilities, structure, withheld};
 pub use windows::{Windows, mobility};
 
+#[cfg(test)]
+mod logger_tests;
 #[cfg(test)]
 mod tests;

@@ -24,7 +24,7 @@ pub(super) const LOGGING: f64 = 0.5;
 pub(super) const EARLIEST: f64 = -1.5;
 const RESOLUTION: f64 = 0.1;
 /// Longest delay that is searched [s], that of slow motor controllers on a bus.
-const LONGEST: f64 = 0.15;
+pub(super) const LONGEST: f64 = 0.15;
 /// Windows of 1 s that are simulated at most: their error of a shift is far below that of logging.
 const WINDOWS: usize = 120;
 
@@ -114,14 +114,9 @@ fn by_simulation(
     hold: Hold,
     scale: &Scale,
 ) -> Option<ShiftFit> {
-    let limits = (EARLIEST * scale.step, LONGEST.max(-EARLIEST * scale.step));
-    let all = Windows::new(recordings.to_vec(), hold, mobility(model, p));
-    let timed = model.add_effect(Arc::new(InputTiming { limits })).ok()?;
-    let j = timed.index_of(SYMBOL).ok()?;
-    let every = all.windows.len().div_ceil(WINDOWS);
-    let windows = all.only(|n| n % every == 0).sampled(model, p);
-    let from: Vec<f64> = p.iter().copied().chain([start]).collect();
-    let fit = fit(&windows, &timed, &from, scale)?;
+    let timed = timed(model, p, start, recordings, hold, scale)?;
+    let error = timed.error();
+    let Timed { windows, fit, shift: j } = timed;
     let moved = [0, 1].map(|phase| {
         let halved = windows.halved(phase);
         let windows = windows.with_recordings(halved.iter().collect());
@@ -129,9 +124,51 @@ fn by_simulation(
     });
     let sampling = 0.5 * BETWEEN_ROWS.powi(2) * (moved[0].powi(2) + moved[1].powi(2));
     let std_error = (fit.covariance[(j, j)] + sampling).sqrt();
-    let error = (fit.cost / (0.5 * windows.values() as f64)).sqrt();
     let found = !fit.at_bound[j] && std_error.is_finite() && std_error > 0.0;
     Some(ShiftFit { shift: found.then_some((fit.p[j], std_error)), error })
+}
+
+/// A model fitted over windows of recordings along with the time of their input.
+pub(super) struct Timed<'a> {
+    pub(super) windows: Windows<'a>,
+    pub(super) fit: WindowFit,
+    /// Place of the shift among the parameters.
+    shift: usize,
+}
+
+impl Timed<'_> {
+    /// Whether the motion is later than logging explains, at rows of `step` seconds.
+    pub(super) fn is_late(&self, step: f64) -> bool {
+        let (j, fit) = (self.shift, &self.fit);
+        let error = THRESHOLDS.uncertain * fit.covariance[(j, j)].sqrt();
+        fit.p[j] - error > LOGGING * step
+    }
+
+    /// Error of the windows over what noise makes of them.
+    pub(super) fn error(&self) -> f64 {
+        (self.fit.cost / (0.5 * self.windows.values() as f64)).sqrt()
+    }
+}
+
+/// Fits `model` from `p` and the shift `start` [s] over some windows of 1 s of `recordings`. `None` where the model
+/// cannot follow them.
+pub(super) fn timed<'a>(
+    model: &Model,
+    p: &[f64],
+    start: f64,
+    recordings: &[&'a Recording],
+    hold: Hold,
+    scale: &Scale,
+) -> Option<Timed<'a>> {
+    let limits = (EARLIEST * scale.step, LONGEST.max(-EARLIEST * scale.step));
+    let all = Windows::new(recordings.to_vec(), hold, mobility(model, p));
+    let timed = model.add_effect(Arc::new(InputTiming { limits })).ok()?;
+    let shift = timed.index_of(SYMBOL).ok()?;
+    let every = all.windows.len().div_ceil(WINDOWS);
+    let windows = all.only(|n| n % every == 0).sampled(model, p);
+    let from: Vec<f64> = p.iter().copied().chain([start]).collect();
+    let fit = fit(&windows, &timed, &from, scale)?;
+    Some(Timed { windows, fit, shift })
 }
 
 /// How far one step of Gauss and Newton moves parameter `j` of a fit on other windows.

@@ -2,11 +2,15 @@
 //! recorded input acts.
 
 use super::plan::{Measured, Plan};
-use crate::diagnose::{shapes_placed, timing, with_later_input};
+use crate::conditioning::{Action, Channel, Finding, Kind};
+use crate::diagnose::{
+    SpeedFilter, advanced, hold, shapes_placed, speed_filter, timing, with_later_input,
+};
 use crate::effects::Change;
 use crate::filter::noise_of_jumps;
 use crate::identify::{Task, start};
 use crate::recording::Recording;
+use crate::simulate::Hold;
 use crate::study::Role;
 
 /// Sets where fits of the model's shapes start; recordings that are read block by block leave them at their
@@ -17,17 +21,32 @@ pub(super) fn place(plan: &mut Plan) {
     }
 }
 
-/// Estimates when the recorded input acts and moves it where logging explains the shift, and how much of its jumps from
-/// row to row is noise; every stage sees recordings that agree. A model that has a time shift of its own is left alone.
-pub(super) fn align(plan: &mut Plan) {
+/// What the file leaves to the data.
+#[derive(Clone, Copy)]
+pub(super) struct Asked {
+    /// The input between the rows, where the file says it.
+    pub(super) hold: Option<Hold>,
+    /// Whether speeds behind a low-pass of the sensor are corrected.
+    pub(super) speeds: bool,
+}
+
+/// Takes out of the recordings what the logger did to them as far as the motion shows it: a low-pass of the speeds,
+/// when the input acts, and how much of its jumps from row to row is noise; every stage sees recordings that agree. A
+/// model that has a time shift of its own is left alone.
+pub(super) fn align(plan: &mut Plan, asked: &Asked) {
     let shifts = |e: &std::sync::Arc<dyn crate::effects::Effect>| e.change() == Change::TimeShift;
     let long = plan.recordings.iter().any(|m| m.long.is_some());
     if long || plan.model.effects().iter().any(shifts) {
         return;
     }
+    let Some(start) = balanced(plan) else { return };
+    let start = unfiltered(plan, start, asked.speeds);
+    if asked.hold.is_none() && is_held(plan, &start) {
+        let held =
+            |i| Finding { channel: Channel::Input(i), kind: Kind::HeldInput, action: Action::Used };
+        plan.recordings.iter_mut().for_each(|m| m.conditioning.extend([0, 1].map(held)));
+    }
     let train = plan.of(Role::Train);
-    let task = Task { model: &plan.model, train: &train, hold: plan.hold, seed: plan.seed };
-    let Ok(start) = start::start(&task, "timing") else { return };
     let recordings: Vec<&Recording> = train.iter().collect();
     plan.timing = timing(&plan.model, &start, &recordings, plan.hold);
     let share = noise_of_jumps(&plan.model, &start, &recordings, plan.hold);
@@ -36,4 +55,50 @@ pub(super) fn align(plan: &mut Plan) {
     for Measured { recording, .. } in &mut plan.recordings {
         *recording = with_later_input(recording, timing.correction_s);
     }
+}
+
+/// Parameters by the balance of the torques over the training recordings.
+fn balanced(plan: &Plan) -> Option<Vec<f64>> {
+    let train = plan.of(Role::Train);
+    let task = Task { model: &plan.model, train: &train, hold: plan.hold, seed: plan.seed };
+    start::start(&task, "timing").ok()
+}
+
+/// The training recordings with the noise of their input as the model at `start` allows it: what a low-pass or a line
+/// makes of noise is compared.
+fn train_with_noise(plan: &Plan, start: &[f64]) -> Vec<Recording> {
+    let mut train = plan.of(Role::Train);
+    let recordings: Vec<&Recording> = train.iter().collect();
+    let share = noise_of_jumps(&plan.model, start, &recordings, plan.hold);
+    train.iter_mut().for_each(|r| r.set_noise_of_jumps(share));
+    train
+}
+
+/// Replaces speeds behind a low-pass of their sensor by those before it, where `correct`, and says so; the parameters
+/// of the recordings as they are then, `start` before.
+fn unfiltered(plan: &mut Plan, start: Vec<f64>, correct: bool) -> Vec<f64> {
+    let train = train_with_noise(plan, &start);
+    let recordings: Vec<&Recording> = train.iter().collect();
+    let Some(filter) = speed_filter(&plan.model, &start, &recordings, plan.hold) else {
+        return start;
+    };
+    let SpeedFilter { time_s, std_error_s } = filter;
+    let kind = Kind::LowPass { time_s, std_error_s };
+    for m in &mut plan.recordings {
+        let found = [0, 1].map(|i| Finding::corrected(Channel::Speed(i), kind, "speeds", correct));
+        m.conditioning.extend(found);
+        if correct {
+            m.recording = advanced(&m.recording, time_s);
+        }
+    }
+    balanced(plan).unwrap_or(start)
+}
+
+/// Whether the motion shows an input that is held between the rows. It is then said, and simulated as the line between
+/// the rows still: moved in time by [`timing`] that leaves the same error, and a held input that is logged more slowly
+/// than it changes does not.
+fn is_held(plan: &Plan, start: &[f64]) -> bool {
+    let train = train_with_noise(plan, start);
+    let recordings: Vec<&Recording> = train.iter().collect();
+    hold(&plan.model, start, &recordings) == Hold::Constant
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 use rayon::prelude::*;
 use toml::Table;
 
+use super::align::Asked;
 use super::custom::{self, Own, add};
 use super::error::{ExperimentError, Meaning, nearest, words};
 use super::file::{
@@ -39,7 +40,7 @@ pub(super) fn resolve(
             Ok((measured, entry.hold, 1, vec![]))
         }
         (None, Some(entry)) => made(entry, own, robot),
-        (None, None) => Ok((vec![], Hold::Linear, 1, vec![])),
+        (None, None) => Ok((vec![], Some(Hold::Linear), 1, vec![])),
     };
     plan(path, text, file, read).map_err(|e| e.of(&path.display().to_string()))
 }
@@ -77,7 +78,7 @@ pub fn plan_of(
     let file = ExperimentFile::from_table(keys).map_err(wrong)?;
     file.check_keys(name)?;
     let text = toml::to_string(keys).map_err(|e| wrong(e.to_string()))?;
-    plan(Path::new(name), &text, &file, |_, _| Ok((recordings, hold, 1, vec![])))
+    plan(Path::new(name), &text, &file, |_, _| Ok((recordings, Some(hold), 1, vec![])))
         .map_err(|e| e.of(name))
 }
 
@@ -108,7 +109,7 @@ fn plan(
         model,
         own,
         recordings,
-        hold,
+        hold: hold.unwrap_or_default(),
         methods,
         gain,
         emulated: emulated(file),
@@ -120,7 +121,7 @@ fn plan(
         grid: None,
     };
     super::align::place(&mut plan);
-    super::align::align(&mut plan);
+    super::align::align(&mut plan, &Asked { hold, speeds: file.conditioning.speeds });
     Ok(plan)
 }
 
@@ -263,8 +264,8 @@ fn diagnosis(file: &ExperimentFile, own: &[Own]) -> Result<Option<DiagnosisPlan>
     Ok(Some(DiagnosisPlan { settings, slow_moment }))
 }
 
-/// Recordings, hold, seed, and the true parameters of simulated ones.
-type Made = (Vec<Measured>, Hold, u64, Vec<(String, f64)>);
+/// Recordings, the hold if it is said, seed, and the true parameters of simulated ones.
+type Made = (Vec<Measured>, Option<Hold>, u64, Vec<(String, f64)>);
 
 /// Simulated recordings: a robot with base and hidden effects follows the movement.
 fn made(entry: &SimulationEntry, own: &[Own], robot: &Robot) -> Result<Made, Meaning> {
@@ -324,7 +325,7 @@ fn made(entry: &SimulationEntry, own: &[Own], robot: &Robot) -> Result<Made, Mea
         })
         .collect::<Result<Vec<_>, Meaning>>()?;
     let truth = truth.symbols().into_iter().zip(p).collect();
-    Ok((recordings, Hold::Linear, entry.seed, truth))
+    Ok((recordings, Some(Hold::Linear), entry.seed, truth))
 }
 
 fn movement(entry: &SimulationEntry, robot: &Robot, k: u64) -> Movement {

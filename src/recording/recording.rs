@@ -172,6 +172,18 @@ impl Recording {
         Self { moment, ..self.clone() }
     }
 
+    /// The same recording with other speeds; angles that were not measured follow them.
+    ///
+    /// # Panics
+    /// If the length differs.
+    #[must_use]
+    pub fn with_omega(&self, omega: Vec<[f64; 2]>) -> Self {
+        assert_eq!(omega.len(), self.len(), "one row of speeds a sample");
+        let measured = self.measured.alpha;
+        let alpha = if measured { self.alpha.clone() } else { integrate(&self.t, &omega) };
+        Self { alpha, omega, ..self.clone() }
+    }
+
     /// The same recording with its input interpolated from that of its rows. Interpolation smooths noise between
     /// neighbouring rows, not what is left of it after integration: its level stays that of the rows.
     ///

@@ -111,6 +111,20 @@ pub(super) fn words(name: &str, kind: &Kind, channel: Channel) -> (String, Strin
             ),
             "left out: speeds are those of the angles".into(),
         ),
+        Kind::LowPass { time_s, std_error_s } => (
+            format!(
+                "{name} is the speed behind a low-pass of {} ± {}: friction of the wheels acts as late as their input",
+                ms(time_s),
+                ms(std_error_s)
+            ),
+            "the speed before it".into(),
+        ),
+        Kind::HeldInput => (
+            format!(
+                "{name} keeps its value until the next row: the motion follows that better than a line"
+            ),
+            "the line between the rows, moved in time, stands for that (hold = \"constant\" holds it)".into(),
+        ),
         Kind::Differences { samples, lag_s } => (
             format!(
                 "{name} is the difference of the angle over {} ({} late)",

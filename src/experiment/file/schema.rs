@@ -56,9 +56,9 @@ pub struct RecordingsEntry {
     /// Unit of the input.
     #[serde(default)]
     pub drive_unit: DriveUnit,
-    /// The input between samples.
+    /// The input between samples; without it a line, and `check` says where the motion speaks for a held input.
     #[serde(default)]
-    pub hold: Hold,
+    pub hold: Option<Hold>,
     /// Rows up to which a recording is held in memory. Of a longer one (CSV, Parquet) windows are
     /// held; torque_regression reads every row of it, block by block.
     #[serde(default = "hold_rows")]

@@ -1,0 +1,99 @@
+//! What a logger does to a recording, told from physics, on random steps of the input.
+
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+use super::{hold, speed_filter};
+use crate::filter::noise_of_jumps;
+use crate::identify::{Task, start};
+use crate::model::Model;
+use crate::recording::{Channels, DriveUnit, Recording};
+use crate::robot::{Robot, State};
+use crate::simulate::{Hold, Input, simulate};
+
+/// 30 s at 100 Hz of the AmigoBot with `effects` under torques that step every 0.1 to 0.4 s, held between the rows or
+/// not, with speeds that `logged` changes and noise of 0.01 rad/s.
+fn stepped(
+    effects: &[(&str, f64)],
+    held: Hold,
+    seed: u64,
+    logged: impl Fn(Vec<[f64; 2]>) -> Vec<[f64; 2]>,
+) -> Recording {
+    let ids: Vec<&str> = effects.iter().map(|(id, _)| *id).collect();
+    let model = Model::with_effects(Robot::amigobot(), &ids).unwrap();
+    let mut p = model.initial();
+    p.truncate(5);
+    p.extend(effects.iter().map(|(_, value)| value));
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let t: Vec<f64> = (0..3000).map(|k| 0.01 * f64::from(k)).collect();
+    let (mut moment, mut now) = (Vec::with_capacity(t.len()), [0.0; 2]);
+    let mut left = 0;
+    for _ in &t {
+        if left == 0 {
+            left = rng.random_range(10..40);
+            now = [0, 1].map(|i| p[3 + i] * rng.random_range(-3.0..3.0));
+        }
+        left -= 1;
+        moment.push(now);
+    }
+    let input = Input { t: &t, moment: &moment, hold: held };
+    let motion = simulate(&model, &p, &input, State::default()).unwrap();
+    let speeds = logged(motion.iter().map(|s| s.omega).collect());
+    let mut noise =
+        || 0.01 * <StandardNormal as Distribution<f64>>::sample(&StandardNormal, &mut rng);
+    let omega = speeds.iter().map(|w| [w[0] + noise(), w[1] + noise()]).collect();
+    let channels = Channels { t, alpha: None, omega: Some(omega), moment };
+    Recording::new("stepped", channels, DriveUnit::NewtonMetre).unwrap()
+}
+
+/// Parameters by the balance of the torques; steps of the input are no noise of it.
+fn started(model: &Model, recording: &mut Recording) -> Vec<f64> {
+    let train = std::slice::from_ref(recording);
+    let task = Task { model, train, hold: Hold::Linear, seed: 0 };
+    let start = start::start(&task, "test").unwrap();
+    recording.set_noise_of_jumps(noise_of_jumps(model, &start, &[recording], Hold::Linear));
+    start
+}
+
+#[test]
+fn speeds_behind_a_low_pass_of_their_sensor_are_told_from_a_lag_of_the_actuator() {
+    let model = Model::base(Robot::amigobot());
+    // exponential moving average: mean delay h (1 - a)/a, which the pole of the low-pass, -h/ln(1 - a), exceeds
+    let (h, share) = (0.01, 0.3);
+    let low = |rows: Vec<[f64; 2]>| {
+        let mut y = rows[0];
+        let next = |w: &[f64; 2]| {
+            y = [0, 1].map(|i| y[i] + share * (w[i] - y[i]));
+            y
+        };
+        rows.iter().map(next).collect()
+    };
+    for seed in [31, 32] {
+        let mut filtered = stepped(&[], Hold::Linear, seed, low);
+        let first = started(&model, &mut filtered);
+        let found = speed_filter(&model, &first, &[&filtered], Hold::Linear).unwrap();
+        let (mean, pole) = (h * (1.0 - share) / share, -h / (1.0_f64 - share).ln());
+        // no continuous low-pass has both; a tenth for the row between them
+        assert!(found.time_s > 0.9 * mean && found.time_s < 1.1 * pole, "{seed}: {found:?}");
+
+        for effect in [("actuator_lag", 0.03), ("actuator_delay", 0.025)] {
+            let mut late = stepped(&[effect], Hold::Linear, seed, |rows| rows);
+            let first = started(&model, &mut late);
+            let found = speed_filter(&model, &first, &[&late], Hold::Linear);
+            assert_eq!(found, None, "{seed} {effect:?}");
+        }
+    }
+}
+
+#[test]
+fn an_input_that_is_held_between_the_rows_is_told_from_one_that_runs_on() {
+    let model = Model::base(Robot::amigobot());
+    for seed in [41, 42] {
+        for truth in [Hold::Constant, Hold::Linear] {
+            let mut recording = stepped(&[], truth, seed, |rows| rows);
+            let first = started(&model, &mut recording);
+            assert_eq!(hold(&model, &first, &[&recording]), truth, "{seed}");
+        }
+    }
+}

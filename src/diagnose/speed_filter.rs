@@ -1,0 +1,200 @@
+//! Speeds behind a low-pass of their sensor, told from an actuator that follows late.
+
+use super::evidence::{evidence, noiseless, without_noise};
+use super::fit::fit;
+use super::regression::cutoff;
+use super::scale::scale_of;
+use super::thresholds::THRESHOLDS;
+use super::timing::{LOGGING, LONGEST, Timed, timed};
+use super::windows::{Errors, Windows, mobility};
+use crate::effects::{Change, Scale};
+use crate::model::Model;
+use crate::recording::{Recording, differentiate};
+use crate::simulate::Hold;
+
+/// Ratio of one time constant that is tried to the next.
+const RATIO: f64 = 1.4;
+
+/// A first-order low-pass of the recorded speeds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpeedFilter {
+    /// Its time constant [s].
+    pub time_s: f64,
+    /// Standard error of that [s].
+    pub std_error_s: f64,
+}
+
+/// The low-pass behind which the speeds of `recordings` were recorded, with a model at `p`. `None` where angles were
+/// recorded too, which show it by themselves, where the model follows the speeds without one, and where a late
+/// actuator explains them as well.
+///
+/// ```text
+/// T w_r' = w - w_r          w: speed of the wheel, w_r: as recorded
+/// w = w_r + T w_r'          to which the model is fitted at every T
+/// e = w_r - F(w_simulated)  by which it is compared, F: the low-pass
+/// ```
+/// A lag of the input and one of the sensor commute where everything is linear. Friction does not: behind the sensor's
+/// low-pass it acts late as well.
+#[must_use]
+pub fn speed_filter(
+    model: &Model,
+    p: &[f64],
+    recordings: &[&Recording],
+    hold: Hold,
+) -> Option<SpeedFilter> {
+    if recordings.iter().any(|r| r.measured().alpha) {
+        return None;
+    }
+    let scale = scale_of(model, p, recordings, cutoff(recordings, mobility(model, p)));
+    let plain = timed(model, p, 0.0, recordings, hold, &scale)?;
+    if !plain.is_late(scale.step) {
+        return None;
+    }
+    let start = &plain.fit.p[..p.len()];
+    let search = Search { plain: &plain, model, p: start, recordings, hold, scale: &scale };
+    let filter = search.best()?;
+    let left = search.left(filter.time_s, Noise::Removed)?;
+    let sum = |squares: &[f64]| squares.iter().sum::<f64>();
+    let without = noiseless(&plain.windows, &fit(&plain.windows, model, start, &scale)?)?;
+    let most = sum(&left) < THRESHOLDS.most_left * sum(&without);
+    let beaten =
+        |late: &Vec<f64>| sum(&left) < sum(late) && evidence(late, &left) > THRESHOLDS.alike;
+    (most && search.late_actuators(filter.time_s).iter().all(beaten)).then_some(filter)
+}
+
+/// A recording whose speeds are those before a low-pass of time constant `time` [s].
+#[must_use]
+pub fn advanced(recording: &Recording, time: f64) -> Recording {
+    let slopes = differentiate(recording.t(), recording.omega(), recording.pieces());
+    let rows = recording.omega().iter().zip(slopes);
+    recording.with_omega(rows.map(|(w, s)| [0, 1].map(|i| w[i] + time * s[i])).collect())
+}
+
+/// What noise of the recorded input makes of squared innovations.
+enum Noise {
+    Kept,
+    Removed,
+}
+
+struct Search<'a, 'b> {
+    /// The model fitted to the speeds as recorded.
+    plain: &'b Timed<'a>,
+    model: &'b Model,
+    p: &'b [f64],
+    recordings: &'b [&'a Recording],
+    hold: Hold,
+    scale: &'b Scale,
+}
+
+impl Search<'_, '_> {
+    /// The time constant of least error, and its error by the bend of that.
+    fn best(&self) -> Option<SpeedFilter> {
+        let first = LOGGING * self.scale.step;
+        let count = ((LONGEST / first).ln() / RATIO.ln()).ceil().max(2.0) as i32;
+        let times: Vec<f64> = (0..=count).map(|k| first * RATIO.powi(k)).collect();
+        let sums: Vec<f64> = times.iter().map(|&t| self.sum(t)).collect();
+        let n = (0..sums.len()).min_by(|a, b| sums[*a].total_cmp(&sums[*b]))?;
+        if n == 0 || n + 1 == sums.len() {
+            return None;
+        }
+        // a parabola through the logarithms of three times, twice, the second time closer
+        let (mut middle, mut step, mut bend) = (times[n].ln(), RATIO.ln(), 0.0);
+        for _ in 0..2 {
+            let [low, least, high] = [-1.0, 0.0, 1.0].map(|k| self.sum((middle + k * step).exp()));
+            bend = (low - 2.0 * least + high) / (step * step);
+            if !(bend > 0.0) {
+                return None;
+            }
+            middle += (0.5 * (low - high) / (step * bend)).clamp(-step, step);
+            step *= 0.4;
+        }
+        let time_s = middle.exp();
+        let error = self.sum(time_s) / self.plain.windows.values() as f64;
+        Some(SpeedFilter { time_s, std_error_s: time_s * (2.0 * error / bend).sqrt() })
+    }
+
+    fn sum(&self, time: f64) -> f64 {
+        self.left(time, Noise::Kept).map_or(f64::INFINITY, |left| left.iter().sum())
+    }
+
+    /// Squared innovations of the recorded speeds in every window, by a model that is fitted before the low-pass.
+    fn left(&self, time: f64, noise: Noise) -> Option<Vec<f64>> {
+        let before: Vec<Recording> = self.recordings.iter().map(|r| advanced(r, time)).collect();
+        let moved: Vec<&Recording> = before.iter().collect();
+        let Timed { windows, fit, .. } =
+            timed(self.model, self.p, 0.0, &moved, self.hold, self.scale)?;
+        let recorded = &self.plain.windows;
+        let squares = |windows: &Windows| {
+            let errors = windows.errors(&fit.model, &fit.p)?;
+            let behind = |(n, e): (usize, &Errors)| behind(recorded, n, e, &before, time);
+            let errors: Vec<Errors> = errors.iter().enumerate().map(behind).collect();
+            Some(recorded.innovations(&errors))
+        };
+        match noise {
+            Noise::Kept => squares(&windows),
+            Noise::Removed => without_noise(&windows, squares),
+        }
+    }
+
+    /// Squared innovations, without noise of the input, by each effect that makes the actuator late, from about
+    /// `time` on.
+    fn late_actuators(&self, time: f64) -> Vec<Vec<f64>> {
+        let late = crate::effects::all().into_iter().filter(|e| e.change() == Change::TimeShift);
+        let windows = &self.plain.windows;
+        let left = |effect| {
+            let model = self.model.add_effect(std::sync::Arc::from(effect)).ok()?;
+            let mut start = self.p.to_vec();
+            start.resize(model.parameters().len(), time);
+            let fit = fit(windows, &model, &start, self.scale)?;
+            noiseless(windows, &fit)
+        };
+        late.filter_map(left).collect()
+    }
+}
+
+/// Errors of window `n` of the recorded speeds, from those of the speeds `before` the low-pass.
+fn behind(windows: &Windows, n: usize, errors: &Errors, before: &[Recording], time: f64) -> Errors {
+    let window = &windows.windows[n];
+    let recorded = windows.recordings[window.recording];
+    let (t, first) = (recorded.t(), window.rows.start);
+    let speeds = before[window.recording].omega();
+    let (mut low, mut last) = (window.start.omega, [0.0; 2]);
+    let row = |(k, e): (usize, &[f64; 2])| {
+        let row = first + k;
+        let speed = [0, 1].map(|i| speeds[row][i] - e[i]);
+        if k > 0 {
+            low = [0, 1].map(|i| low_pass(low[i], [last[i], speed[i]], t[row] - t[row - 1], time));
+        }
+        last = speed;
+        [0, 1].map(|i| recorded.omega()[row][i] - low[i])
+    };
+    let error = errors.error.iter().enumerate().map(row).collect();
+    Errors { error, moving: errors.moving }
+}
+
+/// A low-pass of time constant `time` a step `h` after its output `y`, of an input on a line from one value to another.
+///
+/// ```text
+/// y' = u_1 - T (u_1 - u_0)/h + (y - u_0 + T (u_1 - u_0)/h) exp(-h/T)
+/// ```
+fn low_pass(y: f64, [from, to]: [f64; 2], h: f64, time: f64) -> f64 {
+    let behind = time * (to - from) / h;
+    to - behind + (y - from + behind) * (-h / time).exp()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_low_pass_of_a_line_is_late_by_its_time_constant() {
+        // u = 3 t: y = 3 (t - T) + 3 T exp(-t/T) from rest, whatever the steps
+        let (time, mut t, mut y) = (0.03, 0.0, 0.0);
+        for h in [0.01, 0.004, 0.02, 0.05] {
+            y = low_pass(y, [3.0 * t, 3.0 * (t + h)], h, time);
+            t += h;
+            let exact = 3.0 * (t - time) + 3.0 * time * (-t / time).exp();
+            assert!((y - exact).abs() < 1e-15, "{t}");
+        }
+    }
+}
