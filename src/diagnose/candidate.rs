@@ -30,8 +30,6 @@ pub struct Candidate {
     pub p: Vec<f64>,
     /// Places of the linear parameters in `p`, one column each. A drive effect has one column.
     pub linear: Vec<usize>,
-    /// Number of grid values of this effect: the price of choosing the best.
-    pub grid: usize,
     /// How a column is computed.
     pub form: Form,
     /// Speed below which a friction direction of its own is smoothed [rad/s].
@@ -116,10 +114,10 @@ fn grid(
         let mut pairs = values.iter().zip(&shapes);
         pairs.all(|(v, &j)| (specs[j].range.0..=specs[j].range.1).contains(v))
     };
-    let tried: Vec<Vec<f64>> = effect.shapes(scale).into_iter().filter(within).collect();
-    let count = tried.len();
-    tried
+    effect
+        .shapes(scale)
         .into_iter()
+        .filter(within)
         .map(|values| {
             let mut p = vec![0.0; specs.len()];
             shapes.iter().zip(values).for_each(|(&j, value)| p[j] = value);
@@ -128,7 +126,6 @@ fn grid(
                 effect: effect.clone(),
                 p,
                 linear: linear.clone(),
-                grid: count,
                 form: Form::Instant,
                 rest: REST * scale.speed,
                 around: around.clone(),

@@ -95,7 +95,7 @@ pub fn diagnose(
     let rest = search.with_falls(steps.last().map_or(&base, |s| &s.fit), rest);
     let ranking = search.with_falls(&base, std::mem::take(&mut rankings[0]));
     let validated = search.held.is_some();
-    Ok(Diagnosis { base, ranking, steps, rest, degrees: search.degrees, validated })
+    Ok(Diagnosis { base, ranking, steps, rest, validated })
 }
 
 struct Search<'a> {

@@ -35,8 +35,6 @@ pub struct Maximum {
     pub log_likelihood: f64,
     /// Information of all parameters.
     pub information: DMatrix<f64>,
-    /// The passes at the maximum, one a recording.
-    pub passes: Vec<Pass>,
     /// How it ended.
     pub status: MinimumStatus,
     /// Gauss-Newton steps.
@@ -217,16 +215,7 @@ impl Likelihood<'_> {
         let log_likelihood = passes.iter().map(|pass| pass.log_likelihood).sum();
         let information = passes.iter().map(|pass| &pass.information).sum();
         evaluations += 1;
-        Ok(Maximum {
-            p,
-            noise,
-            log_likelihood,
-            information,
-            passes,
-            status,
-            iterations,
-            evaluations,
-        })
+        Ok(Maximum { p, noise, log_likelihood, information, status, iterations, evaluations })
     }
 
     /// Gauss-Newton steps at fixed noise; moves `p`.

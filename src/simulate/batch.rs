@@ -9,8 +9,8 @@ use super::stepper::{SPEED_LIMIT, Stepper, pieces_between};
 use super::{Hold, Input, SimulateError, simulate};
 use crate::effects::BASE;
 use crate::math::{Lanes, Mask, in_lanes};
-use crate::model::Model;
-use crate::robot::State;
+use crate::model::{Model, base};
+use crate::robot::{BaseParameters, State};
 
 /// Simulations that go on together: two of the widest registers, since a step of one waits for itself most of
 /// the time.
@@ -64,8 +64,7 @@ pub fn ise_of_many(
     measured: &[[f64; 2]],
 ) -> Vec<Result<f64, SimulateError>> {
     assert_eq!(measured.len(), input.t.len(), "one row of speeds a sample");
-    let base = model.effects().iter().map(|effect| effect.id()).eq(BASE);
-    if !base {
+    if !model.effects().iter().map(|effect| effect.id()).eq(BASE) {
         return parameters
             .par_iter()
             .map(|p| Ok(ise(input.t, measured, &simulate(model, p, input, start)?)))
@@ -187,20 +186,19 @@ impl<'a, S: Simd> Batch<'a, S> {
         start: State,
     ) -> Self {
         // lanes that are left over repeat the last vector
-        let lanes = |of: &dyn Fn(&[f64]) -> f64| {
-            let one = |lane: usize| of(&vectors[lane.min(vectors.len() - 1)]);
+        let lanes = |of: &dyn Fn(BaseParameters) -> f64| {
+            let one = |lane: usize| of(base::of(&vectors[lane.min(vectors.len() - 1)]));
             Lanes::load(simd, &(0..Lanes::<S>::COUNT).map(one).collect::<Vec<f64>>())
         };
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-        let determinant = |p: &[f64]| p[0] * p[0] - p[1] * p[1];
-        let sound = |p: &[f64]| f64::from(u8::from(p[0] > 0.0 && determinant(p) > 0.0));
+        let sound = |a: BaseParameters| f64::from(u8::from(a.has_positive_mass()));
         Self {
             simd,
-            a2: lanes(&|p| p[1]),
-            inverse: [lanes(&|p| p[0] / determinant(p)), lanes(&|p| -p[1] / determinant(p))],
-            alone: lanes(&|p| 1.0 / p[0]),
-            a3: lanes(&|p| p[2]),
-            level: [lanes(&|p| p[3].max(0.0)), lanes(&|p| p[4].max(0.0))],
+            a2: lanes(&|a| a.a2),
+            inverse: [lanes(&|a| a.a1 / a.determinant()), lanes(&|a| -a.a2 / a.determinant())],
+            alone: lanes(&|a| 1.0 / a.a1),
+            a3: lanes(&|a| a.a3),
+            level: [lanes(&|a| a.a4.max(0.0)), lanes(&|a| a.a5.max(0.0))],
             omega: start.omega.map(|w| Lanes::splat(simd, w)),
             refused: lanes(&sound).below(one),
             sum: zero,

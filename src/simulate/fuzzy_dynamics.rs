@@ -8,8 +8,8 @@ use super::{Dynamics, Hold, Input, Rules, SimulateError, Structure, TakagiSugeno
 use crate::math::runge_kutta_step;
 use crate::robot::State;
 
-/// Below this strength of its best trained rule a state is outside what was learnt.
-const COVERED: f64 = 0.2;
+/// A rule is trained where it fires with at least this strength in some sample.
+const EXCITED: f64 = 0.2;
 /// Longest step of the integrator [s].
 const LONGEST_STEP: f64 = 0.005;
 /// A wheel speed beyond which the motion has left all bounds [rad/s].
@@ -50,42 +50,10 @@ impl FuzzyDynamics {
         let mut trained = vec![false; system.rules()];
         for omega in speeds {
             for (trained, strength) in trained.iter_mut().zip(system.firing(omega)) {
-                *trained |= strength >= COVERED;
+                *trained |= strength >= EXCITED;
             }
         }
         Self { system, input_gain, trained, gain, structure }
-    }
-
-    /// Whether what the systems say at these wheel speeds [rad/s] was learnt from data: within the
-    /// range (and half a spacing beyond), and the strongest trained rule fires with at least 0.2.
-    ///
-    /// # Examples
-    /// ```
-    /// use amigo_ident::simulate::{
-    ///     Consequents, Defuzzification, FuzzyDynamics, Structure, TakagiSugeno};
-    /// let system = TakagiSugeno::uniform(
-    ///     6, [(0.0, 30.0); 2], Consequents::Constant, Defuzzification::WeightedAverage);
-    /// let slow = [[1.0, 1.0], [5.0, 5.0]];
-    /// let g = [[30.0, 2.0], [2.0, 30.0]];
-    /// let learnt = FuzzyDynamics::new(system, g, 1.0, Structure::Parallel, &slow);
-    /// assert!(learnt.covers(&[5.5, 6.0]) && !learnt.covers(&[25.0, 25.0]));
-    /// ```
-    #[must_use]
-    pub fn covers(&self, omega: &[f64; 2]) -> bool {
-        let near = (0..2).all(|i| {
-            let (low, high) = self.system.range()[i];
-            let margin = 0.5 * (high - low) / (self.system.memberships(i).len() - 1) as f64;
-            omega[i] >= low - margin && omega[i] <= high + margin
-        });
-        let firing = self.system.firing(omega);
-        near && firing.iter().zip(&self.trained).any(|(h, trained)| *trained && *h >= COVERED)
-    }
-
-    /// Share of `speeds` [rad/s] that [`Self::covers`] accepts.
-    #[must_use]
-    pub fn coverage(&self, speeds: &[[f64; 2]]) -> f64 {
-        let covered = speeds.iter().filter(|omega| self.covers(omega)).count();
-        covered as f64 / speeds.len().max(1) as f64
     }
 
     fn rate(&self, omega: &[f64; 2], u: &[f64; 2]) -> [f64; 2] {
