@@ -33,6 +33,13 @@ impl Physics for Inertia {
         ]
     }
 
+    /// a1 above |a2|, so that every motion has kinetic energy.
+    fn start(&self, p: &mut [f64]) {
+        if !(p[0] > 1.05 * p[1].abs()) {
+            p[0] = (1.1 * p[1].abs()).max(1e-6);
+        }
+    }
+
     fn energy(&self) -> Energy {
         Energy::Stores
     }

@@ -8,7 +8,6 @@ use super::weak::{weak_rows, windows};
 use super::{IdentifyError, Task};
 use crate::math::Information;
 use crate::model::Model;
-use crate::model::base::{A1, A2};
 use crate::recording::Recording;
 
 /// Half width of a test function [s].
@@ -65,18 +64,16 @@ fn minimum_norm(x: &DMatrix<f64>, y: &DVector<f64>) -> DVector<f64> {
     DVector::from_fn(x.ncols(), |j, _| solution[j] / scale[j])
 }
 
-/// Makes a start from which the model can move: a1 above |a2|, frictions not negative.
+/// Makes a start from which the model can move, as its effects know it ([`crate::effects::Physics::start`]); fixed
+/// values stay.
 pub(super) fn sound(model: &Model, p: &mut [f64]) {
-    let parameters = model.parameters();
-    let free = |j: usize| parameters[j].fixed.is_none();
-    if free(A1) && !(p[A1] > 1.05 * p[A2].abs()) {
-        p[A1] = (1.1 * p[A2].abs()).max(1e-6);
+    let mut moved = p.to_vec();
+    for (e, effect) in model.effects().iter().enumerate() {
+        effect.start(&mut moved[model.slots(e)]);
     }
-    for (j, parameter) in parameters.iter().enumerate().filter(|(j, _)| free(*j)) {
-        if parameter.effect == "coulomb_friction" {
-            p[j] = p[j].max(0.0);
-        } else if parameter.spec.kind == crate::effects::ParameterKind::Shape {
-            p[j] = p[j].clamp(parameter.spec.range.0, parameter.spec.range.1);
+    for (j, parameter) in model.parameters().iter().enumerate() {
+        if parameter.fixed.is_none() {
+            p[j] = moved[j];
         }
     }
 }

@@ -28,5 +28,6 @@ pub(crate) use quality::{
     View, Window, exchanged_input, exchanged_speeds, opposing_input, windows_of,
 };
 pub use recording::Recording;
+pub(crate) use refresh::REGULAR;
 pub use refresh::refreshed;
 pub use regime::Regime;

@@ -4,7 +4,7 @@ use std::convert::Infallible;
 
 use wide::f64x2;
 
-use super::{Dynamics, Hold, Input, Rules, SimulateError, Structure, TakagiSugeno, WithRules};
+use super::{Hold, Input, Rules, SimulateError, Structure, TakagiSugeno, WithRules};
 use crate::math::runge_kutta_step;
 use crate::robot::State;
 
@@ -56,32 +56,18 @@ impl FuzzyDynamics {
         Self { system, input_gain, trained, gain, structure }
     }
 
-    fn rate(&self, omega: &[f64; 2], u: &[f64; 2]) -> [f64; 2] {
+    /// The acceleration f̂(w) + G u [rad/s²].
+    pub(super) fn rate(&self, omega: &[f64; 2], u: &[f64; 2]) -> [f64; 2] {
         self.driven(self.system.output(omega), u)
+    }
+
+    /// The motion by Runge-Kutta 4 in steps of at most 5 ms.
+    pub(super) fn simulate(&self, input: &Input, start: State) -> Result<Vec<State>, SimulateError> {
+        self.system.with_rules(Simulation { dynamics: self, input, start })
     }
 
     fn driven(&self, f: [f64; 2], u: &[f64; 2]) -> [f64; 2] {
         [0, 1].map(|i| f[i] + self.input_gain[i][0] * u[0] + self.input_gain[i][1] * u[1])
-    }
-}
-
-impl Dynamics for FuzzyDynamics {
-    fn acceleration(
-        &self,
-        _t: f64,
-        state: &State,
-        moment: &[f64; 2],
-    ) -> Result<[f64; 2], SimulateError> {
-        Ok(self.rate(&state.omega, moment))
-    }
-
-    /// Runge-Kutta 4 in steps of at most 5 ms.
-    fn simulate(&self, input: &Input, start: State) -> Result<Vec<State>, SimulateError> {
-        self.system.with_rules(Simulation { dynamics: self, input, start })
-    }
-
-    fn fuzzy(&self) -> Option<&Self> {
-        Some(self)
     }
 }
 
