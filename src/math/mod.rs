@@ -32,6 +32,6 @@ pub(crate) use lanes::{Lanes, Mask, in_lanes};
 pub use least_squares::{LinearFit, clustered_covariance, fit};
 pub use order::{median, quantile};
 pub use robust::{RobustFit, fit_huber};
-pub use runge_kutta::{runge_kutta_from, runge_kutta_step};
+pub use runge_kutta::{runge_kutta_from, runge_kutta_motion, runge_kutta_step};
 pub use scalar::{Dual, Real, sgn};
 pub use symbol::{Symbol, record};

@@ -1,6 +1,8 @@
 //! Many parameter vectors over one input at once: simulations side by side in the lanes of the
 //! processor, each reduced to its ISE.
 
+use std::convert::Infallible;
+
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
@@ -8,7 +10,7 @@ use super::drive::Drive;
 use super::stepper::{SPEED_LIMIT, Stepper, pieces_between};
 use super::{Hold, Input, SimulateError, simulate};
 use crate::effects::BASE;
-use crate::math::{Lanes, Mask, in_lanes};
+use crate::math::{Lanes, Mask, in_lanes, runge_kutta_step};
 use crate::model::{Model, base};
 use crate::robot::{BaseParameters, State};
 
@@ -283,15 +285,17 @@ impl<'a, S: Simd> Batch<'a, S> {
     fn step(&self, h: f64, [start, middle, end]: &[[f64; 2]; 3]) -> (Wheels<S>, Mask<S>) {
         let motion = self.motion();
         let w = self.omega;
-        let first = self.acceleration(&w, start, &motion);
-        let second = self.acceleration(&plus(&w, &first, 0.5 * h), middle, &motion);
-        let third = self.acceleration(&plus(&w, &second, 0.5 * h), middle, &motion);
-        let fourth = self.acceleration(&plus(&w, &third, h), end, &motion);
-        let mut after = w;
-        for i in 0..2 {
-            let sum = first[i] + (second[i] + third[i]) * 2.0 + fourth[i];
-            after[i] = w[i] + sum * (h / 6.0);
-        }
+        let rate = |c: f64, w: &Wheels<S>| {
+            let moment = if c == 0.0 {
+                start
+            } else if c < 1.0 {
+                middle
+            } else {
+                end
+            };
+            Ok::<_, Infallible>(self.acceleration(w, moment, &motion))
+        };
+        let Ok(after) = runge_kutta_step(&w, h, rate);
         let zero = Lanes::splat(self.simd, 0.0);
         let reversed = (motion.friction[0] * after[0]).below(zero)
             | (motion.friction[1] * after[1]).below(zero);
@@ -361,12 +365,6 @@ impl<'a, S: Simd> Batch<'a, S> {
         }
         (held[0] * held[1]).below(one)
     }
-}
-
-/// x + h k
-#[inline(always)]
-fn plus<S: Simd>(x: &Wheels<S>, k: &Wheels<S>, h: f64) -> Wheels<S> {
-    [x[0] + k[0] * h, x[1] + k[1] * h]
 }
 
 /// The number of each lane; zeros in the places that the register does not have.

@@ -62,7 +62,11 @@ impl FuzzyDynamics {
     }
 
     /// The motion by Runge-Kutta 4 in steps of at most 5 ms.
-    pub(super) fn simulate(&self, input: &Input, start: State) -> Result<Vec<State>, SimulateError> {
+    pub(super) fn simulate(
+        &self,
+        input: &Input,
+        start: State,
+    ) -> Result<Vec<State>, SimulateError> {
         self.system.with_rules(Simulation { dynamics: self, input, start })
     }
 
