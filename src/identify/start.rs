@@ -7,11 +7,14 @@ use super::regressor::{Regressor, drive_around};
 use super::weak::{weak_rows, windows};
 use super::{IdentifyError, Task};
 use crate::math::Information;
+use crate::math::least_squares::fit_above;
 use crate::model::Model;
 use crate::recording::Recording;
 
 /// Half width of a test function [s].
 const HALF_WIDTH: f64 = 0.25;
+/// Directions of the regressor below this share of the largest stay out of a start: they would begin it far away.
+const WEAK: f64 = 1e-6;
 
 /// A first guess of all parameters: weak-form least squares for the linear ones with the shape
 /// parameters at their typical values, fixed ones as they are.
@@ -33,7 +36,7 @@ pub fn start(task: &Task, method: &str) -> Result<Vec<f64>, IdentifyError> {
     }
     let samples: usize = task.train.iter().map(Recording::len).sum();
     let usable = rows.iter().map(|(_, y)| y.len()).sum();
-    if usable < linear.len() {
+    if usable <= linear.len() {
         return Err(IdentifyError::TooFewSamples { method: method.into(), usable, samples });
     }
     let mut x = DMatrix::zeros(usable, linear.len());
@@ -44,24 +47,16 @@ pub fn start(task: &Task, method: &str) -> Result<Vec<f64>, IdentifyError> {
         y.rows_mut(first, right.len()).copy_from(right);
         first += right.len();
     }
-    let values = minimum_norm(&x, &y);
-    for (value, &j) in values.iter().zip(linear) {
+    let fit = fit_above(WEAK, &x, &y, None);
+    let fit = fit
+        .map_err(|e| IdentifyError::Unsupported { method: method.into(), reason: e.to_string() })?;
+    for (value, &j) in fit.coefficients.iter().zip(linear) {
         if value.abs() > 0.0 {
             p[j] = *value;
         }
     }
     sound(task.model, &mut p);
     Ok(p)
-}
-
-/// Least squares with columns scaled to unit norm and weak directions left out.
-fn minimum_norm(x: &DMatrix<f64>, y: &DVector<f64>) -> DVector<f64> {
-    // a column of zeros (no turning, no a3) keeps a coefficient of zero
-    let scale: Vec<f64> =
-        x.column_iter().map(|c| if c.norm() > 0.0 { c.norm() } else { 1.0 }).collect();
-    let scaled = DMatrix::from_fn(x.nrows(), x.ncols(), |i, j| x[(i, j)] / scale[j]);
-    let solution = scaled.svd(true, true).solve(y, 1e-6).expect("both factors were asked for");
-    DVector::from_fn(x.ncols(), |j, _| solution[j] / scale[j])
 }
 
 /// Makes a start from which the model can move, as its effects know it ([`crate::effects::Physics::start`]); fixed

@@ -1,6 +1,5 @@
 //! The classical Runge-Kutta method of order 4.
 
-use std::array;
 use std::ops::{Add, Mul};
 
 /// One step of length `h` from `x` of the classical Runge-Kutta method for `x' = rate(c, x)`.
@@ -50,12 +49,14 @@ pub fn runge_kutta_from<const N: usize, T, E>(
 where
     T: Copy + Add<Output = T> + Mul<f64, Output = T>,
 {
-    let along = |h: f64, k: &[T; N]| -> [T; N] { array::from_fn(|i| x[i] + k[i] * h) };
-    let second = rate(0.5, &along(0.5 * h, first))?;
-    let third = rate(0.5, &along(0.5 * h, &second))?;
-    let fourth = rate(1.0, &along(h, &third))?;
-    let sixth = h / 6.0;
-    Ok(array::from_fn(|i| x[i] + (first[i] + (second[i] + third[i]) * 2.0 + fourth[i]) * sixth))
+    let second = rate(0.5, &along(x, 0.5 * h, first))?;
+    let third = rate(0.5, &along(x, 0.5 * h, &second))?;
+    let fourth = rate(1.0, &along(x, h, &third))?;
+    let mut sum = fourth;
+    for i in 0..N {
+        sum[i] = first[i] + (second[i] + third[i]) * 2.0 + fourth[i];
+    }
+    Ok(along(x, h / 6.0, &sum))
 }
 
 /// One step of length `h` of the classical method for `x'' = rate(c, x, v)`, `v = x'`, from place `x` and speed `v`,
@@ -81,16 +82,31 @@ pub fn runge_kutta_motion<const N: usize, T, E>(
 where
     T: Copy + Add<Output = T> + Mul<f64, Output = T>,
 {
-    let along = |x: &[T; N], h: f64, k: &[T; N]| -> [T; N] { array::from_fn(|i| x[i] + k[i] * h) };
     let (half, sixth) = (0.5 * h, h / 6.0);
     let at_second = along(v, half, first);
     let second = rate(0.5, &along(x, half, v), &at_second)?;
     let at_third = along(v, half, &second);
     let third = rate(0.5, &along(x, half, &at_second), &at_third)?;
     let fourth = rate(1.0, &along(x, h, &at_third), &along(v, h, &third))?;
-    let inner: [T; N] = array::from_fn(|i| first[i] + second[i] + third[i]);
-    let all = array::from_fn(|i| inner[i] + second[i] + third[i] + fourth[i]);
+    let (mut inner, mut all) = (second, third);
+    for i in 0..N {
+        inner[i] = first[i] + second[i] + third[i];
+        all[i] = inner[i] + second[i] + third[i] + fourth[i];
+    }
     Ok((along(x, h, &along(v, sixth, &inner)), along(v, sixth, &all)))
+}
+
+/// `x + h k`, without a closure, which would not be compiled for the wide registers of its caller.
+#[inline(always)]
+fn along<const N: usize, T>(x: &[T; N], h: f64, k: &[T; N]) -> [T; N]
+where
+    T: Copy + Add<Output = T> + Mul<f64, Output = T>,
+{
+    let mut out = *x;
+    for i in 0..N {
+        out[i] = x[i] + k[i] * h;
+    }
+    out
 }
 
 #[cfg(test)]

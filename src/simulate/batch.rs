@@ -285,17 +285,17 @@ impl<'a, S: Simd> Batch<'a, S> {
     fn step(&self, h: f64, [start, middle, end]: &[[f64; 2]; 3]) -> (Wheels<S>, Mask<S>) {
         let motion = self.motion();
         let w = self.omega;
-        let rate = |c: f64, w: &Wheels<S>| {
-            let moment = if c == 0.0 {
-                start
-            } else if c < 1.0 {
-                middle
-            } else {
-                end
-            };
-            Ok::<_, Infallible>(self.acceleration(w, moment, &motion))
-        };
-        let Ok(after) = runge_kutta_step(&w, h, rate);
+        let inputs = [start, middle, end];
+        let Ok(after) = runge_kutta_step(
+            &w,
+            h,
+            // or the closure is not compiled for wide registers
+            #[inline(always)]
+            |c, w| {
+                let moment = inputs[(2.0 * c) as usize];
+                Ok::<_, Infallible>(self.acceleration(w, moment, &motion))
+            },
+        );
         let zero = Lanes::splat(self.simd, 0.0);
         let reversed = (motion.friction[0] * after[0]).below(zero)
             | (motion.friction[1] * after[1]).below(zero);
