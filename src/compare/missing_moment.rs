@@ -268,6 +268,7 @@ fn curve(
     columns: &[usize],
 ) -> Vec<Bin> {
     let (information, score) = project(h, g, base, columns);
+    // all bins are in N m: scaled to unit diagonal, as `Information` does, bins with few rows would count as others
     let largest = information.diagonal().max();
     let inverse = information
         .clone()

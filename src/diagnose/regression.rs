@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::candidate::{Candidate, still_instant};
 use super::input_timing::shifted;
 use super::nonnegative;
-use crate::compare::{filtered, smooth_motion};
+use crate::compare::{REST, WIDTH, filtered, smooth_motion};
 use crate::effects::{Motion, along};
 use crate::math::{Real, least_squares};
 use crate::model::{Linearisation, Model};
@@ -24,10 +24,6 @@ const RESOLVED: f64 = 0.1;
 const NOISE: f64 = 0.05;
 /// Cycles of the cut-off that the shortest recording must hold, so that a fit has something to stand on.
 const CYCLES: f64 = 20.0;
-/// Speed, as a share of [`Scale::speed`](crate::effects::Scale), below which a row counts as rest, and the
-/// width over which the sign of the speed changes.
-const REST: f64 = 0.016;
-const WIDTH: f64 = 0.00125;
 /// Rows that are kept a cycle of the cut-off.
 const KEPT: f64 = 8.0;
 

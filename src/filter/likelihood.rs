@@ -218,7 +218,8 @@ impl Likelihood<'_> {
         Ok(Maximum { p, noise, log_likelihood, information, status, iterations, evaluations })
     }
 
-    /// Gauss-Newton steps at fixed noise; moves `p`.
+    /// Gauss-Newton steps at fixed noise; moves `p`. Not [`crate::math::minimise`], which ends where the cost does not
+    /// fall: the score leaves out how the gain depends on the parameters, so it promises what the cost does not hold.
     fn climb(
         &self,
         model: &Model,

@@ -186,7 +186,8 @@ fn distance(all: &[Shown], of: impl Fn(&Shown) -> f64) -> f64 {
     let mut p: Vec<f64> = all.iter().map(of).collect();
     p.sort_by(f64::total_cmp);
     let n = p.len() as f64;
-    let apart = |(k, p): (usize, &f64)| (p - k as f64 / n).abs().max((p - (k + 1) as f64 / n).abs());
+    let apart =
+        |(k, p): (usize, &f64)| (p - k as f64 / n).abs().max((p - (k + 1) as f64 / n).abs());
     p.iter().enumerate().map(apart).fold(0.0, f64::max)
 }
 
@@ -198,7 +199,12 @@ fn innovations_are_white_and_p_values_uniform_where_nothing_is_missing() {
     };
     let right = sets(0.0);
     let mean = right.iter().map(|s| s.square).sum::<f64>() / SETS as f64;
-    eprintln!("mean {mean} white {} par {} mis {}", distance(&right, |s| s.whiteness), distance(&right, |s| s.parameters), distance(&right, |s| s.missing));
+    eprintln!(
+        "mean {mean} white {} par {} mis {}",
+        distance(&right, |s| s.whiteness),
+        distance(&right, |s| s.parameters),
+        distance(&right, |s| s.missing)
+    );
     // 300 sets of 2000 values scatter by sqrt(2/6e5) = 0.0018
     assert!((mean - 1.0).abs() < 0.008, "{mean}");
     // the distance exceeds 1.95/sqrt(300) = 0.113 once in a thousand times
@@ -208,6 +214,11 @@ fn innovations_are_white_and_p_values_uniform_where_nothing_is_missing() {
     assert!(distance(&right, |s| s.missing) < limit);
     // the test of the test: 2 mN m s/rad, 4 % of the friction at 5 rad/s
     let wrong = sets(0.002);
-    eprintln!("wrong: white {} par {} mis {}", distance(&wrong, |s| s.whiteness), distance(&wrong, |s| s.parameters), distance(&wrong, |s| s.missing));
+    eprintln!(
+        "wrong: white {} par {} mis {}",
+        distance(&wrong, |s| s.whiteness),
+        distance(&wrong, |s| s.parameters),
+        distance(&wrong, |s| s.missing)
+    );
     assert!(distance(&wrong, |s| s.missing) > 3.0 * limit);
 }

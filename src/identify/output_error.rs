@@ -183,7 +183,9 @@ impl Problem<'_> {
             let block: Vec<usize> = (0..z.nrows()).collect();
             let ones = DVector::repeat(z.nrows(), 1.0);
             let robust = clustered_covariance(&all, z, &ones, &block, z.nrows());
-            raise_errors(&mut covariance, &robust.diagonal().map(f64::sqrt));
+            // behind the parameters stand the initial states
+            let own = robust.diagonal().rows(0, self.free.len()).map(f64::sqrt);
+            raise_errors(&mut covariance, &own);
         }
         among_all(self.model(), &covariance)
     }

@@ -22,6 +22,7 @@ pub use error::RecordingError;
 pub(crate) use gaps::{is_gap, pieces};
 pub use local::LocalMotion;
 pub use long::{LongRecording, Rows, Survey};
+pub(crate) use noise::FEW_LEVELS;
 pub use noise::share_noise;
 pub use quality::{Finding, Gaps, Issue, Quality, Severity, quality};
 pub(crate) use quality::{
