@@ -42,7 +42,7 @@ impl Physics for CoulombFriction {
     }
 
     /// Friction that drives has no rest from which a simulation could start.
-    fn start(&self, p: &mut [f64]) {
+    fn start(&self, p: &mut [f64], _free: &[bool]) {
         p.iter_mut().for_each(|level| *level = level.max(0.0));
     }
 

@@ -112,8 +112,9 @@ pub trait Physics: Send + Sync + 'static {
     }
 
     /// Moves values of its parameters to where a fit can start: shapes into their ranges. Linear ones may have
-    /// either sign, so that an effect that is not there scatters around zero.
-    fn start(&self, p: &mut [f64]) {
+    /// either sign, so that an effect that is not there scatters around zero. Values that are not `free` stay
+    /// whatever is written.
+    fn start(&self, p: &mut [f64], _free: &[bool]) {
         for (value, spec) in p.iter_mut().zip(self.parameters()) {
             if spec.kind == ParameterKind::Shape {
                 *value = value.clamp(spec.range.0, spec.range.1);
@@ -187,7 +188,7 @@ pub trait Effect: Send + Sync {
     /// [`Physics::limits`].
     fn limits(&self, scale: &Scale) -> Vec<(f64, f64)>;
     /// [`Physics::start`].
-    fn start(&self, p: &mut [f64]);
+    fn start(&self, p: &mut [f64], free: &[bool]);
     /// [`Physics::belongs_to`].
     fn belongs_to(&self, input: DriveUnit) -> bool;
     /// [`Physics::is_itself`].
@@ -263,8 +264,8 @@ impl<P: Physics> Effect for P {
     fn limits(&self, scale: &Scale) -> Vec<(f64, f64)> {
         Physics::limits(self, scale)
     }
-    fn start(&self, p: &mut [f64]) {
-        Physics::start(self, p);
+    fn start(&self, p: &mut [f64], free: &[bool]) {
+        Physics::start(self, p, free);
     }
     fn belongs_to(&self, input: DriveUnit) -> bool {
         Physics::belongs_to(self, input)

@@ -62,13 +62,14 @@ pub fn start(task: &Task, method: &str) -> Result<Vec<f64>, IdentifyError> {
 /// Makes a start from which the model can move, as its effects know it ([`crate::effects::Physics::start`]); fixed
 /// values stay.
 pub(super) fn sound(model: &Model, p: &mut [f64]) {
+    let free: Vec<bool> = model.parameters().iter().map(|q| q.fixed.is_none()).collect();
     let mut moved = p.to_vec();
     for (e, effect) in model.effects().iter().enumerate() {
-        effect.start(&mut moved[model.slots(e)]);
+        effect.start(&mut moved[model.slots(e)], &free[model.slots(e)]);
     }
-    for (j, parameter) in model.parameters().iter().enumerate() {
-        if parameter.fixed.is_none() {
-            p[j] = moved[j];
+    for (value, (moved, free)) in p.iter_mut().zip(moved.into_iter().zip(free)) {
+        if free {
+            *value = moved;
         }
     }
 }
@@ -80,4 +81,28 @@ pub fn covariance_of_free(model: &Model, information: &DMatrix<f64>) -> DMatrix<
     let free = model.free();
     let of_free = information.select_rows(&free).select_columns(&free);
     among_all(model, &Information::new(&of_free).covariance())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::base::{A1, A2, A4};
+    use crate::robot::Robot;
+
+    #[test]
+    fn a_start_keeps_the_inertia_that_the_data_show() {
+        let model = Model::base(Robot::amigobot());
+        // straight driving gives a1 + a2, pivots give a1 - a2; the shortest solution has a1 = |a2|
+        for a2 in [0.0147, -0.0147] {
+            let mut p = vec![0.0147, a2, 0.0, -0.1, 0.1];
+            sound(&model, &mut p);
+            assert!((p[A1] - 1.1 * p[A2].abs()).abs() < 1e-15 && p[A2] * a2 > 0.0, "{p:?}");
+            assert!((p[A1] + p[A2].abs() - 0.0294).abs() < 1e-15, "{p:?}");
+            assert_eq!(p[A4], 0.0);
+        }
+        let fixed = model.fix("a2", 0.02).unwrap();
+        let mut p = vec![0.0147, 0.02, 0.0, 0.1, 0.1];
+        sound(&fixed, &mut p);
+        assert_eq!((p[A1], p[A2]), (1.1 * 0.02, 0.02));
+    }
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::{Measured, Noise, Recording};
+use super::{LocalMotion, Measured, Noise, Recording};
 
 /// Half width of the widest neighbourhood [s], and its limits in samples.
 const HALF_WIDTH: f64 = 0.06;
@@ -14,21 +14,6 @@ const MOST: usize = 30;
 const WIDER: f64 = 1.6;
 /// Standard errors within which two neighbourhoods agree.
 const AGREE: f64 = 2.0;
-
-/// Motion around one sample, from a parabola through the angles and speeds of its neighbours.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct LocalMotion {
-    /// Wheel angles [rad].
-    pub alpha: [f64; 2],
-    /// Wheel speeds [rad/s].
-    pub omega: [f64; 2],
-    /// Wheel accelerations [rad/s^2].
-    pub acceleration: [f64; 2],
-    /// Variance of the speeds that the noise of the channels leaves [rad^2/s^2].
-    pub omega_variance: [f64; 2],
-    /// Variance of the angles [rad^2].
-    pub alpha_variance: [f64; 2],
-}
 
 impl Recording {
     /// The local motion around every sample: weighted least squares of
