@@ -33,9 +33,8 @@
 //! let fit = PredictionError::default().identify(&task)?;
 //!
 //! // compare: RMSE of 2 s simulations, and what the noise alone would leave [rad/s]
-//! let motion = train[0].local_motion();
-//! let simulated = simulate_recording(&*fit.dynamics, &train[0], &motion, Hold::Linear)?;
-//! let floor = noise_floor(&*fit.dynamics, &train[0], &motion, Hold::Linear, 0)?.window_rms;
+//! let simulated = simulate_recording(&*fit.dynamics, &train[0], Hold::Linear)?;
+//! let floor = noise_floor(&*fit.dynamics, &train[0], Hold::Linear, 0)?.window_rms;
 //! assert!(window_rms(&train[0], &simulated.windows) > 1.5 * floor);
 //!
 //! // diagnose

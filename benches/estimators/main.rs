@@ -63,7 +63,6 @@ fn judge(case: &Case, method: &dyn Identifier) -> Row {
 /// Root mean square of the 2 s simulation error of the speeds [rad/s].
 fn error_of(model: &Model, p: &[f64], recording: &Recording) -> f64 {
     let dynamics = PhysicalDynamics { model: model.clone(), p: p.to_vec() };
-    let motion = recording.local_motion();
-    simulate_recording(&dynamics, recording, &motion, Hold::Linear)
+    simulate_recording(&dynamics, recording, Hold::Linear)
         .map_or(f64::INFINITY, |simulated| window_rms(recording, &simulated.windows))
 }

@@ -83,15 +83,14 @@ pub(crate) fn run(case: &Case) -> Result<Outcome, Failure> {
 
     let identifier = find(METHOD).ok_or("the method is registered")?;
     let fits = [identifier.identify(&task)?, identifier.identify(&Task { model: &with, ..task })?];
-    let motion = held_out.local_motion();
     let windows = |fit: &Fit| -> Result<Vec<State>, SimulateError> {
-        let simulated = simulate_recording(&*fit.dynamics, &held_out, &motion, Hold::Linear)?;
+        let simulated = simulate_recording(&*fit.dynamics, &held_out, Hold::Linear)?;
         Ok(simulated.windows)
     };
     let windows = [windows(&fits[0])?, windows(&fits[1])?];
     let error = [0, 1].map(|i| window_rms(&held_out, &windows[i]));
     let [_, fit] = fits;
-    let floor = noise_floor(&*fit.dynamics, &held_out, &motion, Hold::Linear, 0)?.window_rms;
+    let floor = noise_floor(&*fit.dynamics, &held_out, Hold::Linear, 0)?.window_rms;
     let own = truth.parameters().iter().zip(&p).filter(|(q, _)| q.effect == case.id);
     let hidden = own.map(|(_, value)| *value).collect();
     let dependences = missing.dependences;

@@ -30,7 +30,6 @@ pub struct Simulated {
 pub fn simulate_recording(
     dynamics: &dyn Dynamics,
     recording: &Recording,
-    motion: &[LocalMotion],
     hold: Hold,
 ) -> Result<Simulated, SimulateError> {
     let drive = Acting::new(dynamics, recording, recording.moment());
@@ -39,11 +38,11 @@ pub fn simulate_recording(
     let mut window_starts = Vec::new();
     let mut window_states = Vec::new();
     for piece in recording.pieces() {
-        run(&drive, motion, piece.clone(), hold, &mut free)?;
+        free.extend(drive.simulate_measured(piece.clone(), hold)?);
         for window in windows_of(recording, piece, WINDOW) {
             window_starts.push(window.start);
-            window_states.push(start_of(&motion[window.start]));
-            run(&drive, motion, window, hold, &mut windows)?;
+            window_states.push(start_of(&recording.local_motion()[window.start]));
+            windows.extend(drive.simulate_measured(window, hold)?);
         }
     }
     Ok(Simulated { free, windows, window_starts, window_states })
@@ -74,8 +73,7 @@ pub(super) fn windows_of(
 /// A model on a recording, with the acting drive of the whole recording.
 pub(crate) struct Acting<'a> {
     dynamics: &'a dyn Dynamics,
-    t: &'a [f64],
-    pieces: &'a [std::ops::Range<usize>],
+    recording: &'a Recording,
     drive: Vec<[f64; 2]>,
 }
 
@@ -86,23 +84,22 @@ impl<'a> Acting<'a> {
         moment: &[[f64; 2]],
     ) -> Self {
         let drive = dynamics.drive(recording.t(), moment);
-        Self { dynamics, t: recording.t(), pieces: recording.pieces(), drive }
+        Self { dynamics, recording, drive }
     }
 
     /// The motion over a range of samples; far away (NaN) where it diverges: a bad model is a
     /// result, not an error.
     pub(crate) fn simulate(
         &self,
-        motion: &[LocalMotion],
         range: std::ops::Range<usize>,
         start: State,
         hold: Hold,
     ) -> Result<Vec<State>, SimulateError> {
-        let samples = range.len();
-        let run_in = self.run_in(motion, range.start);
+        let (samples, t) = (range.len(), self.recording.t());
+        let run_in = self.run_in(range.start);
         let whole = range.start - run_in.samples..range.end;
-        let input = Input { t: &self.t[whole.clone()], moment: &self.drive[whole], hold };
-        match self.dynamics.simulate_part(&input, self.t[0], &run_in, start) {
+        let input = Input { t: &t[whole.clone()], moment: &self.drive[whole], hold };
+        match self.dynamics.simulate_part(&input, t[0], &run_in, start) {
             Err(SimulateError::Diverged { .. }) => {
                 Ok(vec![State { alpha: [f64::NAN; 2], omega: [f64::NAN; 2] }; samples])
             }
@@ -110,29 +107,28 @@ impl<'a> Acting<'a> {
         }
     }
 
+    /// [`Self::simulate`] from the local motion at the start of the range.
+    pub(crate) fn simulate_measured(
+        &self,
+        range: std::ops::Range<usize>,
+        hold: Hold,
+    ) -> Result<Vec<State>, SimulateError> {
+        let start = start_of(&self.recording.local_motion()[range.start]);
+        self.simulate(range, start, hold)
+    }
+
     /// The run-in of a range that starts at a sample; none at the start of a piece, and none where
     /// the wheels are all there is.
-    fn run_in(&self, motion: &[LocalMotion], first: usize) -> RunIn {
-        let piece = self.pieces.iter().find(|piece| piece.contains(&first));
+    fn run_in(&self, first: usize) -> RunIn {
+        let (r, t) = (self.recording, self.recording.t());
+        let piece = r.pieces().iter().find(|piece| piece.contains(&first));
         let Some(piece) = piece.filter(|_| self.dynamics.has_more_state()) else {
             return RunIn::default();
         };
-        let early = |k: &usize| self.t[first] - self.t[*k] <= RUN_IN;
+        let early = |k: &usize| t[first] - t[*k] <= RUN_IN;
         let samples = (piece.start..first).rev().take_while(early).count();
-        RunIn { samples, start: start_of(&motion[first - samples]) }
+        RunIn { samples, start: start_of(&r.local_motion()[first - samples]) }
     }
-}
-
-fn run(
-    acting: &Acting,
-    motion: &[LocalMotion],
-    range: std::ops::Range<usize>,
-    hold: Hold,
-    out: &mut Vec<State>,
-) -> Result<(), SimulateError> {
-    let first = start_of(&motion[range.start]);
-    out.extend(acting.simulate(motion, range, first, hold)?);
-    Ok(())
 }
 
 /// Where a simulation starts: the local motion.

@@ -42,11 +42,10 @@ pub struct Floor {
 pub fn noise_floor(
     dynamics: &dyn Dynamics,
     recording: &Recording,
-    motion: &[LocalMotion],
     hold: Hold,
     seed: u64,
 ) -> Result<Floor, SimulateError> {
-    floor(&Runs::new(dynamics, recording, motion, hold, Reach::FreeAndWindows)?, seed)
+    floor(&Runs::new(dynamics, recording, hold, Reach::FreeAndWindows)?, seed)
 }
 
 /// [`noise_floor`] of the simulations that `runs` makes.
@@ -75,14 +74,13 @@ fn floor(runs: &Runs, seed: u64) -> Result<Floor, SimulateError> {
 pub fn unresolved(
     dynamics: &dyn Dynamics,
     recordings: &[Recording],
-    motions: &[Vec<LocalMotion>],
     hold: Hold,
 ) -> Result<f64, SimulateError> {
-    let square = |recording: &Recording, motion: &Vec<LocalMotion>| {
-        let runs = Runs::new(dynamics, recording, motion, hold, Reach::Windows)?;
+    let square = |recording: &Recording| {
+        let runs = Runs::new(dynamics, recording, hold, Reach::Windows)?;
         Ok(runs.by_every_other_row()?.square)
     };
-    Ok(pooled(recordings, motions, square)? * BETWEEN_ROWS)
+    Ok(pooled(recordings, square)? * BETWEEN_ROWS)
 }
 
 /// Root mean square difference over windows of 2 s [rad/s] that every other row of the input makes, less what
@@ -94,16 +92,15 @@ pub fn unresolved(
 pub fn between_rows(
     dynamics: &dyn Dynamics,
     recordings: &[Recording],
-    motions: &[Vec<LocalMotion>],
     hold: Hold,
 ) -> Result<f64, SimulateError> {
-    let square = |recording: &Recording, motion: &Vec<LocalMotion>| {
-        let runs = Runs::new(dynamics, recording, motion, hold, Reach::Windows)?;
+    let square = |recording: &Recording| {
+        let runs = Runs::new(dynamics, recording, hold, Reach::Windows)?;
         let jumps = runs.by_input_jumps(&mut ChaCha8Rng::seed_from_u64(0))?.square;
         let noise = recording.noise_of_jumps().powi(2) * jumps;
         Ok((runs.by_every_other_row()?.square - noise).max(0.0))
     };
-    pooled(recordings, motions, square)
+    pooled(recordings, square)
 }
 
 /// The floor of [`noise_floor`] over windows of all recordings [rad/s].
@@ -113,25 +110,22 @@ pub fn between_rows(
 pub fn pooled_floor(
     dynamics: &dyn Dynamics,
     recordings: &[Recording],
-    motions: &[Vec<LocalMotion>],
     hold: Hold,
     seed: u64,
 ) -> Result<f64, SimulateError> {
-    let square = |recording: &Recording, motion: &Vec<LocalMotion>| {
-        let runs = Runs::new(dynamics, recording, motion, hold, Reach::Windows)?;
+    let square = |recording: &Recording| {
+        let runs = Runs::new(dynamics, recording, hold, Reach::Windows)?;
         Ok(floor(&runs, seed)?.window_rms.powi(2))
     };
-    pooled(recordings, motions, square)
+    pooled(recordings, square)
 }
 
 /// Root of the mean over all rows of a mean square of each recording.
 fn pooled(
     recordings: &[Recording],
-    motions: &[Vec<LocalMotion>],
-    square: impl Fn(&Recording, &Vec<LocalMotion>) -> Result<f64, SimulateError> + Sync,
+    square: impl Fn(&Recording) -> Result<f64, SimulateError> + Send + Sync,
 ) -> Result<f64, SimulateError> {
-    let each = recordings.par_iter().zip(motions);
-    let squares: Vec<f64> = each.map(|(r, motion)| square(r, motion)).collect::<Result<_, _>>()?;
+    let squares: Vec<f64> = recordings.par_iter().map(square).collect::<Result<_, _>>()?;
     let rows = || recordings.iter().map(|r| r.len() as f64);
     let sum: f64 = squares.iter().zip(rows()).map(|(square, rows)| rows * square).sum();
     Ok((sum / f64::max(rows().sum(), 1.0)).sqrt())
@@ -148,7 +142,6 @@ enum Reach {
 struct Runs<'a> {
     dynamics: &'a dyn Dynamics,
     recording: &'a Recording,
-    motion: &'a [LocalMotion],
     hold: Hold,
     reach: Reach,
     /// Rows of the windows of 2 s.
@@ -176,14 +169,13 @@ impl<'a> Runs<'a> {
     fn new(
         dynamics: &'a dyn Dynamics,
         recording: &'a Recording,
-        motion: &'a [LocalMotion],
         hold: Hold,
         reach: Reach,
     ) -> Result<Self, SimulateError> {
         let whole = recording.pieces().iter();
         let short = whole.flat_map(|p| windows_of(recording, p, WINDOW)).collect();
         let plain = Run { free: None, windows: vec![] };
-        let mut runs = Self { dynamics, recording, motion, hold, reach, short, plain };
+        let mut runs = Self { dynamics, recording, hold, reach, short, plain };
         runs.plain = runs.run(recording.moment(), None)?;
         Ok(runs)
     }
@@ -194,12 +186,9 @@ impl<'a> Runs<'a> {
         mut rng: Option<&mut ChaCha8Rng>,
     ) -> Result<Run, SimulateError> {
         let acting = Acting::new(self.dynamics, self.recording, moment);
-        let whole = self.recording.pieces();
+        let (whole, motion) = (self.recording.pieces(), self.recording.local_motion());
         let mut starts = |ranges: &[Range<usize>]| -> Vec<State> {
-            ranges
-                .iter()
-                .map(|range| start(&self.motion[range.start], rng.as_deref_mut()))
-                .collect()
+            ranges.iter().map(|range| start(&motion[range.start], rng.as_deref_mut())).collect()
         };
         // starts of the windows are the same draws with a free simulation and without
         let (first, of_windows) = (starts(whole), starts(&self.short));
@@ -216,9 +205,9 @@ impl<'a> Runs<'a> {
         ranges: &[Range<usize>],
         starts: &[State],
     ) -> Result<Vec<State>, SimulateError> {
-        let mut out = Vec::with_capacity(self.motion.len());
+        let mut out = Vec::with_capacity(self.recording.len());
         for (range, start) in ranges.iter().zip(starts) {
-            out.extend(acting.simulate(self.motion, range.clone(), *start, self.hold)?);
+            out.extend(acting.simulate(range.clone(), *start, self.hold)?);
         }
         Ok(out)
     }
@@ -339,11 +328,9 @@ mod tests {
                 let recorder =
                     Recorder { rate: 200.0, control_rate: 1000.0, noise, ticks: None, seed };
                 let recording = record("true", &model, &p, &movement, &recorder).unwrap();
-                let motion = recording.local_motion();
-                let run = simulate_recording(&dynamics, &recording, &motion, Hold::Linear).unwrap();
+                let run = simulate_recording(&dynamics, &recording, Hold::Linear).unwrap();
                 error += window_rms(&recording, &run.windows).powi(2);
-                let found =
-                    noise_floor(&dynamics, &recording, &motion, Hold::Linear, seed).unwrap();
+                let found = noise_floor(&dynamics, &recording, Hold::Linear, seed).unwrap();
                 floor += found.window_rms.powi(2);
             }
             let ratio = (error / floor).sqrt();

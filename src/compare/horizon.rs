@@ -1,7 +1,7 @@
 //! How the error of a model grows with the time that it is simulated without a correction.
 
-use super::error::{Acting, start_of, windows_of};
-use crate::recording::{LocalMotion, Recording};
+use super::error::{Acting, windows_of};
+use crate::recording::Recording;
 use crate::simulate::{Dynamics, Hold, SimulateError};
 
 /// Lengths of the simulations [s], before the free one.
@@ -51,27 +51,24 @@ pub fn fit_percent(measured_simulated: impl Iterator<Item = (f64, f64)> + Clone)
 pub fn horizons(
     dynamics: &dyn Dynamics,
     recordings: &[Recording],
-    motions: &[Vec<LocalMotion>],
     hold: Hold,
 ) -> Result<Vec<Horizon>, SimulateError> {
     let lengths = LENGTHS.into_iter().chain([f64::INFINITY]);
-    lengths.map(|length| horizon(dynamics, recordings, motions, hold, length)).collect()
+    lengths.map(|length| horizon(dynamics, recordings, hold, length)).collect()
 }
 
 fn horizon(
     dynamics: &dyn Dynamics,
     recordings: &[Recording],
-    motions: &[Vec<LocalMotion>],
     hold: Hold,
     length: f64,
 ) -> Result<Horizon, SimulateError> {
     let mut pairs: [Vec<(f64, f64)>; 2] = [vec![], vec![]];
-    for (recording, motion) in recordings.iter().zip(motions) {
+    for recording in recordings {
         let acting = Acting::new(dynamics, recording, recording.moment());
         let pieces = recording.pieces().iter();
         for rows in pieces.flat_map(|piece| windows_of(recording, piece, length)) {
-            let start = start_of(&motion[rows.start]);
-            let states = acting.simulate(motion, rows.clone(), start, hold)?;
+            let states = acting.simulate_measured(rows.clone(), hold)?;
             for (k, state) in rows.zip(&states) {
                 for (i, pairs) in pairs.iter_mut().enumerate() {
                     pairs.push((recording.omega()[k][i], state.omega[i]));

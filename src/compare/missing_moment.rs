@@ -7,7 +7,7 @@ use crate::filter::{Columns, Instant, Likelihood, ProcessNoise};
 use crate::math::distribution::chi2_log_survival;
 use crate::math::{Information, eliminate};
 use crate::model::{Model, ModelError};
-use crate::recording::{LocalMotion, Recording};
+use crate::recording::Recording;
 
 /// What the residual torque may depend on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
@@ -170,8 +170,7 @@ pub fn missing_moment(
     likelihood: &Likelihood,
 ) -> Result<MissingMoment, ModelError> {
     let recordings: Vec<&Recording> = likelihood.prepared.iter().map(|p| p.recording).collect();
-    let motions: Vec<Vec<LocalMotion>> = recordings.iter().map(|r| r.local_motion()).collect();
-    let edges = Variable::ALL.map(|v| edges(v, model, &recordings, &motions));
+    let edges = Variable::ALL.map(|v| edges(v, model, &recordings));
     let columns = Bins { edges: &edges };
     let all: Vec<&dyn Columns> = recordings.iter().map(|_| &columns as &dyn Columns).collect();
     let (h, g) = likelihood.totals(model, p, noise, &all)?;
@@ -200,15 +199,10 @@ pub fn missing_moment(
 }
 
 /// Edges that give every bin about as many samples, from the 1 % to the 99 % point.
-fn edges(
-    variable: Variable,
-    model: &Model,
-    recordings: &[&Recording],
-    motions: &[Vec<LocalMotion>],
-) -> Vec<f64> {
+fn edges(variable: Variable, model: &Model, recordings: &[&Recording]) -> Vec<f64> {
     let mut values = Vec::new();
-    for (recording, motion) in recordings.iter().zip(motions) {
-        for (k, m) in motion.iter().enumerate().step_by(3) {
+    for recording in recordings {
+        for (k, m) in recording.local_motion().iter().enumerate().step_by(3) {
             let x = Motion {
                 t: recording.t()[k] - recording.t()[0],
                 alpha: m.alpha,
@@ -274,6 +268,7 @@ fn curve(
     columns: &[usize],
 ) -> Vec<Bin> {
     let (information, score) = project(h, g, base, columns);
+    // all bins are in N m: scaled to unit diagonal, as `Information` does, bins with few rows would count as others
     let largest = information.diagonal().max();
     let inverse = information
         .clone()

@@ -20,4 +20,5 @@ pub use missing_moment::{
 };
 pub use regime::{Failure, failures};
 pub use residual_torque::{Curve, CurveBin, Mean, clustered_mean, curves, residual_torque};
+pub(crate) use residual_torque::{REST, WIDTH, WORTH};
 pub use whiteness::{Innovations, Whiteness, analysed, whiteness};

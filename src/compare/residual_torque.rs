@@ -11,9 +11,11 @@ use crate::recording::{LocalMotion, Recording};
 
 /// Speed, as a share of the top speed, below which a row counts as rest: the direction of dry friction is
 /// not known there behind the low-pass.
-const REST: f64 = 0.016;
+pub(crate) const REST: f64 = 0.016;
 /// Width over which the sign of a speed changes, as a share of the top speed.
-const WIDTH: f64 = 0.00125;
+pub(crate) const WIDTH: f64 = 0.00125;
+/// Share of the residual torque from which on a variable is called a cause: a tenth of its size (taste).
+pub(crate) const WORTH: f64 = 0.01;
 /// Length of the blocks whose sums count as independent [s].
 const BLOCK: f64 = 1.0;
 /// Bins of a variable.

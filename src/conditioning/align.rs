@@ -16,7 +16,7 @@ use super::cells::{column, columns, keep, put};
 use super::finding::{Channel, Finding, Kind};
 use super::signal::{changes, median};
 use super::{Conditioned, Context, Settings};
-use crate::recording::{Channels, refreshed};
+use crate::recording::{Channels, REGULAR, refreshed};
 
 /// A channel, and in which rows it has a sample.
 pub(super) type Cells = (Channel, Vec<bool>);
@@ -107,9 +107,6 @@ pub(super) fn read_in_turn(work: &mut Conditioned, settings: &Settings, context:
         }
     }
 }
-
-/// Part of the runs of equal values that a sensor's are as long as, but for a row.
-const REGULAR: f64 = 0.8;
 
 /// The rows in which a channel has a new value: all, unless it changes after every so many rows.
 pub(super) fn new_in(t: &[f64], values: &[f64]) -> Vec<bool> {

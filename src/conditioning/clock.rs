@@ -11,12 +11,11 @@ use super::Conditioned;
 use super::cells::columns;
 use super::finding::{Channel, Finding, Kind};
 use super::signal::{changes, median};
+use crate::recording::REGULAR;
 
 /// Mean number of rows within a tick from which on a clock is coarse; repeated stamps that are fewer are those of
 /// single rows.
 const ROWS_A_TICK: f64 = 1.5;
-/// Part of the ticks that hold as many rows as usual, for rows that come at a rate.
-const REGULAR: f64 = 0.8;
 /// Part by which the number of rows of a tick may differ from the usual one, and at least one row.
 const UNEVEN: f64 = 0.1;
 /// Part of the repeated stamps whose row repeats the row before as a whole, beyond which a logger writes rows twice.

@@ -213,8 +213,6 @@ pub enum Kind {
         /// The step, in the unit of the channel.
         step: f64,
     },
-    /// A sensor that does not move although its wheel is driven.
-    Dead,
 }
 
 /// Something that was found.
@@ -282,7 +280,6 @@ impl Kind {
             Self::RestOffset { mean, .. } => ("rest_offset", mean, "input"),
             Self::Refresh { period_s } => ("refresh", period_s, "s"),
             Self::Quantum { step } => ("quantum", step, "SI"),
-            Self::Dead => ("dead", 0.0, "1"),
         }
     }
 }

@@ -1,16 +1,12 @@
 //! Small measures of a signal that several steps use.
 
 pub(super) use crate::math::{median, quantile};
-pub(super) use crate::recording::pieces;
+pub(super) use crate::recording::{FEW_LEVELS, pieces};
 
 /// One wheel of a pair of columns.
 pub(super) fn column(rows: &[[f64; 2]], i: usize) -> Vec<f64> {
     rows.iter().map(|v| v[i]).collect()
 }
-
-/// Levels up to which an input is a list of commands: the steps of a measured and quantised signal are
-/// noise only where it crosses many of them (Widrow and Kollar, Quantization Noise, 2008).
-pub(super) const FEW_LEVELS: usize = 16;
 
 /// Number of values that a channel takes.
 pub(super) fn levels(rows: &[[f64; 2]], i: usize) -> usize {

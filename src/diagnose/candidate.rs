@@ -30,8 +30,6 @@ pub struct Candidate {
     pub p: Vec<f64>,
     /// Places of the linear parameters in `p`, one column each. A drive effect has one column.
     pub linear: Vec<usize>,
-    /// Number of grid values of this effect: the price of choosing the best.
-    pub grid: usize,
     /// How a column is computed.
     pub form: Form,
     /// Speed below which a friction direction of its own is smoothed [rad/s].
@@ -80,11 +78,10 @@ pub fn candidates(
         out.extend(grid.into_iter().filter(|c| c.columns() > 0));
     }
     if recordings.iter().all(|r| r.is_single_axis()) {
-        let motions: Vec<_> = recordings.iter().map(|r| r.local_motion()).collect();
-        out.retain(|candidate| candidate.treats_wheels_alike(model, recordings[0], &motions[0]));
+        out.retain(|candidate| candidate.treats_wheels_alike(model, recordings[0]));
         // turning effects do nothing here, and a slope of one heading is an offset
         out.retain(|candidate| {
-            let sizes = common_size(candidate, model, recordings[0], &motions[0]);
+            let sizes = common_size(candidate, model, recordings[0]);
             let largest = sizes.iter().fold(0.0_f64, |a, b| a.max(*b));
             sizes.iter().all(|size| *size > 1e-9 * largest)
         });
@@ -116,10 +113,10 @@ fn grid(
         let mut pairs = values.iter().zip(&shapes);
         pairs.all(|(v, &j)| (specs[j].range.0..=specs[j].range.1).contains(v))
     };
-    let tried: Vec<Vec<f64>> = effect.shapes(scale).into_iter().filter(within).collect();
-    let count = tried.len();
-    tried
+    effect
+        .shapes(scale)
         .into_iter()
+        .filter(within)
         .map(|values| {
             let mut p = vec![0.0; specs.len()];
             shapes.iter().zip(values).for_each(|(&j, value)| p[j] = value);
@@ -128,7 +125,6 @@ fn grid(
                 effect: effect.clone(),
                 p,
                 linear: linear.clone(),
-                grid: count,
                 form: Form::Instant,
                 rest: REST * scale.speed,
                 around: around.clone(),
@@ -215,17 +211,12 @@ impl Candidate {
 
     /// Whether the effect can act the same on both wheels of a single axis: one column that does,
     /// or a column a wheel.
-    fn treats_wheels_alike(
-        &self,
-        model: &Model,
-        recording: &Recording,
-        motion: &[LocalMotion],
-    ) -> bool {
+    fn treats_wheels_alike(&self, model: &Model, recording: &Recording) -> bool {
         if self.columns() != 1 {
             return true;
         }
         let mut row = [[0.0; 2]];
-        motion.iter().enumerate().step_by(11).all(|(k, m)| {
+        recording.local_motion().iter().enumerate().step_by(11).all(|(k, m)| {
             self.torque(0, &still_instant(model, recording, k, m), &mut row);
             (row[0][0] - row[0][1]).abs() <= 1e-9 * row[0][0].abs()
         })
@@ -329,15 +320,10 @@ pub(super) fn still_instant<'a>(
 }
 
 /// What the two wheels have in common of each column of a candidate: largest value [N m per unit].
-fn common_size(
-    candidate: &Candidate,
-    model: &Model,
-    recording: &Recording,
-    motion: &[LocalMotion],
-) -> Vec<f64> {
+fn common_size(candidate: &Candidate, model: &Model, recording: &Recording) -> Vec<f64> {
     let mut largest = vec![0.0_f64; candidate.columns()];
     let mut row = vec![[0.0; 2]; candidate.columns()];
-    for (k, m) in motion.iter().enumerate().step_by(7) {
+    for (k, m) in recording.local_motion().iter().enumerate().step_by(7) {
         candidate.torque(0, &still_instant(model, recording, k, m), &mut row);
         for (size, torque) in largest.iter_mut().zip(&row) {
             *size = size.max((torque[0] + torque[1]).abs());
@@ -346,20 +332,19 @@ fn common_size(
     largest
 }
 
-/// The effect of a candidate seen on the smooth `motions` of the recordings, to know its size: root
+/// The effect of a candidate seen on the local motion of the recordings, to know its size: root
 /// mean square of each column over them [N m per unit].
 #[must_use]
 pub(super) fn column_size(
     candidate: &Candidate,
     model: &Model,
     recordings: &[&Recording],
-    motions: &[Vec<LocalMotion>],
 ) -> Vec<f64> {
     let mut sums = vec![0.0; candidate.columns()];
     let mut count = 0.0;
     let mut row = vec![[0.0; 2]; candidate.columns()];
-    for (r, (recording, motion)) in recordings.iter().zip(motions).enumerate() {
-        for (k, m) in motion.iter().enumerate().step_by(7) {
+    for (r, recording) in recordings.iter().enumerate() {
+        for (k, m) in recording.local_motion().iter().enumerate().step_by(7) {
             let at = still_instant(model, recording, k, m);
             candidate.torque(r, &at, &mut row);
             for (sum, torque) in sums.iter_mut().zip(&row) {

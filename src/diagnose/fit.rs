@@ -4,7 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::windows::{Sums, Windows, bounds, quadratic_of};
 use crate::effects::Scale;
-use crate::math::descent::{MinimiseOptions, minimise};
+use crate::identify::among_all;
+use crate::math::{Information, MinimiseOptions, minimise, sandwich};
 use crate::model::Model;
 
 /// Most Levenberg-Marquardt steps: fits that need more sit on a ridge on which the error no longer falls.
@@ -12,8 +13,6 @@ const STEPS: usize = 20;
 /// A relative fall of the cost that no longer matters: among a thousand independent values it moves the
 /// criterion by a tenth.
 const TOLERANCE: f64 = 1e-4;
-/// Eigenvalue of the scaled information below which a direction is not identified.
-const UNSEEN: f64 = 1e-10;
 
 /// A model fitted by the error of its windows.
 #[derive(Clone)]
@@ -87,45 +86,19 @@ pub(super) fn fit_within(
     minimum.cost.is_finite().then_some(())?;
     let p = place(&minimum.x);
     let (cost, sums) = lowest;
-    let covariance = sandwich(&sums, &free, p.len());
+    let covariance = among_all(model, &covariance(&sums));
     let edge = |n: usize| minimum.x[n] <= lower[n] || minimum.x[n] >= upper[n];
     let mut at_bound = vec![false; p.len()];
     free.iter().enumerate().for_each(|(n, &j)| at_bound[j] = edge(n));
     cost.is_finite().then_some(WindowFit { model: model.clone(), p, cost, covariance, at_bound })
 }
 
-/// Covariance of all `count` parameters from the sums of the windows over the `free` ones.
-fn sandwich(sums: &[Sums], free: &[usize], count: usize) -> DMatrix<f64> {
-    let n = free.len();
-    let h: DMatrix<f64> = sums.iter().map(|s| &s.information).sum();
-    let scale: Vec<f64> = (0..n).map(|a| 1.0 / h[(a, a)].max(f64::MIN_POSITIVE).sqrt()).collect();
-    let scaled = DMatrix::from_fn(n, n, |a, b| h[(a, b)] * scale[a] * scale[b]);
-    let eigen = scaled.symmetric_eigen();
-    let mut inverse = DMatrix::zeros(n, n);
-    let mut unseen = vec![false; n];
-    for (value, v) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
-        if *value > UNSEEN {
-            inverse += v * v.transpose() / *value;
-        } else {
-            (0..n).filter(|&a| v[a].abs() > 1e-3).for_each(|a| unseen[a] = true);
-        }
-    }
-    let mut meat = DMatrix::zeros(n, n);
-    for s in sums {
-        let g = DVector::from_fn(n, |a, _| s.score[a] * scale[a]);
-        meat += &g * g.transpose();
-    }
-    let (m, lost) = (sums.len() as f64, n as f64);
-    let inflation = if m > lost { m / (m - lost) } else { f64::INFINITY };
-    let own = &inverse * meat * &inverse * inflation;
-    let mut out = DMatrix::zeros(count, count);
-    for a in 0..n {
-        for b in 0..n {
-            out[(free[a], free[b])] = own[(a, b)] * scale[a] * scale[b];
-        }
-        if unseen[a] {
-            out[(free[a], free[a])] = f64::INFINITY;
-        }
-    }
+/// Covariance of the free parameters from the sums of the windows over them.
+fn covariance(sums: &[Sums]) -> DMatrix<f64> {
+    let known = Information::new(&sums.iter().map(|s| &s.information).sum());
+    let (m, p) = (sums.len() as f64, known.scale().len() as f64);
+    let inflation = if m > p { m / (m - p) } else { f64::INFINITY };
+    let mut out = sandwich(&known.inverse(), sums.iter().map(|s| &s.score)) * inflation;
+    known.unidentifiable().into_iter().for_each(|j| out[(j, j)] = f64::INFINITY);
     out
 }

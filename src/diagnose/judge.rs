@@ -11,7 +11,7 @@ use crate::compare::{
 };
 use crate::filter::{Likelihood, prepare};
 use crate::model::{Model, ModelError};
-use crate::recording::{LocalMotion, Recording};
+use crate::recording::Recording;
 use crate::simulate::{Hold, PhysicalDynamics, SimulateError};
 
 /// The error of a model on the judged recordings together.
@@ -27,7 +27,6 @@ pub struct Judgement {
 pub struct Judge {
     /// Recordings, best such that no model was fitted to.
     pub recordings: Vec<Recording>,
-    motions: Vec<Vec<LocalMotion>>,
     hold: Hold,
 }
 
@@ -35,8 +34,7 @@ impl Judge {
     /// Prepares `recordings` for judging models under drives held as `hold` says.
     #[must_use]
     pub fn new(recordings: Vec<Recording>, hold: Hold) -> Self {
-        let motions = recordings.par_iter().map(Recording::local_motion).collect();
-        Self { recordings, motions, hold }
+        Self { recordings, hold }
     }
 
     /// Simulates all recordings with `model` at parameters `p`.
@@ -45,12 +43,12 @@ impl Judge {
     /// A model that cannot move, or diverges.
     pub fn judge(&self, model: &Model, p: &[f64]) -> Result<Judgement, SimulateError> {
         let dynamics = PhysicalDynamics { model: model.clone(), p: p.to_vec() };
-        let one = |(recording, motion): (&Recording, &Vec<LocalMotion>)| {
-            let simulated = simulate_recording(&dynamics, recording, motion, self.hold)?;
+        let one = |recording: &Recording| {
+            let simulated = simulate_recording(&dynamics, recording, self.hold)?;
             let total = ise(recording, &simulated.free).iter().sum::<f64>();
             Ok((total, window_rms(recording, &simulated.windows)))
         };
-        let each = self.recordings.par_iter().zip(&self.motions).map(one);
+        let each = self.recordings.par_iter().map(one);
         let errors: Vec<(f64, f64)> = each.collect::<Result<_, SimulateError>>()?;
         let (mut total, mut sum, mut samples) = (0.0, 0.0, 0.0);
         for (recording, (ise, window_rms)) in self.recordings.iter().zip(errors) {
@@ -67,7 +65,7 @@ impl Judge {
     #[must_use]
     pub fn floor(&self, model: &Model, p: &[f64]) -> f64 {
         let dynamics = PhysicalDynamics { model: model.clone(), p: p.to_vec() };
-        pooled_floor(&dynamics, &self.recordings, &self.motions, self.hold, 0).unwrap_or(0.0)
+        pooled_floor(&dynamics, &self.recordings, self.hold, 0).unwrap_or(0.0)
     }
 
     /// Windows that the judged recordings have, each wheel for itself; one axis written down twice is one wheel.
@@ -82,7 +80,7 @@ impl Judge {
     #[must_use]
     pub fn unresolved(&self, model: &Model, p: &[f64]) -> f64 {
         let dynamics = PhysicalDynamics { model: model.clone(), p: p.to_vec() };
-        unresolved(&dynamics, &self.recordings, &self.motions, self.hold).unwrap_or(0.0)
+        unresolved(&dynamics, &self.recordings, self.hold).unwrap_or(0.0)
     }
 
     /// Root mean square error over windows that the motion of the input between its rows may make [rad/s]; zero
@@ -90,7 +88,7 @@ impl Judge {
     #[must_use]
     pub fn between_rows(&self, model: &Model, p: &[f64]) -> f64 {
         let dynamics = PhysicalDynamics { model: model.clone(), p: p.to_vec() };
-        between_rows(&dynamics, &self.recordings, &self.motions, self.hold).unwrap_or(0.0)
+        between_rows(&dynamics, &self.recordings, self.hold).unwrap_or(0.0)
     }
 
     /// The errors that a diagnosis started and ended with, beside the noise `floor` [rad/s].

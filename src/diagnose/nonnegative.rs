@@ -2,6 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::math::Information;
+
 /// Directions of the scaled information below this share are left out.
 const WEAK: f64 = 1e-9;
 
@@ -18,12 +20,9 @@ pub(super) fn solve(h: &DMatrix<f64>, g: &DVector<f64>, bounded: &[bool]) -> (Ve
     let mut kept: Vec<usize> = (0..count).collect();
     while !kept.is_empty() {
         let n = kept.len();
-        let scale: Vec<f64> =
-            kept.iter().map(|&j| 1.0 / h[(j, j)].max(f64::MIN_POSITIVE).sqrt()).collect();
-        let scaled = DMatrix::from_fn(n, n, |a, b| h[(kept[a], kept[b])] * scale[a] * scale[b]);
-        let right = DVector::from_fn(n, |a, _| g[kept[a]] * scale[a]);
-        let Ok(inverse) = scaled.pseudo_inverse(WEAK) else { break };
-        let solution = inverse * &right;
+        let own = h.select_rows(&kept).select_columns(&kept);
+        let right = g.select_rows(&kept);
+        let solution = Information::truncated(&own, WEAK).solve(&right);
         let worst = (0..n)
             .filter(|&a| bounded[kept[a]] && solution[a] < 0.0)
             .min_by(|a, b| solution[*a].total_cmp(&solution[*b]));
@@ -33,7 +32,7 @@ pub(super) fn solve(h: &DMatrix<f64>, g: &DVector<f64>, bounded: &[bool]) -> (Ve
             }
             None => {
                 let mut x = vec![0.0; count];
-                (0..n).for_each(|a| x[kept[a]] = solution[a] * scale[a]);
+                (0..n).for_each(|a| x[kept[a]] = solution[a]);
                 return (x, solution.dot(&right));
             }
         }

@@ -58,8 +58,6 @@ pub struct Diagnosis {
     pub steps: Vec<Step>,
     /// Candidates after the last accepted step, best first.
     pub rest: Vec<Ranked>,
-    /// Independent values among the training rows.
-    pub degrees: f64,
     /// Whether held-out means validation recordings (else cross-validation of the training recordings).
     pub validated: bool,
 }

@@ -11,9 +11,9 @@ use rayon::prelude::*;
 use super::candidate::{Candidate, still_instant};
 use super::input_timing::shifted;
 use super::nonnegative;
-use crate::compare::{filtered, smooth_motion};
+use crate::compare::{REST, WIDTH, filtered, smooth_motion};
 use crate::effects::{Motion, along};
-use crate::math::Real;
+use crate::math::{Real, least_squares};
 use crate::model::{Linearisation, Model};
 use crate::recording::{LocalMotion, Recording};
 
@@ -24,10 +24,6 @@ const RESOLVED: f64 = 0.1;
 const NOISE: f64 = 0.05;
 /// Cycles of the cut-off that the shortest recording must hold, so that a fit has something to stand on.
 const CYCLES: f64 = 20.0;
-/// Speed, as a share of [`Scale::speed`](crate::effects::Scale), below which a row counts as rest, and the
-/// width over which the sign of the speed changes.
-const REST: f64 = 0.016;
-const WIDTH: f64 = 0.00125;
 /// Rows that are kept a cycle of the cut-off.
 const KEPT: f64 = 8.0;
 
@@ -260,15 +256,11 @@ impl<'a> Regression<'a> {
         let mut all = DMatrix::zeros(rows, base + count);
         all.columns_mut(0, base).copy_from(&self.base);
         all.columns_mut(base, count).copy_from(&-own);
-        let scale: Vec<f64> =
-            all.column_iter().map(|c| 1.0 / c.norm().max(f64::MIN_POSITIVE)).collect();
-        all.column_iter_mut().zip(&scale).for_each(|(mut c, s)| c *= *s);
-        let solution = all.svd(true, true).solve(&self.torque, 1e-9).ok()?;
-        let values: Vec<f64> = solution.iter().zip(&scale).map(|(v, s)| v * s).collect();
+        let values = least_squares::fit(&all, &self.torque, None).ok()?.coefficients;
         let free = self.model.free();
         let mut p = self.p.to_vec();
         free.iter().zip(&values).for_each(|(&j, v)| p[j] += v);
-        Some((p, values[base..].to_vec()))
+        Some((p, values.as_slice()[base..].to_vec()))
     }
 
     /// The columns of a candidate at the rows, low-passed.

@@ -12,7 +12,6 @@ use super::windows::{Row, Windows, quadratic_of};
 use crate::compare::project;
 use crate::effects::{Motion, Terms};
 use crate::model::{Model, inverse_mass, times};
-use crate::recording::LocalMotion;
 use crate::robot::State;
 
 /// Share of a column's information that the base must leave for it to be looked at.
@@ -165,8 +164,7 @@ impl<'a> Screen<'a> {
     ) -> Vec<[f64; 2]> {
         let count = candidate.columns();
         let r = self.windows.recordings[recording];
-        let motion: &[LocalMotion] = &self.windows.motions[recording];
-        let t = r.t();
+        let (t, motion) = (r.t(), r.local_motion());
         let mut before = vec![[0.0; 2]; count];
         let mut now = vec![[0.0; 2]; count];
         let mut speed = vec![[0.0; 2]; count];

@@ -23,6 +23,7 @@ use super::timing::{EARLIEST, LOGGING};
 use super::windows::{Windows, mobility};
 use crate::effects::{Change, Effect, Scale};
 use crate::identify::IdentifyError;
+use crate::math::median as middle;
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::Hold;
@@ -95,7 +96,7 @@ pub fn diagnose(
     let rest = search.with_falls(steps.last().map_or(&base, |s| &s.fit), rest);
     let ranking = search.with_falls(&base, std::mem::take(&mut rankings[0]));
     let validated = search.held.is_some();
-    Ok(Diagnosis { base, ranking, steps, rest, degrees: search.degrees, validated })
+    Ok(Diagnosis { base, ranking, steps, rest, validated })
 }
 
 struct Search<'a> {
@@ -337,9 +338,7 @@ impl<'a> Search<'a> {
             }
             let expected = crate::math::distribution::chi2_quantile(0.5, columns as f64);
             let median = |value: &dyn Fn(&Ranked) -> f64| {
-                let mut values: Vec<f64> = own.iter().map(|&n| value(&looked[n])).collect();
-                values.sort_by(f64::total_cmp);
-                (values[values.len() / 2] / expected).max(1.0)
+                (middle(own.iter().map(|&n| value(&looked[n]))) / expected).max(1.0)
             };
             let by = (median(&|r| r.by_regression), median(&|r| r.by_windows));
             for n in own {

@@ -22,7 +22,7 @@ use crate::effects::{Motion, Scale};
 use crate::math::descent::Quadratic;
 use crate::math::noise::median;
 use crate::model::{Model, inverse_mass};
-use crate::recording::{LocalMotion, Recording};
+use crate::recording::Recording;
 use crate::robot::State;
 use crate::simulate::{ActingInput, BETWEEN_ROWS, Hold, LANES, every_other, follow_part};
 
@@ -56,8 +56,6 @@ pub struct Window {
 pub struct Windows<'a> {
     /// The recordings.
     pub recordings: Vec<&'a Recording>,
-    /// Their smoothed motion.
-    pub motions: Vec<Vec<LocalMotion>>,
     /// Every window, in order.
     pub windows: Vec<Window>,
     /// The input between the rows.
@@ -73,13 +71,11 @@ impl<'a> Windows<'a> {
     /// gives a wheel [1/(kg m²)]: how noise of the recorded input spreads into the simulated speed.
     #[must_use]
     pub fn new(recordings: Vec<&'a Recording>, hold: Hold, mobility: f64) -> Self {
-        let motions: Vec<Vec<LocalMotion>> =
-            recordings.par_iter().map(|r| r.local_motion()).collect();
         let mut windows = Vec::new();
         for (r, recording) in recordings.iter().enumerate() {
             for piece in recording.pieces() {
                 windows.extend(cut(recording, piece).map(|rows| {
-                    let motion = &motions[r][rows.start];
+                    let motion = &recording.local_motion()[rows.start];
                     let (start, variance) = (start_of(motion), motion.omega_variance);
                     Window { recording: r, rows, start, variance, share: [1.0; 2] }
                 }));
@@ -97,7 +93,7 @@ impl<'a> Windows<'a> {
                 (speed, [0, 1].map(|i| input[i].min(most(i))))
             })
             .unzip();
-        Self { recordings, motions, windows, hold, noise, growth }
+        Self { recordings, windows, hold, noise, growth }
     }
 
     /// The same windows, in whose weights stands what else than noise `model` at `p` leaves. What the input between

@@ -2,6 +2,7 @@
 
 use super::{Description, Energy, Motion, ParameterSpec, Physics, Terms};
 use crate::math::Real;
+use crate::recording::DriveUnit;
 
 /// The recorded torque exceeds the real one by k_e w: it was computed from the motor voltage
 /// without the back-EMF.
@@ -33,6 +34,11 @@ impl Physics for BackEmf {
 
     fn parameters(&self) -> Vec<ParameterSpec> {
         vec![ParameterSpec::linear("k_e", "back-EMF constant", "N m s/rad", (0.0, 1e3), 0.003)]
+    }
+
+    /// A voltage is resisted by the back-EMF whatever else is in the model.
+    fn belongs_to(&self, input: DriveUnit) -> bool {
+        input == DriveUnit::Volt
     }
 
     fn energy(&self) -> Energy {

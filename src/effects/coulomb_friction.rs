@@ -41,6 +41,11 @@ impl Physics for CoulombFriction {
         vec![(0.0, scale.torque_quantile(1.0)); 2]
     }
 
+    /// Friction that drives has no rest from which a simulation could start.
+    fn start(&self, p: &mut [f64], _free: &[bool]) {
+        p.iter_mut().for_each(|level| *level = level.max(0.0));
+    }
+
     fn energy(&self) -> Energy {
         Energy::Dissipates
     }

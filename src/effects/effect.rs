@@ -2,6 +2,7 @@
 
 use super::{Coupling, Description, Energy, Motion, ParameterKind, ParameterSpec, Scale, Terms};
 use crate::math::{Dual, Real, Symbol};
+use crate::recording::DriveUnit;
 
 /// A dual number with eight partial derivatives: effects see their instant with the partials
 /// (alpha1, alpha2, omega1, omega2, own parameters 0..4).
@@ -110,6 +111,22 @@ pub trait Physics: Send + Sync + 'static {
         self.parameters().iter().map(|s| s.range).collect()
     }
 
+    /// Moves values of its parameters to where a fit can start: shapes into their ranges. Linear ones may have
+    /// either sign, so that an effect that is not there scatters around zero. Values that are not `free` stay
+    /// whatever is written.
+    fn start(&self, p: &mut [f64], _free: &[bool]) {
+        for (value, spec) in p.iter_mut().zip(self.parameters()) {
+            if spec.kind == ParameterKind::Shape {
+                *value = value.clamp(spec.range.0, spec.range.1);
+            }
+        }
+    }
+
+    /// Whether every model of a robot has it whose input was recorded in this unit.
+    fn belongs_to(&self, _input: DriveUnit) -> bool {
+        false
+    }
+
     /// Whether parameters within their limits are together what the effect means; if not, an estimate has
     /// taken up something else.
     fn is_itself(&self, _p: &[f64], _errors: &[f64]) -> bool {
@@ -170,6 +187,10 @@ pub trait Effect: Send + Sync {
     fn several_starts(&self) -> bool;
     /// [`Physics::limits`].
     fn limits(&self, scale: &Scale) -> Vec<(f64, f64)>;
+    /// [`Physics::start`].
+    fn start(&self, p: &mut [f64], free: &[bool]);
+    /// [`Physics::belongs_to`].
+    fn belongs_to(&self, input: DriveUnit) -> bool;
     /// [`Physics::is_itself`].
     fn is_itself(&self, p: &[f64], errors: &[f64]) -> bool;
 }
@@ -242,6 +263,12 @@ impl<P: Physics> Effect for P {
     }
     fn limits(&self, scale: &Scale) -> Vec<(f64, f64)> {
         Physics::limits(self, scale)
+    }
+    fn start(&self, p: &mut [f64], free: &[bool]) {
+        Physics::start(self, p, free);
+    }
+    fn belongs_to(&self, input: DriveUnit) -> bool {
+        Physics::belongs_to(self, input)
     }
     fn is_itself(&self, p: &[f64], errors: &[f64]) -> bool {
         Physics::is_itself(self, p, errors)

@@ -33,6 +33,20 @@ impl Physics for Inertia {
         ]
     }
 
+    /// a1 above |a2|, so that every motion has kinetic energy. Straight driving gives a1 + a2 alone, pivots a1 - a2:
+    /// that of the two which is larger stays where both may move.
+    fn start(&self, p: &mut [f64], free: &[bool]) {
+        if p[0] > 1.05 * p[1].abs() {
+            return;
+        }
+        let larger = p[0] + p[1].abs();
+        if free[1] && larger > 0.0 {
+            (p[0], p[1]) = (larger * 1.1 / 2.1, larger / 2.1 * p[1].signum());
+        } else {
+            p[0] = (1.1 * p[1].abs()).max(1e-6);
+        }
+    }
+
     fn energy(&self) -> Energy {
         Energy::Stores
     }

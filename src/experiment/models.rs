@@ -10,7 +10,7 @@ use crate::compare::{
 };
 use crate::diagnose::{Diagnosis, WindowFit, cutoff, mobility};
 use crate::model::Model;
-use crate::recording::{LocalMotion, Recording};
+use crate::recording::Recording;
 use crate::robot::State;
 use crate::simulate::{Dynamics, PhysicalDynamics};
 use crate::study::{ModelStudy, ParameterStudy, Performance, Study, parameters_of};
@@ -73,10 +73,7 @@ pub(super) fn with_diagnosis(
 /// A model that cannot move.
 pub(super) fn floor_under(plan: &Plan, study: &mut Study, fit: &WindowFit) -> Result<(), RunError> {
     let dynamics = PhysicalDynamics { model: fit.model.clone(), p: fit.p.clone() };
-    let under = |m: &Measured| {
-        let (recording, motion) = (&m.recording, m.recording.local_motion());
-        noise_floor(&dynamics, recording, &motion, plan.hold, plan.seed)
-    };
+    let under = |m: &Measured| noise_floor(&dynamics, &m.recording, plan.hold, plan.seed);
     let floors: Vec<Floor> = plan.recordings.par_iter().map(under).collect::<Result<_, _>>()?;
     study.recordings.iter_mut().zip(floors).for_each(|(r, floor)| r.floor = floor);
     Ok(())
@@ -104,15 +101,13 @@ struct Stage<'a> {
     plan: &'a Plan,
     study: &'a Study,
     recordings: Vec<&'a Recording>,
-    motions: Vec<Vec<LocalMotion>>,
     judged: Vec<usize>,
 }
 
 impl<'a> Stage<'a> {
     fn new(plan: &'a Plan, study: &'a Study) -> Self {
         let recordings: Vec<&Recording> = plan.recordings.iter().map(|m| &m.recording).collect();
-        let motions = recordings.par_iter().map(|r| r.local_motion()).collect();
-        Self { plan, study, recordings, motions, judged: study.judged() }
+        Self { plan, study, recordings, judged: study.judged() }
     }
 
     fn cutoff(&self, model: &Model, p: &[f64]) -> f64 {
@@ -137,8 +132,8 @@ impl<'a> Stage<'a> {
     /// What can be said of any dynamics.
     fn other(&self, dynamics: &dyn Dynamics) -> Result<ModelStudy, RunError> {
         let hold = self.plan.hold;
-        let one = |(r, motion): (&&Recording, &Vec<LocalMotion>)| {
-            let simulated = simulate_recording(dynamics, r, motion, hold)?;
+        let one = |r: &&Recording| {
+            let simulated = simulate_recording(dynamics, r, hold)?;
             Ok::<_, RunError>(Performance {
                 ise: ise(r, &simulated.free),
                 window_rms: window_rms(r, &simulated.windows),
@@ -152,10 +147,8 @@ impl<'a> Stage<'a> {
                 emulator: vec![],
             })
         };
-        let performance =
-            self.recordings.par_iter().zip(&self.motions).map(one).collect::<Result<_, _>>()?;
-        let motions: Vec<_> = self.judged.iter().map(|&r| self.motions[r].clone()).collect();
-        let horizons = horizons(dynamics, &self.judged_recordings(), &motions, hold)?;
+        let performance = self.recordings.par_iter().map(one).collect::<Result<_, _>>()?;
+        let horizons = horizons(dynamics, &self.judged_recordings(), hold)?;
         Ok(ModelStudy { performance, horizons, ..ModelStudy::default() })
     }
 

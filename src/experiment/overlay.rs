@@ -45,18 +45,17 @@ pub fn overlay(
     hold: Hold,
     models: &FittedModels,
 ) -> Result<Overlay, SimulateError> {
-    let motion = recording.local_motion();
     let unit = recording.drive_unit().symbol().replace(' ', "_");
     let mut out = Table(vec![("t_s".into(), recording.t().to_vec())]);
     out.pair(|i| format!("alpha{i}_rad"), recording.alpha());
     out.pair(|i| format!("dalpha{i}_rad_s"), recording.omega());
     out.pair(|i| format!("input{i}_{unit}"), recording.moment());
-    out.version(recording, &motion, hold, &models.given, "", &unit)?;
+    out.version(recording, hold, &models.given, "", &unit)?;
     if let Some(found) = &models.found {
-        out.version(recording, &motion, hold, found, "_with_effects", &unit)?;
+        out.version(recording, hold, found, "_with_effects", &unit)?;
         let given = models.given.model.effects().len();
         for (e, effect) in found.model.effects().iter().enumerate().skip(given) {
-            let torque = effect_torque(found, e, recording, &motion);
+            let torque = effect_torque(found, e, recording);
             let id = effect.id();
             out.pair(|i| format!("{id}_torque{i}_{unit}"), &torque);
         }
@@ -76,7 +75,6 @@ impl Table {
     fn version(
         &mut self,
         recording: &Recording,
-        motion: &[LocalMotion],
         hold: Hold,
         fitted: &FittedModel,
         mark: &str,
@@ -84,58 +82,44 @@ impl Table {
     ) -> Result<(), SimulateError> {
         let recording = &with_later_input(recording, fitted.input_shift_s);
         let dynamics = PhysicalDynamics { model: fitted.model.clone(), p: fitted.values() };
-        let simulated = simulate_recording(&dynamics, recording, motion, hold)?;
+        let simulated = simulate_recording(&dynamics, recording, hold)?;
         let speeds = |states: &[crate::robot::State]| -> Vec<[f64; 2]> {
             states.iter().map(|s| s.omega).collect()
         };
         self.pair(|i| format!("dalpha{i}_simulated{mark}_rad_s"), &speeds(&simulated.free));
         self.pair(|i| format!("dalpha{i}_simulated_2s{mark}_rad_s"), &speeds(&simulated.windows));
-        let residual = residual_torque(fitted, recording, motion);
+        let residual = residual_torque(fitted, recording);
         self.pair(|i| format!("residual_torque{i}{mark}_{unit}"), &residual);
         Ok(())
     }
 }
 
 /// What the acting input has left after mass, torques and friction.
-fn residual_torque(
-    fitted: &FittedModel,
-    recording: &Recording,
-    motion: &[LocalMotion],
-) -> Vec<[f64; 2]> {
+fn residual_torque(fitted: &FittedModel, recording: &Recording) -> Vec<[f64; 2]> {
     let p = fitted.values();
     let acting = fitted.model.drive(recording.t(), recording.moment(), &p);
     let row = |(k, m): (usize, &LocalMotion)| {
-        let needed = needed(&fitted.model.terms(&at(fitted, recording, motion, k), &p), m);
+        let needed = needed(&fitted.model.terms(&at(fitted, recording, k), &p), m);
         [0, 1].map(|i| acting[k][i] - needed[i])
     };
-    motion.iter().enumerate().map(row).collect()
+    recording.local_motion().iter().enumerate().map(row).collect()
 }
 
 /// What effect number `e` takes from the input: its torque, and what it changes of the input.
-fn effect_torque(
-    fitted: &FittedModel,
-    e: usize,
-    recording: &Recording,
-    motion: &[LocalMotion],
-) -> Vec<[f64; 2]> {
+fn effect_torque(fitted: &FittedModel, e: usize, recording: &Recording) -> Vec<[f64; 2]> {
     let (effect, p) = (&fitted.model.effects()[e], fitted.values());
     let p = &p[fitted.model.slots(e)];
     let changed = effect.drive(recording.t(), recording.moment(), p);
     let changed = changed.unwrap_or_else(|| recording.moment().to_vec());
     let row = |(k, m): (usize, &LocalMotion)| {
-        let needed = needed(&effect.terms(&at(fitted, recording, motion, k), p), m);
+        let needed = needed(&effect.terms(&at(fitted, recording, k), p), m);
         [0, 1].map(|i| needed[i] + recording.moment()[k][i] - changed[k][i])
     };
-    motion.iter().enumerate().map(row).collect()
+    recording.local_motion().iter().enumerate().map(row).collect()
 }
 
-fn at<'a>(
-    fitted: &'a FittedModel,
-    recording: &Recording,
-    motion: &[LocalMotion],
-    k: usize,
-) -> Motion<'a, f64> {
-    let LocalMotion { alpha, omega, .. } = motion[k];
+fn at<'a>(fitted: &'a FittedModel, recording: &Recording, k: usize) -> Motion<'a, f64> {
+    let LocalMotion { alpha, omega, .. } = recording.local_motion()[k];
     let t = recording.t()[k] - recording.t()[0];
     Motion { t, alpha, omega, variance: [0.0; 4], robot: fitted.model.robot() }
 }

@@ -11,7 +11,7 @@ use super::models;
 use super::plan::{Measured, MethodPlan, Plan};
 use crate::compare::{angle_rms, ise, noise_floor, simulate_recording, window_rms};
 use crate::identify::{Fit, Task};
-use crate::recording::{LocalMotion, Recording};
+use crate::recording::Recording;
 use crate::robot::{State, kinematics};
 use crate::simulate::{Dynamics, SimulateError, Structure, emulate};
 use crate::study::{Invocation, MethodStudy, Performance, RecordingStudy, Role, Study};
@@ -95,8 +95,6 @@ pub(super) fn measure(
     plan: &Plan,
     fits: &[MethodFit],
 ) -> Result<(Study, Arc<dyn Dynamics>), RunError> {
-    let motions: Vec<Vec<LocalMotion>> =
-        plan.recordings.par_iter().map(|m| m.recording.local_motion()).collect();
     let train = plan.of(Role::Train);
     let Some(reference) = reference(fits) else {
         let reasons: Vec<String> =
@@ -110,8 +108,7 @@ pub(super) fn measure(
     let recordings = plan
         .recordings
         .par_iter()
-        .zip(&motions)
-        .map(|(measured, motion)| describe(plan, measured, motion, &*right))
+        .map(|measured| describe(plan, measured, &*right))
         .collect::<Result<Vec<_>, _>>()?;
     let methods: Vec<MethodStudy> = plan
         .methods
@@ -119,8 +116,8 @@ pub(super) fn measure(
         .zip(fits)
         .map(|(method, MethodFit { fit, seconds })| {
             // a fit that cannot be simulated is a row with its reason, like one that does not exist
-            method_study(plan, method, fit, *seconds, &motions)
-                .or_else(|e| method_study(plan, method, &Err(e.to_string()), *seconds, &motions))
+            method_study(plan, method, fit, *seconds)
+                .or_else(|e| method_study(plan, method, &Err(e.to_string()), *seconds))
         })
         .collect::<Result<_, _>>()?;
     let study = Study {
@@ -185,7 +182,6 @@ fn reference(fits: &[MethodFit]) -> Option<usize> {
 fn describe(
     plan: &Plan,
     measured: &Measured,
-    motion: &[LocalMotion],
     right: &dyn Dynamics,
 ) -> Result<RecordingStudy, SimulateError> {
     let r = &measured.recording;
@@ -200,13 +196,13 @@ fn describe(
         noise: r.noise(),
         conditioning: measured.conditioning.clone(),
         findings: measured.findings.clone(),
-        floor: noise_floor(right, r, motion, plan.hold, plan.seed)?,
+        floor: noise_floor(right, r, plan.hold, plan.seed)?,
         t: r.t().to_vec(),
         alpha: r.alpha().to_vec(),
         omega: r.omega().to_vec(),
-        acceleration: motion.iter().map(|m| m.acceleration).collect(),
+        acceleration: r.local_motion().iter().map(|m| m.acceleration).collect(),
         moment: r.moment().to_vec(),
-        regimes: r.regimes(motion),
+        regimes: r.regimes(),
         path: path(plan, r),
     })
 }
@@ -226,7 +222,6 @@ fn method_study(
     method: &MethodPlan,
     fit: &Result<Fit, String>,
     seconds: f64,
-    motions: &[Vec<LocalMotion>],
 ) -> Result<MethodStudy, SimulateError> {
     let mut out = MethodStudy::new(&method.name, &method.title, &method.options, seconds);
     let fit = match fit {
@@ -244,8 +239,8 @@ fn method_study(
     out.correlations = fit.covariance.as_ref().map_or(vec![], correlations);
     out.fuzzy =
         fit.dynamics.fuzzy().map(|f| super::fuzzy_study::fuzzy_study(plan, &method.name, f));
-    for (measured, motion) in plan.recordings.iter().zip(motions) {
-        out.performance.push(performance(plan, &*fit.dynamics, &measured.recording, motion)?);
+    for measured in &plan.recordings {
+        out.performance.push(performance(plan, &*fit.dynamics, &measured.recording)?);
     }
     Ok(out)
 }
@@ -260,9 +255,8 @@ fn performance(
     plan: &Plan,
     dynamics: &dyn Dynamics,
     recording: &Recording,
-    motion: &[LocalMotion],
 ) -> Result<Performance, SimulateError> {
-    let simulated = simulate_recording(dynamics, recording, motion, plan.hold)?;
+    let simulated = simulate_recording(dynamics, recording, plan.hold)?;
     let emulated = |structure| emulate(dynamics, recording, &plan.gain, structure, plan.hold);
     let total = |states: &Result<Vec<State>, SimulateError>| {
         states.as_ref().map_or(f64::INFINITY, |s| ise(recording, s).iter().sum())

@@ -102,25 +102,19 @@ pub(crate) struct Sums {
 
 impl<'a> HorizonFilter<'a> {
     /// `p`: parameters near those sought, for the size of friction and inertia.
-    pub(crate) fn new(
-        prepared: &'a [Prepared<'a>],
-        hold: Hold,
-        model: &Model,
-        p: &[f64],
-        motions: &[Vec<LocalMotion>],
-    ) -> Self {
+    pub(crate) fn new(prepared: &'a [Prepared<'a>], hold: Hold, model: &Model, p: &[f64]) -> Self {
         let total: f64 = prepared.iter().map(|p| p.recording.duration()).sum();
         let length = (total / BLOCKS).clamp(BLOCK.0, BLOCK.1);
         let piece = |(recording, rows): (usize, Range<usize>)| {
-            let t = prepared[recording].recording.t();
+            let r = prepared[recording].recording;
+            let (t, start) = (r.t(), r.local_motion()[rows.start]);
             let seconds = t[rows.end - 1] - t[rows.start];
             let blocks = (seconds / length).round().max(1.0) as usize;
-            Piece { recording, start: motions[recording][rows.start], blocks, rows }
+            Piece { recording, start, blocks, rows }
         };
         let recordings: Vec<&Recording> = prepared.iter().map(|p| p.recording).collect();
         let pieces = pieces(&recordings).into_iter().map(piece).collect();
-        let crossing =
-            prepared.iter().zip(motions).map(|(r, motion)| crossing(r, model, p, motion)).collect();
+        let crossing = prepared.iter().map(|r| crossing(r, model, p)).collect();
         // both inputs of a single axis move it together
         let single = recordings.iter().all(|r| r.is_single_axis());
         let inertia = if single { p[A1] + p[A2] } else { p[A1] };

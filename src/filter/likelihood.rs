@@ -35,8 +35,6 @@ pub struct Maximum {
     pub log_likelihood: f64,
     /// Information of all parameters.
     pub information: DMatrix<f64>,
-    /// The passes at the maximum, one a recording.
-    pub passes: Vec<Pass>,
     /// How it ended.
     pub status: MinimumStatus,
     /// Gauss-Newton steps.
@@ -217,19 +215,11 @@ impl Likelihood<'_> {
         let log_likelihood = passes.iter().map(|pass| pass.log_likelihood).sum();
         let information = passes.iter().map(|pass| &pass.information).sum();
         evaluations += 1;
-        Ok(Maximum {
-            p,
-            noise,
-            log_likelihood,
-            information,
-            passes,
-            status,
-            iterations,
-            evaluations,
-        })
+        Ok(Maximum { p, noise, log_likelihood, information, status, iterations, evaluations })
     }
 
-    /// Gauss-Newton steps at fixed noise; moves `p`.
+    /// Gauss-Newton steps at fixed noise; moves `p`. Not [`crate::math::minimise`], which ends where the cost does not
+    /// fall: the score leaves out how the gain depends on the parameters, so it promises what the cost does not hold.
     fn climb(
         &self,
         model: &Model,

@@ -32,6 +32,9 @@ pub use step::clarity;
 
 use crate::model::ModelError;
 
+#[cfg(test)]
+mod tests;
+
 /// Why a likelihood has no maximum to be found.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FilterError {

@@ -1,10 +1,11 @@
 //! The most likely noise of the process at fixed parameters.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use rayon::prelude::*;
 
 use super::pass::{Innovation, NoColumns, PassSettings, filter_pass};
 use super::{Likelihood, ProcessNoise};
+use crate::math::Information;
 use crate::model::Model;
 use crate::simulate::Hold;
 
@@ -16,6 +17,8 @@ const LATER: f64 = 0.1;
 const DIFFERENCE: f64 = 0.02;
 /// Longest step of a logarithm.
 const LONGEST: f64 = 2.0;
+/// Least damping, for directions that the data hardly show.
+const RIDGE: f64 = 1e-6;
 /// Least factor of a variance in one step.
 const LEAST: f64 = 0.1;
 /// A step that gains or promises less is the last [nats].
@@ -200,18 +203,11 @@ impl<'a> NoiseSearch<'a> {
         };
         let free: Vec<usize> =
             (0..self.dimensions).filter(|&i| !at_edge(i) && information[(i, i)] > TOLD).collect();
-        let n = free.len();
-        let scaled = nalgebra::DMatrix::from_fn(n, n, |i, k| {
-            let damped = if i == k { 1.0 + damping + 1e-6 } else { 1.0 };
-            let size = (information[(free[i], free[i])] * information[(free[k], free[k])]).sqrt();
-            damped * information[(free[i], free[k])] / size
-        });
-        let size = |i: usize| information[(free[i], free[i])].sqrt();
-        let right = nalgebra::DVector::from_fn(n, |i, _| g[free[i]] / size(i));
-        let Some(solved) = scaled.cholesky().map(|c| c.solve(&right)) else { return (*x, 0.0) };
+        let of_free: DMatrix<f64> = information.select_rows(&free).select_columns(&free);
+        let right: DVector<f64> = g.select_rows(&free);
+        let steps = Information::new(&of_free).solve_damped(&right, damping + RIDGE);
         let (mut trial, mut promised) = (*x, 0.0);
-        for (i, &j) in free.iter().enumerate() {
-            let by_log = solved[i] / size(i);
+        for (&j, &by_log) in free.iter().zip(&steps) {
             // a variance is moved as such, from v to v (1 + 2 by_log)
             let step = if j < 2 { 0.5 * (1.0 + 2.0 * by_log).max(LEAST).ln() } else { by_log };
             trial[j] = (x[j] + step.clamp(-LONGEST, LONGEST)).clamp(self.low[j], self.high[j]);

@@ -83,10 +83,6 @@ pub struct Pass {
     pub score_of_input_noise: DVector<f64>,
     /// Scores of blocks of 5 s.
     pub blocks: Vec<DVector<f64>>,
-    /// Σ e²/S of each channel.
-    pub squares: [f64; 4],
-    /// Innovations of each channel.
-    pub count: [usize; 4],
     /// In the order of the measurements, where kept.
     pub innovations: Vec<Innovation>,
 }
@@ -112,16 +108,8 @@ impl Pass {
             score: DVector::zeros(columns),
             score_of_input_noise: DVector::zeros(0),
             blocks: vec![],
-            squares: [0.0; 4],
-            count: [0; 4],
             innovations: vec![],
         }
-    }
-
-    /// Mean normalised innovation squared over all channels; one where the noise is as assumed.
-    #[must_use]
-    pub fn normalised_innovation(&self) -> f64 {
-        self.squares.iter().sum::<f64>() / self.count.iter().sum::<usize>().max(1) as f64
     }
 }
 
@@ -388,8 +376,6 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
         self.out.log_likelihood -= 0.5 * (e * e / s);
         // two variances that are none must not make one that looks sound
         self.determinant *= if s > 0.0 { 2.0 * std::f64::consts::PI * s } else { f64::NAN };
-        self.out.squares[i] += e * e / s;
-        self.out.count[i] += 1;
         if self.settings.keep_innovations {
             self.out.innovations.push(Innovation { row, channel: i, value: e, variance: s });
         }

@@ -70,7 +70,7 @@ pub(super) fn identified(
 }
 
 /// The covariance of all parameters from that of the free ones: the others have none.
-pub(super) fn among_all(model: &Model, of_free: &DMatrix<f64>) -> DMatrix<f64> {
+pub(crate) fn among_all(model: &Model, of_free: &DMatrix<f64>) -> DMatrix<f64> {
     let total = model.parameters().len();
     let free = model.free();
     let mut all = DMatrix::zeros(total, total);

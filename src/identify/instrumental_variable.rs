@@ -148,7 +148,8 @@ fn movable(task: &Task, rows: &Regression, values: &DVector<f64>) -> Vec<f64> {
     p
 }
 
-/// `(z'x)⁻¹` over the directions that carry something, with rows and columns scaled.
+/// `(z'x)⁻¹` over the directions that carry something, with rows and columns scaled: not symmetric, so no
+/// [`crate::math::Information`].
 fn inverse_of_product(z: &DMatrix<f64>, x: &DMatrix<f64>) -> DMatrix<f64> {
     let norms = |m: &DMatrix<f64>| -> Vec<f64> {
         m.column_iter().map(|c| if c.norm() > 0.0 { c.norm() } else { 1.0 }).collect()

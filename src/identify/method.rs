@@ -66,22 +66,6 @@ pub struct OptionError {
 /// Why a method has no fit.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum IdentifyError {
-    /// The data do not excite what is asked for.
-    #[error(
-        "{method}: {parameters}: not identifiable from these data (rank {rank} of {columns}); {remedy}"
-    )]
-    NotExcited {
-        /// Method.
-        method: String,
-        /// Symbols.
-        parameters: String,
-        /// Numerical rank.
-        rank: usize,
-        /// Parameters asked for.
-        columns: usize,
-        /// Which motion to record.
-        remedy: String,
-    },
     /// Nothing is left after samples near rest and at ends were dropped.
     #[error(
         "{method}: {usable} usable samples are left of {samples} (the wheels stand still or the pieces are too short); record longer motion"

@@ -22,6 +22,7 @@ mod text;
 mod weak;
 
 pub use fit::{Estimate, Fit, Status, Trace, Work};
+pub(crate) use identifiability::among_all;
 pub use method::{
     Identifier, IdentifyError, MethodDescription, MethodOption, OptionError, Task, from_options,
     options_of, options_schema,

@@ -4,14 +4,14 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::identifiability::{identified, inverse_where_known};
+use super::identifiability::{among_all, identified, inverse_where_known};
 use super::simulation_cost::Problem;
 use super::{
     Fit, Identifier, IdentifyError, MethodDescription, Note, OptionError, SingleAxis, Status, Task,
     from_options, options_schema, start,
 };
 use crate::math::descent::{MinimiseOptions, Minimum, MinimumStatus, minimise};
-use crate::math::{clustered_covariance, eliminate};
+use crate::math::{clustered_covariance, eliminate, raise_errors};
 
 /// Simulation-error maximum likelihood (output error).
 ///
@@ -177,22 +177,16 @@ impl Problem<'_> {
         z: &DMatrix<f64>,
         information: &DMatrix<f64>,
     ) -> DMatrix<f64> {
-        let (count, total) = (self.free.len(), self.p.len());
-        let model = inverse_where_known(information);
-        let all = inverse_where_known(&minimum.hessian);
-        let block: Vec<usize> = (0..z.nrows()).collect();
-        let ones = DVector::repeat(z.nrows(), 1.0);
-        let robust = clustered_covariance(&all, z, &ones, &block, z.nrows());
-        let stretch = DVector::from_fn(count, |i, _| {
-            let ratio = robust[(i, i)] / model[(i, i)].max(f64::MIN_POSITIVE);
-            if z.nrows() > count && ratio.is_finite() { ratio.max(1.0).sqrt() } else { 1.0 }
-        });
-        let mut out = DMatrix::zeros(total, total);
-        for (i, &a) in self.free.iter().enumerate() {
-            for (k, &b) in self.free.iter().enumerate() {
-                out[(a, b)] = model[(i, k)] * stretch[i] * stretch[k];
-            }
+        let mut covariance = inverse_where_known(information);
+        if z.nrows() > self.free.len() {
+            let all = inverse_where_known(&minimum.hessian);
+            let block: Vec<usize> = (0..z.nrows()).collect();
+            let ones = DVector::repeat(z.nrows(), 1.0);
+            let robust = clustered_covariance(&all, z, &ones, &block, z.nrows());
+            // behind the parameters stand the initial states
+            let own = robust.diagonal().rows(0, self.free.len()).map(f64::sqrt);
+            raise_errors(&mut covariance, &own);
         }
-        out
+        among_all(self.model(), &covariance)
     }
 }

@@ -20,7 +20,7 @@ use super::{
 };
 use crate::filter::{HorizonFilter, Prepared, Reading, pieces, prepare};
 use crate::model::Model;
-use crate::recording::{LocalMotion, Recording};
+use crate::recording::Recording;
 use choice::{Candidate, HORIZONS, SAFE, choose, mean};
 use descent::{Solution, descend};
 use held::Held;
@@ -135,24 +135,17 @@ impl Identifier for PredictionError {
             return likelihood::identify(task, &self.profile);
         }
         let prepared: Vec<Prepared> = task.train.iter().map(prepare).collect();
-        let motions: Vec<Vec<LocalMotion>> =
-            task.train.iter().map(Recording::local_motion).collect();
-        self.fit(task, &prepared, &motions)
+        self.fit(task, &prepared)
     }
 }
 
 impl PredictionError {
-    fn fit(
-        &self,
-        task: &Task,
-        prepared: &[Prepared],
-        motions: &[Vec<LocalMotion>],
-    ) -> Result<Fit, IdentifyError> {
+    fn fit(&self, task: &Task, prepared: &[Prepared]) -> Result<Fit, IdentifyError> {
         let recordings: Vec<&Recording> = task.train.iter().collect();
         let (train, hold, pieces) = (task.train, task.hold, pieces(&recordings));
-        let open = OpenLoop { train, motions, hold, pieces };
+        let open = OpenLoop { train, hold, pieces };
         let begin = |p: Vec<f64>| {
-            let filter = HorizonFilter::new(prepared, task.hold, task.model, &p, motions);
+            let filter = HorizonFilter::new(prepared, task.hold, task.model, &p);
             let solution = descend(&filter, task.model, (&p, 0.0), 0.0)?;
             Some((filter, solution, p))
         };

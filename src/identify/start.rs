@@ -7,12 +7,14 @@ use super::regressor::{Regressor, drive_around};
 use super::weak::{weak_rows, windows};
 use super::{IdentifyError, Task};
 use crate::math::Information;
+use crate::math::least_squares::fit_above;
 use crate::model::Model;
-use crate::model::base::{A1, A2};
 use crate::recording::Recording;
 
 /// Half width of a test function [s].
 const HALF_WIDTH: f64 = 0.25;
+/// Directions of the regressor below this share of the largest stay out of a start: they would begin it far away.
+const WEAK: f64 = 1e-6;
 
 /// A first guess of all parameters: weak-form least squares for the linear ones with the shape
 /// parameters at their typical values, fixed ones as they are.
@@ -34,7 +36,7 @@ pub fn start(task: &Task, method: &str) -> Result<Vec<f64>, IdentifyError> {
     }
     let samples: usize = task.train.iter().map(Recording::len).sum();
     let usable = rows.iter().map(|(_, y)| y.len()).sum();
-    if usable < linear.len() {
+    if usable <= linear.len() {
         return Err(IdentifyError::TooFewSamples { method: method.into(), usable, samples });
     }
     let mut x = DMatrix::zeros(usable, linear.len());
@@ -45,8 +47,10 @@ pub fn start(task: &Task, method: &str) -> Result<Vec<f64>, IdentifyError> {
         y.rows_mut(first, right.len()).copy_from(right);
         first += right.len();
     }
-    let values = minimum_norm(&x, &y);
-    for (value, &j) in values.iter().zip(linear) {
+    let fit = fit_above(WEAK, &x, &y, None);
+    let fit = fit
+        .map_err(|e| IdentifyError::Unsupported { method: method.into(), reason: e.to_string() })?;
+    for (value, &j) in fit.coefficients.iter().zip(linear) {
         if value.abs() > 0.0 {
             p[j] = *value;
         }
@@ -55,28 +59,17 @@ pub fn start(task: &Task, method: &str) -> Result<Vec<f64>, IdentifyError> {
     Ok(p)
 }
 
-/// Least squares with columns scaled to unit norm and weak directions left out.
-fn minimum_norm(x: &DMatrix<f64>, y: &DVector<f64>) -> DVector<f64> {
-    // a column of zeros (no turning, no a3) keeps a coefficient of zero
-    let scale: Vec<f64> =
-        x.column_iter().map(|c| if c.norm() > 0.0 { c.norm() } else { 1.0 }).collect();
-    let scaled = DMatrix::from_fn(x.nrows(), x.ncols(), |i, j| x[(i, j)] / scale[j]);
-    let solution = scaled.svd(true, true).solve(y, 1e-6).expect("both factors were asked for");
-    DVector::from_fn(x.ncols(), |j, _| solution[j] / scale[j])
-}
-
-/// Makes a start from which the model can move: a1 above |a2|, frictions not negative.
+/// Makes a start from which the model can move, as its effects know it ([`crate::effects::Physics::start`]); fixed
+/// values stay.
 pub(super) fn sound(model: &Model, p: &mut [f64]) {
-    let parameters = model.parameters();
-    let free = |j: usize| parameters[j].fixed.is_none();
-    if free(A1) && !(p[A1] > 1.05 * p[A2].abs()) {
-        p[A1] = (1.1 * p[A2].abs()).max(1e-6);
+    let free: Vec<bool> = model.parameters().iter().map(|q| q.fixed.is_none()).collect();
+    let mut moved = p.to_vec();
+    for (e, effect) in model.effects().iter().enumerate() {
+        effect.start(&mut moved[model.slots(e)], &free[model.slots(e)]);
     }
-    for (j, parameter) in parameters.iter().enumerate().filter(|(j, _)| free(*j)) {
-        if parameter.effect == "coulomb_friction" {
-            p[j] = p[j].max(0.0);
-        } else if parameter.spec.kind == crate::effects::ParameterKind::Shape {
-            p[j] = p[j].clamp(parameter.spec.range.0, parameter.spec.range.1);
+    for (value, (moved, free)) in p.iter_mut().zip(moved.into_iter().zip(free)) {
+        if free {
+            *value = moved;
         }
     }
 }
@@ -88,4 +81,28 @@ pub fn covariance_of_free(model: &Model, information: &DMatrix<f64>) -> DMatrix<
     let free = model.free();
     let of_free = information.select_rows(&free).select_columns(&free);
     among_all(model, &Information::new(&of_free).covariance())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::base::{A1, A2, A4};
+    use crate::robot::Robot;
+
+    #[test]
+    fn a_start_keeps_the_inertia_that_the_data_show() {
+        let model = Model::base(Robot::amigobot());
+        // straight driving gives a1 + a2, pivots give a1 - a2; the shortest solution has a1 = |a2|
+        for a2 in [0.0147, -0.0147] {
+            let mut p = vec![0.0147, a2, 0.0, -0.1, 0.1];
+            sound(&model, &mut p);
+            assert!((p[A1] - 1.1 * p[A2].abs()).abs() < 1e-15 && p[A2] * a2 > 0.0, "{p:?}");
+            assert!((p[A1] + p[A2].abs() - 0.0294).abs() < 1e-15, "{p:?}");
+            assert_eq!(p[A4], 0.0);
+        }
+        let fixed = model.fix("a2", 0.02).unwrap();
+        let mut p = vec![0.0147, 0.02, 0.0, 0.1, 0.1];
+        sound(&fixed, &mut p);
+        assert_eq!((p[A1], p[A2]), (1.1 * 0.02, 0.02));
+    }
 }

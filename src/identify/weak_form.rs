@@ -16,7 +16,7 @@ use super::{
     Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task, from_options,
     options_schema, start,
 };
-use crate::math::{BandedCholesky, clustered_covariance};
+use crate::math::{BandedCholesky, clustered_covariance, raise_errors};
 use crate::recording::Recording;
 
 /// Weak form: moments integrated against test functions, weighted by their covariance.
@@ -62,6 +62,8 @@ const SETTLED: f64 = 1e-3;
 /// Blocks for standard errors [s], and how many there should be.
 const BLOCK: (f64, f64) = (1.0, 5.0);
 const BLOCKS: f64 = 20.0;
+/// Number of the last block below which they are too few to show anything.
+const FEWEST_BLOCKS: usize = 5;
 
 impl Identifier for WeakForm {
     fn describe(&self) -> MethodDescription {
@@ -287,17 +289,16 @@ impl WeakForm {
         let width = sums.right.len();
         let excess = (sums.square / (rows - width) as f64).max(f64::MIN_POSITIVE);
         let excess = if self.reweighting { excess.max(1.0) } else { excess };
-        let model = inverse_where_known(&sums.information) * excess;
+        let bread = inverse_where_known(&sums.information);
+        let mut covariance = &bread * excess;
+        if sums.scores.last().is_none_or(|(block, _)| *block < FEWEST_BLOCKS) {
+            return covariance;
+        }
         let z = DMatrix::from_fn(sums.scores.len(), width, |i, c| sums.scores[i].1[c]);
         let block: Vec<usize> = sums.scores.iter().map(|s| s.0).collect();
-        let bread = inverse_where_known(&sums.information);
-        let robust =
-            clustered_covariance(&bread, &z, &DVector::repeat(z.nrows(), 1.0), &block, z.nrows());
-        let enough = block.last().is_some_and(|b| *b >= 5);
-        let stretch = DVector::from_fn(width, |c, _| {
-            let ratio = robust[(c, c)] / model[(c, c)].max(f64::MIN_POSITIVE);
-            if enough && ratio.is_finite() { ratio.max(1.0).sqrt() } else { 1.0 }
-        });
-        DMatrix::from_fn(width, width, |i, k| model[(i, k)] * stretch[i] * stretch[k])
+        let ones = DVector::repeat(z.nrows(), 1.0);
+        let robust = clustered_covariance(&bread, &z, &ones, &block, z.nrows());
+        raise_errors(&mut covariance, &robust.diagonal().map(f64::sqrt));
+        covariance
     }
 }

@@ -1,7 +1,5 @@
 //! An adaptive integrator for smooth differential equations: the reference that tests compare with.
 
-use super::error::MathError;
-
 /// The method of Dormand and Prince: order 5 with an error estimate of order 4.
 ///
 /// Source: E. Hairer, S. P. Norsett, G. Wanner, *Solving Ordinary Differential Equations I*,
@@ -14,6 +12,15 @@ pub(crate) struct DormandPrince {
     pub(crate) absolute: f64,
     /// Most steps to be taken, rejected ones included.
     pub(crate) max_steps: usize,
+}
+
+/// Why an integration ended early.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Stopped {
+    /// The right-hand side is not smooth, or the solution grows without bound.
+    StepTooSmall { time: f64, step: f64 },
+    /// It needed more steps than allowed.
+    TooManySteps { time: f64, steps: usize },
 }
 
 impl Default for DormandPrince {
@@ -80,7 +87,7 @@ impl DormandPrince {
         start: f64,
         end: f64,
         x: [f64; N],
-    ) -> Result<Trajectory<N>, MathError> {
+    ) -> Result<Trajectory<N>, Stopped> {
         let (mut t, mut x, mut slope) = (start, x, f(start, &x));
         let mut h = 1e-3 * (end - start);
         let mut steps = Vec::new();
@@ -92,7 +99,7 @@ impl DormandPrince {
             let last = t + 1.01 * h >= end;
             let length = if last { end - t } else { h };
             if t + length <= t || !length.is_finite() {
-                return Err(MathError::StepTooSmall { time: t, step: length });
+                return Err(Stopped::StepTooSmall { time: t, step: length });
             }
             let (next, k) = stages(&f, t, &x, slope, length);
             let error = self.error_norm(&x, &next, &k, length);
@@ -107,7 +114,7 @@ impl DormandPrince {
         if t >= end {
             return Ok(Trajectory { steps, start, end, final_state: x });
         }
-        Err(MathError::TooManySteps { time: t, steps: steps.len() })
+        Err(Stopped::TooManySteps { time: t, steps: steps.len() })
     }
 
     fn error_norm<const N: usize>(
@@ -246,7 +253,7 @@ mod tests {
         let pole = solver.solve(|_, x: &[f64; 1]| [x[0] * x[0]], 0.0, 2.0, [1.0]);
         assert!(pole.is_err());
         let nan = solver.solve(|_, _: &[f64; 1]| [f64::NAN], 0.0, 1.0, [1.0]);
-        assert!(matches!(nan, Err(MathError::StepTooSmall { .. })));
+        assert!(matches!(nan, Err(Stopped::StepTooSmall { .. })));
         let nothing = solver.solve(van_der_pol, 1.0, 1.0, [2.0, 0.0]).unwrap();
         assert_eq!((nothing.final_state(), nothing.at(1.0)), ([2.0, 0.0], [2.0, 0.0]));
     }

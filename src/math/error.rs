@@ -44,33 +44,6 @@ pub enum MathError {
         /// The range in words.
         expected: &'static str,
     },
-    /// Sample times do not increase.
-    #[error("row {row}: t = {found} does not exceed {previous}; sort or remove repeated samples")]
-    NotIncreasing {
-        /// Row of the offending time, counted from zero.
-        row: usize,
-        /// The time before it.
-        previous: f64,
-        /// The offending time.
-        found: f64,
-    },
-    /// The integration step became too small to change the time: the right-hand side is not
-    /// smooth, or the solution grows without bound.
-    #[error("at t = {time} the integration step shrank to {step}; end before the kink or pole")]
-    StepTooSmall {
-        /// Time reached [s].
-        time: f64,
-        /// Last step tried [s].
-        step: f64,
-    },
-    /// The integration needed more steps than allowed.
-    #[error("at t = {time} after {steps} steps; loosen the tolerance or shorten the interval")]
-    TooManySteps {
-        /// Time reached [s].
-        time: f64,
-        /// Steps taken.
-        steps: usize,
-    },
 }
 
 /// Refuses the first value that is not finite.

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Mul, Sub};
 
-use super::error::{MathError, check_finite, check_length};
+use super::error::MathError;
 
 /// A value of a signal, or one of each of several signals side by side.
 pub trait Sample: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<f64, Output = Self> {}
@@ -108,25 +108,7 @@ pub fn butterworth(order: usize, cutoff: f64, sample_rate: f64) -> Result<Vec<Se
     Ok(sections)
 }
 
-/// Filters forwards and backwards: no phase shift, twice the attenuation.
-///
-/// The ends are extended by odd reflection, with the length and the steady-state start of
-/// `scipy.signal.sosfiltfilt`, whose results this function reproduces.
-///
-/// # Errors
-/// If a value is not finite or the signal is not longer than the extension
-/// (3 (2 sections + 1), less 3 if the order is odd).
-pub fn filter_zero_phase(sections: &[Section], signal: &[f64]) -> Result<Vec<f64>, MathError> {
-    check_finite("the signal", signal)?;
-    let edge = reflected(sections);
-    if signal.len() <= edge {
-        let (method, found, required) = ("the zero-phase filter", signal.len(), edge + 1);
-        return Err(MathError::TooFewSamples { method, found, required });
-    }
-    Ok(filter_both_ways(sections, signal, edge, Extension::Odd))
-}
-
-/// Samples by which [`filter_zero_phase`] extends a signal at each end.
+/// Samples by which `scipy.signal.sosfiltfilt` extends a signal at each end.
 #[must_use]
 pub fn reflected(sections: &[Section]) -> usize {
     let first_order = sections.iter().filter(|s| s.is_first_order()).count();
@@ -158,58 +140,6 @@ pub fn filter_both_ways<T: Sample>(
     extended
 }
 
-/// [`butterworth`] of `order` applied by [`filter_zero_phase`].
-///
-/// # Errors
-/// As these two.
-pub fn low_pass(
-    signal: &[f64],
-    order: usize,
-    cutoff: f64,
-    sample_rate: f64,
-) -> Result<Vec<f64>, MathError> {
-    filter_zero_phase(&butterworth(order, cutoff, sample_rate)?, signal)
-}
-
-/// Derivative of a signal sampled at any increasing times, by the parabola through three samples.
-///
-/// ```text
-/// f'(t_k) = [h^2 f(k+1) + (g^2 - h^2) f(k) - g^2 f(k-1)] / [g h (g + h)],
-/// h = t_k - t_(k-1),  g = t_(k+1) - t_k
-/// ```
-///
-/// The ends use the slope of their parabola (`numpy.gradient` with `edge_order=2`). The error is
-/// of second order in the step.
-///
-/// # Errors
-/// If lengths differ, there are fewer than three samples, a value is not finite or the times do
-/// not increase.
-pub fn central_difference(times: &[f64], signal: &[f64]) -> Result<Vec<f64>, MathError> {
-    check_length("the signal", signal.len(), times.len())?;
-    check_finite("the times", times)?;
-    check_finite("the signal", signal)?;
-    let n = signal.len();
-    if n < 3 {
-        return Err(MathError::TooFewSamples { method: "a derivative", found: n, required: 3 });
-    }
-    if let Some(k) = (1..n).find(|&k| times[k] <= times[k - 1]) {
-        let (previous, found) = (times[k - 1], times[k]);
-        return Err(MathError::NotIncreasing { row: k, previous, found });
-    }
-    let slope = |k: usize| {
-        let middle = k.clamp(1, n - 2);
-        parabola_slope(&times[middle - 1..=middle + 1], &signal[middle - 1..=middle + 1], times[k])
-    };
-    Ok((0..n).map(slope).collect())
-}
-
-/// Slope at `at` of the parabola through three points (Newton's form).
-fn parabola_slope(t: &[f64], f: &[f64], at: f64) -> f64 {
-    let first = (f[1] - f[0]) / (t[1] - t[0]);
-    let second = ((f[2] - f[1]) / (t[2] - t[1]) - first) / (t[2] - t[0]);
-    first + second * (2.0 * at - t[0] - t[1])
-}
-
 fn extended<T: Sample>(signal: &[T], edge: usize, extension: Extension) -> Vec<T> {
     let Some(last) = signal.len().checked_sub(1) else { return vec![] };
     let beyond = |end: usize, inside: usize| match extension {
@@ -225,6 +155,12 @@ fn extended<T: Sample>(signal: &[T], edge: usize, extension: Extension) -> Vec<T
 pub(crate) mod tests {
     use super::super::least_squares::tests::lcg;
     use super::*;
+
+    /// `scipy.signal.sosfiltfilt` of a Butterworth filter.
+    pub(crate) fn low_pass(signal: &[f64], order: usize, cutoff: f64, rate: f64) -> Vec<f64> {
+        let sections = butterworth(order, cutoff, rate).unwrap();
+        filter_both_ways(&sections, signal, reflected(&sections), Extension::Odd)
+    }
 
     /// sin(5 t) + uniform noise, 60 samples at 100 Hz.
     pub(crate) fn noisy_sine() -> Vec<f64> {
@@ -294,36 +230,8 @@ pub(crate) mod tests {
             ),
         ];
         for (order, cutoff, expected) in cases {
-            assert_samples(&low_pass(&v, order, cutoff, 100.0).unwrap(), &at, &expected, 1e-12);
+            assert_samples(&low_pass(&v, order, cutoff, 100.0), &at, &expected, 1e-12);
         }
-    }
-
-    #[test]
-    fn differences_on_uneven_times_equal_numpy_gradient() {
-        let mut t = 0.0;
-        let step = |e: &f64| {
-            t += 0.01 + 0.005 * e;
-            t
-        };
-        let times: Vec<f64> = lcg(12, 5).iter().map(step).collect();
-        let signal: Vec<f64> = times.iter().map(|t| (20.0 * t).sin()).collect();
-        let found = central_difference(&times, &signal).unwrap();
-        // numpy.gradient(f, t, edge_order=2)
-        let expected = [
-            19.977817721182475,
-            18.32446391346856,
-            16.710174612668474,
-            13.718575391337051,
-            10.254466742003977,
-            6.937294886708052,
-            3.1009049239266204,
-            -0.30825788669758936,
-            -3.3722347477979824,
-            -7.879747451721357,
-            -10.645597843506081,
-            -13.442299145335568,
-        ];
-        assert_samples(&found, &(0..12).collect::<Vec<_>>(), &expected, 1e-11);
     }
 
     #[test]
@@ -342,7 +250,7 @@ pub(crate) mod tests {
 
     #[test]
     fn a_constant_passes_unchanged() {
-        let flat = low_pass(&[7.0; 40], 4, 5.0, 100.0).unwrap();
+        let flat = low_pass(&[7.0; 40], 4, 5.0, 100.0);
         assert!(flat.iter().all(|f| (f - 7.0).abs() < 1e-12));
     }
 
@@ -351,9 +259,5 @@ pub(crate) mod tests {
         assert!(butterworth(4, 50.0, 100.0).is_err());
         assert!(butterworth(0, 5.0, 100.0).is_err());
         assert!(butterworth(4, f64::NAN, 100.0).is_err());
-        let short = low_pass(&[0.0; 15], 4, 5.0, 100.0).unwrap_err();
-        assert!(matches!(short, MathError::TooFewSamples { found: 15, required: 16, .. }));
-        let repeated = central_difference(&[0.0, 1.0, 1.0], &[0.0; 3]).unwrap_err();
-        assert_eq!(repeated, MathError::NotIncreasing { row: 2, previous: 1.0, found: 1.0 });
     }
 }

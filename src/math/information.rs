@@ -137,8 +137,17 @@ impl Information {
     /// The Newton step `H^-1 g`, zero along directions without information.
     #[must_use]
     pub fn solve(&self, gradient: &DVector<f64>) -> DVector<f64> {
-        let half = self.whitening();
-        &half * half.tr_mul(gradient)
+        self.solve_damped(gradient, 0.0)
+    }
+
+    /// The step of Levenberg and Marquardt `(H + damping diag H)^-1 g`, zero along directions without
+    /// information.
+    #[must_use]
+    pub fn solve_damped(&self, gradient: &DVector<f64>, damping: f64) -> DVector<f64> {
+        let known = self.vectors.columns(0, self.rank);
+        let mut along = known.tr_mul(&gradient.component_div(&self.root));
+        along.iter_mut().zip(&self.eigenvalues).for_each(|(a, e)| *a /= e + damping);
+        (known * along).component_div(&self.root)
     }
 
     /// The score statistic `s' H^-1 s` over the directions that carry information: chi-squared with
@@ -252,6 +261,15 @@ mod tests {
             [0.1090531561461798, -0.5582087486157256, -0.009583333333333336, 0.004378875968992248];
         let step = known.solve(&g);
         (0..4).for_each(|i| assert_close(step[i], expected[i], 1e-12));
+        // (h + diag(h)/2)^-1 g in rational numbers
+        let damped = [
+            0.0764833747358073,
+            -0.2778973359027133,
+            -0.0005305212139297615,
+            0.0027653583725548827,
+        ];
+        let step = known.solve_damped(&g, 0.5);
+        (0..4).for_each(|i| assert_close(step[i], damped[i], 1e-12));
         // g @ numpy.linalg.solve(h, g)
         assert_close(known.statistic(&g), 18.45347452934662, 1e-12);
         // own = [1, 3], n = [0, 2]: h[own,own] - h[own,n] @ solve(h[n,n], h[n,own])

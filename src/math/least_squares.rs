@@ -75,6 +75,19 @@ pub fn fit(
     y: &DVector<f64>,
     weights: Option<&DVector<f64>>,
 ) -> Result<LinearFit, MathError> {
+    fit_above(RANK_TOLERANCE, x, y, weights)
+}
+
+/// [`fit`] without the directions whose singular value is below this share of the largest.
+///
+/// # Errors
+/// As [`fit`].
+pub fn fit_above(
+    share: f64,
+    x: &DMatrix<f64>,
+    y: &DVector<f64>,
+    weights: Option<&DVector<f64>>,
+) -> Result<LinearFit, MathError> {
     let rows = check(x, y, weights)?;
     let (mut a, mut b) = (x.clone(), y.clone());
     if let Some(w) = weights {
@@ -87,7 +100,7 @@ pub fn fit(
     qr.q_tr_mul(&mut b);
     let rotated = b.rows(0, x.ncols()).into_owned();
     let svd = singular_values(qr.r());
-    let rank = numerical_rank(&svd.values);
+    let rank = numerical_rank(&svd.values, share);
 
     let coefficients = solve(&svd, rank, &rotated).component_div(&scale);
     let unit_covariance = unscale(&pseudo_inverse_of_square(&svd, rank), &scale);
@@ -120,47 +133,6 @@ impl LinearFit {
     pub fn unit_covariance(&self) -> DMatrix<f64> {
         blind(self.unit_covariance.clone(), &self.unidentifiable)
     }
-}
-
-/// Covariance of an estimate whose errors are correlated and of unequal size within blocks of rows
-/// (cluster-robust "sandwich").
-///
-/// ```text
-/// C = c B [ sum_b s_b s_b' ] B',   s_b = sum_{i in b} z_i psi_i,   c = G/(G-1) (n-1)/(n-k)
-/// ```
-///
-/// `bread` B is the inverse of `sum z x' psi'`, `z` the instruments (the columns themselves for
-/// least squares), `psi` the influence of each residual (weight times residual), `block` the block
-/// of each row. `rows` n is the number of rows of data, which the rows of `z` may stand for; k is the
-/// width of `z`. With fewer than two blocks rows count as independent.
-///
-/// Source: K.-Y. Liang, S. L. Zeger, Biometrika 73 (1986); the factor c is that of Stata and
-/// statsmodels.
-///
-/// # Panics
-/// If the lengths differ.
-#[must_use]
-pub fn clustered_covariance(
-    bread: &DMatrix<f64>,
-    z: &DMatrix<f64>,
-    psi: &DVector<f64>,
-    block: &[usize],
-    rows: usize,
-) -> DMatrix<f64> {
-    let blocks = block.iter().max().map_or(0, |b| b + 1);
-    let one = |i: usize| if blocks < 2 { i } else { block[i] };
-    let mut scores = std::collections::BTreeMap::<usize, DVector<f64>>::new();
-    for i in 0..z.nrows() {
-        let sum = scores.entry(one(i)).or_insert_with(|| DVector::zeros(z.ncols()));
-        sum.axpy(psi[i], &z.row(i).transpose(), 1.0);
-    }
-    let mut middle = DMatrix::zeros(z.ncols(), z.ncols());
-    for s in scores.values() {
-        middle += s * s.transpose();
-    }
-    let (groups, n) = (scores.len() as f64, rows as f64);
-    let factor = groups / (groups - 1.0) * (n - 1.0) / (n - z.ncols() as f64).max(1.0);
-    bread * middle * bread.transpose() * factor
 }
 
 /// Indices of the parameters whose component in any of the null directions exceeds
@@ -220,9 +192,9 @@ fn scale_columns(a: &mut DMatrix<f64>) -> DVector<f64> {
     scale
 }
 
-fn numerical_rank(values: &[f64]) -> usize {
+fn numerical_rank(values: &[f64], share: f64) -> usize {
     let largest = values.first().copied().unwrap_or(0.0);
-    values.iter().filter(|&&s| s > RANK_TOLERANCE * largest).count()
+    values.iter().filter(|&&s| s > share * largest).count()
 }
 
 fn condition(values: &[f64]) -> f64 {

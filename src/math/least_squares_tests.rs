@@ -54,25 +54,6 @@ fn a_noisy_weighted_fit_equals_statsmodels_wls() {
 }
 
 #[test]
-fn the_sandwich_of_eight_blocks_equals_statsmodels_cluster_covariance() {
-    let (x, y) = noisy_line();
-    let fit = fit(&x, &y, Some(&weights())).unwrap();
-    let blocks: Vec<usize> = (0..40).map(|i| i / 5).collect();
-    let psi = fit.residuals.component_mul(&weights());
-    let c = clustered_covariance(&fit.unit_covariance(), &x, &psi, &blocks, 40);
-    let expected = [
-        [0.0032485525177141875, 0.0005279127579972065, -1.5964191383867757e-07],
-        [0.0005279127579972065, 0.0003793349024497552, -1.5231841083127594e-07],
-        [-1.5964191383867757e-07, -1.5231841083127597e-07, 2.2652778749312896e-10],
-    ];
-    for i in 0..3 {
-        for j in 0..3 {
-            assert_close(c[(i, j)], expected[i][j], 1e-10);
-        }
-    }
-}
-
-#[test]
 fn a_dependent_column_blinds_its_partners_and_nobody_else() {
     let (x, y) = noisy_line();
     let mut wide = x.clone().insert_column(3, 0.0);

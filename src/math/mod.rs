@@ -1,6 +1,7 @@
 //! Numbers only: no robot, no file.
 
 mod banded;
+mod covariance;
 pub mod descent;
 pub mod distribution;
 #[cfg(test)]
@@ -21,6 +22,7 @@ mod singular_values;
 mod symbol;
 
 pub use banded::BandedCholesky;
+pub use covariance::{clustered_covariance, raise_errors, sandwich};
 pub use descent::{MinimiseOptions, Minimum, MinimumStatus, Quadratic, minimise};
 pub use error::MathError;
 pub use expression::{Expression, ExpressionError};
@@ -29,9 +31,9 @@ pub use information::{Information, eliminate};
 #[cfg(test)]
 pub(crate) use lanes::every_width;
 pub(crate) use lanes::{Lanes, Mask, in_lanes};
-pub use least_squares::{LinearFit, clustered_covariance, fit};
+pub use least_squares::{LinearFit, fit};
 pub use order::{median, quantile};
 pub use robust::{RobustFit, fit_huber};
-pub use runge_kutta::{runge_kutta_from, runge_kutta_step};
+pub use runge_kutta::{runge_kutta_from, runge_kutta_motion, runge_kutta_step};
 pub use scalar::{Dual, Real, sgn};
 pub use symbol::{Symbol, record};

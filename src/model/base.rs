@@ -1,5 +1,7 @@
 //! Places of the base parameters, which come first in the parameters of every model.
 
+use crate::robot::BaseParameters;
+
 /// Own inertia of a wheel, a1 [kg m^2].
 pub const A1: usize = 0;
 /// Inertia that couples the wheels, a2 [kg m^2].
@@ -12,6 +14,15 @@ pub const A4: usize = 3;
 pub const A5: usize = 4;
 /// Number of base parameters.
 pub const COUNT: usize = 5;
+
+/// The base parameters of a model by name, from its parameter vector.
+///
+/// # Panics
+/// If `p` has fewer than [`COUNT`] values.
+#[must_use]
+pub fn of(p: &[f64]) -> BaseParameters {
+    BaseParameters { a1: p[A1], a2: p[A2], a3: p[A3], a4: p[A4], a5: p[A5] }
+}
 
 #[cfg(test)]
 mod tests {
@@ -26,6 +37,7 @@ mod tests {
         for (symbol, place) in named {
             assert_eq!(model.index_of(symbol).unwrap(), place);
         }
+        assert_eq!(of(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]).to_array(), [1.0, 2.0, 3.0, 4.0, 5.0]);
         assert_eq!(
             (named.len(), Model::base(Robot::amigobot()).parameters().len()),
             (COUNT, COUNT)

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::{Measured, Noise, Recording};
+use super::{LocalMotion, Measured, Noise, Recording};
 
 /// Half width of the widest neighbourhood [s], and its limits in samples.
 const HALF_WIDTH: f64 = 0.06;
@@ -14,21 +14,6 @@ const MOST: usize = 30;
 const WIDER: f64 = 1.6;
 /// Standard errors within which two neighbourhoods agree.
 const AGREE: f64 = 2.0;
-
-/// Motion around one sample, from a parabola through the angles and speeds of its neighbours.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct LocalMotion {
-    /// Wheel angles [rad].
-    pub alpha: [f64; 2],
-    /// Wheel speeds [rad/s].
-    pub omega: [f64; 2],
-    /// Wheel accelerations [rad/s^2].
-    pub acceleration: [f64; 2],
-    /// Variance of the speeds that the noise of the channels leaves [rad^2/s^2].
-    pub omega_variance: [f64; 2],
-    /// Variance of the angles [rad^2].
-    pub alpha_variance: [f64; 2],
-}
 
 impl Recording {
     /// The local motion around every sample: weighted least squares of
@@ -41,8 +26,14 @@ impl Recording {
     ///
     /// Source: intersection of confidence intervals, Goldenshluger and Nemirovski, Math. Methods Stat. 6
     /// (1997); Katkovnik, IEEE Trans. Signal Process. 47 (1999).
+    ///
+    /// It is computed once; copies of the recording with another input share it.
     #[must_use]
-    pub fn local_motion(&self) -> Vec<LocalMotion> {
+    pub fn local_motion(&self) -> &[LocalMotion] {
+        self.kept_motion().get_or_init(|| self.parabolas_of_all())
+    }
+
+    fn parabolas_of_all(&self) -> Vec<LocalMotion> {
         let (noise, half) = (self.noise(), self.half_width());
         let mut out = vec![LocalMotion::default(); self.len()];
         for piece in self.pieces() {
@@ -213,7 +204,7 @@ fn meets(fit: &LocalMotion, i: usize, low: &mut f64, high: &mut f64) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Channels, DriveUnit, Recording};
+    use super::super::{Channels, DriveUnit, Noise, Recording};
 
     #[test]
     fn a_parabola_is_found_exactly() {
@@ -230,5 +221,23 @@ mod tests {
             assert!((m.alpha[1] + t).abs() < 1e-6);
             assert_eq!(*m, r.local_motion_at(k));
         }
+    }
+
+    #[test]
+    fn copies_share_one_motion_until_the_noise_of_the_sensors_is_told() {
+        let t: Vec<f64> = (0..200).map(|k| 0.01 * f64::from(k)).collect();
+        let rough = |k: usize| 0.01 * ((k * k) as f64).sin();
+        let omega = t.iter().enumerate().map(|(k, t)| [t.sin() + rough(k), -t + rough(k + 7)]);
+        let (omega, moment) = (Some(omega.collect()), vec![[0.0; 2]; 200]);
+        let c = Channels { t, alpha: None, omega, moment };
+        let r = Recording::new("a", c, DriveUnit::NewtonMetre).unwrap();
+        let other = r.with_moment(vec![[1.0; 2]; 200]);
+        assert!(std::ptr::eq(r.local_motion(), other.local_motion()));
+        let mut quiet = r.clone();
+        let Noise { alpha, moment, .. } = r.noise();
+        quiet.set_most_noise(Noise { alpha, omega: [1e-4; 2], moment });
+        // less noise: narrower neighbourhoods agree
+        assert_ne!(quiet.local_motion(), r.local_motion());
+        assert_eq!(quiet.local_motion()[70], quiet.local_motion_at(70));
     }
 }

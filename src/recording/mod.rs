@@ -9,6 +9,7 @@ mod gaps;
 mod limits;
 mod local;
 mod long;
+mod motion;
 mod noise;
 mod quality;
 mod recording;
@@ -20,13 +21,15 @@ pub(crate) use derived::differentiate;
 pub use drive_unit::DriveUnit;
 pub use error::RecordingError;
 pub(crate) use gaps::{is_gap, pieces};
-pub use local::LocalMotion;
 pub use long::{LongRecording, Rows, Survey};
+pub use motion::LocalMotion;
+pub(crate) use noise::FEW_LEVELS;
 pub use noise::share_noise;
 pub use quality::{Finding, Gaps, Issue, Quality, Severity, quality};
 pub(crate) use quality::{
     View, Window, exchanged_input, exchanged_speeds, opposing_input, windows_of,
 };
 pub use recording::Recording;
+pub(crate) use refresh::REGULAR;
 pub use refresh::refreshed;
 pub use regime::Regime;

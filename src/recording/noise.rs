@@ -1,7 +1,7 @@
 //! How noisy the channels of a recording are, from the recording alone.
 
 use super::{Noise, Recording};
-use crate::math::noise;
+use crate::math::{median as middle, noise};
 
 /// Length of a block over which one estimate is taken [s].
 const BLOCK: f64 = 0.5;
@@ -19,11 +19,7 @@ pub fn share_noise(recordings: &mut [&mut Recording]) {
     if noises.is_empty() {
         return;
     }
-    let median = |value: &dyn Fn(&Noise) -> f64| {
-        let mut values: Vec<f64> = noises.iter().map(value).collect();
-        values.sort_by(f64::total_cmp);
-        values[values.len() / 2]
-    };
+    let median = |value: &dyn Fn(&Noise) -> f64| middle(noises.iter().map(value));
     let most = Noise {
         alpha: [0, 1].map(|i| median(&|n| n.alpha[i])),
         omega: [0, 1].map(|i| median(&|n| n.omega[i])),
@@ -115,7 +111,7 @@ const SMOOTH: f64 = -0.6;
 
 /// Levels up to which an input is a list of commands: rounding is white noise of q/sqrt(12) only where
 /// the signal crosses many levels (Widrow and Kollar, Quantization Noise, 2008).
-const FEW_LEVELS: usize = 16;
+pub(crate) const FEW_LEVELS: usize = 16;
 
 /// Whether a channel takes no more than a few values.
 fn is_of_few_levels(values: &[[f64; 2]], i: usize) -> bool {

@@ -32,18 +32,6 @@ pub enum Severity {
     Problem,
 }
 
-impl Severity {
-    /// In a word.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Note => "note",
-            Self::Warning => "warning",
-            Self::Problem => "problem",
-        }
-    }
-}
-
 /// Something that was noticed.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Finding {

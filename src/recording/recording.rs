@@ -1,12 +1,13 @@
 //! One recording: wheel angles, wheel speeds and input over time.
 
 use std::ops::Range;
+use std::sync::{Arc, OnceLock};
 
 use super::channels::{Channels, Measured, Noise};
 use super::check::check;
 use super::derived::{integrate, slopes};
 use super::gaps::{median_step, pieces};
-use super::{DriveUnit, RecordingError};
+use super::{DriveUnit, LocalMotion, RecordingError};
 
 /// A checked recording: finite values, strictly increasing time, angles and speeds both there.
 #[derive(Clone, Debug)]
@@ -28,6 +29,8 @@ pub struct Recording {
     recorded_input_noise: Option<[f64; 2]>,
     /// Share of the jumps of the input from row to row that is noise.
     noise_of_jumps: f64,
+    /// [`Recording::local_motion`], once it was asked for; copies share it.
+    local_motion: Arc<OnceLock<Vec<LocalMotion>>>,
 }
 
 impl Recording {
@@ -77,6 +80,7 @@ impl Recording {
             most_noise,
             recorded_input_noise: None,
             noise_of_jumps: 1.0,
+            local_motion: Arc::default(),
         })
     }
 
@@ -214,6 +218,12 @@ impl Recording {
     /// Its sensors have no more noise in angles and speeds than that.
     pub fn set_most_noise(&mut self, noise: Noise) {
         self.most_noise = Some(noise);
+        // its neighbourhoods are as wide as the noise allows
+        self.local_motion = Arc::default();
+    }
+
+    pub(super) fn kept_motion(&self) -> &OnceLock<Vec<LocalMotion>> {
+        &self.local_motion
     }
 
     pub(super) fn most_noise(&self) -> Option<Noise> {

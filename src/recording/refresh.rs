@@ -8,8 +8,8 @@ const REPEATED: f64 = 0.4;
 /// Smallest steps that a slow sensor moves on between two new values, at least. A coarse one at full
 /// rate goes on by one step, now and then by two.
 const STEPS: f64 = 2.5;
-/// Share of equal numbers of rows from one change to the next that is regular.
-const REGULAR: f64 = 0.8;
+/// Share of equal numbers of rows from one change to the next that is regular, of sensors and of clocks.
+pub(crate) const REGULAR: f64 = 0.8;
 /// Ratio of large to small changes beyond which they are not all of one step.
 const VARIES: f64 = 1.02;
 /// Part of a step by which multiples of it differ: rounding of a logger, and far below the change of a

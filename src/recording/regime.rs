@@ -99,7 +99,8 @@ const STRAIGHT: f64 = 0.08;
 impl Recording {
     /// The regime at every sample, from the local motion.
     #[must_use]
-    pub fn regimes(&self, motion: &[LocalMotion]) -> Vec<Regime> {
+    pub fn regimes(&self) -> Vec<Regime> {
+        let motion = self.local_motion();
         let fastest =
             motion.iter().flat_map(|m| m.omega).map(f64::abs).fold(0.0, f64::max).max(1e-9);
         motion.iter().map(|m| regime(m, fastest)).collect()

@@ -141,7 +141,7 @@ pub enum Tone {
 /// ```
 /// use amigo_ident::report::block::Text;
 /// let text = Text::from("Indistinguishable: ").strong("a4").plain(" and ").strong("a5");
-/// assert_eq!(text.to_plain(), "Indistinguishable: a4 and a5");
+/// assert_eq!(text.0.len(), 4);
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Text(pub Vec<Span>);
@@ -174,14 +174,6 @@ impl Text {
     pub fn code(mut self, text: impl Into<String>) -> Self {
         self.0.push(Span::Code(text.into()));
         self
-    }
-
-    /// The text without emphasis.
-    pub fn to_plain(&self) -> String {
-        let piece = |span: &Span| match span {
-            Span::Plain(text) | Span::Strong(text) | Span::Code(text) => text.clone(),
-        };
-        self.0.iter().map(piece).collect()
     }
 }
 

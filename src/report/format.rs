@@ -175,17 +175,6 @@ pub fn estimate(value: f64, std_error: f64) -> String {
     format!("{} ± {}", fixed(value, decimals), fixed(std_error, decimals))
 }
 
-/// A value with its interval, "0.123 [0.119, 0.127]".
-pub fn interval(value: f64, lower: f64, upper: f64) -> String {
-    if value.is_nan() {
-        return MISSING.to_owned();
-    }
-    if !value.is_finite() || lower == f64::NEG_INFINITY && upper == f64::INFINITY {
-        return NOT_IDENTIFIABLE.to_owned();
-    }
-    format!("{} [{}, {}]", number(value), number(lower), number(upper))
-}
-
 /// A p-value as a sentence part: "p = 0.012", "p = 3.2 × 10⁻⁵", "p < 10⁻⁹".
 ///
 /// ```
@@ -254,30 +243,6 @@ pub fn probability(p: f64) -> String {
         p if p > 0.999 => "> 99.9 %".to_owned(),
         p if (0.0..0.001).contains(&p) => "< 0.1 %".to_owned(),
         p => percent(p),
-    }
-}
-
-/// A value with an SI prefix, three significant digits: `si(0.00123, "s")` is "1.23 ms".
-pub fn si(value: f64, unit: &str) -> String {
-    const PREFIXES: [(i32, &str); 9] = [
-        (-12, "p"),
-        (-9, "n"),
-        (-6, "µ"),
-        (-3, "m"),
-        (0, ""),
-        (3, "k"),
-        (6, "M"),
-        (9, "G"),
-        (12, "T"),
-    ];
-    let exponent = decimal_exponent(value, 3).unwrap_or(0);
-    let group = 3 * exponent.div_euclid(3);
-    let prefix = PREFIXES.iter().find(|(power, _)| *power == group);
-    match prefix {
-        Some((power, prefix)) if value.is_finite() => {
-            format!("{} {prefix}{unit}", significant(scale_by_power_of_ten(value, -power), 3))
-        }
-        _ => with_unit(value, unit),
     }
 }
 

@@ -151,7 +151,7 @@ impl Construction {
     /// Source: the paper, eq. (15).
     ///
     /// Deviation: the transcription lost the minus signs of a2; they follow from the kinetic
-    /// energy, see [`maggi`](super::maggi).
+    /// energy, see `maggi.rs`.
     ///
     /// # Examples
     /// ```

@@ -38,11 +38,11 @@ use crate::math::{Dual, Real, sgn};
 ///
 /// Source: the paper, Fig. 2 and eq. (10).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ContactForce {
+struct ContactForce {
     /// Along the rolling direction, T_0 [N].
-    pub along: f64,
+    along: f64,
     /// Along the axle, toward the left, T_P [N].
-    pub across: f64,
+    across: f64,
 }
 
 /// Kinetic energy E [J] from the velocities of the bodies; the caster's mass is neglected.
@@ -53,8 +53,7 @@ pub struct ContactForce {
 ///
 /// B is the centre of wheel 1, C of wheel 2. Source: the paper, eq. (7), written before
 /// expansion; m1 and m2 may differ.
-#[must_use]
-pub fn kinetic_energy<T: Real>(c: &Construction, q: [T; 5], q_dot: [T; 5]) -> T {
+fn kinetic_energy<T: Real>(c: &Construction, q: [T; 5], q_dot: [T; 5]) -> T {
     let [_, _, beta, _, _] = q;
     let [x_dot, y_dot, beta_dot, w1, w2] = q_dot;
     let (sin, cos) = (beta.sin(), beta.cos());
@@ -80,8 +79,7 @@ pub fn kinetic_energy<T: Real>(c: &Construction, q: [T; 5], q_dot: [T; 5]) -> T 
 ///
 /// E is quadratic in q', so dE/dq'_j = (E(q' + u_j) - E(q' - u_j)) / 2 exactly, u_j the unit
 /// vector; its rate along the motion (q, q', q'') and dE/dq_j come from dual numbers.
-#[must_use]
-pub fn lagrange_terms(
+fn lagrange_terms(
     c: &Construction,
     q: [f64; 5],
     q_dot: [f64; 5],
@@ -106,8 +104,7 @@ pub fn lagrange_terms(
 }
 
 /// Inertia matrix M(q) of eq. (8), for a heading beta [rad]; m1 = m2 as in the paper.
-#[must_use]
-pub fn inertia_matrix(c: &Construction, beta: f64) -> Matrix5<f64> {
+fn inertia_matrix(c: &Construction, beta: f64) -> Matrix5<f64> {
     let (sin, cos) = beta.sin_cos();
     let mass = 2.0 * c.m1_kg + c.m4_kg;
     let s = c.m4_kg * c.l2_m;
@@ -125,8 +122,7 @@ pub fn inertia_matrix(c: &Construction, beta: f64) -> Matrix5<f64> {
 
 /// Matrix C(q, q') of centrifugal and Coriolis terms of eq. (9), for a heading beta [rad] and a
 /// turn rate [rad/s].
-#[must_use]
-pub fn coriolis_matrix(c: &Construction, beta: f64, beta_dot: f64) -> Matrix5<f64> {
+fn coriolis_matrix(c: &Construction, beta: f64, beta_dot: f64) -> Matrix5<f64> {
     let (sin, cos) = beta.sin_cos();
     let mut coriolis = Matrix5::zeros();
     // eq. (9)
@@ -136,8 +132,7 @@ pub fn coriolis_matrix(c: &Construction, beta: f64, beta_dot: f64) -> Matrix5<f6
 }
 
 /// Generalised forces Q of eq. (10) [N, N, N m, N m, N m].
-#[must_use]
-pub fn generalised_forces(
+fn generalised_forces(
     c: &Construction,
     beta: f64,
     omega: [f64; 2],
@@ -157,8 +152,7 @@ pub fn generalised_forces(
 }
 
 /// Coefficients C_ij of eq. (12): row i for wheel i, column j for coordinate q_j; all G_j are 0.
-#[must_use]
-pub fn maggi_coefficients(c: &Construction, beta: f64) -> Matrix2x5<f64> {
+fn maggi_coefficients(c: &Construction, beta: f64) -> Matrix2x5<f64> {
     let (sin, cos) = beta.sin_cos();
     let (half, turn) = (c.r_m / 2.0, c.r_m / (2.0 * c.l1_m));
     // eq. (12)
@@ -180,13 +174,13 @@ fn maggi_coefficients_rate(c: &Construction, beta: f64, beta_dot: f64) -> Matrix
 
 /// A motion that rolls without slip: coordinates, velocities and accelerations.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
+struct Motion {
     /// Coordinates [x_A (m), y_A (m), beta (rad), alpha1 (rad), alpha2 (rad)].
-    pub q: [f64; 5],
+    q: [f64; 5],
     /// Velocities q' [m/s, m/s, rad/s, rad/s, rad/s].
-    pub q_dot: [f64; 5],
+    q_dot: [f64; 5],
     /// Accelerations q'' [m/s², m/s², rad/s², rad/s², rad/s²].
-    pub q_ddot: [f64; 5],
+    q_ddot: [f64; 5],
 }
 
 impl Motion {
@@ -197,8 +191,7 @@ impl Motion {
     /// ```
     ///
     /// `heading_offset` [rad] is added to the heading that the wheel angles give.
-    #[must_use]
-    pub fn rolling(
+    fn rolling(
         c: &Construction,
         state: &State,
         acceleration: [f64; 2],
@@ -228,18 +221,7 @@ impl Motion {
 ///
 /// The contact forces may be anything: rolling without slip lets them do no work, so they drop
 /// out. So may the heading.
-///
-/// # Examples
-/// ```
-/// use amigo_ident::robot::{Construction, State, maggi};
-/// let robot = Construction::amigobot();
-/// let state = State { alpha: [1.0, 0.5], omega: [6.0, 2.0] };
-/// let derived = maggi::inverse(&robot, &state, [1.0, -2.0], 0.7, Default::default());
-/// let closed = robot.parameters().inverse(&state, [1.0, -2.0]);
-/// assert!((derived[0] - closed[0]).abs() < 1e-14 && (derived[1] - closed[1]).abs() < 1e-14);
-/// ```
-#[must_use]
-pub fn inverse(
+fn inverse(
     c: &Construction,
     state: &State,
     acceleration: [f64; 2],

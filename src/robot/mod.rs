@@ -13,8 +13,8 @@
 //! | [`robot`] | [`Robot`]: a name and its construction, with cheap accessors | |
 //! | [`kinematics`] | wheel speeds to the motion of the frame, and back | (11) |
 //! | [`dynamics`] | [`BaseParameters`]: inverse and forward dynamics in closed form | (14) |
-//! | [`state_space`] | A, B, G, f3, f4 | (16)-(18) |
-//! | [`maggi`] | the derivation of the closed form, done in numbers | (1)-(13) |
+//! | [`state_space`] | G, f3, f4 | (16)-(18) |
+//! | `maggi`, for tests | the derivation of the closed form, done in numbers | (1)-(13) |
 //!
 //! Source of all equations: Giergiel and Buratowski, "Dynamics Modeling and Identification of the
 //! Amigobot Robot", Mechanics and Mechanical Engineering 14(1), 2010, pages 65-79; called "the
@@ -25,7 +25,8 @@ pub mod construction;
 pub mod dynamics;
 pub mod error;
 pub mod kinematics;
-pub mod maggi;
+#[cfg(test)]
+mod maggi;
 pub mod presets;
 pub mod robot;
 pub mod state;

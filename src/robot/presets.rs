@@ -299,7 +299,8 @@ mod tests {
     fn every_preset_has_valid_data_and_a_physical_model() {
         for p in presets() {
             assert_eq!(p.construction.check(), Ok(()), "{}", p.name);
-            assert!(p.construction.parameters().is_physical(), "{}", p.name);
+            let a = p.construction.parameters();
+            assert!(a.has_positive_mass() && a.a4 >= 0.0 && a.a5 >= 0.0, "{}", p.name);
             assert!(!p.source.is_empty() && !p.title.is_empty());
         }
     }

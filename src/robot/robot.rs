@@ -11,7 +11,7 @@ use super::{BaseParameters, Construction, RobotError, preset};
 /// use amigo_ident::robot::Robot;
 /// let robot = Robot::default();
 /// assert_eq!(robot.name, "amigobot");
-/// assert_eq!(robot.kappa(), 0.5); // l2 / l1 = 0.06 m / 0.12 m
+/// assert_eq!((robot.r(), robot.l1()), (0.05, 0.12)); // [m]
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Robot {
@@ -50,39 +50,11 @@ impl Robot {
         self.construction.l1_m
     }
 
-    /// Distance l2 of the centre of mass of the frame behind the axle [m].
-    #[inline]
-    #[must_use]
-    pub const fn l2(&self) -> f64 {
-        self.construction.l2_m
-    }
-
-    /// Distance l5 of the caster behind the axle [m].
-    #[inline]
-    #[must_use]
-    pub const fn l5(&self) -> f64 {
-        self.construction.l5_m
-    }
-
     /// Radius r of the driven wheels [m].
     #[inline]
     #[must_use]
     pub const fn r(&self) -> f64 {
         self.construction.r_m
-    }
-
-    /// Ratio kappa = l2 / l1 [1].
-    #[inline]
-    #[must_use]
-    pub fn kappa(&self) -> f64 {
-        self.l2() / self.l1()
-    }
-
-    /// Moment of inertia Iz1 of a wheel about its axle [kg m²].
-    #[inline]
-    #[must_use]
-    pub const fn wheel_inertia(&self) -> f64 {
-        self.construction.iz1_kg_m2
     }
 
     /// The parameters a1..a5 that the construction implies, eq. (15).
@@ -113,7 +85,6 @@ mod tests {
         let bad = Construction { r_m: 0.0, ..Construction::amigobot() };
         assert!(matches!(Robot::new("x", bad), Err(RobotError::Value { key: "r_m", .. })));
         let robot = Robot::new("x", Construction::amigobot()).unwrap();
-        assert_eq!((robot.l1(), robot.l2(), robot.l5(), robot.r()), (0.12, 0.06, 0.12, 0.05));
-        assert_eq!(robot.wheel_inertia(), 0.025);
+        assert_eq!((robot.l1(), robot.r()), (0.12, 0.05));
     }
 }

@@ -1,6 +1,6 @@
 //! The base model as the paper writes it for the emulator: x' = A x + B [f(x, a) + G(a) u].
 
-use nalgebra::{Matrix2, Matrix4, Matrix4x2, Vector2, Vector4};
+use nalgebra::{Matrix2, Vector2};
 
 use super::{BaseParameters, State};
 use crate::math::sgn;
@@ -22,9 +22,9 @@ use crate::math::sgn;
 /// ```
 /// use amigo_ident::robot::{Construction, State, StateSpace};
 /// let model = StateSpace::new(Construction::amigobot().parameters());
-/// let at_rest = State::default();
-/// let rate = model.derivative(&at_rest, [0.1, 0.1]);
-/// assert!(rate[2] > 0.0 && rate[2] == rate[3]); // equal torques, straight ahead
+/// let forward = State { alpha: [0.0; 2], omega: [4.0; 2] };
+/// let f = model.f(&forward);
+/// assert!(f[0] < 0.0 && f[0] == f[1]); // friction alone, straight ahead
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StateSpace {
@@ -36,24 +36,6 @@ impl StateSpace {
     #[must_use]
     pub const fn new(parameters: BaseParameters) -> Self {
         Self { parameters }
-    }
-
-    /// Matrix A of eq. (18) [1/s]: the angles change with the speeds.
-    #[must_use]
-    pub fn a() -> Matrix4<f64> {
-        let mut a = Matrix4::zeros();
-        a[(0, 2)] = 1.0;
-        a[(1, 3)] = 1.0;
-        a
-    }
-
-    /// Matrix B of eq. (18) [1]: f and the input act on the speeds.
-    #[must_use]
-    pub fn b() -> Matrix4x2<f64> {
-        let mut b = Matrix4x2::zeros();
-        b[(2, 0)] = 1.0;
-        b[(3, 1)] = 1.0;
-        b
     }
 
     /// Gain of the input [[G31, G32], [G41, G42]] of eq. (18) [1/(kg m²)].
@@ -95,20 +77,38 @@ impl StateSpace {
             / d;
         Vector2::new(f3, f4)
     }
-
-    /// Rate of change x' [rad/s, rad/s, rad/s², rad/s²] for drive torques [N m], eq. (17).
-    #[must_use]
-    pub fn derivative(&self, state: &State, torque: [f64; 2]) -> Vector4<f64> {
-        let x = Vector4::from(state.to_vector());
-        let u = Vector2::from(torque);
-        Self::a() * x + Self::b() * (self.f(state) + self.g() * u)
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::{Matrix4, Matrix4x2, Vector4};
     use proptest::prelude::*;
+
+    impl StateSpace {
+        /// Matrix A of eq. (18) [1/s]: the angles change with the speeds.
+        fn a() -> Matrix4<f64> {
+            let mut a = Matrix4::zeros();
+            a[(0, 2)] = 1.0;
+            a[(1, 3)] = 1.0;
+            a
+        }
+
+        /// Matrix B of eq. (18) [1]: f and the input act on the speeds.
+        fn b() -> Matrix4x2<f64> {
+            let mut b = Matrix4x2::zeros();
+            b[(2, 0)] = 1.0;
+            b[(3, 1)] = 1.0;
+            b
+        }
+
+        /// Rate of change x' [rad/s, rad/s, rad/s², rad/s²] for drive torques [N m], eq. (17).
+        fn derivative(&self, state: &State, torque: [f64; 2]) -> Vector4<f64> {
+            let x = Vector4::new(state.alpha[0], state.alpha[1], state.omega[0], state.omega[1]);
+            let u = Vector2::from(torque);
+            Self::a() * x + Self::b() * (self.f(state) + self.g() * u)
+        }
+    }
 
     proptest! {
         #[test]
@@ -119,7 +119,7 @@ mod tests {
             torque in prop::array::uniform2(-2.0..2.0_f64),
         ) {
             let a = BaseParameters { a1, a2: k2 * a1, a3: k3 * a1, a4, a5 };
-            let state = State::from_vector(x);
+            let state = State { alpha: [x[0], x[1]], omega: [x[2], x[3]] };
             let [dw1, dw2] = a.forward(&state, torque);
             let rate = StateSpace::new(a).derivative(&state, torque);
             prop_assert_eq!([rate[0], rate[1]], state.omega);

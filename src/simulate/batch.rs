@@ -1,6 +1,8 @@
 //! Many parameter vectors over one input at once: simulations side by side in the lanes of the
 //! processor, each reduced to its ISE.
 
+use std::convert::Infallible;
+
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
@@ -8,9 +10,9 @@ use super::drive::Drive;
 use super::stepper::{SPEED_LIMIT, Stepper, pieces_between};
 use super::{Hold, Input, SimulateError, simulate};
 use crate::effects::BASE;
-use crate::math::{Lanes, Mask, in_lanes};
-use crate::model::Model;
-use crate::robot::State;
+use crate::math::{Lanes, Mask, in_lanes, runge_kutta_step};
+use crate::model::{Model, base};
+use crate::robot::{BaseParameters, State};
 
 /// Simulations that go on together: two of the widest registers, since a step of one waits for itself most of
 /// the time.
@@ -64,8 +66,7 @@ pub fn ise_of_many(
     measured: &[[f64; 2]],
 ) -> Vec<Result<f64, SimulateError>> {
     assert_eq!(measured.len(), input.t.len(), "one row of speeds a sample");
-    let base = model.effects().iter().map(|effect| effect.id()).eq(BASE);
-    if !base {
+    if !model.effects().iter().map(|effect| effect.id()).eq(BASE) {
         return parameters
             .par_iter()
             .map(|p| Ok(ise(input.t, measured, &simulate(model, p, input, start)?)))
@@ -187,20 +188,19 @@ impl<'a, S: Simd> Batch<'a, S> {
         start: State,
     ) -> Self {
         // lanes that are left over repeat the last vector
-        let lanes = |of: &dyn Fn(&[f64]) -> f64| {
-            let one = |lane: usize| of(&vectors[lane.min(vectors.len() - 1)]);
+        let lanes = |of: &dyn Fn(BaseParameters) -> f64| {
+            let one = |lane: usize| of(base::of(&vectors[lane.min(vectors.len() - 1)]));
             Lanes::load(simd, &(0..Lanes::<S>::COUNT).map(one).collect::<Vec<f64>>())
         };
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-        let determinant = |p: &[f64]| p[0] * p[0] - p[1] * p[1];
-        let sound = |p: &[f64]| f64::from(u8::from(p[0] > 0.0 && determinant(p) > 0.0));
+        let sound = |a: BaseParameters| f64::from(u8::from(a.has_positive_mass()));
         Self {
             simd,
-            a2: lanes(&|p| p[1]),
-            inverse: [lanes(&|p| p[0] / determinant(p)), lanes(&|p| -p[1] / determinant(p))],
-            alone: lanes(&|p| 1.0 / p[0]),
-            a3: lanes(&|p| p[2]),
-            level: [lanes(&|p| p[3].max(0.0)), lanes(&|p| p[4].max(0.0))],
+            a2: lanes(&|a| a.a2),
+            inverse: [lanes(&|a| a.a1 / a.determinant()), lanes(&|a| -a.a2 / a.determinant())],
+            alone: lanes(&|a| 1.0 / a.a1),
+            a3: lanes(&|a| a.a3),
+            level: [lanes(&|a| a.a4.max(0.0)), lanes(&|a| a.a5.max(0.0))],
             omega: start.omega.map(|w| Lanes::splat(simd, w)),
             refused: lanes(&sound).below(one),
             sum: zero,
@@ -285,15 +285,17 @@ impl<'a, S: Simd> Batch<'a, S> {
     fn step(&self, h: f64, [start, middle, end]: &[[f64; 2]; 3]) -> (Wheels<S>, Mask<S>) {
         let motion = self.motion();
         let w = self.omega;
-        let first = self.acceleration(&w, start, &motion);
-        let second = self.acceleration(&plus(&w, &first, 0.5 * h), middle, &motion);
-        let third = self.acceleration(&plus(&w, &second, 0.5 * h), middle, &motion);
-        let fourth = self.acceleration(&plus(&w, &third, h), end, &motion);
-        let mut after = w;
-        for i in 0..2 {
-            let sum = first[i] + (second[i] + third[i]) * 2.0 + fourth[i];
-            after[i] = w[i] + sum * (h / 6.0);
-        }
+        let inputs = [start, middle, end];
+        let Ok(after) = runge_kutta_step(
+            &w,
+            h,
+            // or the closure is not compiled for wide registers
+            #[inline(always)]
+            |c, w| {
+                let moment = inputs[(2.0 * c) as usize];
+                Ok::<_, Infallible>(self.acceleration(w, moment, &motion))
+            },
+        );
         let zero = Lanes::splat(self.simd, 0.0);
         let reversed = (motion.friction[0] * after[0]).below(zero)
             | (motion.friction[1] * after[1]).below(zero);
@@ -363,12 +365,6 @@ impl<'a, S: Simd> Batch<'a, S> {
         }
         (held[0] * held[1]).below(one)
     }
-}
-
-/// x + h k
-#[inline(always)]
-fn plus<S: Simd>(x: &Wheels<S>, k: &Wheels<S>, h: f64) -> Wheels<S> {
-    [x[0] + k[0] * h, x[1] + k[1] * h]
 }
 
 /// The number of each lane; zeros in the places that the register does not have.

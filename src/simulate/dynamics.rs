@@ -122,3 +122,22 @@ impl Dynamics for PhysicalDynamics {
         Some((&self.model, &self.p))
     }
 }
+
+impl Dynamics for FuzzyDynamics {
+    fn acceleration(
+        &self,
+        _t: f64,
+        state: &State,
+        moment: &[f64; 2],
+    ) -> Result<[f64; 2], SimulateError> {
+        Ok(self.rate(&state.omega, moment))
+    }
+
+    fn simulate(&self, input: &Input, start: State) -> Result<Vec<State>, SimulateError> {
+        FuzzyDynamics::simulate(self, input, start)
+    }
+
+    fn fuzzy(&self) -> Option<&Self> {
+        Some(self)
+    }
+}

@@ -4,12 +4,12 @@ use std::convert::Infallible;
 
 use wide::f64x2;
 
-use super::{Dynamics, Hold, Input, Rules, SimulateError, Structure, TakagiSugeno, WithRules};
+use super::{Hold, Input, Rules, SimulateError, Structure, TakagiSugeno, WithRules};
 use crate::math::runge_kutta_step;
 use crate::robot::State;
 
-/// Below this strength of its best trained rule a state is outside what was learnt.
-const COVERED: f64 = 0.2;
+/// A rule is trained where it fires with at least this strength in some sample.
+const EXCITED: f64 = 0.2;
 /// Longest step of the integrator [s].
 const LONGEST_STEP: f64 = 0.005;
 /// A wheel speed beyond which the motion has left all bounds [rad/s].
@@ -50,70 +50,28 @@ impl FuzzyDynamics {
         let mut trained = vec![false; system.rules()];
         for omega in speeds {
             for (trained, strength) in trained.iter_mut().zip(system.firing(omega)) {
-                *trained |= strength >= COVERED;
+                *trained |= strength >= EXCITED;
             }
         }
         Self { system, input_gain, trained, gain, structure }
     }
 
-    /// Whether what the systems say at these wheel speeds [rad/s] was learnt from data: within the
-    /// range (and half a spacing beyond), and the strongest trained rule fires with at least 0.2.
-    ///
-    /// # Examples
-    /// ```
-    /// use amigo_ident::simulate::{
-    ///     Consequents, Defuzzification, FuzzyDynamics, Structure, TakagiSugeno};
-    /// let system = TakagiSugeno::uniform(
-    ///     6, [(0.0, 30.0); 2], Consequents::Constant, Defuzzification::WeightedAverage);
-    /// let slow = [[1.0, 1.0], [5.0, 5.0]];
-    /// let g = [[30.0, 2.0], [2.0, 30.0]];
-    /// let learnt = FuzzyDynamics::new(system, g, 1.0, Structure::Parallel, &slow);
-    /// assert!(learnt.covers(&[5.5, 6.0]) && !learnt.covers(&[25.0, 25.0]));
-    /// ```
-    #[must_use]
-    pub fn covers(&self, omega: &[f64; 2]) -> bool {
-        let near = (0..2).all(|i| {
-            let (low, high) = self.system.range()[i];
-            let margin = 0.5 * (high - low) / (self.system.memberships(i).len() - 1) as f64;
-            omega[i] >= low - margin && omega[i] <= high + margin
-        });
-        let firing = self.system.firing(omega);
-        near && firing.iter().zip(&self.trained).any(|(h, trained)| *trained && *h >= COVERED)
-    }
-
-    /// Share of `speeds` [rad/s] that [`Self::covers`] accepts.
-    #[must_use]
-    pub fn coverage(&self, speeds: &[[f64; 2]]) -> f64 {
-        let covered = speeds.iter().filter(|omega| self.covers(omega)).count();
-        covered as f64 / speeds.len().max(1) as f64
-    }
-
-    fn rate(&self, omega: &[f64; 2], u: &[f64; 2]) -> [f64; 2] {
+    /// The acceleration f̂(w) + G u [rad/s²].
+    pub(super) fn rate(&self, omega: &[f64; 2], u: &[f64; 2]) -> [f64; 2] {
         self.driven(self.system.output(omega), u)
+    }
+
+    /// The motion by Runge-Kutta 4 in steps of at most 5 ms.
+    pub(super) fn simulate(
+        &self,
+        input: &Input,
+        start: State,
+    ) -> Result<Vec<State>, SimulateError> {
+        self.system.with_rules(Simulation { dynamics: self, input, start })
     }
 
     fn driven(&self, f: [f64; 2], u: &[f64; 2]) -> [f64; 2] {
         [0, 1].map(|i| f[i] + self.input_gain[i][0] * u[0] + self.input_gain[i][1] * u[1])
-    }
-}
-
-impl Dynamics for FuzzyDynamics {
-    fn acceleration(
-        &self,
-        _t: f64,
-        state: &State,
-        moment: &[f64; 2],
-    ) -> Result<[f64; 2], SimulateError> {
-        Ok(self.rate(&state.omega, moment))
-    }
-
-    /// Runge-Kutta 4 in steps of at most 5 ms.
-    fn simulate(&self, input: &Input, start: State) -> Result<Vec<State>, SimulateError> {
-        self.system.with_rules(Simulation { dynamics: self, input, start })
-    }
-
-    fn fuzzy(&self) -> Option<&Self> {
-        Some(self)
     }
 }
 

@@ -1,11 +1,13 @@
 //! A step of wheels that slide from its beginning to its end, or that both stand, under a mass matrix
 //! that never changes: nearly every step of nearly every simulation.
 
+use std::convert::Infallible;
+
 use super::drive::Drive;
 use super::forces::{Departure, Forces, Vector, friction};
 use super::friction::Contact;
 use crate::effects::along;
-use crate::math::sgn;
+use crate::math::{runge_kutta_motion, sgn};
 use crate::model::times;
 
 /// A step that was taken.
@@ -112,28 +114,17 @@ impl Forces<'_> {
         acceleration: impl Fn(f64, &Vector, [f64; 2]) -> [f64; 2],
     ) -> Option<Glide> {
         let h = to - from;
-        let (half, middle) = (0.5 * h, from + 0.5 * h);
-        // the angles of a stage follow from the speeds of the one before
-        let stage = |step: f64, speed: [f64; 2], rate: [f64; 2]| -> Vector {
-            let [a1, a2, w1, w2, ..] = *y;
-            let w = [w1 + step * rate[0], w2 + step * rate[1]];
-            [a1 + step * speed[0], a2 + step * speed[1], w[0], w[1], w[0], w[1], 0.0, 0.0]
-        };
-        let moment = drive.at(middle);
+        let [a1, a2, w1, w2, ..] = *y;
         let first = acceleration(from, y, drive.at(from));
-        let second = stage(half, [y[2], y[3]], first);
-        let k2 = acceleration(middle, &second, moment);
-        let third = stage(half, [second[2], second[3]], k2);
-        let k3 = acceleration(middle, &third, moment);
-        let fourth = stage(h, [third[2], third[3]], k3);
-        let k4 = acceleration(to, &fourth, drive.at(to));
-        let sixth = h / 6.0;
-        let speed = |i: usize| y[2 + i] + sixth * (first[i] + (k2[i] + k3[i]) * 2.0 + k4[i]);
-        let angle = |i: usize| y[i] + h * (y[2 + i] + sixth * (first[i] + k2[i] + k3[i]));
-        let omega = [speed(0), speed(1)];
+        let rate = |c: f64, [a1, a2]: &[f64; 2], [w1, w2]: &[f64; 2]| {
+            let t = if c < 1.0 { from + c * h } else { to };
+            let y = [*a1, *a2, *w1, *w2, *w1, *w2, 0.0, 0.0];
+            Ok::<_, Infallible>(acceleration(t, &y, drive.at(t)))
+        };
+        let Ok((alpha, omega)) = runge_kutta_motion(&[a1, a2], &[w1, w2], &first, h, rate);
         let goes_on = |j: usize| sign[j] * along(j, &omega) >= 0.0;
         // not a number is for the contact to refuse
-        let end = [angle(0), angle(1), omega[0], omega[1]];
+        let end = [alpha[0], alpha[1], omega[0], omega[1]];
         (goes_on(0) && goes_on(1) && goes_on(2) && goes_on(3)).then_some(Glide {
             sign: Some(sign),
             first,

@@ -4,7 +4,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
-use crate::robot::Robot;
+use crate::robot::{Robot, kinematics};
 
 /// A piece of a movement: blend into a speed and a turn rate, then hold them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -71,7 +71,6 @@ impl Movement {
     #[must_use]
     pub fn rich(robot: &Robot, seed: u64, duration: f64, top: f64) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let (r, l1) = (robot.r(), robot.l1());
         let mut segments =
             vec![Segment { speed_m_s: 0.0, turn_rad_s: 0.0, blend_s: 0.0, hold_s: 0.3 }];
         let mut time = 0.3;
@@ -94,8 +93,8 @@ impl Movement {
             let blend_s = (1.875 * change / rng.random_range(4.0..14.0)).max(0.1);
             let hold_s = rng.random_range(0.2..1.7);
             segments.push(Segment {
-                speed_m_s: 0.5 * r * (w[0] + w[1]),
-                turn_rad_s: 0.5 * r / l1 * (w[0] - w[1]),
+                speed_m_s: kinematics::forward_speed(robot, w),
+                turn_rad_s: kinematics::turn_rate(robot, w),
                 blend_s,
                 hold_s,
             });
@@ -115,10 +114,7 @@ impl Movement {
     /// Wheel speeds and accelerations wanted at time `t` [s].
     #[must_use]
     pub fn reference(&self, robot: &Robot, t: f64) -> Reference {
-        let wheels = |s: &Segment| {
-            let (mean, half) = (s.speed_m_s / robot.r(), s.turn_rad_s * robot.l1() / robot.r());
-            [mean + half, mean - half]
-        };
+        let wheels = |s: &Segment| kinematics::wheel_speeds(robot, s.speed_m_s, s.turn_rad_s);
         let mut from = [0.0; 2];
         let mut start = 0.0;
         for segment in &self.segments {

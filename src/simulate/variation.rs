@@ -10,7 +10,7 @@ use super::forcing::{Forcing, LANES, Pair, quantities};
 use super::friction::Contact;
 use super::stepper::StepObserver;
 use crate::effects::{DIRECTIONS, along};
-use crate::math::runge_kutta_step;
+use crate::math::{runge_kutta_motion, runge_kutta_step};
 use crate::model::{Linearisation, times};
 
 /// Derivatives of (alpha1, alpha2, omega1, omega2) by four columns.
@@ -229,8 +229,6 @@ impl Variation {
     #[inline]
     fn step_of_speeds(&mut self, h: f64) {
         let [start, middle, end] = &self.nodes;
-        let (half, sixth) = (f64x4::splat(0.5 * h), f64x4::splat(h / 6.0));
-        let h = f64x4::splat(h);
         let moving = (self.parameters + 2).div_ceil(LANES);
         for (n, [a1, a2, w1, w2]) in self.groups.iter_mut().enumerate().take(moving) {
             let rate = |node: &Node, w: Pair| {
@@ -240,17 +238,12 @@ impl Variation {
                 };
                 [row(0), row(1)]
             };
-            let w = [*w1, *w2];
-            let along = |h: f64x4, k: &Pair| [w[0] + k[0] * h, w[1] + k[1] * h];
-            let k1 = rate(start, w);
-            let k2 = rate(middle, along(half, &k1));
-            let k3 = rate(middle, along(half, &k2));
-            let k4 = rate(end, along(h, &k3));
-            let inner = |i: usize| k1[i] + k2[i] + k3[i];
-            let mean = |i: usize| inner(i) + k2[i] + k3[i] + k4[i];
-            let lead = along(sixth, &[inner(0), inner(1)]);
-            (*a1, *a2) = (*a1 + lead[0] * h, *a2 + lead[1] * h);
-            [*w1, *w2] = along(sixth, &[mean(0), mean(1)]);
+            let (angles, speeds) = ([*a1, *a2], [*w1, *w2]);
+            let Ok((angles, speeds)) =
+                runge_kutta_motion(&angles, &speeds, &rate(start, speeds), h, |c, _, w| {
+                    Ok::<_, Infallible>(rate(if c < 1.0 { middle } else { end }, *w))
+                });
+            ([*a1, *a2], [*w1, *w2]) = (angles, speeds);
         }
     }
 }

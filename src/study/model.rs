@@ -57,11 +57,6 @@ pub struct ModelStudy {
 }
 
 impl ModelStudy {
-    /// The parameters of an effect.
-    pub fn of_effect<'a>(&'a self, id: &'a str) -> impl Iterator<Item = &'a Estimate> {
-        self.parameters.iter().filter(move |p| p.effect == id).map(|p| &p.estimate)
-    }
-
     /// The estimate of a parameter.
     #[must_use]
     pub fn parameter(&self, symbol: &str) -> Option<&ParameterStudy> {

@@ -1,6 +1,6 @@
 //! The verdict of a diagnosis as a sentence.
 
-use crate::compare::{Curve, Variable};
+use crate::compare::{Curve, Variable, WORTH};
 use crate::diagnose::{Conclusion, Diagnosis, Errors, Ranked};
 use crate::identify::Estimate;
 use crate::recording::DriveUnit;
@@ -163,9 +163,6 @@ impl Finding<'_> {
         format!("{}{likely}", self.error())
     }
 }
-
-/// Share of the residual torque from which on a variable is named (taste).
-const WORTH: f64 = 0.01;
 
 /// What the residual torque of the last model depends on, as the curves of the report show it. `tested` is the variable
 /// on which it depends significantly beside noise that is coloured.

@@ -131,19 +131,10 @@ const STAGES: [(&str, &[&str]); 6] = [
     ("commands", &["execute", "check", "export", "index", "loop_commands"]),
 ];
 
-/// Rings known and not yet removed: none may be added.
-const KNOWN_RINGS: [&str; 1] = [
-    // `Dynamics::fuzzy` gives the emulator behind the trait, for the figures of its rules
-    "src/simulate/dynamics.rs src/simulate/fuzzy_dynamics.rs",
-];
-
 #[test]
 fn no_files_import_each_other_in_a_ring() {
     let found = rings(&edges(&files()));
-    let new: Vec<&String> = found.iter().filter(|r| !KNOWN_RINGS.contains(&r.as_str())).collect();
-    assert!(new.is_empty(), "files that import each other:\n{new:#?}");
-    let gone: Vec<&&str> = KNOWN_RINGS.iter().filter(|r| !found.contains(&r.to_string())).collect();
-    assert!(gone.is_empty(), "no longer a ring, take it off the list: {gone:?}");
+    assert!(found.is_empty(), "files that import each other:\n{found:#?}");
 }
 
 /// The file or folder of `src/experiment` in which a file stands; none for its list of modules.
@@ -187,8 +178,6 @@ fn folders(edges: &BTreeMap<String, BTreeSet<String>>) -> BTreeMap<String, BTree
 
 #[test]
 fn no_folders_of_a_module_import_each_other_in_a_ring() {
-    let known = KNOWN_RINGS.map(|ring| ring.replace(".rs", ""));
-    let mut found = rings(&folders(&edges(&files())));
-    found.retain(|ring| !known.contains(ring));
+    let found = rings(&folders(&edges(&files())));
     assert!(found.is_empty(), "folders that import each other:\n{found:#?}");
 }

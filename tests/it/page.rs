@@ -209,13 +209,8 @@ fn by_the_program(folder: &Folder, change: f64) -> [f64; 2] {
     let unit = DriveUnit::NewtonMetre;
     let file = folder.path("reports/scrub/simulated_validation_1.csv");
     let (recording, _) = read_recording(&file, &ColumnMap::new(unit, None), unit).unwrap();
-    let simulated = simulate_recording(
-        &PhysicalDynamics { model, p },
-        &recording,
-        &recording.local_motion(),
-        Hold::Linear,
-    )
-    .unwrap();
+    let simulated =
+        simulate_recording(&PhysicalDynamics { model, p }, &recording, Hold::Linear).unwrap();
     [window_rms(&recording, &simulated.windows), ise(&recording, &simulated.free).iter().sum()]
 }
 

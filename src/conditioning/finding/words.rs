@@ -156,9 +156,5 @@ pub(super) fn words(name: &str, kind: &Kind, channel: Channel) -> (String, Strin
             format!("{name} comes in steps of {step:.6}"),
             "counted as noise of step/sqrt(12)".into(),
         ),
-        Kind::Dead => (
-            format!("{name} does not move although its wheel is driven"),
-            "its wheel is identified from nothing".into(),
-        ),
     }
 }

@@ -116,8 +116,7 @@ impl Search<'_> {
 
     /// Root mean square torque of a candidate at its estimates [N m].
     pub(super) fn size(&self, present: &WindowFit, r: &Ranked) -> f64 {
-        let (recordings, motions) = (&self.windows.recordings, &self.windows.motions);
-        let sizes = column_size(&r.candidate, &present.model, recordings, motions);
+        let sizes = column_size(&r.candidate, &present.model, &self.windows.recordings);
         let squares = r.estimate.iter().zip(&sizes).map(|(e, s)| (e * s).powi(2));
         squares.sum::<f64>().sqrt()
     }

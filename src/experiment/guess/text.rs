@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::names::named;
 use super::{Guess, Guessed};
+use crate::effects;
 use crate::io::PreviewColumn;
 use crate::recording::DriveUnit;
 
@@ -144,9 +145,16 @@ pub(in crate::experiment) fn file_text(w: &Written) -> String {
          [[method]]\nname = \"prediction_error\"   # `experiment methods` lists them\n\n\
          [[method]]\nname = \"torque_regression\"\n\n\
          [diagnosis]\ncandidates  = \"all\"\nfalse_alarm = 0.05\nmax_effects = 3\n",
-        if w.guess.drive_unit == DriveUnit::Volt { "\"back_emf\"" } else { "" }
+        effects_of(w.guess.drive_unit)
     );
     out
+}
+
+/// The effects that belong to every model with an input in this unit, as a list of TOML without brackets.
+fn effects_of(unit: DriveUnit) -> String {
+    let own = effects::all().into_iter().filter(|effect| effect.belongs_to(unit));
+    let ids: Vec<String> = own.map(|effect| format!("\"{}\"", effect.id())).collect();
+    ids.join(", ")
 }
 
 /// What must be said of the robot.

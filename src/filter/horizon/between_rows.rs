@@ -3,17 +3,12 @@
 use crate::effects::{Motion, along};
 use crate::filter::prepare::Prepared;
 use crate::model::Model;
-use crate::recording::LocalMotion;
 
 /// Friction that may reverse within a row, where the log does not say when: the smoothed speed
 /// along it changes sign, or is smaller than its change; and one row to either side.
-pub(super) fn crossing(
-    prepared: &Prepared,
-    model: &Model,
-    p: &[f64],
-    motion: &[LocalMotion],
-) -> Vec<[f64; 4]> {
+pub(super) fn crossing(prepared: &Prepared, model: &Model, p: &[f64]) -> Vec<[f64; 4]> {
     let recording = prepared.recording;
+    let motion = recording.local_motion();
     let mut out = vec![[0.0; 4]; recording.len()];
     for piece in recording.pieces() {
         for k in piece.start + 1..piece.end {

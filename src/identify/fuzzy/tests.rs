@@ -294,13 +294,12 @@ fn options_that_are_not_understood_are_refused_in_words() {
 }
 
 #[test]
-fn rules_that_no_recording_excites_are_not_trained_and_not_trusted() {
+fn rules_that_no_recording_excites_are_not_trained() {
     let train = [short(10)];
     let fit = run("fuzzy_least_squares", "range = \"paper\"", &train, 0);
     let fuzzy = fit.dynamics.fuzzy().unwrap();
     // speeds up to 5 rad/s touch the functions at 0 and 6 rad/s alone
     assert!(fuzzy.trained.iter().filter(|t| **t).count() <= 4);
-    assert!(fuzzy.covers(&[4.0, 4.0]) && !fuzzy.covers(&[20.0, 4.0]));
     let of_36 = |n: &Note| matches!(n, Note::ExcitedRules { count: 1..=4, of: 36 });
     assert!(fit.notes.iter().any(of_36), "{:?}", fit.notes);
     assert!(fit.notes.contains(&Note::ForwardOnly), "{:?}", fit.notes);

@@ -2,10 +2,11 @@
 
 use nalgebra::DVector;
 
-use super::descent::{Solution, chosen, descend, part, step};
+use super::descent::{Solution, chosen, descend, part};
 use super::open_loop::OpenLoop;
 use crate::effects::ParameterKind;
 use crate::filter::HorizonFilter;
+use crate::math::Information;
 use crate::model::{Model, Parameter};
 
 /// Horizons that are compared [s]: from maximum likelihood to the length at which a missing effect
@@ -44,7 +45,7 @@ fn left_out(model: &Model, solution: &Solution) -> Vec<Vec<f64>> {
             let sums = &solution.sums[b];
             let others = &all - chosen(&sums.information, &solution.columns);
             let back: DVector<f64> = -part(&sums.score, &solution.columns);
-            solution.moved(model, &step(&others, &back, 0.0)).0
+            solution.moved(model, &Information::new(&others).solve(&back)).0
         })
         .collect()
 }

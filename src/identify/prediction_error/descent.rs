@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::effects::ParameterKind;
 use crate::filter::{HorizonFilter, Reading, Sums};
 use crate::identify::Status;
+use crate::math::Information;
 use crate::model::Model;
 use crate::simulate::Hold;
 
@@ -17,8 +18,6 @@ const NEGLIGIBLE: f64 = 5e-4;
 const NEAR: f64 = 0.5;
 /// Damping after the first failure, and its factor.
 const DAMPING: (f64, f64) = (1e-2, 10.0);
-/// Share of the information, scaled to unit diagonal, below which a direction is not moved.
-const WEAK: f64 = 1e-10;
 /// Most rows that the input is moved.
 const MOST_SHIFT: f64 = 0.5;
 
@@ -84,7 +83,7 @@ impl Solution {
         for (there, here) in there.iter().zip(&self.sums) {
             change += part(&(&there.score - &here.score), &self.columns);
         }
-        let moved = step(&self.information(), &change, 0.0);
+        let moved = Information::new(&self.information()).solve(&change);
         moved.iter().all(|v| v.is_finite()).then_some(moved)
     }
 
@@ -96,7 +95,7 @@ impl Solution {
         let mut open: Vec<usize> = (0..self.columns.len()).collect();
         loop {
             let (h, g) = (chosen(&information, &open), part(&score, &open));
-            let short = step(&h, &g, damping);
+            let short = Information::new(&h).solve_damped(&g, damping);
             let mut whole = DVector::zeros(self.columns.len());
             open.iter().zip(short.iter()).for_each(|(&i, v)| whole[i] = *v);
             let (p, shift) = self.moved(model, &whole);
@@ -146,29 +145,12 @@ pub(super) fn part(vector: &DVector<f64>, columns: &[usize]) -> DVector<f64> {
     DVector::from_fn(columns.len(), |i, _| vector[columns[i]])
 }
 
-/// `(H + damping diag H)⁻¹ g` with H scaled to unit diagonal; directions without information stay.
-pub(super) fn step(h: &DMatrix<f64>, g: &DVector<f64>, damping: f64) -> DVector<f64> {
-    if g.is_empty() {
-        return g.clone();
-    }
-    let scale = h.diagonal().map(|d| if d > 0.0 { d.sqrt() } else { 1.0 });
-    let scaled = DMatrix::from_fn(h.nrows(), h.ncols(), |i, k| h[(i, k)] / (scale[i] * scale[k]));
-    let right = g.component_div(&scale);
-    let eigen = scaled.symmetric_eigen();
-    let mut out = DVector::zeros(g.len());
-    for (value, v) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
-        if *value > WEAK {
-            out += v * (v.dot(&right) / (value + damping));
-        }
-    }
-    out.component_div(&scale)
-}
-
 /// The solution of `Σ ψ e/S = 0` by damped Gauss-Newton steps; `None` where the start has no finite cost.
 ///
 /// A step is kept if it lowers the cost with its scale profiled out. The score leaves out how the gain
 /// depends on the parameters, and where the innovations are far larger than their variance says that part
-/// turns the slope of the cost round: a step that halves what the score promises is kept too.
+/// turns the slope of the cost round: a step that halves what the score promises is kept too. So this is not
+/// [`crate::math::minimise`], which ends where the cost does not fall.
 pub(super) fn descend(
     filter: &HorizonFilter,
     model: &Model,

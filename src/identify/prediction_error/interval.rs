@@ -1,11 +1,12 @@
 //! Covariance from the scores of blocks, which holds where the model or its noise is wrong.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::descent::{Solution, part};
 use crate::filter::{HorizonFilter, Reading};
 use crate::identify::identifiability::inverse_where_known;
 use crate::identify::sampling::at_least;
+use crate::math::{raise_errors, sandwich};
 use crate::model::Model;
 
 /// Covariance of the estimated columns and its degrees of freedom.
@@ -39,23 +40,17 @@ fn of_scores(solution: &Solution) -> Spread {
     let n = solution.columns.len();
     let inverse = inverse_where_known(&solution.information());
     let model = &inverse * solution.scale();
-    let mut middle = DMatrix::zeros(n, n);
-    let mut blocks = 0.0;
-    for score in solution.sums.iter().flat_map(|s| &s.blocks) {
-        let score = part(score, &solution.columns);
-        middle += &score * score.transpose();
-        blocks += 1.0;
-    }
-    let degrees = blocks - n as f64;
+    let blocks = solution.sums.iter().flat_map(|s| &s.blocks);
+    let scores: Vec<DVector<f64>> = blocks.map(|score| part(score, &solution.columns)).collect();
+    let (blocks, columns) = (scores.len() as f64, n as f64);
+    let degrees = blocks - columns;
     if degrees < 1.0 {
         return Spread { covariance: model, degrees: 1.0 };
     }
-    let lost = if solution.horizon > 0.0 { n as f64 } else { 1.0 };
-    let sandwich = &inverse * middle * &inverse * (blocks / (blocks - lost));
-    let stretch = |i: usize| {
-        let ratio = model[(i, i)] / sandwich[(i, i)].max(f64::MIN_POSITIVE);
-        if solution.horizon == 0.0 && ratio.is_finite() { ratio.max(1.0).sqrt() } else { 1.0 }
-    };
-    let covariance = DMatrix::from_fn(n, n, |i, k| sandwich[(i, k)] * stretch(i) * stretch(k));
+    let lost = if solution.horizon > 0.0 { columns } else { 1.0 };
+    let mut covariance = sandwich(&inverse, &scores) * (blocks / (blocks - lost));
+    if solution.horizon == 0.0 {
+        raise_errors(&mut covariance, &model.diagonal().map(f64::sqrt));
+    }
     Spread { covariance, degrees }
 }

@@ -19,7 +19,6 @@ const BEFORE: f64 = 2.0;
 /// Windows of recordings, by pieces.
 pub(super) struct OpenLoop<'a> {
     pub(super) train: &'a [Recording],
-    pub(super) motions: &'a [Vec<LocalMotion>],
     pub(super) hold: Hold,
     /// Recording and rows of each piece.
     pub(super) pieces: Vec<(usize, Range<usize>)>,
@@ -41,7 +40,8 @@ impl OpenLoop<'_> {
     }
 
     fn error(&self, model: &Model, p: &[f64], (r, rows): &(usize, Range<usize>)) -> Option<f64> {
-        let (recording, motion) = (&self.train[*r], &self.motions[*r]);
+        let recording = &self.train[*r];
+        let motion = recording.local_motion();
         let t = recording.t();
         let whole = recording.pieces().iter().find(|piece| piece.contains(&rows.start))?;
         let from = whole.start + t[whole.start..].partition_point(|s| *s < t[rows.start] - BEFORE);

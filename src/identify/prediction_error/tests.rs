@@ -141,9 +141,8 @@ fn short_tests_of_steps_count_as_much_as_long_ramps_where_the_model_is_wrong() {
     values.iter().for_each(|(symbol, value)| truth[hidden.index_of(symbol).unwrap()] = *value);
     let train = steps_and_ramps(&hidden, &truth);
     let task = Task { model: &model, train: &train, hold: Hold::Constant, seed: 0 };
-    let motions: Vec<_> = train.iter().map(Recording::local_motion).collect();
     let all: Vec<&Recording> = train.iter().collect();
-    let open = OpenLoop { train: &train, motions: &motions, hold: task.hold, pieces: pieces(&all) };
+    let open = OpenLoop { train: &train, hold: task.hold, pieces: pieces(&all) };
     let error = |method: &dyn Identifier| {
         let fit = method.identify(&task).unwrap();
         let p: Vec<f64> = fit.estimates.iter().map(|e| e.value).collect();

@@ -53,9 +53,6 @@ fn what_the_data_cannot_tell_is_said_in_words() {
     assert_eq!(estimate(f64::NAN, 1.0), "–");
     assert_eq!(estimate(1.234, f64::NAN), "1.2");
     assert_eq!(estimate(f64::INFINITY, 1.0), "not identifiable");
-    assert_eq!(interval(1.0, f64::NEG_INFINITY, f64::INFINITY), "not identifiable");
-    assert_eq!(interval(1.0, 0.5, f64::INFINITY), "1 [0.5, ∞]");
-    assert_eq!(interval(f64::NAN, 0.0, 1.0), "–");
 }
 
 #[test]
@@ -72,10 +69,6 @@ fn p_values_never_claim_more_than_nine_zeros() {
 
 #[test]
 fn units_prefixes_and_counts() {
-    assert_eq!(si(0.00123, "s"), "1.23 ms");
-    assert_eq!(si(999.9, "Hz"), "1 kHz");
-    assert_eq!(si(0.0, "s"), "0 s");
-    assert_eq!(si(1e-20, "s"), "1 × 10⁻²⁰ s");
     assert_eq!(with_unit(0.5, "kg m²"), "0.5 kg m²");
     assert_eq!(with_unit(f64::NAN, "m"), "–");
     assert_eq!(percent(0.01234), "1.2 %");

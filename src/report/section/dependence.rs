@@ -1,7 +1,7 @@
 //! What the residual torque depends on, before and after what was found: which points to the missing effect.
 
 use super::{Section, words};
-use crate::compare::{Curve, CurveBin, Mean};
+use crate::compare::{Curve, CurveBin, Mean, WORTH};
 use crate::report::block::{Block, Cell, Column, Table};
 use crate::report::figure::{Axis, Dash, ErrorBar, Figure, Layer, Panel, Role};
 use crate::report::format;
@@ -13,8 +13,6 @@ pub struct Dependence;
 
 /// Variables drawn, those that explain most first.
 const DRAWN: usize = 3;
-/// Share of the residual torque below which no variable is called a cause: a tenth of its size (taste).
-const WORTH: f64 = 0.01;
 
 impl Section for Dependence {
     fn id(&self) -> &'static str {

@@ -154,7 +154,7 @@ mod tests {
     fn a_model_with_states_of_its_own_is_named_in_place_of_the_sliders() {
         let blocks = blocks(&with(Err("wheel_slip: it has states".into())), &[0]);
         let [Block::Paragraph(text)] = &blocks[..] else { panic!("{blocks:?}") };
-        assert!(text.to_plain().contains("wheel_slip"), "{text:?}");
+        assert!(format!("{text:?}").contains("wheel_slip"), "{text:?}");
     }
 
     #[test]

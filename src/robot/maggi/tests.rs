@@ -28,7 +28,8 @@ fn constructions() -> impl Strategy<Value = Construction> {
 }
 
 fn states() -> impl Strategy<Value = State> {
-    prop::array::uniform4(-30.0..30.0_f64).prop_map(State::from_vector)
+    prop::array::uniform4(-30.0..30.0_f64)
+        .prop_map(|[a1, a2, w1, w2]| State { alpha: [a1, a2], omega: [w1, w2] })
 }
 
 fn five(size: f64) -> impl Strategy<Value = [f64; 5]> {

@@ -1,0 +1,208 @@
+//! The filter on robots that are simulated with its own model: derivatives against differences, innovations and
+//! score statistics against their distributions.
+//!
+//! The wheels always turn forward and the input is held between rows, so that nothing of the model is missing or
+//! linearised but the centrifugal torque.
+
+use nalgebra::{DMatrix, DVector};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+use super::{
+    Columns, Innovation, Instant, NoColumns, Pass, PassSettings, Prepared, ProcessNoise,
+    filter_pass, prepare,
+};
+use crate::math::distribution::chi2_log_survival;
+use crate::math::{Information, eliminate};
+use crate::model::Model;
+use crate::model::base::{A4, COUNT};
+use crate::recording::Recording;
+use crate::robot::{Robot, kinematics};
+use crate::simulate::{Movement, NoiseLevel, Recorder, Segment, record};
+
+const RATE: f64 = 100.0;
+const NOISE: NoiseLevel = NoiseLevel { alpha: 1e-3, dalpha: 0.05, moment: 0.01 };
+/// Rows of the start, in which wheels rest.
+const START: usize = 150;
+
+/// 5 s of a drive in curves, wheels between 3 and 9 rad/s.
+fn curves(truth: &Model, p: &[f64], seed: u64) -> Recording {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut segments = Vec::new();
+    for _ in 0..12 {
+        let omega = [0, 1].map(|_| rng.random_range(3.0..9.0));
+        segments.push(Segment {
+            speed_m_s: kinematics::forward_speed(truth.robot(), omega),
+            turn_rad_s: kinematics::turn_rate(truth.robot(), omega),
+            blend_s: 0.5,
+            hold_s: rng.random_range(0.0..0.2),
+        });
+    }
+    let recorder = Recorder { rate: RATE, control_rate: RATE, noise: NOISE, ticks: None, seed };
+    let whole = record("curves", truth, p, &Movement { segments }, &recorder).unwrap();
+    whole.cut(START..START + 500).unwrap()
+}
+
+/// Prepared with the noise that was added, which is not estimated here.
+fn known(recording: &Recording) -> Prepared<'_> {
+    let (angle, speed) = (NOISE.alpha.powi(2), NOISE.dalpha.powi(2));
+    Prepared { variance: [angle, angle, speed, speed], ..prepare(recording) }
+}
+
+/// The noise of a held input.
+fn process(sigma_m: f64) -> ProcessNoise {
+    ProcessNoise { sigma_m, sigma_d: 0.0, tau_d: 1.0, later: 0.0 }
+}
+
+fn pass(model: &Model, p: &[f64], prepared: &Prepared, noise: ProcessNoise) -> Pass {
+    let (keep_innovations, input_noise) = (true, true);
+    let settings = PassSettings { noise, derivatives: true, keep_innovations, input_noise };
+    filter_pass(model, p, prepared, &settings, &NoColumns).unwrap()
+}
+
+/// Information and score of the innovations, their derivatives by central differences.
+fn by_differences(
+    model: &Model,
+    p: &[f64],
+    here: &Pass,
+    innovations: impl Fn(&Model, &[f64]) -> Vec<Innovation>,
+) -> (DMatrix<f64>, DVector<f64>) {
+    let slopes: Vec<Vec<f64>> = (0..p.len())
+        .map(|j| {
+            // a hundredth of a standard error: the second derivative is left out to 1e-4 of the first
+            let step = 0.01 / here.information[(j, j)].sqrt();
+            let moved = |by: f64| {
+                let mut q = p.to_vec();
+                q[j] += by;
+                innovations(model, &q)
+            };
+            let both = moved(step).into_iter().zip(moved(-step));
+            both.map(|(up, down)| (down.value - up.value) / (2.0 * step)).collect()
+        })
+        .collect();
+    let sum = |of: &dyn Fn(usize, &Innovation) -> f64| -> f64 {
+        here.innovations.iter().enumerate().map(|(k, i)| of(k, i) / i.variance).sum()
+    };
+    (
+        DMatrix::from_fn(p.len(), p.len(), |i, j| sum(&|k, _| slopes[i][k] * slopes[j][k])),
+        DVector::from_fn(p.len(), |j, _| sum(&|k, i| slopes[j][k] * i.value)),
+    )
+}
+
+#[test]
+fn score_and_information_of_the_rigid_filter_equal_finite_differences() {
+    let model = Model::base(Robot::amigobot());
+    let p = model.initial();
+    let recording = curves(&model, &p, 1);
+    let prepared = known(&recording);
+    let noise = process(NOISE.moment);
+    let here = pass(&model, &p, &prepared, noise);
+    let innovations = |model: &Model, p: &[f64]| pass(model, p, &prepared, noise).innovations;
+    let (h, g) = by_differences(&model, &p, &here, innovations);
+    // inertias and the centrifugal torque move the gain, which the derivatives leave out, and bend the motion within a
+    // row: percents of a standard deviation; friction of wheels that turn does neither
+    let unit = h.diagonal().map(f64::sqrt);
+    let of_score = (&here.score - &g).component_div(&unit);
+    let of_information = (&here.information - &h).component_div(&(&unit * unit.transpose()));
+    assert!(of_score.amax() < 0.04 && of_information.amax() < 0.02, "{of_score} {of_information}");
+    assert!(of_score.rows(A4, 2).amax() < 2e-4, "{of_score}");
+    assert!(of_information.view((A4, A4), (2, 2)).amax() < 2e-5, "{of_information}");
+}
+
+/// Viscous friction that no wheel has, as a column.
+struct Viscous;
+
+impl Columns for Viscous {
+    fn count(&self) -> usize {
+        2
+    }
+    fn torque(&self, at: &Instant, out: &mut [[f64; 2]]) {
+        let [w1, w2] = at.motion.omega;
+        (out[0], out[1]) = ([-w1, 0.0], [0.0, -w2]);
+    }
+}
+
+/// What one simulated recording shows at the true base parameters.
+struct Shown {
+    /// Mean of e²/S.
+    square: f64,
+    /// Of the product of neighbouring normalised innovations of each channel.
+    whiteness: f64,
+    /// Of the score of a1 to a5.
+    parameters: f64,
+    /// Of the score of viscous friction, the parameters estimated too.
+    missing: f64,
+}
+
+/// p-values of a recording of the robot whose wheels resist with `viscous` N m s/rad more than its model.
+fn shown(viscous: f64, seed: u64) -> Shown {
+    let model = Model::base(Robot::amigobot());
+    let truth = Model::with_effects(Robot::amigobot(), &["viscous_friction"]).unwrap();
+    let mut p = model.initial();
+    p.push(viscous);
+    let recording = curves(&truth, &p, seed);
+    let p = &p[..COUNT];
+    let noise = process(NOISE.moment);
+    let (keep_innovations, input_noise) = (true, true);
+    let settings = PassSettings { noise, derivatives: true, keep_innovations, input_noise };
+    let pass = filter_pass(&model, p, &known(&recording), &settings, &Viscous).unwrap();
+    let value = |statistic: f64, degrees: usize| chi2_log_survival(statistic, degrees as f64).exp();
+    let base: Vec<usize> = (0..COUNT).collect();
+    let mut score = pass.score.clone();
+    // errors in the variables, which every user of the score takes out
+    for (s, pull) in score.iter_mut().zip(&pass.score_of_input_noise) {
+        *s -= pull;
+    }
+    let own = pass.information.view((0, 0), (COUNT, COUNT)).into_owned();
+    let parameters = Information::new(&own).statistic(&score.rows(0, COUNT).into_owned());
+    let (information, left) = eliminate(&pass.information, &score, &base, &[COUNT, COUNT + 1]);
+    let missing = Information::new(&information).statistic(&left);
+    let (mut whiteness, mut count, mut squares) = (0.0, 0.0, 0.0);
+    for channel in 0..4 {
+        let of = pass.innovations.iter().filter(|i| i.channel == channel);
+        let e: Vec<f64> = of.map(|i| i.value / i.variance.sqrt()).collect();
+        let product: f64 = e.windows(2).map(|e| e[0] * e[1]).sum();
+        // n r² of each channel is chi-squared of one degree
+        whiteness += product * product / (e.len() - 1) as f64;
+        squares += e.iter().map(|e| e * e).sum::<f64>();
+        count += e.len() as f64;
+    }
+    Shown {
+        square: squares / count,
+        whiteness: value(whiteness, 4),
+        parameters: value(parameters, COUNT),
+        missing: value(missing, 2),
+    }
+}
+
+/// Largest distance of the distribution of p-values from the uniform one (Kolmogorov and Smirnov).
+fn distance(all: &[Shown], of: impl Fn(&Shown) -> f64) -> f64 {
+    let mut p: Vec<f64> = all.iter().map(of).collect();
+    p.sort_by(f64::total_cmp);
+    let n = p.len() as f64;
+    let apart =
+        |(k, p): (usize, &f64)| (p - k as f64 / n).abs().max((p - (k + 1) as f64 / n).abs());
+    p.iter().enumerate().map(apart).fold(0.0, f64::max)
+}
+
+#[test]
+fn innovations_are_white_and_p_values_uniform_where_nothing_is_missing() {
+    const SETS: u64 = 300;
+    let sets = |viscous: f64| -> Vec<Shown> {
+        (0..SETS).into_par_iter().map(|seed| shown(viscous, seed)).collect()
+    };
+    let right = sets(0.0);
+    let mean = right.iter().map(|s| s.square).sum::<f64>() / SETS as f64;
+    // 300 sets of 2000 values scatter by sqrt(2/6e5) = 0.0018; it is 0.992, since the filter allows for an input that
+    // moves between rows wherever two rows differ by 2.4 standard deviations, as noise alone does in 8 % of them
+    assert!((mean - 0.992).abs() < 0.008, "{mean}");
+    // the distance exceeds 1.95/sqrt(300) = 0.113 once in a thousand times
+    let limit = 1.95 / (SETS as f64).sqrt();
+    assert!(distance(&right, |s| s.whiteness) < limit);
+    assert!(distance(&right, |s| s.parameters) < limit);
+    assert!(distance(&right, |s| s.missing) < limit);
+    // the test of the test: 2 mN m s/rad, 4 % of the friction at 5 rad/s
+    let wrong = sets(0.002);
+    assert!(distance(&wrong, |s| s.missing) > 3.0 * limit);
+}
