@@ -185,7 +185,7 @@ impl Recording {
         assert_eq!(omega.len(), self.len(), "one row of speeds a sample");
         let measured = self.measured.alpha;
         let alpha = if measured { self.alpha.clone() } else { integrate(&self.t, &omega) };
-        Self { alpha, omega, ..self.clone() }
+        Self { alpha, omega, local_motion: Arc::default(), ..self.clone() }
     }
 
     /// The same recording with its input interpolated from that of its rows. Interpolation smooths noise between
