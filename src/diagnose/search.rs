@@ -19,7 +19,7 @@ use super::regression::{Regression, Smoothed, cutoff};
 use super::scale::scale_of;
 use super::screen::Screen;
 use super::thresholds::THRESHOLDS;
-use super::timing::{EARLIEST, LOGGING};
+use super::timing::EARLIEST;
 use super::windows::{Windows, mobility};
 use crate::effects::{Change, Effect, Scale};
 use crate::identify::IdentifyError;
@@ -42,7 +42,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { candidates: vec![], own: vec![], false_alarm: 0.05, max_effects: 4 }
+        Self { candidates: vec![], own: vec![], false_alarm: 0.05, max_effects: 3 }
     }
 }
 
@@ -135,7 +135,7 @@ impl<'a> Search<'a> {
         let judge = Judge::new(judged.to_vec(), data.hold);
         let step = scale.step;
         let corrected = data.corrected_s;
-        let range = (EARLIEST * step - corrected, LOGGING * step - corrected);
+        let range = (EARLIEST * step - corrected, THRESHOLDS.logging * step - corrected);
         let degrees = 0.0;
         let this =
             Self { windows, held, judge, settings, smoothed, degrees, scale, range, corrected };

@@ -17,9 +17,6 @@ use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::{BETWEEN_ROWS, Hold};
 
-/// Largest delay that logging explains, in rows: the mean over a row, a value that is held through it, and a
-/// difference of angles all lie half a row off.
-pub(super) const LOGGING: f64 = 0.5;
 /// Range of the search, in rows, and its resolution.
 pub(super) const EARLIEST: f64 = -1.5;
 const RESOLUTION: f64 = 0.1;
@@ -54,11 +51,12 @@ pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -
     let balanced = by_balance(&regression, step)?;
     let simulated = by_simulation(model, p, balanced.0, recordings, hold, &scale);
     let (dead_time_s, std_error_s) = simulated.and_then(|s| s.shift).unwrap_or(balanced);
-    let late = dead_time_s - THRESHOLDS.uncertain * std_error_s > LOGGING * step;
+    let late = dead_time_s - THRESHOLDS.uncertain * std_error_s > THRESHOLDS.logging * step;
     let nothing = dead_time_s.abs() < THRESHOLDS.uncertain * std_error_s;
     let something_else = simulated.is_some_and(|s| s.error > THRESHOLDS.above_floor);
     let kept = late || nothing || something_else;
-    let correction_s = if kept { 0.0 } else { dead_time_s.clamp(EARLIEST * step, LOGGING * step) };
+    let correction_s =
+        if kept { 0.0 } else { dead_time_s.clamp(EARLIEST * step, THRESHOLDS.logging * step) };
     Some(Timing { dead_time_s, std_error_s, correction_s })
 }
 

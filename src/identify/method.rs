@@ -127,7 +127,7 @@ pub enum IdentifyError {
 }
 
 /// An identification method.
-pub trait Identifier: Send + Sync {
+pub trait Identifier: std::fmt::Debug + Send + Sync {
     /// Names, equation, source, when to use.
     fn describe(&self) -> MethodDescription;
 

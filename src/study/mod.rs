@@ -14,7 +14,7 @@ pub use grouped::grouped;
 pub use invocation::{Invocation, shell_word};
 pub use json::{SCHEMA, results};
 pub use method::{FuzzyStudy, MethodStudy, Performance};
-pub use model::{AT_FLOOR, FoundEffect, Grade, ModelStudy, ParameterStudy, parameters_of};
+pub use model::{FoundEffect, Grade, ModelStudy, ParameterStudy, parameters_of};
 pub use what_if::{Start, WhatIf};
 
 use serde::Serialize;

@@ -9,7 +9,7 @@ use crate::compare::noisier_drive;
 use crate::diagnose::fit::{WindowFit, fit};
 use crate::diagnose::input_timing::shifts;
 use crate::diagnose::outcome::Ranked;
-use crate::diagnose::timing::LOGGING;
+use crate::diagnose::thresholds::THRESHOLDS;
 use crate::diagnose::windows::Windows;
 use crate::math::distribution::t_survival;
 use crate::recording::Recording;
@@ -75,7 +75,7 @@ impl Search<'_> {
         let j = after.model.slots(e).start;
         let Some(own) = fit(held, &after.model, &after.p, &self.scale) else { return 1.0 };
         let degrees = held.windows.len() as f64 - after.model.free().len() as f64;
-        let t = (own.p[j] - LOGGING * self.scale.step) / own.covariance[(j, j)].sqrt();
+        let t = (own.p[j] - THRESHOLDS.logging * self.scale.step) / own.covariance[(j, j)].sqrt();
         if degrees >= 1.0 && t.is_finite() { t_survival(t, degrees) } else { 1.0 }
     }
 }

@@ -1,3 +1,5 @@
+mod defaults;
+
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
