@@ -121,7 +121,7 @@ pub struct Candidate {
 }
 
 /// The verdict of a diagnosis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// Nothing is missing at the stated false-alarm rate.
@@ -132,6 +132,19 @@ pub enum Verdict {
     EffectLikely,
     /// Something is missing that no candidate explains.
     UnknownEffect,
+}
+
+impl Verdict {
+    /// As in `results.json`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::ModelSufficient => "model_sufficient",
+            Self::EffectsMissing => "effects_missing",
+            Self::EffectLikely => "effect_likely",
+            Self::UnknownEffect => "unknown_effect",
+        }
+    }
 }
 
 /// One step of the staircase: the model with one more effect.
