@@ -25,13 +25,13 @@ pub enum Variable {
     ForwardSpeed,
     /// Turn rate [rad/s].
     TurnRate,
-    /// Heading [rad], modulo a turn.
+    /// Heading \[rad\], modulo a turn.
     Heading,
-    /// Angle of wheel 1 [rad], modulo a turn.
+    /// Angle of wheel 1 \[rad\], modulo a turn.
     Alpha1,
-    /// Angle of wheel 2 [rad], modulo a turn.
+    /// Angle of wheel 2 \[rad\], modulo a turn.
     Alpha2,
-    /// Time since the start [s].
+    /// Time since the start \[s\].
     Time,
     /// Drive of wheel 1 [N m].
     Moment1,

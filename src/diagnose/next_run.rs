@@ -22,9 +22,9 @@ pub struct Limits {
     pub speed: f64,
     /// Largest moment [N m].
     pub moment: f64,
-    /// Side of the square floor [m].
+    /// Side of the square floor \[m\].
     pub floor: f64,
-    /// Length [s].
+    /// Length \[s\].
     pub duration: f64,
 }
 

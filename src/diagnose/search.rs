@@ -55,7 +55,7 @@ pub struct Data<'a> {
     pub validation: &'a [Recording],
     /// The input between the rows.
     pub hold: Hold,
-    /// How much later than recorded the input stands already, [`super::timing`] [s].
+    /// How much later than recorded the input stands already, [`super::timing`] \[s\].
     pub corrected_s: f64,
 }
 
@@ -108,9 +108,9 @@ struct Search<'a> {
     smoothed: Smoothed<'a>,
     degrees: f64,
     scale: Scale,
-    /// Shifts of the input that logging explains [s].
+    /// Shifts of the input that logging explains \[s\].
     range: (f64, f64),
-    /// How much later than recorded the input stands already [s].
+    /// How much later than recorded the input stands already \[s\].
     corrected: f64,
 }
 

@@ -20,7 +20,7 @@ use crate::simulate::{BETWEEN_ROWS, Hold};
 /// Range of the search, in rows, and its resolution.
 pub(super) const EARLIEST: f64 = -1.5;
 const RESOLUTION: f64 = 0.1;
-/// Longest delay that is searched [s], that of slow motor controllers on a bus.
+/// Longest delay that is searched \[s\], that of slow motor controllers on a bus.
 const LONGEST: f64 = 0.15;
 /// Windows of 1 s that are simulated at most: their error of a shift is far below that of logging.
 const WINDOWS: usize = 120;
@@ -28,11 +28,11 @@ const WINDOWS: usize = 120;
 /// How much later the recorded input acts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Timing {
-    /// Time from the recorded input to the motion, dead time of actuator and sensors together [s].
+    /// Time from the recorded input to the motion, dead time of actuator and sensors together \[s\].
     pub dead_time_s: f64,
-    /// Its standard error [s].
+    /// Its standard error \[s\].
     pub std_error_s: f64,
-    /// The part of it that logging explains and that is taken out of the recordings [s].
+    /// The part of it that logging explains and that is taken out of the recordings \[s\].
     pub correction_s: f64,
 }
 
@@ -60,7 +60,7 @@ pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -
     Some(Timing { dead_time_s, std_error_s, correction_s })
 }
 
-/// Shift and standard error [s] by the residual of a low-passed regression of the input on the free parameters.
+/// Shift and standard error \[s\] by the residual of a low-passed regression of the input on the free parameters.
 ///
 /// ```text
 /// minimise RSS(T),   se² = 2 RSS/(n RSS''),   n = 2 fc (time of motion)
@@ -94,7 +94,7 @@ fn by_balance(regression: &Regression, step: f64) -> Option<(f64, f64)> {
 /// A shift by simulation.
 #[derive(Clone, Copy)]
 struct ShiftFit {
-    /// The shift and its standard error [s]; `None` where it leaves its range.
+    /// The shift and its standard error \[s\]; `None` where it leaves its range.
     shift: Option<(f64, f64)>,
     /// Error of the windows over what noise makes of them. Where it is above the floor the model lacks something
     /// else, and the shift may stand in for that.

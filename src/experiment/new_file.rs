@@ -14,7 +14,7 @@ const SCHEMA: &str = "experiment.schema.json";
 /// Part of the larger of two mean speeds below which the other counts as zero: straight, or turning on
 /// the spot.
 const ONE_WAY: f64 = 0.15;
-/// Time over which angles are compared [s].
+/// Time over which angles are compared \[s\].
 const PASSED: f64 = 0.25;
 
 /// Looks at recordings and writes a commented experiment file.

@@ -50,7 +50,7 @@ pub struct ProcessNoise {
     pub sigma_m: f64,
     /// Standard deviation of a slow unknown moment [N m].
     pub sigma_d: f64,
-    /// Its time constant [s].
+    /// Its time constant \[s\].
     pub tau_d: f64,
     /// Weight of the later of two recorded drives in the mean drive between them: 0.5 where the
     /// drive runs in straight lines, 0 where it is held, between where it is held for parts of a

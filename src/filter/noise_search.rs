@@ -8,7 +8,7 @@ use super::{Likelihood, ProcessNoise};
 use crate::model::Model;
 use crate::simulate::Hold;
 
-/// Longest time constant of the slow moment [s].
+/// Longest time constant of the slow moment \[s\].
 const SLOWEST: f64 = 1.0;
 /// Difference of the weights of the later drive at which the likelihood is looked at.
 const LATER: f64 = 0.1;
@@ -28,7 +28,7 @@ const FIRST_SLOW: f64 = 0.01;
 const TOLD: f64 = 1e-3;
 /// Share of the other's strength below which one of white noise and slow moment is asleep.
 const ASLEEP: f64 = 0.1;
-/// Time constants at which a slow moment is woken [s].
+/// Time constants at which a slow moment is woken \[s\].
 const AWAKE: [f64; 2] = [1.0, 0.1];
 /// A step damped by more than this leads nowhere.
 const DAMPED: f64 = 1e4;
@@ -83,7 +83,7 @@ struct NoiseSearch<'a> {
     high: Vector3<f64>,
     /// Root mean square of the drive [N m].
     rms: f64,
-    /// Shortest step of the recordings [s].
+    /// Shortest step of the recordings \[s\].
     step: f64,
     /// How many of the three are searched.
     dimensions: usize,

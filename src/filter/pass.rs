@@ -14,7 +14,7 @@ use crate::effects::Motion;
 use crate::model::{Model, ModelError};
 
 /// Length of the blocks whose scores are kept apart, for errors that survive a wrong noise
-/// model [s].
+/// model \[s\].
 const BLOCK: f64 = 5.0;
 
 /// Standard deviations of its noise between which a bend of the drive becomes a jump.

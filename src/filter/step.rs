@@ -23,9 +23,9 @@ pub(super) const PASS: (f64, f64) = (0.75, 1.25);
 
 /// The drive over one sample.
 pub(super) struct Sample<'a> {
-    /// Time at the start, since the start of the recording [s].
+    /// Time at the start, since the start of the recording \[s\].
     pub(super) t: f64,
-    /// Length [s].
+    /// Length \[s\].
     pub(super) step: f64,
     /// Acting drive that the step uses [N m].
     pub(super) drive: [f64; 2],

@@ -141,7 +141,7 @@ pub struct Fit {
     pub notes: Vec<Note>,
     /// Curves for drawing.
     pub traces: Vec<Trace>,
-    /// Horizon over which predictions were judged [s], where the method has one.
+    /// Horizon over which predictions were judged \[s\], where the method has one.
     pub horizon_s: Option<f64>,
 }
 

@@ -17,7 +17,7 @@ use crate::math::clustered_covariance;
 use crate::recording::Recording;
 use crate::simulate::every_other;
 
-/// Blocks within which residuals may be correlated [s]: as long as leaves enough of them.
+/// Blocks within which residuals may be correlated \[s\]: as long as leaves enough of them.
 const BLOCK: (f64, f64) = (1.0, 5.0);
 const BLOCKS: f64 = 20.0;
 
@@ -45,7 +45,7 @@ pub(super) struct Regression<'a> {
     pub(super) wheel: Vec<usize>,
     /// Block of each row.
     pub(super) block: Vec<usize>,
-    /// Time of each row [s], recordings one behind the other.
+    /// Time of each row \[s\], recordings one behind the other.
     pub(super) time: Vec<f64>,
     /// `Σ_rows cov(columns, y)` that the noise of the channels makes.
     pub(super) noise: DMatrix<f64>,
@@ -327,7 +327,7 @@ impl<'a> Regression<'a> {
     }
 }
 
-/// Length of the blocks within which residuals may be correlated [s], in so many seconds of data.
+/// Length of the blocks within which residuals may be correlated \[s\], in so many seconds of data.
 pub(super) fn block_length(total: f64) -> f64 {
     (total / BLOCKS).clamp(BLOCK.0, BLOCK.1)
 }

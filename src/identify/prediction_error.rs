@@ -57,7 +57,7 @@ use open_loop::OpenLoop;
 #[derive(Clone, Debug, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct PredictionError {
-    /// Time over which predictions are judged [s]: 0 is maximum likelihood, "auto" chooses on
+    /// Time over which predictions are judged \[s\]: 0 is maximum likelihood, "auto" chooses on
     /// held-out pieces.
     pub horizon_s: Horizon,
     /// Whether all noise is estimated along, a slow unknown torque among it, in place of a horizon.

@@ -11,7 +11,7 @@ use crate::model::Model;
 use crate::model::base::{A1, A2};
 use crate::recording::Recording;
 
-/// Half width of a test function [s].
+/// Half width of a test function \[s\].
 const HALF_WIDTH: f64 = 0.25;
 
 /// A first guess of all parameters: weak-form least squares for the linear ones with the shape

@@ -19,13 +19,13 @@ const REST: f64 = 0.025;
 pub(super) struct Window {
     /// Samples.
     pub(super) samples: Range<usize>,
-    /// ψ dt at each of them [s].
+    /// ψ dt at each of them \[s\].
     pub(super) weight: Vec<f64>,
     /// dψ/dt dt at each of them.
     pub(super) slope: Vec<f64>,
 }
 
-/// Windows of half width `half_width` [s], `per_half` of them on each half width, that do not
+/// Windows of half width `half_width` \[s\], `per_half` of them on each half width, that do not
 /// touch rest and do not cross a gap.
 pub(super) fn windows(recording: &Recording, half_width: f64, per_half: usize) -> Vec<Window> {
     let half = ((half_width / recording.step()).round() as usize).max(4);

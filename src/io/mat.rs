@@ -25,7 +25,7 @@ use super::error::shown;
 const HEADER: usize = 128;
 const MATRIX: u32 = 14;
 const COMPRESSED: u32 = 15;
-/// Compressed variables of a file unfold to at most this much [bytes].
+/// Compressed variables of a file unfold to at most this much \[bytes\].
 const MOST_BYTES: usize = 1 << 30;
 /// Matrices with more columns are no recordings.
 const MOST_COLUMNS: usize = 64;

@@ -2,7 +2,7 @@
 //!
 //! Messages of type `sensor_msgs/msg/JointState` become the columns `<joint>.position`,
 //! `<joint>.velocity` and `<joint>.effort`; where several topics carry such messages, their names
-//! stand before, `<topic>/<joint>.position`. The column `t` [s] counts from the first row. Stamps
+//! stand before, `<topic>/<joint>.position`. The column `t` \[s\] counts from the first row. Stamps
 //! are those of the headers, or the times of logging for a topic with a header that has none.
 //! Topics and joints that come at different times are put in rows as the entries of a WPILOG are.
 //!
@@ -31,9 +31,9 @@ use super::error::shown;
 use super::signals::{Collector, Signals};
 
 const TYPE: &str = "sensor_msgs/msg/JointState";
-/// Records of other topics, such as images, may be this large [bytes].
+/// Records of other topics, such as images, may be this large \[bytes\].
 const LARGEST_RECORD: usize = 256 << 20;
-/// Joint states in one file [bytes]; a compressed file can claim any number.
+/// Joint states in one file \[bytes\]; a compressed file can claim any number.
 const MOST_BYTES: usize = 1 << 30;
 
 /// What one topic said.

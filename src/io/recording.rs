@@ -40,7 +40,7 @@ const NANOSECONDS: &str = "t.nanoseconds";
 /// The columns that multiply the inputs, with their inputs.
 const FACTORS: [(&str, &str); 2] = [("M1.times", "M1"), ("M2.times", "M2")];
 
-/// A time beyond this is that of a calendar and not of the recording [s].
+/// A time beyond this is that of a calendar and not of the recording \[s\].
 const CALENDAR: f64 = 1e6;
 
 /// The names of the columns of a file. The ending of its name says the format: `.parquet`,

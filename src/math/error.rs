@@ -58,15 +58,15 @@ pub enum MathError {
     /// smooth, or the solution grows without bound.
     #[error("at t = {time} the integration step shrank to {step}; end before the kink or pole")]
     StepTooSmall {
-        /// Time reached [s].
+        /// Time reached \[s\].
         time: f64,
-        /// Last step tried [s].
+        /// Last step tried \[s\].
         step: f64,
     },
     /// The integration needed more steps than allowed.
     #[error("at t = {time} after {steps} steps; loosen the tolerance or shorten the interval")]
     TooManySteps {
-        /// Time reached [s].
+        /// Time reached \[s\].
         time: f64,
         /// Steps taken.
         steps: usize,

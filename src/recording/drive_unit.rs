@@ -17,10 +17,10 @@ pub enum DriveUnit {
     #[default]
     #[serde(rename = "N m")]
     NewtonMetre,
-    /// Motor voltages [V].
+    /// Motor voltages \[V\].
     #[serde(rename = "V")]
     Volt,
-    /// Motor currents [A].
+    /// Motor currents \[A\].
     #[serde(rename = "A")]
     Ampere,
 }

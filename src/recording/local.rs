@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::{Measured, Noise, Recording};
 
-/// Half width of the widest neighbourhood [s], and its limits in samples.
+/// Half width of the widest neighbourhood \[s\], and its limits in samples.
 const HALF_WIDTH: f64 = 0.06;
 const FEWEST: usize = 3;
 const MOST: usize = 30;
@@ -18,7 +18,7 @@ const AGREE: f64 = 2.0;
 /// Motion around one sample, from a parabola through the angles and speeds of its neighbours.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LocalMotion {
-    /// Wheel angles [rad].
+    /// Wheel angles \[rad\].
     pub alpha: [f64; 2],
     /// Wheel speeds [rad/s].
     pub omega: [f64; 2],

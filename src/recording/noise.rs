@@ -3,7 +3,7 @@
 use super::{Noise, Recording};
 use crate::math::noise;
 
-/// Length of a block over which one estimate is taken [s].
+/// Length of a block over which one estimate is taken \[s\].
 const BLOCK: f64 = 0.5;
 /// Fewest blocks over which the median is of the noise and not of the motion: a test of two seconds accelerates
 /// in most of them.

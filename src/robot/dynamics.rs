@@ -71,7 +71,7 @@ impl BaseParameters {
         [self.a3 * w2 * (w2 - w1), self.a3 * w1 * (w1 - w2)]
     }
 
-    /// Kinetic energy of the robot [J] for wheel speeds [rad/s] without slip.
+    /// Kinetic energy of the robot \[J\] for wheel speeds [rad/s] without slip.
     ///
     /// ```text
     /// E = (a1 w1² + 2 a2 w1 w2 + a1 w2²) / 2

@@ -39,13 +39,13 @@ use crate::math::{Dual, Real, sgn};
 /// Source: the paper, Fig. 2 and eq. (10).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactForce {
-    /// Along the rolling direction, T_0 [N].
+    /// Along the rolling direction, T_0 \[N\].
     pub along: f64,
-    /// Along the axle, toward the left, T_P [N].
+    /// Along the axle, toward the left, T_P \[N\].
     pub across: f64,
 }
 
-/// Kinetic energy E [J] from the velocities of the bodies; the caster's mass is neglected.
+/// Kinetic energy E \[J\] from the velocities of the bodies; the caster's mass is neglected.
 ///
 /// ```text
 /// 2 E = m1 v_B² + m2 v_C² + m4 v_S² + (2 Ix1 + Iz4) beta'² + Iz1 (alpha1'² + alpha2'²)
@@ -105,7 +105,7 @@ pub fn lagrange_terms(
     })
 }
 
-/// Inertia matrix M(q) of eq. (8), for a heading beta [rad]; m1 = m2 as in the paper.
+/// Inertia matrix M(q) of eq. (8), for a heading beta \[rad\]; m1 = m2 as in the paper.
 #[must_use]
 pub fn inertia_matrix(c: &Construction, beta: f64) -> Matrix5<f64> {
     let (sin, cos) = beta.sin_cos();
@@ -123,7 +123,7 @@ pub fn inertia_matrix(c: &Construction, beta: f64) -> Matrix5<f64> {
     ]
 }
 
-/// Matrix C(q, q') of centrifugal and Coriolis terms of eq. (9), for a heading beta [rad] and a
+/// Matrix C(q, q') of centrifugal and Coriolis terms of eq. (9), for a heading beta \[rad\] and a
 /// turn rate [rad/s].
 #[must_use]
 pub fn coriolis_matrix(c: &Construction, beta: f64, beta_dot: f64) -> Matrix5<f64> {
@@ -196,7 +196,7 @@ impl Motion {
     /// q' = C^T e',  q'' = C^T e'' + (dC/dt)^T e'
     /// ```
     ///
-    /// `heading_offset` [rad] is added to the heading that the wheel angles give.
+    /// `heading_offset` \[rad\] is added to the heading that the wheel angles give.
     #[must_use]
     pub fn rolling(
         c: &Construction,

@@ -43,35 +43,35 @@ impl Robot {
         preset(name).map(|p| Self { name: p.name.into(), construction: p.construction })
     }
 
-    /// Half track l1 [m].
+    /// Half track l1 \[m\].
     #[inline]
     #[must_use]
     pub const fn l1(&self) -> f64 {
         self.construction.l1_m
     }
 
-    /// Distance l2 of the centre of mass of the frame behind the axle [m].
+    /// Distance l2 of the centre of mass of the frame behind the axle \[m\].
     #[inline]
     #[must_use]
     pub const fn l2(&self) -> f64 {
         self.construction.l2_m
     }
 
-    /// Distance l5 of the caster behind the axle [m].
+    /// Distance l5 of the caster behind the axle \[m\].
     #[inline]
     #[must_use]
     pub const fn l5(&self) -> f64 {
         self.construction.l5_m
     }
 
-    /// Radius r of the driven wheels [m].
+    /// Radius r of the driven wheels \[m\].
     #[inline]
     #[must_use]
     pub const fn r(&self) -> f64 {
         self.construction.r_m
     }
 
-    /// Ratio kappa = l2 / l1 [1].
+    /// Ratio kappa = l2 / l1 \[1\].
     #[inline]
     #[must_use]
     pub fn kappa(&self) -> f64 {

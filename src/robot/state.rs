@@ -20,7 +20,7 @@ use serde::Serialize;
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct State {
-    /// Wheel angles [rad].
+    /// Wheel angles \[rad\].
     pub alpha: [f64; 2],
     /// Wheel speeds [rad/s].
     pub omega: [f64; 2],

@@ -47,7 +47,7 @@ impl StateSpace {
         a
     }
 
-    /// Matrix B of eq. (18) [1]: f and the input act on the speeds.
+    /// Matrix B of eq. (18) \[1\]: f and the input act on the speeds.
     #[must_use]
     pub fn b() -> Matrix4x2<f64> {
         let mut b = Matrix4x2::zeros();

@@ -10,7 +10,7 @@ use crate::robot::State;
 
 /// Below this strength of its best trained rule a state is outside what was learnt.
 const COVERED: f64 = 0.2;
-/// Longest step of the integrator [s].
+/// Longest step of the integrator \[s\].
 const LONGEST_STEP: f64 = 0.005;
 /// A wheel speed beyond which the motion has left all bounds [rad/s].
 const LIMIT: f64 = 1e4;

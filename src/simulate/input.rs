@@ -55,7 +55,7 @@ pub(crate) fn every_other(
 /// The drive of a simulation: one row a sample.
 #[derive(Clone, Copy, Debug)]
 pub struct Input<'a> {
-    /// Time [s], strictly increasing.
+    /// Time \[s\], strictly increasing.
     pub t: &'a [f64],
     /// Recorded drive [N m]; drive effects of the model are applied to it.
     pub moment: &'a [[f64; 2]],
@@ -75,7 +75,7 @@ pub enum SimulateError {
     /// The motion left all bounds.
     #[error("the simulated motion diverges at t = {t:.3} s (wheel speed above {limit:.0e} rad/s)")]
     Diverged {
-        /// When [s].
+        /// When \[s\].
         t: f64,
         /// Bound [rad/s].
         limit: f64,

@@ -36,7 +36,7 @@ pub fn simulate(
 }
 
 /// Simulates a part of a recording: as [`simulate`], but `input.moment` is the acting input, drive
-/// effects applied over the whole recording, and effects count time from `origin` [s]. Behind the run-in,
+/// effects applied over the whole recording, and effects count time from `origin` \[s\]. Behind the run-in,
 /// whose states are not returned, the wheels are put to `start`; a body behind them keeps its slip
 /// and twist.
 ///

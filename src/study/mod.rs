@@ -56,9 +56,9 @@ pub struct RecordingStudy {
     pub sha256: Option<String>,
     /// Samples.
     pub samples: usize,
-    /// First to last sample [s].
+    /// First to last sample \[s\].
     pub duration_s: f64,
-    /// Median rate [Hz].
+    /// Median rate \[Hz\].
     pub rate_hz: f64,
     /// Which channels were measured.
     pub measured: Measured,
@@ -71,9 +71,9 @@ pub struct RecordingStudy {
     pub findings: Vec<String>,
     /// Error of the right model.
     pub floor: Floor,
-    /// Time [s].
+    /// Time \[s\].
     pub t: Vec<f64>,
-    /// Angles [rad].
+    /// Angles \[rad\].
     pub alpha: Vec<[f64; 2]>,
     /// Speeds [rad/s].
     pub omega: Vec<[f64; 2]>,
@@ -83,7 +83,7 @@ pub struct RecordingStudy {
     pub moment: Vec<[f64; 2]>,
     /// Regime of driving.
     pub regimes: Vec<Regime>,
-    /// Path of the axle's centre: x [m], y [m], heading [rad].
+    /// Path of the axle's centre: x \[m\], y \[m\], heading \[rad\].
     pub path: Vec<[f64; 3]>,
 }
 

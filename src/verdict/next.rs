@@ -7,9 +7,9 @@ use crate::filter::Likelihood;
 use crate::recording::Recording;
 use crate::report::format;
 
-/// Floor that a proposed manoeuvre keeps to, a square of this side [m].
+/// Floor that a proposed manoeuvre keeps to, a square of this side \[m\].
 const FLOOR: f64 = 2.0;
-/// Its length [s].
+/// Its length \[s\].
 const DURATION: f64 = 20.0;
 
 /// The manoeuvre that would tell the best candidate from the nearest one that this data cannot

@@ -89,13 +89,13 @@ pub struct SimulationEntry {
     pub train: usize,
     /// Recordings to judge on.
     pub validation: usize,
-    /// Rows a second [Hz].
+    /// Rows a second \[Hz\].
     #[schemars(range(min = 1.0, max = 1e5))]
     pub rate_hz: f64,
-    /// Steps a second of the robot's controller [Hz].
+    /// Steps a second of the robot's controller \[Hz\].
     #[schemars(range(min = 1.0, max = 1e5))]
     pub control_rate_hz: f64,
-    /// Length of a rich movement [s].
+    /// Length of a rich movement \[s\].
     #[schemars(range(min = 2.0, max = 1e5))]
     pub duration_s: f64,
     /// Largest wheel speed of a rich movement [rad/s].

@@ -16,7 +16,7 @@
 //! | `status` | text | `converged`, `iteration_limit`, `stalled` or `failed` |
 //! | `reason` | text | why it failed |
 //! | `verdict`, `found` | text | of the diagnosis, where one is asked for |
-//! | `seconds` | number | wall time of the method [s]; the only column that differs between two runs of the same file |
+//! | `seconds` | number | wall time of the method \[s\]; the only column that differs between two runs of the same file |
 
 use std::path::Path;
 

@@ -65,7 +65,7 @@ fn correlation(pairs: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {
 struct SimpleFit {
     inertia: f64,
     std_error: f64,
-    /// Share of the input that is not explained [1].
+    /// Share of the input that is not explained \[1\].
     rest: f64,
 }
 
