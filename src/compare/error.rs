@@ -6,7 +6,7 @@ use crate::simulate::{Dynamics, Hold, Input, RunIn, SimulateError};
 
 /// Length of an open-loop window \[s\].
 pub(crate) const WINDOW: f64 = 2.0;
-/// Run-in of a window where a body behind the wheels must get under way first \[s\].
+/// Run-in of a window where the second mass of a drivetrain must get under way first \[s\].
 const RUN_IN: f64 = 2.0;
 
 /// A recording simulated by a model.
@@ -71,7 +71,7 @@ pub(super) fn windows_of(
     out
 }
 
-/// A model on a recording, with the acting drive of the whole recording.
+/// A model on a recording, with the acting input of the whole recording.
 pub(crate) struct Acting<'a> {
     dynamics: &'a dyn Dynamics,
     t: &'a [f64],

@@ -15,7 +15,7 @@ use crate::simulate::{Dynamics, PhysicalDynamics};
 pub struct Estimate {
     /// Symbol.
     pub symbol: String,
-    /// Unit for the drive unit of the recordings.
+    /// Unit, for the unit of the input of the recordings.
     pub unit: String,
     /// Value.
     pub value: f64,

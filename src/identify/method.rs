@@ -17,9 +17,9 @@ use crate::simulate::{Hold, SimulateError};
 pub struct Task<'a> {
     /// The model; its fixed parameters stay.
     pub model: &'a Model,
-    /// Training recordings; at least one, all with the same drive unit.
+    /// Training recordings; at least one, all with the same input unit.
     pub train: &'a [Recording],
-    /// The drive between samples.
+    /// The input between samples.
     pub hold: Hold,
     /// Seed of everything random in the method.
     pub seed: u64,

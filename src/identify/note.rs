@@ -286,7 +286,7 @@ impl fmt::Display for Note {
 impl fmt::Display for Unknown {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
-            Self::One(symbol) => write!(f, "The data say nothing of {symbol}"),
+            Self::One(symbol) => write!(f, "{symbol} is not identifiable from these data"),
             Self::Held(symbol, value) => {
                 write!(
                     f,

@@ -197,7 +197,7 @@ pub(super) struct Stretch<'a> {
     pub(super) alpha: &'a [[f64; 2]],
     /// Speeds [rad/s].
     pub(super) omega: &'a [[f64; 2]],
-    /// The acting drive around each row.
+    /// The acting input around each row.
     pub(super) drive: &'a [[f64; 2]],
 }
 

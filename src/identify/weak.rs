@@ -79,7 +79,7 @@ pub(super) fn motion_at<'a>(
     }
 }
 
-/// Rows of the weak form, two a window (wheel 1, wheel 2), for given speeds and acting drive.
+/// Rows of the weak form, two a window (wheel 1, wheel 2), for given speeds and acting input.
 ///
 /// ```text
 /// Σ_c θ_c ∫ (ψ torque_c - ψ' mass_c ω) dt = ∫ ψ M dt - (the same of what is not linear)

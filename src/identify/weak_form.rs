@@ -19,7 +19,7 @@ use super::{
 use crate::math::{BandedCholesky, clustered_covariance};
 use crate::recording::Recording;
 
-/// Weak form: moments integrated against test functions, weighted by their covariance.
+/// Weak form: torques integrated against test functions, weighted by their covariance.
 ///
 /// ```text
 /// r = Y - R θ,  rows ∫ψ M dt = Σ θ_c ∫(ψ torque_c - ψ' mass_c ω) dt,  ψ = (1 - x²)⁴

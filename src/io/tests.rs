@@ -25,7 +25,7 @@ pub(super) fn velocity(k: usize) -> [f64; 2] {
     [k as f64 / 32.0, -0.5]
 }
 
-/// Moments of row k [N m].
+/// Torques of row k [N m].
 pub(super) fn drive(k: usize) -> [f64; 2] {
     [(k % 7) as f64 / 16.0, -(k as f64) / 128.0]
 }

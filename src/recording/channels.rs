@@ -9,7 +9,7 @@ pub struct Channels {
     pub alpha: Option<Vec<[f64; 2]>>,
     /// Wheel speeds [rad/s]; `None` where not measured.
     pub omega: Option<Vec<[f64; 2]>>,
-    /// Drive of each wheel, in the unit that [`super::DriveUnit`] says.
+    /// Input of each wheel, in the unit that [`super::DriveUnit`] says.
     pub moment: Vec<[f64; 2]>,
 }
 
@@ -29,6 +29,6 @@ pub struct Noise {
     pub alpha: [f64; 2],
     /// Speeds [rad/s].
     pub omega: [f64; 2],
-    /// Drive [drive unit].
+    /// Input [unit of the input].
     pub moment: [f64; 2],
 }

@@ -1,6 +1,6 @@
 //! The unit in which the input was recorded.
 
-/// The unit of the drive; inertias and frictions come out per that unit.
+/// The unit of the input; inertias and frictions come out per that unit.
 #[derive(
     Clone,
     Copy,
@@ -13,7 +13,7 @@
     schemars::JsonSchema,
 )]
 pub enum DriveUnit {
-    /// Moments at the wheels [N m].
+    /// Torques at the wheels [N m].
     #[default]
     #[serde(rename = "N m")]
     NewtonMetre,

@@ -24,7 +24,7 @@ pub struct Recording {
     step: f64,
     /// Most noise that the sensors have, as other recordings by them show.
     most_noise: Option<Noise>,
-    /// Noise of the input as it was recorded, where it has been interpolated since [drive unit].
+    /// Noise of the input as it was recorded, where it has been interpolated since [unit of the input].
     recorded_input_noise: Option<[f64; 2]>,
     /// Share of the jumps of the input from row to row that is noise.
     noise_of_jumps: f64,

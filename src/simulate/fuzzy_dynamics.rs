@@ -27,7 +27,7 @@ const LIMIT: f64 = 1e4;
 pub struct FuzzyDynamics {
     /// f31 and f41.
     pub system: TakagiSugeno,
-    /// G [[G31, G32], [G41, G42]] [1/(kg m²), or per drive unit].
+    /// G [[G31, G32], [G41, G42]] [1/(kg m²), or per unit of the input].
     pub input_gain: [[f64; 2]; 2],
     /// Rules that the training data excited: strength of at least 0.2 in some sample.
     pub trained: Vec<bool>,

@@ -1,4 +1,4 @@
-//! Simulated recordings: a robot with known parameters drives a movement and is recorded with noise.
+//! Simulated recordings: a robot with known parameters follows a movement and is recorded with noise.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -60,7 +60,7 @@ const MEMORY: f64 = 0.4;
 /// Bandwidth of the speed controller [1/s].
 const BANDWIDTH: f64 = 12.0;
 
-/// Drives `movement` with the robot `truth` (parameters `p`) under a speed controller and records
+/// Follows `movement` with the robot `truth` (parameters `p`) under a speed controller and records
 /// it.
 ///
 /// The controller knows the base model with the construction's parameters: torques by inverse

@@ -50,7 +50,7 @@ impl Role {
 pub struct RecordingStudy {
     /// Its use.
     pub role: Role,
-    /// File or made name.
+    /// File, or the name of a simulated recording.
     pub file: String,
     /// SHA-256 of the file; `None` for synthetic data.
     pub sha256: Option<String>,
@@ -79,7 +79,7 @@ pub struct RecordingStudy {
     pub omega: Vec<[f64; 2]>,
     /// Smoothed acceleration [rad/s^2].
     pub acceleration: Vec<[f64; 2]>,
-    /// Recorded drive.
+    /// Recorded input.
     pub moment: Vec<[f64; 2]>,
     /// Regime of driving.
     pub regimes: Vec<Regime>,
@@ -147,7 +147,7 @@ impl Verdict {
     }
 }
 
-/// One step of the staircase: the model with one more effect.
+/// The error of one model version: the model with one more effect.
 #[derive(Clone, Debug, Serialize)]
 pub struct Step {
     /// Effect added; `None` for the first.
@@ -179,7 +179,7 @@ pub struct DiagnosisStudy {
     pub unexplained_fraction: f64,
     /// What to drive next, in words.
     pub next_run: Option<String>,
-    /// The manoeuvre that tells the best two apart, where one can.
+    /// The manoeuvre that distinguishes the best two, where one can.
     pub proposal: Option<crate::diagnose::Proposal>,
     /// Stated false-alarm rate.
     pub false_alarm: f64,
@@ -187,7 +187,7 @@ pub struct DiagnosisStudy {
     pub effects: Vec<FoundEffect>,
 }
 
-/// A version of the model that was run before: the staircase over the user's own versions.
+/// A version of the model that was run before: the error by the user's own versions.
 #[derive(Clone, Debug, PartialEq, Serialize, serde::Deserialize)]
 pub struct Version {
     /// Effects of the model beyond the base.

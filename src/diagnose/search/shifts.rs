@@ -1,4 +1,4 @@
-//! A lag and a delay of the input, told apart in spite of the noise of the recorded input.
+//! A lag and a delay of the input, distinguished in spite of the noise of the recorded input.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

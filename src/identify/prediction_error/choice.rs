@@ -65,7 +65,7 @@ pub(super) fn clearly_smaller(errors: &[f64], than: &[f64]) -> bool {
     let gain = mean(&gains);
     let square: f64 = gains.iter().map(|g| (g - gain).powi(2)).sum();
     let error = (square / (n * (n - 1.0).max(1.0))).sqrt();
-    // a single piece says nothing of the error
+    // a single piece gives no estimate of the error
     gain > STANDARD_ERRORS * error && n > 1.0
 }
 

@@ -54,7 +54,7 @@ fn constant_drive(r: &Recording, i: usize) -> Option<Finding> {
     (low >= high).then(|| Finding::new(Severity::Warning, issue))
 }
 
-/// Many samples exactly at the largest or smallest drive.
+/// Many samples exactly at the largest or smallest input.
 fn limit(r: &Recording, i: usize) -> Option<Finding> {
     let (low, high) = extremes(r.moment(), i);
     if low == high {
