@@ -165,7 +165,7 @@ impl fmt::Display for Note {
                 let by: Vec<_> = by.iter().map(|(s, v)| format!("{s} by about {v:+.2e}")).collect();
                 write!(
                     f,
-                    "Noise of the speeds pulls {}, more than the standard errors say: use \
+                    "Noise of the speeds biases {}, more than the standard errors say: use \
                      prediction_error, or a lower cut-off.",
                     by.join(", ")
                 )

@@ -21,6 +21,7 @@ use flate2::read::ZlibDecoder;
 use super::IoError;
 use super::bytes::{Bytes, Damage, Number};
 use super::error::shown;
+use super::whole::{Content, WholeFormat};
 
 const HEADER: usize = 128;
 const MATRIX: u32 = 14;
@@ -40,7 +41,13 @@ struct Variable {
     columns: Vec<Column>,
 }
 
-pub(super) fn read(path: &Path) -> Result<Vec<Column>, IoError> {
+pub(super) const FORMAT: WholeFormat = WholeFormat {
+    extension: "mat",
+    magic: b"MATLAB ",
+    read: |path| read(path).map(Content::Columns),
+};
+
+fn read(path: &Path) -> Result<Vec<Column>, IoError> {
     let all = std::fs::read(path).map_err(|e| IoError::system(path, &e))?;
     let big_endian = header(path, &all)?;
     let variables = variables(&all, big_endian).map_err(|d| d.in_file(path, "MAT"))?;

@@ -29,6 +29,7 @@ use super::IoError;
 use super::bytes::{Bytes, Damage};
 use super::error::shown;
 use super::signals::{Collector, Signals};
+use super::whole::{Content, WholeFormat};
 
 const TYPE: &str = "sensor_msgs/msg/JointState";
 /// Records of other topics, such as images, may be this large \[bytes\].
@@ -53,7 +54,13 @@ struct Bag {
     bytes: usize,
 }
 
-pub(super) fn read(path: &Path) -> Result<Signals, IoError> {
+pub(super) const FORMAT: WholeFormat = WholeFormat {
+    extension: "mcap",
+    magic: b"\x89MCAP0\r\n",
+    read: |path| read(path).map(Content::Signals),
+};
+
+fn read(path: &Path) -> Result<Signals, IoError> {
     let file = File::open(path).map_err(|e| IoError::system(path, &e))?;
     let options = LinearReaderOptions::default()
         .with_record_length_limit(LARGEST_RECORD)

@@ -4,7 +4,7 @@ use std::path::Path;
 
 /// The lines of a file that are prose, with their numbers: all of Markdown but code, the comments of TOML, comments
 /// and texts of Rust.
-pub fn prose(path: &Path, text: &str) -> Vec<(usize, String)> {
+pub(crate) fn prose(path: &Path, text: &str) -> Vec<(usize, String)> {
     match path.extension().and_then(|e| e.to_str()) {
         Some("md") => of_markdown(path, text),
         Some("rs") => of_rust(text),
