@@ -44,7 +44,6 @@ pub fn new_file(recordings: &[PathBuf], output: Option<&Path>) -> Result<String,
 
 /// A file that is not written yet.
 pub(super) struct Draft {
-    /// Its text.
     pub(super) text: String,
     /// What was guessed, in words.
     pub(super) words: String,

@@ -38,7 +38,6 @@ const EXACT: f64 = 1e-12;
 pub(crate) struct Piece {
     /// Number of the recording.
     pub(crate) recording: usize,
-    /// Its rows.
     pub(crate) rows: Range<usize>,
     start: LocalMotion,
     blocks: usize,

@@ -17,7 +17,6 @@ const REST: f64 = 0.025;
 /// One test function ψ = (1 - x²)⁴ over a window of samples.
 #[derive(Clone, Debug)]
 pub(super) struct Window {
-    /// Samples.
     pub(super) samples: Range<usize>,
     /// ψ dt at each of them \[s\].
     pub(super) weight: Vec<f64>,

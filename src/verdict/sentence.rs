@@ -15,7 +15,6 @@ pub(super) struct Finding<'a> {
     pub(super) likely: Option<&'a Ranked>,
     /// What lowers the held-out error without being accepted.
     pub(super) withheld: Option<&'a Ranked>,
-    /// The reason.
     pub(super) reason: Option<Withheld>,
     pub(super) false_alarm: f64,
     /// Unit of the input.
