@@ -186,7 +186,7 @@ static CASES: [Case; 30] = [
     },
     Case {
         id: "payload",
-        hidden: &[("mp", 2.0), ("ip", 0.02)],
+        hidden: &[("mp", 2.0), ("ip", 0.02), ("sp", 0.0)],
         held: &[("a1", 1.0), ("a2", 1.0)],
         against: Some(Variable::Acceleration1),
         reading: "The line of wheel 1 falls with its acceleration: inertia is missing. Wheel 2 \

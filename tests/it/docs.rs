@@ -98,12 +98,16 @@ fn python_diagnoses_with_the_defaults_of_the_library() {
 fn the_page_of_thresholds_is_that_of_the_code() {
     let (schema, values) =
         (options_schema::<Thresholds>(), serde_json::to_value(THRESHOLDS).unwrap());
+    // in the order of the struct, where "the same" means the one above
+    let written = serde_json::to_string(&THRESHOLDS).unwrap();
+    let mut fields: Vec<_> =
+        schema.get("properties").unwrap().as_object().unwrap().iter().collect();
+    fields.sort_by_key(|(key, _)| written.find(&format!("\"{key}\":")));
     let row = |(key, option): (&String, &serde_json::Value)| {
         let reason = option["description"].as_str().unwrap();
         format!("| `{key}` | {} | {reason} |\n", values[key])
     };
-    let rows: String =
-        schema.get("properties").unwrap().as_object().unwrap().iter().map(row).collect();
+    let rows: String = fields.into_iter().map(row).collect();
     let page = project_file("docs/thresholds.md");
     let (before, rest) = page.split_once("<!-- thresholds -->\n").unwrap();
     let (_, after) = rest.split_once("<!-- end -->").unwrap();
