@@ -204,7 +204,7 @@ static CASES: [Case; 30] = [
     },
     Case {
         id: "wheel_radius_mismatch",
-        hidden: &[("eps", 0.03)],
+        hidden: &[("eps", 0.03), ("epd", 0.0)],
         against: Some(Variable::Acceleration1),
         reading: "The line of wheel 1 falls with its acceleration, as of a lateral centre of mass; \
                   the part that tells the two apart is small and shows at high speed straight \
@@ -253,7 +253,12 @@ static CASES: [Case; 30] = [
         reading: "One wave on wheel 1 in a turn of it. Wheel 2 has its wave over its own angle.",
         ..PLAIN
     },
-    Case { id: "friction_warmup", hidden: &[("fw", 0.03), ("tw", 8.0)], reading: "", ..PLAIN },
+    Case {
+        id: "friction_warmup",
+        hidden: &[("fw", 0.03), ("tw", 8.0), ("fwd", 0.0)],
+        reading: "",
+        ..PLAIN
+    },
     Case {
         id: "load_transfer_friction",
         hidden: &[("cl", 1.5e-4)],
