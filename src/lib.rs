@@ -45,9 +45,6 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-// rustdoc takes a unit in brackets, [rad], for a link; `.ci/links` checks the links that are meant
-#![allow(rustdoc::broken_intra_doc_links)]
-
 pub mod catalogue;
 pub mod compare;
 pub mod conditioning;

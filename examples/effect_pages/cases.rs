@@ -156,7 +156,7 @@ static CASES: [Case; 30] = [
         id: "slope",
         hidden: &[("g_c", 0.015), ("g_s", 0.01)],
         against: Some(Variable::Heading),
-        reading: "Both lines go round once with the heading; they are shifted against each other \
+        reading: "Both lines vary sinusoidally with heading; they are shifted against each other \
                   because the centre of mass lies off the axle and turns the robot downhill.",
         ..PLAIN
     },
@@ -186,7 +186,7 @@ static CASES: [Case; 30] = [
     },
     Case {
         id: "payload",
-        hidden: &[("mp", 2.0), ("ip", 0.02)],
+        hidden: &[("mp", 2.0), ("ip", 0.02), ("sp", 0.0)],
         held: &[("a1", 1.0), ("a2", 1.0)],
         against: Some(Variable::Acceleration1),
         reading: "The line of wheel 1 falls with its acceleration: inertia is missing. Wheel 2 \
@@ -204,7 +204,7 @@ static CASES: [Case; 30] = [
     },
     Case {
         id: "wheel_radius_mismatch",
-        hidden: &[("eps", 0.03)],
+        hidden: &[("eps", 0.03), ("epd", 0.0)],
         against: Some(Variable::Acceleration1),
         reading: "The line of wheel 1 falls with its acceleration, as of a lateral centre of mass; \
                   the part that tells the two apart is small and shows at high speed straight \
@@ -217,9 +217,9 @@ static CASES: [Case; 30] = [
         id: "torque_gain",
         hidden: &[("g", 0.05)],
         against: Some(Variable::Moment2),
-        reading: "The line of wheel 2 falls with its drive, although the gain of wheel 1 is wrong: \
+        reading: "The line of wheel 2 falls with its input, although the gain of wheel 1 is wrong: \
                   the common inertia and friction have absorbed half of it and left the other \
-                  half, with the opposite sign, to wheel 2. Over its own drive wheel 1 has a \
+                  half, with the opposite sign, to wheel 2. Over its own input wheel 1 has a \
                   rising line.",
         ..PLAIN
     },
@@ -234,7 +234,7 @@ static CASES: [Case; 30] = [
         id: "backlash_deadzone",
         hidden: &[("d", 0.01)],
         against: Some(Variable::Moment1),
-        reading: "A step on wheel 1 where its drive changes sign, from +d to -d, that fades \
+        reading: "A step on wheel 1 where its input changes sign, from +d to -d, that fades \
                   towards large torques, where the fitted inertia and friction have taken it up.",
         ..PLAIN
     },
@@ -253,7 +253,12 @@ static CASES: [Case; 30] = [
         reading: "One wave on wheel 1 in a turn of it. Wheel 2 has its wave over its own angle.",
         ..PLAIN
     },
-    Case { id: "friction_warmup", hidden: &[("fw", 0.03), ("tw", 8.0)], reading: "", ..PLAIN },
+    Case {
+        id: "friction_warmup",
+        hidden: &[("fw", 0.03), ("tw", 8.0), ("fwd", 0.0)],
+        reading: "",
+        ..PLAIN
+    },
     Case {
         id: "load_transfer_friction",
         hidden: &[("cl", 1.5e-4)],

@@ -4,9 +4,9 @@ use crate::recording::{LocalMotion, Recording};
 use crate::robot::State;
 use crate::simulate::{Dynamics, Hold, Input, RunIn, SimulateError};
 
-/// Length of an open-loop window [s].
+/// Length of an open-loop window \[s\].
 pub(crate) const WINDOW: f64 = 2.0;
-/// Run-in of a window where a body behind the wheels must get under way first [s].
+/// Run-in of a window where the second mass of a drivetrain must get under way first \[s\].
 const RUN_IN: f64 = 2.0;
 
 /// A recording simulated by a model.
@@ -48,7 +48,7 @@ pub fn simulate_recording(
     Ok(Simulated { free, windows, window_starts, window_states })
 }
 
-/// The windows of `length` [s] of a piece; a short rest joins the last one.
+/// The windows of `length` \[s\] of a piece; a short rest joins the last one.
 pub(super) fn windows_of(
     recording: &Recording,
     piece: &std::ops::Range<usize>,
@@ -70,7 +70,7 @@ pub(super) fn windows_of(
     out
 }
 
-/// A model on a recording, with the acting drive of the whole recording.
+/// A model on a recording, with the acting input of the whole recording.
 pub(crate) struct Acting<'a> {
     dynamics: &'a dyn Dynamics,
     recording: &'a Recording,
@@ -189,7 +189,7 @@ pub fn window_rms(recording: &Recording, windows: &[State]) -> f64 {
 const TRANSIENT: usize = 20;
 
 /// Root mean square error of the angles of a free simulation over both wheels, without the first 20 samples
-/// [rad]; infinite where it diverges.
+/// \[rad\]; infinite where it diverges.
 ///
 /// Source: score of the nonlinear system identification benchmarks (nonlinearbenchmark.org).
 #[must_use]

@@ -67,7 +67,7 @@ fn floor(runs: &Runs, seed: u64) -> Result<Floor, SimulateError> {
 
 /// Root mean square error over windows of 2 s [rad/s] that a right model has on recordings because the input
 /// between their rows is not known: a third of the difference that every other row makes, since a straight
-/// line errs as the square of the interval. A smaller change of the error says nothing of the robot.
+/// line errs as the square of the interval. A smaller change of the error holds no information on the robot.
 ///
 /// # Errors
 /// A model that cannot move.

@@ -4,13 +4,13 @@ use super::error::{Acting, windows_of};
 use crate::recording::Recording;
 use crate::simulate::{Dynamics, Hold, SimulateError};
 
-/// Lengths of the simulations [s], before the free one.
+/// Lengths of the simulations \[s\], before the free one.
 const LENGTHS: [f64; 3] = [0.1, 0.5, 2.0];
 
 /// The error of a model over simulations of one length.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Horizon {
-    /// Time after which a simulation starts anew [s]; zero: a row (the filter's prediction); infinite: never.
+    /// Time after which a simulation starts anew \[s\]; zero: a row (the filter's prediction); infinite: never.
     pub seconds: f64,
     /// Root mean square error of both wheel speeds [rad/s].
     pub rms: f64,

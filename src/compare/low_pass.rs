@@ -8,7 +8,7 @@ use crate::recording::{LocalMotion, Recording};
 /// Order of the low-pass; it is applied forwards and backwards.
 const ORDER: usize = 2;
 
-/// A signal of both wheels behind a low-pass of that cut-off [Hz], piece by piece; pieces that are too short
+/// A signal of both wheels behind a low-pass of that cut-off \[Hz\], piece by piece; pieces that are too short
 /// stay as they are.
 #[must_use]
 pub fn filtered(r: &Recording, cutoff: f64, signal: &[[f64; 2]]) -> Vec<[f64; 2]> {

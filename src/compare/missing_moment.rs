@@ -1,4 +1,4 @@
-//! The moment that the model misses, as a function of anything: speed, heading, time.
+//! The torque that the model lacks, as a function of anything: speed, heading, time.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -25,17 +25,17 @@ pub enum Variable {
     ForwardSpeed,
     /// Turn rate [rad/s].
     TurnRate,
-    /// Heading [rad], modulo a turn.
+    /// Heading \[rad\], modulo a turn.
     Heading,
-    /// Angle of wheel 1 [rad], modulo a turn.
+    /// Angle of wheel 1 \[rad\], modulo a turn.
     Alpha1,
-    /// Angle of wheel 2 [rad], modulo a turn.
+    /// Angle of wheel 2 \[rad\], modulo a turn.
     Alpha2,
-    /// Time since the start [s].
+    /// Time since the start \[s\].
     Time,
-    /// Drive of wheel 1 [N m].
+    /// Input of wheel 1 [N m].
     Moment1,
-    /// Drive of wheel 2 [N m].
+    /// Input of wheel 2 [N m].
     Moment2,
 }
 
@@ -175,7 +175,7 @@ pub fn missing_moment(
     let all: Vec<&dyn Columns> = recordings.iter().map(|_| &columns as &dyn Columns).collect();
     let (h, g) = likelihood.totals(model, p, noise, &all)?;
     let base = model.free();
-    // the tests keep the slow unknown moment, which would take up most of what the curves are to
+    // the tests keep the slow unknown torque, which would absorb most of what the curves are to
     // show; the curves do without it, at the white noise that then fits
     let white = Likelihood { slow_moment: false, ..likelihood.clone() };
     let flat = ProcessNoise { sigma_d: 0.0, ..*noise };

@@ -18,7 +18,8 @@ pub use missing_moment::{
     Bin, Dependence, MissingMoment, Variable, log_significance, missing_moment, project,
     score_statistic,
 };
+pub(crate) use regime::{AT_FLOOR, REGIME_RATE};
 pub use regime::{Failure, failures};
 pub use residual_torque::{Curve, CurveBin, Mean, clustered_mean, curves, residual_torque};
-pub(crate) use residual_torque::{REST, WIDTH, WORTH};
+pub(crate) use residual_torque::{REST, WIDTH};
 pub use whiteness::{Innovations, Whiteness, analysed, whiteness};

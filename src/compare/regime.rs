@@ -5,10 +5,10 @@ use crate::math::distribution::{holm, t_survival};
 use crate::recording::{Recording, Regime};
 
 /// Chance that any regime is called significant where the model is right.
-const LEVEL: f64 = 0.05;
-/// Error over the noise floor up to which a regime counts as at the floor, which is known to about as much: a
-/// residual torque that raises no error is no failure.
-const ABOVE_FLOOR: f64 = 1.2;
+pub(crate) const REGIME_RATE: f64 = 0.05;
+/// Error over the noise floor up to which a model or a regime counts as at the floor, which is known to about as
+/// much: a residual torque that raises no error is no failure.
+pub(crate) const AT_FLOOR: f64 = 1.2;
 /// Rows of a regime at least.
 const FEWEST: usize = 5;
 /// Blocks of 1 s of a regime at least, for a test.
@@ -99,7 +99,7 @@ pub fn failures(
     }
     let p_values: Vec<f64> = out.iter().map(|f| f.p_value).collect();
     for (failure, p) in out.iter_mut().zip(holm(&p_values)) {
-        failure.significant = p <= LEVEL && failure.ratio_to_noise > ABOVE_FLOOR;
+        failure.significant = p <= REGIME_RATE && failure.ratio_to_noise > AT_FLOOR;
     }
     out.sort_by(|a, b| {
         b.significant.cmp(&a.significant).then(b.ratio_to_noise.total_cmp(&a.ratio_to_noise))

@@ -14,9 +14,7 @@ use crate::recording::{LocalMotion, Recording};
 pub(crate) const REST: f64 = 0.016;
 /// Width over which the sign of a speed changes, as a share of the top speed.
 pub(crate) const WIDTH: f64 = 0.00125;
-/// Share of the residual torque from which on a variable is called a cause: a tenth of its size (taste).
-pub(crate) const WORTH: f64 = 0.01;
-/// Length of the blocks whose sums count as independent [s].
+/// Length of the blocks whose sums count as independent \[s\].
 const BLOCK: f64 = 1.0;
 /// Bins of a variable.
 const BINS: usize = 12;
@@ -31,7 +29,7 @@ const FEWEST: usize = 10;
 /// ```text
 /// r = LP(acting input) - LP(mass dω/dt + torque + dry friction),   on the motion behind the low-pass LP
 /// ```
-/// The low-pass of `cutoff` [Hz] is applied without a phase shift and to both sides alike. A second mass
+/// The low-pass of `cutoff` \[Hz\] is applied without a phase shift and to both sides alike. A second mass
 /// behind the wheels has no part in the balance.
 #[must_use]
 pub fn residual_torque(

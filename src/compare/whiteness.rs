@@ -7,7 +7,7 @@ use crate::model::{Model, ModelError};
 use crate::recording::Recording;
 use crate::simulate::Hold;
 
-/// Lags of the correlations [rows].
+/// Lags of the correlations \[rows\].
 const LAGS: usize = 25;
 /// Probability of the bounds.
 const LEVEL: f64 = 0.99;
@@ -31,7 +31,7 @@ pub struct Innovations {
 pub struct Whiteness {
     /// The channel that was predicted: true for speeds, false for angles.
     pub speeds: bool,
-    /// Median time between innovations [s].
+    /// Median time between innovations \[s\].
     pub step_s: f64,
     /// Autocorrelation at lags of 0, 1, … rows, by wheel.
     pub auto: [Vec<f64>; 2],
@@ -44,7 +44,7 @@ pub struct Whiteness {
     pub cross_bound: [f64; 2],
     /// Density of the innovations over their predicted standard deviation, in equal bins from -4 to 4.
     pub density: [Vec<f64>; 2],
-    /// Frequencies of the spectrum [Hz].
+    /// Frequencies of the spectrum \[Hz\].
     pub frequency_hz: Vec<f64>,
     /// Spectrum of the scaled innovations over that of white ones of the same variance.
     pub spectrum: [Vec<f64>; 2],

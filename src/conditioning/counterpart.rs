@@ -11,7 +11,7 @@ use super::finding::{Channel, Finding, Kind};
 use super::signal::{column, median, pieces, quantile};
 use super::{Conditioned, Context, Settings};
 
-/// Length of a window [s], and its rows at least: long enough for the steps of an encoder to be
+/// Length of a window \[s\], and its rows at least: long enough for the steps of an encoder to be
 /// small against the motion, short against the motion itself.
 const WINDOW: (f64, usize) = (0.2, 6);
 /// Fewest windows of motion.

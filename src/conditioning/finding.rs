@@ -73,17 +73,17 @@ pub enum Kind {
     },
     /// A column that has its own, slower rows; read between them.
     SparseColumn {
-        /// Part of the rows that have a value [1].
+        /// Part of the rows that have a value \[1\].
         share: f64,
     },
     /// A command or a slow sensor that has its own rows; held in between.
     HeldColumn {
-        /// Part of the rows that have a value [1].
+        /// Part of the rows that have a value \[1\].
         share: f64,
     },
     /// A column in whose rows the recording stands; those of other messages serve their own columns.
     OwnRows {
-        /// Part of the rows that have a value of it [1].
+        /// Part of the rows that have a value of it \[1\].
         share: f64,
     },
     /// Rows whose time repeats or precedes that of others; left out.
@@ -104,28 +104,28 @@ pub enum Kind {
         count: usize,
         /// The first row behind it.
         row: usize,
-        /// Its period [s].
+        /// Its period \[s\].
         period_s: f64,
     },
-    /// The clock went back [s] and on from there: the rows go on behind a gap.
+    /// The clock went back \[s\] and on from there: the rows go on behind a gap.
     ClockRestart {
         /// How often.
         count: usize,
         /// The first row behind it.
         row: usize,
-        /// By how much [s].
+        /// By how much \[s\].
         back_s: f64,
     },
     /// A clock that stands still over so many rows and goes on by so many seconds.
     CoarseClock {
-        /// Its tick [s].
+        /// Its tick \[s\].
         tick_s: f64,
         /// Rows within a tick.
         rows: f64,
     },
     /// An angle that wraps at so many radians.
     Wrapped {
-        /// Period [rad].
+        /// Period \[rad\].
         period_rad: f64,
         /// How often.
         turns: usize,
@@ -134,14 +134,14 @@ pub enum Kind {
     Reset {
         /// The row.
         row: usize,
-        /// Size of the jump [rad].
+        /// Size of the jump \[rad\].
         step_rad: f64,
     },
     /// Speeds without angles behind a low-pass of their sensor, as the motion says that they make.
     LowPass {
-        /// Its time constant [s].
+        /// Its time constant \[s\].
         time_s: f64,
-        /// Standard error of that [s].
+        /// Standard error of that \[s\].
         std_error_s: f64,
     },
     /// An input that keeps its value until the next row, as the motion says that it makes.
@@ -168,25 +168,25 @@ pub enum Kind {
     Opposing,
     /// Columns of the other wheel.
     Exchanged,
-    /// Speeds that are recorded so much later than the angles [s].
+    /// Speeds that are recorded so much later than the angles \[s\].
     Lag {
-        /// Lag [s].
+        /// Lag \[s\].
         lag_s: f64,
-        /// Its standard error [s].
+        /// Its standard error \[s\].
         std_error_s: f64,
     },
     /// Speeds that a filter made late; the angles alone are used.
     Filtered {
-        /// Lag [s].
+        /// Lag \[s\].
         lag_s: f64,
-        /// Its standard error [s].
+        /// Its standard error \[s\].
         std_error_s: f64,
     },
     /// Speeds that are differences of the angles over so many samples; the angles alone are used.
     Differences {
         /// Over how many samples.
         samples: usize,
-        /// Lag [s].
+        /// Lag \[s\].
         lag_s: f64,
     },
     /// An input of a few levels: commands without noise.
@@ -203,9 +203,9 @@ pub enum Kind {
         /// Its standard error.
         std_error: f64,
     },
-    /// Sensors that give a new value only every so often [s].
+    /// Sensors that give a new value only every so often \[s\].
     Refresh {
-        /// Time between new values [s].
+        /// Time between new values \[s\].
         period_s: f64,
     },
     /// A channel that comes in steps.

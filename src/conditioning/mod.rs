@@ -50,7 +50,7 @@ pub struct Conditioned {
 /// What is known beside the channels.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Context {
-    /// Radius of the wheels [m], which tells metres from radians.
+    /// Radius of the wheels \[m\], which tells metres from radians.
     pub wheel_radius: Option<f64>,
     /// Whether the input is a command (a voltage) and not measured.
     pub commanded: bool,

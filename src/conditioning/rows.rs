@@ -80,7 +80,7 @@ pub(super) fn is_increasing(t: &[f64]) -> bool {
     t.windows(2).all(|w| w[0] < w[1])
 }
 
-/// Periods of timers [s]: counters of 16 and 32 bits of milliseconds, and of 32 bits of microseconds.
+/// Periods of timers \[s\]: counters of 16 and 32 bits of milliseconds, and of 32 bits of microseconds.
 const TIMERS: [f64; 3] = [65.536, 4_294_967.296, 4_294.967_296];
 /// Steps by which the row after a wrap may come early or late.
 const LATE: f64 = 2.0;

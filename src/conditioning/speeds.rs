@@ -19,16 +19,16 @@ use super::finding::{Channel, Finding, Kind};
 use super::signal::{changes, column, median, noise_variance, pieces};
 use super::{Conditioned, Context, Settings};
 
-/// Window [s] and its samples at least: motion changes within a few tenths of a second.
+/// Window \[s\] and its samples at least: motion changes within a few tenths of a second.
 const WINDOW: (f64, usize) = (0.1, 4);
-/// Lags that are looked for [s], and in samples: filters of speeds reach back up to so far.
+/// Lags that are looked for \[s\], and in samples: filters of speeds reach back up to so far.
 const LONGEST: (f64, f64) = (0.25, 10.0);
 /// Standard errors from which on a lag is one: 1 in 2 million for noise of normal distribution.
 const SURE: f64 = 5.0;
 /// Part of a sample below which a lag is none: 1/sqrt(12), the standard deviation of an instant
 /// anywhere in its row, which is all that a row says of when its channels were read.
 const SMALL: f64 = 0.289;
-/// Longest difference of angles that is looked for [samples].
+/// Longest difference of angles that is looked for \[samples\].
 const SPAN: usize = 16;
 /// Part of the speeds' own noise that differences of the angles may leave: an own sensor leaves at
 /// least all of it.
@@ -42,9 +42,9 @@ const EXACT: f64 = 3.0;
 /// How much later than the angle a speed is recorded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lag {
-    /// Lag [s].
+    /// Lag \[s\].
     pub value: f64,
-    /// Its standard error [s].
+    /// Its standard error \[s\].
     pub std_error: f64,
 }
 
@@ -225,7 +225,7 @@ fn integral(s: &Samples) -> Vec<f64> {
 struct Step {
     /// Mean square at this lag, with the best g.
     cost: f64,
-    /// Gauss-Newton step of the lag [s].
+    /// Gauss-Newton step of the lag \[s\].
     step: f64,
     std_error: f64,
 }

@@ -140,7 +140,7 @@ fn is_alone(out: &[f64], k: usize) -> bool {
 /// ```
 /// c of the samples in question, at a delay of up to ten rows, is compared with the answer of the robot
 /// to its input over stretches of the recording without them. Where a wheel stops or turns round its
-/// friction swallows any pulse, so that nothing is said there.
+/// friction absorbs any pulse, so that no spike is reported there.
 fn unfelt(work: &Conditioned, input: &[f64], found: Vec<Spike>, i: usize) -> Vec<Spike> {
     let (t, Some(speed)) = (&work.channels.t, super::input::speeds(work)) else { return vec![] };
     let speed = column(&speed, i);

@@ -1,11 +1,10 @@
 //! Whether an effect lowers the error on recordings that nothing was fitted to.
 
+use super::thresholds::THRESHOLDS;
 use crate::math::distribution::t_survival;
 
 /// Largest correlation of neighbouring windows that is corrected for.
 const MOST_CORRELATED: f64 = 0.9;
-/// Fewest windows on which a fall can be tested.
-const FEWEST: usize = 4;
 
 /// The fall of the error from one model to the next over held-out windows.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -53,10 +52,10 @@ pub fn fall_of(before: &[f64], after: &[f64], weight: &[f64]) -> Fall {
         .filter(|((b, a), _)| **b > 0.0 && **a > 0.0)
         .map(|((b, a), w)| (b.ln() - a.ln(), *w))
         .unzip();
-    if d.len() < FEWEST || !d.iter().all(|v| v.is_finite()) {
+    if d.len() < THRESHOLDS.fewest_windows || !d.iter().all(|v| v.is_finite()) {
         return Fall::NONE;
     }
-    let telling = effective(&w) >= FEWEST as f64;
+    let telling = effective(&w) >= THRESHOLDS.fewest_windows as f64;
     let w = if telling { w } else { vec![1.0; d.len()] };
     let p_value = probability(&d, &w);
     let mean = d.iter().sum::<f64>() / d.len() as f64;

@@ -28,7 +28,7 @@ pub struct Candidate {
     pub effect: Arc<dyn Effect>,
     /// Its parameters: shapes at their grid value, linear ones at zero.
     pub p: Vec<f64>,
-    /// Places of the linear parameters in `p`, one column each. A drive effect has one column.
+    /// Places of the linear parameters in `p`, one column each. An effect on the input has one column.
     pub linear: Vec<usize>,
     /// How a column is computed.
     pub form: Form,
@@ -40,9 +40,9 @@ pub struct Candidate {
 /// How the column of a candidate is computed.
 #[derive(Clone)]
 pub enum Form {
-    /// From the instant: what the effect adds to the moment balance.
+    /// From the instant: what the effect adds to the torque balance.
     Instant,
-    /// A change of the recorded drive, one signal a recording, per unit of the drive parameter.
+    /// A change of the recorded input, one signal a recording, per unit of the input parameter.
     Signal(Arc<Vec<Vec<[f64; 2]>>>),
 }
 
@@ -68,10 +68,11 @@ pub fn candidates(
         let description = effect.description();
         let id = description.id.clone();
         let asked = named.is_empty() || named.contains(&id);
-        let twin =
+        let equivalent =
             description.equivalent.iter().any(|e| free(model, e) || out.iter().any(|c| c.id == *e));
         let second_body = effect.change() == Change::TwoMass && model.is_coupled();
-        if !asked || present.contains(&id) || twin || second_body || !effect.admissible(scale) {
+        if !asked || present.contains(&id) || equivalent || second_body || !effect.admissible(scale)
+        {
             continue;
         }
         let grid = grid(&id, &effect, scale, &around, recordings, &forces);
@@ -242,7 +243,7 @@ impl Candidate {
         }
     }
 
-    /// Writes the torque of each column on the drive side [N m].
+    /// Writes the torque of each column on the input side [N m].
     pub fn torque(&self, recording: usize, at: &Instant, out: &mut [[f64; 2]]) {
         match &self.form {
             Form::Signal(signals) => {

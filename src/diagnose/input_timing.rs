@@ -7,7 +7,7 @@ use crate::recording::Recording;
 
 /// Id of the nuisance in models of the diagnosis; it is no effect of the catalogue.
 pub(super) const ID: &str = "input_timing";
-/// Symbol of its parameter, the shift of the input [s], among the estimates of a diagnosis.
+/// Symbol of its parameter, the shift of the input \[s\], among the estimates of a diagnosis.
 pub const SYMBOL: &str = "input_shift";
 
 /// The recorded input acts `shift` seconds later, within what logging explains.
@@ -19,7 +19,7 @@ pub const SYMBOL: &str = "input_shift";
 /// a wrong time base.
 #[derive(Clone, Debug)]
 pub(super) struct InputTiming {
-    /// Smallest and largest shift [s].
+    /// Smallest and largest shift \[s\].
     pub(super) limits: (f64, f64),
 }
 

@@ -1,4 +1,4 @@
-//! A body behind the wheels as a change of the drive, for the score scan.
+//! A two-mass drivetrain as a change of the input, for the score scan.
 
 use std::sync::Arc;
 
@@ -29,7 +29,7 @@ pub(super) fn coupling(
 
 /// What drives the wheels of a recording, which no shape of a coupling changes.
 pub(super) struct Forces {
-    /// The drive less what resists, of the common and the opposite motion [N m].
+    /// The input less what resists, of the common and the opposite motion [N m].
     modes: Vec<[f64; 2]>,
     /// Mass matrix of the rigid robot [kg m^2].
     mass: [f64; 3],
@@ -39,7 +39,7 @@ impl Forces {
     pub(super) fn of(around: &Around, recording: &Recording) -> Self {
         let (t, motion) = (recording.t(), recording.local_motion());
         let at = |k: usize| instant(around, t[k] - t[0], &motion[k]);
-        // noise of the drive would be in the signal and in what it is held against
+        // noise of the input would be in the signal and in what it is held against
         let drive = smoothed_drive(recording);
         let mode = |k: usize| {
             let [a, b] = acting(around, drive[k], &at(k));
@@ -50,8 +50,8 @@ impl Forces {
     }
 }
 
-/// What a body behind the wheels changes as seen from the rigid robot: the moment that would make
-/// that one accelerate as the wheels of the jointed one do, less the moment that acts [N m].
+/// What a two-mass drivetrain changes as seen from the rigid robot: the torque that would make
+/// that one accelerate as the wheels of the jointed one do, less the torque that acts [N m].
 ///
 /// ```text
 /// J_r dw/dt = F - k φ - c (w - u),  (J - J_r) du/dt = k φ + c (w - u),  dφ/dt = w - u
@@ -81,7 +81,7 @@ pub(super) fn joint_signal(
     out
 }
 
-/// The moments less what resists, at a smooth motion [N m].
+/// The torques less what resists, at a smooth motion [N m].
 fn acting(around: &Around, moment: [f64; 2], x: &Motion<f64>) -> [f64; 2] {
     let terms = around.model.terms(x, &around.p);
     let sign = [0, 1, 2, 3].map(|j| sgn(along(j, &x.omega)));

@@ -20,11 +20,11 @@ use crate::simulate::{Movement, NoiseLevel, Recorder, Segment, record};
 pub struct Limits {
     /// Largest wheel speed [rad/s].
     pub speed: f64,
-    /// Largest moment [N m].
+    /// Largest torque [N m].
     pub moment: f64,
-    /// Side of the square floor [m].
+    /// Side of the square floor \[m\].
     pub floor: f64,
-    /// Length [s].
+    /// Length \[s\].
     pub duration: f64,
 }
 

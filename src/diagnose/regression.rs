@@ -40,13 +40,13 @@ struct Smooth<'a> {
 /// Recordings behind the low-pass, made once for every regression on them.
 #[derive(Clone)]
 pub struct Smoothed<'a> {
-    /// Cut-off of the low-pass [Hz].
+    /// Cut-off of the low-pass \[Hz\].
     pub(super) cutoff: f64,
     recordings: Arc<[Smooth<'a>]>,
 }
 
 impl<'a> Smoothed<'a> {
-    /// `recordings` behind a low-pass of that cut-off [Hz].
+    /// `recordings` behind a low-pass of that cut-off \[Hz\].
     #[must_use]
     pub fn new(recordings: &[&'a Recording], cutoff: f64) -> Self {
         let one = |(index, recording): (usize, &&'a Recording)| {
@@ -79,7 +79,7 @@ pub struct Regression<'a> {
     pub degrees: f64,
 }
 
-/// Cut-off of the low-pass [Hz]: a tenth of the sampling rate, or lower where noise of the measured speeds
+/// Cut-off of the low-pass \[Hz\]: a tenth of the sampling rate, or lower where noise of the measured speeds
 /// would make more than 5 % of the rms torque out of the acceleration.
 ///
 /// ```text

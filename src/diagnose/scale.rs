@@ -5,7 +5,7 @@ use crate::model::Model;
 use crate::recording::{DriveUnit, Recording};
 
 /// The size of the signals of `recordings` as seen by a model at `p`; `bandwidth` is the cut-off that its
-/// sensors allow [Hz].
+/// sensors allow \[Hz\].
 #[must_use]
 pub fn scale_of(model: &Model, p: &[f64], recordings: &[&Recording], bandwidth: f64) -> Scale {
     let mut torque: Vec<f64> =

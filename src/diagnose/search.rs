@@ -19,7 +19,7 @@ use super::regression::{Regression, Smoothed, cutoff};
 use super::scale::scale_of;
 use super::screen::Screen;
 use super::thresholds::THRESHOLDS;
-use super::timing::{EARLIEST, LOGGING};
+use super::timing::EARLIEST;
 use super::windows::{Windows, mobility};
 use crate::effects::{Change, Effect, Scale};
 use crate::identify::IdentifyError;
@@ -43,7 +43,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { candidates: vec![], own: vec![], false_alarm: 0.05, max_effects: 4 }
+        Self { candidates: vec![], own: vec![], false_alarm: 0.05, max_effects: 3 }
     }
 }
 
@@ -56,7 +56,7 @@ pub struct Data<'a> {
     pub validation: &'a [Recording],
     /// The input between the rows.
     pub hold: Hold,
-    /// How much later than recorded the input stands already, [`super::timing`] [s].
+    /// How much later than recorded the input stands already, [`super::timing`] \[s\].
     pub corrected_s: f64,
 }
 
@@ -109,9 +109,9 @@ struct Search<'a> {
     smoothed: Smoothed<'a>,
     degrees: f64,
     scale: Scale,
-    /// Shifts of the input that logging explains [s].
+    /// Shifts of the input that logging explains \[s\].
     range: (f64, f64),
-    /// How much later than recorded the input stands already [s].
+    /// How much later than recorded the input stands already \[s\].
     corrected: f64,
 }
 
@@ -136,7 +136,7 @@ impl<'a> Search<'a> {
         let judge = Judge::new(judged.to_vec(), data.hold);
         let step = scale.step;
         let corrected = data.corrected_s;
-        let range = (EARLIEST * step - corrected, LOGGING * step - corrected);
+        let range = (EARLIEST * step - corrected, THRESHOLDS.logging * step - corrected);
         let degrees = 0.0;
         let this =
             Self { windows, held, judge, settings, smoothed, degrees, scale, range, corrected };

@@ -9,7 +9,7 @@ use super::input_timing::InputTiming;
 use super::regression::cutoff;
 use super::scale::scale_of;
 use super::thresholds::THRESHOLDS;
-use super::timing::{EARLIEST, LOGGING};
+use super::timing::EARLIEST;
 use super::windows::{Windows, mobility};
 use crate::effects::{Change, ParameterKind, Scale};
 use crate::identify::{Task, start};
@@ -92,7 +92,7 @@ impl Place<'_> {
 
     fn timed(&self, model: &Model) -> Model {
         let step = self.scale.step;
-        let limits = (EARLIEST * step, LOGGING * step);
+        let limits = (EARLIEST * step, THRESHOLDS.logging * step);
         if model.effects().iter().any(|effect| effect.change() == Change::TimeShift) {
             return model.clone();
         }

@@ -1,11 +1,11 @@
-//! What an effect of the drive does to the recorded drive.
+//! What an effect on the input does to the recorded input.
 
 use std::sync::Arc;
 
 use crate::effects::{Change, Effect};
 use crate::recording::Recording;
 
-/// The change of the drive that a drive effect makes, per unit of its parameter where that is
+/// The change of the input that an effect on it makes, per unit of its parameter where that is
 /// small and smooth (lag, delay, gain), for the whole change otherwise.
 pub(super) fn signals(
     effect: &Arc<dyn Effect>,
@@ -36,7 +36,7 @@ pub(super) fn signals(
         .collect()
 }
 
-/// The recorded drive without its noise: the mean over five samples (two to either side).
+/// The recorded input without its noise: the mean over five samples (two to either side).
 pub(super) fn smoothed_drive(recording: &Recording) -> Vec<[f64; 2]> {
     let m = recording.moment();
     let mut out = m.to_vec();

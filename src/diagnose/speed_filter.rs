@@ -5,7 +5,7 @@ use super::fit::fit;
 use super::regression::cutoff;
 use super::scale::scale_of;
 use super::thresholds::THRESHOLDS;
-use super::timing::{LOGGING, LONGEST, Timed, timed};
+use super::timing::{LONGEST, Timed, timed};
 use super::windows::{Errors, Windows, mobility};
 use crate::effects::{Change, Scale};
 use crate::model::Model;
@@ -18,9 +18,9 @@ const RATIO: f64 = 1.4;
 /// A first-order low-pass of the recorded speeds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpeedFilter {
-    /// Its time constant [s].
+    /// Its time constant \[s\].
     pub time_s: f64,
-    /// Standard error of that [s].
+    /// Standard error of that \[s\].
     pub std_error_s: f64,
 }
 
@@ -62,7 +62,7 @@ pub fn speed_filter(
     (most && search.late_actuators(filter.time_s).iter().all(beaten)).then_some(filter)
 }
 
-/// A recording whose speeds are those before a low-pass of time constant `time` [s].
+/// A recording whose speeds are those before a low-pass of time constant `time` \[s\].
 #[must_use]
 pub fn advanced(recording: &Recording, time: f64) -> Recording {
     let slopes = differentiate(recording.t(), recording.omega(), recording.pieces());
@@ -89,7 +89,7 @@ struct Search<'a, 'b> {
 impl Search<'_, '_> {
     /// The time constant of least error, and its error by the bend of that.
     fn best(&self) -> Option<SpeedFilter> {
-        let first = LOGGING * self.scale.step;
+        let first = THRESHOLDS.logging * self.scale.step;
         let count = ((LONGEST / first).ln() / RATIO.ln()).ceil().max(2.0) as i32;
         let times: Vec<f64> = (0..=count).map(|k| first * RATIO.powi(k)).collect();
         let sums: Vec<f64> = times.iter().map(|&t| self.sum(t)).collect();

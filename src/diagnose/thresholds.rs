@@ -1,10 +1,11 @@
 //! Every limit of the diagnosis, with its reason.
 
+use crate::compare::{AT_FLOOR, REGIME_RATE};
 use crate::effects::SURELY;
 
 /// Limits of the diagnosis. All are dimensionless; those marked "taste" say what is worth a reader's
 /// attention, the others follow from statistics or physics.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Thresholds {
     /// Least fall of the held-out error of an effect that is named, as a share (taste: a smaller one no
     /// reader would call a better model).
@@ -13,14 +14,35 @@ pub struct Thresholds {
     pub least_fall_crossed: f64,
     /// Share of the false-alarm rate that is asked of cross-validation, for the same reason.
     pub crossed_rate: f64,
-    /// Error over the noise floor beyond which something is missing, and a shift in time may stand in for it. The floor is an estimate: of healthy
-    /// sets one in a hundred lies above (prototype measurement on 110 sets of other simulators).
+    /// Error over the noise floor beyond which something is missing, and a shift in time may stand in for it. The
+    /// floor is an estimate: of healthy sets one in a hundred lies above (prototype measurement on 110 sets of other
+    /// simulators).
     pub above_floor: f64,
     /// Error over the noise floor beyond which something is missing whether the residual torque shows structure or
     /// not: no colour of the input noise that was tried makes three times the floor.
     pub far_above_floor: f64,
     /// Error beyond the floor that matters, as a share of the top speed (taste: 0.2 %).
     pub excess: f64,
+    /// Error over the floor up to which a model, or a regime of driving, is at the floor, which is known to about as
+    /// much.
+    pub at_floor: f64,
+    /// Squared error above the floor, as a share of the floor, below which nothing is left to explain: 2 % of the
+    /// error, less than any floor is known to.
+    pub nothing_left: f64,
+    /// Share of the error above the floor that effects may leave and still explain it: the larger part is explained.
+    pub unexplained: f64,
+    /// Least -ln p of the strongest dependence of the residual torque that counts as structure: one in ten million
+    /// for one look, so that some hundred bins and variables do not make one.
+    pub structure: f64,
+    /// Share of the residual torque from which on the variable that it depends on is named (taste).
+    pub named_share: f64,
+    /// Chance that any regime of driving is called significant where the model is right.
+    pub regime_rate: f64,
+    /// Error as a share of the top speed below which a model is useful: what feedforward leaves to a speed
+    /// controller without trouble (taste).
+    pub useful: f64,
+    /// The same below which a model is poor: beyond it the sign of small accelerations is not predicted (taste).
+    pub poor: f64,
     /// Error over the floor beyond which a likely effect is mentioned.
     pub likely_above_floor: f64,
     /// Least fall of the held-out error of a likely effect.
@@ -49,11 +71,16 @@ pub struct Thresholds {
     /// Starts of an effect with several that are followed to their minimum.
     pub followed: usize,
     /// Standard errors within which a value may still be another: a delay none, or one that logging explains, the
-    /// parameter of an effect zero ([`SURELY`]: a chance of one in twenty).
+    /// parameter of an effect zero (a chance of one in twenty).
     pub uncertain: f64,
     /// Least lag or delay that is named, in rows: half a row that logging explains, and a quarter (taste), since what
     /// is known to a hundredth of a row exceeds a half by what a controller takes for its work.
     pub least_shift: f64,
+    /// Shift of the input that logging explains, in rows: the mean over a row, a value that is held through it, and a
+    /// difference of angles all lie half a row off.
+    pub logging: f64,
+    /// Fewest held-out windows on which a fall of the error can be tested.
+    pub fewest_windows: usize,
     /// Other effects of a step that are tried in its place once several are found (cost: a fit for each effect
     /// behind it).
     pub exchanged: usize,
@@ -67,6 +94,14 @@ pub const THRESHOLDS: Thresholds = Thresholds {
     above_floor: 1.5,
     far_above_floor: 3.0,
     excess: 0.002,
+    at_floor: AT_FLOOR,
+    nothing_left: 0.04,
+    unexplained: 0.5,
+    structure: 16.0,
+    named_share: 0.01,
+    regime_rate: REGIME_RATE,
+    useful: 0.05,
+    poor: 0.2,
     likely_above_floor: 1.2,
     likely_fall: 0.02,
     strong: 10.0,
@@ -81,5 +116,7 @@ pub const THRESHOLDS: Thresholds = Thresholds {
     followed: 2,
     uncertain: SURELY,
     least_shift: 0.75,
+    logging: 0.5,
+    fewest_windows: 4,
     exchanged: 4,
 };

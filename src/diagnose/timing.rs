@@ -17,13 +17,10 @@ use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::{BETWEEN_ROWS, Hold};
 
-/// Largest delay that logging explains, in rows: the mean over a row, a value that is held through it, and a
-/// difference of angles all lie half a row off.
-pub(super) const LOGGING: f64 = 0.5;
 /// Range of the search, in rows, and its resolution.
 pub(super) const EARLIEST: f64 = -1.5;
 const RESOLUTION: f64 = 0.1;
-/// Longest delay that is searched [s], that of slow motor controllers on a bus.
+/// Longest delay that is searched \[s\], that of slow motor controllers on a bus.
 pub(super) const LONGEST: f64 = 0.15;
 /// Windows of 1 s that are simulated at most: their error of a shift is far below that of logging.
 const WINDOWS: usize = 120;
@@ -31,11 +28,11 @@ const WINDOWS: usize = 120;
 /// How much later the recorded input acts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Timing {
-    /// Time from the recorded input to the motion, dead time of actuator and sensors together [s].
+    /// Time from the recorded input to the motion, dead time of actuator and sensors together \[s\].
     pub dead_time_s: f64,
-    /// Its standard error [s].
+    /// Its standard error \[s\].
     pub std_error_s: f64,
-    /// The part of it that logging explains and that is taken out of the recordings [s].
+    /// The part of it that logging explains and that is taken out of the recordings \[s\].
     pub correction_s: f64,
 }
 
@@ -54,15 +51,16 @@ pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -
     let balanced = by_balance(&regression, step)?;
     let simulated = by_simulation(model, p, balanced.0, recordings, hold, &scale);
     let (dead_time_s, std_error_s) = simulated.and_then(|s| s.shift).unwrap_or(balanced);
-    let late = dead_time_s - THRESHOLDS.uncertain * std_error_s > LOGGING * step;
+    let late = dead_time_s - THRESHOLDS.uncertain * std_error_s > THRESHOLDS.logging * step;
     let nothing = dead_time_s.abs() < THRESHOLDS.uncertain * std_error_s;
     let something_else = simulated.is_some_and(|s| s.error > THRESHOLDS.above_floor);
     let kept = late || nothing || something_else;
-    let correction_s = if kept { 0.0 } else { dead_time_s.clamp(EARLIEST * step, LOGGING * step) };
+    let correction_s =
+        if kept { 0.0 } else { dead_time_s.clamp(EARLIEST * step, THRESHOLDS.logging * step) };
     Some(Timing { dead_time_s, std_error_s, correction_s })
 }
 
-/// Shift and standard error [s] by the residual of a low-passed regression of the input on the free parameters.
+/// Shift and standard error \[s\] by the residual of a low-passed regression of the input on the free parameters.
 ///
 /// ```text
 /// minimise RSS(T),   se² = 2 RSS/(n RSS''),   n = 2 fc (time of motion)
@@ -96,7 +94,7 @@ fn by_balance(regression: &Regression, step: f64) -> Option<(f64, f64)> {
 /// A shift by simulation.
 #[derive(Clone, Copy)]
 struct ShiftFit {
-    /// The shift and its standard error [s]; `None` where it leaves its range.
+    /// The shift and its standard error \[s\]; `None` where it leaves its range.
     shift: Option<(f64, f64)>,
     /// Error of the windows over what noise makes of them. Where it is above the floor the model lacks something
     /// else, and the shift may stand in for that.
@@ -141,7 +139,7 @@ impl Timed<'_> {
     pub(super) fn is_late(&self, step: f64) -> bool {
         let (j, fit) = (self.shift, &self.fit);
         let error = THRESHOLDS.uncertain * fit.covariance[(j, j)].sqrt();
-        fit.p[j] - error > LOGGING * step
+        fit.p[j] - error > THRESHOLDS.logging * step
     }
 
     /// Error of the windows over what noise makes of them.
@@ -150,7 +148,7 @@ impl Timed<'_> {
     }
 }
 
-/// Fits `model` from `p` and the shift `start` [s] over some windows of 1 s of `recordings`. `None` where the model
+/// Fits `model` from `p` and the shift `start` \[s\] over some windows of 1 s of `recordings`. `None` where the model
 /// cannot follow them.
 pub(super) fn timed<'a>(
     model: &Model,

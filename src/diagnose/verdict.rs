@@ -32,14 +32,6 @@ pub struct Errors {
     pub speed: f64,
 }
 
-/// Least -ln p of the strongest dependence of the residual torque that counts as structure: one in ten
-/// million for one look, so that some hundred bins and variables do not make one.
-const STRUCTURE: f64 = 16.0;
-/// Share of the explainable error that effects may leave and still explain it: the larger part.
-const UNEXPLAINED: f64 = 0.5;
-/// Squared error above the floor, as a share of the floor, below which nothing is left to explain.
-const NOTHING: f64 = 0.04;
-
 impl Errors {
     /// Share of what can be explained that is left: 0 at the floor, 1 where nothing was gained.
     ///
@@ -54,7 +46,7 @@ impl Errors {
 
     fn left(&self, after: f64) -> f64 {
         let explainable = self.before - self.floor;
-        if explainable <= NOTHING * self.floor {
+        if explainable <= THRESHOLDS.nothing_left * self.floor {
             return 0.0;
         }
         ((after - self.floor) / explainable).clamp(0.0, 1.0)
@@ -86,7 +78,7 @@ impl Errors {
 /// The strongest dependence that counts as structure, a significant one; whether it matters the error says.
 #[must_use]
 pub fn structure(left: &MissingMoment) -> Option<&Dependence> {
-    left.dependences.iter().find(|d| d.log_significance > STRUCTURE)
+    left.dependences.iter().find(|d| d.log_significance > THRESHOLDS.structure)
 }
 
 /// The candidate that lowers the held-out error after the last accepted step without being proven.
@@ -118,7 +110,7 @@ pub fn withheld(diagnosis: &Diagnosis, rate: f64) -> Option<&Ranked> {
 /// floor, which is itself an estimate.
 #[must_use]
 pub fn conclude(found: usize, errors: &Errors, likely: Option<f64>, structure: bool) -> Conclusion {
-    let explained = |after: f64| errors.left(after) <= UNEXPLAINED;
+    let explained = |after: f64| errors.left(after) <= THRESHOLDS.unexplained;
     match likely {
         _ if found > 0 && (!errors.above_floor() || explained(errors.after)) => Conclusion::Missing,
         _ if found > 0 => Conclusion::Unknown,

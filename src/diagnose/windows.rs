@@ -26,7 +26,7 @@ use crate::recording::Recording;
 use crate::robot::State;
 use crate::simulate::{ActingInput, BETWEEN_ROWS, Hold, LANES, every_other, follow_part};
 
-/// Length of a window [s]: long enough for friction and viscous effects to show, short enough that noise
+/// Length of a window \[s\]: long enough for friction and viscous effects to show, short enough that noise
 /// of the input does not drown them; the acceptance test uses the same.
 pub(super) const WINDOW: f64 = 1.0;
 /// Largest growth of the variance of a speed over a window, in variances of the sensor: noise of the input is

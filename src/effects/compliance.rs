@@ -15,7 +15,7 @@ use crate::math::Real;
 /// w is measured, u is the wheel speed behind the spring, φ its twist, jr the inertia on the measured
 /// side of the spring (rotor, gear, hub), which no data sheet of the robot gives.
 ///
-/// Source: two-inertia drive with elastic shaft (Voigt element). Undamped frequency straight
+/// Source: two-inertia drivetrain with elastic shaft (Voigt element). Undamped frequency straight
 /// ahead: sqrt(kt (1/jr + 1/(a1 + a2 - jr))) rad/s.
 #[derive(Clone, Debug, Default)]
 pub struct Compliance;

@@ -390,7 +390,7 @@ fn sensitivities_of_every_effect_equal_differences_of_the_motion() {
                 // rad/s for a change of the parameter by its own size
                 let difference = (up[i] - down[i]) / 2e-5;
                 let found = exact.at(119, 2 + i, j) * p[j].abs();
-                // truncation, and steps of order h where a clipped drive changes its sample
+                // truncation, and steps of order h where a clipped input changes its sample
                 let allowed = 1e-3 * difference.abs() + 1e-5;
                 assert!((found - difference).abs() <= allowed, "{id} {j}: {found} {difference}");
             }

@@ -25,7 +25,7 @@ pub struct Coupling<T> {
 pub struct BodyState<T> {
     /// Speeds u that the wheels would have if the coupling were rigid [rad/s].
     pub speed: [T; 2],
-    /// Twists phi of the coupling [rad].
+    /// Twists phi of the coupling \[rad\].
     pub twist: [T; 2],
 }
 

@@ -56,7 +56,7 @@ pub trait Physics: Send + Sync + 'static {
     }
 
     /// Turns the recorded input into the one that acts, for the whole run:
-    /// `t` [s] and `m` [N m] have one row a sample. `None`: unchanged.
+    /// `t` \[s\] and `m` [N m] have one row a sample. `None`: unchanged.
     fn drive<T: Real>(&self, _t: &[f64], _m: &[[T; 2]], _p: &[T]) -> Option<Vec<[T; 2]>> {
         None
     }

@@ -1,6 +1,6 @@
 //! One physical effect per file, and the list.
 //!
-//! A model is a sum of effects: `mass(x; p) dω + torque(x; p) + dry friction = drive(M; p)`.
+//! A model is a sum of effects: `mass(x; p) dω + torque(x; p) + dry friction = input(M; p)`.
 //! An author writes [`Physics`] once, over any [`Real`](crate::math::Real); the program sees the object-safe
 //! [`Effect`], which evaluates it with plain numbers or with exact derivatives.
 

@@ -21,9 +21,9 @@ pub fn along<T: Real>(direction: usize, omega: &[T; 2]) -> T {
 /// The instant at which an effect is evaluated.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion<'a, T> {
-    /// Time since the start of the recording [s].
+    /// Time since the start of the recording \[s\].
     pub t: T,
-    /// Wheel angles [rad]; wheel 1 (right) first.
+    /// Wheel angles \[rad\]; wheel 1 (right) first.
     pub alpha: [T; 2],
     /// Wheel speeds [rad/s].
     pub omega: [T; 2],
@@ -47,7 +47,7 @@ impl<T: Real> Motion<'_, T> {
         kinematics::turn_rate(self.robot, self.omega)
     }
 
-    /// Heading from the wheel angles, beta = r/(2 l1) (alpha1 - alpha2) [rad].
+    /// Heading from the wheel angles, beta = r/(2 l1) (alpha1 - alpha2) \[rad\].
     #[must_use]
     pub fn heading(&self) -> T {
         kinematics::heading(self.robot, self.alpha)

@@ -11,11 +11,11 @@ pub const FAST: f64 = 0.98;
 pub struct Scale {
     /// Wheel speed that 98 % of the rows stay below [rad/s].
     pub speed: f64,
-    /// Longest median time step [s].
+    /// Longest median time step \[s\].
     pub step: f64,
-    /// Longest recording [s].
+    /// Longest recording \[s\].
     pub duration: f64,
-    /// Largest angle that a wheel goes through [rad].
+    /// Largest angle that a wheel goes through \[rad\].
     pub angle: f64,
     /// Share of the moving rows in which a wheel runs against its main direction.
     pub backward: f64,
@@ -23,7 +23,7 @@ pub struct Scale {
     pub torque: Vec<f64>,
     /// Smaller eigenvalue of the mass matrix [kg m^2].
     pub inertia: f64,
-    /// Cut-off of the motion that the sensors resolve [Hz].
+    /// Cut-off of the motion that the sensors resolve \[Hz\].
     pub bandwidth: f64,
     /// Whether an inertia (a1, a2) or a3 is held at a value, such as that of the construction.
     pub inertia_held: bool,

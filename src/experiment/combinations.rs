@@ -13,7 +13,6 @@ pub struct GridPlan {
     pub axes: Vec<GridAxis>,
     /// The experiment file without its grid.
     pub(super) table: Table,
-    /// Its path.
     pub(super) path: PathBuf,
 }
 

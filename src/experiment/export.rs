@@ -112,10 +112,10 @@ struct Robot<'a> {
     operation: Operation,
 }
 
-/// Time between the commands of a robot's controller, that of WPILib [s].
+/// Time between the commands of a robot's controller, that of WPILib \[s\].
 const PERIOD: f64 = 0.02;
 
-/// Shifts of the input below this are not worth a word [s].
+/// Shifts of the input below this are not worth a word \[s\].
 const SHIFT: f64 = 1e-3;
 
 impl<'a> Robot<'a> {

@@ -15,7 +15,7 @@ pub struct FittedModel {
     pub model: Model,
     /// One estimate a parameter, in the order of the model.
     pub estimates: Vec<Estimate>,
-    /// The recorded input acts so much later than recorded, within what logging explains [s].
+    /// The recorded input acts so much later than recorded, within what logging explains \[s\].
     pub input_shift_s: f64,
     /// The method that found the values.
     pub method: String,

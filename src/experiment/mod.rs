@@ -39,9 +39,9 @@ pub use error::{ExperimentError, RunError};
 pub use execute::{Outcome, execute, load, load_all, merge, write};
 pub use export::{ExportFormat, export};
 pub use file::{
-    CandidatesEntry, ColumnEntry, CustomEntry, CustomParameter, DiagnosisEntry, EmulatorEntry,
-    ExperimentFile, FileError, FixedEntry, GridAxis, ModelEntry, MovementEntry, RecordingsEntry,
-    SimulationEntry, json_schema,
+    AllCandidates, CandidatesEntry, ColumnEntry, ConstructionWord, CustomEntry, CustomParameter,
+    DiagnosisEntry, EmulatorEntry, ExperimentFile, FileError, FixedEntry, GridAxis, ModelEntry,
+    MovementEntry, NamedMovement, RecordingsEntry, SimulationEntry, json_schema,
 };
 pub use fitted::{FittedModel, FittedModels};
 pub use index::write_index;

@@ -14,7 +14,7 @@ const SCHEMA: &str = "experiment.schema.json";
 /// Part of the larger of two mean speeds below which the other counts as zero: straight, or turning on
 /// the spot.
 const ONE_WAY: f64 = 0.15;
-/// Time over which angles are compared [s].
+/// Time over which angles are compared \[s\].
 const PASSED: f64 = 0.25;
 
 /// Looks at recordings and writes a commented experiment file.
@@ -44,7 +44,6 @@ pub fn new_file(recordings: &[PathBuf], output: Option<&Path>) -> Result<String,
 
 /// A file that is not written yet.
 pub(super) struct Draft {
-    /// Its text.
     pub(super) text: String,
     /// What was guessed, in words.
     pub(super) words: String,

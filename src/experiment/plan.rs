@@ -99,7 +99,7 @@ impl Measured {
         self.long.as_ref().map_or(self.recording.len(), |long| long.samples)
     }
 
-    /// From the first to the last row of the whole recording [s].
+    /// From the first to the last row of the whole recording \[s\].
     #[must_use]
     pub fn duration(&self) -> f64 {
         self.long.as_ref().map_or(self.recording.duration(), |long| long.duration)

@@ -14,7 +14,7 @@ pub(super) fn notes(recording: &Recording, robot: &Robot) -> Vec<Finding> {
     notes.filter(|f| f.severity == Severity::Note).collect()
 }
 
-/// Whether no recording has any drive: then all parameters are only known up to a common factor.
+/// Whether no recording has any input: then all parameters are only known up to a common factor.
 pub(super) fn without_drive<'a>(mut recordings: impl Iterator<Item = &'a Recording>) -> bool {
     recordings.all(|r| r.moment().iter().all(|m| *m == [0.0; 2]))
 }

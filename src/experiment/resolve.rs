@@ -10,7 +10,7 @@ use super::custom::{self, Own, add};
 use super::error::{ExperimentError, Meaning, nearest, words};
 use super::file::{
     CandidatesEntry, DiagnosisEntry, EmulatorEntry, ExperimentFile, FixedEntry, MovementEntry,
-    SimulationEntry,
+    NamedMovement, SimulationEntry,
 };
 use super::plan::{DiagnosisPlan, Measured, MethodPlan, Plan};
 use super::robot_table::{has_no_track, robot};
@@ -150,17 +150,12 @@ fn model(file: &ExperimentFile, own: &[Own], robot: &Robot) -> Result<Model, Mea
     for (symbol, entry) in &file.model.fixed {
         let value = match entry {
             FixedEntry::Value(value) => *value,
-            FixedEntry::Construction(word) if word == "construction" => {
+            FixedEntry::Construction(_) => {
                 let index = model.index_of(symbol)?;
                 let base = robot.parameters().to_array();
                 *base.get(index).ok_or_else(|| {
                     words(format!("model.fixed.{symbol}: the construction data give a1..a5 only"))
                 })?
-            }
-            FixedEntry::Construction(word) => {
-                return Err(words(format!(
-                    "model.fixed.{symbol} = \"{word}\" must be a number or \"construction\""
-                )));
             }
         };
         model = model.fix(symbol, value)?;
@@ -231,7 +226,7 @@ fn emulated(file: &ExperimentFile) -> bool {
 }
 
 fn is_of_paper(entry: &SimulationEntry) -> bool {
-    matches!(&entry.movement, MovementEntry::Named(name) if name == "paper")
+    entry.movement == MovementEntry::Named(NamedMovement::Paper)
 }
 
 fn gain(file: &ExperimentFile) -> Result<Gain, Meaning> {
@@ -331,8 +326,8 @@ fn made(entry: &SimulationEntry, own: &[Own], robot: &Robot) -> Result<Made, Mea
 fn movement(entry: &SimulationEntry, robot: &Robot, k: u64) -> Movement {
     match &entry.movement {
         MovementEntry::Segments(segments) => Movement { segments: segments.clone() },
-        MovementEntry::Named(name) if name == "paper" => Movement::paper(),
-        MovementEntry::Named(_) => {
+        MovementEntry::Named(NamedMovement::Paper) => Movement::paper(),
+        MovementEntry::Named(NamedMovement::Rich) => {
             let seed = entry.seed.wrapping_mul(100).wrapping_add(k);
             Movement::rich(robot, seed, entry.duration_s, entry.top_speed_rad_s)
         }

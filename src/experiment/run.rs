@@ -47,7 +47,7 @@ pub(super) fn run_in_stages(plan: &Plan, enter: &(dyn Fn(&str) + Sync)) -> Resul
 pub struct MethodFit {
     /// The fit, or in words why there is none.
     pub fit: Result<Fit, String>,
-    /// Wall time [s].
+    /// Wall time \[s\].
     pub seconds: f64,
 }
 

@@ -15,17 +15,17 @@ use crate::robot::Robot;
 pub(super) struct Body {
     /// Newton metre per unit of the input: 1 for torques.
     pub(super) scale: f64,
-    /// Mass with wheels [kg].
+    /// Mass with wheels \[kg\].
     pub(super) mass: f64,
-    /// Mass of a wheel [kg].
+    /// Mass of a wheel \[kg\].
     pub(super) wheel_mass: f64,
     /// Yaw inertia of the chassis about its centre of mass [kg m^2].
     pub(super) yaw: f64,
     /// Inertia of each wheel about its axle, rotors included [kg m^2].
     pub(super) wheel: [f64; 2],
-    /// Distance of the chassis' centre of mass behind the axle [m].
+    /// Distance of the chassis' centre of mass behind the axle \[m\].
     pub(super) behind: f64,
-    /// Radius of the wheels and half track [m].
+    /// Radius of the wheels and half track \[m\].
     pub(super) r: f64,
     pub(super) l1: f64,
     /// Mechanics, in N m.
@@ -85,7 +85,7 @@ impl Body {
         Self { scale, mass, wheel_mass, yaw, wheel, behind, r, l1, mechanics, notes }
     }
 
-    /// Mass of the chassis without wheels [kg].
+    /// Mass of the chassis without wheels \[kg\].
     pub(super) fn chassis(&self) -> f64 {
         self.mass - 2.0 * self.wheel_mass
     }

@@ -13,7 +13,7 @@ use crate::model::Model;
 /// m/s (rad/s for turning and wheels).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Feedforward {
-    /// Static friction [input].
+    /// Static friction \[input\].
     #[serde(rename = "kS")]
     pub ks: f64,
     /// Per speed.
@@ -29,11 +29,11 @@ pub struct Feedforward {
 pub struct Operation {
     /// Speed that the wheels reach [rad/s].
     pub top_speed: f64,
-    /// Largest input [input].
+    /// Largest input \[input\].
     pub largest_input: f64,
-    /// Time at which time-dependent effects are taken, the end of the recordings [s].
+    /// Time at which time-dependent effects are taken, the end of the recordings \[s\].
     pub time: f64,
-    /// Time between the controller's commands [s].
+    /// Time between the controller's commands \[s\].
     pub period: f64,
 }
 
@@ -63,9 +63,9 @@ pub struct Gains {
     pub linear: Feedforward,
     /// Turning on the spot, per rad/s of the robot.
     pub angular: Feedforward,
-    /// Largest difference between the torque curve and its line kS + kV w, straight and turning [input].
+    /// Largest difference between the torque curve and its line kS + kV w, straight and turning \[input\].
     pub line_error: [f64; 2],
-    /// Dead time of the loop: identified lag and delay, and one period of the controller [s].
+    /// Dead time of the loop: identified lag and delay, and one period of the controller \[s\].
     pub dead_time: f64,
     /// Control of the forward speed, per m/s.
     pub forward: Control,

@@ -15,9 +15,9 @@ pub(super) struct Plant {
 pub struct Margins {
     /// Factor on the gain at which the loop becomes unstable.
     pub gain: f64,
-    /// Phase left at unity gain [degrees].
+    /// Phase left at unity gain \[degrees\].
     pub phase_deg: f64,
-    /// Further dead time at which the loop becomes unstable [s].
+    /// Further dead time at which the loop becomes unstable \[s\].
     pub delay_s: f64,
     /// Frequency of unity gain [rad/s].
     pub crossover_rad_s: f64,

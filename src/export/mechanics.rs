@@ -28,9 +28,9 @@ pub struct Mechanics {
     pub gain: [f64; 2],
     /// Largest acting input; infinite without a limit.
     pub limit: f64,
-    /// Time constant of a first-order lag of the input [s].
+    /// Time constant of a first-order lag of the input \[s\].
     pub lag_s: f64,
-    /// Pure delay of the input [s].
+    /// Pure delay of the input \[s\].
     pub delay_s: f64,
     /// Effects that are not in these numbers, and why.
     pub left_out: Vec<LeftOut>,
@@ -53,7 +53,7 @@ const TERMS: usize = 8;
 const EXACT: f64 = 1e-9;
 
 impl Mechanics {
-    /// Of a model with parameter values `p`; time-dependent effects as they are at `t` [s].
+    /// Of a model with parameter values `p`; time-dependent effects as they are at `t` \[s\].
     #[must_use]
     pub fn of(model: &Model, p: &[f64], t: f64) -> Self {
         let mut out = Self {
@@ -173,7 +173,7 @@ impl Mechanics {
     }
 }
 
-/// Step [s] and length of the test inputs: 2 s, beyond any delay of the catalogue's ranges.
+/// Step \[s\] and length of the test inputs: 2 s, beyond any delay of the catalogue's ranges.
 const STEP: f64 = 1e-3;
 const STEPS: u32 = 2000;
 

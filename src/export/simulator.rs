@@ -20,7 +20,7 @@ pub struct Simulator {
 /// Standard gravity [m/s^2].
 const GRAVITY: f64 = 9.806_65;
 
-/// Time constant [s] and damping ratio of contacts and dry friction: twice the step, the stiffest that MuJoCo
+/// Time constant \[s\] and damping ratio of contacts and dry friction: twice the step, the stiffest that MuJoCo
 /// takes. At its defaults wheels creep where they should stick, by 0.03 rad/s rms on the AmigoBot; at these values
 /// by 0.002.
 const STIFF: &str = "0.002 1";
@@ -32,7 +32,7 @@ const CLOSE: &str = "0.99 0.999 0.001";
 ///
 /// Dry friction is `frictionloss` of the wheel joints, along turning and forward of fixed tendons; damping
 /// likewise; inertia of wheels and rotors is `armature`; a lag is the filter of the actuators; an inclined floor
-/// turns gravity. Time-dependent effects are written as they are at `t` [s].
+/// turns gravity. Time-dependent effects are written as they are at `t` \[s\].
 #[must_use]
 pub fn mjcf(it: &Identified, t: f64) -> Simulator {
     let body = Body::new(&Mechanics::of(it.model, it.values, t), it.model.robot(), it.drive_unit);

@@ -116,7 +116,7 @@ impl<'a> Coupled<'a> {
         })
     }
 
-    /// Calls `add(wheel, k, slope)` with the derivatives of the moments of one side by
+    /// Calls `add(wheel, k, slope)` with the derivatives of the torques of one side by
     /// (alpha1, alpha2, omega1, omega2).
     fn add_slopes(
         &self,
@@ -179,7 +179,7 @@ impl<'a> Coupled<'a> {
 }
 
 impl Dynamics<STATES> for Coupled<'_> {
-    /// The body moves as the wheels do, within what the drive can make of slip and twist.
+    /// The body moves as the wheels do, within what the input can make of slip and twist.
     fn start(
         &mut self,
         drive: &[f64; 2],
@@ -303,14 +303,14 @@ impl Dynamics<STATES> for Coupled<'_> {
         }
     }
 
-    /// The bias by noise of the drive is worked out for rigid robots only.
+    /// The bias by noise of the input is worked out for rigid robots only.
     fn mass_slopes(&mut self, _: &Predicted<STATES>) -> Vec<(usize, Matrix2<f64>)> {
         vec![]
     }
 }
 
 impl Coupled<'_> {
-    /// Noise of the drive, of friction and of the slow moment; wheels that stand stay.
+    /// Noise of the input, of friction and of the slow torque; wheels that stand stay.
     fn add_noise(
         &self,
         out: &Predicted<STATES>,

@@ -24,10 +24,10 @@ use crate::model::{Model, ModelError};
 use crate::recording::{LocalMotion, Recording};
 use crate::simulate::{Ends, Hold};
 
-/// Length of a piece, which the filter starts anew [s]: long against any horizon, short enough
+/// Length of a piece, which the filter starts anew \[s\]: long against any horizon, short enough
 /// for several of them in every recording.
 const PIECE: f64 = 5.0;
-/// Length of the blocks whose scores are kept apart [s], and how many there should be: long
+/// Length of the blocks whose scores are kept apart \[s\], and how many there should be: long
 /// against the memory of the filter, so that scores of different blocks are independent.
 const BLOCK: (f64, f64) = (2.0, 5.0);
 const BLOCKS: f64 = 20.0;
@@ -38,7 +38,6 @@ const EXACT: f64 = 1e-12;
 pub(crate) struct Piece {
     /// Number of the recording.
     pub(crate) recording: usize,
-    /// Its rows.
     pub(crate) rows: Range<usize>,
     start: LocalMotion,
     blocks: usize,
@@ -133,7 +132,7 @@ impl<'a> HorizonFilter<'a> {
         if alike { self.whole_noise } else { self.prepared[r].moment_noise }
     }
 
-    /// Variances of (alpha1, alpha2, omega1, omega2) at a horizon [s].
+    /// Variances of (alpha1, alpha2, omega1, omega2) at a horizon \[s\].
     fn variance(&self, r: usize, horizon: f64) -> [f64; 4] {
         let (prepared, recording) = (&self.prepared[r], self.prepared[r].recording);
         let fresh = recording.fresh().iter().filter(|fresh| **fresh).count().max(1);

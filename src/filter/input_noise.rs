@@ -1,4 +1,4 @@
-//! What noise of the recorded drive does to the score: it reaches the innovation and, through the
+//! What noise of the recorded input does to the score: it reaches the innovation and, through the
 //! acceleration, the derivatives by the inertias, so their product has a mean.
 
 use nalgebra::{DVector, Matrix2};
@@ -17,7 +17,7 @@ use super::step::Predicted;
 /// errors in the variables, as in any regression on a measured acceleration. The filter's own
 /// gain and transition are used. Derived here.
 pub(super) struct InputNoise<const N: usize> {
-    /// Variance of the noise of the drive [N^2 m^2].
+    /// Variance of the noise of the input [N^2 m^2].
     variance: f64,
     /// `∂(mass matrix)/∂θ` of the parameters that have one.
     slopes: Vec<(usize, Matrix2<f64>)>,

@@ -15,9 +15,9 @@ use crate::simulate::Hold;
 pub struct Likelihood<'a> {
     /// One independent run of the filter each.
     pub prepared: Vec<Prepared<'a>>,
-    /// The drive between samples.
+    /// The input between samples.
     pub hold: Hold,
-    /// Whether the slow unknown moment is part of the noise model.
+    /// Whether the slow unknown torque is part of the noise model.
     pub slow_moment: bool,
     /// Whether [`ProcessNoise::later`] is estimated. It is for estimates at the limit of the data;
     /// a search for lags and delays must not lose half a sample of them to it.
@@ -72,7 +72,7 @@ impl Likelihood<'_> {
         PassSettings { noise: *noise, derivatives, keep_innovations, input_noise }
     }
 
-    /// How far noise of the recorded drive pulls every parameter at a maximum.
+    /// How far noise of the recorded input biases every parameter at a maximum.
     ///
     /// ```text
     /// H⁻¹ E[Σ ψ e / S],   not zero for inertias: the acceleration they multiply holds that noise
@@ -146,7 +146,7 @@ impl Likelihood<'_> {
         sum.is_finite().then_some(sum)
     }
 
-    /// Noise to start with: that of differences, no slow moment.
+    /// Noise to start with: that of differences, no slow torque.
     #[must_use]
     pub fn initial_noise(&self) -> ProcessNoise {
         let count = self.prepared.len().max(1) as f64;
@@ -159,7 +159,7 @@ impl Likelihood<'_> {
         ProcessNoise { sigma_m: seen.max(1e-4 * rms), sigma_d: 0.0, tau_d: 1.0, later }
     }
 
-    /// Root mean square of the recorded drive [N m].
+    /// Root mean square of the recorded input [N m].
     #[must_use]
     pub fn moment_rms(&self) -> f64 {
         let (mut sum, mut count) = (0.0, 0_usize);

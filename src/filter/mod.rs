@@ -1,8 +1,8 @@
 //! The extended Kalman filter that whitens the data: one pass gives the likelihood, its score and
 //! its information for parameters and for any further torque columns.
 //!
-//! State: (alpha1, alpha2, omega1, omega2, d1, d2), d a slow unknown moment on each wheel
-//! (Ornstein-Uhlenbeck: standard deviation `sigma_d`, time constant `tau_d`). A body behind the wheels
+//! State: (alpha1, alpha2, omega1, omega2, d1, d2), d a slow unknown torque on each wheel
+//! (Ornstein-Uhlenbeck: standard deviation `sigma_d`, time constant `tau_d`). A two-mass drivetrain
 //! (`wheel_slip`, `compliance`) adds its speeds and twists (u1, u2, phi1, phi2).
 
 mod accumulate;
@@ -46,17 +46,17 @@ pub enum FilterError {
     NotFinite,
 }
 
-/// Noise of the process: what the recorded drive does not explain.
+/// Noise of the process: what the recorded input does not explain.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct ProcessNoise {
-    /// White noise of the recorded drive, one draw a sample [N m].
+    /// White noise of the recorded input, one draw a sample [N m].
     pub sigma_m: f64,
-    /// Standard deviation of a slow unknown moment [N m].
+    /// Standard deviation of a slow unknown torque [N m].
     pub sigma_d: f64,
-    /// Its time constant [s].
+    /// Its time constant \[s\].
     pub tau_d: f64,
-    /// Weight of the later of two recorded drives in the mean drive between them: 0.5 where the
-    /// drive runs in straight lines, 0 where it is held, between where it is held for parts of a
+    /// Weight of the later of two recorded inputs in the mean input between them: 0.5 where the
+    /// input runs in straight lines, 0 where it is held, between where it is held for parts of a
     /// sample (0.4 for five steps a sample), and elsewhere where rows are stamped early or late.
     pub later: f64,
 }

@@ -9,9 +9,9 @@ use crate::math::Information;
 use crate::model::Model;
 use crate::simulate::Hold;
 
-/// Longest time constant of the slow moment [s].
+/// Longest time constant of the slow torque \[s\].
 const SLOWEST: f64 = 1.0;
-/// Difference of the weights of the later drive at which the likelihood is looked at.
+/// Difference of the weights of the later input at which the likelihood is looked at.
 const LATER: f64 = 0.1;
 /// Difference of the logarithms at which innovations are differentiated.
 const DIFFERENCE: f64 = 0.02;
@@ -25,13 +25,13 @@ const LEAST: f64 = 0.1;
 const GAIN: f64 = 0.05;
 /// Steps, at most.
 const STEPS: usize = 15;
-/// Slow moment to start with where none is known, as a share of the rms drive.
+/// Slow torque to start with where none is known, as a share of the rms input.
 const FIRST_SLOW: f64 = 0.01;
 /// Information of a logarithm below which a step of it changes nothing.
 const TOLD: f64 = 1e-3;
-/// Share of the other's strength below which one of white noise and slow moment is asleep.
+/// Share of the other's strength below which one of white noise and slow torque is negligible.
 const ASLEEP: f64 = 0.1;
-/// Time constants at which a slow moment is woken [s].
+/// Time constants at which a slow torque is tried again \[s\].
 const AWAKE: [f64; 2] = [1.0, 0.1];
 /// A step damped by more than this leads nowhere.
 const DAMPED: f64 = 1e4;
@@ -63,7 +63,7 @@ impl Likelihood<'_> {
         (best, count)
     }
 
-    /// The most likely weight of the later drive: the top of the parabola through three weights,
+    /// The most likely weight of the later input: the top of the parabola through three weights,
     /// between 0 and 1 (rows stamped half a sample early or late). A hold that the user states is
     /// believed.
     fn later(&self, model: &Model, p: &[f64], noise: &ProcessNoise) -> f64 {
@@ -84,9 +84,9 @@ struct NoiseSearch<'a> {
     /// Bounds of the logarithms of `sigma_m`, `sigma_d` and `tau_d`.
     low: Vector3<f64>,
     high: Vector3<f64>,
-    /// Root mean square of the drive [N m].
+    /// Root mean square of the input [N m].
     rms: f64,
-    /// Shortest step of the recordings [s].
+    /// Shortest step of the recordings \[s\].
     step: f64,
     /// How many of the three are searched.
     dimensions: usize,
@@ -102,7 +102,7 @@ impl<'a> NoiseSearch<'a> {
     fn new(likelihood: &'a Likelihood<'a>, model: &'a Model, p: &'a [f64], later: f64) -> Self {
         let rms = likelihood.moment_rms();
         let steps = likelihood.prepared.iter().map(|p| p.recording.step());
-        // faster than a few samples it is white noise of the drive under another name; slower
+        // faster than a few samples it is white noise of the input under another name; slower
         // than a second it would take a constant offset, or a floor that slopes, for noise
         let step = steps.fold(f64::MAX, f64::min);
         let fastest = 5.0 * step;
@@ -160,7 +160,7 @@ impl<'a> NoiseSearch<'a> {
         (x, count)
     }
 
-    /// Climbs again where one of white noise and slow moment is next to nothing at `x` and both, equally
+    /// Climbs again where one of white noise and slow torque is next to nothing at `x` and both, equally
     /// strong, would be likelier: from nothing, no slope leads to a noise.
     fn wake(&self, x: Vector3<f64>) -> (Vector3<f64>, usize) {
         let share = x[1] - self.as_strong_as(x[0], x[2]);
@@ -185,7 +185,7 @@ impl<'a> NoiseSearch<'a> {
         (x, count)
     }
 
-    /// Logarithm of the slow moment that is at low frequencies as strong as white noise:
+    /// Logarithm of the slow torque that is at low frequencies as strong as white noise:
     /// `2 sigma_d² tau_d = sigma_m² h`.
     fn as_strong_as(&self, log_sigma_m: f64, log_tau_d: f64) -> f64 {
         log_sigma_m + 0.5 * ((0.5 * self.step).ln() - log_tau_d)

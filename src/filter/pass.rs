@@ -14,17 +14,17 @@ use crate::effects::Motion;
 use crate::model::{Model, ModelError};
 
 /// Length of the blocks whose scores are kept apart, for errors that survive a wrong noise
-/// model [s].
+/// model \[s\].
 const BLOCK: f64 = 5.0;
 
-/// Standard deviations of its noise between which a bend of the drive becomes a jump.
+/// Standard deviations of its noise between which a bend of the input becomes a jump.
 const JUMP: (f64, f64) = (3.0, 5.0);
 
 /// Torque columns that ride along in a pass: anything whose coefficient is zero in the model.
 pub trait Columns: Sync {
     /// How many.
     fn count(&self) -> usize;
-    /// Writes the torque each column would add to the DRIVE side for a coefficient of one [N m].
+    /// Writes the torque each column would add to the input side for a coefficient of one [N m].
     fn torque(&self, at: &Instant, out: &mut [[f64; 2]]);
 }
 
@@ -53,7 +53,7 @@ pub struct Instant<'a> {
     pub spread: [f64; 2],
     /// Variance of either that the sensors leave open whatever the process does [rad^2/s^2].
     pub doubt: f64,
-    /// Acting drive over the step [N m].
+    /// Acting input over the step [N m].
     pub drive: [f64; 2],
 }
 
@@ -66,7 +66,7 @@ pub struct PassSettings {
     pub derivatives: bool,
     /// Whether innovations and their variances are kept.
     pub keep_innovations: bool,
-    /// Whether the mean of the score that noise of the drive makes is computed; takes derivatives.
+    /// Whether the mean of the score that noise of the input makes is computed; takes derivatives.
     pub input_noise: bool,
 }
 
@@ -79,7 +79,7 @@ pub struct Pass {
     pub information: DMatrix<f64>,
     /// Score of parameters and columns.
     pub score: DVector<f64>,
-    /// What noise of the recorded drive adds to the score on average, where asked for.
+    /// What noise of the recorded input adds to the score on average, where asked for.
     pub score_of_input_noise: DVector<f64>,
     /// Scores of blocks of 5 s.
     pub blocks: Vec<DVector<f64>>,
@@ -161,9 +161,9 @@ fn run<D: Dynamics<N>, const N: usize>(
         block_end: recording.t()[0] + BLOCK,
         determinant: 1.0,
         single,
-        // a single axis is a drive with an encoder of its own, whose noise is small
+        // a single axis is a motor with an encoder of its own, whose noise is small
         input_noise: (settings.derivatives && settings.input_noise && !single).then(|| {
-            // a drive that acts as roughly as it was recorded leaves little to the process
+            // an input that acts as roughly as it was recorded leaves little to the process
             let sigma = settings.noise.sigma_m.min(prepared.moment_noise);
             InputNoise::new(sigma * sigma, p.len())
         }),
@@ -212,7 +212,7 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
         }
         for k in piece.start + 1..piece.end {
             let sample = self.sample(k, &piece);
-            // borrow of the drive row ends before psi moves
+            // borrow of the input row ends before psi moves
             let sample = Sample { by_parameter: &[], ..sample };
             let derivatives = self.settings.derivatives;
             let predicted =
@@ -252,9 +252,9 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
     /// The step from sample k - 1 to k of a piece.
     ///
     /// ```text
-    /// mean drive = (1 - c) M0 + c M1 - c (1 - c)/3 h^2 M'',   h^2 M'' = (M_-1 - M0 - M1 + M2)/2
+    /// mean input = (1 - c) M0 + c M1 - c (1 - c)/3 h^2 M'',   h^2 M'' = (M_-1 - M0 - M1 + M2)/2
     /// ```
-    /// exact to second order for a drive held over parts of a row, c = (m - 1)/(2 m) for m of
+    /// exact to second order for an input held over parts of a row, c = (m - 1)/(2 m) for m of
     /// them; a bend beyond noise is a jump, which has no curvature.
     fn sample(&self, k: usize, piece: &std::ops::Range<usize>) -> Sample<'static> {
         let recording = self.prepared.recording;

@@ -16,7 +16,7 @@ pub struct Prepared<'a> {
     pub used: [bool; 4],
     /// Variance of w1 - w2, and of w1 + w2, that noise leaves in the local motion [rad^2/s^2].
     pub doubt: f64,
-    /// Noise of the drive from differences [N m].
+    /// Noise of the input from differences [N m].
     pub moment_noise: f64,
 }
 

@@ -6,7 +6,7 @@ use crate::recording::Recording;
 const HALF: usize = 5;
 /// Shortest run of still samples that counts.
 const SHORTEST: usize = 10;
-/// Angles that differ by more than this moved [rad].
+/// Angles that differ by more than this moved \[rad\].
 const ANGLE: f64 = 0.02;
 
 /// One flag a sample and wheel: the wheel stands still.
@@ -15,7 +15,7 @@ const ANGLE: f64 = 0.02;
 /// |mean alpha over the next 5 - mean alpha over the previous 5| < max(3 sigma_alpha sqrt(2/5), tiny), < 0.02 rad
 /// |mean omega over 11| < 3 sigma_omega / sqrt(11),    runs of at least 10 samples
 /// ```
-/// `sigma_alpha` [rad] and `sigma_omega` [rad/s] are the standard deviations of the noise.
+/// `sigma_alpha` \[rad\] and `sigma_omega` [rad/s] are the standard deviations of the noise.
 #[must_use]
 pub fn standstill(
     recording: &Recording,

@@ -21,19 +21,19 @@ const UNCLEAR: f64 = 1.0 / 3.0;
 /// Shares of the speed that a step may lose between which a wheel is sure not to pass through rest.
 pub(super) const PASS: (f64, f64) = (0.75, 1.25);
 
-/// The drive over one sample.
+/// The input over one sample.
 pub(super) struct Sample<'a> {
-    /// Time at the start, since the start of the recording [s].
+    /// Time at the start, since the start of the recording \[s\].
     pub(super) t: f64,
-    /// Length [s].
+    /// Length \[s\].
     pub(super) step: f64,
-    /// Acting drive that the step uses [N m].
+    /// Acting input that the step uses [N m].
     pub(super) drive: [f64; 2],
-    /// The acting drive at both ends of the sample [N m].
+    /// The acting input at both ends of the sample [N m].
     pub(super) ends: Ends,
-    /// What of the drive moves the angle less than its mean would, see [`lag_of_angle`] [N m].
+    /// What of the input moves the angle less than its mean would, see [`lag_of_angle`] [N m].
     pub(super) tilt: [f64; 2],
-    /// Change of the recorded drive over the sample [N m].
+    /// Change of the recorded input over the sample [N m].
     pub(super) change: [f64; 2],
     /// Smoothed less recorded input, mean over the row [N m]; derivatives by inertias are taken with
     /// the smoothed one.
@@ -41,7 +41,7 @@ pub(super) struct Sample<'a> {
     /// Variance of a friction along each direction that may reverse within the sample [N^2 m^2],
     /// where the step itself does not spread it.
     pub(super) crossing: [f64; 4],
-    /// Derivative of `drive` by each parameter; empty where no effect acts on the drive.
+    /// Derivative of `drive` by each parameter; empty where no effect acts on the input.
     pub(super) by_parameter: &'a [[f64; 2]],
     /// Derivative of `ends` by each parameter that acts through them.
     pub(super) ends_by_parameter: &'a [Option<Ends>],
@@ -71,19 +71,19 @@ pub(super) struct Predicted<const N: usize> {
     pub(super) spread: [f64; 2],
 }
 
-/// What the second moment of a drive takes from the angle that its mean alone would give.
+/// What the second moment of an input takes from the angle that its mean alone would give.
 ///
 /// ```text
 /// ∫ (h - s) M ds = h² (mean/2 - tilt),   tilt = c (1 - c)/3 (M1 - M0)
 /// ```
-/// with the weight c of the later row in the mean: exact for a drive in straight lines (c = 1/2,
+/// with the weight c of the later row in the mean: exact for an input in straight lines (c = 1/2,
 /// M0/3 + M1/6), a held one (c = 0), and one held over m parts of the row, c = (m - 1)/(2 m).
 /// Derived here.
 pub(super) fn lag_of_angle(later: f64, start: &[f64; 2], end: &[f64; 2]) -> [f64; 2] {
     [0, 1].map(|i| later * (1.0 - later) / 3.0 * (end[i] - start[i]))
 }
 
-/// Takes the second moment of the drive out of the angles after a step with its mean.
+/// Takes the second moment of the input out of the angles after a step with its mean.
 pub(super) fn tilt_angles<const N: usize>(
     mean: &mut Mean<N>,
     gain: &SMatrix<f64, N, 2>,
@@ -223,7 +223,7 @@ pub(super) fn predict(
 }
 
 /// Mean of the sign of a friction of this `level` over a speed `v` of this `variance`, the slope of that
-/// mean, and the variance of the moment that it leaves out. As far as its direction is not `clear` the
+/// mean, and the variance of the torque that it leaves out. As far as its direction is not `clear` the
 /// friction is anywhere between its levels instead.
 pub(super) fn linearised(level: f64, v: f64, variance: f64, clear: f64) -> (f64, f64, f64) {
     let sign = Real::erf(v / (2.0 * variance).sqrt());
@@ -239,7 +239,7 @@ pub(super) fn linearised(level: f64, v: f64, variance: f64, clear: f64) -> (f64,
 ///
 /// As far as it is unclear a friction is noise in the step. A robot that drives straight holds
 /// w1 - w2 at zero because its controller does; a friction that pins it there would predict that
-/// better than the noise of the recorded moments, and so be found where there is none.
+/// better than the noise of the recorded torques, and so be found where there is none.
 #[must_use]
 pub fn clarity(direction: usize, v: f64, variance: f64) -> f64 {
     if direction < WHEELS || v * v >= CLEAR.1 * CLEAR.1 * variance {
@@ -255,7 +255,7 @@ pub(super) fn between(limits: (f64, f64), x: f64) -> f64 {
     share * share * (3.0 - 2.0 * share)
 }
 
-/// Moves the derivatives over the step: `psi <- F psi + G f`, `f` the derivative of the moment
+/// Moves the derivatives over the step: `psi <- F psi + G f`, `f` the derivative of the torque
 /// balance by each parameter (column).
 pub(super) fn move_parameters(
     predicted: &Predicted<6>,
@@ -349,7 +349,7 @@ fn transition(
     f
 }
 
-/// `F P F'` of a transition that leaves the slow moments to themselves.
+/// `F P F'` of a transition that leaves the slow torques to themselves.
 fn spread_over(f: &Covariance<6>, p: &Covariance<6>) -> Covariance<6> {
     let moving = f.fixed_view::<4, 6>(0, 0).into_owned();
     let by_all = moving * p;

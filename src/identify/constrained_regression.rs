@@ -30,7 +30,7 @@ use crate::model::base;
 #[derive(Clone, Debug, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ConstrainedRegression {
-    /// Cut-off of the filter [Hz]; chosen from noise and motion unless given.
+    /// Cut-off of the filter \[Hz\]; chosen from noise and motion unless given.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub cutoff_hz: Option<f64>,
     /// Loss of a residual.

@@ -15,7 +15,7 @@ use crate::simulate::{Dynamics, PhysicalDynamics};
 pub struct Estimate {
     /// Symbol.
     pub symbol: String,
-    /// Unit for the drive unit of the recordings.
+    /// Unit, for the unit of the input of the recordings.
     pub unit: String,
     /// Value.
     pub value: f64,
@@ -66,7 +66,7 @@ impl Estimate {
 }
 
 /// How a method ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
     /// At a minimum, or solved in closed form.
@@ -141,7 +141,7 @@ pub struct Fit {
     pub notes: Vec<Note>,
     /// Curves for drawing.
     pub traces: Vec<Trace>,
-    /// Horizon over which predictions were judged [s], where the method has one.
+    /// Horizon over which predictions were judged \[s\], where the method has one.
     pub horizon_s: Option<f64>,
 }
 

@@ -105,7 +105,7 @@ pub(super) fn to_record(effect: &str) -> String {
         .map_or_else(|| "richer motion".into(), |e| e.description().excitation)
 }
 
-/// Largest recorded input [drive unit].
+/// Largest recorded input [unit of the input].
 pub(super) fn largest_input(train: &[Recording]) -> f64 {
     let inputs = train.iter().flat_map(|r| r.moment().iter().flatten());
     inputs.fold(0.0_f64, |most, m| most.max(m.abs()))

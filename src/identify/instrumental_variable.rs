@@ -30,7 +30,7 @@ use crate::simulate::{Gain, PhysicalDynamics, Structure, emulate};
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct InstrumentalVariable {
-    /// Cut-off of the filter [Hz]; chosen from noise and motion unless given.
+    /// Cut-off of the filter \[Hz\]; chosen from noise and motion unless given.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub cutoff_hz: Option<f64>,
     /// Gain that holds the simulated speeds near the measured ones [1/s].

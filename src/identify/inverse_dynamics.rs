@@ -1,4 +1,4 @@
-//! Rows of the inverse dynamics: filtered columns and moments, away from rest, and how much of
+//! Rows of the inverse dynamics: filtered columns and torques, away from rest, and how much of
 //! the columns is noise. The regressions share them.
 
 use std::ops::Range;
@@ -17,7 +17,7 @@ use crate::math::clustered_covariance;
 use crate::recording::Recording;
 use crate::simulate::every_other;
 
-/// Blocks within which residuals may be correlated [s]: as long as leaves enough of them.
+/// Blocks within which residuals may be correlated \[s\]: as long as leaves enough of them.
 const BLOCK: (f64, f64) = (1.0, 5.0);
 const BLOCKS: f64 = 20.0;
 
@@ -39,13 +39,13 @@ pub(super) struct Regression<'a> {
     pub(super) count: usize,
     /// Columns; directions in which there is nothing but noise are projected out.
     pub(super) x: DMatrix<f64>,
-    /// Moments less what does not depend on linear parameters [drive unit].
+    /// Torques less what does not depend on linear parameters [unit of the input].
     pub(super) y: DVector<f64>,
     /// Wheel of each row.
     pub(super) wheel: Vec<usize>,
     /// Block of each row.
     pub(super) block: Vec<usize>,
-    /// Time of each row [s], recordings one behind the other.
+    /// Time of each row \[s\], recordings one behind the other.
     pub(super) time: Vec<f64>,
     /// `Σ_rows cov(columns, y)` that the noise of the channels makes.
     pub(super) noise: DMatrix<f64>,
@@ -57,8 +57,8 @@ pub(super) struct Regression<'a> {
 impl<'a> Regression<'a> {
     /// Rows from the recordings of a task.
     ///
-    /// Speeds and moments pass a zero-phase Butterworth filter of order 4, the speeds are
-    /// differentiated; columns and moments pass the same filter again, so that the relation
+    /// Speeds and torques pass a zero-phase Butterworth filter of order 4, the speeds are
+    /// differentiated; columns and torques pass the same filter again, so that the relation
     /// stays linear; every row that the filter makes redundant is left out. Each movement between
     /// two stops or reversals is filtered on its own ([`Stretch::signals`]).
     ///
@@ -165,7 +165,7 @@ impl<'a> Regression<'a> {
         }
     }
 
-    /// Columns and right-hand side at the chosen rows, made of another motion or drive.
+    /// Columns and right-hand side at the chosen rows, made of another motion or input.
     pub(super) fn rows_of(&self, sources: &[Source]) -> (DMatrix<f64>, DVector<f64>) {
         let width = self.regressor.width();
         let mut x = DMatrix::zeros(self.wheel.len(), width);
@@ -327,7 +327,7 @@ impl<'a> Regression<'a> {
     }
 }
 
-/// Length of the blocks within which residuals may be correlated [s], in so many seconds of data.
+/// Length of the blocks within which residuals may be correlated \[s\], in so many seconds of data.
 pub(super) fn block_length(total: f64) -> f64 {
     (total / BLOCKS).clamp(BLOCK.0, BLOCK.1)
 }

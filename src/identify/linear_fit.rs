@@ -6,7 +6,7 @@ use super::identifiability::identified;
 use super::{Fit, IdentifyError, Note, SingleAxis, Task};
 use crate::model::base::{A1, A2};
 
-/// A fit of the linear parameters alone: shapes and drives are held where the model starts.
+/// A fit of the linear parameters alone: shapes and what shifts the input are held where the model starts.
 ///
 /// `information` of the columns tells which directions the data give, up to a factor; `covariance`
 /// is that of the columns.

@@ -17,9 +17,9 @@ use crate::simulate::{Hold, SimulateError};
 pub struct Task<'a> {
     /// The model; its fixed parameters stay.
     pub model: &'a Model,
-    /// Training recordings; at least one, all with the same drive unit.
+    /// Training recordings; at least one, all with the same input unit.
     pub train: &'a [Recording],
-    /// The drive between samples.
+    /// The input between samples.
     pub hold: Hold,
     /// Seed of everything random in the method.
     pub seed: u64,
@@ -111,7 +111,7 @@ pub enum IdentifyError {
 }
 
 /// An identification method.
-pub trait Identifier: Send + Sync {
+pub trait Identifier: std::fmt::Debug + Send + Sync {
     /// Names, equation, source, when to use.
     fn describe(&self) -> MethodDescription;
 
@@ -242,13 +242,18 @@ fn choices(option: &Value) -> Vec<String> {
 pub fn options_schema<M: JsonSchema>() -> Schema {
     let settings = SchemaSettings::draft07().with(|s| s.inline_subschemas = true);
     let mut schema = settings.into_generator().into_root_schema_for::<M>();
-    // a line break of a doc comment is none of the text
     if let Some(options) = schema.get_mut("properties").and_then(Value::as_object_mut) {
         for option in options.values_mut() {
-            if let Some(text) = option["description"].as_str().map(|text| text.replace('\n', " ")) {
+            if let Some(text) = option["description"].as_str().map(doc_text) {
                 option["description"] = text.into();
             }
         }
     }
     schema
+}
+
+/// The text of a doc comment in one line, without the escapes that keep rustdoc from taking units for links.
+#[must_use]
+pub fn doc_text(comment: &str) -> String {
+    comment.replace('\n', " ").replace(r"\[", "[").replace(r"\]", "]")
 }

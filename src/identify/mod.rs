@@ -24,8 +24,8 @@ mod weak;
 pub use fit::{Estimate, Fit, Status, Trace, Work};
 pub(crate) use identifiability::among_all;
 pub use method::{
-    Identifier, IdentifyError, MethodDescription, MethodOption, OptionError, Task, from_options,
-    options_of, options_schema,
+    Identifier, IdentifyError, MethodDescription, MethodOption, OptionError, Task, doc_text,
+    from_options, options_of, options_schema,
 };
 
 pub use note::{Note, SingleAxis, Unknown};

@@ -26,7 +26,7 @@ pub enum Note {
     },
     /// The data ask for a mass matrix that no body has.
     MassNotPositive,
-    /// Cut-offs of the filter of a regression, one a recording [Hz].
+    /// Cut-offs of the filter of a regression, one a recording \[Hz\].
     CutOff(Vec<f64>),
     /// Symbols and how far noise in the columns pulls their values.
     Pulled(Vec<(String, f64)>),
@@ -50,14 +50,14 @@ pub enum Note {
     Misses(f64),
     /// The prediction horizon.
     Horizon {
-        /// Its length; zero is maximum likelihood [s].
+        /// Its length; zero is maximum likelihood \[s\].
         seconds: f64,
         /// Whether held-out data chose it.
         chosen: bool,
         /// 2 s simulation error of held-out pieces [rad/s].
         error: f64,
     },
-    /// The input acts later than recorded by this and its standard error [s]; negative: earlier.
+    /// The input acts later than recorded by this and its standard error \[s\]; negative: earlier.
     InputShift(f64, f64),
     /// `torque_regression` simulates better, and its values are taken.
     BetterRegression {
@@ -92,7 +92,7 @@ pub enum Note {
         white: f64,
         /// Of its slow part.
         slow: f64,
-        /// Time constant of that [s].
+        /// Time constant of that \[s\].
         time_constant: f64,
         /// Unit of the deviations.
         unit: &'static str,
@@ -165,7 +165,7 @@ impl fmt::Display for Note {
                 let by: Vec<_> = by.iter().map(|(s, v)| format!("{s} by about {v:+.2e}")).collect();
                 write!(
                     f,
-                    "Noise of the speeds pulls {}, more than the standard errors say: use \
+                    "Noise of the speeds biases {}, more than the standard errors say: use \
                      prediction_error, or a lower cut-off.",
                     by.join(", ")
                 )
@@ -286,7 +286,7 @@ impl fmt::Display for Note {
 impl fmt::Display for Unknown {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
-            Self::One(symbol) => write!(f, "The data say nothing of {symbol}"),
+            Self::One(symbol) => write!(f, "{symbol} is not identifiable from these data"),
             Self::Held(symbol, value) => {
                 write!(
                     f,

@@ -57,7 +57,7 @@ use open_loop::OpenLoop;
 #[derive(Clone, Debug, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct PredictionError {
-    /// Time over which predictions are judged [s]: 0 is maximum likelihood, "auto" chooses on
+    /// Time over which predictions are judged \[s\]: 0 is maximum likelihood, "auto" chooses on
     /// held-out pieces.
     pub horizon_s: Horizon,
     /// Whether all noise is estimated along, a slow unknown torque among it, in place of a horizon.
@@ -68,7 +68,7 @@ pub struct PredictionError {
 
 /// The horizon: chosen on held-out data, or given.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "`horizon_s` must be \"auto\" or a number of seconds")]
 pub enum Horizon {
     /// By a rule.
     Rule(Rule),
@@ -115,12 +115,7 @@ impl Identifier for PredictionError {
     }
 
     fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {
-        let method: Self = from_options(NAME, options).map_err(|mut e| {
-            if options.contains_key("horizon_s") && e.message.contains("untagged") {
-                e.message = "`horizon_s` must be \"auto\" or a number of seconds".into();
-            }
-            e
-        })?;
+        let method: Self = from_options(NAME, options)?;
         if let Horizon::Seconds(horizon) = method.horizon_s
             && !(horizon >= 0.0 && horizon.is_finite())
         {

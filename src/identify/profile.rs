@@ -27,7 +27,6 @@ pub(super) struct Place {
     pub(super) j: usize,
     /// Its standard error.
     pub(super) std_error: f64,
-    /// Its unit.
     pub(super) unit: String,
 }
 

@@ -24,7 +24,7 @@ use crate::math::clustered_covariance;
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RecursiveLeastSquares {
-    /// Cut-off of the filter [Hz]; chosen from noise and motion unless given.
+    /// Cut-off of the filter \[Hz\]; chosen from noise and motion unless given.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub cutoff_hz: Option<f64>,
     /// Weight λ that an instant keeps at the next one.

@@ -22,7 +22,7 @@ pub(super) struct Regressor<'a> {
     unit: Vec<f64>,
 }
 
-/// The acting drive around each sample: that of the sample where it runs straight from sample to
+/// The acting input around each sample: that of the sample where it runs straight from sample to
 /// sample; where it keeps the value of the earlier sample, the mean of before and after (else a
 /// regression would see a delay of half a sample).
 pub(super) fn drive_around(
@@ -53,25 +53,25 @@ pub(super) fn drive_along(
     out
 }
 
-/// Mass and moment of every column at one instant; the last entry is what stays with all linear
+/// Mass and torque of every column at one instant; the last entry is what stays with all linear
 /// parameters at zero.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Balance {
     /// Mass matrices as (m11, m12, m22).
     pub(super) mass: Vec<[f64; 3]>,
-    /// Resisting moments with dry friction.
+    /// Resisting torques with dry friction.
     pub(super) torque: Vec<[f64; 2]>,
 }
 
 impl Balance {
-    /// `mass_c v` of column `c`: its momentum for a speed, its inertial moment for an
+    /// `mass_c v` of column `c`: its momentum for a speed, its inertial torque for an
     /// acceleration.
     pub(super) fn carried(&self, c: usize, v: &[f64; 2]) -> [f64; 2] {
         let [m11, m12, m22] = self.mass[c];
         [m11 * v[0] + m12 * v[1], m12 * v[0] + m22 * v[1]]
     }
 
-    /// The moment column `c` asks for at acceleration `a`.
+    /// The torque that column `c` asks for at acceleration `a`.
     pub(super) fn moment(&self, c: usize, a: &[f64; 2]) -> [f64; 2] {
         let inertial = self.carried(c, a);
         [0, 1].map(|i| inertial[i] + self.torque[c][i])
@@ -114,7 +114,7 @@ impl<'a> Regressor<'a> {
         out
     }
 
-    /// Derivatives of every column's moment (not of its inertia) by the two speeds,
+    /// Derivatives of every column's torque (not of its inertia) by the two speeds,
     /// `[column][wheel][speed]`, at friction signs as they are; the last entry as in [`Balance`].
     pub(super) fn slopes(
         &self,

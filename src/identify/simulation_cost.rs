@@ -23,7 +23,7 @@ const SCREENED: usize = 8;
 /// it turns.
 const AT_REST: f64 = 3.0;
 const TURNS: f64 = 6.0;
-/// Blocks within which residuals may be correlated [s].
+/// Blocks within which residuals may be correlated \[s\].
 const BLOCK: f64 = 5.0;
 
 /// Parameters that are estimated, then four initial states of every piece.

@@ -11,7 +11,7 @@ use crate::math::least_squares::fit_above;
 use crate::model::Model;
 use crate::recording::Recording;
 
-/// Half width of a test function [s].
+/// Half width of a test function \[s\].
 const HALF_WIDTH: f64 = 0.25;
 /// Directions of the regressor below this share of the largest stay out of a start: they would begin it far away.
 const WEAK: f64 = 1e-6;

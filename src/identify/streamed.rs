@@ -32,7 +32,7 @@ const SETTLED: f64 = 20.0;
 const CORE: usize = 1 << 16;
 
 /// The regression from every row: of the long recordings by reading them, of the others as held.
-/// `settings` are cut-off [Hz] and speed near rest [rad/s] where they are given; else they come
+/// `settings` are cut-off \[Hz\] and speed near rest [rad/s] where they are given; else they come
 /// from the windows that are held.
 ///
 /// # Errors
@@ -75,7 +75,7 @@ struct Reader<'a, 'b> {
     same: bool,
     rng: ChaCha8Rng,
     rows: &'b mut Triangles,
-    /// Time of the first row [s].
+    /// Time of the first row \[s\].
     start: Option<f64>,
     /// Last time, speed and angle, to integrate on from.
     last: Option<(f64, [f64; 2], [f64; 2])>,
@@ -87,7 +87,7 @@ struct Reader<'a, 'b> {
     /// Rows of the piece before those, and rows of the piece that are done.
     dropped: usize,
     done: usize,
-    /// Time of the first row of the piece [s].
+    /// Time of the first row of the piece \[s\].
     piece: f64,
 }
 
@@ -223,7 +223,7 @@ impl<'a, 'b> Reader<'a, 'b> {
 /// Triangles of the rows so far.
 struct Triangles {
     width: usize,
-    /// Length of a block [s].
+    /// Length of a block \[s\].
     length: f64,
     /// Rows of the block that is being filled, per wheel.
     open: [Vec<f64>; 2],

@@ -32,9 +32,9 @@ const SHARPER: f64 = 4.0;
 /// What the rows of a recording are treated with.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Treatment {
-    /// Median step in time [s].
+    /// Median step in time \[s\].
     pub(super) step: f64,
-    /// Cut-off of the filter [Hz].
+    /// Cut-off of the filter \[Hz\].
     pub(super) cutoff: f64,
     /// Speed below which a wheel counts as near rest [rad/s].
     slow: f64,
@@ -130,7 +130,7 @@ fn lanes(rows: &[[f64; 2]]) -> Vec<f64x4> {
     rows.iter().map(|row| f64x4::new([row[0], row[1], 0.0, 0.0])).collect()
 }
 
-/// The given cut-off, or the one that lets little noise into the acceleration [Hz]:
+/// The given cut-off, or the one that lets little noise into the acceleration \[Hz\]:
 ///
 /// ```text
 /// var(noise of dw after the filter) = (2π)² σ² 2 fc³ / (3 rate) = (noise_share rms dw)²
@@ -189,15 +189,15 @@ impl Source {
 
 /// Rows without a gap between them.
 pub(super) struct Stretch<'a> {
-    /// Time [s].
+    /// Time \[s\].
     pub(super) t: &'a [f64],
-    /// Time of the first row of the recording [s].
+    /// Time of the first row of the recording \[s\].
     pub(super) start: f64,
-    /// Angles [rad].
+    /// Angles \[rad\].
     pub(super) alpha: &'a [[f64; 2]],
     /// Speeds [rad/s].
     pub(super) omega: &'a [[f64; 2]],
-    /// The acting drive around each row.
+    /// The acting input around each row.
     pub(super) drive: &'a [[f64; 2]],
 }
 

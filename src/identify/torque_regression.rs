@@ -28,7 +28,7 @@ use crate::recording::LongRecording;
 #[derive(Clone, Debug, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TorqueRegression {
-    /// Cut-off of the filter [Hz]; chosen from noise and motion unless given.
+    /// Cut-off of the filter \[Hz\]; chosen from noise and motion unless given.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub cutoff_hz: Option<f64>,
     /// Speed below which a wheel counts as near rest [rad/s]: from noise and top speed unless

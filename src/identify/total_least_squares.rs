@@ -24,7 +24,7 @@ use crate::math::Information;
 #[derive(Clone, Debug, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TotalLeastSquares {
-    /// Cut-off of the filter [Hz]; chosen from noise and motion unless given.
+    /// Cut-off of the filter \[Hz\]; chosen from noise and motion unless given.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub cutoff_hz: Option<f64>,
 }

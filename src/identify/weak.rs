@@ -17,15 +17,14 @@ const REST: f64 = 0.025;
 /// One test function ψ = (1 - x²)⁴ over a window of samples.
 #[derive(Clone, Debug)]
 pub(super) struct Window {
-    /// Samples.
     pub(super) samples: Range<usize>,
-    /// ψ dt at each of them [s].
+    /// ψ dt at each of them \[s\].
     pub(super) weight: Vec<f64>,
     /// dψ/dt dt at each of them.
     pub(super) slope: Vec<f64>,
 }
 
-/// Windows of half width `half_width` [s], `per_half` of them on each half width, that do not
+/// Windows of half width `half_width` \[s\], `per_half` of them on each half width, that do not
 /// touch rest and do not cross a gap.
 pub(super) fn windows(recording: &Recording, half_width: f64, per_half: usize) -> Vec<Window> {
     let half = ((half_width / recording.step()).round() as usize).max(4);
@@ -79,7 +78,7 @@ pub(super) fn motion_at<'a>(
     }
 }
 
-/// Rows of the weak form, two a window (wheel 1, wheel 2), for given speeds and acting drive.
+/// Rows of the weak form, two a window (wheel 1, wheel 2), for given speeds and acting input.
 ///
 /// ```text
 /// Σ_c θ_c ∫ (ψ torque_c - ψ' mass_c ω) dt = ∫ ψ M dt - (the same of what is not linear)

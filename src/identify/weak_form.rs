@@ -19,7 +19,7 @@ use super::{
 use crate::math::{BandedCholesky, clustered_covariance, raise_errors};
 use crate::recording::Recording;
 
-/// Weak form: moments integrated against test functions, weighted by their covariance.
+/// Weak form: torques integrated against test functions, weighted by their covariance.
 ///
 /// ```text
 /// r = Y - R θ,  rows ∫ψ M dt = Σ θ_c ∫(ψ torque_c - ψ' mass_c ω) dt,  ψ = (1 - x²)⁴
@@ -34,7 +34,7 @@ use crate::recording::Recording;
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct WeakForm {
-    /// Half width of the test functions [s]; the most informative of 0.12, 0.24, 0.48 and 0.96 unless given.
+    /// Half width of the test functions \[s\]; the most informative of 0.12, 0.24, 0.48 and 0.96 unless given.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub half_width_s: Option<f64>,
     /// Whether rows are weighted by their covariance.
@@ -50,7 +50,7 @@ impl Default for WeakForm {
 }
 
 const NAME: &str = "weak_form";
-/// Half widths that are compared [s].
+/// Half widths that are compared \[s\].
 const HALF_WIDTHS: [f64; 4] = [0.12, 0.24, 0.48, 0.96];
 /// Information of a direction, scaled, below which it is rounding.
 const NOTHING: f64 = 1e-12;
@@ -59,7 +59,7 @@ const PER_HALF: usize = 4;
 /// Most reweighted solutions; a change by this share of the standard errors is the last.
 const ITERATIONS: usize = 20;
 const SETTLED: f64 = 1e-3;
-/// Blocks for standard errors [s], and how many there should be.
+/// Blocks for standard errors \[s\], and how many there should be.
 const BLOCK: (f64, f64) = (1.0, 5.0);
 const BLOCKS: f64 = 20.0;
 /// Number of the last block below which they are too few to show anything.

@@ -77,7 +77,7 @@ impl Default for ColumnMap {
 }
 
 impl ColumnMap {
-    /// The columns of the contract for an input in this unit and wheels of this radius [m], which
+    /// The columns of the contract for an input in this unit and wheels of this radius \[m\], which
     /// turns metres into radians.
     #[must_use]
     pub fn new(drive_unit: DriveUnit, wheel_radius: Option<f64>) -> Self {

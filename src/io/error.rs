@@ -106,7 +106,7 @@ pub enum IoError {
         column: String,
         /// As written.
         unit: String,
-        /// Time, angle, speed or drive.
+        /// Time, angle, speed or input.
         quantity: String,
         /// All that are.
         known: String,

@@ -4,29 +4,33 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use super::IoError;
 use super::error::shown;
+use super::whole::WholeFormat;
+use super::{IoError, WHOLE};
 
 /// A format of recordings.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy)]
 pub(super) enum Format {
+    /// Text, read block by block where it is long.
     Csv,
+    /// Read block by block where it is long.
     Parquet,
-    Wpilog,
-    Mcap,
-    Mat,
+    /// JSON, with several recordings in a file.
     SysId,
+    /// Any other.
+    Whole(&'static WholeFormat),
 }
 
 /// Format, extension, first bytes where they say so.
-const FORMATS: [(Format, &str, &[u8]); 6] = [
-    (Format::Csv, "csv", b""),
-    (Format::Parquet, "parquet", b"PAR1"),
-    (Format::Wpilog, "wpilog", b"WPILOG"),
-    (Format::Mcap, "mcap", b"\x89MCAP0\r\n"),
-    (Format::Mat, "mat", b"MATLAB "),
-    (Format::SysId, "json", b""),
-];
+type Known = (Format, &'static str, &'static [u8]);
+
+const CSV: Known = (Format::Csv, "csv", b"");
+
+fn known() -> impl Iterator<Item = Known> {
+    let own: [Known; 3] =
+        [CSV, (Format::Parquet, "parquet", b"PAR1"), (Format::SysId, "json", b"")];
+    own.into_iter().chain(WHOLE.iter().map(|w| (Format::Whole(w), w.extension, w.magic)))
+}
 
 /// First bytes of what this program does not read, what it is, and what to do.
 const FOREIGN: [(&[u8], &str, &str); 3] = [
@@ -50,13 +54,12 @@ impl Format {
             return Err(IoError::Format { file: shown(path), format: "recording".into(), reason });
         }
         let extension = path.extension().unwrap_or_default();
-        let named = FORMATS.iter().find(|(_, e, _)| extension.eq_ignore_ascii_case(e));
-        let named = named.map_or(Self::Csv, |(format, ..)| *format);
-        match FORMATS.iter().find(|(_, _, magic)| !magic.is_empty() && head.starts_with(magic)) {
-            Some((found, extension, _)) if *found != named => {
-                Err(IoError::OtherFormat { file: shown(path), extension: (*extension).into() })
+        let named = known().find(|(_, e, _)| extension.eq_ignore_ascii_case(e)).unwrap_or(CSV);
+        match known().find(|(_, _, magic)| !magic.is_empty() && head.starts_with(magic)) {
+            Some((_, found, _)) if found != named.1 => {
+                Err(IoError::OtherFormat { file: shown(path), extension: found.into() })
             }
-            _ => Ok(named),
+            _ => Ok(named.0),
         }
     }
 }

@@ -21,11 +21,12 @@ use flate2::read::ZlibDecoder;
 use super::IoError;
 use super::bytes::{Bytes, Damage, Number};
 use super::error::shown;
+use super::whole::{Content, WholeFormat};
 
 const HEADER: usize = 128;
 const MATRIX: u32 = 14;
 const COMPRESSED: u32 = 15;
-/// Compressed variables of a file unfold to at most this much [bytes].
+/// Compressed variables of a file unfold to at most this much \[bytes\].
 const MOST_BYTES: usize = 1 << 30;
 /// Matrices with more columns are no recordings.
 const MOST_COLUMNS: usize = 64;
@@ -40,7 +41,13 @@ struct Variable {
     columns: Vec<Column>,
 }
 
-pub(super) fn read(path: &Path) -> Result<Vec<Column>, IoError> {
+pub(super) const FORMAT: WholeFormat = WholeFormat {
+    extension: "mat",
+    magic: b"MATLAB ",
+    read: |path| read(path).map(Content::Columns),
+};
+
+fn read(path: &Path) -> Result<Vec<Column>, IoError> {
     let all = std::fs::read(path).map_err(|e| IoError::system(path, &e))?;
     let big_endian = header(path, &all)?;
     let variables = variables(&all, big_endian).map_err(|d| d.in_file(path, "MAT"))?;

@@ -2,7 +2,7 @@
 //!
 //! Messages of type `sensor_msgs/msg/JointState` become the columns `<joint>.position`,
 //! `<joint>.velocity` and `<joint>.effort`; where several topics carry such messages, their names
-//! stand before, `<topic>/<joint>.position`. The column `t` [s] counts from the first row. Stamps
+//! stand before, `<topic>/<joint>.position`. The column `t` \[s\] counts from the first row. Stamps
 //! are those of the headers, or the times of logging for a topic with a header that has none.
 //! Topics and joints that come at different times are put in rows as the entries of a WPILOG are.
 //!
@@ -29,11 +29,12 @@ use super::IoError;
 use super::bytes::{Bytes, Damage};
 use super::error::shown;
 use super::signals::{Collector, Signals};
+use super::whole::{Content, WholeFormat};
 
 const TYPE: &str = "sensor_msgs/msg/JointState";
-/// Records of other topics, such as images, may be this large [bytes].
+/// Records of other topics, such as images, may be this large \[bytes\].
 const LARGEST_RECORD: usize = 256 << 20;
-/// Joint states in one file [bytes]; a compressed file can claim any number.
+/// Joint states in one file \[bytes\]; a compressed file can claim any number.
 const MOST_BYTES: usize = 1 << 30;
 
 /// What one topic said.
@@ -53,7 +54,13 @@ struct Bag {
     bytes: usize,
 }
 
-pub(super) fn read(path: &Path) -> Result<Signals, IoError> {
+pub(super) const FORMAT: WholeFormat = WholeFormat {
+    extension: "mcap",
+    magic: b"\x89MCAP0\r\n",
+    read: |path| read(path).map(Content::Signals),
+};
+
+fn read(path: &Path) -> Result<Signals, IoError> {
     let file = File::open(path).map_err(|e| IoError::system(path, &e))?;
     let options = LinearReaderOptions::default()
         .with_record_length_limit(LARGEST_RECORD)

@@ -11,7 +11,7 @@ use serde_json::{Map, Value, json};
 use super::IoError;
 use super::error::shown;
 
-/// The rows of a table as JSON messages on the topic `topic`, each at its time `t` [s], counted from the
+/// The rows of a table as JSON messages on the topic `topic`, each at its time `t` \[s\], counted from the
 /// first row. The schema names every column as a number; one that is NaN in a row is left out there.
 ///
 /// Source: MCAP format specification; well-known encodings `json` and `jsonschema`.

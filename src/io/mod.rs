@@ -1,4 +1,4 @@
-//! The only room that touches files: recordings, text, result folders.
+//! The only module that touches files: recordings, text, result folders.
 
 mod bytes;
 mod columns;
@@ -9,8 +9,6 @@ mod format;
 mod in_memory;
 mod journal;
 mod long;
-mod mat;
-mod mcap;
 mod mcap_table;
 mod parquet;
 mod preview;
@@ -20,7 +18,13 @@ mod summary;
 mod sysid;
 mod table;
 mod text_log;
-mod wpilog;
+mod whole;
+
+whole::formats! {
+    wpilog,
+    mcap,
+    mat,
+}
 
 pub use columns::{Column, ColumnMap, contract_units};
 pub use error::IoError;

@@ -12,7 +12,8 @@ use super::csv::{self, Layout};
 use super::error::{format_error, shown};
 use super::format::Format;
 use super::signals::{Signals, frame};
-use super::{ColumnMap, IoError, mat, mcap, parquet, sha256, sysid, text_log, wpilog};
+use super::whole::Content;
+use super::{ColumnMap, IoError, parquet, sha256, sysid, text_log};
 use crate::recording::{Channels, DriveUnit, Recording};
 
 /// Columns of a file.
@@ -40,7 +41,7 @@ const NANOSECONDS: &str = "t.nanoseconds";
 /// The columns that multiply the inputs, with their inputs.
 const FACTORS: [(&str, &str); 2] = [("M1.times", "M1"), ("M2.times", "M2")];
 
-/// A time beyond this is that of a calendar and not of the recording [s].
+/// A time beyond this is that of a calendar and not of the recording \[s\].
 const CALENDAR: f64 = 1e6;
 
 /// The names of the columns of a file. The ending of its name says the format: `.parquet`,
@@ -57,7 +58,6 @@ fn headers_of(path: &Path, part: Option<&str>) -> Result<Headers, IoError> {
     if path.is_dir() {
         return Err(IoError::Directory { file: shown(path) });
     }
-    let signals = |signals: Signals| (signals.names(), Source::Signals(signals));
     let columns = |columns: Vec<(String, Vec<f64>)>| {
         (columns.iter().map(|(name, _)| name.clone()).collect(), Source::Columns(columns))
     };
@@ -77,9 +77,10 @@ fn headers_of(path: &Path, part: Option<&str>) -> Result<Headers, IoError> {
             }
         },
         Format::Parquet => (parquet::names(path)?, Source::Parquet),
-        Format::Wpilog => signals(wpilog::read(path)?),
-        Format::Mcap => signals(mcap::read(path)?),
-        Format::Mat => columns(mat::read(path)?),
+        Format::Whole(format) => match (format.read)(path)? {
+            Content::Columns(found) => columns(found),
+            Content::Signals(found) => (found.names(), Source::Signals(found)),
+        },
         Format::SysId => match text_log::json(path)? {
             Some(found) => columns(found),
             None => columns(sysid::read(path, part)?),

@@ -14,7 +14,7 @@ pub(super) fn data(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
 }
 
-/// Wheel angles of row k, right first [rad]: the formula in `make.py`, as the next two.
+/// Wheel angles of row k, right first \[rad\]: the formula in `make.py`, as the next two.
 pub(super) fn position(k: usize) -> [f64; 2] {
     let k = k as f64;
     [k * k / 64.0, k / 8.0]
@@ -25,12 +25,12 @@ pub(super) fn velocity(k: usize) -> [f64; 2] {
     [k as f64 / 32.0, -0.5]
 }
 
-/// Moments of row k [N m].
+/// Torques of row k [N m].
 pub(super) fn drive(k: usize) -> [f64; 2] {
     [(k % 7) as f64 / 16.0, -(k as f64) / 128.0]
 }
 
-/// Time of row k where the file holds it as a float [s].
+/// Time of row k where the file holds it as a float \[s\].
 pub(super) fn time(k: usize) -> f64 {
     k as f64 / 128.0
 }

@@ -3,7 +3,7 @@
 //! Every entry of numbers is a column under its name; an array is one column for each element,
 //! `name[0]`, `name[1]`, …; booleans are 0 and 1. Entries have time stamps of their own, so the
 //! rows stand at the stamps of the most frequent of the entries that the column map names, and
-//! the others hold their last value; rows begin when all have one. The column `t` [s] counts from
+//! the others hold their last value; rows begin when all have one. The column `t` \[s\] counts from
 //! the first row.
 //!
 //! ```text
@@ -23,6 +23,7 @@ use std::path::Path;
 use super::IoError;
 use super::bytes::{Bytes, Damage, Number};
 use super::signals::{Collector, Signals};
+use super::whole::{Content, WholeFormat};
 
 /// A missing end may be that of a record up to this size; a larger one is damage.
 const CUT_OFF: usize = 1 << 20;
@@ -37,7 +38,13 @@ struct Entry {
     places: Vec<usize>,
 }
 
-pub(super) fn read(path: &Path) -> Result<Signals, IoError> {
+pub(super) const FORMAT: WholeFormat = WholeFormat {
+    extension: "wpilog",
+    magic: b"WPILOG",
+    read: |path| read(path).map(Content::Signals),
+};
+
+fn read(path: &Path) -> Result<Signals, IoError> {
     let bytes = std::fs::read(path).map_err(|e| IoError::system(path, &e))?;
     let signals = parse(&bytes).map_err(|damage| damage.in_file(path, "WPILOG"))?;
     if signals.is_empty() {

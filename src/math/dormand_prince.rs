@@ -76,7 +76,7 @@ const DENSE: [f64; 7] = [
 ];
 
 impl DormandPrince {
-    /// Solves `x' = f(t, x)` from `x` at `start` to `end` > `start` [s].
+    /// Solves `x' = f(t, x)` from `x` at `start` to `end` > `start` \[s\].
     ///
     /// # Errors
     /// If the step becomes too small or there are too many; a right-hand side that is not finite

@@ -11,7 +11,7 @@ pub use error::ExpressionError;
 
 /// Deepest nesting of a formula; also bounds the values held while one is evaluated.
 pub(crate) const MAX_DEPTH: usize = 32;
-/// Longest formula [bytes].
+/// Longest formula \[bytes\].
 pub(crate) const MAX_LENGTH: usize = 4096;
 /// Values that the small evaluation stack holds; most formulas need no more.
 const SMALL_STACK: usize = 6;

@@ -60,7 +60,7 @@ impl Section {
 /// |H(jW)|^2 = 1 / (1 + (W/Wc)^(2 order)),  s = 2 fs (z-1)/(z+1),  Wc = 2 fs tan(pi fc/fs)
 /// ```
 ///
-/// `cutoff` and `sample_rate` in [Hz].
+/// `cutoff` and `sample_rate` in \[Hz\].
 ///
 /// Source: A. V. Oppenheim, R. W. Schafer, *Discrete-Time Signal Processing*, 7.1.
 ///

@@ -45,13 +45,13 @@ pub trait Real:
         let x = self.value();
         self.chain(x.ln(), 1.0 / x)
     }
-    /// Sine of an angle [rad].
+    /// Sine of an angle \[rad\].
     #[must_use]
     fn sin(self) -> Self {
         let (s, c) = self.value().sin_cos();
         self.chain(s, c)
     }
-    /// Cosine of an angle [rad].
+    /// Cosine of an angle \[rad\].
     #[must_use]
     fn cos(self) -> Self {
         let (s, c) = self.value().sin_cos();

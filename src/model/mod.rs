@@ -1,4 +1,4 @@
-//! Effects added up: mass, torque, dry friction, drive, and named bounded parameters.
+//! Effects added up: mass, torque, dry friction, input, and named bounded parameters.
 
 pub mod base;
 mod linearise;

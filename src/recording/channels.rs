@@ -3,13 +3,13 @@
 /// The columns of a recording before they are checked; row k of each belongs to `t[k]`.
 #[derive(Clone, Debug, Default)]
 pub struct Channels {
-    /// Time [s], strictly increasing.
+    /// Time \[s\], strictly increasing.
     pub t: Vec<f64>,
-    /// Wheel angles [rad], right wheel first; `None` where not measured.
+    /// Wheel angles \[rad\], right wheel first; `None` where not measured.
     pub alpha: Option<Vec<[f64; 2]>>,
     /// Wheel speeds [rad/s]; `None` where not measured.
     pub omega: Option<Vec<[f64; 2]>>,
-    /// Drive of each wheel, in the unit that [`super::DriveUnit`] says.
+    /// Input of each wheel, in the unit that [`super::DriveUnit`] says.
     pub moment: Vec<[f64; 2]>,
 }
 
@@ -25,10 +25,10 @@ pub struct Measured {
 /// Standard deviations of white noise, right wheel first.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Noise {
-    /// Angles [rad].
+    /// Angles \[rad\].
     pub alpha: [f64; 2],
     /// Speeds [rad/s].
     pub omega: [f64; 2],
-    /// Drive [drive unit].
+    /// Input [unit of the input].
     pub moment: [f64; 2],
 }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-/// Angles from speeds, by the trapezoid rule from zero [rad].
+/// Angles from speeds, by the trapezoid rule from zero \[rad\].
 pub(super) fn integrate(t: &[f64], omega: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut alpha = vec![[0.0; 2]; t.len()];
     for k in 1..t.len() {

@@ -1,6 +1,6 @@
 //! The unit in which the input was recorded.
 
-/// The unit of the drive; inertias and frictions come out per that unit.
+/// The unit of the input; inertias and frictions come out per that unit.
 #[derive(
     Clone,
     Copy,
@@ -13,14 +13,14 @@
     schemars::JsonSchema,
 )]
 pub enum DriveUnit {
-    /// Moments at the wheels [N m].
+    /// Torques at the wheels [N m].
     #[default]
     #[serde(rename = "N m")]
     NewtonMetre,
-    /// Motor voltages [V].
+    /// Motor voltages \[V\].
     #[serde(rename = "V")]
     Volt,
-    /// Motor currents [A].
+    /// Motor currents \[A\].
     #[serde(rename = "A")]
     Ampere,
 }

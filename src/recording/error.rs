@@ -22,9 +22,9 @@ pub enum RecordingError {
         name: String,
         /// Row, from 1.
         row: usize,
-        /// Time of that row [s].
+        /// Time of that row \[s\].
         t: f64,
-        /// Time of the row before [s].
+        /// Time of the row before \[s\].
         previous: f64,
     },
     /// NaN or infinity.
@@ -64,11 +64,11 @@ pub enum RecordingError {
     Step {
         /// Recording.
         name: String,
-        /// Found [s].
+        /// Found \[s\].
         step: f64,
-        /// Expected at least [s].
+        /// Expected at least \[s\].
         least: f64,
-        /// Expected at most [s].
+        /// Expected at most \[s\].
         most: f64,
     },
     /// Columns of different length.

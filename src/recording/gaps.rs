@@ -5,7 +5,7 @@ use std::ops::Range;
 /// A step in time of more than this many median steps is a gap.
 const GAP: f64 = 4.0;
 
-/// Median step in time [s].
+/// Median step in time \[s\].
 pub(super) fn median_step(t: &[f64]) -> f64 {
     crate::math::median(t.windows(2).map(|w| w[1] - w[0]))
 }

@@ -5,11 +5,11 @@ use super::RecordingError;
 
 /// Size of an angle, a speed or an input at most, in the units of the contract.
 const LARGEST: f64 = 1e9;
-/// Time after the first row at most [s].
+/// Time after the first row at most \[s\].
 const LONGEST: f64 = 1e9;
-/// Time between two rows at least [s].
+/// Time between two rows at least \[s\].
 const SMALLEST_STEP: f64 = 1e-12;
-/// Time between two rows in the middle [s]: a million rows a second, and one a minute. A step that
+/// Time between two rows in the middle \[s\]: a million rows a second, and one a minute. A step that
 /// only looks like a wrong unit is a finding of the quality check; beyond this no fit ends.
 const STEP: (f64, f64) = (1e-6, 60.0);
 

@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::{LocalMotion, Measured, Noise, Recording};
 
-/// Half width of the widest neighbourhood [s], and its limits in samples.
+/// Half width of the widest neighbourhood \[s\], and its limits in samples.
 const HALF_WIDTH: f64 = 0.06;
 const FEWEST: usize = 3;
 const MOST: usize = 30;

@@ -30,7 +30,7 @@ pub struct LongRecording {
     pub rows: Box<dyn Rows>,
     /// Number of rows.
     pub samples: usize,
-    /// From the first to the last row [s].
+    /// From the first to the last row \[s\].
     pub duration: f64,
     /// Windows that are held.
     pub windows: usize,
@@ -46,9 +46,9 @@ pub struct Survey {
     name: String,
     drive_unit: DriveUnit,
     samples: usize,
-    /// First and last time [s].
+    /// First and last time \[s\].
     span: (f64, f64),
-    /// Median step of the first block [s].
+    /// Median step of the first block \[s\].
     step: f64,
     /// Rows of a window, and how many windows are kept at most.
     window: (usize, usize),

@@ -3,7 +3,7 @@
 /// Motion around one sample, from a parabola through the angles and speeds of its neighbours.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LocalMotion {
-    /// Wheel angles [rad].
+    /// Wheel angles \[rad\].
     pub alpha: [f64; 2],
     /// Wheel speeds [rad/s].
     pub omega: [f64; 2],

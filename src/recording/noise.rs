@@ -3,7 +3,7 @@
 use super::{Noise, Recording};
 use crate::math::{median as middle, noise};
 
-/// Length of a block over which one estimate is taken [s].
+/// Length of a block over which one estimate is taken \[s\].
 const BLOCK: f64 = 0.5;
 /// Fewest blocks over which the median is of the noise and not of the motion: a test of two seconds accelerates
 /// in most of them.
@@ -60,14 +60,14 @@ impl Recording {
         }
     }
 
-    /// Standard deviation of the jumps of the input from row to row [drive unit], which are noise or the input itself.
+    /// Standard deviation of the jumps of the input from row to row [unit of the input], which are noise or the input itself.
     #[must_use]
     pub fn input_jumps(&self) -> [f64; 2] {
         let jumps = || [0, 1].map(|i| self.channel_noise(self.moment(), i, false));
         self.recorded_input_noise().unwrap_or_else(jumps)
     }
 
-    /// `sensed`: rows that only repeat a slow sensor say nothing of its noise.
+    /// `sensed`: rows that only repeat a slow sensor hold no information on its noise.
     fn channel_noise(&self, values: &[[f64; 2]], i: usize, sensed: bool) -> f64 {
         let fresh = self.fresh().iter().filter(|f| **f).count().max(1);
         let step = if sensed { self.duration() / fresh as f64 } else { self.step() };
@@ -176,7 +176,7 @@ mod tests {
         let channels =
             Channels { moment: vec![[0.1; 2]; 2000], alpha: Some(alpha), omega: None, t };
         let noise = Recording::new("a", channels, DriveUnit::NewtonMetre).unwrap().noise();
-        // between q/sqrt(12) and what fourth differences of a staircase give
+        // between q/sqrt(12) and what fourth differences of a signal in steps give
         assert!(noise.alpha[0] > 0.0144 && noise.alpha[0] < 0.03, "{noise:?}");
     }
 

@@ -70,16 +70,16 @@ impl std::fmt::Display for Finding {
 pub struct Gaps {
     /// How many.
     pub count: usize,
-    /// The longest [s]; zero without any.
+    /// The longest \[s\]; zero without any.
     pub longest: f64,
 }
 
 /// What the quality check says of a recording.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Quality {
-    /// Rows a second: one over the median step [Hz].
+    /// Rows a second: one over the median step \[Hz\].
     pub rate_hz: f64,
-    /// Standard deviation of the step outside gaps, over the median step [1].
+    /// Standard deviation of the step outside gaps, over the median step \[1\].
     pub jitter: f64,
     /// Gaps in time.
     pub gaps: Gaps,

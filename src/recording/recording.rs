@@ -21,11 +21,11 @@ pub struct Recording {
     drive_unit: DriveUnit,
     pieces: Vec<Range<usize>>,
     fresh: Vec<bool>,
-    /// Median step in time [s].
+    /// Median step in time \[s\].
     step: f64,
     /// Most noise that the sensors have, as other recordings by them show.
     most_noise: Option<Noise>,
-    /// Noise of the input as it was recorded, where it has been interpolated since [drive unit].
+    /// Noise of the input as it was recorded, where it has been interpolated since [unit of the input].
     recorded_input_noise: Option<[f64; 2]>,
     /// Share of the jumps of the input from row to row that is noise.
     noise_of_jumps: f64,
@@ -89,12 +89,12 @@ impl Recording {
     pub fn name(&self) -> &str {
         &self.name
     }
-    /// Time [s].
+    /// Time \[s\].
     #[must_use]
     pub fn t(&self) -> &[f64] {
         &self.t
     }
-    /// Wheel angles [rad].
+    /// Wheel angles \[rad\].
     #[must_use]
     pub fn alpha(&self) -> &[[f64; 2]] {
         &self.alpha
@@ -155,12 +155,12 @@ impl Recording {
         let place = (speeds.len() - 1) * 99 / 100;
         speeds.select_nth_unstable_by(place, f64::total_cmp).1.max(1e-9)
     }
-    /// From the first to the last sample [s].
+    /// From the first to the last sample \[s\].
     #[must_use]
     pub fn duration(&self) -> f64 {
         self.t[self.t.len() - 1] - self.t[0]
     }
-    /// Median step in time [s].
+    /// Median step in time \[s\].
     #[must_use]
     pub fn step(&self) -> f64 {
         self.step

@@ -47,7 +47,7 @@ pub fn refreshed(channels: &Channels) -> Vec<bool> {
             since % longest == 0
         })
         .collect();
-    // the value just before a change is as old as the refresh: it says nothing of when motion began
+    // the value just before a change is as old as the refresh: it does not show when motion began
     for k in (0..count).filter(|&k| !same[k]) {
         let before = k.saturating_sub(period - 1)..k;
         before.filter(|&j| same[j]).for_each(|j| fresh[j] = false);

@@ -59,7 +59,7 @@ pub struct Track {
     pub name: String,
     /// Its signals over time; panels and layers are alike in all tracks.
     pub figure: Figure,
-    /// Where the robot is: time [s], x [m], y [m], heading [rad]; empty where that is not known.
+    /// Where the robot is: time \[s\], x \[m\], y \[m\], heading \[rad\]; empty where that is not known.
     pub path: Vec<[f64; 4]>,
 }
 

@@ -34,9 +34,9 @@ pub enum ReportError {
     Raster {
         /// Id of the figure.
         figure: String,
-        /// Width [px].
+        /// Width \[px\].
         width: u32,
-        /// Height [px].
+        /// Height \[px\].
         height: u32,
         /// What failed.
         cause: String,

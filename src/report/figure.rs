@@ -32,15 +32,15 @@ pub struct Figure {
     pub size: Size,
 }
 
-/// Width of a figure that nothing else is asked of [px].
+/// Width of a figure that nothing else is asked of \[px\].
 pub const WIDTH: f64 = 820.0;
 
 /// Size of a figure in CSS pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Size {
-    /// Width [px].
+    /// Width \[px\].
     pub width: f64,
-    /// Height [px]; `None`: as the panels need.
+    /// Height \[px\]; `None`: as the panels need.
     pub height: Option<f64>,
 }
 
@@ -111,7 +111,7 @@ impl Figure {
         self.interactive()
     }
 
-    /// Sets the height [px].
+    /// Sets the height \[px\].
     pub fn with_height(mut self, height: f64) -> Self {
         self.size.height = Some(height);
         self
@@ -249,7 +249,7 @@ pub enum Layer {
         label: String,
         /// Meaning, hence colour.
         role: Role,
-        /// Stroke width [px].
+        /// Stroke width \[px\].
         width: f64,
         /// Dash pattern.
         dash: Dash,
@@ -262,7 +262,7 @@ pub enum Layer {
         label: String,
         /// Meaning, hence colour.
         role: Role,
-        /// Radius [px].
+        /// Radius \[px\].
         radius: f64,
         /// Opacity, 0 to 1.
         alpha: f64,

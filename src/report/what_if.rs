@@ -40,7 +40,7 @@ pub struct Slider {
 pub struct Driven {
     /// What is simulated, in words.
     pub name: String,
-    /// Time [s].
+    /// Time \[s\].
     pub t: Vec<f64>,
     /// Input.
     pub input: Vec<[f64; 2]>,

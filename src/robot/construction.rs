@@ -15,33 +15,33 @@ use super::{BaseParameters, RobotError};
 /// Deviation: the tables list r1 = r2, Ix1 = Ix2 and Iz1 = Iz2 twice; here each stands once.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Construction {
-    /// Half track: distance from A, the middle of the axle, to each wheel [m].
+    /// Half track: distance from A, the middle of the axle, to each wheel \[m\].
     pub l1_m: f64,
-    /// Distance of the centre of mass S of the frame behind the axle [m]; negative if it lies
+    /// Distance of the centre of mass S of the frame behind the axle \[m\]; negative if it lies
     /// ahead of the axle.
     pub l2_m: f64,
-    /// Distance from A to the point H of the frame, along the frame [m]; not in the equations.
+    /// Distance from A to the point H of the frame, along the frame \[m\]; not in the equations.
     #[serde(default)]
     pub l3_m: f64,
-    /// Distance from A to the point H of the frame, vertically [m]; not in the equations.
+    /// Distance from A to the point H of the frame, vertically \[m\]; not in the equations.
     #[serde(default)]
     pub l4_m: f64,
-    /// Distance of the caster behind the axle [m]; negative if it lies ahead.
+    /// Distance of the caster behind the axle \[m\]; negative if it lies ahead.
     #[serde(default)]
     pub l5_m: f64,
-    /// Radius of the driven wheels [m].
+    /// Radius of the driven wheels \[m\].
     pub r_m: f64,
-    /// Radius of the caster's wheel [m]; not in the equations.
+    /// Radius of the caster's wheel \[m\]; not in the equations.
     #[serde(default)]
     pub r3_m: f64,
-    /// Mass of wheel 1, the right wheel [kg].
+    /// Mass of wheel 1, the right wheel \[kg\].
     pub m1_kg: f64,
-    /// Mass of wheel 2, the left wheel [kg]; equal to that of wheel 1.
+    /// Mass of wheel 2, the left wheel \[kg\]; equal to that of wheel 1.
     pub m2_kg: f64,
-    /// Mass of the caster [kg]; not in the equations.
+    /// Mass of the caster \[kg\]; not in the equations.
     #[serde(default)]
     pub m3_kg: f64,
-    /// Mass of the frame [kg].
+    /// Mass of the frame \[kg\].
     pub m4_kg: f64,
     /// Moment of inertia of a driven wheel about its vertical diameter [kg m²].
     pub ix1_kg_m2: f64,
@@ -56,18 +56,18 @@ pub struct Construction {
     pub iz3_kg_m2: f64,
     /// Moment of inertia of the frame about the vertical through its centre of mass S [kg m²].
     pub iz4_kg_m2: f64,
-    /// Load on wheel 1 [N].
+    /// Load on wheel 1 \[N\].
     pub n1_n: f64,
-    /// Load on wheel 2 [N].
+    /// Load on wheel 2 \[N\].
     pub n2_n: f64,
-    /// Load on the caster [N]; not in the equations.
+    /// Load on the caster \[N\]; not in the equations.
     #[serde(default)]
     pub n3_n: f64,
-    /// Arm of the rolling friction of wheel 1 [m].
+    /// Arm of the rolling friction of wheel 1 \[m\].
     pub f1_m: f64,
-    /// Arm of the rolling friction of wheel 2 [m].
+    /// Arm of the rolling friction of wheel 2 \[m\].
     pub f2_m: f64,
-    /// Arm of the rolling friction of the caster [m]; not in the equations.
+    /// Arm of the rolling friction of the caster \[m\]; not in the equations.
     #[serde(default)]
     pub f3_m: f64,
 }

@@ -93,7 +93,7 @@ impl BaseParameters {
 /// What tests compare with: production simulates the sum of effects instead.
 #[cfg(test)]
 impl BaseParameters {
-    /// Kinetic energy of the robot [J] for wheel speeds [rad/s] without slip.
+    /// Kinetic energy of the robot \[J\] for wheel speeds [rad/s] without slip.
     ///
     /// ```text
     /// E = (a1 w1² + 2 a2 w1 w2 + a1 w2²) / 2

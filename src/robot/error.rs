@@ -23,9 +23,9 @@ pub enum RobotError {
          both the mean mass and add the effect lateral_com for the difference"
     )]
     UnequalWheels {
-        /// Mass of wheel 1 [kg].
+        /// Mass of wheel 1 \[kg\].
         m1: f64,
-        /// Mass of wheel 2 [kg].
+        /// Mass of wheel 2 \[kg\].
         m2: f64,
     },
 }

@@ -38,7 +38,7 @@ pub fn turn_rate<T: Real>(robot: &Robot, omega: [T; 2]) -> T {
     (omega[0] - omega[1]) * (robot.r() / (2.0 * robot.l1()))
 }
 
-/// Heading of the frame [rad] for wheel angles [rad], not wrapped.
+/// Heading of the frame \[rad\] for wheel angles \[rad\], not wrapped.
 ///
 /// ```text
 /// beta = r/(2 l1) (alpha1 - alpha2)
@@ -73,7 +73,7 @@ pub fn wheel_speeds<T: Real>(robot: &Robot, forward_speed: T, turn_rate: T) -> [
     [(forward_speed + rim) / robot.r(), (forward_speed - rim) / robot.r()]
 }
 
-/// Path of the middle of the axle through wheel angles [rad]: one [x (m), y (m), beta (rad)] for
+/// Path of the middle of the axle through wheel angles \[rad\]: one [x (m), y (m), beta (rad)] for
 /// each pair of angles.
 ///
 /// Starts at x = y = 0 with beta = [`heading`] of the first pair. Each step is one circular arc

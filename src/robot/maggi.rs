@@ -39,13 +39,13 @@ use crate::math::{Dual, Real, sgn};
 /// Source: the paper, Fig. 2 and eq. (10).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct ContactForce {
-    /// Along the rolling direction, T_0 [N].
+    /// Along the rolling direction, T_0 \[N\].
     along: f64,
-    /// Along the axle, toward the left, T_P [N].
+    /// Along the axle, toward the left, T_P \[N\].
     across: f64,
 }
 
-/// Kinetic energy E [J] from the velocities of the bodies; the caster's mass is neglected.
+/// Kinetic energy E \[J\] from the velocities of the bodies; the caster's mass is neglected.
 ///
 /// ```text
 /// 2 E = m1 v_B² + m2 v_C² + m4 v_S² + (2 Ix1 + Iz4) beta'² + Iz1 (alpha1'² + alpha2'²)
@@ -103,7 +103,7 @@ fn lagrange_terms(
     })
 }
 
-/// Inertia matrix M(q) of eq. (8), for a heading beta [rad]; m1 = m2 as in the paper.
+/// Inertia matrix M(q) of eq. (8), for a heading beta \[rad\]; m1 = m2 as in the paper.
 fn inertia_matrix(c: &Construction, beta: f64) -> Matrix5<f64> {
     let (sin, cos) = beta.sin_cos();
     let mass = 2.0 * c.m1_kg + c.m4_kg;
@@ -120,7 +120,7 @@ fn inertia_matrix(c: &Construction, beta: f64) -> Matrix5<f64> {
     ]
 }
 
-/// Matrix C(q, q') of centrifugal and Coriolis terms of eq. (9), for a heading beta [rad] and a
+/// Matrix C(q, q') of centrifugal and Coriolis terms of eq. (9), for a heading beta \[rad\] and a
 /// turn rate [rad/s].
 fn coriolis_matrix(c: &Construction, beta: f64, beta_dot: f64) -> Matrix5<f64> {
     let (sin, cos) = beta.sin_cos();
@@ -190,7 +190,7 @@ impl Motion {
     /// q' = C^T e',  q'' = C^T e'' + (dC/dt)^T e'
     /// ```
     ///
-    /// `heading_offset` [rad] is added to the heading that the wheel angles give.
+    /// `heading_offset` \[rad\] is added to the heading that the wheel angles give.
     fn rolling(
         c: &Construction,
         state: &State,

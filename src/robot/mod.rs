@@ -9,7 +9,7 @@
 //! |---|---|---|
 //! | [`state`] | [`State`]: wheel angles and speeds | (16) |
 //! | [`construction`] | [`Construction`]: lengths, masses, inertias; a1..a5 from them | (15), Tables 1, 2 |
-//! | [`presets`] | real robots with sourced data | |
+//! | [`presets()`] | real robots with sourced data | |
 //! | [`robot`] | [`Robot`]: a name and its construction, with cheap accessors | |
 //! | [`kinematics`] | wheel speeds to the motion of the frame, and back | (11) |
 //! | [`dynamics`] | [`BaseParameters`]: inverse and forward dynamics in closed form | (14) |

@@ -9,7 +9,7 @@ use super::Construction;
 /// Standard acceleration of gravity [m/s²].
 const GRAVITY: f64 = 9.806_65;
 
-/// Friction arm over wheel radius where nothing was measured [1]: between a bare tyre (about
+/// Friction arm over wheel radius where nothing was measured \[1\]: between a bare tyre (about
 /// 0.02) and the AmigoBot's geared wheel (0.2).
 const FRICTION_ARM: f64 = 0.1;
 

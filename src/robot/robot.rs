@@ -43,14 +43,14 @@ impl Robot {
         preset(name).map(|p| Self { name: p.name.into(), construction: p.construction })
     }
 
-    /// Half track l1 [m].
+    /// Half track l1 \[m\].
     #[inline]
     #[must_use]
     pub const fn l1(&self) -> f64 {
         self.construction.l1_m
     }
 
-    /// Radius r of the driven wheels [m].
+    /// Radius r of the driven wheels \[m\].
     #[inline]
     #[must_use]
     pub const fn r(&self) -> f64 {

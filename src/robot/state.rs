@@ -13,7 +13,7 @@ use serde::Serialize;
 /// needs the order alpha1, alpha2, omega1, omega2, which stands here.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct State {
-    /// Wheel angles [rad].
+    /// Wheel angles \[rad\].
     pub alpha: [f64; 2],
     /// Wheel speeds [rad/s].
     pub omega: [f64; 2],

@@ -94,7 +94,7 @@ mod tests {
             a
         }
 
-        /// Matrix B of eq. (18) [1]: f and the input act on the speeds.
+        /// Matrix B of eq. (18) \[1\]: f and the input act on the speeds.
         fn b() -> Matrix4x2<f64> {
             let mut b = Matrix4x2::zeros();
             b[(2, 0)] = 1.0;

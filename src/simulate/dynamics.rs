@@ -7,7 +7,7 @@ use crate::robot::State;
 
 /// What a method identified, able to move. Physics and fuzzy emulators alike.
 pub trait Dynamics: Send + Sync {
-    /// Wheel acceleration [rad/s^2] at time `t` [s] since the start under the acting input [N m];
+    /// Wheel acceleration [rad/s^2] at time `t` \[s\] since the start under the acting input [N m];
     /// the right-hand side f + G u of eq. (17).
     ///
     /// # Errors
@@ -32,7 +32,7 @@ pub trait Dynamics: Send + Sync {
     fn simulate(&self, input: &Input, start: State) -> Result<Vec<State>, SimulateError>;
 
     /// Simulation of a part of a recording: `input.moment` is the acting input ([`Dynamics::drive`]
-    /// over the whole recording) and time counts from `origin` [s]. The first samples of `input` are
+    /// over the whole recording) and time counts from `origin` \[s\]. The first samples of `input` are
     /// the run-in; the states behind it are returned, the first being `start`.
     ///
     /// # Errors

@@ -253,7 +253,7 @@ impl<'m> Forces<'m> {
         }
     }
 
-    /// One classical Runge-Kutta step to `to` [s] in the contact state of its start.
+    /// One classical Runge-Kutta step to `to` \[s\] in the contact state of its start.
     pub(super) fn step(
         &self,
         from: &Departure,

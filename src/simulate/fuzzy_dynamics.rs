@@ -10,7 +10,7 @@ use crate::robot::State;
 
 /// A rule is trained where it fires with at least this strength in some sample.
 const EXCITED: f64 = 0.2;
-/// Longest step of the integrator [s].
+/// Longest step of the integrator \[s\].
 const LONGEST_STEP: f64 = 0.005;
 /// A wheel speed beyond which the motion has left all bounds [rad/s].
 const LIMIT: f64 = 1e4;
@@ -27,7 +27,7 @@ const LIMIT: f64 = 1e4;
 pub struct FuzzyDynamics {
     /// f31 and f41.
     pub system: TakagiSugeno,
-    /// G [[G31, G32], [G41, G42]] [1/(kg m²), or per drive unit].
+    /// G [[G31, G32], [G41, G42]] [1/(kg m²), or per unit of the input].
     pub input_gain: [[f64; 2]; 2],
     /// Rules that the training data excited: strength of at least 0.2 in some sample.
     pub trained: Vec<bool>,

@@ -45,7 +45,7 @@ impl Forces<'_> {
         Departure { t, y: *y, contact, freedom, rate, resisting: self.resisting(&sign) }
     }
 
-    /// One classical Runge-Kutta step from `y` at `from` to `to` [s]; `None` where the
+    /// One classical Runge-Kutta step from `y` at `from` to `to` \[s\]; `None` where the
     /// contact decides: a wheel rests while the other moves, breaks away or reverses, or the mass matrix
     /// varies.
     #[inline]

@@ -61,7 +61,7 @@ impl Typed {
                 }
             }
         }
-        panic!("no contact state fits speeds {w:?} and moments {m:?}");
+        panic!("no contact state fits speeds {w:?} and torques {m:?}");
     }
 
     /// Speeds at the ends of intervals over which the torques run in straight lines.

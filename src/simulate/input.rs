@@ -4,7 +4,7 @@ use crate::model::ModelError;
 use crate::recording::{Recording, RecordingError};
 use crate::robot::State;
 
-/// What the drive does between two samples.
+/// What the input does between two samples.
 #[derive(
     Clone,
     Copy,
@@ -52,12 +52,12 @@ pub(crate) fn every_other(
     out
 }
 
-/// The drive of a simulation: one row a sample.
+/// The input of a simulation: one row a sample.
 #[derive(Clone, Copy, Debug)]
 pub struct Input<'a> {
-    /// Time [s], strictly increasing.
+    /// Time \[s\], strictly increasing.
     pub t: &'a [f64],
-    /// Recorded drive [N m]; drive effects of the model are applied to it.
+    /// Recorded input [N m]; effects on the input are applied to it.
     pub moment: &'a [[f64; 2]],
     /// Between the samples.
     pub hold: Hold,
@@ -75,7 +75,7 @@ pub enum SimulateError {
     /// The motion left all bounds.
     #[error("the simulated motion diverges at t = {t:.3} s (wheel speed above {limit:.0e} rad/s)")]
     Diverged {
-        /// When [s].
+        /// When \[s\].
         t: f64,
         /// Bound [rad/s].
         limit: f64,

@@ -16,10 +16,10 @@ pub struct Segment {
     /// Turn rate wanted, counter-clockwise positive [rad/s].
     #[serde(default)]
     pub turn_rad_s: f64,
-    /// Time to reach them from the segment before [s].
+    /// Time to reach them from the segment before \[s\].
     #[schemars(range(min = 0.0))]
     pub blend_s: f64,
-    /// Time to hold them [s].
+    /// Time to hold them \[s\].
     #[serde(default)]
     #[schemars(range(min = 0.0))]
     pub hold_s: f64,
@@ -67,7 +67,7 @@ impl Movement {
     }
 
     /// A movement that excites everything: random wheel speeds up to `top` [rad/s] in both
-    /// directions with straights, curves, pivots, reversals and rests, for `duration` [s].
+    /// directions with straights, curves, pivots, reversals and rests, for `duration` \[s\].
     #[must_use]
     pub fn rich(robot: &Robot, seed: u64, duration: f64, top: f64) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -105,13 +105,13 @@ impl Movement {
         Self { segments }
     }
 
-    /// From the first to the last segment [s].
+    /// From the first to the last segment \[s\].
     #[must_use]
     pub fn duration(&self) -> f64 {
         self.segments.iter().map(|s| s.blend_s + s.hold_s).sum()
     }
 
-    /// Wheel speeds and accelerations wanted at time `t` [s].
+    /// Wheel speeds and accelerations wanted at time `t` \[s\].
     #[must_use]
     pub fn reference(&self, robot: &Robot, t: f64) -> Reference {
         let wheels = |s: &Segment| kinematics::wheel_speeds(robot, s.speed_m_s, s.turn_rad_s);

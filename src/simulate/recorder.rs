@@ -1,4 +1,4 @@
-//! Simulated recordings: a robot with known parameters drives a movement and is recorded with noise.
+//! Simulated recordings: a robot with known parameters follows a movement and is recorded with noise.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -19,7 +19,7 @@ pub struct NoiseLevel {
     /// Wheel speeds [rad/s].
     #[schemars(range(min = 0.0))]
     pub dalpha: f64,
-    /// Wheel angles [rad].
+    /// Wheel angles \[rad\].
     #[schemars(range(min = 0.0))]
     pub alpha: f64,
     /// Recorded torques [N m].
@@ -43,9 +43,9 @@ impl NoiseLevel {
 /// How a recording is made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recorder {
-    /// Rows a second [Hz].
+    /// Rows a second \[Hz\].
     pub rate: f64,
-    /// Steps a second of the robot's speed controller, between which the torques are held [Hz].
+    /// Steps a second of the robot's speed controller, between which the torques are held \[Hz\].
     pub control_rate: f64,
     /// Added noise.
     pub noise: NoiseLevel,
@@ -55,12 +55,12 @@ pub struct Recorder {
     pub seed: u64,
 }
 
-/// Memory of the input effects that is looked back on [s]: lags and delays are far shorter.
+/// Memory of the input effects that is looked back on \[s\]: lags and delays are far shorter.
 const MEMORY: f64 = 0.4;
 /// Bandwidth of the speed controller [1/s].
 const BANDWIDTH: f64 = 12.0;
 
-/// Drives `movement` with the robot `truth` (parameters `p`) under a speed controller and records
+/// Follows `movement` with the robot `truth` (parameters `p`) under a speed controller and records
 /// it.
 ///
 /// The controller knows the base model with the construction's parameters: torques by inverse

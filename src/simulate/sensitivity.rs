@@ -90,7 +90,7 @@ pub(crate) fn follow(
 /// The input of a whole recording as the effects of a model change it.
 #[derive(Clone, Copy)]
 pub(crate) struct ActingInput<'a> {
-    /// Time [s]; effects that depend on time count from the first row.
+    /// Time \[s\]; effects that depend on time count from the first row.
     pub(crate) t: &'a [f64],
     /// The torque that acts [N m].
     pub(crate) acting: &'a [[f64; 2]],

@@ -35,8 +35,8 @@ pub fn simulate(
     simulate_acting(model, p, &acting, input.t[0], &RunIn::default(), start)
 }
 
-/// Simulates a part of a recording: as [`simulate`], but `input.moment` is the acting input, drive
-/// effects applied over the whole recording, and effects count time from `origin` [s]. Behind the run-in,
+/// Simulates a part of a recording: as [`simulate`], but `input.moment` is the acting input,
+/// effects applied over the whole recording, and effects count time from `origin` \[s\]. Behind the run-in,
 /// whose states are not returned, the wheels are put to `start`; a body behind them keeps its slip
 /// and twist.
 ///

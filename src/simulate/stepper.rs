@@ -9,7 +9,7 @@ use crate::effects::along;
 use crate::model::Model;
 use crate::robot::State;
 
-/// Longest internal step [s]; the input is smooth between samples, so this only bounds the
+/// Longest internal step \[s\]; the input is smooth between samples, so this only bounds the
 /// truncation error of Runge-Kutta for slow recordings.
 const LONGEST_STEP: f64 = 0.02;
 /// Largest product of internal step and fastest rate of a coupling that stays accurate, and that stays stable with
@@ -75,7 +75,7 @@ impl<'m> Stepper<'m> {
         State { alpha: [self.y[0], self.y[1]], omega: [self.y[2], self.y[3]] }
     }
 
-    /// From `from` to `to` [s], the input running straight from `start` to `end`.
+    /// From `from` to `to` \[s\], the input running straight from `start` to `end`.
     pub(super) fn advance(
         &mut self,
         from: f64,
@@ -208,7 +208,7 @@ fn at_rest_within(state: State) -> Vector {
     [a[0], a[1], w[0], w[1], w[0], w[1], 0.0, 0.0]
 }
 
-/// How many internal steps a model without a two-mass drivetrain takes from `from` to `to` [s].
+/// How many internal steps a model without a two-mass drivetrain takes from `from` to `to` \[s\].
 pub(super) fn pieces_between(from: f64, to: f64) -> usize {
     divided(to - from, LONGEST_STEP)
 }

@@ -40,7 +40,7 @@ fn the_step_size_does_not_matter_even_through_reversals() {
     let fine = time(40_001, 0.0005);
     let coarse = time(1001, 0.02);
     let coarse_moment = lively(&coarse);
-    // the same piecewise linear drive, given at forty times the rate
+    // the same piecewise linear input, given at forty times the rate
     let fine_moment: Vec<_> = fine
         .iter()
         .map(|&t| {

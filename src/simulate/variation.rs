@@ -83,7 +83,7 @@ impl Variation {
         }
     }
 
-    /// Derivatives count from here on; `acting` are those of the drive at both ends of the sample.
+    /// Derivatives count from here on; `acting` are those of the input at both ends of the sample.
     pub(super) fn restart(&mut self, acting: &[(usize, [[f64; 2]; 2])]) {
         self.groups.iter_mut().for_each(|group| *group = [f64x4::ZERO; 4]);
         self.identity();

@@ -27,7 +27,7 @@ impl<'m> Walk<'m> {
         Self { stepper, variation, parameters: p.len() }
     }
 
-    /// The state at `to` [s] from the state at `from`; `acting` are those of the input's ends by parameters that
+    /// The state at `to` \[s\] from the state at `from`; `acting` are those of the input's ends by parameters that
     /// act through it.
     ///
     /// # Errors

@@ -12,7 +12,7 @@ pub struct Performance {
     /// Root mean square error over windows of 2 s [rad/s].
     pub window_rms: f64,
     /// Root mean square error of the angles of the free simulation, both wheels, without the first 20
-    /// samples [rad]: the score of the nonlinear benchmarks (Schoukens and Noël 2017).
+    /// samples \[rad\]: the score of the nonlinear benchmarks (Schoukens and Noël 2017).
     pub angle_rms: f64,
     /// Quality index of the emulator in parallel structure [rad^2/s].
     pub ise_parallel: f64,
@@ -43,7 +43,7 @@ pub struct MethodStudy {
     pub failure: Option<String>,
     /// How it ended.
     pub status: Option<Status>,
-    /// Wall time [s].
+    /// Wall time \[s\].
     pub seconds: f64,
     /// Work.
     pub work: Work,
@@ -62,7 +62,7 @@ pub struct MethodStudy {
 }
 
 impl MethodStudy {
-    /// A method of which nothing is known but what it is called and how long it took [s].
+    /// A method of which nothing is known but what it is called and how long it took \[s\].
     #[must_use]
     pub fn new(name: &str, title: &str, options: &str, seconds: f64) -> Self {
         Self {

@@ -14,7 +14,7 @@ pub use grouped::grouped;
 pub use invocation::{Invocation, shell_word};
 pub use json::{SCHEMA, results};
 pub use method::{FuzzyStudy, MethodStudy, Performance};
-pub use model::{AT_FLOOR, FoundEffect, Grade, ModelStudy, ParameterStudy, parameters_of};
+pub use model::{FoundEffect, Grade, ModelStudy, ParameterStudy, parameters_of};
 pub use what_if::{Start, WhatIf};
 
 use serde::Serialize;
@@ -50,15 +50,15 @@ impl Role {
 pub struct RecordingStudy {
     /// Its use.
     pub role: Role,
-    /// File or made name.
+    /// File, or the name of a simulated recording.
     pub file: String,
     /// SHA-256 of the file; `None` for synthetic data.
     pub sha256: Option<String>,
     /// Samples.
     pub samples: usize,
-    /// First to last sample [s].
+    /// First to last sample \[s\].
     pub duration_s: f64,
-    /// Median rate [Hz].
+    /// Median rate \[Hz\].
     pub rate_hz: f64,
     /// Which channels were measured.
     pub measured: Measured,
@@ -71,19 +71,19 @@ pub struct RecordingStudy {
     pub findings: Vec<String>,
     /// Error of the right model.
     pub floor: Floor,
-    /// Time [s].
+    /// Time \[s\].
     pub t: Vec<f64>,
-    /// Angles [rad].
+    /// Angles \[rad\].
     pub alpha: Vec<[f64; 2]>,
     /// Speeds [rad/s].
     pub omega: Vec<[f64; 2]>,
     /// Smoothed acceleration [rad/s^2].
     pub acceleration: Vec<[f64; 2]>,
-    /// Recorded drive.
+    /// Recorded input.
     pub moment: Vec<[f64; 2]>,
     /// Regime of driving.
     pub regimes: Vec<Regime>,
-    /// Path of the axle's centre: x [m], y [m], heading [rad].
+    /// Path of the axle's centre: x \[m\], y \[m\], heading \[rad\].
     pub path: Vec<[f64; 3]>,
 }
 
@@ -121,7 +121,7 @@ pub struct Candidate {
 }
 
 /// The verdict of a diagnosis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// Nothing is missing at the stated false-alarm rate.
@@ -134,7 +134,20 @@ pub enum Verdict {
     UnknownEffect,
 }
 
-/// One step of the staircase: the model with one more effect.
+impl Verdict {
+    /// As in `results.json`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::ModelSufficient => "model_sufficient",
+            Self::EffectsMissing => "effects_missing",
+            Self::EffectLikely => "effect_likely",
+            Self::UnknownEffect => "unknown_effect",
+        }
+    }
+}
+
+/// The error of one model version: the model with one more effect.
 #[derive(Clone, Debug, Serialize)]
 pub struct Step {
     /// Effect added; `None` for the first.
@@ -166,7 +179,7 @@ pub struct DiagnosisStudy {
     pub unexplained_fraction: f64,
     /// What to drive next, in words.
     pub next_run: Option<String>,
-    /// The manoeuvre that tells the best two apart, where one can.
+    /// The manoeuvre that distinguishes the best two, where one can.
     pub proposal: Option<crate::diagnose::Proposal>,
     /// Stated false-alarm rate.
     pub false_alarm: f64,
@@ -174,7 +187,7 @@ pub struct DiagnosisStudy {
     pub effects: Vec<FoundEffect>,
 }
 
-/// A version of the model that was run before: the staircase over the user's own versions.
+/// A version of the model that was run before: the error by the user's own versions.
 #[derive(Clone, Debug, PartialEq, Serialize, serde::Deserialize)]
 pub struct Version {
     /// Effects of the model beyond the base.

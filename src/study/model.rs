@@ -104,14 +104,6 @@ pub enum Grade {
     NotUsable,
 }
 
-/// Error over the floor that counts as at the floor: the floor is known to about as much.
-pub const AT_FLOOR: f64 = 1.2;
-/// Error as a share of the top speed below which a model is useful: what feedforward leaves to a speed
-/// controller without trouble (taste).
-const USEFUL: f64 = 0.05;
-/// The same below which a model is poor: beyond it the sign of small accelerations is not predicted (taste).
-const POOR: f64 = 0.2;
-
 impl Grade {
     /// The grade of an error over windows of 2 s, beside its floor and the top speed [rad/s].
     ///
@@ -127,10 +119,10 @@ impl Grade {
         let is_small = excess <= THRESHOLDS.excess * top_speed;
         match error {
             e if !e.is_finite() => Self::NotUsable,
-            e if e <= AT_FLOOR * floor => Self::AtFloor,
+            e if e <= THRESHOLDS.at_floor * floor => Self::AtFloor,
             e if e <= THRESHOLDS.above_floor * floor || is_small => Self::Near,
-            e if e <= USEFUL * top_speed => Self::Useful,
-            e if e <= POOR * top_speed => Self::Poor,
+            e if e <= THRESHOLDS.useful * top_speed => Self::Useful,
+            e if e <= THRESHOLDS.poor * top_speed => Self::Poor,
             _ => Self::NotUsable,
         }
     }

@@ -7,13 +7,13 @@ use crate::filter::Likelihood;
 use crate::recording::Recording;
 use crate::report::format;
 
-/// Floor that a proposed manoeuvre keeps to, a square of this side [m].
+/// Floor that a proposed manoeuvre keeps to, a square of this side \[m\].
 const FLOOR: f64 = 2.0;
-/// Its length [s].
+/// Its length \[s\].
 const DURATION: f64 = 20.0;
 
-/// The manoeuvre that would tell the best candidate from the nearest one that this data cannot
-/// tell from it.
+/// The manoeuvre that would distinguish the best candidate from the nearest one that is indistinguishable from it by
+/// these data.
 pub(super) fn propose(
     diagnosis: &Diagnosis,
     likelihood: &Likelihood,
@@ -63,7 +63,7 @@ pub(super) fn to_prove(ranked: &Ranked, between_rows: bool) -> String {
     format!("To prove {}, record{faster}: {excitation}.", title(&id))
 }
 
-/// What to drive next, in words, where two effects cannot be told apart.
+/// What to drive next, in words, where two effects are indistinguishable.
 pub(super) fn advice(
     diagnosis: &Diagnosis,
     likely: Option<&Ranked>,

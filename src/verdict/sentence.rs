@@ -1,11 +1,11 @@
 //! The verdict of a diagnosis as a sentence.
 
-use crate::compare::{Curve, Variable, WORTH};
-use crate::diagnose::{Conclusion, Diagnosis, Errors, Ranked};
+use crate::compare::{Curve, Variable};
+use crate::diagnose::{Conclusion, Diagnosis, Errors, Ranked, THRESHOLDS};
 use crate::identify::Estimate;
 use crate::recording::DriveUnit;
 use crate::report::format;
-use crate::study::{AT_FLOOR, parameters_of};
+use crate::study::parameters_of;
 
 /// What the sentence is made of.
 pub(super) struct Finding<'a> {
@@ -15,7 +15,6 @@ pub(super) struct Finding<'a> {
     pub(super) likely: Option<&'a Ranked>,
     /// What lowers the held-out error without being accepted.
     pub(super) withheld: Option<&'a Ranked>,
-    /// The reason.
     pub(super) reason: Option<Withheld>,
     pub(super) false_alarm: f64,
     /// Unit of the input.
@@ -145,7 +144,7 @@ impl Finding<'_> {
             1 => "With it the",
             _ => "With them the",
         };
-        match (self.diagnosis.steps.as_slice(), ratio <= AT_FLOOR) {
+        match (self.diagnosis.steps.as_slice(), ratio <= THRESHOLDS.at_floor) {
             (_, true) => format!("{with} 2 s simulation error is at the noise floor."),
             ([], false) => format!("The 2 s simulation error is {ratio:.1} times the noise floor."),
             (_, false) => format!(
@@ -169,7 +168,7 @@ impl Finding<'_> {
 pub(crate) fn residual_torque(curves: &[Curve], tested: Option<Variable>) -> String {
     let left = |c: &Curve| c.share_after.unwrap_or(c.share_before);
     let shown = curves.iter().max_by(|a, b| left(a).total_cmp(&left(b)));
-    let shown = shown.filter(|c| left(c) >= WORTH).map(|c| (c.variable, left(c)));
+    let shown = shown.filter(|c| left(c) >= THRESHOLDS.named_share).map(|c| (c.variable, left(c)));
     let with_found = curves.iter().any(|c| c.share_after.is_some());
     let depends = match (shown, tested) {
         (Some((variable, _)), _) if with_found => {

@@ -3,7 +3,10 @@
 use std::fs;
 use std::path::Path;
 
-use amigo_ident::identify::{self, MethodOption};
+use amigo_ident::diagnose::{Settings, THRESHOLDS, Thresholds};
+use amigo_ident::effects;
+use amigo_ident::identify::{self, MethodOption, options_schema};
+use amigo_ident::report::format;
 
 /// The options of a method; those that all fuzzy methods share stand under the name `fuzzy`.
 fn options(name: &str) -> Option<Vec<MethodOption>> {
@@ -59,4 +62,60 @@ fn the_tables_of_options_are_those_of_the_methods() {
         fs::write(&path, &present).unwrap();
     }
     assert!(page == present, "docs/methods.md is out of date; run the test with UPDATE_DOCS=1");
+}
+
+fn project_file(path: &str) -> String {
+    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap()
+}
+
+#[test]
+fn the_pages_of_the_effects_state_the_parameters_of_the_catalogue() {
+    for effect in effects::all() {
+        let id = effect.id();
+        let page = project_file(&format!("docs/effects/{id}.md"));
+        for p in effect.parameters() {
+            let unit = if p.unit.is_empty() { "1" } else { &p.unit };
+            let range = [p.range.0, p.range.1].map(format::number).join(" to ");
+            let row = format!("| `{}` | {} | {unit} | {range} |", p.symbol, p.meaning);
+            assert!(page.contains(&row), "docs/effects/{id}.md lacks the row {row}");
+        }
+    }
+}
+
+#[test]
+fn python_diagnoses_with_the_defaults_of_the_library() {
+    let text = project_file("python/amigo_ident/_study.py");
+    let Settings { false_alarm, max_effects, .. } = Settings::default();
+    for default in [
+        format!("false_alarm: float = {false_alarm},"),
+        format!("max_effects: int = {max_effects},"),
+    ] {
+        assert!(text.contains(&default), "python/amigo_ident/_study.py lacks `{default}`");
+    }
+}
+
+#[test]
+fn the_page_of_thresholds_is_that_of_the_code() {
+    let (schema, values) =
+        (options_schema::<Thresholds>(), serde_json::to_value(THRESHOLDS).unwrap());
+    // in the order of the struct, where "the same" means the one above
+    let written = serde_json::to_string(&THRESHOLDS).unwrap();
+    let mut fields: Vec<_> =
+        schema.get("properties").unwrap().as_object().unwrap().iter().collect();
+    fields.sort_by_key(|(key, _)| written.find(&format!("\"{key}\":")));
+    let row = |(key, option): (&String, &serde_json::Value)| {
+        let reason = option["description"].as_str().unwrap();
+        format!("| `{key}` | {} | {reason} |\n", values[key])
+    };
+    let rows: String = fields.into_iter().map(row).collect();
+    let page = project_file("docs/thresholds.md");
+    let (before, rest) = page.split_once("<!-- thresholds -->\n").unwrap();
+    let (_, after) = rest.split_once("<!-- end -->").unwrap();
+    let head = "| threshold | value | reason |\n|---|---|---|\n";
+    let present = format!("{before}<!-- thresholds -->\n{head}{rows}<!-- end -->{after}");
+    if std::env::var_os("UPDATE_DOCS").is_some() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/thresholds.md");
+        fs::write(path, &present).unwrap();
+    }
+    assert!(page == present, "docs/thresholds.md is out of date; run the test with UPDATE_DOCS=1");
 }

@@ -14,7 +14,7 @@ use amigo_ident::simulate::{
 
 use crate::support::Folder;
 
-/// Every kind of operation: products, cosines, bells, kinks of the drive, whole orders, powers.
+/// Every kind of operation: products, cosines, bells, kinks of the input, whole orders, powers.
 const EFFECTS: [&str; 17] = [
     "slope",
     "viscous_friction",
@@ -280,7 +280,7 @@ pub(crate) fn agrees(language: &str, model: &Exported, printed: &str) {
     }
     if matches!(model, Exported::Physical(_)) {
         let still = motion.iter().filter(|s| s.omega == [0.0; 2]).count();
-        assert!((10..2000).contains(&still), "the drive holds {still} samples of rest");
+        assert!((10..2000).contains(&still), "the input holds {still} samples of rest");
     }
     println!(
         "{language}: accelerations {worst:.1e}, angles {:.1e} rad, speeds {:.1e} rad/s",

@@ -19,6 +19,7 @@ mod long;
 mod modelica;
 mod next_step;
 mod page;
+mod prose;
 mod quoted;
 mod recordings;
 mod shards;

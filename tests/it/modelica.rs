@@ -10,7 +10,7 @@ use crate::exported::{
 };
 use crate::support::Folder;
 
-/// States and drive of this test in Modelica, which reads no plain table of numbers by itself.
+/// States and input of this test in Modelica, which reads no plain table of numbers by itself.
 fn modelica() -> String {
     let numbers = |row: &[f64; 7]| row.map(|v| format!("{v:?}")).join(", ");
     let table: Vec<String> = states().iter().map(numbers).collect();

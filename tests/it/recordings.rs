@@ -62,7 +62,7 @@ fn the_construction_is_found_once_the_slope_is_in_the_model() {
     let r = results(&case("slope").unwrap(), "[model]\neffects = [\"slope\"]\n");
     let m = &r["methods"][0];
     // Values of plain least squares on the noise-free engine. Tolerances: 1 % of a1 (noise of the
-    // moments is 0.5 % of their rms) for the inertias, of which a2 is a small difference; tyre
+    // torques is 0.5 % of their rms) for the inertias, of which a2 is a small difference; tyre
     // contacts of the engine slip a little, which moves a3 and the friction levels by a few percent.
     let expected = [
         ("a1", 0.03185, 3e-4),

@@ -75,11 +75,11 @@ pub(crate) fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// A row of a made recording: t [s], speeds [rad/s] and moments [N m].
+/// A row of a simulated recording: t [s], speeds [rad/s] and torques [N m].
 pub(crate) type Row = [f64; 5];
 
 /// A robot of the paper's order of size, driven along two sines so that both wheels start, turn
-/// back and stop: speeds are prescribed and the moments follow from eq. (14) without noise.
+/// back and stop: speeds are prescribed and the torques follow from eq. (14) without noise.
 pub(crate) fn motion() -> Vec<Row> {
     motion_of(600)
 }

@@ -23,7 +23,7 @@ fn late(lag: f64, noise: f64, seed: u64) -> Channels {
     late_beside(lag, noise, 1e-4, seed)
 }
 
-/// The same beside angles of that step [rad].
+/// The same beside angles of that step \[rad\].
 fn late_beside(lag: f64, noise: f64, step: f64, seed: u64) -> Channels {
     let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
     let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };

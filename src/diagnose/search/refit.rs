@@ -9,7 +9,6 @@ use crate::diagnose::input_timing::SYMBOL;
 use crate::diagnose::outcome::Ranked;
 use crate::diagnose::regression::Regression;
 use crate::diagnose::thresholds::THRESHOLDS;
-use crate::diagnose::timing::LOGGING;
 use crate::diagnose::windows::bounds;
 use crate::effects::ParameterKind;
 use crate::model::Model;
@@ -74,7 +73,7 @@ impl Search<'_> {
             return 0.0;
         }
         let first = fit.p.len() - candidate.p.len();
-        let beyond = (fit.p[first] - LOGGING * self.scale.step).max(0.0);
+        let beyond = (fit.p[first] - THRESHOLDS.logging * self.scale.step).max(0.0);
         let variance = fit.covariance[(first, first)];
         if variance > 0.0 { beyond.powi(2) / variance } else { 0.0 }
     }
@@ -160,7 +159,11 @@ impl Search<'_> {
     ) -> Vec<f64> {
         let mut own = candidate.p.clone();
         if candidate.is_shift() {
-            own[0] = estimate.first().copied().unwrap_or(own[0]).max(LOGGING * self.scale.step);
+            own[0] = estimate
+                .first()
+                .copied()
+                .unwrap_or(own[0])
+                .max(THRESHOLDS.logging * self.scale.step);
         } else {
             for (value, &j) in estimate.iter().zip(&candidate.linear) {
                 own[j] = *value;
@@ -185,7 +188,7 @@ impl Search<'_> {
         let error = fit.covariance[(first, first)].sqrt();
         let (shift, step) = (fit.p[first], self.scale.step);
         let late = !candidate.is_shift()
-            || shift - THRESHOLDS.uncertain * error > LOGGING * step
+            || shift - THRESHOLDS.uncertain * error > THRESHOLDS.logging * step
                 && shift > THRESHOLDS.least_shift * step;
         inside && some && late
     }

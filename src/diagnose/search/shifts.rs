@@ -1,4 +1,4 @@
-//! A lag and a delay of the input, told apart in spite of the noise of the recorded input.
+//! A lag and a delay of the input, distinguished in spite of the noise of the recorded input.
 
 use rayon::prelude::*;
 
@@ -7,7 +7,7 @@ use crate::diagnose::evidence::{evidence, noiseless};
 use crate::diagnose::fit::{WindowFit, fit};
 use crate::diagnose::input_timing::shifts;
 use crate::diagnose::outcome::Ranked;
-use crate::diagnose::timing::LOGGING;
+use crate::diagnose::thresholds::THRESHOLDS;
 use crate::math::distribution::t_survival;
 
 impl Search<'_> {
@@ -54,7 +54,7 @@ impl Search<'_> {
         let j = after.model.slots(e).start;
         let Some(own) = fit(held, &after.model, &after.p, &self.scale) else { return 1.0 };
         let degrees = held.windows.len() as f64 - after.model.free().len() as f64;
-        let t = (own.p[j] - LOGGING * self.scale.step) / own.covariance[(j, j)].sqrt();
+        let t = (own.p[j] - THRESHOLDS.logging * self.scale.step) / own.covariance[(j, j)].sqrt();
         if degrees >= 1.0 && t.is_finite() { t_survival(t, degrees) } else { 1.0 }
     }
 }

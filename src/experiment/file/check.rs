@@ -67,14 +67,6 @@ impl ExperimentFile {
 
 impl SimulationEntry {
     fn check(&self, wrong: &impl Fn(&str, String) -> FileError) -> Result<(), FileError> {
-        if let MovementEntry::Named(name) = &self.movement
-            && name != "paper"
-            && name != "rich"
-        {
-            let message =
-                format!("= \"{name}\" is no movement; use \"paper\", \"rich\" or segments");
-            return Err(wrong("simulation.movement", message));
-        }
         if let MovementEntry::Segments(segments) = &self.movement {
             let length: f64 = segments.iter().map(|s| s.blend_s + s.hold_s).sum();
             let sound = segments.iter().all(|s| {
@@ -130,12 +122,8 @@ impl DiagnosisEntry {
             return Err(wrong("diagnosis.false_alarm", message));
         }
         if self.max_effects == 0 {
-            let message = "= 0 lets nothing be found; use at least 1".to_string();
+            let message = "= 0 allows no effects; use at least 1".to_string();
             return Err(wrong("diagnosis.max_effects", message));
-        }
-        if matches!(&self.candidates, CandidatesEntry::All(word) if word != "all") {
-            let message = "must be \"all\" or a list of effects".to_string();
-            return Err(wrong("diagnosis.candidates", message));
         }
         if matches!(&self.candidates, CandidatesEntry::Some(ids) if ids.is_empty()) {
             let message = "is empty; name effects, or \"all\", or remove [diagnosis]";

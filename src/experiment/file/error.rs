@@ -57,6 +57,9 @@ fn line_of(text: &str, offset: usize) -> (usize, String) {
 }
 
 /// Adds the key that was meant to serde's "unknown field `a`, expected one of `b`, `c`".
+///
+/// The names are read off the sentence because there is no other place: `serde::de::Error::unknown_field` hands them
+/// to toml, whose error keeps the sentence and the span only. The tests of this module fail if its form changes.
 pub(super) fn with_hint(message: &str) -> String {
     let names: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
     if !message.starts_with("unknown") || names.len() < 2 {

@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use super::key_schema::added_ids;
 use super::schema::ExperimentFile;
+use crate::identify::doc_text;
 
 /// The JSON schema (draft 7) of an experiment file, as text.
 ///
@@ -48,6 +49,9 @@ fn without_null(value: &mut Value) {
         Value::Object(map) => {
             map.values_mut().for_each(without_null);
             map.remove("format");
+            if let Some(Value::String(text)) = map.get_mut("description") {
+                *text = doc_text(text);
+            }
             if map.get("default").is_some_and(Value::is_null) {
                 map.remove("default");
             }

@@ -17,8 +17,9 @@ pub(super) use grid::axes;
 pub use json_schema::json_schema;
 pub(super) use schema::hold_rows;
 pub use schema::{
-    CandidatesEntry, CustomEntry, CustomParameter, DiagnosisEntry, EmulatorEntry, ExperimentFile,
-    FixedEntry, ModelEntry, MovementEntry, RecordingsEntry, SimulationEntry,
+    AllCandidates, CandidatesEntry, ConstructionWord, CustomEntry, CustomParameter, DiagnosisEntry,
+    EmulatorEntry, ExperimentFile, FixedEntry, ModelEntry, MovementEntry, NamedMovement,
+    RecordingsEntry, SimulationEntry,
 };
 
 use toml::{Table, Value};

@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use toml::Table;
 
 use super::column::{ColumnEntry, columns};
 use crate::conditioning::Settings;
+use crate::diagnose;
 use crate::recording::DriveUnit;
 use crate::simulate::{Hold, NoiseLevel, Segment};
 
@@ -88,13 +89,13 @@ pub struct SimulationEntry {
     pub train: usize,
     /// Recordings to judge on.
     pub validation: usize,
-    /// Rows a second [Hz].
+    /// Rows a second \[Hz\].
     #[schemars(range(min = 1.0, max = 1e5))]
     pub rate_hz: f64,
-    /// Steps a second of the robot's controller [Hz].
+    /// Steps a second of the robot's controller \[Hz\].
     #[schemars(range(min = 1.0, max = 1e5))]
     pub control_rate_hz: f64,
-    /// Length of a rich movement [s].
+    /// Length of a rich movement \[s\].
     #[schemars(range(min = 2.0, max = 1e5))]
     pub duration_s: f64,
     /// Largest wheel speed of a rich movement [rad/s].
@@ -114,7 +115,7 @@ pub struct SimulationEntry {
 impl Default for SimulationEntry {
     fn default() -> Self {
         Self {
-            movement: MovementEntry::Named("rich".into()),
+            movement: MovementEntry::Named(NamedMovement::Rich),
             hidden: BTreeMap::new(),
             noise: NoiseLevel::default(),
             seed: 1,
@@ -132,16 +133,26 @@ impl Default for SimulationEntry {
 }
 
 /// A movement by name, or written out.
-#[derive(Clone, Debug, PartialEq, Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, schemars::JsonSchema)]
 #[serde(
     untagged,
-    expecting = "\"paper\", \"rich\", or a list of segments { speed_m_s, turn_rad_s, blend_s, hold_s }"
+    expecting = "expected \"paper\", \"rich\", or a list of segments { speed_m_s, turn_rad_s, blend_s, hold_s }"
 )]
 pub enum MovementEntry {
     /// `paper` or `rich`.
-    Named(#[schemars(extend("enum" = ["paper", "rich"]))] String),
+    Named(NamedMovement),
     /// Segments.
     Segments(Vec<Segment>),
+}
+
+/// A movement with a name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum NamedMovement {
+    /// That of the paper: start, straight, circle, brake.
+    Paper,
+    /// Random speeds and turn rates that excite every parameter.
+    Rich,
 }
 
 /// `[model]`.
@@ -160,12 +171,20 @@ pub struct ModelEntry {
 
 /// A value, or `"construction"`.
 #[derive(Clone, Debug, PartialEq, Deserialize, schemars::JsonSchema)]
-#[serde(untagged, expecting = "a number or \"construction\"")]
+#[serde(untagged, expecting = "expected a number or \"construction\"")]
 pub enum FixedEntry {
     /// At this value.
     Value(f64),
     /// At the value of the construction data.
-    Construction(#[schemars(extend("const" = "construction"))] String),
+    Construction(ConstructionWord),
+}
+
+/// The word for the construction data.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ConstructionWord {
+    /// At the value of the construction data.
+    Construction,
 }
 
 /// `[[model.custom]]`.
@@ -237,21 +256,26 @@ pub struct DiagnosisEntry {
 
 impl Default for DiagnosisEntry {
     fn default() -> Self {
-        Self {
-            candidates: CandidatesEntry::All("all".into()),
-            false_alarm: 0.05,
-            max_effects: 3,
-            slow_moment: true,
-        }
+        let diagnose::Settings { false_alarm, max_effects, .. } = diagnose::Settings::default();
+        let candidates = CandidatesEntry::All(AllCandidates::All);
+        Self { candidates, false_alarm, max_effects, slow_moment: true }
     }
 }
 
 /// `"all"` or ids.
-#[derive(Clone, Debug, PartialEq, Deserialize, schemars::JsonSchema)]
-#[serde(untagged, expecting = "\"all\" or a list of effects")]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, schemars::JsonSchema)]
+#[serde(untagged, expecting = "expected \"all\" or a list of effects")]
 pub enum CandidatesEntry {
-    /// Only `all` is allowed.
-    All(#[schemars(extend("const" = "all"))] String),
+    /// The whole catalogue.
+    All(AllCandidates),
     /// Ids.
     Some(#[schemars(schema_with = "super::key_schema::candidates")] Vec<String>),
+}
+
+/// The word for the whole catalogue.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum AllCandidates {
+    /// Every effect of the catalogue, and the formulas of the file.
+    All,
 }

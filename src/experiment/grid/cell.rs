@@ -1,5 +1,6 @@
 //! One combination: run, reduced to rows.
 
+use std::borrow::Cow;
 use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
@@ -48,24 +49,59 @@ pub(super) struct Row {
     pub(super) ise_validation: Exact,
     pub(super) window_rms: Exact,
     pub(super) floor: Exact,
-    pub(super) status: Word,
+    pub(super) status: RowStatus,
     pub(super) reason: Word,
     pub(super) seconds: Exact,
 }
 
-/// The status of a method without a fit.
-const FAILED: &str = "failed";
+/// How a method ended in a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum RowStatus {
+    Failed,
+    #[serde(untagged)]
+    Fitted(Status),
+}
+
+impl RowStatus {
+    /// Its name in `estimates.parquet`.
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::Failed => "failed",
+            Self::Fitted(status) => status.name(),
+        }
+    }
+}
 
 impl Row {
     /// Whether the method has no fit.
     pub(super) fn failed(&self) -> bool {
-        self.status == FAILED
+        self.status == RowStatus::Failed
     }
 
     /// Its texts, to be shared with other rows.
-    pub(super) fn words(&mut self) -> [&mut Word; 5] {
-        let Self { method, parameter, unit, status, reason, .. } = self;
-        [method, parameter, unit, status, reason]
+    pub(super) fn words(&mut self) -> [&mut Word; 4] {
+        let Self { method, parameter, unit, reason, .. } = self;
+        [method, parameter, unit, reason]
+    }
+}
+
+/// What the diagnosis of a cell concluded, or why there is none.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum CellVerdict {
+    Failed(String),
+    #[serde(untagged)]
+    Concluded(Verdict),
+}
+
+impl CellVerdict {
+    /// As in `estimates.parquet`.
+    pub(super) fn text(&self) -> Cow<'static, str> {
+        match self {
+            Self::Concluded(verdict) => verdict.name().into(),
+            Self::Failed(reason) => format!("failed: {reason}").into(),
+        }
     }
 }
 
@@ -76,8 +112,8 @@ pub(super) struct Cell {
     pub(super) key: String,
     /// Its number, from 0.
     pub(super) cell: usize,
-    /// Verdict of its diagnosis; empty without one.
-    pub(super) verdict: String,
+    /// Verdict of its diagnosis, where one is asked for.
+    pub(super) verdict: Option<CellVerdict>,
     /// Effects found, joined by `+`.
     pub(super) found: String,
     pub(super) rows: Vec<Row>,
@@ -97,7 +133,7 @@ pub(super) fn run_cell(grid: &GridPlan, cell: usize, key: String, methods: &[&st
         let seconds = start.elapsed().as_secs_f64();
         methods.iter().map(|m| failed_row(m, &reason, seconds)).collect()
     };
-    let mut out = Cell { key, cell, verdict: String::new(), found: String::new(), rows: vec![] };
+    let mut out = Cell { key, cell, verdict: None, found: String::new(), rows: vec![] };
     let plan = match resolve_cell(grid, cell) {
         Ok(plan) => plan,
         // without the file, which machines may keep in different places
@@ -113,28 +149,18 @@ pub(super) fn run_cell(grid: &GridPlan, cell: usize, key: String, methods: &[&st
         Err(e) => return Cell { rows: failed(e.to_string()), ..out },
     };
     out.rows = study.methods.iter().flat_map(|method| rows(&study, method)).collect();
-    match diagnose(&plan, &mut study) {
-        None => {}
-        Some(Ok(diagnosis)) => {
-            out.verdict = verdict(diagnosis.verdict).into();
+    out.verdict = diagnose(&plan, &mut study).map(|outcome| match outcome {
+        Ok(diagnosis) => {
             out.found = diagnosis.found.join("+");
+            CellVerdict::Concluded(diagnosis.verdict)
         }
-        Some(Err(e)) => out.verdict = format!("failed: {e}"),
-    }
+        Err(e) => CellVerdict::Failed(e.to_string()),
+    });
     out
 }
 
 fn diagnose(plan: &Plan, study: &mut Study) -> Option<Result<DiagnosisStudy, RunError>> {
     plan.diagnosis.as_ref().map(|asked| Ok(say(plan, asked, study)?.words))
-}
-
-fn verdict(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::ModelSufficient => "model_sufficient",
-        Verdict::EffectsMissing => "effects_missing",
-        Verdict::EffectLikely => "effect_likely",
-        Verdict::UnknownEffect => "unknown_effect",
-    }
 }
 
 fn failed_row(method: &str, reason: &str, seconds: f64) -> Row {
@@ -151,7 +177,7 @@ fn failed_row(method: &str, reason: &str, seconds: f64) -> Row {
         ise_validation: MISSING,
         window_rms: MISSING,
         floor: MISSING,
-        status: FAILED.into(),
+        status: RowStatus::Failed,
         reason: reason.into(),
         seconds: Exact(seconds),
     }
@@ -170,7 +196,7 @@ fn rows(study: &Study, method: &MethodStudy) -> Vec<Row> {
         ise_validation: Exact(study.judged_ise(method)),
         window_rms: Exact(study.judged_window_rms(method)),
         floor,
-        status: method.status.map_or("converged", Status::name).into(),
+        status: RowStatus::Fitted(method.status.unwrap_or(Status::Converged)),
         ..failed_row(&method.name, "", method.seconds)
     };
     if method.estimates.is_empty() {

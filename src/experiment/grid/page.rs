@@ -192,10 +192,11 @@ fn table(grid: &GridPlan, summaries: &[Summary]) -> Block {
 fn verdicts(grid: &GridPlan, cells: &[GridCell]) -> Vec<Block> {
     let axes = conditions(grid);
     let mut counts: Vec<(Vec<String>, usize)> = Vec::new();
-    for cell in cells.iter().filter(|c| !c.verdict.is_empty()) {
+    for cell in cells {
+        let Some(verdict) = &cell.verdict else { continue };
         let places = grid.places(cell.cell);
         let mut key: Vec<String> = axes.iter().map(|k| grid.axes[*k].text(places[*k])).collect();
-        key.extend([cell.verdict.clone(), cell.found.clone()]);
+        key.extend([verdict.text().into(), cell.found.clone()]);
         match counts.iter_mut().find(|(k, _)| *k == key) {
             Some((_, count)) => *count += 1,
             None => counts.push((key, 1)),

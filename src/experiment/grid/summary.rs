@@ -67,7 +67,6 @@ impl Summary {
         (end(0.975), end(0.025))
     }
 
-    /// 95 % interval of the coverage.
     pub(super) fn coverage_interval(&self) -> (f64, f64) {
         share_interval(self.coverage, self.n)
     }

@@ -16,7 +16,7 @@
 //! | `status` | text | `converged`, `iteration_limit`, `stalled` or `failed` |
 //! | `reason` | text | why it failed |
 //! | `verdict`, `found` | text | of the diagnosis, where one is asked for |
-//! | `seconds` | number | wall time of the method [s]; the only column that differs between two runs of the same file |
+//! | `seconds` | number | wall time of the method \[s\]; the only column that differs between two runs of the same file |
 
 use std::path::Path;
 
@@ -42,7 +42,7 @@ const PIECE: usize = 10_000;
 /// # Errors
 /// If the table cannot be made.
 pub(super) fn parquet(grid: &GridPlan, cells: &[Cell]) -> Result<Vec<u8>, IoError> {
-    let diagnosed = cells.iter().any(|cell| !cell.verdict.is_empty());
+    let diagnosed = cells.iter().any(|cell| cell.verdict.is_some());
     let pieces = cells.chunks(PIECE).map(|piece| columns(grid, piece, diagnosed));
     write_parquet_pieces(Path::new("estimates.parquet"), pieces)
 }
@@ -84,11 +84,14 @@ fn columns(grid: &GridPlan, cells: &[Cell], diagnosed: bool) -> Vec<TableColumn>
         number("ise_validation", &|row| row.ise_validation.0),
         number("window_rms_validation", &|row| row.window_rms.0),
         number("floor", &|row| row.floor.0),
-        text("status", &|_, row| &row.status),
+        text("status", &|_, row| row.status.name()),
         text("reason", &|_, row| &row.reason),
     ]);
     if diagnosed {
-        out.push(text("verdict", &|cell, _| &cell.verdict));
+        let said =
+            |cell: &Cell| cell.verdict.as_ref().map_or_else(String::new, |v| v.text().into());
+        let texts = rows.iter().map(|(cell, _)| said(cell));
+        out.push(TableColumn::Text("verdict".into(), texts.collect()));
         out.push(text("found", &|cell, _| &cell.found));
     }
     out.push(number("seconds", &|row| row.seconds.0));

@@ -13,7 +13,7 @@ const FULL: [f64; 9] = [1.0, 100.0, 127.0, 255.0, 400.0, 1000.0, 1023.0, 4095.0,
 const PWM: f64 = 255.0;
 /// A pulse of a servo, and the one at which it stands [us].
 const PULSE: (f64, f64, f64) = (900.0, 1500.0, 2100.0);
-/// Voltages of batteries of robots [V].
+/// Voltages of batteries of robots \[V\].
 const BATTERIES: (f64, f64) = (2.0, 100.0);
 
 /// Completes inputs that are commands: the pulse at which a servo stands, the full scale, the battery's

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use super::names::named;
 use super::{Guess, Guessed};
-use crate::effects;
 use crate::io::PreviewColumn;
 use crate::recording::DriveUnit;
+use crate::{diagnose, effects};
 
 /// Columns whose first values a question shows at most.
 const SHOWN: usize = 40;
@@ -137,6 +137,7 @@ pub(in crate::experiment) fn file_text(w: &Written) -> String {
         w.guess.drive_unit.symbol(),
         input_words(w.guess.drive_unit)
     );
+    let diagnose::Settings { false_alarm, max_effects, .. } = diagnose::Settings::default();
     let _ = write!(
         out,
         "\n# [conditioning]             # corrections of the signals, all on; `experiment check` lists them\n\
@@ -144,7 +145,7 @@ pub(in crate::experiment) fn file_text(w: &Written) -> String {
          [model]\neffects = [{}]                # `experiment effects` lists them\n\n\
          [[method]]\nname = \"prediction_error\"   # `experiment methods` lists them\n\n\
          [[method]]\nname = \"torque_regression\"\n\n\
-         [diagnosis]\ncandidates  = \"all\"\nfalse_alarm = 0.05\nmax_effects = 3\n",
+         [diagnosis]\ncandidates  = \"all\"\nfalse_alarm = {false_alarm}\nmax_effects = {max_effects}\n",
         effects_of(w.guess.drive_unit)
     );
     out

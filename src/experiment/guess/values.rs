@@ -6,11 +6,11 @@ use crate::io::PreviewColumn;
 use crate::math::median;
 use crate::recording::DriveUnit;
 
-/// Rates that logs of robots have [Hz].
+/// Rates that logs of robots have \[Hz\].
 const RATES: (f64, f64) = (2.0, 2e4);
-/// Beyond this a stamp is that of a calendar [s]: the year 2001.
+/// Beyond this a stamp is that of a calendar \[s\]: the year 2001.
 const CALENDAR: f64 = 1e9;
-/// More than any motor of a small robot draws [A].
+/// More than any motor of a small robot draws \[A\].
 const AMPERES: f64 = 200.0;
 /// Wheel speed beyond which a number is rather one of rpm [rad/s].
 const FAST: f64 = 120.0;

@@ -21,9 +21,9 @@ pub(super) struct Sides {
 /// One part of a step.
 pub(super) struct Part {
     pub(super) transition: SMatrix<f64, STATES, STATES>,
-    /// Map of a moment on the wheels.
+    /// Map of a torque on the wheels.
     pub(super) gain: SMatrix<f64, STATES, 2>,
-    /// Map of a moment on the body.
+    /// Map of a torque on the body.
     pub(super) body_gain: SMatrix<f64, STATES, 2>,
     pub(super) shift: SVector<f64, STATES>,
     pub(super) wheel_acceleration: [f64; 2],
@@ -128,7 +128,7 @@ impl Coupled<'_> {
 }
 
 /// `(1 - a J)⁻¹` where only the rows `fast` of J, those of (w1, w2, u1, u2), are full: angles and
-/// twists integrate speeds, and the slow moments stand.
+/// twists integrate speeds, and the slow torques stand.
 fn solve(
     fast: &SMatrix<f64, 4, STATES>,
     still: [bool; 2],

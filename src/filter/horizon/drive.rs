@@ -6,7 +6,7 @@ use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::{Ends, Hold, every_other};
 
-/// Half width of the average of the input in derivatives [s], and its fewest rows: what a wheel's
+/// Half width of the average of the input in derivatives \[s\], and its fewest rows: what a wheel's
 /// speed controller does takes longer.
 const SMOOTH: f64 = 0.06;
 const FEWEST: usize = 3;

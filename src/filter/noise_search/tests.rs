@@ -7,10 +7,10 @@ use crate::recording::Recording;
 use crate::robot::Robot;
 use crate::simulate::{Hold, Movement, NoiseLevel, Recorder, record};
 
-/// Noise of the recorded moments [N m].
+/// Noise of the recorded torques [N m].
 const MOMENT: f64 = 0.005;
 
-/// A made recording of 15 s of a robot with the effects `hidden`, and the base parameters of it.
+/// A simulated recording of 15 s of a robot with the effects `hidden`, and the base parameters of it.
 fn recorded(hidden: &[&str]) -> (Vec<f64>, Recording) {
     let truth = Model::with_effects(Robot::amigobot(), hidden).unwrap();
     let movement = Movement::rich(truth.robot(), 4, 15.0, 10.0);
@@ -66,7 +66,7 @@ fn scoring_finds_noise_as_likely_as_a_simplex_does_from_either_side() {
             let solver = NelderMead::new(simplex.collect()).with_sd_tolerance(1e-3).unwrap();
             let run = Executor::new(search, solver).configure(|s| s.max_iters(200)).run().unwrap();
             let best = -run.state().get_best_cost();
-            // a slow moment that is not there gains one nat by chance: half of chi-squared with two
+            // a slow torque that is not there gains one nat by chance: half of chi-squared with two
             // degrees of freedom has the mean 1
             assert!(value(&found) > best - 1.0, "{hidden:?} {found:?} {} {best}", value(&found));
             assert!(passes < 80, "{passes}");

@@ -1,6 +1,8 @@
 //! The body that all fuzzy methods share: options, problem, journal and fit. A method adds how it
 //! searches for the consequents.
 
+use std::fmt::Debug;
+
 use nalgebra::DVector;
 use schemars::{JsonSchema, Schema};
 use serde::Serialize;
@@ -17,7 +19,7 @@ use crate::simulate::Structure;
 
 /// How one fuzzy method searches; the type holds its own options, with defaults and ranges.
 pub trait Search:
-    Clone + Default + Serialize + DeserializeOwned + JsonSchema + Send + Sync + 'static
+    Clone + Debug + Default + Serialize + DeserializeOwned + JsonSchema + Send + Sync + 'static
 {
     /// Name in experiment files.
     const NAME: &'static str;

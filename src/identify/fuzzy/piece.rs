@@ -3,7 +3,7 @@
 use crate::recording::Recording;
 use crate::simulate::Hold;
 
-/// Longest step of the integrator in fitting [s].
+/// Longest step of the integrator in fitting \[s\].
 const LONGEST_STEP: f64 = 0.01;
 
 /// A stretch of a recording without a gap.
@@ -23,7 +23,7 @@ pub(super) struct Piece {
 pub(super) struct Interval {
     /// Steps of the integrator.
     pub(super) steps: usize,
-    /// Their length [s].
+    /// Their length \[s\].
     pub(super) h: f64,
     omega: [[f64; 2]; 2],
     drive: [[f64; 2]; 2],
@@ -63,7 +63,7 @@ impl Piece {
         length * self.sigma.iter().map(|s| s * s).sum::<f64>()
     }
 
-    /// Weight of sample k in the trapezoid rule [s].
+    /// Weight of sample k in the trapezoid rule \[s\].
     pub(super) fn weight(&self, k: usize) -> f64 {
         let before = if k > 0 { self.t[k] - self.t[k - 1] } else { 0.0 };
         let after = if k + 1 < self.t.len() { self.t[k + 1] - self.t[k] } else { 0.0 };

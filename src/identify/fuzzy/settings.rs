@@ -13,7 +13,10 @@ use crate::simulate::{Consequents, Defuzzification, Gain, MOST_MEMBERSHIPS, Stru
 
 /// Over which speeds the membership functions are spread.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "`range` must be \"data\", \"paper\" or two speeds [low, high] in rad/s"
+)]
 pub enum Range {
     /// `"data"`: from the smallest to the largest measured speed of each wheel, and a tenth of
     /// that length beyond, so that rules at the friction level hold the emulator at the edges.

@@ -9,10 +9,10 @@ use crate::filter::HorizonFilter;
 use crate::math::Information;
 use crate::model::{Model, Parameter};
 
-/// Horizons that are compared [s]: from maximum likelihood to the length at which a missing effect
+/// Horizons that are compared \[s\]: from maximum likelihood to the length at which a missing effect
 /// begins to be amplified, at equal ratios.
 pub(super) const HORIZONS: [f64; 6] = [0.0, 0.05, 0.1, 0.2, 0.35, 0.7];
-/// The first of them where noise of the input biases those before [s]: over it the motion that
+/// The first of them where noise of the input biases those before \[s\]: over it the motion that
 /// the input makes outgrows what its noise does, as T against the root of T.
 pub(super) const SAFE: f64 = 0.2;
 /// Paired standard errors by which another one must be better than the first: one, the usual
@@ -66,7 +66,7 @@ pub(super) fn clearly_smaller(errors: &[f64], than: &[f64]) -> bool {
     let gain = mean(&gains);
     let square: f64 = gains.iter().map(|g| (g - gain).powi(2)).sum();
     let error = (square / (n * (n - 1.0).max(1.0))).sqrt();
-    // a single piece says nothing of the error
+    // a single piece gives no estimate of the error
     gain > STANDARD_ERRORS * error && n > 1.0
 }
 

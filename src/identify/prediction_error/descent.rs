@@ -24,7 +24,7 @@ const MOST_SHIFT: f64 = 0.5;
 /// Where a descent ended.
 #[derive(Clone)]
 pub(super) struct Solution {
-    /// Horizon [s].
+    /// Horizon \[s\].
     pub(super) horizon: f64,
     /// Parameters of the model.
     pub(super) p: Vec<f64>,

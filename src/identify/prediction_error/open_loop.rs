@@ -10,10 +10,10 @@ use crate::recording::{LocalMotion, Recording};
 use crate::robot::State;
 use crate::simulate::{Hold, Input, RunIn, simulate_acting};
 
-/// Length of a window [s], as of the 2 s simulation error everywhere.
+/// Length of a window \[s\], as of the 2 s simulation error everywhere.
 const WINDOW: f64 = 2.0;
 /// Rows before a window that effects on the input look back at, and over which a body behind the
-/// wheels gets under way [s].
+/// wheels gets under way \[s\].
 const BEFORE: f64 = 2.0;
 
 /// Windows of recordings, by pieces.

@@ -83,7 +83,7 @@ pub enum ExpressionError {
     TooLong {
         /// The whole formula.
         span: Range<usize>,
-        /// The limit [bytes].
+        /// The limit \[bytes\].
         limit: usize,
     },
 }

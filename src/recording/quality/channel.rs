@@ -8,7 +8,7 @@ use super::{Finding, Issue, Severity, quantile};
 const SPIKE: f64 = 8.0;
 /// Share of samples that are left out when the ordinary zigzag is measured.
 const RARE: f64 = 0.02;
-/// A jump of an angle is at least this large [rad].
+/// A jump of an angle is at least this large \[rad\].
 const JUMP: f64 = 0.3;
 /// A limit is reached in at least this many samples, and in this share of them.
 const AT_LIMIT: (usize, f64) = (20, 0.005);
@@ -54,7 +54,7 @@ fn constant_drive(r: &Recording, i: usize) -> Option<Finding> {
     (low >= high).then(|| Finding::new(Severity::Warning, issue))
 }
 
-/// Many samples exactly at the largest or smallest drive.
+/// Many samples exactly at the largest or smallest input.
 fn limit(r: &Recording, i: usize) -> Option<Finding> {
     let (low, high) = extremes(r.moment(), i);
     if low == high {

@@ -61,11 +61,11 @@ fn correlation(pairs: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {
     if xx * yy > 0.0 { xy / (xx * yy).sqrt() } else { 0.0 }
 }
 
-/// `M = c1 dω + c2 sgn(ω) + c3 ω` of one wheel's drive on one wheel's motion.
+/// `M = c1 dω + c2 sgn(ω) + c3 ω` of one wheel's input on one wheel's motion.
 struct SimpleFit {
     inertia: f64,
     std_error: f64,
-    /// Share of the input that is not explained [1].
+    /// Share of the input that is not explained \[1\].
     rest: f64,
 }
 

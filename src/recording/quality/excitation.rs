@@ -4,7 +4,7 @@ use super::super::Recording;
 use super::window::Window;
 use super::{Finding, Issue, Severity, quantile};
 
-/// Speed below which a wheel counts as standing, over the top speed [1].
+/// Speed below which a wheel counts as standing, over the top speed \[1\].
 const STANDING: f64 = 0.03;
 /// Share of the moving windows below which a kind of motion counts as absent.
 const ABSENT: f64 = 0.03;

@@ -5,9 +5,9 @@ use std::f64::consts::{PI, TAU};
 use super::Gaps;
 use crate::recording::DriveUnit;
 
-/// Slowest rate at which starts and stops are still resolved [Hz].
+/// Slowest rate at which starts and stops are still resolved \[Hz\].
 pub(super) const SLOW: f64 = 20.0;
-/// Shortest recording worth fitting [s]: two windows over which errors are judged.
+/// Shortest recording worth fitting \[s\]: two windows over which errors are judged.
 pub(super) const SHORT: f64 = 4.0;
 /// Names of the wheels in findings.
 const WHEELS: [&str; 2] = ["wheel 1 (right)", "wheel 2 (left)"];
@@ -16,15 +16,15 @@ const WHEELS: [&str; 2] = ["wheel 1 (right)", "wheel 2 (left)"];
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Issue {
-    /// The recording lasts only so long [s].
+    /// The recording lasts only so long \[s\].
     Short(f64),
-    /// Rows a second [Hz].
+    /// Rows a second \[Hz\].
     Slow(f64),
-    /// Standard deviation of the step in time, over the median step [1].
+    /// Standard deviation of the step in time, over the median step \[1\].
     Uneven(f64),
     /// Gaps in time, with the number of pieces too short to judge an error on.
     Gaps(Gaps, usize),
-    /// Share of the rows that repeat the sensors [1].
+    /// Share of the rows that repeat the sensors \[1\].
     Repeats(f64),
     /// A wheel never moves.
     Still(usize),
@@ -45,7 +45,7 @@ pub enum Issue {
         value: f64,
         /// Its unit.
         unit: DriveUnit,
-        /// Share of the samples [1].
+        /// Share of the samples \[1\].
         share: f64,
         /// Whether it is so often there that it is a command of constant size.
         is_command: bool,
@@ -58,7 +58,7 @@ pub enum Issue {
         wheel: usize,
         /// How many.
         count: usize,
-        /// Time of the first [s].
+        /// Time of the first \[s\].
         t: f64,
         /// The first, between its neighbours.
         around: [f64; 3],
@@ -69,14 +69,14 @@ pub enum Issue {
         wheel: usize,
         /// How many.
         count: usize,
-        /// Time of the first [s].
+        /// Time of the first \[s\].
         t: f64,
-        /// Its size [rad].
+        /// Its size \[rad\].
         size: f64,
     },
     /// Speeds in steps of so many rad/s, a visible part of the speed itself.
     CoarseSpeed(usize, f64),
-    /// Share of the time at a standstill [1].
+    /// Share of the time at a standstill \[1\].
     Standstill(f64),
     /// Both wheels carry the same numbers.
     OneAxis,
@@ -90,7 +90,7 @@ pub enum Issue {
     TooFast {
         /// The highest [rad/s].
         top: f64,
-        /// Radius of the wheels [m].
+        /// Radius of the wheels \[m\].
         radius: f64,
     },
     /// The speed of each wheel follows the angle of the other.
@@ -99,9 +99,9 @@ pub enum Issue {
     Ratio {
         /// Wheel.
         wheel: usize,
-        /// Speed over slope [1].
+        /// Speed over slope \[1\].
         ratio: f64,
-        /// Radius of the wheels [m].
+        /// Radius of the wheels \[m\].
         radius: f64,
     },
     /// The input of each wheel moves the other.

@@ -1,4 +1,4 @@
-//! Made recordings of a known robot: a clean one says nothing, and every defect is named.
+//! Simulated recordings of a known robot: a clean one has no finding, and every defect is named.
 
 use super::*;
 use crate::model::Model;

@@ -4,12 +4,12 @@ use super::super::Recording;
 use super::issue::{SHORT, SLOW};
 use super::{Finding, Gaps, Issue, Severity};
 
-/// Jitter from which on even steps are not a good description [1].
+/// Jitter from which on even steps are not a good description \[1\].
 const UNEVEN: f64 = 0.3;
-/// Shortest piece between gaps over which an error is judged [s].
+/// Shortest piece between gaps over which an error is judged \[s\].
 const PIECE: f64 = 2.0;
 
-/// Rate [Hz], jitter [1] and gaps.
+/// Rate \[Hz\], jitter \[1\] and gaps.
 pub(super) fn measure(r: &Recording) -> (f64, f64, Gaps) {
     let (t, step) = (r.t(), r.step());
     let (mut square, mut count) = (0.0, 0_usize);

@@ -19,9 +19,9 @@ pub(crate) struct Window {
 
 /// The channels that windows are made of.
 pub(crate) struct View<'a> {
-    /// Time [s].
+    /// Time \[s\].
     pub(crate) t: &'a [f64],
-    /// Angles [rad].
+    /// Angles \[rad\].
     pub(crate) alpha: &'a [[f64; 2]],
     /// Speeds [rad/s].
     pub(crate) omega: &'a [[f64; 2]],
@@ -29,11 +29,11 @@ pub(crate) struct View<'a> {
     pub(crate) moment: &'a [[f64; 2]],
     /// Ranges of rows without a gap.
     pub(crate) pieces: &'a [Range<usize>],
-    /// Median step [s].
+    /// Median step \[s\].
     pub(crate) step: f64,
 }
 
-/// Length of a window [s].
+/// Length of a window \[s\].
 const LENGTH: f64 = 0.1;
 /// Fewest samples of a window.
 const SAMPLES: usize = 8;

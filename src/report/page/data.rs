@@ -18,7 +18,7 @@ const DOTS: usize = 4000;
 /// to a pixel where 30 of it lie one above the other; the x axis, which can be zoomed into further, keeps more.
 const Y_DIGITS: i32 = 4;
 const X_DIGITS: i32 = 5;
-/// Height of a panel, alone and among others [px].
+/// Height of a panel, alone and among others \[px\].
 const HEIGHT: (f64, f64) = (340.0, 165.0);
 
 #[derive(Serialize)]

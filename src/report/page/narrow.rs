@@ -5,7 +5,7 @@ use crate::report::figure::{Figure, Size};
 use crate::report::plot::{Purpose, draw};
 use crate::report::raster::described;
 
-/// Width of a drawing on a phone: a screen of 390 px less the margins of the page [px].
+/// Width of a drawing on a phone: a screen of 390 px less the margins of the page \[px\].
 const NARROW: f64 = 358.0;
 
 /// The drawing for wide and the one for narrow screens.

@@ -12,7 +12,7 @@ use super::plan::Frame;
 /// Share of a category that its bars fill.
 const FILLED: f64 = 0.68;
 
-/// One bar: across its length from `low` to `high` [px], along it by the frame.
+/// One bar: across its length from `low` to `high` \[px\], along it by the frame.
 struct Place {
     low: f64,
     high: f64,

@@ -3,7 +3,7 @@
 use crate::report::figure::{Axis, AxisScale, ColorMap, HeatMap};
 use crate::report::scale::Scale;
 
-/// Room to the right of the plot for the colour bar and its labels [px].
+/// Room to the right of the plot for the colour bar and its labels \[px\].
 pub(super) const BAR_ROOM: f64 = 82.0;
 
 /// What the colour shows.

@@ -12,13 +12,13 @@ use super::stroke::stroke;
 
 const SWATCH: f64 = 20.0;
 const BETWEEN: f64 = 18.0;
-/// From line to line [px].
+/// From line to line \[px\].
 const ROW: f64 = 20.0;
 
 /// How a series looks in the legend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Sample {
-    /// Dashes and width of the stroke [px].
+    /// Dashes and width of the stroke \[px\].
     Line(Dash, f64),
     Dots,
     Patch(f64),
@@ -134,7 +134,7 @@ pub(super) fn lines(entries: &[Entry], width: f64) -> Vec<&[Entry]> {
     lines
 }
 
-/// Room of lines above all panels, with a gap below them [px].
+/// Room of lines above all panels, with a gap below them \[px\].
 pub(super) fn height(lines: usize) -> f64 {
     if lines == 0 { 0.0 } else { lines as f64 * ROW + 8.0 }
 }

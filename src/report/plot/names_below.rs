@@ -2,9 +2,9 @@
 
 use super::pen::{CATEGORY, GAP};
 
-/// Longest upright name below a plot [px].
+/// Longest upright name below a plot \[px\].
 const UPRIGHT: f64 = 150.0;
-/// Names up to this length are never turned [px].
+/// Names up to this length are never turned \[px\].
 const SHORT: f64 = 44.0;
 
 /// How names stand below a plot: broken into lines where they fit, else upright, and only every
@@ -15,11 +15,11 @@ pub(super) struct NamesBelow {
     pub(super) upright: bool,
     /// Every so many are drawn.
     pub(super) stride: usize,
-    /// Room below the plot [px].
+    /// Room below the plot \[px\].
     pub(super) height: f64,
 }
 
-/// The layout of `names` below a plot of that width [px].
+/// The layout of `names` below a plot of that width \[px\].
 pub(super) fn names_below(names: &[String], width: f64) -> NamesBelow {
     let slot = width / names.len().max(1) as f64;
     let room = slot - 8.0;

@@ -38,7 +38,7 @@ pub(super) enum Anchor {
     End,
 }
 
-/// Size [px], weight, colour and direction of a text.
+/// Size \[px\], weight, colour and direction of a text.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pen {
     pub(super) size: f64,
@@ -68,12 +68,12 @@ impl Pen {
         self
     }
 
-    /// From the baseline of one line to the next [px].
+    /// From the baseline of one line to the next \[px\].
     pub(super) fn line_height(&self) -> f64 {
         1.3 * self.size
     }
 
-    /// From the middle of digits and capitals down to their baseline [px].
+    /// From the middle of digits and capitals down to their baseline \[px\].
     pub(super) fn half_capital(&self) -> f64 {
         0.36 * self.size
     }
@@ -87,7 +87,7 @@ impl Pen {
         if self.upright { style.transform(FontTransform::Rotate270) } else { style }
     }
 
-    /// Length of a text along its baseline [px].
+    /// Length of a text along its baseline \[px\].
     pub(super) fn width(&self, text: &str) -> f64 {
         let size = self.style().font.box_size(&printable(text));
         // without font metrics half an em a letter is a fair guess

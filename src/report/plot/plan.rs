@@ -12,7 +12,7 @@ use super::ticks::{x_ticks, y_ticks};
 
 /// Names left of a plot take at most this share of the width.
 const NAMES_SHARE: f64 = 0.34;
-/// Between a bar and the text at its end, and behind that [px].
+/// Between a bar and the text at its end, and behind that \[px\].
 const TEXT_GAP: f64 = 10.0;
 /// A pixel place farther out than this is as good as at infinity.
 const FAR: f64 = 1e6;
@@ -60,7 +60,7 @@ pub(super) struct Plan<'a> {
     pub(super) x_names: Option<Vec<String>>,
     pub(super) y_names: Option<Vec<String>>,
     pub(super) legend: Vec<Entry>,
-    /// Room above the plot for title, axis label and legend [px].
+    /// Room above the plot for title, axis label and legend \[px\].
     pub(super) above: f64,
     pub(super) legend_beside_label: bool,
     /// Whether this panel carries the labels of its x axis.
@@ -150,7 +150,7 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// Height the panel would like its plot to have [px].
+    /// Height the panel would like its plot to have \[px\].
     pub(super) fn wanted_height(&self, cell_width: f64, alone: bool) -> f64 {
         let is_broken = |name: &String| CATEGORY.width(name) > NAMES_SHARE * cell_width;
         match (&self.y_names, bars(self.panel)) {
@@ -172,7 +172,7 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// Room to the left of the plot for the labels of the y axis [px].
+    /// Room to the left of the plot for the labels of the y axis \[px\].
     pub(super) fn left(&self, cell_width: f64, height: f64) -> f64 {
         let widest = match self.y_marks(height) {
             Marks::Names(names) => {
@@ -187,7 +187,7 @@ impl<'a> Plan<'a> {
         widest + GAP + 1.0
     }
 
-    /// Room to the right of the plot [px]: half a tick label, or a colour bar.
+    /// Room to the right of the plot \[px\]: half a tick label, or a colour bar.
     pub(super) fn right(&self) -> f64 {
         match heat_map(self.panel) {
             Some(_) => BAR_ROOM,
@@ -195,7 +195,7 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// Room below the plot for the labels of the x axis [px].
+    /// Room below the plot for the labels of the x axis \[px\].
     pub(super) fn below(&self, width: f64) -> f64 {
         if !self.shows_x {
             return 8.0;

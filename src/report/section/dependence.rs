@@ -1,7 +1,8 @@
 //! What the residual torque depends on, before and after what was found: which points to the missing effect.
 
 use super::{Section, words};
-use crate::compare::{Curve, CurveBin, Mean, WORTH};
+use crate::compare::{Curve, CurveBin, Mean};
+use crate::diagnose::THRESHOLDS;
 use crate::report::block::{Block, Cell, Column, Table};
 use crate::report::figure::{Axis, Dash, ErrorBar, Figure, Layer, Panel, Role};
 use crate::report::format;
@@ -43,7 +44,7 @@ fn figure(study: &Study) -> Figure {
     let before = format::percent(first.share_before);
     let variable = first.variable.words();
     let title = match first.share_after {
-        _ if first.share_before < WORTH => {
+        _ if first.share_before < THRESHOLDS.named_share => {
             "The residual torque depends on nothing that was looked at".to_owned()
         }
         Some(after) => format!(
@@ -77,7 +78,7 @@ fn drawn(study: &Study) -> Vec<&Curve> {
     let mut drawn: Vec<&Curve> = study.curves.iter().take(DRAWN).collect();
     let left = |c: &Curve| c.share_after.unwrap_or(0.0);
     let most = study.curves.iter().max_by(|a, b| left(a).total_cmp(&left(b)));
-    if let Some(most) = most.filter(|c| left(c) >= WORTH)
+    if let Some(most) = most.filter(|c| left(c) >= THRESHOLDS.named_share)
         && drawn.iter().all(|c| c.variable != most.variable)
     {
         drawn.pop();

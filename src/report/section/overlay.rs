@@ -6,7 +6,7 @@ use crate::report::figure::{Axis, Dash, Figure, Layer, Panel, Role, Size};
 use crate::report::format;
 use crate::study::{ModelStudy, Performance, RecordingStudy, Study};
 
-/// Length of the stretch that the first screen shows [s]: four simulations of 2 s.
+/// Length of the stretch that the first screen shows \[s\]: four simulations of 2 s.
 const STRETCH: f64 = 8.0;
 
 /// Figures over the time of the recording that is shown zoom together.

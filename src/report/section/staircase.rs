@@ -6,7 +6,7 @@ use crate::report::figure::{Axis, BarSeries, Bars, Direction, Figure, Layer, Pan
 use crate::report::format;
 use crate::study::Study;
 
-/// The staircase.
+/// Error by model version.
 #[derive(Default)]
 pub struct Staircase;
 

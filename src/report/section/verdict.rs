@@ -2,10 +2,11 @@
 
 use super::overlay::Overlay;
 use super::{Depth, Section, words};
+use crate::diagnose::THRESHOLDS;
 use crate::identify::Status;
 use crate::report::block::{Block, Number, Text, Tone};
 use crate::report::format;
-use crate::study::{self, AT_FLOOR, Grade, Role, Study};
+use crate::study::{self, Grade, Role, Study};
 
 /// The verdict.
 #[derive(Default)]
@@ -135,7 +136,7 @@ fn compared(study: &Study, error: f64) -> (Tone, String) {
             places.push(place);
         }
     }
-    if ratio <= AT_FLOOR {
+    if ratio <= THRESHOLDS.at_floor {
         let sentence = "The model follows the measurement down to the noise floor.";
         return (Tone::Good, sentence.to_owned());
     }

@@ -10,7 +10,7 @@ use crate::study::{ParameterStudy, Study};
 
 /// Rows held of all recordings together, which keeps the page below 3 MB.
 const ROWS: usize = 24_000;
-/// Longest stretch that is simulated [s]: at 1 ms a step, a slider is followed without delay (taste).
+/// Longest stretch that is simulated \[s\]: at 1 ms a step, a slider is followed without delay (taste).
 const SECONDS: f64 = 60.0;
 /// Range of a slider (taste): shares of the estimate, for the base model and for effects, which may be absent
 /// or twice as large; and standard errors at least.

@@ -47,7 +47,7 @@ fn the_papers_system_is_the_weighted_average_written_out() {
     assert!((system.firing(&w).iter().sum::<f64>() - 1.0).abs() < 1e-14);
 }
 
-/// Output and its derivatives [output][input] by the speeds.
+/// Output and its derivatives [output]\[input\] by the speeds.
 fn with_gradient(system: &TakagiSugeno, w: [f64; 2]) -> ([f64; 2], [[f64; 2]; 2]) {
     let out = system.output(&[Dual::<2>::variable(w[0], 0), Dual::variable(w[1], 1)]);
     (out.map(|v| v.value), out.map(|v| v.partial))

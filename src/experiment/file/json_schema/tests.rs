@@ -1,3 +1,5 @@
+mod defaults;
+
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -348,7 +350,7 @@ fn units_of_columns_are_those_that_the_program_converts() {
                 )
             };
             assert!(complaints(&column("")).is_empty(), "{key} in {unit}");
-            // with what some units need, one of the drive units reads every spelling
+            // with what some units need, one of the units of the input reads every spelling
             let read = ["N m", "V", "A"].iter().any(|drive| {
                 let unit_of_drive = toml::from_str::<ExperimentFile>(&format!(
                     "{}drive_unit = \"{drive}\"\n",

@@ -1,7 +1,8 @@
 //! The statistics of a grid against numbers worked out by hand.
 
-use super::super::cell::Exact;
+use super::super::cell::{Exact, RowStatus};
 use super::*;
+use crate::identify::Status;
 
 fn row(method: &str, value: f64, std_error: f64) -> Row {
     let estimate = crate::identify::Estimate::new("a1", "kg m^2".into(), value, std_error);
@@ -18,25 +19,20 @@ fn row(method: &str, value: f64, std_error: f64) -> Row {
         ise_validation: Exact(0.0),
         window_rms: Exact(0.2),
         floor: Exact(0.1),
-        status: "converged".into(),
+        status: RowStatus::Fitted(Status::Converged),
         reason: "".into(),
         seconds: Exact(0.0),
     }
 }
 
 fn failure(method: &str) -> Row {
-    let (parameter, status) = ("".into(), "failed".into());
+    let (parameter, status) = ("".into(), RowStatus::Failed);
     Row { parameter, status, ..row(method, f64::NAN, f64::NAN) }
 }
 
 fn cells(rows: Vec<Vec<Row>>) -> Vec<Cell> {
-    let cell = |(cell, rows)| Cell {
-        key: String::new(),
-        cell,
-        verdict: String::new(),
-        found: String::new(),
-        rows,
-    };
+    let cell =
+        |(cell, rows)| Cell { key: String::new(), cell, verdict: None, found: String::new(), rows };
     rows.into_iter().enumerate().map(cell).collect()
 }
 

@@ -1,0 +1,35 @@
+//! Formats whose files are read at once, one file each.
+
+use std::path::Path;
+
+use super::IoError;
+use super::signals::Signals;
+
+/// A format that is known by its extension and first bytes and read at once.
+pub(super) struct WholeFormat {
+    /// Extension of its files.
+    pub(super) extension: &'static str,
+    /// First bytes of its files; empty where they do not tell.
+    pub(super) magic: &'static [u8],
+    /// Reads a file.
+    pub(super) read: fn(&Path) -> Result<Content, IoError>,
+}
+
+/// What a file holds.
+pub(super) enum Content {
+    /// Named columns of equal length.
+    Columns(Vec<(String, Vec<f64>)>),
+    /// Named signals, each with its own stamps.
+    Signals(Signals),
+}
+
+/// Declares one module per format and lists what they read.
+macro_rules! formats {
+    ($($module:ident),+ $(,)?) => {
+        $(mod $module;)+
+
+        /// Every format that is read at once.
+        static WHOLE: &[whole::WholeFormat] = &[$($module::FORMAT),+];
+    };
+}
+pub(super) use formats;
