@@ -49,7 +49,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let model = Model::base(Robot::amigobot()).add_effect(Arc::new(AirDrag))?;
     let mut parameters = model.initial();
     parameters[model.index_of("c_a")?] = 0.2;
-    let noise = NoiseLevel { dalpha: 0.05, alpha: 0.001, moment: 0.005 };
+    let noise = NoiseLevel { dalpha: 0.05, alpha: 0.001, torque: 0.005 };
     let recorder = Recorder { rate: 100.0, control_rate: 1000.0, noise, ticks: None, seed: 1 };
     let movement = Movement::rich(model.robot(), 1, 20.0, 12.0);
     let recording = record("synthetic", &model, &parameters, &movement, &recorder)?;

@@ -19,7 +19,7 @@ use amigo_ident::verdict::{Basis, verdict};
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let hidden = std::env::args().nth(1).unwrap_or_else(|| "turning_scrub".into());
     let robot = Model::with_effects(Robot::amigobot(), &[&hidden])?;
-    let noise = NoiseLevel { dalpha: 0.02, alpha: 5e-4, moment: 0.002 };
+    let noise = NoiseLevel { dalpha: 0.02, alpha: 5e-4, torque: 0.002 };
     let mut recordings = Vec::new();
     for seed in 1..=3 {
         let recorder = Recorder { rate: 100.0, control_rate: 1000.0, noise, ticks: None, seed };

@@ -22,7 +22,7 @@
 //!
 //! // a recording; one of your own: io::read_recording
 //! let robot = Model::with_effects(Robot::amigobot(), &["turning_scrub"])?;
-//! let noise = NoiseLevel { dalpha: 0.02, alpha: 5e-4, moment: 0.002 };
+//! let noise = NoiseLevel { dalpha: 0.02, alpha: 5e-4, torque: 0.002 };
 //! let recorder = Recorder { rate: 100.0, control_rate: 1000.0, noise, ticks: None, seed: 1 };
 //! let movement = Movement::rich(robot.robot(), 1, 25.0, 12.0);
 //! let train = [record("synthetic", &robot, &robot.initial(), &movement, &recorder)?];

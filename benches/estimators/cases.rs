@@ -46,7 +46,7 @@ fn of_preset(n: usize, seed: u64) -> Case {
     let model = Model::base(robot);
     let truth = model.initial();
     let noise =
-        NoiseLevel { dalpha: SPEED_NOISE, alpha: ANGLE_NOISE, moment: TORQUE_NOISE * truth[3] };
+        NoiseLevel { dalpha: SPEED_NOISE, alpha: ANGLE_NOISE, torque: TORQUE_NOISE * truth[3] };
     let rate = if seed.is_multiple_of(2) { 100.0 } else { 200.0 };
     let mut recordings: Vec<Recording> = (0..RECORDINGS)
         .map(|r| {

@@ -10,7 +10,7 @@ static PAPER: LazyLock<Recording> = LazyLock::new(|| {
     if let Some(last) = movement.segments.last_mut() {
         last.hold_s += 3.0;
     }
-    let noise = NoiseLevel { alpha: 1e-3, dalpha: 0.05, moment: 0.005 };
+    let noise = NoiseLevel { alpha: 1e-3, dalpha: 0.05, torque: 0.005 };
     let recorder = Recorder { rate: 100.0, control_rate: 1000.0, noise, ticks: None, seed: 1 };
     record("paper", &BASE, &BASE.initial(), &movement, &recorder).expect("the truth can move")
 });

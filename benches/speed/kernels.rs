@@ -10,13 +10,13 @@ use super::BASE;
 pub(crate) fn kernel(p: &[f64], recording: &Recording) -> f64 {
     let [a1, a2, a3, a4, a5] = [p[0], p[1], p[2], p[3], p[4]];
     let inverse = 1.0 / (a1 * a1 - a2 * a2);
-    let (t, moment, measured) = (recording.t(), recording.moment(), recording.omega());
+    let (t, torque, measured) = (recording.t(), recording.torque(), recording.omega());
     let (mut alpha, mut w, mut sum) = ([0.0; 2], [0.0_f64; 2], 0.0);
     for k in 1..t.len() {
         let h = t[k] - t[k - 1];
         let turn = a3 * (w[1] - w[0]);
-        let b1 = 0.5 * (moment[k - 1][0] + moment[k][0]) - turn * w[1] - a4 * sign(w[0]);
-        let b2 = 0.5 * (moment[k - 1][1] + moment[k][1]) + turn * w[0] - a5 * sign(w[1]);
+        let b1 = 0.5 * (torque[k - 1][0] + torque[k][0]) - turn * w[1] - a4 * sign(w[0]);
+        let b2 = 0.5 * (torque[k - 1][1] + torque[k][1]) + turn * w[0] - a5 * sign(w[1]);
         w = [w[0] + h * inverse * (a1 * b1 - a2 * b2), w[1] + h * inverse * (a1 * b2 - a2 * b1)];
         alpha = [alpha[0] + h * w[0], alpha[1] + h * w[1]];
         sum += h * ((measured[k][0] - w[0]).powi(2) + (measured[k][1] - w[1]).powi(2));
@@ -36,14 +36,14 @@ pub(crate) fn kernel_of_fourth_order(p: &[f64], recording: &Recording) -> f64 {
 fn by_fourth_order(p: &[f64], recording: &Recording, mut see: impl FnMut(usize, f64, [f64; 2])) {
     let [a1, a2, a3, a4, a5] = [p[0], p[1], p[2], p[3], p[4]];
     let inverse = 1.0 / (a1 * a1 - a2 * a2);
-    let (t, moment, measured) = (recording.t(), recording.moment(), recording.omega());
+    let (t, torque, measured) = (recording.t(), recording.torque(), recording.omega());
     let mut w = [0.0_f64; 2];
     for k in 1..t.len() {
         let h = t[k] - t[k - 1];
         let friction = [a4 * sign(w[0]), a5 * sign(w[1])];
         w = fourth_order(w, h, |c, w| {
             let turn = a3 * (w[1] - w[0]);
-            let m = between(c, moment[k - 1], moment[k]);
+            let m = between(c, torque[k - 1], torque[k]);
             let b = [m[0] - turn * w[1] - friction[0], m[1] + turn * w[0] - friction[1]];
             [inverse * (a1 * b[0] - a2 * b[1]), inverse * (a1 * b[1] - a2 * b[0])]
         });
@@ -59,14 +59,14 @@ pub(crate) fn kernel_of_eight(p: &[f64], recording: &Recording) -> f64 {
     let (above, width) = ([p[13] + p[15], p[13] - p[15]], 1.0 / (p[14] * p[14]));
     let (m11, m22) = (a1 + lateral, a1 - lateral);
     let inverse = 1.0 / (m11 * m22 - a2 * a2);
-    let (t, moment, measured) = (recording.t(), recording.moment(), recording.omega());
+    let (t, torque, measured) = (recording.t(), recording.torque(), recording.omega());
     let (mut w, mut sum) = ([0.0_f64; 2], 0.0);
     for k in 1..t.len() {
         let h = t[k] - t[k - 1];
         let (s1, s2) = (sign(w[0]), sign(w[1]));
         let (turning, forward) = (scrub * sign(w[0] - w[1]), caster * sign(w[0] + w[1]));
         w = fourth_order(w, h, |c, w| {
-            let m = between(c, moment[k - 1], moment[k]);
+            let m = between(c, torque[k - 1], torque[k]);
             let (turn, across) = (a3 * (w[1] - w[0]), yaw * (w[0] - w[1]));
             let dry = |i: usize, level: f64| level + above[i] * (-width * w[i] * w[i]).exp();
             let rest = |i: usize| m[i] - offset[i] - viscous * w[i] - drag * w[i] * w[i].abs();

@@ -52,7 +52,7 @@ const NOISE: ProcessNoise = ProcessNoise { sigma_m: 0.005, sigma_d: 0.002, tau_d
 fn made(hidden: &[&str], seconds: f64, seed: u64) -> Recording {
     let truth = Model::with_effects(Robot::amigobot(), hidden).expect("registered effects");
     let movement = Movement::rich(truth.robot(), seed, seconds, 12.0);
-    let noise = NoiseLevel { alpha: 1e-3, dalpha: 0.05, moment: 0.005 };
+    let noise = NoiseLevel { alpha: 1e-3, dalpha: 0.05, torque: 0.005 };
     let recorder = Recorder { rate: 200.0, control_rate: 1000.0, noise, ticks: None, seed };
     record("made", &truth, &truth.initial(), &movement, &recorder).expect("the truth can move")
 }
@@ -64,7 +64,7 @@ static RUN: LazyLock<Recording> = LazyLock::new(|| made(&[], 25.0, 1));
 /// 25 s at 100 Hz with exact torques: the data of output error.
 static EXACT: LazyLock<Recording> = LazyLock::new(|| {
     let movement = Movement::rich(BASE.robot(), 1, 25.0, 12.0);
-    let noise = NoiseLevel { alpha: 1e-3, dalpha: 0.02, moment: 0.0 };
+    let noise = NoiseLevel { alpha: 1e-3, dalpha: 0.02, torque: 0.0 };
     let recorder = Recorder { rate: 100.0, control_rate: 100.0, noise, ticks: None, seed: 1 };
     record("exact", &BASE, &BASE.initial(), &movement, &recorder).expect("the truth can move")
 });
@@ -74,7 +74,7 @@ fn with_effects(count: usize) -> Model {
 }
 
 fn input(recording: &Recording) -> Input<'_> {
-    Input { t: recording.t(), moment: recording.moment(), hold: Hold::Linear }
+    Input { t: recording.t(), torque: recording.torque(), hold: Hold::Linear }
 }
 
 fn likelihood(recordings: &[Recording]) -> Likelihood<'_> {

@@ -216,7 +216,7 @@ static CASES: [Case; 30] = [
     Case {
         id: "torque_gain",
         hidden: &[("g", 0.05)],
-        against: Some(Variable::Moment2),
+        against: Some(Variable::Input2),
         reading: "The line of wheel 2 falls with its input, although the gain of wheel 1 is wrong: \
                   the common inertia and friction have absorbed half of it and left the other \
                   half, with the opposite sign, to wheel 2. Over its own input wheel 1 has a \
@@ -226,14 +226,14 @@ static CASES: [Case; 30] = [
     Case {
         id: "torque_saturation",
         hidden: &[("limit", 0.4)],
-        against: Some(Variable::Moment1),
+        against: Some(Variable::Input1),
         reading: "X",
         ..PLAIN
     },
     Case {
         id: "backlash_deadzone",
         hidden: &[("d", 0.01)],
-        against: Some(Variable::Moment1),
+        against: Some(Variable::Input1),
         reading: "A step on wheel 1 where its input changes sign, from +d to -d, that fades \
                   towards large torques, where the fitted inertia and friction have taken it up.",
         ..PLAIN

@@ -33,7 +33,7 @@ pub(crate) fn page(case: &Case, outcome: &Outcome) -> Result<String, Failure> {
     let effect = effects::find(case.id).ok_or("the case is of a registered effect")?;
     let d = effect.description();
     let mut out = format!("# {} (`{}`)\n\n```text\n{}\n```\n\n", d.title, d.id, d.equation);
-    out += &kind(case.id, effect.energy(), effect.acts_on_drive());
+    out += &kind(case.id, effect.energy(), effect.acts_on_input());
     out += &parameters(effect.as_ref(), outcome);
     let _ = writeln!(out, "![{}]({}.png)\n", alternative(case), d.id);
     out += &reading(case, outcome);
@@ -56,8 +56,8 @@ fn sentence(text: &str) -> String {
     format!("{first}{}.", letters.as_str())
 }
 
-fn kind(id: &str, energy: Energy, acts_on_drive: bool) -> String {
-    let side = if acts_on_drive {
+fn kind(id: &str, energy: Energy, acts_on_input: bool) -> String {
+    let side = if acts_on_input {
         "It changes the recorded torque before the equation of motion"
     } else {
         "It stands on the side of the resistances, against the torque of the input"
@@ -237,6 +237,6 @@ fn conditions(case: &Case) -> String {
          rad/s in the speeds, {} rad in the angles, {} N m in the torques. Both models are fitted \
          by `{}`{held}; picture and diagnosis are of the model without the effect, by the filter. \
          Repeat:\n\n```sh\n{COMMAND} -- --only {}\n```\n\n[All effects](README.md)\n",
-        NOISE.dalpha, NOISE.alpha, NOISE.moment, METHOD, case.id
+        NOISE.dalpha, NOISE.alpha, NOISE.torque, METHOD, case.id
     )
 }

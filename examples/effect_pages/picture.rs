@@ -38,9 +38,9 @@ fn missing(dependence: &Dependence) -> Panel {
     )
     .with(Layer::HLine { at: 0.0, label: String::new(), role: Role::Ink, dash: Dash::Solid });
     for (i, (label, role)) in WHEELS.into_iter().enumerate() {
-        let known = dependence.bins.iter().filter(|bin| bin.moment[i].is_finite());
+        let known = dependence.bins.iter().filter(|bin| bin.torque[i].is_finite());
         let rows: Vec<(f64, f64, f64)> =
-            known.map(|bin| (bin.at, bin.moment[i], 1.96 * bin.std_error[i])).collect();
+            known.map(|bin| (bin.at, bin.torque[i], 1.96 * bin.std_error[i])).collect();
         let points: Vec<(f64, f64)> = rows.iter().map(|row| (row.0, row.1)).collect();
         panel = panel
             .with(Layer::Band {

@@ -1,7 +1,7 @@
 //! Recordings with an effect hidden in them, fits without and with it, and the diagnosis.
 
 use amigo_ident::compare::{
-    Dependence, missing_moment, noise_floor, simulate_recording, window_rms,
+    Dependence, noise_floor, simulate_recording, unexplained_torque, window_rms,
 };
 use amigo_ident::diagnose::{Data, Diagnosis, Settings, diagnose};
 use amigo_ident::effects::BASE;
@@ -18,7 +18,7 @@ use crate::cases::Case;
 /// Method of the fits whose errors are compared.
 pub(crate) const METHOD: &str = "prediction_error";
 /// Noise of the recordings, N2 of the benchmark.
-pub(crate) const NOISE: NoiseLevel = NoiseLevel { alpha: 1e-3, dalpha: 0.05, moment: 0.005 };
+pub(crate) const NOISE: NoiseLevel = NoiseLevel { alpha: 1e-3, dalpha: 0.05, torque: 0.005 };
 /// Recordings to fit, and one more to judge by.
 const TRAIN: u64 = 4;
 /// Length of a recording [s].
@@ -74,7 +74,7 @@ pub(crate) fn run(case: &Case) -> Result<Outcome, Failure> {
     let [held_out] = held;
     let base = &diagnosis.base;
     let (noise, _) = likelihood.noise(&base.model, &base.p, &likelihood.initial_noise());
-    let missing = missing_moment(&base.model, &base.p, &noise, &likelihood)?;
+    let missing = unexplained_torque(&base.model, &base.p, &noise, &likelihood)?;
     let strongest = missing.dependences[0].variable;
     if case.against.is_some_and(|expected| expected != strongest) {
         let words = strongest.words();

@@ -79,7 +79,7 @@ impl Fit {
         let hold = if linear { Hold::Linear } else { Hold::Constant };
         let start = State { alpha, omega: dalpha };
         let motion = py.allow_threads(|| {
-            self.fit.dynamics.simulate(&Input { t: &t, moment: &rows, hold }, start)
+            self.fit.dynamics.simulate(&Input { t: &t, torque: &rows, hold }, start)
         });
         let motion = motion.map_err(|e| crate::error::failed(&e.into()))?;
         let alpha: Vec<[f64; 2]> = motion.iter().map(|s| s.alpha).collect();

@@ -116,7 +116,7 @@ impl Recording {
     }
 
     fn input<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        array::pairs(py, self.measured.recording.moment())
+        array::pairs(py, self.measured.recording.torque())
     }
 
     /// Standard deviations of the measurement noise as JSON.

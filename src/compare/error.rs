@@ -32,17 +32,17 @@ pub fn simulate_recording(
     recording: &Recording,
     hold: Hold,
 ) -> Result<Simulated, SimulateError> {
-    let drive = Acting::new(dynamics, recording, recording.moment());
+    let input = Acting::new(dynamics, recording, recording.torque());
     let mut free = Vec::with_capacity(recording.len());
     let mut windows = Vec::with_capacity(recording.len());
     let mut window_starts = Vec::new();
     let mut window_states = Vec::new();
     for piece in recording.pieces() {
-        free.extend(drive.simulate_measured(piece.clone(), hold)?);
+        free.extend(input.simulate_measured(piece.clone(), hold)?);
         for window in windows_of(recording, piece, WINDOW) {
             window_starts.push(window.start);
             window_states.push(start_of(&recording.local_motion()[window.start]));
-            windows.extend(drive.simulate_measured(window, hold)?);
+            windows.extend(input.simulate_measured(window, hold)?);
         }
     }
     Ok(Simulated { free, windows, window_starts, window_states })
@@ -74,17 +74,17 @@ pub(super) fn windows_of(
 pub(crate) struct Acting<'a> {
     dynamics: &'a dyn Dynamics,
     recording: &'a Recording,
-    drive: Vec<[f64; 2]>,
+    input: Vec<[f64; 2]>,
 }
 
 impl<'a> Acting<'a> {
     pub(crate) fn new(
         dynamics: &'a dyn Dynamics,
         recording: &'a Recording,
-        moment: &[[f64; 2]],
+        torque: &[[f64; 2]],
     ) -> Self {
-        let drive = dynamics.drive(recording.t(), moment);
-        Self { dynamics, recording, drive }
+        let input = dynamics.input(recording.t(), torque);
+        Self { dynamics, recording, input }
     }
 
     /// The motion over a range of samples; far away (NaN) where it diverges: a bad model is a
@@ -98,7 +98,7 @@ impl<'a> Acting<'a> {
         let (samples, t) = (range.len(), self.recording.t());
         let run_in = self.run_in(range.start);
         let whole = range.start - run_in.samples..range.end;
-        let input = Input { t: &t[whole.clone()], moment: &self.drive[whole], hold };
+        let input = Input { t: &t[whole.clone()], torque: &self.input[whole], hold };
         match self.dynamics.simulate_part(&input, t[0], &run_in, start) {
             Err(SimulateError::Diverged { .. }) => {
                 Ok(vec![State { alpha: [f64::NAN; 2], omega: [f64::NAN; 2] }; samples])
@@ -216,7 +216,7 @@ mod tests {
             t,
             alpha: Some(alpha),
             omega: Some(vec![[0.0; 2]; rows as usize]),
-            moment: vec![[0.0; 2]; rows as usize],
+            torque: vec![[0.0; 2]; rows as usize],
         };
         let recording = Recording::new("made", channels, DriveUnit::NewtonMetre).unwrap();
         // errors 3 and 4 from sample 20 on, 100 before
@@ -232,7 +232,7 @@ mod tests {
         // errors 2t on wheel 1 and 1 on wheel 2 over 1 s: 4/3 and 1
         let t: Vec<f64> = (0..=100).map(|k| 0.01 * f64::from(k)).collect();
         let omega = t.iter().map(|t| [2.0 * t, 1.0]).collect();
-        let c = Channels { moment: vec![[0.0; 2]; 101], alpha: None, omega: Some(omega), t };
+        let c = Channels { torque: vec![[0.0; 2]; 101], alpha: None, omega: Some(omega), t };
         let r = Recording::new("a", c, DriveUnit::NewtonMetre).unwrap();
         let zero = vec![State::default(); 101];
         let [one, two] = ise(&r, &zero);

@@ -176,16 +176,16 @@ impl<'a> Runs<'a> {
         let short = whole.flat_map(|p| windows_of(recording, p, WINDOW)).collect();
         let plain = Run { free: None, windows: vec![] };
         let mut runs = Self { dynamics, recording, hold, reach, short, plain };
-        runs.plain = runs.run(recording.moment(), None)?;
+        runs.plain = runs.run(recording.torque(), None)?;
         Ok(runs)
     }
 
     fn run(
         &self,
-        moment: &[[f64; 2]],
+        torque: &[[f64; 2]],
         mut rng: Option<&mut ChaCha8Rng>,
     ) -> Result<Run, SimulateError> {
-        let acting = Acting::new(self.dynamics, self.recording, moment);
+        let acting = Acting::new(self.dynamics, self.recording, torque);
         let (whole, motion) = (self.recording.pieces(), self.recording.local_motion());
         let mut starts = |ranges: &[Range<usize>]| -> Vec<State> {
             ranges.iter().map(|range| start(&motion[range.start], rng.as_deref_mut())).collect()
@@ -215,18 +215,18 @@ impl<'a> Runs<'a> {
     /// The mean over draws of noise as large as the jumps of the recorded input.
     fn by_input_jumps(&self, rng: &mut ChaCha8Rng) -> Result<Apart, SimulateError> {
         let sigma = self.recording.input_jumps();
-        self.mean(DRAWS, |_| self.run(&noisier_drive(self.recording, sigma, rng), None))
+        self.mean(DRAWS, |_| self.run(&noisier_input(self.recording, sigma, rng), None))
     }
 
     /// The mean over draws of noise of the starting states.
     fn by_start_noise(&self, rng: &mut ChaCha8Rng) -> Result<Apart, SimulateError> {
-        self.mean(DRAWS, |_| self.run(self.recording.moment(), Some(rng)))
+        self.mean(DRAWS, |_| self.run(self.recording.torque(), Some(rng)))
     }
 
     /// The mean over both ways of leaving out every other row of the input: what is not known of it between its
     /// rows.
     fn by_every_other_row(&self) -> Result<Apart, SimulateError> {
-        let halved = |phase| every_other(self.recording, self.recording.moment(), phase, self.hold);
+        let halved = |phase| every_other(self.recording, self.recording.torque(), phase, self.hold);
         self.mean(2, |phase| self.run(&halved(phase), None))
     }
 
@@ -271,13 +271,13 @@ fn spread(a: &State, b: &State, i: usize) -> f64 {
 }
 
 /// The recorded input with noise of the deviations `sigma` [N m] added, one draw a row and wheel.
-pub fn noisier_drive(
+pub fn noisier_input(
     recording: &Recording,
     sigma: [f64; 2],
     rng: &mut ChaCha8Rng,
 ) -> Vec<[f64; 2]> {
     let single = recording.is_single_axis();
-    let rows = recording.moment().iter().map(|m| {
+    let rows = recording.torque().iter().map(|m| {
         // one axis written down twice has one noise
         let first = normal(rng);
         let second = if single { first } else { normal(rng) };
@@ -320,11 +320,11 @@ mod tests {
         let p = model.initial();
         let dynamics = PhysicalDynamics { model: model.clone(), p: p.clone() };
         // speeds that are noisier than the torques make them, and the other way round
-        for (dalpha, moment) in [(0.05, 1e-4), (0.002, 0.02)] {
+        for (dalpha, torque) in [(0.05, 1e-4), (0.002, 0.02)] {
             let (mut error, mut floor) = (0.0, 0.0);
             for seed in 0..8 {
                 let movement = Movement::rich(model.robot(), seed, 20.0, 12.0);
-                let noise = NoiseLevel { alpha: 1e-4, dalpha, moment };
+                let noise = NoiseLevel { alpha: 1e-4, dalpha, torque };
                 let recorder =
                     Recorder { rate: 200.0, control_rate: 1000.0, noise, ticks: None, seed };
                 let recording = record("true", &model, &p, &movement, &recorder).unwrap();
@@ -336,7 +336,7 @@ mod tests {
             let ratio = (error / floor).sqrt();
             // eighty windows of two wheels, whose errors follow the noise of the input like a random walk, leave
             // 8 % of the root; the sampling of the input stands in the floor with more than it does
-            assert!((0.75..1.15).contains(&ratio), "{dalpha} {moment}: {ratio}");
+            assert!((0.75..1.15).contains(&ratio), "{dalpha} {torque}: {ratio}");
         }
     }
 }

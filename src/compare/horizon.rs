@@ -65,7 +65,7 @@ fn horizon(
 ) -> Result<Horizon, SimulateError> {
     let mut pairs: [Vec<(f64, f64)>; 2] = [vec![], vec![]];
     for recording in recordings {
-        let acting = Acting::new(dynamics, recording, recording.moment());
+        let acting = Acting::new(dynamics, recording, recording.torque());
         let pieces = recording.pieces().iter();
         for rows in pieces.flat_map(|piece| windows_of(recording, piece, length)) {
             let states = acting.simulate_measured(rows.clone(), hold)?;

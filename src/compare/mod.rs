@@ -4,22 +4,22 @@ mod error;
 mod floor;
 mod horizon;
 mod low_pass;
-mod missing_moment;
 mod regime;
 mod residual_torque;
+mod unexplained_torque;
 mod whiteness;
 
 pub use error::{Simulated, angle_rms, ise, simulate_recording, window_errors, window_rms};
 pub(crate) use error::{WINDOW, start_of};
-pub use floor::{Floor, between_rows, noise_floor, noisier_drive, pooled_floor, unresolved};
+pub use floor::{Floor, between_rows, noise_floor, noisier_input, pooled_floor, unresolved};
 pub use horizon::{Horizon, fit_percent, horizons};
 pub use low_pass::{filtered, smooth_motion};
-pub use missing_moment::{
-    Bin, Dependence, MissingMoment, Variable, log_significance, missing_moment, project,
-    score_statistic,
-};
 pub(crate) use regime::{AT_FLOOR, REGIME_RATE};
 pub use regime::{Failure, failures};
 pub use residual_torque::{Curve, CurveBin, Mean, clustered_mean, curves, residual_torque};
 pub(crate) use residual_torque::{REST, WIDTH};
+pub use unexplained_torque::{
+    Bin, Dependence, UnexplainedTorque, Variable, log_significance, project, score_statistic,
+    unexplained_torque,
+};
 pub use whiteness::{Innovations, Whiteness, analysed, whiteness};

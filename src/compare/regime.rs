@@ -28,7 +28,8 @@ pub struct Failure {
     /// Probability of a residual torque as large as seen, were nothing missing; by a t test over blocks of 1 s.
     pub p_value: f64,
     /// Residual torque here [N m].
-    pub moment: f64,
+    #[serde(rename = "moment")]
+    pub torque: f64,
     /// Its standard error.
     pub std_error: f64,
     /// Samples.
@@ -90,7 +91,7 @@ pub fn failures(
                 share_of_ise: sum / total,
                 ratio_to_noise: (sum / expected.max(1e-300)).sqrt(),
                 p_value: if p_value.is_finite() { p_value } else { 1.0 },
-                moment: mean.value,
+                torque: mean.value,
                 std_error: mean.std_error,
                 samples,
                 significant: false,

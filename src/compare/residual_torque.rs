@@ -2,7 +2,7 @@
 //! and of anything that it may depend on.
 
 use super::low_pass::{filtered, smooth_motion};
-use super::missing_moment::Variable;
+use super::unexplained_torque::Variable;
 use crate::effects::{Motion, along};
 use crate::math::Real;
 use crate::math::distribution::chi2_log_survival;
@@ -42,11 +42,11 @@ pub fn residual_torque(
     let motion = smooth_motion(recording, cutoff);
     let top = recording.top_speed().max(f64::MIN_POSITIVE);
     // the motion has passed the filter once before it is filtered as torque, so the input passes it twice
-    let acting = filtered(recording, cutoff, &model.drive(t, recording.moment(), p));
+    let acting = filtered(recording, cutoff, &model.input(t, recording.torque(), p));
     let balance = |(k, m): (usize, &LocalMotion)| {
         let x = motion_of(model, t[k] - t[0], m);
         let sign = std::array::from_fn(|j| Real::erf(along(j, &m.omega) / (WIDTH * top)));
-        let needed = model.terms(&x, p).moment(&m.acceleration, &sign);
+        let needed = model.terms(&x, p).total_torque(&m.acceleration, &sign);
         [0, 1].map(|i| acting[k][i] - needed[i])
     };
     let balance: Vec<[f64; 2]> = motion.iter().enumerate().map(balance).collect();
@@ -173,7 +173,7 @@ fn rows(
         let block = |k: usize| first_block + ((t[k] - t[0]) / BLOCK) as usize;
         for (k, m) in smooth_motion(recording, cutoff).iter().enumerate() {
             let x = motion_of(model, t[k] - t[0], m);
-            let value = |v: &Variable| v.at(&x, &m.acceleration, &recording.moment()[k]);
+            let value = |v: &Variable| v.at(&x, &m.acceleration, &recording.torque()[k]);
             // both models on the same rows
             let after = after.map(|a| a[n][k]);
             let known = |i: usize| after.is_none_or(|a| a[i].is_finite());

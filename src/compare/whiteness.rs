@@ -79,7 +79,7 @@ pub fn whiteness(
                 let inside = innovations.iter().filter(|v| v.channel == channel);
                 let rows: Vec<_> = inside.filter(|v| piece.contains(&v.row)).collect();
                 wheel.scaled.push(rows.iter().map(|v| v.value / v.variance.sqrt()).collect());
-                wheel.input.push(rows.iter().map(|v| recording.moment()[v.row][i]).collect());
+                wheel.input.push(rows.iter().map(|v| recording.torque()[v.row][i]).collect());
                 let omega = |v: &&_| recording.omega()[row(v)][i];
                 pairs[i].extend(rows.iter().map(|v| (omega(v), omega(v) - v.value)));
             }

@@ -121,7 +121,7 @@ pub(super) fn new_in(t: &[f64], values: &[f64]) -> Vec<bool> {
         t: t.to_vec(),
         alpha: Some(values.iter().map(|v| [*v; 2]).collect()),
         omega: None,
-        moment: vec![],
+        torque: vec![],
     };
     refreshed(&alone)
 }
@@ -186,7 +186,7 @@ mod tests {
             t: rows.iter().map(|(t, _)| *t).collect(),
             alpha: Some(of(true, |t| 4.0 * (1.0 - t.cos()))),
             omega: Some(of(true, |t| 4.0 * t.sin())),
-            moment: of(false, |t| 0.1 * t.cos()),
+            torque: of(false, |t| 0.1 * t.cos()),
         }
     }
 
@@ -196,7 +196,7 @@ mod tests {
         let c = &done.channels;
         assert!(c.t.windows(2).all(|w| (w[1] - w[0] - 0.05).abs() < 1e-9), "{:?}", done.findings);
         for (k, t) in c.t.iter().enumerate() {
-            assert!((c.moment[k][1] + 0.1 * t.cos()).abs() < 1e-12);
+            assert!((c.torque[k][1] + 0.1 * t.cos()).abs() < 1e-12);
             // a chord of 20 ms: 4 h^2/8
             assert!((c.omega.as_ref().unwrap()[k][0] - 4.0 * t.sin()).abs() < 2.1e-4);
         }
@@ -207,7 +207,7 @@ mod tests {
         let off = |k: usize| (c.omega.as_ref().unwrap()[k][0] - 4.0 * c.t[k].sin()).abs();
         assert!((0..c.t.len()).all(|k| off(k) < 1e-12));
         let last = |t: f64| 0.05 * ((t - 0.007) / 0.05).floor() + 0.007;
-        let off = |k: usize| (c.moment[k][0] - 0.1 * last(c.t[k] + 1e-9).cos()).abs();
+        let off = |k: usize| (c.torque[k][0] - 0.1 * last(c.t[k] + 1e-9).cos()).abs();
         assert!((0..c.t.len()).all(|k| off(k) < 1e-12));
     }
 
@@ -219,8 +219,8 @@ mod tests {
         for k in 1..t.len() {
             omega[k][k % 2] = omega[k - 1][k % 2];
         }
-        let moment: Vec<[f64; 2]> = t.iter().map(|t| [t.cos(), t.sin()]).collect();
-        let channels = Channels { t, alpha: None, omega: Some(omega), moment };
+        let torque: Vec<[f64; 2]> = t.iter().map(|t| [t.cos(), t.sin()]).collect();
+        let channels = Channels { t, alpha: None, omega: Some(omega), torque };
         let done = condition(channels, &Settings::default(), &Context::default()).unwrap();
         let omega = done.channels.omega.unwrap();
         assert!((1990..=2001).contains(&omega.len()), "{:?}", done.findings);
@@ -231,8 +231,8 @@ mod tests {
         // both wheels in the same rows: that is the refresh of the rows
         let t: Vec<f64> = (0..4000).map(|k| 0.005 * f64::from(k)).collect();
         let slow: Vec<[f64; 2]> = (0..4000).map(|k| speed(0.005 * f64::from(k - k % 2))).collect();
-        let moment: Vec<[f64; 2]> = t.iter().map(|t| [t.cos(), t.sin()]).collect();
-        let channels = Channels { t, alpha: None, omega: Some(slow), moment };
+        let torque: Vec<[f64; 2]> = t.iter().map(|t| [t.cos(), t.sin()]).collect();
+        let channels = Channels { t, alpha: None, omega: Some(slow), torque };
         let done = condition(channels, &Settings::default(), &Context::default()).unwrap();
         assert_eq!(done.channels.t.len(), 4000);
     }

@@ -155,8 +155,8 @@ mod tests {
 
     fn conditioned(alpha: Vec<[f64; 2]>, h: f64) -> Conditioned {
         let t: Vec<f64> = (0..alpha.len()).map(|k| h * k as f64).collect();
-        let moment = t.iter().map(|t| [t.sin(), t.cos()]).collect();
-        let channels = Channels { t, alpha: Some(alpha), omega: None, moment };
+        let torque = t.iter().map(|t| [t.sin(), t.cos()]).collect();
+        let channels = Channels { t, alpha: Some(alpha), omega: None, torque };
         condition(channels, &Settings::default(), &Context::default()).unwrap()
     }
 

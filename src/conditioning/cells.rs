@@ -10,7 +10,7 @@ pub(super) fn columns(c: &Channels) -> Vec<(Channel, Vec<f64>)> {
         let pairs = [
             (Channel::Angle(i), c.alpha.as_ref()),
             (Channel::Speed(i), c.omega.as_ref()),
-            (Channel::Input(i), Some(&c.moment)),
+            (Channel::Input(i), Some(&c.torque)),
         ];
         let there = pairs.into_iter().filter_map(|(name, v)| v.map(|v| (name, v)));
         out.extend(there.map(|(name, v)| (name, v.iter().map(|x| x[i]).collect())));
@@ -29,7 +29,7 @@ pub(super) fn put(c: &mut Channels, channel: Channel, values: &[f64]) {
     let (rows, i) = match channel {
         Channel::Angle(i) => (c.alpha.as_mut(), i),
         Channel::Speed(i) => (c.omega.as_mut(), i),
-        Channel::Input(i) => (Some(&mut c.moment), i),
+        Channel::Input(i) => (Some(&mut c.torque), i),
         Channel::Time | Channel::Sensors => return,
     };
     rows.into_iter().flatten().zip(values).for_each(|(row, value)| row[i] = *value);
@@ -45,7 +45,7 @@ pub(super) fn keep(c: &mut Channels, flags: &[bool]) {
         });
     }
     filter(&mut c.t, flags);
-    filter(&mut c.moment, flags);
+    filter(&mut c.torque, flags);
     for v in [c.alpha.as_mut(), c.omega.as_mut()].into_iter().flatten() {
         filter(v, flags);
     }

@@ -116,7 +116,7 @@ mod tests {
             t: times.iter().map(|t| ((t / tick + 1e-9).floor()) * tick).collect(),
             alpha: None,
             omega: Some(of(f64::sin)),
-            moment: of(f64::cos),
+            torque: of(f64::cos),
         }
     }
 

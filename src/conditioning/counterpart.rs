@@ -130,7 +130,7 @@ fn sign(work: &mut Conditioned, settings: &Settings, i: usize) {
     let c = &mut work.channels;
     let (Some(alpha), Some(omega)) = (c.alpha.as_mut(), c.omega.as_mut()) else { return };
     let way = |k: usize| alpha[k + 1][i] - alpha[k][i];
-    let energy: f64 = (0..c.t.len() - 1).map(|k| c.moment[k][i] * way(k)).sum();
+    let energy: f64 = (0..c.t.len() - 1).map(|k| c.torque[k][i] * way(k)).sum();
     let (channel, rows) =
         if energy >= 0.0 { (Channel::Speed(i), omega) } else { (Channel::Angle(i), alpha) };
     work.findings.push(Finding::corrected(channel, Kind::Sign, "signs", settings.signs));
@@ -150,9 +150,9 @@ mod tests {
         let alpha = t.iter().map(|t| [4.0 * (1.0 - t.cos()), 3.0 * (1.0 - (0.7 * t).cos()) / 0.7]);
         let omega = t.iter().map(|t| [4.0 * t.sin(), 3.0 * (0.7 * t).sin()]).collect();
         // friction and inertia
-        let moment =
+        let torque =
             t.iter().map(|t| [t.sin() + 0.3 * t.cos(), (0.7 * t).sin() + 0.2 * (0.7 * t).cos()]);
-        Channels { alpha: Some(alpha.collect()), omega: Some(omega), moment: moment.collect(), t }
+        Channels { alpha: Some(alpha.collect()), omega: Some(omega), torque: torque.collect(), t }
     }
 
     fn changed(change: impl Fn(&mut Channels)) -> Conditioned {

@@ -32,7 +32,7 @@ pub(super) fn sampled(work: &mut Conditioned, settings: &Settings, context: &Con
         return;
     }
     let c = &work.channels;
-    let [right, left] = [0, 1].map(|i| new_in(&c.t, &column(&c.moment, i)));
+    let [right, left] = [0, 1].map(|i| new_in(&c.t, &column(&c.torque, i)));
     let count = |of: &dyn Fn(usize) -> bool| (0..c.t.len()).filter(|k| of(*k)).count() as f64;
     let rows = c.t.len() as f64;
     let fresh = refreshed(c);
@@ -67,7 +67,7 @@ fn goes_on(work: &Conditioned, new: &[bool]) -> Option<(f64, f64)> {
     let half = usual / 2;
     let (mut zz, mut zy, mut yy, mut n) = (0.0, 0.0, 0.0, 0.0_f64);
     for i in 0..2 {
-        let (input, speed) = (column(&c.moment, i), column(&omega, i));
+        let (input, speed) = (column(&c.torque, i), column(&omega, i));
         let mut integral = vec![0.0; c.t.len()];
         for k in 1..c.t.len() {
             integral[k] = integral[k - 1] + 0.5 * (c.t[k] - c.t[k - 1]) * (input[k] + input[k - 1]);
@@ -113,7 +113,7 @@ mod tests {
             let t = h * k as f64;
             0.2 * (2.0 * t + i as f64).sin() + 0.3 * (17.0 * t).sin()
         };
-        let (mut omega, mut moment) = (vec![[-3.0; 2]], vec![[wave(0, 0), wave(0, 1)]]);
+        let (mut omega, mut torque) = (vec![[-3.0; 2]], vec![[wave(0, 0), wave(0, 1)]]);
         for k in 1..8000_usize {
             let sample = k - k % 2;
             let before = (k - 1) - (k - 1) % 2;
@@ -122,11 +122,11 @@ mod tests {
                 omega[k - 1][i] + h / 0.03 * halves[(k - 1) % 2]
             };
             omega.push([step(0), step(1)]);
-            moment.push([wave(sample, 0), wave(sample, 1)]);
+            torque.push([wave(sample, 0), wave(sample, 1)]);
         }
         omega.iter_mut().for_each(|w| *w = w.map(|x| x + 0.005 * normal()));
         let t = (0..omega.len()).map(|k| h * k as f64).collect();
-        Channels { t, alpha: None, omega: Some(omega), moment }
+        Channels { t, alpha: None, omega: Some(omega), torque }
     }
 
     #[test]

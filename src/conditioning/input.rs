@@ -17,7 +17,7 @@ const OFFSET: f64 = 0.1;
 /// Inputs of a few levels: their jumps are commands and no noise.
 pub(super) fn few_levels(work: &mut Conditioned) {
     for i in 0..2 {
-        let levels = levels(&work.channels.moment, i);
+        let levels = levels(&work.channels.torque, i);
         if levels > 1 && levels <= FEW_LEVELS {
             let kind = Kind::FewLevels { levels };
             work.findings.push(Finding { channel: Channel::Input(i), kind, action: Action::Used });
@@ -30,7 +30,7 @@ pub(super) fn sign(work: &mut Conditioned, settings: &Settings) -> Result<(), Co
     let Some(speeds) = speeds(work) else { return Ok(()) };
     for i in 0..2 {
         let speed = column(&speeds, i);
-        let mut input = column(&work.channels.moment, i);
+        let mut input = column(&work.channels.torque, i);
         let of = |input: &[f64], share: f64| {
             quantile(input.iter().copied().filter(|m| m.is_finite()), share)
         };
@@ -50,7 +50,7 @@ pub(super) fn sign(work: &mut Conditioned, settings: &Settings) -> Result<(), Co
         }
         let (row, channel) = (backward[0], Channel::Input(i));
         if settings.sign_from_speed {
-            let rows = work.channels.moment.iter_mut().zip(&speed);
+            let rows = work.channels.torque.iter_mut().zip(&speed);
             rows.for_each(|(m, w)| m[i] = m[i].copysign(*w));
             let action = Action::Corrected("sign_from_speed");
             work.findings.push(Finding { channel, kind: Kind::Magnitude, action });
@@ -58,7 +58,7 @@ pub(super) fn sign(work: &mut Conditioned, settings: &Settings) -> Result<(), Co
             return Err(ConditioningError::Magnitude {
                 wheel: i + 1,
                 row: row + 1,
-                value: work.channels.moment[row][i],
+                value: work.channels.torque[row][i],
                 speed: speed[row],
             });
         } else {
@@ -98,11 +98,11 @@ pub(super) fn at_rest(work: &mut Conditioned, context: &Context) {
     }
     let mut found = Vec::new();
     for i in 0..2 {
-        let still = column(&c.moment[..rows], i);
+        let still = column(&c.torque[..rows], i);
         let mean = still.iter().sum::<f64>() / rows as f64;
         let square = still.iter().map(|m| (m - mean).powi(2)).sum::<f64>();
         let std_error = (square / (rows - 1) as f64 / rows as f64).sqrt();
-        let range = quantile(c.moment[rows..].iter().map(|m| m[i].abs()), 0.95);
+        let range = quantile(c.torque[rows..].iter().map(|m| m[i].abs()), 0.95);
         if mean.abs() > 5.0 * std_error
             && mean != 0.0
             && mean.abs() < OFFSET * range

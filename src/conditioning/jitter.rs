@@ -144,9 +144,9 @@ mod tests {
         let motion = |t: f64| [9.0 * t + 3.0 * (1.7 * t).sin(), 8.0 * t + 2.0 * (2.3 * t).cos()];
         let alpha = rows.iter().map(|(t, _)| motion(*t).map(|a| a + uniform(noise))).collect();
         let t: Vec<f64> = rows.iter().map(|(_, stamp)| *stamp).collect();
-        let moment = vec![[0.1; 2]; t.len()];
+        let torque = vec![[0.1; 2]; t.len()];
         Conditioned {
-            channels: Channels { t, alpha: Some(alpha), omega: None, moment },
+            channels: Channels { t, alpha: Some(alpha), omega: None, torque },
             findings: vec![],
         }
     }

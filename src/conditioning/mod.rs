@@ -74,7 +74,7 @@ pub struct Context {
 /// let angle: Vec<[f64; 2]> = t.iter().map(|t| [3.0 * t, 2.0 * t]).collect();
 /// let wrapped = angle.iter().map(|a| a.map(|x| x.rem_euclid(TAU))).collect();
 /// let channels =
-///     Channels { alpha: Some(wrapped), omega: None, moment: vec![[0.1; 2]; 1000], t };
+///     Channels { alpha: Some(wrapped), omega: None, torque: vec![[0.1; 2]; 1000], t };
 /// let done = condition(channels, &Settings::default(), &Context::default()).unwrap();
 /// assert!(matches!(done.findings[0].kind, Kind::Wrapped { turns: 4, .. }));
 /// let last = done.channels.alpha.unwrap()[999];

@@ -149,9 +149,9 @@ mod tests {
     use crate::recording::Channels;
 
     fn work(t: Vec<f64>) -> Conditioned {
-        let moment = t.iter().map(|t| [*t, 0.0]).collect();
+        let torque = t.iter().map(|t| [*t, 0.0]).collect();
         let omega = Some(vec![[1.0; 2]; t.len()]);
-        Conditioned { channels: Channels { t, alpha: None, omega, moment }, findings: vec![] }
+        Conditioned { channels: Channels { t, alpha: None, omega, torque }, findings: vec![] }
     }
 
     fn even(n: usize) -> Vec<f64> {
@@ -200,7 +200,7 @@ mod tests {
     #[test]
     fn rows_without_a_number_are_left_out_and_slow_columns_are_read_between_their_rows() {
         let mut w = work(even(100));
-        w.channels.moment[7][1] = f64::NAN;
+        w.channels.torque[7][1] = f64::NAN;
         w.channels.omega =
             Some((0..100).map(|k| [if k % 2 == 0 { k as f64 } else { f64::NAN }, 1.0]).collect());
         values(&mut w, &Settings::default(), &Context::default());

@@ -16,7 +16,7 @@ pub(super) fn still(work: &Conditioned, settings: &Settings) -> Result<(), Condi
         return Ok(());
     }
     let c = &work.channels;
-    let size = |i: usize| quantile(c.moment.iter().map(|m| m[i].abs()), 0.9);
+    let size = |i: usize| quantile(c.torque.iter().map(|m| m[i].abs()), 0.9);
     let constant = |rows: Option<&Vec<[f64; 2]>>, i: usize| {
         rows.is_none_or(|rows| rows.iter().all(|v| v[i] == rows[0][i]))
     };

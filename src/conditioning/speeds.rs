@@ -350,7 +350,7 @@ fn keep(work: &mut Conditioned, there: &[bool]) {
         k += 1;
         there[k - 1]
     });
-    pick(&mut c.moment);
+    pick(&mut c.torque);
     [c.alpha.as_mut(), c.omega.as_mut()].into_iter().flatten().for_each(pick);
 }
 

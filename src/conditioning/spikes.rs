@@ -61,7 +61,7 @@ pub(super) fn inputs(work: &mut Conditioned, settings: &Settings, context: &Cont
         return;
     }
     for i in 0..2 {
-        let values = column(&work.channels.moment, i);
+        let values = column(&work.channels.torque, i);
         let rows: Vec<usize> = (0..values.len()).collect();
         let found = unfelt(work, &values, spikes(&work.channels.t, &values, &rows), i);
         correct(work, settings, Channel::Input(i), &found);
@@ -80,7 +80,7 @@ fn correct(work: &mut Conditioned, settings: &Settings, channel: Channel, found:
     let (rows, i) = match channel {
         Channel::Angle(i) => (work.channels.alpha.as_mut(), i),
         Channel::Speed(i) => (work.channels.omega.as_mut(), i),
-        Channel::Input(i) => (Some(&mut work.channels.moment), i),
+        Channel::Input(i) => (Some(&mut work.channels.torque), i),
         Channel::Time | Channel::Sensors => return,
     };
     let Some(rows) = rows else { return };
@@ -225,11 +225,11 @@ mod tests {
             omega[k] = [omega[k - 1][0] + h * 0.5 * (real[k] + real[k - 1]) / 0.03; 2];
         }
         omega.iter_mut().for_each(|w| *w = w.map(|x| x + 0.02 * normal()));
-        let mut moment: Vec<[f64; 2]> =
+        let mut torque: Vec<[f64; 2]> =
             real.iter().map(|m| [m + 0.004 * normal(), m + 0.004 * normal()]).collect();
-        let clean = moment.iter().map(|m| m[0]).collect();
-        wrong.iter().for_each(|&k| moment[k][0] += 1.5);
-        (Channels { t, alpha: None, omega: Some(omega), moment }, clean)
+        let clean = torque.iter().map(|m| m[0]).collect();
+        wrong.iter().for_each(|&k| torque[k][0] += 1.5);
+        (Channels { t, alpha: None, omega: Some(omega), torque }, clean)
     }
 
     #[test]
@@ -252,12 +252,12 @@ mod tests {
             );
             for k in at {
                 // noise of the sample and of the line through its neighbours: 1.22 * 0.004
-                assert!((done.channels.moment[k][0] - clean[k]).abs() < 5.0 * 1.22 * 0.004);
+                assert!((done.channels.torque[k][0] - clean[k]).abs() < 5.0 * 1.22 * 0.004);
             }
             let (channels, _) = wheel(seed, &at, &[]);
-            let before = channels.moment.clone();
+            let before = channels.torque.clone();
             let done = condition(channels, &Settings::default(), &Context::default()).unwrap();
-            assert!(done.channels.moment == before, "{:?}", done.findings);
+            assert!(done.channels.torque == before, "{:?}", done.findings);
         }
     }
 

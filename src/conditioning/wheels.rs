@@ -56,7 +56,7 @@ pub(super) fn inputs(work: &mut Conditioned, settings: &Settings) {
             work.findings.push(Finding::corrected(channel, Kind::Exchanged, "exchanged", on));
         }
         if settings.exchanged {
-            work.channels.moment.iter_mut().for_each(|m| m.swap(0, 1));
+            work.channels.torque.iter_mut().for_each(|m| m.swap(0, 1));
         }
         return;
     }
@@ -77,7 +77,7 @@ fn turn(work: &mut Conditioned, settings: &Settings, channel: Channel, i: usize)
     let rows = match channel {
         Channel::Angle(_) => c.alpha.as_mut(),
         Channel::Speed(_) => c.omega.as_mut(),
-        _ => Some(&mut c.moment),
+        _ => Some(&mut c.torque),
     };
     let Some(rows) = rows else { return };
     if settings.signs {
@@ -99,7 +99,7 @@ fn windows(work: &Conditioned) -> Vec<Window> {
     let alpha = c.alpha.as_ref().unwrap_or(&omega);
     let step = median(c.t.windows(2).map(|w| w[1] - w[0]));
     let pieces = pieces(&c.t);
-    windows_of(&View { t: &c.t, alpha, omega: &omega, moment: &c.moment, pieces: &pieces, step })
+    windows_of(&View { t: &c.t, alpha, omega: &omega, torque: &c.torque, pieces: &pieces, step })
 }
 
 #[cfg(test)]
@@ -115,11 +115,11 @@ mod tests {
         let of = |f: &dyn Fn(f64) -> f64| t.iter().map(|t| rate.map(|r| f(r * t))).collect();
         let alpha: Vec<[f64; 2]> =
             t.iter().map(|t| rate.map(|r| 5.0 * (1.0 - (r * t).cos()) / r)).collect();
-        let moment = t
+        let torque = t
             .iter()
             .map(|t| rate.map(|r| 0.03 * 5.0 * r * (r * t).cos() + 0.1 * (r * t).sin().signum()));
         let omega: Vec<[f64; 2]> = of(&|x| 5.0 * x.sin());
-        Channels { alpha: Some(alpha), omega: Some(omega), moment: moment.collect(), t }
+        Channels { alpha: Some(alpha), omega: Some(omega), torque: torque.collect(), t }
     }
 
     fn done(change: impl Fn(&mut Channels)) -> Conditioned {
@@ -129,7 +129,7 @@ mod tests {
     }
 
     fn same(a: &Channels, b: &Channels) -> bool {
-        a.alpha == b.alpha && a.omega == b.omega && a.moment == b.moment
+        a.alpha == b.alpha && a.omega == b.omega && a.torque == b.torque
     }
 
     #[test]
@@ -138,7 +138,7 @@ mod tests {
         let changes: [&dyn Fn(&mut Channels); 3] = [
             &|c| c.omega.iter_mut().for_each(swap),
             &|c| c.alpha.iter_mut().for_each(swap),
-            &|c| swap(&mut c.moment),
+            &|c| swap(&mut c.torque),
         ];
         for (k, change) in changes.into_iter().enumerate() {
             let done = done(change);
@@ -151,15 +151,15 @@ mod tests {
     #[test]
     fn an_input_against_the_motion_is_turned() {
         for i in 0..2 {
-            let done = done(|c| c.moment.iter_mut().for_each(|m| m[i] = -m[i]));
+            let done = done(|c| c.torque.iter_mut().for_each(|m| m[i] = -m[i]));
             assert!(same(&done.channels, &channels()), "{:?}", done.findings);
             assert_eq!(done.findings[0].channel, Channel::Input(i));
         }
-        let both = done(|c| c.moment.iter_mut().for_each(|m| *m = m.map(|x| -x)));
+        let both = done(|c| c.torque.iter_mut().for_each(|m| *m = m.map(|x| -x)));
         assert!(same(&both.channels, &channels()), "{:?}", both.findings);
         let off = Settings { signs: false, ..Settings::default() };
         let mut c = channels();
-        c.moment.iter_mut().for_each(|m| m[0] = -m[0]);
+        c.torque.iter_mut().for_each(|m| m[0] = -m[0]);
         let left = condition(c.clone(), &off, &Context::default()).unwrap();
         assert!(same(&left.channels, &c) && left.findings.len() == 1);
     }
@@ -168,7 +168,7 @@ mod tests {
     fn of_a_wheel_that_counts_backwards_the_sensors_are_turned() {
         // both wheels ahead together, the left one counted backwards
         let together = |c: &mut Channels| {
-            for rows in [c.alpha.as_mut(), c.omega.as_mut(), Some(&mut c.moment)] {
+            for rows in [c.alpha.as_mut(), c.omega.as_mut(), Some(&mut c.torque)] {
                 rows.into_iter().flatten().for_each(|v| v[1] = 1.1 * v[0]);
             }
         };

@@ -276,9 +276,9 @@ impl Candidate {
         let terms = self.effect.terms_own(&x, &p[..self.p.len()]);
         let rough = |j: usize| terms.level[j] != Own::constant(0.0);
         let signs = std::array::from_fn(|j| if rough(j) { sign(j) } else { 0.0 });
-        let moment = terms.moment(&at.acceleration, &signs);
+        let torque = terms.total_torque(&at.acceleration, &signs);
         for (n, column) in out.iter_mut().enumerate() {
-            *column = [0, 1].map(|i| -moment[i].partial[n]);
+            *column = [0, 1].map(|i| -torque[i].partial[n]);
         }
     }
 }
@@ -287,7 +287,7 @@ impl Candidate {
 /// speeds.
 fn sign(at: &Instant, rest: f64, direction: usize) -> f64 {
     let v = along(direction, &at.motion.omega);
-    let clear = clarity(direction, v, at.doubt);
+    let clear = clarity(direction, v, at.speed_variance);
     if at.sign[direction] != 0.0 || clear <= 0.0 {
         return at.sign[direction];
     }
@@ -315,8 +315,8 @@ pub(super) fn still_instant<'a>(
         acceleration: m.acceleration,
         sign: [0.0; 4],
         spread: [0.0; 2],
-        doubt: 0.0,
-        drive: recording.moment()[k],
+        speed_variance: 0.0,
+        input: recording.torque()[k],
     }
 }
 

@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::fit::WindowFit;
 use super::windows::Windows;
-use crate::compare::noisier_drive;
+use crate::compare::noisier_input;
 use crate::recording::Recording;
 
 /// Pairs of draws of the noise: what they leave of its effect on a sum over all rows is below a hundredth of it.
@@ -45,12 +45,12 @@ pub(super) fn without_noise(
     for _ in 0..DRAWS {
         let recordings = windows.recordings.iter();
         let noisy: Vec<Vec<[f64; 2]>> =
-            recordings.map(|r| noisier_drive(r, r.noise().moment, &mut rng)).collect();
+            recordings.map(|r| noisier_input(r, r.noise().torque, &mut rng)).collect();
         for sign in [1.0, -1.0] {
             let with = |(r, noisy): (&&Recording, &Vec<[f64; 2]>)| {
-                let rows = r.moment().iter().zip(noisy);
+                let rows = r.torque().iter().zip(noisy);
                 let moved = rows.map(|(m, n)| [0, 1].map(|i| m[i] + sign * (n[i] - m[i])));
-                r.with_moment(moved.collect())
+                r.with_torque(moved.collect())
             };
             let moved: Vec<Recording> = windows.recordings.iter().zip(&noisy).map(with).collect();
             let moved = squares(&windows.with_recordings(moved.iter().collect()))?;

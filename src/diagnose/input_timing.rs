@@ -44,7 +44,7 @@ impl Physics for InputTiming {
         Energy::Supplies
     }
 
-    fn acts_on_drive(&self) -> bool {
+    fn acts_on_input(&self) -> bool {
         true
     }
 
@@ -56,7 +56,7 @@ impl Physics for InputTiming {
         vec![self.limits]
     }
 
-    fn drive<T: Real>(&self, t: &[f64], m: &[[T; 2]], p: &[T]) -> Option<Vec<[T; 2]>> {
+    fn input<T: Real>(&self, t: &[f64], m: &[[T; 2]], p: &[T]) -> Option<Vec<[T; 2]>> {
         Some(later(t, m, p[0]))
     }
 }
@@ -72,7 +72,7 @@ pub(super) fn shifts(model: &Model) -> impl DoubleEndedIterator<Item = usize> {
 type Derivatives = (Vec<[f64; 2]>, Vec<Vec<[f64; 2]>>);
 
 /// The acting input of a recording, and its derivatives by every parameter as
-/// [`Model::drive_derivatives`] gives them, but by a delay as means over the time of a row.
+/// [`Model::input_derivatives`] gives them, but by a delay as means over the time of a row.
 ///
 /// ```text
 /// dM/dT = (M(t - T - h/2) - M(t - T + h/2))/h
@@ -80,13 +80,13 @@ type Derivatives = (Vec<[f64; 2]>, Vec<Vec<[f64; 2]>>);
 /// A command that steps between two rows has slopes within one row alone: delayed by other than whole rows
 /// of uneven length, its samples may see none of them, and a descent would stop there.
 pub(super) fn input_derivatives(model: &Model, recording: &Recording, p: &[f64]) -> Derivatives {
-    let (t, moment, half) = (recording.t(), recording.moment(), 0.5 * recording.step());
-    let (acting, mut derivatives) = model.drive_derivatives(t, moment, p);
+    let (t, torque, half) = (recording.t(), recording.torque(), 0.5 * recording.step());
+    let (acting, mut derivatives) = model.input_derivatives(t, torque, p);
     for j in shifts(model).flat_map(|e| model.slots(e)) {
         let at = |value: f64| {
             let mut moved = p.to_vec();
             moved[j] = value;
-            model.drive(t, moment, &moved)
+            model.input(t, torque, &moved)
         };
         let (low, high) = ((p[j] - half).max(0.0), p[j] + half);
         let rows = at(low).into_iter().zip(at(high));
@@ -137,7 +137,7 @@ pub(super) fn later<T: Real>(t: &[f64], m: &[[T; 2]], shift: T) -> Vec<[T; 2]> {
 /// A recording whose input acts `shift` seconds later.
 #[must_use]
 pub fn with_later_input(recording: &Recording, shift: f64) -> Recording {
-    recording.with_interpolated_moment(shifted(recording, recording.moment(), shift))
+    recording.with_interpolated_torque(shifted(recording, recording.torque(), shift))
 }
 
 /// A signal of a recording `shift` seconds later, by cubic interpolation between its rows; the ends of every

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::signals::smoothed_drive;
+use super::signals::smoothed_input;
 use crate::effects::{Coupling, Effect, Motion, along};
 use crate::math::sgn;
 use crate::model::Model;
@@ -40,9 +40,9 @@ impl Forces {
         let (t, motion) = (recording.t(), recording.local_motion());
         let at = |k: usize| instant(around, t[k] - t[0], &motion[k]);
         // noise of the input would be in the signal and in what it is held against
-        let drive = smoothed_drive(recording);
+        let input = smoothed_input(recording);
         let mode = |k: usize| {
-            let [a, b] = acting(around, drive[k], &at(k));
+            let [a, b] = acting(around, input[k], &at(k));
             [0.5 * (a + b), 0.5 * (a - b)]
         };
         let mass = around.model.terms(&at(0), &around.p).mass;
@@ -82,11 +82,11 @@ pub(super) fn joint_signal(
 }
 
 /// The torques less what resists, at a smooth motion [N m].
-fn acting(around: &Around, moment: [f64; 2], x: &Motion<f64>) -> [f64; 2] {
+fn acting(around: &Around, torque: [f64; 2], x: &Motion<f64>) -> [f64; 2] {
     let terms = around.model.terms(x, &around.p);
     let sign = [0, 1, 2, 3].map(|j| sgn(along(j, &x.omega)));
-    let resisting = terms.moment(&[0.0; 2], &sign);
-    [0, 1].map(|i| if x.omega[i] == 0.0 { 0.0 } else { moment[i] - resisting[i] })
+    let resisting = terms.total_torque(&[0.0; 2], &sign);
+    [0, 1].map(|i| if x.omega[i] == 0.0 { 0.0 } else { torque[i] - resisting[i] })
 }
 
 fn instant<'a>(around: &'a Around, t: f64, m: &LocalMotion) -> Motion<'a, f64> {

@@ -6,7 +6,7 @@ use super::fit::WindowFit;
 use super::outcome::Diagnosis;
 use super::verdict::{Errors, structure};
 use crate::compare::{
-    Dependence, WINDOW, between_rows, ise, missing_moment, pooled_floor, simulate_recording,
+    Dependence, WINDOW, between_rows, ise, pooled_floor, simulate_recording, unexplained_torque,
     unresolved, window_rms,
 };
 use crate::filter::{Likelihood, prepare};
@@ -127,7 +127,7 @@ impl Judge {
         let mut strongest: Option<Dependence> = None;
         for seen in [likelihood, &elsewhere] {
             let (noise, _) = seen.noise(model, p, &seen.initial_noise());
-            let left = missing_moment(model, p, &noise, seen)?;
+            let left = unexplained_torque(model, p, &noise, seen)?;
             let Some(found) = structure(&left) else { continue };
             if strongest.as_ref().is_none_or(|s| s.log_significance <= found.log_significance) {
                 strongest = Some(found.clone());

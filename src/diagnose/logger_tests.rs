@@ -27,7 +27,7 @@ fn stepped(
     p.extend(effects.iter().map(|(_, value)| value));
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let t: Vec<f64> = (0..3000).map(|k| 0.01 * f64::from(k)).collect();
-    let (mut moment, mut now) = (Vec::with_capacity(t.len()), [0.0; 2]);
+    let (mut torque, mut now) = (Vec::with_capacity(t.len()), [0.0; 2]);
     let mut left = 0;
     for _ in &t {
         if left == 0 {
@@ -35,15 +35,15 @@ fn stepped(
             now = [0, 1].map(|i| p[3 + i] * rng.random_range(-3.0..3.0));
         }
         left -= 1;
-        moment.push(now);
+        torque.push(now);
     }
-    let input = Input { t: &t, moment: &moment, hold: held };
+    let input = Input { t: &t, torque: &torque, hold: held };
     let motion = simulate(&model, &p, &input, State::default()).unwrap();
     let speeds = logged(motion.iter().map(|s| s.omega).collect());
     let mut noise =
         || 0.01 * <StandardNormal as Distribution<f64>>::sample(&StandardNormal, &mut rng);
     let omega = speeds.iter().map(|w| [w[0] + noise(), w[1] + noise()]).collect();
-    let channels = Channels { t, alpha: None, omega: Some(omega), moment };
+    let channels = Channels { t, alpha: None, omega: Some(omega), torque };
     Recording::new("stepped", channels, DriveUnit::NewtonMetre).unwrap()
 }
 

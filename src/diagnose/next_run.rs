@@ -21,7 +21,8 @@ pub struct Limits {
     /// Largest wheel speed [rad/s].
     pub speed: f64,
     /// Largest torque [N m].
-    pub moment: f64,
+    #[serde(rename = "moment")]
+    pub torque: f64,
     /// Side of the square floor \[m\].
     pub floor: f64,
     /// Length \[s\].
@@ -156,7 +157,7 @@ impl Search<'_> {
         let mut prepared = crate::filter::prepare(run);
         prepared.variance = self.like.variance;
         prepared.used = self.like.used;
-        prepared.doubt = self.like.doubt;
+        prepared.speed_variance = self.like.speed_variance;
         let settings = PassSettings {
             noise: *self.noise,
             derivatives: true,
@@ -192,10 +193,10 @@ impl Search<'_> {
             high - low
         };
         let room = extent(0).max(extent(1)) / self.limits.floor;
-        let largest = run.moment().iter().flatten().fold(0.0_f64, |a, m| a.max(m.abs()));
+        let largest = run.torque().iter().flatten().fold(0.0_f64, |a, m| a.max(m.abs()));
         let fastest = run.omega().iter().flatten().fold(0.0_f64, |a, w| a.max(w.abs()));
         let over = |ratio: f64| (1.0_f64 / ratio.max(1.0)).powi(8);
-        over(room) * over(largest / self.limits.moment) * over(fastest / (1.1 * self.limits.speed))
+        over(room) * over(largest / self.limits.torque) * over(fastest / (1.1 * self.limits.speed))
     }
 }
 

@@ -51,7 +51,7 @@ impl<'a> Smoothed<'a> {
     pub fn new(recordings: &[&'a Recording], cutoff: f64) -> Self {
         let one = |(index, recording): (usize, &&'a Recording)| {
             let motion = smooth_motion(recording, cutoff);
-            let once = filtered(recording, cutoff, recording.moment());
+            let once = filtered(recording, cutoff, recording.torque());
             let input = filtered(recording, cutoff, &once);
             Smooth { recording, index, motion, input }
         };
@@ -89,7 +89,7 @@ pub struct Regression<'a> {
 pub fn cutoff(recordings: &[&Recording], mobility: f64) -> f64 {
     let one = |r: &&Recording| {
         let rate = 1.0 / r.step();
-        let sum: f64 = r.moment().iter().flatten().map(|m| m * m).sum();
+        let sum: f64 = r.torque().iter().flatten().map(|m| m * m).sum();
         let rms = (sum / (2 * r.len()) as f64).sqrt();
         let noise = r.noise().omega;
         let sigma = noise[0].max(noise[1]).max(1e-9 * r.top_speed());
@@ -166,7 +166,7 @@ impl<'a> Regression<'a> {
         let mut residual = DVector::zeros(self.rows.len());
         for smooth in self.smoothed.recordings.iter() {
             let r = smooth.recording;
-            let (acting, by_input) = self.model.drive_derivatives(r.t(), r.moment(), self.p);
+            let (acting, by_input) = self.model.input_derivatives(r.t(), r.torque(), self.p);
             let mut signals = vec![vec![[0.0; 2]; r.len()]; free.len() + 1];
             // the input passes the filter twice; everything else is made of motion that has passed once
             let input = filtered(r, self.smoothed.cutoff, &acting);
@@ -175,7 +175,7 @@ impl<'a> Regression<'a> {
                 let x = self.motion(smooth, k);
                 let sign = self.signs(m);
                 self.model.linearise(&x, self.p, &m.acceleration, &sign, &mut work);
-                let needed = work.terms.moment(&m.acceleration, &sign);
+                let needed = work.terms.total_torque(&m.acceleration, &sign);
                 signals[free.len()][k] = [0, 1].map(|i| input[k][i] - needed[i]);
                 for (n, &j) in free.iter().enumerate() {
                     let by = by_input[j].get(k).copied().unwrap_or([0.0; 2]);

@@ -9,7 +9,7 @@ use crate::recording::{DriveUnit, Recording};
 #[must_use]
 pub fn scale_of(model: &Model, p: &[f64], recordings: &[&Recording], bandwidth: f64) -> Scale {
     let mut torque: Vec<f64> =
-        recordings.iter().flat_map(|r| r.moment().iter().flatten()).map(|m| m.abs()).collect();
+        recordings.iter().flat_map(|r| r.torque().iter().flatten()).map(|m| m.abs()).collect();
     torque.sort_by(f64::total_cmp);
     let mut speeds: Vec<f64> =
         recordings.iter().flat_map(|r| r.omega().iter().flatten()).map(|w| w.abs()).collect();

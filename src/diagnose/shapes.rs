@@ -115,7 +115,7 @@ mod tests {
 
     /// A recording of 15 s at 100 Hz of a model at `truth`.
     fn recorded(model: &Model, truth: &[f64]) -> Recording {
-        let noise = NoiseLevel { alpha: 5e-4, dalpha: 0.02, moment: 0.002 };
+        let noise = NoiseLevel { alpha: 5e-4, dalpha: 0.02, torque: 0.002 };
         let movement = Movement::rich(model.robot(), 3, 15.0, 12.0);
         let recorder = Recorder { rate: 100.0, control_rate: 1000.0, noise, ticks: None, seed: 3 };
         record("synthetic", model, truth, &movement, &recorder).unwrap()

@@ -16,7 +16,7 @@ pub(super) fn signals(
     recordings
         .iter()
         .map(|recording| {
-            let smooth = smoothed_drive(recording);
+            let smooth = smoothed_input(recording);
             let (mut q, size) = (p.to_vec(), 1e-3);
             let unit = match linear.first() {
                 Some(&j) => {
@@ -26,7 +26,7 @@ pub(super) fn signals(
                 None if effect.change() == Change::TimeShift => p[0],
                 None => 1.0,
             };
-            let changed = effect.drive(recording.t(), &smooth, &q).unwrap_or(smooth.clone());
+            let changed = effect.input(recording.t(), &smooth, &q).unwrap_or(smooth.clone());
             changed
                 .iter()
                 .zip(&smooth)
@@ -37,8 +37,8 @@ pub(super) fn signals(
 }
 
 /// The recorded input without its noise: the mean over five samples (two to either side).
-pub(super) fn smoothed_drive(recording: &Recording) -> Vec<[f64; 2]> {
-    let m = recording.moment();
+pub(super) fn smoothed_input(recording: &Recording) -> Vec<[f64; 2]> {
+    let m = recording.torque();
     let mut out = m.to_vec();
     for piece in recording.pieces() {
         for k in piece.clone() {

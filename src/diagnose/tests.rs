@@ -8,7 +8,7 @@ use crate::recording::{Channels, DriveUnit, Recording};
 use crate::robot::{Robot, State};
 use crate::simulate::{Hold, Input, Movement, NoiseLevel, Recorder, record, simulate};
 
-const NOISE: NoiseLevel = NoiseLevel { alpha: 5e-4, dalpha: 0.02, moment: 0.002 };
+const NOISE: NoiseLevel = NoiseLevel { alpha: 5e-4, dalpha: 0.02, torque: 0.002 };
 
 /// A recording of 15 s at 100 Hz of the AmigoBot with effects of the catalogue.
 fn recorded(effects: &[(&str, &[f64])], noise: NoiseLevel, seed: u64) -> Recording {
@@ -128,12 +128,12 @@ fn a_shift_of_the_input_is_found_to_a_fraction_of_a_row() {
     let model = Model::base(Robot::amigobot());
     for rows in [-0.5, 0.3, 2.0, 2.5, 3.0] {
         let recording = recorded(&[], NOISE, 18);
-        let moved = shifted(&recording, recording.moment(), -rows * 0.01);
+        let moved = shifted(&recording, recording.torque(), -rows * 0.01);
         let c = Channels {
             t: recording.t().to_vec(),
             alpha: Some(recording.alpha().to_vec()),
             omega: Some(recording.omega().to_vec()),
-            moment: moved,
+            torque: moved,
         };
         let moved = Recording::new("moved", c, DriveUnit::NewtonMetre).unwrap();
         let first = started(&model, std::slice::from_ref(&moved));
@@ -148,12 +148,12 @@ fn a_shift_of_the_input_is_found_to_a_fraction_of_a_row() {
 
 #[test]
 fn an_input_that_was_interpolated_keeps_the_noise_of_its_rows() {
-    let recording = recorded(&[], NoiseLevel { moment: 0.01, ..NOISE }, 18);
-    let before = recording.noise().moment;
+    let recording = recorded(&[], NoiseLevel { torque: 0.01, ..NOISE }, 18);
+    let before = recording.noise().torque;
     let moved = with_later_input(&recording, 0.005);
-    assert_eq!(moved.noise().moment, before);
+    assert_eq!(moved.noise().torque, before);
     // between the rows the mean of four remains, whose fourth differences lack what is fastest
-    let plain = recording.with_moment(moved.moment().to_vec()).noise().moment;
+    let plain = recording.with_torque(moved.torque().to_vec()).noise().torque;
     assert!(plain[0] < 0.6 * before[0], "{plain:?} {before:?}");
 }
 
@@ -164,7 +164,7 @@ fn friction_that_decides_the_motion_is_not_taken_for_a_shift_of_the_input() {
     let model = Model::base(robot);
     let p = model.initial();
     let movement = Movement::rich(model.robot(), 4, 25.0, 12.0);
-    let noise = NoiseLevel { alpha: 5e-4, dalpha: 0.02, moment: 0.02 };
+    let noise = NoiseLevel { alpha: 5e-4, dalpha: 0.02, torque: 0.02 };
     let recorder = Recorder { rate: 100.0, control_rate: 1000.0, noise, ticks: None, seed: 4 };
     let recording = record("tank", &model, &p, &movement, &recorder).unwrap();
     let first = started(&model, std::slice::from_ref(&recording));
@@ -201,14 +201,14 @@ fn windows_that_hang_on_one_row_of_the_input_weigh_less() {
         150 => 3.0 * level,
         _ => 0.0,
     };
-    let moment: Vec<[f64; 2]> = (0..200).map(|k| [torque(k); 2]).collect();
-    let input = Input { t: &t, moment: &moment, hold: Hold::Linear };
+    let torque: Vec<[f64; 2]> = (0..200).map(|k| [torque(k); 2]).collect();
+    let input = Input { t: &t, torque: &torque, hold: Hold::Linear };
     let motion = simulate(&model, &p, &input, State::default()).unwrap();
     let c = Channels {
         t: t.clone(),
         alpha: Some(motion.iter().map(|s| s.alpha).collect()),
         omega: Some(motion.iter().map(|s| s.omega).collect()),
-        moment: moment.clone(),
+        torque: torque.clone(),
     };
     let recording = Recording::new("hangs", c, DriveUnit::NewtonMetre).unwrap();
     let plain = Windows::new(vec![&recording], Hold::Linear, mobility(&model, &p));
@@ -281,7 +281,7 @@ fn both_folds_have_windows_where_the_logger_paused_for_more_than_a_third_of_the_
         t: r.t().iter().enumerate().map(|(k, t)| t + pause(k)).collect(),
         alpha: Some(r.alpha().to_vec()),
         omega: Some(r.omega().to_vec()),
-        moment: r.moment().to_vec(),
+        torque: r.torque().to_vec(),
     };
     let paused = Recording::new("paused", channels, DriveUnit::NewtonMetre).unwrap();
     let model = Model::base(Robot::amigobot());
@@ -298,7 +298,7 @@ fn both_folds_have_windows_where_the_logger_paused_for_more_than_a_third_of_the_
 #[test]
 fn a_lag_is_told_from_a_delay_of_its_length_where_the_input_is_noisy() {
     // the noise of the input is a tenth of what it moves; a lag of a row halves it
-    let noise = NoiseLevel { moment: 0.015, ..NOISE };
+    let noise = NoiseLevel { torque: 0.015, ..NOISE };
     let named = ["actuator_delay", "actuator_lag"].map(String::from).to_vec();
     let settings = Settings { candidates: named.clone(), ..Settings::default() };
     for (truth, seed) in [(0, 30), (0, 33), (1, 36), (1, 39)] {
@@ -313,12 +313,12 @@ fn a_lag_is_told_from_a_delay_of_its_length_where_the_input_is_noisy() {
 fn a_delay_is_proven_by_its_time_where_noise_of_the_input_hides_it_from_the_error() {
     let named = ["actuator_delay", "actuator_lag"].map(String::from).to_vec();
     let settings = Settings { candidates: named, ..Settings::default() };
-    for (delay, moment, count) in [(Some(0.02), 0.03, 1), (Some(0.014), 0.02, 1), (None, 0.03, 0)] {
+    for (delay, torque, count) in [(Some(0.02), 0.03, 1), (Some(0.014), 0.02, 1), (None, 0.03, 0)] {
         let size: Vec<f64> = delay.into_iter().collect();
         let effect = [("actuator_delay", size.as_slice())];
         let hidden = &effect[..size.len()];
         for seed in [50, 53, 56] {
-            let noise = NoiseLevel { moment, ..NOISE };
+            let noise = NoiseLevel { torque, ..NOISE };
             let found = diagnosed(hidden, noise, seed, &settings);
             assert_eq!(found.steps.len(), count, "{delay:?} {seed}");
         }
@@ -334,14 +334,14 @@ fn angles_alone_give_the_timing_of_a_robot_that_answers_within_a_row() {
     p[model.index_of("k_e").unwrap()] = 0.45;
     let t: Vec<f64> = (0..1500).map(|k| 0.02 * f64::from(k)).collect();
     let steps = [5.0, -3.0, 6.0, 2.0, -6.0, 0.5, 3.0, -5.0, -1.0, 4.0, -2.0];
-    let moment: Vec<[f64; 2]> = (0..t.len())
+    let torque: Vec<[f64; 2]> = (0..t.len())
         .map(|k| [steps[k / 17 % 11] + (3.0 * t[k]).sin(), steps[k / 23 % 11] + t[k].cos()])
         .collect();
-    let input = Input { t: &t, moment: &moment, hold: Hold::Constant };
+    let input = Input { t: &t, torque: &torque, hold: Hold::Constant };
     let states = simulate(&model, &p, &input, State::default()).unwrap();
     let degrees = |v: f64| v.to_degrees().round().to_radians();
     let alpha = Some(states.iter().map(|s| s.alpha.map(degrees)).collect());
-    let channels = Channels { t, alpha, omega: None, moment };
+    let channels = Channels { t, alpha, omega: None, torque };
     let recording = Recording::new("angles", channels, DriveUnit::Volt).unwrap();
     // differences of the angles over two rows lag and smooth: by them the input came 8 ms too late
     for (hold, late) in [(Hold::Constant, 0.0), (Hold::Linear, 0.01)] {

@@ -3,7 +3,7 @@
 use super::acceptance::Fall;
 use super::outcome::{Diagnosis, Ranked};
 use super::thresholds::THRESHOLDS;
-use crate::compare::{Dependence, MissingMoment};
+use crate::compare::{Dependence, UnexplainedTorque};
 
 /// What the diagnosis concludes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,7 +77,7 @@ impl Errors {
 
 /// The strongest dependence that counts as structure, a significant one; whether it matters the error says.
 #[must_use]
-pub fn structure(left: &MissingMoment) -> Option<&Dependence> {
+pub fn structure(left: &UnexplainedTorque) -> Option<&Dependence> {
     left.dependences.iter().find(|d| d.log_significance > THRESHOLDS.structure)
 }
 
@@ -143,8 +143,8 @@ mod tests {
     use super::*;
     use crate::compare::Variable;
 
-    fn left(log_significance: f64, size: f64) -> MissingMoment {
-        MissingMoment {
+    fn left(log_significance: f64, size: f64) -> UnexplainedTorque {
+        UnexplainedTorque {
             dependences: vec![Dependence {
                 variable: Variable::Heading,
                 bins: vec![],

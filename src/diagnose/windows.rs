@@ -88,7 +88,7 @@ impl<'a> Windows<'a> {
                 // a channel without visible noise still has rounding
                 let rounding = 1e-6 * r.top_speed();
                 let speed = [0, 1].map(|i| variance(r, i).max(rounding * rounding));
-                let input = noise.moment.map(|s| (s * mobility).powi(2) * r.step());
+                let input = noise.torque.map(|s| (s * mobility).powi(2) * r.step());
                 let most = |i: usize| MOST_GROWTH * speed[i] / WINDOW;
                 (speed, [0, 1].map(|i| input[i].min(most(i))))
             })
@@ -132,7 +132,7 @@ impl<'a> Windows<'a> {
 
     /// The recordings with every other row of the input alone.
     pub(super) fn halved(&self, phase: usize) -> Vec<Recording> {
-        let one = |r: &&Recording| r.with_moment(every_other(r, r.moment(), phase, self.hold));
+        let one = |r: &&Recording| r.with_torque(every_other(r, r.torque(), phase, self.hold));
         self.recordings.iter().map(one).collect()
     }
 

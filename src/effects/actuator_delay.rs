@@ -48,11 +48,11 @@ impl Physics for ActuatorDelay {
         Energy::Supplies
     }
 
-    fn acts_on_drive(&self) -> bool {
+    fn acts_on_input(&self) -> bool {
         true
     }
 
-    fn drive<T: Real>(&self, t: &[f64], m: &[[T; 2]], p: &[T]) -> Option<Vec<[T; 2]>> {
+    fn input<T: Real>(&self, t: &[f64], m: &[[T; 2]], p: &[T]) -> Option<Vec<[T; 2]>> {
         let last = m.len().checked_sub(1)?;
         let mut k = 0;
         let delayed = t.iter().map(|&t_now| {
@@ -79,11 +79,11 @@ mod tests {
         let t = [0.0, 0.1, 0.3, 0.4];
         let m = [[1.0, 0.0], [2.0, 0.0], [6.0, 0.0], [8.0, 0.0]];
         let real: Vec<f64> =
-            ActuatorDelay.drive(&t, &m, &[0.15]).unwrap().iter().map(|m| m[0]).collect();
+            ActuatorDelay.input(&t, &m, &[0.15]).unwrap().iter().map(|m| m[0]).collect();
         // at t - 0.15 = -0.15, -0.05, 0.15, 0.25
         for (found, expected) in real.iter().zip([1.0, 1.0, 3.0, 5.0]) {
             assert!((found - expected).abs() < 1e-14, "{real:?}");
         }
-        assert_eq!(ActuatorDelay.drive(&t, &m, &[0.0]).unwrap(), m.to_vec());
+        assert_eq!(ActuatorDelay.input(&t, &m, &[0.0]).unwrap(), m.to_vec());
     }
 }

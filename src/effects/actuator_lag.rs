@@ -53,11 +53,11 @@ impl Physics for ActuatorLag {
         Energy::Supplies
     }
 
-    fn acts_on_drive(&self) -> bool {
+    fn acts_on_input(&self) -> bool {
         true
     }
 
-    fn drive<T: Real>(&self, t: &[f64], m: &[[T; 2]], p: &[T]) -> Option<Vec<[T; 2]>> {
+    fn input<T: Real>(&self, t: &[f64], m: &[[T; 2]], p: &[T]) -> Option<Vec<[T; 2]>> {
         let mut real: Vec<[T; 2]> = Vec::with_capacity(m.len());
         for (k, &end) in m.iter().enumerate() {
             let Some(&last) = real.last() else {
@@ -92,7 +92,7 @@ mod tests {
         let t = [0.0, 0.01, 0.013, 0.05, 0.4, 0.41];
         let m: Vec<_> = t.iter().map(|t| [3.0 * t + 0.2, -t]).collect();
         let tau = 0.03;
-        let real = ActuatorLag.drive(&t, &m, &[tau]).unwrap();
+        let real = ActuatorLag.input(&t, &m, &[tau]).unwrap();
         for (k, t) in t.iter().enumerate() {
             // ramp of slope c: c (t - tau + tau exp(-t/tau)) above its start
             let ramp = t - tau + tau * (-t / tau).exp();
@@ -102,8 +102,8 @@ mod tests {
     }
 
     #[test]
-    fn without_a_time_constant_the_moment_is_unchanged() {
+    fn without_a_time_constant_the_torque_is_unchanged() {
         let m = vec![[0.1, 0.3], [0.4, -0.2], [0.0, 0.0]];
-        assert_eq!(ActuatorLag.drive(&[0.0, 0.1, 0.2], &m, &[0.0]).unwrap(), m);
+        assert_eq!(ActuatorLag.input(&[0.0, 0.1, 0.2], &m, &[0.0]).unwrap(), m);
     }
 }

@@ -48,11 +48,11 @@ impl Physics for BacklashDeadzone {
         Energy::Supplies
     }
 
-    fn acts_on_drive(&self) -> bool {
+    fn acts_on_input(&self) -> bool {
         true
     }
 
-    fn drive<T: Real>(&self, _t: &[f64], m: &[[T; 2]], p: &[T]) -> Option<Vec<[T; 2]>> {
+    fn input<T: Real>(&self, _t: &[f64], m: &[[T; 2]], p: &[T]) -> Option<Vec<[T; 2]>> {
         let pass = |m: T| m - m.max(-p[0]).min(p[0]);
         Some(m.iter().map(|row| row.map(pass)).collect())
     }

@@ -105,8 +105,8 @@ mod tests {
         let (motor, push, spring) = (0.025, 0.2, p[5]);
         let body = a.a1 + a.a2 - motor;
         let t: Vec<f64> = (0..51).map(|k| 0.01 * f64::from(k)).collect();
-        let moment = vec![[push; 2]; 51];
-        let input = Input { t: &t, moment: &moment, hold: Hold::Constant };
+        let torque = vec![[push; 2]; 51];
+        let input = Input { t: &t, torque: &torque, hold: Hold::Constant };
         let motion = simulate(&model, &p, &input, State::default()).unwrap();
         let frequency = (spring * (1.0 / motor + 1.0 / body)).sqrt();
         for (t, state) in t.iter().zip(&motion) {

@@ -164,7 +164,7 @@ fn linear_parameters_enter_linearly() {
             };
             let q: Vec<f64> = effect.parameters().into_iter().enumerate().map(scaled).collect();
             let mut all = flat(&effect.terms(&x, &q));
-            let acting = effect.drive(&t, &m, &q).unwrap_or(m.clone());
+            let acting = effect.input(&t, &m, &q).unwrap_or(m.clone());
             all.extend((0..t.len()).map(|k| acting[k][0] - m[k][0]));
             all
         };
@@ -235,20 +235,20 @@ fn the_partials_of_the_terms_equal_central_differences() {
 }
 
 #[test]
-fn the_partials_of_the_drive_equal_central_differences() {
+fn the_partials_of_the_input_equal_central_differences() {
     each(5, |effect, id, _, rng| {
         let (t, m) = recorded(rng);
         let p = parameters(effect, rng);
         let own: Vec<Own> = p.iter().enumerate().map(|(k, &v)| Dual::variable(v, k % 4)).collect();
         let constant: Vec<[Own; 2]> = m.iter().map(|row| row.map(Own::constant)).collect();
-        let (plain, exact) = (effect.drive(&t, &m, &p), effect.drive_own(&t, &constant, &own));
-        assert_eq!(plain.is_some(), effect.acts_on_drive(), "{id}");
+        let (plain, exact) = (effect.input(&t, &m, &p), effect.input_own(&t, &constant, &own));
+        assert_eq!(plain.is_some(), effect.acts_on_input(), "{id}");
         let (Some(plain), Some(exact)) = (plain, exact) else { return };
         for j in 0..p.len() {
             let at = |sign: f64| {
                 let mut q = p.clone();
                 q[j] += sign * near(q[j]);
-                effect.drive(&t, &m, &q).unwrap()
+                effect.input(&t, &m, &q).unwrap()
             };
             let (up, down) = (at(1.0), at(-1.0));
             for k in 0..t.len() {
@@ -307,8 +307,8 @@ fn the_mirror_image_of_the_robot_has_the_mirror_image_of_the_effect() {
         }
         let (t, m) = recorded(rng);
         let image: Vec<_> = m.iter().map(|row| swap(*row)).collect();
-        let there = other.drive(&t, &image, &q).map(|m| m.into_iter().map(swap).collect());
-        assert_eq!(effect.drive(&t, &m, &p), there, "{id}");
+        let there = other.input(&t, &image, &q).map(|m| m.into_iter().map(swap).collect());
+        assert_eq!(effect.input(&t, &m, &p), there, "{id}");
     });
 }
 
@@ -328,8 +328,8 @@ fn forward_dynamics_undo_inverse_dynamics() {
         let terms = model.terms(&x, &p);
         let wanted = [0, 1].map(|_| rng.random_range(-50.0..50.0));
         let sign = [0, 1, 2, 3].map(|j| crate::math::sgn(along(j, &x.omega)));
-        let moment = terms.moment(&wanted, &sign);
-        let found = crate::simulate::contact(&terms, &moment, &x.omega).unwrap().acceleration;
+        let torque = terms.total_torque(&wanted, &sign);
+        let found = crate::simulate::contact(&terms, &torque, &x.omega).unwrap().acceleration;
         assert!(solve_mass(&terms.mass, &[1.0, 1.0]).is_ok(), "{id}");
         for i in 0..2 {
             // condition of the mass matrix below 2, torques near 1 over inertias near 0.03
@@ -350,8 +350,8 @@ fn lively() -> (Vec<f64>, Vec<[f64; 2]>) {
 
 #[test]
 fn an_effect_of_typical_size_shows_in_the_motion() {
-    let (t, moment) = lively();
-    let input = Input { t: &t, moment: &moment, hold: Hold::Linear };
+    let (t, torque) = lively();
+    let input = Input { t: &t, torque: &torque, hold: Hold::Linear };
     let run = |id: &str| {
         let (model, p) = with(id);
         simulate(&model, &p, &input, State::default()).unwrap()
@@ -371,8 +371,8 @@ fn an_effect_of_typical_size_shows_in_the_motion() {
 
 #[test]
 fn sensitivities_of_every_effect_equal_differences_of_the_motion() {
-    let (t, moment) = lively();
-    let input = Input { t: &t[..120], moment: &moment[..120], hold: Hold::Linear };
+    let (t, torque) = lively();
+    let input = Input { t: &t[..120], torque: &torque[..120], hold: Hold::Linear };
     let start = State { alpha: [0.3, -0.1], omega: [3.0, 2.0] };
     for id in CONTRACT.iter().filter(|id| !["wheel_slip", "compliance"].contains(id)) {
         let (model, mut p) = with(id);

@@ -57,7 +57,7 @@ pub trait Physics: Send + Sync + 'static {
 
     /// Turns the recorded input into the one that acts, for the whole run:
     /// `t` \[s\] and `m` [N m] have one row a sample. `None`: unchanged.
-    fn drive<T: Real>(&self, _t: &[f64], _m: &[[T; 2]], _p: &[T]) -> Option<Vec<[T; 2]>> {
+    fn input<T: Real>(&self, _t: &[f64], _m: &[[T; 2]], _p: &[T]) -> Option<Vec<[T; 2]>> {
         None
     }
 
@@ -66,14 +66,14 @@ pub trait Physics: Send + Sync + 'static {
         None
     }
 
-    /// Whether [`Physics::drive`] changes anything.
-    fn acts_on_drive(&self) -> bool {
+    /// Whether [`Physics::input`] changes anything.
+    fn acts_on_input(&self) -> bool {
         false
     }
 
-    /// What it changes, where that is not the input ([`Physics::acts_on_drive`]) or the torque.
+    /// What it changes, where that is not the input ([`Physics::acts_on_input`]) or the torque.
     fn change(&self) -> Change {
-        if self.acts_on_drive() { Change::Input } else { Change::Torque }
+        if self.acts_on_input() { Change::Input } else { Change::Torque }
     }
 
     /// Whether recordings of that scale could show it at all; a second body needs what
@@ -158,12 +158,12 @@ pub trait Effect: Send + Sync {
     fn torque_jet(&self, x: &Motion<Jet>, p: &[Jet]) -> [Jet; 2];
     /// [`Physics::terms`] with symbols, which record the formula.
     fn terms_symbolic(&self, x: &Motion<Symbol>, p: &[Symbol]) -> Terms<Symbol>;
-    /// [`Physics::drive`] with plain numbers.
-    fn drive(&self, t: &[f64], m: &[[f64; 2]], p: &[f64]) -> Option<Vec<[f64; 2]>>;
-    /// [`Physics::drive`] with derivatives.
-    fn drive_own(&self, t: &[f64], m: &[[Own; 2]], p: &[Own]) -> Option<Vec<[Own; 2]>>;
-    /// [`Physics::drive`] with symbols.
-    fn drive_symbolic(
+    /// [`Physics::input`] with plain numbers.
+    fn input(&self, t: &[f64], m: &[[f64; 2]], p: &[f64]) -> Option<Vec<[f64; 2]>>;
+    /// [`Physics::input`] with derivatives.
+    fn input_own(&self, t: &[f64], m: &[[Own; 2]], p: &[Own]) -> Option<Vec<[Own; 2]>>;
+    /// [`Physics::input`] with symbols.
+    fn input_symbolic(
         &self,
         t: &[f64],
         m: &[[Symbol; 2]],
@@ -176,7 +176,7 @@ pub trait Effect: Send + Sync {
     /// [`Physics::coupling`] with symbols.
     fn coupling_symbolic(&self, x: &Motion<Symbol>, p: &[Symbol]) -> Option<Coupling<Symbol>>;
     /// Whether it changes the input.
-    fn acts_on_drive(&self) -> bool;
+    fn acts_on_input(&self) -> bool;
     /// [`Physics::change`].
     fn change(&self) -> Change;
     /// [`Physics::admissible`].
@@ -223,19 +223,19 @@ impl<P: Physics> Effect for P {
     fn terms_symbolic(&self, x: &Motion<Symbol>, p: &[Symbol]) -> Terms<Symbol> {
         Physics::terms(self, x, p)
     }
-    fn drive(&self, t: &[f64], m: &[[f64; 2]], p: &[f64]) -> Option<Vec<[f64; 2]>> {
-        Physics::drive(self, t, m, p)
+    fn input(&self, t: &[f64], m: &[[f64; 2]], p: &[f64]) -> Option<Vec<[f64; 2]>> {
+        Physics::input(self, t, m, p)
     }
-    fn drive_own(&self, t: &[f64], m: &[[Own; 2]], p: &[Own]) -> Option<Vec<[Own; 2]>> {
-        Physics::drive(self, t, m, p)
+    fn input_own(&self, t: &[f64], m: &[[Own; 2]], p: &[Own]) -> Option<Vec<[Own; 2]>> {
+        Physics::input(self, t, m, p)
     }
-    fn drive_symbolic(
+    fn input_symbolic(
         &self,
         t: &[f64],
         m: &[[Symbol; 2]],
         p: &[Symbol],
     ) -> Option<Vec<[Symbol; 2]>> {
-        Physics::drive(self, t, m, p)
+        Physics::input(self, t, m, p)
     }
     fn coupling(&self, x: &Motion<f64>, p: &[f64]) -> Option<Coupling<f64>> {
         Physics::coupling(self, x, p)
@@ -246,8 +246,8 @@ impl<P: Physics> Effect for P {
     fn coupling_symbolic(&self, x: &Motion<Symbol>, p: &[Symbol]) -> Option<Coupling<Symbol>> {
         Physics::coupling(self, x, p)
     }
-    fn acts_on_drive(&self) -> bool {
-        Physics::acts_on_drive(self)
+    fn acts_on_input(&self) -> bool {
+        Physics::acts_on_input(self)
     }
     fn change(&self) -> Change {
         Physics::change(self)

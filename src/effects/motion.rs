@@ -90,7 +90,7 @@ impl<T: Real> Terms<T> {
     /// The torque these terms need at acceleration `a` [rad/s^2] when dry friction acts with
     /// signs `s`: `mass a + torque + Σ_j d_j level_j s_j` [N m].
     #[must_use]
-    pub fn moment(&self, a: &[f64; 2], s: &[f64; 4]) -> [T; 2] {
+    pub fn total_torque(&self, a: &[f64; 2], s: &[f64; 4]) -> [T; 2] {
         let [m11, m12, m22] = self.mass;
         let mut out =
             [m11 * a[0] + m12 * a[1] + self.torque[0], m12 * a[0] + m22 * a[1] + self.torque[1]];

@@ -68,7 +68,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_power_of_the_moments_is_the_rate_of_the_potential_energy() {
+    fn the_power_of_the_torques_is_the_rate_of_the_potential_energy() {
         let robot = Robot::amigobot();
         let body = &robot.construction;
         let (pull, uphill) = (1.7_f64, 0.6_f64); // N a kg of mass along the floor, rad

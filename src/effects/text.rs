@@ -49,7 +49,7 @@ pub fn details_of(effect: &dyn Effect) -> String {
     line("in data", &d.signature);
     line("excitation", &d.excitation);
     line("energy", energy(effect.energy()));
-    if effect.acts_on_drive() {
+    if effect.acts_on_input() {
         line("acts on", "the recorded torque, before the equation of motion");
     }
     if !d.equivalent.is_empty() {

@@ -35,11 +35,11 @@ impl Physics for TorqueGain {
         Energy::Supplies
     }
 
-    fn acts_on_drive(&self) -> bool {
+    fn acts_on_input(&self) -> bool {
         true
     }
 
-    fn drive<T: Real>(&self, _t: &[f64], m: &[[T; 2]], p: &[T]) -> Option<Vec<[T; 2]>> {
+    fn input<T: Real>(&self, _t: &[f64], m: &[[T; 2]], p: &[T]) -> Option<Vec<[T; 2]>> {
         Some(m.iter().map(|&[m1, m2]| [(p[0] + 1.0) * m1, m2]).collect())
     }
 }

@@ -93,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_order_form_is_the_derivative_of_the_exact_moments() {
+    fn the_first_order_form_is_the_derivative_of_the_exact_torques() {
         let robot = Robot::amigobot();
         let a = robot.construction.parameters();
         let iz = robot.construction.iz1_kg_m2;
@@ -109,7 +109,7 @@ mod tests {
             })
         };
         let x = Motion { t: 0.0, alpha: [0.0; 2], omega: w, variance: [0.0; 4], robot: &robot };
-        let found = WheelRadiusMismatch.terms(&x, &[1.0, 0.0]).moment(&dw, &[0.0; 4]);
+        let found = WheelRadiusMismatch.terms(&x, &[1.0, 0.0]).total_torque(&dw, &[0.0; 4]);
         let (up, down) = (exact(1e-5), exact(-1e-5));
         for i in 0..2 {
             let slope = (up[i] - down[i]) / 2e-5;

@@ -86,8 +86,8 @@ mod tests {
         let mut p = model.initial();
         (p[3], p[4], p[5]) = (0.0, 0.0, stiffness);
         let t: Vec<f64> = (0..101).map(|k| 0.01 * f64::from(k)).collect();
-        let moment = vec![[0.2; 2]; 101];
-        let input = Input { t: &t, moment: &moment, hold: Hold::Constant };
+        let torque = vec![[0.2; 2]; 101];
+        let input = Input { t: &t, torque: &torque, hold: Hold::Constant };
         simulate(&model, &p, &input, State::default()).unwrap()
     }
 
@@ -123,8 +123,8 @@ mod tests {
         let mut p = model.initial();
         (p[0], p[3], p[4]) = (0.02, 0.0, 0.0); // a1 below Iz1 = 0.025
         let t: Vec<f64> = (0..101).map(|k| 0.01 * f64::from(k)).collect();
-        let moment = vec![[0.2; 2]; 101];
-        let input = Input { t: &t, moment: &moment, hold: Hold::Constant };
+        let torque = vec![[0.2; 2]; 101];
+        let input = Input { t: &t, torque: &torque, hold: Hold::Constant };
         let found = simulate(&model, &p, &input, State::default()).unwrap()[100].omega[0];
         // momentum is kept: w exceeds push t/(a1 + a2) by the share of the slip speed, below 2 %
         let rigid = 0.2 / (p[0] + p[1]);
@@ -136,9 +136,9 @@ mod tests {
         for id in ["wheel_slip", "compliance"] {
             let model = Model::base(Robot::amigobot()).add(id).unwrap();
             let t: Vec<f64> = (0..401).map(|k| 0.01 * f64::from(k)).collect();
-            let moment: Vec<_> =
+            let torque: Vec<_> =
                 t.iter().map(|&t| if t < 1.0 { [0.3, 0.2] } else { [0.0; 2] }).collect();
-            let input = Input { t: &t, moment: &moment, hold: Hold::Constant };
+            let input = Input { t: &t, torque: &torque, hold: Hold::Constant };
             let motion = simulate(&model, &model.initial(), &input, State::default()).unwrap();
             assert!(motion[100].omega[0] > 3.0, "{id}");
             // 0.125 N m over 0.03 kg m^2 stops 6 rad/s in 1.4 s

@@ -37,7 +37,7 @@ impl Physics for YawViscous {
     }
 
     fn terms<T: Real>(&self, x: &Motion<T>, p: &[T]) -> Terms<T> {
-        let moment = p[0] * (x.omega[0] - x.omega[1]);
-        Terms { torque: [moment, -moment], ..Terms::zero() }
+        let torque = p[0] * (x.omega[0] - x.omega[1]);
+        Terms { torque: [torque, -torque], ..Terms::zero() }
     }
 }

@@ -307,7 +307,7 @@ fn checksum(study: &Study) -> String {
     for r in &study.recordings {
         hash.update(r.role.name());
         r.t.iter().for_each(|t| hash.update(t.to_le_bytes()));
-        let channels = [&r.alpha, &r.omega, &r.moment];
+        let channels = [&r.alpha, &r.omega, &r.torque];
         channels.iter().flat_map(|c| c.iter().flatten()).for_each(|v| hash.update(v.to_le_bytes()));
     }
     hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()

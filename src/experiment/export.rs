@@ -123,7 +123,7 @@ impl<'a> Robot<'a> {
         let fitted = models.last();
         let each = || plan.recordings.iter().map(|m| &m.recording);
         let largest = |of: &dyn Fn(&Recording) -> f64| each().map(of).fold(0.0, f64::max);
-        let peak = |r: &Recording| r.moment().iter().flatten().fold(0.0_f64, |a, m| a.max(m.abs()));
+        let peak = |r: &Recording| r.torque().iter().flatten().fold(0.0_f64, |a, m| a.max(m.abs()));
         let operation = Operation {
             top_speed: largest(&Recording::top_speed),
             largest_input: largest(&peak),

@@ -51,7 +51,7 @@ pub(super) fn read(
     }
     share_noise(&mut measured.iter_mut().map(|m| &mut m.recording).collect::<Vec<_>>());
     let train = measured.iter().filter(|m| m.role == Role::Train).map(|m| &m.recording);
-    if super::quality::without_drive(train) {
+    if super::quality::without_input(train) {
         return Err(words(format!(
             "recordings.train: M1 and M2 are zero throughout ({}); without an input the parameters \
              have no scale, so record the torques, or name their columns",

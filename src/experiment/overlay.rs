@@ -49,7 +49,7 @@ pub fn overlay(
     let mut out = Table(vec![("t_s".into(), recording.t().to_vec())]);
     out.pair(|i| format!("alpha{i}_rad"), recording.alpha());
     out.pair(|i| format!("dalpha{i}_rad_s"), recording.omega());
-    out.pair(|i| format!("input{i}_{unit}"), recording.moment());
+    out.pair(|i| format!("input{i}_{unit}"), recording.torque());
     out.version(recording, hold, &models.given, "", &unit)?;
     if let Some(found) = &models.found {
         out.version(recording, hold, found, "_with_effects", &unit)?;
@@ -97,7 +97,7 @@ impl Table {
 /// What the acting input has left after mass, torques and friction.
 fn residual_torque(fitted: &FittedModel, recording: &Recording) -> Vec<[f64; 2]> {
     let p = fitted.values();
-    let acting = fitted.model.drive(recording.t(), recording.moment(), &p);
+    let acting = fitted.model.input(recording.t(), recording.torque(), &p);
     let row = |(k, m): (usize, &LocalMotion)| {
         let needed = needed(&fitted.model.terms(&at(fitted, recording, k), &p), m);
         [0, 1].map(|i| acting[k][i] - needed[i])
@@ -109,11 +109,11 @@ fn residual_torque(fitted: &FittedModel, recording: &Recording) -> Vec<[f64; 2]>
 fn effect_torque(fitted: &FittedModel, e: usize, recording: &Recording) -> Vec<[f64; 2]> {
     let (effect, p) = (&fitted.model.effects()[e], fitted.values());
     let p = &p[fitted.model.slots(e)];
-    let changed = effect.drive(recording.t(), recording.moment(), p);
-    let changed = changed.unwrap_or_else(|| recording.moment().to_vec());
+    let changed = effect.input(recording.t(), recording.torque(), p);
+    let changed = changed.unwrap_or_else(|| recording.torque().to_vec());
     let row = |(k, m): (usize, &LocalMotion)| {
         let needed = needed(&effect.terms(&at(fitted, recording, k), p), m);
-        [0, 1].map(|i| needed[i] + recording.moment()[k][i] - changed[k][i])
+        [0, 1].map(|i| needed[i] + recording.torque()[k][i] - changed[k][i])
     };
     recording.local_motion().iter().enumerate().map(row).collect()
 }
@@ -133,5 +133,5 @@ fn needed(terms: &Terms<f64>, m: &LocalMotion) -> [f64; 2] {
         // within two standard deviations of zero the sign is noise
         if terms.level[j] > 0.0 && speed * speed <= 4.0 * variance { f64::NAN } else { sgn(speed) }
     };
-    terms.moment(&m.acceleration, &std::array::from_fn(sign))
+    terms.total_torque(&m.acceleration, &std::array::from_fn(sign))
 }

@@ -15,8 +15,8 @@ pub(super) fn notes(recording: &Recording, robot: &Robot) -> Vec<Finding> {
 }
 
 /// Whether no recording has any input: then all parameters are only known up to a common factor.
-pub(super) fn without_drive<'a>(mut recordings: impl Iterator<Item = &'a Recording>) -> bool {
-    recordings.all(|r| r.moment().iter().all(|m| *m == [0.0; 2]))
+pub(super) fn without_input<'a>(mut recordings: impl Iterator<Item = &'a Recording>) -> bool {
+    recordings.all(|r| r.torque().iter().all(|m| *m == [0.0; 2]))
 }
 
 #[cfg(test)]

@@ -201,7 +201,7 @@ fn describe(
         alpha: r.alpha().to_vec(),
         omega: r.omega().to_vec(),
         acceleration: r.local_motion().iter().map(|m| m.acceleration).collect(),
-        moment: r.moment().to_vec(),
+        torque: r.torque().to_vec(),
         regimes: r.regimes(),
         path: path(plan, r),
     })

@@ -45,8 +45,8 @@ fn script(plan: &Plan, study: &Study, fitted: &FittedModel) -> Result<String, St
 fn input(measured: &Measured, shift: f64) -> Vec<[f64; 2]> {
     let recording = &measured.recording;
     match shift {
-        0.0 => recording.moment().to_vec(),
-        _ => shifted(recording, recording.moment(), shift),
+        0.0 => recording.torque().to_vec(),
+        _ => shifted(recording, recording.torque(), shift),
     }
 }
 

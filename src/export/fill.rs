@@ -2,7 +2,7 @@
 
 use super::language::{LANGUAGES, Language};
 use super::print::{Printed, number, print};
-use super::traced::{MOMENTS, MOTION, Traced};
+use super::traced::{MOTION, TORQUES, Traced};
 use crate::math::Formula;
 use crate::simulate::Hold;
 
@@ -45,9 +45,9 @@ impl Content<'_> {
         let terms = self.of_state(&traced.terms, &TERMS, language);
         let body = self.of_state(&traced.body, &BODY, language);
         let fastest = self.of_state(&traced.fastest, &FASTEST, language);
-        let drive = self.of_input(&traced.drive, language);
+        let input = self.of_input(&traced.input, language);
         let counts =
-            [&terms, &body, &fastest, &drive].map(|printed| printed.temporaries.to_string());
+            [&terms, &body, &fastest, &input].map(|printed| printed.temporaries.to_string());
         let states = (4 + traced.body.outputs.len()).to_string();
         let time = |parameter: Option<usize>| {
             parameter.map_or_else(|| number(0.0), |j| constants[j].name.clone())
@@ -72,7 +72,7 @@ impl Content<'_> {
             ("{{terms}}", terms.statements),
             ("{{body}}", body.statements),
             ("{{fastest}}", fastest.statements),
-            ("{{drive}}", drive.statements),
+            ("{{drive}}", input.statements),
         ];
         filled(language.frame, &inline, &blocks)
     }
@@ -109,7 +109,7 @@ impl Content<'_> {
         let now = [place("M", 0), place("M", 1)];
         let unused = [String::new(), String::new()]; // the sample before: no formula depends on it
         let inputs: Vec<String> = unused.into_iter().chain(now).chain(self.names()).collect();
-        debug_assert_eq!(inputs.len(), MOMENTS + self.constants.len());
+        debug_assert_eq!(inputs.len(), TORQUES + self.constants.len());
         let targets = [place("acting", 0), place("acting", 1)];
         print(formula, &inputs, &targets, &language.syntax)
     }

@@ -1,7 +1,7 @@
 //! A fuzzy state emulator as a function in the languages of [`super::files`].
 
 use super::fill::Content;
-use super::traced::{MOMENTS, MOTION, Traced};
+use super::traced::{MOTION, TORQUES, Traced};
 use crate::math::{Formula, Symbol, record};
 use crate::simulate::{FuzzyDynamics, Hold};
 
@@ -45,7 +45,7 @@ fn traced(fuzzy: &FuzzyDynamics) -> Traced {
         }),
         body: Formula::default(),
         fastest: record(&[0.0; MOTION], |_| vec![0.0.into()]),
-        drive: record(&[0.1; MOMENTS], |m| {
+        input: record(&[0.1; TORQUES], |m| {
             [0, 1].map(|i| m[2] * gain[i][0] + m[3] * gain[i][1]).to_vec()
         }),
         lag: None,
@@ -94,7 +94,7 @@ mod tests {
             let gain = [[30.0, 2.0], [3.0, 28.0]];
             let fuzzy = FuzzyDynamics::new(system, gain, 1.0, Structure::Parallel, &[]);
             let traced = traced(&fuzzy);
-            assert!(!traced.terms.read && !traced.drive.read);
+            assert!(!traced.terms.read && !traced.input.read);
             for w in [[3.0, 7.0], [-4.0, 30.0], [19.0, -5.0]] {
                 let mut place = [0.0; MOTION];
                 place[3..5].copy_from_slice(&w);
@@ -103,7 +103,7 @@ mod tests {
                 // the other implementation sums in another order
                 assert!((found[3] + f1).abs() < 1e-12 && (found[4] + f2).abs() < 1e-12);
             }
-            let acting = traced.drive.evaluate(&[0.0, 0.0, 0.2, -0.1]);
+            let acting = traced.input.evaluate(&[0.0, 0.0, 0.2, -0.1]);
             assert!((acting[0] - 5.8).abs() < 1e-12 && (acting[1] + 2.2).abs() < 1e-12);
         }
     }

@@ -131,7 +131,7 @@ impl Gains {
 fn not_in_gains(left_out: Vec<LeftOut>, model: &Model) -> Vec<LeftOut> {
     let acts = |id: &str| {
         let effect = model.effects().iter().find(|e| e.id() == id);
-        effect.is_some_and(|e| e.acts_on_drive()) || id == coupled(model)
+        effect.is_some_and(|e| e.acts_on_input()) || id == coupled(model)
     };
     left_out.into_iter().filter(|l| acts(&l.effect)).collect()
 }
@@ -154,7 +154,7 @@ fn curve(model: &Model, p: &[f64], direction: [f64; 2], operation: &Operation) -
             let x = Motion { t: operation.time, alpha, omega, variance: [0.0; 4], robot };
             let terms = model.terms(&x, p);
             let sign = std::array::from_fn(|j| sgn(along(j, &omega)));
-            let torque = terms.moment(&[0.0; 2], &sign);
+            let torque = terms.total_torque(&[0.0; 2], &sign);
             sum += 0.5 * (direction[0] * torque[0] + direction[1] * torque[1]);
         }
         sum / f64::from(ANGLES * ANGLES)
@@ -278,8 +278,8 @@ mod tests {
             }
             queue.push_back(command);
             let u = queue.pop_front().unwrap();
-            let (t, moment) = ([0.0, step], [[u; 2]; 2]);
-            let input = Input { t: &t, moment: &moment, hold: Hold::Constant };
+            let (t, torque) = ([0.0, step], [[u; 2]; 2]);
+            let input = Input { t: &t, torque: &torque, hold: Hold::Constant };
             let Ok(states) = simulate(model, p, &input, state) else {
                 out.push(f64::INFINITY); // the loop has run away
                 break;

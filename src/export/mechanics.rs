@@ -71,7 +71,7 @@ impl Mechanics {
         };
         for (e, effect) in model.effects().iter().enumerate() {
             let p = &p[model.slots(e)];
-            let added = if effect.acts_on_drive() {
+            let added = if effect.acts_on_input() {
                 out.add_input(&**effect, p)
             } else {
                 out.add_terms(&**effect, p, model.robot(), t)
@@ -129,7 +129,7 @@ impl Mechanics {
         let t: Vec<f64> = (0..=STEPS).map(|k| f64::from(k) * STEP).collect();
         let response = |size: f64, of: &dyn Fn(f64) -> f64| {
             let m: Vec<[f64; 2]> = t.iter().map(|&t| [size * of(t); 2]).collect();
-            effect.drive(&t, &m, p).unwrap_or(m)
+            effect.input(&t, &m, p).unwrap_or(m)
         };
         if effect.change() == Change::TimeShift {
             let ramp = response(1.0, &|t| t);

@@ -7,11 +7,11 @@ use crate::model::{Model, cramer};
 /// Inputs of [`Traced::terms`] before the parameters: t, alpha1, alpha2, omega1, omega2, and of a second body
 /// its speeds u1, u2 and twists phi1, phi2.
 pub(super) const MOTION: usize = 9;
-/// Inputs of [`Traced::drive`] before the parameters: M1, M2 of the sample before and of this one.
-pub(super) const MOMENTS: usize = 4;
+/// Inputs of [`Traced::input`] before the parameters: M1, M2 of the sample before and of this one.
+pub(super) const TORQUES: usize = 4;
 /// The place of recording; any would do, since only formulas without branches are taken.
 const PLACE: [f64; MOTION] = [0.7, 0.3, -0.4, 1.1, -0.6, 0.9, -0.5, 0.02, -0.03];
-const RECORDED: [f64; MOMENTS] = [0.11, -0.07, 0.13, -0.09];
+const RECORDED: [f64; TORQUES] = [0.11, -0.07, 0.13, -0.09];
 
 /// Why a model cannot be written as a function of the present state.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
@@ -35,7 +35,7 @@ pub struct Traced {
     /// From the same to the fastest rate of the coupling [1/s]; zero without one.
     pub fastest: Formula,
     /// From (M1, M2 of the sample before, M1, M2, parameters) to the torques that act, before lag and delay.
-    pub drive: Formula,
+    pub input: Formula,
     /// Number of the parameter that is the time constant of a first-order lag, if there is one.
     pub lag: Option<usize>,
     /// Number of the parameter that is a pure delay, if there is one.
@@ -82,7 +82,7 @@ pub fn trace(model: &Model, p: &[f64]) -> Result<Traced, Vec<Obstacle>> {
         terms: formula(model, p, |x| numbers(&x.separated().wheel)),
         body: formula(model, p, |x| x.separated().body.map_or(vec![], |b| b.rates.to_vec())),
         fastest: formula(model, p, |x| vec![x.separated().body.map_or(0.0.into(), |b| b.fastest)]),
-        drive: drive(model, &instant, p),
+        input: input(model, &instant, p),
         lag: lag.map(parameter),
         delay: delay.map(parameter),
     })
@@ -107,7 +107,7 @@ fn memory(model: &Model, e: usize, p: &[f64]) -> Option<Memory> {
     let step = time.max(1e-6) / 50.0;
     let t: Vec<f64> = (0..=1000).map(|k| step * f64::from(k)).collect();
     let answer = |of: &dyn Fn(f64) -> f64| -> Option<Vec<[f64; 2]>> {
-        effect.drive(&t, &t.iter().map(|&t| [of(t); 2]).collect::<Vec<_>>(), own)
+        effect.input(&t, &t.iter().map(|&t| [of(t); 2]).collect::<Vec<_>>(), own)
     };
     let (ramp, rise) = (answer(&|t| t)?, answer(&|t| f64::from(u8::from(t > 0.0)))?);
     // after twenty time constants a lag follows a ramp late by its time, to 2e-9
@@ -121,7 +121,7 @@ fn memory(model: &Model, e: usize, p: &[f64]) -> Option<Memory> {
 /// Whether an input effect that is no lag or delay stands behind one.
 fn behind_memory(model: &Model, e: usize, p: &[f64]) -> bool {
     let effect = &model.effects()[e];
-    effect.acts_on_drive() && (0..e).any(|before| memory(model, before, p).is_some())
+    effect.acts_on_input() && (0..e).any(|before| memory(model, before, p).is_some())
 }
 
 /// Why effect number `e` cannot be written, if so.
@@ -130,11 +130,11 @@ fn obstacle(model: &Model, e: usize, p: &[f64]) -> Option<&'static str> {
         let coupling = x.coupling(e).map(|c| vec![c.rotor, c.stiffness, c.damping]);
         [numbers(&x.sum([e], &x.motion)), coupling.unwrap_or_default()].concat()
     });
-    let drive = drive(model, &[e], p);
+    let input = input(model, &[e], p);
     if memory(model, e, p).is_some() {
         return None;
     }
-    if drive.depends_on(0) || drive.depends_on(1) {
+    if input.depends_on(0) || input.depends_on(1) {
         return Some("the torque that acts depends on earlier torques, and by no lag or delay");
     }
     if behind_memory(model, e, p) {
@@ -142,7 +142,7 @@ fn obstacle(model: &Model, e: usize, p: &[f64]) -> Option<&'static str> {
             "it acts on the input behind a lag or a delay; put it before that in the list of effects",
         );
     }
-    if terms.read || drive.read {
+    if terms.read || input.read {
         return Some("its equation branches on a value");
     }
     None
@@ -230,13 +230,13 @@ fn formula(model: &Model, p: &[f64], f: impl Fn(&Place) -> Vec<Symbol>) -> Formu
 }
 
 /// Two samples go in, so that a memory of the first shows in the second.
-fn drive(model: &Model, effects: &[usize], p: &[f64]) -> Formula {
+fn input(model: &Model, effects: &[usize], p: &[f64]) -> Formula {
     record(&[&RECORDED, p].concat(), |x| {
-        let (m, p) = x.split_at(MOMENTS);
+        let (m, p) = x.split_at(TORQUES);
         let mut m: Vec<[Symbol; 2]> = vec![[m[0], m[1]], [m[2], m[3]]];
         for &e in effects {
             let effect: &dyn Effect = &*model.effects()[e];
-            if let Some(changed) = effect.drive_symbolic(&[0.0, 0.01], &m, &p[model.slots(e)]) {
+            if let Some(changed) = effect.input_symbolic(&[0.0, 0.01], &m, &p[model.slots(e)]) {
                 m = changed;
             }
         }
@@ -285,8 +285,8 @@ mod tests {
                 let found = traced.terms.evaluate(&[&place[..], &p].concat());
                 assert_eq!(found, expected, "{}", effect.id());
                 let m = [0.1 * place[5], 0.1 * place[6]];
-                let acting = traced.drive.evaluate(&[&[f64::NAN; 2], &m[..], &p].concat());
-                assert_eq!(acting, model.drive(&[0.0], &[m], &p)[0], "{}", effect.id());
+                let acting = traced.input.evaluate(&[&[f64::NAN; 2], &m[..], &p].concat());
+                assert_eq!(acting, model.input(&[0.0], &[m], &p)[0], "{}", effect.id());
             }
         }
         assert_eq!(count, all().len() - 2); // slip, compliance

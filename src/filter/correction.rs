@@ -26,12 +26,12 @@ pub(super) fn freeze<const N: usize>(covariance: &mut Covariance<N>, mean: &mut 
 }
 
 /// What a scalar measurement sees: two states with their weights.
-pub(super) type Sight = [(usize, f64); 2];
+pub(super) type Measurement = [(usize, f64); 2];
 
 /// One scalar measurement: returns innovation and its variance, corrects mean, covariance and
 /// derivatives; `psi_row` receives the derivative of the prediction by every column.
 pub(super) fn correct<const N: usize>(
-    [(i, by_i), (k, by_k)]: Sight,
+    [(i, by_i), (k, by_k)]: Measurement,
     value: f64,
     variance: f64,
     mean: &mut Mean<N>,

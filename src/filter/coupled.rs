@@ -126,8 +126,8 @@ impl<'a> Coupled<'a> {
         mut add: impl FnMut(usize, usize, f64),
     ) {
         for (terms, _) in self.terms.iter().zip(&self.on_body).filter(|(_, b)| **b == on_body) {
-            for (i, moment) in terms.moment(a, s).iter().enumerate() {
-                (0..4).for_each(|k| add(i, k, moment.partial[k]));
+            for (i, torque) in terms.total_torque(a, s).iter().enumerate() {
+                (0..4).for_each(|k| add(i, k, torque.partial[k]));
             }
         }
     }
@@ -147,13 +147,13 @@ impl<'a> Coupled<'a> {
             *column = part.transition * *column;
         }
         for (e, terms) in self.terms.iter().enumerate() {
-            let (moment, gain) = if self.on_body[e] {
-                (terms.moment(&part.body_acceleration, &[0.0; 4]), &part.body_gain)
+            let (torque, gain) = if self.on_body[e] {
+                (terms.total_torque(&part.body_acceleration, &[0.0; 4]), &part.body_gain)
             } else {
-                (terms.moment(&part.wheel_acceleration, &friction.sign), &part.gain)
+                (terms.total_torque(&part.wheel_acceleration, &friction.sign), &part.gain)
             };
             for (k, j) in self.model.slots(e).enumerate().take(DIFFERENTIATED) {
-                let by = [0, 1].map(|i| -moment[i].partial[4 + k]);
+                let by = [0, 1].map(|i| -torque[i].partial[4 + k]);
                 self.forced[j] += gain * SVector::<f64, 2>::from(by);
             }
         }
@@ -182,7 +182,7 @@ impl Dynamics<STATES> for Coupled<'_> {
     /// The body moves as the wheels do, within what the input can make of slip and twist.
     fn start(
         &mut self,
-        drive: &[f64; 2],
+        input: &[f64; 2],
         mean: &mut Mean<STATES>,
         covariance: &mut Covariance<STATES>,
     ) {
@@ -194,9 +194,9 @@ impl Dynamics<STATES> for Coupled<'_> {
             let spread = covariance[(2 + i, 2 + i)];
             covariance[(BODY + i, 2 + i)] = spread;
             covariance[(2 + i, BODY + i)] = spread;
-            let soft = if joint.stiffness > 0.0 { 0.0 } else { part(drive[i], joint.damping) };
+            let soft = if joint.stiffness > 0.0 { 0.0 } else { part(input[i], joint.damping) };
             covariance[(BODY + i, BODY + i)] = spread + soft + STILL;
-            covariance[(TWIST + i, TWIST + i)] = part(drive[i], joint.stiffness) + STILL;
+            covariance[(TWIST + i, TWIST + i)] = part(input[i], joint.stiffness) + STILL;
         }
     }
 
@@ -220,8 +220,9 @@ impl Dynamics<STATES> for Coupled<'_> {
             if part > 0 {
                 sides = self.sides(middle, mean)?;
             }
-            let friction = friction(&sides.level, sides.rotor, h, mean, covariance, sample.doubt);
-            let moved = self.part(&sides, &friction, mean, &sample.drive, sample.still, h);
+            let friction =
+                friction(&sides.level, sides.rotor, h, mean, covariance, sample.speed_variance);
+            let moved = self.part(&sides, &friction, mean, &sample.input, sample.still, h);
             let Some(mut moved) = moved else {
                 return Err(ModelError::MassNotPositive { m11: sides.rotor, m12: 0.0, m22: 0.0 });
             };

@@ -10,8 +10,8 @@ use crate::model::{Linearisation, Model, ModelError};
 
 /// One prediction of a filter with `N` states, and its derivatives.
 pub(super) trait Dynamics<const N: usize> {
-    /// Fills the states beyond the first six at the start of a piece; `drive` acts there [N m].
-    fn start(&mut self, drive: &[f64; 2], mean: &mut Mean<N>, covariance: &mut Covariance<N>);
+    /// Fills the states beyond the first six at the start of a piece; `input` acts there [N m].
+    fn start(&mut self, input: &[f64; 2], mean: &mut Mean<N>, covariance: &mut Covariance<N>);
 
     /// Moves mean and covariance over one sample.
     fn predict(

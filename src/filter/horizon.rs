@@ -2,7 +2,7 @@
 //! of the channels) towards free simulation.
 
 mod between_rows;
-mod drive;
+mod recorded_input;
 
 use std::ops::Range;
 
@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use self::between_rows::{crossing, whole_noise};
-use self::drive::Drive;
+use self::recorded_input::RecordedInput;
 use super::ProcessNoise;
 use super::accumulate::Information;
 use super::correction::{Covariance, Mean, correct};
@@ -129,7 +129,7 @@ impl<'a> HorizonFilter<'a> {
     /// Standard deviation of the input of a recording [N m]: its own, or, where rows count `alike`, that of all
     /// recordings with what the input does between its rows.
     fn input_noise(&self, r: usize, alike: bool) -> f64 {
-        if alike { self.whole_noise } else { self.prepared[r].moment_noise }
+        if alike { self.whole_noise } else { self.prepared[r].torque_noise }
     }
 
     /// Variances of (alpha1, alpha2, omega1, omega2) at a horizon \[s\].
@@ -154,8 +154,8 @@ impl<'a> HorizonFilter<'a> {
         horizon: f64,
         reading: Reading,
     ) -> Result<Vec<Sums>, ModelError> {
-        let drive = |r| Drive::new(model, p, r, self.hold, shift, reading);
-        let drives: Vec<Drive> = self.prepared.iter().map(drive).collect();
+        let input = |r| RecordedInput::new(model, p, r, self.hold, shift, reading);
+        let inputs: Vec<RecordedInput> = self.prepared.iter().map(input).collect();
         let variances: Vec<[f64; 4]> =
             (0..self.prepared.len()).map(|r| self.variance(r, horizon)).collect();
         let singles: Vec<bool> =
@@ -167,7 +167,7 @@ impl<'a> HorizonFilter<'a> {
                 let run = Run {
                     piece,
                     prepared: &self.prepared[r],
-                    drive: &drives[r],
+                    input: &inputs[r],
                     variance: variances[r],
                     crossing: &self.crossing[r],
                     columns: p.len() + 1,
@@ -204,7 +204,7 @@ pub(crate) fn pieces(recordings: &[&Recording]) -> Vec<(usize, Range<usize>)> {
 struct Run<'a> {
     piece: &'a Piece,
     prepared: &'a Prepared<'a>,
-    drive: &'a Drive,
+    input: &'a RecordedInput,
     variance: [f64; 4],
     crossing: &'a [[f64; 4]],
     columns: usize,
@@ -228,7 +228,7 @@ impl Run<'_> {
         let recording = self.prepared.recording;
         let (t, rows, columns) = (recording.t(), &self.piece.rows, self.columns);
         let (mut mean, mut covariance) = self.start::<N>();
-        dynamics.start(&self.drive.acting[rows.start], &mut mean, &mut covariance);
+        dynamics.start(&self.input.acting[rows.start], &mut mean, &mut covariance);
         let mut gathered = Gathered {
             psi: vec![[0.0; N]; columns],
             row: vec![0.0; columns],
@@ -249,7 +249,7 @@ impl Run<'_> {
         for k in rows.start + 1..rows.end {
             let sample = self.sample(k, &mut by_parameter, &mut by_ends);
             let predicted = dynamics.predict(&sample, &mut mean, &mut covariance, true)?;
-            let extra = [self.drive.by_shift(k)];
+            let extra = [self.input.by_shift(k)];
             dynamics.carry(&predicted, &sample, &extra, &mut gathered.psi);
             if recording.fresh()[k] {
                 self.measure(k, &mut mean, &mut covariance, &mut gathered);
@@ -289,14 +289,14 @@ impl Run<'_> {
         by_ends: &'s mut [Option<Ends>],
     ) -> Sample<'s> {
         let recording = self.prepared.recording;
-        let (t, raw) = (recording.t(), recording.moment());
-        let ends = self.drive.ends(&self.drive.acting, k);
+        let (t, raw) = (recording.t(), recording.torque());
+        let ends = self.input.ends(&self.input.acting, k);
         let middle = |e: &Ends| [0, 1].map(|i| 0.5 * (e[0][i] + e[1][i]));
-        let (drive, smooth) = (middle(&ends), middle(&self.drive.ends(&self.drive.smooth, k)));
-        if self.drive.acts {
-            for (j, d) in self.drive.by_parameter.iter().enumerate().filter(|(_, d)| !d.is_empty())
+        let (input, smooth) = (middle(&ends), middle(&self.input.ends(&self.input.smooth, k)));
+        if self.input.acts {
+            for (j, d) in self.input.by_parameter.iter().enumerate().filter(|(_, d)| !d.is_empty())
             {
-                let ends = self.drive.ends(d, k);
+                let ends = self.input.ends(d, k);
                 by_parameter[j] = middle(&ends);
                 by_ends[j] = Some(ends);
             }
@@ -304,15 +304,15 @@ impl Run<'_> {
         Sample {
             t: t[k - 1] - t[0],
             step: t[k] - t[k - 1],
-            drive,
+            input,
             tilt: lag_of_angle(0.5, &ends[0], &ends[1]),
             ends,
             change: if self.alike { [0.0; 2] } else { [0, 1].map(|i| raw[k][i] - raw[k - 1][i]) },
-            smoother: [0, 1].map(|i| smooth[i] - drive[i]),
+            smoother: [0, 1].map(|i| smooth[i] - input[i]),
             crossing: if self.alike { [0.0; 4] } else { self.crossing[k] },
-            by_parameter: if self.drive.acts { by_parameter } else { &[] },
-            ends_by_parameter: if self.drive.acts { by_ends } else { &[] },
-            doubt: self.prepared.doubt,
+            by_parameter: if self.input.acts { by_parameter } else { &[] },
+            ends_by_parameter: if self.input.acts { by_ends } else { &[] },
+            speed_variance: self.prepared.speed_variance,
             still: [0, 1].map(|i| self.prepared.still[k - 1][i] && self.prepared.still[k][i]),
         }
     }

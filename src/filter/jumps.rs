@@ -49,10 +49,10 @@ mod tests {
         let jumping: Vec<[f64; 2]> =
             t.iter().map(|&t| smooth(t).map(|m| m + normal(0.03))).collect();
         let acting = if real { jumping.clone() } else { t.iter().map(|&t| smooth(t)).collect() };
-        let input = Input { t: &t, moment: &acting, hold: Hold::Constant };
+        let input = Input { t: &t, torque: &acting, hold: Hold::Constant };
         let states = simulate(&model, &p, &input, State::default()).unwrap();
         let omega = states.iter().map(|s| s.omega.map(|w| w + normal(0.005))).collect();
-        let channels = Channels { t, alpha: None, omega: Some(omega), moment: jumping };
+        let channels = Channels { t, alpha: None, omega: Some(omega), torque: jumping };
         let recording = Recording::new("jumps", channels, DriveUnit::NewtonMetre).unwrap();
         noise_of_jumps(&model, &p, &[&recording], Hold::Constant)
     }

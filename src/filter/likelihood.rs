@@ -80,7 +80,7 @@ impl Likelihood<'_> {
     ///
     /// # Errors
     /// If the mass matrix is not positive definite.
-    pub fn pull_of_input_noise(
+    pub fn bias_by_input_noise(
         &self,
         model: &Model,
         maximum: &Maximum,
@@ -92,16 +92,18 @@ impl Likelihood<'_> {
             .map(|prepared| filter_pass(model, &maximum.p, prepared, &settings, &NoColumns))
             .collect::<Result<_, _>>()?;
         let score: DVector<f64> = passes.iter().map(|pass| &pass.score_of_input_noise).sum();
-        let mut pull = vec![0.0; maximum.p.len()];
+        let mut bias = vec![0.0; maximum.p.len()];
         // a single axis has none computed
         if score.is_empty() {
-            return Ok(pull);
+            return Ok(bias);
         }
-        let told = told(model, &maximum.p, &maximum.information);
-        for (step, j) in newton_step(&maximum.information, &score, &told).into_iter().zip(told) {
-            pull[j] = step;
+        let identified = identified(model, &maximum.p, &maximum.information);
+        for (step, j) in
+            newton_step(&maximum.information, &score, &identified).into_iter().zip(identified)
+        {
+            bias[j] = step;
         }
-        Ok(pull)
+        Ok(bias)
     }
 
     /// One pass over every recording, in parallel.
@@ -150,8 +152,8 @@ impl Likelihood<'_> {
     #[must_use]
     pub fn initial_noise(&self) -> ProcessNoise {
         let count = self.prepared.len().max(1) as f64;
-        let rms = self.moment_rms();
-        let seen = self.prepared.iter().map(|p| p.moment_noise).sum::<f64>() / count;
+        let rms = self.torque_rms();
+        let seen = self.prepared.iter().map(|p| p.torque_noise).sum::<f64>() / count;
         let later = match self.hold {
             Hold::Linear => 0.5,
             Hold::Constant => 0.0,
@@ -161,10 +163,10 @@ impl Likelihood<'_> {
 
     /// Root mean square of the recorded input [N m].
     #[must_use]
-    pub fn moment_rms(&self) -> f64 {
+    pub fn torque_rms(&self) -> f64 {
         let (mut sum, mut count) = (0.0, 0_usize);
         for prepared in &self.prepared {
-            for m in prepared.recording.moment() {
+            for m in prepared.recording.torque() {
                 sum += m[0] * m[0] + m[1] * m[1];
                 count += 2;
             }
@@ -237,7 +239,7 @@ impl Likelihood<'_> {
             }
             let h: DMatrix<f64> = passes.iter().map(|pass| &pass.information).sum();
             let g: DVector<f64> = passes.iter().map(|pass| &pass.score).sum();
-            let free = told(model, p, &h);
+            let free = identified(model, p, &h);
             let step = newton_step(&h, &g, &free);
             let promised = 0.5 * step.iter().zip(&free).map(|(s, &j)| s * g[j]).sum::<f64>();
             if promised < GAIN {
@@ -293,7 +295,7 @@ impl Likelihood<'_> {
 
 /// Free parameters of which the data tell anything: the others, of a size that only rounding gives
 /// information of, stay where they are.
-fn told(model: &Model, p: &[f64], information: &DMatrix<f64>) -> Vec<usize> {
+fn identified(model: &Model, p: &[f64], information: &DMatrix<f64>) -> Vec<usize> {
     let size = |j: usize| p[j].abs().max(model.parameters()[j].spec.typical.abs());
     let mut out = model.free();
     out.retain(|&j| information[(j, j)] * size(j).powi(2) > NOTHING);

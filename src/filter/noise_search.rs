@@ -30,7 +30,7 @@ const FIRST_SLOW: f64 = 0.01;
 /// Information of a logarithm below which a step of it changes nothing.
 const TOLD: f64 = 1e-3;
 /// Share of the other's strength below which one of white noise and slow torque is negligible.
-const ASLEEP: f64 = 0.1;
+const NEGLIGIBLE: f64 = 0.1;
 /// Time constants at which a slow torque is tried again \[s\].
 const AWAKE: [f64; 2] = [1.0, 0.1];
 /// A step damped by more than this leads nowhere.
@@ -52,7 +52,7 @@ impl Likelihood<'_> {
         let search = NoiseSearch::new(self, model, p, start.later);
         let (mut x, mut count) = search.climb(search.to_logs(start));
         if search.dimensions > 1 {
-            let (better, passes) = search.wake(x);
+            let (better, passes) = search.climb_again(x);
             (x, count) = (better, count + passes);
         }
         let mut best = search.noise_at(&x);
@@ -100,7 +100,7 @@ struct Slopes {
 
 impl<'a> NoiseSearch<'a> {
     fn new(likelihood: &'a Likelihood<'a>, model: &'a Model, p: &'a [f64], later: f64) -> Self {
-        let rms = likelihood.moment_rms();
+        let rms = likelihood.torque_rms();
         let steps = likelihood.prepared.iter().map(|p| p.recording.step());
         // faster than a few samples it is white noise of the input under another name; slower
         // than a second it would take a constant offset, or a floor that slopes, for noise
@@ -162,13 +162,13 @@ impl<'a> NoiseSearch<'a> {
 
     /// Climbs again where one of white noise and slow torque is next to nothing at `x` and both, equally
     /// strong, would be likelier: from nothing, no slope leads to a noise.
-    fn wake(&self, x: Vector3<f64>) -> (Vector3<f64>, usize) {
+    fn climb_again(&self, x: Vector3<f64>) -> (Vector3<f64>, usize) {
         let share = x[1] - self.as_strong_as(x[0], x[2]);
         let half = 0.5 * 2.0_f64.ln();
-        let offers: Vec<Vector3<f64>> = if share < ASLEEP.ln() {
+        let offers: Vec<Vector3<f64>> = if share < NEGLIGIBLE.ln() {
             let slow = |tau: f64| self.as_strong_as(x[0], tau) - half;
             AWAKE.map(|tau| Vector3::new(x[0] - half, slow(tau.ln()), tau.ln())).to_vec()
-        } else if share > -ASLEEP.ln() {
+        } else if share > -NEGLIGIBLE.ln() {
             vec![Vector3::new(x[0] + share - half, x[1] - half, x[2])]
         } else {
             return (x, 0);

@@ -52,9 +52,9 @@ pub struct Instant<'a> {
     /// Variance of w1 - w2 and of w1 + w2 [rad^2/s^2].
     pub spread: [f64; 2],
     /// Variance of either that the sensors leave open whatever the process does [rad^2/s^2].
-    pub doubt: f64,
+    pub speed_variance: f64,
     /// Acting input over the step [N m].
-    pub drive: [f64; 2],
+    pub input: [f64; 2],
 }
 
 /// What a pass is run with.
@@ -141,7 +141,7 @@ fn run<D: Dynamics<N>, const N: usize>(
 ) -> Result<Pass, ModelError> {
     let recording = prepared.recording;
     let single = recording.is_single_axis();
-    let (drive, by_parameter) = model.drive_derivatives(recording.t(), recording.moment(), p);
+    let (input, by_parameter) = model.input_derivatives(recording.t(), recording.torque(), p);
     let width = if settings.derivatives { p.len() + columns.count() } else { 0 };
     let mut run = Run {
         dynamics,
@@ -149,13 +149,13 @@ fn run<D: Dynamics<N>, const N: usize>(
         prepared,
         settings,
         columns,
-        drive: &drive,
+        input: &input,
         by_parameter: &by_parameter,
         acts: by_parameter.iter().any(|d| !d.is_empty()),
         psi: vec![[0.0; N]; width],
         row: vec![0.0; width],
         extra: vec![[0.0; 2]; if width > 0 { columns.count() } else { 0 }],
-        drive_row: vec![[0.0; 2]; p.len()],
+        input_row: vec![[0.0; 2]; p.len()],
         information: Information::new(width),
         block: DVector::zeros(width),
         block_end: recording.t()[0] + BLOCK,
@@ -164,7 +164,7 @@ fn run<D: Dynamics<N>, const N: usize>(
         // a single axis is a motor with an encoder of its own, whose noise is small
         input_noise: (settings.derivatives && settings.input_noise && !single).then(|| {
             // an input that acts as roughly as it was recorded leaves little to the process
-            let sigma = settings.noise.sigma_m.min(prepared.moment_noise);
+            let sigma = settings.noise.sigma_m.min(prepared.torque_noise);
             InputNoise::new(sigma * sigma, p.len())
         }),
         out: Pass::new(width),
@@ -186,13 +186,13 @@ struct Run<'a, D, const N: usize> {
     prepared: &'a Prepared<'a>,
     settings: &'a PassSettings,
     columns: &'a dyn Columns,
-    drive: &'a [[f64; 2]],
+    input: &'a [[f64; 2]],
     by_parameter: &'a [Vec<[f64; 2]>],
     acts: bool,
     psi: Vec<[f64; N]>,
     row: Vec<f64>,
     extra: Vec<[f64; 2]>,
-    drive_row: Vec<[f64; 2]>,
+    input_row: Vec<[f64; 2]>,
     information: Information,
     block: DVector<f64>,
     block_end: f64,
@@ -245,7 +245,7 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
                 if self.prepared.used[2 + i] { omega } else { 2.0 * alpha / (step * step) };
             covariance[(4 + i, 4 + i)] = self.settings.noise.sigma_d.powi(2);
         }
-        self.dynamics.start(&self.drive[k], &mut mean, &mut covariance);
+        self.dynamics.start(&self.input[k], &mut mean, &mut covariance);
         (mean, covariance)
     }
 
@@ -259,10 +259,10 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
     fn sample(&self, k: usize, piece: &std::ops::Range<usize>) -> Sample<'static> {
         let recording = self.prepared.recording;
         let t = recording.t();
-        let m = self.drive;
+        let m = self.input;
         let ProcessNoise { later: c, sigma_m, .. } = self.settings.noise;
         let inside = k >= piece.start + 2 && k + 1 < piece.end;
-        let drive = [0, 1].map(|i| {
+        let input = [0, 1].map(|i| {
             let straight = (1.0 - c) * m[k - 1][i] + c * m[k][i];
             if !inside {
                 return straight;
@@ -271,12 +271,12 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
             let curved = 1.0 - between(JUMP, bend.abs() / sigma_m.max(f64::MIN_POSITIVE));
             straight - curved * c * (1.0 - c) / 3.0 * bend
         });
-        let raw = recording.moment();
+        let raw = recording.torque();
         let still = [0, 1].map(|i| self.prepared.still[k - 1][i] && self.prepared.still[k][i]);
         Sample {
             t: t[k - 1] - t[0],
             step: t[k] - t[k - 1],
-            drive,
+            input,
             ends: [m[k - 1], m[k]],
             tilt: lag_of_angle(c, &m[k - 1], &m[k]),
             smoother: [0.0; 2],
@@ -284,7 +284,7 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
             change: [0, 1].map(|i| raw[k][i] - raw[k - 1][i]),
             by_parameter: &[],
             ends_by_parameter: &[],
-            doubt: self.prepared.doubt,
+            speed_variance: self.prepared.speed_variance,
             still,
         }
     }
@@ -303,13 +303,13 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
                 acceleration: predicted.acceleration,
                 sign: predicted.sign,
                 spread: predicted.spread,
-                doubt: self.prepared.doubt,
-                drive: sample.drive,
+                speed_variance: self.prepared.speed_variance,
+                input: sample.input,
             };
             self.columns.torque(&at, &mut self.extra);
         }
         if self.acts {
-            for (row, d) in self.drive_row.iter_mut().zip(self.by_parameter) {
+            for (row, d) in self.input_row.iter_mut().zip(self.by_parameter) {
                 if d.is_empty() {
                     continue;
                 }
@@ -317,7 +317,7 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
                 *row = [0, 1].map(|i| (1.0 - c) * d[k - 1][i] + c * d[k][i]);
             }
         }
-        let by_parameter: &[[f64; 2]] = if self.acts { &self.drive_row } else { &[] };
+        let by_parameter: &[[f64; 2]] = if self.acts { &self.input_row } else { &[] };
         let sample = Sample { by_parameter, ..*sample };
         self.dynamics.carry(predicted, &sample, &self.extra, &mut self.psi);
     }

@@ -15,9 +15,9 @@ pub struct Prepared<'a> {
     /// Channels that are measured on their own.
     pub used: [bool; 4],
     /// Variance of w1 - w2, and of w1 + w2, that noise leaves in the local motion [rad^2/s^2].
-    pub doubt: f64,
+    pub speed_variance: f64,
     /// Noise of the input from differences [N m].
-    pub moment_noise: f64,
+    pub torque_noise: f64,
 }
 
 /// Prepares a recording: noise from differences, standstill, channels.
@@ -43,14 +43,14 @@ pub fn prepare(recording: &Recording) -> Prepared<'_> {
         still: standstill(recording, &noise.alpha, &noise.omega),
         variance,
         used: [measured.alpha, measured.alpha, speeds, speeds],
-        doubt: doubt(recording, &noise, speeds),
-        moment_noise: 0.5 * (noise.moment[0] + noise.moment[1]),
+        speed_variance: speed_variance(recording, &noise, speeds),
+        torque_noise: 0.5 * (noise.torque[0] + noise.torque[1]),
     }
 }
 
 /// In the middle of the longest piece: with even samples it is the same nearly everywhere. Rows that
 /// repeat a slow sensor tell nothing, nor do speeds made from angles.
-fn doubt(recording: &Recording, noise: &Noise, speeds: bool) -> f64 {
+fn speed_variance(recording: &Recording, noise: &Noise, speeds: bool) -> f64 {
     let fresh = recording.fresh().iter().filter(|fresh| **fresh).count().max(1);
     let repeated = (recording.len() as f64 / fresh as f64).sqrt();
     let seen = Noise {

@@ -28,7 +28,7 @@ pub(super) struct Sample<'a> {
     /// Length \[s\].
     pub(super) step: f64,
     /// Acting input that the step uses [N m].
-    pub(super) drive: [f64; 2],
+    pub(super) input: [f64; 2],
     /// The acting input at both ends of the sample [N m].
     pub(super) ends: Ends,
     /// What of the input moves the angle less than its mean would, see [`lag_of_angle`] [N m].
@@ -41,12 +41,12 @@ pub(super) struct Sample<'a> {
     /// Variance of a friction along each direction that may reverse within the sample [N^2 m^2],
     /// where the step itself does not spread it.
     pub(super) crossing: [f64; 4],
-    /// Derivative of `drive` by each parameter; empty where no effect acts on the input.
+    /// Derivative of `input` by each parameter; empty where no effect acts on the input.
     pub(super) by_parameter: &'a [[f64; 2]],
     /// Derivative of `ends` by each parameter that acts through them.
     pub(super) ends_by_parameter: &'a [Option<Ends>],
     /// Variance of the speed of the body that noise leaves whatever the process does [rad^2/s^2].
-    pub(super) doubt: f64,
+    pub(super) speed_variance: f64,
     /// Wheels that stand still over the sample.
     pub(super) still: [bool; 2],
 }
@@ -141,11 +141,11 @@ pub(super) fn predict(
         let kick = level * h * (d.transpose() * mobility * d)[0];
         let variance = (along_d + 0.25 * kick * kick).max(STILL);
         let v = along(j, &omega);
-        clear[j] = clarity(j, v, sample.doubt);
+        clear[j] = clarity(j, v, sample.speed_variance);
         (sign[j], slope[j], rest[j]) = linearised(level, v, variance, clear[j]);
     }
     model.differentiate_by_state(&[0.0; 2], &sign, work);
-    let resisting = terms.moment(&[0.0; 2], &sign);
+    let resisting = terms.total_torque(&[0.0; 2], &sign);
     let smooth = Matrix2::new(
         work.by_state[0][2],
         work.by_state[0][3],
@@ -163,8 +163,8 @@ pub(super) fn predict(
         return Err(ModelError::MassNotPositive { m11, m12, m22 });
     };
     let force = SVector::<f64, 2>::new(
-        sample.drive[0] + mean[4] - resisting[0],
-        sample.drive[1] + mean[5] - resisting[1],
+        sample.input[0] + mean[4] - resisting[0],
+        sample.input[1] + mean[5] - resisting[1],
     );
     let reach = phi * mobility;
     let acceleration = reach * force;
@@ -269,8 +269,8 @@ pub(super) fn move_parameters(
     let parameters = work.by_parameter.len();
     for (j, column) in psi.iter_mut().enumerate() {
         let torque = if j < parameters {
-            let drive = sample.by_parameter.get(j).copied().unwrap_or([0.0; 2]);
-            [drive[0] - work.by_parameter[j][0], drive[1] - work.by_parameter[j][1]]
+            let input = sample.by_parameter.get(j).copied().unwrap_or([0.0; 2]);
+            [input[0] - work.by_parameter[j][0], input[1] - work.by_parameter[j][1]]
         } else {
             extra[j - parameters]
         };

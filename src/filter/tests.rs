@@ -22,7 +22,7 @@ use crate::robot::{Robot, kinematics};
 use crate::simulate::{Movement, NoiseLevel, Recorder, Segment, record};
 
 const RATE: f64 = 100.0;
-const NOISE: NoiseLevel = NoiseLevel { alpha: 1e-3, dalpha: 0.05, moment: 0.01 };
+const NOISE: NoiseLevel = NoiseLevel { alpha: 1e-3, dalpha: 0.05, torque: 0.01 };
 /// Rows of the start, in which wheels rest.
 const START: usize = 150;
 
@@ -96,7 +96,7 @@ fn score_and_information_of_the_rigid_filter_equal_finite_differences() {
     let p = model.initial();
     let recording = curves(&model, &p, 1);
     let prepared = known(&recording);
-    let noise = process(NOISE.moment);
+    let noise = process(NOISE.torque);
     let here = pass(&model, &p, &prepared, noise);
     let innovations = |model: &Model, p: &[f64]| pass(model, p, &prepared, noise).innovations;
     let (h, g) = by_differences(&model, &p, &here, innovations);
@@ -143,7 +143,7 @@ fn shown(viscous: f64, seed: u64) -> Shown {
     p.push(viscous);
     let recording = curves(&truth, &p, seed);
     let p = &p[..COUNT];
-    let noise = process(NOISE.moment);
+    let noise = process(NOISE.torque);
     let (keep_innovations, input_noise) = (true, true);
     let settings = PassSettings { noise, derivatives: true, keep_innovations, input_noise };
     let pass = filter_pass(&model, p, &known(&recording), &settings, &Viscous).unwrap();
@@ -151,8 +151,8 @@ fn shown(viscous: f64, seed: u64) -> Shown {
     let base: Vec<usize> = (0..COUNT).collect();
     let mut score = pass.score.clone();
     // errors in the variables, which every user of the score takes out
-    for (s, pull) in score.iter_mut().zip(&pass.score_of_input_noise) {
-        *s -= pull;
+    for (s, bias) in score.iter_mut().zip(&pass.score_of_input_noise) {
+        *s -= bias;
     }
     let own = pass.information.view((0, 0), (COUNT, COUNT)).into_owned();
     let parameters = Information::new(&own).statistic(&score.rows(0, COUNT).into_owned());

@@ -104,7 +104,7 @@ impl Identifier for ConstrainedRegression {
         let covariance = clustered_covariance(&bread, &rows.x, &psi, &rows.block, rows.x.nrows());
         let mut fit = rows.fit(NAME, &solved.values, &covariance)?;
         if self.loss == Loss::Squares {
-            rows.note_of_pull(&mut fit, &rows.pull(&solved.values, &inverse));
+            rows.note_of_bias(&mut fit, &rows.bias(&solved.values, &inverse));
         }
         for (bound, multiplier) in bounds.iter().zip(&solved.multipliers) {
             if *multiplier > ACTIVE {

@@ -7,8 +7,8 @@ use crate::robot::{Robot, State};
 use crate::simulate::{Hold, Input, Movement, NoiseLevel, Recorder, Segment, record, simulate};
 
 /// Noise level N2: an ordinary robot.
-const N2: NoiseLevel = NoiseLevel { dalpha: 0.05, alpha: 1e-3, moment: 0.005 };
-const NONE: NoiseLevel = NoiseLevel { dalpha: 0.0, alpha: 0.0, moment: 0.0 };
+const N2: NoiseLevel = NoiseLevel { dalpha: 0.05, alpha: 1e-3, torque: 0.005 };
+const NONE: NoiseLevel = NoiseLevel { dalpha: 0.0, alpha: 0.0, torque: 0.0 };
 
 fn methods() -> Vec<Box<dyn Identifier>> {
     all().into_iter().filter(|m| !m.fits_emulator()).collect()
@@ -223,8 +223,8 @@ fn recursion_without_forgetting_ends_at_ordinary_least_squares() {
 
 /// A recording whose input is what `change` makes of time, speeds and input.
 fn changed(r: &Recording, change: impl Fn(usize, &[f64; 2], &[f64; 2]) -> [f64; 2]) -> Recording {
-    let rows = r.omega().iter().zip(r.moment()).enumerate();
-    r.with_moment(rows.map(|(k, (w, m))| change(k, w, m)).collect())
+    let rows = r.omega().iter().zip(r.torque()).enumerate();
+    r.with_torque(rows.map(|(k, (w, m))| change(k, w, m)).collect())
 }
 
 #[test]
@@ -246,7 +246,7 @@ fn a_friction_that_would_be_negative_stays_at_its_bound_and_the_bound_is_named()
 }
 
 #[test]
-fn sizes_instead_of_squares_shrug_off_wild_moments() {
+fn sizes_instead_of_squares_shrug_off_wild_torques() {
     let model = Model::base(Robot::amigobot());
     let train: Vec<Recording> = rich(&model, N2, 9, 2)
         .iter()
@@ -286,12 +286,12 @@ fn the_best_of_several_starts_is_no_worse_than_the_first() {
 /// The paper's movement with torques that are exactly linear between the rows, and no noise.
 fn exact_paper_movement(model: &Model) -> Recording {
     let driven = made(model, &Movement::paper(), NONE, 1);
-    let (t, moment) = (driven.t().to_vec(), driven.moment().to_vec());
-    let input = Input { t: &t, moment: &moment, hold: Hold::Linear };
+    let (t, torque) = (driven.t().to_vec(), driven.torque().to_vec());
+    let input = Input { t: &t, torque: &torque, hold: Hold::Linear };
     let motion = simulate(model, &model.initial(), &input, State::default()).unwrap();
     let alpha = Some(motion.iter().map(|s| s.alpha).collect());
     let omega = Some(motion.iter().map(|s| s.omega).collect());
-    let channels = Channels { t: t.clone(), alpha, omega, moment: moment.clone() };
+    let channels = Channels { t: t.clone(), alpha, omega, torque: torque.clone() };
     Recording::new("exact", channels, DriveUnit::NewtonMetre).unwrap()
 }
 

@@ -107,7 +107,7 @@ pub(super) fn to_record(effect: &str) -> String {
 
 /// Largest recorded input [unit of the input].
 pub(super) fn largest_input(train: &[Recording]) -> f64 {
-    let inputs = train.iter().flat_map(|r| r.moment().iter().flatten());
+    let inputs = train.iter().flat_map(|r| r.torque().iter().flatten());
     inputs.fold(0.0_f64, |most, m| most.max(m.abs()))
 }
 
@@ -124,7 +124,8 @@ pub(super) fn torque_of_each(
     let motion =
         Motion { t: 0.0, alpha: [0.0; 2], omega, variance: [0.0; 4], robot: model.robot() };
     let balance = regressor.at(&motion);
-    let torque = |c: usize| balance.moment(c, &omega).iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let torque =
+        |c: usize| balance.total_torque(c, &omega).iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     regressor.linear.iter().enumerate().map(|(c, &j)| (j, torque(c))).collect()
 }
 

@@ -126,7 +126,7 @@ impl InstrumentalVariable {
             sources.push(Source {
                 alpha: motion.iter().map(|s| s.alpha).collect(),
                 omega: motion.iter().map(|s| s.omega).collect(),
-                drive: recording.moment().to_vec(),
+                input: recording.torque().to_vec(),
             });
         }
         let (z, _) = rows.rows_of(&sources);

@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::identifiability::{inverse_where_known, known_part};
 use super::linear_fit::linear_fit;
-use super::regressor::{Regressor, drive_around};
+use super::regressor::{Regressor, input_around};
 pub(super) use super::stretch::Source;
 use super::stretch::{Signals, Stretch, Treatment};
 use super::{Fit, IdentifyError, Note, Task};
@@ -171,13 +171,13 @@ impl<'a> Regression<'a> {
         let mut x = DMatrix::zeros(self.wheel.len(), width);
         let mut y = DVector::zeros(self.wheel.len());
         let mut row = 0;
-        let mut drive = (usize::MAX, vec![]);
+        let mut input = (usize::MAX, vec![]);
         for part in &self.parts {
             let (r, source) = (part.recording, &sources[part.recording]);
-            if drive.0 != r {
-                drive = (r, drive_around(self.task, &self.task.train[r], &source.drive));
+            if input.0 != r {
+                input = (r, input_around(self.task, &self.task.train[r], &source.input));
             }
-            let signals = self.signals(part, source, &drive.1);
+            let signals = self.signals(part, source, &input.1);
             for &k in &part.kept {
                 for wheel in 0..2 {
                     for c in 0..width {
@@ -192,7 +192,7 @@ impl<'a> Regression<'a> {
     }
 
     /// Filtered columns and right-hand side over a piece.
-    fn signals(&self, part: &Part, source: &Source, drive: &[[f64; 2]]) -> Signals {
+    fn signals(&self, part: &Part, source: &Source, input: &[[f64; 2]]) -> Signals {
         let recording = &self.task.train[part.recording];
         let piece = part.piece.clone();
         let stretch = Stretch {
@@ -200,7 +200,7 @@ impl<'a> Regression<'a> {
             start: recording.t()[0],
             alpha: &source.alpha[piece.clone()],
             omega: &source.omega[piece.clone()],
-            drive: &drive[piece],
+            input: &input[piece],
         };
         let treatment = &self.treatments[part.recording];
         stretch.signals(&self.regressor, self.task.model, treatment, &part.movements)
@@ -271,7 +271,7 @@ impl<'a> Regression<'a> {
     pub(super) fn halved(&self) -> DVector<f64> {
         let halved = |phase: usize| {
             let source = |r: &Recording| Source {
-                drive: every_other(r, r.moment(), phase, self.task.hold),
+                input: every_other(r, r.torque(), phase, self.task.hold),
                 ..Source::measured(r)
             };
             self.rows_of(&self.task.train.iter().map(source).collect::<Vec<_>>()).1
@@ -286,7 +286,7 @@ impl<'a> Regression<'a> {
 
     /// Share by which noise in the columns pulls each value of an ordinary least-squares
     /// estimate, `-(x'x)⁻¹ (C_xx θ - C_xy)`.
-    pub(super) fn pull(&self, values: &DVector<f64>, inverse: &DMatrix<f64>) -> DVector<f64> {
+    pub(super) fn bias(&self, values: &DVector<f64>, inverse: &DMatrix<f64>) -> DVector<f64> {
         let width = values.len();
         let xx = self.noise.view((0, 0), (width, width));
         let xy = self.noise.view((0, width), (width, 1));
@@ -313,16 +313,16 @@ impl<'a> Regression<'a> {
     }
 
     /// A warning where noise in the columns pulls an estimate by more than its standard error.
-    pub(super) fn note_of_pull(&self, fit: &mut Fit, pull: &DVector<f64>) {
-        let mut pulled = Vec::new();
-        for (&j, pull) in self.linear().iter().zip(pull.iter()) {
+    pub(super) fn note_of_bias(&self, fit: &mut Fit, bias: &DVector<f64>) {
+        let mut biased = Vec::new();
+        for (&j, bias) in self.linear().iter().zip(bias.iter()) {
             let e = &fit.estimates[j];
-            if e.std_error.is_finite() && pull.abs() > e.std_error {
-                pulled.push((e.symbol.clone(), *pull));
+            if e.std_error.is_finite() && bias.abs() > e.std_error {
+                biased.push((e.symbol.clone(), *bias));
             }
         }
-        if !pulled.is_empty() {
-            fit.notes.push(Note::Pulled(pulled));
+        if !biased.is_empty() {
+            fit.notes.push(Note::Biased(biased));
         }
     }
 }

@@ -29,7 +29,7 @@ pub enum Note {
     /// Cut-offs of the filter of a regression, one a recording \[Hz\].
     CutOff(Vec<f64>),
     /// Symbols and how far noise in the columns pulls their values.
-    Pulled(Vec<(String, f64)>),
+    Biased(Vec<(String, f64)>),
     /// The data do not give a parameter, or several one by one.
     Unknown {
         /// What is not known, and what is.
@@ -161,7 +161,7 @@ impl fmt::Display for Note {
                 let hz: Vec<_> = hz.iter().map(|hz| format!("{hz:.2}")).collect();
                 write!(f, "Cut-off of the filter: {} Hz.", hz.join(", "))
             }
-            Self::Pulled(by) => {
+            Self::Biased(by) => {
                 let by: Vec<_> = by.iter().map(|(s, v)| format!("{s} by about {v:+.2e}")).collect();
                 write!(
                     f,

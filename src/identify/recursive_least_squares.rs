@@ -100,9 +100,9 @@ impl Identifier for RecursiveLeastSquares {
         let covariance =
             clustered_covariance(&bread, &rows.x, &weighted, &rows.block, rows.x.nrows());
         let mut fit = rows.fit(NAME, &values, &covariance)?;
-        rows.note_of_pull(
+        rows.note_of_bias(
             &mut fit,
-            &rows.pull(&values, &inverse_where_known(&rows.x.tr_mul(&rows.x))),
+            &rows.bias(&values, &inverse_where_known(&rows.x.tr_mul(&rows.x))),
         );
         fit.traces.push(trace);
         fit.work.iterations = instants;

@@ -25,22 +25,22 @@ pub(super) struct Regressor<'a> {
 /// The acting input around each sample: that of the sample where it runs straight from sample to
 /// sample; where it keeps the value of the earlier sample, the mean of before and after (else a
 /// regression would see a delay of half a sample).
-pub(super) fn drive_around(
+pub(super) fn input_around(
     task: &Task,
     recording: &Recording,
-    drive: &[[f64; 2]],
+    input: &[[f64; 2]],
 ) -> Vec<[f64; 2]> {
-    drive_along(task, recording.t(), recording.pieces(), drive)
+    input_along(task, recording.t(), recording.pieces(), input)
 }
 
-/// [`drive_around`] rows at these times, in pieces without a gap.
-pub(super) fn drive_along(
+/// [`input_around`] rows at these times, in pieces without a gap.
+pub(super) fn input_along(
     task: &Task,
     t: &[f64],
     pieces: &[Range<usize>],
-    drive: &[[f64; 2]],
+    input: &[[f64; 2]],
 ) -> Vec<[f64; 2]> {
-    let acting = task.model.drive(t, drive, &task.model.initial());
+    let acting = task.model.input(t, input, &task.model.initial());
     if task.hold == Hold::Linear {
         return acting;
     }
@@ -72,7 +72,7 @@ impl Balance {
     }
 
     /// The torque that column `c` asks for at acceleration `a`.
-    pub(super) fn moment(&self, c: usize, a: &[f64; 2]) -> [f64; 2] {
+    pub(super) fn total_torque(&self, c: usize, a: &[f64; 2]) -> [f64; 2] {
         let inertial = self.carried(c, a);
         [0, 1].map(|i| inertial[i] + self.torque[c][i])
     }
@@ -99,15 +99,15 @@ impl<'a> Regressor<'a> {
         let sign = [0, 1, 2, 3].map(|j| sgn(along(j, &motion.omega)));
         let mut unit = self.unit.clone();
         let given = self.model.terms(motion, &unit);
-        let rest = given.moment(&[0.0; 2], &sign);
+        let rest = given.total_torque(&[0.0; 2], &sign);
         let mut out = Balance::default();
         for &j in &self.linear {
             unit[j] = 1.0;
             let with = self.model.terms(motion, &unit);
             unit[j] = 0.0;
-            let moment = with.moment(&[0.0; 2], &sign);
+            let torque = with.total_torque(&[0.0; 2], &sign);
             out.mass.push([0, 1, 2].map(|i| with.mass[i] - given.mass[i]));
-            out.torque.push([0, 1].map(|i| moment[i] - rest[i]));
+            out.torque.push([0, 1].map(|i| torque[i] - rest[i]));
         }
         out.mass.push(given.mass);
         out.torque.push(rest);

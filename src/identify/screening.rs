@@ -39,8 +39,8 @@ mod tests {
     fn the_guesses_nearest_the_truth_come_first_and_impossible_ones_last() {
         let model = Model::base(Robot::amigobot());
         let t: Vec<f64> = (0..300).map(|k| 0.01 * f64::from(k)).collect();
-        let moment: Vec<_> = t.iter().map(|t| [0.4 * t.sin(), 0.3 * (2.0 * t).sin()]).collect();
-        let input = Input { t: &t, moment: &moment, hold: Hold::Linear };
+        let torque: Vec<_> = t.iter().map(|t| [0.4 * t.sin(), 0.3 * (2.0 * t).sin()]).collect();
+        let input = Input { t: &t, torque: &torque, hold: Hold::Linear };
         let truth = model.initial();
         let motion = simulate(&model, &truth, &input, State::default()).unwrap();
         let measured: Vec<_> = motion.iter().map(|s| s.omega).collect();

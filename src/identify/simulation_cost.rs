@@ -143,7 +143,7 @@ impl<'a> Problem<'a> {
     fn input(&self, r: usize, piece: &std::ops::Range<usize>) -> Input<'a> {
         let recording = &self.task.train[r];
         let hold: Hold = self.task.hold;
-        Input { t: &recording.t()[piece.clone()], moment: &recording.moment()[piece.clone()], hold }
+        Input { t: &recording.t()[piece.clone()], torque: &recording.torque()[piece.clone()], hold }
     }
 
     /// Residuals of one sample over their standard deviations; zero for channels not measured.

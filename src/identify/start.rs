@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::identifiability::among_all;
-use super::regressor::{Regressor, drive_around};
+use super::regressor::{Regressor, input_around};
 use super::weak::{weak_rows, windows};
 use super::{IdentifyError, Task};
 use crate::math::Information;
@@ -31,8 +31,8 @@ pub fn start(task: &Task, method: &str) -> Result<Vec<f64>, IdentifyError> {
     let mut rows = Vec::new();
     for recording in task.train {
         let windows = windows(recording, HALF_WIDTH, 2);
-        let drive = drive_around(task, recording, recording.moment());
-        rows.push(weak_rows(task, &regressor, recording, &windows, recording.omega(), &drive));
+        let input = input_around(task, recording, recording.torque());
+        rows.push(weak_rows(task, &regressor, recording, &windows, recording.omega(), &input));
     }
     let samples: usize = task.train.iter().map(Recording::len).sum();
     let usable = rows.iter().map(|(_, y)| y.len()).sum();

@@ -20,7 +20,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::inverse_dynamics::{Regression, block_length};
-use super::regressor::drive_along;
+use super::regressor::input_along;
 use super::stretch::{Signals, Source, Stretch, Treatment};
 use super::{IdentifyError, Task};
 use crate::recording::{Channels, LongRecording, Noise, Recording, Rows, differentiate, is_gap};
@@ -83,7 +83,7 @@ struct Reader<'a, 'b> {
     t: Vec<f64>,
     alpha: Vec<[f64; 2]>,
     omega: Vec<[f64; 2]>,
-    moment: Vec<[f64; 2]>,
+    torque: Vec<[f64; 2]>,
     /// Rows of the piece before those, and rows of the piece that are done.
     dropped: usize,
     done: usize,
@@ -107,7 +107,7 @@ impl<'a, 'b> Reader<'a, 'b> {
             t: vec![],
             alpha: vec![],
             omega: vec![],
-            moment: vec![],
+            torque: vec![],
             dropped: 0,
             done: 0,
             piece: 0.0,
@@ -134,7 +134,7 @@ impl<'a, 'b> Reader<'a, 'b> {
             self.t.push(t);
             self.alpha.push(alpha[k]);
             self.omega.extend(block.omega.as_ref().map(|omega| omega[k]));
-            self.moment.push(block.moment[k]);
+            self.torque.push(block.torque[k]);
             if self.dropped + self.t.len() >= self.done + enough {
                 self.pass(self.dropped + self.t.len() - self.margin());
             }
@@ -163,7 +163,7 @@ impl<'a, 'b> Reader<'a, 'b> {
         self.t.clear();
         self.alpha.clear();
         self.omega.clear();
-        self.moment.clear();
+        self.torque.clear();
     }
 
     /// Filters what is held and hands on the rows of the piece from `done` to `until`.
@@ -182,7 +182,7 @@ impl<'a, 'b> Reader<'a, 'b> {
         self.t.drain(..drop);
         self.alpha.drain(..drop);
         self.omega.drain(..drop.min(self.omega.len()));
-        self.moment.drain(..drop);
+        self.torque.drain(..drop);
         self.dropped += drop;
     }
 
@@ -196,7 +196,7 @@ impl<'a, 'b> Reader<'a, 'b> {
             return;
         }
         let source =
-            Source { alpha: self.alpha.clone(), omega: omega.to_vec(), drive: self.moment.clone() };
+            Source { alpha: self.alpha.clone(), omega: omega.to_vec(), input: self.torque.clone() };
         let noisy = source.clone().with_noise(&self.noise, self.same, &mut self.rng);
         let (plain, noisy) =
             rayon::join(|| self.signals(&source, &movements), || self.signals(&noisy, &movements));
@@ -208,13 +208,13 @@ impl<'a, 'b> Reader<'a, 'b> {
     fn signals(&self, source: &Source, movements: &[Range<usize>]) -> Signals {
         let Regression { task, regressor, .. } = self.regression;
         let all = 0..self.t.len();
-        let drive = drive_along(task, &self.t, std::slice::from_ref(&all), &source.drive);
+        let input = input_along(task, &self.t, std::slice::from_ref(&all), &source.input);
         let stretch = Stretch {
             t: &self.t,
             start: self.start.unwrap_or(0.0),
             alpha: &source.alpha,
             omega: &source.omega,
-            drive: &drive,
+            input: &input,
         };
         stretch.signals(regressor, task.model, &self.treatment, movements)
     }

@@ -156,7 +156,7 @@ fn cutoff(recording: &Recording, given: Option<f64>, noise_share: f64) -> f64 {
 pub(super) struct Source {
     pub(super) alpha: Vec<[f64; 2]>,
     pub(super) omega: Vec<[f64; 2]>,
-    pub(super) drive: Vec<[f64; 2]>,
+    pub(super) input: Vec<[f64; 2]>,
 }
 
 impl Source {
@@ -164,7 +164,7 @@ impl Source {
         Self {
             alpha: recording.alpha().to_vec(),
             omega: recording.omega().to_vec(),
-            drive: recording.moment().to_vec(),
+            input: recording.torque().to_vec(),
         }
     }
 
@@ -174,7 +174,7 @@ impl Source {
         for (rows, sigma) in [
             (&mut self.alpha, noise.alpha),
             (&mut self.omega, noise.omega),
-            (&mut self.drive, noise.moment),
+            (&mut self.input, noise.torque),
         ] {
             for row in rows.iter_mut() {
                 let first = normal();
@@ -198,7 +198,7 @@ pub(super) struct Stretch<'a> {
     /// Speeds [rad/s].
     pub(super) omega: &'a [[f64; 2]],
     /// The acting input around each row.
-    pub(super) drive: &'a [[f64; 2]],
+    pub(super) input: &'a [[f64; 2]],
 }
 
 /// Filtered columns and right-hand side of both wheels, four signals side by side.
@@ -254,7 +254,7 @@ impl Stretch<'_> {
         let even = |s: &[f64x4]| filter_both_ways(&sections, s, edge, Extension::Even);
         let t = &self.t[rows.clone()];
         // the torques pass the filter as often as the accelerations do
-        let drive = even(&lanes(&self.drive[rows.clone()]));
+        let input = even(&lanes(&self.input[rows.clone()]));
         let speeds = lanes(&self.omega[rows.clone()]);
         let omega = filter_both_ways(&sections, &speeds, edge, Extension::Odd);
         let width = out.width;
@@ -273,13 +273,13 @@ impl Stretch<'_> {
             let slope = (omega[after] - omega[before]) * (1.0 / (t[after] - t[before]));
             let a = [slope.as_array()[0], slope.as_array()[1]];
             for c in 0..=width {
-                let moment = balance.moment(c, &a);
+                let torque = balance.total_torque(c, &a);
                 for wheel in 0..2 {
                     let place = wheel * (width + 1) + c;
                     groups[place / 4][k].as_mut_array()[place % 4] = if c < width {
-                        moment[wheel]
+                        torque[wheel]
                     } else {
-                        drive[k].as_array()[wheel] - moment[wheel]
+                        input[k].as_array()[wheel] - torque[wheel]
                     };
                 }
             }

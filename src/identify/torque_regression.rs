@@ -142,15 +142,15 @@ impl TorqueRegression {
         let bread = inverse_where_known(&rows.x.tr_mul(&scaled_rows(&rows.x, &slope)));
         let inverse = inverse_where_known(&rows.x.tr_mul(&weighted));
         let mean = weights.sum() / weights.len() as f64;
-        let pull = rows.pull(&values, &(inverse * mean));
+        let bias = rows.bias(&values, &(inverse * mean));
         let mut covariance = rows.covariance(&bread, &psi);
         if widened {
-            at_least(&mut covariance, &pull);
+            at_least(&mut covariance, &bias);
             let halved = rows.halved().component_mul(&slope);
             at_least(&mut covariance, &(&bread * rows.x.tr_mul(&halved)));
         }
         let mut fit = rows.fit(NAME, &values, &covariance)?;
-        rows.note_of_pull(&mut fit, &pull);
+        rows.note_of_bias(&mut fit, &bias);
         Ok(fit)
     }
 

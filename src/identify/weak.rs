@@ -91,7 +91,7 @@ pub(super) fn weak_rows(
     recording: &Recording,
     windows: &[Window],
     omega: &[[f64; 2]],
-    drive: &[[f64; 2]],
+    input: &[[f64; 2]],
 ) -> (DMatrix<f64>, DVector<f64>) {
     let width = regressor.width();
     let mut needed = vec![false; recording.len()];
@@ -118,7 +118,7 @@ pub(super) fn weak_rows(
                     if c < width {
                         x[(2 * n + wheel, c)] += value;
                     } else {
-                        y[2 * n + wheel] += weight * drive[k][wheel] - value;
+                        y[2 * n + wheel] += weight * input[k][wheel] - value;
                     }
                 }
             }

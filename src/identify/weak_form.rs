@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use self::group::{Group, slopes};
 use super::identifiability::{inverse_where_known, known_part};
 use super::linear_fit::linear_fit;
-use super::regressor::{Regressor, drive_around};
+use super::regressor::{Regressor, input_around};
 use super::weak::{Window, weak_rows, windows};
 use super::{
     Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task, from_options,
@@ -201,7 +201,7 @@ impl WeakForm {
         for recording in task.train {
             let windows = windows(recording, half_width, PER_HALF);
             let noise = recording.noise();
-            let drive = drive_around(task, recording, recording.moment());
+            let input = input_around(task, recording, recording.torque());
             let mut noisy = recording.omega().to_vec();
             for row in &mut noisy {
                 for i in 0..2 {
@@ -209,20 +209,20 @@ impl WeakForm {
                     row[i] += noise.omega[i] * draw;
                 }
             }
-            let scale = drive.iter().flatten().map(|m| m.abs()).fold(1e-9, f64::max);
+            let scale = input.iter().flatten().map(|m| m.abs()).fold(1e-9, f64::max);
             let speed = recording.top_speed();
             if windows.is_empty() {
                 continue;
             }
             let rows =
-                |omega: &[[f64; 2]]| weak_rows(task, regressor, recording, &windows, omega, &drive);
+                |omega: &[[f64; 2]]| weak_rows(task, regressor, recording, &windows, omega, &input);
             let (x, y) = rows(recording.omega());
             let since = |w: &Window| recording.t()[w.samples.start] - recording.t()[0];
             out.push(Group {
                 change: rows(&noisy).0 - &x,
                 slopes: slopes(task, regressor, recording, &windows),
                 variance: noise.omega.map(|s| s.max(1e-6 * speed).powi(2)),
-                drive_variance: noise.moment.map(|s| s.max(1e-6 * scale).powi(2)),
+                input_variance: noise.torque.map(|s| s.max(1e-6 * scale).powi(2)),
                 block: windows.iter().map(|w| first + (since(w) / length) as usize).collect(),
                 windows,
                 x,

@@ -205,11 +205,11 @@ impl ColumnMap {
                 ("cm/s", part(1e-2)),
                 ("mm/s", part(1e-3)),
             ],
-            _ => self.drives(column),
+            _ => self.inputs(column),
         }
     }
 
-    fn drives(&self, column: &Column) -> Vec<(&'static str, Result<f64, &'static str>)> {
+    fn inputs(&self, column: &Column) -> Vec<(&'static str, Result<f64, &'static str>)> {
         match self.drive_unit {
             DriveUnit::NewtonMetre => {
                 let need = "torque_constant [N m/A], or drive_unit = \"A\"";

@@ -154,7 +154,7 @@ impl Order {
             v.iter().zip(&late).filter(|(_, late)| !**late).map(|(v, _)| *v).collect()
         };
         rows.t = rows.t.iter().zip(&late).filter(|(_, late)| !**late).map(|(t, _)| *t).collect();
-        rows.moment = pick(&rows.moment);
+        rows.torque = pick(&rows.torque);
         rows.alpha = rows.alpha.as_ref().map(pick);
         rows.omega = rows.omega.as_ref().map(pick);
     }

@@ -283,7 +283,7 @@ pub(super) fn channels(
         t: one("t")?.unwrap_or_default(),
         alpha: pair(one("alpha1")?, one("alpha2")?),
         omega: pair(one("dalpha1")?, one("dalpha2")?),
-        moment: pair(one("M1")?, one("M2")?).unwrap_or_default(),
+        torque: pair(one("M1")?, one("M2")?).unwrap_or_default(),
     })
 }
 

@@ -25,7 +25,7 @@ pub fn write_csv(recording: &Recording) -> String {
     use std::fmt::Write as _;
     let mut out = String::from("t,alpha1,alpha2,dalpha1,dalpha2,M1,M2\n");
     for (k, t) in recording.t().iter().enumerate() {
-        let (a, w, m) = (recording.alpha()[k], recording.omega()[k], recording.moment()[k]);
+        let (a, w, m) = (recording.alpha()[k], recording.omega()[k], recording.torque()[k]);
         let _ = writeln!(out, "{t},{},{},{},{},{},{}", a[0], a[1], w[0], w[1], m[0], m[1]);
     }
     out

@@ -26,7 +26,7 @@ pub(super) fn velocity(k: usize) -> [f64; 2] {
 }
 
 /// Torques of row k [N m].
-pub(super) fn drive(k: usize) -> [f64; 2] {
+pub(super) fn input(k: usize) -> [f64; 2] {
     [(k % 7) as f64 / 16.0, -(k as f64) / 128.0]
 }
 
@@ -154,7 +154,7 @@ fn what_is_read_from_a_file_that_was_cut_is_its_beginning() {
             assert_eq!(part.t(), &whole.t()[..rows], "{name} cut to {length}");
             // in the last row the cut may part signals that were logged at the same moment
             let sure = rows - usize::from(rows < whole.len());
-            assert_eq!(part.moment()[..sure], whole.moment()[..sure], "{name} cut to {length}");
+            assert_eq!(part.torque()[..sure], whole.torque()[..sure], "{name} cut to {length}");
         }
     }
 }
@@ -233,7 +233,7 @@ fn a_line_of_units_below_the_names_counts() {
     assert!((read.t()[29] - 0.58).abs() < 1e-12);
     let turn = std::f64::consts::TAU;
     assert!((read.omega()[4][0] - 4.0 * turn).abs() < 1e-9);
-    assert!((read.moment()[7][0] - 7.0).abs() < 1e-12 && (read.moment()[7][1] - 7.0).abs() < 1e-12);
+    assert!((read.torque()[7][0] - 7.0).abs() < 1e-12 && (read.torque()[7][1] - 7.0).abs() < 1e-12);
     // rows count from the first row of numbers, and lines from the top
     let wrong = log.replace("40,120", "x,120");
     let error = text(&wrong, &ColumnMap::default()).unwrap_err().to_string();
@@ -264,5 +264,5 @@ fn rows_of_one_joint_each_are_put_side_by_side() {
     let read = text(&log, &map).unwrap();
     assert_eq!(read.len(), 40);
     assert_eq!(read.omega()[7], [3.0, 1.0]);
-    assert_eq!(read.moment()[39], [0.4, 0.3]);
+    assert_eq!(read.torque()[39], [0.4, 0.3]);
 }

@@ -142,7 +142,7 @@ mod tests {
     }
 
     /// 12 s at 100 Hz: 3 sin 2t + 0.05 noise and a jump of 2 in the middle.
-    fn noisy_drive() -> Vec<f64> {
+    fn noisy_input() -> Vec<f64> {
         let motion = |k: usize| 3.0 * (0.02 * k as f64).sin() + if k < 600 { 0.0 } else { 2.0 };
         noise(1200, 11).iter().enumerate().map(|(k, e)| motion(k) + 0.05 * e).collect()
     }
@@ -153,7 +153,7 @@ mod tests {
 
     #[test]
     fn noise_on_a_moving_signal_with_a_jump_equals_numpy() {
-        let runs = [noisy_drive()];
+        let runs = [noisy_input()];
         // numpy: v in blocks of 50, numpy.diff(block, 4), median, scipy chi2.ppf(.5, nu)/nu
         assert_close(sigma(runs[0].clone()), 0.05241119178992415, 1e-9);
         // the same over the whole run: d[1:] @ d[:-1] / (d @ d)
@@ -173,7 +173,7 @@ mod tests {
 
     #[test]
     fn a_logger_that_filters_raises_the_correlation_and_hides_noise() {
-        let filtered = low_pass(&noisy_drive(), 2, 15.0, 100.0);
+        let filtered = low_pass(&noisy_input(), 2, 15.0, 100.0);
         assert!(fourth_difference_correlation(std::slice::from_ref(&filtered)).unwrap() > -0.6);
         assert!(sigma(filtered) < 0.02);
     }

@@ -155,19 +155,19 @@ impl Model {
     /// Derivatives of the acting input with respect to every parameter: `[j][k]` is that of
     /// sample k by parameter j; empty for parameters that do not act through the input.
     #[must_use]
-    pub fn drive_derivatives(
+    pub fn input_derivatives(
         &self,
         t: &[f64],
         recorded: &[[f64; 2]],
         p: &[f64],
     ) -> (Vec<[f64; 2]>, Vec<Vec<[f64; 2]>>) {
         let mut derivatives = vec![Vec::new(); p.len()];
-        let of_input = |e: &usize| self.effects()[*e].acts_on_drive();
+        let of_input = |e: &usize| self.effects()[*e].acts_on_input();
         let effects: Vec<usize> = (0..self.effects().len()).filter(of_input).collect();
         let acting: Vec<usize> = effects.iter().flat_map(|&e| self.slots(e)).collect();
         let mut input = None;
         for seen in acting.chunks(DIFFERENTIATED) {
-            let m = self.drive_by(&effects, seen, t, recorded, p);
+            let m = self.input_by(&effects, seen, t, recorded, p);
             for (slot, &j) in seen.iter().enumerate() {
                 derivatives[j] = m.iter().map(|row| row.map(|v| v.partial[slot])).collect();
             }
@@ -177,7 +177,7 @@ impl Model {
     }
 
     /// The acting input with its derivatives by the parameters `seen`.
-    fn drive_by(
+    fn input_by(
         &self,
         effects: &[usize],
         seen: &[usize],
@@ -192,7 +192,7 @@ impl Model {
         let constant = recorded.iter().map(|row| row.map(Own::constant)).collect();
         effects.iter().fold(constant, |m: Vec<[Own; 2]>, &e| {
             let own: Vec<Own> = self.slots(e).map(parameter).collect();
-            self.effects()[e].drive_own(t, &m, &own).unwrap_or(m)
+            self.effects()[e].input_own(t, &m, &own).unwrap_or(m)
         })
     }
 }
@@ -205,7 +205,7 @@ fn values(terms: &Terms<Jet>) -> Terms<f64> {
     }
 }
 
-/// Partial derivative number `k` of [`Terms::moment`].
+/// Partial derivative number `k` of [`Terms::torque`].
 #[inline]
 fn slope(
     terms: &Terms<Jet>,

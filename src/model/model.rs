@@ -267,13 +267,13 @@ impl Model {
     /// Places in `p` that are estimated and enter linearly, as terms (not through the input).
     #[must_use]
     pub fn linear(&self) -> Vec<usize> {
-        let of_drive: Vec<bool> = (0..self.effects.len())
+        let of_input: Vec<bool> = (0..self.effects.len())
             .flat_map(|e| self.slots(e).map(move |_| e))
-            .map(|e| self.effects[e].acts_on_drive())
+            .map(|e| self.effects[e].acts_on_input())
             .collect();
         self.free()
             .into_iter()
-            .filter(|&j| self.parameters[j].spec.kind == ParameterKind::Linear && !of_drive[j])
+            .filter(|&j| self.parameters[j].spec.kind == ParameterKind::Linear && !of_input[j])
             .collect()
     }
     /// A start for searches: fixed values, given starts, construction values for a1..a5, typical ones
@@ -331,16 +331,16 @@ impl Model {
 
     /// Whether an effect of the model changes the input.
     #[must_use]
-    pub fn acts_on_drive(&self) -> bool {
-        self.effects.iter().any(|effect| effect.acts_on_drive())
+    pub fn acts_on_input(&self) -> bool {
+        self.effects.iter().any(|effect| effect.acts_on_input())
     }
 
     /// The input that acts, from the recorded one: every input effect in turn.
     #[must_use]
-    pub fn drive(&self, t: &[f64], recorded: &[[f64; 2]], p: &[f64]) -> Vec<[f64; 2]> {
+    pub fn input(&self, t: &[f64], recorded: &[[f64; 2]], p: &[f64]) -> Vec<[f64; 2]> {
         let mut m = recorded.to_vec();
         for (effect, slots) in self.effects.iter().zip(&self.slots) {
-            if let Some(changed) = effect.drive(t, &m, &p[slots.clone()]) {
+            if let Some(changed) = effect.input(t, &m, &p[slots.clone()]) {
                 m = changed;
             }
         }

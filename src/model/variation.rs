@@ -111,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn the_base_model_varies_in_its_centrifugal_moments_only() {
+    fn the_base_model_varies_in_its_centrifugal_torques_only() {
         let robot = Robot::amigobot();
         let of = |id: &str| Variations::of(&*crate::effects::find(id).unwrap(), &robot);
         let (absent, constant) = (Variation::Absent, Variation::Constant);

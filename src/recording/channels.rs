@@ -10,7 +10,7 @@ pub struct Channels {
     /// Wheel speeds [rad/s]; `None` where not measured.
     pub omega: Option<Vec<[f64; 2]>>,
     /// Input of each wheel, in the unit that [`super::DriveUnit`] says.
-    pub moment: Vec<[f64; 2]>,
+    pub torque: Vec<[f64; 2]>,
 }
 
 /// Which channels were measured and which were computed from the other.
@@ -30,5 +30,6 @@ pub struct Noise {
     /// Speeds [rad/s].
     pub omega: [f64; 2],
     /// Input [unit of the input].
-    pub moment: [f64; 2],
+    #[serde(rename = "moment")]
+    pub torque: [f64; 2],
 }

@@ -11,13 +11,13 @@ pub(super) fn check(
     t: &[f64],
     alpha: Option<&[[f64; 2]]>,
     omega: Option<&[[f64; 2]]>,
-    moment: &[[f64; 2]],
+    torque: &[[f64; 2]],
 ) -> Result<(), RecordingError> {
     if t.len() < MINIMUM_SAMPLES {
         let (samples, needed) = (t.len(), MINIMUM_SAMPLES);
         return Err(RecordingError::TooShort { name: name.into(), samples, needed });
     }
-    check_rows(name, t, alpha, omega, moment)
+    check_rows(name, t, alpha, omega, torque)
 }
 
 /// As [`check`], for any number of rows.
@@ -26,7 +26,7 @@ pub(super) fn check_rows(
     t: &[f64],
     alpha: Option<&[[f64; 2]]>,
     omega: Option<&[[f64; 2]]>,
-    moment: &[[f64; 2]],
+    torque: &[[f64; 2]],
 ) -> Result<(), RecordingError> {
     let not_finite = |row: usize, column: &str, value: f64| RecordingError::NotFinite {
         name: name.into(),
@@ -48,7 +48,7 @@ pub(super) fn check_rows(
             });
         }
     }
-    for (column, values) in [("alpha", alpha), ("dalpha", omega), ("M", Some(moment))] {
+    for (column, values) in [("alpha", alpha), ("dalpha", omega), ("M", Some(torque))] {
         let Some(values) = values else { continue };
         if values.len() != t.len() {
             return Err(RecordingError::Length {

@@ -52,7 +52,7 @@ mod tests {
     fn made(change: impl FnOnce(&mut Channels)) -> Result<Recording, String> {
         let t: Vec<f64> = (0..50).map(|k| 0.01 * f64::from(k)).collect();
         let row = vec![[1.0, 2.0]; 50];
-        let mut channels = Channels { t, alpha: None, omega: Some(row.clone()), moment: row };
+        let mut channels = Channels { t, alpha: None, omega: Some(row.clone()), torque: row };
         change(&mut channels);
         Recording::new("a.csv", channels, DriveUnit::Volt).map_err(|e| e.to_string())
     }
@@ -60,7 +60,7 @@ mod tests {
     #[test]
     fn values_that_no_robot_reaches_are_refused_with_their_row() {
         assert!(made(|_| ()).is_ok());
-        let e = made(|c| c.moment[6][1] = -1e300).unwrap_err();
+        let e = made(|c| c.torque[6][1] = -1e300).unwrap_err();
         assert!(e.contains("a.csv, row 7: M2 is -1e300") && e.contains("1e9"), "{e}");
         let e = made(|c| c.t[49] = 1e12).unwrap_err();
         assert!(e.contains("row 50: t is 1e12"), "{e}");

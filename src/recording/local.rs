@@ -211,8 +211,8 @@ mod tests {
         let t: Vec<f64> = (0..60).map(|k| 0.01 * f64::from(k) + 0.002 * f64::from(k % 2)).collect();
         let alpha = t.iter().map(|t| [1.0 + 2.0 * t + 1.5 * t * t, -t]).collect();
         let omega = t.iter().map(|t| [2.0 + 3.0 * t, -1.0]).collect();
-        let moment = vec![[0.0; 2]; 60];
-        let c = Channels { t, alpha: Some(alpha), omega: Some(omega), moment };
+        let torque = vec![[0.0; 2]; 60];
+        let c = Channels { t, alpha: Some(alpha), omega: Some(omega), torque };
         let r = Recording::new("a", c, DriveUnit::NewtonMetre).unwrap();
         for (k, m) in r.local_motion().iter().enumerate() {
             let t = r.t()[k];
@@ -228,14 +228,14 @@ mod tests {
         let t: Vec<f64> = (0..200).map(|k| 0.01 * f64::from(k)).collect();
         let rough = |k: usize| 0.01 * ((k * k) as f64).sin();
         let omega = t.iter().enumerate().map(|(k, t)| [t.sin() + rough(k), -t + rough(k + 7)]);
-        let (omega, moment) = (Some(omega.collect()), vec![[0.0; 2]; 200]);
-        let c = Channels { t, alpha: None, omega, moment };
+        let (omega, torque) = (Some(omega.collect()), vec![[0.0; 2]; 200]);
+        let c = Channels { t, alpha: None, omega, torque };
         let r = Recording::new("a", c, DriveUnit::NewtonMetre).unwrap();
-        let other = r.with_moment(vec![[1.0; 2]; 200]);
+        let other = r.with_torque(vec![[1.0; 2]; 200]);
         assert!(std::ptr::eq(r.local_motion(), other.local_motion()));
         let mut quiet = r.clone();
-        let Noise { alpha, moment, .. } = r.noise();
-        quiet.set_most_noise(Noise { alpha, omega: [1e-4; 2], moment });
+        let Noise { alpha, torque, .. } = r.noise();
+        quiet.set_most_noise(Noise { alpha, omega: [1e-4; 2], torque });
         // less noise: narrower neighbourhoods agree
         assert_ne!(quiet.local_motion(), r.local_motion());
         assert_eq!(quiet.local_motion()[70], quiet.local_motion_at(70));

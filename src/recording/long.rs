@@ -111,8 +111,8 @@ impl Survey {
     }
 
     fn check(&self, block: &Channels) -> Result<(), RecordingError> {
-        let Channels { t, alpha, omega, moment } = block;
-        check_rows(&self.name, t, alpha.as_deref(), omega.as_deref(), moment)?;
+        let Channels { t, alpha, omega, torque } = block;
+        check_rows(&self.name, t, alpha.as_deref(), omega.as_deref(), torque)?;
         if self.samples > 0 && t.first().is_some_and(|t| *t <= self.span.1) {
             let (row, name) = (1, self.name.clone());
             return Err(RecordingError::TimeNotIncreasing {
@@ -123,7 +123,7 @@ impl Survey {
             });
         }
         let of = |rows: &Option<Vec<[f64; 2]>>| rows.clone().unwrap_or_default();
-        let columns = [("dalpha", &of(omega)[..]), ("M", &moment[..]), ("alpha", &of(alpha)[..])];
+        let columns = [("dalpha", &of(omega)[..]), ("M", &torque[..]), ("alpha", &of(alpha)[..])];
         limits::check(&self.name, t, self.step, columns)
     }
 
@@ -206,7 +206,7 @@ fn part(block: &Channels, range: std::ops::Range<usize>) -> Channels {
         t: block.t[range.clone()].to_vec(),
         alpha: block.alpha.as_ref().map(of),
         omega: block.omega.as_ref().map(of),
-        moment: of(&block.moment),
+        torque: of(&block.torque),
     }
 }
 
@@ -217,7 +217,7 @@ fn append(to: &mut Channels, rows: &Channels) {
             to.extend(rows);
         }
     }
-    to.moment.extend(&rows.moment);
+    to.torque.extend(&rows.torque);
 }
 
 /// A recording that is held, as rows.
@@ -230,7 +230,7 @@ impl Rows for Recording {
                 t: self.t()[range.clone()].to_vec(),
                 alpha: Some(self.alpha()[range.clone()].to_vec()),
                 omega: Some(self.omega()[range.clone()].to_vec()),
-                moment: self.moment()[range].to_vec(),
+                torque: self.torque()[range].to_vec(),
             })
         }))
     }
@@ -243,7 +243,7 @@ mod tests {
     fn block(rows: std::ops::Range<usize>) -> Channels {
         let t: Vec<f64> = rows.map(|k| 0.001 * k as f64).collect();
         let omega = Some(t.iter().map(|t| [t.sin(), *t]).collect());
-        Channels { moment: vec![[0.1, 0.2]; t.len()], alpha: None, omega, t }
+        Channels { torque: vec![[0.1, 0.2]; t.len()], alpha: None, omega, t }
     }
 
     fn surveyed(samples: usize, step: usize) -> (Recording, LongRecording) {
@@ -283,7 +283,7 @@ mod tests {
         let e = survey.add(&block(999..2000)).unwrap_err().to_string();
         assert!(e.starts_with("run.csv, row 1001: t = 0.999 s does not exceed 0.999 s"), "{e}");
         let mut bad = block(1000..2000);
-        bad.moment[4][1] = f64::NAN;
+        bad.torque[4][1] = f64::NAN;
         let e = survey.add(&bad).unwrap_err().to_string();
         assert!(e.starts_with("run.csv, row 1005: M2 is NaN"), "{e}");
     }

@@ -23,7 +23,7 @@ pub fn share_noise(recordings: &mut [&mut Recording]) {
     let most = Noise {
         alpha: [0, 1].map(|i| median(&|n| n.alpha[i])),
         omega: [0, 1].map(|i| median(&|n| n.omega[i])),
-        moment: [f64::INFINITY; 2],
+        torque: [f64::INFINITY; 2],
     };
     for recording in recordings.iter_mut().filter(|r| !long(r)) {
         recording.set_most_noise(most);
@@ -47,7 +47,7 @@ impl Recording {
         let own = Noise {
             alpha: channel(self.alpha()),
             omega: channel(self.omega()),
-            moment: self.input_jumps().map(|jumps| self.noise_of_jumps() * jumps),
+            torque: self.input_jumps().map(|jumps| self.noise_of_jumps() * jumps),
         };
         let lower = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].min(b[1])];
         match self.most_noise() {
@@ -63,7 +63,7 @@ impl Recording {
     /// Standard deviation of the jumps of the input from row to row [unit of the input], which are noise or the input itself.
     #[must_use]
     pub fn input_jumps(&self) -> [f64; 2] {
-        let jumps = || [0, 1].map(|i| self.channel_noise(self.moment(), i, false));
+        let jumps = || [0, 1].map(|i| self.channel_noise(self.torque(), i, false));
         self.recorded_input_noise().unwrap_or_else(jumps)
     }
 
@@ -148,25 +148,25 @@ mod tests {
         let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
         let t: Vec<f64> = (0..4000).map(|k| 0.01 * k as f64).collect();
         let omega = t.iter().map(|t| [3.0 * t.sin() + 0.05 * normal(), 0.02 * normal()]).collect();
-        let moment = t.iter().map(|t| [0.2 * (2.0 * t).cos() + 0.004 * normal(), 0.0]).collect();
-        let channels = Channels { t, alpha: None, omega: Some(omega), moment };
+        let torque = t.iter().map(|t| [0.2 * (2.0 * t).cos() + 0.004 * normal(), 0.0]).collect();
+        let channels = Channels { t, alpha: None, omega: Some(omega), torque };
         let noise = Recording::new("a", channels, DriveUnit::NewtonMetre).unwrap().noise();
         // 80 blocks of 46 differences each: 2 % standard error of the median of variances
         assert!((noise.omega[0] / 0.05 - 1.0).abs() < 0.06, "{noise:?}");
         assert!((noise.omega[1] / 0.02 - 1.0).abs() < 0.06, "{noise:?}");
-        assert!((noise.moment[0] / 0.004 - 1.0).abs() < 0.06, "{noise:?}");
-        assert_eq!(noise.moment[1], 0.0);
+        assert!((noise.torque[0] / 0.004 - 1.0).abs() < 0.06, "{noise:?}");
+        assert_eq!(noise.torque[1], 0.0);
     }
 
     #[test]
     fn steps_of_a_command_are_no_noise() {
         let t: Vec<f64> = (0..2000).map(|k| 0.005 * k as f64).collect();
-        let moment =
+        let torque =
             t.iter().map(|t| [if *t > 1.0 { 7.0 } else { 0.0 }, (t * 0.8).floor()]).collect();
         let omega = t.iter().map(|t| [t.sin(), t.cos()]).collect();
-        let channels = Channels { t, alpha: None, omega: Some(omega), moment };
+        let channels = Channels { t, alpha: None, omega: Some(omega), torque };
         let noise = Recording::new("a", channels, DriveUnit::Volt).unwrap().noise();
-        assert_eq!(noise.moment, [0.0, 0.0]);
+        assert_eq!(noise.torque, [0.0, 0.0]);
     }
 
     #[test]
@@ -174,7 +174,7 @@ mod tests {
         let t: Vec<f64> = (0..2000).map(|k| 0.01 * k as f64).collect();
         let alpha = t.iter().map(|t| [(3.0 * t.sin() / 0.05).round() * 0.05, 0.0]).collect();
         let channels =
-            Channels { moment: vec![[0.1; 2]; 2000], alpha: Some(alpha), omega: None, t };
+            Channels { torque: vec![[0.1; 2]; 2000], alpha: Some(alpha), omega: None, t };
         let noise = Recording::new("a", channels, DriveUnit::NewtonMetre).unwrap().noise();
         // between q/sqrt(12) and what fourth differences of a signal in steps give
         assert!(noise.alpha[0] > 0.0144 && noise.alpha[0] < 0.03, "{noise:?}");
@@ -195,8 +195,8 @@ mod tests {
                     .collect()
             };
             let (alpha, omega) = (rows(1e-3, &mut noise), rows(0.02, &mut noise));
-            let moment = rows(0.0, &mut noise);
-            let c = Channels { t, alpha: Some(alpha), omega: Some(omega), moment };
+            let torque = rows(0.0, &mut noise);
+            let c = Channels { t, alpha: Some(alpha), omega: Some(omega), torque };
             Recording::new("x", c, DriveUnit::NewtonMetre).unwrap()
         };
         // at 120 rad/s and 100 Hz the fourth differences are of the motion

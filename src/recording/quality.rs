@@ -102,8 +102,8 @@ impl Quality {
 /// use amigo_ident::robot::Robot;
 /// let t: Vec<f64> = (0..1000).map(|k| 0.01 * f64::from(k)).collect();
 /// let omega = t.iter().map(|t| [3.0 * t.sin(), 0.0]).collect();
-/// let moment = t.iter().map(|t| [0.1 * t.cos() + 0.1 * t.sin().signum(), 0.0]).collect();
-/// let channels = Channels { t, alpha: None, omega: Some(omega), moment };
+/// let torque = t.iter().map(|t| [0.1 * t.cos() + 0.1 * t.sin().signum(), 0.0]).collect();
+/// let channels = Channels { t, alpha: None, omega: Some(omega), torque };
 /// let recording = Recording::new("run.csv", channels, DriveUnit::NewtonMetre).unwrap();
 /// let found = quality(&recording, &Robot::amigobot());
 /// assert!(found.at_least(Severity::Warning).any(|f| f.what().contains("wheel 2 (left) never moves")));

@@ -16,7 +16,7 @@ pub struct Recording {
     t: Vec<f64>,
     alpha: Vec<[f64; 2]>,
     omega: Vec<[f64; 2]>,
-    moment: Vec<[f64; 2]>,
+    torque: Vec<[f64; 2]>,
     measured: Measured,
     drive_unit: DriveUnit,
     pieces: Vec<Range<usize>>,
@@ -47,12 +47,12 @@ impl Recording {
         drive_unit: DriveUnit,
     ) -> Result<Self, RecordingError> {
         let name = name.into();
-        let Channels { t, alpha, omega, moment } = channels;
-        check(&name, &t, alpha.as_deref(), omega.as_deref(), &moment)?;
+        let Channels { t, alpha, omega, torque } = channels;
+        check(&name, &t, alpha.as_deref(), omega.as_deref(), &torque)?;
         let measured = Measured { alpha: alpha.is_some(), omega: omega.is_some() };
-        let channels = Channels { t, alpha, omega, moment };
+        let channels = Channels { t, alpha, omega, torque };
         let fresh = super::refresh::refreshed(&channels);
-        let Channels { t, alpha, omega, moment } = channels;
+        let Channels { t, alpha, omega, torque } = channels;
         let pieces = pieces(&t);
         let (alpha, omega) = match (alpha, omega) {
             (Some(alpha), Some(omega)) => (alpha, omega),
@@ -63,7 +63,7 @@ impl Recording {
             (None, Some(omega)) => (integrate(&t, &omega), omega),
             (None, None) => return Err(RecordingError::NoMotion { name }),
         };
-        let columns = [("dalpha", &omega[..]), ("M", &moment[..]), ("alpha", &alpha[..])];
+        let columns = [("dalpha", &omega[..]), ("M", &torque[..]), ("alpha", &alpha[..])];
         let (step, most_noise) = (median_step(&t), None);
         super::limits::check(&name, &t, step, columns)?;
         Ok(Self {
@@ -71,7 +71,7 @@ impl Recording {
             t,
             alpha,
             omega,
-            moment,
+            torque,
             measured,
             drive_unit,
             pieces,
@@ -106,8 +106,8 @@ impl Recording {
     }
     /// Recorded input [`DriveUnit`].
     #[must_use]
-    pub fn moment(&self) -> &[[f64; 2]] {
-        &self.moment
+    pub fn torque(&self) -> &[[f64; 2]] {
+        &self.torque
     }
     /// What was measured and what was computed.
     #[must_use]
@@ -139,7 +139,7 @@ impl Recording {
     #[must_use]
     pub fn is_single_axis(&self) -> bool {
         let same = |rows: &[[f64; 2]]| rows.iter().all(|r| r[0] == r[1]);
-        same(&self.alpha) && same(&self.omega) && same(&self.moment)
+        same(&self.alpha) && same(&self.omega) && same(&self.torque)
     }
     /// Whether the sensors gave a new value at each sample: loggers that write faster than their
     /// sensors refresh repeat the last one.
@@ -171,9 +171,9 @@ impl Recording {
     /// # Panics
     /// If the length differs.
     #[must_use]
-    pub fn with_moment(&self, moment: Vec<[f64; 2]>) -> Self {
-        assert_eq!(moment.len(), self.len(), "one row of the input a sample");
-        Self { moment, ..self.clone() }
+    pub fn with_torque(&self, torque: Vec<[f64; 2]>) -> Self {
+        assert_eq!(torque.len(), self.len(), "one row of the input a sample");
+        Self { torque, ..self.clone() }
     }
 
     /// The same recording with other speeds; angles that were not measured follow them.
@@ -194,9 +194,9 @@ impl Recording {
     /// # Panics
     /// If the length differs.
     #[must_use]
-    pub fn with_interpolated_moment(&self, moment: Vec<[f64; 2]>) -> Self {
+    pub fn with_interpolated_torque(&self, torque: Vec<[f64; 2]>) -> Self {
         let recorded_input_noise = Some(self.input_jumps());
-        Self { recorded_input_noise, ..self.with_moment(moment) }
+        Self { recorded_input_noise, ..self.with_torque(torque) }
     }
 
     /// Of the jumps of the input from row to row, [`Recording::input_jumps`], only the share `share` (0 to 1, of the
@@ -239,7 +239,7 @@ impl Recording {
             t: self.t[range.clone()].to_vec(),
             alpha: self.measured.alpha.then(|| self.alpha[range.clone()].to_vec()),
             omega: self.measured.omega.then(|| self.omega[range.clone()].to_vec()),
-            moment: self.moment[range].to_vec(),
+            torque: self.torque[range].to_vec(),
         };
         let cut = Self::new(self.name.clone(), channels, self.drive_unit)?;
         let (recorded_input_noise, noise_of_jumps) =
@@ -255,7 +255,7 @@ mod tests {
     fn channels(n: usize) -> Channels {
         let t: Vec<f64> = (0..n).map(|k| 0.01 * k as f64).collect();
         let omega = t.iter().map(|&t| [t.sin(), 2.0 * t]).collect();
-        Channels { moment: vec![[0.1, 0.2]; n], alpha: None, omega: Some(omega), t }
+        Channels { torque: vec![[0.1, 0.2]; n], alpha: None, omega: Some(omega), t }
     }
 
     #[test]
@@ -271,7 +271,7 @@ mod tests {
     fn missing_speeds_are_exact_for_parabolas_even_where_sampling_is_uneven() {
         let t: Vec<f64> = (0..50).map(|k| 0.01 * k as f64 + 0.003 * (k % 3) as f64).collect();
         let alpha = t.iter().map(|&t| [t * t, 3.0 * t]).collect();
-        let c = Channels { moment: vec![[0.0; 2]; 50], alpha: Some(alpha), omega: None, t };
+        let c = Channels { torque: vec![[0.0; 2]; 50], alpha: Some(alpha), omega: None, t };
         let r = Recording::new("a", c, DriveUnit::NewtonMetre).unwrap();
         for k in 1..49 {
             assert!((r.omega()[k][0] - 2.0 * r.t()[k]).abs() < 1e-12);
@@ -296,7 +296,7 @@ mod tests {
         let e = Recording::new("run1.csv", c, DriveUnit::NewtonMetre).unwrap_err().to_string();
         assert!(e.starts_with("run1.csv, row 8: t = 0.06 s does not exceed 0.06 s"), "{e}");
         let mut c = channels(20);
-        c.moment[3][1] = f64::NAN;
+        c.torque[3][1] = f64::NAN;
         let e = Recording::new("run1.csv", c, DriveUnit::NewtonMetre).unwrap_err().to_string();
         assert!(e.starts_with("run1.csv, row 4: M2 is NaN"), "{e}");
         let e = Recording::new("x", channels(2), DriveUnit::NewtonMetre).unwrap_err().to_string();

@@ -134,7 +134,7 @@ mod tests {
     fn channels(alpha: Option<Vec<[f64; 2]>>, omega: Option<Vec<[f64; 2]>>) -> Channels {
         let n = alpha.as_ref().or(omega.as_ref()).map_or(0, Vec::len);
         let t = (0..n).map(|k| 0.01 * k as f64).collect();
-        Channels { t, moment: vec![[0.0; 2]; n], alpha, omega }
+        Channels { t, torque: vec![[0.0; 2]; n], alpha, omega }
     }
 
     #[test]

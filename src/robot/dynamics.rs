@@ -148,7 +148,7 @@ mod tests {
         }
 
         #[test]
-        fn the_power_of_the_drive_is_what_the_energy_gains_and_friction_takes(
+        fn the_power_of_the_input_is_what_the_energy_gains_and_friction_takes(
             a in parameters(), state in states(), dw in prop::array::uniform2(-50.0..50.0_f64)
         ) {
             let [w1, w2] = state.omega;
@@ -162,7 +162,7 @@ mod tests {
         }
 
         #[test]
-        fn exchanging_the_wheels_exchanges_the_moments(
+        fn exchanging_the_wheels_exchanges_the_torques(
             a in parameters(), state in states(), dw in prop::array::uniform2(-50.0..50.0_f64)
         ) {
             let mirror = BaseParameters { a4: a.a5, a5: a.a4, ..a };
@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn the_centrifugal_moments_hold_the_frame_on_its_circle() {
+    fn the_centrifugal_torques_hold_the_frame_on_its_circle() {
         // Force balance of a steady left turn, worked out on its own: S lies l2 behind A, so the
         // frame needs m4 l2 beta_dot² forward (half from each wheel) and m4 v beta_dot to the
         // left at S, whose torque about A is -l2 m4 v beta_dot (from the wheels at +-l1).

@@ -231,8 +231,8 @@ fn inverse(
     let motion = Motion::rolling(c, state, acceleration, heading_offset);
     let beta = motion.q[2];
     let l = lagrange_terms(c, motion.q, motion.q_dot, motion.q_ddot);
-    let q_without_drive = generalised_forces(c, beta, state.omega, [0.0; 2], contact);
-    (maggi_coefficients(c, beta) * (l - q_without_drive)).into()
+    let q_without_input = generalised_forces(c, beta, state.omega, [0.0; 2], contact);
+    (maggi_coefficients(c, beta) * (l - q_without_input)).into()
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use std::convert::Infallible;
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
-use super::drive::Drive;
+use super::input_line::InputLine;
 use super::stepper::{SPEED_LIMIT, Stepper, pieces_between};
 use super::{Hold, Input, SimulateError, simulate};
 use crate::effects::BASE;
@@ -48,8 +48,8 @@ const CLEARLY: f64 = 1.0 - 1e-9;
 /// use amigo_ident::simulate::{Hold, Input, ise_of_many, simulate};
 /// let model = Model::base(Robot::amigobot());
 /// let t: Vec<f64> = (0..201).map(|k| 0.01 * k as f64).collect();
-/// let moment = vec![[0.2, 0.15]; 201];
-/// let input = Input { t: &t, moment: &moment, hold: Hold::Linear };
+/// let torque = vec![[0.2, 0.15]; 201];
+/// let input = Input { t: &t, torque: &torque, hold: Hold::Linear };
 /// let truth = model.initial();
 /// let motion = simulate(&model, &truth, &input, State::default()).unwrap();
 /// let measured: Vec<_> = motion.iter().map(|s| s.omega).collect();
@@ -114,12 +114,12 @@ impl WithSimd for Together<'_> {
         for k in 1..input.t.len() {
             let (from, to) = (input.t[k - 1], input.t[k]);
             let last = if input.hold == Hold::Linear { k } else { k - 1 };
-            let drive = Drive::new(from, to, &input.moment[k - 1], &input.moment[last]);
+            let input = InputLine::new(from, to, &input.torque[k - 1], &input.torque[last]);
             let pieces = pieces_between(from, to);
             for piece in 0..pieces {
-                let part = Part::of(piece, pieces, (from, to), &drive);
+                let part = Part::of(piece, pieces, (from, to), &input);
                 for batch in &mut batches {
-                    batch.advance(&part, &drive);
+                    batch.advance(&part, &input);
                 }
             }
             for batch in &mut batches {
@@ -134,15 +134,15 @@ impl WithSimd for Together<'_> {
 struct Part {
     from: f64,
     to: f64,
-    moment: [[f64; 2]; 3],
+    torque: [[f64; 2]; 3],
 }
 
 impl Part {
-    fn of(piece: usize, pieces: usize, (from, to): (f64, f64), drive: &Drive) -> Self {
+    fn of(piece: usize, pieces: usize, (from, to): (f64, f64), input: &InputLine) -> Self {
         let edge = |k: usize| from + (to - from) * k as f64 / pieces as f64;
         let (from, to) = (edge(piece), edge(piece + 1));
-        let moment = [drive.at(from), drive.at(from + 0.5 * (to - from)), drive.at(to)];
-        Self { from, to, moment }
+        let torque = [input.at(from), input.at(from + 0.5 * (to - from)), input.at(to)];
+        Self { from, to, torque }
     }
 }
 
@@ -212,20 +212,20 @@ impl<'a, S: Simd> Batch<'a, S> {
 
     /// All lanes over one internal step.
     #[inline(always)]
-    fn advance(&mut self, part: &Part, drive: &Drive) {
+    fn advance(&mut self, part: &Part, input: &InputLine) {
         let before = self.omega;
-        let (after, event) = self.step(part.to - part.from, &part.moment);
+        let (after, event) = self.step(part.to - part.from, &part.torque);
         self.omega = after;
         if event.any() {
             self.omega = [event.select(before[0], after[0]), event.select(before[1], after[1])];
             let (zero, one) = (Lanes::splat(self.simd, 0.0), Lanes::splat(self.simd, 1.0));
-            self.one_by_one(event.select(one, zero), part, drive);
+            self.one_by_one(event.select(one, zero), part, input);
         }
     }
 
     /// The lanes with a `flag` take the step by the scalar rule.
     #[inline(never)]
-    fn one_by_one(&mut self, flag: Lanes<S>, part: &Part, drive: &Drive) {
+    fn one_by_one(&mut self, flag: Lanes<S>, part: &Part, input: &InputLine) {
         let (flags, omega) = (stored(flag), self.omega.map(stored));
         let [mut first, mut second] = omega;
         for (lane, scalar) in self.scalar.iter_mut().enumerate() {
@@ -234,7 +234,7 @@ impl<'a, S: Simd> Batch<'a, S> {
             }
             // nothing in the base model depends on the angles
             scalar.place(State { alpha: [0.0; 2], omega: [first[lane], second[lane]] });
-            match scalar.piece(part.from, part.to, drive, &mut ()) {
+            match scalar.piece(part.from, part.to, input, &mut ()) {
                 Ok(()) => [first[lane], second[lane]] = scalar.state().omega,
                 Err(error) => self.failed[lane] = Some(error),
             }
@@ -292,8 +292,8 @@ impl<'a, S: Simd> Batch<'a, S> {
             // or the closure is not compiled for wide registers
             #[inline(always)]
             |c, w| {
-                let moment = inputs[(2.0 * c) as usize];
-                Ok::<_, Infallible>(self.acceleration(w, moment, &motion))
+                let torque = inputs[(2.0 * c) as usize];
+                Ok::<_, Infallible>(self.acceleration(w, torque, &motion))
             },
         );
         let zero = Lanes::splat(self.simd, 0.0);
@@ -333,18 +333,18 @@ impl<'a, S: Simd> Batch<'a, S> {
 
     /// What drives each wheel beside the inertia: torque less centrifugal torque and friction.
     #[inline(always)]
-    fn force(&self, w: &Wheels<S>, moment: &[f64; 2], motion: &Motion<S>) -> Wheels<S> {
+    fn force(&self, w: &Wheels<S>, torque: &[f64; 2], motion: &Motion<S>) -> Wheels<S> {
         let turn = self.a3 * (w[1] - w[0]); // eq. (14)
         let [first, second] = motion.friction;
         [
-            Lanes::splat(self.simd, moment[0]) - turn * w[1] - first,
-            Lanes::splat(self.simd, moment[1]) + turn * w[0] - second,
+            Lanes::splat(self.simd, torque[0]) - turn * w[1] - first,
+            Lanes::splat(self.simd, torque[1]) + turn * w[0] - second,
         ]
     }
 
     #[inline(always)]
-    fn acceleration(&self, w: &Wheels<S>, moment: &[f64; 2], motion: &Motion<S>) -> Wheels<S> {
-        let b = self.force(w, moment, motion);
+    fn acceleration(&self, w: &Wheels<S>, torque: &[f64; 2], motion: &Motion<S>) -> Wheels<S> {
+        let b = self.force(w, torque, motion);
         let [m11, m12, m22] = motion.mobility;
         [m11 * b[0] + m12 * b[1], m12 * b[0] + m22 * b[1]]
     }
@@ -352,9 +352,9 @@ impl<'a, S: Simd> Batch<'a, S> {
     /// Lanes in which a wheel that sticks is not clearly held, against the pull of the other one
     /// through a2, or another one does not move.
     #[inline(always)]
-    fn loose(&self, w: &Wheels<S>, moment: &[f64; 2], motion: &Motion<S>) -> Mask<S> {
-        let b = self.force(w, moment, motion);
-        let a = self.acceleration(w, moment, motion);
+    fn loose(&self, w: &Wheels<S>, torque: &[f64; 2], motion: &Motion<S>) -> Mask<S> {
+        let b = self.force(w, torque, motion);
+        let a = self.acceleration(w, torque, motion);
         let (zero, one) = (Lanes::splat(self.simd, 0.0), Lanes::splat(self.simd, 1.0));
         let mut held = [one; 2];
         for i in 0..2 {

@@ -16,11 +16,11 @@ pub trait Dynamics: Send + Sync {
         &self,
         t: f64,
         state: &State,
-        moment: &[f64; 2],
+        torque: &[f64; 2],
     ) -> Result<[f64; 2], SimulateError>;
 
     /// The acting input from the recorded one.
-    fn drive(&self, t: &[f64], recorded: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    fn input(&self, t: &[f64], recorded: &[[f64; 2]]) -> Vec<[f64; 2]> {
         let _ = t;
         recorded.to_vec()
     }
@@ -31,7 +31,7 @@ pub trait Dynamics: Send + Sync {
     /// A diverging motion, or dynamics without acceleration.
     fn simulate(&self, input: &Input, start: State) -> Result<Vec<State>, SimulateError>;
 
-    /// Simulation of a part of a recording: `input.moment` is the acting input ([`Dynamics::drive`]
+    /// Simulation of a part of a recording: `input.torque` is the acting input ([`Dynamics::input`]
     /// over the whole recording) and time counts from `origin` \[s\]. The first samples of `input` are
     /// the run-in; the states behind it are returned, the first being `start`.
     ///
@@ -47,7 +47,7 @@ pub trait Dynamics: Send + Sync {
         let _ = origin;
         let from = run_in.samples;
         self.simulate(
-            &Input { t: &input.t[from..], moment: &input.moment[from..], ..*input },
+            &Input { t: &input.t[from..], torque: &input.torque[from..], ..*input },
             start,
         )
     }
@@ -83,7 +83,7 @@ impl Dynamics for PhysicalDynamics {
         &self,
         t: f64,
         state: &State,
-        moment: &[f64; 2],
+        torque: &[f64; 2],
     ) -> Result<[f64; 2], SimulateError> {
         let x = Motion {
             t,
@@ -93,11 +93,11 @@ impl Dynamics for PhysicalDynamics {
             robot: self.model.robot(),
         };
         let terms = self.model.terms(&x, &self.p);
-        Ok(contact(&terms, moment, &state.omega)?.acceleration)
+        Ok(contact(&terms, torque, &state.omega)?.acceleration)
     }
 
-    fn drive(&self, t: &[f64], recorded: &[[f64; 2]]) -> Vec<[f64; 2]> {
-        self.model.drive(t, recorded, &self.p)
+    fn input(&self, t: &[f64], recorded: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        self.model.input(t, recorded, &self.p)
     }
 
     fn simulate(&self, input: &Input, start: State) -> Result<Vec<State>, SimulateError> {
@@ -128,9 +128,9 @@ impl Dynamics for FuzzyDynamics {
         &self,
         _t: f64,
         state: &State,
-        moment: &[f64; 2],
+        torque: &[f64; 2],
     ) -> Result<[f64; 2], SimulateError> {
-        Ok(self.rate(&state.omega, moment))
+        Ok(self.rate(&state.omega, torque))
     }
 
     fn simulate(&self, input: &Input, start: State) -> Result<Vec<State>, SimulateError> {

@@ -112,7 +112,7 @@ pub fn emulate(
     structure: Structure,
     hold: Hold,
 ) -> Result<Vec<State>, SimulateError> {
-    let (t, drive) = (recording.t(), dynamics.drive(recording.t(), recording.moment()));
+    let (t, input) = (recording.t(), dynamics.input(recording.t(), recording.torque()));
     let measured = |k: usize| {
         let (a, w) = (recording.alpha()[k], recording.omega()[k]);
         [a[0], a[1], w[0], w[1]]
@@ -123,13 +123,13 @@ pub fn emulate(
         out.push(state(&x));
         for k in piece.start + 1..piece.end {
             let (m, n) = (measured(k - 1), measured(k));
-            let end = if hold == Hold::Linear { drive[k] } else { drive[k - 1] };
+            let end = if hold == Hold::Linear { input[k] } else { input[k - 1] };
             let steps = (((t[k] - t[k - 1]) / 0.005).ceil() as usize).clamp(1, 1000);
             let h = (t[k] - t[k - 1]) / steps as f64;
             let rate = |c: f64, x: &[f64; 4]| -> Result<[f64; 4], SimulateError> {
                 let time = t[k - 1] + c * (t[k] - t[k - 1]);
                 let y: [f64; 4] = std::array::from_fn(|i| m[i] + c * (n[i] - m[i]));
-                let u = [0, 1].map(|i| drive[k - 1][i] + c * (end[i] - drive[k - 1][i]));
+                let u = [0, 1].map(|i| input[k - 1][i] + c * (end[i] - input[k - 1][i]));
                 let at = if structure == Structure::Parallel { x } else { &y };
                 let a = dynamics.acceleration(time - t[0], &state(at), &u)?;
                 let mut rate = [x[2], x[3], a[0], a[1]];

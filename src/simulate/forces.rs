@@ -1,7 +1,7 @@
 //! What acts on the wheels of a model with given parameters, and the rates that follow from it.
 
-use super::drive::Drive;
 use super::friction::{Contact, contact};
+use super::input_line::InputLine;
 use super::speed_polynomial::SpeedPolynomial;
 use crate::effects::{BodyState, DIRECTIONS, Effect, Motion, Terms};
 use crate::math::runge_kutta_from;
@@ -94,7 +94,7 @@ struct Behind<'m> {
 /// that are passed on to it.
 struct Acting {
     terms: Terms<f64>,
-    moment: [f64; 2],
+    torque: [f64; 2],
     body: Option<(Terms<f64>, [f64; 2])>,
 }
 
@@ -142,25 +142,25 @@ impl<'m> Forces<'m> {
     }
 
     #[inline]
-    fn acting(&self, t: f64, y: &Vector, drive: &Drive) -> Acting {
-        let (x, moment) = (self.motion(t, y), drive.at(t));
+    fn acting(&self, t: f64, y: &Vector, input: &InputLine) -> Acting {
+        let (x, torque) = (self.motion(t, y), input.at(t));
         match &self.behind {
-            None => Acting { terms: self.wheel.at(&x), moment, body: None },
-            Some(behind) => self.coupled(behind, &x, y, moment),
+            None => Acting { terms: self.wheel.at(&x), torque, body: None },
+            Some(behind) => self.coupled(behind, &x, y, torque),
         }
     }
 
-    fn coupled(&self, behind: &Behind, x: &Motion<f64>, y: &Vector, moment: [f64; 2]) -> Acting {
+    fn coupled(&self, behind: &Behind, x: &Motion<f64>, y: &Vector, torque: [f64; 2]) -> Acting {
         let (mut wheel, (effect, p)) = (self.wheel.at(x), behind.coupling);
         let Some(coupling) = effect.coupling(x, p) else {
-            return Acting { terms: wheel, moment, body: None };
+            return Acting { terms: wheel, torque, body: None };
         };
         let state = BodyState { speed: [y[4], y[5]], twist: [y[6], y[7]] };
         let mut body = behind.body.at(&x.of_body(&state));
         coupling.separate(&mut wheel, &mut body);
         let passed = coupling.passed(&x.omega, &state);
-        let moment = [moment[0] - passed[0], moment[1] - passed[1]];
-        Acting { terms: wheel, moment, body: Some((body, passed)) }
+        let torque = [torque[0] - passed[0], torque[1] - passed[1]];
+        Acting { terms: wheel, torque, body: Some((body, passed)) }
     }
 
     /// The state at `t` as the start of a step.
@@ -168,10 +168,10 @@ impl<'m> Forces<'m> {
         &self,
         t: f64,
         y: &Vector,
-        drive: &Drive,
+        input: &InputLine,
     ) -> Result<Departure, ModelError> {
-        let acting = self.acting(t, y, drive);
-        let contact = contact(&acting.terms, &acting.moment, &[y[2], y[3]])?;
+        let acting = self.acting(t, y, input);
+        let contact = contact(&acting.terms, &acting.torque, &[y[2], y[3]])?;
         let rate = with_body(y, contact.acceleration, &acting)?;
         let resisting = self.resisting(&contact.sign);
         Ok(Departure { t, y: *y, freedom: contact.freedom(), contact, rate, resisting })
@@ -189,11 +189,11 @@ impl<'m> Forces<'m> {
     pub(super) fn remaining(
         &self,
         x: &Motion<f64>,
-        moment: [f64; 2],
+        torque: [f64; 2],
         resisting: &[f64; 2],
     ) -> [f64; 2] {
         let by_speed = self.wheel.by_speed.rest(x.omega);
-        let left = |i: usize| moment[i] - resisting[i] - by_speed[i];
+        let left = |i: usize| torque[i] - resisting[i] - by_speed[i];
         let mut b = [left(0), left(1)];
         for (effect, p) in &self.wheel.varying {
             let torque = effect.torque(x, p);
@@ -202,9 +202,14 @@ impl<'m> Forces<'m> {
         b
     }
 
-    pub(super) fn contact(&self, t: f64, y: &Vector, drive: &Drive) -> Result<Contact, ModelError> {
-        let acting = self.acting(t, y, drive);
-        contact(&acting.terms, &acting.moment, &[y[2], y[3]])
+    pub(super) fn contact(
+        &self,
+        t: f64,
+        y: &Vector,
+        input: &InputLine,
+    ) -> Result<Contact, ModelError> {
+        let acting = self.acting(t, y, input);
+        contact(&acting.terms, &acting.torque, &[y[2], y[3]])
     }
 
     /// Acceleration of the measured wheels in the contact state of `from`.
@@ -212,11 +217,11 @@ impl<'m> Forces<'m> {
         &self,
         t: f64,
         y: &Vector,
-        drive: &Drive,
+        input: &InputLine,
         from: &Departure,
     ) -> Result<[f64; 2], ModelError> {
-        let acting = self.acting(t, y, drive);
-        self.constrained(&acting.terms, &acting.moment, from)
+        let acting = self.acting(t, y, input);
+        self.constrained(&acting.terms, &acting.torque, from)
     }
 
     /// The acceleration with the signs of `from`, along the one free direction where others stick.
@@ -224,11 +229,11 @@ impl<'m> Forces<'m> {
     pub(super) fn constrained(
         &self,
         terms: &Terms<f64>,
-        moment: &[f64; 2],
+        torque: &[f64; 2],
         from: &Departure,
     ) -> Result<[f64; 2], ModelError> {
         let friction = friction(&terms.level, &from.contact.sign);
-        let left = |i: usize| moment[i] - terms.torque[i] - friction[i];
+        let left = |i: usize| torque[i] - terms.torque[i] - friction[i];
         let b = [left(0), left(1)];
         match (from.freedom, self.inverse) {
             (None, Some(inverse)) => Ok(times(&inverse, &b)),
@@ -258,19 +263,24 @@ impl<'m> Forces<'m> {
         &self,
         from: &Departure,
         to: f64,
-        drive: &Drive,
+        input: &InputLine,
     ) -> Result<Vector, ModelError> {
         let (t, h) = (from.t, to - from.t);
         if self.behind.is_none() {
-            return self.rigid_step(from, to, drive);
+            return self.rigid_step(from, to, input);
         }
         runge_kutta_from(&from.y, &from.rate, h, |c, y| {
-            let acting = self.acting(instant(t, to, c), y, drive);
-            with_body(y, self.constrained(&acting.terms, &acting.moment, from)?, &acting)
+            let acting = self.acting(instant(t, to, c), y, input);
+            with_body(y, self.constrained(&acting.terms, &acting.torque, from)?, &acting)
         })
     }
 
-    fn rigid_step(&self, from: &Departure, to: f64, drive: &Drive) -> Result<Vector, ModelError> {
+    fn rigid_step(
+        &self,
+        from: &Departure,
+        to: f64,
+        input: &InputLine,
+    ) -> Result<Vector, ModelError> {
         let (t, [a1, a2, w1, w2, ..]) = (from.t, from.y);
         let first = [w1, w2, from.rate[2], from.rate[3]];
         let [a1, a2, w1, w2] = runge_kutta_from(&[a1, a2, w1, w2], &first, to - t, |c, y| {
@@ -278,7 +288,7 @@ impl<'m> Forces<'m> {
             let (alpha, omega) = ([y[0], y[1]], [y[2], y[3]]);
             let robot = self.model.robot();
             let x = Motion { t: t - self.t0, alpha, omega, variance: [0.0; 4], robot };
-            let [d1, d2] = self.rigid(&x, drive.at(t), from)?;
+            let [d1, d2] = self.rigid(&x, input.at(t), from)?;
             Ok([y[2], y[3], d1, d2])
         })?;
         Ok([a1, a2, w1, w2, w1, w2, 0.0, 0.0])
@@ -289,13 +299,13 @@ impl<'m> Forces<'m> {
     fn rigid(
         &self,
         x: &Motion<f64>,
-        moment: [f64; 2],
+        torque: [f64; 2],
         from: &Departure,
     ) -> Result<[f64; 2], ModelError> {
         let (false, None, Some(inverse)) = (self.rough, from.freedom, &self.inverse) else {
-            return self.constrained(&self.wheel.at(x), &moment, from);
+            return self.constrained(&self.wheel.at(x), &torque, from);
         };
-        Ok(times(inverse, &self.remaining(x, moment, &from.resisting)))
+        Ok(times(inverse, &self.remaining(x, torque, &from.resisting)))
     }
 }
 

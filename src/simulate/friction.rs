@@ -54,10 +54,10 @@ pub(super) fn perpendicular(j: usize) -> [f64; 2] {
 /// If the mass matrix is not positive definite.
 pub fn contact(
     terms: &Terms<f64>,
-    moment: &[f64; 2],
+    torque: &[f64; 2],
     omega: &[f64; 2],
 ) -> Result<Contact, ModelError> {
-    let mut b = [moment[0] - terms.torque[0], moment[1] - terms.torque[1]];
+    let mut b = [torque[0] - terms.torque[0], torque[1] - terms.torque[1]];
     let mut sign = [0.0; 4];
     let mut resting = [0_usize; 4];
     let mut count = 0;
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn wheels_at_rest_stay_while_the_moments_are_below_the_level() {
+    fn wheels_at_rest_stay_while_the_torques_are_below_the_level() {
         let c = contact(&terms([0.125, 0.125, 0.0, 0.0]), &[0.12, -0.1], &[0.0; 2]).unwrap();
         assert_eq!((c.acceleration, c.stuck), ([0.0; 2], [true, true, false, false]));
     }

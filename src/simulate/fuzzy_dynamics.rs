@@ -92,15 +92,15 @@ impl WithRules for Simulation<'_, '_> {
         let mut state = start;
         for k in 1..input.t.len() {
             let (t, dt) = (input.t[k], input.t[k] - input.t[k - 1]);
-            let from = input.moment[k - 1];
-            let to = if input.hold == Hold::Linear { input.moment[k] } else { from };
+            let from = input.torque[k - 1];
+            let to = if input.hold == Hold::Linear { input.torque[k] } else { from };
             let steps = ((dt / LONGEST_STEP - 1e-6).ceil() as usize).max(1);
             for step in 0..steps {
-                let drive = |c: f64| {
+                let input = |c: f64| {
                     let c = (step as f64 + c) / steps as f64;
                     [0, 1].map(|i| from[i] + c * (to[i] - from[i]))
                 };
-                state = dynamics.step(rules, &state, dt / steps as f64, drive);
+                state = dynamics.step(rules, &state, dt / steps as f64, input);
             }
             if !state.omega.iter().all(|w| w.abs() < LIMIT) {
                 return Err(SimulateError::Diverged { t, limit: LIMIT });
@@ -118,12 +118,12 @@ impl FuzzyDynamics {
         rules: &Rules<N>,
         state: &State,
         h: f64,
-        drive: impl Fn(f64) -> [f64; 2],
+        input: impl Fn(f64) -> [f64; 2],
     ) -> State {
         let ([a1, a2], [w1, w2]) = (state.alpha, state.omega);
         let rate = |c: f64, x: &[f64; 4]| {
             let f = rules.output(f64x2::new([x[2], x[3]])).to_array();
-            let [d1, d2] = self.driven(f, &drive(c));
+            let [d1, d2] = self.driven(f, &input(c));
             Ok::<_, Infallible>([x[2], x[3], d1, d2])
         };
         let Ok([a1, a2, w1, w2]) = runge_kutta_step(&[a1, a2, w1, w2], h, rate);
@@ -149,8 +149,8 @@ mod tests {
         let g = [[30.0, 2.0], [2.0, 30.0]];
         let fuzzy = FuzzyDynamics::new(system, g, 1.0, Structure::Parallel, &[]);
         let t: Vec<f64> = (0..101).map(|k| 0.01 * f64::from(k)).collect();
-        let moment = vec![[0.2, 0.1]; 101];
-        let input = Input { t: &t, moment: &moment, hold: Hold::Linear };
+        let torque = vec![[0.2, 0.1]; 101];
+        let input = Input { t: &t, torque: &torque, hold: Hold::Linear };
         let end = fuzzy.simulate(&input, State::default()).unwrap()[100];
         // w = a t, alpha = a t²/2 with a1 = 30 0.2 + 2 0.1 - 4 = 2.2, a2 = 0.4 + 3 - 4 = -0.6
         for (i, a) in [2.2, -0.6].into_iter().enumerate() {

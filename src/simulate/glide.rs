@@ -3,9 +3,9 @@
 
 use std::convert::Infallible;
 
-use super::drive::Drive;
 use super::forces::{Departure, Forces, Vector, friction};
 use super::friction::Contact;
+use super::input_line::InputLine;
 use crate::effects::along;
 use crate::math::{runge_kutta_motion, sgn};
 use crate::model::times;
@@ -49,29 +49,29 @@ impl Forces<'_> {
     /// contact decides: a wheel rests while the other moves, breaks away or reverses, or the mass matrix
     /// varies.
     #[inline]
-    pub(super) fn glide(&self, from: f64, to: f64, y: &Vector, drive: &Drive) -> Option<Glide> {
+    pub(super) fn glide(&self, from: f64, to: f64, y: &Vector, input: &InputLine) -> Option<Glide> {
         let inverse = self.inverse.as_ref()?;
         if self.rough {
             let sign = signs(&self.wheel.at(&self.motion(from, y)).level, y)?;
-            return self.slide(from, to, y, drive, sign, |t, y, moment| {
+            return self.slide(from, to, y, input, sign, |t, y, torque| {
                 let terms = self.wheel.at(&self.motion(t, y));
                 let friction = friction(&terms.level, &sign);
-                let left = |i: usize| moment[i] - terms.torque[i] - friction[i];
+                let left = |i: usize| torque[i] - terms.torque[i] - friction[i];
                 times(inverse, &[left(0), left(1)])
             });
         }
         if y[2] == 0.0 && y[3] == 0.0 {
-            return self.stand(from, to, y, drive);
+            return self.stand(from, to, y, input);
         }
         let sign = signs(&self.level, y)?;
         let resisting = self.resisting(&sign);
         if self.wheel.varying.is_empty() {
-            return self.slide(from, to, y, drive, sign, |_, y, moment| {
-                self.acceleration_at([y[2], y[3]], moment, &resisting)
+            return self.slide(from, to, y, input, sign, |_, y, torque| {
+                self.acceleration_at([y[2], y[3]], torque, &resisting)
             });
         }
-        self.slide(from, to, y, drive, sign, |t, y, moment| {
-            times(inverse, &self.remaining(&self.motion(t, y), moment, &resisting))
+        self.slide(from, to, y, input, sign, |t, y, torque| {
+            times(inverse, &self.remaining(&self.motion(t, y), torque, &resisting))
         })
     }
 
@@ -80,20 +80,20 @@ impl Forces<'_> {
     pub(super) fn acceleration_at(
         &self,
         omega: [f64; 2],
-        moment: [f64; 2],
+        torque: [f64; 2],
         resisting: &[f64; 2],
     ) -> [f64; 2] {
         let inverse = self.inverse.as_ref().unwrap_or(&[0.0; 3]);
-        let by_drive = times(inverse, &[moment[0] - resisting[0], moment[1] - resisting[1]]);
+        let by_input = times(inverse, &[torque[0] - resisting[0], torque[1] - resisting[1]]);
         let by_speed = self.by_speed.rest(omega);
-        [by_drive[0] + by_speed[0], by_drive[1] + by_speed[1]]
+        [by_input[0] + by_speed[0], by_input[1] + by_speed[1]]
     }
 
     /// Both wheels at rest, held at both ends of the step.
     #[inline]
-    fn stand(&self, from: f64, to: f64, y: &Vector, drive: &Drive) -> Option<Glide> {
+    fn stand(&self, from: f64, to: f64, y: &Vector, input: &InputLine) -> Option<Glide> {
         let held = |t: f64| {
-            let b = self.remaining(&self.motion(t, y), drive.at(t), &self.wheel.constant.torque);
+            let b = self.remaining(&self.motion(t, y), input.at(t), &self.wheel.constant.torque);
             b[0].abs() <= self.level[0] && b[1].abs() <= self.level[1]
         };
         let rough = |j: usize| self.level[j] > 0.0;
@@ -109,17 +109,17 @@ impl Forces<'_> {
         from: f64,
         to: f64,
         y: &Vector,
-        drive: &Drive,
+        input: &InputLine,
         sign: [f64; 4],
         acceleration: impl Fn(f64, &Vector, [f64; 2]) -> [f64; 2],
     ) -> Option<Glide> {
         let h = to - from;
         let [a1, a2, w1, w2, ..] = *y;
-        let first = acceleration(from, y, drive.at(from));
+        let first = acceleration(from, y, input.at(from));
         let rate = |c: f64, [a1, a2]: &[f64; 2], [w1, w2]: &[f64; 2]| {
             let t = if c < 1.0 { from + c * h } else { to };
             let y = [*a1, *a2, *w1, *w2, *w1, *w2, 0.0, 0.0];
-            Ok::<_, Infallible>(acceleration(t, &y, drive.at(t)))
+            Ok::<_, Infallible>(acceleration(t, &y, input.at(t)))
         };
         let Ok((alpha, omega)) = runge_kutta_motion(&[a1, a2], &[w1, w2], &first, h, rate);
         let goes_on = |j: usize| sign[j] * along(j, &omega) >= 0.0;
@@ -164,14 +164,14 @@ mod tests {
             &["stribeck", "torque_ripple", "caster_drag"],
         ];
         let y = [0.1, -0.2, 1.3, -0.8, 1.3, -0.8, 0.0, 0.0];
-        let drive = Drive::new(0.0, 0.01, &[0.3, -0.2], &[0.1, 0.2]);
+        let input = InputLine::new(0.0, 0.01, &[0.3, -0.2], &[0.1, 0.2]);
         for ids in models {
             let model = Model::with_effects(Robot::amigobot(), ids).unwrap();
             let p = model.initial();
             let f = Forces::new(&model, &p, 0.0);
-            let glide = f.glide(0.0, 0.01, &y, &drive).unwrap();
-            let (start, from) = (f.start_of(&glide, 0.0, &y), f.depart(0.0, &y, &drive).unwrap());
-            let end = f.step(&from, 0.01, &drive).unwrap();
+            let glide = f.glide(0.0, 0.01, &y, &input).unwrap();
+            let (start, from) = (f.start_of(&glide, 0.0, &y), f.depart(0.0, &y, &input).unwrap());
+            let end = f.step(&from, 0.01, &input).unwrap();
             assert_eq!(start.contact.sign, from.contact.sign);
             for i in 0..8 {
                 assert!((glide.end()[i] - end[i]).abs() < 1e-13, "{ids:?} {i}");
@@ -186,13 +186,13 @@ mod tests {
         let p = model.initial();
         let f = Forces::new(&model, &p, 0.0);
         let y = [0.4, 0.6, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-        let held = Drive::new(0.0, 0.01, &[0.12, -0.1], &[-0.1, 0.125]);
+        let held = InputLine::new(0.0, 0.01, &[0.12, -0.1], &[-0.1, 0.125]);
         let glide = f.glide(0.0, 0.01, &y, &held).unwrap();
         let (start, from) = (f.start_of(&glide, 0.0, &y), f.depart(0.0, &y, &held).unwrap());
         assert_eq!((glide.end(), start.contact), (y, from.contact));
         assert_eq!(start.freedom, Some([0.0; 2]));
         for end in [[0.13, 0.0], [0.0, -0.13]] {
-            let away = Drive::new(0.0, 0.01, &[0.0; 2], &end);
+            let away = InputLine::new(0.0, 0.01, &[0.0; 2], &end);
             assert!(f.glide(0.0, 0.01, &y, &away).is_none());
         }
     }

@@ -65,7 +65,7 @@ impl Typed {
     }
 
     /// Speeds at the ends of intervals over which the torques run in straight lines.
-    fn run(&self, knots: &[f64], moments: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    fn run(&self, knots: &[f64], torques: &[[f64; 2]]) -> Vec<[f64; 2]> {
         let solver = DormandPrince { relative: 1e-12, absolute: 1e-13, max_steps: 100_000 };
         let mut w = [0.0; 2];
         let mut out = vec![w];
@@ -73,7 +73,7 @@ impl Typed {
             let (mut t, end) = (knots[k - 1], knots[k]);
             let at = |t: f64| {
                 let c = (t - knots[k - 1]) / (knots[k] - knots[k - 1]);
-                [0, 1].map(|i| moments[k - 1][i] + c * (moments[k][i] - moments[k - 1][i]))
+                [0, 1].map(|i| torques[k - 1][i] + c * (torques[k][i] - torques[k - 1][i]))
             };
             while t < end {
                 // just behind an instant at which a limit is reached, to see which way it goes on
@@ -107,22 +107,22 @@ fn difference(split: usize) -> (f64, usize) {
     p[b] = 0.01;
     let step = 0.04;
     let knots: Vec<f64> = (0..501).map(|k| step * k as f64).collect();
-    let drive = |t: f64| {
+    let input = |t: f64| {
         [0.35 * (2.1 * t).sin() + 0.05, 0.3 * (1.7 * t + 0.4).sin() * (0.3 * t).cos() - 0.02]
     };
-    let moments: Vec<[f64; 2]> = knots.iter().map(|&t| drive(t)).collect();
+    let torques: Vec<[f64; 2]> = knots.iter().map(|&t| input(t)).collect();
     let typed = Typed { a: [p[0], p[1], p[2], p[3], p[4]], b: p[b] };
-    let truth = typed.run(&knots, &moments);
+    let truth = typed.run(&knots, &torques);
 
     let count = 500 * split + 1;
     let t: Vec<f64> = (0..count).map(|n| step * n as f64 / split as f64).collect();
-    let moment: Vec<[f64; 2]> = (0..count)
+    let torque: Vec<[f64; 2]> = (0..count)
         .map(|n| {
             let (k, c) = ((n / split).min(499), n as f64 / split as f64);
-            [0, 1].map(|i| moments[k][i] + (c - k as f64) * (moments[k + 1][i] - moments[k][i]))
+            [0, 1].map(|i| torques[k][i] + (c - k as f64) * (torques[k + 1][i] - torques[k][i]))
         })
         .collect();
-    let input = Input { t: &t, moment: &moment, hold: Hold::Linear };
+    let input = Input { t: &t, torque: &torque, hold: Hold::Linear };
     let motion = simulate(&model, &p, &input, State::default()).unwrap();
     let worst = (0..501)
         .flat_map(|k| (0..2).map(move |i| (k, i)))

@@ -58,7 +58,7 @@ pub struct Input<'a> {
     /// Time \[s\], strictly increasing.
     pub t: &'a [f64],
     /// Recorded input [N m]; effects on the input are applied to it.
-    pub moment: &'a [[f64; 2]],
+    pub torque: &'a [[f64; 2]],
     /// Between the samples.
     pub hold: Hold,
 }

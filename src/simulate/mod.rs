@@ -1,7 +1,6 @@
 //! Motion from a model: an integrator with exact stick and slip, and what is built on it.
 
 mod batch;
-mod drive;
 pub mod dynamics;
 mod emulator;
 mod event;
@@ -11,6 +10,7 @@ mod friction;
 mod fuzzy_dynamics;
 mod glide;
 mod input;
+mod input_line;
 mod movement;
 mod recorder;
 mod sensitivity;

@@ -25,7 +25,7 @@ pub struct NoiseLevel {
     /// Recorded torques [N m].
     #[serde(rename = "M")]
     #[schemars(range(min = 0.0))]
-    pub moment: f64,
+    pub torque: f64,
 }
 
 impl NoiseLevel {
@@ -35,7 +35,7 @@ impl NoiseLevel {
         Self {
             dalpha: factor * self.dalpha,
             alpha: factor * self.alpha,
-            moment: factor * self.moment,
+            torque: factor * self.torque,
         }
     }
 }
@@ -122,9 +122,9 @@ pub fn record_disturbed(
         if k % every == 0 {
             rows.push((t, state, command));
         }
-        let drive = acting(truth, p, &times, &commands, step);
+        let input = acting(truth, p, &times, &commands, step);
         let besides = disturbance(t, &state);
-        let acting = [drive[0] + besides[0], drive[1] + besides[1]];
+        let acting = [input[0] + besides[0], input[1] + besides[1]];
         stepper.advance(t, t + step, &acting, &acting, &mut ())?;
     }
     Ok(noisy(name, &rows, recorder)?)
@@ -133,11 +133,11 @@ pub fn record_disturbed(
 /// The input that acts now: the input effects seen over the last part of the commands.
 fn acting(truth: &Model, p: &[f64], t: &[f64], commands: &[[f64; 2]], step: f64) -> [f64; 2] {
     let last = commands.len() - 1;
-    if !truth.acts_on_drive() {
+    if !truth.acts_on_input() {
         return commands[last];
     }
     let from = commands.len().saturating_sub((MEMORY / step) as usize);
-    truth.drive(&t[from..], &commands[from..], p)[last - from]
+    truth.input(&t[from..], &commands[from..], p)[last - from]
 }
 
 fn noisy(
@@ -161,7 +161,7 @@ fn noisy(
         channels.t.push(*t);
         alpha.push(state.alpha.map(|a| tick(a + noise.alpha * normal())));
         omega.push(state.omega.map(|w| w + noise.dalpha * normal()));
-        channels.moment.push(command.map(|m| m + noise.moment * normal()));
+        channels.torque.push(command.map(|m| m + noise.torque * normal()));
     }
     (channels.alpha, channels.omega) = (Some(alpha), Some(omega));
     Recording::new(name, channels, DriveUnit::NewtonMetre)

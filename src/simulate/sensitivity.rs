@@ -81,7 +81,7 @@ pub(crate) fn follow(
     if model.is_coupled() {
         return by_differences(model, p, input, start, visit);
     }
-    let (acting, derivatives) = model.drive_derivatives(input.t, input.moment, p);
+    let (acting, derivatives) = model.input_derivatives(input.t, input.torque, p);
     let (t, hold) = (input.t, input.hold);
     let acting = ActingInput { t, acting: &acting, derivatives: &derivatives, hold };
     follow_part(model, p, &acting, 0..t.len(), start, visit)
@@ -94,7 +94,7 @@ pub(crate) struct ActingInput<'a> {
     pub(crate) t: &'a [f64],
     /// The torque that acts [N m].
     pub(crate) acting: &'a [[f64; 2]],
-    /// Its derivatives, [`Model::drive_derivatives`].
+    /// Its derivatives, [`Model::input_derivatives`].
     pub(crate) derivatives: &'a [Vec<[f64; 2]>],
     /// Between the rows.
     pub(crate) hold: Hold,
@@ -124,8 +124,8 @@ pub(crate) fn follow_part(
             Hold::Constant => k - 1,
         };
         let by_input = input.derivatives.iter().enumerate().filter(|(_, d)| !d.is_empty());
-        variation.drive.clear();
-        variation.drive.extend(by_input.map(|(j, d)| (j, [d[k - 1], d[last]])));
+        variation.input.clear();
+        variation.input.extend(by_input.map(|(j, d)| (j, [d[k - 1], d[last]])));
         let (from, to) = (input.t[k - 1], input.t[k]);
         stepper.advance(from, to, &input.acting[k - 1], &input.acting[last], &mut variation)?;
         variation.write(&mut values);

@@ -19,8 +19,8 @@ use crate::robot::State;
 /// use amigo_ident::{model::Model, robot::{Robot, State}, simulate::{simulate, Hold, Input}};
 /// let model = Model::base(Robot::amigobot());
 /// let t: Vec<f64> = (0..101).map(|k| 0.01 * k as f64).collect();
-/// let moment = vec![[0.1, 0.1]; 101]; // below the friction of 0.125 N m
-/// let input = Input { t: &t, moment: &moment, hold: Hold::Linear };
+/// let torque = vec![[0.1, 0.1]; 101]; // below the friction of 0.125 N m
+/// let input = Input { t: &t, torque: &torque, hold: Hold::Linear };
 /// let motion = simulate(&model, &model.initial(), &input, State::default()).unwrap();
 /// assert_eq!(motion[100].omega, [0.0, 0.0]); // it does not creep
 /// ```
@@ -30,12 +30,12 @@ pub fn simulate(
     input: &Input,
     start: State,
 ) -> Result<Vec<State>, SimulateError> {
-    let drive = model.drive(input.t, input.moment, p);
-    let acting = Input { moment: &drive, ..*input };
+    let acting_torque = model.input(input.t, input.torque, p);
+    let acting = Input { torque: &acting_torque, ..*input };
     simulate_acting(model, p, &acting, input.t[0], &RunIn::default(), start)
 }
 
-/// Simulates a part of a recording: as [`simulate`], but `input.moment` is the acting input,
+/// Simulates a part of a recording: as [`simulate`], but `input.torque` is the acting input,
 /// effects applied over the whole recording, and effects count time from `origin` \[s\]. Behind the run-in,
 /// whose states are not returned, the wheels are put to `start`; a body behind them keeps its slip
 /// and twist.
@@ -50,7 +50,7 @@ pub fn simulate_acting(
     run_in: &RunIn,
     start: State,
 ) -> Result<Vec<State>, SimulateError> {
-    let drive = input.moment;
+    let acting_torque = input.torque;
     let first = if run_in.samples == 0 { start } else { run_in.start };
     let mut stepper = Stepper::new(model, p, origin, first);
     let mut motion = Vec::with_capacity(input.t.len() - run_in.samples);
@@ -59,10 +59,10 @@ pub fn simulate_acting(
     }
     for k in 1..input.t.len() {
         let end = match input.hold {
-            Hold::Linear => drive[k],
-            Hold::Constant => drive[k - 1],
+            Hold::Linear => acting_torque[k],
+            Hold::Constant => acting_torque[k - 1],
         };
-        stepper.advance(input.t[k - 1], input.t[k], &drive[k - 1], &end, &mut ())?;
+        stepper.advance(input.t[k - 1], input.t[k], &acting_torque[k - 1], &end, &mut ())?;
         if k == run_in.samples {
             stepper.place_wheels(start);
         }
@@ -75,7 +75,7 @@ pub fn simulate_acting(
 
 /// Simulates the windows of a recording one after the other: at the first row of each, the wheels are put to
 /// its start, and a body behind them keeps its slip and twist, so that no window needs a run-in of its own.
-/// `input.moment` is the acting input; rows before the first window, and between pieces, are skipped.
+/// `input.torque` is the acting input; rows before the first window, and between pieces, are skipped.
 ///
 /// # Errors
 /// As [`simulate`].
@@ -112,6 +112,6 @@ pub(crate) fn simulate_windows(
 /// From row `k - 1` to row `k`.
 fn step(stepper: &mut Stepper, input: &Input, k: usize) -> Result<(), SimulateError> {
     let last = if input.hold == Hold::Linear { k } else { k - 1 };
-    let (t, m) = (input.t, input.moment);
+    let (t, m) = (input.t, input.torque);
     stepper.advance(t[k - 1], t[k], &m[k - 1], &m[last], &mut ())
 }

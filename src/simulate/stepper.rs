@@ -1,10 +1,10 @@
 //! One sample forward: Runge-Kutta 4 in a fixed contact state, with events located inside.
 
 use super::SimulateError;
-use super::drive::Drive;
 use super::event::{crossing, onset};
 use super::forces::{Departure, Forces, Vector};
 use super::friction::{Contact, perpendicular};
+use super::input_line::InputLine;
 use crate::effects::along;
 use crate::model::Model;
 use crate::robot::State;
@@ -30,7 +30,7 @@ const MANY_EVENTS: usize = 24;
 /// Follows every step of the integration: nothing, or the sensitivities of the state.
 pub(super) trait StepObserver {
     /// One smooth step from `from` to the state `end` at `to`.
-    fn smooth(&mut self, f: &Forces, from: &Departure, to: f64, end: &Vector, drive: &Drive);
+    fn smooth(&mut self, f: &Forces, from: &Departure, to: f64, end: &Vector, input: &InputLine);
     /// The contact changed to `after` where the speeds along the directions `arrived` reached zero;
     /// `before` is the acceleration that led there.
     fn event(&mut self, arrived: [bool; 4], before: &[f64; 2], after: &Contact);
@@ -38,7 +38,7 @@ pub(super) trait StepObserver {
 
 impl StepObserver for () {
     #[inline]
-    fn smooth(&mut self, _: &Forces, _: &Departure, _: f64, _: &Vector, _: &Drive) {}
+    fn smooth(&mut self, _: &Forces, _: &Departure, _: f64, _: &Vector, _: &InputLine) {}
     fn event(&mut self, _: [bool; 4], _: &[f64; 2], _: &Contact) {}
 }
 
@@ -84,11 +84,11 @@ impl<'m> Stepper<'m> {
         end: &[f64; 2],
         observer: &mut impl StepObserver,
     ) -> Result<(), SimulateError> {
-        let drive = Drive::new(from, to, start, end);
+        let input = InputLine::new(from, to, start, end);
         let pieces = self.pieces(from, to);
         for piece in 0..pieces {
             let edge = |k: usize| from + (to - from) * (k as f64 / pieces as f64);
-            self.piece(edge(piece), edge(piece + 1), &drive, observer)?;
+            self.piece(edge(piece), edge(piece + 1), &input, observer)?;
         }
         if self.y[2].abs().max(self.y[3].abs()) < SPEED_LIMIT {
             Ok(())
@@ -114,33 +114,33 @@ impl<'m> Stepper<'m> {
         &mut self,
         from: f64,
         to: f64,
-        drive: &Drive,
+        input: &InputLine,
         observer: &mut impl StepObserver,
     ) -> Result<(), SimulateError> {
-        if let Some(glide) = self.forces.glide(from, to, &self.y, drive) {
+        if let Some(glide) = self.forces.glide(from, to, &self.y, input) {
             let (start, end) = (self.forces.start_of(&glide, from, &self.y), glide.end());
-            observer.smooth(&self.forces, &start, to, &end, drive);
+            observer.smooth(&self.forces, &start, to, &end, input);
             self.y = end;
             return Ok(());
         }
-        let mut start = self.forces.depart(from, &self.y, drive)?;
+        let mut start = self.forces.depart(from, &self.y, input)?;
         for event in 0.. {
-            let whole = self.forces.step(&start, to, drive)?;
-            if event >= MANY_EVENTS || !(self.excess(&start, to, &whole, drive)? > 0.0) {
-                observer.smooth(&self.forces, &start, to, &whole, drive);
+            let whole = self.forces.step(&start, to, input)?;
+            if event >= MANY_EVENTS || !(self.excess(&start, to, &whole, input)? > 0.0) {
+                observer.smooth(&self.forces, &start, to, &whole, input);
                 self.y = whole;
                 if event >= MANY_EVENTS {
                     self.rest(&start.contact, &whole);
                 }
                 return Ok(());
             }
-            let t = start.t + self.locate(&start, to, drive)?;
-            let after = self.forces.step(&start, t, drive)?;
-            observer.smooth(&self.forces, &start, t, &after, drive);
+            let t = start.t + self.locate(&start, to, input)?;
+            let after = self.forces.step(&start, t, input)?;
+            observer.smooth(&self.forces, &start, t, &after, input);
             self.y = after;
             let arrived = self.rest(&start.contact, &after);
-            let before = self.forces.acceleration(t, &self.y, drive, &start)?;
-            start = self.forces.depart(t, &self.y, drive)?;
+            let before = self.forces.acceleration(t, &self.y, input, &start)?;
+            start = self.forces.depart(t, &self.y, input)?;
             observer.event(arrived, &before, &start.contact);
         }
         Ok(())
@@ -154,14 +154,14 @@ impl<'m> Stepper<'m> {
         start: &Departure,
         t: f64,
         y: &Vector,
-        drive: &Drive,
+        input: &InputLine,
     ) -> Result<f64, SimulateError> {
         let c = &start.contact;
         let backward = fastest_backward(y, c);
         if backward > 0.0 || start.freedom.is_none() {
             return Ok(backward);
         }
-        let now = self.forces.contact(t, y, drive)?;
+        let now = self.forces.contact(t, y, input)?;
         if now.stuck == c.stuck {
             return Ok(0.0);
         }
@@ -170,11 +170,11 @@ impl<'m> Stepper<'m> {
     }
 
     /// The shortest step after which [`Stepper::excess`] is positive, to 1e-12 of the whole.
-    fn locate(&self, start: &Departure, to: f64, drive: &Drive) -> Result<f64, SimulateError> {
+    fn locate(&self, start: &Departure, to: f64, input: &InputLine) -> Result<f64, SimulateError> {
         let excess = |step| {
             let t = start.t + step;
-            let y = self.forces.step(start, t, drive)?;
-            self.excess(start, t, &y, drive)
+            let y = self.forces.step(start, t, input)?;
+            self.excess(start, t, &y, input)
         };
         let h = to - start.t;
         if start.freedom.is_some() { onset(h, excess) } else { crossing(h, excess) }

@@ -22,8 +22,8 @@ fn a_wheel_pushed_and_released_follows_the_exact_parabola_and_stops() {
     let p = model.initial();
     let (inertia, friction) = (p[0] + p[1], p[3]);
     let t = time(301, 0.01);
-    let moment: Vec<_> = t.iter().map(|&t| if t < 0.995 { [0.2; 2] } else { [0.0; 2] }).collect();
-    let input = Input { t: &t, moment: &moment, hold: Hold::Constant };
+    let torque: Vec<_> = t.iter().map(|&t| if t < 0.995 { [0.2; 2] } else { [0.0; 2] }).collect();
+    let input = Input { t: &t, torque: &torque, hold: Hold::Constant };
     let motion = simulate(&model, &p, &input, State::default()).unwrap();
     let top = (0.2 - friction) / inertia;
     assert!((motion[100].omega[0] - top).abs() < 1e-12); // Runge-Kutta is exact for lines
@@ -39,21 +39,21 @@ fn the_step_size_does_not_matter_even_through_reversals() {
     let p = model.initial();
     let fine = time(40_001, 0.0005);
     let coarse = time(1001, 0.02);
-    let coarse_moment = lively(&coarse);
+    let coarse_torque = lively(&coarse);
     // the same piecewise linear input, given at forty times the rate
-    let fine_moment: Vec<_> = fine
+    let fine_torque: Vec<_> = fine
         .iter()
         .map(|&t| {
             let k = ((t / 0.02).floor() as usize).min(999);
             let c = t / 0.02 - k as f64;
-            [0, 1].map(|i| coarse_moment[k][i] * (1.0 - c) + coarse_moment[k + 1][i] * c)
+            [0, 1].map(|i| coarse_torque[k][i] * (1.0 - c) + coarse_torque[k + 1][i] * c)
         })
         .collect();
     let run = |t: &[f64], m: &[[f64; 2]]| {
-        let input = Input { t, moment: m, hold: Hold::Linear };
+        let input = Input { t, torque: m, hold: Hold::Linear };
         simulate(&model, &p, &input, State::default()).unwrap()
     };
-    let (a, b) = (run(&coarse, &coarse_moment), run(&fine, &fine_moment));
+    let (a, b) = (run(&coarse, &coarse_torque), run(&fine, &fine_torque));
     let worst = (0..1001)
         .flat_map(|k| (0..2).map(move |i| (k, i)))
         .map(|(k, i)| (a[k].omega[i] - b[40 * k].omega[i]).abs())
@@ -66,8 +66,8 @@ fn friction_never_makes_energy() {
     let model = Model::base(Robot::amigobot());
     let p = model.initial();
     let t = time(2001, 0.01);
-    let moment = lively(&t);
-    let input = Input { t: &t, moment: &moment, hold: Hold::Linear };
+    let torque = lively(&t);
+    let input = Input { t: &t, torque: &torque, hold: Hold::Linear };
     let motion = simulate(&model, &p, &input, State::default()).unwrap();
     let energy = |s: &State| {
         let w = s.omega;
@@ -78,7 +78,7 @@ fn friction_never_makes_energy() {
         let work: f64 = (0..2)
             .map(|i| {
                 let (m, w) = (
-                    [moment[k - 1][i], moment[k][i]],
+                    [torque[k - 1][i], torque[k][i]],
                     [motion[k - 1].omega[i], motion[k].omega[i]],
                 );
                 0.01 * (m[0] * w[0] + m[1] * w[1] + (m[0] + m[1]) * (w[0] + w[1])) / 6.0
@@ -94,8 +94,8 @@ fn sensitivities_equal_central_differences_through_stops_and_reversals() {
     let model = Model::base(Robot::amigobot()).add("viscous_friction").unwrap();
     let p = model.initial();
     let t = time(601, 0.01);
-    let moment = lively(&t);
-    let input = Input { t: &t, moment: &moment, hold: Hold::Linear };
+    let torque = lively(&t);
+    let input = Input { t: &t, torque: &torque, hold: Hold::Linear };
     let start = State { alpha: [0.1, -0.2], omega: [0.5, -0.3] };
     let (motion, s) = simulate_with_sensitivities(&model, &p, &input, start).unwrap();
     assert_eq!(motion, simulate(&model, &p, &input, start).unwrap());

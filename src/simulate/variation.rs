@@ -4,10 +4,10 @@ use std::convert::Infallible;
 
 use wide::f64x4;
 
-use super::drive::Drive;
 use super::forces::{Departure, Forces, Vector};
 use super::forcing::{Forcing, LANES, Pair, quantities};
 use super::friction::Contact;
+use super::input_line::InputLine;
 use super::stepper::StepObserver;
 use crate::effects::{DIRECTIONS, along};
 use crate::math::{runge_kutta_motion, runge_kutta_step};
@@ -34,7 +34,7 @@ pub(super) struct Variation {
     /// Where the derivatives by the parameters could be compiled.
     forcing: Option<Forcing>,
     /// Derivative of the input by each parameter at both ends of the sample, where there is one.
-    pub(super) drive: Vec<(usize, [[f64; 2]; 2])>,
+    pub(super) input: Vec<(usize, [[f64; 2]; 2])>,
     /// At the start, in the middle and at the end of a step.
     nodes: [Node; 3],
     middle: Linearisation,
@@ -56,7 +56,7 @@ impl Variation {
             groups: vec![[f64x4::ZERO; 4]; count],
             parameters,
             forcing: Forcing::new(f),
-            drive: vec![],
+            input: vec![],
             nodes: std::array::from_fn(|_| node.clone()),
             middle: Linearisation::new(parameters),
             end: Linearisation::new(parameters),
@@ -87,8 +87,8 @@ impl Variation {
     pub(super) fn restart(&mut self, acting: &[(usize, [[f64; 2]; 2])]) {
         self.groups.iter_mut().for_each(|group| *group = [f64x4::ZERO; 4]);
         self.identity();
-        self.drive.clear();
-        self.drive.extend_from_slice(acting);
+        self.input.clear();
+        self.input.extend_from_slice(acting);
     }
 
     /// Derivative of state `i` by a column.
@@ -118,7 +118,7 @@ impl Variation {
         node: usize,
         (t, a): (f64, [f64; 2]),
         from: &Departure,
-        drive: &Drive,
+        input: &InputLine,
     ) {
         let linear = if node == 1 { &mut self.middle } else { &mut self.end };
         let node = &mut self.nodes[node];
@@ -131,34 +131,40 @@ impl Variation {
             let column = solved([linear.by_state[0][k], linear.by_state[1][k]]);
             (node.by_state[0][k], node.by_state[1][k]) = (column[0], column[1]);
         }
-        let mut set = |j: usize, moment: [f64; 2]| {
+        let mut set = |j: usize, torque: [f64; 2]| {
             let [first, second] = &mut node.forcing[j / LANES];
-            let column = solved(moment);
+            let column = solved(torque);
             first.as_mut_array()[j % LANES] = column[0];
             second.as_mut_array()[j % LANES] = column[1];
         };
-        for (j, moment) in linear.by_parameter.iter().enumerate() {
-            set(j, *moment);
+        for (j, torque) in linear.by_parameter.iter().enumerate() {
+            set(j, *torque);
         }
-        let share = drive.share(t);
-        for (j, [start, end]) in &self.drive {
-            let moment = linear.by_parameter[*j];
-            set(*j, [0, 1].map(|i| moment[i] - start[i] - share * (end[i] - start[i])));
+        let share = input.share(t);
+        for (j, [start, end]) in &self.input {
+            let torque = linear.by_parameter[*j];
+            set(*j, [0, 1].map(|i| torque[i] - start[i] - share * (end[i] - start[i])));
         }
     }
 
     /// The same where the derivatives by the parameters are compiled: all wheels slide.
     #[inline]
-    fn solve_compiled(&mut self, f: &Forces, node: usize, (t, omega, a): Instant, drive: &Drive) {
+    fn solve_compiled(
+        &mut self,
+        f: &Forces,
+        node: usize,
+        (t, omega, a): Instant,
+        input: &InputLine,
+    ) {
         let Some(forcing) = &self.forcing else { return };
         let node = &mut self.nodes[node];
         forcing.write(&quantities(omega, a), &mut node.forcing);
         let [first, second] = f.by_speed.slope(omega);
         node.by_state = [[0.0, 0.0, first[0], first[1]], [0.0, 0.0, second[0], second[1]]];
-        let (share, inverse) = (drive.share(t), f.inverse.unwrap_or([0.0; 3]));
-        for (j, [start, end]) in &self.drive {
-            let moment = [0, 1].map(|i| start[i] + share * (end[i] - start[i]));
-            for (lanes, a) in node.forcing[j / LANES].iter_mut().zip(times(&inverse, &moment)) {
+        let (share, inverse) = (input.share(t), f.inverse.unwrap_or([0.0; 3]));
+        for (j, [start, end]) in &self.input {
+            let torque = [0, 1].map(|i| start[i] + share * (end[i] - start[i]));
+            for (lanes, a) in node.forcing[j / LANES].iter_mut().zip(times(&inverse, &torque)) {
                 lanes.as_mut_array()[j % LANES] += a;
             }
         }
@@ -166,28 +172,28 @@ impl Variation {
 
     /// A step of wheels that slide, with compiled derivatives.
     #[inline]
-    fn slide(&mut self, f: &Forces, from: &Departure, to: f64, end: &Vector, drive: &Drive) {
+    fn slide(&mut self, f: &Forces, from: &Departure, to: f64, end: &Vector, input: &InputLine) {
         let place = |a: [f64; 2]| (a, from.contact.sign);
         if let Some(forcing) = &mut self.forcing {
             forcing.turn(&from.contact.sign);
         }
         let goes_on = self.at_end == Some((from.t, from.y));
-        if goes_on && self.drive.is_empty() && self.nodes[2].holds(from) {
+        if goes_on && self.input.is_empty() && self.nodes[2].holds(from) {
             self.nodes.swap(0, 2);
         } else {
             let (omega, a) = ([from.y[2], from.y[3]], [from.rate[2], from.rate[3]]);
-            self.solve_compiled(f, 0, (from.t, omega, a), drive);
+            self.solve_compiled(f, 0, (from.t, omega, a), input);
         }
         let (h, t) = (to - from.t, 0.5 * (from.t + to));
         let (omega, resisting) = ([end[2], end[3]], &from.resisting);
-        let a = f.acceleration_at(omega, drive.at(to), resisting);
-        self.solve_compiled(f, 2, (to, omega, a), drive);
+        let a = f.acceleration_at(omega, input.at(to), resisting);
+        self.solve_compiled(f, 2, (to, omega, a), input);
         self.nodes[2].place = place(a);
         self.at_end = Some((to, *end));
         let y = middle(h, (&from.y, &from.rate), (end, &a));
         let omega = [y[2], y[3]];
-        let a = f.acceleration_at(omega, drive.at(t), resisting);
-        self.solve_compiled(f, 1, (t, omega, a), drive);
+        let a = f.acceleration_at(omega, input.at(t), resisting);
+        self.solve_compiled(f, 1, (t, omega, a), input);
         self.step_of_speeds(h);
     }
 
@@ -274,35 +280,35 @@ impl Node {
 }
 
 impl StepObserver for Variation {
-    fn smooth(&mut self, f: &Forces, from: &Departure, to: f64, end: &Vector, drive: &Drive) {
+    fn smooth(&mut self, f: &Forces, from: &Departure, to: f64, end: &Vector, input: &InputLine) {
         if self.forcing.is_some() && from.freedom.is_none() {
-            return self.slide(f, from, to, end, drive);
+            return self.slide(f, from, to, end, input);
         }
         if from.freedom == Some([0.0; 2]) {
             return self.rest(to - from.t);
         }
         let goes_on = self.forcing.is_none() && self.at_end == Some((from.t, from.y));
-        if goes_on && from.freedom.is_none() && self.drive.is_empty() && self.nodes[2].holds(from) {
+        if goes_on && from.freedom.is_none() && self.input.is_empty() && self.nodes[2].holds(from) {
             self.nodes.swap(0, 2);
         } else {
             if !goes_on {
                 f.model.evaluate(&f.motion(from.t, &from.y), f.p, &mut self.end);
             }
             let a = [from.rate[2], from.rate[3]];
-            self.solve(f, 0, (from.t, a), from, drive);
+            self.solve(f, 0, (from.t, a), from, input);
         }
         let acceleration = |t: f64, linear: &Linearisation| {
-            f.constrained(&linear.terms, &drive.at(t), from).unwrap_or([0.0; 2])
+            f.constrained(&linear.terms, &input.at(t), from).unwrap_or([0.0; 2])
         };
         f.model.evaluate(&f.motion(to, end), f.p, &mut self.end);
         self.at_end = Some((to, *end));
         let a = acceleration(to, &self.end);
-        self.solve(f, 2, (to, a), from, drive);
+        self.solve(f, 2, (to, a), from, input);
         let (h, t) = (to - from.t, 0.5 * (from.t + to));
         let y = middle(h, (&from.y, &from.rate), (end, &a));
         f.model.evaluate(&f.motion(t, &y), f.p, &mut self.middle);
         let a = acceleration(t, &self.middle);
-        self.solve(f, 1, (t, a), from, drive);
+        self.solve(f, 1, (t, a), from, input);
         self.step(h);
     }
 

@@ -75,17 +75,17 @@ mod tests {
         let p = model.initial();
         let t: Vec<f64> = (0..60).map(|k| 0.01 * f64::from(k)).collect();
         // through a reversal of one wheel and a stop of the other
-        let moment: Vec<[f64; 2]> =
+        let torque: Vec<[f64; 2]> =
             t.iter().map(|t| [0.3 - 1.5 * t, 0.25 - 0.9 * t.min(0.3)]).collect();
         let start = State { alpha: [0.0; 2], omega: [1.0, 1.5] };
-        let input = Input { t: &t, moment: &moment, hold: Hold::Linear };
+        let input = Input { t: &t, torque: &torque, hold: Hold::Linear };
         let (motion, whole) = simulate_with_sensitivities(&model, &p, &input, start).unwrap();
         assert!(motion.windows(2).any(|w| w[0].omega[0] * w[1].omega[0] < 0.0));
         let mut walk = Walk::new(&model, &p);
         let mut state = start;
         let mut psi = vec![[0.0; 4]; p.len()];
         for k in 1..t.len() {
-            let ends = [moment[k - 1], moment[k]];
+            let ends = [torque[k - 1], torque[k]];
             state = walk.step(&state, (t[k - 1], t[k]), &ends, &[]).unwrap();
             for (j, column) in psi.iter_mut().enumerate() {
                 let old = *column;

@@ -57,7 +57,7 @@ fn recordings(study: &Study) -> Vec<Value> {
                 "noise": {
                     "alpha1": r.noise.alpha[0], "alpha2": r.noise.alpha[1],
                     "dalpha1": r.noise.omega[0], "dalpha2": r.noise.omega[1],
-                    "M1": r.noise.moment[0], "M2": r.noise.moment[1],
+                    "M1": r.noise.torque[0], "M2": r.noise.torque[1],
                 },
                 "conditioning": r.conditioning.iter().map(Finding::json).collect::<Vec<_>>(),
                 "findings": r.findings,

@@ -80,7 +80,8 @@ pub struct RecordingStudy {
     /// Smoothed acceleration [rad/s^2].
     pub acceleration: Vec<[f64; 2]>,
     /// Recorded input.
-    pub moment: Vec<[f64; 2]>,
+    #[serde(rename = "moment")]
+    pub torque: Vec<[f64; 2]>,
     /// Regime of driving.
     pub regimes: Vec<Regime>,
     /// Path of the axle's centre: x \[m\], y \[m\], heading \[rad\].

@@ -25,7 +25,7 @@ pub(super) fn propose(
     let peak = |rows: &[[f64; 2]]| rows.iter().flatten().fold(0.0_f64, |a, v| a.max(v.abs()));
     let limits = Limits {
         speed: largest(&|r| peak(r.omega())),
-        moment: 1.2 * largest(&|r| peak(r.moment())),
+        torque: 1.2 * largest(&|r| peak(r.torque())),
         floor: FLOOR,
         duration: DURATION,
     };

@@ -238,7 +238,7 @@ mod tests {
 
     #[test]
     fn the_verdict_names_the_variable_that_the_figure_shows() {
-        let given = [curve(Variable::Moment1, 0.72, None), curve(Variable::Time, 0.1, None)];
+        let given = [curve(Variable::Input1, 0.72, None), curve(Variable::Time, 0.1, None)];
         let words = residual_torque(&given, Some(Variable::TurnRate));
         assert_eq!(words, "The residual torque depends most on the input of wheel 1 (72 % of it).");
         let left =
@@ -249,7 +249,7 @@ mod tests {
 
     #[test]
     fn what_is_not_significant_beside_coloured_noise_says_so() {
-        let given = [curve(Variable::Moment1, 0.72, None)];
+        let given = [curve(Variable::Input1, 0.72, None)];
         assert!(residual_torque(&given, None).contains("(72 % of it); coloured noise"));
         let nothing = residual_torque(&[curve(Variable::Time, 0.001, None)], None);
         assert!(nothing.starts_with("The residual torque depends little on anything"), "{nothing}");

@@ -105,7 +105,7 @@ fn a_folder_or_nothing_in_place_of_a_recording_is_named() {
 }
 
 #[test]
-fn moments_that_are_all_zero_are_no_data_and_on_one_wheel_a_warning() {
+fn torques_that_are_all_zero_are_no_data_and_on_one_wheel_a_warning() {
     let rows: Vec<Row> = motion().iter().map(|r| [r[0], r[1], r[2], 0.0, 0.0]).collect();
     refused(csv(&rows), &["e.toml", "M1 and M2 are zero", "run.csv"]);
     let rows: Vec<Row> = motion().iter().map(|r| [r[0], r[1], r[2], r[3], 0.0]).collect();

@@ -121,7 +121,7 @@ impl Exported {
     fn acceleration(&self, s: &[f64; 7]) -> [f64; 2] {
         let dynamics = self.dynamics();
         // one row: a lag and a delay see it as held for long
-        let acting = dynamics.drive(&[0.0], &[[s[5], s[6]]])[0];
+        let acting = dynamics.input(&[0.0], &[[s[5], s[6]]])[0];
         let state = State { alpha: [s[1], s[2]], omega: [s[3], s[4]] };
         match self {
             Self::Physical(model) => acceleration(model, &model.initial(), s[0], &state, &acting),
@@ -184,11 +184,11 @@ pub(crate) fn states() -> Vec<[f64; 7]> {
         .collect()
 }
 
-/// Samples of [`drive`].
+/// Samples of [`input`].
 const SAMPLES: i32 = 3001;
 
 /// t, M1, M2: starts, stops, reversals and rest over 6 s at 500 Hz.
-pub(crate) fn drive() -> Vec<[f64; 3]> {
+pub(crate) fn input() -> Vec<[f64; 3]> {
     (0..SAMPLES)
         .map(|k| {
             let t = 0.002 * f64::from(k);
@@ -225,7 +225,7 @@ pub(crate) fn prepared(model: &Exported, main: &str, text: &str) -> Folder {
         folder.write(&name, text);
     }
     folder.write(main, text);
-    folder.write("states.txt", table(&states())).write("drive.txt", table(&drive()));
+    folder.write("states.txt", table(&states())).write("drive.txt", table(&input()));
     folder
 }
 
@@ -255,8 +255,8 @@ pub(crate) fn agrees(language: &str, model: &Exported, printed: &str) {
         .lines()
         .map(|line| line.split_whitespace().map(|word| word.parse().unwrap()).collect())
         .collect();
-    let (states, drive) = (states(), drive());
-    assert_eq!(rows.len(), states.len() + drive.len(), "{language}");
+    let (states, input) = (states(), input());
+    assert_eq!(rows.len(), states.len() + input.len(), "{language}");
     let mut worst = 0.0_f64;
     for (s, found) in states.iter().zip(&rows) {
         let expected = model.acceleration(s);
@@ -267,9 +267,9 @@ pub(crate) fn agrees(language: &str, model: &Exported, printed: &str) {
     }
     // the same operations in the same order; exp, sin and pow differ in the last bit
     assert!(worst < 1e-12, "{language}: accelerations off by {worst:e}");
-    let t: Vec<f64> = drive.iter().map(|r| r[0]).collect();
-    let moment: Vec<[f64; 2]> = drive.iter().map(|r| [r[1], r[2]]).collect();
-    let input = Input { t: &t, moment: &moment, hold: Hold::Linear };
+    let t: Vec<f64> = input.iter().map(|r| r[0]).collect();
+    let torque: Vec<[f64; 2]> = input.iter().map(|r| [r[1], r[2]]).collect();
+    let input = Input { t: &t, torque: &torque, hold: Hold::Linear };
     let motion = model.dynamics().simulate(&input, State::default()).unwrap();
     let mut off = [0.0_f64; 2];
     for (state, found) in motion.iter().zip(&rows[states.len()..]) {

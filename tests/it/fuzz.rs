@@ -182,9 +182,9 @@ fn recording(path: &Path, map: &ColumnMap, unit: DriveUnit) -> bool {
         }
         Ok((r, sha256)) => {
             assert_eq!(sha256.len(), 64);
-            assert_eq!([r.alpha().len(), r.omega().len(), r.moment().len()], [r.len(); 3]);
+            assert_eq!([r.alpha().len(), r.omega().len(), r.torque().len()], [r.len(); 3]);
             assert!(r.t().windows(2).all(|t| t[0] < t[1]), "time must increase");
-            let all = r.omega().iter().chain(r.moment()).flatten().chain(r.t());
+            let all = r.omega().iter().chain(r.torque()).flatten().chain(r.t());
             assert!(all.copied().all(f64::is_finite), "values must be finite");
             true
         }

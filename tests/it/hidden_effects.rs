@@ -33,7 +33,7 @@ fn expect(ids: &[&str], good: fn(&Case, &Said) -> bool) {
 /// Speeds under torques that keep both wheels turning forward, the right one faster, by the second simulator
 /// and by the project's, and the largest difference over the top speed.
 fn difference(machine: &Machine, effect: Option<&str>) -> f64 {
-    let plain = second::drive(machine, &vec![], None, 1.0, 5.0, 3);
+    let plain = second::input(machine, &vec![], None, 1.0, 5.0, 3);
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     let mut own: Values =
         effect.map_or(vec![], |id| values(id, Size::Weak, machine, &Extent::of(&plain), &mut rng));
@@ -55,7 +55,7 @@ fn difference(machine: &Machine, effect: Option<&str>) -> f64 {
     for (symbol, value) in &own {
         p[model.index_of(symbol).unwrap()] = *value;
     }
-    let input = Input { t: &t, moment: &torque, hold: Hold::Linear };
+    let input = Input { t: &t, torque: &torque, hold: Hold::Linear };
     let begin = State { alpha: [0.0; 2], omega: start };
     let theirs = simulate(&model, &p, &input, begin).unwrap();
     let ours = second::follow(&machine, &own, &torque, start);
@@ -115,14 +115,14 @@ fn the_second_simulator_agrees_with_the_projects_on_smooth_motions() {
 #[test]
 fn every_effect_moves_the_second_simulator() {
     let machine = Machine::of("pioneer_3dx").unwrap();
-    let plain = second::drive(&machine, &vec![], None, 1.0, 8.0, 1);
+    let plain = second::input(&machine, &vec![], None, 1.0, 8.0, 1);
     let extent = Extent::of(&plain);
     for effect in EFFECTS {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         let own = values(effect, Size::Strong, &machine, &extent, &mut rng);
         assert!(!own.is_empty(), "{effect}");
         let machine = Machine { truth: with_gear(&machine.truth, &own), ..machine.clone() };
-        let with = second::drive(&machine, &own, None, extent.torque, 8.0, 1);
+        let with = second::input(&machine, &own, None, extent.torque, 8.0, 1);
         let rows = with.omega.iter().zip(&plain.omega);
         let apart = rows.flat_map(|(a, b)| [(a[0] - b[0]).abs(), (a[1] - b[1]).abs()]);
         let moved = apart.fold(0.0, f64::max);

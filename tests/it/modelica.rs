@@ -6,7 +6,7 @@ use amigo_ident::model::Model;
 use amigo_ident::robot::Robot;
 
 use crate::exported::{
-    Exported, agrees, drive, is_here, model, models, prepared, run, states, written,
+    Exported, agrees, input, is_here, model, models, prepared, run, states, written,
 };
 use crate::support::Folder;
 
@@ -108,8 +108,8 @@ fn picked(folder: &Folder, file: &str, columns: &[&str], step: f64, rows: usize)
 fn modelica_agrees(compiler: &str, model: &Exported, folder: &Folder) {
     let point = picked(folder, "Test.Point_res.csv", &["a[1]", "a[2]"], 1.0, states().len());
     let names = ["robot.alpha[1]", "robot.alpha[2]", "robot.omega[1]", "robot.omega[2]"];
-    let drive = picked(folder, "Test.Drive_res.csv", &names, 0.002, drive().len());
-    agrees(compiler, model, &(point + &drive));
+    let input = picked(folder, "Test.Drive_res.csv", &names, 0.002, input().len());
+    agrees(compiler, model, &(point + &input));
 }
 
 #[test]

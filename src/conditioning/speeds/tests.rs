@@ -30,8 +30,8 @@ fn late_beside(lag: f64, noise: f64, step: f64, seed: u64) -> Channels {
     let t: Vec<f64> = (0..3000).map(|k| H * f64::from(k)).collect();
     let alpha = t.iter().map(|t| angle(*t).map(|a| (a / step).round() * step)).collect();
     let omega = t.iter().map(|t| speed(t - lag).map(|w| w + noise * normal())).collect();
-    let moment = t.iter().map(|t| speed(*t)).collect();
-    Channels { t, alpha: Some(alpha), omega: Some(omega), moment }
+    let torque = t.iter().map(|t| speed(*t)).collect();
+    Channels { t, alpha: Some(alpha), omega: Some(omega), torque }
 }
 
 fn done(channels: Channels) -> Conditioned {
@@ -122,7 +122,7 @@ fn a_recording_too_short_to_show_its_lag_takes_that_of_the_others() {
     let mut short = late_beside(0.04, 0.02, 0.01, 4);
     let rows = 150;
     short.t.truncate(rows);
-    short.moment.truncate(rows);
+    short.torque.truncate(rows);
     [&mut short.alpha, &mut short.omega].into_iter().flatten().for_each(|c| c.truncate(rows));
     assert_eq!(lag_of(&done(short.clone()).findings), None);
     let context = Context { speed_lag: Some(common), ..Context::default() };

@@ -45,7 +45,7 @@ impl Windows<'_> {
     #[must_use]
     pub fn errors(&self, model: &Model, p: &[f64]) -> Option<Vec<Errors>> {
         let acting: Vec<_> =
-            self.recordings.par_iter().map(|r| model.drive(r.t(), r.moment(), p)).collect();
+            self.recordings.par_iter().map(|r| model.input(r.t(), r.torque(), p)).collect();
         // without a second body nothing before a window matters to it
         let coupled = model.is_coupled();
         let together = |a: &Window, b: &Window| coupled && a.recording == b.recording;
@@ -66,7 +66,7 @@ impl Windows<'_> {
         p: &[f64],
     ) -> Option<Vec<Errors>> {
         let recording = self.recordings[group[0].recording];
-        let input = Input { t: recording.t(), moment: acting, hold: self.hold };
+        let input = Input { t: recording.t(), torque: acting, hold: self.hold };
         let windows: Vec<_> = group.iter().map(|w| (w.rows.clone(), w.start)).collect();
         let states = simulate_windows(model, p, &input, &windows).ok()?;
         let one = |(window, states): (&Window, &Vec<State>)| {

@@ -91,7 +91,7 @@ impl SimulationEntry {
                 return Err(wrong(key, format!("= {value} must lie between {low} and {high}")));
             }
         }
-        let noise = [self.noise.dalpha, self.noise.alpha, self.noise.moment, self.noise_scale];
+        let noise = [self.noise.dalpha, self.noise.alpha, self.noise.torque, self.noise_scale];
         if noise.iter().any(|n| !(*n >= 0.0 && *n <= MOST_NOISE)) {
             let message = format!("must be numbers from 0 to {MOST_NOISE:e}");
             return Err(wrong("simulation.noise", message));

@@ -155,7 +155,7 @@ fn split_unit(name: &str) -> (&str, Option<&str>) {
     }
 }
 
-/// The words that a name is made of: `/drive/LeftVelocity[0]` of drive, left, velocity and 0.
+/// The words that a name is made of: `/input/LeftVelocity[0]` of drive, left, velocity and 0.
 fn words(name: &str) -> Vec<String> {
     let mut out = vec![String::new()];
     let mut before = ' ';

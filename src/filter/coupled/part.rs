@@ -42,13 +42,13 @@ pub(super) struct Friction {
 }
 
 impl Coupled<'_> {
-    /// One part of length `h` from `x`, `drive` acting on the wheels.
+    /// One part of length `h` from `x`, `input` acting on the wheels.
     pub(super) fn part(
         &self,
         sides: &Sides,
         friction: &Friction,
         x: &Mean<STATES>,
-        drive: &[f64; 2],
+        input: &[f64; 2],
         still: [bool; 2],
         h: f64,
     ) -> Option<Part> {
@@ -71,7 +71,7 @@ impl Coupled<'_> {
         let mut fast = SMatrix::<f64, 4, STATES>::zeros();
         let free = |i: usize| if still[i] { 0.0 } else { 1.0 / sides.rotor };
         for i in (0..2).filter(|&i| !still[i]) {
-            wheel_acceleration[i] = (drive[i] + x[4 + i] - passed[i] - resisting[i]) / sides.rotor;
+            wheel_acceleration[i] = (input[i] + x[4 + i] - passed[i] - resisting[i]) / sides.rotor;
             f[i] = x[2 + i];
             f[2 + i] = wheel_acceleration[i];
             fast[(i, 2 + i)] -= damping / sides.rotor;
@@ -170,7 +170,7 @@ pub(super) fn friction(
     h: f64,
     x: &Mean<STATES>,
     p: &Covariance<STATES>,
-    doubt: f64,
+    speed_variance: f64,
 ) -> Friction {
     let mut out = Friction::default();
     let omega = [x[2], x[3]];
@@ -180,7 +180,7 @@ pub(super) fn friction(
         let v = along(j, &omega);
         let kick = level[j] * h * d.norm_squared() / rotor;
         let variance = (spread + 0.25 * kick * kick).max(STILL);
-        out.clear[j] = clarity(j, v, doubt);
+        out.clear[j] = clarity(j, v, speed_variance);
         (out.sign[j], out.slope[j], out.rest[j]) = linearised(level[j], v, variance, out.clear[j]);
     }
     out

@@ -13,7 +13,7 @@ fn recorded(id: &str, own: &[f64]) -> (Model, Vec<f64>, Recording) {
     let first = p.len() - own.len();
     p[first..].copy_from_slice(own);
     let movement = Movement::rich(model.robot(), 4, 15.0, 10.0);
-    let noise = NoiseLevel { alpha: 1e-3, dalpha: 0.05, moment: 0.005 };
+    let noise = NoiseLevel { alpha: 1e-3, dalpha: 0.05, torque: 0.005 };
     let recorder = Recorder { rate: 100.0, control_rate: 1000.0, noise, ticks: None, seed: 5 };
     let recording = record("made", &model, &p, &movement, &recorder).unwrap();
     (model, p, recording)

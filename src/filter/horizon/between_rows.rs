@@ -48,11 +48,11 @@ pub(super) fn crossing(prepared: &Prepared, model: &Model, p: &[f64]) -> Vec<[f6
 pub(super) fn whole_noise(prepared: &[Prepared]) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for one in prepared {
-        let white = one.moment_noise.powi(2);
-        let moment = one.recording.moment();
+        let white = one.torque_noise.powi(2);
+        let torque = one.recording.torque();
         for k in one.recording.pieces().iter().flat_map(|piece| piece.start + 1..piece.end) {
             for i in 0..2 {
-                let change = (moment[k][i] - moment[k - 1][i]).powi(2);
+                let change = (torque[k][i] - torque[k - 1][i]).powi(2);
                 sum += white + (change - 6.0 * white).max(0.0) / 12.0;
                 count += 1.0;
             }
@@ -71,9 +71,9 @@ mod tests {
     fn steps_and_ramps_have_the_noise_of_their_mean() {
         let recorded = |input: &dyn Fn(usize) -> f64| {
             let t: Vec<f64> = (0..201).map(|k| 0.01 * k as f64).collect();
-            let moment = (0..201).map(|k| [input(k); 2]).collect();
+            let torque = (0..201).map(|k| [input(k); 2]).collect();
             let omega = t.iter().map(|t| [t.sin(), t.cos()]).collect();
-            let channels = Channels { t, alpha: None, omega: Some(omega), moment };
+            let channels = Channels { t, alpha: None, omega: Some(omega), torque };
             Recording::new("test", channels, DriveUnit::NewtonMetre).unwrap()
         };
         let step = recorded(&|k| if k > 100 { 6.0 } else { 0.0 });
@@ -81,7 +81,7 @@ mod tests {
         let both = [prepare(&step), prepare(&ramp)];
         // a step of 6 in one of 200 changes, and 0.25 in each of 200, as uniform errors
         let mean_square = 0.5 * (6.0_f64.powi(2) / 200.0 + 0.25_f64.powi(2)) / 12.0;
-        let white = 0.5 * both.iter().map(|p| p.moment_noise.powi(2)).sum::<f64>();
+        let white = 0.5 * both.iter().map(|p| p.torque_noise.powi(2)).sum::<f64>();
         assert!((whole_noise(&both).powi(2) / (mean_square + white) - 1.0).abs() < 0.05);
     }
 }

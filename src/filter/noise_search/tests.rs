@@ -8,13 +8,13 @@ use crate::robot::Robot;
 use crate::simulate::{Hold, Movement, NoiseLevel, Recorder, record};
 
 /// Noise of the recorded torques [N m].
-const MOMENT: f64 = 0.005;
+const TORQUE: f64 = 0.005;
 
 /// A simulated recording of 15 s of a robot with the effects `hidden`, and the base parameters of it.
 fn recorded(hidden: &[&str]) -> (Vec<f64>, Recording) {
     let truth = Model::with_effects(Robot::amigobot(), hidden).unwrap();
     let movement = Movement::rich(truth.robot(), 4, 15.0, 10.0);
-    let noise = NoiseLevel { alpha: 1e-3, dalpha: 0.05, moment: MOMENT };
+    let noise = NoiseLevel { alpha: 1e-3, dalpha: 0.05, torque: TORQUE };
     let recorder = Recorder { rate: 100.0, control_rate: 1000.0, noise, ticks: None, seed: 5 };
     let recording = record("made", &truth, &truth.initial(), &movement, &recorder).unwrap();
     (Model::base(Robot::amigobot()).initial(), recording)
@@ -75,14 +75,14 @@ fn scoring_finds_noise_as_likely_as_a_simplex_does_from_either_side() {
 }
 
 #[test]
-fn white_noise_of_the_drive_is_recovered_where_nothing_else_is_there() {
+fn white_noise_of_the_input_is_recovered_where_nothing_else_is_there() {
     let (p, recording) = recorded(&[]);
     let model = Model::base(Robot::amigobot());
     let likelihood = likelihood(&recording);
     let (found, _) = likelihood.noise(&model, &p, &likelihood.initial_noise());
     // 1500 rows on two wheels: a standard error of some 2 % plus what the sensors hide of it
-    assert!((found.sigma_m / MOMENT - 1.0).abs() < 0.1, "{found:?}");
-    assert!(found.sigma_d < 0.1 * MOMENT, "{found:?}");
+    assert!((found.sigma_m / TORQUE - 1.0).abs() < 0.1, "{found:?}");
+    assert!(found.sigma_d < 0.1 * TORQUE, "{found:?}");
 }
 
 #[test]
@@ -98,12 +98,12 @@ fn the_direction_of_a_body_becomes_clear_without_a_jump() {
 }
 
 #[test]
-fn scrub_that_holds_the_robot_straight_is_not_noise_of_the_drive() {
+fn scrub_that_holds_the_robot_straight_is_not_noise_of_the_input() {
     let (mut p, recording) = recorded(&["turning_scrub"]);
     let model = Model::with_effects(Robot::amigobot(), &["turning_scrub"]).unwrap();
     p.extend(&model.initial()[5..]);
     let likelihood = likelihood(&recording);
     let (found, _) = likelihood.noise(&model, &p, &likelihood.initial_noise());
     // left out of the steps in which it holds, it raised sigma_m to 0.008 N m on three runs of 60 s
-    assert!((found.sigma_m / MOMENT - 1.0).abs() < 0.2, "{found:?}");
+    assert!((found.sigma_m / TORQUE - 1.0).abs() < 0.2, "{found:?}");
 }

@@ -13,7 +13,7 @@ pub(super) struct Piece {
     /// Measured speeds [rad/s].
     pub(super) omega: Vec<[f64; 2]>,
     /// G u [rad/s²].
-    drive: Vec<[f64; 2]>,
+    input: Vec<[f64; 2]>,
     hold: Hold,
     /// Standard deviation of the measured speeds [rad/s].
     sigma: [f64; 2],
@@ -26,7 +26,7 @@ pub(super) struct Interval {
     /// Their length \[s\].
     pub(super) h: f64,
     omega: [[f64; 2]; 2],
-    drive: [[f64; 2]; 2],
+    input: [[f64; 2]; 2],
 }
 
 impl Interval {
@@ -36,7 +36,7 @@ impl Interval {
         let c = (step as f64 + c) / self.steps as f64;
         let line =
             |ends: &[[f64; 2]; 2]| [0, 1].map(|i| ends[0][i] + c * (ends[1][i] - ends[0][i]));
-        (line(&self.omega), line(&self.drive))
+        (line(&self.omega), line(&self.input))
     }
 }
 
@@ -50,7 +50,7 @@ impl Piece {
             .map(|piece| Self {
                 t: recording.t()[piece.clone()].to_vec(),
                 omega: recording.omega()[piece.clone()].to_vec(),
-                drive: recording.moment()[piece].iter().map(accelerate).collect(),
+                input: recording.torque()[piece].iter().map(accelerate).collect(),
                 hold,
                 sigma,
             })
@@ -80,7 +80,7 @@ impl Piece {
             steps,
             h: dt / steps as f64,
             omega: [self.omega[k - 1], self.omega[k]],
-            drive: [self.drive[k - 1], self.drive[last]],
+            input: [self.input[k - 1], self.input[last]],
         }
     }
 }

@@ -12,7 +12,7 @@ use crate::simulate::{Consequents, Gain, Hold, Movement, NoiseLevel, Recorder, S
 use crate::simulate::{emulate, record};
 
 /// Noise level N2.
-pub(super) const NOISE: NoiseLevel = NoiseLevel { dalpha: 0.05, alpha: 1e-3, moment: 0.005 };
+pub(super) const NOISE: NoiseLevel = NoiseLevel { dalpha: 0.05, alpha: 1e-3, torque: 0.005 };
 
 /// A simulated recording at noise level N2.
 pub(super) fn made(movement: &Movement, seed: u64) -> Recording {
@@ -316,16 +316,16 @@ fn changed(
         t: rows.iter().map(|r| r.0).collect(),
         alpha: None,
         omega: Some(rows.iter().map(|r| r.1).collect()),
-        moment: rows.iter().map(|r| r.2).collect(),
+        torque: rows.iter().map(|r| r.2).collect(),
     };
     Recording::new("changed", channels, unit).unwrap()
 }
 
 #[test]
-fn drives_in_volts_get_a_fitted_gain_and_reach_the_same_ise() {
+fn inputs_in_volts_get_a_fitted_gain_and_reach_the_same_ise() {
     let rich = made(&Movement::rich(&Robot::amigobot(), 4, 15.0, 8.0), 11);
     let volts = changed(&rich, DriveUnit::Volt, |k| {
-        (rich.t()[k], rich.omega()[k], rich.moment()[k].map(|m| 20.0 * m))
+        (rich.t()[k], rich.omega()[k], rich.torque()[k].map(|m| 20.0 * m))
     });
     let name = "fuzzy_levenberg_marquardt";
     let newton = run(name, "input_gain = \"fitted\"", &[rich], 0);
@@ -340,7 +340,7 @@ fn gaps_in_time_and_a_wheel_that_stands_still_are_no_obstacle() {
     let whole = short(12);
     let odd = changed(&whole, DriveUnit::NewtonMetre, |k| {
         let t = whole.t()[k] + if k > 200 { 3.0 } else { 0.0 };
-        (t, [whole.omega()[k][0], 0.0], whole.moment()[k])
+        (t, [whole.omega()[k][0], 0.0], whole.torque()[k])
     });
     for name in ["fuzzy_least_squares", "fuzzy_levenberg_marquardt", "fuzzy_anfis"] {
         let fit = run(name, "", std::slice::from_ref(&odd), 0);

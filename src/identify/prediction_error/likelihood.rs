@@ -20,7 +20,7 @@ pub(super) fn identify(task: &Task, symbols: &[String]) -> Result<Fit, IdentifyE
     let prepared = task.train.iter().map(prepare).collect();
     let likelihood = Likelihood { prepared, hold: task.hold, slow_moment: true, timing: true };
     let maximum = likelihood.maximise(task.model, &first, None).map_err(unusable)?;
-    let bias = likelihood.pull_of_input_noise(task.model, &maximum)?;
+    let bias = likelihood.bias_by_input_noise(task.model, &maximum)?;
     // the bias is known to first order, so a large one is not known
     let small = bias[A1].abs() < MOST_BIAS * maximum.p[A1].abs();
     let bias = if small { bias } else { vec![0.0; maximum.p.len()] };

@@ -45,14 +45,14 @@ impl OpenLoop<'_> {
         let t = recording.t();
         let whole = recording.pieces().iter().find(|piece| piece.contains(&rows.start))?;
         let from = whole.start + t[whole.start..].partition_point(|s| *s < t[rows.start] - BEFORE);
-        let acting = model.drive(&t[from..rows.end], &recording.moment()[from..rows.end], p);
+        let acting = model.input(&t[from..rows.end], &recording.torque()[from..rows.end], p);
         let (mut sum, mut count) = (0.0, 0.0);
         for window in windows(t, rows) {
             let samples = if model.is_coupled() { window.start - from } else { 0 };
             let first = window.start - samples;
             let input = Input {
                 t: &t[first..window.end],
-                moment: &acting[first - from..window.end - from],
+                torque: &acting[first - from..window.end - from],
                 hold: self.hold,
             };
             let run_in = RunIn { samples, start: start(&motion[first]) };

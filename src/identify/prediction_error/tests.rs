@@ -15,7 +15,7 @@ fn recordings(model: &Model, truth: &[f64], seed: u64) -> Vec<crate::recording::
     (0..4)
         .map(|r| {
             let movement = Movement::rich(model.robot(), seed * 10 + r, 25.0, 12.0);
-            let noise = NoiseLevel { dalpha: 0.05, alpha: 1e-3, moment: 0.005 };
+            let noise = NoiseLevel { dalpha: 0.05, alpha: 1e-3, torque: 0.005 };
             let recorder = Recorder {
                 rate: 100.0,
                 control_rate: 1000.0,
@@ -58,7 +58,7 @@ fn a_light_robot_whose_friction_is_most_of_the_input_is_not_found_too_heavy() {
     let model = Model::base(Robot::new(preset.name, preset.construction).unwrap());
     let truth = model.initial();
     // torque noise of 4 % of the friction is 1.5 times the torque of an acceleration of 1 rad/s²
-    let noise = NoiseLevel { dalpha: 0.05, alpha: 1e-3, moment: 0.04 * truth[3] };
+    let noise = NoiseLevel { dalpha: 0.05, alpha: 1e-3, torque: 0.04 * truth[3] };
     let train: Vec<Recording> = (0..3)
         .map(|seed| {
             let movement = Movement::rich(model.robot(), 4000 + seed, 20.0, 12.0);
@@ -85,17 +85,17 @@ fn intervals_hold_the_truth_where_noise_of_the_input_goes_on_from_row_to_row() {
     let train: Vec<Recording> = (0..3)
         .map(|seed| {
             let movement = Movement::rich(model.robot(), 4100 + seed, 20.0, 12.0);
-            let noise = NoiseLevel { dalpha: 0.03, alpha: 1e-3, moment: 0.0 };
+            let noise = NoiseLevel { dalpha: 0.03, alpha: 1e-3, torque: 0.0 };
             let recorder = Recorder { rate: 200.0, control_rate: 1000.0, noise, ticks: None, seed };
             let exact = record("coloured", &model, &truth, &movement, &recorder).unwrap();
             let mut disturbance = [0.0; 2];
-            let moment = exact.moment().iter().map(|m| {
+            let torque = exact.torque().iter().map(|m| {
                 let fresh = (1.0 - stays * stays).sqrt() * level;
                 let draws: [f64; 2] = [draw(), draw()];
                 disturbance = [0, 1].map(|i| stays * disturbance[i] + fresh * draws[i]);
                 [0, 1].map(|i| m[i] + disturbance[i])
             });
-            exact.with_moment(moment.collect())
+            exact.with_torque(torque.collect())
         })
         .collect();
     let task = Task { model: &model, train: &train, hold: Hold::Linear, seed: 0 };
@@ -119,12 +119,12 @@ fn steps_and_ramps(robot: &Model, truth: &[f64]) -> Vec<Recording> {
             let m = if step { if *t < 0.3 { 0.0 } else { 3.0 * level } } else { 0.4 * level * t };
             [m, side * m]
         };
-        let moment: Vec<[f64; 2]> = t.iter().map(torque).collect();
-        let input = Input { t: &t, moment: &moment, hold: Hold::Constant };
+        let torque: Vec<[f64; 2]> = t.iter().map(torque).collect();
+        let input = Input { t: &t, torque: &torque, hold: Hold::Constant };
         let states = simulate(robot, truth, &input, State::default()).unwrap();
         let mut sensed = |v: f64| v + noise.sample(&mut rng);
         let omega = states.iter().map(|s| s.omega.map(&mut sensed)).collect();
-        let channels = Channels { t, alpha: None, omega: Some(omega), moment };
+        let channels = Channels { t, alpha: None, omega: Some(omega), torque };
         Recording::new("test", channels, DriveUnit::Volt).unwrap()
     };
     [(true, 1.0), (true, -1.0), (false, 1.0), (false, -1.0)].into_iter().map(one).collect()
@@ -162,7 +162,7 @@ fn what_straight_driving_does_not_identify_is_held_and_said() {
         crate::simulate::Segment { speed_m_s, turn_rad_s: 0.0, blend_s: 1.0, hold_s: 1.0 }
     });
     let movement = Movement { segments: segments.to_vec() };
-    let noise = NoiseLevel { dalpha: 0.05, alpha: 1e-3, moment: 0.005 };
+    let noise = NoiseLevel { dalpha: 0.05, alpha: 1e-3, torque: 0.005 };
     let recorder = Recorder { rate: 100.0, control_rate: 1000.0, noise, ticks: None, seed: 5 };
     let train = [record("straight", &model, &truth, &movement, &recorder).unwrap()];
     let task = Task { model: &model, train: &train, hold: Hold::Linear, seed: 0 };

@@ -44,7 +44,7 @@ fn recording(speeds: bool) -> Recording {
         let gap = if k < 70_000 { 0.0 } else { 0.4 } + if k < 70_050 { 0.0 } else { 0.7 };
         c.t.push(t + gap + 1e-4 * noise());
         alpha.push([one[0] + 0.5 * two[0], two[0] - 0.3 * one[0]].map(|x| x + 1e-4 * noise()));
-        c.moment.push(m.map(|m| m + 5e-3 * noise()));
+        c.torque.push(m.map(|m| m + 5e-3 * noise()));
         if let Some(omega) = &mut c.omega {
             omega.push(w.map(|w| w + 0.05 * noise()));
         }
@@ -67,7 +67,7 @@ impl Rows for Blocks {
                 t: c.t[range.clone()].to_vec(),
                 alpha: c.alpha.as_ref().map(of),
                 omega: c.omega.as_ref().map(of),
-                moment: of(&c.moment),
+                torque: of(&c.torque),
             })
         }))
     }
@@ -78,7 +78,7 @@ fn as_in_file(r: &Recording) -> LongRecording {
         t: r.t().to_vec(),
         alpha: r.measured().alpha.then(|| r.alpha().to_vec()),
         omega: r.measured().omega.then(|| r.omega().to_vec()),
-        moment: r.moment().to_vec(),
+        torque: r.torque().to_vec(),
     };
     LongRecording {
         rows: Box::new(Blocks(channels)),
@@ -129,7 +129,7 @@ fn rows_read_in_blocks_give_what_rows_in_memory_give() {
 }
 
 #[test]
-fn speeds_that_are_not_measured_and_drives_with_memory_stream_too() {
+fn speeds_that_are_not_measured_and_inputs_with_memory_stream_too() {
     let model = Model::with_effects(Robot::amigobot(), &["viscous_friction", "actuator_lag"]);
     let method = TorqueRegression { cutoff_hz: Some(6.0), ..TorqueRegression::default() };
     let (streamed, held) = both(&method, &model.unwrap(), &recording(false), Hold::Constant);

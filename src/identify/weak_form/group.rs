@@ -25,7 +25,7 @@ pub(super) struct Group {
     pub(super) slopes: Vec<Vec<Vec<[f64; 2]>>>,
     /// Variances of the speeds, and of the input of each wheel.
     pub(super) variance: [f64; 2],
-    pub(super) drive_variance: [f64; 2],
+    pub(super) input_variance: [f64; 2],
     /// Block of each window.
     pub(super) block: Vec<usize>,
 }
@@ -80,12 +80,12 @@ impl Group {
         if i % 2 != k % 2 {
             return of_speeds;
         }
-        let of_drive: f64 = a.weight[from - a.samples.start..to - a.samples.start]
+        let of_input: f64 = a.weight[from - a.samples.start..to - a.samples.start]
             .iter()
             .zip(&b.weight[from - b.samples.start..])
             .map(|(e, f)| e * f)
             .sum();
-        of_speeds + self.drive_variance[i % 2] * of_drive
+        of_speeds + self.input_variance[i % 2] * of_input
     }
 
     /// Adds to the columns what the residual tells of their noise, `(∂R_c/∂ω) S E' V⁻¹ r`.

@@ -51,18 +51,18 @@ fn assert_reads_as_a_whole(path: &Path) {
     let (windows, long, again) = long(path, 1000).unwrap().unwrap();
     assert_eq!((long.samples, long.duration, again), (ROWS, whole.duration(), sum));
     assert!(windows.len() < whole.len() + 1 && windows.measured() == whole.measured());
-    let (mut t, mut omega, mut moment) = (vec![], vec![], vec![]);
+    let (mut t, mut omega, mut torque) = (vec![], vec![], vec![]);
     let mut blocks = 0;
     for block in long.rows.blocks() {
         let block = block.unwrap();
         assert!(block.alpha.is_none());
         t.extend(block.t);
         omega.extend(block.omega.unwrap());
-        moment.extend(block.moment);
+        torque.extend(block.torque);
         blocks += 1;
     }
     assert_eq!(blocks, 2);
-    assert!(t == whole.t() && omega == whole.omega() && moment == whole.moment());
+    assert!(t == whole.t() && omega == whole.omega() && torque == whole.torque());
 }
 
 #[test]

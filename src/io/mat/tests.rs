@@ -1,7 +1,7 @@
 //! Files by SciPy, and what they do not hold.
 
 use super::*;
-use crate::io::tests::{ROWS, data, drive, position, recording, refused, time, velocity};
+use crate::io::tests::{ROWS, data, input, position, recording, refused, time, velocity};
 use crate::io::{IoError, headers, read_recording};
 use crate::recording::DriveUnit;
 
@@ -22,7 +22,7 @@ fn files_by_scipy_are_read_to_the_last_digit() {
         for k in 0..ROWS {
             assert_eq!(r.t()[k], time(k), "{name}, row {k}");
             assert_eq!((r.alpha()[k], r.omega()[k]), (position(k), velocity(k)), "{name}, row {k}");
-            assert_eq!(r.moment()[k], drive(k), "{name}, row {k}");
+            assert_eq!(r.torque()[k], input(k), "{name}, row {k}");
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::io::headers;
-use crate::io::tests::{ROWS, data, drive, position, recording, refused, velocity};
+use crate::io::tests::{ROWS, data, input, position, recording, refused, velocity};
 
 #[test]
 fn a_bag_by_another_program_is_read_to_the_last_digit() {
@@ -22,7 +22,7 @@ fn a_bag_by_another_program_is_read_to_the_last_digit() {
         // stamps of the headers, across a full second, and not the jittering times of logging
         assert_eq!(r.t()[k], (10_000_000 * k) as f64 / 1e9);
         assert_eq!((r.alpha()[k], r.omega()[k]), (position(k), velocity(k)), "row {k}");
-        assert_eq!(r.moment()[k], drive(k), "row {k}");
+        assert_eq!(r.torque()[k], input(k), "row {k}");
     }
     let names = headers(&data("joint_states.mcap")).unwrap().names;
     // the caster, whose numbers are all NaN, is none
@@ -47,7 +47,7 @@ fn two_topics_without_stamps_are_put_in_rows_by_their_times_of_logging() {
     for k in 0..ROWS {
         assert_eq!(r.t()[k], (10_000_000 * k) as f64 / 1e9);
         assert_eq!((r.alpha()[k], r.omega()[k]), (position(k), velocity(k)), "row {k}");
-        assert_eq!(r.moment()[k], drive(k - k % 2), "row {k}");
+        assert_eq!(r.torque()[k], input(k - k % 2), "row {k}");
     }
 }
 

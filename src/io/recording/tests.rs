@@ -60,7 +60,7 @@ fn assert_same(a: &Recording, b: &Recording) {
     assert_eq!(a.t(), b.t());
     assert_eq!(a.alpha(), b.alpha());
     assert_eq!(a.omega(), b.omega());
-    assert_eq!(a.moment(), b.moment());
+    assert_eq!(a.torque(), b.torque());
 }
 
 #[test]
@@ -135,8 +135,8 @@ fn names_units_factors_and_offsets_are_applied() {
             (read.alpha()[k][1], a2),
             (read.omega()[k][0], w1),
             (read.omega()[k][1], w2),
-            (read.moment()[k][0], m1),
-            (read.moment()[k][1], m2),
+            (read.torque()[k][0], m1),
+            (read.torque()[k][1], m2),
         ];
         // a few roundings of numbers of size one
         assert!(read.iter().all(|(a, b)| (a - b).abs() < 1e-14), "{k}: {read:?}");

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::*;
-use crate::io::tests::{data, drive, map, position, refused, time, velocity};
+use crate::io::tests::{data, input, map, position, refused, time, velocity};
 use crate::io::{headers, read_recording};
 use crate::recording::DriveUnit;
 
@@ -27,7 +27,7 @@ fn the_tests_of_a_file_become_one_recording_with_a_gap() {
         // turns in the file
         assert_eq!(r.alpha()[j], position(k).map(|x| TAU * x));
         assert_eq!(r.omega()[j], velocity(k).map(|x| TAU * x));
-        assert_eq!(r.moment()[j], drive(k));
+        assert_eq!(r.torque()[j], input(k));
     }
     assert_eq!(headers(&data("sysid.json")).unwrap().names, DRIVETRAIN);
 }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::io::headers;
-use crate::io::tests::{ROWS, data, drive, position, recording, refused, velocity};
+use crate::io::tests::{ROWS, data, input, position, recording, refused, velocity};
 
 #[test]
 fn a_log_by_wpilib_is_read_to_the_last_digit() {
@@ -23,7 +23,7 @@ fn a_log_by_wpilib_is_read_to_the_last_digit() {
         assert_eq!(r.t()[k], (10_000 * k) as f64 / 1e6);
         assert_eq!((r.alpha()[k], r.omega()[k]), (position(k), velocity(k)), "row {k}");
         // recorded at every second row, 1 ms before it, and held
-        assert_eq!(r.moment()[k], drive(k - k % 2), "row {k}");
+        assert_eq!(r.torque()[k], input(k - k % 2), "row {k}");
     }
 }
 

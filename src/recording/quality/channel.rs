@@ -19,7 +19,7 @@ pub(super) fn findings(r: &Recording) -> Vec<Finding> {
     let mut out = Vec::new();
     for i in 0..2 {
         out.extend(still(r, i));
-        out.extend(constant_drive(r, i));
+        out.extend(constant_input(r, i));
         out.extend(limit(r, i));
         if r.measured().alpha {
             out.extend(jumps(r, i));
@@ -29,7 +29,7 @@ pub(super) fn findings(r: &Recording) -> Vec<Finding> {
             out.extend(coarse_speed(r, i));
             out.extend(spikes(r, "dalpha", i, r.omega()));
         }
-        out.extend(spikes(r, "M", i, r.moment()));
+        out.extend(spikes(r, "M", i, r.torque()));
     }
     out
 }
@@ -48,19 +48,19 @@ fn still(r: &Recording, i: usize) -> Option<Finding> {
     is_still.then(|| Finding::new(Severity::Warning, Issue::Still(i)))
 }
 
-fn constant_drive(r: &Recording, i: usize) -> Option<Finding> {
-    let (low, high) = extremes(r.moment(), i);
+fn constant_input(r: &Recording, i: usize) -> Option<Finding> {
+    let (low, high) = extremes(r.torque(), i);
     let issue = Issue::ConstantInput { wheel: i, value: low, unit: r.drive_unit() };
     (low >= high).then(|| Finding::new(Severity::Warning, issue))
 }
 
 /// Many samples exactly at the largest or smallest input.
 fn limit(r: &Recording, i: usize) -> Option<Finding> {
-    let (low, high) = extremes(r.moment(), i);
+    let (low, high) = extremes(r.torque(), i);
     if low == high {
         return None;
     }
-    let count = |x: f64| if x == 0.0 { 0 } else { r.moment().iter().filter(|m| m[i] == x).count() };
+    let count = |x: f64| if x == 0.0 { 0 } else { r.torque().iter().filter(|m| m[i] == x).count() };
     let (extreme, samples) = [low, high].map(|x| (x, count(x))).into_iter().max_by_key(|c| c.1)?;
     let both = count(low) + count(high);
     let share = both as f64 / r.len() as f64;
@@ -75,8 +75,8 @@ fn limit(r: &Recording, i: usize) -> Option<Finding> {
 
 /// Whether a channel is so coarse that every level is met often, the extreme ones too.
 fn on_few_levels(r: &Recording, i: usize) -> bool {
-    let step = quantum(r.moment(), i);
-    let (low, high) = extremes(r.moment(), i);
+    let step = quantum(r.torque(), i);
+    let (low, high) = extremes(r.torque(), i);
     step > 0.0 && high - low < 40.0 * step
 }
 

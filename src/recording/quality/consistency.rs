@@ -38,7 +38,7 @@ pub(crate) fn exchanged_input(windows: &[Window]) -> bool {
 /// friction and inertia need it put in.
 pub(crate) fn opposing_input(windows: &[Window], i: usize) -> bool {
     let Some(fit) = simple_fit(windows, i, i) else { return false };
-    let work: f64 = windows.iter().map(|w| w.moment[i] * w.speed[i]).sum();
+    let work: f64 = windows.iter().map(|w| w.torque[i] * w.speed[i]).sum();
     fit.inertia < -SURE * fit.std_error && work < 0.0
 }
 
@@ -69,7 +69,7 @@ struct SimpleFit {
     rest: f64,
 }
 
-fn simple_fit(windows: &[Window], drive: usize, wheel: usize) -> Option<SimpleFit> {
+fn simple_fit(windows: &[Window], input: usize, wheel: usize) -> Option<SimpleFit> {
     let slow = 0.05 * quantile(windows.iter().map(|w| w.speed[wheel]), 0.99);
     let used: Vec<&Window> = windows.iter().filter(|w| w.speed[wheel].abs() > slow).collect();
     if used.len() < 3 * FEWEST {
@@ -80,7 +80,7 @@ fn simple_fit(windows: &[Window], drive: usize, wheel: usize) -> Option<SimpleFi
         1 => sgn(used[k].speed[wheel]),
         _ => used[k].speed[wheel],
     });
-    let y = DVector::from_fn(used.len(), |k, _| used[k].moment[drive]);
+    let y = DVector::from_fn(used.len(), |k, _| used[k].torque[input]);
     let total = y.norm_squared();
     let fitted = fit(&x, &y, None).ok()?;
     (total > 0.0 && fitted.rank == 3).then(|| SimpleFit {

@@ -5,16 +5,16 @@ use crate::model::Model;
 use crate::recording::{Channels, DriveUnit, Recording};
 use crate::simulate::{Movement, NoiseLevel, Recorder, Segment, record};
 
-const NOISE: NoiseLevel = NoiseLevel { dalpha: 0.02, alpha: 0.0005, moment: 0.004 };
+const NOISE: NoiseLevel = NoiseLevel { dalpha: 0.02, alpha: 0.0005, torque: 0.004 };
 
-fn drive(movement: &Movement, ticks: Option<f64>) -> Recording {
+fn input(movement: &Movement, ticks: Option<f64>) -> Recording {
     let model = Model::base(Robot::amigobot());
     let recorder = Recorder { rate: 100.0, control_rate: 1000.0, noise: NOISE, ticks, seed: 7 };
     record("run.csv", &model, &model.initial(), movement, &recorder).unwrap()
 }
 
 fn rich(seed: u64) -> Recording {
-    drive(&Movement::rich(&Robot::amigobot(), seed, 25.0, 12.0), Some(9550.0))
+    input(&Movement::rich(&Robot::amigobot(), seed, 25.0, 12.0), Some(9550.0))
 }
 
 fn segments(wheels: &[(f64, f64)]) -> Recording {
@@ -24,7 +24,7 @@ fn segments(wheels: &[(f64, f64)]) -> Recording {
         blend_s: 0.8,
         hold_s: 1.5,
     };
-    drive(&Movement { segments: wheels.iter().map(segment).collect() }, None)
+    input(&Movement { segments: wheels.iter().map(segment).collect() }, None)
 }
 
 /// The recording with its columns changed.
@@ -33,7 +33,7 @@ fn with(r: &Recording, change: impl FnOnce(&mut Channels)) -> Recording {
         t: r.t().to_vec(),
         alpha: r.measured().alpha.then(|| r.alpha().to_vec()),
         omega: r.measured().omega.then(|| r.omega().to_vec()),
-        moment: r.moment().to_vec(),
+        torque: r.torque().to_vec(),
     };
     change(&mut channels);
     Recording::new("run.csv", channels, DriveUnit::NewtonMetre).unwrap()
@@ -75,7 +75,7 @@ fn clean_recordings_raise_no_warning() {
 
 #[test]
 fn the_movement_of_the_paper_raises_notes_alone() {
-    let r = drive(&Movement::paper(), None);
+    let r = input(&Movement::paper(), None);
     finds(&r, &[]);
     let q = quality(&r, &Robot::amigobot());
     assert!(q.findings.iter().any(|f| f.what() == "wheel 1 (right) turns forward only"));
@@ -105,24 +105,24 @@ fn angles_and_times_in_a_wrong_unit_are_named_with_their_unit() {
 }
 
 #[test]
-fn exchanged_wheels_are_named_in_speeds_and_in_drives() {
+fn exchanged_wheels_are_named_in_speeds_and_in_inputs() {
     let r = rich(4);
     let swap = |rows: &mut Vec<[f64; 2]>| rows.iter_mut().for_each(|v| v.swap(0, 1));
     finds(&with(&r, |c| swap(omega(c))), &[&["dalpha1 follows alpha2", "swap them"]]);
-    finds(&with(&r, |c| swap(&mut c.moment)), &[&["M1 moves wheel 2", "swap them"]]);
+    finds(&with(&r, |c| swap(&mut c.torque)), &[&["M1 moves wheel 2", "swap them"]]);
     // all three exchanged is another robot, not a contradiction
     let all = with(&r, |c| {
         swap(omega(c));
         swap(alpha(c));
-        swap(&mut c.moment);
+        swap(&mut c.torque);
     });
     finds(&all, &[]);
 }
 
 #[test]
-fn a_drive_with_the_wrong_sign_is_named() {
+fn an_input_with_the_wrong_sign_is_named() {
     for seed in 0..6 {
-        let flipped = with(&rich(seed), |c| c.moment.iter_mut().for_each(|m| m[1] = -m[1]));
+        let flipped = with(&rich(seed), |c| c.torque.iter_mut().for_each(|m| m[1] = -m[1]));
         finds(&flipped, &[&["M2 pushes wheel 2 (left) against its motion", "scale = -1 for M2"]]);
     }
 }
@@ -149,7 +149,7 @@ fn spikes_are_counted_and_the_first_is_shown() {
         for k in [400, 900, 1700] {
             omega(c)[k][0] += 9.0;
         }
-        c.moment[1000][1] -= 2.0;
+        c.torque[1000][1] -= 2.0;
     });
     finds(&r, &[&["dalpha1 has 3 spikes (first at t = 4.000 s"]]);
     // a torque can jump: that is a note
@@ -158,23 +158,23 @@ fn spikes_are_counted_and_the_first_is_shown() {
 }
 
 #[test]
-fn a_drive_at_its_limit_is_named() {
+fn an_input_at_its_limit_is_named() {
     let r = rich(7);
     let limited = with(&r, |c| {
-        c.moment.iter_mut().for_each(|m| m[0] = m[0].clamp(-0.25, 0.25));
+        c.torque.iter_mut().for_each(|m| m[0] = m[0].clamp(-0.25, 0.25));
     });
     finds(&limited, &[&["M1 is exactly", "0.25 N m at its extreme", "limit"]]);
 }
 
 #[test]
-fn a_wheel_that_stands_and_a_drive_that_is_zero_are_named() {
+fn a_wheel_that_stands_and_an_input_that_is_zero_are_named() {
     let r = rich(8);
     let still = with(&r, |c| {
         omega(c).iter_mut().for_each(|w| w[1] = 0.0);
         alpha(c).iter_mut().for_each(|a| a[1] = 0.0);
     });
     assert!(said(&still).contains("wheel 2 (left) never moves"), "{}", said(&still));
-    let idle = with(&r, |c| c.moment.iter_mut().for_each(|m| *m = [0.0; 2]));
+    let idle = with(&r, |c| c.torque.iter_mut().for_each(|m| *m = [0.0; 2]));
     finds(&idle, &[&["M1 is zero throughout", "right"], &["M2 is zero throughout", "left"]]);
 }
 
@@ -210,7 +210,7 @@ fn tiny_and_constant_recordings_are_checked_without_a_panic() {
         t: (0..n).map(|k| 0.01 * k as f64).collect(),
         alpha: Some(vec![[0.0; 2]; n]),
         omega: Some(vec![[w; 2]; n]),
-        moment: vec![[0.0; 2]; n],
+        torque: vec![[0.0; 2]; n],
     };
     for n in [10, 11, 100, 3000] {
         for w in [0.0, 1.0, 1e9] {

@@ -14,7 +14,7 @@ pub(crate) struct Window {
     /// Slope of the wheel angle [rad/s].
     pub(crate) angle_rate: [f64; 2],
     /// Mean input.
-    pub(crate) moment: [f64; 2],
+    pub(crate) torque: [f64; 2],
 }
 
 /// The channels that windows are made of.
@@ -26,7 +26,7 @@ pub(crate) struct View<'a> {
     /// Speeds [rad/s].
     pub(crate) omega: &'a [[f64; 2]],
     /// Inputs.
-    pub(crate) moment: &'a [[f64; 2]],
+    pub(crate) torque: &'a [[f64; 2]],
     /// Ranges of rows without a gap.
     pub(crate) pieces: &'a [Range<usize>],
     /// Median step \[s\].
@@ -44,7 +44,7 @@ pub(super) fn windows(r: &Recording) -> Vec<Window> {
         t: r.t(),
         alpha: r.alpha(),
         omega: r.omega(),
-        moment: r.moment(),
+        torque: r.torque(),
         pieces: r.pieces(),
         step: r.step(),
     })
@@ -84,6 +84,6 @@ fn window(v: &View, range: Range<usize>) -> Window {
         speed: mean(omega),
         acceleration: slope(omega),
         angle_rate: slope(&v.alpha[range.clone()]),
-        moment: mean(&v.moment[range]),
+        torque: mean(&v.torque[range]),
     }
 }

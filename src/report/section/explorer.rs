@@ -126,8 +126,8 @@ impl<'a> Seen<'a> {
     fn input(&self) -> Panel {
         let roles = [Role::Wheel1, Role::Wheel2];
         let of = |i: usize| {
-            let points = self.thin(wheel(&self.recording.t, &self.recording.moment, i));
-            line(points, format!("{} {}", words::DRIVE[i], words::WHEELS[i]), roles[i], 1.2)
+            let points = self.thin(wheel(&self.recording.t, &self.recording.torque, i));
+            line(points, format!("{} {}", words::INPUT[i], words::WHEELS[i]), roles[i], 1.2)
         };
         self.panel("input", self.study.drive_unit.symbol(), vec![of(0), of(1)], true)
     }

@@ -111,7 +111,7 @@ fn row(r: &RecordingStudy) -> Vec<Cell> {
         Cell::number(r.rate_hz),
         measured(r.measured.alpha, r.noise.alpha),
         measured(r.measured.omega, r.noise.omega),
-        pair(r.noise.moment),
+        pair(r.noise.torque),
         Cell::formatted(format::digits(r.floor.window_rms, 3), r.floor.window_rms),
         Cell::formatted(format::digits(floor, 3), floor),
     ]

@@ -171,7 +171,7 @@ fn table(study: &Study, models: &[(String, &[Failure])]) -> Table {
                 Cell::formatted(format::percent(f.share_of_ise), f.share_of_ise)
                     .bar(f.share_of_ise),
                 if f.significant { over.tone(Tone::Bad) } else { over },
-                Cell::estimate(f.moment, f.std_error),
+                Cell::estimate(f.torque, f.std_error),
                 Cell::p_value(f.p_value),
             ]);
         }

@@ -36,7 +36,7 @@ impl Section for Signals {
             return vec![];
         }
         let mut blocks: Vec<Block> =
-            vec![drive(study, recording).into(), velocity(study, recording).into()];
+            vec![input(study, recording).into(), velocity(study, recording).into()];
         let model = study.last_model().and_then(|m| m.performance.get(index));
         let errors = model.map(|p| p.windows.as_slice()).unwrap_or_default();
         if recording.path.len() > 1 {
@@ -56,12 +56,12 @@ fn line(points: Vec<(f64, f64)>, label: &str, role: Role, width: f64) -> Layer {
 }
 
 /// The recorded input: Fig. 3 of the paper.
-fn drive(study: &Study, recording: &RecordingStudy) -> Figure {
+fn input(study: &Study, recording: &RecordingStudy) -> Figure {
     let roles = [Role::Wheel1, Role::Wheel2];
     let mut panel = Panel::new(time(), Axis::linear("input", study.drive_unit.symbol()));
     for i in 0..2 {
-        let label = format!("{} {}", words::DRIVE[i], words::WHEELS[i]);
-        panel = panel.with(line(wheel(&recording.t, &recording.moment, i), &label, roles[i], 1.2));
+        let label = format!("{} {}", words::INPUT[i], words::WHEELS[i]);
+        panel = panel.with(line(wheel(&recording.t, &recording.torque, i), &label, roles[i], 1.2));
     }
     Figure::new("drive", "Recorded input of the wheels")
         .with_subtitle(&recording.file)

@@ -47,7 +47,7 @@ fn a_full_study_has_every_section_and_every_figure_is_drawn_once() {
 }
 
 #[test]
-fn a_drive_in_volts_is_never_shown_in_newton_metres() {
+fn an_input_in_volts_is_never_shown_in_newton_metres() {
     let html = render(&full()).unwrap().html;
     // the one parameter of a candidate is given in N m by this test itself, and has no value
     assert!(!html.contains("[N m]"));
@@ -94,7 +94,7 @@ fn short_and_ragged_columns_are_drawn_as_far_as_they_go() {
         recording.path.truncate(1);
         recording.regimes.clear();
         recording.alpha.truncate(10);
-        recording.moment.clear();
+        recording.torque.clear();
     }
     for method in &mut study.methods {
         method.performance.truncate(1);

@@ -144,7 +144,7 @@ mod tests {
         let study = full();
         let start = |row| Start { row, state: [0.0; 4], is_piece: row == 0 };
         let count = study.recordings.len();
-        let inputs = study.recordings.iter().map(|r| r.moment.clone()).collect();
+        let inputs = study.recordings.iter().map(|r| r.torque.clone()).collect();
         let starts = vec![vec![start(0), start(200)]; count];
         let what_if = Some(crate::study::WhatIf { script, inputs, starts });
         Study { what_if, ..study }

@@ -14,7 +14,7 @@ pub(super) const SIDES: [&str; 2] = ["right", "left"];
 /// Symbols of the wheel speeds.
 pub(super) const OMEGA: [&str; 2] = ["ω₁", "ω₂"];
 /// Symbols of the inputs.
-pub(super) const DRIVE: [&str; 2] = ["M₁", "M₂"];
+pub(super) const INPUT: [&str; 2] = ["M₁", "M₂"];
 
 /// A regime in a sentence: "pivot to the left".
 pub(super) fn regime(regime: Regime) -> String {

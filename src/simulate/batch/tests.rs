@@ -48,7 +48,7 @@ fn lanes_equal_single_simulations_through_stops_reversals_and_rest() {
     let model = Model::base(Robot::amigobot());
     let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
     let t = uneven(4000, &mut rng);
-    let moment = lively(&t);
+    let torque = lively(&t);
     let mut parameters: Vec<Vec<f64>> = (0..29)
         .map(|_| model.initial().iter().map(|a| a * rng.random_range(0.5..1.6)).collect())
         .collect();
@@ -58,24 +58,24 @@ fn lanes_equal_single_simulations_through_stops_reversals_and_rest() {
     parameters[4][1] = 2.0 * parameters[4][0]; // no acceleration
     let start = State { alpha: [0.3, -1.0], omega: [0.0, 2.0] };
     for hold in [Hold::Linear, Hold::Constant] {
-        compare(&model, &parameters, &Input { t: &t, moment: &moment, hold }, start);
+        compare(&model, &parameters, &Input { t: &t, torque: &torque, hold }, start);
     }
     // nothing pushes: both wheels coast to rest and stay
     let none = vec![[0.0; 2]; t.len()];
-    compare(&model, &parameters, &Input { t: &t, moment: &none, hold: Hold::Linear }, start);
+    compare(&model, &parameters, &Input { t: &t, torque: &none, hold: Hold::Linear }, start);
 }
 
 #[test]
 fn a_lane_that_diverges_says_so_and_leaves_the_others_alone() {
     let model = Model::base(Robot::amigobot());
     let t: Vec<f64> = (0..500).map(|k| 0.01 * f64::from(k)).collect();
-    let moment = vec![[40.0, -3.0]; 500];
+    let torque = vec![[40.0, -3.0]; 500];
     let mut parameters = vec![model.initial(); 3];
     parameters[1][0] = 5e-5;
     parameters[1][1] = 0.0;
     parameters[1][2] = 0.0;
-    let input = Input { t: &t, moment: &moment, hold: Hold::Linear };
-    let found = ise_of_many(&model, &parameters, &input, State::default(), &moment);
+    let input = Input { t: &t, torque: &torque, hold: Hold::Linear };
+    let found = ise_of_many(&model, &parameters, &input, State::default(), &torque);
     assert!(matches!(found[1], Err(SimulateError::Diverged { .. })), "{:?}", found[1]);
     compare(&model, &parameters, &input, State::default());
 }
@@ -84,8 +84,8 @@ fn a_lane_that_diverges_says_so_and_leaves_the_others_alone() {
 fn models_with_further_effects_are_simulated_one_by_one() {
     let model = Model::base(Robot::amigobot()).add("viscous_friction").unwrap();
     let t: Vec<f64> = (0..300).map(|k| 0.01 * f64::from(k)).collect();
-    let moment = lively(&t);
+    let torque = lively(&t);
     let parameters = vec![model.initial(); 3];
-    let input = Input { t: &t, moment: &moment, hold: Hold::Linear };
+    let input = Input { t: &t, torque: &torque, hold: Hold::Linear };
     compare(&model, &parameters, &input, State::default());
 }

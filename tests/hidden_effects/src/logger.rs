@@ -127,7 +127,7 @@ pub fn record(
             Log::Averaged => mean(&exact.torque, k, every),
             _ => exact.torque[k],
         };
-        channels.moment.push([0, 1].map(|i| m[i] + torque * drift[i]));
+        channels.torque.push([0, 1].map(|i| m[i] + torque * drift[i]));
     }
     (channels.alpha, channels.omega) = (Some(alpha), Some(omega));
     channels

@@ -44,7 +44,7 @@ fn movement(machine: &Machine, rng: &mut ChaCha8Rng, duration: f64) -> Movement 
 
 /// Drives `robot` with `effects` hidden in it: exact stick and slip under the project's controller at 1 kHz,
 /// which knows the robot's own construction.
-pub fn drive(
+pub fn input(
     machine: &Machine,
     robot: Robot,
     effects: &[(String, Values)],
@@ -86,6 +86,6 @@ pub fn drive(
     Ok(Exact {
         alpha: made.alpha().to_vec(),
         omega: made.omega().to_vec(),
-        torque: made.moment().to_vec(),
+        torque: made.torque().to_vec(),
     })
 }

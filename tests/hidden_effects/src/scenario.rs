@@ -35,7 +35,7 @@ impl Scenario {
         let machine = Machine::of(&case.robot).ok_or("no such robot")?;
         let mut rng = ChaCha8Rng::seed_from_u64(case.stream());
         // sizes are those of an ordinary motion of the healthy robot
-        let plain = second::drive(&machine, &vec![], None, 1.0, 0.5 * DURATION, 0);
+        let plain = second::input(&machine, &vec![], None, 1.0, 0.5 * DURATION, 0);
         let extent = Extent::of(&plain);
         let mut effects: Vec<(String, Values)> = Vec::new();
         for hidden in &case.hidden {
@@ -53,10 +53,10 @@ impl Scenario {
             let outside = Outside::of(&case.hidden, case.size, &machine, &extent, &mut rng);
             let exact: Exact = match case.simulator {
                 Simulator::Own => {
-                    own::drive(&machine, robot.clone(), &effects, outside, DURATION, seed)?
+                    own::input(&machine, robot.clone(), &effects, outside, DURATION, seed)?
                 }
                 Simulator::Second => {
-                    second::drive(&machine, &all, outside, extent.torque, DURATION, seed)
+                    second::input(&machine, &all, outside, extent.torque, DURATION, seed)
                 }
             };
             let channels = record(&exact, case.log, &machine, case.level(), &mut rng);
@@ -107,7 +107,7 @@ fn columns(channels: &Channels) -> Vec<TableColumn> {
     };
     channels.alpha.iter().for_each(|rows| pair("alpha", rows));
     channels.omega.iter().for_each(|rows| pair("dalpha", rows));
-    pair("M", &channels.moment);
+    pair("M", &channels.torque);
     out
 }
 

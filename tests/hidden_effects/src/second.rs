@@ -155,7 +155,7 @@ impl Actuator {
 }
 
 /// Drives `machine` with effects of these values hidden in it; `torque`: an ordinary torque [N m].
-pub fn drive(
+pub fn input(
     machine: &Machine,
     values: &Values,
     mut outside: Option<Outside>,

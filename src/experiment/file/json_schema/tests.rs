@@ -351,15 +351,15 @@ fn units_of_columns_are_those_that_the_program_converts() {
             };
             assert!(complaints(&column("")).is_empty(), "{key} in {unit}");
             // with what some units need, one of the units of the input reads every spelling
-            let read = ["N m", "V", "A"].iter().any(|drive| {
-                let unit_of_drive = toml::from_str::<ExperimentFile>(&format!(
-                    "{}drive_unit = \"{drive}\"\n",
-                    column(match *drive {
+            let read = ["N m", "V", "A"].iter().any(|input| {
+                let unit_of_input = toml::from_str::<ExperimentFile>(&format!(
+                    "{}drive_unit = \"{input}\"\n",
+                    column(match *input {
                         "N m" => ", per_turn = 500.0, torque_constant = 0.1",
                         _ => ", per_turn = 500.0",
                     })
                 ));
-                let entry = unit_of_drive.unwrap().recordings.unwrap();
+                let entry = unit_of_input.unwrap().recordings.unwrap();
                 let mut map = crate::io::ColumnMap::new(entry.drive_unit, Some(0.1));
                 map.put(key, entry.columns[key].clone().into()).is_ok()
             });

@@ -12,7 +12,7 @@ const SMOOTH: f64 = 0.06;
 const FEWEST: usize = 3;
 
 /// The acting input of a recording, row by row.
-pub(super) struct Drive {
+pub(super) struct RecordedInput {
     pub(super) acting: Vec<[f64; 2]>,
     /// The same without most of its noise.
     pub(super) smooth: Vec<[f64; 2]>,
@@ -22,7 +22,7 @@ pub(super) struct Drive {
     shift: f64,
 }
 
-impl Drive {
+impl RecordedInput {
     pub(super) fn new(
         model: &Model,
         p: &[f64],
@@ -32,7 +32,7 @@ impl Drive {
         reading: Reading,
     ) -> Self {
         let r = prepared.recording;
-        let (whole, by_parameter) = model.drive_derivatives(r.t(), r.moment(), p);
+        let (whole, by_parameter) = model.input_derivatives(r.t(), r.torque(), p);
         let acts = by_parameter.iter().any(|d| !d.is_empty());
         let acting = match reading {
             Reading::HalfRate(phase) => every_other(r, &whole, phase, Hold::Linear),

@@ -34,9 +34,11 @@ pub enum Variable {
     /// Time since the start \[s\].
     Time,
     /// Input of wheel 1 [N m].
-    Moment1,
+    #[serde(rename = "moment1")]
+    Input1,
     /// Input of wheel 2 [N m].
-    Moment2,
+    #[serde(rename = "moment2")]
+    Input2,
 }
 
 impl Variable {
@@ -52,8 +54,8 @@ impl Variable {
         Self::Alpha1,
         Self::Alpha2,
         Self::Time,
-        Self::Moment1,
-        Self::Moment2,
+        Self::Input1,
+        Self::Input2,
     ];
 
     /// In words, for sentences.
@@ -70,8 +72,8 @@ impl Variable {
             Self::Alpha1 => "angle of wheel 1",
             Self::Alpha2 => "angle of wheel 2",
             Self::Time => "time",
-            Self::Moment1 => "input of wheel 1",
-            Self::Moment2 => "input of wheel 2",
+            Self::Input1 => "input of wheel 1",
+            Self::Input2 => "input of wheel 2",
         }
     }
 
@@ -84,7 +86,7 @@ impl Variable {
             Self::ForwardSpeed => "m/s",
             Self::Heading | Self::Alpha1 | Self::Alpha2 => "rad",
             Self::Time => "s",
-            Self::Moment1 | Self::Moment2 => drive_unit,
+            Self::Input1 | Self::Input2 => drive_unit,
         }
     }
 
@@ -92,7 +94,7 @@ impl Variable {
         self,
         motion: &Motion<f64>,
         acceleration: &[f64; 2],
-        moment: &[f64; 2],
+        torque: &[f64; 2],
     ) -> f64 {
         let turn = |x: f64| x.rem_euclid(std::f64::consts::TAU);
         match self {
@@ -106,8 +108,8 @@ impl Variable {
             Self::Alpha1 => turn(motion.alpha[0]),
             Self::Alpha2 => turn(motion.alpha[1]),
             Self::Time => motion.t,
-            Self::Moment1 => moment[0],
-            Self::Moment2 => moment[1],
+            Self::Input1 => torque[0],
+            Self::Input2 => torque[1],
         }
     }
 }
@@ -118,7 +120,8 @@ pub struct Bin {
     /// Middle of the bin.
     pub at: f64,
     /// Residual torque on wheel 1 and wheel 2 [N m].
-    pub moment: [f64; 2],
+    #[serde(rename = "moment")]
+    pub torque: [f64; 2],
     /// Their standard errors.
     pub std_error: [f64; 2],
 }
@@ -142,7 +145,7 @@ pub struct Dependence {
 
 /// All dependences, the strongest first.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct MissingMoment {
+pub struct UnexplainedTorque {
     /// One per variable.
     pub dependences: Vec<Dependence>,
 }
@@ -158,17 +161,17 @@ const WEAK: f64 = 1e-4;
 ///
 /// ```text
 /// I = H_JJ - H_JB H_BB⁻¹ H_BJ,  s = g_J - H_JB H_BB⁻¹ g_B,  T = s' I⁺ s ~ χ²(rank I)
-/// moment in a bin = s/I ± 1/√I
+/// torque in a bin = s/I ± 1/√I
 /// ```
 ///
 /// # Errors
 /// If the model has no acceleration.
-pub fn missing_moment(
+pub fn unexplained_torque(
     model: &Model,
     p: &[f64],
     noise: &ProcessNoise,
     likelihood: &Likelihood,
-) -> Result<MissingMoment, ModelError> {
+) -> Result<UnexplainedTorque, ModelError> {
     let recordings: Vec<&Recording> = likelihood.prepared.iter().map(|p| p.recording).collect();
     let edges = Variable::ALL.map(|v| edges(v, model, &recordings));
     let columns = Bins { edges: &edges };
@@ -195,7 +198,7 @@ pub fn missing_moment(
         })
         .collect();
     dependences.sort_by(|a, b| b.log_significance.total_cmp(&a.log_significance));
-    Ok(MissingMoment { dependences })
+    Ok(UnexplainedTorque { dependences })
 }
 
 /// Edges that give every bin about as many samples, from the 1 % to the 99 % point.
@@ -210,7 +213,7 @@ fn edges(variable: Variable, model: &Model, recordings: &[&Recording]) -> Vec<f6
                 variance: [0.0; 4],
                 robot: model.robot(),
             };
-            values.push(variable.at(&x, &m.acceleration, &recording.moment()[k]));
+            values.push(variable.at(&x, &m.acceleration, &recording.torque()[k]));
         }
     }
     values.sort_by(f64::total_cmp);
@@ -231,7 +234,7 @@ impl Columns for Bins<'_> {
     fn torque(&self, at: &Instant, out: &mut [[f64; 2]]) {
         out.iter_mut().for_each(|column| *column = [0.0; 2]);
         for (v, variable) in Variable::ALL.iter().enumerate() {
-            let value = variable.at(&at.motion, &at.acceleration, &at.drive);
+            let value = variable.at(&at.motion, &at.acceleration, &at.input);
             let inner = &self.edges[v][1..BINS];
             let bin = inner.partition_point(|edge| *edge <= value);
             out[v * 2 * BINS + 2 * bin] = [1.0, 0.0];
@@ -248,7 +251,7 @@ fn test(h: &DMatrix<f64>, g: &DVector<f64>, base: &[usize], columns: &[usize]) -
 fn size(bins: &[Bin]) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for bin in bins {
-        for (m, s) in bin.moment.iter().zip(&bin.std_error) {
+        for (m, s) in bin.torque.iter().zip(&bin.std_error) {
             if m.is_finite() && s.is_finite() {
                 sum += m * m - s * s;
                 count += 1.0;
@@ -274,7 +277,7 @@ fn curve(
         .clone()
         .pseudo_inverse(1e-3 * largest.max(1e-300))
         .unwrap_or_else(|_| DMatrix::zeros(columns.len(), columns.len()));
-    let moment = &inverse * score;
+    let torque = &inverse * score;
     (0..BINS)
         .map(|b| {
             let entry = |i: usize| {
@@ -284,13 +287,13 @@ fn curve(
                 if empty || variance <= 0.0 {
                     (f64::NAN, f64::NAN)
                 } else {
-                    (moment[j], variance.sqrt())
+                    (torque[j], variance.sqrt())
                 }
             };
             let (one, two) = (entry(0), entry(1));
             Bin {
                 at: 0.5 * (edges[b] + edges[b + 1]),
-                moment: [one.0, two.0],
+                torque: [one.0, two.0],
                 std_error: [one.1, two.1],
             }
         })

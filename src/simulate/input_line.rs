@@ -2,14 +2,14 @@
 
 /// A straight line of the input over one sample.
 #[derive(Clone, Copy)]
-pub(super) struct Drive {
+pub(super) struct InputLine {
     from: f64,
     per_second: f64,
     start: [f64; 2],
     change: [f64; 2],
 }
 
-impl Drive {
+impl InputLine {
     pub(super) fn new(from: f64, to: f64, start: &[f64; 2], end: &[f64; 2]) -> Self {
         let change = [end[0] - start[0], end[1] - start[1]];
         Self { from, per_second: 1.0 / (to - from), start: *start, change }
