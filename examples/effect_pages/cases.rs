@@ -104,8 +104,8 @@ static CASES: [Case; 30] = [
         hidden: &[("k_e", 2e-3)],
         against: Some(Variable::Omega1),
         reading: "The same sawtooth as of viscous friction: the line of wheel 1 falls with speed \
-                  on either side and jumps up at rest, where the fitted Coulomb friction has taken \
-                  up the mean in each direction.",
+                  on either side and jumps up at rest, where the fitted Coulomb friction has \
+                  absorbed the mean in each direction.",
         ..PLAIN
     },
     Case {
@@ -235,7 +235,7 @@ static CASES: [Case; 30] = [
         hidden: &[("d", 0.01)],
         against: Some(Variable::Input1),
         reading: "A step on wheel 1 where its input changes sign, from +d to -d, that fades \
-                  towards large torques, where the fitted inertia and friction have taken it up.",
+                  towards large torques, where the fitted inertia and friction have absorbed it.",
         ..PLAIN
     },
     Case {

@@ -1,4 +1,4 @@
-//! The picture of an effect: the residual torque against what it depends on most.
+//! The picture of an effect: the residual torque against what shows it, among the first that it depends on.
 
 use amigo_ident::compare::Dependence;
 use amigo_ident::effects;
@@ -20,10 +20,11 @@ pub(crate) fn draw(case: &Case, outcome: &Outcome) -> Result<Vec<u8>, ReportErro
     let height = if case.against.is_some() { 300.0 } else { 400.0 };
     let mut figure = Figure::new(case.id, title);
     figure.size = Size { width: WIDTH, height: Some(height) };
-    figure = match case.against {
-        Some(_) => figure
+    let on = |variable| outcome.dependences.iter().find(|d| d.variable == variable);
+    figure = match case.against.and_then(on) {
+        Some(dependence) => figure
             .with_subtitle("Torque that the model without it misses; bands: 95 %")
-            .with_panel(missing(&outcome.dependences[0])),
+            .with_panel(missing(dependence)),
         None => excerpt(figure, outcome),
     };
     figure_to_png(&figure)

@@ -27,7 +27,7 @@ impl Physics for Compliance {
     fn description(&self) -> Description {
         Description {
             id: "compliance".into(),
-            title: "Compliant drive".into(),
+            title: "Compliant drivetrain".into(),
             equation: "kt phi + dt (w - u) between motor side and body, dphi/dt = w - u".into(),
             cause: "elastic shaft, belt or tyre between the encoder and the floor".into(),
             signature: "wheel speed oscillates after steps of the torque".into(),

@@ -27,7 +27,8 @@ fn defaults(own: &Value) -> (toml::Table, BTreeSet<&str>) {
 #[test]
 fn every_default_of_a_section_in_the_schema_is_that_of_the_code() {
     let schema = schema_value();
-    let own_or_none = ["columns", "hold", "encoder_ticks", "custom", "fixed", "gain", "matrix", "poles"];
+    let own_or_none =
+        ["columns", "hold", "encoder_ticks", "custom", "fixed", "gain", "matrix", "poles"];
     for section in ["recordings", "conditioning", "simulation", "model", "emulator", "diagnosis"] {
         let (mut written, without) = defaults(pointed(&schema, section));
         let mut short = toml::Table::new();
