@@ -34,7 +34,15 @@ pub(super) fn robot(table: Option<&Table>) -> Result<Robot, Meaning> {
     if let Some((key, value)) = rest.iter().find(|(_, v)| !v.is_float() && !v.is_integer()) {
         return Err(words(format!("[robot]: {key} = {value} must be a number")));
     }
-    // keys that are written replace those of the preset; without one all must be there
+    let missing: Vec<&str> = known.iter().copied().filter(|key| !rest.contains_key(*key)).collect();
+    if base.is_none() && !missing.is_empty() {
+        return Err(words(format!(
+            "[robot]: {} not there; without a preset all construction data must be. Where they are not known, add \
+             preset = \"unknown\", or the preset of a robot like it, whose values stand for them",
+            and(&missing)
+        )));
+    }
+    // keys that are written replace those of the preset
     let mut values = Table::new();
     if let Some(robot) = &base {
         for (key, value) in robot.construction.values() {
@@ -44,14 +52,7 @@ pub(super) fn robot(table: Option<&Table>) -> Result<Robot, Meaning> {
     values.extend(rest);
     let construction: Construction = toml::Value::Table(values)
         .try_into()
-        .map_err(|e: toml::de::Error| {
-            let remedy = if base.is_some() {
-                ""
-            } else {
-                "; without a preset all construction data must be there, or add preset = \"amigobot\""
-            };
-            words(format!("[robot]: {}{remedy}", e.message()))
-        })?;
+        .map_err(|e: toml::de::Error| words(format!("[robot]: {}", e.message())))?;
     let given = |key: &str| table.get(key).is_some();
     let name = match base {
         None => "custom".into(),
@@ -74,6 +75,15 @@ const UNKNOWN_TRACK: &str = "unknown (with its wheel radius)";
 /// Whether the track of a robot is not known, and so neither its heading nor its path.
 pub(super) fn has_no_track(robot: &Robot) -> bool {
     robot.name == UNKNOWN || robot.name == UNKNOWN_TRACK
+}
+
+/// Keys in words: `a, b and c are`.
+fn and(keys: &[&str]) -> String {
+    match keys {
+        [one] => format!("{one} is"),
+        [rest @ .., last] => format!("{} and {last} are", rest.join(", ")),
+        [] => String::new(),
+    }
 }
 
 fn preset(name: &str) -> Result<Robot, Meaning> {

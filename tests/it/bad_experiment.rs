@@ -48,7 +48,8 @@ fn a_wrong_robot_is_named() {
         made("[robot]\npreset = \"amigobot\"\nm1_kgs = 3.0\n"),
         &["[robot]", "`m1_kgs`", "did you mean `m1_kg`?"],
     );
-    file_refused(made("[robot]\nl1_m = 0.14\n"), &["[robot]", "missing", "preset"]);
+    let all = ["[robot]", "l2_m", "iz4_kg_m2", "are not there", "preset = \"unknown\""];
+    file_refused(made("[robot]\nl1_m = 0.14\n"), &all);
     file_refused(made("[robot]\npreset = \"amigobot\"\nr_m = -1.0\n"), &["[robot]", "r_m"]);
     file_refused(made("[robot]\npreset = \"amigobot\"\nr_m = \"x\"\n"), &["[robot]", "r_m"]);
 }

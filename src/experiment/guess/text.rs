@@ -161,7 +161,7 @@ fn effects_of(unit: DriveUnit) -> String {
 /// What must be said of the robot.
 const ROBOT: &str = "[robot]
 # Not in the log: which robot it was. The parameters a1 to a5 do not depend on it; the path, the heading
-# and speeds in m/s do. Until it is filled in, \"unknown\" keeps them out.
+# and speeds in m/s do. A preset, or the two lengths beside \"unknown\", gives them; until then they are left out.
 preset = \"unknown\"            # amigobot, pioneer_3dx, turtlebot3_burger, e_puck, create_2, regbot, frc_tank_drive
 # l1_m = 0.15                 # half the distance between the wheels [m]
 ";

@@ -30,7 +30,8 @@ pub(super) fn findings(r: &Recording, jitter: f64, gaps: Gaps) -> Vec<Finding> {
     if r.duration() < SHORT {
         out.push(Finding::new(Severity::Warning, Issue::Short(r.duration())));
     }
-    if rate < SLOW {
+    // stamps of 50 ms are 20 Hz whatever their last digits
+    if rate < SLOW * (1.0 - 1e-3) {
         out.push(Finding::new(Severity::Warning, Issue::Slow(rate)));
     }
     if jitter > UNEVEN {
