@@ -66,7 +66,8 @@ pub struct Thresholds {
     /// to first order it explains too little to come first.
     pub far_behind: f64,
     /// Share of the squared error that the best refit may leave before effects with a second body are fitted
-    /// though they are far behind: the larger part is then unexplained.
+    /// though they are far behind, and that a low-pass of the sensors may leave and be one: the larger part is then
+    /// unexplained, or explained.
     pub most_left: f64,
     /// Starts of an effect with several that are followed to their minimum.
     pub followed: usize,

@@ -62,6 +62,8 @@ pub struct Plan {
     pub source: PathBuf,
     /// The recordings of a run without an experiment file, as typed; then there is nothing at `source`.
     pub typed: Vec<PathBuf>,
+    /// Whether the file says which robot it is; else the model's stands in for it.
+    pub robot_is_given: bool,
     /// Model to fit.
     pub model: Model,
     /// Effects written as formulas in the file, in the model or not.

@@ -106,6 +106,7 @@ fn plan(
         typed: vec![],
         source: std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf()),
         remarks,
+        robot_is_given: file.robot.is_some(),
         model,
         own,
         recordings,

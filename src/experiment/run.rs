@@ -128,6 +128,7 @@ pub(super) fn measure(
         seed: plan.seed,
         file: plan.file.clone(),
         robot: plan.model.robot().name.clone(),
+        robot_is_given: plan.robot_is_given,
         effects: plan.model.added_ids(),
         drive_unit: train[0].drive_unit(),
         recordings,

@@ -86,9 +86,7 @@ fn subtitle(study: &Study) -> String {
     let mut parts = vec![study.experiment.clone(), study.robot.clone(), recordings, program];
     let is_synthetic = study.recordings.iter().all(|r| r.sha256.is_none());
     // a name that says nothing: unknown, or the default beside measured data of some other machine
-    let is_key = |line: &str| !line.trim_start().starts_with('#') || line.starts_with("# run with");
-    let is_named =
-        is_synthetic || study.file.lines().any(|line| is_key(line) && line.contains("robot"));
+    let is_named = is_synthetic || study.robot_is_given;
     parts.retain(|part| part != "unknown" && (is_named || *part != study.robot));
     // a seed that made nothing
     if is_synthetic {

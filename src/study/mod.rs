@@ -222,6 +222,9 @@ pub struct Study {
     pub file: String,
     /// Robot.
     pub robot: String,
+    /// Whether the experiment says which robot it is.
+    #[serde(skip)]
+    pub robot_is_given: bool,
     /// Effects of the model beyond the base.
     pub effects: Vec<String>,
     /// Unit of the input.

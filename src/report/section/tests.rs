@@ -87,6 +87,18 @@ fn a_study_whose_methods_all_failed_still_shows_why_and_what_was_recorded() {
 }
 
 #[test]
+fn a_robot_that_nobody_named_does_not_head_the_report_of_measured_data() {
+    let mut study = full();
+    // the words of the file do not decide
+    (study.robot, study.file) = ("some_robot".into(), "title = \"my some_robot\"".into());
+    for given in [true, false] {
+        study.robot_is_given = given;
+        let html = render(&study).unwrap().html;
+        assert_eq!(html.contains("· some_robot ·"), given);
+    }
+}
+
+#[test]
 fn short_and_ragged_columns_are_drawn_as_far_as_they_go() {
     let mut study = full();
     for recording in &mut study.recordings {

@@ -74,6 +74,7 @@ pub(in crate::report::section) fn empty() -> Study {
         seed: 1,
         file: String::new(),
         robot: "robot".to_owned(),
+        robot_is_given: true,
         effects: vec![],
         drive_unit: DriveUnit::Volt,
         recordings: vec![],
