@@ -2,9 +2,9 @@
 
 use super::{Depth, Section};
 use crate::report::block::Block;
-use crate::study::Study;
+use crate::study::{DiagnosisStudy, Study};
 
-/// The number of recordings in a sentence.
+/// The false-alarm rate that a diagnosis was asked for, in a sentence; nothing without a diagnosis.
 #[derive(Default)]
 pub struct ExtensionProbe;
 
@@ -22,10 +22,11 @@ impl Section for ExtensionProbe {
     }
 
     fn how_to_read(&self) -> &'static str {
-        "It states how many recordings there are."
+        "It states the rate that was asked for."
     }
 
     fn blocks(&self, study: &Study) -> Vec<Block> {
-        vec![Block::paragraph(format!("{} recordings.", study.recordings.len()))]
+        let said = |d: &DiagnosisStudy| Block::paragraph(format!("Asked: {}.", d.false_alarm));
+        study.diagnosis.iter().map(said).collect()
     }
 }
