@@ -34,7 +34,8 @@ pub(super) fn robot(table: Option<&Table>) -> Result<Robot, Meaning> {
     if let Some((key, value)) = rest.iter().find(|(_, v)| !v.is_float() && !v.is_integer()) {
         return Err(words(format!("[robot]: {key} = {value} must be a number")));
     }
-    let missing: Vec<&str> = known.iter().copied().filter(|key| !rest.contains_key(*key)).collect();
+    let is_missing = |key: &&str| !rest.contains_key(*key) && is_required(key);
+    let missing: Vec<&str> = known.iter().copied().filter(is_missing).collect();
     if base.is_none() && !missing.is_empty() {
         return Err(words(format!(
             "[robot]: {} not there; without a preset all construction data must be. Where they are not known, add \
@@ -75,6 +76,15 @@ const UNKNOWN_TRACK: &str = "unknown (with its wheel radius)";
 /// Whether the track of a robot is not known, and so neither its heading nor its path.
 pub(super) fn has_no_track(robot: &Robot) -> bool {
     robot.name == UNKNOWN || robot.name == UNKNOWN_TRACK
+}
+
+/// Whether construction data cannot do without a key; those of the caster may be left out.
+fn is_required(key: &str) -> bool {
+    let whole = Construction::amigobot();
+    let others = whole.values().filter(|(k, _)| *k != key);
+    let others = others.map(|(k, value)| (k.to_string(), toml::Value::Float(value)));
+    let others = toml::Value::Table(others.collect());
+    others.try_into::<Construction>().is_err()
 }
 
 /// Keys in words: `a, b and c are`.

@@ -1,5 +1,7 @@
 //! Wrong experiment files and places for results: a clear message and the right exit code, and nothing is written.
 
+use amigo_ident::robot::Robot;
+
 use crate::support::{Folder, csv, motion, on};
 
 /// An experiment file that needs no recording, with a line of its own.
@@ -50,6 +52,13 @@ fn a_wrong_robot_is_named() {
     );
     let all = ["[robot]", "l2_m", "iz4_kg_m2", "are not there", "preset = \"unknown\""];
     file_refused(made("[robot]\nl1_m = 0.14\n"), &all);
+    // what only the caster has may be left out
+    let values = Robot::amigobot().construction;
+    let wheels = values.values().filter(|(key, _)| !key.contains('3') && *key != "l4_m");
+    let lines: String = wheels.map(|(key, value)| format!("{key} = {value:?}\n")).collect();
+    let folder = Folder::new();
+    folder.write("e.toml", made(&format!("[robot]\n{lines}")));
+    folder.run(&["check", "e.toml"]).says(0, &[]);
     file_refused(made("[robot]\npreset = \"amigobot\"\nr_m = -1.0\n"), &["[robot]", "r_m"]);
     file_refused(made("[robot]\npreset = \"amigobot\"\nr_m = \"x\"\n"), &["[robot]", "r_m"]);
 }
