@@ -244,7 +244,7 @@ impl Columns for Bins<'_> {
 }
 
 fn test(h: &DMatrix<f64>, g: &DVector<f64>, base: &[usize], columns: &[usize]) -> (f64, usize) {
-    let (information, score) = project(h, g, base, columns);
+    let (information, score) = eliminate(h, g, base, columns);
     score_statistic(&information, &score)
 }
 
@@ -270,7 +270,7 @@ fn curve(
     base: &[usize],
     columns: &[usize],
 ) -> Vec<Bin> {
-    let (information, score) = project(h, g, base, columns);
+    let (information, score) = eliminate(h, g, base, columns);
     // all bins are in N m: scaled to unit diagonal, as `Information` does, bins with few rows would count as others
     let largest = information.diagonal().max();
     let inverse = information
@@ -298,17 +298,6 @@ fn curve(
             }
         })
         .collect()
-}
-
-/// Information and score of `columns` after the `base` columns took up what they can.
-#[must_use]
-pub fn project(
-    h: &DMatrix<f64>,
-    g: &DVector<f64>,
-    base: &[usize],
-    columns: &[usize],
-) -> (DMatrix<f64>, DVector<f64>) {
-    eliminate(h, g, base, columns)
 }
 
 /// `T = s' I⁺ s` and the rank of I; directions below 1e-4 of the largest, after scaling to unit

@@ -6,10 +6,10 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 use super::candidate::Candidate;
-use crate::compare::project;
 use crate::filter::{
     Columns, Instant, Likelihood, PassSettings, Prepared, ProcessNoise, filter_pass,
 };
+use crate::math::eliminate;
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::robot::kinematics;
@@ -177,7 +177,7 @@ impl Search<'_> {
         let part = |i: usize| {
             let mut base = self.model.free();
             base.extend(&own[1 - i]);
-            let (information, _) = project(&pass.information, &pass.score, &base, &own[i]);
+            let (information, _) = eliminate(&pass.information, &pass.score, &base, &own[i]);
             let theta = nalgebra::DVector::from_row_slice(self.rivals.sizes[i]);
             theta.dot(&(information * &theta)).max(0.0)
         };

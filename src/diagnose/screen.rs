@@ -9,8 +9,8 @@ use nalgebra::{DMatrix, DVector};
 use super::candidate::{Candidate, still_instant};
 use super::nonnegative;
 use super::windows::{Row, Windows, quadratic_of};
-use crate::compare::project;
 use crate::effects::{Motion, Terms};
+use crate::math::eliminate;
 use crate::model::{Model, inverse_mass, times};
 use crate::robot::State;
 
@@ -214,7 +214,7 @@ impl<'a> Screen<'a> {
         let base: Vec<usize> = (0..self.base).collect();
         let own: Vec<usize> = (self.base..self.base + count).collect();
         let none = (0.0, vec![0.0; count]);
-        let (information, score) = project(&h, &g, &base, &own);
+        let (information, score) = eliminate(&h, &g, &base, &own);
         let seen = |n: usize| information[(n, n)] > COLLINEAR * h[(own[n], own[n])];
         if !(0..count).all(seen) {
             return none;

@@ -39,9 +39,13 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
     if long || plan.model.effects().iter().any(shifts) {
         return;
     }
-    let Some(start) = balanced(plan) else { return };
-    let start = unfiltered(plan, start, asked.speeds);
-    if asked.hold.is_none() && is_held(plan, &start) {
+    let Some(mut start) = balanced(plan) else { return };
+    let mut share = share_of_noise(plan, &start);
+    if let Some(moved) = unfiltered(plan, &start, share, asked.speeds) {
+        start = moved;
+        share = share_of_noise(plan, &start);
+    }
+    if asked.hold.is_none() && is_held(plan, &start, share) {
         let held =
             |i| Finding { channel: Channel::Input(i), kind: Kind::HeldInput, action: Action::Used };
         plan.recordings.iter_mut().for_each(|m| m.conditioning.extend([0, 1].map(held)));
@@ -49,7 +53,6 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
     let train = plan.of(Role::Train);
     let recordings: Vec<&Recording> = train.iter().collect();
     plan.timing = timing(&plan.model, &start, &recordings, plan.hold);
-    let share = noise_of_jumps(&plan.model, &start, &recordings, plan.hold);
     plan.recordings.iter_mut().for_each(|m| m.recording.set_noise_of_jumps(share));
     let Some(timing) = plan.timing.filter(|t| t.correction_s != 0.0) else { return };
     for Measured { recording, .. } in &mut plan.recordings {
@@ -64,25 +67,27 @@ fn balanced(plan: &Plan) -> Option<Vec<f64>> {
     start::start(&task, "timing").ok()
 }
 
-/// The training recordings with the noise of their input as the model at `start` allows it: what a low-pass or a line
-/// makes of noise is compared.
-fn train_with_noise(plan: &Plan, start: &[f64]) -> Vec<Recording> {
-    let mut train = plan.of(Role::Train);
+/// Share of the input's jumps that is noise of the training recordings, as the model at `start` allows it.
+fn share_of_noise(plan: &Plan, start: &[f64]) -> f64 {
+    let train = plan.of(Role::Train);
     let recordings: Vec<&Recording> = train.iter().collect();
-    let share = noise_of_jumps(&plan.model, start, &recordings, plan.hold);
+    noise_of_jumps(&plan.model, start, &recordings, plan.hold)
+}
+
+/// The training recordings with that share: what a low-pass or a line makes of noise is compared.
+fn train_with_noise(plan: &Plan, share: f64) -> Vec<Recording> {
+    let mut train = plan.of(Role::Train);
     train.iter_mut().for_each(|r| r.set_noise_of_jumps(share));
     train
 }
 
 /// Replaces speeds behind a low-pass of their sensor by those before it, where `correct`, and says so; the parameters
-/// of the recordings as they are then, `start` before.
-fn unfiltered(plan: &mut Plan, start: Vec<f64>, correct: bool) -> Vec<f64> {
-    let train = train_with_noise(plan, &start);
+/// of the recordings as they are then, `None` where they stay.
+fn unfiltered(plan: &mut Plan, start: &[f64], share: f64, correct: bool) -> Option<Vec<f64>> {
+    let train = train_with_noise(plan, share);
     let recordings: Vec<&Recording> = train.iter().collect();
-    let Some(filter) = speed_filter(&plan.model, &start, &recordings, plan.hold) else {
-        return start;
-    };
-    let SpeedFilter { time_s, std_error_s } = filter;
+    let SpeedFilter { time_s, std_error_s } =
+        speed_filter(&plan.model, start, &recordings, plan.hold)?;
     let kind = Kind::LowPass { time_s, std_error_s };
     for m in &mut plan.recordings {
         let found = [0, 1].map(|i| Finding::corrected(Channel::Speed(i), kind, "speeds", correct));
@@ -91,14 +96,14 @@ fn unfiltered(plan: &mut Plan, start: Vec<f64>, correct: bool) -> Vec<f64> {
             m.recording = advanced(&m.recording, time_s);
         }
     }
-    balanced(plan).unwrap_or(start)
+    correct.then(|| balanced(plan).unwrap_or_else(|| start.to_vec()))
 }
 
 /// Whether the motion shows an input that is held between the rows. It is then said, and simulated as the line between
 /// the rows still: moved in time by [`timing`] that leaves the same error, and a held input that is logged more slowly
 /// than it changes does not.
-fn is_held(plan: &Plan, start: &[f64]) -> bool {
-    let train = train_with_noise(plan, start);
+fn is_held(plan: &Plan, start: &[f64], share: f64) -> bool {
+    let train = train_with_noise(plan, share);
     let recordings: Vec<&Recording> = train.iter().collect();
     hold(&plan.model, start, &recordings) == Hold::Constant
 }
