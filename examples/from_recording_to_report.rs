@@ -6,7 +6,7 @@
 
 use std::path::PathBuf;
 
-use amigo_ident::experiment::{Reading, compare, diagnose, fits, plan_of};
+use amigo_ident::experiment::{Reading, compare, diagnose, fits, plan_of, study};
 use amigo_ident::recording::DriveUnit;
 use amigo_ident::report::render;
 use amigo_ident::robot::Robot;
@@ -26,8 +26,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let keys =
         toml::from_str("method = [{ name = \"prediction_error\" }]\n[diagnosis]\nmax_effects = 1")?;
     let plan = plan_of("slope", &keys, recordings, Hold::Linear)?;
-    let fitted = fits(&plan);
-    let study = diagnose(&plan, compare(&plan, &fitted)?)?;
+    let comparison = compare(&plan, &fits(&plan))?;
+    let study = study(&plan, diagnose(&plan, comparison)?)?;
     let diagnosis = study.diagnosis.as_ref().ok_or("the keys have [diagnosis]")?;
     println!("{:?}: {}", diagnosis.verdict, diagnosis.sentence);
     std::fs::write("report.html", render(&study)?.html)?;

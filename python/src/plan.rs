@@ -94,7 +94,9 @@ impl Plan {
     /// The fit of its first method set against its recordings.
     fn compare(&self, py: Python<'_>, fit: &Fit) -> PyResult<Study> {
         let fits = [MethodFit { fit: Ok(fit.fit.clone()), seconds: fit.seconds }];
-        let study = py.allow_threads(|| experiment::compare(&self.plan, &fits));
+        let study = py.allow_threads(|| {
+            experiment::study(&self.plan, experiment::compare(&self.plan, &fits)?.into())
+        });
         Ok(Study { plan: self.plan.clone(), study: study.map_err(|e| failed(&e))? })
     }
 

@@ -1,86 +1,115 @@
 //! The diagnosis of an experiment, with its verdict.
 
+use super::comparison::Comparison;
 use super::error::RunError;
-use super::models;
 use super::plan::{DiagnosisPlan, Plan};
-use crate::compare::Variable;
-use crate::diagnose::{Data, Diagnosis, diagnose, with_later_input};
+use crate::compare::{Curve, Variable};
+use crate::diagnose::{Data, Diagnosis, WindowFit, with_later_input};
 use crate::identify::{IdentifyError, Task, start};
 use crate::model::Model;
 use crate::recording::Recording;
-use crate::study::{DiagnosisStudy, Role, Study, Verdict};
+use crate::simulate::PhysicalDynamics;
+use crate::study::{DiagnosisStudy, Role, Verdict, is_undetermined};
 use crate::verdict::{Basis, concluded, residual_torque, unless_undetermined};
 
-/// Adds the diagnosis of a plan, in words, and its models to a study that holds the comparison already.
-///
-/// # Errors
-/// If the model cannot be fitted or simulated.
-pub(super) fn run_diagnosis(
-    plan: &Plan,
-    asked: &DiagnosisPlan,
-    mut study: Study,
-) -> Result<Study, RunError> {
-    let Said { mut words, depends_on, diagnosis } = say(plan, asked, &mut study)?;
-    let study = models::with_diagnosis(plan, study, &diagnosis)?;
-    if words.verdict == Verdict::UnknownEffect {
-        words.sentence += &format!(" {}", residual_torque(&study.curves, depends_on));
-    }
-    let words = unless_undetermined(words, study.is_undetermined());
-    Ok(Study { diagnosis: Some(words), ..study })
+/// A comparison with its diagnosis, where the plan asks for one.
+pub struct Diagnosed {
+    /// The comparison; with a diagnosis, the noise floor is that of the model with what was found.
+    pub comparison: Comparison,
+    pub(super) outcome: Option<Outcome>,
 }
 
-/// A diagnosis and its words.
-pub(super) struct Said {
-    pub(super) words: DiagnosisStudy,
+impl Diagnosed {
+    /// The verdict; `None` where no diagnosis was asked for.
+    #[must_use]
+    pub fn verdict(&self) -> Option<&DiagnosisStudy> {
+        self.outcome.as_ref().map(|outcome| &outcome.words)
+    }
+}
+
+impl From<Comparison> for Diagnosed {
+    /// Without a diagnosis.
+    fn from(comparison: Comparison) -> Self {
+        Self { comparison, outcome: None }
+    }
+}
+
+/// A diagnosis and its verdict.
+pub(super) struct Outcome {
+    pub(super) diagnosis: Diagnosis,
+    words: DiagnosisStudy,
     /// The variable on which the residual torque of the last model depends significantly.
     depends_on: Option<Variable>,
-    diagnosis: Diagnosis,
+    is_undetermined: bool,
 }
 
-/// Runs the diagnosis of a plan and puts it into words. The noise floor of `study` becomes that of the model with
-/// what was found.
+impl Outcome {
+    /// The verdict beside the `curves` of the residual torque.
+    pub(super) fn concluded(self, curves: &[Curve]) -> DiagnosisStudy {
+        let Self { mut words, depends_on, is_undetermined, .. } = self;
+        if words.verdict == Verdict::UnknownEffect && !is_undetermined {
+            words.sentence += &format!(" {}", residual_torque(curves, depends_on));
+        }
+        words
+    }
+}
+
+/// Searches what is missing in the model of a plan, where the plan asks for it.
 ///
 /// # Errors
 /// If the model cannot be fitted or simulated.
-pub(super) fn say(plan: &Plan, asked: &DiagnosisPlan, study: &mut Study) -> Result<Said, RunError> {
-    let diagnosis = search(plan, asked, study)?;
-    if !diagnosis.steps.is_empty() {
-        models::floor_under(plan, study, diagnosis.last())?;
-    }
+pub fn diagnose(plan: &Plan, comparison: Comparison) -> Result<Diagnosed, RunError> {
+    let Some(asked) = &plan.diagnosis else { return Ok(comparison.into()) };
+    let diagnosis = search(plan, asked, &comparison)?;
+    let comparison = match diagnosis.steps.last() {
+        Some(_) => comparison.under(plan, &dynamics(diagnosis.last()))?,
+        None => comparison,
+    };
     let basis = Basis {
         train: &plan.of(Role::Train),
         judged: &plan.judged(),
         hold: plan.hold,
-        floor: Some(study.judged_floor()),
+        floor: Some(comparison.judged().floor()),
         false_alarm: asked.settings.false_alarm,
         slow_moment: asked.slow_moment,
         seed: plan.seed,
     };
     let (words, depends_on) = concluded(&diagnosis, &basis)?;
-    Ok(Said { words, depends_on, diagnosis })
+    let is_undetermined =
+        is_undetermined(&comparison.recordings, Some(comparison.reference_method()));
+    let words = unless_undetermined(words, is_undetermined);
+    let outcome = Outcome { diagnosis, words, depends_on, is_undetermined };
+    Ok(Diagnosed { comparison, outcome: Some(outcome) })
 }
 
-/// Searches what is missing in the model of a plan.
-fn search(plan: &Plan, asked: &DiagnosisPlan, study: &Study) -> Result<Diagnosis, RunError> {
+fn dynamics(fit: &WindowFit) -> PhysicalDynamics {
+    PhysicalDynamics { model: fit.model.clone(), p: fit.p.clone() }
+}
+
+fn search(
+    plan: &Plan,
+    asked: &DiagnosisPlan,
+    comparison: &Comparison,
+) -> Result<Diagnosis, RunError> {
     let train = plan.of(Role::Train);
-    let model = with_held(plan, &train, study);
+    let model = with_held(plan, &train, comparison);
     let task = Task { model: &model, train: &train, hold: plan.hold, seed: plan.seed };
     let starts = starts(plan, &task);
     let validation = plan.of(Role::Validation);
     let corrected_s = plan.timing.map_or(0.0, |t| t.correction_s);
     let data = Data { train: &train, validation: &validation, hold: plan.hold, corrected_s };
-    diagnose(&model, &starts, &data, &asked.settings).map_err(failed)
+    crate::diagnose::diagnose(&model, &starts, &data, &asked.settings).map_err(failed)
 }
 
 /// The model with what the data do not identify held where the preferred fit holds it: a fit that is free to
 /// move what no recording shows simulates others worse than the model as it was given. Of a single axis only
 /// sums are known, and nothing of one wheel is held.
-fn with_held(plan: &Plan, train: &[Recording], study: &Study) -> Model {
+fn with_held(plan: &Plan, train: &[Recording], comparison: &Comparison) -> Model {
     let mut model = plan.model.clone();
     if train.iter().all(Recording::is_single_axis) {
         return model;
     }
-    let estimates = study.reference_method().map_or(&[][..], |m| &m.estimates);
+    let estimates = &comparison.reference_method().estimates;
     // a fit of which nothing is known holds nothing
     let some = estimates.iter().any(|e| e.identifiable);
     for e in estimates.iter().filter(|e| some && !e.identifiable) {

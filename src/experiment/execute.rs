@@ -13,9 +13,8 @@ use super::remarks::remarks;
 use super::resolve::resolve;
 use super::run::run_in_stages;
 use super::stages::Stages;
-use crate::export::Written;
 use crate::io::{ResultFolder, check_writable, exists, read_text, write_csv};
-use crate::study::{DiagnosisStudy, Invocation, ModelStudy, Study, Version, results};
+use crate::study::{DiagnosisStudy, Invocation, Judged, ModelStudy, Study, Version, results};
 
 /// What became of an experiment.
 #[derive(Debug)]
@@ -186,21 +185,19 @@ const USUAL_OUT: &str = "reports";
 ///
 /// # Errors
 /// If the report cannot be drawn or a file cannot be written.
-pub fn write(plan: &Plan, mut study: Study, out: &Path) -> Result<Done, ExperimentError> {
+pub fn write(plan: &Plan, study: Study, out: &Path) -> Result<Done, ExperimentError> {
     let mut folder = ResultFolder::new(out, &plan.name);
     let (versions, comparable) = versions(folder.earlier("versions.json").as_deref(), &study);
-    study.versions = comparable;
-    study.invocation.out = (out != Path::new(USUAL_OUT)).then(|| out.display().to_string());
-    let model = super::model_out::model_out(plan, &study);
-    study.model_out = model.as_ref().map(Written::words);
-    study.what_if = super::what_if::what_if(plan, &study);
+    let out = (out != Path::new(USUAL_OUT)).then(|| out.display().to_string());
+    let invocation = Invocation { out, ..study.invocation };
+    let study = Study { versions: comparable, invocation, ..study };
     let rendered = crate::report::render(&study)?;
     folder.add("experiment.toml", study.file.clone());
     for (file, bytes) in rendered.figures {
         folder.add(file, bytes);
     }
-    for (file, text) in model.map_or(vec![], |written| written.files) {
-        folder.add(file, text);
+    for (file, text) in study.model_out.iter().flat_map(|model| &model.files) {
+        folder.add(file.clone(), text.clone());
     }
     if let Some(proposal) = study.diagnosis.as_ref().and_then(|d| d.proposal.as_ref()) {
         let (toml, csv) = next_run_files(plan, proposal);
@@ -283,13 +280,11 @@ fn versions(earlier: Option<&str>, study: &Study) -> (Vec<Version>, Vec<Version>
     let mut versions: Vec<Version> =
         earlier.and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default();
     let Some(given) = &study.given else { return (versions, vec![]) };
-    let judged = study.judged().into_iter();
-    let ise = |r: usize| given.performance.get(r).map_or(f64::NAN, |p| p.ise[0] + p.ise[1]);
     let version = Version {
         effects: study.effects.clone(),
         data: checksum(study),
         window_rms: study.error_of(given),
-        ise: judged.map(ise).sum(),
+        ise: Judged::of(&study.recordings).ise(&given.performance),
         floor: study.judged_floor(),
     };
     let is_same = |v: &Version| v.data == version.data && v.effects == version.effects;

@@ -32,11 +32,10 @@ pub(super) fn fuzzy_study(plan: &Plan, method: &str, dynamics: &FuzzyDynamics) -
             .map(|w1| grid[1].iter().map(|w2| system.output(&[*w1, *w2])[output]).collect())
             .collect()
     });
-    let unit = plan.recordings.first().map_or("N m", |m| m.recording.drive_unit().symbol());
     let functions = fuzzy_files(&FuzzyIdentified {
         dynamics,
         robot: &plan.model.robot().name,
-        drive_unit: unit,
+        drive_unit: plan.drive_unit().symbol(),
         hold: plan.hold,
         experiment: &plan.name,
         method,

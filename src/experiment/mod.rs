@@ -3,6 +3,7 @@
 mod align;
 mod check;
 mod combinations;
+mod comparison;
 mod custom;
 mod diagnosis;
 mod error;
@@ -10,6 +11,7 @@ mod estimates;
 mod execute;
 mod export;
 mod file;
+mod fits;
 mod fitted;
 mod fuzzy_study;
 mod grid;
@@ -35,6 +37,8 @@ mod what_if;
 
 pub use check::check;
 pub use combinations::GridPlan;
+pub use comparison::{Comparison, compare};
+pub use diagnosis::{Diagnosed, diagnose};
 pub use error::{ExperimentError, RunError};
 pub use execute::{Outcome, execute, load, load_all, merge, write};
 pub use export::{ExportFormat, export};
@@ -43,6 +47,7 @@ pub use file::{
     DiagnosisEntry, EmulatorEntry, ExperimentFile, FileError, FixedEntry, GridAxis, ModelEntry,
     MovementEntry, NamedMovement, RecordingsEntry, SimulationEntry, json_schema,
 };
+pub use fits::{MethodFit, fits};
 pub use fitted::{FittedModel, FittedModels};
 pub use index::write_index;
 pub use loop_commands::add_effect;
@@ -53,5 +58,5 @@ pub use overlay::{Overlay, overlay};
 pub use plan::{DiagnosisPlan, Measured, MethodPlan, Plan};
 pub use resolve::plan_of;
 pub use robot_table::robot_of;
-pub use run::{MethodFit, compare, diagnose, fits, run};
+pub use run::{run, study};
 pub use shard::{Shard, ShardError};

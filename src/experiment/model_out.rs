@@ -1,14 +1,19 @@
 //! The identified model as files beside the report.
 
+use super::comparison::Comparison;
 use super::plan::Plan;
-use crate::export::{Identified, Written, files};
-use crate::study::Study;
+use crate::export::{Identified, ModelFiles, files};
+use crate::study::DiagnosisStudy;
 
 /// What is written of the reference fit: the best physical one, or a fuzzy system where no fit is physical.
-pub(super) fn model_out(plan: &Plan, study: &Study) -> Option<Written> {
-    let method = study.reference_method()?;
+pub(super) fn model_out(
+    plan: &Plan,
+    comparison: &Comparison,
+    diagnosis: Option<&DiagnosisStudy>,
+) -> Option<ModelFiles> {
+    let method = comparison.reference_method();
     if let Some(fuzzy) = &method.fuzzy {
-        return Some(Written { files: fuzzy.functions.clone(), obstacles: vec![] });
+        return Some(ModelFiles { files: fuzzy.functions.clone(), obstacles: vec![] });
     }
     let estimates = plan
         .model
@@ -24,10 +29,10 @@ pub(super) fn model_out(plan: &Plan, study: &Study) -> Option<Written> {
         values: &values,
         std_errors: &std_errors,
         units: &units,
-        drive_unit: study.drive_unit.symbol(),
+        drive_unit: plan.drive_unit().symbol(),
         hold: plan.hold,
-        experiment: &study.experiment,
+        experiment: &plan.name,
         method: &method.name,
-        missing: study.diagnosis.as_ref().map_or(&[], |d| d.found.as_slice()),
+        missing: diagnosis.map_or(&[], |d| d.found.as_slice()),
     }))
 }

@@ -2,57 +2,69 @@
 
 use rayon::prelude::*;
 
+use super::comparison::{Comparison, four};
 use super::error::RunError;
-use super::plan::{Measured, Plan};
+use super::plan::Plan;
 use crate::compare::{
-    Floor, angle_rms, curves, failures, horizons, ise, noise_floor, residual_torque,
-    simulate_recording, whiteness, window_rms,
+    Curve, angle_rms, curves, failures, horizons, ise, residual_torque, simulate_recording,
+    whiteness, window_rms,
 };
 use crate::diagnose::{Diagnosis, WindowFit, cutoff, mobility};
 use crate::model::Model;
 use crate::recording::Recording;
-use crate::robot::State;
 use crate::simulate::{Dynamics, PhysicalDynamics};
-use crate::study::{ModelStudy, ParameterStudy, Performance, Study, parameters_of};
+use crate::study::{MethodStudy, ModelStudy, ParameterStudy, Performance, parameters_of};
 
-/// The study with the model of the reference fit, whose dynamics are `right`.
+/// The fits that the report is about.
+pub(super) struct Models {
+    /// The model as given.
+    pub(super) given: ModelStudy,
+    /// The model with the effects that the diagnosis found; `None` where there are none.
+    pub(super) completed: Option<ModelStudy>,
+    /// How the residual torque of both depends on anything, over all recordings.
+    pub(super) curves: Vec<Curve>,
+}
+
+impl Models {
+    /// The model with all that is known.
+    pub(super) fn last(&self) -> &ModelStudy {
+        self.completed.as_ref().unwrap_or(&self.given)
+    }
+}
+
+/// The model of the reference fit.
 ///
 /// # Errors
 /// A model that cannot be simulated.
-pub(super) fn with_reference(
-    plan: &Plan,
-    study: Study,
-    right: &dyn Dynamics,
-) -> Result<Study, RunError> {
-    let stage = Stage::new(plan, &study);
-    let Some((model, p)) = right.physical() else {
-        let given = Some(stage.other(right)?);
-        return Ok(Study { given, ..study });
+pub(super) fn of_reference(plan: &Plan, comparison: &Comparison) -> Result<Models, RunError> {
+    let stage = Stage::new(plan, comparison);
+    let Some((model, p)) = comparison.dynamics.physical() else {
+        let given = stage.other(&*comparison.dynamics)?;
+        return Ok(Models { given, completed: None, curves: vec![] });
     };
     let cutoff = stage.cutoff(model, p);
     let mut given = stage.physical(model, p, cutoff)?;
-    given.parameters = of_method(model, &study);
+    given.parameters = of_method(model, comparison.reference_method());
     let curves = stage.curves(model, cutoff, &given, None);
-    Ok(Study { given: Some(given), curves, ..study })
+    Ok(Models { given, completed: None, curves })
 }
 
-/// The study with the models of the diagnosis, so that verdict, errors and figures are of one fit.
+/// The models of a diagnosis, so that verdict, errors and figures are of one fit.
 ///
 /// # Errors
 /// A model that cannot be simulated.
-pub(super) fn with_diagnosis(
+pub(super) fn of_diagnosis(
     plan: &Plan,
-    study: Study,
+    comparison: &Comparison,
     diagnosis: &Diagnosis,
-) -> Result<Study, RunError> {
-    let stage = Stage::new(plan, &study);
-    let unit = study.drive_unit;
+) -> Result<Models, RunError> {
+    let stage = Stage::new(plan, comparison);
     let (base, last) = (&diagnosis.base, diagnosis.last());
     let cutoff = stage.cutoff(&base.model, &base.p);
     let study_of = |fit: &WindowFit, found: &[String]| -> Result<ModelStudy, RunError> {
         let mut out = stage.physical(&fit.model, &fit.p, cutoff)?;
-        out.effects = study.effects.iter().chain(found).cloned().collect();
-        out.parameters = parameters_of(fit, unit);
+        out.effects.extend_from_slice(found);
+        out.parameters = parameters_of(fit, plan.drive_unit());
         Ok(out)
     };
     let given = study_of(base, &[])?;
@@ -63,25 +75,11 @@ pub(super) fn with_diagnosis(
     // a second mass is no part of the torque balance
     let after = completed.as_ref().filter(|_| !last.model.is_coupled());
     let curves = stage.curves(&base.model, cutoff, &given, after);
-    Ok(Study { given: Some(given), completed, curves, ..study })
-}
-
-/// Sets the noise floor of every recording to that of the model with what was found: noise of the input moves a
-/// model that lacks something by another amount.
-///
-/// # Errors
-/// A model that cannot move.
-pub(super) fn floor_under(plan: &Plan, study: &mut Study, fit: &WindowFit) -> Result<(), RunError> {
-    let dynamics = PhysicalDynamics { model: fit.model.clone(), p: fit.p.clone() };
-    let under = |m: &Measured| noise_floor(&dynamics, &m.recording, plan.hold, plan.seed);
-    let floors: Vec<Floor> = plan.recordings.par_iter().map(under).collect::<Result<_, _>>()?;
-    study.recordings.iter_mut().zip(floors).for_each(|(r, floor)| r.floor = floor);
-    Ok(())
+    Ok(Models { given, completed, curves })
 }
 
 /// The parameters of the reference method, with their effects.
-fn of_method(model: &Model, study: &Study) -> Vec<ParameterStudy> {
-    let Some(method) = study.reference_method() else { return vec![] };
+fn of_method(model: &Model, method: &MethodStudy) -> Vec<ParameterStudy> {
     let known = model.parameters().iter();
     let with = |p: &crate::model::Parameter| {
         let estimate = method.estimates.iter().find(|e| e.symbol == p.spec.symbol)?;
@@ -91,23 +89,18 @@ fn of_method(model: &Model, study: &Study) -> Vec<ParameterStudy> {
     known.filter_map(with).collect()
 }
 
-/// A state as (alpha1, alpha2, omega1, omega2).
-pub(super) fn four(s: &State) -> [f64; 4] {
-    [s.alpha[0], s.alpha[1], s.omega[0], s.omega[1]]
-}
-
 /// What the models of one experiment are judged on.
 struct Stage<'a> {
     plan: &'a Plan,
-    study: &'a Study,
+    comparison: &'a Comparison,
     recordings: Vec<&'a Recording>,
     judged: Vec<usize>,
 }
 
 impl<'a> Stage<'a> {
-    fn new(plan: &'a Plan, study: &'a Study) -> Self {
+    fn new(plan: &'a Plan, comparison: &'a Comparison) -> Self {
         let recordings: Vec<&Recording> = plan.recordings.iter().map(|m| &m.recording).collect();
-        Self { plan, study, recordings, judged: study.judged() }
+        Self { plan, comparison, recordings, judged: comparison.judged().numbers() }
     }
 
     fn cutoff(&self, model: &Model, p: &[f64]) -> f64 {
@@ -121,7 +114,7 @@ impl<'a> Stage<'a> {
         let residual_torque: Vec<_> = self.recordings.par_iter().map(torque).collect();
         let analysis = whiteness(model, p, &self.judged_recordings(), self.plan.hold)?;
         let mut out = self.other(&dynamics)?;
-        out.effects.clone_from(&self.study.effects);
+        out.effects = self.plan.model.added_ids();
         out.failures = self.failures(&out.performance, &residual_torque);
         out.horizons.splice(0..0, analysis.one_row);
         out.whiteness = Some(analysis);
@@ -161,7 +154,7 @@ impl<'a> Stage<'a> {
         performance: &[Performance],
         torque: &[Vec<[f64; 2]>],
     ) -> Vec<crate::compare::Failure> {
-        let of = |r: usize| &self.study.recordings[r];
+        let of = |r: usize| &self.comparison.recordings[r];
         let judged = || self.judged.iter().copied();
         let errors: Vec<Vec<[f64; 2]>> = judged()
             .map(|r| {
@@ -184,7 +177,7 @@ impl<'a> Stage<'a> {
         cutoff: f64,
         before: &ModelStudy,
         after: Option<&ModelStudy>,
-    ) -> Vec<crate::compare::Curve> {
+    ) -> Vec<Curve> {
         let after = after.map(|m| m.residual_torque.as_slice());
         curves(model, &self.recordings, cutoff, &before.residual_torque, after)
     }

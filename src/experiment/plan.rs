@@ -9,7 +9,7 @@ use crate::conditioning::{Finding, sentences};
 use crate::diagnose::{Settings, Timing};
 use crate::identify::Identifier;
 use crate::model::Model;
-use crate::recording::{LongRecording, Recording};
+use crate::recording::{DriveUnit, LongRecording, Recording};
 use crate::simulate::{Gain, Hold};
 use crate::study::{Role, grouped};
 
@@ -139,6 +139,12 @@ impl Plan {
             self.recordings.len(),
         );
         grouped.into_iter().map(|(names, text)| format!("{names}: {text}")).collect()
+    }
+
+    /// Unit of the recorded input.
+    #[must_use]
+    pub fn drive_unit(&self) -> DriveUnit {
+        self.recordings.first().map_or(DriveUnit::NewtonMetre, |m| m.recording.drive_unit())
     }
 
     /// The recordings of a role.

@@ -59,8 +59,9 @@ pub(super) fn resolve(
 /// let train = reading.file(Role::Train, "recordings/simulated_3d/slope/train_1.csv".as_ref())?;
 /// let keys = toml::from_str("model.effects = [\"slope\"]\nmethod = [{ name = \"weak_form\" }]")?;
 /// let plan = plan_of("slope", &keys, vec![train], Hold::Linear)?;
-/// let study = compare(&plan, &fits(&plan))?;
-/// assert!(study.judged_window_rms(&study.methods[0]) < 2.0 * study.judged_floor());
+/// let comparison = compare(&plan, &fits(&plan))?;
+/// let (judged, weak_form) = (comparison.judged(), &comparison.methods[0]);
+/// assert!(judged.window_rms(&weak_form.performance) < 2.0 * judged.floor());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn plan_of(

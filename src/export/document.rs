@@ -41,14 +41,14 @@ pub struct Identified<'a> {
 
 /// What is written of a model.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Written {
+pub struct ModelFiles {
     /// Files as name and text, `model.json` first.
     pub files: Vec<(String, String)>,
     /// Why there is no function, if so.
     pub obstacles: Vec<Obstacle>,
 }
 
-impl Written {
+impl ModelFiles {
     /// The files in a sentence.
     #[must_use]
     pub fn words(&self) -> String {
@@ -74,7 +74,7 @@ pub fn reasons(obstacles: &[Obstacle]) -> String {
 /// # Panics
 /// If values, errors or units do not have one entry a parameter.
 #[must_use]
-pub fn files(identified: &Identified) -> Written {
+pub fn files(identified: &Identified) -> ModelFiles {
     let n = identified.model.parameters().len();
     assert!(identified.values.len() == n && identified.std_errors.len() == n);
     assert_eq!(identified.units.len(), n);
@@ -88,7 +88,7 @@ pub fn files(identified: &Identified) -> Written {
     let data = serde_json::to_string_pretty(&data).unwrap_or_default() + "\n";
     let mut files = vec![("model.json".to_owned(), data)];
     files.extend(functions);
-    Written { files, obstacles }
+    ModelFiles { files, obstacles }
 }
 
 /// The model as a function in JavaScript: the text of `model.js`.

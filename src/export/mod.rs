@@ -17,7 +17,7 @@ mod print;
 mod simulator;
 mod traced;
 
-pub use document::{Identified, SCHEMA, Written, files, javascript, reasons};
+pub use document::{Identified, ModelFiles, SCHEMA, files, javascript, reasons};
 pub use feedforward::gains_files;
 pub use fuzzy::{FuzzyIdentified, fuzzy_files};
 pub use gains::{Control, Feedforward, Gains, Operation};

@@ -1,9 +1,7 @@
 //! How an experiment is named on the command line.
 
-use serde::Serialize;
-
 /// The experiment as the command line names it, for commands that a report quotes.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default)]
 pub struct Invocation {
     /// Its file, or the file that `experiment new` is to write.
     pub file: String,

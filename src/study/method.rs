@@ -1,11 +1,9 @@
 //! What the methods of an experiment found.
 
-use serde::Serialize;
-
 use crate::identify::{Estimate, Status, Trace, Work};
 
 /// A method on one recording.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default)]
 pub struct Performance {
     /// Quality index of the free simulation per wheel [rad^2/s].
     pub ise: [f64; 2],
@@ -31,7 +29,7 @@ pub struct Performance {
 }
 
 /// What a method found, or why it found nothing.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub struct MethodStudy {
     /// Name in the experiment file.
     pub name: String,
@@ -92,7 +90,7 @@ impl MethodStudy {
 }
 
 /// A fuzzy Takagi-Sugeno pair as numbers to draw.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub struct FuzzyStudy {
     /// Speeds at which memberships are drawn, per input [rad/s].
     pub grid: [Vec<f64>; 2],
@@ -103,7 +101,6 @@ pub struct FuzzyStudy {
     /// Output surfaces of f31 and f41 on the grid, row w1, column w2 [rad/s^2].
     pub surface: [Vec<Vec<f64>>; 2],
     /// The system as a function: files as name and text.
-    #[serde(skip)]
     pub functions: Vec<(String, String)>,
 }
 

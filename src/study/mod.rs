@@ -6,6 +6,7 @@
 mod grouped;
 mod invocation;
 mod json;
+mod judged;
 mod method;
 mod model;
 mod what_if;
@@ -13,6 +14,7 @@ mod what_if;
 pub use grouped::grouped;
 pub use invocation::{Invocation, shell_word};
 pub use json::{SCHEMA, results};
+pub use judged::Judged;
 pub use method::{FuzzyStudy, MethodStudy, Performance};
 pub use model::{FoundEffect, Grade, ModelStudy, ParameterStudy, parameters_of};
 pub use what_if::{Start, WhatIf};
@@ -21,6 +23,7 @@ use serde::Serialize;
 
 use crate::compare::{Curve, Floor};
 use crate::conditioning::Finding;
+use crate::export::ModelFiles;
 use crate::identify::Estimate;
 use crate::recording::{DriveUnit, Measured, Noise, Regime};
 
@@ -46,7 +49,7 @@ impl Role {
 }
 
 /// A recording of the experiment, with what was measured.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub struct RecordingStudy {
     /// Its use.
     pub role: Role,
@@ -65,7 +68,6 @@ pub struct RecordingStudy {
     /// Noise of the channels.
     pub noise: Noise,
     /// What sensors and logger did to it, and what was done about it.
-    #[serde(skip)]
     pub conditioning: Vec<Finding>,
     /// What the quality check says, worst first.
     pub findings: Vec<String>,
@@ -80,7 +82,6 @@ pub struct RecordingStudy {
     /// Smoothed acceleration [rad/s^2].
     pub acceleration: Vec<[f64; 2]>,
     /// Recorded input.
-    #[serde(rename = "moment")]
     pub torque: Vec<[f64; 2]>,
     /// Regime of driving.
     pub regimes: Vec<Regime>,
@@ -89,7 +90,7 @@ pub struct RecordingStudy {
 }
 
 /// An effect tried by the diagnosis.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub struct Candidate {
     /// Id.
     pub effect: String,
@@ -160,7 +161,7 @@ pub struct Step {
 }
 
 /// What the diagnosis says.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub struct DiagnosisStudy {
     /// Verdict.
     pub verdict: Verdict,
@@ -205,12 +206,11 @@ pub struct Version {
 }
 
 /// One experiment.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub struct Study {
     /// Name of the folder.
     pub experiment: String,
     /// How the command line names it.
-    #[serde(skip)]
     pub invocation: Invocation,
     /// Heading.
     pub title: String,
@@ -223,7 +223,6 @@ pub struct Study {
     /// Robot.
     pub robot: String,
     /// Whether the experiment says which robot it is.
-    #[serde(skip)]
     pub robot_is_given: bool,
     /// Effects of the model beyond the base.
     pub effects: Vec<String>,
@@ -256,10 +255,9 @@ pub struct Study {
     pub timing: Option<crate::diagnose::Timing>,
     /// True parameters of synthetic data.
     pub truth: Vec<(String, f64)>,
-    /// The files that hold the identified model, in words; `None` without a physical fit.
-    pub model_out: Option<String>,
+    /// The files that hold the identified model; `None` where no method found one.
+    pub model_out: Option<ModelFiles>,
     /// The last model as a function that the page of the report runs; `None` without a physical fit.
-    #[serde(skip)]
     pub what_if: Option<WhatIf>,
 }
 
@@ -270,11 +268,7 @@ impl Study {
     /// The recordings on which errors are judged: validation, or train where there is none.
     #[must_use]
     pub fn judged(&self) -> Vec<usize> {
-        let with = |role: Role| -> Vec<usize> {
-            (0..self.recordings.len()).filter(|&r| self.recordings[r].role == role).collect()
-        };
-        let validation = with(Role::Validation);
-        if validation.is_empty() { with(Role::Train) } else { validation }
+        Judged::of(&self.recordings).numbers()
     }
 
     /// The role of the judged recordings in words.
@@ -300,28 +294,19 @@ impl Study {
     /// Root mean square 2 s simulation error of a method over the judged recordings [rad/s].
     #[must_use]
     pub fn judged_window_rms(&self, method: &MethodStudy) -> f64 {
-        self.pooled(|r| method.performance.get(r).map_or(f64::NAN, |p| p.window_rms))
+        Judged::of(&self.recordings).window_rms(&method.performance)
     }
 
     /// Root mean square 2 s simulation error of the noise floor over the judged recordings [rad/s].
     #[must_use]
     pub fn judged_floor(&self) -> f64 {
-        self.pooled(|r| self.recordings[r].floor.window_rms)
+        Judged::of(&self.recordings).floor()
     }
 
     /// Summed quality index of a method over the judged recordings [rad^2/s].
     #[must_use]
     pub fn judged_ise(&self, method: &MethodStudy) -> f64 {
-        let one = |r: &usize| method.performance.get(*r).map_or(f64::NAN, |p| p.ise[0] + p.ise[1]);
-        self.judged().iter().map(one).sum()
-    }
-
-    fn pooled(&self, rms: impl Fn(usize) -> f64) -> f64 {
-        let judged = self.judged();
-        let samples: f64 = judged.iter().map(|&r| self.recordings[r].samples as f64).sum();
-        let sum: f64 =
-            judged.iter().map(|&r| self.recordings[r].samples as f64 * rms(r).powi(2)).sum();
-        (sum / samples).sqrt()
+        Judged::of(&self.recordings).ise(&method.performance)
     }
 
     /// The model that the report ends with: with what was found, or as given.
@@ -333,7 +318,7 @@ impl Study {
     /// Root mean square 2 s simulation error of a model over the judged recordings [rad/s].
     #[must_use]
     pub fn error_of(&self, model: &ModelStudy) -> f64 {
-        self.pooled(|r| model.performance.get(r).map_or(f64::NAN, |p| p.window_rms))
+        Judged::of(&self.recordings).window_rms(&model.performance)
     }
 
     /// Largest measured wheel speed of the judged recordings [rad/s].
@@ -355,12 +340,10 @@ impl Study {
         Some(Grade::of(self.error_of(model), self.judged_floor(), self.top_speed()))
     }
 
-    /// Whether the columns do not determine the model, though the wheels turn against each other. On runs straight
-    /// ahead, as those of a single axis, a1 + a2 is found and a1 is not.
+    /// Whether the columns do not determine the model.
     #[must_use]
     pub fn is_undetermined(&self) -> bool {
-        let turns = turns(self.recordings.iter().flat_map(|r| &r.omega));
-        turns && self.reference_method().is_some_and(MethodStudy::is_undetermined)
+        is_undetermined(&self.recordings, self.reference_method())
     }
 
     /// The method shown in detail.
@@ -368,6 +351,14 @@ impl Study {
     pub fn reference_method(&self) -> Option<&MethodStudy> {
         self.methods.get(self.reference?)
     }
+}
+
+/// Whether the columns of `recordings` do not determine the model that the `reference` method fitted, though the
+/// wheels turn against each other. On runs straight ahead, as those of a single axis, a1 + a2 is found and a1 is not.
+#[must_use]
+pub fn is_undetermined(recordings: &[RecordingStudy], reference: Option<&MethodStudy>) -> bool {
+    let turns = turns(recordings.iter().flat_map(|r| &r.omega));
+    turns && reference.is_some_and(MethodStudy::is_undetermined)
 }
 
 /// Whether wheels turn against each other, of whose speeds these are the rows.

@@ -9,7 +9,7 @@ use crate::identify::Estimate;
 use crate::recording::DriveUnit;
 
 /// A parameter of a fitted model.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub struct ParameterStudy {
     /// Id of the effect that it belongs to.
     pub effect: String,
@@ -37,7 +37,7 @@ pub fn parameters_of(fit: &WindowFit, unit: DriveUnit) -> Vec<ParameterStudy> {
 }
 
 /// A fitted model on the recordings of an experiment.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default)]
 pub struct ModelStudy {
     /// Effects beyond the base.
     pub effects: Vec<String>,

@@ -8,12 +8,11 @@ use serde::{Deserialize, Serialize};
 use super::resolve::resolve_cell;
 use super::word::Word;
 use crate::experiment::combinations::GridPlan;
-use crate::experiment::diagnosis::say;
-use crate::experiment::error::RunError;
-use crate::experiment::plan::Plan;
-use crate::experiment::run::{fits, measure};
+use crate::experiment::comparison::{Comparison, compare};
+use crate::experiment::diagnosis::diagnose;
+use crate::experiment::fits::fits;
 use crate::identify::{Estimate, Status};
-use crate::study::{DiagnosisStudy, MethodStudy, Role, Study, Verdict};
+use crate::study::{MethodStudy, Role, Verdict};
 
 /// A number that is written exactly, also where it is not finite (JSON has no words for that).
 #[derive(Clone, Copy, Debug)]
@@ -144,23 +143,20 @@ pub(super) fn run_cell(grid: &GridPlan, cell: usize, key: String, methods: &[&st
             return Cell { rows: failed(reason.into()), ..out };
         }
     };
-    let mut study = match measure(&plan, &fits(&plan)) {
-        Ok((study, _)) => study,
+    let comparison = match compare(&plan, &fits(&plan)) {
+        Ok(comparison) => comparison,
         Err(e) => return Cell { rows: failed(e.to_string()), ..out },
     };
-    out.rows = study.methods.iter().flat_map(|method| rows(&study, method)).collect();
-    out.verdict = diagnose(&plan, &mut study).map(|outcome| match outcome {
-        Ok(diagnosis) => {
-            out.found = diagnosis.found.join("+");
-            CellVerdict::Concluded(diagnosis.verdict)
-        }
-        Err(e) => CellVerdict::Failed(e.to_string()),
-    });
+    let truth = &plan.truth;
+    out.rows = comparison.methods.iter().flat_map(|m| rows(&comparison, m, truth)).collect();
+    out.verdict = match diagnose(&plan, comparison) {
+        Ok(diagnosed) => diagnosed.verdict().map(|words| {
+            out.found = words.found.join("+");
+            CellVerdict::Concluded(words.verdict)
+        }),
+        Err(e) => Some(CellVerdict::Failed(e.to_string())),
+    };
     out
-}
-
-fn diagnose(plan: &Plan, study: &mut Study) -> Option<Result<DiagnosisStudy, RunError>> {
-    plan.diagnosis.as_ref().map(|asked| Ok(say(plan, asked, study)?.words))
 }
 
 fn failed_row(method: &str, reason: &str, seconds: f64) -> Row {
@@ -183,18 +179,19 @@ fn failed_row(method: &str, reason: &str, seconds: f64) -> Row {
     }
 }
 
-fn rows(study: &Study, method: &MethodStudy) -> Vec<Row> {
-    let floor = Exact(study.judged_floor());
+fn rows(comparison: &Comparison, method: &MethodStudy, truth: &[(String, f64)]) -> Vec<Row> {
+    let judged = comparison.judged();
+    let floor = Exact(judged.floor());
     if let Some(reason) = &method.failure {
         return vec![Row { floor, ..failed_row(&method.name, reason, method.seconds) }];
     }
-    let trained = study.recordings.iter().zip(&method.performance);
+    let trained = comparison.recordings.iter().zip(&method.performance);
     let ise_train = trained.filter(|(r, _)| r.role == Role::Train);
     let ise_train = ise_train.map(|(_, p)| p.ise[0] + p.ise[1]).sum();
     let base = Row {
         ise_train: Exact(ise_train),
-        ise_validation: Exact(study.judged_ise(method)),
-        window_rms: Exact(study.judged_window_rms(method)),
+        ise_validation: Exact(judged.ise(&method.performance)),
+        window_rms: Exact(judged.window_rms(&method.performance)),
         floor,
         status: RowStatus::Fitted(method.status.unwrap_or(Status::Converged)),
         ..failed_row(&method.name, "", method.seconds)
@@ -202,11 +199,11 @@ fn rows(study: &Study, method: &MethodStudy) -> Vec<Row> {
     if method.estimates.is_empty() {
         return vec![base];
     }
-    method.estimates.iter().map(|e| with_estimate(&base, e, study)).collect()
+    method.estimates.iter().map(|e| with_estimate(&base, e, truth)).collect()
 }
 
-fn with_estimate(base: &Row, e: &Estimate, study: &Study) -> Row {
-    let known = study.truth.iter().find(|(symbol, _)| *symbol == e.symbol);
+fn with_estimate(base: &Row, e: &Estimate, truth: &[(String, f64)]) -> Row {
+    let known = truth.iter().find(|(symbol, _)| *symbol == e.symbol);
     Row {
         parameter: e.symbol.as_str().into(),
         unit: e.unit.as_str().into(),

@@ -37,7 +37,7 @@ impl Section for Provenance {
         fact("Unit of the input", study.drive_unit.symbol().to_owned());
         fact("Seed", study.seed.to_string());
         if let Some(files) = &study.model_out {
-            fact("Identified model", files.clone());
+            fact("Identified model", files.words());
         }
         let mut blocks = vec![facts.into()];
         if !study.recordings.is_empty() {

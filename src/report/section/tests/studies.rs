@@ -3,6 +3,7 @@
 use crate::compare::{
     Curve, CurveBin, Failure, Floor, Horizon, Innovations, Mean, Variable, Whiteness, analysed,
 };
+use crate::export::ModelFiles;
 use crate::identify::{Estimate, Status, Trace, Work};
 use crate::recording::{DriveUnit, Measured, Noise, Regime};
 use crate::study::{
@@ -263,7 +264,10 @@ pub(in crate::report::section) fn full() -> Study {
         diagnosis: Some(diagnosis()),
         versions: vec![version(&[], 0.4), version(&["turning_scrub"], 0.05)],
         truth: vec![("a1".to_owned(), 0.0305), ("a2".to_owned(), 0.0)],
-        model_out: Some("model.json, model.py".to_owned()),
+        model_out: Some(ModelFiles {
+            files: ["model.json", "model.py"].map(|name| (name.to_owned(), String::new())).into(),
+            obstacles: vec![],
+        }),
         recordings,
         ..empty()
     }

@@ -1,0 +1,203 @@
+//! The fits of a plan's methods set against its recordings.
+
+use std::sync::Arc;
+
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use super::error::RunError;
+use super::fits::MethodFit;
+use super::plan::{Measured, MethodPlan, Plan};
+use crate::compare::{Floor, angle_rms, ise, noise_floor, simulate_recording, window_rms};
+use crate::identify::Fit;
+use crate::recording::Recording;
+use crate::robot::{State, kinematics};
+use crate::simulate::{Dynamics, PhysicalDynamics, SimulateError, Structure, emulate};
+use crate::study::{Judged, MethodStudy, Performance, RecordingStudy};
+
+/// Methods in the order in which their fit is preferred for the detailed comparison.
+const PREFERRED: [&str; 4] = ["prediction_error", "weak_form", "output_error", "torque_regression"];
+
+/// The fits of a plan's methods with their errors on its recordings.
+#[derive(Clone)]
+pub struct Comparison {
+    /// One a recording of the plan; the noise floor is that of the model that the errors belong to.
+    pub recordings: Vec<RecordingStudy>,
+    /// One a method of the plan.
+    pub methods: Vec<MethodStudy>,
+    /// The method whose fit is shown in detail.
+    pub reference: usize,
+    /// What it fitted.
+    pub(super) dynamics: Arc<dyn Dynamics>,
+}
+
+impl Comparison {
+    /// The method whose fit is shown in detail.
+    #[must_use]
+    pub fn reference_method(&self) -> &MethodStudy {
+        &self.methods[self.reference]
+    }
+
+    /// The recordings on which errors are judged.
+    #[must_use]
+    pub fn judged(&self) -> Judged<'_> {
+        Judged::of(&self.recordings)
+    }
+
+    /// The same with the noise floor of another model: noise of the input moves a model that lacks something by
+    /// another amount.
+    ///
+    /// # Errors
+    /// A model that cannot move.
+    pub(super) fn under(self, plan: &Plan, model: &PhysicalDynamics) -> Result<Self, RunError> {
+        let under = |m: &Measured| noise_floor(model, &m.recording, plan.hold, plan.seed);
+        let floors: Vec<Floor> = plan.recordings.par_iter().map(under).collect::<Result<_, _>>()?;
+        let with = |(r, floor): (RecordingStudy, Floor)| RecordingStudy { floor, ..r };
+        let recordings = self.recordings.into_iter().zip(floors).map(with).collect();
+        Ok(Self { recordings, ..self })
+    }
+}
+
+/// Sets the fits of a plan's methods, one a method, against its recordings: errors and noise floor.
+///
+/// # Errors
+/// If no method has a fit, or nothing can be simulated.
+pub fn compare(plan: &Plan, fits: &[MethodFit]) -> Result<Comparison, RunError> {
+    let Some((reference, fit)) = reference(fits) else {
+        let reasons: Vec<String> =
+            fits.iter().filter_map(|f| f.fit.as_ref().err().cloned()).collect();
+        return Err(RunError::NoFit { reasons: reasons.join("; ") });
+    };
+    let dynamics = fit.dynamics.clone();
+    let recordings = plan
+        .recordings
+        .par_iter()
+        .map(|measured| describe(plan, measured, &*dynamics))
+        .collect::<Result<_, _>>()?;
+    let methods = plan
+        .methods
+        .par_iter()
+        .zip(fits)
+        .map(|(method, MethodFit { fit, seconds })| {
+            // a fit that cannot be simulated is a row with its reason, like one that does not exist
+            method_study(plan, method, fit, *seconds)
+                .or_else(|e| method_study(plan, method, &Err(e.to_string()), *seconds))
+        })
+        .collect::<Result<_, _>>()?;
+    Ok(Comparison { recordings, methods, reference, dynamics })
+}
+
+/// The fit that is shown in detail: the preferred physical one, else the first there is.
+fn reference(fits: &[MethodFit]) -> Option<(usize, &Fit)> {
+    let made = || fits.iter().enumerate().filter_map(|(n, f)| Some((n, f.fit.as_ref().ok()?)));
+    let physical = |fit: &Fit| fit.dynamics.physical().is_some();
+    PREFERRED
+        .iter()
+        .find_map(|name| made().find(|(_, fit)| fit.method == *name && physical(fit)))
+        .or_else(|| made().find(|(_, fit)| physical(fit)))
+        .or_else(|| made().next())
+}
+
+fn describe(
+    plan: &Plan,
+    measured: &Measured,
+    dynamics: &dyn Dynamics,
+) -> Result<RecordingStudy, SimulateError> {
+    let r = &measured.recording;
+    Ok(RecordingStudy {
+        role: measured.role,
+        file: r.name().into(),
+        sha256: measured.sha256.clone(),
+        samples: measured.samples(),
+        duration_s: measured.duration(),
+        rate_hz: 1.0 / r.step(),
+        measured: r.measured(),
+        noise: r.noise(),
+        conditioning: measured.conditioning.clone(),
+        findings: measured.findings.clone(),
+        floor: noise_floor(dynamics, r, plan.hold, plan.seed)?,
+        t: r.t().to_vec(),
+        alpha: r.alpha().to_vec(),
+        omega: r.omega().to_vec(),
+        acceleration: r.local_motion().iter().map(|m| m.acceleration).collect(),
+        torque: r.torque().to_vec(),
+        regimes: r.regimes(),
+        path: path(plan, r),
+    })
+}
+
+/// The path of the robot, where its lengths are known.
+fn path(plan: &Plan, r: &Recording) -> Vec<[f64; 3]> {
+    let robot = plan.model.robot();
+    if super::robot_table::has_no_track(robot) {
+        vec![]
+    } else {
+        kinematics::path(robot, r.alpha())
+    }
+}
+
+fn method_study(
+    plan: &Plan,
+    method: &MethodPlan,
+    fit: &Result<Fit, String>,
+    seconds: f64,
+) -> Result<MethodStudy, SimulateError> {
+    let mut out = MethodStudy::new(&method.name, &method.title, &method.options, seconds);
+    let fit = match fit {
+        Ok(fit) => fit,
+        Err(reason) => {
+            out.failure = Some(reason.clone());
+            return Ok(out);
+        }
+    };
+    out.status = Some(fit.status);
+    out.work = fit.work;
+    out.estimates.clone_from(&fit.estimates);
+    out.notes = fit.notes.iter().map(ToString::to_string).collect();
+    out.traces.clone_from(&fit.traces);
+    out.correlations = fit.covariance.as_ref().map_or(vec![], correlations);
+    out.fuzzy =
+        fit.dynamics.fuzzy().map(|f| super::fuzzy_study::fuzzy_study(plan, &method.name, f));
+    for measured in &plan.recordings {
+        out.performance.push(performance(plan, &*fit.dynamics, &measured.recording)?);
+    }
+    Ok(out)
+}
+
+fn correlations(covariance: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    let n = covariance.nrows();
+    let scale: Vec<f64> = (0..n).map(|j| covariance[(j, j)].sqrt()).collect();
+    (0..n).map(|i| (0..n).map(|j| covariance[(i, j)] / (scale[i] * scale[j])).collect()).collect()
+}
+
+fn performance(
+    plan: &Plan,
+    dynamics: &dyn Dynamics,
+    recording: &Recording,
+) -> Result<Performance, SimulateError> {
+    let simulated = simulate_recording(dynamics, recording, plan.hold)?;
+    let emulated = |structure| emulate(dynamics, recording, &plan.gain, structure, plan.hold);
+    let total = |states: &Result<Vec<State>, SimulateError>| {
+        states.as_ref().map_or(f64::INFINITY, |s| ise(recording, s).iter().sum())
+    };
+    let parallel = emulated(Structure::Parallel);
+    let serial = emulated(Structure::SerialParallel);
+    let speeds = |states: &[State]| states.iter().map(|s| s.omega).collect();
+    Ok(Performance {
+        ise: ise(recording, &simulated.free),
+        window_rms: window_rms(recording, &simulated.windows),
+        angle_rms: angle_rms(recording, &simulated.free),
+        ise_parallel: total(&parallel),
+        ise_serial_parallel: total(&serial),
+        free: speeds(&simulated.free),
+        windows: speeds(&simulated.windows),
+        window_starts: simulated.window_starts,
+        window_states: simulated.window_states.iter().map(four).collect(),
+        emulator: parallel.map_or(vec![], |states| states.iter().map(four).collect()),
+    })
+}
+
+/// A state as (alpha1, alpha2, omega1, omega2).
+pub(super) fn four(s: &State) -> [f64; 4] {
+    [s.alpha[0], s.alpha[1], s.omega[0], s.omega[1]]
+}

@@ -1,0 +1,54 @@
+//! Errors over the recordings on which an experiment judges its models.
+
+use super::{Performance, RecordingStudy, Role};
+
+/// The recordings on which errors are judged: validation, or train where there is none.
+#[derive(Clone, Copy, Debug)]
+pub struct Judged<'a>(&'a [RecordingStudy]);
+
+impl<'a> Judged<'a> {
+    /// Among all recordings of an experiment.
+    #[must_use]
+    pub fn of(recordings: &'a [RecordingStudy]) -> Self {
+        Self(recordings)
+    }
+
+    /// Their numbers, ascending.
+    #[must_use]
+    pub fn numbers(self) -> Vec<usize> {
+        let with = |role: Role| -> Vec<usize> {
+            (0..self.0.len()).filter(|&r| self.0[r].role == role).collect()
+        };
+        let validation = with(Role::Validation);
+        if validation.is_empty() { with(Role::Train) } else { validation }
+    }
+
+    /// Root mean square 2 s simulation error of a model, whose `performance` has one entry a recording of the
+    /// experiment [rad/s]; not a number where it has none.
+    #[must_use]
+    pub fn window_rms(self, performance: &[Performance]) -> f64 {
+        self.pooled(|r| performance.get(r).map_or(f64::NAN, |p| p.window_rms))
+    }
+
+    /// Root mean square 2 s simulation error of the noise floor [rad/s].
+    #[must_use]
+    pub fn floor(self) -> f64 {
+        self.pooled(|r| self.0[r].floor.window_rms)
+    }
+
+    /// Summed quality index of a model, whose `performance` has one entry a recording of the experiment
+    /// [rad^2/s]; not a number where it has none.
+    #[must_use]
+    pub fn ise(self, performance: &[Performance]) -> f64 {
+        let one = |r: &usize| performance.get(*r).map_or(f64::NAN, |p| p.ise[0] + p.ise[1]);
+        self.numbers().iter().map(one).sum()
+    }
+
+    /// Root of the mean of squares over the samples of all judged recordings.
+    fn pooled(self, rms: impl Fn(usize) -> f64) -> f64 {
+        let numbers = self.numbers();
+        let samples: f64 = numbers.iter().map(|&r| self.0[r].samples as f64).sum();
+        let sum: f64 = numbers.iter().map(|&r| self.0[r].samples as f64 * rms(r).powi(2)).sum();
+        (sum / samples).sqrt()
+    }
+}
