@@ -1,5 +1,6 @@
 //! Small measures of a signal that several steps use.
 
+use crate::math::noise::white_noise_variance;
 pub(super) use crate::math::{median, quantile};
 pub(super) use crate::recording::{FEW_LEVELS, pieces};
 
@@ -22,15 +23,10 @@ pub(super) fn changes(values: &[f64]) -> Vec<usize> {
     (0..values.len()).filter(|&k| k == 0 || values[k] != values[k - 1]).collect()
 }
 
-/// Variance of white noise from fourth differences, the median over blocks: smooth motion leaves
-/// nothing, and starts and steps touch few blocks.
+/// Variance of the white noise on a channel; not a number of fewer than five samples.
 pub(super) fn noise_variance(values: &[f64]) -> f64 {
-    let differences: Vec<f64> = values
-        .windows(5)
-        .map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).powi(2) / 70.0)
-        .collect();
-    median(differences.chunks(BLOCK).map(|b| b.iter().sum::<f64>() / b.len() as f64))
+    white_noise_variance(&[values.to_vec()], BLOCK, 1, |_| true).unwrap_or(f64::NAN)
 }
 
-/// Differences of a block.
-const BLOCK: usize = 32;
+/// Samples of a block: short against a run, so that starts and steps touch few blocks (taste).
+const BLOCK: usize = 36;

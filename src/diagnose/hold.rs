@@ -1,11 +1,9 @@
 //! What the recorded input does between its rows.
 
 use super::evidence::{evidence, noiseless};
-use super::regression::cutoff;
 use super::scale::scale_of;
 use super::thresholds::THRESHOLDS;
 use super::timing::timed;
-use super::windows::mobility;
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::Hold;
@@ -19,7 +17,7 @@ use crate::simulate::Hold;
 /// out of both.
 #[must_use]
 pub fn hold(model: &Model, p: &[f64], recordings: &[&Recording]) -> Hold {
-    let scale = scale_of(model, p, recordings, cutoff(recordings, mobility(model, p)));
+    let scale = scale_of(model, p, recordings);
     let fits = [Hold::Linear, Hold::Constant].map(|hold| {
         let timed = timed(model, p, 0.0, recordings, hold, &scale)?;
         Some((noiseless(&timed.windows, &timed.fit)?, timed.error()))

@@ -1,13 +1,14 @@
 //! The scale of recordings: the unit of every grid of shapes.
 
+use super::regression::cutoff;
+use super::windows::mobility;
 use crate::effects::{FAST, Motion, Scale, smallest_inertia};
 use crate::model::Model;
 use crate::recording::{DriveUnit, Recording};
 
-/// The size of the signals of `recordings` as seen by a model at `p`; `bandwidth` is the cut-off that its
-/// sensors allow \[Hz\].
+/// The size of the signals of `recordings` as seen by a model at `p`, and the bandwidth that their noise leaves it.
 #[must_use]
-pub fn scale_of(model: &Model, p: &[f64], recordings: &[&Recording], bandwidth: f64) -> Scale {
+pub fn scale_of(model: &Model, p: &[f64], recordings: &[&Recording]) -> Scale {
     let mut torque: Vec<f64> =
         recordings.iter().flat_map(|r| r.torque().iter().flatten()).map(|m| m.abs()).collect();
     torque.sort_by(f64::total_cmp);
@@ -36,7 +37,7 @@ pub fn scale_of(model: &Model, p: &[f64], recordings: &[&Recording], bandwidth: 
         backward: backward(recordings, speed),
         torque,
         inertia: smallest_inertia(&model.terms(&x, p).mass),
-        bandwidth,
+        bandwidth: cutoff(recordings, mobility(model, p)),
         inertia_held: (0..model.effects().len()).any(held),
         two_bodies: recordings.iter().all(wheels),
     }

@@ -15,7 +15,7 @@ use super::fit::{WindowFit, fit};
 use super::input_timing::{InputTiming, SYMBOL};
 use super::judge::Judge;
 use super::outcome::{Diagnosis, Ranked, Step};
-use super::regression::{Regression, Smoothed, cutoff};
+use super::regression::{Regression, Smoothed};
 use super::scale::scale_of;
 use super::screen::Screen;
 use super::thresholds::THRESHOLDS;
@@ -125,9 +125,8 @@ impl<'a> Search<'a> {
         let train: Vec<&Recording> = data.train.iter().collect();
         let start = starts.first().cloned().unwrap_or_else(|| model.initial());
         let mobility = mobility(model, &start);
-        let cutoff = cutoff(&train, mobility);
-        let scale = scale_of(model, &start, &train, cutoff);
-        let smoothed = Smoothed::new(&train, cutoff);
+        let scale = scale_of(model, &start, &train);
+        let smoothed = Smoothed::new(&train, scale.bandwidth);
         let windows = Windows::new(train, data.hold, mobility).sampled(model, &start);
         let validation: Vec<&Recording> = data.validation.iter().collect();
         let held = (!validation.is_empty())

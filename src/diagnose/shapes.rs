@@ -6,7 +6,6 @@ use rayon::prelude::*;
 
 use super::fit::fit;
 use super::input_timing::InputTiming;
-use super::regression::cutoff;
 use super::scale::scale_of;
 use super::thresholds::THRESHOLDS;
 use super::timing::EARLIEST;
@@ -34,9 +33,8 @@ pub fn shapes_placed(model: &Model, train: &[Recording], hold: Hold) -> Model {
         return model.clone();
     };
     let recordings: Vec<&Recording> = train.iter().collect();
-    let mobility = mobility(model, &p);
-    let scale = scale_of(model, &p, &recordings, cutoff(&recordings, mobility));
-    let windows = Windows::new(recordings, hold, mobility);
+    let scale = scale_of(model, &p, &recordings);
+    let windows = Windows::new(recordings, hold, mobility(model, &p));
     let every = windows.windows.len().div_ceil(MOST).max(1);
     let place = Place { windows: windows.only(|n| n % every == 0), train, hold, scale };
     open.into_iter().fold(model.clone(), |model, e| place.effect(model, e))

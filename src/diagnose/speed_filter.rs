@@ -2,11 +2,10 @@
 
 use super::evidence::{evidence, noiseless, without_noise};
 use super::fit::fit;
-use super::regression::cutoff;
 use super::scale::scale_of;
 use super::thresholds::THRESHOLDS;
 use super::timing::{LONGEST, Timed, timed};
-use super::windows::{Errors, Windows, mobility};
+use super::windows::{Errors, Windows};
 use crate::effects::{Change, Scale};
 use crate::model::Model;
 use crate::recording::{Recording, differentiate};
@@ -46,7 +45,7 @@ pub fn speed_filter(
     if recordings.iter().any(|r| r.measured().alpha) {
         return None;
     }
-    let scale = scale_of(model, p, recordings, cutoff(recordings, mobility(model, p)));
+    let scale = scale_of(model, p, recordings);
     let plain = timed(model, p, 0.0, recordings, hold, &scale)?;
     if !plain.is_late(scale.step) {
         return None;

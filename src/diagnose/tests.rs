@@ -43,7 +43,7 @@ fn diagnosed(
 }
 
 fn scale(model: &Model, p: &[f64], recordings: &[&Recording]) -> Scale {
-    scale_of(model, p, recordings, cutoff(recordings, mobility(model, p)))
+    scale_of(model, p, recordings)
 }
 
 #[test]

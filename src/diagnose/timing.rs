@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use super::fit::{WindowFit, fit};
 use super::input_timing::{InputTiming, SYMBOL};
-use super::regression::{Regression, Smoothed, cutoff};
+use super::regression::{Regression, Smoothed};
 use super::scale::scale_of;
 use super::thresholds::THRESHOLDS;
 use super::windows::{Windows, mobility};
@@ -44,9 +44,8 @@ pub struct Timing {
 #[must_use]
 pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -> Option<Timing> {
     let step = recordings.iter().map(|r| r.step()).fold(0.0, f64::max);
-    let cutoff = cutoff(recordings, mobility(model, p));
-    let scale = scale_of(model, p, recordings, cutoff);
-    let smoothed = Smoothed::new(recordings, cutoff);
+    let scale = scale_of(model, p, recordings);
+    let smoothed = Smoothed::new(recordings, scale.bandwidth);
     let regression = Regression::new(model, p, &smoothed, scale.speed)?;
     let balanced = by_balance(&regression, step)?;
     let simulated = by_simulation(model, p, balanced.0, recordings, hold, &scale);

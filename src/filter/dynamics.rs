@@ -5,7 +5,7 @@ use nalgebra::Matrix2;
 
 use super::ProcessNoise;
 use super::correction::{Covariance, Mean};
-use super::step::{Predicted, Sample, move_parameters, predict};
+use super::step::{Law, Predicted, Sample, move_parameters, predict};
 use crate::model::{Linearisation, Model, ModelError};
 
 /// One prediction of a filter with `N` states, and its derivatives.
@@ -38,15 +38,13 @@ pub(super) trait Dynamics<const N: usize> {
 
 /// Wheels and body are one.
 pub(super) struct Rigid<'a> {
-    model: &'a Model,
-    p: &'a [f64],
-    noise: ProcessNoise,
+    law: Law<'a>,
     work: Linearisation,
 }
 
 impl<'a> Rigid<'a> {
     pub(super) fn new(model: &'a Model, p: &'a [f64], noise: ProcessNoise) -> Self {
-        Self { model, p, noise, work: Linearisation::new(p.len()) }
+        Self { law: Law { model, p, noise }, work: Linearisation::new(p.len()) }
     }
 }
 
@@ -61,8 +59,7 @@ impl Dynamics<6> for Rigid<'_> {
         covariance: &mut Covariance<6>,
         derivatives: bool,
     ) -> Result<Predicted<6>, ModelError> {
-        let Self { model, p, noise, work } = self;
-        predict(model, p, noise, sample, mean, covariance, work, derivatives)
+        predict(&self.law, sample, mean, covariance, &mut self.work, derivatives)
     }
 
     fn carry(
@@ -77,7 +74,7 @@ impl Dynamics<6> for Rigid<'_> {
 
     fn mass_slopes(&mut self, predicted: &Predicted<6>) -> Vec<(usize, Matrix2<f64>)> {
         let mut by = |a: &[f64; 2]| {
-            self.model.differentiate(a, &predicted.sign, &mut self.work);
+            self.law.model.differentiate(a, &predicted.sign, &mut self.work);
             self.work.by_parameter.clone()
         };
         let (none, first, second) = (by(&[0.0; 2]), by(&[1.0, 0.0]), by(&[0.0, 1.0]));

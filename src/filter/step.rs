@@ -71,6 +71,14 @@ pub(super) struct Predicted<const N: usize> {
     pub(super) spread: [f64; 2],
 }
 
+/// What moves a state: the model with the values of its parameters, and its process noise.
+#[derive(Clone, Copy)]
+pub(super) struct Law<'a> {
+    pub(super) model: &'a Model,
+    pub(super) p: &'a [f64],
+    pub(super) noise: ProcessNoise,
+}
+
 /// What the second moment of an input takes from the angle that its mean alone would give.
 ///
 /// ```text
@@ -102,19 +110,16 @@ pub(super) fn tilt_angles<const N: usize>(
 /// variance that the mean leaves out becomes process noise; a wheel that may pass through rest
 /// within the step adds the whole friction as noise, so the step is skipped softly. The step is
 /// implicit in the friction (its slope is stiff) and of second order elsewhere.
-// the caller owns the buffers, which are reused over millions of steps
-#[allow(clippy::too_many_arguments)]
 #[inline]
 pub(super) fn predict(
-    model: &Model,
-    p: &[f64],
-    noise: &ProcessNoise,
+    law: &Law,
     sample: &Sample,
     mean: &mut Mean<6>,
     covariance: &mut Covariance<6>,
     work: &mut Linearisation,
     derivatives: bool,
 ) -> Result<Predicted<6>, ModelError> {
+    let Law { model, p, noise } = law;
     let h = sample.step;
     let omega = [mean[2], mean[3]];
     let x = Motion {

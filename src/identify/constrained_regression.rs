@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 use super::identifiability::inverse_where_known;
-use super::inverse_dynamics::Regression;
+use super::inverse_dynamics::{NOISE_SHARE, Regression};
 use super::{
     Fit, Identifier, IdentifyError, MethodDescription, Note, OptionError, Status, Task,
     from_options, options_schema,
@@ -56,8 +56,6 @@ pub enum Loss {
 }
 
 const NAME: &str = "constrained_regression";
-/// Noise let into the acceleration, as a share of its rms: attenuation, its square, stays near the standard error.
-const NOISE_SHARE: f64 = 0.035;
 /// a1 exceeds |a2| by this factor, so that the mass matrix can be inverted.
 const MARGIN: f64 = 1.001;
 /// Huber's threshold in standard deviations.

@@ -20,6 +20,9 @@ use crate::simulate::every_other;
 /// Blocks within which residuals may be correlated \[s\]: as long as leaves enough of them.
 const BLOCK: (f64, f64) = (1.0, 5.0);
 const BLOCKS: f64 = 20.0;
+/// Noise let into the acceleration, as a share of its rms, by regressions that do not account for it: the
+/// attenuation of the inertias, its square, stays near the standard error.
+pub(super) const NOISE_SHARE: f64 = 0.035;
 
 /// A piece of a recording with the rows that are used of it.
 struct Part {

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 use super::identifiability::inverse_where_known;
-use super::inverse_dynamics::Regression;
+use super::inverse_dynamics::{NOISE_SHARE, Regression};
 use super::{
     Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task, Trace, from_options,
     options_schema,
@@ -39,8 +39,6 @@ impl Default for RecursiveLeastSquares {
 }
 
 const NAME: &str = "recursive_least_squares";
-/// Noise let into the acceleration, as a share of its rms: attenuation, its square, stays near the standard error.
-const NOISE_SHARE: f64 = 0.035;
 /// Points of a trace.
 const POINTS: usize = 400;
 

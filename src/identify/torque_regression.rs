@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 use super::identifiability::inverse_where_known;
-use super::inverse_dynamics::Regression;
+use super::inverse_dynamics::{NOISE_SHARE, Regression};
 use super::sampling::at_least;
 use super::{
     Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task, from_options,
@@ -55,8 +55,6 @@ pub enum Weighting {
 }
 
 const NAME: &str = "torque_regression";
-/// Noise let into the acceleration, as a share of its rms: attenuation, its square, stays near the standard error.
-const NOISE_SHARE: f64 = 0.035;
 
 impl Identifier for TorqueRegression {
     fn describe(&self) -> MethodDescription {

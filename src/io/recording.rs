@@ -1,11 +1,13 @@
 //! A recording from a file of any format that is read.
 
+mod header;
 mod missing;
 
 use std::path::{Path, PathBuf};
 
 use polars::prelude::{DataFrame, DataType, PolarsError};
 
+use self::header::{bare, bracketed};
 use self::missing::missing;
 use super::columns::CONTRACT;
 use super::csv::{self, Layout};
@@ -317,24 +319,6 @@ fn conversion(
         }
         (e, _) => e,
     })
-}
-
-/// The name without the unit behind it.
-fn bare(name: &str) -> &str {
-    if is_element(name) { name } else { name.split(['[', '(']).next().unwrap_or(name).trim() }
-}
-
-/// The unit in brackets behind a name.
-fn bracketed(name: &str) -> Option<&str> {
-    let (_, unit) = name.trim_end_matches([']', ')']).split_once(['[', '('])?;
-    Some(unit.trim()).filter(|u| !u.is_empty() && !is_element(name))
-}
-
-/// Whether the brackets behind a name hold an index, as in `name[0]` and `name(:,1)`.
-fn is_element(name: &str) -> bool {
-    let inner = name.strip_suffix([']', ')']).and_then(|n| n.rsplit_once(['[', '(']));
-    let index = |c: char| c.is_ascii_digit() || c == ':' || c == ',';
-    inner.is_some_and(|(_, i)| !i.is_empty() && i.chars().all(index))
 }
 
 /// Contract column and its name in the file, for those that are there; t and the inputs must be,

@@ -1,0 +1,32 @@
+//! What stands in brackets behind the name of a column.
+
+/// The name without the unit behind it.
+pub(super) fn bare(name: &str) -> &str {
+    if is_element(name) { name } else { name.split(['[', '(']).next().unwrap_or(name).trim() }
+}
+
+/// The unit in brackets behind a name.
+pub(super) fn bracketed(name: &str) -> Option<&str> {
+    let (_, unit) = name.trim_end_matches([']', ')']).split_once(['[', '('])?;
+    Some(unit.trim()).filter(|u| !u.is_empty() && !is_element(name))
+}
+
+/// Whether the brackets behind a name hold an index, as in `name[0]` and `name(:,1)`.
+fn is_element(name: &str) -> bool {
+    let inner = name.strip_suffix([']', ')']).and_then(|n| n.rsplit_once(['[', '(']));
+    let index = |c: char| c.is_ascii_digit() || c == ':' || c == ',';
+    inner.is_some_and(|(_, i)| !i.is_empty() && i.chars().all(index))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn brackets_hold_a_unit_or_an_index() {
+        assert_eq!((bare("speed [rpm]"), bracketed("speed [rpm]")), ("speed", Some("rpm")));
+        assert_eq!((bare("i (A)"), bracketed("i (A)")), ("i", Some("A")));
+        assert_eq!((bare("velocity(:,1)"), bracketed("velocity(:,1)")), ("velocity(:,1)", None));
+        assert_eq!((bare("t"), bracketed("t []")), ("t", None));
+    }
+}
