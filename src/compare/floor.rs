@@ -226,7 +226,7 @@ impl<'a> Runs<'a> {
     /// The mean over both ways of leaving out every other row of the input: what is not known of it between its
     /// rows.
     fn by_every_other_row(&self) -> Result<Apart, SimulateError> {
-        let halved = |phase| every_other(self.recording, self.recording.torque(), phase, self.hold);
+        let halved = |phase| every_other(self.recording, self.recording.torque(), phase);
         self.mean(2, |phase| self.run(&halved(phase), None))
     }
 

@@ -146,6 +146,13 @@ pub enum Kind {
     },
     /// An input that keeps its value until the next row, as the motion says that it makes.
     HeldInput,
+    /// An input that acts so much later than in the mean of the recordings, as the motion says that they make.
+    Phase {
+        /// Time \[s\].
+        shift_s: f64,
+        /// Standard error of that \[s\].
+        std_error_s: f64,
+    },
     /// Isolated wrong samples.
     Spikes {
         /// How many.
@@ -188,6 +195,13 @@ pub enum Kind {
         samples: usize,
         /// Lag \[s\].
         lag_s: f64,
+    },
+    /// Speeds without angles that an encoder's counts make; what these add up to is used.
+    Counts {
+        /// One count \[rad\].
+        step_rad: f64,
+        /// Rows over which each speed is the mean.
+        rows: usize,
     },
     /// An input of a few levels: commands without noise.
     FewLevels {
@@ -274,7 +288,9 @@ impl Kind {
             Self::Filtered { lag_s, .. } => ("filtered", lag_s, "s"),
             Self::LowPass { time_s, .. } => ("low_pass", time_s, "s"),
             Self::HeldInput => ("held_input", 1.0, "rows"),
+            Self::Phase { shift_s, .. } => ("phase", shift_s, "s"),
             Self::Differences { lag_s, .. } => ("differences_of_angle", lag_s, "s"),
+            Self::Counts { step_rad, .. } => ("counts", step_rad, "rad"),
             Self::FewLevels { levels } => ("few_levels", levels as f64, "levels"),
             Self::Magnitude => ("magnitude", 1.0, "1"),
             Self::RestOffset { mean, .. } => ("rest_offset", mean, "input"),

@@ -6,7 +6,7 @@
 //! columns    slower than the rows | of the other wheel
 //! angles     wrapped at a turn or a power of two of counts | reset
 //! channels   isolated wrong samples
-//! speeds     in another unit | of another sign | late | differences of the angles
+//! speeds     counts of an encoder | in another unit | of another sign | late | differences of the angles
 //! input      sampled more slowly than the sensors | against the motion | of a few levels | a magnitude without sign | not zero at rest
 //! sensors    that never move, refresh more slowly than the rows, or are coarse
 //! ```
@@ -18,6 +18,7 @@ mod angles;
 mod cells;
 mod clock;
 mod counterpart;
+mod counts;
 mod error;
 mod finding;
 mod held_input;
@@ -92,6 +93,7 @@ pub fn condition(
     if t.len() < FEWEST_ROWS || !rows::is_increasing(t) {
         return Ok(work); // the check of the recording says that it is too short, or where time stands still
     }
+    counts::angles(&mut work, settings);
     jitter::even_times(&mut work, settings);
     align::read_in_turn(&mut work, settings, context);
     angles::unwrap(&mut work, settings);

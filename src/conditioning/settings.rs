@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 #[serde(default, deny_unknown_fields)]
 pub struct Settings {
     /// Rows without a value, with a repeated or an earlier time are left out; a clock that was
-    /// restarted goes on behind a gap.
+    /// restarted goes on behind a gap; times that scatter are made even, and recordings whose rows
+    /// stand at different phases of the controller's are brought to one.
     pub rows: bool,
     /// Angles that wrap, or whose counter was reset, go on.
     pub unwrap: bool,
@@ -19,7 +20,8 @@ pub struct Settings {
     pub signs: bool,
     /// Columns that belong to the other wheel are exchanged.
     pub exchanged: bool,
-    /// Speeds that lag the angles are advanced, or left out where a filter made them.
+    /// Speeds that lag the angles are advanced, or left out where a filter made them; speeds without
+    /// angles that are made of an encoder's counts become the angles that these add up to.
     pub speeds: bool,
     /// Sensors that never move and inputs without a sign are refused.
     pub refuse: bool,

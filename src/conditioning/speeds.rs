@@ -16,7 +16,7 @@
 use nalgebra::{Matrix2, Vector2};
 
 use super::finding::{Channel, Finding, Kind};
-use super::signal::{changes, column, median, noise_variance, pieces};
+use super::signal::{changes, column, median, noise_variance, pieces, trimmed};
 use super::{Conditioned, Context, Settings};
 
 /// Window \[s\] and its samples at least: motion changes within a few tenths of a second.
@@ -168,14 +168,6 @@ fn span(s: &Samples) -> Option<usize> {
     let spans = (1..=SPAN.min(s.t.len() / 4)).map(|m| (m, rest(m)));
     let (m, least) = spans.min_by(|a, b| a.1.total_cmp(&b.1))?;
     (own > 0.0 && least < SHARED * own).then_some(m)
-}
-
-/// Mean of the smallest 95 % of squares over what that is for a normal variable of variance one: jumps
-/// and gaps do not count, and rows in which nothing changes do not hide the others.
-fn trimmed(mut squares: Vec<f64>) -> f64 {
-    squares.sort_by(f64::total_cmp);
-    squares.truncate((squares.len() * 19).div_ceil(20));
-    squares.iter().sum::<f64>() / squares.len().max(1) as f64 / 0.759
 }
 
 /// Lag of a wheel's speed.

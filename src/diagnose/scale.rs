@@ -1,6 +1,7 @@
 //! The scale of recordings: the unit of every grid of shapes.
 
 use super::regression::cutoff;
+use super::thresholds::THRESHOLDS;
 use super::windows::mobility;
 use crate::effects::{FAST, Motion, Scale, smallest_inertia};
 use crate::model::Model;
@@ -32,6 +33,7 @@ pub fn scale_of(model: &Model, p: &[f64], recordings: &[&Recording]) -> Scale {
     Scale {
         speed,
         step: largest(&|r| r.step()),
+        logging: largest(&logging),
         duration: largest(&|r| r.duration()),
         angle: largest(&|r| span(r, 0).max(span(r, 1))),
         backward: backward(recordings, speed),
@@ -41,6 +43,13 @@ pub fn scale_of(model: &Model, p: &[f64], recordings: &[&Recording]) -> Scale {
         inertia_held: (0..model.effects().len()).any(held),
         two_bodies: recordings.iter().all(wheels),
     }
+}
+
+/// Shift of the input that logging explains \[s\]: where the input is held through the rows, and where speeds were
+/// recorded alone, which may be differences of angles. Beside angles a difference shows itself, and is corrected.
+fn logging(recording: &Recording) -> f64 {
+    let causes = if recording.measured().alpha { 1.0 } else { 2.0 };
+    causes * THRESHOLDS.logging * recording.step()
 }
 
 /// Share of the moving rows in which a wheel runs against its main direction; below a twentieth of the top

@@ -133,9 +133,8 @@ impl<'a> Search<'a> {
             .then(|| Windows::new(validation, data.hold, mobility).sampled(model, &start));
         let judged = if data.validation.is_empty() { data.train } else { data.validation };
         let judge = Judge::new(judged.to_vec(), data.hold);
-        let step = scale.step;
         let corrected = data.corrected_s;
-        let range = (EARLIEST * step - corrected, THRESHOLDS.logging * step - corrected);
+        let range = (EARLIEST * scale.step - corrected, scale.logging - corrected);
         let degrees = 0.0;
         let this =
             Self { windows, held, judge, settings, smoothed, degrees, scale, range, corrected };

@@ -89,8 +89,7 @@ impl Place<'_> {
     }
 
     fn timed(&self, model: &Model) -> Model {
-        let step = self.scale.step;
-        let limits = (EARLIEST * step, THRESHOLDS.logging * step);
+        let limits = (EARLIEST * self.scale.step, self.scale.logging);
         if model.effects().iter().any(|effect| effect.change() == Change::TimeShift) {
             return model.clone();
         }

@@ -47,7 +47,7 @@ pub fn speed_filter(
     }
     let scale = scale_of(model, p, recordings);
     let plain = timed(model, p, 0.0, recordings, hold, &scale)?;
-    if !plain.is_late(scale.step) {
+    if !plain.is_late(scale.logging) {
         return None;
     }
     let start = &plain.fit.p[..p.len()];

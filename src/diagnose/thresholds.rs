@@ -74,11 +74,12 @@ pub struct Thresholds {
     /// Standard errors within which a value may still be another: a delay none, or one that logging explains, the
     /// parameter of an effect zero (a chance of one in twenty).
     pub uncertain: f64,
-    /// Least lag or delay that is named, in rows: half a row that logging explains, and a quarter (taste), since what
-    /// is known to a hundredth of a row exceeds a half by what a controller takes for its work.
+    /// Rows by which a lag or delay that is named exceeds what logging explains (taste): what is known to a hundredth
+    /// of a row exceeds it by what a controller takes for its work.
     pub least_shift: f64,
-    /// Shift of the input that logging explains, in rows: the mean over a row, a value that is held through it, and a
-    /// difference of angles all lie half a row off.
+    /// Shift of the input that each habit of logging explains, in rows: the mean over a row, a value that is held
+    /// through it, and a difference of angles all lie half a row off. Beside angles a difference is found and corrected;
+    /// a shift of speeds that were recorded alone may be both.
     pub logging: f64,
     /// Fewest held-out windows on which a fall of the error can be tested.
     pub fewest_windows: usize,
@@ -116,7 +117,7 @@ pub const THRESHOLDS: Thresholds = Thresholds {
     most_left: 0.5,
     followed: 2,
     uncertain: SURELY,
-    least_shift: 0.75,
+    least_shift: 0.25,
     logging: 0.5,
     fewest_windows: 4,
     exchanged: 4,

@@ -50,12 +50,11 @@ pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -
     let balanced = by_balance(&regression, step)?;
     let simulated = by_simulation(model, p, balanced.0, recordings, hold, &scale);
     let (dead_time_s, std_error_s) = simulated.and_then(|s| s.shift).unwrap_or(balanced);
-    let late = dead_time_s - THRESHOLDS.uncertain * std_error_s > THRESHOLDS.logging * step;
+    let late = dead_time_s - THRESHOLDS.uncertain * std_error_s > scale.logging;
     let nothing = dead_time_s.abs() < THRESHOLDS.uncertain * std_error_s;
     let something_else = simulated.is_some_and(|s| s.error > THRESHOLDS.above_floor);
     let kept = late || nothing || something_else;
-    let correction_s =
-        if kept { 0.0 } else { dead_time_s.clamp(EARLIEST * step, THRESHOLDS.logging * step) };
+    let correction_s = if kept { 0.0 } else { dead_time_s.clamp(EARLIEST * step, scale.logging) };
     Some(Timing { dead_time_s, std_error_s, correction_s })
 }
 
@@ -134,11 +133,11 @@ pub(super) struct Timed<'a> {
 }
 
 impl Timed<'_> {
-    /// Whether the motion is later than logging explains, at rows of `step` seconds.
-    pub(super) fn is_late(&self, step: f64) -> bool {
+    /// Whether the motion is later than logging explains \[s\].
+    pub(super) fn is_late(&self, logging: f64) -> bool {
         let (j, fit) = (self.shift, &self.fit);
         let error = THRESHOLDS.uncertain * fit.covariance[(j, j)].sqrt();
-        fit.p[j] - error > THRESHOLDS.logging * step
+        fit.p[j] - error > logging
     }
 
     /// Error of the windows over what noise makes of them.
@@ -158,14 +157,24 @@ pub(super) fn timed<'a>(
     scale: &Scale,
 ) -> Option<Timed<'a>> {
     let limits = (EARLIEST * scale.step, LONGEST.max(-EARLIEST * scale.step));
-    let all = Windows::new(recordings.to_vec(), hold, mobility(model, p));
     let timed = model.add_effect(Arc::new(InputTiming { limits })).ok()?;
     let shift = timed.index_of(SYMBOL).ok()?;
-    let every = all.windows.len().div_ceil(WINDOWS);
-    let windows = all.only(|n| n % every == 0).sampled(model, p);
+    let windows = over_windows(model, p, recordings, hold);
     let from: Vec<f64> = p.iter().copied().chain([start]).collect();
     let fit = fit(&windows, &timed, &from, scale)?;
     Some(Timed { windows, fit, shift })
+}
+
+/// Some windows of 1 s of `recordings`, weighted for a model at `p`.
+pub(super) fn over_windows<'a>(
+    model: &Model,
+    p: &[f64],
+    recordings: &[&'a Recording],
+    hold: Hold,
+) -> Windows<'a> {
+    let all = Windows::new(recordings.to_vec(), hold, mobility(model, p));
+    let every = all.windows.len().div_ceil(WINDOWS).max(1);
+    all.only(|n| n % every == 0).sampled(model, p)
 }
 
 /// How far one step of Gauss and Newton moves parameter `j` of a fit on other windows.

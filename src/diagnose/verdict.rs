@@ -58,6 +58,14 @@ impl Errors {
         (self.after / self.floor).sqrt()
     }
 
+    /// Root mean square error of the last model beyond the noise floor, as a share of the top speed of the wheels.
+    #[must_use]
+    pub fn excess(&self) -> f64 {
+        // what is not a number stays so
+        let beyond = self.after - self.floor;
+        if beyond < 0.0 { 0.0 } else { (beyond / self.speed).sqrt() }
+    }
+
     /// Whether the last model is so far above the floor that noise which the floor does not know (coloured noise
     /// of the input) is no explanation. An error that is not a number is.
     #[must_use]
@@ -69,8 +77,7 @@ impl Errors {
     #[must_use]
     pub fn above_floor(&self) -> bool {
         // what is not a number fails every comparison
-        let small = self.ratio() <= THRESHOLDS.above_floor
-            || self.after - self.floor <= THRESHOLDS.excess.powi(2) * self.speed;
+        let small = self.ratio() <= THRESHOLDS.above_floor || self.excess() <= THRESHOLDS.excess;
         !small
     }
 }

@@ -132,7 +132,7 @@ impl<'a> Windows<'a> {
 
     /// The recordings with every other row of the input alone.
     pub(super) fn halved(&self, phase: usize) -> Vec<Recording> {
-        let one = |r: &&Recording| r.with_torque(every_other(r, r.torque(), phase, self.hold));
+        let one = |r: &&Recording| r.with_torque(every_other(r, r.torque(), phase));
         self.recordings.iter().map(one).collect()
     }
 

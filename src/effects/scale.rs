@@ -13,6 +13,8 @@ pub struct Scale {
     pub speed: f64,
     /// Longest median time step \[s\].
     pub step: f64,
+    /// Shift of the input against the motion that logging explains at most \[s\].
+    pub logging: f64,
     /// Longest recording \[s\].
     pub duration: f64,
     /// Largest angle that a wheel goes through \[rad\].

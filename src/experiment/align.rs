@@ -2,9 +2,10 @@
 //! recorded input acts.
 
 use super::plan::{Measured, Plan};
-use crate::conditioning::{Action, Channel, Finding, Kind};
+use crate::conditioning::{Action, Channel, Finding, Kind, Settings};
 use crate::diagnose::{
-    SpeedFilter, advanced, hold, shapes_placed, speed_filter, timing, with_later_input,
+    Phase, SpeedFilter, THRESHOLDS, advanced, hold, phases, shapes_placed, speed_filter, timing,
+    with_later_input,
 };
 use crate::effects::Change;
 use crate::filter::noise_of_jumps;
@@ -26,8 +27,8 @@ pub(super) fn place(plan: &mut Plan) {
 pub(super) struct Asked {
     /// The input between the rows, where the file says it.
     pub(super) hold: Option<Hold>,
-    /// Whether speeds behind a low-pass of the sensor are corrected.
-    pub(super) speeds: bool,
+    /// What is corrected.
+    pub(super) settings: Settings,
 }
 
 /// Takes out of the recordings what the logger did to them as far as the motion shows it: a low-pass of the speeds,
@@ -41,7 +42,7 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
     }
     let Some(mut start) = balanced(plan) else { return };
     let mut share = share_of_noise(plan, &start);
-    if let Some(moved) = unfiltered(plan, &start, share, asked.speeds) {
+    if let Some(moved) = unfiltered(plan, &start, share, asked.settings.speeds) {
         start = moved;
         share = share_of_noise(plan, &start);
     }
@@ -49,6 +50,10 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
         let held =
             |i| Finding { channel: Channel::Input(i), kind: Kind::HeldInput, action: Action::Used };
         plan.recordings.iter_mut().for_each(|m| m.conditioning.extend([0, 1].map(held)));
+        plan.hold = Hold::Constant;
+    }
+    if asked.settings.rows {
+        in_phase(plan, &start, share);
     }
     let train = plan.of(Role::Train);
     let recordings: Vec<&Recording> = train.iter().collect();
@@ -99,9 +104,29 @@ fn unfiltered(plan: &mut Plan, start: &[f64], share: f64, correct: bool) -> Opti
     correct.then(|| balanced(plan).unwrap_or_else(|| start.to_vec()))
 }
 
-/// Whether the motion shows an input that is held between the rows. It is then said, and simulated as the line between
-/// the rows still: moved in time by [`timing`] that leaves the same error, and a held input that is logged more slowly
-/// than it changes does not.
+/// Moves the inputs of recordings that stand at different phases of the controller's rows to the mean of them, and says
+/// so.
+fn in_phase(plan: &mut Plan, start: &[f64], share: f64) {
+    let train = |m: &Measured| m.role == Role::Train;
+    let places: (Vec<usize>, Vec<usize>) =
+        (0..plan.recordings.len()).partition(|&n| train(&plan.recordings[n]));
+    let order: Vec<usize> = [&places.0[..], &places.1[..]].concat();
+    let mut all: Vec<Recording> =
+        order.iter().map(|&n| plan.recordings[n].recording.clone()).collect();
+    all.iter_mut().for_each(|r| r.set_noise_of_jumps(share));
+    let recordings: Vec<&Recording> = all.iter().collect();
+    let found = phases(&plan.model, start, &recordings, places.0.len(), plan.hold);
+    let sure = |p: &Phase| p.shift_s.abs() > THRESHOLDS.uncertain * p.std_error_s;
+    for (&n, phase) in order.iter().zip(found.into_iter().flatten()).filter(|(_, p)| sure(p)) {
+        let m = &mut plan.recordings[n];
+        let kind = Kind::Phase { shift_s: phase.shift_s, std_error_s: phase.std_error_s };
+        let moved = [0, 1].map(|i| Finding::corrected(Channel::Input(i), kind, "rows", true));
+        m.conditioning.extend(moved);
+        m.recording = with_later_input(&m.recording, phase.shift_s);
+    }
+}
+
+/// Whether the motion shows an input that is held between the rows.
 fn is_held(plan: &Plan, start: &[f64], share: f64) -> bool {
     let train = train_with_noise(plan, share);
     let recordings: Vec<&Recording> = train.iter().collect();

@@ -123,7 +123,7 @@ fn plan(
         grid: None,
     };
     super::align::place(&mut plan);
-    super::align::align(&mut plan, &Asked { hold, speeds: file.conditioning.speeds });
+    super::align::align(&mut plan, &Asked { hold, settings: file.conditioning });
     Ok(plan)
 }
 

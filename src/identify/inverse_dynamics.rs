@@ -274,7 +274,7 @@ impl<'a> Regression<'a> {
     pub(super) fn halved(&self) -> DVector<f64> {
         let halved = |phase: usize| {
             let source = |r: &Recording| Source {
-                input: every_other(r, r.torque(), phase, self.task.hold),
+                input: every_other(r, r.torque(), phase),
                 ..Source::measured(r)
             };
             self.rows_of(&self.task.train.iter().map(source).collect::<Vec<_>>()).1

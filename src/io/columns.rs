@@ -225,7 +225,11 @@ impl ColumnMap {
                     ("mV", volt),
                 ]
             }
-            DriveUnit::Volt => vec![("V", Ok(1.0)), ("mV", Ok(1e-3))],
+            DriveUnit::Volt => {
+                // units of a command, of which `scale` and `times` say how many volts it is
+                let command = ["%", "-", "us", "pwm"].map(|unit| (unit, Ok(1.0)));
+                [("V", Ok(1.0)), ("mV", Ok(1e-3))].into_iter().chain(command).collect()
+            }
             DriveUnit::Ampere => vec![("A", Ok(1.0)), ("mA", Ok(1e-3))],
         }
     }
@@ -314,6 +318,15 @@ mod tests {
         );
         assert_eq!([of("M1", "Nm"), of("M1", "N·m"), of("M2", "mNm")], [1.0, 1.0, 1e-3]);
         assert_eq!([of("t", "ms"), of("t", "µs"), of("t", "ns")], [1e-3, 1e-6, 1e-9]);
+    }
+
+    #[test]
+    fn the_unit_of_a_command_leaves_its_size_to_scale() {
+        let volts = ColumnMap::new(DriveUnit::Volt, None);
+        let duty = Column { scale: 0.01, times: Some("battery".into()), ..Column::new("duty [%]") };
+        assert_eq!(volts.conversion("M1", &duty, Some("%")).unwrap(), (0.01, 0.0));
+        assert!(volts.conversion("M1", &duty, Some("rpm")).is_err());
+        assert!(ColumnMap::default().conversion("M1", &duty, Some("%")).is_err());
     }
 
     #[test]

@@ -29,22 +29,19 @@ pub enum Hold {
 /// as the square of the interval, so of a difference of 4 - 1 parts one is left.
 pub const BETWEEN_ROWS: f64 = 1.0 / 3.0;
 
-/// A signal of a recording with every other row, the even (`phase` 0) or the odd ones, filled in from its
-/// neighbours.
+/// A signal of a recording with every other row, the even (`phase` 0) or the odd ones, on the line between its
+/// neighbours. That serves an input that is held as well: holding the row before would make it late by half a row in the
+/// mean, which no shape of the input between the rows does.
 pub(crate) fn every_other(
     recording: &Recording,
     signal: &[[f64; 2]],
     phase: usize,
-    hold: Hold,
 ) -> Vec<[f64; 2]> {
     let t = recording.t();
     let mut out = signal.to_vec();
     for piece in recording.pieces() {
         for k in piece.clone().filter(|k| k % 2 == phase && *k > piece.start && k + 1 < piece.end) {
-            let share = match hold {
-                Hold::Linear => (t[k] - t[k - 1]) / (t[k + 1] - t[k - 1]),
-                Hold::Constant => 0.0,
-            };
+            let share = (t[k] - t[k - 1]) / (t[k + 1] - t[k - 1]);
             let (from, to) = (signal[k - 1], signal[k + 1]);
             out[k] = [0, 1].map(|i| from[i] + share * (to[i] - from[i]));
         }

@@ -107,6 +107,8 @@ pub(crate) fn concluded(
         reason,
         false_alarm: basis.false_alarm,
         unit,
+        if_held: (basis.hold == Hold::Linear)
+            .then(|| 0.5 * basis.train.iter().map(Recording::step).fold(0.0, f64::max)),
     };
     let estimates = parameters_of(diagnosis.last(), unit).into_iter().map(|p| p.estimate);
     let words = DiagnosisStudy {

@@ -2,6 +2,7 @@
 
 use crate::compare::{Curve, Variable};
 use crate::diagnose::{Conclusion, Diagnosis, Errors, Ranked, THRESHOLDS};
+use crate::effects::Change;
 use crate::identify::Estimate;
 use crate::recording::DriveUnit;
 use crate::report::format;
@@ -19,6 +20,9 @@ pub(super) struct Finding<'a> {
     pub(super) false_alarm: f64,
     /// Unit of the input.
     pub(super) unit: DriveUnit,
+    /// How much less late the input is if it is held through the rows, which the model draws a line between \[s\]: half a
+    /// row; `None` where it is known to be held.
+    pub(super) if_held: Option<f64>,
 }
 
 /// Why an effect that lowers the held-out error is not accepted.
@@ -99,7 +103,7 @@ impl Finding<'_> {
     /// The effects found, each with its size and those that these data do not distinguish from it.
     fn names(&self) -> String {
         let name = |step: &crate::diagnose::Step| {
-            let sized = self.sized(&step.id);
+            let sized = self.sized(&step.id) + &self.if_held(&step.id);
             match step.equals.as_slice() {
                 [] => sized,
                 equals => {
@@ -133,6 +137,20 @@ impl Finding<'_> {
         }
     }
 
+    /// What of a shift of the input is no property of the actuator if the input is held between its rows.
+    fn if_held(&self, id: &str) -> String {
+        let shift = crate::effects::find(id).is_some_and(|e| e.change() == Change::TimeShift);
+        match self.if_held.filter(|_| shift) {
+            Some(time) => {
+                format!(
+                    ", {} s of it if the input is held through its rows",
+                    format::digits(time, 2)
+                )
+            }
+            None => String::new(),
+        }
+    }
+
     fn error(&self) -> String {
         let ratio = self.errors.ratio();
         if !ratio.is_finite() {
@@ -144,12 +162,22 @@ impl Finding<'_> {
             1 => "With it the",
             _ => "With them the",
         };
+        // beside little noise a ratio says more than it means
+        let little = match self.errors.above_floor() {
+            true => String::new(),
+            false => format!(
+                ", beyond which it is {} of the top speed",
+                format::percent(self.errors.excess())
+            ),
+        };
         match (self.diagnosis.steps.as_slice(), ratio <= THRESHOLDS.at_floor) {
             (_, true) => format!("{with} 2 s simulation error is at the noise floor."),
-            ([], false) => format!("The 2 s simulation error is {ratio:.1} times the noise floor."),
+            ([], false) => {
+                format!("The 2 s simulation error is {ratio:.1} times the noise floor{little}.")
+            }
             (_, false) => format!(
                 "This removes {removed:.0} % of the error above the noise floor; the 2 s simulation error is still \
-                 {ratio:.1} times the floor."
+                 {ratio:.1} times the floor{little}."
             ),
         }
     }

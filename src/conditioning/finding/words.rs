@@ -123,7 +123,17 @@ pub(super) fn words(name: &str, kind: &Kind, channel: Channel) -> (String, Strin
             format!(
                 "{name} keeps its value until the next row: the motion follows that better than a line"
             ),
-            "the line between the rows, moved in time, stands for that (hold = \"constant\" holds it)".into(),
+            "simulated so (hold = \"linear\" draws a line between the rows)".into(),
+        ),
+        Kind::Phase { shift_s, std_error_s } => (
+            format!(
+                "{name} acts {} ± {} {} than in the mean of the recordings: the rows stand at another phase of the \
+                 controller's",
+                ms(shift_s.abs()),
+                ms(std_error_s),
+                if shift_s > 0.0 { "later" } else { "earlier" }
+            ),
+            "moved by that".into(),
         ),
         Kind::Differences { samples, lag_s } => (
             format!(
@@ -132,6 +142,13 @@ pub(super) fn words(name: &str, kind: &Kind, channel: Channel) -> (String, Strin
                 ms(lag_s)
             ),
             "left out: it holds nothing beside the angle".into(),
+        ),
+        Kind::Counts { step_rad, rows } => (
+            format!(
+                "{name} is made of the counts of an encoder over {}, one count of {step_rad:.6} rad",
+                one(rows, "row")
+            ),
+            "the angle that they add up to stands for it".into(),
         ),
         Kind::FewLevels { levels } => (
             format!("{name} has {} only", one(levels, "level")),

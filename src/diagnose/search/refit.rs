@@ -62,7 +62,7 @@ impl Search<'_> {
     /// Ratio of a shift of the input by its own uncertainty, zero for other effects.
     ///
     /// ```text
-    /// z² = ((T - h/2)/se)²,   se from the scores of the windows
+    /// z² = ((T - T_l)/se)²,   T_l: what logging explains,   se from the scores of the windows
     /// ```
     /// Near the floor the error of a window is mostly noise of the input that adds up until its end. That hides a shift,
     /// which acts in the few rows in which the input changes, from the fall of the cost, but not from the scores.
@@ -73,7 +73,7 @@ impl Search<'_> {
             return 0.0;
         }
         let first = fit.p.len() - candidate.p.len();
-        let beyond = (fit.p[first] - THRESHOLDS.logging * self.scale.step).max(0.0);
+        let beyond = (fit.p[first] - self.scale.logging).max(0.0);
         let variance = fit.covariance[(first, first)];
         if variance > 0.0 { beyond.powi(2) / variance } else { 0.0 }
     }
@@ -159,11 +159,7 @@ impl Search<'_> {
     ) -> Vec<f64> {
         let mut own = candidate.p.clone();
         if candidate.is_shift() {
-            own[0] = estimate
-                .first()
-                .copied()
-                .unwrap_or(own[0])
-                .max(THRESHOLDS.logging * self.scale.step);
+            own[0] = estimate.first().copied().unwrap_or(own[0]).max(self.scale.logging);
         } else {
             for (value, &j) in estimate.iter().zip(&candidate.linear) {
                 own[j] = *value;
@@ -186,10 +182,10 @@ impl Search<'_> {
         let some = candidate.linear.is_empty()
             || candidate.linear.iter().any(|&j| !fit.at_bound[first + j]);
         let error = fit.covariance[(first, first)].sqrt();
-        let (shift, step) = (fit.p[first], self.scale.step);
+        let beyond = fit.p[first] - self.scale.logging;
         let late = !candidate.is_shift()
-            || shift - THRESHOLDS.uncertain * error > THRESHOLDS.logging * step
-                && shift > THRESHOLDS.least_shift * step;
+            || beyond > THRESHOLDS.uncertain * error
+                && beyond > THRESHOLDS.least_shift * self.scale.step;
         inside && some && late
     }
 }

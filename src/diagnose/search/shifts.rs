@@ -7,7 +7,6 @@ use crate::diagnose::evidence::{evidence, noiseless};
 use crate::diagnose::fit::{WindowFit, fit};
 use crate::diagnose::input_timing::shifts;
 use crate::diagnose::outcome::Ranked;
-use crate::diagnose::thresholds::THRESHOLDS;
 use crate::math::distribution::t_survival;
 
 impl Search<'_> {
@@ -44,7 +43,7 @@ impl Search<'_> {
     /// than logging explains (one-sided t).
     ///
     /// ```text
-    /// t = (T - h/2)/se,   m - p degrees of freedom: windows, free parameters
+    /// t = (T - T_l)/se,   T_l: what logging explains,   m - p degrees of freedom: windows, free parameters
     /// ```
     /// A fall of the error would ask for a shift beyond half of the way to the one that was fitted: a window whose error
     /// would be least there has the same error at both ends.
@@ -54,7 +53,7 @@ impl Search<'_> {
         let j = after.model.slots(e).start;
         let Some(own) = fit(held, &after.model, &after.p, &self.scale) else { return 1.0 };
         let degrees = held.windows.len() as f64 - after.model.free().len() as f64;
-        let t = (own.p[j] - THRESHOLDS.logging * self.scale.step) / own.covariance[(j, j)].sqrt();
+        let t = (own.p[j] - self.scale.logging) / own.covariance[(j, j)].sqrt();
         if degrees >= 1.0 && t.is_finite() { t_survival(t, degrees) } else { 1.0 }
     }
 }

@@ -35,7 +35,7 @@ impl RecordedInput {
         let (whole, by_parameter) = model.input_derivatives(r.t(), r.torque(), p);
         let acts = by_parameter.iter().any(|d| !d.is_empty());
         let acting = match reading {
-            Reading::HalfRate(phase) => every_other(r, &whole, phase, Hold::Linear),
+            Reading::HalfRate(phase) => every_other(r, &whole, phase),
             _ => whole,
         };
         let smooth = if reading == Reading::Noisy { acting.clone() } else { smoothed(&acting, r) };

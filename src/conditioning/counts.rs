@@ -1,0 +1,243 @@
+//! Speeds that were recorded without angles and come from an encoder's counts.
+//!
+//! A driver counts the steps of an encoder from row to row and divides by the time:
+//!
+//! ```text
+//! omega_k = q/m sum over j < m of n_(k-j)/h_(k-j),   n_k whole,   h_k = t_k - t_(k-1),   alpha_k = q sum of n up to k
+//! ```
+//! with m = 1, or more where it takes the mean over m rows. The angle is as the encoder saw it: nothing is late and
+//! nothing is noise but its rounding. A driver that rounds a speed that it measures otherwise gives multiples of a step
+//! too. Its errors of neighbouring rows have nothing in common, while those of counts are taken back in the next row:
+//!
+//! ```text
+//! second differences of n:               var = 6 s²  rounded speeds,   20 s²  counts     (s² of one rounding)
+//! the same of sums over two rows:              12 s²                   20 s²
+//! ```
+
+use super::finding::{Channel, Finding, Kind};
+use super::signal::{column, median, trimmed};
+use super::{Conditioned, Settings};
+
+/// Rows that must move: fewer are on a grid by chance or by the digits that are written.
+const FEWEST: usize = 100;
+/// Different numbers of counts a row at least.
+const LEVELS: usize = 4;
+/// Root mean square distance from whole counts, in counts: 0.29 for speeds that are none, while stamps and speeds with
+/// four digits leave a hundredth.
+const OFF: f64 = 0.05;
+/// Ratio of the variances above that is nearer to that of counts, 1, than to that of rounded speeds, 2, by their logarithms.
+const TAKEN_BACK: f64 = 1.414;
+/// Variance of the second differences where counts are those of an angle: 20/12 by rounding, and as much by the motion.
+const ROUNDED: f64 = 2.0 * 20.0 / 12.0;
+/// The least speed of a run may be several counts.
+const MOST: u32 = 8;
+/// Rows over which drivers take means.
+const ROWS: usize = 8;
+
+/// Replaces speeds without angles that come from an encoder's counts by the angles that these add up to.
+pub(super) fn angles(work: &mut Conditioned, settings: &Settings) {
+    let channels = &work.channels;
+    let (None, Some(omega)) = (&channels.alpha, &channels.omega) else { return };
+    let steps = steps(&channels.t);
+    let even = vec![median(steps[1..].iter().copied()); steps.len()];
+    let of = |i: usize| {
+        let omega = column(omega, i);
+        counts(&omega, &steps).or_else(|| counts(&omega, &even))
+    };
+    let (Some(right), Some(left)) = (of(0), of(1)) else { return };
+    for (i, wheel) in [&right, &left].into_iter().enumerate() {
+        let kind = Kind::Counts { step_rad: wheel.step, rows: wheel.rows };
+        work.findings.push(Finding::corrected(Channel::Speed(i), kind, "speeds", settings.speeds));
+    }
+    if settings.speeds {
+        let sums = right.sums().zip(left.sums());
+        work.channels.alpha = Some(sums.map(|(right, left)| [right, left]).collect());
+        work.channels.omega = None;
+    }
+}
+
+/// Time from the row before to each row; the first has none before it.
+fn steps(t: &[f64]) -> Vec<f64> {
+    std::iter::once(0.0).chain(t.windows(2).map(|w| w[1] - w[0])).collect()
+}
+
+/// Counts of a wheel.
+struct Counts {
+    /// One count \[rad\].
+    step: f64,
+    /// From row to row.
+    counts: Vec<f64>,
+    /// Rows over which the driver took the mean.
+    rows: usize,
+}
+
+impl Counts {
+    /// The angle in every row, from zero on \[rad\].
+    fn sums(&self) -> impl Iterator<Item = f64> {
+        self.counts.iter().scan(0.0, |sum, n| {
+            *sum += n;
+            Some(self.step * *sum)
+        })
+    }
+}
+
+/// The counts of which speeds are made that were divided by `steps`; `None` where they are none.
+fn counts(omega: &[f64], steps: &[f64]) -> Option<Counts> {
+    let ways: Vec<f64> = omega.iter().zip(steps).map(|(w, h)| w * h).collect();
+    let mut sizes: Vec<f64> = ways.iter().map(|d| d.abs()).filter(|d| *d > 0.0).collect();
+    if sizes.len() < FEWEST {
+        return None;
+    }
+    sizes.sort_by(f64::total_cmp);
+    // a spike or a digit may be smaller still
+    let least = sizes[sizes.len() / FEWEST];
+    let step = (1..=MOST).find_map(|part| on_grid(&sizes, least / f64::from(part)))?;
+    let mut levels: Vec<f64> = ways.iter().map(|d| (d / step).round()).collect();
+    levels.sort_by(f64::total_cmp);
+    levels.dedup();
+    if levels.len() < LEVELS {
+        return None;
+    }
+    let over = |rows: usize| {
+        let step = step * rows as f64;
+        Counts { step, counts: by_row(omega, steps, step, rows), rows }
+    };
+    (1..=ROWS).map(over).find(|found| are_taken_back(&found.counts))
+}
+
+/// Counts of `step` from row to row, where each speed is the mean of those of `rows` rows and nothing moved before the
+/// first. Whole numbers let no error of one row into the next.
+fn by_row(omega: &[f64], steps: &[f64], step: f64, rows: usize) -> Vec<f64> {
+    let mut counts: Vec<f64> = Vec::with_capacity(omega.len());
+    for (k, w) in omega.iter().enumerate() {
+        let before = (1..rows.min(k)).map(|j| counts[k - j] / steps[k - j]).sum::<f64>();
+        counts.push((steps[k] * (rows as f64 * w / step - before)).round());
+    }
+    counts
+}
+
+/// The step of the grid of about that `step` on which all ways lie; `sizes` are theirs, ascending.
+fn on_grid(sizes: &[f64], mut step: f64) -> Option<f64> {
+    // the step is known better the farther it is counted
+    let mut reach = 4.0;
+    while reach < 2.0 * sizes[sizes.len() - 1] / step {
+        let near = sizes.iter().take_while(|d| **d < (reach + 0.5) * step);
+        let (way, square) = near.fold((0.0, 0.0), |(way, square), d| {
+            let n = (d / step).round();
+            (way + n * d, square + n * n)
+        });
+        if square > 0.0 {
+            step = way / square;
+        }
+        reach *= 2.0;
+    }
+    let off = |d: &f64| (d / step - (d / step).round()).powi(2);
+    let error = trimmed(sizes.iter().map(off).collect()).sqrt();
+    (error < OFF).then_some(step)
+}
+
+/// Whether what a row counts too much the next one counts less.
+fn are_taken_back(counts: &[f64]) -> bool {
+    let variance = |n: &[f64]| {
+        let bends = n.windows(3).filter(|w| w.iter().any(|n| *n != 0.0));
+        trimmed(bends.map(|w| (w[2] - 2.0 * w[1] + w[0]).powi(2)).collect())
+    };
+    let pairs: Vec<f64> = counts.chunks_exact(2).map(|pair| pair[0] + pair[1]).collect();
+    let single = variance(counts);
+    single > 0.0 && single < ROUNDED && variance(&pairs) < TAKEN_BACK * single
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::Channels;
+    use rand::{Rng, SeedableRng};
+
+    const COUNT: f64 = std::f64::consts::TAU / 1024.0;
+
+    fn motion(t: f64) -> [f64; 2] {
+        [6.0 * t + 2.0 * (1.3 * t).sin(), 4.0 * (0.9 * t).sin()]
+    }
+
+    /// Rows of about 10 ms at uneven times; `speed` from the angles before and now, and the time between.
+    fn work(speed: impl Fn(f64, f64, f64) -> f64) -> (Conditioned, Vec<[f64; 2]>) {
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(1);
+        let late = |k: i32, rng: &mut rand_chacha::ChaCha8Rng| {
+            0.01 * f64::from(k) + 5e-4 * rng.random::<f64>()
+        };
+        let t: Vec<f64> = (0..2000).map(|k| late(k, &mut rng)).collect();
+        let angles: Vec<[f64; 2]> = t.iter().map(|t| motion(*t)).collect();
+        let row = |k: usize| {
+            let before = if k == 0 { angles[0] } else { angles[k - 1] };
+            let h = if k == 0 { 0.01 } else { t[k] - t[k - 1] };
+            [0, 1].map(|i| speed(before[i], angles[k][i], h))
+        };
+        let omega = Some((0..t.len()).map(row).collect());
+        let torque = vec![[0.1; 2]; t.len()];
+        let channels = Channels { t, alpha: None, omega, torque };
+        (Conditioned { channels, findings: vec![] }, angles)
+    }
+
+    #[test]
+    fn differences_of_counts_add_up_to_the_angle() {
+        let counted = |a: f64| (a / COUNT).floor();
+        let (mut work, angles) =
+            work(|before, now, h| COUNT * (counted(now) - counted(before)) / h);
+        super::angles(&mut work, &Settings::default());
+        assert!(
+            matches!(work.findings[0].kind, Kind::Counts { step_rad, rows: 1 } if (step_rad / COUNT - 1.0).abs() < 1e-9)
+        );
+        assert!(work.channels.omega.is_none());
+        let found = work.channels.alpha.unwrap();
+        for (found, is) in found.iter().zip(&angles) {
+            let off = [0, 1].map(|i| found[i] - (is[i] - angles[0][i]));
+            assert!(off.iter().all(|off| off.abs() < 1.01 * COUNT), "{off:?}");
+        }
+    }
+
+    #[test]
+    fn means_over_rows_are_taken_apart() {
+        // 2000 rows of 10 ms from rest
+        let angle = |k: i32| 3.0 * (1.0 - (0.02 * f64::from(k.max(0))).cos());
+        let counted = |k: i32| (angle(k) / COUNT).floor();
+        for rows in [2, 3, 5] {
+            let speed =
+                |k: i32| COUNT * (counted(k) - counted(k - rows)) / (0.01 * f64::from(rows));
+            let t: Vec<f64> = (0..2000).map(|k| 0.01 * f64::from(k)).collect();
+            let omega = Some((0..2000).map(|k| [speed(k); 2]).collect());
+            let channels = Channels { torque: vec![[0.1; 2]; t.len()], t, alpha: None, omega };
+            let mut work = Conditioned { channels, findings: vec![] };
+            super::angles(&mut work, &Settings::default());
+            assert!(
+                matches!(work.findings[0].kind, Kind::Counts { rows: n, .. } if n == rows as usize)
+            );
+            for (k, found) in work.channels.alpha.unwrap().iter().enumerate() {
+                assert!((found[0] - angle(k as i32)).abs() < 1.01 * COUNT);
+            }
+        }
+    }
+
+    #[test]
+    fn speeds_that_are_rounded_or_exact_stay() {
+        // rounded to steps as coarse as those of a count in a row
+        let rounded = |before: f64, now: f64, h: f64| {
+            let step = COUNT / 0.01;
+            ((now - before) / h / step).round() * step
+        };
+        for speed in
+            [&rounded as &dyn Fn(f64, f64, f64) -> f64, &|before, now, h| (now - before) / h]
+        {
+            let (mut work, _) = work(speed);
+            super::angles(&mut work, &Settings::default());
+            assert!(work.findings.is_empty(), "{:?}", work.findings);
+        }
+    }
+
+    #[test]
+    fn the_switch_leaves_the_speeds() {
+        let counted = |a: f64| (a / COUNT).floor();
+        let (mut work, _) = work(|before, now, h| COUNT * (counted(now) - counted(before)) / h);
+        super::angles(&mut work, &Settings { speeds: false, ..Settings::default() });
+        assert!(work.channels.alpha.is_none() && work.findings.len() == 2);
+    }
+}

@@ -1,0 +1,96 @@
+//! Recordings of a logger that was started anew for each: its rows stand at another phase of the controller's.
+
+use super::fit::fit;
+use super::input_timing::{SYMBOL, with_later_input};
+use super::scale::scale_of;
+use super::thresholds::THRESHOLDS;
+use super::timing::{Timed, over_windows, timed};
+use crate::effects::Scale;
+use crate::model::Model;
+use crate::recording::Recording;
+use crate::simulate::Hold;
+
+/// Standard errors by which the time of one recording differs from that of the others: one log in a million by chance.
+const SURE: f64 = 5.0;
+/// Rows by which times differ at least (taste): less moves a motion by less than half a row of a held input is worth.
+const LEAST: f64 = 0.1;
+/// Rows by which phases differ at most.
+const MOST: f64 = 1.0;
+/// Alignments in turn with the fit of the model: the first fit is to recordings that contradict each other.
+const ROUNDS: usize = 3;
+
+/// How much later the input of a recording acts than in the mean of the training recordings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Phase {
+    /// Time \[s\].
+    pub shift_s: f64,
+    /// Standard error of that \[s\].
+    pub std_error_s: f64,
+}
+
+/// The phases of `recordings`, of which the first `train` ones are fitted with a model at `p`. `None` where all have
+/// one, and where the model still fails beside them: what it lacks may look like a phase.
+///
+/// ```text
+/// T_i: time of the input of recording i with the parameters of all,   phase = T_i - mean of T over training
+/// ```
+/// A time is a matter of the log, not of the robot, so that a recording for validation has its own as well.
+#[must_use]
+pub fn phases(
+    model: &Model,
+    p: &[f64],
+    recordings: &[&Recording],
+    train: usize,
+    hold: Hold,
+) -> Option<Vec<Phase>> {
+    if recordings.len() < 2 {
+        return None;
+    }
+    let scale = scale_of(model, p, &recordings[..train]);
+    let mut moved: Vec<Recording> = recordings.iter().map(|r| (*r).clone()).collect();
+    let mut phases = vec![Phase { shift_s: 0.0, std_error_s: 0.0 }; recordings.len()];
+    for round in 0..ROUNDS {
+        let now: Vec<&Recording> = moved.iter().collect();
+        let own = own_times(model, p, &now, train, hold, &scale)?;
+        let mean = own[..train].iter().map(|own| own.shift_s).sum::<f64>() / train as f64;
+        let differs = |own: &Phase| {
+            let apart = (own.shift_s - mean).abs();
+            apart > SURE * own.std_error_s && apart > LEAST * scale.step
+        };
+        if round == 0 && !own.iter().any(differs) {
+            return None;
+        }
+        for (k, own) in own.iter().enumerate() {
+            let shift_s = phases[k].shift_s + own.shift_s - mean;
+            phases[k] = Phase { shift_s, ..*own };
+            moved[k] = with_later_input(recordings[k], shift_s);
+        }
+    }
+    let near = phases.iter().all(|phase| phase.shift_s.abs() <= MOST * scale.step);
+    let now: Vec<&Recording> = moved.iter().collect();
+    let right = near && timed(model, p, 0.0, &now, hold, &scale)?.error() <= THRESHOLDS.above_floor;
+    right.then_some(phases)
+}
+
+/// The time of the input of each recording, with the parameters that the training recordings have in common.
+fn own_times(
+    model: &Model,
+    p: &[f64],
+    recordings: &[&Recording],
+    train: usize,
+    hold: Hold,
+    scale: &Scale,
+) -> Option<Vec<Phase>> {
+    let Timed { fit: all, .. } = timed(model, p, 0.0, &recordings[..train], hold, scale)?;
+    let known = all.model.symbols().into_iter().zip(&all.p).filter(|(symbol, _)| symbol != SYMBOL);
+    let held = known.fold(all.model.clone(), |m, (symbol, value)| {
+        m.fix(&symbol, *value).unwrap_or_else(|_| all.model.clone())
+    });
+    let j = held.index_of(SYMBOL).ok()?;
+    let own = |r: &&Recording| {
+        let windows = over_windows(model, &all.p[..p.len()], &[*r], hold);
+        let fit = fit(&windows, &held, &all.p, scale)?;
+        Some(Phase { shift_s: fit.p[j], std_error_s: fit.covariance[(j, j)].sqrt() })
+    };
+    recordings.iter().map(own).collect()
+}

@@ -1,0 +1,130 @@
+//! The time of the input against known shifts of it.
+
+use super::*;
+
+/// The recording with an input that is recorded `late` seconds before it acts, and otherwise as it was.
+fn recorded_before(recording: &Recording, late: f64) -> Recording {
+    recording.with_torque(shifted(recording, recording.torque(), -late))
+}
+
+#[test]
+fn a_shift_of_the_input_is_found_to_a_fraction_of_a_row() {
+    let model = Model::base(Robot::amigobot());
+    for rows in [-0.5, 0.3, 2.0, 2.5, 3.0] {
+        let recording = recorded(&[], NOISE, 18);
+        let moved = shifted(&recording, recording.torque(), -rows * 0.01);
+        let c = Channels {
+            t: recording.t().to_vec(),
+            alpha: Some(recording.alpha().to_vec()),
+            omega: Some(recording.omega().to_vec()),
+            torque: moved,
+        };
+        let moved = Recording::new("moved", c, DriveUnit::NewtonMetre).unwrap();
+        let first = started(&model, std::slice::from_ref(&moved));
+        let found = timing(&model, &first, &[&moved], Hold::Linear).unwrap();
+        let error = found.dead_time_s - rows * 0.01;
+        // a twentieth of a row is what interpolation and the sampling of the input leave
+        assert!(error.abs() < 5e-4 + 3.0 * found.std_error_s, "{rows}: {found:?}");
+        let expected = if rows > 0.5 { 0.0 } else { found.dead_time_s };
+        assert!((found.correction_s - expected).abs() < 1e-12, "{rows}: {found:?}");
+    }
+}
+
+#[test]
+fn recordings_of_a_logger_that_was_started_anew_have_a_phase_each() {
+    let model = Model::base(Robot::amigobot());
+    // of the rows of 10 ms; the third one is held out
+    let late = [0.001, 0.005, 0.008];
+    let all: Vec<Recording> =
+        (18..).zip(late).map(|(s, l)| recorded_before(&recorded(&[], NOISE, s), l)).collect();
+    let all: Vec<&Recording> = all.iter().collect();
+    let first = started(&model, &[all[0].clone(), all[1].clone()]);
+    let found = phases(&model, &first, &all, 2, Hold::Linear).unwrap();
+    for (phase, late) in found.iter().zip(late) {
+        // a fiftieth of a row is what interpolation leaves
+        let error = phase.shift_s - (late - 0.003);
+        assert!(error.abs() < 2e-4 + 3.0 * phase.std_error_s, "{phase:?}");
+    }
+    let same: Vec<Recording> =
+        (18..20).map(|s| recorded_before(&recorded(&[], NOISE, s), 0.004)).collect();
+    assert_eq!(phases(&model, &first, &same.iter().collect::<Vec<_>>(), 1, Hold::Linear), None);
+    // of a robot that the model does not know a phase proves nothing
+    let friction: &[(&str, &[f64])] = &[("viscous_friction", &[0.02])];
+    let other: Vec<Recording> =
+        (18..).zip(late).map(|(s, l)| recorded_before(&recorded(friction, NOISE, s), l)).collect();
+    assert_eq!(phases(&model, &first, &other.iter().collect::<Vec<_>>(), 2, Hold::Linear), None);
+}
+
+#[test]
+fn the_time_of_a_held_input_is_as_certain_as_that_of_a_line() {
+    let model = Model::base(Robot::amigobot());
+    let recording = recorded(&[], NOISE, 18);
+    let first = started(&model, std::slice::from_ref(&recording));
+    let of = |hold| timing(&model, &first, &[&recording], hold).unwrap();
+    let (line, held) = (of(Hold::Linear), of(Hold::Constant));
+    // rows of a smooth input that are held are late by half a row of 10 ms, which the time makes up for
+    let apart = line.dead_time_s - held.dead_time_s - 0.005;
+    assert!(apart.abs() < 5e-4, "{line:?} {held:?}");
+    assert!(held.std_error_s < 1.5 * line.std_error_s, "{line:?} {held:?}");
+}
+
+#[test]
+fn speeds_without_angles_may_be_late_by_a_row() {
+    let model = Model::base(Robot::amigobot());
+    let recording = recorded_before(&recorded(&[], NOISE, 18), 0.008);
+    let alone = Channels {
+        t: recording.t().to_vec(),
+        alpha: None,
+        omega: Some(recording.omega().to_vec()),
+        torque: recording.torque().to_vec(),
+    };
+    let alone = Recording::new("speeds", alone, DriveUnit::NewtonMetre).unwrap();
+    let first = started(&model, std::slice::from_ref(&recording));
+    let of = |r: &Recording| timing(&model, &first, &[r], Hold::Linear).unwrap();
+    assert_eq!(of(&recording).correction_s, 0.0);
+    let found = of(&alone);
+    assert!((found.correction_s - 0.008).abs() < 5e-4 + 3.0 * found.std_error_s, "{found:?}");
+}
+
+#[test]
+fn an_input_that_was_interpolated_keeps_the_noise_of_its_rows() {
+    let recording = recorded(&[], NoiseLevel { torque: 0.01, ..NOISE }, 18);
+    let before = recording.noise().torque;
+    let moved = with_later_input(&recording, 0.005);
+    assert_eq!(moved.noise().torque, before);
+    // between the rows the mean of four remains, whose fourth differences lack what is fastest
+    let plain = recording.with_torque(moved.torque().to_vec()).noise().torque;
+    assert!(plain[0] < 0.6 * before[0], "{plain:?} {before:?}");
+}
+
+#[test]
+fn friction_that_decides_the_motion_is_not_taken_for_a_shift_of_the_input() {
+    // a tank drive of 57 kg: friction of six times the acceleration torque at 4 rad/s²
+    let robot = Robot::from_preset("frc_tank_drive").unwrap();
+    let model = Model::base(robot);
+    let p = model.initial();
+    let movement = Movement::rich(model.robot(), 4, 25.0, 12.0);
+    let noise = NoiseLevel { alpha: 5e-4, dalpha: 0.02, torque: 0.02 };
+    let recorder = Recorder { rate: 100.0, control_rate: 1000.0, noise, ticks: None, seed: 4 };
+    let recording = record("tank", &model, &p, &movement, &recorder).unwrap();
+    let first = started(&model, std::slice::from_ref(&recording));
+    let found = timing(&model, &first, &[&recording], Hold::Linear).unwrap();
+    // a twentieth of a row is what the sampling of the input leaves
+    assert!(found.dead_time_s.abs() < 5e-4 + 3.0 * found.std_error_s, "{found:?}");
+}
+
+#[test]
+fn a_shift_that_stands_in_for_a_missing_effect_is_not_taken_out() {
+    let model = Model::base(Robot::amigobot());
+    // friction of twice the level at top speed: the base model misses every slope, and an input that acts
+    // earlier or later is a little better
+    let mut significant = 0;
+    for seed in 21..27 {
+        let recording = recorded(&[("viscous_friction", &[0.02])], NOISE, seed);
+        let first = started(&model, std::slice::from_ref(&recording));
+        let found = timing(&model, &first, &[&recording], Hold::Linear).unwrap();
+        significant += usize::from(found.dead_time_s.abs() > 2.0 * found.std_error_s);
+        assert_eq!(found.correction_s, 0.0, "{seed}: {found:?}");
+    }
+    assert!(significant > 0, "the shift is never significant: the test shows nothing");
+}
