@@ -4,8 +4,7 @@
 use super::plan::{Measured, Plan};
 use crate::conditioning::{Action, Channel, Finding, Kind, Settings};
 use crate::diagnose::{
-    Phase, SpeedFilter, THRESHOLDS, advanced, hold, phases, shapes_placed, speed_filter, timing,
-    with_later_input,
+    SpeedFilter, advanced, hold, phases, shapes_placed, speed_filter, timing, with_later_input,
 };
 use crate::effects::Change;
 use crate::filter::noise_of_jumps;
@@ -116,8 +115,9 @@ fn in_phase(plan: &mut Plan, start: &[f64], share: f64) {
     all.iter_mut().for_each(|r| r.set_noise_of_jumps(share));
     let recordings: Vec<&Recording> = all.iter().collect();
     let found = phases(&plan.model, start, &recordings, places.0.len(), plan.hold);
-    let sure = |p: &Phase| p.shift_s.abs() > THRESHOLDS.uncertain * p.std_error_s;
-    for (&n, phase) in order.iter().zip(found.into_iter().flatten()).filter(|(_, p)| sure(p)) {
+    for (&n, phase) in
+        order.iter().zip(found.into_iter().flatten()).filter(|(_, p)| p.shift_s != 0.0)
+    {
         let m = &mut plan.recordings[n];
         let kind = Kind::Phase { shift_s: phase.shift_s, std_error_s: phase.std_error_s };
         let moved = [0, 1].map(|i| Finding::corrected(Channel::Input(i), kind, "rows", true));

@@ -65,6 +65,33 @@ fn other_gain(table: &Table) -> Option<String> {
     })
 }
 
+/// Share of the rows with wheels that turn against each other beyond which it is asked whether a motor is
+/// mounted mirrored: nobody but a test of turning drives so.
+const OPPOSED: f64 = 2.0 / 3.0;
+/// Share of the top speed below which a wheel rests.
+const RESTS: f64 = 0.05;
+
+/// The question whether one wheel counts the other way, where the wheels turn against each other nearly always in these
+/// rows of speeds.
+pub(super) fn opposed(rows: &[[f64; 2]]) -> Option<String> {
+    let top = |i: usize| rows.iter().map(|w| w[i].abs()).fold(0.0, f64::max);
+    let tops = [top(0), top(1)];
+    let moving = rows.iter().filter(|w| (0..2).all(|i| w[i].abs() > RESTS * tops[i]));
+    let (mut count, mut against) = (0, 0);
+    for w in moving {
+        count += 1;
+        against += usize::from(w[0] * w[1] < 0.0);
+    }
+    let share = f64::from(against as u32) / f64::from(count.max(1));
+    (share > OPPOSED).then(|| {
+        format!(
+            "the wheels turn against each other in {:.0} % of the rows: did the robot turn on the spot, or is a \
+             motor mounted mirrored? Then write scale = -1 in every column of that wheel",
+            100.0 * share
+        )
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -122,6 +122,8 @@ fn plan(
         timing: None,
         grid: None,
     };
+    let speeds = plan.recordings.iter().flat_map(|m| m.recording.omega().iter().copied());
+    plan.remarks.extend(super::remarks::opposed(&speeds.collect::<Vec<_>>()));
     super::align::place(&mut plan);
     super::align::align(&mut plan, &Asked { hold, settings: file.conditioning });
     Ok(plan)

@@ -163,12 +163,12 @@ impl Finding<'_> {
             _ => "With them the",
         };
         // beside little noise a ratio says more than it means
-        let little = match self.errors.above_floor() {
-            true => String::new(),
-            false => format!(
+        let little = match ratio > THRESHOLDS.above_floor && !self.errors.above_floor() {
+            true => format!(
                 ", beyond which it is {} of the top speed",
                 format::percent(self.errors.excess())
             ),
+            false => String::new(),
         };
         match (self.diagnosis.steps.as_slice(), ratio <= THRESHOLDS.at_floor) {
             (_, true) => format!("{with} 2 s simulation error is at the noise floor."),

@@ -34,7 +34,7 @@ fn a_shift_of_the_input_is_found_to_a_fraction_of_a_row() {
 fn recordings_of_a_logger_that_was_started_anew_have_a_phase_each() {
     let model = Model::base(Robot::amigobot());
     // of the rows of 10 ms; the third one is held out
-    let late = [0.001, 0.005, 0.008];
+    let late = [0.000, 0.006, 0.008];
     let all: Vec<Recording> =
         (18..).zip(late).map(|(s, l)| recorded_before(&recorded(&[], NOISE, s), l)).collect();
     let all: Vec<&Recording> = all.iter().collect();

@@ -64,7 +64,8 @@ pub(super) fn look(
         for one in &mut inputs {
             one.times = Some(column.name.clone());
             one.scale = Some(factor / full).filter(|f| *f != 1.0);
-            one.evidence.push(format!("{full} is the whole of the battery's voltage"));
+            let milli = if factor == 1.0 { "" } else { ", which is in mV" };
+            one.evidence.push(format!("{full} is the whole of the battery's voltage{milli}"));
         }
         guess.questions.push(format!(
             "`{name}` goes up to {reaches}: is {full} the whole voltage of `{}`? Else write another \

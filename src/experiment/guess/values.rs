@@ -80,10 +80,6 @@ pub(super) fn is_magnitude(
     driven && !input.iter().any(by_speed)
 }
 
-/// Share of the rows with wheels that turn against each other beyond which it is asked whether a motor is
-/// mounted mirrored: nobody but a test of turning drives so.
-const OPPOSED: f64 = 2.0 / 3.0;
-
 /// The question whether one wheel counts the other way, where the wheels turn against each other nearly
 /// always.
 fn mirrored(columns: &[PreviewColumn], guess: &Guess) -> Option<String> {
@@ -92,20 +88,9 @@ fn mirrored(columns: &[PreviewColumn], guess: &Guess) -> Option<String> {
         columns.iter().find(|c| c.name == one.name)
     };
     let (right, left) = of("dalpha1").zip(of("dalpha2"))?;
-    let tops = [largest(&right.values), largest(&left.values)];
-    let pairs = right.values.iter().zip(&left.values);
-    let moving: Vec<f64> = pairs
-        .filter(|(a, b)| a.abs() > 0.05 * tops[0] && b.abs() > 0.05 * tops[1])
-        .map(|(a, b)| a * b)
-        .collect();
-    let opposed = moving.iter().filter(|p| **p < 0.0).count();
-    (right.name != left.name && opposed as f64 > OPPOSED * moving.len() as f64).then(|| {
-        format!(
-            "the wheels turn against each other in {:.0} % of the rows: did the robot turn on the spot, or is a \
-             motor mounted mirrored? Then write scale = -1 in every column of that wheel",
-            100.0 * opposed as f64 / moving.len() as f64
-        )
-    })
+    let rows: Vec<[f64; 2]> =
+        right.values.iter().zip(&left.values).map(|(right, left)| [*right, *left]).collect();
+    (right.name != left.name).then(|| crate::experiment::remarks::opposed(&rows)).flatten()
 }
 
 /// Adds the units that the values of the guessed columns show, with the evidence.

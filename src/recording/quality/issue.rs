@@ -135,8 +135,9 @@ impl Issue {
                 format!("M{} is {value} {} throughout", wheel + 1, unit.symbol())
             }
             Self::AtLimit { wheel, value, unit, share, .. } => format!(
-                "M{} is exactly {value} {} at its extreme, {:.1} % of the samples",
+                "M{} is exactly {} {} at its extreme, {:.1} % of the samples",
                 wheel + 1,
+                significant(value),
                 unit.symbol(),
                 100.0 * share
             ),
@@ -257,6 +258,13 @@ impl Issue {
         }
         .into()
     }
+}
+
+/// Four digits of a value, without zeros at the end.
+fn significant(value: f64) -> f64 {
+    let scale = 10.0_f64.powi(3 - value.abs().max(f64::MIN_POSITIVE).log10().floor() as i32);
+    let rounded = (value * scale).round() / scale;
+    if rounded.is_finite() { rounded } else { value }
 }
 
 fn number(count: usize, what: &str) -> String {
