@@ -3,14 +3,16 @@
 //! ```text
 //! cargo bench --bench hidden_effects -- [--what healthy,single,two,outside] [--robots presets,random:10]
 //!     [--simulator own,second] [--logs 100hz | all] [--effects ID,...] [--seeds N] [--from SEED] [--every K]
-//!     [--rates 0.01,0.05,0.2] [--jobs N] [--minutes M] [--json OUT] [--case ID,...] [--write DIR [--csv]]
+//!     [--rates 0.01,0.05,0.2] [--jobs N] [--minutes M] [--json OUT] [--case ID,...] [--write DIR [--csv]] [--given]
 //! ```
 //! Every case has an id, `robot/simulator/log/effect/size/seed`, from which alone it is made:
 //! `--case ID` runs it, `--write DIR` writes its recordings and an experiment file instead. With `--json`
 //! every outcome is a line of that file, and cases that stand in it already are not run again, so that a
-//! long run can be made in slices of `--minutes`. Tables are those of all cases asked for that have an outcome.
+//! long run can be made in slices of `--minutes`. With `--given` the model has what is hidden, and the intervals of its
+//! parameters are judged in place of the diagnosis. Tables are those of all cases asked for that have an outcome.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
+mod given;
 mod options;
 mod tables;
 
@@ -22,7 +24,7 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::time::Instant;
 
 use hidden_effects::case::Case;
-use hidden_effects::judge::{Outcome, judge};
+use hidden_effects::judge::{Outcome, estimate, judge};
 use hidden_effects::scenario::Scenario;
 use options::Options;
 
@@ -43,7 +45,11 @@ fn main() -> Result<(), String> {
         let outcome = outcomes.get(&case.to_string())?.clone();
         Some((case, outcome))
     });
-    tables::print(&known.collect::<Vec<_>>(), &options.rates);
+    let known: Vec<(Case, Outcome)> = known.collect();
+    match options.given {
+        true => given::print(&known),
+        false => tables::print(&known, &options.rates),
+    }
     Ok(())
 }
 
@@ -71,8 +77,9 @@ fn run(
     let (next, fresh) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     let one = |case: &Case| {
         let rates = if case.hidden.is_empty() { &options.rates[..] } else { &[DEFAULT_RATE] };
-        let outcome = judge(case, rates);
-        println!("{}", tables::line(case, &outcome));
+        let outcome = if options.given { estimate(case) } else { judge(case, rates) };
+        let line = if options.given { given::line } else { tables::line };
+        println!("{}", line(case, &outcome));
         if let (Ok(mut file), Ok(line)) = (file.lock(), serde_json::to_string(&outcome))
             && let Some(file) = file.as_mut()
         {

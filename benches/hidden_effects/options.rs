@@ -14,6 +14,8 @@ pub(crate) struct Options {
     pub(crate) cases: Vec<Case>,
     /// False-alarm rates of cases in which nothing is hidden.
     pub(crate) rates: Vec<f64>,
+    /// Whether the model is given what is hidden, and its parameters are estimated.
+    pub(crate) given: bool,
     /// Cases at a time.
     pub(crate) jobs: usize,
     /// File of all outcomes, one a line; cases in it are not run again.
@@ -54,6 +56,7 @@ impl Options {
         Ok(Self {
             cases,
             rates: rates.collect::<Result<_, _>>()?,
+            given: std::env::args().any(|a| a == "--given"),
             jobs: number("--jobs", 1)?,
             json: argument("--json").map(PathBuf::from),
             write: argument("--write").map(PathBuf::from),

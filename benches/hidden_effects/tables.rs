@@ -304,7 +304,7 @@ fn staircases(rows: &[&Row]) {
 }
 
 /// A share with Wilson's 95 % interval.
-fn share(count: usize, of: usize) -> String {
+pub(crate) fn share(count: usize, of: usize) -> String {
     if of == 0 {
         return "-".into();
     }

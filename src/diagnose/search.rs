@@ -100,6 +100,7 @@ pub fn diagnose(
 }
 
 struct Search<'a> {
+    train: &'a [Recording],
     windows: Windows<'a>,
     /// Windows of the validation recordings, with the judge of the error that is shown.
     held: Option<Windows<'a>>,
@@ -136,8 +137,18 @@ impl<'a> Search<'a> {
         let corrected = data.corrected_s;
         let range = (EARLIEST * scale.step - corrected, scale.logging - corrected);
         let degrees = 0.0;
-        let this =
-            Self { windows, held, judge, settings, smoothed, degrees, scale, range, corrected };
+        let this = Self {
+            train: data.train,
+            windows,
+            held,
+            judge,
+            settings,
+            smoothed,
+            degrees,
+            scale,
+            range,
+            corrected,
+        };
         Ok(this.with_degrees(model, &start))
     }
 
@@ -152,8 +163,7 @@ impl<'a> Search<'a> {
 
     /// The model as given with the time of its input, from the start whose fit is lowest.
     fn base(&self, model: &Model, starts: &[Vec<f64>]) -> Result<WindowFit, IdentifyError> {
-        let shifts = |e: &Arc<dyn Effect>| e.change() == Change::TimeShift;
-        let timed = match model.effects().iter().any(shifts) {
+        let timed = match model.shifts_input() {
             true => model.clone(),
             false => model.add_effect(Arc::new(InputTiming { limits: self.range }))?,
         };

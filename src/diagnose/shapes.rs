@@ -10,7 +10,7 @@ use super::scale::scale_of;
 use super::thresholds::THRESHOLDS;
 use super::timing::EARLIEST;
 use super::windows::{Windows, mobility};
-use crate::effects::{Change, ParameterKind, Scale};
+use crate::effects::{ParameterKind, Scale};
 use crate::identify::{Task, start};
 use crate::model::Model;
 use crate::recording::Recording;
@@ -90,7 +90,7 @@ impl Place<'_> {
 
     fn timed(&self, model: &Model) -> Model {
         let limits = (EARLIEST * self.scale.step, self.scale.logging);
-        if model.effects().iter().any(|effect| effect.change() == Change::TimeShift) {
+        if model.shifts_input() {
             return model.clone();
         }
         model.add_effect(Arc::new(InputTiming { limits })).unwrap_or_else(|_| model.clone())

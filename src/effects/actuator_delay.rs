@@ -38,6 +38,10 @@ impl Physics for ActuatorDelay {
         Change::TimeShift
     }
 
+    fn is_delay(&self) -> bool {
+        true
+    }
+
     /// From a fraction of a sample to what a slow bus or a soft current loop takes.
     fn shapes(&self, scale: &Scale) -> Vec<Vec<f64>> {
         let longest = 0.15_f64.max(4.0 * scale.step);

@@ -71,6 +71,11 @@ pub trait Physics: Send + Sync + 'static {
         false
     }
 
+    /// Whether the input acts later and is otherwise the same, so that no shift of the rows can be told from it.
+    fn is_delay(&self) -> bool {
+        false
+    }
+
     /// What it changes, where that is not the input ([`Physics::acts_on_input`]) or the torque.
     fn change(&self) -> Change {
         if self.acts_on_input() { Change::Input } else { Change::Torque }
@@ -177,6 +182,8 @@ pub trait Effect: Send + Sync {
     fn coupling_symbolic(&self, x: &Motion<Symbol>, p: &[Symbol]) -> Option<Coupling<Symbol>>;
     /// Whether it changes the input.
     fn acts_on_input(&self) -> bool;
+    /// [`Physics::is_delay`].
+    fn is_delay(&self) -> bool;
     /// [`Physics::change`].
     fn change(&self) -> Change;
     /// [`Physics::admissible`].
@@ -248,6 +255,9 @@ impl<P: Physics> Effect for P {
     }
     fn acts_on_input(&self) -> bool {
         Physics::acts_on_input(self)
+    }
+    fn is_delay(&self) -> bool {
+        Physics::is_delay(self)
     }
     fn change(&self) -> Change {
         Physics::change(self)

@@ -6,7 +6,6 @@ use crate::conditioning::{Action, Channel, Finding, Kind, Settings};
 use crate::diagnose::{
     SpeedFilter, advanced, hold, phases, shapes_placed, speed_filter, timing, with_later_input,
 };
-use crate::effects::Change;
 use crate::filter::noise_of_jumps;
 use crate::identify::{Task, start};
 use crate::recording::Recording;
@@ -31,21 +30,21 @@ pub(super) struct Asked {
 }
 
 /// Takes out of the recordings what the logger did to them as far as the motion shows it: a low-pass of the speeds,
-/// when the input acts, and how much of its jumps from row to row is noise; every stage sees recordings that agree. A
-/// model that has a time shift of its own is left alone.
+/// when the input acts, and how much of its jumps from row to row is noise; every stage sees recordings that agree. The
+/// time that all recordings have in common, and the low-pass, which looks like one, are left to a model that has a time
+/// shift of its own.
 pub(super) fn align(plan: &mut Plan, asked: &Asked) {
-    let shifts = |e: &std::sync::Arc<dyn crate::effects::Effect>| e.change() == Change::TimeShift;
-    let long = plan.recordings.iter().any(|m| m.long.is_some());
-    if long || plan.model.effects().iter().any(shifts) {
+    if plan.recordings.iter().any(|m| m.long.is_some()) {
         return;
     }
+    let own = plan.model.shifts_input();
     let Some(mut start) = balanced(plan) else { return };
     let mut share = share_of_noise(plan, &start);
-    if let Some(moved) = unfiltered(plan, &start, share, asked.settings.speeds) {
+    if !own && let Some(moved) = unfiltered(plan, &start, share, asked.settings.speeds) {
         start = moved;
         share = share_of_noise(plan, &start);
     }
-    if asked.hold.is_none() && is_held(plan, &start, share) {
+    if !own && asked.hold.is_none() && is_held(plan, &start, share) {
         let held =
             |i| Finding { channel: Channel::Input(i), kind: Kind::HeldInput, action: Action::Used };
         plan.recordings.iter_mut().for_each(|m| m.conditioning.extend([0, 1].map(held)));
@@ -56,7 +55,7 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
     }
     let train = plan.of(Role::Train);
     let recordings: Vec<&Recording> = train.iter().collect();
-    plan.timing = timing(&plan.model, &start, &recordings, plan.hold);
+    plan.timing = if own { None } else { timing(&plan.model, &start, &recordings, plan.hold) };
     plan.recordings.iter_mut().for_each(|m| m.recording.set_noise_of_jumps(share));
     let Some(timing) = plan.timing.filter(|t| t.correction_s != 0.0) else { return };
     for Measured { recording, .. } in &mut plan.recordings {

@@ -22,8 +22,11 @@ const STATES: usize = 10;
 const BODY: usize = 6;
 /// Where the twists stand.
 const TWIST: usize = 8;
+/// Parts of a step for each radian by which the coupling turns in it: the frequency of a part is low by a share of
+/// (1/8)²/12, a stiffness high by 0.3 %.
+const PARTS: f64 = 8.0;
 /// Most parts of a step. A coupling that is faster still is all but rigid at this rate of sampling.
-const MOST_PARTS: f64 = 2.0;
+const MOST_PARTS: f64 = 8.0;
 
 /// A robot of two inertias a wheel.
 ///
@@ -174,7 +177,7 @@ impl<'a> Coupled<'a> {
         let Coupling { stiffness, damping, .. } = sides.coupling;
         let mobility = 1.0 / sides.rotor + sides.mobility[(0, 0)] + sides.mobility[(0, 1)].abs();
         let rate = (damping * mobility).max((stiffness * mobility).sqrt());
-        (2.0 * rate * h).ceil().clamp(1.0, MOST_PARTS) as usize
+        (PARTS * rate * h).ceil().clamp(1.0, MOST_PARTS) as usize
     }
 }
 

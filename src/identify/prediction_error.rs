@@ -50,7 +50,8 @@ use open_loop::OpenLoop;
 ///
 /// The filter's step is that of the simulation: input in straight lines, stops and reversals
 /// located inside the row. A shift in time between input and motion, up to half a row, is
-/// estimated along.
+/// estimated along, but in a model with a delay, which would be the same. Shapes of a regression that takes the place
+/// are those of the filter, with their errors.
 ///
 /// Source: Ljung, System Identification (1999), ch. 7 (prediction error), ch. 9 (sandwich); Kristensen,
 /// Madsen and Jørgensen, Automatica 40 (2004) for the filter. The horizon is derived here.

@@ -4,7 +4,9 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::Variations;
-use crate::effects::{self, BASE, Coupling, Effect, Motion, ParameterKind, ParameterSpec, Terms};
+use crate::effects::{
+    self, BASE, Change, Coupling, Effect, Motion, ParameterKind, ParameterSpec, Terms,
+};
 use crate::robot::Robot;
 
 /// Why effects do not make a model.
@@ -306,6 +308,18 @@ impl Model {
             .iter()
             .zip(&self.slots)
             .find_map(|(effect, slots)| effect.coupling(x, &p[slots.clone()]))
+    }
+
+    /// Whether an effect of the model moves its input in time, and so explains all of a time between input and motion.
+    #[must_use]
+    pub fn shifts_input(&self) -> bool {
+        self.effects.iter().any(|effect| effect.change() == Change::TimeShift)
+    }
+
+    /// Whether an effect of the model is a delay of the input, from which a shift of its rows cannot be told.
+    #[must_use]
+    pub fn delays_input(&self) -> bool {
+        self.effects.iter().any(|effect| effect.is_delay())
     }
 
     /// Whether an effect of the model makes it a two-mass drivetrain.

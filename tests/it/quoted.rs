@@ -148,6 +148,28 @@ fn the_readme_says_of_its_example_what_the_program_finds() {
     }
 }
 
+/// Named, all and exact of the rows "now" and of the simulators on the page of the worlds.
+fn counts(page: &str) -> Vec<(u32, u32, u32)> {
+    let rows = ["| now |", "| equations of motion |", "| 3-D physics |"];
+    let row = |start: &str| page.lines().find(|line| line.starts_with(start)).unwrap().to_owned();
+    let cell = |line: &str, n: usize| -> (u32, u32) {
+        let text = line.split('|').nth(n).unwrap();
+        let mut figures = text.split(['/', '(']).map(|w| w.trim().parse().ok());
+        (figures.next().flatten().unwrap(), figures.next().flatten().unwrap())
+    };
+    let both = |line: String| (cell(&line, 2).0, cell(&line, 2).1, cell(&line, 3).0);
+    rows.iter().map(|start| both(row(start))).collect()
+}
+
+#[test]
+fn the_readme_sums_the_tables_of_other_simulators() {
+    let read = |name: &str| fs::read_to_string(root().join(name)).unwrap();
+    let rows = counts(&read("docs/other_simulators.md"));
+    let (named, all, exact) = rows.iter().fold((0, 0, 0), |s, r| (s.0 + r.0, s.1 + r.1, s.2 + r.2));
+    let sentence = format!("named first in {named} of {all} sets, in {exact} with nothing else");
+    assert!(read("README.md").contains(&sentence), "README.md does not say: {sentence}");
+}
+
 #[test]
 fn a_stale_figure_is_seen_and_a_last_digit_is_not() {
     let quote = |line: &str, printed: &str| quotes(&[line.to_owned()], printed).is_ok();

@@ -61,9 +61,12 @@ impl Search<'_> {
 
     /// Whether the windows of a refit are missed by far more than their noise.
     pub(super) fn is_far_above(&self, r: &Ranked) -> bool {
-        let values = self.windows.values() as f64;
-        let limit = 0.5 * THRESHOLDS.far_above_floor.powi(2) * values;
-        r.refit.as_ref().is_some_and(|fit| fit.cost > limit)
+        r.refit.as_ref().is_some_and(|fit| self.is_far(fit.cost))
+    }
+
+    /// Whether windows of that cost are missed by far more than their noise.
+    pub(super) fn is_far(&self, cost: f64) -> bool {
+        cost > 0.5 * THRESHOLDS.far_above_floor.powi(2) * self.windows.values() as f64
     }
 }
 

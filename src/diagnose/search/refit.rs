@@ -11,6 +11,7 @@ use crate::diagnose::regression::Regression;
 use crate::diagnose::thresholds::THRESHOLDS;
 use crate::diagnose::windows::bounds;
 use crate::effects::ParameterKind;
+use crate::identify::{Task, start::start};
 use crate::model::Model;
 
 impl Search<'_> {
@@ -98,6 +99,9 @@ impl Search<'_> {
             let none = if shift { vec![] } else { vec![0.0; shape.columns()] };
             starts.push(self.start(&before, shape, &none));
         }
+        if shift && self.is_far(present.cost) {
+            starts.extend(r.shapes.iter().filter_map(|shape| self.anew(&model, shape)));
+        }
         let shapes = if several { r.shapes.as_slice() } else { std::slice::from_ref(candidate) };
         for shape in shapes.iter().filter(|s| !s.linear.is_empty()) {
             let Some((p, own)) = by_torque.and_then(|b| b.start(shape)) else { continue };
@@ -111,6 +115,16 @@ impl Search<'_> {
             .filter_map(|start| fit_within(&self.windows, &model, start, &self.scale, negligible))
             .collect();
         fits.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost))
+    }
+
+    /// All parameters estimated anew with the time of the input at `shape`: a fit without it has bent the others
+    /// as far as they make up for it (a long lag looks like inertia), and no descent leads back from there.
+    fn anew(&self, model: &Model, shape: &Candidate) -> Option<Vec<f64>> {
+        let first = model.parameters().len() - shape.p.len();
+        let own = shape.p.iter().enumerate();
+        let model = own.fold(model.clone(), |m, (n, value)| m.starting_at(first + n, *value));
+        let task = Task { model: &model, train: self.train, hold: self.windows.hold, seed: 0 };
+        start(&task, "start").ok()
     }
 
     /// Root mean square torque of a candidate at its estimates [N m].

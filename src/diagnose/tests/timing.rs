@@ -128,3 +128,46 @@ fn a_shift_that_stands_in_for_a_missing_effect_is_not_taken_out() {
     }
     assert!(significant > 0, "the shift is never significant: the test shows nothing");
 }
+
+/// Speeds of a motor of 12 V under steps and waves that differ from one `seed` to the next, with that lag.
+fn driven_through_a_lag(tau: f64, seed: usize) -> Recording {
+    let robot = Robot::from_preset("regbot").unwrap();
+    let model = Model::with_effects(robot, &["back_emf", "actuator_lag"]).unwrap();
+    let p = [0.0091, 0.0006, 0.0006, 0.27, 0.23, 0.19, tau];
+    let t: Vec<f64> = (0..2000).map(|k| 0.01 * k as f64).collect();
+    let steps = [5.0, -3.0, 6.0, 2.0, -6.0, 0.5, 3.0, -5.0, -1.0, 4.0, -2.0];
+    let step = |k: usize, rows: usize| steps[(k / rows + 3 * seed) % 11];
+    let input: Vec<[f64; 2]> = (0..t.len())
+        .map(|k| [step(k, 47) + (3.0 * t[k]).sin(), step(k, 61) + (2.0 * t[k]).cos()])
+        .collect();
+    let forced = Input { t: &t, torque: &input, hold: Hold::Linear };
+    let states = simulate(&model, &p, &forced, State::default()).unwrap();
+    let alpha = Some(states.iter().map(|s| s.alpha).collect());
+    let noise = |k: usize| 0.02 * ((k * (k + 7 + seed)) as f64).sin();
+    let omega = states.iter().enumerate().map(|(k, s)| s.omega.map(|w| w + noise(k))).collect();
+    Recording::new(
+        "volts",
+        Channels { t, alpha, omega: Some(omega), torque: input },
+        DriveUnit::Volt,
+    )
+    .unwrap()
+}
+
+#[test]
+fn a_lag_that_the_base_fit_took_for_inertia_is_found() {
+    let model = Model::with_effects(Robot::from_preset("regbot").unwrap(), &["back_emf"]).unwrap();
+    let candidates = ["actuator_lag", "actuator_delay"].map(str::to_owned).into();
+    let settings = Settings { candidates, ..Settings::default() };
+    for tau in [0.04, 0.29] {
+        let [a, b, c] = [0, 1, 2].map(|seed| driven_through_a_lag(tau, seed));
+        let (train, validation) = ([a, b], [c]);
+        let first = started(&model, &train);
+        let data =
+            Data { train: &train, validation: &validation, hold: Hold::Linear, corrected_s: 0.0 };
+        let found = diagnose(&model, &[first], &data, &settings).unwrap();
+        let first = &found.steps[0];
+        let at = first.fit.p.last().unwrap();
+        // noise leaves half a percent
+        assert!(first.id == "actuator_lag" && (at / tau - 1.0).abs() < 0.02, "{tau}: {at}");
+    }
+}

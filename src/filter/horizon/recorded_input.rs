@@ -1,6 +1,7 @@
 //! The recorded input as a pass reads it.
 
 use super::Reading;
+use crate::effects::Change;
 use crate::filter::prepare::Prepared;
 use crate::model::Model;
 use crate::recording::Recording;
@@ -32,7 +33,10 @@ impl RecordedInput {
         reading: Reading,
     ) -> Self {
         let r = prepared.recording;
-        let (whole, by_parameter) = model.input_derivatives(r.t(), r.torque(), p);
+        let (whole, mut by_parameter) = model.input_derivatives(r.t(), r.torque(), p);
+        if reading != Reading::Noisy {
+            along_smooth_input(model, p, r, &mut by_parameter);
+        }
         let acts = by_parameter.iter().any(|d| !d.is_empty());
         let acting = match reading {
             Reading::HalfRate(phase) => every_other(r, &whole, phase),
@@ -61,6 +65,28 @@ impl RecordedInput {
             Hold::Linear => [0, 1].map(|i| self.smooth[k][i] - self.smooth[k - 1][i]),
         }
     }
+}
+
+/// Replaces derivatives by the times of shifts by those along the smoothed input.
+///
+/// Between two rows the noise of both is averaged, so that innovations are smallest half a row from the truth. Along
+/// the smoothed input derivatives do not follow that noise: they are instruments (Söderström and Stoica, Instrumental
+/// Variable Methods for System Identification, 1983).
+fn along_smooth_input(
+    model: &Model,
+    p: &[f64],
+    recording: &Recording,
+    by_parameter: &mut [Vec<[f64; 2]>],
+) {
+    let shifts = |e: &usize| model.effects()[*e].change() == Change::TimeShift;
+    let places: Vec<usize> =
+        (0..model.effects().len()).filter(shifts).flat_map(|e| model.slots(e)).collect();
+    if places.is_empty() {
+        return;
+    }
+    let smooth = smoothed(recording.torque(), recording);
+    let (_, mut along) = model.input_derivatives(recording.t(), &smooth, p);
+    places.into_iter().for_each(|j| by_parameter[j] = std::mem::take(&mut along[j]));
 }
 
 /// A signal averaged over [`SMOOTH`] to either side, as far as its piece reaches.

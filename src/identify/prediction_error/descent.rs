@@ -158,7 +158,7 @@ pub(super) fn descend(
     horizon: f64,
 ) -> Option<Solution> {
     let mut columns = model.free();
-    if filter.hold == Hold::Linear {
+    if filter.hold == Hold::Linear && !model.delays_input() {
         columns.push(p.len());
     }
     let at = |p: Vec<f64>, shift: f64| {

@@ -10,6 +10,9 @@ use serde::{Deserialize, Serialize};
 use super::case::Case;
 use super::scenario::Scenario;
 
+/// Symbols of the base parameters.
+pub const BASE: [&str; 5] = ["a1", "a2", "a3", "a4", "a5"];
+
 /// A refitted candidate of the first step.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Look {
@@ -21,7 +24,7 @@ pub struct Look {
     pub delta_bic: f64,
 }
 
-/// An estimated parameter of the base model beside its true value.
+/// An estimated parameter beside its true value.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Covered {
     /// Symbol.
@@ -62,7 +65,7 @@ pub struct Outcome {
     pub said: Vec<Said>,
     /// Candidates of the first step, best first.
     pub ranking: Vec<Look>,
-    /// Default estimates.
+    /// Default estimates of the parameters whose true values are known.
     pub estimates: Vec<Covered>,
     /// Dead time [s], where the data show it.
     pub dead_time_s: Option<f64>,
@@ -77,6 +80,15 @@ pub struct Outcome {
 /// Runs the program on the case: at the largest of `rates` first, at the smaller ones while something is named
 /// (what is not named at a larger rate is not named at a smaller one).
 pub fn judge(case: &Case, rates: &[f64]) -> Outcome {
+    or_failure(case, |out| attempt(case, rates, out))
+}
+
+/// Estimates the parameters of the case with what is hidden in the model; nothing is searched.
+pub fn estimate(case: &Case) -> Outcome {
+    or_failure(case, |out| given(case, out))
+}
+
+fn or_failure(case: &Case, outcome: impl Fn(Outcome) -> Result<Outcome, String>) -> Outcome {
     let empty = Outcome {
         case: case.to_string(),
         hidden: vec![],
@@ -88,17 +100,31 @@ pub fn judge(case: &Case, rates: &[f64]) -> Outcome {
         failure: None,
         seconds: 0.0,
     };
-    attempt(case, rates, empty.clone())
-        .unwrap_or_else(|reason| Outcome { failure: Some(reason), ..empty })
+    outcome(empty.clone()).unwrap_or_else(|reason| Outcome { failure: Some(reason), ..empty })
+}
+
+/// The hidden effects of a scenario with their parameters.
+fn hidden(scenario: &Scenario) -> Vec<(String, Vec<(String, f64)>)> {
+    let named = |(s, v): &(&str, f64)| ((*s).to_string(), *v);
+    let effects = scenario.effects.iter();
+    effects.map(|(id, own)| (id.clone(), own.iter().map(named).collect())).collect()
+}
+
+fn given(case: &Case, mut out: Outcome) -> Result<Outcome, String> {
+    let scenario = Scenario::new(case)?;
+    out.hidden = hidden(&scenario);
+    let folder = tempfile::tempdir().map_err(|e| e.to_string())?;
+    let plan = load(&scenario.write_given(folder.path())?, &[]).map_err(|e| e.to_string())?;
+    let begin = std::time::Instant::now();
+    let study = run(&plan).map_err(|e| e.to_string())?;
+    out.seconds = begin.elapsed().as_secs_f64();
+    describe(&mut out, &study, &scenario);
+    Ok(out)
 }
 
 fn attempt(case: &Case, rates: &[f64], mut out: Outcome) -> Result<Outcome, String> {
     let scenario = Scenario::new(case)?;
-    out.hidden = scenario
-        .effects
-        .iter()
-        .map(|(id, own)| (id.clone(), own.iter().map(|(s, v)| ((*s).to_string(), *v)).collect()))
-        .collect();
+    out.hidden = hidden(&scenario);
     let folder = tempfile::tempdir().map_err(|e| e.to_string())?;
     let file = scenario.write(folder.path(), false)?;
     let mut rates = rates.to_vec();
@@ -160,9 +186,9 @@ fn describe(out: &mut Outcome, study: &Study, scenario: &Scenario) {
             .map(|c| Look { effect: c.effect.clone(), p_value: c.p_value, delta_bic: c.delta_bic })
             .collect();
     }
-    let symbols = ["a1", "a2", "a3", "a4", "a5"];
     let estimates = study.methods.first().map_or(&[][..], |m| &m.estimates);
-    for (symbol, truth) in symbols.into_iter().zip(scenario.truth) {
+    let own = scenario.effects.iter().flat_map(|(_, own)| own.iter().copied());
+    for (symbol, truth) in BASE.into_iter().zip(scenario.truth).chain(own) {
         let Some(e) = estimates.iter().find(|e| e.symbol == symbol && e.identifiable) else {
             continue;
         };

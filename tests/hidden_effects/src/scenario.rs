@@ -67,8 +67,18 @@ impl Scenario {
         Ok(Self { machine, effects, truth, recordings })
     }
 
-    /// Writes the recordings as Parquet, or CSV, and the experiment file; returns its path.
+    /// Writes the recordings as Parquet, or CSV, and an experiment file that searches what is hidden; returns its path.
     pub fn write(&self, folder: &Path, csv: bool) -> Result<PathBuf, String> {
+        self.write_asking(folder, csv, "[diagnosis]\ncandidates = \"all\"\n")
+    }
+
+    /// Writes the recordings and an experiment file whose model has what is hidden; returns its path.
+    pub fn write_given(&self, folder: &Path) -> Result<PathBuf, String> {
+        let ids: Vec<&str> = self.effects.iter().map(|(id, _)| id.as_str()).collect();
+        self.write_asking(folder, false, &format!("[model]\neffects = {ids:?}\n"))
+    }
+
+    fn write_asking(&self, folder: &Path, csv: bool, asked: &str) -> Result<PathBuf, String> {
         let words = |e: std::io::Error| format!("{}: {e}", folder.display());
         std::fs::create_dir_all(folder).map_err(words)?;
         let ending = if csv { "csv" } else { "parquet" };
@@ -89,7 +99,7 @@ impl Scenario {
         let robot = toml::to_string(&self.machine.known).map_err(|e| e.to_string())?;
         let text = format!(
             "[robot]\n{robot}\n[recordings]\ntrain = [{}]\nvalidation = [{held_out}]\n\n\
-             [[method]]\nname = \"prediction_error\"\n\n[diagnosis]\ncandidates = \"all\"\n",
+             [[method]]\nname = \"prediction_error\"\n\n{asked}",
             train.join(", ")
         );
         std::fs::write(&toml, text).map_err(words)?;
