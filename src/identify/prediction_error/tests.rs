@@ -185,3 +185,46 @@ fn a_horizon_is_auto_or_seconds() {
         assert!(read(wrong).unwrap_err().contains("horizon_s"), "{wrong}");
     }
 }
+
+/// The default fit of the AmigoBot with an effect whose parameters have these true values and stand there at the
+/// start, and its estimates of them.
+fn with_effect(id: &str, own: &[f64]) -> Vec<Estimate> {
+    let mut model = Model::with_effects(Robot::amigobot(), &[id]).unwrap();
+    let mut truth = model.initial();
+    for (j, value) in (5..).zip(own) {
+        truth[j] = *value;
+        let shape = model.parameters()[j].spec.kind == crate::effects::ParameterKind::Shape;
+        model = if shape { model.starting_at(j, 0.8 * value) } else { model };
+    }
+    let train = recordings(&model, &truth, 7);
+    let task = Task { model: &model, train: &train, hold: Hold::Linear, seed: 0 };
+    PredictionError::default().identify(&task).unwrap().estimates[5..].to_vec()
+}
+
+#[test]
+fn a_delay_and_a_lag_are_estimated_to_a_fraction_of_a_row() {
+    // what a controller of 1 kHz holds acts half a millisecond after it is recorded in the mean; a delay is that much
+    // longer, and beside a lag it is a shift of the rows
+    for (id, time, held) in [
+        ("actuator_delay", 0.02, 5e-4),
+        ("actuator_delay", 0.013, 5e-4),
+        ("actuator_lag", 0.03, 0.0),
+    ] {
+        let found = &with_effect(id, &[time])[0];
+        let z = (found.value - time - held) / found.std_error;
+        // a tenth of a row of 10 ms, of which a lag leaves the larger part open to a shift
+        assert!(found.std_error > 0.0 && found.std_error < 1e-3, "{id} {found:?}");
+        assert!(z.abs() < 3.5, "{id} {z} {found:?}");
+    }
+}
+
+#[test]
+fn a_stiff_spring_is_not_found_stiffer_than_it_is() {
+    // 44 rad/s, 0.44 rad a row: one implicit step a row turns 1.6 % too slowly, a stiffness is 3 % too high then
+    let truth = [16.8, 0.075, 0.0115];
+    let found = with_effect("compliance", &truth);
+    for (e, t) in found.iter().zip(truth) {
+        let z = (e.value - t) / e.std_error;
+        assert!(z.abs() < 3.5, "{z} {e:?}");
+    }
+}
