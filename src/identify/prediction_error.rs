@@ -4,6 +4,7 @@ mod choice;
 mod descent;
 mod disagreement;
 mod held;
+mod held_shapes;
 mod interval;
 mod likelihood;
 mod open_loop;

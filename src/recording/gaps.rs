@@ -2,22 +2,31 @@
 
 use std::ops::Range;
 
-/// A step in time of more than this many median steps is a gap.
+use crate::math::quantile;
+
+/// A step in time of more than this many usual steps is a gap.
 const GAP: f64 = 4.0;
+/// Share of the steps that are usual: a logger that stops after every eight rows has a rhythm and no gaps.
+const USUAL: f64 = 0.95;
 
 /// Median step in time \[s\].
 pub(super) fn median_step(t: &[f64]) -> f64 {
     crate::math::median(t.windows(2).map(|w| w[1] - w[0]))
 }
 
-/// Whether rows are missing between two, at that median step.
+/// Whether rows are missing between two, at that usual step.
 pub(crate) fn is_gap(before: f64, after: f64, step: f64) -> bool {
     after - before > GAP * step
 }
 
+/// Largest step of a logger that goes on \[s\]: the median, or more where longer ones return all the time.
+fn usual_step(t: &[f64]) -> f64 {
+    quantile(t.windows(2).map(|w| w[1] - w[0]), USUAL).max(median_step(t))
+}
+
 /// Index ranges without a gap, in order.
 pub(crate) fn pieces(t: &[f64]) -> Vec<Range<usize>> {
-    let step = median_step(t);
+    let step = usual_step(t);
     let mut out = Vec::new();
     let mut start = 0;
     for k in 1..t.len() {
@@ -28,4 +37,22 @@ pub(crate) fn pieces(t: &[f64]) -> Vec<Range<usize>> {
     }
     out.push(start..t.len());
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn holes_that_return_all_the_time_are_the_rhythm_of_the_logger() {
+        // eight rows at 2 ms, then 14 ms without, and one stop of a second
+        let mut t: Vec<f64> =
+            (0..400).map(|k| 0.028 * f64::from(k / 8) + 0.002 * f64::from(k % 8)).collect();
+        assert_eq!(pieces(&t), [0..400]);
+        t[200..].iter_mut().for_each(|t| *t += 1.0);
+        assert_eq!(pieces(&t), [0..200, 200..400]);
+        // single rows that are missing now and then are gaps from five steps on
+        let t: Vec<f64> = (0..400).filter(|k| !(200..204).contains(k)).map(f64::from).collect();
+        assert_eq!(pieces(&t), [0..200, 200..396]);
+    }
 }

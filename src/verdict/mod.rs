@@ -141,7 +141,7 @@ fn reason(judge: &Judge, now: f64, fit: &WindowFit) -> Withheld {
     // one that cannot be simulated raises it too
     if !(with <= now) {
         Withheld::Raises
-    } else if fit.model.is_coupled() || now - with < open.powi(2) {
+    } else if fit.model.is_coupled() || now - with < open.powi(2).min(with) {
         Withheld::BetweenRows
     } else {
         Withheld::Small

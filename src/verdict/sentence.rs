@@ -8,6 +8,9 @@ use crate::recording::DriveUnit;
 use crate::report::format;
 use crate::study::parameters_of;
 
+/// Error over the floor below which it is not said to be at the floor: sets with noise alone lie between 0.6 and 1.7.
+const FAR_BELOW: f64 = 0.5;
+
 /// What the sentence is made of.
 pub(super) struct Finding<'a> {
     pub(super) conclusion: Conclusion,
@@ -171,6 +174,10 @@ impl Finding<'_> {
             false => String::new(),
         };
         match (self.diagnosis.steps.as_slice(), ratio <= THRESHOLDS.at_floor) {
+            (_, true) if ratio < FAR_BELOW => format!(
+                "{with} 2 s simulation error is {ratio:.2} of the noise floor, which holds all that the input may do \
+                 between its rows."
+            ),
             (_, true) => format!("{with} 2 s simulation error is at the noise floor."),
             ([], false) => {
                 format!("The 2 s simulation error is {ratio:.1} times the noise floor{little}.")

@@ -260,8 +260,10 @@ impl Search<'_> {
     /// [`Judge::between_rows`]: crate::diagnose::Judge::between_rows
     ///
     /// ```text
-    /// rms_before² - rms_after² >= rms_unresolved²
+    /// rms_before² - rms_after² >= min(rms_unresolved², rms_after²)
     /// ```
+    /// Whatever the sampling makes is still there with an effect that is real: it is no more than what that leaves. An
+    /// effect that stood in for it would have to take the larger part.
     fn falling(&self, fits: &[&WindowFit], shown: &[f64]) -> usize {
         let Some(last) = fits.last() else { return 0 };
         let open = self.judge.unresolved(&last.model, &last.p);
@@ -271,7 +273,10 @@ impl Search<'_> {
             let fit = fits[n - 1];
             // what the sampling leaves open of a time is half a row, which a shift exceeds
             let later = is_later(fit, fits[*n]);
-            let open = if new_body { self.judge.between_rows(&fit.model, &fit.p) } else { open };
+            let open = match new_body {
+                true => self.judge.between_rows(&fit.model, &fit.p),
+                false => open.min(after),
+            };
             // an error that was infinite may fall to any other
             let enough =
                 later || before.is_infinite() || before.powi(2) - after.powi(2) >= open.powi(2);

@@ -45,7 +45,21 @@ fn named(all: &[Candidate]) -> Option<Guessed> {
         .or_else(|| named.iter().copied().find(rises))
         .or_else(|| named.first().copied())?;
     let nanoseconds = stamped.and_then(|c| of_stamp(c)).map(|c| c.column.name.clone());
-    Some(Guessed { nanoseconds, ..guessed(best) })
+    let out = Guessed { nanoseconds, ..guessed(best) };
+    Some(if falls(&best.column.values) { counted_down(out) } else { out })
+}
+
+/// Whether values never rise, and do fall.
+fn falls(values: &[f64]) -> bool {
+    let mut held = values.iter().filter(|v| v.is_finite());
+    let (first, last) = (held.next(), held.next_back());
+    first > last && values.windows(2).all(|w| !(w[1] > w[0]))
+}
+
+/// A time that is left, as that of a match.
+fn counted_down(time: Guessed) -> Guessed {
+    let why = "it falls: a countdown, turned round";
+    Guessed { scale: Some(-1.0), evidence: vec![why.into()], ..time }
 }
 
 /// A name without its last word: `header.stamp.` of `header.stamp.nanosec`.

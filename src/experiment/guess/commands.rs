@@ -1,6 +1,6 @@
 //! Inputs that are commands: a share of the battery's voltage, or a pulse of a servo.
 
-use super::values::largest;
+use super::values::{largest, whole};
 use super::{Guess, Guessed};
 use crate::io::PreviewColumn;
 use crate::recording::DriveUnit;
@@ -13,6 +13,8 @@ const FULL: [f64; 9] = [1.0, 100.0, 127.0, 255.0, 400.0, 1000.0, 1023.0, 4095.0,
 const PWM: f64 = 255.0;
 /// A pulse of a servo, and the one at which it stands [us].
 const PULSE: (f64, f64, f64) = (900.0, 1500.0, 2100.0);
+/// Most volts of the batteries of small robots \[V\]: beyond, numbers are as likely percent.
+const BATTERY_OF_MOST: f64 = 30.0;
 /// Voltages of batteries of robots \[V\].
 const BATTERIES: (f64, f64) = (2.0, 100.0);
 
@@ -23,10 +25,14 @@ pub(super) fn look(
     battery: Option<(&PreviewColumn, Option<&str>)>,
     guess: &mut Guess,
 ) {
+    let of = |name: &str| columns.iter().find(|c| c.name == name).map_or(&[][..], |c| &c.values);
+    if guess.drive_unit == DriveUnit::NewtonMetre {
+        let asked = battery.and_then(|(battery, _)| effort(columns, battery, guess));
+        guess.questions.extend(asked);
+    }
     if guess.drive_unit != DriveUnit::Volt {
         return;
     }
-    let of = |name: &str| columns.iter().find(|c| c.name == name).map_or(&[][..], |c| &c.values);
     let mut inputs: Vec<&mut Guessed> =
         guess.columns.iter_mut().filter(|c| c.key.starts_with('M')).collect();
     let share = |one: &&mut Guessed| {
@@ -72,6 +78,11 @@ pub(super) fn look(
              scale in M1 and M2",
             column.name
         ));
+    } else if !is_pulse && is_volt_sized(top, &name, inputs.iter().map(|one| of(&one.name))) {
+        guess.questions.push(format!(
+            "`{name}` goes up to {reaches}: volts, as they are taken? Of a share of the battery's voltage write the volts of \
+             one unit as scale in M1 and M2"
+        ));
     } else {
         guess.questions.push(format!(
             "`{name}` is a share of the battery's voltage{}: with {full} for the whole of 12 V write \
@@ -82,6 +93,30 @@ pub(super) fn look(
             if is_pulse { format!(", offset = {}", -PULSE.1 * 12.0 / full) } else { String::new() },
         ));
     }
+}
+
+/// The question whether an effort within one is a torque or a share of the voltage of the battery beside it.
+fn effort(columns: &[PreviewColumn], battery: &PreviewColumn, guess: &Guess) -> Option<String> {
+    let of =
+        |name: &str| columns.iter().find(|c| c.name == name).map_or(0.0, |c| largest(&c.values));
+    let inputs = || guess.columns.iter().filter(|c| c.key.starts_with('M'));
+    let is_open = |c: &Guessed| {
+        c.unit.is_none() && c.name.to_lowercase().contains("effort") && of(&c.name) <= 1.0
+    };
+    let first = inputs().next().filter(|_| inputs().all(is_open))?;
+    Some(format!(
+        "`{}` lies within -1 and 1: a torque in N m, as it is taken, or a share of the battery's voltage? For a share write \
+         times = \"{}\" in M1 and M2, drive_unit = \"V\", hold = \"constant\" below it, and effects = [\"back_emf\"] \
+         under [model]",
+        first.name, battery.name
+    ))
+}
+
+/// Whether numbers are rather volts than a share: fractions beyond one, by a name that says neither.
+fn is_volt_sized<'a>(top: f64, name: &str, mut inputs: impl Iterator<Item = &'a [f64]>) -> bool {
+    let says_share =
+        ["duty", "pwm", "power", "throttle"].iter().any(|w| name.to_lowercase().contains(w));
+    !says_share && top > 1.001 && top < BATTERY_OF_MOST && inputs.any(|values| !whole(values))
 }
 
 /// Voltages beyond those of any battery are millivolts.

@@ -3,6 +3,7 @@
 use super::values::{COUNTED, is_unknown, largest, whole};
 use super::{Guess, Guessed};
 use crate::io::PreviewColumn;
+use crate::math::median;
 
 /// Whether a column holds whole numbers, and many: counts of an encoder.
 pub(super) fn are(columns: &[PreviewColumn], one: &Guessed) -> bool {
@@ -10,8 +11,8 @@ pub(super) fn are(columns: &[PreviewColumn], one: &Guessed) -> bool {
     whole(values) && largest(values) > COUNTED
 }
 
-/// Counts per turn where speeds in a known unit say them, else a question. Speeds that are the slope of the
-/// counts are in counts as well.
+/// Counts per turn where speeds in a known unit say them, or in the unit in which they are those of an encoder, else a
+/// question. Speeds that are the slope or the steps of the counts are in counts as well.
 pub(super) fn per_turn(columns: &[PreviewColumn], guess: &mut Guess) {
     let known: Vec<Guessed> = guess.columns.clone();
     let of = |name: &str| columns.iter().find(|c| c.name == name).map_or(&[][..], |c| &c.values);
@@ -27,18 +28,29 @@ pub(super) fn per_turn(columns: &[PreviewColumn], guess: &mut Guess) {
         let ratio = time
             .zip(speed)
             .and_then(|(t, w)| Some((w, counts_by_speed(of(&t.name), t, values, of(&w.name))?)));
-        let turns = ratio.and_then(|(w, ratio)| Some(nice(ratio * unit_by_turn(of(&w.name), w)?)));
-        if let Some(turns) = turns.filter(|n| COUNTS.contains(n)) {
-            guess.columns[k].per_turn = Some(turns);
-            let why = format!("{turns} counts a turn, from the speed beside it");
-            guess.columns[k].evidence.push(why);
-            continue;
-        }
-        if let Some((w, _)) = ratio.filter(|(w, r)| w.unit.is_none() && (r - 1.0).abs() < ALIKE)
-            && let Some(w) = guess.columns.iter_mut().find(|c| c.key == w.key)
-        {
-            w.unit = Some("ticks/s".into());
-            w.evidence.push("the slope of the counts beside it: counts a second".into());
+        if let Some((w, ratio)) = ratio {
+            let row = time.and_then(|t| row_seconds(of(&t.name), t));
+            let said = match w.unit {
+                Some(_) => stated(w, ratio),
+                None if is_unknown(of(&w.name), w) => None,
+                None => unstated(ratio),
+            };
+            if let Some((turns, unit)) = said.filter(|(turns, _)| COUNTS.contains(turns)) {
+                guess.columns[k].per_turn = Some(turns);
+                let why = format!("{turns} counts a turn, from the speed beside it");
+                guess.columns[k].evidence.push(why);
+                let w = guess.columns.iter_mut().find(|c| c.key == w.key && unit != RADIANS);
+                if let Some(w) = w.filter(|w| w.unit.is_none()) {
+                    w.unit = Some(unit.into());
+                    w.evidence.push(format!("an encoder of {turns} counts makes this {unit}"));
+                }
+                continue;
+            }
+            let is_free = w.unit.is_none() && w.scale.is_none();
+            let w = guess.columns.iter_mut().find(|c| c.key == w.key && is_free);
+            if let Some(w) = w {
+                in_counts(w, ratio, row.filter(|_| whole(of(&w.name))));
+            }
         }
         if !asked {
             asked = true;
@@ -56,28 +68,56 @@ const COUNTS: std::ops::Range<f64> = 4.0..1e7;
 /// Part by which the slope of a counter and its speed may differ.
 const ALIKE: f64 = 0.02;
 
-/// Units of a speed that are a turn a second, where its unit is known.
-fn unit_by_turn(values: &[f64], speed: &Guessed) -> Option<f64> {
-    let scale = speed.scale.unwrap_or(1.0);
-    let unit = match speed.unit.as_deref() {
-        None if is_unknown(values, speed) => return None,
-        None => std::f64::consts::TAU,
-        Some("rpm") => 60.0,
-        Some("deg/s") => 360.0,
-        Some("rev/s") => 1.0,
-        Some(_) => return None,
-    };
-    Some(unit / scale)
+/// Unit of a speed that states none.
+const RADIANS: &str = "rad/s";
+/// Units of a speed, and how many of them are a turn a second.
+const UNITS: [(&str, f64); 4] =
+    [(RADIANS, std::f64::consts::TAU), ("rev/s", 1.0), ("rpm", 60.0), ("deg/s", 360.0)];
+
+/// Counts a turn by a speed whose unit is stated, of the wheel.
+fn stated(speed: &Guessed, ratio: f64) -> Option<(f64, &'static str)> {
+    let unit = speed.unit.as_deref().filter(|_| !speed.is_electrical());
+    let &(unit, by_turn) = UNITS.iter().find(|(name, _)| Some(*name) == unit)?;
+    let turns = ratio * by_turn / speed.scale.unwrap_or(1.0);
+    Some((encoder(turns).unwrap_or_else(|| turns.round()), unit))
 }
 
-/// Counts passed over the integral of the speed as it stands, in counts per unit and second.
-fn counts_by_speed(t: &[f64], time: &Guessed, counts: &[f64], speed: &[f64]) -> Option<f64> {
-    let second = match time.unit.as_deref() {
+/// Counts a turn that encoders have, and the unit of the speed that makes them so.
+fn unstated(ratio: f64) -> Option<(f64, &'static str)> {
+    UNITS.iter().find_map(|(unit, by_turn)| Some((encoder(ratio * by_turn)?, *unit)))
+}
+
+/// Says that a speed is in counts where it is their slope, or their step from row to row of `row` seconds.
+fn in_counts(speed: &mut Guessed, ratio: f64, row: Option<f64>) {
+    if (ratio - 1.0).abs() < ALIKE {
+        speed.unit = Some("ticks/s".into());
+        speed.evidence.push("the slope of the counts beside it: counts a second".into());
+    } else if let Some(row) = row.filter(|row| (ratio * row - 1.0).abs() < ALIKE) {
+        speed.unit = Some("ticks/s".into());
+        speed.scale = Some((1e4 / row).round() / 1e4);
+        speed.evidence.push(format!("the steps of the counts beside it, in a row of {row:.4} s"));
+    }
+}
+
+/// Seconds of a unit of time.
+fn seconds(time: &Guessed) -> f64 {
+    match time.unit.as_deref() {
         Some("ms") => 1e-3,
         Some("us") => 1e-6,
         Some("ns") => 1e-9,
         _ => 1.0,
-    };
+    }
+}
+
+/// Median time between two rows [s].
+fn row_seconds(t: &[f64], time: &Guessed) -> Option<f64> {
+    let steps: Vec<f64> = t.windows(2).map(|w| w[1] - w[0]).filter(|h| *h > 0.0).collect();
+    (!steps.is_empty()).then(|| median(steps) * seconds(time))
+}
+
+/// Counts passed over the integral of the speed as it stands, in counts per unit and second.
+fn counts_by_speed(t: &[f64], time: &Guessed, counts: &[f64], speed: &[f64]) -> Option<f64> {
+    let second = seconds(time);
     let rows = t.len().min(counts.len()).min(speed.len());
     let (mut passed, mut way) = (0.0, 0.0);
     for k in 1..rows {
@@ -91,10 +131,10 @@ fn counts_by_speed(t: &[f64], time: &Guessed, counts: &[f64], speed: &[f64]) -> 
     (passed.abs() > 100.0 && way > 0.0).then(|| (passed / way).abs())
 }
 
-/// A number of counts within half a percent that encoders have, else the number itself.
-fn nice(ratio: f64) -> f64 {
+/// A number of counts within half a percent that encoders have.
+fn encoder(ratio: f64) -> Option<f64> {
     let powers = (3..24).map(|n| f64::from(1 << n));
     let tens = [100.0, 200.0, 360.0, 400.0, 500.0, 1000.0, 1440.0, 2000.0, 4000.0, 5000.0, 10000.0];
     let mut known = powers.chain(tens);
-    known.find(|k| (ratio / k - 1.0).abs() < 5e-3).unwrap_or_else(|| ratio.round())
+    known.find(|k| (ratio / k - 1.0).abs() < 5e-3)
 }

@@ -8,6 +8,7 @@ mod labels;
 mod names;
 mod pairs;
 mod relations;
+mod signs;
 mod text;
 mod values;
 
@@ -123,6 +124,7 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
     values::units(columns, &mut out);
     counts::per_turn(columns, &mut out);
     values::questions(columns, &mut out);
+    out.questions.extend(signs::lost(&all, columns, &out));
     commands::look(columns, battery, &mut out);
     out.questions.extend(labels::directions(columns, &out));
     if !are_several {

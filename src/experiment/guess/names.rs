@@ -54,6 +54,7 @@ pub(super) fn named(name: &str) -> Named {
         let (scale, unit) = many(b);
         (scale, Some(unit))
     });
+    scale = scale.or_else(|| take_multiple(&mut words));
     let mut ending =
         bracket.and_then(|u| unit(&u.to_lowercase().replace([' ', '·', '*', '.'], "")));
     if ending.is_none() {
@@ -130,6 +131,15 @@ fn many(unit: &str) -> (Option<f64>, &str) {
     // `1/min` and the like are units
     let rest = unit[end..].trim_start();
     if number.is_some() && !rest.starts_with('/') { (number, rest) } else { (None, unit) }
+}
+
+/// Takes `x100` off the end of the words: how many of a unit are one.
+fn take_multiple(words: &mut Vec<String>) -> Option<f64> {
+    let [.., x, number] = &words[..] else { return None };
+    let many = [10.0, 100.0, 1000.0].into_iter().find(|k| number.parse() == Ok(*k));
+    let many = many.filter(|_| x == "x")?;
+    words.truncate(words.len() - 2);
+    Some(1.0 / many)
 }
 
 /// Takes a power of ten off the end of the words, where the unit stood behind it.
@@ -330,6 +340,11 @@ mod tests {
         for name in ["current_10mA", "current [10 mA]"] {
             assert_eq!((named(name).unit, named(name).scale), (Some("mA"), Some(10.0)), "{name}");
         }
+        let speed = named("right_speed_cm_s_x100");
+        assert_eq!(
+            (speed.quantity, speed.unit, speed.scale),
+            (Some(Speed), Some("cm/s"), Some(0.01))
+        );
         assert_eq!(named("speed [1/min]").scale, None);
         assert!(named("battery_voltage_mV").battery && named("Vbat").battery);
         assert!(!named("battery_charge").battery);

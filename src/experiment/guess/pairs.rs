@@ -29,7 +29,7 @@ impl<'a, 'b> Pairs<'a, 'b> {
 
     /// The columns of a quantity at the right and the left wheel: two names that differ in the side only, those of
     /// what was measured before those of what was wished, sides before numbers, wheels before other words, the
-    /// fewest words first. Of more wheels than two, and of speeds and angles that were wished alone, it is asked.
+    /// fewest words first, then those with a unit. Of more wheels than two, and of speeds and angles that were wished alone, it is asked.
     pub(super) fn of(
         &mut self,
         quantity: Quantity,
@@ -91,7 +91,7 @@ fn best<'a, 'b>(
     keys: [&str; 2],
 ) -> Option<(Two<'a, 'b>, Vec<&'a Candidate<'b>>)> {
     let partner = |a: &&'a Candidate<'b>| {
-        fits.iter().copied().find(|b| {
+        let of_other_side = |b: &&&Candidate| {
             let same = a.named.rest == b.named.rest && a.named.wished == b.named.wished;
             let sides = (a.named.side, b.named.side);
             let opposite = matches!(
@@ -100,13 +100,19 @@ fn best<'a, 'b>(
                     | (Some(Side::Numbered(1)), Some(Side::Numbered(2) | Side::Numbered(0)))
             );
             same && opposite
-        })
+        };
+        // of several the one in the same unit and words
+        let differs =
+            |b: &&'a Candidate<'b>| (b.named.unit != a.named.unit, b.named.word != a.named.word);
+        fits.iter().filter(of_other_side).copied().min_by_key(differs)
     };
     let mut pairs: Vec<Two> =
         fits.iter().copied().filter_map(|a| Some((a, partner(&a)?))).collect();
     pairs.sort_by_key(|(a, _)| {
         let n = &a.named;
-        (!is_exact(a, keys), n.wished, is_numbered(a), !has_word(a, &WHEELS), n.rest.len())
+        let words = (!has_word(a, &WHEELS), n.rest.len());
+        // of `left_vel` and `left_rpm` the one that states its unit
+        (!is_exact(a, keys), n.wished, is_numbered(a), words, n.unit.is_none())
     });
     let Some(&pair) = pairs.first() else { return lettered(fits).map(|pair| (pair, vec![])) };
     let others = if is_exact(pair.0, keys) || !is_numbered(pair.0) {

@@ -1,6 +1,7 @@
 //! What columns without a telling name say of each other: a speed is the slope of its angle.
 
 use super::Guess;
+use super::values::is_constant;
 use crate::io::PreviewColumn;
 
 /// Columns that are compared at most: all pairs are looked at.
@@ -18,7 +19,7 @@ pub(super) fn hints(columns: &[PreviewColumn], guess: &Guess) -> Vec<String> {
     let (Some(time), None, None) = (time, known("alpha1"), known("dalpha1")) else { return vec![] };
     let used = |name: &str| guess.columns.iter().any(|c| c.name == name);
     let open: Vec<&PreviewColumn> =
-        columns.iter().filter(|c| !used(&c.name) && c.values.len() == time.values.len()).collect();
+        columns.iter().filter(|c| !used(&c.name) && is_signal(c, time)).collect();
     if open.len() > MOST {
         return vec![];
     }
@@ -30,6 +31,12 @@ pub(super) fn hints(columns: &[PreviewColumn], guess: &Guess) -> Vec<String> {
             format!("`{}` is the slope of `{}`: a speed and its angle?", speed.name, angle.name)
         })
         .collect()
+}
+
+/// Whether a column may be that of a motion: one value that stays is a setting, and its integral goes with whatever
+/// counts the rows.
+fn is_signal(column: &PreviewColumn, time: &PreviewColumn) -> bool {
+    column.values.len() == time.values.len() && !is_constant(&column.values)
 }
 
 /// Whether the change of one column over windows goes with the integral of another.

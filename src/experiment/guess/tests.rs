@@ -2,6 +2,7 @@ use super::*;
 
 mod clocks;
 mod wheels;
+mod wild;
 
 fn columns(names: &[&str]) -> Vec<PreviewColumn> {
     let ramp = |k: usize| if k == 0 { 0.01 } else { 0.3 };

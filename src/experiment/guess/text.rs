@@ -32,6 +32,11 @@ impl Guessed {
         self.per_turn.is_none() && self.unit.as_deref().is_some_and(|u| u.starts_with("ticks"))
     }
 
+    /// Whether it counts the turns of the motor's field, of which a turn of the wheel has many.
+    pub(in crate::experiment) fn is_electrical(&self) -> bool {
+        self.name.to_lowercase().contains("erpm")
+    }
+
     /// How the question for its unit begins.
     pub(in crate::experiment) fn asks_unit(&self) -> String {
         format!("`{}` goes", self.name)

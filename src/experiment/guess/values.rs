@@ -43,7 +43,7 @@ pub(super) fn never_changes(columns: &[PreviewColumn], one: &Guessed) -> bool {
     is_constant(values)
 }
 
-fn is_constant(values: &[f64]) -> bool {
+pub(super) fn is_constant(values: &[f64]) -> bool {
     let mut held = values.iter().filter(|v| v.is_finite());
     let first = held.next();
     held.all(|v| Some(v) == first)
@@ -115,10 +115,11 @@ pub(super) fn questions(columns: &[PreviewColumn], guess: &mut Guess) {
     open_units(columns, guess);
     let asked = mirrored(columns, guess);
     guess.questions.extend(asked);
-    if guess.columns.iter().any(|c| c.name.to_lowercase().contains("erpm")) {
+    if guess.columns.iter().any(Guessed::is_electrical) {
         guess.questions.push(
             "erpm counts electrical turns: divide by the pole pairs of the motor and the gear, \
-             scale = 0.14 for 7 pole pairs without gear"
+             scale = 0.14 for 7 pole pairs without gear; a tachometer beside it makes 6 steps an electrical turn: \
+             per_turn = 6 x pole pairs x gear"
                 .into(),
         );
     }
@@ -250,7 +251,8 @@ fn no_input(columns: &[PreviewColumn], guess: &Guess) -> &'static str {
         "this log holds no input: record the torques, currents or voltages of the motors (M1, M2), without which the \
          dynamics cannot be found"
     } else {
-        "which columns hold the torques, currents or voltages of the motors (M1, M2)?"
+        "which columns hold the torques, currents or voltages of the motors (M1, M2)? Write their unit as drive_unit; \
+         of voltages and PWM also hold = \"constant\" below it, and effects = [\"back_emf\"] under [model]"
     }
 }
 

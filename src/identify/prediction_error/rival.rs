@@ -2,11 +2,10 @@
 
 use super::choice::{Candidate, clearly_smaller, mean};
 use super::disagreement::with_disagreement;
+use super::held_shapes::{shaped, with_shapes_of};
 use super::open_loop::OpenLoop;
-use crate::effects::ParameterKind;
 use crate::identify::torque_regression::TorqueRegression;
 use crate::identify::{Fit, Note, Task};
-use crate::model::Model;
 
 /// Share of the error by which another method must be better to matter: that of an effect which
 /// enters the model.
@@ -36,7 +35,6 @@ pub(super) fn better(
     else {
         return fit;
     };
-    take_shapes(&mut rival, &fit, task.model);
     let errors = open.errors(task.model, &left_out);
     let [own, other] = [&fit, &rival].map(|fit| open.mean(task.model, &parameters(fit)).sqrt());
     let fails_in_sample = !(own <= FAILS * other);
@@ -47,6 +45,7 @@ pub(super) fn better(
     if !other.is_finite() || !(fails_in_sample || (matters && clear)) {
         return if errs { with_disagreement(fit, &rival) } else { fit };
     }
+    with_shapes_of(&fit, &mut rival, &regressed);
     let held_out = !fails_in_sample;
     let [regression, filter] = match held_out {
         true => [mean(&errors).sqrt(), mean(&chosen.held_out).sqrt()],
@@ -56,27 +55,6 @@ pub(super) fn better(
     rival.method = fit.method;
     rival.work.evaluations += fit.work.evaluations;
     rival
-}
-
-/// Places of the parameters of shapes that are estimated, which a regression holds.
-fn shapes(model: &Model) -> impl Iterator<Item = usize> {
-    let is_shape = |j: &usize| model.parameters()[*j].spec.kind == ParameterKind::Shape;
-    model.free().into_iter().filter(is_shape)
-}
-
-/// The model with its shapes where a fit has them.
-fn shaped(model: &Model, fit: &Fit) -> Model {
-    shapes(model).fold(model.clone(), |out, j| out.starting_at(j, fit.estimates[j].value))
-}
-
-/// Shapes of the regression with the errors of the fit that they come from.
-fn take_shapes(regression: &mut Fit, fit: &Fit, model: &Model) {
-    for j in shapes(model) {
-        regression.estimates[j] = fit.estimates[j].clone();
-        if let (Some(to), Some(from)) = (&mut regression.covariance, &fit.covariance) {
-            to[(j, j)] = from[(j, j)];
-        }
-    }
 }
 
 fn parameters(fit: &Fit) -> Vec<f64> {

@@ -126,7 +126,7 @@ pub(super) const WEAK: [&str; 4] = ["power", "motor", "mot", "throttle"];
 pub(super) const STEPS: [&str; 4] = ["dt", "deltat", "interval", "period"];
 
 /// Words of a name that is what the robot was told and not what it did.
-pub(in crate::experiment::guess) const WISHED: [&str; 12] = [
+pub(in crate::experiment::guess) const WISHED: [&str; 13] = [
     "command",
     "commands",
     "commanded",
@@ -137,6 +137,7 @@ pub(in crate::experiment::guess) const WISHED: [&str; 12] = [
     "reference",
     "ref",
     "desired",
+    "des",
     "goal",
     "soll",
 ];

@@ -1,0 +1,151 @@
+//! Styles of logs found in the wild.
+
+use super::*;
+
+fn column(name: &str, f: impl Fn(f64) -> f64) -> PreviewColumn {
+    let values = (0..400).map(|k| f(0.05 * f64::from(k))).collect();
+    PreviewColumn { name: name.into(), values, words: vec![] }
+}
+
+fn of<'a>(g: &'a Guess, key: &str) -> &'a Guessed {
+    g.columns.iter().find(|c| c.key == key).unwrap()
+}
+
+/// Angle of a wheel that turns at up to 20 rad/s \[rad\], and its speed [rad/s].
+fn angle(t: f64) -> f64 {
+    20.0 * (1.0 - t.cos())
+}
+
+fn speed(t: f64) -> f64 {
+    20.0 * t.sin()
+}
+
+const TURN: f64 = std::f64::consts::TAU;
+
+#[test]
+fn of_two_speeds_the_one_that_states_its_unit_is_taken() {
+    let rpm = |t| speed(t) * 60.0 / TURN;
+    let g = guess(&[
+        column("time", |t| t),
+        column("left_vel", |t| speed(t) / TURN),
+        column("left_rpm", rpm),
+        column("right_vel", |t| speed(t) / TURN),
+        column("right_rpm", rpm),
+        column("left_pulse_count", |t| (angle(t) * 8192.0 / TURN).floor()),
+        column("right_pulse_count", |t| (angle(t) * 8192.0 / TURN).floor()),
+        column("curL", speed),
+        column("curR", speed),
+    ]);
+    assert_eq!(
+        (of(&g, "dalpha1").name.as_str(), of(&g, "alpha1").per_turn),
+        ("right_rpm", Some(8192.0))
+    );
+}
+
+#[test]
+fn a_speed_without_unit_is_in_that_in_which_an_encoder_has_its_counts() {
+    let logged = |turn: f64, per_unit: f64| {
+        guess(&[
+            column("time", |t| t),
+            column("wL", |t| speed(t) / per_unit),
+            column("wR", |t| speed(t) / per_unit),
+            column("encL", |t| (angle(t) * turn / TURN).floor()),
+            column("encR", |t| (angle(t) * turn / TURN).floor()),
+            column("curL", speed),
+            column("curR", speed),
+        ])
+    };
+    for (per_unit, unit) in [(1.0, None), (TURN, Some("rev/s")), (TURN / 60.0, Some("rpm"))] {
+        let g = logged(8192.0, per_unit);
+        // rpm beyond what rad/s may be are asked for
+        let asked = per_unit < 0.5;
+        let expected = if asked { (None, None) } else { (unit, Some(8192.0)) };
+        assert_eq!((of(&g, "dalpha1").unit.as_deref(), of(&g, "alpha1").per_turn), expected);
+        assert_eq!(of(&g, "dalpha1").unit_open, asked);
+    }
+    // 8192 x 0.37 counts a turn are none of an encoder: a speed in a unit of its own does not give them
+    let g = logged(8192.0, 1.0 / 0.37);
+    assert_eq!(of(&g, "alpha1").per_turn, None);
+    assert!(g.questions.iter().any(|q| q.contains("how many counts")), "{:?}", g.questions);
+}
+
+#[test]
+fn steps_of_counts_are_counts_of_a_row() {
+    let counts = |t: f64| (angle(t) * 660.0 / TURN).floor();
+    let step = |t: f64| counts(t) - counts(t - 0.05);
+    let g = guess(&[
+        column("t", |t| t),
+        column("encL", counts),
+        column("encR", counts),
+        column("velL", step),
+        column("velR", step),
+        column("curL", speed),
+        column("curR", speed),
+    ]);
+    let w = of(&g, "dalpha1");
+    assert_eq!((w.unit.as_deref(), w.scale), (Some("ticks/s"), Some(20.0)), "{:?}", w.evidence);
+    assert!(of(&g, "alpha1").needs_per_turn());
+}
+
+#[test]
+fn a_time_that_is_left_is_turned_round() {
+    let g = guess(&[
+        column("Match Time", |t| (135.0 - t).ceil()),
+        column("Right Velocity", speed),
+        column("Left Velocity", speed),
+        column("curR", speed),
+        column("curL", speed),
+    ]);
+    assert_eq!((of(&g, "t").name.as_str(), of(&g, "t").scale), ("Match Time", Some(-1.0)));
+}
+
+#[test]
+fn speeds_that_lost_their_sign_beside_their_set_points_are_asked_for() {
+    let asks = |f: fn(f64) -> f64| {
+        let g = guess(&[
+            column("t", |t| t),
+            column("DesR", speed),
+            column("DesL", speed),
+            column("Meas_R_rpm", move |t| f(speed(t))),
+            column("Meas_L_rpm", move |t| f(speed(t))),
+            column("right_pwm", |t| f64::abs(speed(t))),
+            column("left_pwm", |t| f64::abs(speed(t))),
+        ]);
+        g.questions.iter().any(|q| q.contains("a magnitude?"))
+    };
+    assert!(asks(f64::abs) && !asks(|w| w));
+}
+
+#[test]
+fn an_effort_within_one_beside_a_battery_may_be_a_share_of_it() {
+    let logged = |battery: &str, most: f64| {
+        guess(&[
+            column("t", |t| t),
+            column("left_rpm", speed),
+            column("right_rpm", speed),
+            column("left_effort", |t| most * t.sin()),
+            column("right_effort", |t| most * t.sin()),
+            column(battery, |t| 7.4 - 0.01 * t),
+        ])
+    };
+    let asks = |g: &Guess| g.questions.iter().any(|q| q.contains("times = \"battery_voltage\""));
+    assert!(asks(&logged("battery_voltage", 0.9)));
+    assert!(!asks(&logged("battery_voltage", 2.0)) && !asks(&logged("gyro_rate", 0.9)));
+}
+
+#[test]
+fn numbers_of_a_few_volts_are_no_percent() {
+    let logged = |name: [&str; 2], f: fn(f64) -> f64| {
+        let g = guess(&[
+            column("t", |t| t),
+            column("left_rpm", speed),
+            column("right_rpm", speed),
+            column(name[0], move |t| f(t.sin())),
+            column(name[1], move |t| f(t.sin())),
+        ]);
+        g.questions.join("\n")
+    };
+    assert!(logged(["motor_l", "motor_r"], |s| 6.19 * s).contains("volts, as they are taken?"));
+    assert!(logged(["pwm_l", "pwm_r"], |s| 6.19 * s).contains("is a share"));
+    assert!(logged(["motor_l", "motor_r"], |s| (6.0 * s).round()).contains("is a share"));
+}
