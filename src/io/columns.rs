@@ -1,7 +1,8 @@
 //! Which column of a file is which quantity, in which unit.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::{PI, TAU};
+use std::sync::LazyLock;
 
 use super::IoError;
 use crate::recording::DriveUnit;
@@ -185,7 +186,14 @@ impl ColumnMap {
         let part = |of_metre: f64| metre.map(|factor| of_metre * factor);
         let degree = Ok(PI / 180.0);
         match key {
-            "t" => vec![("s", Ok(1.0)), ("ms", Ok(1e-3)), ("us", Ok(1e-6)), ("ns", Ok(1e-9))],
+            "t" => vec![
+                ("s", Ok(1.0)),
+                ("ms", Ok(1e-3)),
+                ("us", Ok(1e-6)),
+                ("ns", Ok(1e-9)),
+                ("min", Ok(60.0)),
+                ("h", Ok(3600.0)),
+            ],
             "alpha1" | "alpha2" => vec![
                 ("rad", Ok(1.0)),
                 ("deg", degree),
@@ -249,9 +257,11 @@ fn plain(unit: &str) -> String {
 }
 
 /// Other ways to write a unit.
-const SPELLINGS: [(&str, &[&str]); 9] = [
+const SPELLINGS: [(&str, &[&str]); 11] = [
     ("s", &["sec", "second", "seconds"]),
     ("us", &["µs", "μs"]),
+    ("min", &["minute", "minutes"]),
+    ("h", &["hr", "hrs", "hour", "hours"]),
     ("deg", &["degree", "degrees", "°"]),
     ("deg/s", &["°/s", "dps"]),
     ("rev", &["turn", "turns", "revs"]),
@@ -286,9 +296,10 @@ pub fn contract_units() -> Vec<(&'static str, Vec<String>)> {
 
 /// Whether a text is a unit of some quantity of the contract.
 pub(super) fn is_unit(text: &str) -> bool {
-    let written = plain(text);
-    !written.is_empty()
-        && contract_units().iter().any(|(_, units)| units.iter().any(|u| plain(u) == written))
+    static ALL: LazyLock<BTreeSet<String>> = LazyLock::new(|| {
+        contract_units().iter().flat_map(|(_, units)| units.iter().map(|u| plain(u))).collect()
+    });
+    ALL.contains(&plain(text))
 }
 
 #[cfg(test)]

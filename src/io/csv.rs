@@ -18,7 +18,7 @@ use polars::prelude::{
 
 pub(super) use self::blocks::{Blocks, has_more_lines};
 pub(super) use self::lists::lists;
-pub(super) use self::number::{ABSENT, number, value};
+pub(super) use self::number::{ABSENT, duration, number, quantity, value};
 pub(super) use self::unfold::unfold;
 use super::IoError;
 use super::columns::is_unit;
@@ -35,6 +35,19 @@ pub(super) struct Layout {
     above: usize,
     /// Whether the line below the names holds their units.
     units: bool,
+    /// Units that stand in the cells of columns, as MATLAB writes `0.01 sec`; empty where cells are bare numbers.
+    in_cells: Vec<String>,
+}
+
+impl Layout {
+    /// A cell of a column as a number, which stands in the unit of the column's cells.
+    fn value(&self, place: usize, cell: &str) -> Option<f64> {
+        let comma = self.separator != b',';
+        value(cell, comma).or_else(|| {
+            let unit = self.in_cells.get(place).filter(|unit| !unit.is_empty())?;
+            number(cell.trim().trim_matches('"').trim().strip_suffix(unit.as_str())?, comma)
+        })
+    }
 }
 
 /// A header, with whatever stands above it, is looked for in this many bytes.
@@ -80,7 +93,30 @@ pub(super) fn layout(path: &Path) -> Result<Layout, IoError> {
         Some(units) => (names.iter().zip(&units).map(|(n, u)| with_unit(n, u)).collect(), true),
         None => (names, false),
     };
-    Ok(Layout { names, separator: separator as u8, decimal_comma, above, units })
+    let in_cells = units_in_cells(&row, separator);
+    let unit = |k: usize| in_cells.get(k).map_or("", String::as_str);
+    let names = names.iter().enumerate().map(|(k, name)| with_unit(name, unit(k))).collect();
+    Ok(Layout { names, separator: separator as u8, decimal_comma, above, units, in_cells })
+}
+
+/// The units behind the numbers of a row, empty where there are none.
+fn units_in_cells(row: &[u8], separator: char) -> Vec<String> {
+    let text = String::from_utf8_lossy(row);
+    let unit = |cell: &String| {
+        let unit = quantity(cell).map_or("", |(_, unit)| unit);
+        if unit == "%" || is_unit(unit) { unit.to_string() } else { String::new() }
+    };
+    split(text.trim_end_matches(['\r', '\n']), separator).iter().map(unit).collect()
+}
+
+/// A text in which no numbers were found, with its first line that is neither blank nor a comment.
+pub(super) fn not_understood(path: &Path) -> IoError {
+    let lines = File::open(path).map(|file| BufReader::new(file.take(HEAD)).split(b'\n'));
+    let mut lines = lines.into_iter().flatten().map_while(Result::ok).enumerate();
+    let first = lines.find(|(_, line)| is_row(line));
+    let shortened = |line: &[u8]| String::from_utf8_lossy(line).trim().chars().take(120).collect();
+    let line = first.map(|(k, line)| (k + 1, shortened(&line)));
+    IoError::NotUnderstood { file: shown(path), line }
 }
 
 /// Whether cells without a number are units, at least half of them; a text among them may be a unit that is
@@ -168,25 +204,25 @@ const WORDS: usize = 16;
 
 /// Every column.
 pub(super) fn all(path: &Path, layout: &Layout) -> Result<Vec<TextColumn>, IoError> {
-    let comma = layout.separator != b',';
     let columns = layout.names.iter().zip(by_place(path, layout)?);
     // a separator at the end of the header names nothing
     let is_column = |(name, cells): &(&String, Vec<String>)| {
         !name.is_empty() || cells.iter().any(|cell| !cell.is_empty())
     };
-    let column = |(name, cells): (&String, Vec<String>)| {
-        let words = words(&cells, comma);
-        let number = |cell: String| value(&cell, comma).unwrap_or(f64::NAN);
-        TextColumn { name: name.clone(), values: cells.into_iter().map(number).collect(), words }
+    let column = |(k, (name, cells)): (usize, (&String, Vec<String>))| {
+        let number = |cell: &String| layout.value(k, cell);
+        let words = words(&cells, number);
+        let values = cells.iter().map(|cell| number(cell).unwrap_or(f64::NAN)).collect();
+        TextColumn { name: name.clone(), values, words }
     };
-    Ok(columns.filter(is_column).map(column).collect())
+    Ok(columns.enumerate().filter(|(_, column)| is_column(column)).map(column).collect())
 }
 
 /// The words of cells, where all of them are words and few differ.
-fn words(cells: &[String], comma: bool) -> Vec<String> {
+fn words(cells: &[String], number: impl Fn(&String) -> Option<f64>) -> Vec<String> {
     let mut words: Vec<String> = vec![];
     for cell in cells {
-        if value(cell, comma).is_some() || words.len() > WORDS {
+        if number(cell).is_some() || words.len() > WORDS {
             return vec![];
         }
         if !words.contains(cell) {

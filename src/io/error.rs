@@ -47,6 +47,16 @@ pub enum IoError {
         /// Columns.
         count: usize,
     },
+    /// A text of no form that is read.
+    #[error(
+        "{file}{}: this text was not understood: no column of it holds numbers. Expected a header and rows of numbers between commas, semicolons, tabs or spaces, or lines such as `l: 134 r: -5`, `l=134,r=-5`, `L 44.1rpm | R 43.9rpm`, `STATE:1,2,3` or JSON; leave out other lines or write a table (docs/files.md lists all forms)", first_line(line.as_ref())
+    )]
+    NotUnderstood {
+        /// File.
+        file: String,
+        /// Number and words of its first line.
+        line: Option<(usize, String)>,
+    },
     /// Nothing in it.
     #[error("{file} is empty; expected a header and rows of numbers")]
     Empty {
@@ -259,6 +269,10 @@ pub enum IoError {
 
 fn in_file(line: Option<usize>) -> String {
     line.map_or(String::new(), |line| format!(" (line {line} of the file)"))
+}
+
+fn first_line(line: Option<&(usize, String)>) -> String {
+    line.map_or(String::new(), |(number, text)| format!(", line {number} `{text}`"))
 }
 
 fn quoted(text: &str) -> String {

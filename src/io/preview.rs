@@ -20,14 +20,21 @@ pub struct PreviewColumn {
 /// All columns of a file with their values.
 ///
 /// # Errors
-/// A file that cannot be read.
+/// A file that cannot be read, and a text without any number in its columns.
 pub fn preview(path: &Path) -> Result<Vec<PreviewColumn>, IoError> {
     let headers = headers(path)?;
     let column = |(name, values): (String, Vec<f64>)| PreviewColumn { name, values, words: vec![] };
     let of_text =
         |c: csv::TextColumn| PreviewColumn { name: c.name, values: c.values, words: c.words };
     Ok(match headers.source {
-        Source::Text(layout) => csv::all(path, &layout)?.into_iter().map(of_text).collect(),
+        Source::Text(layout) => {
+            let columns: Vec<_> = csv::all(path, &layout)?.into_iter().map(of_text).collect();
+            let has_rows = columns.iter().any(|c| !c.values.is_empty());
+            if has_rows && columns.iter().flat_map(|c| &c.values).all(|x| x.is_nan()) {
+                return Err(csv::not_understood(path));
+            }
+            columns
+        }
         Source::Columns(columns) => columns.into_iter().map(column).collect(),
         Source::Signals(signals) => signals.all().into_iter().map(column).collect(),
         Source::Parquet => {

@@ -1,12 +1,15 @@
 //! Logs of text that are no plain CSV: another encoding, words above the table, columns parted by spaces,
-//! a header in a comment or none, a record of `name=value` or of JSON in every line, messages of YAML.
+//! a header in a comment or none, the time of a serial monitor before each line, a record of `name=value`, of JSON or
+//! of words and numbers in every line, lines of several kinds, messages of YAML.
 //!
 //! The table is the first run of lines that have the same number of cells, most of them numbers. Its
 //! names stand in the line above, if need be behind a line of units or a comment sign (as `savetxt` of
 //! numpy writes them); without any they are `column1`, `column2`, ….
 
 mod decode;
+mod labelled;
 mod record;
+mod stamp;
 mod yaml;
 
 use std::fs::File;
@@ -14,6 +17,7 @@ use std::io::Read;
 use std::path::Path;
 
 use self::decode::decoded;
+use self::stamp::CLOCK;
 use super::IoError;
 use super::csv::{ABSENT, is_units, split, value, with_unit};
 
@@ -32,7 +36,7 @@ const SEPARATORS: [char; 5] = [';', '\t', ',', '|', ' '];
 const PLAIN: [char; 3] = [';', '\t', ','];
 
 /// Where a table stands among the lines of a text.
-#[derive(Debug, PartialEq)]
+#[derive(Debug)]
 struct Table {
     separator: char,
     /// Line of the names, unless they are made up.
@@ -42,7 +46,12 @@ struct Table {
     before: usize,
     /// Line of the first row.
     first: usize,
+    /// Parts the time before each line from the line, where there is one.
+    read: Option<Stamp>,
 }
+
+/// Parts a time before a line from the line.
+type Stamp = fn(&str) -> Option<(f64, &str)>;
 
 /// The columns of a text that is no plain CSV; `None` for one that is, or in which no table is found: its
 /// reader says what is wrong with it.
@@ -67,15 +76,17 @@ pub(super) fn read(path: &Path) -> Result<Option<Columns>, IoError> {
         let (text, _) = decoded(&bytes(u64::MAX)?);
         return Ok(Some(yaml::columns(text.lines())));
     }
-    let table = table(&lines);
-    let Some(table) = table else {
-        return if record::is_one(&lines) {
-            let (text, _) = decoded(&bytes(u64::MAX)?);
-            Ok(Some(record::columns(text.lines())))
-        } else {
-            Ok(None)
-        };
-    };
+    // before tables: the labels of `l: 134 r: -5` are cells between spaces too
+    if record::is_one(&lines) {
+        let (text, _) = decoded(&bytes(u64::MAX)?);
+        return Ok(Some(record::columns(text.lines())));
+    }
+    let table = stamped_table(&lines);
+    if labelled::is_one(&lines, table.as_ref()) {
+        let (text, _) = decoded(&bytes(u64::MAX)?);
+        return Ok(Some(labelled::columns(text.lines())));
+    }
+    let Some(table) = table else { return Ok(None) };
     if is_utf8 && is_plain(&table, &lines) {
         return Ok(None);
     }
@@ -111,14 +122,26 @@ pub(super) fn has_no_header(names: &[String]) -> bool {
 impl Table {
     fn columns<'a>(&self, lines: impl Iterator<Item = &'a str>) -> Columns {
         let mut columns: Columns = self.names.iter().map(|n| (n.clone(), vec![])).collect();
+        let mut clock = vec![];
         for line in lines.skip(self.first).filter(|line| !is_blank(line) && !is_comment(line)) {
+            let stamped = self.read.and_then(|read| read(line));
+            clock.push(stamped.map_or(f64::NAN, |(time, _)| time));
+            let line = stamped.map_or(line, |(_, rest)| rest);
             let cells = cells(line, self.separator);
             for (k, (_, values)) in columns.iter_mut().enumerate() {
                 let cell = cells.get(self.before + k).map_or("", String::as_str);
                 values.push(value(cell, self.separator != ',').unwrap_or(f64::NAN));
             }
         }
+        if self.read.is_some() {
+            columns.insert(0, (CLOCK.into(), clock));
+        }
         columns
+    }
+
+    /// A line without the time before it.
+    fn bare<'a>(&self, line: &'a str) -> &'a str {
+        self.read.and_then(|read| read(line)).map_or(line, |(_, rest)| rest)
     }
 }
 
@@ -127,6 +150,7 @@ impl Table {
 fn is_plain(table: &Table, lines: &[&str]) -> bool {
     let first = lines.iter().position(|line| !is_blank(line) && !line.starts_with('#'));
     PLAIN.contains(&table.separator)
+        && table.read.is_none()
         && first.is_some()
         && table.header == first
         && table.before == 0
@@ -160,6 +184,24 @@ fn is_data(cells: &[String], separator: char) -> bool {
     numbers > 0 && 2 * numbers >= held().count()
 }
 
+/// The table of a text in which a time may stand before each line. An arrow stands in no cell; brackets do, so that a
+/// header goes before them.
+fn stamped_table(lines: &[&str]) -> Option<Table> {
+    let behind = |read: Stamp| {
+        let rest: Vec<&str> =
+            lines.iter().map(|line| read(line).map_or(*line, |(_, rest)| rest)).collect();
+        Some(Table { read: Some(read), ..table(&rest)? })
+    };
+    if stamp::is_on(lines, stamp::before_arrow) {
+        return behind(stamp::before_arrow);
+    }
+    let plain = table(lines);
+    if plain.as_ref().is_none_or(|t| t.header.is_none()) && stamp::is_on(lines, stamp::marked) {
+        return behind(stamp::marked);
+    }
+    plain
+}
+
 fn table(lines: &[&str]) -> Option<Table> {
     SEPARATORS.into_iter().find_map(|separator| {
         let first = first_row(lines, separator)?;
@@ -172,7 +214,7 @@ fn table(lines: &[&str]) -> Option<Table> {
             .find(|(_, (header, _))| header.is_some());
         let (before, (header, names)) =
             found.unwrap_or_else(|| (0, (None, (0..count).map(made_up).collect())));
-        Some(Table { separator, header, names, before, first })
+        Some(Table { separator, header, names, before, first, read: None })
     })
 }
 

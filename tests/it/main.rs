@@ -5,6 +5,7 @@
 mod bad_experiment;
 mod bad_recording;
 mod conditioning;
+mod console_logs;
 mod docs;
 mod export;
 mod exported;

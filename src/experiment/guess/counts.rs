@@ -105,6 +105,8 @@ fn seconds(time: &Guessed) -> f64 {
         Some("ms") => 1e-3,
         Some("us") => 1e-6,
         Some("ns") => 1e-9,
+        Some("min") => 60.0,
+        Some("h") => 3600.0,
         _ => 1.0,
     }
 }

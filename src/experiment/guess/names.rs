@@ -56,7 +56,7 @@ pub(super) fn named(name: &str) -> Named {
     });
     scale = scale.or_else(|| take_multiple(&mut words));
     let mut ending =
-        bracket.and_then(|u| unit(&u.to_lowercase().replace([' ', '·', '*', '.'], "")));
+        bracket.and_then(|u| bracketed(&u.to_lowercase().replace([' ', '·', '*', '.'], "")));
     if ending.is_none() {
         ending = unit_behind(&mut words);
         scale = scale.or_else(|| ending.and_then(|_| take_power_of_ten(&mut words)));
@@ -87,7 +87,7 @@ pub(super) fn named(name: &str) -> Named {
         }
     }
     // `sec`, `millis`: a unit of time and nothing else
-    let time = matches!(ending, Some(("s" | "ms" | "us" | "ns", _)));
+    let time = matches!(ending, Some(("s" | "ms" | "us" | "ns" | "min" | "h", _)));
     if quantity.is_none() && !other && time && words.is_empty() {
         quantity = Some(Quantity::Time);
     }
@@ -191,6 +191,15 @@ fn words(name: &str) -> Vec<String> {
 fn unit(text: &str) -> Option<(&'static str, Option<Quantity>)> {
     let found = UNITS.iter().find(|(words, ..)| words.contains(&text));
     found.map(|(_, unit, of)| (*unit, *of))
+}
+
+/// A unit in brackets; `min` and `h` are words of other names without them.
+fn bracketed(text: &str) -> Option<(&'static str, Option<Quantity>)> {
+    match text {
+        "min" | "minute" | "minutes" => Some(("min", None)),
+        "h" | "hr" | "hrs" | "hour" | "hours" => Some(("h", None)),
+        _ => unit(text),
+    }
 }
 
 /// Takes the unit off the end of the words: the longest ending that is one, of up to three words.

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use polars::prelude::DataFrame;
 
-use super::{Layout, is_row, split, value};
+use super::{Layout, is_row, split};
 use crate::io::IoError;
 use crate::io::error::shown;
 use crate::io::signals::frame;
@@ -116,7 +116,7 @@ impl<'a> Blocks<'a> {
         }
         for ((name, place), column) in self.wanted.iter().zip(values) {
             let cell = plain.get(*place).copied().unwrap_or_default();
-            let value = value(cell, separator != b',');
+            let value = self.layout.value(*place, cell);
             let wrong = || IoError::not_a_number(self.path, row, Some(line), name, cell.trim());
             column.push(value.ok_or_else(wrong)?);
         }

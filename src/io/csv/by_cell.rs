@@ -4,7 +4,7 @@ use std::path::Path;
 
 use polars::prelude::DataFrame;
 
-use super::{Layout, rows, split, value};
+use super::{Layout, rows, split};
 use crate::io::IoError;
 use crate::io::error::shown;
 use crate::io::signals::frame;
@@ -62,7 +62,7 @@ fn parsed(
     let number = |(place, name): (&usize, &String)| {
         let cell = cells.get(*place).map_or("", String::as_str);
         let wrong = || IoError::not_a_number(path, row, Some(line), name, cell);
-        value(cell, layout.separator != b',').ok_or_else(wrong)
+        layout.value(*place, cell).ok_or_else(wrong)
     };
     places.iter().zip(names).map(number).collect()
 }

@@ -19,6 +19,34 @@ pub(in crate::io) fn number(cell: &str, decimal_comma: bool) -> Option<f64> {
     if parsed.is_none() && decimal_comma { cell.replacen(',', ".", 1).parse().ok() } else { parsed }
 }
 
+/// A number and the unit that stands behind it, with a space between or without: `44.1rpm`, `0.01 sec`, `12%`. The
+/// unit of a bare number is empty.
+pub(in crate::io) fn quantity(text: &str) -> Option<(f64, &str)> {
+    let text = text.trim().trim_matches('"').trim();
+    if let Ok(number) = text.parse() {
+        return Some((number, ""));
+    }
+    // an `e` may be the exponent or the beginning of a unit
+    let digits = text.find(|c: char| !(c.is_ascii_digit() || "+-.eE".contains(c)));
+    let digits = digits.unwrap_or(text.len());
+    let (number, unit) = (0..=digits).rev().find_map(|end| {
+        let number: f64 = text.get(..end)?.parse().ok()?;
+        Some((number, text[end..].trim_start()))
+    })?;
+    let is_part = |c: char| c.is_alphabetic() || "%°/·^²³".contains(c);
+    let letters = unit.trim_end_matches(|c: char| unit.contains('/') && c.is_ascii_digit());
+    (letters.starts_with(|c: char| c.is_alphabetic() || "%°".contains(c))
+        && letters.chars().all(is_part))
+    .then_some((number, unit))
+}
+
+/// Seconds of a number with a unit of time.
+pub(in crate::io) fn duration(text: &str) -> Option<f64> {
+    let (number, unit) = quantity(text)?;
+    let units = [("s", 1.0), ("sec", 1.0), ("ms", 1e-3), ("us", 1e-6), ("µs", 1e-6), ("min", 60.0)];
+    units.iter().find(|(name, _)| *name == unit).map(|(_, factor)| factor * number)
+}
+
 /// Seconds of a day.
 const DAY: f64 = 86400.0;
 
@@ -122,6 +150,30 @@ mod tests {
         for text in ["broken", "2026-13-03 00:00", "1:x", "1:03:00 XM", "12:00:x"] {
             assert_eq!(value(text, true), None, "{text}");
         }
+    }
+
+    #[test]
+    fn numbers_with_units_are_parted() {
+        for (text, expected) in [
+            ("44.1rpm", Some((44.1, "rpm"))),
+            ("\"0.01 sec\"", Some((0.01, "sec"))),
+            ("-1e-3 m/s", Some((-1e-3, "m/s"))),
+            ("9.81m/s2", Some((9.81, "m/s2"))),
+            ("5e", Some((5.0, "e"))),
+            ("12%", Some((12.0, "%"))),
+            ("+7", Some((7.0, ""))),
+            ("0x40", None),
+            ("1-2", None),
+            ("3 4", None),
+            ("rpm", None),
+            ("é", None),
+        ] {
+            assert_eq!(quantity(text), expected, "{text}");
+        }
+        assert_eq!(
+            (duration("20 ms"), duration("20 mA"), duration("20")),
+            (Some(0.02), None, None)
+        );
     }
 
     #[test]

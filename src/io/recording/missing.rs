@@ -3,13 +3,16 @@
 use std::path::Path;
 
 use super::super::error::{shortened, shown};
-use super::super::{IoError, text_log};
-use super::{CONTRACT, Headers};
+use super::super::{IoError, csv, text_log};
+use super::{CONTRACT, Headers, Source};
 
 /// The column of that name is not there: with the closest name, and those that there are.
 pub(super) fn missing(path: &Path, headers: &Headers, key: &str, name: &str) -> IoError {
     if text_log::has_no_header(&headers.names) {
         return IoError::NoHeader { file: shown(path), count: headers.names.len() };
+    }
+    if let (Source::Text(_), [_]) = (&headers.source, &headers.names[..]) {
+        return csv::not_understood(path);
     }
     // without signs between: they outweigh the rest of names as short as M_2
     let bare = |n: &str| n.to_lowercase().replace(|c: char| !c.is_alphanumeric(), "");

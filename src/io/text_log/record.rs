@@ -1,32 +1,65 @@
 //! Lines that are records: `t=20,l=131,r=-4` of a serial console, or a JSON object each; and files of JSON with
 //! columns or records.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use serde_json::Value;
 
-use super::Columns;
-use crate::io::csv::value;
+use super::stamp::CLOCK;
+use super::{Columns, made_up, stamp};
+use crate::io::csv::{quantity, value, with_unit};
+
+/// Labels of a line among which those that come again are distinguished; a line of more is not that of a robot.
+const REPEATED: usize = 256;
+
+/// Name, number and unit.
+type Assigned<'a> = (&'a str, f64, &'a str);
+
+/// Names and numbers of a record.
+pub(super) type Pairs = Vec<(String, f64)>;
 
 /// Lines that say whether a text is one of records.
 const LOOKED_AT: usize = 40;
 /// Elements of an array that are columns; longer ones are images and maps.
 const ELEMENTS: usize = 64;
 
-/// Whether nearly all of the first lines are records; a console begins with words and half a line.
+/// Whether nearly all of the first lines behind a preamble are records; a console begins with words and half a line.
 pub(super) fn is_one(lines: &[&str]) -> bool {
-    let held: Vec<&&str> = lines.iter().filter(|l| !l.trim().is_empty()).take(LOOKED_AT).collect();
-    let records = held.iter().filter(|line| !pairs(line).is_empty()).count();
+    let held = lines.iter().filter(|line| !line.trim().is_empty());
+    let held = held.map(|line| !pairs(line).is_empty()).skip_while(|is_record| !is_record);
+    let held: Vec<bool> = held.take(LOOKED_AT).collect();
+    let records = held.iter().filter(|is_record| **is_record).count();
     records > 1 && 10 * records >= 9 * held.len()
 }
 
 /// The columns of records, in the order in which their names come up; NaN where a record lacks one.
 pub(super) fn columns<'a>(lines: impl Iterator<Item = &'a str>) -> Columns {
-    collected(lines.map(pairs).filter(|pairs| !pairs.is_empty()))
+    collected(joined(lines.map(pairs).filter(|pairs| !pairs.is_empty())))
+}
+
+/// Records of several kinds that follow each other in one row, until a name comes again: a log without a time
+/// prints one line for the wheels and one for the gyroscope. Where both begin with the same name, as that of the
+/// time, its value is the same in a row.
+pub(super) fn joined(records: impl Iterator<Item = Pairs>) -> impl Iterator<Item = Pairs> {
+    let mut records = records.peekable();
+    std::iter::from_fn(move || {
+        let mut row = records.next()?;
+        while let Some(next) = records.next_if(|next| is_of_row(&row, next)) {
+            let same = usize::from(row.first() == next.first());
+            row.extend(next.into_iter().skip(same));
+        }
+        Some(row)
+    })
+}
+
+fn is_of_row(row: &[(String, f64)], next: &[(String, f64)]) -> bool {
+    let same = usize::from(row.first() == next.first());
+    next.len() > same
+        && next[same..].iter().all(|(name, _)| row.iter().all(|(other, _)| other != name))
 }
 
 /// Records side by side.
-pub(super) fn collected(records: impl Iterator<Item = Vec<(String, f64)>>) -> Columns {
+pub(super) fn collected(records: impl Iterator<Item = Pairs>) -> Columns {
     let mut columns: Columns = vec![];
     let mut places: HashMap<String, usize> = HashMap::new();
     for (row, pairs) in records.enumerate() {
@@ -91,27 +124,98 @@ fn lists(path: &str, value: &Value, out: &mut Columns) {
 }
 
 /// Names and numbers of a record; nothing of a line that is none.
-fn pairs(line: &str) -> Vec<(String, f64)> {
+fn pairs(line: &str) -> Pairs {
     let line = line.trim();
     if line.starts_with('{') {
         let mut out = vec![];
         if let Ok(object @ Value::Object(_)) = serde_json::from_str(line) {
             flatten("", &object, &mut out);
+            return out;
         }
-        return out;
     }
-    // the console of Arduino writes the time of arrival before an arrow
-    let (clock, rest) = line.split_once(" -> ").map_or((None, line), |(c, r)| (Some(c), r));
-    let clock = clock.and_then(|c| Some(("clock".to_string(), value(c, false)?)));
-    let glued = rest.replace(": ", ":").replace("= ", "=").replace(" =", "=");
-    let words = glued.split([',', ';', '\t', ' ']).filter(|word| !word.is_empty());
-    let pair = |word: &str| {
-        let (name, number) = word.split_once(['=', ':'])?;
-        let is_name = name.starts_with(|c: char| c.is_alphabetic() || c == '_');
-        Some((name.to_string(), number.parse().ok()?)).filter(|_| is_name)
+    let (before, rest) = before(line.trim_matches(['{', '}']).trim());
+    let glued = glued(rest);
+    let separators = |c: char| c.is_whitespace() || ",;|".contains(c);
+    let words = glued.split(separators).filter(|word| word.contains(char::is_alphanumeric));
+    let found: Option<Vec<Option<Assigned>>> = words.map(assigned).collect();
+    let found: Vec<Assigned> = found.unwrap_or_default().into_iter().flatten().collect();
+    if found.len() < 2 {
+        return vec![];
+    }
+    let labels: Vec<[&str; 1]> = found.iter().map(|(name, ..)| [*name]).collect();
+    let names = qualified(&labels.iter().map(|label| &label[..]).collect::<Vec<_>>());
+    let named = names.iter().zip(&found).map(|(name, (_, x, unit))| (with_unit(name, unit), *x));
+    before.into_iter().chain(named).collect()
+}
+
+/// Names of the words of labels, each once: those that come again have the last word before that does not.
+pub(super) fn qualified(labels: &[&[&str]]) -> Vec<String> {
+    let once =
+        |word: &str| labels.iter().flat_map(|l| l.iter()).filter(|w| **w == word).count() == 1;
+    let own: Vec<String> = labels.iter().map(|words| words.join(" ")).collect();
+    let are_distinct = own.iter().collect::<HashSet<_>>().len() == own.len();
+    if are_distinct || own.len() > REPEATED {
+        return own;
+    }
+    let mut last: Option<&str> = None;
+    let mut names: Vec<String> = vec![];
+    for (words, own) in labels.iter().zip(own) {
+        let comes_again = labels.iter().filter(|other| other == &words).count() > 1;
+        let name = match last.filter(|_| comes_again) {
+            Some(before) => format!("{before}.{own}"),
+            None => own,
+        };
+        last = words.iter().rev().find(|word| once(word)).copied().or(last);
+        let other = (2..).map(|k| format!("{name}.{k}"));
+        let free = std::iter::once(name.clone()).chain(other).find(|n| !names.contains(n));
+        names.push(free.unwrap_or(name));
+    }
+    names
+}
+
+/// What stands before a record: the time of arrival, or a number without a label; and the record.
+pub(super) fn before(line: &str) -> (Option<(String, f64)>, &str) {
+    if let Some((clock, rest)) = stamp::parted(line) {
+        return (Some((CLOCK.into(), clock)), rest);
+    }
+    if let Some((_, rest)) = line.split_once(" -> ") {
+        return (None, rest);
+    }
+    let Some((first, rest)) = line.split_once(|c: char| c.is_whitespace() || ",;|".contains(c))
+    else {
+        return (None, line);
     };
-    let found: Option<Vec<(String, f64)>> = words.map(pair).collect();
-    found.filter(|f| f.len() > 1).map_or(vec![], |f| clock.into_iter().chain(f).collect())
+    let number = first.trim_end_matches(':').parse().ok().filter(|x: &f64| x.is_finite());
+    number.map_or((None, line), |number| (Some((made_up(0), number)), rest))
+}
+
+/// A text without the spaces around `:` and `=`.
+fn glued(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        if matches!(c, ':' | '=') {
+            out.truncate(out.trim_end().len());
+        } else if c.is_whitespace() && out.ends_with([':', '=']) {
+            continue;
+        }
+        out.push(c);
+    }
+    out
+}
+
+/// Name, number and unit of `l=134`, `v:4.5rpm`; `Some(None)` of a word behind a name, `mode=DRIVE`, and `None` of
+/// anything else.
+fn assigned(word: &str) -> Option<Option<Assigned<'_>>> {
+    let (name, text) = word.split_once(['=', ':'])?;
+    let name = name.trim_matches('"');
+    if !name.starts_with(|c: char| c.is_alphabetic() || c == '_') {
+        return None;
+    }
+    let found = quantity(text).or_else(|| Some((value(text, false)?, "")));
+    match found {
+        Some((number, unit)) => Some(Some((name, number, unit))),
+        None => (!text.contains([':', '='])).then_some(None),
+    }
 }
 
 /// The numbers of a JSON value by their paths: `left.vel`, `position[0]`.

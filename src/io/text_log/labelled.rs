@@ -1,0 +1,287 @@
+//! Lines of words and numbers, as `printf` writes them: `L 44.1rpm u +80 | R 43.9rpm u +79`, `STATE:1,2,3`.
+
+use std::collections::HashMap;
+
+use super::record::{self, Pairs, qualified};
+use super::{Columns, Table, cells, is_blank, is_comment};
+use crate::io::columns::is_unit;
+use crate::io::csv::{quantity, value, with_unit};
+
+/// Lines that say whether a text consists of such.
+const LOOKED_AT: usize = 64;
+/// Lines of one kind that make a recording, and the most kinds of lines.
+const ROWS: usize = 5;
+const KINDS: usize = 16;
+
+/// What a line holds.
+#[derive(Debug, PartialEq)]
+pub(super) struct Line {
+    /// The time that stands before the line.
+    before: Option<(String, f64)>,
+    /// Words before the first label.
+    head: String,
+    /// Names and numbers.
+    pairs: Pairs,
+    /// Whether every number has a label of its own.
+    is_labelled: bool,
+}
+
+/// A number with the words before it and the unit behind it.
+struct Item<'a> {
+    words: Vec<&'a str>,
+    number: f64,
+    unit: &'a str,
+}
+
+/// A piece of a line between separators.
+enum Piece<'a> {
+    Sign,
+    Word(&'a str),
+    /// A number, with a word before it where both stand together, and its unit.
+    Number(Option<&'a str>, f64, &'a str),
+}
+
+impl Line {
+    /// The numbers of a line; `None` of one in which a number has no label, or that is none of words and numbers.
+    pub(super) fn of(line: &str) -> Option<Self> {
+        let (before, rest) = record::before(line.trim());
+        let mut items = items(rest)?;
+        if items.first().is_none_or(|item| item.words.is_empty()) {
+            return None;
+        }
+        let is_labelled = items.len() > 1 && items.iter().all(|item| !item.words.is_empty());
+        let head = head(&mut items);
+        Some(Self { before, head, pairs: named(&items), is_labelled })
+    }
+
+    /// The names of a line, by which kinds of lines differ.
+    fn kind(&self) -> String {
+        let names = self.pairs.iter().map(|(name, _)| name.as_str());
+        std::iter::once(self.head.as_str()).chain(names).collect::<Vec<_>>().join("\n")
+    }
+
+    /// Names and numbers of the line, with the words before the first label where they are to be kept.
+    fn record(&self, with_head: bool) -> Pairs {
+        let name = |name: &String| {
+            if with_head && !self.head.is_empty() {
+                format!("{}.{name}", self.head)
+            } else {
+                name.clone()
+            }
+        };
+        let pairs = self.pairs.iter().map(|(own, x)| (name(own), *x));
+        self.before.clone().into_iter().chain(pairs).collect()
+    }
+}
+
+/// Whether nearly all of the first lines, behind a preamble, are of a few kinds of words and numbers, and read better
+/// so than as a table: where there is none, or one without a header in which labels stand in columns of their own or
+/// at the numbers, or lines of several kinds alternate.
+pub(super) fn is_one(lines: &[&str], table: Option<&Table>) -> bool {
+    if table.is_some_and(|table| table.header.is_some()) || table.is_none() && is_headed(lines) {
+        return false;
+    }
+    let held: Vec<(&str, Option<Line>)> = lines
+        .iter()
+        .filter(|line| !is_blank(line) && !is_comment(line))
+        .map(|line| (*line, Line::of(line)))
+        .skip_while(|(_, found)| found.is_none())
+        .take(LOOKED_AT)
+        .collect();
+    let kinds: Vec<String> =
+        held.iter().filter_map(|(_, found)| Some(found.as_ref()?.kind())).collect();
+    let mut counts: HashMap<&str, usize> = HashMap::new();
+    kinds.iter().for_each(|kind| *counts.entry(kind).or_default() += 1);
+    let again: Vec<&str> = kinds.iter().map(String::as_str).filter(|k| counts[k] > 1).collect();
+    let several = counts.values().filter(|count| **count > 1).count();
+    if again.len() < ROWS || 10 * again.len() < 9 * held.len() || several > KINDS {
+        return false;
+    }
+    let Some(table) = table else { return true };
+    let changes = again.windows(2).filter(|w| w[0] != w[1]).count();
+    let is_several = several > 1 && 2 * changes + 1 >= again.len();
+    let found = || held.iter().filter_map(|(line, found)| Some((*line, found.as_ref()?)));
+    let is_glued = |(line, found): (&str, &Line)| {
+        let cells = cells(table.bare(line), table.separator);
+        let numbers = cells.iter().filter(|c| value(c, table.separator != ',').is_some());
+        let count = found.pairs.len() + usize::from(found.before.is_some());
+        count > numbers.count() + usize::from(table.read.is_some())
+    };
+    is_several || found().all(|(_, line)| line.is_labelled) || found().all(is_glued)
+}
+
+/// Whether the first line is a header of plain CSV: words alone, as many as the next line has cells.
+fn is_headed(lines: &[&str]) -> bool {
+    let mut held = lines.iter().filter(|line| !is_blank(line) && !line.starts_with('#'));
+    let (Some(first), Some(second)) = (held.next(), held.next()) else { return false };
+    super::PLAIN.iter().any(|separator| {
+        let (names, row) = (cells(first, *separator), cells(second, *separator));
+        let is_name = |c: &String| !c.is_empty() && value(c, *separator != ',').is_none();
+        names.len() > 1
+            && names.len() == row.len()
+            && names.iter().all(|c| is_name(c) && !c.contains(':'))
+            && names.iter().all(|c| c.split_whitespace().all(|word| quantity(word).is_none()))
+    })
+}
+
+/// The columns of such lines; a line whose kind does not come again is one of a console.
+pub(super) fn columns<'a>(lines: impl Iterator<Item = &'a str>) -> Columns {
+    let found: Vec<(String, Line)> =
+        lines.filter_map(Line::of).map(|line| (line.kind(), line)).collect();
+    let mut counts: HashMap<&str, usize> = HashMap::new();
+    found.iter().for_each(|(kind, _)| *counts.entry(kind).or_default() += 1);
+    let again = || found.iter().filter(|(kind, _)| counts[kind.as_str()] > 1).map(|(_, line)| line);
+    // a tag in capitals before every line, `INFO` or `PID`, says nothing; other words may be the quantity
+    let first = again().next().map_or("", |line| &line.head);
+    let is_tag = !first.contains(char::is_lowercase) && again().all(|line| line.head == first);
+    record::collected(record::joined(again().map(|line| line.record(!is_tag))))
+}
+
+/// The numbers of a line with their words; `None` where something is neither word nor number.
+fn items(text: &str) -> Option<Vec<Item<'_>>> {
+    let separators = |c: char| c.is_whitespace() || ",;|:=()[]{}<>\"'".contains(c);
+    let (mut items, mut words, mut minus): (Vec<Item>, Vec<&str>, bool) = (vec![], vec![], false);
+    for chunk in text.split(separators).filter(|chunk| !chunk.is_empty()) {
+        match piece(chunk)? {
+            Piece::Sign => {}
+            Piece::Word(word) => words.push(word),
+            // a minus that stands apart may belong to the number
+            Piece::Number(None, ..) if minus => return None,
+            Piece::Number(word, number, unit) => {
+                words.extend(word);
+                items.push(Item { words: std::mem::take(&mut words), number, unit });
+            }
+        }
+        minus = chunk == "-";
+    }
+    // a unit that stands apart: before the next label, or at the end
+    for k in 1..items.len() {
+        if let [unit, _, ..] = items[k].words[..]
+            && items[k - 1].unit.is_empty()
+            && is_unit(unit)
+        {
+            items[k - 1].unit = unit;
+            items[k].words.remove(0);
+        }
+    }
+    if let (Some(last), Some(unit)) = (items.last_mut(), words.first())
+        && last.unit.is_empty()
+        && is_unit(unit)
+    {
+        last.unit = unit;
+    }
+    Some(items)
+}
+
+fn piece(chunk: &str) -> Option<Piece<'_>> {
+    let edge = |c: char| !c.is_alphanumeric() && !"+-._%°".contains(c);
+    let chunk = chunk.trim_matches(edge);
+    if !chunk.contains(char::is_alphanumeric) {
+        return Some(Piece::Sign);
+    }
+    if let Some((number, unit)) = quantity(chunk) {
+        return Some(Piece::Number(None, number, unit));
+    }
+    if !chunk.starts_with(|c: char| c.is_alphabetic() || c == '_') {
+        return None;
+    }
+    // `T+45.0`
+    let is_sign = |(at, c): &(usize, char)| {
+        matches!(c, '+' | '-')
+            && chunk[at + 1..].starts_with(|c: char| c.is_ascii_digit() || c == '.')
+    };
+    match chunk.char_indices().find(is_sign) {
+        Some((at, _)) => {
+            quantity(&chunk[at..]).map(|(x, unit)| Piece::Number(Some(&chunk[..at]), x, unit))
+        }
+        None => Some(Piece::Word(chunk)),
+    }
+}
+
+/// Takes the words before the first label off it: those beyond the words that other labels have.
+fn head(items: &mut [Item]) -> String {
+    let Some((first, others)) = items.split_first_mut() else { return String::new() };
+    let most = others.iter().map(|item| item.words.len()).max().unwrap_or(0);
+    if most == 0 || first.words.len() <= most {
+        return String::new();
+    }
+    let label = first.words.split_off(first.words.len() - most);
+    std::mem::replace(&mut first.words, label).join(" ")
+}
+
+/// The numbers under their words. Words that come again have the last one before that does not: `u` of
+/// `L 3 u 1 R 4 u 2` is `L.u` and `R.u`; numbers in a row are counted, `STATE.1`, `STATE.2`.
+fn named(items: &[Item]) -> Vec<(String, f64)> {
+    let lengths: Vec<usize> = (0..items.len())
+        .map(|k| 1 + items[k + 1..].iter().take_while(|item| item.words.is_empty()).count())
+        .collect();
+    let labels: Vec<(Vec<&str>, usize)> = items
+        .iter()
+        .zip(&lengths)
+        .filter(|(i, _)| !i.words.is_empty())
+        .map(|(i, n)| (i.words.clone(), *n))
+        .collect();
+    let words: Vec<&[&str]> = labels.iter().map(|(words, _)| &words[..]).collect();
+    let places = labels.iter().zip(qualified(&words)).flat_map(|((_, n), name)| {
+        (1..=*n).map(move |k| if *n == 1 { name.clone() } else { format!("{name}.{k}") })
+    });
+    places.zip(items).map(|(name, item)| (with_unit(&name, item.unit), item.number)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(line: &str) -> Option<Pairs> {
+        Line::of(line).map(|line| line.record(true))
+    }
+
+    fn names(line: &str) -> Vec<String> {
+        read(line).unwrap().into_iter().map(|(name, _)| name).collect()
+    }
+
+    #[test]
+    fn numbers_have_the_names_and_units_of_the_words_around_them() {
+        let line = "[   9.5s] PID T+45.0 | L  44.1rpm u +80  R -43.9rpm u-79 | bat 8.10V";
+        let pairs = [
+            ("clock", 9.5),
+            ("PID.T", 45.0),
+            ("PID.L [rpm]", 44.1),
+            ("PID.L.u", 80.0),
+            ("PID.R [rpm]", -43.9),
+            ("PID.R.u", -79.0),
+            ("PID.bat [V]", 8.1),
+        ];
+        let expected: Vec<(String, f64)> = pairs.iter().map(|(n, x)| ((*n).into(), *x)).collect();
+        assert_eq!(read(line), Some(expected));
+        assert_eq!(names("L: rpm=3 pwm=4 | R: rpm=5 pwm=6"), ["L rpm", "L.pwm", "R rpm", "R.pwm"]);
+        assert_eq!(names("wheel speed left 3, right 4"), ["wheel speed.left", "wheel speed.right"]);
+        assert_eq!(names("left motor speed 3 right motor speed 4")[1], "right motor speed");
+        assert_eq!(names("L 3.5 rpm R 4.5 rpm"), ["L [rpm]", "R [rpm]"]);
+        assert_eq!(names("V 3 A 4"), ["V", "A"]);
+        assert_eq!(names("a 3 a 4"), ["a", "a.2"]);
+        assert_eq!(names("STATE:-1,2,3"), ["STATE.1", "STATE.2", "STATE.3"]);
+        assert_eq!(names("1234 l 3 r nan"), ["column1", "l", "r"]);
+    }
+
+    #[test]
+    fn a_tag_before_all_lines_is_left_out_and_distinguishes_kinds_of_lines() {
+        let of = |lines: &[&str]| -> Vec<String> {
+            columns(lines.repeat(2).into_iter()).into_iter().map(|(name, _)| name).collect()
+        };
+        assert_eq!(of(&["INFO: l 1 r 2"]), ["l", "r"]);
+        assert_eq!(of(&["GYRO x 1 y 2", "ACC x 3 y 4"]), ["GYRO.x", "GYRO.y", "ACC.x", "ACC.y"]);
+        // a line of the console in between is none of them
+        assert_eq!(of(&["l 1 r 2", "l 3 r 4"]), ["l", "r"]);
+        let stray = ["l 1 r 2", "Error: Core 0 panic", "l 3 r 4"];
+        let found = columns(stray.into_iter());
+        assert_eq!((found.len(), found[0].1.len()), (2, 2));
+    }
+
+    #[test]
+    fn lines_of_anything_else_are_none() {
+        for line in ["", "words alone", "1,2,3", "0x40 a 3", "l 3 - 5", "a 1-2", "12:x 3"] {
+            assert_eq!(read(line), None, "{line}");
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! The time of arrival that a serial monitor or a logger writes before each line.
+
+use crate::io::csv::{duration, value};
+
+/// The name of its column.
+pub(super) const CLOCK: &str = "clock";
+
+/// The time \[s\] before an arrow, as the monitors of Arduino and PlatformIO write it, and what stands behind:
+/// `14:30:00.100 -> l: 3`.
+pub(super) fn before_arrow(line: &str) -> Option<(f64, &str)> {
+    [" -> ", " > "].iter().find_map(|arrow| {
+        let (clock, rest) = line.split_once(arrow)?;
+        Some((time(clock)?, rest))
+    })
+}
+
+/// The same in brackets: `[  9.0s] l: 3`, `I (12345) motors: l: 3` of ESP-IDF. Whole numbers in square brackets
+/// are indices.
+fn in_brackets(line: &str) -> Option<(f64, &str)> {
+    let line = line.trim_start();
+    let of_level = line.strip_prefix(['I', 'W', 'E', 'D', 'V']).and_then(|l| l.strip_prefix(" ("));
+    if let Some((clock, rest)) = of_level.and_then(|l| l.split_once(") ")) {
+        return Some((clock.parse().ok()?, rest));
+    }
+    let (clock, rest) = line.strip_prefix('[')?.split_once(']')?;
+    let is_time = clock.contains(['.', ':', 's']) && rest.starts_with(char::is_whitespace);
+    is_time.then(|| Some((time(clock)?, rest)))?
+}
+
+/// A time before a line, and the rest of the line.
+pub(super) fn marked(line: &str) -> Option<(f64, &str)> {
+    before_arrow(line).or_else(|| in_brackets(line))
+}
+
+/// A time before a line of labels, which needs no mark: a time of day, with a date if need be, as loggers of
+/// programs write it.
+pub(super) fn parted(line: &str) -> Option<(f64, &str)> {
+    marked(line).or_else(|| {
+        let line = line.trim_start();
+        let (first, rest) = line.split_once(char::is_whitespace)?;
+        if first.contains(':') {
+            return Some((time(first)?, rest));
+        }
+        let (second, rest) = rest.split_once(char::is_whitespace)?;
+        let is_date = first.contains(['-', '/']) && second.contains(':');
+        is_date.then(|| Some((time(&format!("{first} {second}"))?, rest)))?
+    })
+}
+
+/// Whether nearly all lines have a time by this reading of them.
+pub(super) fn is_on(lines: &[&str], read: fn(&str) -> Option<(f64, &str)>) -> bool {
+    let held = || lines.iter().filter(|line| !line.trim().is_empty());
+    let stamped = held().filter(|line| read(line).is_some()).count();
+    stamped > 1 && 10 * stamped >= 9 * held().count()
+}
+
+/// A time of day, a date, a number, a number with a unit of time.
+fn time(text: &str) -> Option<f64> {
+    let is_number = text.trim_start().starts_with(|c: char| c.is_ascii_digit());
+    value(text, false).or_else(|| duration(text)).filter(|t| is_number && t.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_before_lines_are_parted_from_them() {
+        for (line, expected) in [
+            ("00:00:02.5 -> TELEM,1", Some((2.5, "TELEM,1"))),
+            ("00:00:02.5 > l: 1", Some((2.5, "l: 1"))),
+            ("[   9.5s] PID", Some((9.5, " PID"))),
+            ("I (12345) motors: l: 1", Some((12345.0, "motors: l: 1"))),
+            ("00:00:02,5 INFO l=1", Some((2.5, "INFO l=1"))),
+            ("1970-01-01 00:00:02,5 INFO l=1", Some((2.5, "INFO l=1"))),
+            ("[3] 1 2", None),
+            ("[0.1, 0.2] 1", None),
+            ("[0.5],1,2", None),
+            ("l: 1 -> r: 2", None),
+            ("1: 0 2: 0", None),
+        ] {
+            assert_eq!(parted(line), expected, "{line}");
+        }
+    }
+}
