@@ -102,7 +102,7 @@ fn with_parts(recordings: &[PathBuf]) -> Result<Vec<PathBuf>, IoError> {
 /// A recording as the guess reads it, and what conditioning says; or why it cannot be read. Which way it
 /// moves does not depend on counts per turn and radius; what conditioning says of angles does.
 fn look(path: &Path, guess: &Guess) -> Result<(Recording, Vec<Finding>), String> {
-    if guess.columns.iter().any(|c| c.scale_open) {
+    if !guess.columns.iter().any(|c| c.key == "t" && !c.scale_open) {
         return Err("the time between two rows is not known".into());
     }
     let is_scaled = !guess.columns.iter().any(|c| c.needs_per_turn() || c.is_in_metres());

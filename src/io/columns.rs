@@ -33,6 +33,8 @@ pub struct Column {
     pub nanoseconds: Option<String>,
     /// Whether the column holds the step from row to row, and the time is the sum of the steps.
     pub sum: bool,
+    /// Time between two rows \[s\] of a recording without a column of the time; stands alone.
+    pub period: Option<f64>,
     /// Column that multiplies the value; 1 without one.
     pub times: Option<String>,
     /// Whether the experiment file names it; a named column must be there.
@@ -52,6 +54,7 @@ impl Column {
             torque_constant: None,
             nanoseconds: None,
             sum: false,
+            period: None,
             times: None,
             named: true,
         }
@@ -112,6 +115,12 @@ impl ColumnMap {
             let near = near.filter(|n| strsim::jaro_winkler(n, key) > 0.75).map(Into::into);
             IoError::UnknownColumn { column: key.into(), near }
         })?;
+        if let Some(period) = column.period {
+            let is_alone = column == Column { period: column.period, ..Column::new("") };
+            if key != "t" || !is_alone || !(period > 0.0 && period.is_finite()) {
+                return Err(IoError::Period { column: key.into(), period });
+            }
+        }
         if column.torque_constant.is_some() && self.drive_unit != DriveUnit::NewtonMetre {
             let need = "drive_unit = \"N m\" (the default) beside torque_constant".into();
             return Err(IoError::UnitNeeds { column: key.into(), unit: "A".into(), need });

@@ -157,6 +157,16 @@ pub enum IoError {
         /// Offset in SI.
         offset: f64,
     },
+    /// A period of the rows that is none.
+    #[error(
+        "columns.{column}: expected the time between two rows [s] above 0, as t = {{ period = 0.02 }}, found period = {period}; it stands in `t` alone, and in place of all other keys"
+    )]
+    Period {
+        /// Contract column.
+        column: String,
+        /// As written.
+        period: f64,
+    },
     /// A key of `columns` that is no column of the contract.
     #[error(
         "columns.{column} is no column of a recording{}; they are t, alpha1, alpha2, dalpha1, dalpha2, M1, M2", near.as_ref().map_or(String::new(), |n| format!(" (did you mean `{n}`?)"))

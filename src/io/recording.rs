@@ -240,6 +240,7 @@ pub(super) fn channels(
     frame: &DataFrame,
     place: &mut Place,
 ) -> Result<Channels, IoError> {
+    let rows = place.first..place.first + frame.height();
     let part = wanted.iter().find(|(k, _)| *k == NANOSECONDS);
     let part = part.map(|(_, name)| numbers(path, frame, name, place.first)).transpose()?;
     let mut one = |key: &str| -> Result<Option<Vec<f64>>, IoError> {
@@ -282,7 +283,10 @@ pub(super) fn channels(
         a.zip(b).map(|(a, b)| a.into_iter().zip(b).map(|(a, b)| [a, b]).collect::<Vec<_>>())
     };
     Ok(Channels {
-        t: one("t")?.unwrap_or_default(),
+        t: match columns.get("t").period {
+            Some(period) => rows.map(|row| period * row as f64).collect(),
+            None => one("t")?.unwrap_or_default(),
+        },
         alpha: pair(one("alpha1")?, one("alpha2")?),
         omega: pair(one("dalpha1")?, one("dalpha2")?),
         torque: pair(one("M1")?, one("M2")?).unwrap_or_default(),
@@ -331,6 +335,9 @@ pub(super) fn wanted(
     let mut out = Vec::new();
     for key in CONTRACT {
         let column = columns.get(key);
+        if column.period.is_some() {
+            continue;
+        }
         let exact = headers.names.iter().find(|n| **n == column.name);
         let found = exact.or_else(|| headers.names.iter().find(|n| bare(n) == column.name));
         let needed = column.named || matches!(key, "t" | "M1" | "M2");

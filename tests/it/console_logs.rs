@@ -132,6 +132,53 @@ fn cells_with_one_unit_are_numbers_in_it() {
 }
 
 #[test]
+fn a_period_stands_for_a_time_that_was_not_recorded() {
+    let folder = Folder::new();
+    let line = |_: usize, [_, w1, w2, m1, m2]: &Row| format!("{w1},{w2},{m1},{m2}");
+    let text = format!("wR,wL,tauR,tauL\r\n{}", log(line));
+    folder.write("run.csv", &text).write("bare.csv", log(line));
+    let words = ["No column rises steadily", "t = { period = 0.02 }", "to be completed"];
+    folder.run(&["new", "run.csv", "-o", "e.toml"]).says(0, &words);
+    folder
+        .run(&["check", "e.toml"])
+        .says(2, &["columns.t.period", "the time between two rows [s]"]);
+    for set in ["recordings.columns.t.period=0.01", "recordings.columns.t={ period = 0.01 }"] {
+        folder.run(&["check", "e.toml", "--set", set]).says(0, &READ);
+    }
+    let columns = "dalpha1 = \"wR\"\ndalpha2 = \"wL\"\nM1 = \"tauR\"\nM2 = \"tauL\"\n";
+    let file = |t: &str| {
+        format!(
+            "[recordings]\ntrain = [\"run.csv\"]\n[recordings.columns]\nt = {t}\n{columns}\n[[method]]\nname = \"prediction_error\"\n"
+        )
+    };
+    folder.write("run.toml", file("{ period = 0.01 }"));
+    folder.run(&["run.toml"]).says(0, &["run: "]);
+    let recording = &folder.results("reports/run")["recordings"][0];
+    assert!((recording["duration_s"].as_f64().unwrap() - 5.99).abs() < 1e-9, "{recording}");
+    folder.write("e.toml", file("\"?\""));
+    folder.run(&["check", "e.toml", "--set", "recordings.columns.t.period=0.01"]).says(0, &READ);
+    for wrong in ["{ period = 0.0 }", "{ period = -1.0 }", "{ name = \"t\", period = 0.01 }"] {
+        folder.write("e.toml", file(wrong));
+        folder.run(&["check", "e.toml"]).says(2, &["columns.t", "t = { period = 0.02 }", "found"]);
+    }
+    folder.write("e.toml", file("{ unit = \"s\" }"));
+    folder.run(&["check", "e.toml"]).says(2, &["missing field `name`"]);
+    folder.write("e.toml", file("{ period = 0.01 }").replace("\"wR\"", "{ period = 0.01 }"));
+    folder.run(&["check", "e.toml"]).says(2, &["columns.dalpha1", "it stands in `t` alone"]);
+}
+
+#[test]
+fn a_period_counts_the_rows_of_a_long_recording() {
+    let folder = Folder::new();
+    let line = |_: usize, [_, w1, w2, m1, m2]: &Row| format!("{w1},{w2},{m1},{m2}");
+    let text = format!("dalpha1,dalpha2,M1,M2\n{}", log(line).repeat(4));
+    let file = "[recordings]\ntrain = [\"run.csv\"]\nhold_rows = 1000\n[recordings.columns]\n\
+                t = { period = 0.01 }\n[[method]]\nname = \"torque_regression\"\n";
+    folder.write("run.csv", text).write("e.toml", file);
+    folder.run(&["check", "e.toml"]).says(0, &["2400"]);
+}
+
+#[test]
 fn a_text_without_numbers_is_quoted_with_the_forms_that_are_read() {
     let words = ["run.txt, line 1 `", "was not understood", "`l: 134 r: -5`"];
     refused("left is fast and right is slow\nleft is slow\n", &words);

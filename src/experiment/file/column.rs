@@ -14,6 +14,7 @@ use crate::io::Column;
 #[serde(deny_unknown_fields)]
 pub struct ColumnEntry {
     /// Name in the file.
+    #[serde(default)]
     pub name: String,
     /// Unit in the file; that of the header, or of the contract, unless given.
     pub unit: Option<String>,
@@ -31,6 +32,8 @@ pub struct ColumnEntry {
     /// Whether the column holds the step from row to row, and the time is the sum of the steps (`t` only).
     #[serde(default)]
     pub sum: bool,
+    /// Time between two rows [s] of a recording without a column of the time (`t` only, in place of all other keys).
+    pub period: Option<f64>,
     /// Column that multiplies the value, for example the voltage of the battery where the input is a
     /// duty cycle (`M1` and `M2` only).
     pub times: Option<String>,
@@ -46,6 +49,7 @@ impl From<ColumnEntry> for Column {
             torque_constant: entry.torque_constant,
             nanoseconds: entry.nanoseconds,
             sum: entry.sum,
+            period: entry.period,
             times: entry.times,
             ..Self::new(entry.name)
         }
@@ -89,6 +93,10 @@ impl<'de> Visitor<'de> for NameOrTable {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ColumnEntry, A::Error> {
-        ColumnEntry::deserialize(MapAccessDeserializer::new(map))
+        let entry = ColumnEntry::deserialize(MapAccessDeserializer::new(map))?;
+        if entry.name.is_empty() && entry.period.is_none() {
+            return Err(serde::de::Error::missing_field("name"));
+        }
+        Ok(entry)
     }
 }

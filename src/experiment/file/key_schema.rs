@@ -64,6 +64,11 @@ pub(super) fn columns(generator: &mut SchemaGenerator) -> Schema {
         let mut table = entry.clone();
         let unit = &mut table["properties"]["unit"];
         *unit = json!({ "enum": units, "description": unit["description"] });
+        if key == "t" {
+            table["anyOf"] = json!([{ "required": ["name"] }, { "required": ["period"] }]);
+        } else {
+            table["required"] = json!(["name"]);
+        }
         let name = json!({ "type": "string", "description": "Name of the column in the file." });
         keys.insert(key.into(), json!({ "anyOf": [name, table] }));
     }

@@ -102,7 +102,9 @@ pub(super) fn set_value(table: &mut Table, key: &str, value: Value) -> Result<()
         if let Value::String(name) = &*next
             && key.starts_with(COLUMNS)
         {
-            *next = Value::Table(Table::from_iter([("name".to_string(), name.clone().into())]));
+            // a period stands in place of a column
+            let named = (last != "period").then(|| ("name".to_string(), name.clone().into()));
+            *next = Value::Table(named.into_iter().collect());
         }
         place = next.as_table_mut().ok_or_else(|| format!("`{part}` of `{key}` is no table"))?;
     }

@@ -43,6 +43,9 @@ fn wanted(key: &str) -> &'static str {
         "per_turn" => "the counts of the encoder per turn of the wheel (lines x 4 x gear)",
         "unit" => "the unit of the column; the comments above say which fit",
         "scale" => "the time between two rows [s], as the column counts rows",
+        "period" => {
+            "the time between two rows [s], or t = \"…\" with the name of the column that holds the time"
+        }
         "r_m" => "the radius of the wheels [m]",
         _ => "the name of a column of the recording; the comments above say which there are",
     }

@@ -62,6 +62,8 @@ pub(super) struct Guess {
     pub(super) questions: Vec<String>,
     /// Whether one axis stands for both wheels.
     pub(super) one_axis: bool,
+    /// Whether no column can be the time, so that the period of the rows is asked for.
+    pub(super) period_open: bool,
 }
 
 /// A column with what its name says.
@@ -79,6 +81,7 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
         drive_unit: DriveUnit::NewtonMetre,
         questions: vec![],
         one_axis: false,
+        period_open: false,
     };
     out.columns.extend(clock::time(&all));
     out.questions.extend(beside::look(&mut all));

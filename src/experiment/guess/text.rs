@@ -235,7 +235,10 @@ fn columns(guess: &Guess) -> String {
     let motion = there("alpha1") || there("dalpha1");
     let needed = ["t", "dalpha1", "dalpha2", "M1", "M2"];
     let open = needed.iter().filter(|key| !(there(key) || key.starts_with('d') && motion));
-    entries.extend(open.map(|key| format!("{key} = \"?\"")));
+    entries.extend(open.map(|key| match *key {
+        "t" if guess.period_open => "t = { period = \"?\" }".into(),
+        key => format!("{key} = \"?\""),
+    }));
     if entries.is_empty() {
         return "# columns  = { t = \"time\", dalpha1 = { name = \"right_rpm\", unit = \"rpm\" } }"
             .into();

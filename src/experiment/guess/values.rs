@@ -136,7 +136,20 @@ pub(super) fn questions(columns: &[PreviewColumn], guess: &mut Guess) {
         guess.questions.push(no_input(columns, guess).into());
     }
     if !guess.columns.iter().any(|c| c.key == "t") {
-        guess.questions.push("which column holds the time (t)?".into());
+        // rows of other lines in between have no value
+        let held = |c: &PreviewColumn| c.values.iter().copied().filter(|v| v.is_finite()).collect();
+        guess.period_open = !columns.iter().map(held).any(|values: Vec<f64>| increases(&values));
+        guess.questions.push(no_time(guess.period_open).into());
+    }
+}
+
+/// What is asked where no column was found to be the time.
+fn no_time(period_open: bool) -> &'static str {
+    if period_open {
+        "what is the time between two rows [s]? No column rises steadily: if rows come at a fixed period, write \
+         t = { period = 0.02 }; else the name of the column that holds the time (t)"
+    } else {
+        "which column holds the time (t)? If none does and rows come at a fixed period, write t = { period = 0.02 }"
     }
 }
 
