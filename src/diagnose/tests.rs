@@ -298,7 +298,8 @@ fn under_steps(model: &Model, p: &[f64], seed: u32) -> Recording {
     for k in 0..2000 {
         let error = [target(k, 61) - state.omega[0], target(k, 83) - state.omega[1]];
         let m = [0, 1].map(|i| (5.0 * error[i] + 1.2 * error[i].signum()).clamp(-12.0, 12.0));
-        (states.push(state), torque.push(m));
+        states.push(state);
+        torque.push(m);
         let row = Input { t: &[0.0, 0.02], torque: &[m, m], hold: Hold::Constant };
         state = *simulate(model, p, &row, state).unwrap().last().unwrap();
     }

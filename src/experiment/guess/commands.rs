@@ -13,6 +13,8 @@ const FULL: [f64; 9] = [1.0, 100.0, 127.0, 255.0, 400.0, 1000.0, 1023.0, 4095.0,
 const PWM: f64 = 255.0;
 /// A pulse of a servo, and the one at which it stands [us].
 const PULSE: (f64, f64, f64) = (900.0, 1500.0, 2100.0);
+/// Less is rather a PWM value than a voltage in millivolts.
+const LEAST_MILLIVOLTS: f64 = 1000.0;
 /// Most volts of the batteries of small robots \[V\]: beyond, numbers are as likely percent.
 const BATTERY_OF_MOST: f64 = 30.0;
 /// Voltages of batteries of robots \[V\].
@@ -40,7 +42,8 @@ pub(super) fn look(
         one.unit.is_none() && SHARES.iter().any(|word| name.contains(word))
     };
     if inputs.is_empty() || !inputs.iter().all(share) || inputs.iter().any(|c| is_volt(&c.name)) {
-        millivolts(&mut inputs, of);
+        let asked = millivolts(&mut inputs, of);
+        guess.questions.extend(asked);
         return;
     }
     inputs.iter_mut().for_each(|one| one.is_share = true);
@@ -119,15 +122,25 @@ fn is_volt_sized<'a>(top: f64, name: &str, mut inputs: impl Iterator<Item = &'a 
     !says_share && top > 1.001 && top < BATTERY_OF_MOST && inputs.any(|values| !whole(values))
 }
 
-/// Voltages beyond those of any battery are millivolts.
-fn millivolts<'a>(inputs: &mut [&mut Guessed], of: impl Fn(&str) -> &'a [f64]) {
+/// Voltages beyond those of any battery are millivolts; of what would be no volt as such it is asked.
+fn millivolts<'a>(inputs: &mut [&mut Guessed], of: impl Fn(&str) -> &'a [f64]) -> Option<String> {
     let top = inputs.iter().map(|one| largest(of(&one.name))).fold(0.0, f64::max);
-    if top > BATTERIES.1 && inputs.iter().all(|one| one.unit.is_none() && one.scale.is_none()) {
-        for one in inputs {
-            one.unit = Some("mV".into());
-            one.evidence.push(format!("up to {top:.0}: millivolts"));
-        }
+    let is_open = |one: &&mut Guessed| one.unit.is_none() && one.scale.is_none();
+    if top <= BATTERIES.1 || !inputs.iter().all(is_open) {
+        return None;
     }
+    if top < LEAST_MILLIVOLTS {
+        let name = &inputs.first()?.name;
+        return Some(format!(
+            "`{name}` goes up to {top:.0}, which are no volts: a share of the battery's voltage, or millivolts? Write the volts \
+             of one unit as scale in M1 and M2"
+        ));
+    }
+    for one in inputs {
+        one.unit = Some("mV".into());
+        one.evidence.push(format!("up to {top:.0}: millivolts"));
+    }
+    None
 }
 
 /// Whether a name says volts.

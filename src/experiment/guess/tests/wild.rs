@@ -148,4 +148,6 @@ fn numbers_of_a_few_volts_are_no_percent() {
     assert!(logged(["motor_l", "motor_r"], |s| 6.19 * s).contains("volts, as they are taken?"));
     assert!(logged(["pwm_l", "pwm_r"], |s| 6.19 * s).contains("is a share"));
     assert!(logged(["motor_l", "motor_r"], |s| (6.0 * s).round()).contains("is a share"));
+    assert!(logged(["L.u", "R.u"], |s| 170.0 * s).contains("which are no volts"));
+    assert!(!logged(["L.u", "R.u"], |s| 7000.0 * s).contains("which are no volts"));
 }
