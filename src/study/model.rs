@@ -77,6 +77,10 @@ pub struct FoundEffect {
     pub indistinguishable: Vec<String>,
 }
 
+/// Error over the floor below which the floor is the most that noise and the input between its rows may make, and not
+/// what they do make: sets with noise alone lie between 0.6 and 1.7.
+pub const FAR_BELOW_FLOOR: f64 = 0.5;
+
 /// How good a model is, in a word.
 ///
 /// The first that applies, of the 2 s simulation error e on recordings that were not fitted, the noise floor

@@ -6,10 +6,7 @@ use crate::effects::Change;
 use crate::identify::Estimate;
 use crate::recording::DriveUnit;
 use crate::report::format;
-use crate::study::parameters_of;
-
-/// Error over the floor below which it is not said to be at the floor: sets with noise alone lie between 0.6 and 1.7.
-const FAR_BELOW: f64 = 0.5;
+use crate::study::{FAR_BELOW_FLOOR, parameters_of};
 
 /// What the sentence is made of.
 pub(super) struct Finding<'a> {
@@ -174,7 +171,7 @@ impl Finding<'_> {
             false => String::new(),
         };
         match (self.diagnosis.steps.as_slice(), ratio <= THRESHOLDS.at_floor) {
-            (_, true) if ratio < FAR_BELOW => format!(
+            (_, true) if ratio < FAR_BELOW_FLOOR => format!(
                 "{with} 2 s simulation error is {ratio:.2} of the noise floor, which holds all that the input may do \
                  between its rows."
             ),

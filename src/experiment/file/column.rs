@@ -32,7 +32,7 @@ pub struct ColumnEntry {
     /// Whether the column holds the step from row to row, and the time is the sum of the steps (`t` only).
     #[serde(default)]
     pub sum: bool,
-    /// Time between two rows [s] of a recording without a column of the time (`t` only, in place of all other keys).
+    /// Time between two rows \[s\] of a recording without a column of the time (`t` only, in place of all other keys).
     pub period: Option<f64>,
     /// Column that multiplies the value, for example the voltage of the battery where the input is a
     /// duty cycle (`M1` and `M2` only).

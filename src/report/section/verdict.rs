@@ -85,7 +85,16 @@ fn numbers(study: &Study) -> Option<Block> {
         tone: Tone::Neutral,
     };
     let share = format::percent(error / study.top_speed());
-    let judged = format!("on {} data; what noise alone leaves", study.judged_words());
+    let is_far_below = error < study::FAR_BELOW_FLOOR * floor;
+    let holds = match is_far_below {
+        true => "at most: it holds all that the input may do between its rows",
+        false => "what noise alone leaves",
+    };
+    let judged = format!("on {} data; {holds}", study.judged_words());
+    let meaning = match is_far_below {
+        true => "its error is less than noise and sampling may make",
+        false => means(grade),
+    };
     Some(Block::Numbers(vec![
         number("2 s simulation error", three(error), "rad/s", before),
         number("Noise floor", three(floor), "rad/s", judged),
@@ -95,10 +104,7 @@ fn numbers(study: &Study) -> Option<Block> {
             "",
             format!("error: {share} of the top speed"),
         ),
-        Number {
-            tone,
-            ..number("The model is", grade.words().to_owned(), "", means(grade).to_owned())
-        },
+        Number { tone, ..number("The model is", grade.words().to_owned(), "", meaning.to_owned()) },
     ]))
 }
 
