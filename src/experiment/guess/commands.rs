@@ -5,8 +5,9 @@ use super::{Guess, Guessed};
 use crate::io::PreviewColumn;
 use crate::recording::DriveUnit;
 
-/// Words of a command that is a share of the battery's voltage.
-const SHARES: [&str; 7] = ["duty", "pwm", "power", "throttle", "motor", "mot", "output"];
+/// Words of a command that say that it is a share of the battery's voltage, and those of one that may be.
+const SHARES: [&str; 4] = ["duty", "pwm", "power", "throttle"];
+const PERHAPS: [&str; 3] = ["motor", "mot", "output"];
 /// Full scales of controllers: a share, percent, 7 and 8 bits, of Pololu, per mille, 10, 12 and 15 bits.
 const FULL: [f64; 9] = [1.0, 100.0, 127.0, 255.0, 400.0, 1000.0, 1023.0, 4095.0, 32767.0];
 /// Full scale of the PWM that most boards have: 8 bits.
@@ -38,8 +39,7 @@ pub(super) fn look(
     let mut inputs: Vec<&mut Guessed> =
         guess.columns.iter_mut().filter(|c| c.key.starts_with('M')).collect();
     let share = |one: &&mut Guessed| {
-        let name = one.name.to_lowercase();
-        one.unit.is_none() && SHARES.iter().any(|word| name.contains(word))
+        one.unit.is_none() && (has_one(&SHARES, &one.name) || has_one(&PERHAPS, &one.name))
     };
     if inputs.is_empty() || !inputs.iter().all(share) || inputs.iter().any(|c| is_volt(&c.name)) {
         let asked = millivolts(&mut inputs, of);
@@ -117,9 +117,10 @@ fn effort(columns: &[PreviewColumn], battery: &PreviewColumn, guess: &Guess) -> 
 
 /// Whether numbers are rather volts than a share: fractions beyond one, by a name that says neither.
 fn is_volt_sized<'a>(top: f64, name: &str, mut inputs: impl Iterator<Item = &'a [f64]>) -> bool {
-    let says_share =
-        ["duty", "pwm", "power", "throttle"].iter().any(|w| name.to_lowercase().contains(w));
-    !says_share && top > 1.001 && top < BATTERY_OF_MOST && inputs.any(|values| !whole(values))
+    !has_one(&SHARES, name)
+        && top > 1.001
+        && top < BATTERY_OF_MOST
+        && inputs.any(|values| !whole(values))
 }
 
 /// Voltages beyond those of any battery are millivolts; of what would be no volt as such it is asked.
@@ -141,6 +142,12 @@ fn millivolts<'a>(inputs: &mut [&mut Guessed], of: impl Fn(&str) -> &'a [f64]) -
         one.evidence.push(format!("up to {top:.0}: millivolts"));
     }
     None
+}
+
+/// Whether one of the words stands in a name.
+fn has_one(words: &[&str], name: &str) -> bool {
+    let name = name.to_lowercase();
+    words.iter().any(|word| name.contains(word))
 }
 
 /// Whether a name says volts.

@@ -1,9 +1,8 @@
 //! Counts of encoders.
 
-use super::values::{COUNTED, is_unknown, largest, whole};
+use super::values::{COUNTED, is_unknown, largest, row_step, whole};
 use super::{Guess, Guessed};
 use crate::io::PreviewColumn;
-use crate::math::median;
 
 /// Whether a column holds whole numbers, and many: counts of an encoder.
 pub(super) fn are(columns: &[PreviewColumn], one: &Guessed) -> bool {
@@ -29,7 +28,7 @@ pub(super) fn per_turn(columns: &[PreviewColumn], guess: &mut Guess) {
             .zip(speed)
             .and_then(|(t, w)| Some((w, counts_by_speed(of(&t.name), t, values, of(&w.name))?)));
         if let Some((w, ratio)) = ratio {
-            let row = time.and_then(|t| row_seconds(of(&t.name), t));
+            let row = time.and_then(|t| Some(row_step(of(&t.name), t.sum)? * seconds(t)));
             let said = match w.unit {
                 Some(_) => stated(w, ratio),
                 None if is_unknown(of(&w.name), w) => None,
@@ -109,12 +108,6 @@ fn seconds(time: &Guessed) -> f64 {
         Some("h") => 3600.0,
         _ => 1.0,
     }
-}
-
-/// Median time between two rows [s].
-fn row_seconds(t: &[f64], time: &Guessed) -> Option<f64> {
-    let steps: Vec<f64> = t.windows(2).map(|w| w[1] - w[0]).filter(|h| *h > 0.0).collect();
-    (!steps.is_empty()).then(|| median(steps) * seconds(time))
 }
 
 /// Counts passed over the integral of the speed as it stands, in counts per unit and second.

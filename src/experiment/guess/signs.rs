@@ -1,11 +1,9 @@
 //! Speeds that lost their sign.
 
 use super::names::Quantity;
+use super::values::{AT_REST, extent};
 use super::{Candidate, Guess};
 use crate::io::PreviewColumn;
-
-/// Part of the range that noise about rest may take.
-const AT_REST: f64 = 0.05;
 
 /// The question of speeds that are never negative beside set-points that are: the wheels turned both ways, and only a
 /// log with signs shows it.
@@ -29,7 +27,6 @@ pub(super) fn lost(all: &[Candidate], columns: &[PreviewColumn], guess: &Guess) 
 }
 
 fn turns_back(values: &[f64]) -> bool {
-    let held = || values.iter().copied().filter(|v| v.is_finite());
-    let (low, high) = (held().fold(0.0, f64::min), held().fold(0.0, f64::max));
+    let (low, high) = extent(values);
     low < -AT_REST * high && low < 0.0
 }

@@ -49,6 +49,15 @@ pub(super) fn is_constant(values: &[f64]) -> bool {
     held.all(|v| Some(v) == first)
 }
 
+/// Part of the way of a speed that is no turn back, but noise of a sensor at rest (taste).
+pub(super) const AT_REST: f64 = 0.05;
+
+/// The least and the largest of values, with zero among them.
+pub(super) fn extent(values: &[f64]) -> (f64, f64) {
+    let finite = values.iter().copied().filter(|v| v.is_finite());
+    finite.fold((0.0, 0.0), |(a, b): (f64, f64), v| (a.min(v), b.max(v)))
+}
+
 /// Whether an input never changes its sign although the wheels turn both ways.
 pub(super) fn is_magnitude(
     columns: &[PreviewColumn],
@@ -57,13 +66,8 @@ pub(super) fn is_magnitude(
     speeds: Option<&[Guessed; 2]>,
 ) -> bool {
     let of = |name: &str| columns.iter().find(|c| c.name == name).map_or(&[][..], |c| &c.values);
-    let extent = |values: &mut dyn Iterator<Item = f64>| {
-        let finite = values.filter(|v| v.is_finite());
-        finite.fold((0.0, 0.0), |(a, b): (f64, f64), v| (a.min(v), b.max(v)))
-    };
-    // a twentieth of the way: noise of a sensor at rest is no turn back
-    let both_ways = |(low, high): (f64, f64)| low < -0.05 * high && high > -0.05 * low;
-    let by_speed = |one: &Guessed| both_ways(extent(&mut of(&one.name).iter().copied()));
+    let both_ways = |(low, high): (f64, f64)| low < -AT_REST * high && high > -AT_REST * low;
+    let by_speed = |one: &Guessed| both_ways(extent(of(&one.name)));
     let by_angle = |one: &Guessed| {
         let held: Vec<f64> = of(&one.name).iter().copied().filter(|v| v.is_finite()).collect();
         let mut steps: Vec<f64> = held.windows(2).map(|w| w[1] - w[0]).collect();
@@ -209,7 +213,7 @@ fn time(values: &[f64], one: &mut Guessed) {
 const COARSE: f64 = 0.5;
 
 /// Time between two rows, in the unit of the column, which holds times or steps.
-fn row_step(values: &[f64], are_steps: bool) -> Option<f64> {
+pub(super) fn row_step(values: &[f64], are_steps: bool) -> Option<f64> {
     let steps: Vec<f64> =
         if are_steps { values.to_vec() } else { values.windows(2).map(|w| w[1] - w[0]).collect() };
     let forward = || steps.iter().copied().filter(|h| *h > 0.0);

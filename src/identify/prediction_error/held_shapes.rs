@@ -10,10 +10,7 @@ const STEP: f64 = 0.01;
 
 /// Places of the parameters of shapes that are estimated, which a regression holds.
 fn shapes(model: &Model) -> impl Iterator<Item = usize> {
-    let is_shape = |j: &usize| {
-        let spec = &model.parameters()[*j].spec;
-        spec.kind == ParameterKind::Shape && !spec.whole
-    };
+    let is_shape = |j: &usize| model.parameters()[*j].spec.kind == ParameterKind::Shape;
     model.free().into_iter().filter(is_shape)
 }
 

@@ -85,16 +85,14 @@ fn numbers(study: &Study) -> Option<Block> {
         tone: Tone::Neutral,
     };
     let share = format::percent(error / study.top_speed());
-    let is_far_below = error < study::FAR_BELOW_FLOOR * floor;
-    let holds = match is_far_below {
-        true => "at most: it holds all that the input may do between its rows",
-        false => "what noise alone leaves",
+    let (holds, meaning) = match error < study::FAR_BELOW_FLOOR * floor {
+        true => (
+            "at most: it holds all that the input may do between its rows",
+            "its error is less than noise and sampling may make",
+        ),
+        false => ("what noise alone leaves", means(grade)),
     };
     let judged = format!("on {} data; {holds}", study.judged_words());
-    let meaning = match is_far_below {
-        true => "its error is less than noise and sampling may make",
-        false => means(grade),
-    };
     Some(Block::Numbers(vec![
         number("2 s simulation error", three(error), "rad/s", before),
         number("Noise floor", three(floor), "rad/s", judged),
