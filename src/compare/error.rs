@@ -83,7 +83,7 @@ impl<'a> Acting<'a> {
         recording: &'a Recording,
         torque: &[[f64; 2]],
     ) -> Self {
-        let input = dynamics.input(recording.t(), torque);
+        let input = dynamics.input_of(recording, torque);
         Self { dynamics, recording, input }
     }
 

@@ -42,7 +42,7 @@ pub fn residual_torque(
     let motion = smooth_motion(recording, cutoff);
     let top = recording.top_speed().max(f64::MIN_POSITIVE);
     // the motion has passed the filter once before it is filtered as torque, so the input passes it twice
-    let acting = filtered(recording, cutoff, &model.input(t, recording.torque(), p));
+    let acting = filtered(recording, cutoff, &model.input_of(recording, recording.torque(), p));
     let balance = |(k, m): (usize, &LocalMotion)| {
         let x = motion_of(model, t[k] - t[0], m);
         let sign = std::array::from_fn(|j| Real::erf(along(j, &m.omega) / (WIDTH * top)));

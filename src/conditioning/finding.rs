@@ -143,6 +143,8 @@ pub enum Kind {
         time_s: f64,
         /// Standard error of that \[s\].
         std_error_s: f64,
+        /// Whether a late actuator explains them hardly worse.
+        or_late: bool,
     },
     /// An input that keeps its value until the next row, as the motion says that it makes.
     HeldInput,

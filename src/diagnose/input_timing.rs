@@ -80,13 +80,13 @@ type Derivatives = (Vec<[f64; 2]>, Vec<Vec<[f64; 2]>>);
 /// A command that steps between two rows has slopes within one row alone: delayed by other than whole rows
 /// of uneven length, its samples may see none of them, and a descent would stop there.
 pub(super) fn input_derivatives(model: &Model, recording: &Recording, p: &[f64]) -> Derivatives {
-    let (t, torque, half) = (recording.t(), recording.torque(), 0.5 * recording.step());
-    let (acting, mut derivatives) = model.input_derivatives(t, torque, p);
+    let (torque, half) = (recording.torque(), 0.5 * recording.step());
+    let (acting, mut derivatives) = model.input_derivatives_of(recording, torque, p);
     for j in shifts(model).flat_map(|e| model.slots(e)) {
         let at = |value: f64| {
             let mut moved = p.to_vec();
             moved[j] = value;
-            model.input(t, torque, &moved)
+            model.input_of(recording, torque, &moved)
         };
         let (low, high) = ((p[j] - half).max(0.0), p[j] + half);
         let rows = at(low).into_iter().zip(at(high));

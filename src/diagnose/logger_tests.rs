@@ -37,6 +37,7 @@ fn stepped(
         left -= 1;
         torque.push(now);
     }
+    torque[0] = [0.0; 2]; // none acts on a robot that rests
     let input = Input { t: &t, torque: &torque, hold: held };
     let motion = simulate(&model, &p, &input, State::default()).unwrap();
     let speeds = logged(motion.iter().map(|s| s.omega).collect());

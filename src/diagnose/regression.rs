@@ -166,7 +166,7 @@ impl<'a> Regression<'a> {
         let mut residual = DVector::zeros(self.rows.len());
         for smooth in self.smoothed.recordings.iter() {
             let r = smooth.recording;
-            let (acting, by_input) = self.model.input_derivatives(r.t(), r.torque(), self.p);
+            let (acting, by_input) = self.model.input_derivatives_of(r, r.torque(), self.p);
             let mut signals = vec![vec![[0.0; 2]; r.len()]; free.len() + 1];
             // the input passes the filter twice; everything else is made of motion that has passed once
             let input = filtered(r, self.smoothed.cutoff, &acting);

@@ -1,5 +1,6 @@
 //! The forward search: which effects are missing, and how many of them are proven.
 
+mod climb;
 mod order;
 mod refit;
 mod shifts;
@@ -9,7 +10,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use self::order::{before, equals};
+use self::order::before;
 use super::candidate::{Candidate, candidates};
 use super::fit::{WindowFit, fit};
 use super::input_timing::{InputTiming, SYMBOL};
@@ -76,17 +77,7 @@ pub fn diagnose(
 ) -> Result<Diagnosis, IdentifyError> {
     let search = Search::new(model, starts, data, settings)?;
     let base = search.base(model, starts)?;
-    let (mut steps, mut rankings) = search.climb(&base, search.rank(&base, true));
-    // nothing is said to be unknown before every effect of the catalogue has been simulated
-    if search.is_unexplained(steps.last().map_or(&base, |s| &s.fit))
-        && let Some(ranking) = search.with_second_bodies(&base, &rankings[0])
-    {
-        let again = search.climb(&base, ranking);
-        let error = |steps: &[Step]| search.shown(steps.last().map_or(&base, |s| &s.fit));
-        if error(&again.0) < error(&steps) {
-            (steps, rankings) = again;
-        }
-    }
+    let (steps, mut rankings) = search.climb_from_best(&base);
     // what is left was ranked beside the steps that were tried, which others may have replaced
     let tried = |s: &Step| rankings[..steps.len()].iter().any(|r| r[0].candidate.id == s.id);
     let rest = match (steps.last(), rankings.get(steps.len())) {
@@ -178,48 +169,6 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Adds the best of a ranking, ranks anew, and so on: the steps that held-out windows prove, and the
-    /// rankings at each.
-    fn climb(&self, base: &WindowFit, first: Vec<Ranked>) -> (Vec<Step>, Vec<Vec<Ranked>>) {
-        let mut tried: Vec<(Ranked, Vec<String>)> = Vec::new();
-        let mut rankings = vec![first];
-        let mut shown = self.shown(base);
-        while tried.len() < self.settings.max_effects {
-            let ranking = rankings.last().expect("there is one a step");
-            let Some(best) = ranking.first().filter(|best| best.bic < 0.0).cloned() else { break };
-            let Some(refit) = best.refit.clone() else { break };
-            // no run of steps may contain one that raises the error that is shown
-            let next = self.shown(&refit);
-            if !(next <= shown) {
-                break;
-            }
-            shown = next;
-            tried.push((best, equals(ranking)));
-            rankings.push(self.rank(&refit, false));
-        }
-        let steps = self.proven(base, &tried);
-        let steps = self.exchanged(base, steps, &rankings);
-        (self.pruned(base, steps), rankings)
-    }
-
-    /// Whether a model leaves more than noise of the error that is shown.
-    fn is_unexplained(&self, fit: &WindowFit) -> bool {
-        self.shown(fit) > THRESHOLDS.above_floor * self.judge.floor(&fit.model, &fit.p)
-    }
-
-    /// A ranking with the effects that have a second body refitted too, where one of them then comes first.
-    fn with_second_bodies(&self, present: &WindowFit, ranking: &[Ranked]) -> Option<Vec<Ranked>> {
-        let mut ranked = ranking.to_vec();
-        let is_open = |n: &usize| is_two_mass(&ranked[*n]) && ranked[*n].refit.is_none();
-        let open: Vec<usize> = (0..ranked.len()).filter(is_open).collect();
-        if open.is_empty() {
-            return None;
-        }
-        self.refit_all(present, &mut ranked, &open, None);
-        self.order(&mut ranked);
-        ranked.first().is_some_and(is_two_mass).then_some(ranked)
-    }
-
     /// Puts refitted candidates in order.
     fn order(&self, ranked: &mut [Ranked]) {
         self.set_criteria(ranked);
@@ -245,7 +194,8 @@ impl<'a> Search<'a> {
         self.refit_all(present, &mut ranked, &first, Some(&looks));
         let refits = || ranked.iter().filter_map(|r| Some((r, r.refit.as_ref()?.cost)));
         let most_is_left = |cost: f64| cost > THRESHOLDS.most_left * present.cost;
-        if is_base && refits().all(|(r, cost)| self.is_far_above(r) && most_is_left(cost)) {
+        let widens = is_base || present.model.is_coupled();
+        if widens && refits().all(|(r, cost)| self.is_far_above(r) && most_is_left(cost)) {
             self.refit_all(present, &mut ranked, &second, Some(&looks));
         }
         self.order(&mut ranked);
@@ -254,7 +204,8 @@ impl<'a> Search<'a> {
 
     /// The places of the candidates that are refitted, and of those that are where none of the first explains the
     /// larger part of an error far above the noise: an effect with a second body, whose fit costs that of ten
-    /// others, and of which the screening sees little where the effect bends the base fit.
+    /// others, and of which the screening sees little where the effect bends the base fit; beside a second body, where
+    /// every fit costs as much, those that come next in the screening.
     fn wanted(&self, present: &WindowFit, ranked: &[Ranked]) -> (Vec<usize>, Vec<usize>) {
         let coupled = present.model.is_coupled();
         let count = if coupled { THRESHOLDS.refitted_coupled } else { THRESHOLDS.refitted };
@@ -268,7 +219,9 @@ impl<'a> Search<'a> {
         };
         let places = 0..ranked.len();
         let first: Vec<usize> = places.clone().filter(|&n| chosen(n, &ranked[n])).collect();
-        let second = places.filter(|n| is_two_mass(&ranked[*n]) && !first.contains(n)).collect();
+        let is_next =
+            |n: usize| if coupled { n < THRESHOLDS.refitted } else { is_two_mass(&ranked[n]) };
+        let second = places.filter(|n| is_next(*n) && !first.contains(n)).collect();
         (first, second)
     }
 

@@ -4,9 +4,9 @@ use super::evidence::{evidence, noiseless, without_noise};
 use super::fit::fit;
 use super::scale::scale_of;
 use super::thresholds::THRESHOLDS;
-use super::timing::{LONGEST, Timed, timed};
+use super::timing::{LONGEST, Timed, timed, with_timing};
 use super::windows::{Errors, Windows};
-use crate::effects::{Change, Scale};
+use crate::effects::{Change, Effect, Scale};
 use crate::model::Model;
 use crate::recording::{Recording, differentiate};
 use crate::simulate::Hold;
@@ -22,11 +22,13 @@ pub struct SpeedFilter {
     pub time_s: f64,
     /// Standard error of that \[s\].
     pub std_error_s: f64,
+    /// Whether a late actuator explains the speeds hardly worse.
+    pub or_late: bool,
 }
 
 /// The low-pass behind which the speeds of `recordings` were recorded, with a model at `p`. `None` where angles were
 /// recorded too, which show it by themselves, where the model follows the speeds without one, and where a late
-/// actuator explains them as well.
+/// actuator explains them better by more than chance: what a sensor may do is not taken for the robot.
 ///
 /// ```text
 /// T w_r' = w - w_r          w: speed of the wheel, w_r: as recorded
@@ -57,9 +59,14 @@ pub fn speed_filter(
     let sum = |squares: &[f64]| squares.iter().sum::<f64>();
     let without = noiseless(&plain.windows, &fit(&plain.windows, model, start, &scale)?)?;
     let most = sum(&left) < THRESHOLDS.most_left * sum(&without);
-    let beaten =
-        |late: &Vec<f64>| sum(&left) < sum(late) && evidence(late, &left) > THRESHOLDS.alike;
-    (most && search.late_actuators(filter.time_s).iter().all(beaten)).then_some(filter)
+    let late = search.late_actuators(filter.time_s);
+    let beyond_chance = |late: &Vec<f64>, z2: f64| evidence(late, &left) > z2;
+    let is_late = |late: &Vec<f64>| {
+        sum(late) < sum(&left) && beyond_chance(late, THRESHOLDS.uncertain.powi(2))
+    };
+    let least = !late.iter().any(is_late);
+    let or_late = !late.iter().all(|late| beyond_chance(late, THRESHOLDS.alike));
+    (most && least).then_some(SpeedFilter { or_late, ..filter })
 }
 
 /// A recording whose speeds are those before a low-pass of time constant `time` \[s\].
@@ -110,19 +117,28 @@ impl Search<'_, '_> {
         }
         let time_s = middle.exp();
         let error = self.sum(time_s) / self.plain.windows.values() as f64;
-        Some(SpeedFilter { time_s, std_error_s: time_s * (2.0 * error / bend).sqrt() })
+        let std_error_s = time_s * (2.0 * error / bend).sqrt();
+        Some(SpeedFilter { time_s, std_error_s, or_late: true })
     }
 
     fn sum(&self, time: f64) -> f64 {
         self.left(time, Noise::Kept).map_or(f64::INFINITY, |left| left.iter().sum())
     }
 
+    /// The recordings with the speeds before a low-pass of time constant `time` \[s\].
+    fn before(&self, time: f64) -> Vec<Recording> {
+        self.recordings.iter().map(|r| advanced(r, time)).collect()
+    }
+
+    fn fitted<'r>(&self, recordings: &'r [Recording]) -> Option<Timed<'r>> {
+        let recordings: Vec<&Recording> = recordings.iter().collect();
+        timed(self.model, self.p, 0.0, &recordings, self.hold, self.scale)
+    }
+
     /// Squared innovations of the recorded speeds in every window, by a model that is fitted before the low-pass.
     fn left(&self, time: f64, noise: Noise) -> Option<Vec<f64>> {
-        let before: Vec<Recording> = self.recordings.iter().map(|r| advanced(r, time)).collect();
-        let moved: Vec<&Recording> = before.iter().collect();
-        let Timed { windows, fit, .. } =
-            timed(self.model, self.p, 0.0, &moved, self.hold, self.scale)?;
+        let before = self.before(time);
+        let Timed { windows, fit, .. } = self.fitted(&before)?;
         let recorded = &self.plain.windows;
         let squares = |windows: &Windows| {
             let errors = windows.errors(&fit.model, &fit.p)?;
@@ -137,13 +153,21 @@ impl Search<'_, '_> {
     }
 
     /// Squared innovations, without noise of the input, by each effect that makes the actuator late, from about
-    /// `time` on.
+    /// `time` on; beside the time of the input, as behind the low-pass, but for a delay, which is one. From the parameters
+    /// found behind the low-pass: a fit to late speeds takes much of the time for inertia.
     fn late_actuators(&self, time: f64) -> Vec<Vec<f64>> {
+        let before = self.before(time);
+        let found = self.fitted(&before).map_or_else(|| self.p.to_vec(), |behind| behind.fit.p);
         let late = crate::effects::all().into_iter().filter(|e| e.change() == Change::TimeShift);
         let windows = &self.plain.windows;
-        let left = |effect| {
-            let model = self.model.add_effect(std::sync::Arc::from(effect)).ok()?;
-            let mut start = self.p.to_vec();
+        let left = |effect: Box<dyn Effect>| {
+            let timed = match effect.is_delay() {
+                true => self.model.clone(),
+                false => with_timing(self.model, self.scale)?,
+            };
+            let mut start = found.clone();
+            start.resize(timed.parameters().len(), 0.0);
+            let model = timed.add_effect(std::sync::Arc::from(effect)).ok()?;
             start.resize(model.parameters().len(), time);
             let fit = fit(windows, &model, &start, self.scale)?;
             noiseless(windows, &fit)

@@ -156,13 +156,18 @@ pub(super) fn timed<'a>(
     hold: Hold,
     scale: &Scale,
 ) -> Option<Timed<'a>> {
-    let limits = (EARLIEST * scale.step, LONGEST.max(-EARLIEST * scale.step));
-    let timed = model.add_effect(Arc::new(InputTiming { limits })).ok()?;
+    let timed = with_timing(model, scale)?;
     let shift = timed.index_of(SYMBOL).ok()?;
     let windows = over_windows(model, p, recordings, hold);
     let from: Vec<f64> = p.iter().copied().chain([start]).collect();
     let fit = fit(&windows, &timed, &from, scale)?;
     Some(Timed { windows, fit, shift })
+}
+
+/// The model with a time of its input over the whole range.
+pub(super) fn with_timing(model: &Model, scale: &Scale) -> Option<Model> {
+    let limits = (EARLIEST * scale.step, LONGEST.max(-EARLIEST * scale.step));
+    model.add_effect(Arc::new(InputTiming { limits })).ok()
 }
 
 /// Some windows of 1 s of `recordings`, weighted for a model at `p`.

@@ -5,6 +5,7 @@ use super::{
     Change, Coupling, Description, Energy, Motion, ParameterSpec, Physics, Scale, geometric,
 };
 use crate::math::Real;
+use crate::robot::Robot;
 
 /// An elastic shaft, belt or tyre between the measured motor side and the rest of the robot.
 ///
@@ -76,7 +77,7 @@ impl Physics for Compliance {
     }
 
     /// A spring that may be none leaves a damper, which is wheel slip.
-    fn is_itself(&self, p: &[f64], errors: &[f64]) -> bool {
+    fn is_itself(&self, p: &[f64], errors: &[f64], _robot: &Robot) -> bool {
         p[0] > SURELY * errors[0]
     }
 

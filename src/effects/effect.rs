@@ -3,6 +3,7 @@
 use super::{Coupling, Description, Energy, Motion, ParameterKind, ParameterSpec, Scale, Terms};
 use crate::math::{Dual, Real, Symbol};
 use crate::recording::DriveUnit;
+use crate::robot::Robot;
 
 /// A dual number with eight partial derivatives: effects see their instant with the partials
 /// (alpha1, alpha2, omega1, omega2, own parameters 0..4).
@@ -133,8 +134,8 @@ pub trait Physics: Send + Sync + 'static {
     }
 
     /// Whether parameters within their limits are together what the effect means; if not, an estimate has
-    /// taken up something else.
-    fn is_itself(&self, _p: &[f64], _errors: &[f64]) -> bool {
+    /// taken up something else; `robot` is that of the model.
+    fn is_itself(&self, _p: &[f64], _errors: &[f64], _robot: &Robot) -> bool {
         true
     }
 }
@@ -199,7 +200,7 @@ pub trait Effect: Send + Sync {
     /// [`Physics::belongs_to`].
     fn belongs_to(&self, input: DriveUnit) -> bool;
     /// [`Physics::is_itself`].
-    fn is_itself(&self, p: &[f64], errors: &[f64]) -> bool;
+    fn is_itself(&self, p: &[f64], errors: &[f64], robot: &Robot) -> bool;
 }
 
 impl<P: Physics> Effect for P {
@@ -280,7 +281,7 @@ impl<P: Physics> Effect for P {
     fn belongs_to(&self, input: DriveUnit) -> bool {
         Physics::belongs_to(self, input)
     }
-    fn is_itself(&self, p: &[f64], errors: &[f64]) -> bool {
-        Physics::is_itself(self, p, errors)
+    fn is_itself(&self, p: &[f64], errors: &[f64], robot: &Robot) -> bool {
+        Physics::is_itself(self, p, errors, robot)
     }
 }

@@ -46,6 +46,14 @@ impl Physics for FrictionWarmup {
         geometric(0.07, 1.3, 5).into_iter().map(|share| vec![share * scale.duration]).collect()
     }
 
+    /// What is over in the first two hundredths of a recording is a transient of its start, and what lasts ten times as
+    /// long as the recording is a constant and a line (taste).
+    fn limits(&self, scale: &Scale) -> Vec<(f64, f64)> {
+        let mut limits: Vec<(f64, f64)> = self.parameters().iter().map(|s| s.range).collect();
+        limits[1] = (0.02 * scale.duration, 10.0 * scale.duration);
+        limits
+    }
+
     fn energy(&self) -> Energy {
         Energy::Dissipates
     }

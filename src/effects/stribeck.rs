@@ -4,6 +4,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
 use super::{Description, Energy, Motion, ParameterSpec, Physics, Scale, Terms, geometric};
 use crate::math::Real;
+use crate::robot::Robot;
 
 /// Exponents of the fall.
 const EXPONENTS: [f64; 2] = [1.0, 2.0];
@@ -100,7 +101,7 @@ impl Physics for Stribeck {
     }
 
     /// Static friction is above the kinetic one on either wheel.
-    fn is_itself(&self, p: &[f64], _errors: &[f64]) -> bool {
+    fn is_itself(&self, p: &[f64], _errors: &[f64], _robot: &Robot) -> bool {
         p[2].abs() <= p[0]
     }
 
@@ -129,7 +130,6 @@ impl Physics for Stribeck {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::robot::Robot;
 
     /// The level of wheel 1 with an exponent, at a speed with a variance.
     fn level(exponent: f64, w: f64, variance: f64) -> f64 {

@@ -3,6 +3,7 @@
 use super::effect::SURELY;
 use super::{Description, Energy, Motion, ParameterSpec, Physics, Terms};
 use crate::math::Real;
+use crate::robot::Robot;
 
 /// Share by which a3 over I of construction may be off: half, since a3 grows with the distance of the centre of
 /// mass, which is seldom measured (taste).
@@ -14,8 +15,10 @@ const MOST_OFF: f64 = 0.5;
 /// 2 I eps dw1 - (eps + epd) a3 w2 (w1 + w2)    on wheel 1
 /// -2 I eps dw2 + (eps + epd) a3 w1 (w1 + w2)   on wheel 2,     I = a1 - Iz1
 /// ```
-/// I and a3 are those of construction. epd is zero where these have the right ratio; a centre of mass that is
-/// known to a few tenths alone moves it away.
+/// I and a3 are those of construction. epd is zero where these have the right ratio; a centre of mass that is known to
+/// a few tenths alone moves it away. Where no construction is known I is a1 and a3 is a3, both as estimated without the
+/// effect ([`Robot::estimated`]): eps is then less than the difference of radius by the wheels' share of a1, Iz1/a1, and
+/// eps + epd is not.
 ///
 /// Derived here. The body moves as if wheels of radius r turned at q1 = (1 + eps) w1 and
 /// q2 = (1 - eps) w2, since v_A = (r1 w1 + r2 w2)/2 and β_dot = (r1 w1 - r2 w2)/(2 l1). Its
@@ -60,9 +63,11 @@ impl Physics for WheelRadiusMismatch {
     }
 
     /// Both torques speak of one difference of radius, as far as the recordings say: where the centrifugal torque
-    /// is small, its part is off by anything.
-    fn is_itself(&self, p: &[f64], errors: &[f64]) -> bool {
-        p[1].abs() - SURELY * errors[1] <= MOST_OFF * p[0].abs()
+    /// is small, its part is off by anything. Where I is all of a1, which a wheel has a share of, the masses may say less
+    /// than the centrifugal torque does.
+    fn is_itself(&self, p: &[f64], errors: &[f64], robot: &Robot) -> bool {
+        let less = robot.estimated.is_some() && p[0] * p[1] >= 0.0;
+        less || p[1].abs() - SURELY * errors[1] <= MOST_OFF * p[0].abs()
     }
 
     fn energy(&self) -> Energy {
@@ -70,10 +75,10 @@ impl Physics for WheelRadiusMismatch {
     }
 
     fn terms<T: Real>(&self, x: &Motion<T>, p: &[T]) -> Terms<T> {
-        let a = x.robot.construction.parameters();
-        let mass = p[0] * (2.0 * (a.a1 - x.robot.construction.iz1_kg_m2));
+        let (inertia, a3) = x.robot.inertia_at_wheel();
+        let mass = p[0] * (2.0 * inertia);
         let [w1, w2] = x.omega;
-        let turned = (p[0] + p[1]) * (w1 + w2) * a.a3;
+        let turned = (p[0] + p[1]) * (w1 + w2) * a3;
         let torque = [-turned * w2, turned * w1];
         Terms { mass: [mass, T::from(0.0), -mass], torque, ..Terms::zero() }
     }
@@ -82,12 +87,13 @@ impl Physics for WheelRadiusMismatch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::robot::Robot;
 
     #[test]
     fn a_centrifugal_torque_that_is_not_seen_refutes_nothing() {
-        let is_itself =
-            |p: [f64; 2], error: f64| Physics::is_itself(&WheelRadiusMismatch, &p, &[0.001, error]);
+        let robot = Robot::amigobot();
+        let is_itself = |p: [f64; 2], error: f64| {
+            Physics::is_itself(&WheelRadiusMismatch, &p, &[0.001, error], &robot)
+        };
         assert!(is_itself([0.02, 0.009], 0.001) && !is_itself([0.02, 0.02], 0.001));
         assert!(is_itself([0.02, 0.6], 0.5) && is_itself([0.02, 0.0], f64::INFINITY));
     }

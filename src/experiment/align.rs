@@ -8,7 +8,8 @@ use crate::diagnose::{
 };
 use crate::filter::noise_of_jumps;
 use crate::identify::{Task, start};
-use crate::recording::Recording;
+use crate::model::base::{A1, A2};
+use crate::recording::{DriveUnit, Recording};
 use crate::simulate::Hold;
 use crate::study::Role;
 
@@ -17,6 +18,20 @@ use crate::study::Role;
 pub(super) fn place(plan: &mut Plan) {
     if plan.recordings.iter().all(|m| m.long.is_none()) {
         plan.model = shapes_placed(&plan.model, &plan.of(Role::Train), plan.hold);
+    }
+}
+
+/// Has effects whose equations hold inertias of the robot take those that the training recordings show without them,
+/// where no construction is known in the unit of the input.
+pub(super) fn weigh(plan: &mut Plan, is_built: bool) {
+    let torques =
+        plan.recordings.iter().all(|m| m.recording.drive_unit() == DriveUnit::NewtonMetre);
+    let long = plan.recordings.iter().any(|m| m.long.is_some());
+    if is_built && torques || long {
+        return;
+    }
+    if let Some(p) = balanced(plan).filter(|p| p[A1] > p[A2].abs()) {
+        plan.model = plan.model.with_inertia_of(&p);
     }
 }
 
@@ -89,9 +104,9 @@ fn train_with_noise(plan: &Plan, share: f64) -> Vec<Recording> {
 fn unfiltered(plan: &mut Plan, start: &[f64], share: f64, correct: bool) -> Option<Vec<f64>> {
     let train = train_with_noise(plan, share);
     let recordings: Vec<&Recording> = train.iter().collect();
-    let SpeedFilter { time_s, std_error_s } =
+    let SpeedFilter { time_s, std_error_s, or_late } =
         speed_filter(&plan.model, start, &recordings, plan.hold)?;
-    let kind = Kind::LowPass { time_s, std_error_s };
+    let kind = Kind::LowPass { time_s, std_error_s, or_late };
     for m in &mut plan.recordings {
         let found = [0, 1].map(|i| Finding::corrected(Channel::Speed(i), kind, "speeds", correct));
         m.conditioning.extend(found);

@@ -97,7 +97,7 @@ impl Table {
 /// What the acting input has left after mass, torques and friction.
 fn residual_torque(fitted: &FittedModel, recording: &Recording) -> Vec<[f64; 2]> {
     let p = fitted.values();
-    let acting = fitted.model.input(recording.t(), recording.torque(), &p);
+    let acting = fitted.model.input_of(recording, recording.torque(), &p);
     let row = |(k, m): (usize, &LocalMotion)| {
         let needed = needed(&fitted.model.terms(&at(fitted, recording, k), &p), m);
         [0, 1].map(|i| acting[k][i] - needed[i])

@@ -13,7 +13,7 @@ use super::file::{
     NamedMovement, SimulationEntry,
 };
 use super::plan::{DiagnosisPlan, Measured, MethodPlan, Plan};
-use super::robot_table::{has_no_track, robot};
+use super::robot_table::{has_no_track, is_built, robot};
 use crate::diagnose;
 use crate::effects::ParameterKind;
 use crate::identify;
@@ -125,6 +125,7 @@ fn plan(
     let speeds = plan.recordings.iter().flat_map(|m| m.recording.omega().iter().copied());
     plan.remarks.extend(super::remarks::opposed(&speeds.collect::<Vec<_>>()));
     super::align::place(&mut plan);
+    super::align::weigh(&mut plan, is_built(file.robot.as_ref()));
     super::align::align(&mut plan, &Asked { hold, settings: file.conditioning });
     Ok(plan)
 }

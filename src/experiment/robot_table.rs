@@ -78,6 +78,15 @@ pub(super) fn has_no_track(robot: &Robot) -> bool {
     robot.name == UNKNOWN || robot.name == UNKNOWN_TRACK
 }
 
+/// Whether masses and inertias are those of the robot: of a preset, or all written. Without a table the robot is that
+/// of the paper.
+pub(super) fn is_built(table: Option<&Table>) -> bool {
+    let Some(table) = table else { return true };
+    let unknown = table.get("preset").is_some_and(|preset| preset.as_str() == Some(UNKNOWN));
+    let written = |key: &str| table.contains_key(key) || !is_required(key);
+    !unknown || Construction::amigobot().values().all(|(key, _)| written(key))
+}
+
 /// Whether construction data cannot do without a key; those of the caster may be left out.
 fn is_required(key: &str) -> bool {
     let whole = Construction::amigobot();

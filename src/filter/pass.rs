@@ -141,7 +141,7 @@ fn run<D: Dynamics<N>, const N: usize>(
 ) -> Result<Pass, ModelError> {
     let recording = prepared.recording;
     let single = recording.is_single_axis();
-    let (input, by_parameter) = model.input_derivatives(recording.t(), recording.torque(), p);
+    let (input, by_parameter) = model.input_derivatives_of(recording, recording.torque(), p);
     let width = if settings.derivatives { p.len() + columns.count() } else { 0 };
     let mut run = Run {
         dynamics,

@@ -3,6 +3,7 @@
 pub mod base;
 mod linearise;
 mod model;
+mod recorded;
 mod variation;
 
 pub(crate) use linearise::cramer;

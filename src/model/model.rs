@@ -4,10 +4,11 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::Variations;
+use super::base::{A1, A2, A3};
 use crate::effects::{
     self, BASE, Change, Coupling, Effect, Motion, ParameterKind, ParameterSpec, Terms,
 };
-use crate::robot::Robot;
+use crate::robot::{BaseParameters, Robot};
 
 /// Why effects do not make a model.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -206,6 +207,15 @@ impl Model {
     pub fn starting_at(&self, j: usize, value: f64) -> Self {
         let mut model = self.clone();
         model.parameters[j].start = Some(value);
+        model
+    }
+
+    /// This model with a1..a3 of `p` for those that effects take from the robot ([`Robot::estimated`]).
+    #[must_use]
+    pub fn with_inertia_of(&self, p: &[f64]) -> Self {
+        let mut model = self.clone();
+        let known = self.robot.construction.parameters();
+        model.robot.estimated = Some(BaseParameters { a1: p[A1], a2: p[A2], a3: p[A3], ..known });
         model
     }
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{BaseParameters, Construction, RobotError, preset};
+use super::{BaseParameters, Construction, Preset, RobotError, preset};
 
 /// A two-wheel robot: its name and what it is built of.
 ///
@@ -19,6 +19,10 @@ pub struct Robot {
     pub name: String,
     /// What the robot is built of.
     pub construction: Construction,
+    /// a1..a3 as estimated, for effects whose equations have them, where the construction is not known or the input is
+    /// no torque; in the unit of the input times s².
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub estimated: Option<BaseParameters>,
 }
 
 impl Robot {
@@ -28,19 +32,22 @@ impl Robot {
     /// The construction data do not pass [`Construction::check`].
     pub fn new(name: impl Into<String>, construction: Construction) -> Result<Self, RobotError> {
         construction.check()?;
-        Ok(Self { name: name.into(), construction })
+        Ok(Self { name: name.into(), construction, estimated: None })
     }
 
     /// The AmigoBot of the paper.
     #[must_use]
     pub fn amigobot() -> Self {
-        Self { name: "amigobot".into(), construction: Construction::amigobot() }
+        let construction = Construction::amigobot();
+        Self { name: "amigobot".into(), construction, estimated: None }
     }
 
     /// A robot by the name of its preset; `None` if there is no such preset.
     #[must_use]
     pub fn from_preset(name: &str) -> Option<Self> {
-        preset(name).map(|p| Self { name: p.name.into(), construction: p.construction })
+        let of =
+            |p: Preset| Self { name: p.name.into(), construction: p.construction, estimated: None };
+        preset(name).map(of)
     }
 
     /// Half track l1 \[m\].
@@ -61,6 +68,14 @@ impl Robot {
     #[must_use]
     pub fn parameters(&self) -> BaseParameters {
         self.construction.parameters()
+    }
+
+    /// What a wheel moves of the robot, I = a1 - Iz1, and a3, in the unit of the input times s²: of the construction, or
+    /// all of a1 and a3 as estimated, since nothing estimated holds Iz1 alone.
+    #[must_use]
+    pub fn inertia_at_wheel(&self) -> (f64, f64) {
+        let built = || (self.parameters().a1 - self.construction.iz1_kg_m2, self.parameters().a3);
+        self.estimated.map_or_else(built, |a| (a.a1, a.a3))
     }
 }
 

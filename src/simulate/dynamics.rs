@@ -3,6 +3,7 @@
 use super::{FuzzyDynamics, Input, RunIn, SimulateError, contact, simulate, simulate_acting};
 use crate::effects::Motion;
 use crate::model::Model;
+use crate::recording::Recording;
 use crate::robot::State;
 
 /// What a method identified, able to move. Physics and fuzzy emulators alike.
@@ -23,6 +24,11 @@ pub trait Dynamics: Send + Sync {
     fn input(&self, t: &[f64], recorded: &[[f64; 2]]) -> Vec<[f64; 2]> {
         let _ = t;
         recorded.to_vec()
+    }
+
+    /// The acting input from one at the rows of a recording, before which there may have been none.
+    fn input_of(&self, recording: &Recording, input: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        self.input(recording.t(), input)
     }
 
     /// Free simulation from the recorded input, one state a sample.
@@ -98,6 +104,10 @@ impl Dynamics for PhysicalDynamics {
 
     fn input(&self, t: &[f64], recorded: &[[f64; 2]]) -> Vec<[f64; 2]> {
         self.model.input(t, recorded, &self.p)
+    }
+
+    fn input_of(&self, recording: &Recording, input: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        self.model.input_of(recording, input, &self.p)
     }
 
     fn simulate(&self, input: &Input, start: State) -> Result<Vec<State>, SimulateError> {

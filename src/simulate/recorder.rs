@@ -137,7 +137,8 @@ fn acting(truth: &Model, p: &[f64], t: &[f64], commands: &[[f64; 2]], step: f64)
         return commands[last];
     }
     let from = commands.len().saturating_sub((MEMORY / step) as usize);
-    truth.input(&t[from..], &commands[from..], p)[last - from]
+    // a robot is recorded from rest
+    truth.input_after(from == 0, &t[from..], &commands[from..], p)[last - from]
 }
 
 fn noisy(

@@ -23,6 +23,8 @@ pub(super) struct Finding<'a> {
     /// How much less late the input is if it is held through the rows, which the model draws a line between \[s\]: half a
     /// row; `None` where it is known to be held.
     pub(super) if_held: Option<f64>,
+    /// Whether speeds were recorded without angles, whose sensor may then be late.
+    pub(super) speeds_alone: bool,
 }
 
 /// Why an effect that lowers the held-out error is not accepted.
@@ -32,6 +34,8 @@ pub(super) enum Withheld {
     Raises,
     /// The sampling of the input leaves as much open.
     BetweenRows,
+    /// The larger part of what is above the floor is left.
+    Little,
     /// Its size is within its uncertainty.
     Small,
 }
@@ -46,6 +50,7 @@ impl Withheld {
             Self::BetweenRows => {
                 "what the input does between its rows could be the reason as well; a recording at a higher rate tells"
             }
+            Self::Little => "that is less than the noise floor is known to",
             Self::Small => "its size does not differ from zero by more than its uncertainty",
         }
     }
@@ -103,7 +108,7 @@ impl Finding<'_> {
     /// The effects found, each with its size and those that these data do not distinguish from it.
     fn names(&self) -> String {
         let name = |step: &crate::diagnose::Step| {
-            let sized = self.sized(&step.id) + &self.if_held(&step.id);
+            let sized = self.sized(&step.id) + &self.by_logging(&step.id);
             match step.equals.as_slice() {
                 [] => sized,
                 equals => {
@@ -137,18 +142,21 @@ impl Finding<'_> {
         }
     }
 
-    /// What of a shift of the input is no property of the actuator if the input is held between its rows.
-    fn if_held(&self, id: &str) -> String {
-        let shift = crate::effects::find(id).is_some_and(|e| e.change() == Change::TimeShift);
-        match self.if_held.filter(|_| shift) {
-            Some(time) => {
-                format!(
-                    ", {} s of it if the input is held through its rows",
-                    format::digits(time, 2)
-                )
-            }
-            None => String::new(),
+    /// What of a shift of the input may be no property of the actuator: half a row of an input that is held between
+    /// its rows, all of it where the sensor of the speeds may be late.
+    fn by_logging(&self, id: &str) -> String {
+        if crate::effects::find(id).is_none_or(|e| e.change() != Change::TimeShift) {
+            return String::new();
         }
+        let held = self.if_held.map_or_else(String::new, |time| {
+            let time = format::digits(time, 2);
+            format!(", {time} s of it if the input is held through its rows")
+        });
+        let sensor = match self.speeds_alone {
+            true => ", unless the sensor of the speeds is late, which angles would show",
+            false => "",
+        };
+        held + sensor
     }
 
     fn error(&self) -> String {

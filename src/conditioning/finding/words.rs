@@ -111,11 +111,16 @@ pub(super) fn words(name: &str, kind: &Kind, channel: Channel) -> (String, Strin
             ),
             "left out: speeds are those of the angles".into(),
         ),
-        Kind::LowPass { time_s, std_error_s } => (
+        Kind::LowPass { time_s, std_error_s, or_late } => (
             format!(
-                "{name} is the speed behind a low-pass of {} ± {}: friction of the wheels acts as late as their input",
+                "{name} is the speed behind a low-pass of {} ± {}: friction of the wheels acts as late as their input{}",
                 ms(time_s),
-                ms(std_error_s)
+                ms(std_error_s),
+                if or_late {
+                    " (a late actuator explains the motion hardly worse; angles would show which it is)"
+                } else {
+                    ""
+                }
             ),
             "the speed before it".into(),
         ),

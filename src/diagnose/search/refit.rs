@@ -192,7 +192,8 @@ impl Search<'_> {
             (0..specs.len()).all(|j| !shape(j) || specs[j].whole || !fit.at_bound[first + j]);
         let errors: Vec<f64> =
             (first..fit.p.len()).map(|j| fit.covariance[(j, j)].sqrt()).collect();
-        let inside = inside && candidate.effect.is_itself(&fit.p[first..], &errors);
+        let inside =
+            inside && candidate.effect.is_itself(&fit.p[first..], &errors, fit.model.robot());
         let some = candidate.linear.is_empty()
             || candidate.linear.iter().any(|&j| !fit.at_bound[first + j]);
         let error = fit.covariance[(first, first)].sqrt();

@@ -158,7 +158,7 @@ impl Search<'_> {
         judged.ok().filter(|rms| rms.is_finite()).unwrap_or(f64::INFINITY)
     }
 
-    /// Drops effects that later ones made needless: without it the criterion is lower.
+    /// Drops effects that later ones made needless: without it the criterion is lower, or its size may be zero by now.
     pub(super) fn pruned(&self, base: &WindowFit, steps: Vec<Step>) -> Vec<Step> {
         let given = base.model.effects().len();
         let Some(last) = steps.last() else { return steps };
@@ -170,11 +170,12 @@ impl Search<'_> {
             p.drain(slots.clone());
             let Some(without) = fit(&self.windows, &model, &p, &self.scale) else { continue };
             let ratio = self.degrees * (without.cost / last.fit.cost).ln();
-            if ratio > slots.len() as f64 * self.degrees.ln() {
+            let by_now = Step { fit: last.fit.clone(), ..steps[n].clone() };
+            if ratio > slots.len() as f64 * self.degrees.ln() && has_size(&by_now) {
                 continue;
             }
-            let kept: Vec<Step> =
-                steps.iter().enumerate().filter(|(k, _)| *k != n).map(|(_, s)| s.clone()).collect();
+            let mut kept = steps.clone();
+            kept.remove(n);
             return self.pruned(base, self.rebuilt(base, &kept));
         }
         steps

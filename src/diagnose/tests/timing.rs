@@ -137,9 +137,10 @@ fn driven_through_a_lag(tau: f64, seed: usize) -> Recording {
     let t: Vec<f64> = (0..2000).map(|k| 0.01 * k as f64).collect();
     let steps = [5.0, -3.0, 6.0, 2.0, -6.0, 0.5, 3.0, -5.0, -1.0, 4.0, -2.0];
     let step = |k: usize, rows: usize| steps[(k / rows + 3 * seed) % 11];
-    let input: Vec<[f64; 2]> = (0..t.len())
+    let mut input: Vec<[f64; 2]> = (0..t.len())
         .map(|k| [step(k, 47) + (3.0 * t[k]).sin(), step(k, 61) + (2.0 * t[k]).cos()])
         .collect();
+    input[0] = [0.0; 2]; // none acts on a robot that rests
     let forced = Input { t: &t, torque: &input, hold: Hold::Linear };
     let states = simulate(&model, &p, &forced, State::default()).unwrap();
     let alpha = Some(states.iter().map(|s| s.alpha).collect());

@@ -45,7 +45,7 @@ impl Windows<'_> {
     #[must_use]
     pub fn errors(&self, model: &Model, p: &[f64]) -> Option<Vec<Errors>> {
         let acting: Vec<_> =
-            self.recordings.par_iter().map(|r| model.input(r.t(), r.torque(), p)).collect();
+            self.recordings.par_iter().map(|r| model.input_of(r, r.torque(), p)).collect();
         // without a second body nothing before a window matters to it
         let coupled = model.is_coupled();
         let together = |a: &Window, b: &Window| coupled && a.recording == b.recording;

@@ -33,7 +33,7 @@ impl RecordedInput {
         reading: Reading,
     ) -> Self {
         let r = prepared.recording;
-        let (whole, mut by_parameter) = model.input_derivatives(r.t(), r.torque(), p);
+        let (whole, mut by_parameter) = model.input_derivatives_of(r, r.torque(), p);
         if reading != Reading::Noisy {
             along_smooth_input(model, p, r, &mut by_parameter);
         }
@@ -85,7 +85,7 @@ fn along_smooth_input(
         return;
     }
     let smooth = smoothed(recording.torque(), recording);
-    let (_, mut along) = model.input_derivatives(recording.t(), &smooth, p);
+    let (_, mut along) = model.input_derivatives_of(recording, &smooth, p);
     places.into_iter().for_each(|j| by_parameter[j] = std::mem::take(&mut along[j]));
 }
 

@@ -116,7 +116,7 @@ proptest! {
     fn the_coefficients_give_the_velocities_of_eq_11_and_no_side_slip(
         c in constructions(), state in states(), offset in -4.0..4.0_f64,
     ) {
-        let robot = Robot { name: String::new(), construction: c.clone() };
+        let robot = Robot::new("", c.clone()).unwrap();
         let motion = Motion::rolling(&c, &state, [0.0; 2], offset);
         let v = kinematics::forward_speed(&robot, state.omega);
         let (sin, cos) = motion.q[2].sin_cos();

@@ -135,7 +135,7 @@ impl Machine {
 
     /// The robot that is driven.
     pub fn robot(&self) -> Robot {
-        Robot { name: self.name.clone(), construction: self.truth.clone() }
+        Robot::new(self.name.clone(), self.truth.clone()).expect("a machine can be built")
     }
 
     /// Deceleration by friction a4/(a1 + a2) [rad/s^2].

@@ -1,0 +1,115 @@
+//! The forward search: the best effect of a ranking, then the best beside it, and what to begin with instead where
+//! that ends unexplained.
+
+use super::order::equals;
+use super::{Search, is_two_mass};
+use crate::diagnose::fit::WindowFit;
+use crate::diagnose::outcome::{Ranked, Step};
+use crate::diagnose::thresholds::THRESHOLDS;
+use crate::diagnose::verdict::Errors;
+
+/// The steps that held-out windows prove, and the rankings at each.
+type Climbed = (Vec<Step>, Vec<Vec<Ranked>>);
+
+impl Search<'_> {
+    /// The search from the best candidates of the base; from others where that leaves the larger part of the error
+    /// above the noise floor. No steps where it leaves that much near the floor.
+    pub(super) fn climb_from_best(&self, base: &WindowFit) -> Climbed {
+        let mut climbed = self.climb(base, self.rank(base, true));
+        let unexplained = |steps: &[Step]| self.is_unexplained(last_of(base, steps));
+        // nothing is said to be unknown before every effect of the catalogue has been simulated
+        if unexplained(&climbed.0)
+            && let Some(ranking) = self.with_second_bodies(base, &climbed.1[0])
+        {
+            let again = self.climb(base, ranking);
+            let error = |steps: &[Step]| self.shown(last_of(base, steps));
+            if error(&again.0) < error(&climbed.0) {
+                climbed = again;
+            }
+        }
+        let errors = self.errors(base, &climbed.0);
+        if errors.unexplained() > THRESHOLDS.unexplained {
+            match errors.ratio() > THRESHOLDS.above_floor {
+                true => return self.other_beginnings(base, &climbed.1[0]).unwrap_or(climbed),
+                // so near the floor the error that is lowered is as likely the floor's own
+                false => climbed.0.clear(),
+            }
+        }
+        climbed
+    }
+
+    /// The errors that are shown, of the base and behind the last of `steps`.
+    fn errors(&self, base: &WindowFit, steps: &[Step]) -> Errors {
+        let last = last_of(base, steps);
+        let square = |fit: &WindowFit| self.shown(fit).powi(2);
+        let floor = self.judge.floor(&last.model, &last.p).powi(2);
+        Errors { before: square(base), after: square(last), floor, speed: 1.0 }
+    }
+
+    /// Adds the best of a ranking that does not raise the error that is shown, ranks anew, and so on. Each ranking
+    /// comes back with the effect that was taken first.
+    fn climb(&self, base: &WindowFit, first: Vec<Ranked>) -> Climbed {
+        let mut tried: Vec<(Ranked, Vec<String>)> = Vec::new();
+        let mut rankings = vec![first];
+        let mut shown = self.shown(base);
+        while tried.len() < self.settings.max_effects {
+            let ranking = rankings.last_mut().expect("there is one a step");
+            // no run of steps may contain one that raises the error that is shown
+            let Some((n, next)) = self.first_that_lowers(ranking, shown) else { break };
+            ranking[..=n].rotate_right(1);
+            shown = next;
+            let best = ranking[0].clone();
+            let Some(refit) = best.refit.clone() else { break };
+            tried.push((best, equals(ranking)));
+            rankings.push(self.rank(&refit, false));
+        }
+        let steps = self.proven(base, &tried);
+        let steps = self.exchanged(base, steps, &rankings);
+        (self.pruned(base, steps), rankings)
+    }
+
+    /// The place of the first candidate of a ranking whose model is the better one and whose error that is shown is
+    /// at most `shown`, with that error. The one that the criterion prefers may raise it: where two effects are
+    /// missing, a flexible one fits a part of both to the training recordings.
+    fn first_that_lowers(&self, ranking: &[Ranked], shown: f64) -> Option<(usize, f64)> {
+        let better = ranking.iter().enumerate().filter(|(_, r)| r.bic < 0.0);
+        let errors = better.filter_map(|(n, r)| Some((n, self.shown(r.refit.as_ref()?))));
+        errors.into_iter().find(|(_, error)| *error <= shown)
+    }
+
+    /// The search begun with another effect of the first ranking, where its end is near the floor: of several
+    /// effects that are missing, the one that is taken first decides from which minimum the others are fitted.
+    fn other_beginnings(&self, base: &WindowFit, ranking: &[Ranked]) -> Option<Climbed> {
+        let shown = self.shown(base);
+        let lowers = |r: &Ranked| r.refit.as_ref().is_some_and(|fit| self.shown(fit) < shown);
+        let others = (1..ranking.len()).filter(|&n| ranking[n].bic < 0.0 && lowers(&ranking[n]));
+        others.take(THRESHOLDS.exchanged).find_map(|n| {
+            let mut ranking = ranking.to_vec();
+            ranking[..=n].rotate_right(1);
+            let climbed = self.climb(base, ranking);
+            (!self.is_unexplained(last_of(base, &climbed.0))).then_some(climbed)
+        })
+    }
+
+    /// Whether a model leaves more than noise of the error that is shown.
+    pub(super) fn is_unexplained(&self, fit: &WindowFit) -> bool {
+        self.shown(fit) > THRESHOLDS.above_floor * self.judge.floor(&fit.model, &fit.p)
+    }
+
+    /// A ranking with the effects that have a second body refitted too, where one of them then comes first.
+    fn with_second_bodies(&self, present: &WindowFit, ranking: &[Ranked]) -> Option<Vec<Ranked>> {
+        let mut ranked = ranking.to_vec();
+        let is_open = |n: &usize| is_two_mass(&ranked[*n]) && ranked[*n].refit.is_none();
+        let open: Vec<usize> = (0..ranked.len()).filter(is_open).collect();
+        if open.is_empty() {
+            return None;
+        }
+        self.refit_all(present, &mut ranked, &open, None);
+        self.order(&mut ranked);
+        ranked.first().is_some_and(is_two_mass).then_some(ranked)
+    }
+}
+
+fn last_of<'s>(base: &'s WindowFit, steps: &'s [Step]) -> &'s WindowFit {
+    steps.last().map_or(base, |step| &step.fit)
+}
