@@ -266,18 +266,23 @@ fn plain(unit: &str) -> String {
 }
 
 /// Other ways to write a unit.
-const SPELLINGS: [(&str, &[&str]); 11] = [
-    ("s", &["sec", "second", "seconds"]),
+const SPELLINGS: [(&str, &[&str]); 16] = [
+    ("s", &["sec", "secs", "second", "seconds"]),
     ("us", &["µs", "μs"]),
     ("min", &["minute", "minutes"]),
     ("h", &["hr", "hrs", "hour", "hours"]),
     ("deg", &["degree", "degrees", "°"]),
-    ("deg/s", &["°/s", "dps"]),
+    ("rad/s", &["rad/sec", "rads/s"]),
+    ("deg/s", &["°/s", "deg/sec", "dps"]),
     ("rev", &["turn", "turns", "revs"]),
-    ("rev/s", &["turns/s", "rps"]),
-    ("rpm", &["1/min", "r/min", "rev/min"]),
+    ("rev/s", &["turn/s", "turns/s", "rot/s", "rev/sec", "rps"]),
+    ("rpm", &["1/min", "r/min", "rev/min", "u/min"]),
     ("ticks", &["tick", "count", "counts"]),
-    ("ticks/s", &["counts/s"]),
+    ("ticks/s", &["ticks/sec", "counts/s", "counts/sec"]),
+    ("m/s", &["m/sec"]),
+    ("N m", &["n-m"]),
+    ("A", &["amp", "amps", "ampere", "amperes"]),
+    ("V", &["volt", "volts"]),
 ];
 
 fn synonym(unit: &str) -> &str {
@@ -321,6 +326,26 @@ mod tests {
 
     fn in_unit(unit: &str) -> Column {
         Column { unit: Some(unit.into()), ..Column::new("x") }
+    }
+
+    #[test]
+    fn units_are_read_in_the_spellings_of_other_programs() {
+        let map = ColumnMap::new(DriveUnit::NewtonMetre, Some(0.05));
+        let same = |key: &str, one: &str, other: &str| {
+            let of = |unit: &str| factor(&map, key, in_unit(unit)).unwrap();
+            assert_eq!(of(one), of(other), "{one}");
+        };
+        same("dalpha1", "rad/sec", "rad/s");
+        same("dalpha1", "deg/sec", "deg/s");
+        same("dalpha1", "rot/s", "rev/s");
+        same("dalpha1", "U/min", "rpm");
+        same("dalpha1", "m/sec", "m/s");
+        same("t", "secs", "s");
+        same("M1", "N-m", "N m");
+        let current = |unit: &str| Column { torque_constant: Some(0.5), ..in_unit(unit) };
+        assert_eq!(factor(&map, "M1", current("Amps")).unwrap(), (0.5, 0.0));
+        let volts = ColumnMap::new(DriveUnit::Volt, None);
+        assert_eq!(factor(&volts, "M1", in_unit("Volts")).unwrap(), (1.0, 0.0));
     }
 
     #[test]

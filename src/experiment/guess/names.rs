@@ -109,7 +109,7 @@ fn is_overruled(quantity: Option<Quantity>, word: &str, of: Quantity) -> bool {
 /// no unit: `a` of `speed_a` is a motor.
 fn unit_behind(words: &mut Vec<String>) -> Option<(&'static str, Option<Quantity>)> {
     let before = words.clone();
-    let found = take_unit(words)?;
+    let found = of_its_quantity(take_unit(words)?, words);
     let letter =
         before.last().is_some_and(|last| last.len() == 1) && before.len() == words.len() + 1;
     if letter
@@ -122,6 +122,18 @@ fn unit_behind(words: &mut Vec<String>) -> Option<(&'static str, Option<Quantity
         return None;
     }
     Some(found)
+}
+
+/// A unit behind the words of a name: `ms` of a speed is m/s, no time.
+fn of_its_quantity(
+    found: (&'static str, Option<Quantity>),
+    words: &[String],
+) -> (&'static str, Option<Quantity>) {
+    let said = take_quantity(&mut words.to_vec()).map(|(said, _)| said);
+    match found.0 {
+        "ms" if said == Some(Quantity::Speed) => ("m/s", said),
+        _ => found,
+    }
 }
 
 /// The number before a unit: `10 mA`, `0.1 A`.
@@ -210,7 +222,8 @@ fn take_unit(words: &mut Vec<String>) -> Option<(&'static str, Option<Quantity>)
         let slashed = words[from..].join("/");
         // a name that is a unit and nothing else says it as its quantity: `t`, `v`, `a`
         let alone = from == 0 && joined.len() < 2;
-        if let Some(found) = unit(&joined).or_else(|| unit(&slashed)).filter(|_| !alone) {
+        // `m_s` is m/s, and no ms
+        if let Some(found) = unit(&slashed).or_else(|| unit(&joined)).filter(|_| !alone) {
             // words such as `rpm` and `volts` say the quantity too, `ticks` of an encoder as well
             words.truncate(from);
             return Some(found);
@@ -318,6 +331,13 @@ mod tests {
             ("motor_left_deg", Some(Angle), Some(Left), Some("deg")),
             ("left_motor_ticks", Some(Angle), Some(Left), Some("ticks")),
             ("left_mm_s", Some(Speed), Some(Left), Some("mm/s")),
+            ("left_speed_m_s", Some(Speed), Some(Left), Some("m/s")),
+            ("right_vel_m_per_s", Some(Speed), Some(Right), Some("m/s")),
+            ("left_speed_ms", Some(Speed), Some(Left), Some("m/s")),
+            ("left [U/min]", Some(Speed), Some(Left), Some("rpm")),
+            ("speed left (deg/sec)", Some(Speed), Some(Left), Some("deg/s")),
+            ("right (Amps)", Some(Current), Some(Right), Some("A")),
+            ("stamp_ms", Some(Time), None, Some("ms")),
             ("vR_cm_s", Some(Speed), Some(Right), Some("cm/s")),
             ("speed_a", Some(Speed), None, None),
             ("rpmA", Some(Speed), None, Some("rpm")),
