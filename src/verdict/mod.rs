@@ -13,8 +13,7 @@ use self::ranking::{ranking, staircase};
 use self::sentence::{Finding, Withheld};
 use crate::compare::Variable;
 use crate::diagnose::{
-    Conclusion, Diagnosis, Errors, Judge, Settings, THRESHOLDS, WindowFit, conclude, likely,
-    withheld,
+    Conclusion, Diagnosis, Judge, Settings, WindowFit, conclude, likely, withheld,
 };
 use crate::filter::{Likelihood, prepare};
 use crate::recording::Recording;
@@ -94,7 +93,7 @@ pub(crate) fn concluded(
     let proposal = open.then(|| propose(diagnosis, &likelihood, basis.seed)).flatten();
     let withheld = withheld(diagnosis, basis.false_alarm).filter(|_| !open);
     let refit = withheld.and_then(|r| r.refit.as_ref());
-    let reason = refit.map(|fit| reason(&judge, &errors, fit));
+    let reason = refit.map(|fit| reason(&judge, errors.after, fit));
     let next_run = match withheld {
         Some(ranked) => Some(to_prove(ranked, matches!(reason, Some(Withheld::BetweenRows)))),
         None => open.then(|| advice(diagnosis, probable, proposal.as_ref())).flatten(),
@@ -135,19 +134,14 @@ pub(crate) fn concluded(
     Ok((words, left.map(|dependence| dependence.variable)))
 }
 
-/// Why a fit that lowers the held-out error is not accepted, beside the `errors` that are shown.
-fn reason(judge: &Judge, errors: &Errors, fit: &WindowFit) -> Withheld {
-    let now = errors.after;
+/// Why a fit that lowers the held-out error is not accepted; `now`: square of the error that is shown [rad^2/s^2].
+fn reason(judge: &Judge, now: f64, fit: &WindowFit) -> Withheld {
     let with =
         judge.judge(&fit.model, &fit.p).map_or(f64::INFINITY, |with| with.window_rms.powi(2));
     let open = judge.unresolved(&fit.model, &fit.p);
     // one that cannot be simulated raises it too
     if !(with <= now) {
         Withheld::Raises
-    } else if (Errors { before: now, after: with, ..*errors }).unexplained()
-        > THRESHOLDS.unexplained
-    {
-        Withheld::Little
     } else if fit.model.is_coupled() || now - with < open.powi(2).min(with) {
         Withheld::BetweenRows
     } else {

@@ -34,8 +34,6 @@ pub(super) enum Withheld {
     Raises,
     /// The sampling of the input leaves as much open.
     BetweenRows,
-    /// The larger part of what is above the floor is left.
-    Little,
     /// Its size is within its uncertainty.
     Small,
 }
@@ -50,7 +48,6 @@ impl Withheld {
             Self::BetweenRows => {
                 "what the input does between its rows could be the reason as well; a recording at a higher rate tells"
             }
-            Self::Little => "that is less than the noise floor is known to",
             Self::Small => "its size does not differ from zero by more than its uncertainty",
         }
     }

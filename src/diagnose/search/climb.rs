@@ -13,7 +13,7 @@ type Climbed = (Vec<Step>, Vec<Vec<Ranked>>);
 
 impl Search<'_> {
     /// The search from the best candidates of the base; from others where that leaves the larger part of the error
-    /// above the noise floor. No steps where it leaves that much near the floor.
+    /// above the noise floor.
     pub(super) fn climb_from_best(&self, base: &WindowFit) -> Climbed {
         let mut climbed = self.climb(base, self.rank(base, true));
         let unexplained = |steps: &[Step]| self.is_unexplained(last_of(base, steps));
@@ -27,13 +27,11 @@ impl Search<'_> {
                 climbed = again;
             }
         }
-        let errors = self.errors(base, &climbed.0);
-        if errors.unexplained() > THRESHOLDS.unexplained {
-            match errors.ratio() > THRESHOLDS.above_floor {
-                true => return self.other_beginnings(base, &climbed.1[0]).unwrap_or(climbed),
-                // so near the floor the error that is lowered is as likely the floor's own
-                false => climbed.0.clear(),
-            }
+        if unexplained(&climbed.0)
+            && self.errors(base, &climbed.0).unexplained() > THRESHOLDS.unexplained
+            && let Some(again) = self.other_beginnings(base, &climbed.1[0])
+        {
+            climbed = again;
         }
         climbed
     }
