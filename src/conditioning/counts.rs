@@ -13,10 +13,12 @@
 //! second differences of n:               var = 6 s²  rounded speeds,   20 s²  counts     (s² of one rounding)
 //! the same of sums over two rows:              12 s²                   20 s²
 //! ```
+//! A recording that moves too much shows the grid but not that; there the others of the same log tell, and where one
+//! contradicts them the speeds of all stay: half of a log in angles would stand half a row from the other half.
 
 use super::finding::{Channel, Finding, Kind};
 use super::signal::{column, median, trimmed};
-use super::{Conditioned, Settings};
+use super::{Conditioned, Context, Settings};
 
 /// Rows that must move: fewer are on a grid by chance or by the digits that are written.
 const FEWEST: usize = 100;
@@ -34,15 +36,57 @@ const MOST: u32 = 8;
 /// Rows over which drivers take means.
 const ROWS: usize = 8;
 
+/// The encoder behind speeds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Encoder {
+    /// One count \[rad\].
+    pub step_rad: f64,
+    /// Rows over which the driver took the mean.
+    pub rows: usize,
+}
+
+/// What the recordings of a log together say of the encoder behind their speeds.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Encoders {
+    /// Nothing yet: each recording shows it by itself.
+    #[default]
+    Unknown,
+    /// Speeds are counts of these encoders, of the right and of the left wheel.
+    Known([Encoder; 2]),
+    /// Not all speeds can be counts.
+    None,
+}
+
+/// The encoders that the findings of the first recording which shows them tell.
+#[must_use]
+pub fn common_encoders<'a>(
+    recordings: impl Iterator<Item = &'a [Finding]>,
+) -> Option<[Encoder; 2]> {
+    let of = |findings: &[Finding], i: usize| {
+        findings.iter().find_map(|f| match f.kind {
+            Kind::Counts { step_rad, rows } if f.channel == Channel::Speed(i) => {
+                Some(Encoder { step_rad, rows })
+            }
+            _ => None,
+        })
+    };
+    recordings.into_iter().find_map(|findings| of(findings, 0).zip(of(findings, 1))).map(Into::into)
+}
+
 /// Replaces speeds without angles that come from an encoder's counts by the angles that these add up to.
-pub(super) fn angles(work: &mut Conditioned, settings: &Settings) {
+pub(super) fn angles(work: &mut Conditioned, settings: &Settings, context: &Context) {
     let channels = &work.channels;
     let (None, Some(omega)) = (&channels.alpha, &channels.omega) else { return };
     let steps = steps(&channels.t);
     let even = vec![median(steps[1..].iter().copied()); steps.len()];
     let of = |i: usize| {
         let omega = column(omega, i);
-        counts(&omega, &steps).or_else(|| counts(&omega, &even))
+        let counts = |steps: &[f64]| match context.encoders {
+            Encoders::Unknown => counts(&omega, steps),
+            Encoders::Known(encoders) => counts_of(encoders[i], &omega, steps),
+            Encoders::None => None,
+        };
+        counts(&steps).or_else(|| counts(&even))
     };
     let (Some(right), Some(left)) = (of(0), of(1)) else { return };
     for (i, wheel) in [&right, &left].into_iter().enumerate() {
@@ -81,14 +125,31 @@ impl Counts {
     }
 }
 
+/// The counts of a known encoder, `None` where speeds that were divided by `steps` are not on its grid, or take nothing
+/// back though they move slowly enough to show it.
+fn counts_of(encoder: Encoder, omega: &[f64], steps: &[f64]) -> Option<Counts> {
+    let Encoder { step_rad, rows } = encoder;
+    on_grid(&sizes(omega, steps), step_rad / rows as f64)?;
+    let counts = by_row(omega, steps, step_rad, rows);
+    let shown = taken_back(&counts) != Some(false);
+    shown.then_some(Counts { step: step_rad, counts, rows })
+}
+
+/// How far the wheel moved from row to row \[rad\], ascending, where it did.
+fn sizes(omega: &[f64], steps: &[f64]) -> Vec<f64> {
+    let ways = omega.iter().zip(steps).map(|(w, h)| (w * h).abs());
+    let mut sizes: Vec<f64> = ways.filter(|d| *d > 0.0).collect();
+    sizes.sort_by(f64::total_cmp);
+    sizes
+}
+
 /// The counts of which speeds are made that were divided by `steps`; `None` where they are none.
 fn counts(omega: &[f64], steps: &[f64]) -> Option<Counts> {
     let ways: Vec<f64> = omega.iter().zip(steps).map(|(w, h)| w * h).collect();
-    let mut sizes: Vec<f64> = ways.iter().map(|d| d.abs()).filter(|d| *d > 0.0).collect();
+    let sizes = sizes(omega, steps);
     if sizes.len() < FEWEST {
         return None;
     }
-    sizes.sort_by(f64::total_cmp);
     // a spike or a digit may be smaller still
     let least = sizes[sizes.len() / FEWEST];
     let step = (1..=MOST).find_map(|part| on_grid(&sizes, least / f64::from(part)))?;
@@ -102,7 +163,7 @@ fn counts(omega: &[f64], steps: &[f64]) -> Option<Counts> {
         let step = step * rows as f64;
         Counts { step, counts: by_row(omega, steps, step, rows), rows }
     };
-    (1..=ROWS).map(over).find(|found| are_taken_back(&found.counts))
+    (1..=ROWS).map(over).find(|found| taken_back(&found.counts) == Some(true))
 }
 
 /// Counts of `step` from row to row, where each speed is the mean of those of `rows` rows and nothing moved before the
@@ -120,7 +181,8 @@ fn by_row(omega: &[f64], steps: &[f64], step: f64, rows: usize) -> Vec<f64> {
 fn on_grid(sizes: &[f64], mut step: f64) -> Option<f64> {
     // the step is known better the farther it is counted
     let mut reach = 4.0;
-    while reach < 2.0 * sizes[sizes.len() - 1] / step {
+    let largest = *sizes.last()?;
+    while reach < 2.0 * largest / step {
         let near = sizes.iter().take_while(|d| **d < (reach + 0.5) * step);
         let (way, square) = near.fold((0.0, 0.0), |(way, square), d| {
             let n = (d / step).round();
@@ -136,15 +198,15 @@ fn on_grid(sizes: &[f64], mut step: f64) -> Option<f64> {
     (error < OFF).then_some(step)
 }
 
-/// Whether what a row counts too much the next one counts less.
-fn are_taken_back(counts: &[f64]) -> bool {
+/// Whether what a row counts too much the next one counts less; `None` where motion hides it.
+fn taken_back(counts: &[f64]) -> Option<bool> {
     let variance = |n: &[f64]| {
         let bends = n.windows(3).filter(|w| w.iter().any(|n| *n != 0.0));
         trimmed(bends.map(|w| (w[2] - 2.0 * w[1] + w[0]).powi(2)).collect())
     };
     let pairs: Vec<f64> = counts.chunks_exact(2).map(|pair| pair[0] + pair[1]).collect();
     let single = variance(counts);
-    single > 0.0 && single < ROUNDED && variance(&pairs) < TAKEN_BACK * single
+    (single > 0.0 && single < ROUNDED).then(|| variance(&pairs) < TAKEN_BACK * single)
 }
 
 #[cfg(test)]
@@ -183,7 +245,7 @@ mod tests {
         let counted = |a: f64| (a / COUNT).floor();
         let (mut work, angles) =
             work(|before, now, h| COUNT * (counted(now) - counted(before)) / h);
-        super::angles(&mut work, &Settings::default());
+        super::angles(&mut work, &Settings::default(), &Context::default());
         assert!(
             matches!(work.findings[0].kind, Kind::Counts { step_rad, rows: 1 } if (step_rad / COUNT - 1.0).abs() < 1e-9)
         );
@@ -207,7 +269,7 @@ mod tests {
             let omega = Some((0..2000).map(|k| [speed(k); 2]).collect());
             let channels = Channels { torque: vec![[0.1; 2]; t.len()], t, alpha: None, omega };
             let mut work = Conditioned { channels, findings: vec![] };
-            super::angles(&mut work, &Settings::default());
+            super::angles(&mut work, &Settings::default(), &Context::default());
             assert!(
                 matches!(work.findings[0].kind, Kind::Counts { rows: n, .. } if n == rows as usize)
             );
@@ -228,16 +290,57 @@ mod tests {
             [&rounded as &dyn Fn(f64, f64, f64) -> f64, &|before, now, h| (now - before) / h]
         {
             let (mut work, _) = work(speed);
-            super::angles(&mut work, &Settings::default());
+            super::angles(&mut work, &Settings::default(), &Context::default());
             assert!(work.findings.is_empty(), "{:?}", work.findings);
         }
+    }
+
+    /// Counts of a wheel that shakes: their second differences are far more than those of rounding.
+    fn shaking(counted: impl Fn(f64) -> f64) -> Conditioned {
+        let angle = |k: i32| 3.0 * (0.02 * f64::from(k)).sin() + 0.05 * (0.9 * f64::from(k)).sin();
+        let speed = |k: i32| COUNT * (counted(angle(k)) - counted(angle(k - 1))) / 0.01;
+        let t: Vec<f64> = (0..2000).map(|k| 0.01 * f64::from(k)).collect();
+        let omega = Some((0..2000).map(|k| [speed(k); 2]).collect());
+        let channels = Channels { torque: vec![[0.1; 2]; t.len()], t, alpha: None, omega };
+        Conditioned { channels, findings: vec![] }
+    }
+
+    #[test]
+    fn other_recordings_of_the_log_tell_where_motion_hides_the_counts() {
+        let counted = |a: f64| (a / COUNT).floor();
+        let (mut slow, _) = work(|before, now, h| COUNT * (counted(now) - counted(before)) / h);
+        let mut fast = shaking(counted);
+        for work in [&mut slow, &mut fast] {
+            super::angles(work, &Settings::default(), &Context::default());
+        }
+        assert!(slow.channels.omega.is_none() && fast.channels.omega.is_some());
+        let found = [&fast, &slow].map(|work| work.findings.as_slice());
+        let encoders = Encoders::Known(common_encoders(found.into_iter()).unwrap());
+        super::angles(&mut fast, &Settings::default(), &Context { encoders, ..Context::default() });
+        assert!(fast.channels.omega.is_none());
+        // speeds that are on no such grid stay, and so do all where one recording cannot be counts
+        let mut exact = shaking(|a| a / COUNT);
+        super::angles(
+            &mut exact,
+            &Settings::default(),
+            &Context { encoders, ..Context::default() },
+        );
+        assert!(exact.channels.omega.is_some());
+        let (mut slow, _) = work(|before, now, h| COUNT * (counted(now) - counted(before)) / h);
+        let none = Context { encoders: Encoders::None, ..Context::default() };
+        super::angles(&mut slow, &Settings::default(), &none);
+        assert!(slow.channels.omega.is_some());
     }
 
     #[test]
     fn the_switch_leaves_the_speeds() {
         let counted = |a: f64| (a / COUNT).floor();
         let (mut work, _) = work(|before, now, h| COUNT * (counted(now) - counted(before)) / h);
-        super::angles(&mut work, &Settings { speeds: false, ..Settings::default() });
+        super::angles(
+            &mut work,
+            &Settings { speeds: false, ..Settings::default() },
+            &Context::default(),
+        );
         assert!(work.channels.alpha.is_none() && work.findings.len() == 2);
     }
 }

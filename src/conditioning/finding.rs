@@ -123,6 +123,13 @@ pub enum Kind {
         /// Rows within a tick.
         rows: f64,
     },
+    /// Rows that repeat the sensors' last sample though the wheels move; what came late is put in its place.
+    Stale {
+        /// How many rows.
+        rows: usize,
+        /// The first of them.
+        first: usize,
+    },
     /// An angle that wraps at so many radians.
     Wrapped {
         /// Period \[rad\].
@@ -279,6 +286,7 @@ impl Kind {
             Self::ClockWrap { period_s, .. } => ("clock_wrap", period_s, "s"),
             Self::ClockRestart { back_s, .. } => ("clock_restart", back_s, "s"),
             Self::CoarseClock { tick_s, .. } => ("coarse_clock", tick_s, "s"),
+            Self::Stale { rows, .. } => ("stale", rows as f64, "rows"),
             Self::Wrapped { period_rad, .. } => ("wrapped", period_rad, "rad"),
             Self::Reset { step_rad, .. } => ("reset", step_rad, "rad"),
             Self::Spikes { count, .. } => ("spikes", count as f64, "samples"),

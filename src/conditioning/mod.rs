@@ -5,6 +5,7 @@
 //! rows       without a value | of a repeated or backward time | of a restarted clock | of a coarse clock | whose stamps scatter
 //! columns    slower than the rows | of the other wheel
 //! angles     wrapped at a turn or a power of two of counts | reset
+//! samples    late in a row that repeats the last one
 //! channels   isolated wrong samples
 //! speeds     counts of an encoder | in another unit | of another sign | late | differences of the angles
 //! input      sampled more slowly than the sensors | against the motion | of a few levels | a magnitude without sign | not zero at rest
@@ -30,8 +31,10 @@ mod settings;
 mod signal;
 mod speeds;
 mod spikes;
+mod stale;
 mod wheels;
 
+pub use counts::{Encoder, Encoders, common_encoders};
 pub use error::ConditioningError;
 pub use finding::{Action, Channel, Finding, Kind, sentences};
 pub use settings::Settings;
@@ -58,6 +61,8 @@ pub struct Context {
     /// What other recordings of the same log say of the speeds: for a recording that is too short or
     /// too slow to show it by itself.
     pub speed_lag: Option<Lag>,
+    /// What the recordings of the same log together say of the encoder behind speeds without angles.
+    pub encoders: Encoders,
 }
 
 /// Conditions the channels of a recording.
@@ -93,10 +98,11 @@ pub fn condition(
     if t.len() < FEWEST_ROWS || !rows::is_increasing(t) {
         return Ok(work); // the check of the recording says that it is too short, or where time stands still
     }
-    counts::angles(&mut work, settings);
+    counts::angles(&mut work, settings, context);
     jitter::even_times(&mut work, settings);
     align::read_in_turn(&mut work, settings, context);
     angles::unwrap(&mut work, settings);
+    stale::rows(&mut work, settings);
     spikes::sensors(&mut work, settings);
     wheels::exchanged_sensors(&mut work, settings);
     counterpart::units_and_signs(&mut work, settings, context);

@@ -10,7 +10,8 @@ use super::file::RecordingsEntry;
 use super::plan::Measured;
 use super::robot_table::UNKNOWN;
 use crate::conditioning::{
-    Action, Channel, Context, Finding, Kind, Lag, Settings, common_lag, condition,
+    Action, Channel, Context, Encoders, Finding, Kind, Lag, Settings, common_encoders, common_lag,
+    condition,
 };
 use crate::io::{
     ColumnMap, RawChannels, needed_columns, read_channels, read_long_recording, table_channels,
@@ -39,15 +40,29 @@ pub(super) fn read(
     }
     (reading.hold_rows, reading.conditioning) = (entry.hold_rows, *settings);
     let mut measured = in_threads(&all, |(role, file)| reading.one(*role, &folder.join(file)))?;
-    reading.speed_lag = common_lag(measured.iter().map(|m| m.conditioning.as_slice()));
+    let again =
+        |reading: &Reading, measured: &mut [Measured], which: &dyn Fn(&[Finding]) -> bool| {
+            let of: Vec<usize> = (0..all.len())
+                .filter(|&k| measured[k].long.is_none() && which(&measured[k].conditioning))
+                .collect();
+            let read = in_threads(&of, |&k| reading.one(all[k].0, &folder.join(all[k].1)))?;
+            of.into_iter().zip(read).for_each(|(k, one)| measured[k] = one);
+            Ok::<_, Meaning>(())
+        };
+    // what one recording of a log shows of its logger holds for all of them
+    let shows = |findings: &[Finding]| common_encoders([findings].into_iter()).is_some();
+    if let Some(encoders) = common_encoders(findings_of(&measured)) {
+        reading.encoders = Encoders::Known(encoders);
+        again(&reading, &mut measured, &|findings| !shows(findings))?;
+        if !findings_of(&measured).all(shows) {
+            reading.encoders = Encoders::None;
+            again(&reading, &mut measured, &shows)?;
+        }
+    }
+    reading.speed_lag = common_lag(findings_of(&measured));
     if reading.speed_lag.is_some() {
-        let shows_none =
-            |m: &Measured| common_lag([m.conditioning.as_slice()].into_iter()).is_none();
-        let again: Vec<usize> = (0..all.len())
-            .filter(|&k| measured[k].long.is_none() && shows_none(&measured[k]))
-            .collect();
-        let read = in_threads(&again, |&k| reading.one(all[k].0, &folder.join(all[k].1)))?;
-        again.into_iter().zip(read).for_each(|(k, one)| measured[k] = one);
+        let lags = |findings: &[Finding]| common_lag([findings].into_iter()).is_some();
+        again(&reading, &mut measured, &|findings| !lags(findings))?;
     }
     share_noise(&mut measured.iter_mut().map(|m| &mut m.recording).collect::<Vec<_>>());
     let train = measured.iter().filter(|m| m.role == Role::Train).map(|m| &m.recording);
@@ -59,6 +74,11 @@ pub(super) fn read(
         )));
     }
     Ok(measured)
+}
+
+/// What was found in each recording that is held whole.
+fn findings_of(measured: &[Measured]) -> impl Iterator<Item = &[Finding]> {
+    measured.iter().filter(|m| m.long.is_none()).map(|m| m.conditioning.as_slice())
 }
 
 /// How recordings are read, conditioned and checked: what `[recordings]` and `[conditioning]` say.
@@ -76,6 +96,8 @@ pub struct Reading {
     pub robot: Robot,
     /// What the recordings of the log together say of the speeds.
     pub speed_lag: Option<Lag>,
+    /// What they together say of the encoder behind speeds without angles.
+    pub encoders: Encoders,
 }
 
 impl Reading {
@@ -86,8 +108,8 @@ impl Reading {
         let radius = (robot.name != UNKNOWN).then(|| robot.r());
         let columns = ColumnMap::new(drive_unit, radius);
         let (conditioning, hold_rows) = (Settings::default(), super::file::hold_rows());
-        let speed_lag = None;
-        Self { columns, drive_unit, hold_rows, conditioning, robot, speed_lag }
+        let (speed_lag, encoders) = (None, Encoders::Unknown);
+        Self { columns, drive_unit, hold_rows, conditioning, robot, speed_lag, encoders }
     }
 
     /// The same with columns of other names or units, written as `recordings.columns` of a file.
@@ -160,7 +182,8 @@ impl Reading {
     fn conditioned(&self, mut raw: RawChannels) -> Result<(Recording, Vec<Finding>), Meaning> {
         let commanded = self.drive_unit == DriveUnit::Volt;
         let wheel_radius = (self.robot.name != UNKNOWN).then(|| self.robot.r());
-        let context = Context { wheel_radius, commanded, speed_lag: self.speed_lag };
+        let context =
+            Context { wheel_radius, commanded, speed_lag: self.speed_lag, encoders: self.encoders };
         let channels = std::mem::take(&mut raw.channels);
         let done = condition(channels, &self.conditioning, &context)
             .map_err(|e| words(format!("{}: {e}", raw.name)))?;

@@ -61,6 +61,14 @@ pub(super) fn words(name: &str, kind: &Kind, channel: Channel) -> (String, Strin
             ),
             "a coarse clock: the rows are spread evenly over its steps".into(),
         ),
+        Kind::Stale { rows, first } => (
+            format!(
+                "{} the last sample of the sensors although the wheels move, and later ones make up for it (first: \
+                 row {first})",
+                if rows == 1 { "1 row repeats".into() } else { format!("{rows} rows repeat") }
+            ),
+            "the samples that came late stand in their place".into(),
+        ),
         Kind::Wrapped { period_rad, turns } => {
             (format!("{name} wraps at {period_rad:.6} rad, {turns} times"), "unwrapped".into())
         }

@@ -1,0 +1,187 @@
+//! Rows that the logger wrote before the sensors had a new value, in a log whose rows come about as often.
+//!
+//! Two clocks of the same period that drift against each other (a loop of 20 ms that reads messages of 20 ms): now and
+//! then a row repeats the last value, the rows behind it are one sample late, and another row skips a sample and is in
+//! time again.
+//!
+//! ```text
+//! stale    alpha_k = alpha_(k-1) of both wheels, though a wheel moves by several quanta a row
+//! skipped  alpha_s - alpha_(s-1) about twice as large as in the rows around
+//! between  v_j := v_(j+1) for k <= j < s - 1,   v_(s-1) := (v_(s-1) + v_s)/2
+//! ```
+//! Where no row skips until the wheels stand or the recording ends, all rows until there are late; a row that repeats
+//! while others are late already is of a sensor that is a little slower, and stands between its neighbours alone.
+//!
+//! A sensor that repeats its values in many rows is slower than the logger, which the refresh of the rows says.
+
+use std::ops::Range;
+
+use super::finding::{Channel, Finding, Kind};
+use super::signal::{column, median, pieces};
+use super::{Conditioned, Settings};
+use crate::math::noise::quantum;
+
+/// Quanta of a row's motion from which on a row that repeats both angles is no rounding: by three the step of a row
+/// differs from none to two at most.
+const QUANTA: f64 = 4.0;
+/// Rows to either side whose motion is usual.
+const AROUND: usize = 4;
+/// Usual motions of a row that a row which skips a sample makes: two, and nearer to them than to one or three.
+const SKIPPED: Range<f64> = 1.5..2.5;
+/// Share of stale rows above which the sensor is slower than the rows.
+const MANY: f64 = 0.1;
+
+/// Puts the samples of rows that came late in their place.
+pub(super) fn rows(work: &mut Conditioned, settings: &Settings) {
+    let Some(late) = late(work) else { return };
+    let count = late.len();
+    let Some(first) = late.first().map(|late| late.rows.start) else { return };
+    let kind = Kind::Stale { rows: count, first: first + 1 };
+    work.findings.push(Finding::corrected(Channel::Sensors, kind, "rows", settings.rows));
+    if !settings.rows {
+        return;
+    }
+    for channel in [work.channels.alpha.as_mut(), work.channels.omega.as_mut()] {
+        let Some(values) = channel else { continue };
+        late.iter().for_each(|late| advance(values, late));
+    }
+}
+
+/// Late rows, and the row behind them that is in time; none where the recording or a piece of it ends.
+struct Late {
+    rows: Range<usize>,
+    until_end: bool,
+}
+
+/// Moves the samples of late rows forward by one; the last of them is the middle of its neighbours, or goes on as
+/// those before it.
+fn advance(values: &mut [[f64; 2]], late: &Late) {
+    let Range { start, end } = late.rows;
+    let last = end - 1;
+    values.copy_within(start + 1..end, start);
+    if late.until_end {
+        values[last] = [0, 1].map(|i| 2.0 * values[last - 1][i] - values[last - 2][i]);
+    } else {
+        values[last] = [0, 1].map(|i| 0.5 * (values[last - 1][i] + values[end][i]));
+    }
+}
+
+/// The rows that are one sample late, from each that repeats the last sample to that which skips one; `None` where rows repeat so often that the sensor is slower.
+fn late(work: &Conditioned) -> Option<Vec<Late>> {
+    let c = &work.channels;
+    let alpha = c.alpha.as_ref()?;
+    let columns = [column(alpha, 0), column(alpha, 1)];
+    let least = [0, 1].map(|i| QUANTA * quantum(&columns[i]).unwrap_or(0.0));
+    let mut out: Vec<Late> = Vec::new();
+    let to = |from: usize, end: usize| Late { rows: from..end, until_end: false };
+    let (mut moving, mut stale) = (0.0, 0.0);
+    for piece in pieces(&c.t) {
+        let mut open: Option<usize> = None;
+        for k in piece.start + 1..piece.end.saturating_sub(1) {
+            let usual = [0, 1].map(|i| usual(&columns[i], k, &piece));
+            let moves = [0, 1].map(|i| usual[i].abs() > least[i] && usual[i] != 0.0);
+            if !moves[0] && !moves[1] {
+                out.extend(open.take().map(|from| to(from, k)));
+                continue;
+            }
+            moving += 1.0;
+            let step = [0, 1].map(|i| columns[i][k] - columns[i][k - 1]);
+            let repeats =
+                step == [0.0; 2] && c.omega.as_ref().is_none_or(|omega| omega[k] == omega[k - 1]);
+            let skips = (0..2).all(|i| !moves[i] || SKIPPED.contains(&(step[i] / usual[i])));
+            if repeats {
+                stale += 1.0;
+                out.extend(open.replace(k).map(|from| to(from, from + 1)));
+            } else if skips {
+                out.extend(open.take().map(|from| to(from, k)));
+            }
+        }
+        let until_end = |from| Late { rows: from..piece.end, until_end: true };
+        out.extend(open.filter(|from| from + 2 < piece.end).map(until_end));
+    }
+    (stale <= MANY * moving).then_some(out)
+}
+
+/// The usual motion of a row around row `k`, without its own and the next.
+fn usual(values: &[f64], k: usize, piece: &Range<usize>) -> f64 {
+    let near = (k + 1).saturating_sub(AROUND).max(piece.start + 1)..(k + AROUND + 1).min(piece.end);
+    median(near.filter(|j| *j != k).map(|j| values[j] - values[j - 1]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::Channels;
+
+    fn motion(t: f64) -> [f64; 2] {
+        [20.0 * t - 3.0 * t.cos(), 15.0 * t + 2.0 * t.sin()]
+    }
+
+    /// Rows of 20 ms with the sample `of(k)` of a sensor of 20 ms.
+    fn work(of: impl Fn(usize) -> usize) -> Conditioned {
+        let t: Vec<f64> = (0..1000).map(|k| 0.02 * k as f64).collect();
+        let at = |k: usize| 0.02 * of(k) as f64;
+        let alpha = Some((0..1000).map(|k| motion(at(k))).collect());
+        let speed = |t: f64| [20.0 + 3.0 * t.sin(), 15.0 + 2.0 * t.cos()];
+        let omega = Some((0..1000).map(|k| speed(at(k))).collect());
+        let torque = vec![[0.1; 2]; t.len()];
+        Conditioned { channels: Channels { t, alpha, omega, torque }, findings: vec![] }
+    }
+
+    #[test]
+    fn rows_that_came_late_stand_where_they_were_measured() {
+        // late in row 300 alone, and in rows 600 to 640
+        let mut late = work(|k| if k == 300 || (600..=640).contains(&k) { k - 1 } else { k });
+        rows(&mut late, &Settings::default());
+        assert!(
+            matches!(
+                late.findings[..],
+                [Finding { kind: Kind::Stale { rows: 2, first: 301 }, .. }]
+            ),
+            "{:?}",
+            late.findings
+        );
+        for (k, found) in late.channels.alpha.unwrap().iter().enumerate() {
+            let is = motion(0.02 * k as f64);
+            // a chord over two rows: 3 h^2/2
+            assert!((0..2).all(|i| (found[i] - is[i]).abs() < 7e-4), "{k}: {found:?} {is:?}");
+        }
+    }
+
+    #[test]
+    fn rows_that_stay_late_are_moved_to_the_end() {
+        let mut late = work(|k| if k >= 700 { k - 1 } else { k });
+        rows(&mut late, &Settings::default());
+        for (k, found) in late.channels.alpha.unwrap().iter().enumerate() {
+            let is = motion(0.02 * k as f64);
+            assert!((0..2).all(|i| (found[i] - is[i]).abs() < 2e-3), "{k}: {found:?} {is:?}");
+        }
+    }
+
+    #[test]
+    fn rows_in_time_and_slow_sensors_stay() {
+        for of in [|k| k, |k: usize| k - k % 4] {
+            let (mut rows_of, before) = (work(of), work(of));
+            rows(&mut rows_of, &Settings::default());
+            assert!(rows_of.findings.is_empty(), "{:?}", rows_of.findings);
+            assert_eq!(rows_of.channels.alpha, before.channels.alpha);
+        }
+        let mut left = work(|k| if k == 300 { k - 1 } else { k });
+        rows(&mut left, &Settings { rows: false, ..Settings::default() });
+        assert_eq!(left.findings.len(), 1);
+        assert_eq!(left.channels.alpha.unwrap()[300], motion(0.02 * 299.0));
+    }
+
+    #[test]
+    fn a_wheel_that_stops_repeats_its_angle() {
+        // an encoder of 512 counts that comes to rest and starts again
+        let step = std::f64::consts::TAU / 512.0;
+        let angle = |t: f64| 4.0 * (t + (2.0 * t).sin() / 2.0);
+        let t: Vec<f64> = (0..1000).map(|k| 0.02 * f64::from(k)).collect();
+        let alpha = Some(t.iter().map(|t| [(angle(*t) / step).floor() * step; 2]).collect());
+        let channels = Channels { torque: vec![[0.1; 2]; t.len()], t, alpha, omega: None };
+        let mut work = Conditioned { channels, findings: vec![] };
+        rows(&mut work, &Settings::default());
+        assert!(work.findings.is_empty(), "{:?}", work.findings);
+    }
+}
