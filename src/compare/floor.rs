@@ -22,6 +22,17 @@ pub struct Floor {
     pub ise: [f64; 2],
     /// Of the windows, root mean square over both wheels [rad/s].
     pub window_rms: f64,
+    /// The same with the most that the input may have done between its rows.
+    pub window_most: f64,
+}
+
+/// The error over windows of 2 s that the right model has, root mean square [rad/s].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WindowFloor {
+    /// As it is expected.
+    pub expected: f64,
+    /// With the most that the input may have done between its rows.
+    pub most: f64,
 }
 
 /// The error that remains for a perfect model: the noise of the measured speeds, what noise of the starting state
@@ -29,10 +40,14 @@ pub struct Floor {
 /// between its rows, which nobody recorded.
 ///
 /// ```text
-/// floor = ∫ σ_w² dt + mean over 8 draws of ∫ (w(M, x0 + noise) - w(M, x0))² dt
-///         + the larger of  mean over 8 draws of ∫ (w(M + noise, x0) - w(M, x0))² dt
-///                     and  mean over both phases of ∫ (w(every other row of M, x0) - w(M, x0))² dt
+/// floor = ∫ σ_w² dt + mean over 8 draws of ∫ (w(M, x0 + noise) - w(M, x0))² dt + N + max(H - N, 0)/3
+/// N = mean over 8 draws of ∫ (w(M + noise, x0) - w(M, x0))² dt
+/// H = mean over both phases of ∫ (w(every other row of M, x0) - w(M, x0))² dt
 /// ```
+/// A step of the input at any time between two rows with equal chance puts the line between them off by
+/// h² step²/12, mean square, and leaving out every other row by h² step²/4: a third of what is seen there. Of a smooth
+/// input it is a ninth, of one that is held through its rows none, and of changes within a row that come back all of it;
+/// which of them it is the rows do not show, and the most is H.
 /// Every other row of an input with independent noise differs from all of them by as much as that noise makes: the
 /// second has the first in it. `dynamics` stands for the right model; any model near it serves, since only the
 /// spread counts.
@@ -55,15 +70,19 @@ fn floor(runs: &Runs, seed: u64) -> Result<Floor, SimulateError> {
     let jumps = runs.by_input_jumps(&mut rng)?;
     let start = runs.by_start_noise(&mut rng)?;
     let half = runs.by_every_other_row()?;
-    // jumps that are no noise are known, though every other row does not show them
     let noise = recording.noise_of_jumps().powi(2);
-    let input = |jumps: f64, half: f64| (noise * jumps).max(half - (1.0 - noise) * jumps);
+    let input = |jumps: f64, half: f64| noise * jumps + STEPS * (half - noise * jumps).max(0.0);
     let covered: f64 = recording.pieces().iter().map(|p| length(recording, p)).sum();
     let speed = recording.noise().omega.map(|s| s * s);
     let ise = [0, 1].map(|i| speed[i] * covered + start.ise[i] + input(jumps.ise[i], half.ise[i]));
-    let square = 0.5 * (speed[0] + speed[1]) + start.square + input(jumps.square, half.square);
-    Ok(Floor { ise, window_rms: square.sqrt() })
+    let known = 0.5 * (speed[0] + speed[1]) + start.square;
+    let window_rms = (known + input(jumps.square, half.square)).sqrt();
+    let window_most = (known + f64::max(noise * jumps.square, half.square)).sqrt();
+    Ok(Floor { ise, window_rms, window_most })
 }
+
+/// Share of the squared error of every other row that the rows themselves leave, of steps between them.
+const STEPS: f64 = 1.0 / 3.0;
 
 /// Root mean square error over windows of 2 s [rad/s] that a right model has on recordings because the input
 /// between their rows is not known: a third of the difference that every other row makes, since a straight
@@ -103,7 +122,7 @@ pub fn between_rows(
     pooled(recordings, square)
 }
 
-/// The floor of [`noise_floor`] over windows of all recordings [rad/s].
+/// The floor of [`noise_floor`] over windows of all recordings.
 ///
 /// # Errors
 /// A model that cannot move.
@@ -112,12 +131,17 @@ pub fn pooled_floor(
     recordings: &[Recording],
     hold: Hold,
     seed: u64,
-) -> Result<f64, SimulateError> {
-    let square = |recording: &Recording| {
+) -> Result<WindowFloor, SimulateError> {
+    let one = |recording: &Recording| {
         let runs = Runs::new(dynamics, recording, hold, Reach::Windows)?;
-        Ok(floor(&runs, seed)?.window_rms.powi(2))
+        floor(&runs, seed)
     };
-    pooled(recordings, square)
+    let floors: Vec<Floor> =
+        recordings.par_iter().map(one).collect::<Result<_, SimulateError>>()?;
+    let of = |value: fn(&Floor) -> f64| {
+        mean_over_rows(recordings, floors.iter().map(|f| value(f).powi(2))).sqrt()
+    };
+    Ok(WindowFloor { expected: of(|f| f.window_rms), most: of(|f| f.window_most) })
 }
 
 /// Root of the mean over all rows of a mean square of each recording.
@@ -126,9 +150,14 @@ fn pooled(
     square: impl Fn(&Recording) -> Result<f64, SimulateError> + Send + Sync,
 ) -> Result<f64, SimulateError> {
     let squares: Vec<f64> = recordings.par_iter().map(square).collect::<Result<_, _>>()?;
+    Ok(mean_over_rows(recordings, squares.into_iter()).sqrt())
+}
+
+/// The mean over all rows of a value of each recording.
+fn mean_over_rows(recordings: &[Recording], values: impl Iterator<Item = f64>) -> f64 {
     let rows = || recordings.iter().map(|r| r.len() as f64);
-    let sum: f64 = squares.iter().zip(rows()).map(|(square, rows)| rows * square).sum();
-    Ok((sum / f64::max(rows().sum(), 1.0)).sqrt())
+    let sum: f64 = values.zip(rows()).map(|(value, rows)| rows * value).sum();
+    sum / f64::max(rows().sum(), 1.0)
 }
 
 /// How a recording is simulated.

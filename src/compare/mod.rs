@@ -11,7 +11,9 @@ mod whiteness;
 
 pub use error::{Simulated, angle_rms, ise, simulate_recording, window_errors, window_rms};
 pub(crate) use error::{WINDOW, start_of};
-pub use floor::{Floor, between_rows, noise_floor, noisier_input, pooled_floor, unresolved};
+pub use floor::{
+    Floor, WindowFloor, between_rows, noise_floor, noisier_input, pooled_floor, unresolved,
+};
 pub use horizon::{Horizon, fit_percent, horizons};
 pub use low_pass::{filtered, smooth_motion};
 pub(crate) use regime::{AT_FLOOR, REGIME_RATE};

@@ -6,8 +6,8 @@ use super::fit::WindowFit;
 use super::outcome::Diagnosis;
 use super::verdict::{Errors, structure};
 use crate::compare::{
-    Dependence, WINDOW, between_rows, ise, pooled_floor, simulate_recording, unexplained_torque,
-    unresolved, window_rms,
+    Dependence, WINDOW, WindowFloor, between_rows, ise, pooled_floor, simulate_recording,
+    unexplained_torque, unresolved, window_rms,
 };
 use crate::filter::{Likelihood, prepare};
 use crate::model::{Model, ModelError};
@@ -63,9 +63,9 @@ impl Judge {
     /// Root mean square error over windows that the right model would still have [rad/s], of one near it; zero
     /// where the model cannot be simulated.
     #[must_use]
-    pub fn floor(&self, model: &Model, p: &[f64]) -> f64 {
+    pub fn floor(&self, model: &Model, p: &[f64]) -> WindowFloor {
         let dynamics = PhysicalDynamics { model: model.clone(), p: p.to_vec() };
-        pooled_floor(&dynamics, &self.recordings, self.hold, 0).unwrap_or(0.0)
+        pooled_floor(&dynamics, &self.recordings, self.hold, 0).unwrap_or_default()
     }
 
     /// Windows that the judged recordings have, each wheel for itself; one axis written down twice is one wheel.
@@ -91,16 +91,21 @@ impl Judge {
         between_rows(&dynamics, &self.recordings, self.hold).unwrap_or(0.0)
     }
 
-    /// The errors that a diagnosis started and ended with, beside the noise `floor` [rad/s].
+    /// The errors that a diagnosis started and ended with, beside the noise `floor`.
     ///
     /// # Errors
     /// A model that cannot move, or diverges.
-    pub fn errors(&self, diagnosis: &Diagnosis, floor: f64) -> Result<Errors, SimulateError> {
+    pub fn errors(
+        &self,
+        diagnosis: &Diagnosis,
+        floor: WindowFloor,
+    ) -> Result<Errors, SimulateError> {
         let error = |fit: &WindowFit| self.judge(&fit.model, &fit.p).map(|j| j.window_rms.powi(2));
         Ok(Errors {
             before: error(&diagnosis.base)?,
             after: error(diagnosis.last())?,
-            floor: floor * floor,
+            floor: floor.expected.powi(2),
+            most: floor.most.powi(2),
             speed: self.top_speed().powi(2),
         })
     }

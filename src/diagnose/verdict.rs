@@ -28,6 +28,8 @@ pub struct Errors {
     pub after: f64,
     /// Of the noise floor.
     pub floor: f64,
+    /// Of the noise floor with the most that the input may have done between its rows.
+    pub most: f64,
     /// Square of the top speed of the wheels.
     pub speed: f64,
 }
@@ -80,6 +82,13 @@ impl Errors {
         let small = self.ratio() <= THRESHOLDS.above_floor || self.excess() <= THRESHOLDS.excess;
         !small
     }
+
+    /// Whether the last model is above all that the input may have done between its rows. An error that is not a
+    /// number is.
+    #[must_use]
+    pub fn above_input(&self) -> bool {
+        !((self.after / self.most).sqrt() <= THRESHOLDS.at_floor)
+    }
 }
 
 /// The strongest dependence that counts as structure, a significant one; whether it matters the error says.
@@ -114,7 +123,7 @@ pub fn withheld(diagnosis: &Diagnosis, rate: f64) -> Option<&Ranked> {
 ///
 /// Where the error is above the floor, what was found or is likely must explain the larger part of it;
 /// else something unknown is missing, if the residual torque shows `structure` or the error is far above the
-/// floor, which is itself an estimate.
+/// floor, which is itself an estimate, and if nothing that the input may have done between its rows makes it.
 #[must_use]
 pub fn conclude(found: usize, errors: &Errors, likely: Option<f64>, structure: bool) -> Conclusion {
     let explained = |after: f64| errors.left(after) <= THRESHOLDS.unexplained;
@@ -122,7 +131,12 @@ pub fn conclude(found: usize, errors: &Errors, likely: Option<f64>, structure: b
         _ if found > 0 && (!errors.above_floor() || explained(errors.after)) => Conclusion::Missing,
         _ if found > 0 => Conclusion::Unknown,
         Some(ratio) if explained(errors.after * ratio * ratio) => Conclusion::Likely,
-        _ if errors.above_floor() && (structure || errors.far_above_floor()) => Conclusion::Unknown,
+        _ if errors.above_floor()
+            && errors.above_input()
+            && (structure || errors.far_above_floor()) =>
+        {
+            Conclusion::Unknown
+        }
         _ => Conclusion::Sufficient,
     }
 }
@@ -164,7 +178,7 @@ mod tests {
     }
 
     fn errors(before: f64, after: f64) -> Errors {
-        Errors { before, after, floor: 1.0, speed: 1e4 }
+        Errors { before, after, floor: 1.0, most: 1.0, speed: 1e4 }
     }
 
     #[test]
@@ -177,6 +191,13 @@ mod tests {
     fn a_model_at_the_floor_is_sufficient() {
         assert_eq!(conclude(0, &errors(1.01, 1.01), None, true), Conclusion::Sufficient);
         assert_eq!(errors(1.01, 1.01).unexplained(), 0.0);
+    }
+
+    #[test]
+    fn what_the_input_may_do_between_its_rows_is_no_missing_effect() {
+        let open = Errors { most: 3.5, ..errors(4.0, 4.0) };
+        assert_eq!(conclude(0, &open, None, true), Conclusion::Sufficient);
+        assert_eq!(conclude(0, &Errors { most: 2.0, ..open }, None, true), Conclusion::Unknown);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use super::comparison::Comparison;
 use super::error::RunError;
 use super::plan::{DiagnosisPlan, Plan};
-use crate::compare::{Curve, Variable};
+use crate::compare::{Curve, Variable, WindowFloor};
 use crate::diagnose::{Data, Diagnosis, WindowFit, with_later_input};
 use crate::identify::{IdentifyError, Task, start};
 use crate::model::Model;
@@ -65,11 +65,12 @@ pub fn diagnose(plan: &Plan, comparison: Comparison) -> Result<Diagnosed, RunErr
         Some(_) => comparison.under(plan, &dynamics(diagnosis.last()))?,
         None => comparison,
     };
+    let judged = comparison.judged();
     let basis = Basis {
         train: &plan.of(Role::Train),
         judged: &plan.judged(),
         hold: plan.hold,
-        floor: Some(comparison.judged().floor()),
+        floor: Some(WindowFloor { expected: judged.floor(), most: judged.floor_most() }),
         false_alarm: asked.settings.false_alarm,
         slow_moment: asked.slow_moment,
         seed: plan.seed,

@@ -36,6 +36,12 @@ impl<'a> Judged<'a> {
         self.pooled(|r| self.0[r].floor.window_rms)
     }
 
+    /// The noise floor with the most that the input may have done between its rows, as [`Self::floor`] [rad/s].
+    #[must_use]
+    pub fn floor_most(self) -> f64 {
+        self.pooled(|r| self.0[r].floor.window_most)
+    }
+
     /// Summed quality index of a model, whose `performance` has one entry a recording of the experiment
     /// [rad^2/s]; not a number where it has none.
     #[must_use]

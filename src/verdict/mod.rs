@@ -11,7 +11,7 @@ pub(crate) use self::undetermined::unless_undetermined;
 use self::next::{advice, propose, to_prove};
 use self::ranking::{ranking, staircase};
 use self::sentence::{Finding, Withheld};
-use crate::compare::Variable;
+use crate::compare::{Variable, WindowFloor};
 use crate::diagnose::{
     Conclusion, Diagnosis, Judge, Settings, WindowFit, conclude, likely, withheld,
 };
@@ -29,9 +29,8 @@ pub struct Basis<'a> {
     pub judged: &'a [Recording],
     /// The input between the rows.
     pub hold: Hold,
-    /// Noise floor of the judged recordings under the last model of the diagnosis, root mean square over
-    /// windows of 2 s [rad/s], where it is known already.
-    pub floor: Option<f64>,
+    /// Noise floor of the judged recordings under the last model of the diagnosis, where it is known already.
+    pub floor: Option<WindowFloor>,
     /// The false-alarm rate that the diagnosis was asked for.
     pub false_alarm: f64,
     /// Whether the residual torque of the filter contains a slow disturbance.
@@ -123,7 +122,7 @@ pub(crate) fn concluded(
         found,
         likely: probable.map(|r| r.candidate.id.clone()).into_iter().collect(),
         estimates: estimates.collect(),
-        ranking: ranking(diagnosis, &judge, before, floor)?,
+        ranking: ranking(diagnosis, &judge, before, floor.expected)?,
         staircase: staircase(diagnosis, &judge, before)?,
         unexplained_fraction: errors.unexplained(),
         next_run,

@@ -59,6 +59,14 @@ impl Finding<'_> {
         match self.conclusion {
             Conclusion::Sufficient => self.sufficient(),
             Conclusion::Missing => format!("Missing: {}. {}", self.names(), self.error()),
+            // so far above its floor something is missing, whatever it is
+            Conclusion::Likely if self.errors.far_above_floor() && self.errors.above_input() => {
+                format!(
+                    "Something is missing. Likely, not proven: {}. {}",
+                    self.likely.map_or(String::new(), of),
+                    self.error()
+                )
+            }
             Conclusion::Likely => format!(
                 "Likely missing, not proven: {}. {}",
                 self.likely.map_or(String::new(), of),
@@ -68,9 +76,10 @@ impl Finding<'_> {
                 format!("Something is missing that the catalogue does not explain. {}", self.rest())
             }
             Conclusion::Unknown => format!(
-                "Something is missing that the catalogue does not explain. Found: {}. {}",
+                "Something is missing that the catalogue does not explain. Found: {}. {}{}",
                 self.names(),
-                self.rest()
+                self.rest(),
+                self.in_place()
             ),
         }
     }
@@ -83,6 +92,13 @@ impl Finding<'_> {
                 named(ranked),
                 lowered(ranked),
                 self.reason.map_or("it is not proven", Withheld::words)
+            ),
+            None if self.errors.above_floor() && !self.errors.above_input() => format!(
+                "Nothing is proven to be missing: none of the effects of the catalogue is proven at a \
+                 false-alarm rate of {:.0} %. {} What the input does between its rows can make that much; \
+                 a recording at the rate of the controller tells.",
+                100.0 * self.false_alarm,
+                self.error()
             ),
             // the floor is an estimate for white noise: coloured noise of the input reaches so far too
             None if self.errors.above_floor() => format!(
@@ -156,12 +172,22 @@ impl Finding<'_> {
         held + sensor
     }
 
+    /// Beside more that is missing than was found, what was found may take the place of something else; a shift of the
+    /// input shows in when the wheels move, and nothing else moves them earlier or later.
+    fn in_place(&self) -> &'static str {
+        let shifts =
+            |id: &str| crate::effects::find(id).is_some_and(|e| e.change() == Change::TimeShift);
+        match self.diagnosis.steps.iter().all(|s| shifts(&s.id)) {
+            true => "",
+            false => " What was found may stand for a part of what is not in the catalogue.",
+        }
+    }
+
     fn error(&self) -> String {
         let ratio = self.errors.ratio();
         if !ratio.is_finite() {
             return "The simulation of the model diverges on the judged recordings.".into();
         }
-        let removed = 100.0 * (1.0 - self.errors.unexplained());
         let with = match self.diagnosis.steps.len() {
             0 => "The",
             1 => "With it the",
@@ -185,8 +211,9 @@ impl Finding<'_> {
                 format!("The 2 s simulation error is {ratio:.1} times the noise floor{little}.")
             }
             (_, false) => format!(
-                "This removes {removed:.0} % of the error above the noise floor; the 2 s simulation error is still \
-                 {ratio:.1} times the floor{little}."
+                "This removes {} of the error above the noise floor; the 2 s simulation error is still \
+                 {ratio:.1} times the floor{little}.",
+                removed(self.errors.unexplained())
             ),
         }
     }
@@ -227,6 +254,12 @@ pub(crate) fn residual_torque(curves: &[Curve], tested: Option<Variable>) -> Str
                 + "; coloured noise of the recorded input and disturbances from outside look like this too."
         }
     }
+}
+
+/// The share of the squared error that went, in words that do not round what is left away.
+fn removed(left: f64) -> String {
+    let percent = 100.0 * (1.0 - left);
+    if left > 0.0 && percent >= 99.0 { "more than 99 %".into() } else { format!("{percent:.0} %") }
 }
 
 /// Parameters of an effect that a sentence gives.

@@ -40,8 +40,14 @@ impl Search<'_> {
     fn errors(&self, base: &WindowFit, steps: &[Step]) -> Errors {
         let last = last_of(base, steps);
         let square = |fit: &WindowFit| self.shown(fit).powi(2);
-        let floor = self.judge.floor(&last.model, &last.p).powi(2);
-        Errors { before: square(base), after: square(last), floor, speed: 1.0 }
+        let floor = self.judge.floor(&last.model, &last.p);
+        Errors {
+            before: square(base),
+            after: square(last),
+            floor: floor.expected.powi(2),
+            most: floor.most.powi(2),
+            speed: 1.0,
+        }
     }
 
     /// Adds the best of a ranking that does not raise the error that is shown, ranks anew, and so on. Each ranking
@@ -58,7 +64,7 @@ impl Search<'_> {
             shown = next;
             let best = ranking[0].clone();
             let Some(refit) = best.refit.clone() else { break };
-            tried.push((best, equals(ranking)));
+            tried.push((best, equals(ranking, self.dispersion(&refit))));
             rankings.push(self.rank(&refit, false));
         }
         let steps = self.proven(base, &tried);
@@ -91,7 +97,7 @@ impl Search<'_> {
 
     /// Whether a model leaves more than noise of the error that is shown.
     pub(super) fn is_unexplained(&self, fit: &WindowFit) -> bool {
-        self.shown(fit) > THRESHOLDS.above_floor * self.judge.floor(&fit.model, &fit.p)
+        self.shown(fit) > THRESHOLDS.above_floor * self.judge.floor(&fit.model, &fit.p).expected
     }
 
     /// A ranking with the effects that have a second body refitted too, where one of them then comes first.

@@ -87,7 +87,7 @@ impl Search<'_> {
         if self.held.is_none() || to >= from {
             return 1.0;
         }
-        let floor = self.judge.floor(&after.fit.model, &after.fit.p);
+        let floor = self.judge.floor(&after.fit.model, &after.fit.p).expected;
         if to > THRESHOLDS.likely_above_floor * floor {
             return 1.0;
         }
