@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use amigo_ident::report::block::{Block, Cell, Column, Table, Text, Tone};
 use amigo_ident::report::figure::{
-    Axis, BarSeries, Bars, ColorMap, Dash, Direction, ErrorBar, Figure, HeatMap, Layer, Panel, Role,
+    Axis, BarSeries, Bars, ColorMap, Dash, ErrorBar, Figure, HeatMap, Layer, Panel, Role,
 };
 use amigo_ident::report::{PageContent, SectionContent, figure_to_png, figure_to_svg, page};
 
@@ -159,7 +159,6 @@ fn evidence() -> Figure {
     let bars = Bars {
         categories: names.map(str::to_owned).to_vec(),
         series: vec![series],
-        direction: Direction::Horizontal,
         highlight: Some(0),
     };
     Figure::new("evidence", "Coulomb friction explains the residual best")
@@ -189,7 +188,6 @@ fn groups() -> Figure {
             series(1, "instrumental variables"),
             series(2, "output error"),
         ],
-        direction: Direction::Vertical,
         highlight: None,
     };
     let long = Bars {
@@ -199,16 +197,15 @@ fn groups() -> Figure {
             Role::Measured,
             (0..24).map(|i| f64::from(i) - 7.0).collect(),
         )],
-        direction: Direction::Vertical,
         highlight: Some(3),
     };
     Figure::new("groups", "Output error wins in every regime")
         .with_columns(1)
         .with_panel(
-            Panel::new(Axis::unlabelled(), Axis::linear("RMSE", "rad/s")).with(Layer::Bars(bars)),
+            Panel::new(Axis::linear("RMSE", "rad/s"), Axis::unlabelled()).with(Layer::Bars(bars)),
         )
         .with_panel(
-            Panel::new(Axis::unlabelled(), Axis::linear("gain", "")).with(Layer::Bars(long)),
+            Panel::new(Axis::linear("gain", ""), Axis::unlabelled()).with(Layer::Bars(long)),
         )
 }
 
@@ -289,7 +286,11 @@ fn verdict() -> Vec<Block> {
             "A friction term is missing: Coulomb friction explains 93 % of the excess.",
             "Gain in log likelihood 412 ± 8; the next candidate gains 35. p < 10⁻⁹ against the noise floor.",
         ),
-        Block::verdict(Tone::Notice, "The data cannot tell a4 from a5.", "Rank 4 of 5; record a turn."),
+        Block::verdict(
+            Tone::Notice,
+            "The data cannot tell a4 from a5.",
+            "Rank 4 of 5; record a turn.",
+        ),
         Block::verdict(Tone::Good, "The wheels' encoders agree with the noise model.", ""),
         Block::paragraph(
             Text::from("Add ")
@@ -298,8 +299,10 @@ fn verdict() -> Vec<Block> {
                 .strong("a₃")
                 .plain(" moves by less than its standard error."),
         ),
-        Block::Equation("a₁ ω̇₁ + a₂ ω̇₂ + a₃ ω₂ (ω₁ − ω₂) + a₄ sgn ω₁ = M₁\na₂ ω̇₁ + a₁ ω̇₂ − a₃ ω₁ (ω₁ − ω₂) + a₅ sgn ω₂ = M₂".into()),
-        Block::Code("experiment --set model.effects='[\"inertia\", \"coulomb_friction\"]' floor.toml".into()),
+        Block::Code(
+            "experiment --set model.effects='[\"inertia\", \"coulomb_friction\"]' floor.toml"
+                .into(),
+        ),
     ]
 }
 
@@ -338,7 +341,10 @@ fn fit() -> Vec<Block> {
         table.into(),
         Block::Heading("Simulation".into()),
         time_series().with_how_to_read(aid).into(),
-        Block::list(["straight driving: within the noise", "turning: 3.1 times the noise"]),
+        Block::List(vec![
+            "straight driving: within the noise".into(),
+            "turning: 3.1 times the noise".into(),
+        ]),
         residuals().interactive().into(),
     ]
 }

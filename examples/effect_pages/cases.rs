@@ -207,7 +207,7 @@ static CASES: [Case; 30] = [
         hidden: &[("eps", 0.03), ("epd", 0.0)],
         against: Some(Variable::Acceleration1),
         reading: "The line of wheel 1 falls with its acceleration, as of a lateral centre of mass; \
-                  the part that tells the two apart is small and shows at high speed straight \
+                  the part that distinguishes the two is small and shows at high speed straight \
                   ahead.",
         ..PLAIN
     },

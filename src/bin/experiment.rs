@@ -5,6 +5,7 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use amigo_ident::catalogue::nearest;
 use amigo_ident::experiment::{self, Done, ExportFormat, Outcome, Plan, RunOptions, Shard};
 use amigo_ident::{effects, identify};
 use clap::{CommandFactory, Parser, Subcommand};
@@ -131,7 +132,7 @@ enum Command {
     Man,
     /// Write a completion script for a shell to standard output.
     Completions {
-        /// The shell.
+        /// Whose syntax it has.
         shell: clap_complete::Shell,
     },
 }
@@ -242,10 +243,7 @@ fn print_or_unknown(text: Option<String>, kind: &str, name: &str, known: Vec<Str
     if let Some(text) = text {
         return print(&text);
     }
-    let near = known
-        .iter()
-        .max_by(|a, b| strsim::jaro_winkler(a, name).total_cmp(&strsim::jaro_winkler(b, name)));
-    let hint = near.filter(|n| strsim::jaro_winkler(n, name) > 0.75);
+    let hint = nearest(name, known.iter().map(String::as_str));
     let hint = hint.map_or(String::new(), |n| format!("; did you mean `{n}`?"));
     eprintln!("error: no {kind} is called `{name}`{hint}\n`experiment {kind}s` lists them");
     ExitCode::from(WRONG)
@@ -255,9 +253,7 @@ fn check(files: &[PathBuf], set: &[String]) -> ExitCode {
     let mut code = ExitCode::SUCCESS;
     for file in files {
         match experiment::check(file, set) {
-            Ok(text) => {
-                print(&text);
-            }
+            Ok(text) => drop(print(&text)),
             Err(e) => code = complain(&e),
         }
     }
@@ -289,16 +285,9 @@ fn run(run: &Run) -> ExitCode {
         let _ = Cli::command().print_help();
         return ExitCode::from(WRONG);
     }
-    if let Some(jobs) = run.jobs {
-        if jobs == 0 {
-            eprintln!("error: --jobs 0: at least one thread is needed");
-            return ExitCode::from(WRONG);
-        }
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build_global();
-        if let Err(e) = pool {
-            eprintln!("error: --jobs {jobs}: {e}");
-            return ExitCode::from(WRONG);
-        }
+    if let Err(wrong) = with_threads(run.jobs) {
+        eprintln!("error: {wrong}");
+        return ExitCode::from(WRONG);
     }
     if let Some(hint) = misspelt(&run.files) {
         eprintln!("error: {}", printable(&hint));
@@ -328,15 +317,29 @@ fn run(run: &Run) -> ExitCode {
             return ExitCode::from(WRONG);
         }
     };
+    execute(plans, run, &options)
+}
+
+/// So many threads for everything that runs side by side.
+fn with_threads(jobs: Option<usize>) -> Result<(), String> {
+    let pool = rayon::ThreadPoolBuilder::new();
+    match jobs {
+        None => Ok(()),
+        Some(0) => Err("--jobs 0: at least one thread is needed".into()),
+        Some(n) => pool.num_threads(n).build_global().map_err(|e| format!("--jobs {n}: {e}")),
+    }
+}
+
+fn execute(plans: Vec<Plan>, run: &Run, options: &RunOptions) -> ExitCode {
     warn(&plans, run.quiet);
     let is_grid = plans.iter().any(|plan| plan.grid.is_some());
     if options.progress && (is_grid || plans.len() > 1) {
         kept_on_interrupt(is_grid, &options.out);
     }
     let outcomes: Vec<Outcome> =
-        plans.into_par_iter().map(|plan| experiment::execute(plan, &options)).collect();
+        plans.into_par_iter().map(|plan| experiment::execute(plan, options)).collect();
     let index = (outcomes.len() > 1 && run.shard.is_none())
-        .then(|| experiment::write_index(&outcomes, &options));
+        .then(|| experiment::write_index(&outcomes, options));
     report(&outcomes, run.quiet);
     if let Some(Err(e)) = index {
         return complain(&e);
@@ -358,11 +361,8 @@ fn misspelt(files: &[PathBuf]) -> Option<String> {
     let word = first.to_str()?;
     let commands: Vec<String> =
         Cli::command().get_subcommands().map(|c| c.get_name().to_string()).collect();
-    let near = commands
-        .iter()
-        .max_by(|a, b| strsim::jaro_winkler(a, word).total_cmp(&strsim::jaro_winkler(b, word)));
-    let hint = near.filter(|n| strsim::jaro_winkler(n, word) > 0.75);
-    let hint = hint.map_or(String::new(), |n| format!("; did you mean `experiment {n}`?"));
+    let near = nearest(word, commands.iter().map(String::as_str));
+    let hint = near.map_or(String::new(), |n| format!("; did you mean `experiment {n}`?"));
     Some(format!(
         "`{word}` is no command and no file{hint} (`experiment --help` lists the commands)"
     ))

@@ -17,7 +17,7 @@ const FEWEST_BLOCKS: usize = 4;
 /// One regime and wheel where the error is looked at.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Failure {
-    /// Regime.
+    /// The regime of driving in which the model fails.
     pub regime: Regime,
     /// Wheel, 1 (right) or 2 (left).
     pub wheel: usize,
@@ -32,7 +32,7 @@ pub struct Failure {
     pub torque: f64,
     /// Its standard error.
     pub std_error: f64,
-    /// Samples.
+    /// Rows of the judged recordings in this regime.
     pub samples: usize,
     /// Whether it stays significant at 5 % after Holm's correction for looking at all regimes, and the error
     /// is above 1.2 times the noise floor.

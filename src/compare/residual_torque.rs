@@ -75,7 +75,7 @@ pub struct Mean {
     pub value: f64,
     /// Standard error, from the sums over blocks of 1 s.
     pub std_error: f64,
-    /// Blocks.
+    /// Blocks of 1 s that fall into the bin.
     pub blocks: usize,
 }
 
@@ -114,7 +114,7 @@ pub struct CurveBin {
 /// How the residual torque depends on a variable.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Curve {
-    /// The variable.
+    /// What stands on the abscissa.
     pub variable: Variable,
     /// Bins in order.
     pub bins: Vec<CurveBin>,

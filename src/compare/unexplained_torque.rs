@@ -129,7 +129,7 @@ pub struct Bin {
 /// How the residual torque depends on a variable.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Dependence {
-    /// The variable.
+    /// What stands on the abscissa.
     pub variable: Variable,
     /// Bins in order.
     pub bins: Vec<Bin>,

@@ -8,11 +8,11 @@ pub enum ConditioningError {
         "the {wheel} wheel never moves (its angle and speed stay at {value} in all {rows} rows) although its input is as large as that of the other wheel: its encoder is dead or its column is the wrong one. Name another column for it; on runs straight ahead the columns of the other wheel may stand for both, and then a1 + a2 and the friction are found; [conditioning] refuse = false keeps it"
     )]
     Dead {
-        /// Wheel.
+        /// Right or left.
         wheel: &'static str,
         /// Where it stays.
         value: f64,
-        /// Rows.
+        /// How many rows it stays there.
         rows: usize,
     },
     /// An input that has lost its sign.
@@ -20,7 +20,7 @@ pub enum ConditioningError {
         "M{wheel} never changes its sign (row {row}: {value} while dalpha{wheel} = {speed:.3} rad/s), although the wheel is driven both ways: a magnitude without sign. Record the signed value, or name the column of the commanded voltage; [conditioning] sign_from_speed = true gives it the sign of the speed (wrong while braking), refuse = false keeps it"
     )]
     Magnitude {
-        /// Wheel, from 1.
+        /// 1 (right) or 2 (left).
         wheel: usize,
         /// First row of backward motion.
         row: usize,

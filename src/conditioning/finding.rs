@@ -139,7 +139,7 @@ pub enum Kind {
     },
     /// An angle whose counter was reset by so many radians.
     Reset {
-        /// The row.
+        /// First row behind the jump, from 0.
         row: usize,
         /// Size of the jump \[rad\].
         step_rad: f64,
@@ -175,7 +175,7 @@ pub enum Kind {
     Unit {
         /// Ratio of speed to slope of the angle.
         factor: f64,
-        /// The unit it is in.
+        /// Unit whose factor that ratio is.
         unit: &'static str,
     },
     /// A channel whose sign contradicts the others.

@@ -15,7 +15,7 @@ pub struct Fall {
     pub share: f64,
     /// Error after over error before, root mean square over all windows.
     pub ratio: f64,
-    /// Windows.
+    /// Held-out windows on which both errors rest.
     pub windows: usize,
     /// Whether the effect moves the input in time: how large it is is a time then. A controller has to know of it, of
     /// which the error of a simulation tells little.

@@ -17,7 +17,7 @@ const TOLERANCE: f64 = 1e-4;
 /// A model fitted by the error of its windows.
 #[derive(Clone)]
 pub struct WindowFit {
-    /// The model.
+    /// What was fitted, with what was held.
     pub model: Model,
     /// One value a parameter.
     pub p: Vec<f64>,

@@ -39,9 +39,9 @@ const FEWEST: usize = 5;
 /// One window of a recording.
 #[derive(Clone, Debug)]
 pub struct Window {
-    /// The recording.
+    /// Index among the recordings.
     pub recording: usize,
-    /// Its rows.
+    /// Rows of that recording, from the start of the window.
     pub rows: Range<usize>,
     /// Smoothed state at the first row.
     pub start: State,
@@ -54,7 +54,7 @@ pub struct Window {
 /// Recordings cut into windows.
 #[derive(Clone)]
 pub struct Windows<'a> {
-    /// The recordings.
+    /// What the windows are cut from.
     pub recordings: Vec<&'a Recording>,
     /// Every window, in order.
     pub windows: Vec<Window>,

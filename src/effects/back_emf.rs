@@ -25,9 +25,10 @@ impl Physics for BackEmf {
             equation: "k_e w1 on wheel 1, k_e w2 on wheel 2".into(),
             cause: "the torque was recorded as if proportional to the motor voltage".into(),
             signature: "as viscous friction: residual torque in proportion to wheel speed".into(),
-            excitation: "different steady speeds; only a measured motor current tells it from \
+            excitation:
+                "different steady speeds; only a measured motor current distinguishes it from \
                          viscous friction"
-                .into(),
+                    .into(),
             equivalent: vec!["viscous_friction".into()],
         }
     }

@@ -148,7 +148,7 @@ pub trait Effect: Send + Sync {
     fn id(&self) -> String {
         self.description().id
     }
-    /// Its parameters.
+    /// What is fixed about its parameters, in the order of their slots.
     fn parameters(&self) -> Vec<ParameterSpec>;
     /// Its energy role.
     fn energy(&self) -> Energy;

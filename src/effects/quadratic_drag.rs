@@ -22,8 +22,9 @@ impl Physics for QuadraticDrag {
             equation: "c w1 |w1| on wheel 1, c w2 |w2| on wheel 2".into(),
             cause: "air or churned oil, wherever the flow is turbulent".into(),
             signature: "residual torque grows with the square of the wheel speed".into(),
-            excitation: "several steady speeds over a wide range tell it from viscous friction"
-                .into(),
+            excitation:
+                "several steady speeds over a wide range distinguish it from viscous friction"
+                    .into(),
             equivalent: vec![],
         }
     }

@@ -124,7 +124,7 @@ Back-EMF (back_emf)
 equation    k_e w1 on wheel 1, k_e w2 on wheel 2
 cause       the torque was recorded as if proportional to the motor voltage
 in data     as viscous friction: residual torque in proportion to wheel speed
-excitation  different steady speeds; only a measured motor current tells it from viscous friction
+excitation  different steady speeds; only a measured motor current distinguishes it from viscous friction
 energy      taken out
 same as     viscous_friction (in recordings of the wheels)
 

@@ -27,22 +27,7 @@ pub fn check(file: &Path, set: &[String]) -> Result<String, ExperimentError> {
         format!("base + {}", added.join(" + "))
     };
     let _ = writeln!(out, "  model       {effects}: {}", plan.model.symbols().join(", "));
-    for measured in &plan.recordings {
-        let r = &measured.recording;
-        let _ = writeln!(
-            out,
-            "  {:<11} {}: {} samples, {:.1} s, {:.0} Hz, {}",
-            measured.role.name(),
-            r.name(),
-            measured.samples(),
-            measured.duration(),
-            1.0 / r.step(),
-            match &measured.long {
-                None => format!("{} gaps", r.pieces().len() - 1),
-                Some(long) => format!("{} windows held", long.windows),
-            }
-        );
-    }
+    plan.recordings.iter().for_each(|measured| recording(measured, &mut out));
     conditioning(&plan, &mut out);
     let robot = plan.model.robot();
     let notes: Vec<(&str, String)> = plan.recordings.iter().flat_map(|m| notes(m, robot)).collect();
@@ -55,24 +40,41 @@ pub fn check(file: &Path, set: &[String]) -> Result<String, ExperimentError> {
     }
     let methods: Vec<&str> = plan.methods.iter().map(|m| m.name.as_str()).collect();
     let _ = writeln!(out, "  methods     {}", methods.join(", "));
-    let diagnosis = match &plan.diagnosis {
-        None => "none".to_string(),
-        Some(DiagnosisPlan { settings, .. }) => {
-            let own: Vec<String> = settings.own.iter().map(|e| e.id()).collect();
-            let named = match (&settings.candidates[..], &own[..]) {
-                ([], []) => "all effects".to_string(),
-                ([], own) => format!("all effects and the formulas {}", own.join(", ")),
-                (named, _) => named.join(", "),
-            };
-            format!("{named}, false-alarm rate {} %", 100.0 * settings.false_alarm)
-        }
-    };
+    let diagnosis = plan.diagnosis.as_ref().map_or("none".into(), diagnosis);
     let _ = writeln!(out, "  diagnosis   {diagnosis}");
     if let Some(grid) = &plan.grid {
         let _ = writeln!(out, "  grid        {} combinations: {}", grid.cells(), grid.words());
     }
     let _ = writeln!(out, "  next        experiment {}", file.display());
     Ok(out)
+}
+
+fn recording(measured: &Measured, out: &mut String) {
+    let r = &measured.recording;
+    let _ = writeln!(
+        out,
+        "  {:<11} {}: {} samples, {:.1} s, {:.0} Hz, {}",
+        measured.role.name(),
+        r.name(),
+        measured.samples(),
+        measured.duration(),
+        1.0 / r.step(),
+        match &measured.long {
+            None => format!("{} gaps", r.pieces().len() - 1),
+            Some(long) => format!("{} windows held", long.windows),
+        }
+    );
+}
+
+/// The candidates of a diagnosis and its false-alarm rate.
+fn diagnosis(DiagnosisPlan { settings, .. }: &DiagnosisPlan) -> String {
+    let own: Vec<String> = settings.own.iter().map(|e| e.id()).collect();
+    let named = match (&settings.candidates[..], &own[..]) {
+        ([], []) => "all effects".to_string(),
+        ([], own) => format!("all effects and the formulas {}", own.join(", ")),
+        (named, _) => named.join(", "),
+    };
+    format!("{named}, false-alarm rate {} %", 100.0 * settings.false_alarm)
 }
 
 /// What conditioning found, in groups of recordings, and the dead time.

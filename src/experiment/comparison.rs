@@ -119,7 +119,6 @@ fn describe(
         t: r.t().to_vec(),
         alpha: r.alpha().to_vec(),
         omega: r.omega().to_vec(),
-        acceleration: r.local_motion().iter().map(|m| m.acceleration).collect(),
         torque: r.torque().to_vec(),
         regimes: r.regimes(),
         path: path(plan, r),
@@ -142,26 +141,24 @@ fn method_study(
     fit: &Result<Fit, String>,
     seconds: f64,
 ) -> Result<MethodStudy, SimulateError> {
-    let mut out = MethodStudy::new(&method.name, &method.title, &method.options, seconds);
+    let nothing = MethodStudy::new(&method.name, &method.title, &method.options, seconds);
     let fit = match fit {
         Ok(fit) => fit,
-        Err(reason) => {
-            out.failure = Some(reason.clone());
-            return Ok(out);
-        }
+        Err(reason) => return Ok(MethodStudy { failure: Some(reason.clone()), ..nothing }),
     };
-    out.status = Some(fit.status);
-    out.work = fit.work;
-    out.estimates.clone_from(&fit.estimates);
-    out.notes = fit.notes.iter().map(ToString::to_string).collect();
-    out.traces.clone_from(&fit.traces);
-    out.correlations = fit.covariance.as_ref().map_or(vec![], correlations);
-    out.fuzzy =
-        fit.dynamics.fuzzy().map(|f| super::fuzzy_study::fuzzy_study(plan, &method.name, f));
-    for measured in &plan.recordings {
-        out.performance.push(performance(plan, &*fit.dynamics, &measured.recording)?);
-    }
-    Ok(out)
+    let fuzzy = fit.dynamics.fuzzy();
+    let on = |m: &Measured| performance(plan, &*fit.dynamics, &m.recording);
+    Ok(MethodStudy {
+        status: Some(fit.status),
+        work: fit.work,
+        estimates: fit.estimates.clone(),
+        notes: fit.notes.iter().map(ToString::to_string).collect(),
+        traces: fit.traces.clone(),
+        correlations: fit.covariance.as_ref().map_or(vec![], correlations),
+        fuzzy: fuzzy.map(|f| super::fuzzy_study::fuzzy_study(plan, &method.name, f)),
+        performance: plan.recordings.iter().map(on).collect::<Result<_, _>>()?,
+        ..nothing
+    })
 }
 
 fn correlations(covariance: &DMatrix<f64>) -> Vec<Vec<f64>> {

@@ -9,8 +9,8 @@ use crate::identify::{IdentifyError, Task, start};
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::PhysicalDynamics;
-use crate::study::{DiagnosisStudy, Role, Verdict, is_undetermined};
-use crate::verdict::{Basis, concluded, residual_torque, unless_undetermined};
+use crate::study::{DiagnosisStudy, Role, is_undetermined};
+use crate::verdict::{Basis, concluded, unless_undetermined, with_dependence};
 
 /// A comparison with its diagnosis, where the plan asks for one.
 pub struct Diagnosed {
@@ -46,11 +46,8 @@ pub(super) struct Outcome {
 impl Outcome {
     /// The verdict beside the `curves` of the residual torque.
     pub(super) fn concluded(self, curves: &[Curve]) -> DiagnosisStudy {
-        let Self { mut words, depends_on, is_undetermined, .. } = self;
-        if words.verdict == Verdict::UnknownEffect && !is_undetermined {
-            words.sentence += &format!(" {}", residual_torque(curves, depends_on));
-        }
-        words
+        let Self { words, depends_on, is_undetermined, .. } = self;
+        if is_undetermined { words } else { with_dependence(words, curves, depends_on) }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Why an experiment did not run.
 
 use super::file::FileError;
+use crate::catalogue;
 use crate::identify::OptionError;
 use crate::io::IoError;
 use crate::model::ModelError;
@@ -37,7 +38,7 @@ pub enum ExperimentError {
     /// A value of the experiment file, found when it was used.
     #[error("{file}: {message}")]
     Meaning {
-        /// File.
+        /// Experiment file, or what stands for it.
         file: String,
         /// Place, found, expected, remedy.
         message: String,
@@ -95,10 +96,6 @@ pub(super) fn words(message: String) -> Meaning {
 
 /// What an unknown name may have meant, as the end of a sentence.
 pub(super) fn nearest(name: &str, known: &[&str]) -> String {
-    known
-        .iter()
-        .map(|k| (strsim::jaro_winkler(k, name), k))
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .filter(|(score, _)| *score > 0.75)
-        .map_or(String::new(), |(_, k)| format!("; did you mean `{k}`?"))
+    catalogue::nearest(name, known.iter().copied())
+        .map_or(String::new(), |near| format!("; did you mean `{near}`?"))
 }

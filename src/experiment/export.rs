@@ -141,13 +141,12 @@ impl<'a> Robot<'a> {
 
     /// Files of a format, and what it does not express.
     fn written(&self, plan: &Plan, format: ExportFormat) -> (Vec<(String, String)>, Vec<String>) {
-        let unit = plan.recordings.first().map_or("N m", |m| m.recording.drive_unit().symbol());
         let it = Identified {
             model: &self.fitted.model,
             values: &self.values,
             std_errors: &self.std_errors,
             units: &self.units,
-            drive_unit: unit,
+            drive_unit: plan.drive_unit(),
             hold: plan.hold,
             experiment: &plan.name,
             method: &self.fitted.method,
@@ -249,25 +248,15 @@ fn last_run(plan: &Plan, out: &Path) -> Result<FittedModels, ExperimentError> {
             folder.path().display()
         ))
     };
-    if plan.grid.is_some() {
-        return Err(wrong("is a grid, which has many results; export a single experiment".into()));
-    }
     let read = |name: &str| -> Option<Value> {
         folder.earlier(name).and_then(|text| serde_json::from_str(&text).ok())
     };
-    let results = read("results.json").ok_or_else(missing)?;
-    if folder.earlier("experiment.toml").is_some_and(|text| text != plan.file) {
-        return Err(wrong(
-            "was changed since its last run (or is read with another --set); run it again".into(),
-        ));
+    if plan.grid.is_some() {
+        return Err(wrong("is a grid, which has many results; export a single experiment".into()));
     }
-    for (measured, last) in
-        plan.recordings.iter().zip(results["recordings"].as_array().into_iter().flatten())
-    {
-        if measured.sha256.as_deref() != last["sha256"].as_str() {
-            let name = measured.recording.name();
-            return Err(wrong(format!("{name} was changed since the last run; run it again")));
-        }
+    let results = read("results.json").ok_or_else(missing)?;
+    if let Some(changed) = changed_since(plan, &folder, &results) {
+        return Err(wrong(changed));
     }
     let model = read("model.json").ok_or_else(|| {
         wrong(
@@ -275,27 +264,37 @@ fn last_run(plan: &Plan, out: &Path) -> Result<FittedModels, ExperimentError> {
                 .into(),
         )
     })?;
-    let effects = model["effects"].as_array().into_iter().flatten();
-    let given: Vec<Estimate> = effects
-        .flat_map(|e| e["parameters"].as_array().into_iter().flatten())
-        .map(estimate)
-        .collect();
+    let given: Vec<Estimate> =
+        listed(&model["effects"]).flat_map(|e| listed(&e["parameters"])).map(estimate).collect();
     let method = model["provenance"]["method"].as_str().unwrap_or_default();
     let diagnosis = &results["diagnosis"];
-    let found: Vec<String> = diagnosis["found"]
-        .as_array()
-        .into_iter()
-        .flatten()
-        .filter_map(|id| id.as_str().map(str::to_owned))
-        .collect();
-    let with: Vec<Estimate> =
-        diagnosis["parameters"].as_array().into_iter().flatten().map(estimate).collect();
+    let found = listed(&diagnosis["found"]).filter_map(|id| id.as_str().map(str::to_owned));
+    let found: Vec<String> = found.collect();
+    let with: Vec<Estimate> = listed(&diagnosis["parameters"]).map(estimate).collect();
     let of = |added: &[String], values: &[Estimate], method: &str| {
         FittedModel::new(plan, added, values, method).map_err(|e| wrong(e.to_string()))
     };
     let given = of(&[], &given, method)?.ok_or_else(missing)?;
     let found = if found.is_empty() { None } else { of(&found, &with, "diagnosis")? };
     Ok(FittedModels { given, found })
+}
+
+/// What was changed since the run that wrote these `results` into a folder, in words.
+fn changed_since(plan: &Plan, folder: &ResultFolder, results: &Value) -> Option<String> {
+    if folder.earlier("experiment.toml").is_some_and(|text| text != plan.file) {
+        let words = "was changed since its last run (or is read with another --set); run it again";
+        return Some(words.into());
+    }
+    let mut recordings = plan.recordings.iter().zip(listed(&results["recordings"]));
+    let (changed, _) =
+        recordings.find(|(m, last)| m.sha256.as_deref() != last["sha256"].as_str())?;
+    let name = changed.recording.name();
+    Some(format!("{name} was changed since the last run; run it again"))
+}
+
+/// The entries of a list; none of what is no list.
+fn listed(value: &Value) -> impl Iterator<Item = &Value> {
+    value.as_array().into_iter().flatten()
 }
 
 /// A parameter as `model.json` and `results.json` write it.

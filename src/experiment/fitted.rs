@@ -11,7 +11,7 @@ use crate::study::Study;
 /// A model with the values that were identified.
 #[derive(Clone, Debug)]
 pub struct FittedModel {
-    /// The model.
+    /// Effects with what is fixed of their parameters.
     pub model: Model,
     /// One estimate a parameter, in the order of the model.
     pub estimates: Vec<Estimate>,

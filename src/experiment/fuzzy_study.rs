@@ -35,7 +35,7 @@ pub(super) fn fuzzy_study(plan: &Plan, method: &str, dynamics: &FuzzyDynamics) -
     let functions = fuzzy_files(&FuzzyIdentified {
         dynamics,
         robot: &plan.model.robot().name,
-        drive_unit: plan.drive_unit().symbol(),
+        drive_unit: plan.drive_unit(),
         hold: plan.hold,
         experiment: &plan.name,
         method,

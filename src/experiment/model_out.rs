@@ -29,7 +29,7 @@ pub(super) fn model_out(
         values: &values,
         std_errors: &std_errors,
         units: &units,
-        drive_unit: plan.drive_unit().symbol(),
+        drive_unit: plan.drive_unit(),
         hold: plan.hold,
         experiment: &plan.name,
         method: &method.name,

@@ -6,8 +6,8 @@ use super::comparison::{Comparison, four};
 use super::error::RunError;
 use super::plan::Plan;
 use crate::compare::{
-    Curve, angle_rms, curves, failures, horizons, ise, residual_torque, simulate_recording,
-    whiteness, window_rms,
+    Curve, Horizon, angle_rms, curves, failures, horizons, ise, residual_torque,
+    simulate_recording, whiteness, window_rms,
 };
 use crate::diagnose::{Diagnosis, WindowFit, cutoff, mobility};
 use crate::model::Model;
@@ -43,8 +43,8 @@ pub(super) fn of_reference(plan: &Plan, comparison: &Comparison) -> Result<Model
         return Ok(Models { given, completed: None, curves: vec![] });
     };
     let cutoff = stage.cutoff(model, p);
-    let mut given = stage.physical(model, p, cutoff)?;
-    given.parameters = of_method(model, comparison.reference_method());
+    let parameters = of_method(model, comparison.reference_method());
+    let given = stage.physical((model, p), parameters, &[], cutoff)?;
     let curves = stage.curves(model, cutoff, &given, None);
     Ok(Models { given, completed: None, curves })
 }
@@ -62,10 +62,8 @@ pub(super) fn of_diagnosis(
     let (base, last) = (&diagnosis.base, diagnosis.last());
     let cutoff = stage.cutoff(&base.model, &base.p);
     let study_of = |fit: &WindowFit, found: &[String]| -> Result<ModelStudy, RunError> {
-        let mut out = stage.physical(&fit.model, &fit.p, cutoff)?;
-        out.effects.extend_from_slice(found);
-        out.parameters = parameters_of(fit, plan.drive_unit());
-        Ok(out)
+        let parameters = parameters_of(fit, plan.drive_unit());
+        stage.physical((&fit.model, &fit.p), parameters, found, cutoff)
     };
     let given = study_of(base, &[])?;
     let completed = match diagnosis.found().as_slice() {
@@ -107,23 +105,41 @@ impl<'a> Stage<'a> {
         cutoff(&self.recordings, mobility(model, p))
     }
 
-    /// Everything of a model but its parameters and effects.
-    fn physical(&self, model: &Model, p: &[f64], cutoff: f64) -> Result<ModelStudy, RunError> {
+    /// A physical model at values of its parameters; it has the effects that were `found` beside those of the plan.
+    fn physical(
+        &self,
+        (model, p): (&Model, &[f64]),
+        parameters: Vec<ParameterStudy>,
+        found: &[String],
+        cutoff: f64,
+    ) -> Result<ModelStudy, RunError> {
         let dynamics = PhysicalDynamics { model: model.clone(), p: p.to_vec() };
         let torque = |r: &&Recording| residual_torque(model, p, r, cutoff);
         let residual_torque: Vec<_> = self.recordings.par_iter().map(torque).collect();
         let analysis = whiteness(model, p, &self.judged_recordings(), self.plan.hold)?;
-        let mut out = self.other(&dynamics)?;
-        out.effects = self.plan.model.added_ids();
-        out.failures = self.failures(&out.performance, &residual_torque);
-        out.horizons.splice(0..0, analysis.one_row);
-        out.whiteness = Some(analysis);
-        out.residual_torque = residual_torque;
-        Ok(out)
+        let (performance, horizons) = self.simulated(&dynamics)?;
+        Ok(ModelStudy {
+            effects: [&self.plan.model.added_ids(), found].concat(),
+            parameters,
+            failures: self.failures(&performance, &residual_torque),
+            performance,
+            residual_torque,
+            horizons: analysis.one_row.into_iter().chain(horizons).collect(),
+            whiteness: Some(analysis),
+        })
     }
 
     /// What can be said of any dynamics.
     fn other(&self, dynamics: &dyn Dynamics) -> Result<ModelStudy, RunError> {
+        let (performance, horizons) = self.simulated(dynamics)?;
+        Ok(ModelStudy { performance, horizons, ..ModelStudy::default() })
+    }
+
+    /// The errors on every recording, and those of the judged ones over simulations of several lengths.
+    fn simulated(
+        &self,
+        dynamics: &dyn Dynamics,
+    ) -> Result<(Vec<Performance>, Vec<Horizon>), RunError> {
         let hold = self.plan.hold;
         let one = |r: &&Recording| {
             let simulated = simulate_recording(dynamics, r, hold)?;
@@ -141,8 +157,7 @@ impl<'a> Stage<'a> {
             })
         };
         let performance = self.recordings.par_iter().map(one).collect::<Result<_, _>>()?;
-        let horizons = horizons(dynamics, &self.judged_recordings(), hold)?;
-        Ok(ModelStudy { performance, horizons, ..ModelStudy::default() })
+        Ok((performance, horizons(dynamics, &self.judged_recordings(), hold)?))
     }
 
     fn judged_recordings(&self) -> Vec<Recording> {

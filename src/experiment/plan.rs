@@ -32,7 +32,7 @@ pub struct Measured {
 
 /// A method with its options.
 pub struct MethodPlan {
-    /// Name.
+    /// As in its `[[method]]` block.
     pub name: String,
     /// In words.
     pub title: String,

@@ -26,7 +26,7 @@ pub struct Shard {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{text}` is no part of a grid; write I/N with 1 <= I <= N, for example 2/4")]
 pub struct ShardError {
-    /// The text.
+    /// What was typed.
     pub text: String,
 }
 

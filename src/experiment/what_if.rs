@@ -40,7 +40,7 @@ fn script(plan: &Plan, fitted: &FittedModel) -> Result<String, String> {
         values: &fitted.values(),
         std_errors: &std_errors,
         units: &units,
-        drive_unit: plan.drive_unit().symbol(),
+        drive_unit: plan.drive_unit(),
         hold: plan.hold,
         experiment: &plan.name,
         method: &fitted.method,

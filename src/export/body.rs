@@ -1,6 +1,7 @@
 //! A rigid robot with the identified mechanics: masses and inertias of chassis and wheels.
 
 use super::mechanics::{LeftOut, Mechanics};
+use crate::recording::DriveUnit;
 use crate::robot::Robot;
 
 /// A chassis on two wheels whose equations of motion are the identified ones.
@@ -28,7 +29,7 @@ pub(super) struct Body {
     /// Radius of the wheels and half track \[m\].
     pub(super) r: f64,
     pub(super) l1: f64,
-    /// Mechanics, in N m.
+    /// What was identified, scaled to N m where the input has another unit.
     pub(super) mechanics: Mechanics,
     /// What a reader must know, in sentences.
     pub(super) notes: Vec<String>,
@@ -41,16 +42,17 @@ const WHEELS: f64 = 0.1;
 const LEAST: f64 = 0.02;
 
 impl Body {
-    /// The body of identified mechanics per `unit` of the input ("N m", "V", "A").
-    pub(super) fn new(mechanics: &Mechanics, robot: &Robot, unit: &str) -> Self {
+    /// The body of identified mechanics per unit of the input.
+    pub(super) fn new(mechanics: &Mechanics, robot: &Robot, drive_unit: DriveUnit) -> Self {
         let (c, r, l1) = (&robot.construction, robot.r(), robot.l1());
         let mut notes = Vec::new();
         let [m11, m12, m22] = mechanics.mass;
         let straight = m11.min(m22) + m12;
         let mut mass = c.m4_kg + c.m1_kg + c.m2_kg;
-        let scale = if unit == "N m" {
+        let scale = if drive_unit == DriveUnit::NewtonMetre {
             1.0
         } else {
+            let unit = drive_unit.symbol();
             let scale = 0.5 * r * r * mass / ((1.0 - WHEELS) * straight);
             notes.push(format!(
                 "the input is in {unit}, so torques are known up to a factor: {scale:.6} N m/{unit} follows from \
@@ -118,7 +120,7 @@ mod tests {
         let robot = Robot::amigobot();
         let model = Model::base(robot.clone());
         let found = Mechanics::of(&model, &model.initial(), 0.0);
-        let body = Body::new(&found, &robot, "N m");
+        let body = Body::new(&found, &robot, DriveUnit::NewtonMetre);
         let c = &robot.construction;
         let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-9, "{a} {b}");
         near(body.mass, c.m4_kg + 2.0 * c.m1_kg);
@@ -134,7 +136,7 @@ mod tests {
         let robot = Robot::amigobot();
         let model = Model::base(robot.clone());
         let found = Mechanics::of(&model, &model.initial(), 0.0);
-        let body = Body::new(&found, &robot, "V");
+        let body = Body::new(&found, &robot, DriveUnit::Volt);
         assert!((body.mass - 3.55).abs() < 1e-9 && body.notes.len() == 1);
         let straight = body.mechanics.mass[0] + body.mechanics.mass[1];
         assert!((body.wheel[0] / straight - WHEELS).abs() < 1e-9);

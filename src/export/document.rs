@@ -6,6 +6,7 @@ use super::fill::{Constant, Content};
 use super::language::JAVASCRIPT;
 use super::traced::{Obstacle, Traced, trace};
 use crate::model::Model;
+use crate::recording::DriveUnit;
 use crate::simulate::Hold;
 
 /// Version of the layout of `model.json`.
@@ -19,7 +20,7 @@ const EQUATION: &str = "mass matrix (m11 m12; m12 m22) times the wheel accelerat
 /// A model with the values that were identified, and where they come from.
 #[derive(Clone, Copy, Debug)]
 pub struct Identified<'a> {
-    /// The model.
+    /// What was identified.
     pub model: &'a Model,
     /// One value a parameter.
     pub values: &'a [f64],
@@ -28,7 +29,7 @@ pub struct Identified<'a> {
     /// One unit a parameter, for the input unit of the recordings.
     pub units: &'a [String],
     /// Unit of the recorded torques.
-    pub drive_unit: &'a str,
+    pub drive_unit: DriveUnit,
     /// The input between two samples.
     pub hold: Hold,
     /// Name of the experiment.
@@ -190,7 +191,7 @@ fn header(it: &Identified, traced: &Traced) -> Vec<String> {
             .into(),
         "turning (1,-1) and forward (1,1). Wheel 1 is the right one; t [s] counts from the start,"
             .into(),
-        format!("alpha [rad], w = omega [rad/s], M recorded torques [{}].", it.drive_unit),
+        format!("alpha [rad], w = omega [rad/s], M recorded torques [{}].", it.drive_unit.symbol()),
         "Effects, torques that add up on the left unless they change M:".into(),
     ];
     for effect in it.model.effects() {

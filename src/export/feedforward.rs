@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 
 use super::document::Identified;
 use super::gains::{Gains, Operation};
+use crate::recording::DriveUnit;
 
 /// `gains.json`, and the feed-forward as code: `feedforward.c`, `feedforward.py`, `Feedforward.java`.
 #[must_use]
@@ -16,12 +17,12 @@ pub fn gains_files(it: &Identified, gains: &Gains, operation: &Operation) -> Vec
 
 fn json(it: &Identified, gains: &Gains, operation: &Operation) -> Value {
     let robot = it.model.robot();
-    let (c, unit) = (&robot.construction, it.drive_unit);
+    let (c, unit) = (&robot.construction, it.drive_unit.symbol());
     let (r, l1) = (robot.r(), robot.l1());
     let mass = c.m4_kg + c.m1_kg + c.m2_kg;
     // kA of turning over kA of driving straight, in units of the wheel
     let ratio = gains.wheel_turning.ka / gains.wheel.ka;
-    let torque = unit == "N m";
+    let torque = it.drive_unit == DriveUnit::NewtonMetre;
     let inertia = if torque {
         2.0 * (l1 / r).powi(2) * gains.wheel_turning.ka
     } else {
@@ -70,7 +71,7 @@ fn code(it: &Identified, gains: &Gains) -> Vec<(String, String)> {
 
 fn filled(frame: &str, sign: &str, it: &Identified, gains: &Gains) -> String {
     let robot = it.model.robot();
-    let unit = it.drive_unit;
+    let unit = it.drive_unit.symbol();
     let mut header = vec![
         format!(
             "Feed-forward of the robot \"{}\": experiment {}, {}.",

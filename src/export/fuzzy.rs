@@ -3,6 +3,7 @@
 use super::fill::Content;
 use super::traced::{MOTION, TORQUES, Traced};
 use crate::math::{Formula, Symbol, record};
+use crate::recording::DriveUnit;
 use crate::simulate::{FuzzyDynamics, Hold};
 
 /// A fuzzy system and where it comes from.
@@ -13,7 +14,7 @@ pub struct FuzzyIdentified<'a> {
     /// Name of the robot.
     pub robot: &'a str,
     /// Unit of the recorded torques.
-    pub drive_unit: &'a str,
+    pub drive_unit: DriveUnit,
     /// The input between two samples.
     pub hold: Hold,
     /// Name of the experiment.
@@ -71,7 +72,7 @@ fn header(it: &FuzzyIdentified) -> Vec<String> {
         format!("f: {} rules over w1 in {low1} to {high1} rad/s and w2 in {low2} to {high2} rad/s; beyond", system.rules()),
         "these ranges the value at the edge. Outside of what the training data reached, f is".into(),
         "extrapolated. Wheel 1 is the right one; alpha [rad], w = omega [rad/s], M recorded torques".into(),
-        format!("[{}]. The mass is 1, the torque -f, and there is no dry friction: what friction", it.drive_unit),
+        format!("[{}]. The mass is 1, the torque -f, and there is no dry friction: what friction", it.drive_unit.symbol()),
         "does at rest is what the rules have learnt. The integrator is Runge-Kutta 4 at a fixed step".into(),
         "of at most 1 ms.".into(),
     ]

@@ -16,7 +16,7 @@ const RECORDED: [f64; TORQUES] = [0.11, -0.07, 0.13, -0.09];
 /// Why a model cannot be written as a function of the present state.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Obstacle {
-    /// The effect.
+    /// Id of the effect that cannot be written.
     pub effect: String,
     /// Why.
     pub reason: String,

@@ -87,13 +87,13 @@ pub(crate) enum Reading {
 pub(crate) struct Sums {
     /// Measured values.
     pub(crate) count: f64,
-    /// `Σ e²/S`.
+    /// `Σ e²/S`, e the innovation, S its variance.
     pub(crate) square: f64,
     /// `Σ ln S`.
     pub(crate) log_variance: f64,
     /// `Σ ψ ψ'/S`, of the parameters and of the time shift behind them.
     pub(crate) information: DMatrix<f64>,
-    /// `Σ ψ e/S`.
+    /// `Σ ψ e/S`, ψ the derivative of the prediction.
     pub(crate) score: DVector<f64>,
     /// The same block by block.
     pub(crate) blocks: Vec<DVector<f64>>,

@@ -29,9 +29,9 @@ pub struct Likelihood<'a> {
 pub struct Maximum {
     /// Parameters of the model.
     pub p: Vec<f64>,
-    /// Noise.
+    /// Noise of process and input that belongs to them.
     pub noise: ProcessNoise,
-    /// Log-likelihood.
+    /// Its maximum \[nats\].
     pub log_likelihood: f64,
     /// Information of all parameters.
     pub information: DMatrix<f64>,

@@ -28,7 +28,7 @@ pub trait Columns: Sync {
     fn torque(&self, at: &Instant, out: &mut [[f64; 2]]);
 }
 
-/// No columns.
+/// A pass for the likelihood alone, without derivatives.
 pub struct NoColumns;
 
 impl Columns for NoColumns {
@@ -96,7 +96,7 @@ pub struct Innovation {
     pub channel: usize,
     /// Innovation [rad, rad/s].
     pub value: f64,
-    /// Its variance.
+    /// What the filter expects its square to be [rad², rad²/s²].
     pub variance: f64,
 }
 

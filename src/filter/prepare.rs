@@ -6,7 +6,7 @@ use crate::recording::{Noise, Recording};
 /// What of a recording the filter needs and what does not change between passes.
 #[derive(Clone, Debug)]
 pub struct Prepared<'a> {
-    /// The recording.
+    /// What was measured; the rest of this is read off it.
     pub recording: &'a Recording,
     /// Wheels that stand still.
     pub still: Vec<[bool; 2]>,

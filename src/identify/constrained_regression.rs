@@ -46,7 +46,7 @@ pub struct ConstrainedRegression {
 )]
 #[serde(rename_all = "snake_case")]
 pub enum Loss {
-    /// Its square.
+    /// Least squares.
     #[default]
     Squares,
     /// Its size.
@@ -73,9 +73,13 @@ impl Identifier for ConstrainedRegression {
             use_when: "least squares gives values that no robot has; rows with wild torques (l1)"
                 .into(),
             avoid_when: "speeds are noisy (as torque_regression); its intervals are those without \
-                         bounds and do not know what noise and filter pull"
+                         bounds and do not cover the bias by noise and filter"
                 .into(),
         }
+    }
+
+    fn intervals_cover(&self) -> bool {
+        false
     }
 
     fn schema(&self) -> schemars::Schema {

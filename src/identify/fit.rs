@@ -13,15 +13,15 @@ use crate::simulate::{Dynamics, PhysicalDynamics};
 /// One estimated parameter; never a bare number.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Estimate {
-    /// Symbol.
+    /// As in the equations of its effect.
     pub symbol: String,
     /// Unit, for the unit of the input of the recordings.
     pub unit: String,
-    /// Value.
+    /// Estimate, or the value at which it was held.
     pub value: f64,
     /// Standard error; infinite where the parameter is not identifiable, zero where it is fixed.
     pub std_error: f64,
-    /// 95 % interval.
+    /// Covers the true value in 95 % of repetitions where the method's assumptions hold.
     pub interval: (f64, f64),
     /// Whether the data can give it.
     pub identifiable: bool,

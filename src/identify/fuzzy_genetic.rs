@@ -28,7 +28,7 @@ pub struct Genetic {
     /// Individuals.
     #[schemars(range(min = 4))]
     pub population: usize,
-    /// Generations.
+    /// How often the population is replaced.
     pub generations: usize,
     /// Half the interval of every consequent, about the start [rad/s²].
     #[schemars(extend("exclusiveMinimum" = 0))]

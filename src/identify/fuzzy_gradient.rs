@@ -94,7 +94,7 @@ struct Slope<'a> {
     penalty: Penalty<'a>,
     start: &'a DVector<f64>,
     free: Vec<usize>,
-    /// L.
+    /// Cholesky factor that scales the consequents.
     factor: DMatrix<f64>,
     /// Where it was evaluated last: the line search asks for cost and gradient one after the other.
     last: RefCell<Option<Evaluation>>,

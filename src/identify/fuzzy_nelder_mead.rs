@@ -92,7 +92,7 @@ struct Vertices<'a> {
     job: &'a Job,
     start: DVector<f64>,
     free: Vec<usize>,
-    /// L.
+    /// Cholesky factor that scales the consequents.
     factor: DMatrix<f64>,
     /// From the best to the worst.
     vertices: Vec<Vertex>,

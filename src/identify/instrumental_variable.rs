@@ -64,9 +64,13 @@ impl Identifier for InstrumentalVariable {
                        of their noise"
                     .into(),
             avoid_when: "the torques are noisy: their noise moves the simulated robot too; its \
-                         intervals do not know what the filter bends"
+                         intervals do not cover the bias of the filter"
                 .into(),
         }
+    }
+
+    fn intervals_cover(&self) -> bool {
+        false
     }
 
     fn schema(&self) -> schemars::Schema {

@@ -36,7 +36,7 @@ pub struct MethodDescription {
     pub equation: String,
     /// Where it comes from.
     pub source: String,
-    /// When to use it.
+    /// Data and purposes for which it is the right choice.
     pub use_when: String,
     /// When not to.
     pub avoid_when: String,
@@ -57,7 +57,7 @@ pub struct MethodOption {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("method `{method}`: {message}")]
 pub struct OptionError {
-    /// Method.
+    /// Name of the method, as in experiment files.
     pub method: String,
     /// What is wrong, with what was expected.
     pub message: String,
@@ -71,7 +71,7 @@ pub enum IdentifyError {
         "{method}: {usable} usable samples are left of {samples} (the wheels stand still or the pieces are too short); record longer motion"
     )]
     TooFewSamples {
-        /// Method.
+        /// Name of the method, as in experiment files.
         method: String,
         /// Left.
         usable: usize,
@@ -81,7 +81,7 @@ pub enum IdentifyError {
     /// No finite cost at the start or anywhere near.
     #[error("{method}: no start is found from which the model can be simulated: {reason}")]
     NoStart {
-        /// Method.
+        /// Name of the method, as in experiment files.
         method: String,
         /// Why the last try failed.
         reason: String,
@@ -89,7 +89,7 @@ pub enum IdentifyError {
     /// The method does not treat this model.
     #[error("{method}: {reason}")]
     Unsupported {
-        /// Method.
+        /// Name of the method, as in experiment files.
         method: String,
         /// What it cannot do, and what to use instead.
         reason: String,
@@ -97,7 +97,7 @@ pub enum IdentifyError {
     /// Rows that were there when the recording was checked cannot be read any more.
     #[error("{method}: the rows cannot be read again: {reason}")]
     Rows {
-        /// Method.
+        /// Name of the method, as in experiment files.
         method: String,
         /// Why.
         reason: String,
@@ -121,6 +121,12 @@ pub trait Identifier: std::fmt::Debug + Send + Sync {
     /// The options of its `[[method]]` block: what [`Self::schema`] says, for people.
     fn options(&self) -> Vec<MethodOption> {
         options_of(&self.schema())
+    }
+
+    /// Whether its 95 % intervals cover the true value at ordinary noise, to which the contract tests hold it;
+    /// [`MethodDescription::avoid_when`] says why not.
+    fn intervals_cover(&self) -> bool {
+        !self.fits_emulator()
     }
 
     /// Whether it fits the rules of the state emulator, eq. (19), in place of the parameters of the

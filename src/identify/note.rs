@@ -75,9 +75,9 @@ pub enum Note {
     NoProfile(String),
     /// A profile likelihood.
     Profile {
-        /// Symbol.
+        /// Of the parameter that was profiled.
         symbol: String,
-        /// Its unit.
+        /// For the unit of the input.
         unit: String,
         /// 95 % interval by the likelihood.
         interval: (f64, f64),

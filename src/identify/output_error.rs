@@ -66,6 +66,10 @@ impl Identifier for OutputError {
         }
     }
 
+    fn intervals_cover(&self) -> bool {
+        false
+    }
+
     fn schema(&self) -> schemars::Schema {
         options_schema::<Self>()
     }

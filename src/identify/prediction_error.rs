@@ -72,9 +72,9 @@ pub struct PredictionError {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(untagged, expecting = "`horizon_s` must be \"auto\" or a number of seconds")]
 pub enum Horizon {
-    /// By a rule.
+    /// Chosen from the recordings.
     Rule(Rule),
-    /// In seconds.
+    /// This long \[s\].
     Seconds(f64),
 }
 

@@ -50,10 +50,14 @@ impl Identifier for RecursiveLeastSquares {
             equation: "R = λR + ww', b = λb + wM, θ = R⁻¹b, instant by instant".into(),
             source: "Ljung, System Identification, 1999, sec. 11.2".into(),
             use_when: "to see whether parameters drift: warm-up, a load put on".into(),
-            avoid_when: "speeds are noisy (as torque_regression: inertias come out too small and \
-                         its intervals do not know it)"
+            avoid_when: "speeds are noisy (as torque_regression: inertias come out too small, \
+                         which its intervals do not cover)"
                 .into(),
         }
+    }
+
+    fn intervals_cover(&self) -> bool {
+        false
     }
 
     fn schema(&self) -> schemars::Schema {

@@ -11,7 +11,7 @@ pub fn overview() -> String {
     for m in methods {
         let _ = writeln!(out, "{:<width$}  {}", m.name, m.title);
     }
-    out.push_str("\n`experiment methods METHOD` tells more of one.\n");
+    out.push_str("\n`experiment methods METHOD` describes one.\n");
     out
 }
 
@@ -24,6 +24,9 @@ pub fn details(name: &str) -> Option<String> {
     let _ = writeln!(out, "source      {}", m.source);
     let _ = writeln!(out, "use when    {}", m.use_when);
     let _ = writeln!(out, "avoid when  {}", m.avoid_when);
+    if method.intervals_cover() {
+        out.push_str("intervals   cover the true value at their rate, at ordinary noise\n");
+    }
     if !options.is_empty() {
         let _ = writeln!(out, "\noptions of its [[method]] block:");
         let width = options.iter().map(|o| o.key.len()).max().unwrap_or(0);

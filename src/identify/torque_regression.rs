@@ -67,9 +67,13 @@ impl Identifier for TorqueRegression {
                 .into(),
             avoid_when: "speeds are noisy: accelerations are attenuated, inertias come out too \
                          small, the best cut-off depends on the noise, and its intervals do not \
-                         know it"
+                         cover that"
                 .into(),
         }
+    }
+
+    fn intervals_cover(&self) -> bool {
+        false
     }
 
     fn schema(&self) -> schemars::Schema {

@@ -48,9 +48,13 @@ impl Identifier for TotalLeastSquares {
                 .into(),
             avoid_when:
                 "an effect is missing: its misfit is taken for noise; the intervals do not \
-                         know what the filter bends"
+                         cover the bias of the filter"
                     .into(),
         }
+    }
+
+    fn intervals_cover(&self) -> bool {
+        false
     }
 
     fn schema(&self) -> schemars::Schema {

@@ -136,7 +136,7 @@ impl Identifier for WeakForm {
 
 /// Sums over all groups.
 struct Sums {
-    /// `R~' V⁻¹ R`.
+    /// `R~' V⁻¹ R`, of the equations for the parameters.
     left: DMatrix<f64>,
     /// `R~' V⁻¹ Y`.
     right: DVector<f64>,
@@ -146,7 +146,7 @@ struct Sums {
     noise: DMatrix<f64>,
     /// `R~' V⁻¹ r` of each window, and its block.
     scores: Vec<(usize, DVector<f64>)>,
-    /// `r' V⁻¹ r`.
+    /// `r' V⁻¹ r`, about as many as there are windows where V is right.
     square: f64,
 }
 

@@ -5,6 +5,7 @@ use std::f64::consts::{PI, TAU};
 use std::sync::LazyLock;
 
 use super::IoError;
+use crate::catalogue::nearest;
 use crate::recording::DriveUnit;
 
 /// Names of the contract, in order.
@@ -109,10 +110,7 @@ impl ColumnMap {
     /// not there, and factors that are zero or not finite.
     pub fn put(&mut self, key: &str, column: Column) -> Result<(), IoError> {
         let contract = CONTRACT.into_iter().find(|c| *c == key).ok_or_else(|| {
-            let near = CONTRACT.into_iter().max_by(|a, b| {
-                strsim::jaro_winkler(a, key).total_cmp(&strsim::jaro_winkler(b, key))
-            });
-            let near = near.filter(|n| strsim::jaro_winkler(n, key) > 0.75).map(Into::into);
+            let near = nearest(key, CONTRACT).map(Into::into);
             IoError::UnknownColumn { column: key.into(), near }
         })?;
         if let Some(period) = column.period {

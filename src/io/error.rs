@@ -14,7 +14,7 @@ pub enum IoError {
     /// The system says no.
     #[error("{file}: {reason}")]
     System {
-        /// File.
+        /// As the user named it.
         file: String,
         /// The system's words.
         reason: String,
@@ -22,19 +22,19 @@ pub enum IoError {
     /// A directory in place of a file.
     #[error("{file} is a directory; name a file in it")]
     Directory {
-        /// Path.
+        /// As the user named it.
         file: String,
     },
     /// A file in place of a folder.
     #[error("{path} is a file; results need a folder, name another with --out")]
     NotAFolder {
-        /// Path.
+        /// As the user named it.
         path: String,
     },
     /// A folder where a result is to be written.
     #[error("{path} is a folder, and a result of that name is to be written; move it away")]
     NotAFile {
-        /// Path.
+        /// As the user named it.
         path: String,
     },
     /// The first line is data.
@@ -42,7 +42,7 @@ pub enum IoError {
         "{file}: the first line holds numbers where the names of the columns are expected (a line that starts with # is a comment); write a header, for example t,dalpha1,dalpha2,M1,M2, or name the {count} columns by their place: columns = {{ t = \"column1\", … }}"
     )]
     NoHeader {
-        /// File.
+        /// As the user named it.
         file: String,
         /// Columns.
         count: usize,
@@ -52,7 +52,7 @@ pub enum IoError {
         "{file}{}: this text was not understood: no column of it holds numbers. Expected a header and rows of numbers between commas, semicolons, tabs or spaces, or lines such as `l: 134 r: -5`, `l=134,r=-5`, `L 44.1rpm | R 43.9rpm`, `STATE:1,2,3` or JSON; leave out other lines or write a table (docs/files.md lists all forms)", first_line(line.as_ref())
     )]
     NotUnderstood {
-        /// File.
+        /// As the user named it.
         file: String,
         /// Number and words of its first line.
         line: Option<(usize, String)>,
@@ -60,19 +60,19 @@ pub enum IoError {
     /// Nothing in it.
     #[error("{file} is empty; expected a header and rows of numbers")]
     Empty {
-        /// File.
+        /// As the user named it.
         file: String,
     },
     /// A header and nothing below.
     #[error("{file}: there is a header but no row of data below it")]
     HeaderOnly {
-        /// File.
+        /// As the user named it.
         file: String,
     },
     /// A column that is needed is not there.
     #[error("{file}: there is no column `{column}`{}; the file has {present}. Say which it is in the experiment file: columns = {{ {key} = \"…\" }}", near.as_ref().map_or(String::new(), |n| format!(" (did you mean `{n}`?)")))]
     MissingColumn {
-        /// File.
+        /// As the user named it.
         file: String,
         /// Name looked for.
         column: String,
@@ -88,13 +88,13 @@ pub enum IoError {
         "{file}, row {row}{}: {column} is {}; expected a number (rows count from 1 below the header)", in_file(*line), quoted(text)
     )]
     NotANumber {
-        /// File.
+        /// As the user named it.
         file: String,
-        /// Row from 1.
+        /// Counted from 1, below the header.
         row: usize,
         /// Line of the file, where it has lines.
         line: Option<usize>,
-        /// Column.
+        /// Name in the file.
         column: String,
         /// What stands there.
         text: String,
@@ -102,7 +102,7 @@ pub enum IoError {
     /// Not the format that its name says.
     #[error("{file} cannot be read as {format}: {reason}")]
     Format {
-        /// File.
+        /// As the user named it.
         file: String,
         /// Its name.
         format: String,
@@ -136,7 +136,7 @@ pub enum IoError {
         "{file}: the header says `{column}`, but `{unit}` is not known as its unit; give the unit in the experiment file: columns = {{ {key} = {{ name = \"{column}\", unit = \"…\" }} }}"
     )]
     HeaderUnit {
-        /// File.
+        /// As the user named it.
         file: String,
         /// Its name in the header.
         column: String,
@@ -180,7 +180,7 @@ pub enum IoError {
     /// A name that two columns have.
     #[error("{file}: two columns are called `{column}`; rename one")]
     RepeatedColumn {
-        /// File.
+        /// As the user named it.
         file: String,
         /// The name.
         column: String,
@@ -190,11 +190,11 @@ pub enum IoError {
         "{file}, row {row} (line {line}): {found} cells, and the header has {expected}; {}", if *most { "a decimal comma needs another separator, for example `;`" } else { "more than 1 % of the rows are not those of the header: leave them out" }
     )]
     Ragged {
-        /// File.
+        /// As the user named it.
         file: String,
-        /// Row from 1.
+        /// Counted from 1, below the header.
         row: usize,
-        /// Line from 1.
+        /// Counted from 1, the header included.
         line: usize,
         /// Cells found.
         found: usize,
@@ -208,7 +208,7 @@ pub enum IoError {
         "{file} is damaged or no {format} file: {place}: expected {expected}, found {found}; copy it again from where it was recorded"
     )]
     Damaged {
-        /// File.
+        /// As the user named it.
         file: String,
         /// WPILOG, MCAP, MAT or SysId JSON.
         format: &'static str,
@@ -222,7 +222,7 @@ pub enum IoError {
     /// A file of a known format without anything to use.
     #[error("{file}: there are no {needed} in this {format} file; it holds: {found}")]
     Nothing {
-        /// File.
+        /// As the user named it.
         file: String,
         /// WPILOG, MCAP or MAT.
         format: &'static str,
@@ -234,7 +234,7 @@ pub enum IoError {
     /// A name that says another format than the content.
     #[error("{file} is in another format than its name says; rename it to end in .{extension}")]
     OtherFormat {
-        /// File.
+        /// As the user named it.
         file: String,
         /// The one that fits.
         extension: String,
@@ -244,7 +244,7 @@ pub enum IoError {
         "{file}: `{late}` begins after the last value of `{early}`, so no row holds both; name other columns"
     )]
     Apart {
-        /// File.
+        /// As the user named it.
         file: String,
         /// The signal that begins last.
         late: String,
@@ -256,15 +256,15 @@ pub enum IoError {
         "{file}: `{column}` has {length} values and `{other}` has {others}; name columns of the same length"
     )]
     Unequal {
-        /// File.
+        /// As the user named it.
         file: String,
-        /// One column.
+        /// Name of the one that differs.
         column: String,
-        /// Its length.
+        /// Rows that it has.
         length: usize,
         /// The column that is named first.
         other: String,
-        /// Its length.
+        /// Rows that it has.
         others: usize,
     },
     /// The columns do not make a recording.

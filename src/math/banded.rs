@@ -43,7 +43,7 @@ impl BandedCholesky {
         Some(Self { band, rows })
     }
 
-    /// `V⁻¹ b` in place.
+    /// Puts `V⁻¹ b` in the place of b: forward, then back substitution.
     fn solve_in_place(&self, b: &mut [f64]) {
         let (band, stride) = (self.band, self.band + 1);
         for i in 0..b.len() {
@@ -61,7 +61,7 @@ impl BandedCholesky {
         }
     }
 
-    /// `V⁻¹ b`.
+    /// `V⁻¹ b` from the factor, in time linear in the rows.
     #[must_use]
     pub fn solve(&self, b: &DVector<f64>) -> DVector<f64> {
         let mut x = b.clone();

@@ -6,7 +6,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 /// least-squares problem, the information matrix of a likelihood).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Quadratic {
-    /// The cost.
+    /// Value of what is minimised.
     pub cost: f64,
     /// First derivatives of the cost.
     pub gradient: DVector<f64>,
@@ -76,9 +76,9 @@ pub enum MinimumStatus {
 pub struct Minimum {
     /// The parameters.
     pub x: DVector<f64>,
-    /// The cost at `x`.
+    /// Its value at `x`, the least that was reached.
     pub cost: f64,
-    /// The gradient at `x`.
+    /// First derivatives there; near zero where the descent converged.
     pub gradient: DVector<f64>,
     /// The curvature at `x`.
     pub hessian: DMatrix<f64>,

@@ -37,7 +37,7 @@ pub enum MathError {
     /// A setting lies outside its range.
     #[error("{setting} = {found}, expected {expected}")]
     OutOfRange {
-        /// The setting.
+        /// Name of the argument.
         setting: &'static str,
         /// Its value.
         found: f64,

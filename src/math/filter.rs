@@ -21,9 +21,9 @@ pub enum Extension {
 /// One second-order section: `(b0 + b1/z + b2/z^2) / (1 + a1/z + a2/z^2)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Section {
-    /// Numerator b0, b1, b2.
+    /// b0, b1, b2: weights of this and the last two inputs.
     pub numerator: [f64; 3],
-    /// Denominator a1, a2 (a0 is one).
+    /// a1, a2: weights of the last two outputs (a0 is one).
     pub denominator: [f64; 2],
 }
 

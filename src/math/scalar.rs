@@ -87,7 +87,7 @@ pub trait Real:
         let x = self.value();
         self.chain(x.powf(power), power * x.powf(power - 1.0))
     }
-    /// The square.
+    /// The number times itself, with one product.
     #[must_use]
     fn squared(self) -> Self {
         self * self
@@ -176,7 +176,7 @@ impl Real for f64 {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dual<const N: usize> {
-    /// The value.
+    /// What a plain number would be.
     pub value: f64,
     /// The partial derivatives with respect to the `N` variables.
     pub partial: [f64; N],

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::Variations;
 use super::base::{A1, A2, A3};
+use crate::catalogue::nearest;
 use crate::effects::{
     self, BASE, Change, Coupling, Effect, Motion, ParameterKind, ParameterSpec, Terms,
 };
@@ -24,7 +25,7 @@ pub enum ModelError {
     /// The effect is in the model already.
     #[error("the effect `{id}` stands in the model twice; remove one")]
     Repeated {
-        /// The id.
+        /// As written, the second time.
         id: String,
     },
     /// Two effects that each make the drivetrain one of two masses.
@@ -131,11 +132,8 @@ impl Model {
     /// Unknown or repeated ids.
     pub fn add(&self, id: &str) -> Result<Self, ModelError> {
         let effect = effects::find(id).ok_or_else(|| {
-            let near = effects::all()
-                .iter()
-                .map(|e| e.id())
-                .max_by(|a, b| strsim::jaro_winkler(a, id).total_cmp(&strsim::jaro_winkler(b, id)))
-                .filter(|near| strsim::jaro_winkler(near, id) > 0.8);
+            let ids: Vec<String> = effects::all().iter().map(|e| e.id()).collect();
+            let near = nearest(id, ids.iter().map(String::as_str)).map(str::to_owned);
             ModelError::UnknownEffect { id: id.into(), near }
         })?;
         self.add_effect(effect.into())
@@ -229,7 +227,7 @@ impl Model {
         })
     }
 
-    /// The robot.
+    /// Whose geometry and construction the effects use.
     #[must_use]
     pub fn robot(&self) -> &Robot {
         &self.robot

@@ -8,7 +8,7 @@ pub enum RecordingError {
     TooShort {
         /// Recording.
         name: String,
-        /// Found.
+        /// Rows that it has.
         samples: usize,
         /// Expected at least.
         needed: usize,
@@ -20,7 +20,7 @@ pub enum RecordingError {
     TimeNotIncreasing {
         /// Recording.
         name: String,
-        /// Row, from 1.
+        /// Counted from 1.
         row: usize,
         /// Time of that row \[s\].
         t: f64,
@@ -34,11 +34,11 @@ pub enum RecordingError {
     NotFinite {
         /// Recording.
         name: String,
-        /// Row, from 1.
+        /// Counted from 1.
         row: usize,
         /// Column of the contract.
         column: String,
-        /// Found.
+        /// Rows that it has.
         value: f64,
     },
     /// Finite, and more than any robot does.
@@ -48,7 +48,7 @@ pub enum RecordingError {
     Beyond {
         /// Recording.
         name: String,
-        /// Row, from 1.
+        /// Counted from 1.
         row: usize,
         /// Column of the contract.
         column: String,
@@ -78,9 +78,9 @@ pub enum RecordingError {
         name: String,
         /// Column group.
         column: String,
-        /// Found.
+        /// Rows that it has.
         found: usize,
-        /// Expected.
+        /// Rows of the time.
         expected: usize,
     },
     /// Neither angles nor speeds.

@@ -9,7 +9,7 @@ use super::what_if::WhatIf;
 pub enum Block {
     /// A heading within the section.
     Heading(String),
-    /// A paragraph.
+    /// Running text.
     Paragraph(Text),
     /// A finding in one sentence, with what it rests on.
     Verdict {
@@ -22,17 +22,15 @@ pub enum Block {
     },
     /// Numbers at a glance, side by side.
     Numbers(Vec<Number>),
-    /// A table.
+    /// Columns with units, rows of texts and numbers.
     Table(Table),
-    /// A figure.
+    /// Drawn from its data, and interactive on the page where it may be.
     Figure(Box<Figure>),
-    /// An equation in plain Unicode; line breaks are kept.
-    Equation(String),
     /// Blocks that are folded away until the reader opens them; not printed.
     Folded {
         /// What they are.
         title: String,
-        /// The blocks.
+        /// What unfolds.
         blocks: Vec<Block>,
     },
     /// A reading aid, folded away.
@@ -42,7 +40,7 @@ pub enum Block {
         /// The heading whose text of the guide follows; empty for none.
         guide: String,
     },
-    /// A list.
+    /// Points, one a line.
     List(Vec<Text>),
     /// Verbatim text: commands, configuration.
     Code(String),
@@ -87,11 +85,6 @@ impl Block {
     /// Blocks that are folded away.
     pub fn folded(title: impl Into<String>, blocks: Vec<Self>) -> Self {
         Self::Folded { title: title.into(), blocks }
-    }
-
-    /// A list of plain items.
-    pub fn list<T: Into<Text>>(items: impl IntoIterator<Item = T>) -> Self {
-        Self::List(items.into_iter().map(Into::into).collect())
     }
 }
 
@@ -194,7 +187,7 @@ impl From<String> for Text {
 pub struct Table {
     /// What the table shows.
     pub caption: String,
-    /// The columns.
+    /// Headings with units, and how their cells are written.
     pub columns: Vec<Column>,
     /// The rows; short ones are filled with empty cells, surplus cells are left out.
     pub rows: Vec<Vec<Cell>>,

@@ -3,7 +3,7 @@
 mod categories;
 
 pub use super::palette::Role;
-pub use categories::{BarSeries, Bars, ColorMap, Direction, HeatMap};
+pub use categories::{BarSeries, Bars, ColorMap, HeatMap};
 
 /// One picture: a heading and panels, drawn to SVG, PNG or a page.
 #[derive(Clone, Debug, PartialEq)]
@@ -179,7 +179,7 @@ impl Panel {
     }
 }
 
-/// One axis.
+/// What an axis measures: label, unit, scale and range.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Axis {
     /// What is shown.

@@ -42,7 +42,7 @@ pub struct Driven {
     pub name: String,
     /// Time \[s\].
     pub t: Vec<f64>,
-    /// Input.
+    /// Torque or its stand-in, in the unit of the recordings.
     pub input: Vec<[f64; 2]>,
     /// Measured speeds [rad/s].
     pub omega: Vec<[f64; 2]>,

@@ -78,7 +78,7 @@ pub trait Dynamics: Send + Sync {
 /// A physical model with parameter values.
 #[derive(Clone, Debug)]
 pub struct PhysicalDynamics {
-    /// The model.
+    /// Whose equations of motion are solved.
     pub model: Model,
     /// One value a parameter.
     pub p: Vec<f64>,

@@ -25,7 +25,7 @@ const LIMIT: f64 = 1e4;
 /// Source: the paper, section 3, eq. (17), (19).
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct FuzzyDynamics {
-    /// f31 and f41.
+    /// Rules of f31 and f41, the accelerations without input [rad/s²].
     pub system: TakagiSugeno,
     /// G [[G31, G32], [G41, G42]] [1/(kg m²), or per unit of the input].
     pub input_gain: [[f64; 2]; 2],

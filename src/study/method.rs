@@ -43,7 +43,7 @@ pub struct MethodStudy {
     pub status: Option<Status>,
     /// Wall time \[s\].
     pub seconds: f64,
-    /// Work.
+    /// Evaluations and iterations.
     pub work: Work,
     /// Parameters.
     pub estimates: Vec<Estimate>,

@@ -57,7 +57,7 @@ pub struct RecordingStudy {
     pub file: String,
     /// SHA-256 of the file; `None` for synthetic data.
     pub sha256: Option<String>,
-    /// Samples.
+    /// Rows, of a recording too long to be held those of its file.
     pub samples: usize,
     /// First to last sample \[s\].
     pub duration_s: f64,
@@ -79,8 +79,6 @@ pub struct RecordingStudy {
     pub alpha: Vec<[f64; 2]>,
     /// Speeds [rad/s].
     pub omega: Vec<[f64; 2]>,
-    /// Smoothed acceleration [rad/s^2].
-    pub acceleration: Vec<[f64; 2]>,
     /// Recorded input.
     pub torque: Vec<[f64; 2]>,
     /// Regime of driving.
@@ -106,15 +104,15 @@ pub struct Candidate {
     pub evidence: f64,
     /// Fall of the Bayesian information criterion.
     pub delta_bic: f64,
-    /// Quality index on validation without and with it [rad^2/s].
+    /// Quality index on validation without it [rad^2/s].
     pub ise_validation_before: f64,
-    /// With it.
+    /// Quality index with it added and all parameters fitted again [rad^2/s].
     pub ise_validation_after: f64,
-    /// 2 s simulation error on validation without and with it [rad/s].
+    /// 2 s simulation error on validation without it [rad/s].
     pub window_before: f64,
-    /// With it.
+    /// 2 s simulation error with it, likewise [rad/s].
     pub window_after: f64,
-    /// Its parameters.
+    /// Estimates of what it adds to the model.
     pub parameters: Vec<Estimate>,
     /// Root mean square torque of it [N m].
     pub torque_rms: f64,
@@ -163,7 +161,7 @@ pub struct Step {
 /// What the diagnosis says.
 #[derive(Clone, Debug)]
 pub struct DiagnosisStudy {
-    /// Verdict.
+    /// Which of the four conclusions holds.
     pub verdict: Verdict,
     /// The verdict in one sentence.
     pub sentence: String,
@@ -216,11 +214,11 @@ pub struct Study {
     pub title: String,
     /// Version of the program.
     pub version: String,
-    /// Seed.
+    /// Of everything random in the experiment.
     pub seed: u64,
     /// The experiment file as run.
     pub file: String,
-    /// Robot.
+    /// Name of the preset, or what stands for it.
     pub robot: String,
     /// Whether the experiment says which robot it is.
     pub robot_is_given: bool,
@@ -228,9 +226,9 @@ pub struct Study {
     pub effects: Vec<String>,
     /// Unit of the input.
     pub drive_unit: DriveUnit,
-    /// Recordings.
+    /// What the methods were fitted to and judged on, in the order of the file.
     pub recordings: Vec<RecordingStudy>,
-    /// Methods.
+    /// One a `[[method]]` block, whether it found a fit or not.
     pub methods: Vec<MethodStudy>,
     /// The method whose fit is shown in detail.
     pub reference: Option<usize>,
@@ -301,12 +299,6 @@ impl Study {
     #[must_use]
     pub fn judged_floor(&self) -> f64 {
         Judged::of(&self.recordings).floor()
-    }
-
-    /// Summed quality index of a method over the judged recordings [rad^2/s].
-    #[must_use]
-    pub fn judged_ise(&self, method: &MethodStudy) -> f64 {
-        Judged::of(&self.recordings).ise(&method.performance)
     }
 
     /// The model that the report ends with: with what was found, or as given.

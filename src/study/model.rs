@@ -15,7 +15,7 @@ pub struct ParameterStudy {
     pub effect: String,
     /// What it means.
     pub meaning: String,
-    /// Its estimate.
+    /// Value, standard error and interval.
     pub estimate: Estimate,
 }
 
@@ -41,7 +41,7 @@ pub fn parameters_of(fit: &WindowFit, unit: DriveUnit) -> Vec<ParameterStudy> {
 pub struct ModelStudy {
     /// Effects beyond the base.
     pub effects: Vec<String>,
-    /// Parameters.
+    /// Of the base and of all effects, fixed ones too.
     pub parameters: Vec<ParameterStudy>,
     /// One per recording of the experiment; without emulators.
     pub performance: Vec<Performance>,
@@ -67,7 +67,7 @@ impl ModelStudy {
 /// An effect that the diagnosis accepted.
 #[derive(Clone, Debug, Serialize)]
 pub struct FoundEffect {
-    /// Id.
+    /// As in the catalogue.
     pub id: String,
     /// Its name in words.
     pub title: String,
@@ -131,7 +131,7 @@ impl Grade {
         }
     }
 
-    /// In words.
+    /// The end of a sentence that begins with "The model is".
     #[must_use]
     pub fn words(self) -> &'static str {
         match self {

@@ -5,13 +5,13 @@ mod ranking;
 mod sentence;
 mod undetermined;
 
-pub(crate) use self::sentence::{residual_torque, title};
+pub(crate) use self::sentence::title;
 pub(crate) use self::undetermined::unless_undetermined;
 
 use self::next::{advice, propose, to_prove};
 use self::ranking::{ranking, staircase};
-use self::sentence::{Finding, Withheld};
-use crate::compare::{Variable, WindowFloor};
+use self::sentence::{Finding, Withheld, residual_torque};
+use crate::compare::{Curve, Variable, WindowFloor};
 use crate::diagnose::{
     Conclusion, Diagnosis, Judge, Settings, WindowFit, conclude, likely, withheld,
 };
@@ -54,11 +54,22 @@ impl<'a> Basis<'a> {
 /// # Errors
 /// A model that cannot move, or diverges.
 pub fn verdict(diagnosis: &Diagnosis, basis: &Basis) -> Result<DiagnosisStudy, SimulateError> {
-    let (mut words, depends_on) = concluded(diagnosis, basis)?;
-    if words.verdict == Verdict::UnknownEffect {
-        words.sentence += &format!(" {}", residual_torque(&[], depends_on));
+    let (words, depends_on) = concluded(diagnosis, basis)?;
+    Ok(with_dependence(words, &[], depends_on))
+}
+
+/// A verdict with what the residual torque depends on, by its `curves`, where something outside the catalogue is
+/// missing.
+pub(crate) fn with_dependence(
+    words: DiagnosisStudy,
+    curves: &[Curve],
+    depends_on: Option<Variable>,
+) -> DiagnosisStudy {
+    if words.verdict != Verdict::UnknownEffect {
+        return words;
     }
-    Ok(words)
+    let sentence = format!("{} {}", words.sentence, residual_torque(curves, depends_on));
+    DiagnosisStudy { sentence, ..words }
 }
 
 /// The verdict without what the residual torque depends on, and the variable on which that of the last model depends

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use amigo_ident::effects::{Custom, CustomDefinition, Motion, ParameterSpec, Terms};
 use amigo_ident::export::{FuzzyIdentified, Identified, files, fuzzy_files};
 use amigo_ident::model::Model;
+use amigo_ident::recording::DriveUnit;
 use amigo_ident::robot::{Robot, State};
 use amigo_ident::simulate::{
     Consequents, Defuzzification, Dynamics, FuzzyDynamics, Hold, Input, PhysicalDynamics,
@@ -100,7 +101,7 @@ impl Exported {
             Self::Fuzzy(dynamics) => fuzzy_files(&FuzzyIdentified {
                 dynamics,
                 robot: "made",
-                drive_unit: "N m",
+                drive_unit: DriveUnit::NewtonMetre,
                 hold: Hold::Linear,
                 experiment: "made",
                 method: "fuzzy_gradient",
@@ -149,7 +150,7 @@ pub(crate) fn written(model: &Model) -> Vec<(String, String)> {
         values: &model.initial(),
         std_errors: &vec![1e-3; parameters.len()],
         units: &units,
-        drive_unit: "N m",
+        drive_unit: DriveUnit::NewtonMetre,
         hold: Hold::Linear,
         experiment: "made",
         method: "prediction_error",

@@ -25,8 +25,7 @@ pub(crate) fn files() -> Vec<(String, String)> {
         .map(|path| {
             let name = path.strip_prefix(root).unwrap().to_string_lossy().replace('\\', "/");
             let text = fs::read_to_string(&path).unwrap();
-            let code = text.split("#[cfg(test)]").next().unwrap_or_default().to_string();
-            (name, code)
+            (name, without_tests(&text))
         })
         .filter(|(name, _)| !is_test(name))
         .collect()
@@ -34,7 +33,28 @@ pub(crate) fn files() -> Vec<(String, String)> {
 
 /// Files that are compiled for tests only.
 fn is_test(name: &str) -> bool {
-    name.ends_with("/tests.rs") || name.ends_with("/contract.rs") || name.contains("/tests/")
+    let ends = ["/tests.rs", "/contract.rs", "_tests.rs"];
+    ends.iter().any(|end| name.ends_with(end)) || name.contains("/tests/")
+}
+
+/// The code without the items that are compiled for tests only. An item ends with the first line of its own depth
+/// that closes it.
+fn without_tests(text: &str) -> String {
+    let depth = |line: &str| line.len() - line.trim_start().len();
+    let mut skipped = None;
+    let mut out = String::new();
+    for line in text.lines() {
+        match skipped {
+            None if line.trim() == "#[cfg(test)]" => skipped = Some(depth(line)),
+            None => {
+                out.push_str(line);
+                out.push('\n');
+            }
+            Some(own) if depth(line) == own && line.ends_with([';', '}']) => skipped = None,
+            Some(_) => {}
+        }
+    }
+    out
 }
 
 /// The files of the crate by module path (`a::b`), and which names a module re-exports from where.
@@ -232,4 +252,11 @@ fn a_ring_of_files_is_seen_through_a_path_within_the_code() {
         file("src/d.rs", "use crate::a::b::B;\n"),
     ];
     assert_eq!(rings(&edges(&files)), ["src/a/b.rs src/a/c.rs src/d.rs"]);
+}
+
+#[test]
+fn items_for_tests_alone_are_left_out_and_what_follows_them_is_not() {
+    let code = "#[cfg(test)]\nmod reference;\nmod a;\nimpl A {\n    #[cfg(test)]\n    fn f() {\n        g();\n    }\n    \
+                fn h() {}\n}\n#[cfg(test)]\n#[path = \"b_tests.rs\"]\nmod tests;\n";
+    assert_eq!(without_tests(code), "mod a;\nimpl A {\n    fn h() {}\n}\n");
 }

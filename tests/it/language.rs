@@ -62,6 +62,24 @@ const REFUSED: [(&str, &str); 51] = [
     ("asleep", "negligible"),
 ];
 
+/// Words of persons, refused where methods, effects and parameters are described: in the catalogues and in `docs/`.
+const PERSONAL: [(&str, &str); 14] = [
+    ("know what", "cover, contain"),
+    ("know it", "cover it"),
+    ("does not know", "does not contain"),
+    ("knows", "assumes"),
+    ("believes", "assumes"),
+    ("tells it from", "distinguishes it from"),
+    ("tell it from", "distinguish it from"),
+    ("tells the two", "distinguishes the two"),
+    ("told from", "distinguished from"),
+    ("tell apart", "distinguish"),
+    ("pull of the noise", "bias by the noise"),
+    ("sleeps", "has no effect"),
+    ("wakes", "has an effect"),
+    ("honest", "right"),
+];
+
 /// Files and folders whose text is checked; code is not, nor are keys.
 const CHECKED: [&str; 13] = [
     "README.md",
@@ -94,12 +112,21 @@ fn texts(path: &Path, out: &mut Vec<PathBuf>) {
 
 /// The refused phrases of a text, with their replacements.
 fn refused(text: &str) -> Vec<String> {
+    refused_of(&REFUSED, text)
+}
+
+/// The same where a user reads of methods and effects.
+fn refused_in_pages(text: &str) -> Vec<String> {
+    [refused(text), refused_of(&PERSONAL, text)].concat()
+}
+
+fn refused_of(phrases: &[(&str, &str)], text: &str) -> Vec<String> {
     let text = text.to_lowercase();
     let letter = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || c == '_');
     let whole = |(at, word): (usize, &str)| {
         !letter(text[..at].chars().last()) && !letter(text[at + word.len()..].chars().next())
     };
-    let found = REFUSED.iter().filter(|(phrase, _)| text.match_indices(phrase).any(whole));
+    let found = phrases.iter().filter(|(phrase, _)| text.match_indices(phrase).any(whole));
     found.map(|(phrase, instead)| format!("\"{phrase}\": write \"{instead}\"")).collect()
 }
 
@@ -111,9 +138,10 @@ fn pages_experiment_files_and_sources_use_the_words_of_the_field() {
     let mut wrong = Vec::new();
     for path in paths.iter().filter(|path| !path.ends_with(EXEMPT)) {
         let text = fs::read_to_string(path).unwrap();
+        let refuse = if path.starts_with(root.join("docs")) { refused_in_pages } else { refused };
         for (number, line) in prose(path, &text) {
             let shown = path.strip_prefix(root).unwrap().display();
-            wrong.extend(refused(&line).into_iter().map(|r| format!("{shown}:{number}: {r}")));
+            wrong.extend(refuse(&line).into_iter().map(|r| format!("{shown}:{number}: {r}")));
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
@@ -124,12 +152,12 @@ fn the_catalogues_use_the_words_of_the_field() {
     let mut wrong = Vec::new();
     for effect in effects::all() {
         let text = effects::details(&effect.id()).unwrap();
-        wrong.extend(refused(&text).into_iter().map(|r| format!("{}: {r}", effect.id())));
+        wrong.extend(refused_in_pages(&text).into_iter().map(|r| format!("{}: {r}", effect.id())));
     }
     for method in identify::all() {
         let name = method.describe().name;
         let text = identify::details(&name).unwrap();
-        wrong.extend(refused(&text).into_iter().map(|r| format!("{name}: {r}")));
+        wrong.extend(refused_in_pages(&text).into_iter().map(|r| format!("{name}: {r}")));
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
@@ -138,4 +166,67 @@ fn the_catalogues_use_the_words_of_the_field() {
 fn a_refused_phrase_is_seen_as_a_whole_word_only() {
     assert_eq!(refused("The Missing moment").len(), 1);
     assert!(refused("a recommendation, twinned").is_empty());
+}
+
+/// The name of the item that a line of code declares, word by word.
+fn name_of(line: &str) -> Vec<String> {
+    const KEYWORDS: [&str; 8] = ["const", "fn", "struct", "enum", "trait", "type", "mod", "static"];
+    let visible = line.trim().trim_start_matches("pub(crate) ").trim_start_matches("pub(super) ");
+    let mut words =
+        visible.trim_start_matches("pub ").split(|c: char| !c.is_alphanumeric() && c != '_');
+    let name = words.find(|word| !KEYWORDS.contains(word)).unwrap_or_default();
+    let mut out = vec![String::new()];
+    for c in name.chars() {
+        if c == '_' || c.is_uppercase() {
+            out.push(String::new());
+        }
+        if let Some(word) = out.last_mut().filter(|_| c != '_') {
+            word.extend(c.to_lowercase());
+        }
+    }
+    out
+}
+
+#[test]
+fn doc_comments_say_more_than_the_name() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut paths = Vec::new();
+    texts(&root.join("src"), &mut paths);
+    let mut wrong = Vec::new();
+    for path in paths.iter().filter(|path| path.extension().is_some_and(|e| e == "rs")) {
+        let text = fs::read_to_string(path).unwrap();
+        let lines: Vec<&str> = text.lines().collect();
+        let doc = |n: usize| lines.get(n).and_then(|line| line.trim().strip_prefix("/// "));
+        for n in 0..lines.len() {
+            let Some(one) =
+                doc(n).filter(|_| doc(n + 1).is_none() && (n == 0 || doc(n - 1).is_none()))
+            else {
+                continue;
+            };
+            // a unit or a formula is no repetition
+            if one.contains(['[', '`']) {
+                continue;
+            }
+            let code = lines[n + 1..].iter().find(|line| !line.trim_start().starts_with("#["));
+            let name = code.map_or(vec![], |line| name_of(line));
+            let said: Vec<String> = one
+                .split(|c: char| !c.is_alphanumeric())
+                .map(str::to_lowercase)
+                .filter(|word| !["", "a", "an", "the", "its"].contains(&word.as_str()))
+                .collect();
+            let is_in_name = |word: &String| {
+                name.iter().any(|w| {
+                    w == word || word.trim_end_matches('s') == w || w.trim_end_matches('s') == word
+                })
+            };
+            if !said.is_empty() && said.iter().all(is_in_name) {
+                wrong.push(format!(
+                    "{}:{}: {one}",
+                    path.strip_prefix(root).unwrap().display(),
+                    n + 1
+                ));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{} comments:\n{}", wrong.len(), wrong.join("\n"));
 }

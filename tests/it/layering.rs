@@ -53,35 +53,40 @@ fn imports(line: &str) -> Vec<String> {
         .collect()
 }
 
+/// Whether a file of the module `own` may import from the module `target`.
+fn may_import(own: &str, target: &str) -> bool {
+    let place = |module: &str| ORDER.iter().position(|m| *m == module);
+    match (own, target) {
+        (own, target) if own == target => true,
+        ("lib" | "bin" | "catalogue", _) | (_, "catalogue") => true,
+        ("experiment", "io") => true,
+        (_, "io") => false,
+        // files hold recordings and plain results; io knows nothing of fits
+        ("io", target) => matches!(target, "math" | "robot" | "recording" | "study"),
+        (own, target) => match (place(own), place(target)) {
+            (Some(own), Some(target)) => target < own,
+            // not a module: a macro or a constant of the crate's root
+            (_, None) => true,
+            _ => false,
+        },
+    }
+}
+
 #[test]
 fn every_module_imports_only_modules_before_it() {
-    let place = |module: &str| ORDER.iter().position(|m| *m == module);
     let mut broken = Vec::new();
     for (name, code) in files() {
         let Some(own) = module(&name) else { continue };
         for (number, line) in code.lines().enumerate() {
-            for target in imports(line) {
-                let allowed = match (own, target.as_str()) {
-                    (own, target) if own == target => true,
-                    ("lib" | "bin" | "catalogue", _) | (_, "catalogue") => true,
-                    ("experiment", "io") => true,
-                    (_, "io") => false,
-                    // files hold recordings and plain results; io knows nothing of fits
-                    ("io", target) => {
-                        matches!(target, "math" | "robot" | "recording" | "study")
-                    }
-                    (own, target) => match (place(own), place(target)) {
-                        (Some(own), Some(target)) => target < own,
-                        // not a module: a macro or a constant of the crate's root
-                        (_, None) => true,
-                        _ => false,
-                    },
-                };
-                if !allowed {
-                    broken.push(format!("{name}:{}: {own} imports {target}", number + 1));
-                }
-            }
+            let targets = imports(line).into_iter().filter(|target| !may_import(own, target));
+            broken.extend(targets.map(|t| format!("{name}:{}: {own} imports {t}", number + 1)));
         }
+    }
+    // groups and paths through `super`
+    for (name, targets) in edges(&files()) {
+        let Some(own) = module(&name) else { continue };
+        let targets = targets.iter().filter(|t| module(t).is_some_and(|t| !may_import(own, t)));
+        broken.extend(targets.map(|t| format!("{name} imports {t}")));
     }
     assert!(broken.is_empty(), "imports against the one direction:\n{}", broken.join("\n"));
 }

@@ -10,11 +10,11 @@ pub(super) const TINY: f64 = 1e-300;
 /// Sums of one window over its rows, wheel by wheel; what the start explains is out already.
 #[derive(Clone, Debug)]
 pub struct Sums {
-    /// `Σ e² / s²`.
+    /// `Σ e² / s²`, e the error of a speed, s its standard deviation.
     pub square: f64,
     /// `Σ ψ e / s²`, ψ the derivative of the simulated speed.
     pub score: DVector<f64>,
-    /// `Σ ψ ψ' / s²`.
+    /// `Σ ψ ψ' / s²`, the curvature of half the square.
     pub information: DMatrix<f64>,
 }
 

@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
-use toml::Table;
 
 use crate::io::Column;
 
@@ -69,14 +68,6 @@ pub(super) fn columns<'de, D: Deserializer<'de>>(
     }
     let entries = BTreeMap::<String, Entry>::deserialize(d)?;
     Ok(entries.into_iter().map(|(key, entry)| (key, entry.0)).collect())
-}
-
-/// The entries of a table of columns alone, as `recordings.columns` has them; the error is in words.
-pub(in crate::experiment) fn column_entries(
-    table: &Table,
-) -> Result<BTreeMap<String, ColumnEntry>, String> {
-    let hint = |e: toml::de::Error| super::error::with_hint(e.message());
-    columns(toml::Value::Table(table.clone())).map_err(hint)
 }
 
 struct NameOrTable;

@@ -3,6 +3,8 @@
 use serde::Deserialize;
 use toml::{Table, Value};
 
+use crate::catalogue;
+
 /// Keys of `[simulation]`, which may stand in `[grid]` without their table.
 pub(super) const SIMULATION_KEYS: [&str; 13] = [
     "movement",
@@ -175,9 +177,8 @@ fn full_key(name: &str) -> Result<String, String> {
 }
 
 fn nearest(name: &str, known: &[&str]) -> String {
-    let near =
-        known.iter().map(|k| (strsim::jaro_winkler(k, name), k)).max_by(|a, b| a.0.total_cmp(&b.0));
-    near.map_or(String::new(), |(_, k)| format!("; the nearest is `{k}`"))
+    catalogue::nearest(name, known.iter().copied())
+        .map_or(String::new(), |near| format!("; did you mean `{near}`?"))
 }
 
 fn values(value: &Value) -> Result<Vec<Value>, String> {

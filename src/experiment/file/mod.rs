@@ -6,11 +6,11 @@ mod error;
 mod grid;
 mod json_schema;
 mod key_schema;
+mod meant;
 mod open;
 mod schema;
 
 pub use column::ColumnEntry;
-pub(super) use column::column_entries;
 pub use error::FileError;
 pub use grid::GridAxis;
 pub(super) use grid::axes;
@@ -21,6 +21,8 @@ pub use schema::{
     EmulatorEntry, ExperimentFile, FixedEntry, ModelEntry, MovementEntry, NamedMovement,
     RecordingsEntry, SimulationEntry,
 };
+
+use std::collections::BTreeMap;
 
 use toml::{Table, Value};
 
@@ -42,7 +44,7 @@ impl ExperimentFile {
     pub fn parse(name: &str, text: &str, overrides: &[String]) -> Result<Self, FileError> {
         let table = Self::table(name, text, overrides)?;
         open::refuse_open(name, &table)?;
-        let typed = || error::with_words(name, text, toml::from_str(text));
+        let typed = || toml::from_str(text).map_err(|e| meant::refused(name, text, &e));
         let file = if overrides.is_empty() {
             typed()?
         } else {
@@ -59,7 +61,7 @@ impl ExperimentFile {
 
     /// The keys and values of the text with the overrides applied, not checked.
     pub(super) fn table(name: &str, text: &str, overrides: &[String]) -> Result<Table, FileError> {
-        let mut table: Table = error::with_words(name, text, toml::from_str(text))?;
+        let mut table = toml::from_str(text).map_err(|e| meant::refused(name, text, &e))?;
         for entry in overrides {
             set(&mut table, entry)?;
         }
@@ -68,10 +70,14 @@ impl ExperimentFile {
 
     /// Reads keys and values; what is of the right type is not judged yet. The error is in words.
     pub(super) fn from_table(table: &Table) -> Result<Self, String> {
-        Value::Table(table.clone())
-            .try_into()
-            .map_err(|e: toml::de::Error| error::with_hint(e.message()))
+        Value::Table(table.clone()).try_into().map_err(|e| meant::refused_table(&[], table, &e))
     }
+}
+
+/// The entries of a table of columns alone, as `recordings.columns` has them; the error is in words.
+pub(super) fn column_entries(table: &Table) -> Result<BTreeMap<String, ColumnEntry>, String> {
+    column::columns(Value::Table(table.clone()))
+        .map_err(|e| meant::refused_table(&["recordings", "columns"], table, &e))
 }
 
 /// Where a name stands for a table of that name.

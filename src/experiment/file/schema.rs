@@ -11,7 +11,7 @@ use crate::diagnose;
 use crate::recording::DriveUnit;
 use crate::simulate::{Hold, NoiseLevel, Segment};
 
-/// An experiment file.
+/// An experiment: recordings or a simulation, a model, methods to compare, and a diagnosis.
 #[derive(Clone, Debug, Default, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ExperimentFile {
@@ -26,14 +26,14 @@ pub struct ExperimentFile {
     pub conditioning: Settings,
     /// Synthetic data.
     pub simulation: Option<SimulationEntry>,
-    /// The model.
+    /// Effects, held parameters and formulas.
     pub model: ModelEntry,
     /// Methods to compare.
     #[schemars(schema_with = "super::key_schema::methods")]
     pub method: Vec<Table>,
     /// Emulator of eq. (19).
     pub emulator: EmulatorEntry,
-    /// Diagnosis.
+    /// The search for what is missing; none unless the table is there.
     pub diagnosis: Option<DiagnosisEntry>,
     /// Keys over whose combinations the experiment is repeated.
     #[schemars(schema_with = "super::key_schema::grid")]
@@ -141,7 +141,7 @@ impl Default for SimulationEntry {
 pub enum MovementEntry {
     /// `paper` or `rich`.
     Named(NamedMovement),
-    /// Segments.
+    /// Written out, one after the other.
     Segments(Vec<Segment>),
 }
 
@@ -191,7 +191,7 @@ pub enum ConstructionWord {
 #[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CustomEntry {
-    /// Id.
+    /// Name by which `[model] effects` and `[simulation] hidden` call it.
     pub id: String,
     /// Resisting torque on wheel 1 [N m].
     pub torque1: String,
@@ -208,7 +208,7 @@ pub struct CustomEntry {
 #[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct CustomParameter {
-    /// Unit.
+    /// For tables and axes; the program does not convert it.
     pub unit: String,
     /// Smallest and largest value.
     pub range: (f64, f64),
@@ -233,7 +233,7 @@ pub struct EmulatorEntry {
     pub gain: Option<f64>,
     /// Two poles of each wheel's error [1/s].
     pub poles: Option<[f64; 2]>,
-    /// The matrix K.
+    /// K as a whole, on errors of (alpha1, alpha2, omega1, omega2).
     pub matrix: Option<[[f64; 4]; 4]>,
 }
 

@@ -49,6 +49,12 @@ fn an_unknown_key_is_named_with_line_and_the_key_that_was_meant() {
 }
 
 #[test]
+fn an_unknown_key_of_a_column_is_named_with_the_key_that_was_meant() {
+    let e = error("[recordings]\ntrain = [\"a\"]\n[recordings.columns]\nM1 = { nme = \"tau\" }\n");
+    assert!(e.contains("line 4") && e.contains("did you mean `name`?"), "{e}");
+}
+
+#[test]
 fn a_wrong_type_is_named_with_its_line() {
     let e = error("[simulation]\nmovement = \"paper\"\nseed = \"one\"\n");
     assert!(e.contains("line 3") && e.contains("seed = \"one\""), "{e}");

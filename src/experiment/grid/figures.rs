@@ -69,8 +69,8 @@ const QUANTITIES: [Quantity; 3] = [
         id: "grid_coverage",
         title: "Coverage of the 95 % intervals",
         how_to_read: "The share of repetitions whose interval covers the true value. Near 95 % the \
-                      claimed errors are honest; below, they are too small. The grey band holds \
-                      95 % of the values that honest intervals show by chance.",
+                      standard errors are right; below, they are too small. The grey band holds \
+                      95 % of the values that right intervals show by chance.",
         caption: "Share of the repetitions whose 95 % interval covers the true value.",
         value: |s| 100.0 * s.coverage,
         interval: None,

@@ -78,7 +78,7 @@ const MOST_OPEN: usize = 60;
 const MOST_ROWS: usize = 1000;
 
 const TABLE_WORDS: &str = "n estimates enter the means; failures are cells without a fit. RMSE is \
-     about the true value. Coverage near 95 % means that the claimed errors are honest. Efficiency is \
+     about the true value. Coverage near 95 % means that the standard errors are right. Efficiency is \
      the mean variance claimed by prediction_error in the same cells (a proxy of the Cramér-Rao \
      bound; the smallest claimed variance where that method does not run) over the mean square \
      error: near 1 nothing is left to gain, and above 1 only by chance or by a claim too large.";

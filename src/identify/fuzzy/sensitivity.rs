@@ -61,7 +61,7 @@ struct Step<const N: usize> {
     after: f64x2,
     /// F, their derivative to those before it.
     transition: Square,
-    /// L_s.
+    /// L_s, per stage s of the Runge-Kutta step.
     reach: [Square; 4],
     /// Where each stage evaluates the rules [rad/s].
     at: [f64x2; 4],

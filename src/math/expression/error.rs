@@ -39,7 +39,7 @@ pub enum ExpressionError {
     UnknownFunction {
         /// The bytes of the name.
         span: Range<usize>,
-        /// The name.
+        /// As written in the formula.
         name: String,
         /// A function of a similar name.
         suggestion: Option<String>,
@@ -51,7 +51,7 @@ pub enum ExpressionError {
     UnknownVariable {
         /// The bytes of the name where it first appears.
         span: Range<usize>,
-        /// The name.
+        /// As written in the formula.
         name: String,
         /// A variable of a similar name.
         suggestion: Option<String>,
@@ -63,7 +63,7 @@ pub enum ExpressionError {
     WrongArgumentCount {
         /// The bytes of the name.
         span: Range<usize>,
-        /// The function.
+        /// As written in the formula.
         function: String,
         /// The number of arguments given.
         found: usize,
@@ -75,7 +75,7 @@ pub enum ExpressionError {
     TooDeep {
         /// Where the limit was passed.
         span: Range<usize>,
-        /// The limit.
+        /// Deepest nesting that is read.
         limit: usize,
     },
     /// A formula that is too long.
@@ -115,13 +115,8 @@ impl ExpressionError {
     }
 }
 
-/// The known name most like `name`, if any is like it at all.
 fn nearest(name: &str, known: &[&str]) -> Option<String> {
-    let likeness =
-        |candidate: &&str| strsim::jaro_winkler(&name.to_lowercase(), &candidate.to_lowercase());
-    let rated = known.iter().map(|k| (likeness(k), k));
-    let best = rated.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    (best.0 > 0.75).then(|| (*best.1).to_owned())
+    crate::catalogue::nearest(name, known.iter().copied()).map(str::to_owned)
 }
 
 fn owned(names: &[&str]) -> Vec<String> {

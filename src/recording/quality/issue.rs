@@ -30,20 +30,20 @@ pub enum Issue {
     Still(usize),
     /// An input is constant.
     ConstantInput {
-        /// Wheel.
+        /// 0 (right) or 1 (left).
         wheel: usize,
-        /// Value.
+        /// Where it stays.
         value: f64,
-        /// Its unit.
+        /// Of the input.
         unit: DriveUnit,
     },
     /// An input often stands exactly at its extreme.
     AtLimit {
-        /// Wheel.
+        /// 0 (right) or 1 (left).
         wheel: usize,
         /// The extreme.
         value: f64,
-        /// Its unit.
+        /// Of the input.
         unit: DriveUnit,
         /// Share of the samples \[1\].
         share: f64,
@@ -54,7 +54,7 @@ pub enum Issue {
     Spikes {
         /// Channel, without the number of the wheel.
         channel: &'static str,
-        /// Wheel.
+        /// 0 (right) or 1 (left).
         wheel: usize,
         /// How many.
         count: usize,
@@ -65,7 +65,7 @@ pub enum Issue {
     },
     /// Steps of an angle that no motion explains.
     Jumps {
-        /// Wheel.
+        /// 0 (right) or 1 (left).
         wheel: usize,
         /// How many.
         count: usize,
@@ -97,7 +97,7 @@ pub enum Issue {
     ExchangedSpeeds,
     /// A speed is not the slope of its angle.
     Ratio {
-        /// Wheel.
+        /// 0 (right) or 1 (left).
         wheel: usize,
         /// Speed over slope \[1\].
         ratio: f64,
@@ -214,7 +214,7 @@ impl Issue {
             }
             // a wheel cannot jump; an input may be commanded to, and conditioning has asked the wheel
             Self::Spikes { channel: "M", .. } => {
-                "wrong samples, or commands as short as that; the wheel does not tell"
+                "wrong samples, or commands as short as that; the motion of the wheel does not show which"
             }
             Self::Spikes { .. } => {
                 "single wrong samples; remove their rows, gaps in time are allowed"

@@ -2,27 +2,15 @@
 
 use super::Role;
 
-/// Bars over categories, one bar per series and category.
+/// Bars over categories from top to bottom, so that long names fit; one bar per series and category.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bars {
-    /// Names of the categories, first at the top or left.
+    /// Names of the categories, first at the top.
     pub categories: Vec<String>,
     /// The series side by side within a category.
     pub series: Vec<BarSeries>,
-    /// Direction of the bars.
-    pub direction: Direction,
     /// The category drawn in the highlight colour.
     pub highlight: Option<usize>,
-}
-
-/// Direction of bars.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Direction {
-    /// Categories from top to bottom: long names fit.
-    #[default]
-    Horizontal,
-    /// Categories from left to right.
-    Vertical,
 }
 
 /// One value per category.

@@ -49,7 +49,6 @@ impl<'a> Writer<'a> {
                 }
                 None => Markup::default(),
             },
-            Block::Equation(equation) => html! { div.equation role="math" { (equation) } },
             Block::Folded { title, blocks } => {
                 html! { details.more { summary { (title) } (self.blocks(blocks)) } }
             }

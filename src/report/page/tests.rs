@@ -54,9 +54,8 @@ fn every_text_is_escaped_and_only_our_scripts_stand_on_the_page() {
         Block::paragraph(Text::from(evil).strong(evil).code(evil)),
         Block::verdict(Tone::Notice, evil, evil),
         Block::HowToRead { aid: evil.into(), guide: evil.into() },
-        Block::Equation(evil.into()),
         Block::Code(evil.into()),
-        Block::list([evil]),
+        Block::List(vec![evil.into()]),
         Block::folded(evil, vec![Block::Heading(evil.into())]),
         Block::Numbers(vec![Number {
             label: evil.into(),

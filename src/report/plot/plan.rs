@@ -1,6 +1,6 @@
 //! What a panel needs before anything is drawn: its axes and the room around them.
 
-use crate::report::figure::{AxisScale, Bars, Direction, Layer, Panel};
+use crate::report::figure::{AxisScale, Bars, Layer, Panel};
 use crate::report::polyline::{Point, Rect};
 use crate::report::scale::{Scale, Ticks};
 
@@ -72,15 +72,11 @@ impl<'a> Plan<'a> {
         let names = Names::of(panel);
         let mut x = Scale::new(&panel.x, extent(panel, Along::X).into_iter(), x_padding(panel));
         let mut y = Scale::new(&panel.y, extent(panel, Along::Y).into_iter(), 0.06);
-        if let Some(bars) = bars(panel) {
-            let (scale, axis, values) = match bars.direction {
-                Direction::Horizontal => (&mut x, &panel.x, extent(panel, Along::X)),
-                Direction::Vertical => (&mut y, &panel.y, extent(panel, Along::Y)),
-            };
-            if axis.range.is_none() {
-                *scale = Scale::new(axis, values.into_iter(), 0.06);
-                start_at_zero(scale, bars);
-            }
+        if let Some(bars) = bars(panel)
+            && panel.x.range.is_none()
+        {
+            x = Scale::new(&panel.x, extent(panel, Along::X).into_iter(), 0.06);
+            start_at_zero(&mut x, bars);
         }
         let across =
             |count: usize| Scale { kind: AxisScale::Linear, first: 0.0, last: count.max(1) as f64 };
@@ -122,12 +118,10 @@ impl<'a> Plan<'a> {
         widen(&mut self.y, rect.height());
     }
 
-    /// Lengthens the axis of horizontal bars until the texts at their ends fit, on a plot so wide with so much room
+    /// Lengthens the axis of bars until the texts at their ends fit, on a plot so wide with so much room
     /// to its right.
     pub(super) fn fit_texts(&mut self, width: f64, right: f64) {
-        let Some(bars) = bars(self.panel).filter(|b| b.direction == Direction::Horizontal) else {
-            return;
-        };
+        let Some(bars) = bars(self.panel) else { return };
         let texts = bars.series.iter().flat_map(|series| &series.text);
         let widest = texts.map(|text| LEGEND.width(text)).fold(0.0, f64::max);
         let behind = (widest + TEXT_GAP - right).clamp(0.0, 0.5 * width);
@@ -258,10 +252,7 @@ impl Names {
             return Self { x: Some(map.columns.clone()), y: Some(map.rows.clone()) };
         }
         match bars(panel) {
-            Some(bars) if bars.direction == Direction::Horizontal => {
-                Self { x: None, y: Some(bars.categories.clone()) }
-            }
-            Some(bars) => Self { x: Some(bars.categories.clone()), y: None },
+            Some(bars) => Self { x: None, y: Some(bars.categories.clone()) },
             None => Self { x: None, y: None },
         }
     }
@@ -327,19 +318,11 @@ fn extent(panel: &Panel, along: Along) -> Vec<f64> {
             }
             Layer::Band { x, .. } if along == Along::X => values.extend(x),
             Layer::Band { lower, upper, .. } => values.extend(lower.iter().chain(upper)),
-            Layer::Bars(bars) => {
-                let along_bars = match bars.direction {
-                    Direction::Horizontal => Along::X,
-                    Direction::Vertical => Along::Y,
-                };
-                if along == along_bars {
-                    let straight = |scale: AxisScale| scale == AxisScale::Linear;
-                    let axis = if along == Along::X { &panel.x } else { &panel.y };
-                    values.extend(straight(axis.scale).then_some(0.0));
-                    for series in &bars.series {
-                        values.extend(&series.values);
-                        values.extend(ends_of(&series.intervals));
-                    }
+            Layer::Bars(bars) if along == Along::X => {
+                values.extend((panel.x.scale == AxisScale::Linear).then_some(0.0));
+                for series in &bars.series {
+                    values.extend(&series.values);
+                    values.extend(ends_of(&series.intervals));
                 }
             }
             Layer::HLine { at, .. } if along == Along::Y => values.push(*at),

@@ -1,6 +1,6 @@
 use super::*;
 use crate::report::figure::{
-    Axis, BarSeries, Bars, ColorMap, Dash, Direction, ErrorBar, HeatMap, Layer, Panel, Role, Size,
+    Axis, BarSeries, Bars, ColorMap, Dash, ErrorBar, HeatMap, Layer, Panel, Role, Size,
 };
 use crate::report::page::{PageContent, SectionContent, render_page};
 
@@ -79,22 +79,21 @@ fn awkward_figures() -> Vec<Figure> {
         }
         figures.push(figure);
         let values: Vec<f64> = points.iter().take(30).map(|p| p.1).collect();
-        figures.push(named_figure(name, &values, Direction::Horizontal));
-        figures.push(named_figure(name, &values, Direction::Vertical));
+        figures.push(named_figure(name, &values, Axis::linear("gain", "")));
+        figures.push(named_figure(name, &values, Axis::log("gain", "")));
     }
     figures
 }
 
 /// Bars and both kinds of heat map with names too long for their place.
-fn named_figure(name: &str, values: &[f64], direction: Direction) -> Figure {
+fn named_figure(name: &str, values: &[f64], axis: Axis) -> Figure {
     let names: Vec<String> = (0..values.len())
         .map(|i| format!("effect {i} with a name beyond all room & reason"))
         .collect();
     let mut series = BarSeries::new("gain", Role::Series(0), values.to_vec());
     series.intervals = values.iter().map(|v| (v - 1.0, v * 2.0)).collect();
     series.text = values.iter().map(|v| format!("{v:.3e}")).collect();
-    let bars =
-        Bars { categories: names.clone(), series: vec![series], direction, highlight: Some(99) };
+    let bars = Bars { categories: names.clone(), series: vec![series], highlight: Some(99) };
     let map = |colors| {
         Layer::HeatMap(HeatMap {
             rows: names.clone(),
@@ -107,10 +106,7 @@ fn named_figure(name: &str, values: &[f64], direction: Direction) -> Figure {
             range: None,
         })
     };
-    let value = match direction {
-        Direction::Horizontal => Panel::new(Axis::linear("gain", ""), Axis::unlabelled()),
-        Direction::Vertical => Panel::new(Axis::unlabelled(), Axis::log("gain", "")),
-    };
+    let value = Panel::new(axis, Axis::unlabelled());
     let plain = || Panel::new(Axis::unlabelled(), Axis::unlabelled());
     Figure::new(format!("{name}-named"), "")
         .with_panel(value.with(Layer::Bars(bars)))

@@ -3,11 +3,11 @@
 use super::{Depth, Section, words};
 use crate::diagnose::Proposal;
 use crate::report::block::{Block, Cell, Column, Table, Text, Tone};
-use crate::report::figure::{Axis, BarSeries, Bars, Direction, Figure, Layer, Panel, Role};
+use crate::report::figure::{Axis, BarSeries, Bars, Figure, Layer, Panel, Role};
 use crate::report::format;
 use crate::study::{Candidate, DiagnosisStudy, Study};
 
-/// The diagnosis.
+/// Candidates by rank, with the evidence for each.
 #[derive(Default)]
 pub struct Diagnosis;
 
@@ -71,7 +71,6 @@ fn ranking_figure(diagnosis: &DiagnosisStudy) -> Option<Figure> {
     let bars = Bars {
         categories: shown.iter().map(|c| words::effect(&c.effect)).collect(),
         series: vec![series],
-        direction: Direction::Horizontal,
         highlight: place,
     };
     let title = match place.map(|place| (place, shown[place])) {

@@ -9,7 +9,7 @@ use crate::report::figure::{Axis, Dash, Figure, Layer, Panel, Role};
 use crate::report::format;
 use crate::study::{MethodStudy, Performance, RecordingStudy, Study};
 
-/// The emulator.
+/// Simulations by eq. (19) and the rules of fuzzy methods.
 #[derive(Default)]
 pub struct Emulator;
 
@@ -72,78 +72,99 @@ fn states(
     recording: &RecordingStudy,
     performance: &Performance,
 ) -> Vec<Block> {
-    let count = performance.emulator.len().min(recording.t.len());
-    if count < 2 || recording.alpha.len() < count || recording.omega.len() < count {
-        return vec![];
-    }
+    let Some(run) = Run::new(recording, performance) else { return vec![] };
     let subtitle = format!(
         "{}, {}, parallel structure, K = {} s⁻¹ on the wheel speeds",
         words::method(study, method),
         recording.file,
         format::number(study.emulator_gain)
     );
-    let symbols = ["α₁", "α₂", "ω₁", "ω₂"];
-    let units = ["rad", "rad", "rad/s", "rad/s"];
-    let measured = |k: usize, state: usize| match state {
-        0 | 1 => recording.alpha[k][state],
-        _ => recording.omega[k][state - 2],
-    };
-    let largest = |state: usize| (0..count).map(|k| measured(k, state).abs()).fold(1e-9, f64::max);
-    let mut outputs = Figure::new("emulator-states", "States of the emulator and measured states")
-        .with_subtitle(&subtitle)
-        .with_caption(format!(
-            "Angles α and speeds ω of the wheels.{}",
-            words::in_paper(study, "Fig. 13")
-        ))
-        .interactive();
-    let rms = |state: usize| {
-        let square = |k: usize| (measured(k, state) - performance.emulator[k][state]).powi(2);
-        ((0..count).map(square).sum::<f64>() / count as f64).sqrt()
-    };
     let title = format!(
         "Errors of the emulator: {} and {} rad/s rms in speed",
-        format::digits(rms(2), 2),
-        format::digits(rms(3), 2)
+        format::digits(run.rms(2), 2),
+        format::digits(run.rms(3), 2)
     );
-    let mut errors = Figure::new("emulator-errors", title)
-        .with_subtitle(&subtitle)
-        .with_caption(format!(
-            "Measured minus emulated states, wheel 1 right, wheel 2 left.{}",
-            words::in_paper(study, "Fig. 14")
-        ))
-        .interactive();
-    for state in 0..4 {
-        let limit = 5.0 * largest(state);
-        let near = |v: f64| if v.abs() <= limit { v } else { f64::NAN };
-        let over_time = |value: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
-            (0..count).map(|k| (recording.t[k], value(k))).collect()
-        };
-        let line = |points, label: &str, width, role| Layer::Line {
-            points: curves::broken_at_gaps(points),
-            label: label.to_owned(),
-            role,
-            width,
-            dash: Dash::Solid,
-        };
-        let time = || Axis::linear("time", "s");
-        let real = over_time(&|k| measured(k, state));
-        let emulated = over_time(&|k| near(performance.emulator[k][state]));
-        let name = |name: &'static str| if state == 0 { name } else { "" };
-        outputs.panels.push(
-            Panel::new(time(), Axis::linear(symbols[state], units[state]))
-                .with(Layer::points(real, name("measured"), Role::Measured))
-                .with(line(emulated, name("emulator"), 1.6, Role::Model)),
+    let outputs =
+        Figure::new("emulator-states", "States of the emulator and measured states").with_caption(
+            format!("Angles α and speeds ω of the wheels.{}", words::in_paper(study, "Fig. 13")),
         );
-        let error = over_time(&|k| measured(k, state) - near(performance.emulator[k][state]));
-        let role = if state % 2 == 0 { Role::Wheel1 } else { Role::Wheel2 };
-        let axis = Axis::linear(format!("error of {}", symbols[state]), units[state]);
-        let panel = Panel::new(time(), axis).with(line(error, "", 1.0, role));
-        errors.panels.push(panel.with(Layer::HLine {
-            at: 0.0,
-            label: String::new(),
-            role: Role::Ink,
-            dash: Dash::Solid,
-        }));
+    let errors = Figure::new("emulator-errors", title).with_caption(format!(
+        "Measured minus emulated states, wheel 1 right, wheel 2 left.{}",
+        words::in_paper(study, "Fig. 14")
+    ));
+    let drawn = |figure: Figure, panel: &dyn Fn(usize) -> Panel| {
+        let figure = figure.with_subtitle(&subtitle).interactive();
+        (0..4).map(panel).fold(figure, Figure::with_panel).into()
+    };
+    vec![drawn(outputs, &|state| run.output(state)), drawn(errors, &|state| run.error(state))]
+}
+
+const SYMBOLS: [&str; 4] = ["α₁", "α₂", "ω₁", "ω₂"];
+const UNITS: [&str; 4] = ["rad", "rad", "rad/s", "rad/s"];
+
+/// The emulator beside a recording; states are alpha1, alpha2, omega1, omega2.
+struct Run<'a> {
+    recording: &'a RecordingStudy,
+    emulated: &'a [[f64; 4]],
+}
+
+impl<'a> Run<'a> {
+    /// `None` where nothing was emulated.
+    fn new(recording: &'a RecordingStudy, performance: &'a Performance) -> Option<Self> {
+        let count = performance.emulator.len().min(recording.t.len());
+        let is_there =
+            count >= 2 && recording.alpha.len() >= count && recording.omega.len() >= count;
+        is_there.then(|| Self { recording, emulated: &performance.emulator[..count] })
     }
-    vec![outputs.into(), errors.into()]
+
+    fn measured(&self, k: usize, state: usize) -> f64 {
+        match state {
+            0 | 1 => self.recording.alpha[k][state],
+            _ => self.recording.omega[k][state - 2],
+        }
+    }
+
+    fn rms(&self, state: usize) -> f64 {
+        let square = |(k, e): (usize, &[f64; 4])| (self.measured(k, state) - e[state]).powi(2);
+        let sum: f64 = self.emulated.iter().enumerate().map(square).sum();
+        (sum / self.emulated.len() as f64).sqrt()
+    }
+
+    /// Emulated values; what diverged is left out.
+    fn near(&self, state: usize) -> Vec<f64> {
+        let rows = 0..self.emulated.len();
+        let largest = rows.map(|k| self.measured(k, state).abs()).fold(1e-9, f64::max);
+        let near = |v: f64| if v.abs() <= 5.0 * largest { v } else { f64::NAN };
+        self.emulated.iter().map(|e| near(e[state])).collect()
+    }
+
+    fn over_time(&self, value: impl Fn(usize) -> f64) -> Vec<(f64, f64)> {
+        (0..self.emulated.len()).map(|k| (self.recording.t[k], value(k))).collect()
+    }
+
+    fn output(&self, state: usize) -> Panel {
+        let near = self.near(state);
+        let (real, emulated) =
+            (self.over_time(|k| self.measured(k, state)), self.over_time(|k| near[k]));
+        // one legend for all panels
+        let name = |name: &'static str| if state == 0 { name } else { "" };
+        Panel::new(Axis::linear("time", "s"), Axis::linear(SYMBOLS[state], UNITS[state]))
+            .with(Layer::points(real, name("measured"), Role::Measured))
+            .with(line(emulated, name("emulator"), 1.6, Role::Model))
+    }
+
+    fn error(&self, state: usize) -> Panel {
+        let near = self.near(state);
+        let error = self.over_time(|k| self.measured(k, state) - near[k]);
+        let role = if state.is_multiple_of(2) { Role::Wheel1 } else { Role::Wheel2 };
+        let axis = Axis::linear(format!("error of {}", SYMBOLS[state]), UNITS[state]);
+        let zero =
+            Layer::HLine { at: 0.0, label: String::new(), role: Role::Ink, dash: Dash::Solid };
+        Panel::new(Axis::linear("time", "s"), axis).with(line(error, "", 1.0, role)).with(zero)
+    }
+}
+
+fn line(points: Vec<(f64, f64)>, label: &str, width: f64, role: Role) -> Layer {
+    let (points, label) = (curves::broken_at_gaps(points), label.to_owned());
+    Layer::Line { points, label, role, width, dash: Dash::Solid }
 }

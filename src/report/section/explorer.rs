@@ -7,7 +7,7 @@ use crate::report::figure::{Axis, Dash, Figure, Layer, Panel, Role};
 use crate::report::format;
 use crate::study::{ModelStudy, Performance, RecordingStudy, Study};
 
-/// The explorer.
+/// Measured and simulated motion of each recording, to scroll and zoom.
 #[derive(Default)]
 pub struct Explorer;
 

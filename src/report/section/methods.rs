@@ -4,13 +4,11 @@ use super::estimates::{figures as traces, truth};
 use super::{Depth, Section, words};
 use crate::identify::Status;
 use crate::report::block::{Block, Cell, Column, Table, Text, Tone};
-use crate::report::figure::{
-    Axis, BarSeries, Bars, Direction, Figure, Layer, Panel, Role as Color,
-};
+use crate::report::figure::{Axis, BarSeries, Bars, Figure, Layer, Panel, Role as Color};
 use crate::report::format;
 use crate::study::{MethodStudy, Performance, Role, Study};
 
-/// Methods.
+/// The methods side by side: errors, estimates, status, notes.
 #[derive(Default)]
 pub struct Methods;
 
@@ -214,7 +212,6 @@ fn figure(study: &Study) -> Option<Figure> {
     let bars = Bars {
         categories: fitted.iter().map(|m| words::method(study, m.0)).collect(),
         series: vec![series],
-        direction: Direction::Horizontal,
         highlight: None,
     };
     let title = format!(

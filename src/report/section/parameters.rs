@@ -7,7 +7,7 @@ use crate::report::block::{Block, Cell, Column, Table, Tone};
 use crate::report::format;
 use crate::study::{ParameterStudy, Study};
 
-/// Parameters.
+/// Estimates of the last model, with their errors and what is not identifiable.
 #[derive(Default)]
 pub struct Parameters;
 

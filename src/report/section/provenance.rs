@@ -4,7 +4,7 @@ use super::{Depth, Section, listed, words};
 use crate::report::block::{Block, Cell, Column, Table, Text};
 use crate::study::Study;
 
-/// Provenance.
+/// What is needed to repeat the run: version, seed, checksums, the experiment file.
 #[derive(Default)]
 pub struct Provenance;
 

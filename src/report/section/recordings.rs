@@ -5,7 +5,7 @@ use crate::report::block::{Block, Cell, Column, Table, Text};
 use crate::report::format;
 use crate::study::{RecordingStudy, Study};
 
-/// The recordings.
+/// What was read, conditioned and found by the quality check.
 #[derive(Default)]
 pub struct Recordings;
 

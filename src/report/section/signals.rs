@@ -98,55 +98,27 @@ fn velocity(study: &Study, recording: &RecordingStudy) -> Figure {
 fn path(study: &Study, recording: &RecordingStudy, windows: &[[f64; 2]]) -> Figure {
     let place = |k: usize| (recording.path[k][0], recording.path[k][1]);
     let all: Vec<(f64, f64)> = (0..recording.path.len()).map(place).collect();
-    // the floor of the verdict, so that the path tells the same of the model
-    let floor = recording.floor.window_rms.max(1e-9);
-    let loud = |k: usize| -> f64 {
-        let square = |i: usize| (recording.omega[k][i] - windows[k][i]).powi(2);
-        (0.5 * (square(0) + square(1))).sqrt() / floor
-    };
-    let count = windows.len().min(recording.omega.len()).min(all.len());
-    let smooth = smoothed(&(0..count).map(loud).collect::<Vec<_>>(), recording.rate_hz);
+    let over_floor = over_floor(recording, windows, all.len());
     let above = |low: f64, high: f64| -> Vec<(f64, f64)> {
-        (0..count).filter(|&k| smooth[k] > low && smooth[k] <= high).map(|k| all[k]).collect()
+        let rows = over_floor.iter().zip(&all).filter(|(over, _)| **over > low && **over <= high);
+        rows.map(|(_, place)| *place).collect()
     };
-    let size = map_size(&all);
-    let start = all[0];
-    let dots = |points, label: &str, role, radius| Layer::Points {
-        points,
-        label: label.to_owned(),
-        role,
-        radius,
-        alpha: 1.0,
-    };
-    let panel = Panel::new(Axis::linear("x", "m"), Axis::linear("y", "m"))
-        .with_equal_units()
-        .with(line(all.clone(), "path", Role::NoiseFloor, 1.6));
     let (some, many) = (above(2.0, 4.0), above(4.0, f64::INFINITY));
-    let share = (some.len() + many.len()) as f64 / count.max(1) as f64;
+    let marked = some.len() + many.len();
     let marks = [
         dots(some, "error 2 to 4 times the floor", Role::Highlight, 1.6),
         dots(many, "more than 4 times", Role::Model, 2.6),
-        dots(vec![start], "start", Role::Ink, 4.5),
+        dots(vec![all[0]], "start", Role::Ink, 4.5),
     ];
+    let size = map_size(&all);
+    let panel = Panel::new(Axis::linear("x", "m"), Axis::linear("y", "m"))
+        .with_equal_units()
+        .with(line(all, "path", Role::NoiseFloor, 1.6));
     // what does not occur is not in the legend
     let occurs =
         |layer: &Layer| !matches!(layer, Layer::Points { points, .. } if points.is_empty());
     let panel = marks.into_iter().filter(occurs).fold(panel, Panel::with);
-    let model = match &study.completed {
-        Some(_) => format!(" {}", words::added(study)),
-        None => String::new(),
-    };
-    let title = match count {
-        0 => "Robot path".to_owned(),
-        _ if share == 0.0 => {
-            format!("The error{model} stays below twice the noise floor everywhere")
-        }
-        _ => format!(
-            "The error{model} exceeds twice the noise floor for {} of the time",
-            format::percent(share)
-        ),
-    };
-    let mut figure = Figure::new("path", title)
+    let mut figure = Figure::new("path", title_of_path(study, marked, over_floor.len()))
         .with_subtitle(&recording.file)
         .with_caption(
             "Path of the axle's centre, computed from the wheel angles; dots mark where the 2 s simulation \
@@ -155,6 +127,36 @@ fn path(study: &Study, recording: &RecordingStudy, windows: &[[f64; 2]]) -> Figu
         .with_panel(panel);
     figure.size = size;
     figure
+}
+
+/// Error of the windows over the noise floor of the verdict, row by row, averaged over 0.2 s.
+fn over_floor(recording: &RecordingStudy, windows: &[[f64; 2]], rows: usize) -> Vec<f64> {
+    let floor = recording.floor.window_rms.max(1e-9);
+    let error = |(w, simulated): (&[f64; 2], &[f64; 2])| {
+        let square = |i: usize| (w[i] - simulated[i]).powi(2);
+        (0.5 * (square(0) + square(1))).sqrt() / floor
+    };
+    let errors: Vec<f64> = recording.omega.iter().zip(windows).map(error).take(rows).collect();
+    smoothed(&errors, recording.rate_hz)
+}
+
+fn dots(points: Vec<(f64, f64)>, label: &str, role: Role, radius: f64) -> Layer {
+    Layer::Points { points, label: label.to_owned(), role, radius, alpha: 1.0 }
+}
+
+fn title_of_path(study: &Study, marked: usize, rows: usize) -> String {
+    let model = match &study.completed {
+        Some(_) => format!(" {}", words::added(study)),
+        None => String::new(),
+    };
+    match (rows, marked) {
+        (0, _) => "Robot path".to_owned(),
+        (_, 0) => format!("The error{model} stays below twice the noise floor everywhere"),
+        _ => format!(
+            "The error{model} exceeds twice the noise floor for {} of the time",
+            format::percent(marked as f64 / rows as f64)
+        ),
+    }
 }
 
 /// Root mean square over 0.2 s.

@@ -2,7 +2,7 @@
 
 use super::{Section, words};
 use crate::report::block::{Block, Cell, Column, Table};
-use crate::report::figure::{Axis, BarSeries, Bars, Direction, Figure, Layer, Panel, Role};
+use crate::report::figure::{Axis, BarSeries, Bars, Figure, Layer, Panel, Role};
 use crate::report::format;
 use crate::study::Study;
 
@@ -97,7 +97,6 @@ fn figure(study: &Study, id: &str, lead: &str, stairs: &[Stair]) -> Figure {
     let bars = Bars {
         categories: stairs.iter().map(|stair| stair.name.clone()).collect(),
         series: vec![series],
-        direction: Direction::Horizontal,
         highlight: None,
     };
     let first = stairs.first().map_or(f64::NAN, |stair| stair.error);

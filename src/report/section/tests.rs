@@ -102,7 +102,6 @@ fn a_robot_that_nobody_named_does_not_head_the_report_of_measured_data() {
 fn short_and_ragged_columns_are_drawn_as_far_as_they_go() {
     let mut study = full();
     for recording in &mut study.recordings {
-        recording.acceleration.clear();
         recording.path.truncate(1);
         recording.regimes.clear();
         recording.alpha.truncate(10);

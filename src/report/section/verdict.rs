@@ -8,7 +8,7 @@ use crate::report::block::{Block, Number, Text, Tone};
 use crate::report::format;
 use crate::study::{self, Grade, Role, Study};
 
-/// The verdict.
+/// What is missing, with the errors that show it and what to record next.
 #[derive(Default)]
 pub struct Verdict;
 

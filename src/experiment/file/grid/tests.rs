@@ -49,8 +49,8 @@ fn the_bare_keys_are_those_of_the_simulation() {
 #[test]
 fn wrong_keys_and_values_are_named_with_what_was_meant() {
     let said = |text: &str| grid_axes(text).unwrap_err();
-    assert!(said("noise_scal = [1]").contains("the nearest is `noise_scale`"));
-    assert!(said("\"modl.effects\" = [[]]").contains("the nearest is `model`"));
+    assert!(said("noise_scal = [1]").contains("did you mean `noise_scale`?"));
+    assert!(said("\"modl.effects\" = [[]]").contains("did you mean `model`?"));
     assert!(said("seed = 3").contains("seed: = 3 is no list"));
     assert!(said("seed = { cont = 3 }").contains("cont"));
     assert!(said("seed = { count = 3, steps = 2 }").contains("is no range"));

@@ -3,7 +3,7 @@
 use super::super::words;
 use super::truth;
 use crate::identify::Estimate;
-use crate::report::figure::{Axis, BarSeries, Bars, Direction, Figure, Layer, Panel, Role};
+use crate::report::figure::{Axis, BarSeries, Bars, Figure, Layer, Panel, Role};
 use crate::report::format;
 use crate::study::{MethodStudy, Study};
 
@@ -72,12 +72,7 @@ fn panel(study: &Study, physical: &[&MethodStudy], reference: &Estimate) -> Opti
     }
     let reach = if reach > 0.0 { 1.1 * reach } else { 1.0 };
     let series = BarSeries { intervals, text, ..BarSeries::new("", Role::Measured, values) };
-    let bars = Bars {
-        categories,
-        series: vec![series],
-        direction: Direction::Horizontal,
-        highlight: None,
-    };
+    let bars = Bars { categories, series: vec![series], highlight: None };
     let x = Axis::linear("deviation", "%").with_range(-reach, reach);
     let title = format!(
         "{}, {} {} {}",

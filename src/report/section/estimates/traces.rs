@@ -14,23 +14,14 @@ pub(in super::super) fn figures(study: &Study, method: &MethodStudy) -> Vec<Figu
 
 fn figure(study: &Study, method: &MethodStudy, trace: &Trace) -> Option<Figure> {
     let name = words::method(study, method);
-    let mut figure = Figure::new(
-        match settling(method, trace) {
-            LIKELIHOOD => format!("profile-{}-{}", method.name, label(&trace.axis).0),
-            _ => format!("trace-{}", method.name),
-        },
-        format!("{} of {name} over {}", settling(method, trace), label(&trace.axis).0),
-    )
-    .with_subtitle(&method.title);
-    if settling(method, trace) == "Estimates" {
-        figure.caption =
-            "Dashed lines mark the true value where it is known, else the last one.".to_owned();
-    }
-    if settling(method, trace) == LIKELIHOOD {
-        figure.caption = "All other parameters follow. The values above the line are the 95 % \
-                          interval."
-            .to_owned();
-    }
+    let (settling, over) = (Settling::of(method, trace), label(&trace.axis).0);
+    let id = match settling {
+        Settling::Likelihood => format!("profile-{}-{over}", method.name),
+        Settling::Estimates | Settling::Cost => format!("trace-{}", method.name),
+    };
+    let title = format!("{} of {name} over {over}", settling.word());
+    let mut figure = Figure::new(id, title).with_subtitle(&method.title);
+    figure.caption = settling.caption().to_owned();
     for (curve, symbol) in trace.names.iter().enumerate() {
         let points: Vec<(f64, f64)> = trace
             .at
@@ -45,15 +36,44 @@ fn figure(study: &Study, method: &MethodStudy, trace: &Trace) -> Option<Figure> 
     (!figure.panels.is_empty()).then(|| figure.interactive())
 }
 
-const LIKELIHOOD: &str = "Profile likelihood";
+/// What settles along a trace.
+#[derive(Clone, Copy)]
+enum Settling {
+    Estimates,
+    Cost,
+    /// How the likelihood falls beside the estimate.
+    Likelihood,
+}
 
-/// What settles: estimates, or a cost; or how the likelihood falls.
-fn settling(method: &MethodStudy, trace: &Trace) -> &'static str {
-    if trace.names.iter().any(|name| name == PROFILE) {
-        return LIKELIHOOD;
+impl Settling {
+    fn of(method: &MethodStudy, trace: &Trace) -> Self {
+        let is_estimate = |name: &String| method.estimates.iter().any(|e| e.symbol == *name);
+        match &trace.names {
+            names if names.iter().any(|name| name == PROFILE) => Self::Likelihood,
+            names if names.iter().any(is_estimate) => Self::Estimates,
+            _ => Self::Cost,
+        }
     }
-    let is_estimate = |name: &String| method.estimates.iter().any(|e| e.symbol == *name);
-    if trace.names.iter().any(is_estimate) { "Estimates" } else { "Cost" }
+
+    fn word(self) -> &'static str {
+        match self {
+            Self::Estimates => "Estimates",
+            Self::Cost => "Cost",
+            Self::Likelihood => "Profile likelihood",
+        }
+    }
+
+    fn caption(self) -> &'static str {
+        match self {
+            Self::Estimates => {
+                "Dashed lines mark the true value where it is known, else the last one."
+            }
+            Self::Cost => "",
+            Self::Likelihood => {
+                "All other parameters follow. The values above the line are the 95 % interval."
+            }
+        }
+    }
 }
 
 fn panel(

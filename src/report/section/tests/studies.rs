@@ -31,7 +31,6 @@ fn recording(role: Role) -> RecordingStudy {
         findings: vec!["a gap of 0.2 s at 1.0 s".to_owned()],
         floor: Floor { ise: [0.01; 2], window_rms: 0.05, window_most: 0.05 },
         alpha: t.iter().map(|t| [4.0 - 4.0 * t.cos(), 3.0 * t.sin()]).collect(),
-        acceleration: t.iter().map(|t| [4.0 * t.cos(), -3.0 * t.sin()]).collect(),
         torque: omega.iter().map(|w| [0.1 * w[0], 0.1 * w[1]]).collect(),
         regimes: (0..SAMPLES).map(regime).collect(),
         path: t.iter().map(|t| [0.1 * t, 0.05 * t.sin(), 0.2 * t]).collect(),
