@@ -116,6 +116,8 @@ fn look(path: &Path, guess: &Guess) -> Result<(Recording, Vec<Finding>), String>
             nanoseconds: one.nanoseconds.clone(),
             sum: one.sum,
             times: one.times.clone(),
+            sign: one.sign.clone(),
+            backward: one.backward.clone(),
             ..Column::new(&one.name)
         };
         columns.put(one.key, column).map_err(|e| e.to_string())?;

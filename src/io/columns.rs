@@ -38,6 +38,10 @@ pub struct Column {
     pub period: Option<f64>,
     /// Column that multiplies the value; 1 without one.
     pub times: Option<String>,
+    /// Column that says the direction of a magnitude.
+    pub sign: Option<String>,
+    /// What that column holds where the value is negative; a negative number unless given.
+    pub backward: Option<String>,
     /// Whether the experiment file names it; a named column must be there.
     pub named: bool,
 }
@@ -57,6 +61,8 @@ impl Column {
             sum: false,
             period: None,
             times: None,
+            sign: None,
+            backward: None,
             named: true,
         }
     }
@@ -118,6 +124,12 @@ impl ColumnMap {
             if key != "t" || !is_alone || !(period > 0.0 && period.is_finite()) {
                 return Err(IoError::Period { column: key.into(), period });
             }
+        }
+        let is_signed = key.starts_with('d') || key.starts_with('M');
+        if (column.sign.is_some() && !is_signed)
+            || (column.backward.is_some() && column.sign.is_none())
+        {
+            return Err(IoError::Direction { column: key.into() });
         }
         if column.torque_constant.is_some() && self.drive_unit != DriveUnit::NewtonMetre {
             let need = "drive_unit = \"N m\" (the default) beside torque_constant".into();
@@ -203,6 +215,7 @@ impl ColumnMap {
             ],
             "alpha1" | "alpha2" => vec![
                 ("rad", Ok(1.0)),
+                ("mrad", Ok(1e-3)),
                 ("deg", degree),
                 ("rev", Ok(TAU)),
                 ("ticks", count),
@@ -212,6 +225,7 @@ impl ColumnMap {
             ],
             "dalpha1" | "dalpha2" => vec![
                 ("rad/s", Ok(1.0)),
+                ("mrad/s", Ok(1e-3)),
                 ("deg/s", degree),
                 ("rpm", Ok(TAU / 60.0)),
                 ("rev/s", Ok(TAU)),
@@ -315,98 +329,4 @@ pub(super) fn is_unit(text: &str) -> bool {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn factor(map: &ColumnMap, key: &str, column: Column) -> Result<(f64, f64), IoError> {
-        map.conversion(key, &column, None)
-    }
-
-    fn in_unit(unit: &str) -> Column {
-        Column { unit: Some(unit.into()), ..Column::new("x") }
-    }
-
-    #[test]
-    fn units_are_read_in_the_spellings_of_other_programs() {
-        let map = ColumnMap::new(DriveUnit::NewtonMetre, Some(0.05));
-        let same = |key: &str, one: &str, other: &str| {
-            let of = |unit: &str| factor(&map, key, in_unit(unit)).unwrap();
-            assert_eq!(of(one), of(other), "{one}");
-        };
-        same("dalpha1", "rad/sec", "rad/s");
-        same("dalpha1", "deg/sec", "deg/s");
-        same("dalpha1", "rot/s", "rev/s");
-        same("dalpha1", "U/min", "rpm");
-        same("dalpha1", "m/sec", "m/s");
-        same("t", "secs", "s");
-        same("M1", "N-m", "N m");
-        let current = |unit: &str| Column { torque_constant: Some(0.5), ..in_unit(unit) };
-        assert_eq!(factor(&map, "M1", current("Amps")).unwrap(), (0.5, 0.0));
-        let volts = ColumnMap::new(DriveUnit::Volt, None);
-        assert_eq!(factor(&volts, "M1", in_unit("Volts")).unwrap(), (1.0, 0.0));
-    }
-
-    #[test]
-    fn units_become_si() {
-        let map = ColumnMap::new(DriveUnit::NewtonMetre, Some(0.05));
-        let of = |key: &str, unit: &str| factor(&map, key, in_unit(unit)).unwrap().0;
-        // 60 rpm is a turn a second
-        assert!((60.0 * of("dalpha1", "rpm") - TAU).abs() < 1e-12);
-        assert!((360.0 * of("alpha2", "deg") - TAU).abs() < 1e-12);
-        assert_eq!(of("dalpha2", "rev/s"), TAU);
-        assert_eq!([of("dalpha2", "m/s"), of("alpha1", "m")], [20.0; 2]);
-        assert!((of("dalpha2", "mm/s") - 0.02).abs() < 1e-15);
-        assert!(
-            (of("alpha1", "cm") - 0.2).abs() < 1e-15 && (of("dalpha1", "cm/s") - 0.2).abs() < 1e-15
-        );
-        assert_eq!([of("M1", "Nm"), of("M1", "N·m"), of("M2", "mNm")], [1.0, 1.0, 1e-3]);
-        assert_eq!([of("t", "ms"), of("t", "µs"), of("t", "ns")], [1e-3, 1e-6, 1e-9]);
-    }
-
-    #[test]
-    fn the_unit_of_a_command_leaves_its_size_to_scale() {
-        let volts = ColumnMap::new(DriveUnit::Volt, None);
-        let duty = Column { scale: 0.01, times: Some("battery".into()), ..Column::new("duty [%]") };
-        assert_eq!(volts.conversion("M1", &duty, Some("%")).unwrap(), (0.01, 0.0));
-        assert!(volts.conversion("M1", &duty, Some("rpm")).is_err());
-        assert!(ColumnMap::default().conversion("M1", &duty, Some("%")).is_err());
-    }
-
-    #[test]
-    fn counts_currents_scale_and_offset_are_converted() {
-        let map = ColumnMap::default();
-        let ticks = Column { per_turn: Some(500.0), ..Column::new("enc") };
-        assert!((factor(&map, "alpha1", ticks).unwrap().0 * 500.0 - TAU).abs() < 1e-12);
-        let current = Column {
-            unit: Some("mA".into()),
-            torque_constant: Some(0.1),
-            scale: -1.0,
-            offset: 50.0,
-            ..Column::new("i")
-        };
-        // 250 mA read, -250 + 50 = -200 mA meant, -0.02 N m
-        let (scale, offset) = factor(&map, "M1", current).unwrap();
-        assert!((250.0 * scale + offset + 0.02).abs() < 1e-15);
-    }
-
-    #[test]
-    fn units_that_do_not_fit_are_refused_with_what_is_needed() {
-        let map = ColumnMap::default();
-        let e = factor(&map, "dalpha1", in_unit("knots")).unwrap_err().to_string();
-        assert!(e.contains("`knots` is not known for a speed") && e.contains("rpm"), "{e}");
-        let e = factor(&map, "alpha1", in_unit("ticks")).unwrap_err().to_string();
-        assert!(e.contains("needs per_turn"), "{e}");
-        let e = factor(&map, "M1", in_unit("A")).unwrap_err().to_string();
-        assert!(e.contains("torque_constant") && e.contains("drive_unit = \"A\""), "{e}");
-        let amperes = &mut ColumnMap::new(DriveUnit::Ampere, None);
-        let column = Column { torque_constant: Some(0.1), ..Column::new("i") };
-        let e = amperes.put("M1", column).unwrap_err().to_string();
-        assert!(e.contains("drive_unit = \"N m\""), "{e}");
-        let volts = ColumnMap::new(DriveUnit::Volt, None);
-        assert!(factor(&volts, "M1", in_unit("N m")).is_err());
-        let e = ColumnMap::default().set("alfa1", "q", None, 1.0).unwrap_err().to_string();
-        assert!(e.contains("did you mean `alpha1`?"), "{e}");
-        let e = ColumnMap::default().set("M1", "q", None, 0.0).unwrap_err().to_string();
-        assert!(e.contains("columns.M1"), "{e}");
-    }
-}
+mod tests;

@@ -19,7 +19,7 @@ use polars::prelude::{
 pub(super) use self::blocks::{Blocks, has_more_lines};
 pub(super) use self::lists::lists;
 pub(super) use self::number::{ABSENT, duration, number, quantity, value};
-pub(super) use self::unfold::unfold;
+pub(super) use self::unfold::{is_owner, may_be_keyed, unfold, unfolded};
 use super::IoError;
 use super::columns::is_unit;
 use super::error::{caught, format_error, shown};
@@ -37,12 +37,24 @@ pub(super) struct Layout {
     units: bool,
     /// Units that stand in the cells of columns, as MATLAB writes `0.01 sec`; empty where cells are bare numbers.
     in_cells: Vec<String>,
+    /// Places of columns whose words are directions, and the word for backward.
+    pub(super) directions: Vec<(usize, String)>,
 }
 
 impl Layout {
     /// A cell of a column as a number, which stands in the unit of the column's cells.
     fn value(&self, place: usize, cell: &str) -> Option<f64> {
         let comma = self.separator != b',';
+        if let Some((_, back)) = self.directions.iter().find(|(at, _)| *at == place) {
+            let cell = cell.trim().trim_matches('"').trim();
+            return Some(if cell.is_empty() {
+                f64::NAN
+            } else if cell == back {
+                -1.0
+            } else {
+                1.0
+            });
+        }
         value(cell, comma).or_else(|| {
             let unit = self.in_cells.get(place).filter(|unit| !unit.is_empty())?;
             number(cell.trim().trim_matches('"').trim().strip_suffix(unit.as_str())?, comma)
@@ -96,7 +108,15 @@ pub(super) fn layout(path: &Path) -> Result<Layout, IoError> {
     let in_cells = units_in_cells(&row, separator);
     let unit = |k: usize| in_cells.get(k).map_or("", String::as_str);
     let names = names.iter().enumerate().map(|(k, name)| with_unit(name, unit(k))).collect();
-    Ok(Layout { names, separator: separator as u8, decimal_comma, above, units, in_cells })
+    Ok(Layout {
+        names,
+        separator: separator as u8,
+        decimal_comma,
+        above,
+        units,
+        in_cells,
+        directions: vec![],
+    })
 }
 
 /// The units behind the numbers of a row, empty where there are none.
@@ -171,7 +191,13 @@ pub(super) fn split(header: &str, separator: char) -> Vec<String> {
 /// Whether a line is header or data.
 fn is_row(line: &[u8]) -> bool {
     let line = line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(line);
-    !line.trim_ascii().is_empty() && !line.starts_with(b"#")
+    let line = line.trim_ascii();
+    !line.is_empty() && !line.starts_with(b"#") && !is_separator(line)
+}
+
+/// Whether a line tells Excel the separator: `sep=;`.
+pub(super) fn is_separator(line: &[u8]) -> bool {
+    matches!(line.strip_prefix(b"sep="), Some([_]))
 }
 
 /// The wanted columns as numbers.

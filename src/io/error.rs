@@ -157,6 +157,28 @@ pub enum IoError {
         /// Offset in SI.
         offset: f64,
     },
+    /// A direction of what has none, or what says it without a column.
+    #[error(
+        "column {column}: `sign` names the column with the direction of a speed or an input (dalpha1, dalpha2, M1, M2), and `backward` what that column holds where the value is negative: {{ name = \"pwmL\", sign = \"dirL\", backward = \"0\" }}"
+    )]
+    Direction {
+        /// Contract column.
+        column: String,
+    },
+    /// A direction that is none of the two.
+    #[error(
+        "{file}, row {row}: {key}.sign takes the direction from column `{column}`, which has no number there; name what it holds where the value is negative: backward = \"…\""
+    )]
+    NoDirection {
+        /// As the user named it.
+        file: String,
+        /// Row of data, from 1.
+        row: usize,
+        /// Contract column.
+        key: String,
+        /// Column of the direction.
+        column: String,
+    },
     /// A period of the rows that is none.
     #[error(
         "columns.{column}: expected the time between two rows [s] above 0, as t = {{ period = 0.02 }}, found period = {period}; it stands in `t` alone, and in place of all other keys"

@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use polars::prelude::DataFrame;
 
 use super::error::shown;
-use super::recording::{Headers, Place, Source, channels, headers, names_of, wanted};
+use super::recording::{Headers, Place, Source, channels, headers, names_of, read_words, wanted};
 use super::{ColumnMap, IoError, csv, parquet, sha256};
 use crate::recording::{
     Channels, DriveUnit, LongRecording, Recording, RecordingError, Rows, Survey,
@@ -30,7 +30,8 @@ pub fn read_long_recording(
     if path.is_dir() || !has_more_rows(path, hold_rows)? {
         return Ok(None);
     }
-    let headers = headers(path)?;
+    let mut headers = headers(path)?;
+    read_words(&mut headers, columns);
     // what is read as a whole is held as a whole
     if !matches!(headers.source, Source::Text(_) | Source::Parquet) {
         return Ok(None);

@@ -1,5 +1,6 @@
 //! A recording from a file of any format that is read.
 
+mod direction;
 mod header;
 mod missing;
 
@@ -7,6 +8,8 @@ use std::path::{Path, PathBuf};
 
 use polars::prelude::{DataFrame, DataType, PolarsError};
 
+pub(super) use self::direction::read_words;
+use self::direction::{SIGNS, give_sign};
 use self::header::{bare, bracketed};
 use self::missing::missing;
 use super::columns::CONTRACT;
@@ -142,7 +145,8 @@ impl RawChannels {
 /// Everything in [`IoError`] but what is wrong with the values.
 pub fn read_channels(path: &Path, columns: &ColumnMap) -> Result<RawChannels, IoError> {
     let (path, part) = parted(path);
-    let headers = headers_of(path, part)?;
+    let mut headers = headers_of(path, part)?;
+    read_words(&mut headers, columns);
     let wanted = wanted(path, &headers, columns)?;
     let names = names_of(path, &headers, &wanted)?;
     let frame = match &headers.source {
@@ -277,6 +281,11 @@ pub(super) fn channels(
             let by = held(numbers(path, frame, name, place.first)?);
             values.iter_mut().zip(by).for_each(|(x, by)| *x *= by);
         }
+        let sign = SIGNS.iter().find(|(_, of)| *of == key).map(|(sign, _)| sign);
+        if let Some((_, name)) = wanted.iter().find(|(k, _)| Some(k) == sign) {
+            let directions = numbers(path, frame, name, place.first)?;
+            give_sign(path, (key, columns.get(key)), &mut values, &directions, place.first)?;
+        }
         Ok(Some(values))
     };
     let pair = |a: Option<Vec<f64>>, b: Option<Vec<f64>>| {
@@ -355,6 +364,13 @@ pub(super) fn wanted(
     }
     for (key, input) in FACTORS {
         let Some(name) = &columns.get(input).times else { continue };
+        if !headers.names.contains(name) {
+            return Err(missing(path, headers, key, name));
+        }
+        out.push((key, name.clone()));
+    }
+    for (key, of) in SIGNS {
+        let Some(name) = &columns.get(of).sign else { continue };
         if !headers.names.contains(name) {
             return Err(missing(path, headers, key, name));
         }

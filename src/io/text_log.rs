@@ -6,10 +6,17 @@
 //! names stand in the line above, if need be behind a line of units or a comment sign (as `savetxt` of
 //! numpy writes them); without any they are `column1`, `column2`, ….
 
+mod can;
+mod dataflash;
 mod decode;
+mod header;
+mod influx;
+mod keyed;
 mod labelled;
+mod octave;
 mod record;
 mod stamp;
+mod teleplot;
 mod yaml;
 
 use std::fs::File;
@@ -17,9 +24,11 @@ use std::io::Read;
 use std::path::Path;
 
 use self::decode::decoded;
+use self::header::names;
 use self::stamp::CLOCK;
 use super::IoError;
-use super::csv::{ABSENT, is_units, split, value, with_unit};
+use super::csv::{is_separator, may_be_keyed, quantity, split, unfolded, value};
+use super::error::shown;
 
 /// Columns with their names; a cell without a number is NaN.
 type Columns = Vec<(String, Vec<f64>)>;
@@ -28,12 +37,26 @@ type Columns = Vec<(String, Vec<f64>)>;
 const HEAD: u64 = 1 << 16;
 /// Rows of the same number of cells that make a table: a preamble repeats itself less.
 const ROWS: usize = 5;
-/// Lines above the rows among which the names are looked for.
-const ABOVE: usize = 3;
+/// Rows that say whether a table has a row for each motor.
+const LOOKED_AT: usize = 64;
 /// What may part columns; those that occur in numbers and words come last.
 const SEPARATORS: [char; 5] = [';', '\t', ',', '|', ' '];
 /// Those of plain CSV.
 const PLAIN: [char; 3] = [';', '\t', ','];
+
+/// Forms of text that are known by their lines, before any other: whether a text is one, and its columns.
+const FORMS: [(fn(&[&str]) -> bool, fn(&str) -> Columns); 6] = [
+    (yaml::is_one, yaml::columns),
+    (octave::is_one, octave::columns),
+    (dataflash::is_one, dataflash::columns),
+    (influx::is_one, influx::columns),
+    (can::is_one, can::columns),
+    (teleplot::is_one, teleplot::columns),
+];
+
+/// What is said of frames of a bus.
+const FRAMES: &str = "its lines are frames of a CAN bus, whose bytes nobody decoded: decode them by the database of the \
+                      motor controllers (cantools decode robot.dbc < candump.log), or log the decoded values";
 
 /// Where a table stands among the lines of a text.
 #[derive(Debug)]
@@ -72,14 +95,18 @@ pub(super) fn read(path: &Path) -> Result<Option<Columns>, IoError> {
     if is_cut {
         lines.pop();
     }
-    if yaml::is_one(&lines) {
+    if can::is_raw(&lines) {
+        let (file, format, reason) = (shown(path), "recording".into(), FRAMES.into());
+        return Err(IoError::Format { file, format, reason });
+    }
+    if let Some((_, columns)) = FORMS.iter().find(|(is_one, _)| is_one(&lines)) {
         let (text, _) = decoded(&bytes(u64::MAX)?);
-        return Ok(Some(yaml::columns(text.lines())));
+        return Ok(Some(columns(&text)));
     }
     // before tables: the labels of `l: 134 r: -5` are cells between spaces too
     if record::is_one(&lines) {
         let (text, _) = decoded(&bytes(u64::MAX)?);
-        return Ok(Some(record::columns(text.lines())));
+        return Ok(Some(keyed::columns(text.lines())));
     }
     let table = stamped_table(&lines);
     if labelled::is_one(&lines, table.as_ref()) {
@@ -91,7 +118,7 @@ pub(super) fn read(path: &Path) -> Result<Option<Columns>, IoError> {
         return Ok(None);
     }
     let (text, _) = decoded(&bytes(u64::MAX)?);
-    Ok(Some(table.columns(text.lines())))
+    Ok(Some(table.columns(&text)))
 }
 
 /// The columns of a JSON file that holds columns or records, or one record in every line; `None` for any other,
@@ -106,7 +133,7 @@ pub(super) fn json(path: &Path) -> Result<Option<Columns>, IoError> {
     }
     let (text, _) = decoded(&bytes);
     let lines: Vec<&str> = text.lines().collect();
-    Ok(record::is_one(&lines).then(|| record::columns(text.lines())))
+    Ok(record::is_one(&lines).then(|| keyed::columns(text.lines())))
 }
 
 /// The name of a column without one.
@@ -120,7 +147,37 @@ pub(super) fn has_no_header(names: &[String]) -> bool {
 }
 
 impl Table {
-    fn columns<'a>(&self, lines: impl Iterator<Item = &'a str>) -> Columns {
+    fn columns(&self, text: &str) -> Columns {
+        let keyed = self.keyed(text);
+        header::completed(keyed.unwrap_or_else(|| self.numbers(text.lines())), text)
+    }
+
+    /// The columns of rows that are those of several motors in turn.
+    fn keyed(&self, text: &str) -> Option<Columns> {
+        let comma = self.separator != ',';
+        let rows = || {
+            let held =
+                text.lines().skip(self.first).filter(|line| !is_blank(line) && !is_comment(line));
+            held.filter(|_| self.read.is_none()).map(|line| cells(line, self.separator))
+        };
+        let cell =
+            |row: &Vec<String>, k: usize| row.get(self.before + k).cloned().unwrap_or_default();
+        let places = 0..self.names.len();
+        let head: Vec<Vec<String>> = rows()
+            .take(LOOKED_AT)
+            .map(|row| places.clone().map(|k| cell(&row, k)).collect())
+            .collect();
+        if head.is_empty() || !may_be_keyed(&self.names, &head, comma) {
+            return None;
+        }
+        let mut texts: Vec<Vec<String>> = vec![vec![]; self.names.len()];
+        for row in rows() {
+            texts.iter_mut().enumerate().for_each(|(k, column)| column.push(cell(&row, k)));
+        }
+        unfolded(&self.names, &texts, comma)
+    }
+
+    fn numbers<'a>(&self, lines: impl Iterator<Item = &'a str>) -> Columns {
         let mut columns: Columns = self.names.iter().map(|n| (n.clone(), vec![])).collect();
         let mut clock = vec![];
         for line in lines.skip(self.first).filter(|line| !is_blank(line) && !is_comment(line)) {
@@ -157,7 +214,9 @@ fn is_plain(table: &Table, lines: &[&str]) -> bool {
 }
 
 fn is_blank(line: &str) -> bool {
-    line.trim().is_empty()
+    let line = line.trim();
+    let is_rule = || line.contains("--") && line.chars().all(|c| "-|:+= ".contains(c));
+    line.is_empty() || is_separator(line.as_bytes()) || is_rule()
 }
 
 /// Lines that loggers and mathematics programs write between rows of data.
@@ -169,6 +228,11 @@ fn is_comment(line: &str) -> bool {
 fn cells(line: &str, separator: char) -> Vec<String> {
     if separator == ' ' {
         line.split_whitespace().map(Into::into).collect()
+    } else if separator == '|' {
+        // a table of Markdown has a bar at both ends
+        let line = line.trim();
+        let inner = line.strip_prefix('|').and_then(|l| l.strip_suffix('|'));
+        split(inner.unwrap_or(line), separator)
     } else {
         split(line, separator)
     }
@@ -248,60 +312,6 @@ fn first_row(lines: &[&str], separator: char) -> Option<usize> {
         .collect();
     let run = rows.windows(ROWS).find(|w| w.iter().all(|r| r.1.is_some() && r.1 == w[0].1))?;
     Some(run[0].0)
-}
-
-/// The names of so many columns above the first row, and the line that they stand in; made-up ones without any.
-/// Separators at the end of that line name nothing.
-fn names(
-    lines: &[&str],
-    first: usize,
-    separator: char,
-    count: usize,
-) -> (Option<usize>, Vec<String>) {
-    let no_number = |cells: &[String]| {
-        let named =
-            |c: &String| ABSENT.contains(&c.as_str()) || value(c, separator != ',').is_none();
-        cells.len() == count && cells.iter().all(named) && cells.iter().any(|c| !c.is_empty())
-    };
-    let named_cells = |line: &str, separator: char| {
-        let mut cells = cells(line, separator);
-        while cells.len() > count && cells.last().is_some_and(String::is_empty) {
-            cells.pop();
-        }
-        cells
-    };
-    // the first line of all, whatever stands between: rows may be broken
-    let top = (0..first).find(|k| !is_blank(lines[*k]) && !lines[*k].starts_with('#'));
-    if let Some(k) = top {
-        let cells = named_cells(lines[k], separator);
-        if no_number(&cells) && cells.iter().all(|c| !c.is_empty()) {
-            return (Some(k), cells);
-        }
-    }
-    let mut units: Option<Vec<String>> = None;
-    let above = (0..first).rev().filter(|k| !is_blank(lines[*k])).take(ABOVE);
-    for k in above {
-        let line = lines[k].trim_start_matches(['#', '%', '/', ' ']);
-        let ways: &[char] = if is_comment(lines[k]) { &SEPARATORS } else { &[separator] };
-        let Some(cells) = ways.iter().map(|s| named_cells(line, *s)).find(|c| no_number(c)) else {
-            continue;
-        };
-        if units.is_none() && is_units(&cells) {
-            units = Some(cells);
-            continue;
-        }
-        // or somewhere in the preamble, behind a word that says so
-        let of_line = |line: &&str| Some(self::cells(line, separator)).filter(|c| c.len() == count);
-        let preamble = || lines[..k].iter().rev().filter_map(of_line).find(|c| is_units(c));
-        let units = units.clone().or_else(preamble).unwrap_or_default();
-        let is_one = |cell: &&String| is_units(std::slice::from_ref(*cell));
-        let unit = |k: usize| units.get(k).filter(is_one).map_or("", String::as_str);
-        let name = |(k, cell): (usize, &String)| {
-            if cell.is_empty() { made_up(k) } else { with_unit(cell, unit(k)) }
-        };
-        return (Some(k), cells.iter().enumerate().map(name).collect());
-    }
-    (None, (0..count).map(made_up).collect())
 }
 
 #[cfg(test)]

@@ -43,7 +43,11 @@ fn columns(block: &toml::Table) -> Vec<(String, String, String)> {
     for (key, column) in columns.as_table().unwrap() {
         let of = |k: &str| column.get(k).and_then(toml::Value::as_str).unwrap_or_default();
         let name = column.as_str().unwrap_or_else(|| of("name"));
-        out.push((key.clone(), name.to_string(), of("unit").to_string()));
+        let unit = if of("sign").is_empty() { of("unit") } else { "magnitude" };
+        out.push((key.clone(), name.to_string(), unit.to_string()));
+        if !of("sign").is_empty() {
+            out.push((key.replace('M', "sign"), of("sign").to_string(), String::new()));
+        }
         for other in ["nanoseconds", "times"] {
             if !of(other).is_empty() {
                 out.push((other.into(), of(other).to_string(), String::new()));
@@ -72,6 +76,8 @@ fn log(columns: &[(String, String, String)]) -> String {
                 ("dalpha1" | "dalpha2", "m/s") => row[1 + i] * 0.0762,
                 ("nanoseconds", _) => 0.0,
                 ("times", _) => 12_000.0,
+                ("sign1" | "sign2", _) => f64::from(u8::from(row[3 + i] >= 0.0)),
+                (_, "magnitude") => row[3 + i].abs(),
                 (_, "mA") => 1e3 / 0.05 * row[3 + i],
                 _ => row[3 + i],
             };
@@ -94,7 +100,7 @@ fn the_examples_of_the_docs_are_accepted_as_they_stand() {
         let table: toml::Table = toml::from_str(block).unwrap();
         let columns = columns(&table);
         let plain = csv(&motion());
-        for file in ["run1.csv", "run2.csv", "log.csv", "pwm.csv", "drive.csv"] {
+        for file in ["run1.csv", "run2.csv", "log.csv", "pwm.csv", "magnitudes.csv", "drive.csv"] {
             folder.write(file, if columns.is_empty() { plain.clone() } else { log(&columns) });
         }
         folder.write("e.toml", block);
@@ -241,12 +247,12 @@ fn the_lines_of_a_console_ask_for_the_counts_of_a_turn_and_take_them() {
 fn words_above_the_table_are_passed_over_and_columns_without_names_are_asked_for() {
     let rows = motion();
     let head = "LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\t\n\n";
-    let names = "X_Value\tright_speed\tleft_speed\tright_current\tleft_current";
+    let names = "X_Value\tright_omega\tleft_omega\tright_current\tleft_current";
     let folder = Folder::new();
     folder.write("a.lvm", format!("{head}{}", text(&rows, names, "\t", |x| x.to_string(), "\r\n")));
     folder
         .run(&["new", "a.lvm", "-o", "a.toml"])
-        .says(0, &["dalpha1  = right_speed", "input in A"]);
+        .says(0, &["dalpha1  = right_omega", "input in A"]);
     folder.run(&["check", "a.toml"]).says(0, &["600 samples"]);
     let bare = csv(&rows);
     folder.write("b.csv", bare.split_once('\n').unwrap().1);

@@ -16,6 +16,7 @@ mod hidden_effects;
 mod imports;
 mod language;
 mod layering;
+mod log_styles;
 mod long;
 mod modelica;
 mod next_step;

@@ -53,8 +53,8 @@ fn messages_of_several_kinds_in_one_table_keep_the_names_of_their_columns() {
         format!("{t:.3},speed,{w1},{w2},,\n{t:.3},torque,,,{m1},{m2}\n")
     };
     let log: String = rows.iter().map(both).collect();
-    let log = format!("t,stream,speed_right,speed_left,torque_right,torque_left\n{log}");
-    started(&log, &["dalpha1  = speed_right\n", "M2       = torque_left\n"], &["600 samples"]);
+    let log = format!("t,stream,omega_right,omega_left,torque_right,torque_left\n{log}");
+    started(&log, &["dalpha1  = omega_right\n", "M2       = torque_left\n"], &["600 samples"]);
 }
 
 #[test]

@@ -36,6 +36,10 @@ pub struct ColumnEntry {
     /// Column that multiplies the value, for example the voltage of the battery where the input is a
     /// duty cycle (`M1` and `M2` only).
     pub times: Option<String>,
+    /// Column that says the direction of a magnitude, for example `dirL` beside `pwmL` (speeds and inputs only).
+    pub sign: Option<String>,
+    /// What the column `sign` holds where the value is negative, as text; a negative number unless given.
+    pub backward: Option<String>,
 }
 
 impl From<ColumnEntry> for Column {
@@ -50,6 +54,8 @@ impl From<ColumnEntry> for Column {
             sum: entry.sum,
             period: entry.period,
             times: entry.times,
+            sign: entry.sign,
+            backward: entry.backward,
             ..Self::new(entry.name)
         }
     }

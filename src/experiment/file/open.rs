@@ -42,7 +42,18 @@ fn wanted(key: &str) -> &'static str {
     match key.rsplit('.').next().unwrap_or_default() {
         "per_turn" => "the counts of the encoder per turn of the wheel (lines x 4 x gear)",
         "unit" => "the unit of the column; the comments above say which fit",
-        "scale" => "the time between two rows [s], as the column counts rows",
+        "scale" if key.ends_with(".t.scale") => {
+            "the time between two rows [s], as the column counts rows"
+        }
+        "scale" => {
+            "the factor on the values, with its sign; the comments above say which may be meant"
+        }
+        "sign" => {
+            "the name of the column with the direction, or leave `sign` out where the values have their signs"
+        }
+        "backward" => {
+            "what the column of the direction holds where the value is negative, in quotes"
+        }
         "period" => {
             "the time between two rows [s], or t = \"…\" with the name of the column that holds the time"
         }

@@ -22,6 +22,7 @@ fn guessed(c: &Candidate) -> Guessed {
         key: "t",
         name: c.column.name.clone(),
         unit: c.named.unit.filter(|u| *u != "s").map(Into::into),
+        scale: c.named.scale,
         ..Guessed::default()
     }
 }

@@ -1,6 +1,7 @@
 //! Counts of encoders.
 
-use super::values::{COUNTED, is_unknown, largest, row_step, whole};
+use super::speed_units::is_unknown;
+use super::values::{COUNTED, largest, row_step, seconds, whole};
 use super::{Guess, Guessed};
 use crate::io::PreviewColumn;
 
@@ -95,18 +96,6 @@ fn in_counts(speed: &mut Guessed, ratio: f64, row: Option<f64>) {
         speed.unit = Some("ticks/s".into());
         speed.scale = Some((1e4 / row).round() / 1e4);
         speed.evidence.push(format!("the steps of the counts beside it, in a row of {row:.4} s"));
-    }
-}
-
-/// Seconds of a unit of time.
-fn seconds(time: &Guessed) -> f64 {
-    match time.unit.as_deref() {
-        Some("ms") => 1e-3,
-        Some("us") => 1e-6,
-        Some("ns") => 1e-9,
-        Some("min") => 60.0,
-        Some("h") => 3600.0,
-        _ => 1.0,
     }
 }
 

@@ -4,11 +4,14 @@ mod beside;
 mod clock;
 mod commands;
 mod counts;
+mod directions;
 mod labels;
+mod mirrored;
 mod names;
 mod pairs;
 mod relations;
 mod signs;
+mod speed_units;
 mod text;
 mod values;
 
@@ -35,7 +38,8 @@ pub(super) struct Guessed {
     pub(super) scale: Option<f64>,
     /// Whether the unit must be asked for.
     pub(super) unit_open: bool,
-    /// Whether the factor must be asked for: the time between two rows, of a column that counts rows.
+    /// Whether the factor must be asked for: the time between two rows, of a column that counts rows; the sign of a wheel
+    /// that may be mirrored; the gear of a speed of the motor's field.
     pub(super) scale_open: bool,
     /// Whether it is a command that is a share of the battery's voltage.
     pub(super) is_share: bool,
@@ -45,6 +49,13 @@ pub(super) struct Guessed {
     pub(super) offset: Option<f64>,
     /// Column that multiplies the value.
     pub(super) times: Option<String>,
+    /// Column that says the direction, and what it holds where the value is negative.
+    pub(super) sign: Option<String>,
+    pub(super) backward: Option<String>,
+    /// Whether the column of the direction must be asked for.
+    pub(super) sign_open: bool,
+    /// Whether what stands for backward must be asked for.
+    pub(super) backward_open: bool,
     /// Whether the name does not say which wheel it is.
     pub(super) side_unsure: bool,
     /// What the guess rests on, beside the name.
@@ -97,6 +108,10 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
         // `l` and `r` and no more: counts, where they are whole numbers
         let counts = |pair: &[Guessed; 2]| pair.iter().all(|c| counts::are(columns, c));
         angles = pairs.bare(ANGLES).filter(counts);
+        if angles.is_none() && !inputs.is_empty() {
+            // beside an input they are what moves, in a unit that is asked for
+            speeds = pairs.bare(SPEEDS);
+        }
     }
     let is_sure = |pair: &Option<[Guessed; 2]>| pair.as_ref().is_some_and(|p| !p[0].side_unsure);
     // one axis alone: a column that stands beside pairs is something else, as the current of both motors
@@ -115,7 +130,9 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
     }
     let are_several = pairs.are_several;
     out.questions.extend(pairs.questions.into_iter().chain(owners));
-    let input = input(columns, inputs, angles.as_ref(), speeds.as_ref(), &mut out.questions);
+    let directions = directions::Directions::of(columns);
+    let input =
+        input(columns, inputs, [angles.as_ref(), speeds.as_ref()], &directions, &mut out.questions);
     out.columns.extend(angles.into_iter().flatten());
     out.columns.extend(speeds.into_iter().flatten());
     if let Some((input, unit)) = input {
@@ -126,10 +143,13 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
     let battery = all.iter().find(|c| c.named.battery).map(|c| (c.column, c.named.unit));
     values::units(columns, &mut out);
     counts::per_turn(columns, &mut out);
+    speed_units::open(columns, &mut out);
     values::questions(columns, &mut out);
     out.questions.extend(signs::lost(&all, columns, &out));
     commands::look(columns, battery, &mut out);
-    out.questions.extend(labels::directions(columns, &out));
+    directions.give(columns, &mut out);
+    signs::bounce(columns, &mut out);
+    mirrored::look(columns, &mut out);
     if !are_several {
         out.questions.extend(relations::hints(columns, &out));
     }
@@ -189,15 +209,17 @@ fn which_is_right(columns: &[Guessed]) -> Option<String> {
 fn input(
     columns: &[PreviewColumn],
     found: Vec<Input>,
-    angles: Option<&[Guessed; 2]>,
-    speeds: Option<&[Guessed; 2]>,
+    [angles, speeds]: [Option<&[Guessed; 2]>; 2],
+    directions: &directions::Directions,
     questions: &mut Vec<String>,
 ) -> Option<Input> {
     let is_still = |i: &Input| i.0.iter().all(|c| values::never_changes(columns, c));
     let (still, found): (Vec<Input>, Vec<Input>) = found.into_iter().partition(is_still);
     let still =
         still.first().map(|i| format!("`{}` and `{}` never change", i.0[0].name, i.0[1].name));
-    let magnitude = |pair: &[Guessed; 2]| values::is_magnitude(columns, pair, angles, speeds);
+    let magnitude = |pair: &[Guessed; 2]| {
+        values::is_magnitude(columns, pair, angles, speeds) && !directions.are_of(pair)
+    };
     let mut found: Vec<_> = found.into_iter().map(|i| (magnitude(&i.0), i)).collect();
     // stable: among equals in the order above
     found.sort_by_key(|(magnitude, _)| *magnitude);

@@ -1,7 +1,9 @@
 //! What the name of a column says: quantity, wheel, unit.
 
+mod factor;
 mod words;
 
+use self::factor::{many, multiplied, take_multiple, take_power_of_ten};
 pub(super) use self::words::WISHED;
 use self::words::{BATTERY, OTHERS, QUANTITIES, STEPS, UNITS, WEAK};
 
@@ -48,15 +50,19 @@ pub(super) struct Named {
 
 /// What a name says.
 pub(super) fn named(name: &str) -> Named {
+    let (times, name) = multiplied(name);
     let (bare, bracket) = split_unit(name);
+    let (front, bare) = unit_in_front(bare);
     let mut words = words(bare);
     let (mut scale, bracket) = bracket.map_or((None, None), |b| {
-        let (scale, unit) = many(b);
-        (scale, Some(unit))
+        let (times, unit) = multiplied(b);
+        let (scale, unit) = many(unit);
+        (times.or(scale), Some(unit))
     });
-    scale = scale.or_else(|| take_multiple(&mut words));
+    scale = times.or(scale).or_else(|| take_multiple(&mut words));
     let mut ending =
         bracket.and_then(|u| bracketed(&u.to_lowercase().replace([' ', '·', '*', '.'], "")));
+    ending = ending.or(front);
     if ending.is_none() {
         ending = unit_behind(&mut words);
         scale = scale.or_else(|| ending.and_then(|_| take_power_of_ten(&mut words)));
@@ -109,7 +115,11 @@ fn is_overruled(quantity: Option<Quantity>, word: &str, of: Quantity) -> bool {
 /// no unit: `a` of `speed_a` is a motor.
 fn unit_behind(words: &mut Vec<String>) -> Option<(&'static str, Option<Quantity>)> {
     let before = words.clone();
-    let found = of_its_quantity(take_unit(words)?, words);
+    let last = take_unit(words);
+    if let Some(inner) = unit_before_motor(&before, words) {
+        return Some(inner);
+    }
+    let found = of_its_quantity(last?, words);
     let letter =
         before.last().is_some_and(|last| last.len() == 1) && before.len() == words.len() + 1;
     if letter
@@ -121,6 +131,27 @@ fn unit_behind(words: &mut Vec<String>) -> Option<(&'static str, Option<Quantity
         *words = before;
         return None;
     }
+    Some(found)
+}
+
+/// The unit before a last letter that is a motor, and may have been taken for a unit: `current_mA.A`, `current_mA.B`.
+fn unit_before_motor(
+    before: &[String],
+    words: &mut Vec<String>,
+) -> Option<(&'static str, Option<Quantity>)> {
+    let (letter, inner) = before.split_last()?;
+    let is_free = before.len() <= words.len() + 1;
+    if letter.len() != 1 || !is_free || !letter.starts_with(char::is_alphabetic) {
+        return None;
+    }
+    let mut others = inner.to_vec();
+    let found = take_unit(&mut others)?;
+    // a side is found as such, and one letter is none of these units
+    if matches!(letter.as_str(), "l" | "r") || inner[others.len()..].concat().len() < 2 {
+        return None;
+    }
+    others.push(letter.clone());
+    *words = others;
     Some(found)
 }
 
@@ -136,34 +167,20 @@ fn of_its_quantity(
     }
 }
 
-/// The number before a unit: `10 mA`, `0.1 A`.
-fn many(unit: &str) -> (Option<f64>, &str) {
-    let end = unit.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(unit.len());
-    let number: Option<f64> = unit[..end].parse().ok().filter(|x| *x > 0.0);
-    // `1/min` and the like are units
-    let rest = unit[end..].trim_start();
-    if number.is_some() && !rest.starts_with('/') { (number, rest) } else { (None, unit) }
-}
-
-/// Takes `x100` off the end of the words: how many of a unit are one.
-fn take_multiple(words: &mut Vec<String>) -> Option<f64> {
-    let [.., x, number] = &words[..] else { return None };
-    let many = [10.0, 100.0, 1000.0].into_iter().find(|k| number.parse() == Ok(*k));
-    let many = many.filter(|_| x == "x")?;
-    words.truncate(words.len() - 2);
-    Some(1.0 / many)
-}
-
-/// Takes a power of ten off the end of the words, where the unit stood behind it.
-fn take_power_of_ten(words: &mut Vec<String>) -> Option<f64> {
-    let power = match words.last()?.as_str() {
-        "10" => 10.0,
-        "100" => 100.0,
-        "1000" => 1000.0,
-        _ => return None,
-    };
-    words.pop();
-    Some(power)
+/// A unit before the first sign that is no letter, of more letters than one: `mA_left`, and the rest of the name.
+fn unit_in_front(name: &str) -> (Option<(&'static str, Option<Quantity>)>, &str) {
+    let end = name.find(|c: char| !c.is_alphanumeric()).unwrap_or(name.len());
+    let (front, rest) = name.split_at(end);
+    let says = |(_, of): &(&str, Option<Quantity>)| of.is_some_and(|q| q != Quantity::Time);
+    let is_word = |word: &str| QUANTITIES.iter().any(|(_, words)| words.contains(&word));
+    let front = front.to_lowercase();
+    match unit(&front).filter(says) {
+        // what is a word of its quantity as well is found as such: `rpm_left`, `ticks_left`
+        Some(found) if front.len() > 1 && !rest.is_empty() && !is_word(&front) => {
+            (Some(found), rest)
+        }
+        _ => (None, name),
+    }
 }
 
 /// The name and the unit in brackets behind it; an index is no unit.
@@ -341,6 +358,9 @@ mod tests {
             ("vR_cm_s", Some(Speed), Some(Right), Some("cm/s")),
             ("speed_a", Some(Speed), None, None),
             ("rpmA", Some(Speed), None, Some("rpm")),
+            ("current_mA.A", Some(Current), None, Some("mA")),
+            ("current_mA.B", Some(Current), None, Some("mA")),
+            ("mA_left", Some(Current), Some(Left), Some("mA")),
             ("pwm_a", Some(Voltage), None, None),
             ("left_a", Some(Current), Some(Left), Some("A")),
             ("Left Vol", Some(Voltage), Some(Left), None),

@@ -166,9 +166,11 @@ fn rivals<'a, 'b>(pairs: &[Two<'a, 'b>]) -> Vec<&'a Candidate<'b>> {
     rivals.flat_map(|(a, b)| [*a, *b]).collect()
 }
 
-/// Two columns whose names differ in one letter or number alone, as those of motors B and C.
+/// Two columns whose names differ in one letter or number alone, as those of motors B and C, or of 0x141 and 0x142.
 fn lettered<'a, 'b>(fits: &[&'a Candidate<'b>]) -> Option<Two<'a, 'b>> {
-    let short = |word: &String| word.len() == 1 && !NO_MOTORS.contains(&word.as_str());
+    let is_id = |word: &String| word.chars().all(|c| c.is_ascii_digit());
+    let short =
+        |word: &String| is_id(word) || word.len() == 1 && !NO_MOTORS.contains(&word.as_str());
     let differs = |a: &Candidate, b: &Candidate| {
         let (a, b) = (&a.named.rest, &b.named.rest);
         let mut others = a.iter().zip(b).filter(|(a, b)| a != b);

@@ -26,7 +26,86 @@ pub(super) fn lost(all: &[Candidate], columns: &[PreviewColumn], guess: &Guess) 
     })
 }
 
+/// Rows over which a speed is compared on either side of its lowest.
+const BESIDE: usize = 3;
+/// Part of the largest speed below which a wheel stands, and that it gains or loses in those rows.
+const STANDS: f64 = 0.06;
+const GAINS: f64 = 0.02;
+/// By how much the slopes may differ, and how often a speed bounces before it is a magnitude (taste).
+const ALIKE: f64 = 2.5;
+const BOUNCES: usize = 3;
+
+/// Opens the sign of speeds that are never negative and rise from zero as steeply as they fell to it, again and again: a wheel
+/// that turns back, without its sign. One that stops stands still, for friction holds it.
+pub(super) fn bounce(columns: &[PreviewColumn], guess: &mut Guess) {
+    let of = |name: &str| columns.iter().find(|c| c.name == name).map_or(&[][..], |c| &c.values);
+    let is_magnitude = |name: &str| of(name).iter().all(|v| v.is_nan() || *v >= 0.0);
+    let speeds: Vec<&str> = guess
+        .columns
+        .iter()
+        .filter(|c| c.key.starts_with("dalpha"))
+        .map(|c| c.name.as_str())
+        .collect();
+    if speeds.is_empty()
+        || guess.columns.iter().any(|c| c.sign.is_some())
+        || !speeds.iter().all(|name| is_magnitude(name))
+    {
+        return;
+    }
+    let bounces = speeds.iter().map(|name| bounces(of(name))).max().unwrap_or(0);
+    if bounces < BOUNCES {
+        return;
+    }
+    guess.questions.push(format!(
+        "`{}` is never negative and {bounces} times rises from zero as steeply as it fell to it: a magnitude? Write as sign the column \
+         with the direction, or record signed values; where the wheels only turned forward leave sign out",
+        speeds[0]
+    ));
+    for one in
+        guess.columns.iter_mut().filter(|c| c.key.starts_with("dalpha") || c.key.starts_with('M'))
+    {
+        one.sign_open = is_magnitude(&one.name);
+    }
+}
+
+/// How often values fall to about zero and rise again with the same slope.
+fn bounces(values: &[f64]) -> usize {
+    let held: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    let (_, top) = extent(&held);
+    let at = |k: usize, by: isize| held[k.saturating_add_signed(by * BESIDE as isize)];
+    let is_bounce = |k: &usize| {
+        let slopes = [
+            at(*k, -2) - at(*k, -1),
+            at(*k, -1) - held[*k],
+            at(*k, 1) - held[*k],
+            at(*k, 2) - at(*k, 1),
+        ];
+        let (low, high) =
+            slopes.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), s| (a.min(*s), b.max(*s)));
+        held[*k] < STANDS * top && low > GAINS * top && high < ALIKE * low
+    };
+    let rows: Vec<usize> =
+        (2 * BESIDE..held.len().saturating_sub(2 * BESIDE)).filter(is_bounce).collect();
+    // rows of one bounce stand together
+    rows.windows(2).filter(|w| w[1] - w[0] > 2 * BESIDE).count() + usize::from(!rows.is_empty())
+}
+
 fn turns_back(values: &[f64]) -> bool {
     let (low, high) = extent(values);
     low < -AT_REST * high && low < 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::bounces;
+
+    #[test]
+    fn a_magnitude_bounces_and_a_stop_does_not() {
+        let speed = |k: u32| 5.0 * (0.05 * f64::from(k)).sin();
+        let values =
+            |of: &dyn Fn(f64) -> f64| (0..1000).map(|k| of(speed(k))).collect::<Vec<f64>>();
+        assert!(bounces(&values(&f64::abs)) >= 10);
+        assert_eq!(bounces(&values(&|w| w.max(0.0))), 0);
+        assert_eq!(bounces(&values(&|w| w + 5.2)), 0);
+    }
 }

@@ -266,10 +266,14 @@ fn entry(c: &Guessed) -> String {
         None if c.needs_per_turn() => keys.push("per_turn = \"?\"".into()),
         None => {}
     }
-    keys.extend(c.scale.map(|x| format!("scale = {x:?}")));
+    keys.extend(c.scale.filter(|_| !c.scale_open).map(|x| format!("scale = {x:?}")));
     keys.extend(c.scale_open.then(|| "scale = \"?\"".into()));
     keys.extend(c.offset.map(|x| format!("offset = {x:?}")));
     keys.extend(c.times.as_ref().map(|n| format!("times = {}", text(n))));
+    keys.extend(c.sign.as_ref().map(|n| format!("sign = {}", text(n))));
+    keys.extend(c.sign_open.then(|| "sign = \"?\"".into()));
+    keys.extend(c.backward.as_ref().map(|n| format!("backward = {}", text(n))));
+    keys.extend(c.backward_open.then(|| "backward = \"?\"".into()));
     match &keys[..] {
         [_] => format!("{} = {}", c.key, text(&c.name)),
         _ => format!("{} = {{ {} }}", c.key, keys.join(", ")),

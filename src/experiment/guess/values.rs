@@ -1,6 +1,5 @@
 //! What the values of columns say: units of time, counts, milliamperes, and what has to be asked.
 
-use super::names::named;
 use super::{Guess, Guessed};
 use crate::io::PreviewColumn;
 use crate::math::median;
@@ -12,8 +11,6 @@ const RATES: (f64, f64) = (2.0, 2e4);
 const CALENDAR: f64 = 1e9;
 /// More than any motor of a small robot draws \[A\].
 const AMPERES: f64 = 200.0;
-/// Wheel speed beyond which a number is rather one of rpm [rad/s].
-const FAST: f64 = 120.0;
 
 /// What metres need.
 pub(super) const RADIUS: &str =
@@ -28,9 +25,10 @@ pub(super) fn increases(values: &[f64]) -> bool {
 /// Whether a unit that a name states is one of this quantity, and not that of the program anyway.
 pub(super) fn fits(key: &str, unit: &str) -> bool {
     match key {
-        "alpha1" | "alpha2" => matches!(unit, "deg" | "rev" | "ticks" | "m" | "cm" | "mm"),
+        "alpha1" | "alpha2" => matches!(unit, "mrad" | "deg" | "rev" | "ticks" | "m" | "cm" | "mm"),
         "dalpha1" | "dalpha2" => {
-            matches!(unit, "deg/s" | "rev/s" | "rpm" | "ticks/s" | "m/s" | "cm/s" | "mm/s")
+            let angular = matches!(unit, "mrad/s" | "deg/s" | "rev/s" | "rpm" | "ticks/s");
+            angular || matches!(unit, "m/s" | "cm/s" | "mm/s")
         }
         "M1" | "M2" => matches!(unit, "mN m" | "N cm" | "mA" | "mV"),
         _ => true,
@@ -84,19 +82,6 @@ pub(super) fn is_magnitude(
     driven && !input.iter().any(by_speed)
 }
 
-/// The question whether one wheel counts the other way, where the wheels turn against each other nearly
-/// always.
-fn mirrored(columns: &[PreviewColumn], guess: &Guess) -> Option<String> {
-    let of = |key: &str| {
-        let one = guess.columns.iter().find(|c| c.key == key)?;
-        columns.iter().find(|c| c.name == one.name)
-    };
-    let (right, left) = of("dalpha1").zip(of("dalpha2"))?;
-    let rows: Vec<[f64; 2]> =
-        right.values.iter().zip(&left.values).map(|(right, left)| [*right, *left]).collect();
-    (right.name != left.name).then(|| crate::experiment::remarks::opposed(&rows)).flatten()
-}
-
 /// Adds the units that the values of the guessed columns show, with the evidence.
 pub(super) fn units(columns: &[PreviewColumn], guess: &mut Guess) {
     let of = |name: &str| columns.iter().find(|c| c.name == name).map_or(&[][..], |c| &c.values);
@@ -116,16 +101,15 @@ pub(super) fn units(columns: &[PreviewColumn], guess: &mut Guess) {
 
 /// Adds the questions that the values of the guessed columns raise.
 pub(super) fn questions(columns: &[PreviewColumn], guess: &mut Guess) {
-    open_units(columns, guess);
-    let asked = mirrored(columns, guess);
-    guess.questions.extend(asked);
     if guess.columns.iter().any(Guessed::is_electrical) {
         guess.questions.push(
-            "erpm counts electrical turns: divide by the pole pairs of the motor and the gear, \
-             scale = 0.14 for 7 pole pairs without gear; a tachometer beside it makes 6 steps an electrical turn: \
-             per_turn = 6 x pole pairs x gear"
+            "erpm counts electrical turns: write 1/(pole pairs of the motor x gear) as scale, 0.14 for 7 pole pairs \
+             without gear; a tachometer beside it makes 6 steps an electrical turn: per_turn = 6 x pole pairs x gear"
                 .into(),
         );
+        guess.columns.iter_mut().for_each(|c| {
+            c.scale_open |= c.is_electrical() && c.scale.is_none();
+        });
     }
     if guess.columns.iter().any(Guessed::is_in_metres) {
         guess.questions.push(RADIUS.into());
@@ -223,6 +207,18 @@ pub(super) fn row_step(values: &[f64], are_steps: bool) -> Option<f64> {
     Some(if repeated > COARSE * count { step * count / (count + repeated) } else { step })
 }
 
+/// Seconds of a unit of time.
+pub(super) fn seconds(time: &Guessed) -> f64 {
+    match time.unit.as_deref() {
+        Some("ms") => 1e-3,
+        Some("us") => 1e-6,
+        Some("ns") => 1e-9,
+        Some("min") => 60.0,
+        Some("h") => 3600.0,
+        _ => 1.0,
+    }
+}
+
 pub(super) fn largest(values: &[f64]) -> f64 {
     values.iter().filter(|v| v.is_finite()).fold(0.0, |a: f64, v| a.max(v.abs()))
 }
@@ -241,26 +237,6 @@ fn angle(values: &[f64], one: &mut Guessed) {
     }
 }
 
-/// Units of speeds that can only be asked for: of numbers that are hardly rad/s, and of a bare `v`, which is as often
-/// that of the ground. Both wheels have one unit.
-fn open_units(columns: &[PreviewColumn], guess: &mut Guess) {
-    let of = |name: &str| columns.iter().find(|c| c.name == name).map_or(&[][..], |c| &c.values);
-    let is_open = |one: &Guessed| {
-        one.key.starts_with("dalpha")
-            && (is_unknown(of(&one.name), one)
-                || one.unit.is_none() && named(&one.name).word == "v")
-    };
-    let Some(first) = guess.columns.iter().find(|c| is_open(c)) else { return };
-    let top = largest(of(&first.name));
-    let digits = if top < 10.0 { 3 } else { 0 };
-    guess.questions.push(format!(
-        "{} up to {top:.digits$}: in rad/s, rpm, deg/s, rev/s, ticks/s, m/s, cm/s or mm/s? Write it as unit",
-        first.asks_unit()
-    ));
-    let speeds = guess.columns.iter_mut().filter(|c| c.key.starts_with("dalpha"));
-    speeds.filter(|c| c.unit.is_none()).for_each(|c| c.unit_open = true);
-}
-
 /// What is asked where no input was found; where no column is left there is none.
 fn no_input(columns: &[PreviewColumn], guess: &Guess) -> &'static str {
     let is_used = |c: &&PreviewColumn| guess.columns.iter().any(|g| g.name == c.name);
@@ -271,11 +247,6 @@ fn no_input(columns: &[PreviewColumn], guess: &Guess) -> &'static str {
         "which columns hold the torques, currents or voltages of the motors (M1, M2)? Write their unit as drive_unit; \
          of voltages and PWM also hold = \"constant\" below it, and effects = [\"back_emf\"] under [model]"
     }
-}
-
-/// Whether a speed is in a unit that nobody stated and that is none of SI.
-pub(super) fn is_unknown(values: &[f64], one: &Guessed) -> bool {
-    one.unit.is_none() && largest(values) > FAST
 }
 
 fn current(values: &[f64], one: &mut Guessed) {

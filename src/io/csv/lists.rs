@@ -50,7 +50,11 @@ pub(in crate::io) fn lists(path: &Path, layout: &Layout) -> Result<Option<Column
 
 /// The elements of a cell that is a list of numbers or of words in quotes; a time in brackets is none.
 fn elements(cell: &str) -> Option<Vec<&str>> {
+    // as Python prints the arrays of messages
     let cell = cell.trim();
+    let typed =
+        cell.strip_prefix("array(").and_then(|c| Some(c.strip_suffix(')')?.split_once(", ")?.1));
+    let cell = typed.unwrap_or(cell).trim();
     let inner = cell
         .strip_prefix('[')
         .and_then(|c| c.strip_suffix(']'))
@@ -118,6 +122,9 @@ mod tests {
             ]
         );
         assert_eq!((found[1].1[4], found[2].1[4], found[5].1[0]), (4.5, -4.0, 3.0));
+        let row = |k: i32| format!("{k},\"array('d', [{k}.5, -{k}])\"\n");
+        let rows: String = (0..9).map(row).collect();
+        assert_eq!(read(&format!("t,velocity\n{rows}")).unwrap()[1].1[4], 4.5);
         assert_eq!(read("t,a\n0,1\n1,2\n"), None);
         assert_eq!(read("t,a\n[12:00:01.5],1\n[12:00:02.5],2\n"), None);
     }

@@ -1,5 +1,6 @@
-//! Tables with a row for each joint, side by side.
+//! Tables with a row for each joint, motor or signal, side by side.
 
+use std::collections::HashMap;
 use std::path::Path;
 
 use super::{Layout, by_place, value};
@@ -12,53 +13,167 @@ type Columns = Vec<(String, Vec<f64>)>;
 const LOOKED_AT: usize = 64;
 /// The most joints of a robot that a log tells apart.
 const JOINTS: usize = 16;
+/// The most motors that a column of numbers without a telling name counts.
+const COUNTED: usize = 4;
+/// Rows for each change of a label beside one that alternates; the state of a robot stays for longer.
+const STAYS: usize = 8;
+/// Names of a column with the number of a motor.
+const OWNERS: [&str; 18] = [
+    "id",
+    "motor",
+    "motorid",
+    "motornr",
+    "motornumber",
+    "motoridx",
+    "joint",
+    "jointid",
+    "wheel",
+    "wheelid",
+    "axis",
+    "node",
+    "nodeid",
+    "channel",
+    "ch",
+    "servo",
+    "servoid",
+    "canid",
+];
+/// Names of a column whose quantity the label says.
+const VALUES: [&str; 4] = ["value", "_value", "val", "data"];
 
-/// The columns of a table that has a row for each joint, with the name of the joint in a column of text, one
-/// for each quantity and joint: `velocity` of `left` becomes `velocity.left`. Rows of one time become one row;
-/// what a joint does not have at that time is NaN. A quantity that one joint alone has keeps its name, and one
-/// that none has is left out: so are messages of several kinds in one table. `None` for any other table.
+/// The columns of a table that has a row for each joint, with the name or number of the joint in a column: `velocity` of
+/// `left` becomes `velocity.left`. Rows of one time become one row; what a joint does not have at that time is NaN. A
+/// quantity that one joint alone has keeps its name, and one that none has is left out: so are messages of several
+/// kinds in one table. Of tables that stand one below the other, each from the same time on, the rows of one time are
+/// one as well. `None` for any other table.
 ///
 /// # Errors
 /// A file that cannot be read.
 pub(in crate::io) fn unfold(path: &Path, layout: &Layout) -> Result<Option<Columns>, IoError> {
-    let Some((label, time)) = label_and_time(path, layout)? else { return Ok(None) };
-    let texts = by_place(path, layout)?;
-    let joints = distinct(texts[label].iter().map(String::as_str));
-    if joints.len() > JOINTS {
+    let separator = char::from(layout.separator);
+    let head = super::rows(path)?.take(LOOKED_AT);
+    let head: Vec<Vec<String>> =
+        head.map(|(_, _, line)| super::split(&String::from_utf8_lossy(&line), separator)).collect();
+    let comma = layout.separator != b',';
+    if !may_be_keyed(&layout.names, &head, comma) {
         return Ok(None);
     }
-    let comma = layout.separator != b',';
-    let number = |text: &String| value(text, comma).unwrap_or(f64::NAN);
-    let mut names = vec![layout.names[time].clone()];
-    let quantities: Vec<usize> =
-        (0..layout.names.len()).filter(|k| *k != label && *k != time).collect();
-    for joint in &joints {
-        names.extend(quantities.iter().map(|k| format!("{}.{joint}", layout.names[*k])));
+    Ok(unfolded(&layout.names, &by_place(path, layout)?, comma))
+}
+
+/// Whether the first rows have a time, and a column that may say whose row it is.
+pub(in crate::io) fn may_be_keyed(names: &[String], rows: &[Vec<String>], comma: bool) -> bool {
+    let head: Vec<Vec<String>> = (0..names.len())
+        .map(|k| rows.iter().map(|row| row.get(k).map_or("", |c| c.trim()).to_string()).collect())
+        .collect();
+    let Some(time) = time(&head, comma) else { return false };
+    (0..names.len()).any(|k| k != time && is_label(&names[k], &head[k], &head[time], comma))
+}
+
+/// The same of cells that are held, column by column.
+pub(in crate::io) fn unfolded(
+    names: &[String],
+    texts: &[Vec<String>],
+    comma: bool,
+) -> Option<Columns> {
+    let head: Vec<Vec<String>> =
+        texts.iter().map(|cells| cells.iter().take(LOOKED_AT).cloned().collect()).collect();
+    let time = time(&head, comma)?;
+    let times: Vec<f64> = texts[time].iter().map(|c| value(c, comma).unwrap_or(f64::NAN)).collect();
+    let are_labels: Vec<usize> = (0..names.len())
+        .filter(|k| *k != time && is_label(&names[*k], &head[*k], &head[time], comma))
+        .filter(|k| (2..=JOINTS).contains(&distinct(texts[*k].iter().map(String::as_str)).len()))
+        .collect();
+    let labels = match alternating(&head, &are_labels) {
+        labels if !labels.is_empty() => labels,
+        _ => one_below_the_other(texts, &times, &are_labels),
+    };
+    if labels.is_empty() {
+        return None;
     }
-    let mut columns: Vec<Vec<f64>> = vec![vec![]; names.len()];
-    for row in 0..texts[time].len() {
-        let t = number(&texts[time][row]);
-        let joint = joints.iter().position(|j| *j == texts[label][row]).unwrap_or_default();
-        let first = 1 + joint * quantities.len();
-        // a joint that comes again begins a row of its own, as a log does that has no time between
-        let again = columns[first..first + quantities.len()]
-            .iter()
-            .any(|c| c.last().is_some_and(|x| !x.is_nan()));
-        if columns[0].last() != Some(&t) || again {
-            columns.iter_mut().for_each(|c| c.push(f64::NAN));
-            if let Some(last) = columns[0].last_mut() {
-                *last = t;
+    // numbers that are written down for people, as a table's own, are no quantities of a joint
+    let rows = Rows::new(names, texts, &labels, time, comma);
+    Some(with_numbers(
+        rows.side_by_side(&times),
+        &rows.quantities.iter().map(|(n, _)| n).collect::<Vec<_>>(),
+    ))
+}
+
+/// The rows of a table, each of a key.
+struct Rows<'a> {
+    time: &'a str,
+    keys: Vec<String>,
+    /// Which key each row has.
+    owner: Vec<usize>,
+    quantities: Vec<(String, &'a [String])>,
+    comma: bool,
+}
+
+impl<'a> Rows<'a> {
+    fn new(
+        names: &'a [String],
+        texts: &'a [Vec<String>],
+        labels: &[usize],
+        time: usize,
+        comma: bool,
+    ) -> Self {
+        let key = |row: usize| {
+            labels.iter().map(|k| texts[*k][row].as_str()).collect::<Vec<_>>().join(".")
+        };
+        let (mut keys, mut owner): (Vec<String>, Vec<usize>) = (vec![], vec![]);
+        for row in 0..texts[time].len() {
+            let key = key(row);
+            let place = keys.iter().position(|k| *k == key).unwrap_or_else(|| {
+                keys.push(key);
+                keys.len() - 1
+            });
+            owner.push(place);
+        }
+        let quantities = (0..names.len()).filter(|k| *k != time && !labels.contains(k));
+        let quantities = quantities.map(|k| (names[k].clone(), &texts[k][..])).collect();
+        Self { time: &names[time], keys, owner, quantities, comma }
+    }
+
+    /// A column for each quantity and key: rows of one time are one row, unless a key comes again.
+    fn side_by_side(&self, times: &[f64]) -> Columns {
+        let count = self.quantities.len();
+        let mut names = vec![self.time.to_string()];
+        for key in &self.keys {
+            names.extend(self.quantities.iter().map(|(name, _)| keyed(name, key)));
+        }
+        let mut columns: Vec<Vec<f64>> = vec![vec![]; names.len()];
+        let mut latest: HashMap<u64, usize> = HashMap::new();
+        for (row, t) in times.iter().enumerate() {
+            let first = 1 + self.owner[row] * count;
+            let is_held = |at: usize| columns[first..first + count].iter().any(|c| !c[at].is_nan());
+            // a joint that comes again begins a row of its own, as a log does that has no time between
+            let at = match latest.get(&t.to_bits()).copied().filter(|at| !is_held(*at)) {
+                Some(at) => at,
+                None => {
+                    columns.iter_mut().for_each(|c| c.push(f64::NAN));
+                    let at = columns[0].len() - 1;
+                    columns[0][at] = *t;
+                    latest.insert(t.to_bits(), at);
+                    at
+                }
+            };
+            for (column, (_, cells)) in columns[first..].iter_mut().zip(&self.quantities) {
+                column[at] = value(&cells[row], self.comma).unwrap_or(f64::NAN);
             }
         }
-        for (column, k) in columns[first..].iter_mut().zip(&quantities) {
-            if let Some(last) = column.last_mut() {
-                *last = number(&texts[*k][row]);
-            }
-        }
+        names.into_iter().zip(columns).collect()
     }
-    let columns: Columns = names.into_iter().zip(columns).collect();
-    let quantities: Vec<&String> = quantities.iter().map(|k| &layout.names[*k]).collect();
-    Ok(Some(with_numbers(columns, &quantities)))
+}
+
+/// The name of a quantity of a key; its unit stays behind it.
+fn keyed(name: &str, key: &str) -> String {
+    if VALUES.contains(&name.to_lowercase().as_str()) {
+        return key.into();
+    }
+    match name.find(['[', '(']) {
+        Some(at) if at > 0 => format!("{}.{key} {}", name[..at].trim_end(), &name[at..]),
+        _ => format!("{name}.{key}"),
+    }
 }
 
 /// The columns that hold numbers, behind the first, which is the time. One joint is behind the other, and each has
@@ -82,34 +197,65 @@ fn with_numbers(columns: Columns, quantities: &[&String]) -> Columns {
         .collect()
 }
 
-/// Places of the names of joints and of the time: the one column of text, of two to [`JOINTS`] words that
-/// come again, and the first that never falls and changes. Joints differ from the row before in
-/// at least half of the rows; the state of a robot stays for many.
-fn label_and_time(path: &Path, layout: &Layout) -> Result<Option<(usize, usize)>, IoError> {
-    let comma = layout.separator != b',';
-    let head: Vec<Vec<String>> = super::rows(path)?
-        .take(LOOKED_AT)
-        .map(|(_, _, line)| {
-            super::split(&String::from_utf8_lossy(&line), char::from(layout.separator))
+/// The time: the first column that never falls and changes.
+fn time(head: &[Vec<String>], comma: bool) -> Option<usize> {
+    let rises = |cells: &Vec<String>| {
+        let values: Option<Vec<f64>> = cells.iter().map(|c| value(c, comma)).collect();
+        values.is_some_and(|v| {
+            v.windows(2).all(|w| w[1] >= w[0])
+                && v.first().zip(v.last()).is_some_and(|(a, b)| a < b)
         })
-        .collect();
-    let cells = |k: usize| head.iter().map(move |row| row.get(k).map_or("", |cell| cell.trim()));
-    let text = |k: &usize| cells(*k).all(|c| !c.is_empty() && value(c, comma).is_none());
-    let comes_again = |k: &usize| {
-        let words = distinct(cells(*k)).len();
-        (2..=JOINTS).contains(&words) && 2 * words <= head.len()
     };
-    let mut labels = (0..layout.names.len()).filter(|k| text(k) && comes_again(k));
-    let (Some(label), None) = (labels.next(), labels.next()) else { return Ok(None) };
-    let rises = |k: &usize| {
-        let values: Option<Vec<f64>> = cells(*k).map(|c| value(c, comma)).collect();
-        values.is_some_and(|v| v.windows(2).all(|w| w[1] >= w[0]) && v[0] < v[v.len() - 1])
+    head.iter().position(rises)
+}
+
+/// Whether a column may say whose row it is: words, numbers under the name of a motor, or a few whole numbers that come
+/// in turn in rows of the same time.
+fn is_label(name: &str, cells: &[String], times: &[String], comma: bool) -> bool {
+    let number = |cell: &String| value(cell, comma);
+    if cells.iter().all(|c| !c.is_empty() && number(c).is_none()) {
+        return true;
+    }
+    let whole = |c: &String| c.parse::<i64>().is_ok();
+    if cells.is_empty() || !cells.iter().all(whole) {
+        return false;
+    }
+    if is_owner(name) {
+        return true;
+    }
+    let ids = distinct(cells.iter().map(String::as_str));
+    let count = ids.len();
+    let in_turn = (0..cells.len()).all(|k| cells[k] == ids[k % count]);
+    (2..=COUNTED).contains(&count)
+        && in_turn
+        && times.chunks(count).all(|cycle| cycle.iter().all(|t| *t == cycle[0]))
+}
+
+/// Whether a name is that of a number of a motor.
+pub(in crate::io) fn is_owner(name: &str) -> bool {
+    let bare: String = name.to_lowercase().chars().filter(char::is_ascii_alphanumeric).collect();
+    OWNERS.contains(&bare.as_str())
+}
+
+/// The labels of rows in turn: one that differs from the row before in at least half of the rows, and those that
+/// change now and then beside it.
+fn alternating(head: &[Vec<String>], labels: &[usize]) -> Vec<usize> {
+    let changes = |k: &usize| head[*k].windows(2).filter(|w| w[0] != w[1]).count();
+    let steps = |k: &usize| head[*k].len().saturating_sub(1);
+    if !labels.iter().any(|k| 2 * changes(k) >= steps(k)) {
+        return vec![];
+    }
+    labels.iter().copied().filter(|k| STAYS * changes(k) >= steps(k)).collect()
+}
+
+/// The labels of tables one below the other: each change of a label begins at an earlier time.
+fn one_below_the_other(texts: &[Vec<String>], times: &[f64], labels: &[usize]) -> Vec<usize> {
+    let begins = |k: &usize| {
+        let changes = |row: usize| texts[*k][row] != texts[*k][row - 1];
+        let mut rows = (1..times.len()).filter(|row| changes(*row)).peekable();
+        rows.peek().is_some() && rows.all(|row| times[row] < times[row - 1])
     };
-    let Some(time) = (0..layout.names.len()).find(rises) else { return Ok(None) };
-    let labels: Vec<&str> = cells(label).collect();
-    let changes = labels.windows(2).filter(|w| w[0] != w[1]).count();
-    let alternates = 2 * changes >= labels.len().saturating_sub(1);
-    Ok(alternates.then_some((label, time)))
+    labels.iter().copied().filter(begins).collect()
 }
 
 fn distinct<'a>(texts: impl Iterator<Item = &'a str>) -> Vec<String> {
@@ -120,4 +266,50 @@ fn distinct<'a>(texts: impl Iterator<Item = &'a str>) -> Vec<String> {
         }
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(header: &str, rows: &[String]) -> Option<Columns> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log.csv");
+        std::fs::write(&path, format!("{header}\n{}\n", rows.join("\n"))).unwrap();
+        unfold(&path, &super::super::layout(&path).unwrap()).unwrap()
+    }
+
+    fn names(columns: &Columns) -> Vec<&str> {
+        columns.iter().map(|(name, _)| name.as_str()).collect()
+    }
+
+    #[test]
+    fn rows_of_numbered_motors_stand_side_by_side() {
+        let rows: Vec<String> =
+            (0..40).map(|k| format!("{}.{:04},{},{k}", k / 2, 2 * (k % 2), k % 2 + 1)).collect();
+        let found = read("time,motor_id,velocity (rpm)", &rows).unwrap();
+        assert_eq!(names(&found), ["time", "velocity.1 (rpm)", "velocity.2 (rpm)"]);
+        // without a telling name the times must agree
+        assert_eq!(read("time,x,velocity (rpm)", &rows), None);
+        let rows: Vec<String> = (0..40).map(|k| format!("{},{},{k}", k / 2, k % 2 + 1)).collect();
+        let found = read("time,x,rpm", &rows).unwrap();
+        assert_eq!((names(&found), found[1].1.len()), (vec!["time", "rpm.1", "rpm.2"], 20));
+    }
+
+    #[test]
+    fn tables_one_below_the_other_have_the_same_rows() {
+        // result, table, value, time, field, side
+        let row = |k: usize| {
+            let (field, side) = (["rpm", "A"][k / 100 % 2], ["l", "r"][k / 200]);
+            format!(",{},2,{},{field},{side}", k / 100, k % 100)
+        };
+        let rows: Vec<String> = (0..400).map(row).collect();
+        let found = read(",table,_value,_time,_field,side", &rows).unwrap();
+        assert_eq!(found[0].1.len(), 100);
+        let all = names(&found);
+        assert!(all.contains(&"rpm.l") && all.contains(&"A.r"), "{all:?}");
+        // a state that changes is none
+        let rows: Vec<String> = (0..80).map(|k| format!("{k},{},3", ["a", "b"][k / 40])).collect();
+        assert_eq!(read("t,state,x", &rows), None);
+    }
 }

@@ -13,6 +13,9 @@ const LOOKED_AT: usize = 64;
 const ROWS: usize = 5;
 const KINDS: usize = 16;
 
+/// Words of sides, in pairs.
+const SIDES: [&str; 6] = ["left", "right", "l", "r", "links", "rechts"];
+
 /// What a line holds.
 #[derive(Debug, PartialEq)]
 pub(super) struct Line {
@@ -49,6 +52,7 @@ impl Line {
         if items.first().is_none_or(|item| item.words.is_empty()) {
             return None;
         }
+        share_words(&mut items);
         let is_labelled = items.len() > 1 && items.iter().all(|item| !item.words.is_empty());
         let head = head(&mut items);
         Some(Self { before, head, pairs: named(&items), is_labelled })
@@ -126,8 +130,9 @@ fn is_headed(lines: &[&str]) -> bool {
 
 /// The columns of such lines; a line whose kind does not come again is one of a console.
 pub(super) fn columns<'a>(lines: impl Iterator<Item = &'a str>) -> Columns {
-    let found: Vec<(String, Line)> =
+    let mut found: Vec<(String, Line)> =
         lines.filter_map(Line::of).map(|line| (line.kind(), line)).collect();
+    timed(&mut found);
     let mut counts: HashMap<&str, usize> = HashMap::new();
     found.iter().for_each(|(kind, _)| *counts.entry(kind).or_default() += 1);
     let again = || found.iter().filter(|(kind, _)| counts[kind.as_str()] > 1).map(|(_, line)| line);
@@ -135,6 +140,48 @@ pub(super) fn columns<'a>(lines: impl Iterator<Item = &'a str>) -> Columns {
     let first = again().next().map_or("", |line| &line.head);
     let is_tag = !first.contains(char::is_lowercase) && again().all(|line| line.head == first);
     record::collected(record::joined(again().map(|line| line.record(!is_tag))))
+}
+
+/// Takes the first number of lines of several kinds for their time, where each kind has a word of its own before it, and
+/// it never falls from line to line: `ENC 0.1 L 3 R 4`, `CUR 0.1 L 1 R 2`.
+fn timed(lines: &mut [(String, Line)]) {
+    let mut counts: HashMap<&str, usize> = HashMap::new();
+    lines.iter().for_each(|(kind, _)| *counts.entry(kind).or_default() += 1);
+    let again: Vec<bool> = lines.iter().map(|(kind, _)| counts[kind.as_str()] > 1).collect();
+    let kinds = counts.values().filter(|count| **count > 1).count();
+    let tag = |line: &Line| -> Option<(String, f64)> {
+        let (name, x) = line.pairs.first()?;
+        let name = name.strip_suffix(".1").unwrap_or(name);
+        let is_tag = line.head.is_empty() && line.before.is_none() && line.pairs.len() > 1;
+        (is_tag && name.chars().all(char::is_alphanumeric)).then(|| (name.to_string(), *x))
+    };
+    let found: Option<Vec<(String, f64)>> = lines
+        .iter()
+        .zip(&again)
+        .filter(|(_, again)| **again)
+        .map(|((_, line), _)| tag(line))
+        .collect();
+    let Some(found) = found.filter(|_| kinds > 1) else { return };
+    let tags: std::collections::HashSet<&str> = found.iter().map(|(tag, _)| tag.as_str()).collect();
+    let rises = found.windows(2).all(|w| w[1].1 >= w[0].1)
+        && found.first().map(|f| f.1) < found.last().map(|f| f.1);
+    if tags.len() != kinds || !rises {
+        return;
+    }
+    for (kind, line) in lines.iter_mut() {
+        let Some((tag, time)) = tag(line) else { continue };
+        line.pairs.remove(0);
+        line.before = Some(("time".into(), time));
+        // numbers in a row are counted from the one behind the time
+        let counted = |(name, x): (String, f64)| {
+            let number =
+                name.strip_prefix(&format!("{tag}.")).and_then(|n| n.parse::<usize>().ok());
+            (number.map_or(name, |n| (n - 1).to_string()), x)
+        };
+        line.pairs = std::mem::take(&mut line.pairs).into_iter().map(counted).collect();
+        line.head.clone_from(&tag);
+        *kind = line.kind();
+    }
 }
 
 /// The numbers of a line with their words; `None` where something is neither word nor number.
@@ -171,6 +218,30 @@ fn items(text: &str) -> Option<Vec<Item<'_>>> {
         last.unit = unit;
     }
     Some(items)
+}
+
+/// What stands before one side stands before the other as well, and the unit behind the other behind it: `wheel vel L: 3
+/// R: 4 rad/s`.
+fn share_words<'a>(items: &mut [Item<'a>]) {
+    let side = |word: &str| SIDES.iter().position(|side| word.eq_ignore_ascii_case(side));
+    for k in 1..items.len() {
+        let (before, own) = (&items[k - 1], &items[k]);
+        let ([shared @ .., first], [second]) = (&before.words[..], &own.words[..]) else {
+            continue;
+        };
+        let (Some(a), Some(b)) = (side(first), side(second)) else { continue };
+        // a tag in capitals before the line is none of its names
+        let says = shared.last().is_some_and(|word| word.contains(char::is_lowercase));
+        if !says || a == b || a / 2 != b / 2 {
+            continue;
+        }
+        let words: Vec<&'a str> = shared.iter().copied().chain([*second]).collect();
+        let unit = own.unit;
+        items[k].words = words;
+        if items[k - 1].unit.is_empty() {
+            items[k - 1].unit = unit;
+        }
+    }
 }
 
 fn piece(chunk: &str) -> Option<Piece<'_>> {
@@ -255,7 +326,7 @@ mod tests {
         let expected: Vec<(String, f64)> = pairs.iter().map(|(n, x)| ((*n).into(), *x)).collect();
         assert_eq!(read(line), Some(expected));
         assert_eq!(names("L: rpm=3 pwm=4 | R: rpm=5 pwm=6"), ["L rpm", "L.pwm", "R rpm", "R.pwm"]);
-        assert_eq!(names("wheel speed left 3, right 4"), ["wheel speed.left", "wheel speed.right"]);
+        assert_eq!(names("wheel speed left 3, right 4"), ["wheel speed left", "wheel speed right"]);
         assert_eq!(names("left motor speed 3 right motor speed 4")[1], "right motor speed");
         assert_eq!(names("L 3.5 rpm R 4.5 rpm"), ["L [rpm]", "R [rpm]"]);
         assert_eq!(names("V 3 A 4"), ["V", "A"]);
@@ -271,6 +342,11 @@ mod tests {
         };
         assert_eq!(of(&["INFO: l 1 r 2"]), ["l", "r"]);
         assert_eq!(of(&["GYRO x 1 y 2", "ACC x 3 y 4"]), ["GYRO.x", "GYRO.y", "ACC.x", "ACC.y"]);
+        let lines = ["ENC 1 L 2 R 3", "CUR 1 L 4 R 5", "ENC 2 L 2 R 3", "CUR 2 L 4 R 5"];
+        let found = columns(lines.into_iter());
+        let names: Vec<&str> = found.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(names, ["time", "ENC.L", "ENC.R", "CUR.L", "CUR.R"]);
+        assert_eq!((found[0].1.len(), found[3].1[1]), (2, 4.0));
         // a line of the console in between is none of them
         assert_eq!(of(&["l 1 r 2", "l 3 r 4"]), ["l", "r"]);
         let stray = ["l 1 r 2", "Error: Core 0 panic", "l 3 r 4"];

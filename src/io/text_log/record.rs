@@ -22,6 +22,8 @@ pub(super) type Pairs = Vec<(String, f64)>;
 const LOOKED_AT: usize = 40;
 /// Elements of an array that are columns; longer ones are images and maps.
 const ELEMENTS: usize = 64;
+/// Keys of an object in a list by which it is called.
+const NAMES: [&str; 6] = ["name", "motor", "joint", "wheel", "side", "id"];
 
 /// Whether nearly all of the first lines behind a preamble are records; a console begins with words and half a line.
 pub(super) fn is_one(lines: &[&str]) -> bool {
@@ -30,11 +32,6 @@ pub(super) fn is_one(lines: &[&str]) -> bool {
     let held: Vec<bool> = held.take(LOOKED_AT).collect();
     let records = held.iter().filter(|is_record| **is_record).count();
     records > 1 && 10 * records >= 9 * held.len()
-}
-
-/// The columns of records, in the order in which their names come up; NaN where a record lacks one.
-pub(super) fn columns<'a>(lines: impl Iterator<Item = &'a str>) -> Columns {
-    collected(joined(lines.map(pairs).filter(|pairs| !pairs.is_empty())))
 }
 
 /// Records of several kinds that follow each other in one row, until a name comes again: a log without a time
@@ -82,6 +79,9 @@ pub(super) fn collected(records: impl Iterator<Item = Pairs>) -> Columns {
 /// or a list of records (`[{"t": 0}, {"t": 0.01}]`), at the top or below one name. `None` without any, and of the
 /// files of SysId, which have a reader of their own.
 pub(super) fn of_json(value: &Value) -> Option<Columns> {
+    if let Some(table) = table(value) {
+        return (table.len() > 1).then_some(table);
+    }
     let records = match value {
         Value::Object(map) if map.contains_key("sysid") => return None,
         Value::Object(map) => map.values().find_map(records),
@@ -100,6 +100,22 @@ pub(super) fn of_json(value: &Value) -> Option<Columns> {
         }
     };
     (found.len() > 1).then_some(found)
+}
+
+/// A table as a list of names beside a list of rows: `{"columns": ["t", "w"], "data": [[0, 1], [0.1, 2]]}`.
+fn table(value: &Value) -> Option<Columns> {
+    let lists =
+        || value.as_object().into_iter().flat_map(|map| map.values()).filter_map(Value::as_array);
+    let names = lists().find(|list| list.len() > 1 && list.iter().all(Value::is_string))?;
+    let is_row = |row: &Value| row.as_array().is_some_and(|row| row.len() == names.len());
+    let rows = lists().find(|list| list.len() > 1 && list.iter().all(is_row))?;
+    let column = |(k, name): (usize, &Value)| {
+        let number =
+            |row: &Value| row[k].as_f64().or_else(|| super::value(row[k].as_str()?, false));
+        let values = rows.iter().map(|row| number(row).unwrap_or(f64::NAN)).collect();
+        (name.as_str().unwrap_or_default().to_string(), values)
+    };
+    Some(names.iter().enumerate().map(column).collect())
 }
 
 /// A list of more than one object.
@@ -124,7 +140,7 @@ fn lists(path: &str, value: &Value, out: &mut Columns) {
 }
 
 /// Names and numbers of a record; nothing of a line that is none.
-fn pairs(line: &str) -> Pairs {
+pub(super) fn pairs(line: &str) -> Pairs {
     let line = line.trim();
     if line.starts_with('{') {
         let mut out = vec![];
@@ -133,7 +149,13 @@ fn pairs(line: &str) -> Pairs {
             return out;
         }
     }
-    let (before, rest) = before(line.trim_matches(['{', '}']).trim());
+    // an element of XML with its values as attributes
+    let line = line.strip_prefix('<').map_or(line, |l| l.trim_end_matches(['/', '>']));
+    let line = line.trim_matches(['{', '}']).trim();
+    let element = line
+        .split_once(' ')
+        .filter(|(name, _)| line.ends_with('"') && name.bytes().all(|b| b.is_ascii_alphabetic()));
+    let (before, rest) = before(element.map_or(line, |(_, rest)| rest));
     let glued = glued(rest);
     let separators = |c: char| c.is_whitespace() || ",;|".contains(c);
     let words = glued.split(separators).filter(|word| word.contains(char::is_alphanumeric));
@@ -146,6 +168,19 @@ fn pairs(line: &str) -> Pairs {
     let names = qualified(&labels.iter().map(|label| &label[..]).collect::<Vec<_>>());
     let named = names.iter().zip(&found).map(|(name, (_, x, unit))| (with_unit(name, unit), *x));
     before.into_iter().chain(named).collect()
+}
+
+/// Names and texts of `side=R`, `id: 1`, whatever they are.
+pub(super) fn assigned_texts(line: &str) -> Vec<(String, String)> {
+    let glued = glued(line.trim().trim_matches(['{', '}']));
+    let separators = |c: char| c.is_whitespace() || ",;|".contains(c);
+    let one = |word: &str| {
+        let (name, text) = word.split_once(['=', ':'])?;
+        let bare = |text: &str| text.trim_matches(['"', '\'']).to_string();
+        let is_name = name.starts_with(|c: char| c.is_alphabetic() || "\"'_".contains(c));
+        (is_name && !text.is_empty()).then(|| (bare(name), bare(text)))
+    };
+    glued.split(separators).filter_map(one).collect()
 }
 
 /// Names of the words of labels, each once: those that come again have the last word before that does not.
@@ -208,6 +243,7 @@ fn glued(text: &str) -> String {
 fn assigned(word: &str) -> Option<Option<Assigned<'_>>> {
     let (name, text) = word.split_once(['=', ':'])?;
     let name = name.trim_matches('"');
+    let text = text.strip_prefix('"').and_then(|t| t.strip_suffix('"')).unwrap_or(text);
     if !name.starts_with(|c: char| c.is_alphabetic() || c == '_') {
         return None;
     }
@@ -228,8 +264,12 @@ fn flatten(path: &str, value: &Value, out: &mut Vec<(String, f64)>) {
             }
         }
         Value::Array(list) if list.len() <= ELEMENTS => {
-            let inner = list.iter().enumerate();
-            inner.for_each(|(k, value)| flatten(&format!("{path}[{k}]"), value, out));
+            for (k, value) in list.iter().enumerate() {
+                match NAMES.iter().find_map(|key| value.get(key)?.as_str()) {
+                    Some(name) => flatten(&format!("{path}.{name}"), value, out),
+                    None => flatten(&format!("{path}[{k}]"), value, out),
+                }
+            }
         }
         Value::Number(number) => out.push((path.into(), number.as_f64().unwrap_or(f64::NAN))),
         Value::Bool(flag) => out.push((path.into(), f64::from(u8::from(*flag)))),

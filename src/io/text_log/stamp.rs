@@ -22,7 +22,12 @@ fn in_brackets(line: &str) -> Option<(f64, &str)> {
     if let Some((clock, rest)) = of_level.and_then(|l| l.split_once(") ")) {
         return Some((clock.parse().ok()?, rest));
     }
-    let (clock, rest) = line.strip_prefix('[')?.split_once(']')?;
+    let (mut clock, mut rest) = line.strip_prefix('[')?.split_once(']')?;
+    // the level of a node of ROS: `[INFO] [1718020983.123] [motors]: l: 3`
+    if clock.chars().all(|c| c.is_ascii_uppercase()) {
+        (clock, rest) = rest.trim_start().strip_prefix('[')?.split_once(']')?;
+        rest = rest.strip_prefix(':').unwrap_or(rest);
+    }
     let is_time = clock.contains(['.', ':', 's']) && rest.starts_with(char::is_whitespace);
     is_time.then(|| Some((time(clock)?, rest)))?
 }
@@ -71,6 +76,8 @@ mod tests {
             ("00:00:02.5 > l: 1", Some((2.5, "l: 1"))),
             ("[   9.5s] PID", Some((9.5, " PID"))),
             ("I (12345) motors: l: 1", Some((12345.0, "motors: l: 1"))),
+            ("[INFO] [2.5] [motors]: l: 1", Some((2.5, " [motors]: l: 1"))),
+            ("[INFO] [2.5]: l: 1", Some((2.5, " l: 1"))),
             ("00:00:02,5 INFO l=1", Some((2.5, "INFO l=1"))),
             ("1970-01-01 00:00:02,5 INFO l=1", Some((2.5, "INFO l=1"))),
             ("[3] 1 2", None),

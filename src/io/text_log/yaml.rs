@@ -37,9 +37,9 @@ fn key(line: &str) -> Option<(&str, &str)> {
 
 /// The columns of messages. Elements of lists beside a list of names have the name before them, as the columns of a
 /// bag do: `wheel_left.position`.
-pub(super) fn columns<'a>(lines: impl Iterator<Item = &'a str>) -> Columns {
+pub(super) fn columns(text: &str) -> Columns {
     let (mut messages, mut message) = (vec![], vec![]);
-    for line in lines {
+    for line in text.lines() {
         if is_end(line) {
             messages.push(std::mem::take(&mut message));
         } else {
@@ -127,7 +127,7 @@ mod tests {
         let text: String = (0..4).map(message).collect::<String>() + "header:\n  stamp:\n    se";
         let lines: Vec<&str> = text.lines().collect();
         assert!(is_one(&lines));
-        let found = columns(lines.iter().copied());
+        let found = columns(&lines.join("\n"));
         let names: Vec<&str> = found.iter().map(|(name, _)| name.as_str()).collect();
         assert_eq!(
             names,

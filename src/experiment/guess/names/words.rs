@@ -176,7 +176,7 @@ pub(super) const BATTERY: [&str; 8] =
 
 /// Endings of a name that are a unit: as written, unit of the program, and whether it says the quantity
 /// by itself.
-pub(super) const UNITS: [(&[&str], &str, Option<Quantity>); 26] = [
+pub(super) const UNITS: [(&[&str], &str, Option<Quantity>); 28] = [
     (&["mm/s", "mmps", "mmpersec", "mmpersecond"], "mm/s", Some(Quantity::Speed)),
     (&["cm/s", "cmps", "cmpersec", "cmpersecond"], "cm/s", Some(Quantity::Speed)),
     (
@@ -263,6 +263,8 @@ pub(super) const UNITS: [(&[&str], &str, Option<Quantity>); 26] = [
         "ticks/s",
         Some(Quantity::Speed),
     ),
+    (&["mrad/s", "mrad/sec", "mradps", "mradpers", "mradpersec"], "mrad/s", Some(Quantity::Speed)),
+    (&["mrad"], "mrad", Some(Quantity::Angle)),
     (&["radians", "rad"], "rad", Some(Quantity::Angle)),
     (&["degrees", "degree", "deg", "grad"], "deg", Some(Quantity::Angle)),
     (

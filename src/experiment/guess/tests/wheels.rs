@@ -212,7 +212,7 @@ fn units_that_nothing_states_are_asked_or_printed() {
     let units: Vec<Option<&str>> =
         g.columns.iter().filter(|c| c.key.starts_with('M')).map(|c| c.unit.as_deref()).collect();
     assert_eq!(units, [Some("mV"); 2]);
-    let g = guess(&columns(&["time", "vel_l", "vel_r", "tau_l [Nm]", "tau_r [Nm]"]));
+    let g = guess(&columns(&["time", "w_l", "w_r", "tau_l [Nm]", "tau_r [Nm]"]));
     let words = g.words();
     assert!(
         words.contains("states a unit: t in s, dalpha1 in rad/s, dalpha2 in rad/s\n"),

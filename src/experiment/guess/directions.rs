@@ -1,0 +1,246 @@
+//! Columns that hold the direction of a magnitude: `dirL` beside `pwmL`.
+
+use super::names::{Side, named};
+use super::values::is_constant;
+use super::{Guess, Guessed};
+use crate::io::PreviewColumn;
+
+/// Words of a name that is that of a direction, and those that say which way a 1 is.
+const DIRECTIONS: [&str; 6] = ["dir", "direction", "sign", "sgn", "richtung", "dirn"];
+const FORWARDS: [&str; 4] = ["fwd", "forward", "forwards", "vorwaerts"];
+const BACKWARDS: [&str; 6] = ["rev", "reverse", "reversed", "back", "backward", "backwards"];
+/// What cells hold for forward and for backward, in lower case.
+const AHEAD: [&str; 10] =
+    ["f", "fwd", "forward", "forwards", "fw", "+", "pos", "v", "vor", "ahead"];
+const BACK: [&str; 13] = [
+    "r",
+    "rev",
+    "reverse",
+    "b",
+    "bwd",
+    "back",
+    "backward",
+    "backwards",
+    "-",
+    "neg",
+    "z",
+    "rw",
+    "rwd",
+];
+/// Part of the work of an input beyond which it drives its wheel the way that it is said to.
+const DRIVES: f64 = 0.2;
+
+/// A direction: its column, the wheel, and what it holds.
+struct Direction {
+    name: String,
+    side: Option<Side>,
+    rest: Vec<String>,
+    values: Vec<f64>,
+    words: Vec<String>,
+}
+
+/// The directions of a log.
+pub(super) struct Directions(Vec<Direction>);
+
+impl Directions {
+    /// The columns that are directions by their names and hold two values.
+    pub(super) fn of(columns: &[PreviewColumn]) -> Self {
+        Self(columns.iter().filter_map(direction).collect())
+    }
+
+    /// Whether both columns of a pair have a direction.
+    pub(super) fn are_of(&self, pair: &[Guessed; 2]) -> bool {
+        pair.iter().all(|one| self.beside(one).is_some())
+    }
+
+    /// The direction of a column: that of its wheel with the most words in common.
+    fn beside(&self, one: &Guessed) -> Option<&Direction> {
+        let own = named(&one.name);
+        let common = |d: &&Direction| d.rest.iter().filter(|w| own.rest.contains(w)).count();
+        // of equals the one whose other words are fewest
+        let rank = |d: &&Direction| (common(d), std::cmp::Reverse(d.rest.len()));
+        self.0.iter().filter(|d| d.side.is_some() && d.side == own.side).max_by_key(rank)
+    }
+
+    /// Gives magnitudes the columns of their directions, and what stands for backward or the question for it.
+    pub(super) fn give(&self, columns: &[PreviewColumn], guess: &mut Guess) {
+        let of =
+            |name: &str| columns.iter().find(|c| c.name == name).map_or(&[][..], |c| &c.values);
+        let is_magnitude = |one: &Guessed| {
+            let values = of(&one.name);
+            !is_constant(values) && values.iter().all(|v| v.is_nan() || *v >= 0.0)
+        };
+        let speeds: Vec<(String, Vec<f64>)> = guess
+            .columns
+            .iter()
+            .filter(|c| c.key.starts_with("dalpha") && !is_magnitude(c))
+            .map(|c| (c.key.to_string(), of(&c.name).to_vec()))
+            .collect();
+        let mut asked = vec![];
+        for one in &mut guess.columns {
+            let is_signed = one.key.starts_with("dalpha") || one.key.starts_with('M');
+            let Some(d) = self.beside(one).filter(|_| is_signed && is_magnitude(one)) else {
+                continue;
+            };
+            let wheel = one.key.trim_start_matches(|c: char| !c.is_ascii_digit());
+            let speed = speeds.iter().find(|(key, _)| key.ends_with(wheel)).map(|(_, v)| &v[..]);
+            one.sign = Some(d.name.clone());
+            match d.backward(of(&one.name), speed.filter(|_| one.key.starts_with('M'))) {
+                Some((word, why)) => {
+                    one.backward = word;
+                    one.evidence.push(why);
+                }
+                None => {
+                    one.backward_open = true;
+                    asked.push(format!("`{}` ({})", d.name, d.shown().join(" or ")));
+                }
+            }
+        }
+        asked.dedup();
+        if !asked.is_empty() {
+            guess.questions.push(format!(
+                "which value of {} is backward? Write it as backward, in quotes",
+                asked.join(" and of ")
+            ));
+        }
+    }
+}
+
+impl Direction {
+    /// What it holds, each once.
+    fn shown(&self) -> Vec<String> {
+        if self.words.is_empty() {
+            distinct(&self.values).iter().map(f64::to_string).collect()
+        } else {
+            self.words.clone()
+        }
+    }
+
+    /// What stands for backward, where it is no negative number, and how that is known: by its words or its name, or as an
+    /// input drives its wheel.
+    fn backward(&self, input: &[f64], speed: Option<&[f64]>) -> Option<(Option<String>, String)> {
+        if !self.words.is_empty() {
+            let is = |list: &[&str], word: &String| list.contains(&word.to_lowercase().as_str());
+            // `R` may be right, unless the other word is forward
+            let back = self.words.iter().find(|w| is(&BACK, w) && !is(&AHEAD, w))?;
+            let other = self.words.iter().find(|w| *w != back)?;
+            let why = format!("`{}` says the direction: `{back}` is backward", self.name);
+            return is(&AHEAD, other).then(|| (Some(back.clone()), why));
+        }
+        let values = distinct(&self.values);
+        let (low, high) = (values.first()?, values.last()?);
+        if *low < 0.0 && *high > 0.0 {
+            return Some((None, format!("`{}` holds its sign", self.name)));
+        }
+        let by = |back: &f64, why: &str| {
+            Some((
+                Some(format!("{back}")),
+                format!("`{}` says the direction: {back} is backward{why}", self.name),
+            ))
+        };
+        if let Some(speed) = speed {
+            let sign = |k: usize| if self.values[k] == *low { -1.0 } else { 1.0 };
+            let rows = 0..input.len().min(speed.len()).min(self.values.len());
+            let work = |k: usize| Some(input[k] * speed[k]).filter(|x| x.is_finite());
+            let (mut signed, mut size) = (0.0, 0.0);
+            rows.filter_map(|k| Some((k, work(k)?))).for_each(|(k, x)| {
+                signed += sign(k) * x;
+                size += x.abs();
+            });
+            if signed.abs() > DRIVES * size {
+                return by(if signed > 0.0 { low } else { high }, ", as the wheel turns");
+            }
+        }
+        let has = |list: &[&str]| self.rest.iter().any(|w| list.contains(&w.as_str()));
+        match (has(&FORWARDS), has(&BACKWARDS)) {
+            (true, false) => by(low, " by its name"),
+            (false, true) => by(high, " by its name"),
+            _ => None,
+        }
+    }
+}
+
+fn direction(column: &PreviewColumn) -> Option<Direction> {
+    let name = named(&column.name);
+    let says = |w: &String| [&DIRECTIONS[..], &FORWARDS, &BACKWARDS].concat().contains(&w.as_str());
+    let has_two = column.words.len() == 2 || distinct(&column.values).len() == 2;
+    (name.rest.iter().any(says) && has_two).then(|| Direction {
+        name: column.name.clone(),
+        side: name.side,
+        rest: name.rest,
+        values: column.values.clone(),
+        words: column.words.clone(),
+    })
+}
+
+/// The values of a column in order, zero between the two signs left out; of many the first three.
+fn distinct(values: &[f64]) -> Vec<f64> {
+    let mut out: Vec<f64> = vec![];
+    for v in values.iter().filter(|v| v.is_finite()) {
+        if out.len() < 4 && !out.contains(v) {
+            out.push(*v);
+        }
+    }
+    out.sort_by(f64::total_cmp);
+    if let [low, 0.0, high] = out[..]
+        && low < 0.0
+        && high > 0.0
+    {
+        return vec![low, high];
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::guess;
+    use super::*;
+
+    fn column(name: &str, of: impl Fn(f64) -> f64) -> PreviewColumn {
+        let values = (0..400).map(|k| of(0.05 * f64::from(k))).collect();
+        PreviewColumn { name: name.into(), values, words: vec![] }
+    }
+
+    fn log(dir: impl Fn(f64) -> f64 + Copy, words: &[&str]) -> Guess {
+        let one = |name: &str| PreviewColumn {
+            words: words.iter().map(ToString::to_string).collect(),
+            ..column(name, if words.is_empty() { |t: f64| t } else { |_| f64::NAN })
+        };
+        let dirs = ["dirL", "dirR"]
+            .map(|name| if words.is_empty() { column(name, dir) } else { one(name) });
+        let mut log = vec![column("t", |t| t)];
+        log.extend(["rpmL", "rpmR"].map(|name| column(name, |t| 90.0 * (t - 0.2).sin())));
+        log.extend(["pwmL", "pwmR"].map(|name| column(name, |t| (200.0 * t.sin()).abs().round())));
+        log.extend(dirs);
+        guess(&log)
+    }
+
+    fn input(g: &Guess) -> &Guessed {
+        g.columns.iter().find(|c| c.key == "M1").unwrap()
+    }
+
+    #[test]
+    fn magnitudes_take_the_sign_of_their_directions() {
+        for (dir, back) in [(1.0, "0"), (-1.0, "1")] {
+            let g = log(|t: f64| f64::from(u8::from(dir * t.sin() >= 0.0)), &[]);
+            let one = input(&g);
+            assert_eq!((one.sign.as_deref(), one.backward.as_deref()), (Some("dirR"), Some(back)));
+        }
+        let g = log(|t: f64| t.sin().signum(), &[]);
+        assert_eq!(
+            (input(&g).sign.as_deref(), input(&g).backward.as_deref()),
+            (Some("dirR"), None)
+        );
+        let g = log(|t| t, &["F", "R"]);
+        assert_eq!(
+            (input(&g).sign.as_deref(), input(&g).backward.as_deref()),
+            (Some("dirR"), Some("R"))
+        );
+        let g = log(|t| t, &["X", "Y"]);
+        assert!(
+            input(&g).backward_open && g.questions.join(" ").contains("`dirR` (X or Y)"),
+            "{:?}",
+            g.questions
+        );
+    }
+}

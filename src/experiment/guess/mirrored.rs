@@ -1,0 +1,178 @@
+//! A wheel that counts the other way: its motor stands mirrored on the robot.
+
+use super::{Guess, Guessed};
+use crate::io::PreviewColumn;
+
+/// Names of a rate of turning about the vertical, letters and numbers alone.
+const TURNING: [&str; 8] = [
+    "gyroz",
+    "yawrate",
+    "headingrate",
+    "angularvelocityz",
+    "angularz",
+    "omegaz",
+    "turnrate",
+    "gyroyaw",
+];
+/// Correlation with the turning rate beyond which wheels show it, and by how much more than otherwise.
+const SHOWN: f64 = 0.8;
+const CLEARER: f64 = 0.2;
+
+/// Part by which two speeds may differ and be the same, and of the rows in which they are (taste).
+const SAME: f64 = 0.15;
+const OFTEN: f64 = 0.25;
+
+/// Turns a wheel round that a measured turning rate shows to be mirrored; else asks, where the wheels turn against
+/// each other nearly always and each goes with its own input: a robot that turned on the spot looks the same.
+pub(super) fn look(columns: &[PreviewColumn], guess: &mut Guess) {
+    let of = |guess: &Guess, key: &str| {
+        let one = guess.columns.iter().find(|c| c.key == key)?;
+        let sign = one.scale.unwrap_or(1.0).signum();
+        let values = &columns.iter().find(|c| c.name == one.name)?.values;
+        Some((one.name.clone(), values.iter().map(|v| sign * v).collect::<Vec<f64>>()))
+    };
+    let Some(((right, w1), (left, w2))) = of(guess, "dalpha1").zip(of(guess, "dalpha2")) else {
+        return;
+    };
+    if right == left || guess.columns.iter().any(|c| c.sign.is_some() && c.key.starts_with('d')) {
+        return;
+    }
+    let (input1, input2) = (of(guess, "M1").map(|x| x.1), of(guess, "M2").map(|x| x.1));
+    let drives = |m: &Option<Vec<f64>>, w: &[f64]| m.as_ref().is_none_or(|m| work(m, w) > 0.0);
+    if let Some(turning) = columns.iter().find(|c| is_turning(&c.name)) {
+        let by = |sign: f64| {
+            let sum: Vec<f64> = w1.iter().zip(&w2).map(|(a, b)| a + sign * b).collect();
+            correlation(&turning.values, &sum)
+        };
+        let (difference, sum) = (by(-1.0), by(1.0));
+        if sum.abs() > SHOWN && sum.abs() > difference.abs() + CLEARER {
+            // counter-clockwise is positive: the right wheel ahead of the left one
+            let wheel = if sum > 0.0 { '2' } else { '1' };
+            let (input, speed) = if wheel == '2' { (&input2, &w2) } else { (&input1, &w1) };
+            let why = format!(
+                "mirrored: `{}` goes with the sum of the speeds and not with their difference",
+                turning.name
+            );
+            turn(guess, wheel, drives(input, speed), &why);
+            return;
+        }
+        if difference.abs() > SHOWN {
+            return;
+        }
+    }
+    let rows: Vec<[f64; 2]> = w1.iter().zip(&w2).map(|(a, b)| [*a, *b]).collect();
+    let Some(said) = crate::experiment::remarks::opposed(&rows) else { return };
+    if !(drives(&input1, &w1) && drives(&input2, &w2)) || !mirror_each_other(&rows) {
+        // one sign alone is turned, as conditioning shows; or the wheels move each in its own way
+        guess.questions.push(said);
+        return;
+    }
+    let said = said.split(" Then write").next().unwrap_or_default();
+    let mut scales = vec![];
+    for one in guess.columns.iter_mut().filter(|c| is_of(c, '2')) {
+        let scale = one.scale.unwrap_or(1.0);
+        one.scale_open = true;
+        scales.push(format!("`{}` {:?} or {scale:?}", one.name, -scale));
+    }
+    guess.questions.push(format!(
+        "{said} Write as scale, of a mirrored motor of the left wheel or of a turn on the spot: {}",
+        scales.join(", ")
+    ));
+}
+
+/// Whether the wheels turn against each other at the same speed in many rows, as those of a robot that drives straight
+/// with a mirrored motor.
+fn mirror_each_other(rows: &[[f64; 2]]) -> bool {
+    let top = rows
+        .iter()
+        .flatten()
+        .fold(0.0_f64, |top, w| if w.is_finite() { top.max(w.abs()) } else { top });
+    let moving = rows.iter().filter(|w| w[0].abs() > SAME * top && w[1].abs() > SAME * top);
+    let same = |w: &&[f64; 2]| (w[0] + w[1]).abs() < SAME * (w[0].abs() + w[1].abs());
+    let (count, alike) = moving.fold((0, 0), |(n, k), w| (n + 1, k + usize::from(same(&w))));
+    alike as f64 > OFTEN * f64::from(count)
+}
+
+fn is_of(one: &Guessed, wheel: char) -> bool {
+    one.key != "t" && one.key.ends_with(wheel)
+}
+
+fn turn(guess: &mut Guess, wheel: char, with_input: bool, why: &str) {
+    for one in guess.columns.iter_mut().filter(|c| is_of(c, wheel)) {
+        if with_input || !one.key.starts_with('M') {
+            one.scale = Some(-one.scale.unwrap_or(1.0));
+            one.evidence.push(why.into());
+        }
+    }
+}
+
+fn is_turning(name: &str) -> bool {
+    let bare: String = name.to_lowercase().chars().filter(char::is_ascii_alphanumeric).collect();
+    TURNING.iter().any(|word| bare.contains(word)) || ["gz", "wz"].contains(&bare.as_str())
+}
+
+/// Work of an input at its wheel, where both are known.
+fn work(input: &[f64], speed: &[f64]) -> f64 {
+    input.iter().zip(speed).map(|(m, w)| m * w).filter(|x| x.is_finite()).sum()
+}
+
+fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let pairs: Vec<(f64, f64)> = a
+        .iter()
+        .zip(b)
+        .map(|(a, b)| (*a, *b))
+        .filter(|(a, b)| a.is_finite() && b.is_finite())
+        .collect();
+    let n = pairs.len() as f64;
+    let mean = |of: fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>() / n;
+    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
+    let (mut xx, mut yy, mut xy) = (0.0, 0.0, 0.0);
+    for (a, b) in pairs {
+        (xx, yy, xy) = (xx + (a - x).powi(2), yy + (b - y).powi(2), xy + (a - x) * (b - y));
+    }
+    if xx * yy > 0.0 { xy / (xx * yy).sqrt() } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::guess;
+    use super::*;
+
+    /// A robot that mostly drives straight, with the sign of its left wheel.
+    fn log(left: f64, gyro: bool) -> Guess {
+        let column = |name: &str, of: &dyn Fn(f64) -> f64| PreviewColumn {
+            name: name.into(),
+            values: (0..800).map(|k| of(0.05 * f64::from(k))).collect(),
+            words: vec![],
+        };
+        let speed = |t: f64| [5.0 + t.sin(), 5.0 - t.sin()];
+        let mut log = vec![
+            column("t", &|t| t),
+            column("right_rad_s", &|t| speed(t)[0]),
+            column("left_rad_s", &|t| left * speed(t)[1]),
+            column("right_A", &|t| 0.1 * speed(t)[0]),
+            column("left_A", &|t| left * 0.1 * speed(t)[1]),
+        ];
+        if gyro {
+            log.push(column("gyro_z", &|t| 0.3 * (speed(t)[0] - speed(t)[1])));
+        }
+        guess(&log)
+    }
+
+    fn scales(g: &Guess) -> Vec<(Option<f64>, bool)> {
+        g.columns.iter().skip(1).map(|c| (c.scale, c.scale_open)).collect()
+    }
+
+    #[test]
+    fn a_turning_rate_decides_and_without_one_it_is_asked() {
+        assert_eq!(scales(&log(1.0, true)), [(None, false); 4]);
+        let turned = [(None, false), (Some(-1.0), false)];
+        assert_eq!(scales(&log(-1.0, true)), [turned, turned].concat());
+        assert!(log(-1.0, true).questions.is_empty());
+        let open = [(None, false), (None, true)];
+        assert_eq!(scales(&log(-1.0, false)), [open, open].concat());
+        let asked = log(-1.0, false).questions.join(" ");
+        assert!(asked.contains("mirrored") && asked.contains("`left_A` -1.0 or 1.0"), "{asked}");
+        assert_eq!(scales(&log(1.0, false)), [(None, false); 4]);
+    }
+}

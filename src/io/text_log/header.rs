@@ -1,0 +1,197 @@
+//! Names above a table: in a line, in two of them, in comments, behind a line of units; and what a header says of the
+//! time.
+
+use super::{Columns, SEPARATORS, cells, is_blank, is_comment, made_up};
+use crate::io::csv::{ABSENT, is_units, value, with_unit};
+
+/// Lines above the rows among which the names are looked for.
+const ABOVE: usize = 3;
+/// Lines in which the header of LabVIEW stands.
+const PREAMBLE: usize = 60;
+/// First words of a measurement file of LabVIEW.
+const LABVIEW: &str = "LabVIEW Measurement";
+
+/// The names of so many columns above the first row, and the line that they stand in; made-up ones without any.
+/// Separators at the end of that line name nothing.
+pub(super) fn names(
+    lines: &[&str],
+    first: usize,
+    separator: char,
+    count: usize,
+) -> (Option<usize>, Vec<String>) {
+    let no_number = |cells: &[String]| {
+        let named =
+            |c: &String| ABSENT.contains(&c.as_str()) || value(c, separator != ',').is_none();
+        cells.len() == count && cells.iter().all(named) && cells.iter().any(|c| !c.is_empty())
+    };
+    let named_cells = |line: &str, separator: char| {
+        let mut cells = cells(line, separator);
+        // nor does the column of LabVIEW for comments, of which rows have none
+        let is_none = |c: &String| c.is_empty() || c == "Comment";
+        while cells.len() > count && cells.last().is_some_and(is_none) {
+            cells.pop();
+        }
+        cells
+    };
+    // the first line of all, whatever stands between: rows may be broken
+    let top = (0..first).find(|k| !is_blank(lines[*k]) && !lines[*k].starts_with('#'));
+    if let Some(k) = top {
+        let cells = named_cells(lines[k], separator);
+        if no_number(&cells) && cells.iter().all(|c| !c.is_empty()) {
+            return (Some(k), cells);
+        }
+    }
+    if let Some((k, names)) = described(&lines[..first], count) {
+        return (Some(k), names);
+    }
+    let mut units: Option<Vec<String>> = None;
+    let above = (0..first).rev().filter(|k| !is_blank(lines[*k])).take(ABOVE);
+    for k in above {
+        let line = lines[k].trim_start_matches(['#', '%', '/', ' ']);
+        let ways: &[char] = if is_comment(lines[k]) { &SEPARATORS } else { &[separator] };
+        let Some(cells) = ways.iter().map(|s| named_cells(line, *s)).find(|c| no_number(c)) else {
+            continue;
+        };
+        if units.is_none() && is_units(&cells) {
+            units = Some(cells);
+            continue;
+        }
+        // or somewhere in the preamble, behind a word that says so
+        let of_line = |line: &&str| Some(self::cells(line, separator)).filter(|c| c.len() == count);
+        let preamble = || lines[..k].iter().rev().filter_map(of_line).find(|c| is_units(c));
+        let units = units.clone().or_else(preamble).unwrap_or_default();
+        let is_one = |cell: &&String| is_units(std::slice::from_ref(*cell));
+        let unit = |k: usize| units.get(k).filter(is_one).map_or("", String::as_str);
+        let name = |(k, cell): (usize, &String)| {
+            if cell.is_empty() { made_up(k) } else { with_unit(cell, unit(k)) }
+        };
+        let named: Vec<String> = cells.iter().enumerate().map(name).collect();
+        let groups = if is_repeated(&cells) { groups(&lines[..k], separator, count) } else { None };
+        return (Some(k), groups.map_or_else(|| named.clone(), |groups| grouped(&named, &groups)));
+    }
+    (None, (0..count).map(made_up).collect())
+}
+
+/// Whether a name comes again.
+fn is_repeated(names: &[String]) -> bool {
+    names.iter().enumerate().any(|(k, name)| !name.is_empty() && names[..k].contains(name))
+}
+
+/// The words of a line above the names that say whose they are: `,right,right,left,left`; one word stands for the empty
+/// cells behind it.
+fn groups(above: &[&str], separator: char, count: usize) -> Option<Vec<String>> {
+    let line = above.iter().rev().find(|line| !is_blank(line) && !is_comment(line))?;
+    let mut found = cells(line, separator);
+    let is_word = |cell: &String| cell.is_empty() || value(cell, separator != ',').is_none();
+    if found.len() != count || !found.iter().all(is_word) || found.iter().all(String::is_empty) {
+        return None;
+    }
+    let mut last = String::new();
+    for cell in &mut found {
+        if cell.is_empty() {
+            cell.clone_from(&last);
+        }
+        last.clone_from(cell);
+    }
+    Some(found)
+}
+
+fn grouped(names: &[String], groups: &[String]) -> Vec<String> {
+    let one = |(name, group): (&String, &String)| {
+        if group.is_empty() { name.clone() } else { format!("{group} {name}") }
+    };
+    names.iter().zip(groups).map(one).collect()
+}
+
+/// The names in comments that describe the columns one by one: `# column 2: right wheel speed [rad/s]`, `# 2) speed`.
+fn described(above: &[&str], count: usize) -> Option<(usize, Vec<String>)> {
+    let name = |line: &str, number: usize| -> Option<String> {
+        let text = line.trim_start_matches(['#', '%', '/', ' ', '\t']);
+        let digits = text.find(|c: char| c.is_ascii_digit())?;
+        let (before, rest) = text.split_at(digits);
+        let is_word = before.chars().all(|c| c.is_alphabetic() || c == ' ' || c == '[' || c == '(');
+        let end = rest.find(|c: char| !c.is_ascii_digit())?;
+        let is_own = rest[..end].parse() == Ok(number);
+        let name = rest[end..].trim_start_matches([':', ')', ']', '.', '=', '-', ' ', '\t']);
+        let is_parted = name.len() < rest[end..].len();
+        (is_word && is_own && is_parted && !name.trim().is_empty()).then(|| name.trim().to_string())
+    };
+    let comments: Vec<(usize, &str)> = above
+        .iter()
+        .enumerate()
+        .filter(|(_, line)| is_comment(line))
+        .map(|(k, line)| (k, *line))
+        .collect();
+    [1, 0].into_iter().find_map(|base| {
+        comments.windows(count).find_map(|run| {
+            let names: Option<Vec<String>> =
+                run.iter().enumerate().map(|(k, (_, line))| name(line, k + base)).collect();
+            Some((run.last()?.0, names?))
+        })
+    })
+}
+
+/// The columns with the time that the header of LabVIEW states, where the rows have none, and without columns that stand
+/// there twice.
+pub(super) fn completed(mut columns: Columns, text: &str) -> Columns {
+    let number = |key: &str| -> Option<f64> {
+        let line = text.lines().take(PREAMBLE).find(|line| line.starts_with(key))?;
+        value(line.split('\t').nth(1)?, true).filter(|x| x.is_finite())
+    };
+    let rows = columns.first().map_or(0, |(_, values)| values.len());
+    if text.trim_start_matches('\u{feff}').starts_with(LABVIEW)
+        && let Some(step) = number("Delta_X")
+    {
+        let start = number("X0").unwrap_or_default();
+        let is_empty = |(_, values): &(String, Vec<f64>)| values.iter().all(|x| x.is_nan());
+        let is_time = |(name, _): &(String, Vec<f64>)| name.starts_with("X_Value");
+        if !columns.iter().any(|column| is_time(column) && !is_empty(column)) {
+            columns.retain(|column| !is_time(column) && !is_empty(column));
+            let time = (0..rows).map(|k| start + step * k as f64).collect();
+            columns.insert(0, ("X_Value [s]".into(), time));
+        }
+    }
+    let mut out: Columns = vec![];
+    for (name, values) in columns {
+        let same = |other: &[f64]| {
+            other.iter().zip(&values).all(|(a, b)| a == b || a.is_nan() && b.is_nan())
+        };
+        let times = out.iter().filter(|(other, _)| *other == name).count();
+        match out.iter().any(|(other, v)| *other == name && same(v)) {
+            true => {}
+            false if times > 0 => out.push((format!("{name}.{}", times + 1), values)),
+            false => out.push((name, values)),
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_in_two_lines_and_in_comments_are_put_together() {
+        let two =
+            [",right,,left,", "t,speed,current,speed,current", "s,rad/s,A,rad/s,A", "0,1,2,3,4"];
+        let (at, found) = names(&two, 3, ',', 5);
+        assert_eq!(at, Some(1));
+        assert_eq!(found[1..3], ["right speed [rad/s]", "right current [A]"]);
+        assert_eq!((found[0].as_str(), found[4].as_str()), ("t [s]", "left current [A]"));
+        let comments = ["# log 7", "# column 1: time [s]", "# column 2: speed", "0 1"];
+        assert_eq!(names(&comments, 3, ' ', 2).1, ["time [s]", "speed"]);
+        assert_eq!(names(&["# 0) t", "# 1) w", "0 1"], 2, ' ', 2).1, ["t", "w"]);
+        assert_eq!(names(&["# 3 of 2", "# 5 of 2", "0 1"], 2, ' ', 2).1, ["column1", "column2"]);
+    }
+
+    #[test]
+    fn the_time_of_labview_and_columns_that_stand_twice_are_completed() {
+        let text = "LabVIEW Measurement\nX0\t0.5\t0.5\nDelta_X\t0,1\t0,1\n";
+        let none = || vec![f64::NAN; 3];
+        let found = completed(vec![("X_Value".into(), none()), ("w".into(), vec![1.0; 3])], text);
+        assert_eq!(found[0], ("X_Value [s]".into(), vec![0.5, 0.6, 0.7]));
+        let twice =
+            |other: f64| completed(vec![("t".into(), vec![1.0]), ("t".into(), vec![other])], "");
+        assert_eq!((twice(1.0).len(), twice(2.0)[1].0.as_str()), (1, "t.2"));
+    }
+}
