@@ -1,6 +1,6 @@
 //! Signals of a recording behind a low-pass without phase shift.
 
-use nalgebra::Vector2;
+use nalgebra::{SVector, Vector2};
 
 use crate::math::filter::{Extension, butterworth, filter_both_ways, reflected};
 use crate::recording::{LocalMotion, Recording};
@@ -26,6 +26,43 @@ pub fn filtered(r: &Recording, cutoff: f64, signal: &[[f64; 2]]) -> Vec<[f64; 2]
     out
 }
 
+/// Signals that pass the filter together: what each value waits for is its own past.
+const TOGETHER: usize = 4;
+
+/// Replaces signals by what [`filtered`] makes of each, to the last bit.
+pub fn filter_together(r: &Recording, cutoff: f64, signals: &mut [Vec<[f64; 2]>]) {
+    let finite = signals.iter().flatten().flatten().all(|v| v.is_finite());
+    for some in signals.chunks_mut(TOGETHER) {
+        match some {
+            [first, second] if finite => filter_some::<4>(r, cutoff, &mut [first, second]),
+            [_, _, _, ..] if finite => {
+                filter_some::<8>(r, cutoff, &mut some.iter_mut().collect::<Vec<_>>());
+            }
+            _ => some.iter_mut().for_each(|signal| *signal = filtered(r, cutoff, signal)),
+        }
+    }
+}
+
+/// At most `N`/2 finite signals behind the low-pass, piece by piece.
+fn filter_some<const N: usize>(r: &Recording, cutoff: f64, signals: &mut [&mut Vec<[f64; 2]>]) {
+    let Ok(sections) = butterworth(ORDER, cutoff, 1.0 / r.step()) else { return };
+    let edge = reflected(&sections);
+    for piece in r.pieces().iter().filter(|piece| piece.len() > edge) {
+        let mut rows = vec![SVector::<f64, N>::zeros(); piece.len()];
+        for (n, signal) in signals.iter().enumerate() {
+            for (row, v) in rows.iter_mut().zip(&signal[piece.clone()]) {
+                (row[2 * n], row[2 * n + 1]) = (v[0], v[1]);
+            }
+        }
+        let passed = filter_both_ways(&sections, &rows, edge, Extension::Odd);
+        for (n, signal) in signals.iter_mut().enumerate() {
+            for (v, row) in signal[piece.clone()].iter_mut().zip(&passed) {
+                *v = [row[2 * n], row[2 * n + 1]];
+            }
+        }
+    }
+}
+
 /// The motion behind the low-pass: angles and speeds filtered, accelerations by differences.
 #[must_use]
 pub fn smooth_motion(r: &Recording, cutoff: f64) -> Vec<LocalMotion> {
@@ -42,4 +79,30 @@ pub fn smooth_motion(r: &Recording, cutoff: f64) -> Vec<LocalMotion> {
         }
     }
     out
+}
+
+#[cfg(test)]
+mod together {
+    use super::*;
+    use crate::recording::{Channels, DriveUnit};
+
+    #[test]
+    fn signals_that_pass_together_are_those_that_pass_alone() {
+        // a gap in the middle, and a piece that is too short for the filter
+        let t: Vec<f64> =
+            (0..400).map(|k| 0.01 * f64::from(k + 50 * (k / 200) + 50 * (k / 395))).collect();
+        let wave =
+            |n: f64| t.iter().map(|t| [(n * t).sin(), (3.0 * n * t).cos()]).collect::<Vec<_>>();
+        let channels =
+            Channels { alpha: None, omega: Some(wave(1.0)), torque: wave(2.0), t: t.clone() };
+        let r = Recording::new("waves", channels, DriveUnit::NewtonMetre).unwrap();
+        for count in 1..=7 {
+            let signals: Vec<_> = (0..count).map(|n| wave(2.0 + f64::from(n))).collect();
+            let mut together = signals.clone();
+            filter_together(&r, 8.0, &mut together);
+            for (signal, found) in signals.iter().zip(&together) {
+                assert_eq!(*found, filtered(&r, 8.0, signal));
+            }
+        }
+    }
 }

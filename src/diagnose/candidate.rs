@@ -12,7 +12,7 @@ use crate::effects::{
 };
 use crate::filter::{Instant, clarity};
 use crate::math::{Real, sgn};
-use crate::model::Model;
+use crate::model::{Model, Variations};
 use crate::recording::{LocalMotion, Recording};
 
 /// Speeds below this share of the top speed are smoothed over where an effect brings a friction
@@ -34,6 +34,8 @@ pub struct Candidate {
     pub form: Form,
     /// Speed below which a friction direction of its own is smoothed [rad/s].
     rest: f64,
+    /// Whether the effect adds neither mass nor dry friction.
+    torque_alone: bool,
     around: Arc<Around>,
 }
 
@@ -110,6 +112,7 @@ fn grid(
     let linear: Vec<usize> =
         (0..specs.len()).filter(|&j| specs[j].kind == ParameterKind::Linear).collect();
     let shapes: Vec<usize> = (0..specs.len()).filter(|j| !linear.contains(j)).collect();
+    let torque_alone = Variations::of(&**effect, around.model.robot()).is_torque_alone();
     let within = |values: &Vec<f64>| {
         let mut pairs = values.iter().zip(&shapes);
         pairs.all(|(v, &j)| (specs[j].range.0..=specs[j].range.1).contains(v))
@@ -128,6 +131,7 @@ fn grid(
                 linear: linear.clone(),
                 form: Form::Instant,
                 rest: REST * scale.speed,
+                torque_alone,
                 around: around.clone(),
             };
             if effect.change() != Change::Torque {
@@ -273,10 +277,15 @@ impl Candidate {
         let Motion { t, alpha, omega, variance, robot } = at.motion;
         let (alpha, omega) = (alpha.map(Own::constant), omega.map(Own::constant));
         let x = Motion { t: Own::constant(t), alpha, omega, variance, robot };
-        let terms = self.effect.terms_own(&x, &p[..self.p.len()]);
-        let rough = |j: usize| terms.level[j] != Own::constant(0.0);
-        let signs = std::array::from_fn(|j| if rough(j) { sign(j) } else { 0.0 });
-        let torque = terms.total_torque(&at.acceleration, &signs);
+        let p = &p[..self.p.len()];
+        let torque = if self.torque_alone {
+            self.effect.torque_own(&x, p)
+        } else {
+            let terms = self.effect.terms_own(&x, p);
+            let rough = |j: usize| terms.level[j] != Own::constant(0.0);
+            let signs = std::array::from_fn(|j| if rough(j) { sign(j) } else { 0.0 });
+            terms.total_torque(&at.acceleration, &signs)
+        };
         for (n, column) in out.iter_mut().enumerate() {
             *column = [0, 1].map(|i| -torque[i].partial[n]);
         }

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::candidate::{Candidate, still_instant};
 use super::input_timing::shifted;
 use super::nonnegative;
-use crate::compare::{REST, WIDTH, filtered, smooth_motion};
+use crate::compare::{REST, WIDTH, filter_together, filtered, smooth_motion};
 use crate::effects::{Motion, along};
 use crate::math::{Real, least_squares};
 use crate::model::{Linearisation, Model};
@@ -182,20 +182,23 @@ impl<'a> Regression<'a> {
                     signals[n][k] = [0, 1].map(|i| work.by_parameter[j][i] - by[i]);
                 }
             }
-            for (n, signal) in signals.iter().enumerate() {
-                let passed = filtered(r, self.smoothed.cutoff, signal);
-                for (row, (index, k, i)) in self.rows.iter().enumerate() {
-                    if *index != smooth.index {
-                        continue;
-                    }
-                    match n.cmp(&free.len()) {
-                        std::cmp::Ordering::Less => columns[(row, n)] = passed[*k][*i],
-                        _ => residual[row] = passed[*k][*i],
-                    }
-                }
+            filter_together(r, self.smoothed.cutoff, &mut signals);
+            for (row, k, i) in self.rows_of(smooth) {
+                (0..free.len()).for_each(|n| columns[(row, n)] = signals[n][k][i]);
+                residual[row] = signals[free.len()][k][i];
             }
         }
         (columns, residual)
+    }
+
+    /// Rows of a recording: number among all, row of the recording, wheel.
+    fn rows_of(&self, smooth: &Smooth) -> impl Iterator<Item = (usize, usize, usize)> {
+        let own = self.rows.partition_point(|(index, ..)| *index < smooth.index);
+        let rows = self.rows[own..].iter().take_while({
+            let index = smooth.index;
+            move |row| row.0 == index
+        });
+        rows.enumerate().map(move |(n, (_, k, i))| (own + n, *k, *i))
     }
 
     fn motion<'b>(&'b self, smooth: &Smooth, k: usize) -> Motion<'b, f64> {
@@ -226,10 +229,8 @@ impl<'a> Regression<'a> {
         for smooth in self.smoothed.recordings.iter() {
             let input = &smooth.input;
             let shifted = shifted(smooth.recording, input, shift);
-            for (row, (index, k, i)) in self.rows.iter().enumerate() {
-                if *index == smooth.index {
-                    change[row] = shifted[*k][*i] - input[*k][*i];
-                }
+            for (row, k, i) in self.rows_of(smooth) {
+                change[row] = shifted[k][i] - input[k][i];
             }
         }
         (&self.residual + self.left_by_base(&change)).norm_squared()
@@ -276,13 +277,9 @@ impl<'a> Regression<'a> {
                 candidate.torque_at_row(smooth.index, &at, &mut torque);
                 torque.iter().zip(&mut signals).for_each(|(value, signal)| signal[k] = *value);
             }
-            for (n, signal) in signals.iter().enumerate() {
-                let passed = filtered(r, self.smoothed.cutoff, signal);
-                for (row, (index, k, i)) in self.rows.iter().enumerate() {
-                    if *index == smooth.index {
-                        columns[(row, n)] = passed[*k][*i];
-                    }
-                }
+            filter_together(r, self.smoothed.cutoff, &mut signals);
+            for (row, k, i) in self.rows_of(smooth) {
+                (0..count).for_each(|n| columns[(row, n)] = signals[n][k][i]);
             }
         }
         columns

@@ -10,7 +10,7 @@ use super::candidate::{Candidate, still_instant};
 use super::nonnegative;
 use super::windows::{Row, Windows, quadratic_of};
 use crate::effects::{Motion, Terms};
-use crate::math::eliminate;
+use crate::math::{FILLED, add_products, eliminate};
 use crate::model::{Model, inverse_mass, times};
 use crate::robot::State;
 
@@ -33,9 +33,10 @@ pub struct Screen<'a> {
 /// One window of a simulation, weighted.
 struct Rows {
     weight: Vec<[f64; 2]>,
-    /// Row k and wheel i from place `(2 k + i)(base + 2)` on: derivatives, error, and one as long as a constant of
-    /// the window lasts, all times the weight.
-    weighted: Vec<f64>,
+    /// Of each wheel, row by row: derivatives, error, and one as long as a constant of the window lasts, all times the
+    /// weight, filled up to `width` numbers.
+    weighted: [Vec<f64>; 2],
+    width: usize,
     still: Vec<[bool; 2]>,
     /// One over the sum of the weights while the constant lasts, the start's among them.
     share: [f64; 2],
@@ -45,15 +46,19 @@ struct Rows {
 
 impl Rows {
     fn new(rows: Vec<Row>, weight: Vec<[f64; 2]>, start: [f64; 2], base: usize) -> Self {
-        let width = base + 2;
-        let mut weighted = vec![0.0; 2 * width * rows.len()];
+        let width = (base + 2).next_multiple_of(FILLED);
+        let mut weighted = [0, 1].map(|_| vec![0.0; width * rows.len()]);
         let mut mean = [vec![0.0; width], vec![0.0; width]];
         for i in 0..2 {
             let mut lasts = true;
-            for (k, row) in rows.iter().enumerate() {
+            for (k, (row, out)) in rows.iter().zip(weighted[i].chunks_exact_mut(width)).enumerate()
+            {
                 lasts &= !row.still[i];
                 let w = weight[k][i];
-                let out = &mut weighted[(2 * k + i) * width..][..width];
+                // a row of no weight counts for nothing, whatever stands in it
+                if w == 0.0 {
+                    continue;
+                }
                 out.iter_mut().zip(&row.psi[i]).for_each(|(out, psi)| *out = w * psi);
                 out[base] = w * row.error[i];
                 if lasts {
@@ -64,7 +69,7 @@ impl Rows {
         }
         let share = [0, 1].map(|i| 1.0 / (start[i] + mean[i][base + 1]));
         let still = rows.into_iter().map(|row| row.still).collect();
-        Self { weight, weighted, still, share, mean }
+        Self { weight, weighted, width, still, share, mean }
     }
 }
 
@@ -109,32 +114,28 @@ impl<'a> Screen<'a> {
     /// The products of a candidate's columns over all windows.
     fn products(&self, candidate: &Candidate) -> Products {
         let (base, own) = (self.base, candidate.columns());
-        let width = base + 2;
-        let (mut by_row, mut among) = (vec![0.0; own * width], vec![0.0; own * own]);
         let mut sums = Products {
             by_base: DMatrix::zeros(own, base),
             own: DMatrix::zeros(own, own),
             score: DVector::zeros(own),
         };
+        let mut heavy = Vec::new();
         for (rows, window) in self.rows.iter().zip(&self.windows.windows) {
             let moved = self.integrals(candidate, window.recording, window.rows.start, rows);
+            let (width, beside) = (rows.width, own.next_multiple_of(FILLED));
             for i in 0..2 {
-                by_row.fill(0.0);
-                among.fill(0.0);
-                for (k, columns) in moved.chunks_exact(own).enumerate() {
-                    let weight = rows.weight[k][i];
-                    if weight == 0.0 {
-                        continue;
-                    }
-                    let weighted = &rows.weighted[(2 * k + i) * width..][..width];
-                    for (c, column) in columns.iter().enumerate() {
-                        let value = column[i];
-                        let sums = by_row[c * width..][..width].iter_mut().zip(weighted);
-                        sums.for_each(|(sum, row)| *sum += value * row);
-                        let sums = among[c * own..=c * own + c].iter_mut().zip(columns);
-                        sums.for_each(|(sum, other)| *sum += weight * value * other[i]);
-                    }
+                let columns = (&moved[i][..], own);
+                let mut by_row = vec![0.0; own * width];
+                add_products(columns, (&rows.weighted[i], width), &mut by_row);
+                // the columns times the weight
+                heavy.clear();
+                heavy.resize(beside * rows.weight.len(), 0.0);
+                let each = heavy.chunks_exact_mut(beside).zip(moved[i].chunks_exact(own));
+                for ((out, columns), weight) in each.zip(&rows.weight) {
+                    out.iter_mut().zip(columns).for_each(|(out, value)| *out = weight[i] * value);
                 }
+                let mut among = vec![0.0; own * beside];
+                add_products(columns, (&heavy, beside), &mut among);
                 // what a constant of the window explains
                 let constant = |c: usize| rows.share[i] * by_row[c * width + base + 1];
                 let mean = &rows.mean[i];
@@ -144,7 +145,7 @@ impl<'a> Screen<'a> {
                     sums.score[c] += by_row_of(base);
                     for d in 0..=c {
                         let explained = constant(c) * by_row[d * width + base + 1];
-                        sums.own[(c, d)] += among[c * own + d] - explained;
+                        sums.own[(c, d)] += among[c * beside + d] - explained;
                     }
                 }
             }
@@ -153,22 +154,22 @@ impl<'a> Screen<'a> {
         sums
     }
 
-    /// What a torque of one in each column adds to the simulated speeds since the window's start, columns of
-    /// row k from place `k columns` on.
+    /// What a torque of one in each column adds to the simulated speed of each wheel since the window's start, columns
+    /// of row k from place `k columns` on.
     fn integrals(
         &self,
         candidate: &Candidate,
         recording: usize,
         first: usize,
         rows: &Rows,
-    ) -> Vec<[f64; 2]> {
+    ) -> [Vec<f64>; 2] {
         let count = candidate.columns();
         let r = self.windows.recordings[recording];
         let (t, motion) = (r.t(), r.local_motion());
         let mut before = vec![[0.0; 2]; count];
         let mut now = vec![[0.0; 2]; count];
         let mut speed = vec![[0.0; 2]; count];
-        let mut out = Vec::with_capacity(rows.still.len() * count);
+        let mut out = [0, 1].map(|_| Vec::with_capacity(rows.still.len() * count));
         for (n, still) in rows.still.iter().enumerate() {
             let k = first + n;
             let at = still_instant(self.model, r, k, &motion[k]);
@@ -182,7 +183,9 @@ impl<'a> Screen<'a> {
                     speed[c] = [0, 1].map(moving);
                 }
             }
-            out.extend_from_slice(&speed);
+            for (i, out) in out.iter_mut().enumerate() {
+                out.extend(speed.iter().map(|speed| speed[i]));
+            }
             std::mem::swap(&mut before, &mut now);
         }
         out

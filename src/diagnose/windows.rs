@@ -24,7 +24,7 @@ use crate::math::noise::median;
 use crate::model::{Model, inverse_mass};
 use crate::recording::Recording;
 use crate::robot::State;
-use crate::simulate::{ActingInput, BETWEEN_ROWS, Hold, LANES, every_other, follow_part};
+use crate::simulate::{ActingInput, Asked, BETWEEN_ROWS, Hold, LANES, every_other, follow_part};
 
 /// Length of a window \[s\]: long enough for friction and viscous effects to show, short enough that noise
 /// of the input does not drown them; the acceptance test uses the same.
@@ -181,7 +181,7 @@ impl<'a> Windows<'a> {
     #[must_use]
     pub fn sums(&self, model: &Model, p: &[f64], free: &[usize]) -> Option<Vec<Sums>> {
         let sum = |window: &Window, follow: Follow| {
-            let mut sums = Accumulator::new(free.len());
+            let mut sums = Accumulator::new(free.len(), window.rows.len());
             follow(&mut |k, i, e, psi, still| {
                 sums.add(i, e, psi, self.weight(window, k, i), still)
             })?;
@@ -193,7 +193,7 @@ impl<'a> Windows<'a> {
     /// The sums of every window from its `rows`, which hold derivatives by `columns` parameters.
     pub(super) fn sums_of(&self, rows: &[Vec<Row>], columns: usize) -> Option<Vec<Sums>> {
         let sum = |(rows, window): (&Vec<Row>, &Window)| {
-            let mut sums = Accumulator::new(columns);
+            let mut sums = Accumulator::new(columns, window.rows.len());
             for (k, row) in rows.iter().enumerate() {
                 for i in 0..2 {
                     let weight = self.weight(window, k, i);
@@ -233,6 +233,7 @@ impl<'a> Windows<'a> {
         let acting: Vec<_> =
             self.recordings.par_iter().map(|r| input_derivatives(model, r, p)).collect();
         let stride = (p.len() + 4).next_multiple_of(LANES);
+        let first_ones = free.iter().enumerate().all(|(n, &j)| n == j);
         self.windows
             .par_iter()
             .map(|window| {
@@ -249,6 +250,12 @@ impl<'a> Windows<'a> {
                         let row = compared.row(k, state);
                         let of = |signal: usize, j: usize| d[signal * stride + j];
                         for i in 0..2 {
+                            let still = state.omega[i] == 0.0;
+                            if row.mean_over.is_none() && first_ones {
+                                let psi = &d[(2 + i) * stride..][..free.len()];
+                                see(k, i, row.error[i], psi, still);
+                                continue;
+                            }
                             psi.clear();
                             match row.mean_over {
                                 None => psi.extend(free.iter().map(|&j| of(2 + i, j))),
@@ -261,10 +268,11 @@ impl<'a> Windows<'a> {
                                 before[i].clear();
                                 before[i].extend(free.iter().map(|&j| of(i, j)));
                             }
-                            see(k, i, row.error[i], &psi, state.omega[i] == 0.0);
+                            see(k, i, row.error[i], &psi, still);
                         }
                     };
-                    follow_part(model, p, &input, rows.clone(), window.start, visit).ok()
+                    let part = (rows.clone(), window.start);
+                    follow_part(model, p, &input, part, Asked::Parameters, visit).ok()
                 })
             })
             .collect()

@@ -15,6 +15,9 @@ pub const DIFFERENTIATED: usize = 4;
 /// A dual number with the partial derivatives by parameters alone, as many as an effect has.
 pub type Own = Dual<DIFFERENTIATED>;
 
+/// A dual number with the derivative by one parameter.
+pub type Tangent = Dual<1>;
+
 /// Most parameters of an effect: those that are differentiated, and behind them one whole number
 /// (an order), which has no derivative.
 pub const MOST_PARAMETERS: usize = DIFFERENTIATED + 1;
@@ -160,6 +163,8 @@ pub trait Effect: Send + Sync {
     fn terms_jet(&self, x: &Motion<Jet>, p: &[Jet]) -> Terms<Jet>;
     /// [`Physics::terms`] with derivatives by the own parameters alone.
     fn terms_own(&self, x: &Motion<Own>, p: &[Own]) -> Terms<Own>;
+    /// The torque of [`Effect::terms_own`] alone.
+    fn torque_own(&self, x: &Motion<Own>, p: &[Own]) -> [Own; 2];
     /// The torque of [`Effect::terms_jet`] alone.
     fn torque_jet(&self, x: &Motion<Jet>, p: &[Jet]) -> [Jet; 2];
     /// [`Physics::terms`] with symbols, which record the formula.
@@ -168,6 +173,13 @@ pub trait Effect: Send + Sync {
     fn input(&self, t: &[f64], m: &[[f64; 2]], p: &[f64]) -> Option<Vec<[f64; 2]>>;
     /// [`Physics::input`] with derivatives.
     fn input_own(&self, t: &[f64], m: &[[Own; 2]], p: &[Own]) -> Option<Vec<[Own; 2]>>;
+    /// [`Physics::input`] with the derivative by one parameter.
+    fn input_tangent(
+        &self,
+        t: &[f64],
+        m: &[[Tangent; 2]],
+        p: &[Tangent],
+    ) -> Option<Vec<[Tangent; 2]>>;
     /// [`Physics::input`] with symbols.
     fn input_symbolic(
         &self,
@@ -225,6 +237,9 @@ impl<P: Physics> Effect for P {
     fn terms_own(&self, x: &Motion<Own>, p: &[Own]) -> Terms<Own> {
         Physics::terms(self, x, p)
     }
+    fn torque_own(&self, x: &Motion<Own>, p: &[Own]) -> [Own; 2] {
+        Physics::terms(self, x, p).torque
+    }
     fn torque_jet(&self, x: &Motion<Jet>, p: &[Jet]) -> [Jet; 2] {
         Physics::terms(self, x, p).torque
     }
@@ -235,6 +250,14 @@ impl<P: Physics> Effect for P {
         Physics::input(self, t, m, p)
     }
     fn input_own(&self, t: &[f64], m: &[[Own; 2]], p: &[Own]) -> Option<Vec<[Own; 2]>> {
+        Physics::input(self, t, m, p)
+    }
+    fn input_tangent(
+        &self,
+        t: &[f64],
+        m: &[[Tangent; 2]],
+        p: &[Tangent],
+    ) -> Option<Vec<[Tangent; 2]>> {
         Physics::input(self, t, m, p)
     }
     fn input_symbolic(

@@ -13,7 +13,9 @@ mod text;
 
 pub use coupling::{BodyState, Coupling, MOST_OF_INERTIA, smallest_inertia};
 pub use custom::{Custom, CustomDefinition, CustomError, QUANTITIES};
-pub use effect::{Change, DIFFERENTIATED, Effect, Jet, MOST_PARAMETERS, Own, Physics, SURELY};
+pub use effect::{
+    Change, DIFFERENTIATED, Effect, Jet, MOST_PARAMETERS, Own, Physics, SURELY, Tangent,
+};
 pub use motion::{DIRECTIONS, Motion, Terms, along};
 pub use scale::{FAST, Scale, geometric};
 pub use text::{details, details_of, overview};

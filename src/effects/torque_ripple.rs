@@ -66,8 +66,11 @@ impl Physics for TorqueRipple {
 pub(super) fn periodic<T: Real>(order: T, x: &Motion<T>, p: &[T; 4]) -> Terms<T> {
     let torque = [0, 1].map(|i| {
         let angle = x.alpha[i] * order;
-        let mean = (order.squared() * (-0.5 * x.variance[i])).exp();
-        (p[2 * i] * angle.sin() + p[2 * i + 1] * angle.cos()) * mean
+        let wave = p[2 * i] * angle.sin() + p[2 * i + 1] * angle.cos();
+        if x.variance[i] == 0.0 {
+            return wave;
+        }
+        wave * (order.squared() * (-0.5 * x.variance[i])).exp()
     });
     Terms { torque, ..Terms::zero() }
 }

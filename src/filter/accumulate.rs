@@ -2,77 +2,152 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::math::{FILLED, add_products};
+
 /// Rows gathered before they are multiplied.
 const BLOCK: usize = 256;
-/// Columns up to which a row is added at once: the products of a short one cost less than to gather it.
+/// Columns up to which rows are multiplied one by one in the widest registers; beyond, as matrices.
 const SHORT: usize = 12;
 
 /// Information `H = Σ ψ ψ' / S` and score `g = Σ ψ e / S` of whitened innovations.
 #[derive(Clone, Debug)]
 pub struct Information {
     columns: usize,
+    /// Numbers of a gathered row: of a short one derivatives and innovation, filled up.
+    width: usize,
     rows: Vec<f64>,
+    /// How many rows are gathered.
+    count: usize,
+    /// The derivatives over the variance, of short rows.
+    scaled: Vec<f64>,
+    /// Products of short rows: of column c with the derivatives and the innovation from place `c width` on.
+    sums: Vec<f64>,
     matrix: DMatrix<f64>,
     score: DVector<f64>,
+    /// The score since it was last taken.
+    recent: DVector<f64>,
 }
 
 impl Information {
     /// Nothing yet, for `columns` parameters.
     #[must_use]
     pub fn new(columns: usize) -> Self {
+        let short = columns <= SHORT;
+        let width = if short { (columns + 1).next_multiple_of(FILLED) } else { columns };
+        let of_short = |size: usize| if short { size } else { 0 };
         Self {
             columns,
-            rows: Vec::with_capacity(BLOCK * columns),
+            width,
+            rows: vec![0.0; if columns > 0 { BLOCK * width } else { 0 }],
+            scaled: vec![0.0; of_short(BLOCK * columns)],
+            count: 0,
+            sums: vec![0.0; of_short(columns * width)],
             matrix: DMatrix::zeros(columns, columns),
             score: DVector::zeros(columns),
+            recent: DVector::zeros(columns),
         }
     }
 
-    /// Adds one innovation `e` of variance `s` with the derivatives `psi` of its prediction.
-    pub fn add(&mut self, psi: &[f64], e: f64, s: f64) {
-        let scaled = e / s;
-        for (g, v) in self.score.iter_mut().zip(psi) {
-            *g += v * scaled;
-        }
-        if self.columns <= SHORT {
-            self.add_lower(psi, 1.0 / s);
+    /// Where the derivatives of the next prediction are to be written, before [`Information::add`].
+    pub fn next_row(&mut self) -> &mut [f64] {
+        let first = if self.columns > 0 { self.count * self.width } else { 0 };
+        &mut self.rows[first..][..self.columns]
+    }
+
+    /// Adds one innovation `e` of variance `s`, whose derivatives stand in [`Information::next_row`].
+    pub fn add(&mut self, e: f64, s: f64) {
+        if self.columns == 0 {
             return;
         }
-        let weight = 1.0 / s.sqrt();
-        self.rows.extend(psi.iter().map(|v| v * weight));
-        if self.rows.len() >= BLOCK * self.columns {
+        let row = &mut self.rows[self.count * self.width..][..self.width];
+        if self.columns <= SHORT {
+            let share = 1.0 / s;
+            let scaled = &mut self.scaled[self.count * self.columns..][..self.columns];
+            scaled.iter_mut().zip(&*row).for_each(|(scaled, v)| *scaled = v * share);
+            row[self.columns] = e;
+        } else {
+            let (scaled, weight) = (e / s, 1.0 / s.sqrt());
+            self.recent.iter_mut().zip(&*row).for_each(|(g, v)| *g += v * scaled);
+            row.iter_mut().for_each(|v| *v *= weight);
+        }
+        self.count += 1;
+        if self.count == BLOCK {
             self.flush();
         }
     }
 
-    /// The products of one row on and below the diagonal.
-    fn add_lower(&mut self, psi: &[f64], weight: f64) {
-        let columns = self.matrix.as_mut_slice().chunks_exact_mut(self.columns.max(1));
-        for (j, (column, x)) in columns.zip(psi).enumerate() {
-            let x = x * weight;
-            for (out, y) in column[j..].iter_mut().zip(&psi[j..]) {
-                *out += x * y;
-            }
-        }
-    }
-
     fn flush(&mut self) {
-        if self.rows.is_empty() || self.columns == 0 {
+        if self.count == 0 || self.columns == 0 {
             return;
         }
-        let count = self.rows.len() / self.columns;
-        let rows = nalgebra::DMatrixView::from_slice(&self.rows, self.columns, count);
-        self.matrix.gemm(1.0, &rows, &rows.transpose(), 1.0);
-        self.rows.clear();
+        let rows = &self.rows[..self.count * self.width];
+        if self.columns <= SHORT {
+            let scaled = &self.scaled[..self.count * self.columns];
+            add_products((scaled, self.columns), (rows, self.width), &mut self.sums);
+        } else {
+            let rows = nalgebra::DMatrixView::from_slice(rows, self.columns, self.count);
+            self.matrix.gemm(1.0, &rows, &rows.transpose(), 1.0);
+        }
+        self.count = 0;
+    }
+
+    /// The score of what was added since it was last taken.
+    pub fn take_score(&mut self) -> DVector<f64> {
+        self.flush();
+        if self.columns <= SHORT {
+            for c in 0..self.columns {
+                self.recent[c] = std::mem::take(&mut self.sums[c * self.width + self.columns]);
+            }
+        }
+        let recent = std::mem::replace(&mut self.recent, DVector::zeros(self.columns));
+        self.score += &recent;
+        recent
     }
 
     /// Information matrix and score.
     #[must_use]
     pub fn finish(mut self) -> (DMatrix<f64>, DVector<f64>) {
-        self.flush();
+        let _ = self.take_score();
         if self.columns <= SHORT {
+            for c in 0..self.columns {
+                let row = &self.sums[c * self.width..];
+                (0..=c).for_each(|d| self.matrix[(c, d)] = row[d]);
+            }
             self.matrix.fill_upper_triangle_with_lower_triangle();
         }
         (self.matrix, self.score)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn short_and_long_rows_sum_up_alike_block_by_block() {
+        let number = |k: usize| ((3 * k + 1) as f64).sin();
+        for columns in [0, 1, 6, 7, SHORT, SHORT + 5] {
+            let mut sums = Information::new(columns);
+            let (mut h, mut g) = (DMatrix::zeros(columns, columns), DVector::zeros(columns));
+            let mut taken = DVector::zeros(columns);
+            for k in 0..1000 {
+                let psi: Vec<f64> = (0..columns).map(|c| number(k * columns + c)).collect();
+                let (e, s) = (number(7 * k), 1.5 + number(k));
+                sums.next_row().copy_from_slice(&psi);
+                sums.add(e, s);
+                let psi = DVector::from(psi);
+                h += &psi * psi.transpose() / s;
+                g += psi * (e / s);
+                if k % 300 == 299 {
+                    taken += sums.take_score();
+                }
+            }
+            let (matrix, score) = sums.clone().finish();
+            taken += sums.take_score();
+            let close = |a: f64, b: f64| (a - b).abs() < 1e-11 * (1.0 + b.abs());
+            assert!(matrix.iter().zip(&h).all(|(a, b)| close(*a, *b)), "{columns}");
+            assert!(score.iter().zip(&g).all(|(a, b)| close(*a, *b)), "{columns}");
+            assert!(taken.iter().zip(&g).all(|(a, b)| close(*a, *b)), "{columns}");
+        }
     }
 }

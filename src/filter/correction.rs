@@ -45,20 +45,22 @@ pub(super) fn correct<const N: usize>(
         seen += covariance.column(k) * by_k;
     }
     let s = by_i * seen[i] + by_k * seen[k] + variance;
-    let gain = seen / s;
+    let share = 1.0 / s;
+    let gain = seen * share;
     *mean += gain * e;
     // a product that rounding leaves symmetric
-    let known = seen / s.sqrt();
-    for j in 0..N {
-        for i in 0..N {
-            covariance[(i, j)] -= known[i] * known[j];
+    let known: [f64; N] = (seen * share.sqrt()).into();
+    for (column, by) in covariance.as_mut_slice().chunks_exact_mut(N).zip(known) {
+        for (value, known) in column.iter_mut().zip(known) {
+            *value -= known * by;
         }
     }
+    let gain: [f64; N] = gain.into();
     for (out, column) in psi_row.iter_mut().zip(psi.iter_mut()) {
         let predicted = by_i * column[i] + by_k * column[k];
         *out = predicted;
-        for j in 0..N {
-            column[j] -= gain[j] * predicted;
+        for (value, gain) in column.iter_mut().zip(gain) {
+            *value -= gain * predicted;
         }
     }
     (e, s)

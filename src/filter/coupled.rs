@@ -51,6 +51,8 @@ pub(super) struct Coupled<'a> {
     joint: Vec<(usize, [f64; 3])>,
     /// Derivative of the state after the step by each parameter, at the state before it.
     forced: Vec<SVector<f64, STATES>>,
+    /// Transition matrix of the last step.
+    transition: Covariance<STATES>,
 }
 
 impl<'a> Coupled<'a> {
@@ -58,7 +60,16 @@ impl<'a> Coupled<'a> {
         let energy = model.effects().iter().map(|e| e.energy());
         let on_body = energy.map(|e| e.of_the_body()).collect();
         let forced = vec![SVector::zeros(); p.len()];
-        Self { model, p, noise, on_body, terms: vec![], joint: vec![], forced }
+        Self {
+            model,
+            p,
+            noise,
+            on_body,
+            terms: vec![],
+            joint: vec![],
+            forced,
+            transition: Covariance::<STATES>::identity(),
+        }
     }
 
     /// Evaluates all effects at time `t` and state `x`.
@@ -239,6 +250,8 @@ impl Dynamics<STATES> for Coupled<'_> {
             *mean += moved.shift;
             (mean[4], mean[5]) = (mean[4] * decay, mean[5] * decay);
             *covariance = moved.transition * *covariance * moved.transition.transpose();
+            self.transition =
+                if part == 0 { moved.transition } else { moved.transition * self.transition };
             let acceleration = moved.wheel_acceleration;
             for j in 0..4 {
                 let d = SVector::<f64, 2>::from_row_slice(&DIRECTIONS[j]);
@@ -255,7 +268,6 @@ impl Dynamics<STATES> for Coupled<'_> {
                     let variance = std::array::from_fn(|i| covariance[(i, i)]);
                     Predicted {
                         gain: moved.gain,
-                        transition: moved.transition,
                         acceleration,
                         sign: friction.sign,
                         alpha: [before[0], before[1]],
@@ -264,11 +276,9 @@ impl Dynamics<STATES> for Coupled<'_> {
                         spread: [0.0; 2],
                     }
                 }
-                Some(so_far) => Predicted {
-                    gain: moved.transition * so_far.gain + moved.gain,
-                    transition: moved.transition * so_far.transition,
-                    ..so_far
-                },
+                Some(so_far) => {
+                    Predicted { gain: moved.transition * so_far.gain + moved.gain, ..so_far }
+                }
             });
         }
         let Some(mut out) = out else {
@@ -282,6 +292,10 @@ impl Dynamics<STATES> for Coupled<'_> {
         Ok(out)
     }
 
+    fn transition(&self) -> Covariance<STATES> {
+        self.transition
+    }
+
     fn carry(
         &self,
         predicted: &Predicted<STATES>,
@@ -291,7 +305,7 @@ impl Dynamics<STATES> for Coupled<'_> {
     ) {
         let parameters = self.forced.len();
         for (j, column) in psi.iter_mut().enumerate() {
-            let mut moved = predicted.transition * SVector::from(*column);
+            let mut moved = self.transition * SVector::from(*column);
             let torque = if j < parameters {
                 moved += self.forced[j];
                 sample.by_parameter.get(j).copied().unwrap_or([0.0; 2])
@@ -334,7 +348,7 @@ impl Coupled<'_> {
         }
         *covariance += out.gain * torque * out.gain.transpose();
         make_symmetric(covariance);
-        let slow = self.noise.sigma_d.powi(2) * (1.0 - out.transition[(4, 4)].powi(2));
+        let slow = self.noise.sigma_d.powi(2) * (1.0 - self.transition[(4, 4)].powi(2));
         for i in 0..2 {
             covariance[(4 + i, 4 + i)] += slow;
             if sample.still[i] {

@@ -5,6 +5,7 @@ use nalgebra::Matrix2;
 
 use super::ProcessNoise;
 use super::correction::{Covariance, Mean};
+use super::push::Push;
 use super::step::{Law, Predicted, Sample, move_parameters, predict};
 use crate::model::{Linearisation, Model, ModelError};
 
@@ -21,6 +22,9 @@ pub(super) trait Dynamics<const N: usize> {
         covariance: &mut Covariance<N>,
         derivatives: bool,
     ) -> Result<Predicted<N>, ModelError>;
+
+    /// The transition matrix of the last prediction.
+    fn transition(&self) -> Covariance<N>;
 
     /// Moves the derivatives of the mean over the same sample: those by the parameters, then those
     /// by torque columns, whose torques on the wheels are `extra` [N m].
@@ -40,11 +44,13 @@ pub(super) trait Dynamics<const N: usize> {
 pub(super) struct Rigid<'a> {
     law: Law<'a>,
     work: Linearisation,
+    /// The last step.
+    push: Push,
 }
 
 impl<'a> Rigid<'a> {
     pub(super) fn new(model: &'a Model, p: &'a [f64], noise: ProcessNoise) -> Self {
-        Self { law: Law { model, p, noise }, work: Linearisation::new(p.len()) }
+        Self { law: Law { model, p, noise }, work: Linearisation::new(p.len()), push: Push::none() }
     }
 }
 
@@ -59,17 +65,21 @@ impl Dynamics<6> for Rigid<'_> {
         covariance: &mut Covariance<6>,
         derivatives: bool,
     ) -> Result<Predicted<6>, ModelError> {
-        predict(&self.law, sample, mean, covariance, &mut self.work, derivatives)
+        let (work, push) = (&mut self.work, &mut self.push);
+        let predicted = predict(&self.law, sample, mean, covariance, work, push)?;
+        if derivatives {
+            let (acceleration, sign) = (&predicted.acceleration, &predicted.sign);
+            self.law.model.differentiate_by_parameter(acceleration, sign, work);
+        }
+        Ok(predicted)
     }
 
-    fn carry(
-        &self,
-        predicted: &Predicted<6>,
-        sample: &Sample,
-        extra: &[[f64; 2]],
-        psi: &mut [[f64; 6]],
-    ) {
-        move_parameters(predicted, &self.work, sample, extra, psi);
+    fn transition(&self) -> Covariance<6> {
+        self.push.transition()
+    }
+
+    fn carry(&self, _: &Predicted<6>, sample: &Sample, extra: &[[f64; 2]], psi: &mut [[f64; 6]]) {
+        move_parameters(&self.push, &self.work, sample, extra, psi);
     }
 
     fn mass_slopes(&mut self, predicted: &Predicted<6>) -> Vec<(usize, Matrix2<f64>)> {

@@ -29,6 +29,8 @@ pub(super) struct Exact<'a> {
     sigma: f64,
     walk: Walk<'a>,
     acting: Vec<(usize, Ends)>,
+    /// Of the last step.
+    transition: Covariance<4>,
     /// Wheels at rest after the step.
     rest: [bool; 2],
     /// `∂(mass matrix)/∂θ` of the parameters that have one, at rest: enough for an instrument.
@@ -39,7 +41,16 @@ impl<'a> Exact<'a> {
     pub(super) fn new(model: &'a Model, p: &'a [f64], sigma: f64) -> Self {
         let walk = Walk::new(model, p);
         let slopes = mass_slopes(model, p);
-        Self { model, p, sigma, walk, acting: vec![], rest: [false; 2], slopes }
+        Self {
+            model,
+            p,
+            sigma,
+            walk,
+            acting: vec![],
+            transition: Covariance::<4>::identity(),
+            rest: [false; 2],
+            slopes,
+        }
     }
 
     /// What torque on the wheels does to the state over a step in which they move freely.
@@ -89,11 +100,13 @@ impl Dynamics<4> for Exact<'_> {
         // a motion that diverges is far away: its likelihood is no number
         let after = after.unwrap_or(State { alpha: [f64::NAN; 2], omega: [f64::NAN; 2] });
         self.rest = after.omega.map(|w| w == 0.0);
-        let mut transition = Covariance::<4>::from_fn(|i, k| self.walk.by_state(i, k));
+        let columns = [0, 1, 2, 3].map(|k| Mean::<4>::from(self.walk.by_state(k)));
+        let mut transition = Covariance::<4>::from_columns(&columns);
         for i in (0..2).filter(|&i| self.rest[i]) {
             // a wheel at rest has forgotten its speed
             transition.row_mut(2 + i).fill(0.0);
         }
+        self.transition = transition;
         *mean = Mean::<4>::new(after.alpha[0], after.alpha[1], after.omega[0], after.omega[1]);
         let mut torque = Matrix2::zeros();
         let white = self.sigma * self.sigma;
@@ -111,7 +124,6 @@ impl Dynamics<4> for Exact<'_> {
         let acceleration = [0, 1].map(|i| (after.omega[i] - before.omega[i]) / sample.step);
         Ok(Predicted {
             gain,
-            transition,
             acceleration,
             sign: [0.0; 4],
             alpha: before.alpha,
@@ -121,6 +133,10 @@ impl Dynamics<4> for Exact<'_> {
         })
     }
 
+    fn transition(&self) -> Covariance<4> {
+        self.transition
+    }
+
     fn carry(
         &self,
         predicted: &Predicted<4>,
@@ -128,17 +144,18 @@ impl Dynamics<4> for Exact<'_> {
         extra: &[[f64; 2]],
         psi: &mut [[f64; 4]],
     ) {
-        let (f, g) = (&predicted.transition, &predicted.gain);
-        for (j, column) in psi.iter_mut().enumerate() {
-            let old = *column;
-            for (i, value) in column.iter_mut().enumerate() {
-                let moved: f64 = (0..4).map(|k| f[(i, k)] * old[k]).sum();
-                *value = moved
-                    + match extra.get(j.wrapping_sub(self.p.len())) {
-                        None => self.walk.by_parameter(i, j),
-                        Some(torque) => g[(i, 0)] * torque[0] + g[(i, 1)] * torque[1],
-                    };
-            }
+        let g = &predicted.gain;
+        let [f1, f2, f3, f4] = [0, 1, 2, 3].map(|k| [0, 1, 2, 3].map(|i| self.transition[(i, k)]));
+        let carried = |[a, b, c, d]: [f64; 4], forced: [f64; 4]| {
+            [0, 1, 2, 3].map(|i| f1[i] * a + f2[i] * b + f3[i] * c + f4[i] * d + forced[i])
+        };
+        let (by_parameter, by_column) = psi.split_at_mut(self.p.len());
+        for (j, column) in by_parameter.iter_mut().enumerate() {
+            *column = carried(*column, self.walk.by_parameter(j));
+        }
+        for (column, torque) in by_column.iter_mut().zip(extra) {
+            let forced = [0, 1, 2, 3].map(|i| g[(i, 0)] * torque[0] + g[(i, 1)] * torque[1]);
+            *column = carried(*column, forced);
         }
         // what the smoothed input accelerates differently, inertias resist: A⁻¹ is G's over h
         let smoother = SVector::<f64, 2>::from(sample.smoother);

@@ -19,6 +19,7 @@ use super::dynamics::Dynamics;
 use super::exact::Exact;
 use super::prepare::Prepared;
 use super::step::{Sample, lag_of_angle};
+use crate::math::LogProduct;
 use crate::model::base::{A1, A2};
 use crate::model::{Model, ModelError};
 use crate::recording::{LocalMotion, Recording};
@@ -217,9 +218,8 @@ struct Run<'a> {
 /// What goes along a pass.
 struct Gathered<const N: usize> {
     psi: Vec<[f64; N]>,
-    row: Vec<f64>,
     information: Information,
-    block: DVector<f64>,
+    log_variance: LogProduct,
     out: Sums,
 }
 
@@ -231,9 +231,8 @@ impl Run<'_> {
         dynamics.start(&self.input.acting[rows.start], &mut mean, &mut covariance);
         let mut gathered = Gathered {
             psi: vec![[0.0; N]; columns],
-            row: vec![0.0; columns],
             information: Information::new(columns),
-            block: DVector::zeros(columns),
+            log_variance: LogProduct::new(),
             out: Sums {
                 count: 0.0,
                 square: 0.0,
@@ -260,6 +259,7 @@ impl Run<'_> {
         }
         gathered.close();
         let mut out = gathered.out;
+        out.log_variance = gathered.log_variance.finish();
         (out.information, out.score) = gathered.information.finish();
         Ok(out)
     }
@@ -333,13 +333,13 @@ impl Run<'_> {
             }
             // one axis written down twice is measured once, by the mean of the wheels
             let sight = if single { [(i, 0.5), (i + 1, 0.5)] } else { [(i, 1.0), (i, 0.0)] };
-            let (psi, row) = (&mut gathered.psi, &mut gathered.row);
+            let (psi, row) = (&mut gathered.psi, gathered.information.next_row());
             let (e, s) = correct(sight, value, self.variance[i], mean, covariance, psi, row);
             gathered.count(e, s);
             if single {
                 // their difference, always zero, holds them together and says nothing
                 let apart = [(i, 1.0), (i + 1, -1.0)];
-                let (psi, row) = (&mut gathered.psi, &mut gathered.row);
+                let (psi, row) = (&mut gathered.psi, gathered.information.next_row());
                 correct(apart, 0.0, self.variance[i], mean, covariance, psi, row);
             }
         }
@@ -349,18 +349,15 @@ impl Run<'_> {
 impl<const N: usize> Gathered<N> {
     fn count(&mut self, e: f64, s: f64) {
         self.out.count += 1.0;
-        self.out.square += e * e / s;
-        self.out.log_variance += s.ln();
-        self.information.add(&self.row, e, s);
-        for (sum, psi) in self.block.iter_mut().zip(&self.row) {
-            *sum += psi * e / s;
-        }
+        self.out.square += e * (e / s);
+        self.log_variance.add(s);
+        self.information.add(e, s);
     }
 
     fn close(&mut self) {
-        if self.block.iter().any(|v| *v != 0.0) {
-            let empty = DVector::zeros(self.block.len());
-            self.out.blocks.push(std::mem::replace(&mut self.block, empty));
+        let score = self.information.take_score();
+        if score.iter().any(|v| *v != 0.0) {
+            self.out.blocks.push(score);
         }
     }
 }

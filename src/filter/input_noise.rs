@@ -36,16 +36,16 @@ impl<const N: usize> InputNoise<N> {
         self.cross.iter_mut().for_each(|c| *c = Covariance::<N>::zeros());
     }
 
-    /// Over one prediction; `slopes` are `∂(mass matrix)/∂θ` of the parameters that have one.
+    /// Over one prediction with the transition matrix `f`; `slopes` are `∂(mass matrix)/∂θ` of the parameters that have one.
     pub(super) fn carry(
         &mut self,
         predicted: &Predicted<N>,
+        f: &Covariance<N>,
         slopes: Vec<(usize, Matrix2<f64>)>,
         step: f64,
         still: [bool; 2],
     ) {
         self.slopes = slopes;
-        let f = &predicted.transition;
         let g = &predicted.gain;
         let reach = g.fixed_view::<2, 2>(2, 0) / step;
         for (j, slope) in &self.slopes {

@@ -17,6 +17,7 @@ mod likelihood;
 mod noise_search;
 mod pass;
 mod prepare;
+mod push;
 mod standstill;
 mod step;
 mod totals;

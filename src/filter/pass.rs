@@ -11,6 +11,7 @@ use super::input_noise::InputNoise;
 use super::prepare::Prepared;
 use super::step::{Predicted, Sample, between, lag_of_angle};
 use crate::effects::Motion;
+use crate::math::LogProduct;
 use crate::model::{Model, ModelError};
 
 /// Length of the blocks whose scores are kept apart, for errors that survive a wrong noise
@@ -153,13 +154,11 @@ fn run<D: Dynamics<N>, const N: usize>(
         by_parameter: &by_parameter,
         acts: by_parameter.iter().any(|d| !d.is_empty()),
         psi: vec![[0.0; N]; width],
-        row: vec![0.0; width],
         extra: vec![[0.0; 2]; if width > 0 { columns.count() } else { 0 }],
         input_row: vec![[0.0; 2]; p.len()],
         information: Information::new(width),
-        block: DVector::zeros(width),
         block_end: recording.t()[0] + BLOCK,
-        determinant: 1.0,
+        log_variance: LogProduct::new(),
         single,
         // a single axis is a motor with an encoder of its own, whose noise is small
         input_noise: (settings.derivatives && settings.input_noise && !single).then(|| {
@@ -172,7 +171,8 @@ fn run<D: Dynamics<N>, const N: usize>(
     for piece in recording.pieces() {
         run.piece(piece.clone())?;
     }
-    run.out.blocks.push(run.block);
+    run.out.log_likelihood -= 0.5 * run.log_variance.finish();
+    run.out.blocks.push(run.information.take_score());
     (run.out.information, run.out.score) = run.information.finish();
     if let Some(input_noise) = run.input_noise {
         run.out.score_of_input_noise = input_noise.finish();
@@ -190,15 +190,13 @@ struct Run<'a, D, const N: usize> {
     by_parameter: &'a [Vec<[f64; 2]>],
     acts: bool,
     psi: Vec<[f64; N]>,
-    row: Vec<f64>,
     extra: Vec<[f64; 2]>,
     input_row: Vec<[f64; 2]>,
     information: Information,
-    block: DVector<f64>,
     block_end: f64,
     input_noise: Option<InputNoise<N>>,
-    /// Product of 2 pi S over the measurements of a row: its logarithm is taken once.
-    determinant: f64,
+    /// Sum of ln 2 pi S over the measurements.
+    log_variance: LogProduct,
     single: bool,
     out: Pass,
 }
@@ -222,7 +220,8 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
             }
             if let Some(input_noise) = &mut self.input_noise {
                 let slopes = self.dynamics.mass_slopes(&predicted);
-                input_noise.carry(&predicted, slopes, sample.step, sample.still);
+                let transition = self.dynamics.transition();
+                input_noise.carry(&predicted, &transition, slopes, sample.step, sample.still);
             }
             self.measure(k, &mut mean, &mut covariance);
         }
@@ -262,15 +261,15 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
         let m = self.input;
         let ProcessNoise { later: c, sigma_m, .. } = self.settings.noise;
         let inside = k >= piece.start + 2 && k + 1 < piece.end;
-        let input = [0, 1].map(|i| {
-            let straight = (1.0 - c) * m[k - 1][i] + c * m[k][i];
-            if !inside {
-                return straight;
+        let mut input = [0.0; 2];
+        for i in 0..2 {
+            input[i] = (1.0 - c) * m[k - 1][i] + c * m[k][i];
+            if inside {
+                let bend = 0.5 * (m[k - 2][i] - m[k - 1][i] - m[k][i] + m[k + 1][i]);
+                let curved = 1.0 - between(JUMP, bend.abs() / sigma_m.max(f64::MIN_POSITIVE));
+                input[i] -= curved * c * (1.0 - c) / 3.0 * bend;
             }
-            let bend = 0.5 * (m[k - 2][i] - m[k - 1][i] - m[k][i] + m[k + 1][i]);
-            let curved = 1.0 - between(JUMP, bend.abs() / sigma_m.max(f64::MIN_POSITIVE));
-            straight - curved * c * (1.0 - c) / 3.0 * bend
-        });
+        }
         let raw = recording.torque();
         let still = [0, 1].map(|i| self.prepared.still[k - 1][i] && self.prepared.still[k][i]);
         Sample {
@@ -340,15 +339,12 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
                 input_noise.correct(i, covariance[(i, i)] + variance, covariance);
             }
             let sight = [(i, 1.0), (i, 0.0)];
-            let (e, s) =
-                correct(sight, value, variance, mean, covariance, &mut self.psi, &mut self.row);
+            let (psi, row) = (&mut self.psi, self.information.next_row());
+            let (e, s) = correct(sight, value, variance, mean, covariance, psi, row);
             self.count(k, i, e, s);
         }
-        self.out.log_likelihood -= 0.5 * self.determinant.ln();
-        self.determinant = 1.0;
         if self.settings.derivatives && recording.t()[k] > self.block_end {
-            let empty = DVector::zeros(self.block.len());
-            self.out.blocks.push(std::mem::replace(&mut self.block, empty));
+            self.out.blocks.push(self.information.take_score());
             self.block_end += BLOCK;
         }
     }
@@ -362,10 +358,10 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
             if self.prepared.used[i] {
                 let variance = self.prepared.variance[i];
                 let sight = [(i, 0.5), (i + 1, 0.5)];
-                let (psi, row) = (&mut self.psi, &mut self.row);
+                let (psi, row) = (&mut self.psi, self.information.next_row());
                 let (e, s) = correct(sight, value, variance, mean, covariance, psi, row);
                 self.count(k, i, e, s);
-                let (psi, row) = (&mut self.psi, &mut self.row);
+                let (psi, row) = (&mut self.psi, self.information.next_row());
                 let apart = [(i, 1.0), (i + 1, -1.0)];
                 correct(apart, 0.0, variance, mean, covariance, psi, row);
             }
@@ -373,17 +369,13 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
     }
 
     fn count(&mut self, row: usize, i: usize, e: f64, s: f64) {
-        self.out.log_likelihood -= 0.5 * (e * e / s);
-        // two variances that are none must not make one that looks sound
-        self.determinant *= if s > 0.0 { 2.0 * std::f64::consts::PI * s } else { f64::NAN };
+        self.out.log_likelihood -= 0.5 * (e * (e / s));
+        self.log_variance.add(2.0 * std::f64::consts::PI * s);
         if self.settings.keep_innovations {
             self.out.innovations.push(Innovation { row, channel: i, value: e, variance: s });
         }
         if self.settings.derivatives {
-            self.information.add(&self.row, e, s);
-            for (b, v) in self.block.iter_mut().zip(&self.row) {
-                *b += v * e / s;
-            }
+            self.information.add(e, s);
         }
     }
 }

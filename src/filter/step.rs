@@ -3,8 +3,9 @@
 use nalgebra::{Matrix2, SMatrix, SVector};
 
 use super::ProcessNoise;
-use super::correction::{Covariance, Mean, STILL, freeze, make_symmetric};
-use crate::effects::{DIRECTIONS, Motion, along};
+use super::correction::{Covariance, Mean, STILL, freeze};
+use super::push::Push;
+use crate::effects::{Motion, along};
 use crate::math::Real;
 use crate::model::{Linearisation, Model, ModelError};
 use crate::simulate::Ends;
@@ -55,8 +56,6 @@ pub(super) struct Sample<'a> {
 pub(super) struct Predicted<const N: usize> {
     /// Linear map of a torque on the wheels to the state after the step.
     pub(super) gain: SMatrix<f64, N, 2>,
-    /// Transition matrix.
-    pub(super) transition: Covariance<N>,
     /// Mean acceleration over the step [rad/s^2].
     pub(super) acceleration: [f64; 2],
     /// Friction signs, statistically linearised.
@@ -103,8 +102,7 @@ pub(super) fn tilt_angles<const N: usize>(
     }
 }
 
-/// Moves mean and covariance over one sample, and the derivatives `psi` (6 x columns, the first
-/// ones the parameters of the model) with it.
+/// Moves mean and covariance over one sample.
 ///
 /// Every sgn is replaced by its mean over the filter's own spread, erf(v / sqrt(2 V)), and the
 /// variance that the mean leaves out becomes process noise; a wheel that may pass through rest
@@ -117,7 +115,7 @@ pub(super) fn predict(
     mean: &mut Mean<6>,
     covariance: &mut Covariance<6>,
     work: &mut Linearisation,
-    derivatives: bool,
+    push: &mut Push,
 ) -> Result<Predicted<6>, ModelError> {
     let Law { model, p, noise } = law;
     let h = sample.step;
@@ -129,39 +127,19 @@ pub(super) fn predict(
         variance: [covariance[(0, 0)], covariance[(1, 1)], covariance[(2, 2)], covariance[(3, 3)]],
         robot: model.robot(),
     };
-    let cross = 2.0 * covariance[(2, 3)];
-    let sum = covariance[(2, 2)] + covariance[(3, 3)];
-    let spread = [sum - cross, sum + cross];
     model.evaluate(&x, p, work);
     let terms = work.terms;
     let mobility = mobility(&terms.mass, sample.still)?;
-    let (mut clear, mut sign, mut slope, mut rest) = ([0.0; 4], [0.0; 4], [0.0; 4], [0.0; 4]);
-    for (j, d) in DIRECTIONS.iter().enumerate() {
-        let level = terms.level[j].max(0.0);
-        if level == 0.0 {
-            continue;
-        }
-        let d = SVector::<f64, 2>::from_row_slice(d);
-        let along_d = (d.transpose() * covariance.fixed_view::<2, 2>(2, 2) * d)[0];
-        let kick = level * h * (d.transpose() * mobility * d)[0];
-        let variance = (along_d + 0.25 * kick * kick).max(STILL);
-        let v = along(j, &omega);
-        clear[j] = clarity(j, v, sample.speed_variance);
-        (sign[j], slope[j], rest[j]) = linearised(level, v, variance, clear[j]);
-    }
-    model.differentiate_by_state(&[0.0; 2], &sign, work);
-    let resisting = terms.total_torque(&[0.0; 2], &sign);
-    let smooth = Matrix2::new(
-        work.by_state[0][2],
-        work.by_state[0][3],
-        work.by_state[1][2],
-        work.by_state[1][3],
-    );
-    let mut stiff = Matrix2::zeros();
-    for (j, d) in DIRECTIONS.iter().enumerate() {
-        let d = SVector::<f64, 2>::from_row_slice(d);
-        stiff += d * d.transpose() * (terms.level[j].max(0.0) * slope[j]);
-    }
+    let variances = in_directions([covariance[(2, 2)], covariance[(2, 3)], covariance[(3, 3)]]);
+    let friction = friction(&terms.level, &omega, &variances, &mobility, sample);
+    model.differentiate_by_state(&[0.0; 2], &friction.sign, work);
+    let resisting = terms.total_torque(&[0.0; 2], &friction.sign);
+    let block = |k: usize| {
+        let [first, second] = &work.by_state;
+        Matrix2::new(first[k], first[k + 1], second[k], second[k + 1])
+    };
+    let (by_angle, smooth) = (block(0), block(2));
+    let stiff = along_directions(&[0, 1, 2, 3].map(|j| friction.level[j] * friction.slope[j]));
     let implicit = Matrix2::identity() + mobility * (smooth * (0.5 * h) + stiff * h);
     let Some(phi) = implicit.try_inverse() else {
         let [m11, m12, m22] = terms.mass;
@@ -173,64 +151,130 @@ pub(super) fn predict(
     );
     let reach = phi * mobility;
     let acceleration = reach * force;
-    for (j, variance) in rest.iter_mut().enumerate() {
-        let level = terms.level[j].max(0.0);
-        if level == 0.0 || clear[j] == 0.0 {
-            continue;
-        }
-        let d = SVector::<f64, 2>::from_row_slice(&DIRECTIONS[j]);
-        let along_d = (d.transpose() * covariance.fixed_view::<2, 2>(2, 2) * d)[0];
-        let pass = d.dot(&acceleration).abs() * h + 2.0 * along_d.max(0.0).sqrt();
-        let near = 1.0 - between(PASS, along(j, &omega).abs() / pass.max(f64::MIN_POSITIVE));
-        *variance += near * clear[j] * level * level;
-    }
-    let transition = transition(h, noise, &reach, &stiff, work);
+    let acceleration = [acceleration[0], acceleration[1]];
+    let rest = friction.with_reversals(&omega, &acceleration, &variances, h);
+    // F = I - h reach (C + K) with reach = Phi A^-1, C the smooth slope and K that of friction
+    push.by_torque = reach * h;
+    push.by_speed = push.by_torque * -(smooth + by_angle * (0.5 * h) + stiff);
+    push.by_angle = (by_angle != Matrix2::zeros()).then(|| push.by_torque * -by_angle);
+    push.last(h, noise);
     let mut gain = SMatrix::<f64, 6, 2>::zeros();
-    gain.fixed_view_mut::<2, 2>(0, 0).copy_from(&(reach * (0.5 * h * h)));
-    gain.fixed_view_mut::<2, 2>(2, 0).copy_from(&(reach * h));
+    gain.fixed_view_mut::<2, 2>(0, 0).copy_from(&(push.by_torque * (0.5 * h)));
+    gain.fixed_view_mut::<2, 2>(2, 0).copy_from(&push.by_torque);
     let after = omega_after(&omega, &acceleration, h, sample.still);
     for i in 0..2 {
         mean[i] += 0.5 * h * (omega[i] + after[i]);
         mean[2 + i] = after[i];
-        mean[4 + i] *= transition[(4 + i, 4 + i)];
+        mean[4 + i] *= push.decay;
     }
     tilt_angles(mean, &gain, sample);
-    let mut torque_noise = Matrix2::zeros();
+    let mut torque_noise = along_directions(&rest);
     for i in 0..2 {
         let inside = (sample.change[i].powi(2) - 6.0 * noise.sigma_m.powi(2)).max(0.0) / 12.0;
         torque_noise[(i, i)] += noise.sigma_m.powi(2) + inside;
     }
-    for (j, d) in DIRECTIONS.iter().enumerate() {
-        let d = SVector::<f64, 2>::from_row_slice(d);
-        torque_noise += d * d.transpose() * rest[j];
-    }
-    *covariance = spread_over(&transition, covariance);
-    let known = gain * torque_noise;
-    for j in 0..4 {
-        for i in 0..4 {
-            covariance[(i, j)] += known[(i, 0)] * gain[(j, 0)] + known[(i, 1)] * gain[(j, 1)];
-        }
-    }
-    make_symmetric(covariance);
-    let slow = noise.sigma_d.powi(2) * (1.0 - transition[(4, 4)].powi(2));
+    *covariance = push.spread(covariance, &torque_noise);
+    let slow = noise.sigma_d.powi(2) * (1.0 - push.decay.powi(2));
     for i in 0..2 {
         covariance[(4 + i, 4 + i)] += slow;
         if sample.still[i] {
             freeze(covariance, mean, i);
         }
     }
-    let acceleration = [acceleration[0], acceleration[1]];
-    if derivatives {
-        model.differentiate_by_parameter(&acceleration, &sign, work);
+    Ok(Predicted {
+        gain,
+        acceleration,
+        sign: friction.sign,
+        alpha: x.alpha,
+        omega,
+        variance: x.variance,
+        spread: [variances[2], variances[3]],
+    })
+}
+
+/// Dry friction over a step, statistically linearised along each direction.
+struct Friction {
+    /// Not below zero [N m].
+    level: [f64; 4],
+    clear: [f64; 4],
+    sign: [f64; 4],
+    slope: [f64; 4],
+    rest: [f64; 4],
+}
+
+/// Friction of these levels at speeds `omega` of these `variances` along the directions.
+#[inline]
+fn friction(
+    level: &[f64; 4],
+    omega: &[f64; 2],
+    variances: &[f64; 4],
+    mobility: &Matrix2<f64>,
+    sample: &Sample,
+) -> Friction {
+    let level = level.map(|level| level.max(0.0));
+    let none = [0.0; 4];
+    let mut out = Friction { level, clear: none, sign: none, slope: none, rest: none };
+    let yields = in_directions([mobility[(0, 0)], mobility[(0, 1)], mobility[(1, 1)]]);
+    for j in 0..4 {
+        if level[j] == 0.0 {
+            continue;
+        }
+        let kick = level[j] * sample.step * yields[j];
+        let variance = (variances[j] + 0.25 * kick * kick).max(STILL);
+        let v = along(j, omega);
+        out.clear[j] = clarity(j, v, sample.speed_variance);
+        (out.sign[j], out.slope[j], out.rest[j]) = linearised(level[j], v, variance, out.clear[j]);
     }
-    let (alpha, variance) = (x.alpha, x.variance);
-    Ok(Predicted { gain, transition, acceleration, sign, alpha, omega, variance, spread })
+    out
+}
+
+impl Friction {
+    /// Variance of what the mean of the signs leaves out [N^2 m^2], with that of a direction which may pass through
+    /// rest within a step of `h`.
+    #[inline]
+    fn with_reversals(
+        &self,
+        omega: &[f64; 2],
+        acceleration: &[f64; 2],
+        variances: &[f64; 4],
+        h: f64,
+    ) -> [f64; 4] {
+        let mut rest = self.rest;
+        for j in 0..4 {
+            let (level, clear) = (self.level[j], self.clear[j]);
+            if level == 0.0 || clear == 0.0 {
+                continue;
+            }
+            let pass = along(j, acceleration).abs() * h + 2.0 * variances[j].max(0.0).sqrt();
+            let near = 1.0 - between(PASS, along(j, omega).abs() / pass.max(f64::MIN_POSITIVE));
+            rest[j] += near * clear * level * level;
+        }
+        rest
+    }
+}
+
+/// `d' S d` of a symmetric matrix (s11, s12, s22) along each of the directions.
+#[inline]
+fn in_directions([first, beside, second]: [f64; 3]) -> [f64; 4] {
+    let (sum, cross) = (first + second, 2.0 * beside);
+    [first, second, sum - cross, sum + cross]
+}
+
+/// `Σ_j d_j d_j' weight_j` over the directions.
+#[inline]
+fn along_directions([first, second, turning, forward]: &[f64; 4]) -> Matrix2<f64> {
+    let (both, beside) = (turning + forward, forward - turning);
+    Matrix2::new(first + both, beside, beside, second + both)
 }
 
 /// Mean of the sign of a friction of this `level` over a speed `v` of this `variance`, the slope of that
 /// mean, and the variance of the torque that it leaves out. As far as its direction is not `clear` the
 /// friction is anywhere between its levels instead.
 pub(super) fn linearised(level: f64, v: f64, variance: f64, clear: f64) -> (f64, f64, f64) {
+    if v * v > 2.0 * UNDERFLOW * variance {
+        // far from rest, as most steps are: erf is one and its slope nothing
+        return (clear * v.signum(), 0.0, (1.0 - clear) * UNCLEAR * level * level);
+    }
     let sign = Real::erf(v / (2.0 * variance).sqrt());
     let slope = 2.0 * density(v, variance);
     let left = (1.0 - sign * sign - slope * slope * variance).max(0.0);
@@ -263,39 +307,25 @@ pub(super) fn between(limits: (f64, f64), x: f64) -> f64 {
 /// Moves the derivatives over the step: `psi <- F psi + G f`, `f` the derivative of the torque
 /// balance by each parameter (column).
 pub(super) fn move_parameters(
-    predicted: &Predicted<6>,
+    push: &Push,
     work: &Linearisation,
     sample: &Sample,
     extra: &[[f64; 2]],
     psi: &mut [[f64; 6]],
 ) {
-    let f = &predicted.transition;
-    let g = &predicted.gain;
-    let parameters = work.by_parameter.len();
-    for (j, column) in psi.iter_mut().enumerate() {
-        let torque = if j < parameters {
-            let input = sample.by_parameter.get(j).copied().unwrap_or([0.0; 2]);
-            [input[0] - work.by_parameter[j][0], input[1] - work.by_parameter[j][1]]
-        } else {
-            extra[j - parameters]
-        };
+    let (by_parameter, by_column) = psi.split_at_mut(work.by_parameter.len());
+    let carry = |column: &mut [f64; 6], torque: [f64; 2]| {
         let old = *column;
-        for i in 0..4 {
-            column[i] = g[(i, 0)] * torque[0] + g[(i, 1)] * torque[1];
-            for k in 0..6 {
-                column[i] += f[(i, k)] * old[k];
-            }
+        *column = push.moved(&old, torque);
+        for i in (0..2).filter(|&i| sample.still[i]) {
+            (column[i], column[2 + i]) = (old[i], 0.0);
         }
-        for i in 4..6 {
-            column[i] = f[(i, i)] * old[i];
-        }
-        for i in 0..2 {
-            if sample.still[i] {
-                column[i] = old[i];
-                column[2 + i] = 0.0;
-            }
-        }
+    };
+    for (j, (column, needed)) in by_parameter.iter_mut().zip(&work.by_parameter).enumerate() {
+        let input = sample.by_parameter.get(j).copied().unwrap_or([0.0; 2]);
+        carry(column, [input[0] - needed[0], input[1] - needed[1]]);
     }
+    by_column.iter_mut().zip(extra).for_each(|(column, torque)| carry(column, *torque));
 }
 
 /// Density of a normal variable of this variance at `v`.
@@ -323,61 +353,6 @@ fn mobility(mass: &[f64; 3], still: [bool; 2]) -> Result<Matrix2<f64>, ModelErro
     })
 }
 
-fn transition(
-    h: f64,
-    noise: &ProcessNoise,
-    reach: &Matrix2<f64>,
-    stiff: &Matrix2<f64>,
-    work: &Linearisation,
-) -> Covariance<6> {
-    let mut f = Covariance::<6>::identity();
-    let decay = if noise.sigma_d > 0.0 { (-h / noise.tau_d).exp() } else { 0.0 };
-    // F = I - h reach (C + K) with reach = Phi A^-1, C the smooth slope and K that of friction
-    let mut by = SMatrix::<f64, 2, 6>::zeros();
-    for i in 0..2 {
-        for k in 0..2 {
-            by[(i, k)] = -work.by_state[i][k];
-            by[(i, 2 + k)] =
-                -work.by_state[i][2 + k] - 0.5 * h * work.by_state[i][k] - stiff[(i, k)];
-            by[(i, 4 + k)] = f64::from(i == k);
-        }
-    }
-    let step = reach * by * h;
-    for i in 0..2 {
-        for k in 0..6 {
-            f[(2 + i, k)] += step[(i, k)];
-            f[(i, k)] += 0.5 * h * step[(i, k)];
-        }
-        f[(i, 2 + i)] += h;
-        f[(4 + i, 4 + i)] = decay;
-    }
-    f
-}
-
-/// `F P F'` of a transition that leaves the slow torques to themselves.
-fn spread_over(f: &Covariance<6>, p: &Covariance<6>) -> Covariance<6> {
-    let moving = f.fixed_view::<4, 6>(0, 0).into_owned();
-    let by_all = moving * p;
-    let by_moving = by_all * moving.transpose();
-    let mut out = Covariance::<6>::zeros();
-    out.fixed_view_mut::<4, 4>(0, 0).copy_from(&by_moving);
-    for k in 4..6 {
-        for i in 0..4 {
-            out[(i, k)] = by_all[(i, k)] * f[(k, k)];
-            out[(k, i)] = out[(i, k)];
-        }
-        for i in 4..6 {
-            out[(i, k)] = f[(i, i)] * p[(i, k)] * f[(k, k)];
-        }
-    }
-    out
-}
-
-fn omega_after(
-    omega: &[f64; 2],
-    acceleration: &SVector<f64, 2>,
-    h: f64,
-    still: [bool; 2],
-) -> [f64; 2] {
+fn omega_after(omega: &[f64; 2], acceleration: &[f64; 2], h: f64, still: [bool; 2]) -> [f64; 2] {
     [0, 1].map(|i| if still[i] { 0.0 } else { omega[i] + h * acceleration[i] })
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::Task;
-use crate::effects::{Motion, along};
+use crate::effects::{Motion, Terms, along};
 use crate::math::sgn;
 use crate::model::{Linearisation, Model};
 use crate::recording::Recording;
@@ -98,20 +98,34 @@ impl<'a> Regressor<'a> {
     pub(super) fn at(&self, motion: &Motion<f64>) -> Balance {
         let sign = [0, 1, 2, 3].map(|j| sgn(along(j, &motion.omega)));
         let mut unit = self.unit.clone();
-        let given = self.model.terms(motion, &unit);
-        let rest = given.total_torque(&[0.0; 2], &sign);
-        let mut out = Balance::default();
-        for &j in &self.linear {
-            unit[j] = 1.0;
-            let with = self.model.terms(motion, &unit);
-            unit[j] = 0.0;
-            let torque = with.total_torque(&[0.0; 2], &sign);
-            out.mass.push([0, 1, 2].map(|i| with.mass[i] - given.mass[i]));
-            out.torque.push([0, 1].map(|i| torque[i] - rest[i]));
+        let mut given = Terms::zero();
+        let mut out = Balance {
+            mass: Vec::with_capacity(self.width() + 1),
+            torque: Vec::with_capacity(self.width() + 1),
+        };
+        let mut linear = self.linear.iter().copied().peekable();
+        for (e, effect) in self.model.effects().iter().enumerate() {
+            let slots = self.model.slots(e);
+            let without = effect.terms(motion, &unit[slots.clone()]);
+            given.add(&without);
+            let rest = without.total_torque(&[0.0; 2], &sign);
+            while let Some(j) = linear.next_if(|j| slots.contains(j)) {
+                unit[j] = 1.0;
+                let with = effect.terms(motion, &unit[slots.clone()]);
+                unit[j] = 0.0;
+                let torque = with.total_torque(&[0.0; 2], &sign);
+                out.mass.push([0, 1, 2].map(|i| with.mass[i] - without.mass[i]));
+                out.torque.push([0, 1].map(|i| torque[i] - rest[i]));
+            }
         }
         out.mass.push(given.mass);
-        out.torque.push(rest);
+        out.torque.push(given.total_torque(&[0.0; 2], &sign));
         out
+    }
+
+    /// Room for [`Regressor::slopes`]: the model at each column.
+    pub(super) fn work(&self) -> Vec<Linearisation> {
+        vec![Linearisation::new(self.unit.len()); self.width() + 1]
     }
 
     /// Derivatives of every column's torque (not of its inertia) by the two speeds,
@@ -119,19 +133,22 @@ impl<'a> Regressor<'a> {
     pub(super) fn slopes(
         &self,
         motion: &Motion<f64>,
-        work: &mut Linearisation,
+        work: &mut [Linearisation],
     ) -> Vec<[[f64; 2]; 2]> {
         let sign = [0, 1, 2, 3].map(|j| sgn(along(j, &motion.omega)));
         let mut unit = self.unit.clone();
-        let mut at = |unit: &[f64]| {
-            self.model.linearise(motion, unit, &[0.0; 2], &sign, work);
+        let at = |unit: &[f64], work: &mut Linearisation| {
+            self.model.evaluate(motion, unit, work);
+            self.model.differentiate_by_state(&[0.0; 2], &sign, work);
             work.by_state.map(|row| [row[2], row[3]])
         };
-        let given = at(&unit);
+        // each with room of its own, which what does not vary with the motion stays in
+        let (last, columns) = work.split_last_mut().expect("room for the given part");
+        let given = at(&unit, last);
         let mut out = Vec::with_capacity(self.width() + 1);
-        for &j in &self.linear {
+        for (&j, work) in self.linear.iter().zip(columns) {
             unit[j] = 1.0;
-            let with = at(&unit);
+            let with = at(&unit, work);
             unit[j] = 0.0;
             out.push([0, 1].map(|i| [0, 1].map(|l| with[i][l] - given[i][l])));
         }

@@ -208,7 +208,7 @@ impl<'a> Problem<'a> {
             }
             for block in &sums.blocks {
                 let mut score = DVector::zeros(size);
-                own.iter().for_each(|&(c, i)| score[i] = block[c / LANES].as_array()[c % LANES]);
+                own.iter().for_each(|&(c, i)| score[i] = block[c / QUAD].as_array()[c % QUAD]);
                 scores.push(score);
             }
         }
@@ -217,6 +217,9 @@ impl<'a> Problem<'a> {
         cost.is_finite().then_some((Quadratic { cost, gradient, hessian }, scores))
     }
 }
+
+/// Columns that are summed up together.
+const QUAD: usize = 4;
 
 /// What is summed over the samples of a piece, in the columns of [`follow`].
 struct Sums {
@@ -231,7 +234,7 @@ struct Sums {
 
 impl Sums {
     fn new(columns: usize) -> Self {
-        let groups = columns.div_ceil(LANES);
+        let groups = columns.next_multiple_of(LANES) / QUAD;
         let zero = f64x4::ZERO;
         let curvature = vec![zero; columns * groups];
         Self { cost: 0.0, curvature, blocks: vec![], groups, row: vec![zero; groups] }
@@ -244,11 +247,11 @@ impl Sums {
         while self.blocks.len() <= block {
             self.blocks.push(vec![f64x4::ZERO; groups]);
         }
-        let stride = LANES * groups;
+        let stride = QUAD * groups;
         for (i, e) in residual.into_iter().enumerate().filter(|(i, _)| weight[*i] > 0.0) {
             self.cost += 0.5 * e * e;
             let psi = &derivatives[i * stride..(i + 1) * stride];
-            for (row, lanes) in self.row.iter_mut().zip(psi.chunks_exact(LANES)) {
+            for (row, lanes) in self.row.iter_mut().zip(psi.chunks_exact(QUAD)) {
                 *row = f64x4::new([lanes[0], lanes[1], lanes[2], lanes[3]]) * weight[i];
             }
             for (sum, row) in self.blocks[block].iter_mut().zip(&self.row) {
@@ -256,7 +259,7 @@ impl Sums {
             }
             for (c, sums) in self.curvature.chunks_exact_mut(groups).enumerate() {
                 let own = f64x4::splat(psi[c] * weight[i]);
-                for (sum, row) in sums[..=c / LANES].iter_mut().zip(&self.row) {
+                for (sum, row) in sums[..=c / QUAD].iter_mut().zip(&self.row) {
                     *sum += own * *row;
                 }
             }
@@ -265,6 +268,6 @@ impl Sums {
 
     fn curvature(&self, c: usize, d: usize) -> f64 {
         let (row, column) = (c.max(d), c.min(d));
-        self.curvature[row * self.groups + column / LANES].as_array()[column % LANES]
+        self.curvature[row * self.groups + column / QUAD].as_array()[column % QUAD]
     }
 }

@@ -113,13 +113,16 @@ impl<S: Simd> Lanes<S> {
     /// The first numbers of a slice, one a place.
     #[inline(always)]
     pub(crate) fn load(simd: S, numbers: &[f64]) -> Self {
-        Self { simd, numbers: simd.partial_load_f64s(&numbers[..Self::COUNT]) }
+        // not a partial load, which is a call
+        let (registers, _) = S::as_simd_f64s(&numbers[..Self::COUNT]);
+        Self { simd, numbers: registers[0] }
     }
 
     /// Writes the number of each place to the front of a slice.
     #[inline(always)]
     pub(crate) fn store(self, out: &mut [f64]) {
-        self.simd.partial_store_f64s(&mut out[..Self::COUNT], self.numbers);
+        let (registers, _) = S::as_mut_simd_f64s(&mut out[..Self::COUNT]);
+        registers[0] = self.numbers;
     }
 
     /// The larger of each number and `least`.

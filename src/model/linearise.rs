@@ -1,7 +1,7 @@
 //! Exact first derivatives of a model, and the dynamics solved from it.
 
-use super::{Model, ModelError, Variation, Variations};
-use crate::effects::{DIFFERENTIATED, DIRECTIONS, Jet, Motion, Own, Terms};
+use super::{Model, ModelError, SpeedPolynomial, Variation, Variations};
+use crate::effects::{DIFFERENTIATED, Effect, Jet, Motion, Own, Tangent, Terms};
 use crate::math::{Dual, Real};
 
 /// Partial derivatives of a [`Jet`] before those of an effect's own parameters.
@@ -18,13 +18,62 @@ pub struct Linearisation {
     /// Derivatives of the two torques with respect to each parameter of the model (those that act
     /// through the input have zero here).
     pub by_parameter: Vec<[f64; 2]>,
-    /// What each effect adds, with its own derivatives.
-    effects: Vec<Terms<Jet>>,
-    /// The sum of the effects that are the same at every instant; the parameter values for which
-    /// it and they stand here, and these with their derivatives.
+    /// What each effect that varies as no polynomial of the speeds adds, with its own derivatives.
+    varying: Vec<(usize, Terms<Jet>)>,
+    /// Derivatives by the parameters of all others.
+    compiled: Vec<(usize, Compiled)>,
+    /// The sum of what is the same at every instant, and of what is a polynomial of the speeds beside it; the
+    /// parameter values for which they stand here, and these with their derivatives.
     constant: Terms<f64>,
+    by_speed: SpeedPolynomial,
     given: Vec<f64>,
     own: Vec<Jet>,
+    /// Speeds of the instant that was evaluated last [rad/s].
+    omega: [f64; 2],
+}
+
+/// The derivative of the torque balance by a parameter where masses and levels are constant and torques
+/// polynomials of the speeds.
+#[derive(Clone, Copy, Debug)]
+struct Compiled {
+    mass: Option<[f64; 3]>,
+    torque: Option<SpeedPolynomial>,
+    level: Option<[f64; 4]>,
+}
+
+impl Compiled {
+    /// Of partial derivative number `k` of an effect's terms at given speeds.
+    fn new(terms: impl Fn([f64; 2]) -> Terms<Jet>, variations: Variations, k: usize) -> Self {
+        let part = |value: Jet| value.partial[k];
+        let here = terms([0.0; 2]);
+        let present = |variation: Variation| variation != Variation::Absent;
+        Self {
+            mass: present(variations.mass).then(|| here.mass.map(part)),
+            torque: present(variations.torque)
+                .then(|| SpeedPolynomial::through(|omega| terms(omega).torque.map(part))),
+            level: present(variations.level).then(|| here.level.map(part)),
+        }
+    }
+
+    #[inline]
+    fn at(&self, omega: [f64; 2], a: &[f64; 2], s: &[f64; 4]) -> [f64; 2] {
+        let mut out = self.mass.as_ref().map_or([0.0; 2], |mass| times(mass, a));
+        if let Some(torque) = &self.torque {
+            let rest = torque.rest(omega);
+            out = [0, 1].map(|i| out[i] + (torque.factors[0][i] + rest[i]));
+        }
+        if let Some(level) = &self.level {
+            out = with_friction(out, level, s);
+        }
+        out
+    }
+}
+
+/// A torque with that of dry friction of these levels and signs.
+#[inline]
+fn with_friction([first, second]: [f64; 2], level: &[f64; 4], s: &[f64; 4]) -> [f64; 2] {
+    let [f1, f2, turning, forward] = [0, 1, 2, 3].map(|j| level[j] * s[j]);
+    [first + f1 + (turning + forward), second + f2 + (forward - turning)]
 }
 
 impl Linearisation {
@@ -35,10 +84,13 @@ impl Linearisation {
             terms: Terms::zero(),
             by_state: [[0.0; 4]; 2],
             by_parameter: vec![[0.0; 2]; parameters],
-            effects: vec![],
+            varying: vec![],
+            compiled: vec![],
             constant: Terms::zero(),
+            by_speed: SpeedPolynomial::default(),
             given: vec![],
             own: vec![],
+            omega: [0.0; 2],
         }
     }
 }
@@ -64,26 +116,25 @@ impl Model {
 
     /// The first half of [`Model::linearise`]: every effect once, its values summed in `out.terms`.
     /// A caller that chooses signs and acceleration by the values goes on with
-    /// [`Model::differentiate`], which may be repeated. Effects that are the same at every instant
-    /// are evaluated anew only where `p` is another than before.
+    /// [`Model::differentiate`], which may be repeated. Effects that are the same at every instant, or polynomials
+    /// of the speeds, are evaluated anew only where `p` is another than before.
     pub fn evaluate(&self, x: &Motion<f64>, p: &[f64], out: &mut Linearisation) {
-        let jet = Motion {
-            t: Dual::constant(x.t),
-            alpha: [Dual::variable(x.alpha[0], 0), Dual::variable(x.alpha[1], 1)],
-            omega: [Dual::variable(x.omega[0], 2), Dual::variable(x.omega[1], 3)],
-            variance: x.variance,
-            robot: x.robot,
-        };
         if out.given != p {
-            self.prepare(&jet, p, out);
+            self.prepare(x, p, out);
         }
+        out.omega = x.omega;
         out.terms = out.constant;
-        for (e, effect) in self.effects().iter().enumerate() {
-            let variations = self.variations(e);
-            if !variations.vary() {
-                continue;
-            }
-            let (terms, own) = (&mut out.effects[e], &out.own[self.slots(e)]);
+        let by_speed = out.by_speed.rest(x.omega);
+        for (sum, torque) in out.terms.torque.iter_mut().zip(by_speed) {
+            *sum += torque;
+        }
+        if out.varying.is_empty() {
+            return;
+        }
+        let jet = jet(x);
+        for (e, terms) in &mut out.varying {
+            let (effect, variations) = (&self.effects()[*e], self.variations(*e));
+            let own = &out.own[self.slots(*e)];
             if (variations.mass, variations.level) == (Variation::Absent, Variation::Absent) {
                 terms.torque = effect.torque_jet(&jet, own);
                 for (sum, torque) in out.terms.torque.iter_mut().zip(&terms.torque) {
@@ -96,15 +147,17 @@ impl Model {
         }
     }
 
-    /// What does not change with the motion: parameters with their derivatives, constant effects.
-    fn prepare(&self, x: &Motion<Jet>, p: &[f64], out: &mut Linearisation) {
+    /// What does not change with the motion: parameters with their derivatives, effects that are constant or
+    /// polynomials of the speeds.
+    fn prepare(&self, x: &Motion<f64>, p: &[f64], out: &mut Linearisation) {
         out.given.clear();
         out.given.extend_from_slice(p);
         out.own.clear();
-        out.effects.clear();
-        out.constant = Terms::zero();
+        out.varying.clear();
+        out.compiled.clear();
+        (out.constant, out.by_speed) = (Terms::zero(), SpeedPolynomial::default());
         for (e, effect) in self.effects().iter().enumerate() {
-            let slots = self.slots(e);
+            let (slots, variations) = (self.slots(e), self.variations(e));
             out.own.extend(p[slots.clone()].iter().enumerate().map(|(k, &value)| {
                 if k < DIFFERENTIATED {
                     Dual::variable(value, STATES + k)
@@ -112,12 +165,22 @@ impl Model {
                     Dual::constant(value)
                 }
             }));
-            let terms = effect.terms_jet(x, &out.own[slots]);
-            if !self.variations(e).vary() {
-                out.constant.add(&values(&terms));
+            let own = &out.own[slots.clone()];
+            let at = |omega| effect.terms_jet(&jet(&Motion { omega, ..*x }), own);
+            if variations.vary() && !variations.is_quadratic() {
+                out.varying.push((e, at(x.omega)));
+                continue;
             }
-            out.effects.push(terms);
+            let torque = |omega| at(omega).torque.map(|v| v.value);
+            if variations.is_quadratic() {
+                out.by_speed.add(&SpeedPolynomial::through(torque));
+            }
+            out.constant.add(&Terms { torque: torque([0.0; 2]), ..values(&at([0.0; 2])) });
+            let places = slots.enumerate().take(DIFFERENTIATED);
+            let by = places.map(|(k, j)| (j, Compiled::new(at, variations, STATES + k)));
+            out.compiled.extend(by);
         }
+        out.by_speed.take_constant();
     }
 
     /// The second half of [`Model::linearise`]: derivatives at acceleration `a` and signs `s` of
@@ -129,25 +192,25 @@ impl Model {
 
     /// [`Model::differentiate`] by the motion alone.
     pub fn differentiate_by_state(&self, a: &[f64; 2], s: &[f64; 4], out: &mut Linearisation) {
-        out.by_state = [[0.0; STATES]; 2];
-        for (e, terms) in out.effects.iter().enumerate() {
-            let variations = self.variations(e);
-            if variations.vary() {
-                for k in 0..STATES {
-                    let slope = slope(terms, variations, k, a, s);
-                    out.by_state[0][k] += slope[0];
-                    out.by_state[1][k] += slope[1];
-                }
+        let [first, second] = out.by_speed.slope(out.omega);
+        out.by_state = [[0.0, 0.0, first[0], first[1]], [0.0, 0.0, second[0], second[1]]];
+        for (e, terms) in &out.varying {
+            for k in 0..STATES {
+                let slope = slope(terms, self.variations(*e), k, a, s);
+                out.by_state[0][k] += slope[0];
+                out.by_state[1][k] += slope[1];
             }
         }
     }
 
     /// [`Model::differentiate`] by the parameters alone.
     pub fn differentiate_by_parameter(&self, a: &[f64; 2], s: &[f64; 4], out: &mut Linearisation) {
-        for (e, terms) in out.effects.iter().enumerate() {
-            let variations = self.variations(e);
-            for (k, j) in self.slots(e).enumerate().take(DIFFERENTIATED) {
-                out.by_parameter[j] = slope(terms, variations, STATES + k, a, s);
+        for (j, compiled) in &out.compiled {
+            out.by_parameter[*j] = compiled.at(out.omega, a, s);
+        }
+        for (e, terms) in &out.varying {
+            for (k, j) in self.slots(*e).enumerate().take(DIFFERENTIATED) {
+                out.by_parameter[j] = slope(terms, self.variations(*e), STATES + k, a, s);
             }
         }
     }
@@ -166,34 +229,50 @@ impl Model {
         let effects: Vec<usize> = (0..self.effects().len()).filter(of_input).collect();
         let acting: Vec<usize> = effects.iter().flat_map(|&e| self.slots(e)).collect();
         let mut input = None;
+        if let [j] = acting[..] {
+            let m = self.input_by(&effects, &[j], recorded, p, |e, m, p| e.input_tangent(t, m, p));
+            derivatives[j] = m.iter().map(|row| row.map(|v: Tangent| v.partial[0])).collect();
+            return (m.iter().map(|row| row.map(|v| v.value)).collect(), derivatives);
+        }
         for seen in acting.chunks(DIFFERENTIATED) {
-            let m = self.input_by(&effects, seen, t, recorded, p);
+            let m = self.input_by(&effects, seen, recorded, p, |e, m, p| e.input_own(t, m, p));
             for (slot, &j) in seen.iter().enumerate() {
-                derivatives[j] = m.iter().map(|row| row.map(|v| v.partial[slot])).collect();
+                derivatives[j] = m.iter().map(|row| row.map(|v: Own| v.partial[slot])).collect();
             }
             input.get_or_insert_with(|| m.iter().map(|row| row.map(|v| v.value)).collect());
         }
         (input.unwrap_or_else(|| recorded.to_vec()), derivatives)
     }
 
-    /// The acting input with its derivatives by the parameters `seen`.
-    fn input_by(
+    /// The acting input with its derivatives by the parameters `seen`, effect by effect as `act` says.
+    fn input_by<const N: usize>(
         &self,
         effects: &[usize],
         seen: &[usize],
-        t: &[f64],
         recorded: &[[f64; 2]],
         p: &[f64],
-    ) -> Vec<[Own; 2]> {
+        act: impl Fn(&dyn Effect, &[[Dual<N>; 2]], &[Dual<N>]) -> Option<Vec<[Dual<N>; 2]>>,
+    ) -> Vec<[Dual<N>; 2]> {
         let parameter = |j: usize| match seen.iter().position(|&k| k == j) {
-            Some(slot) => Own::variable(p[j], slot),
-            None => Own::constant(p[j]),
+            Some(slot) => Dual::variable(p[j], slot),
+            None => Dual::constant(p[j]),
         };
-        let constant = recorded.iter().map(|row| row.map(Own::constant)).collect();
-        effects.iter().fold(constant, |m: Vec<[Own; 2]>, &e| {
-            let own: Vec<Own> = self.slots(e).map(parameter).collect();
-            self.effects()[e].input_own(t, &m, &own).unwrap_or(m)
+        let constant = recorded.iter().map(|row| row.map(Dual::constant)).collect();
+        effects.iter().fold(constant, |m: Vec<[Dual<N>; 2]>, &e| {
+            let own: Vec<Dual<N>> = self.slots(e).map(parameter).collect();
+            act(&*self.effects()[e], &m, &own).unwrap_or(m)
         })
+    }
+}
+
+/// An instant with its derivatives by the motion.
+fn jet<'a>(x: &Motion<'a, f64>) -> Motion<'a, Jet> {
+    Motion {
+        t: Dual::constant(x.t),
+        alpha: [Dual::variable(x.alpha[0], 0), Dual::variable(x.alpha[1], 1)],
+        omega: [Dual::variable(x.omega[0], 2), Dual::variable(x.omega[1], 3)],
+        variance: x.variance,
+        robot: x.robot,
     }
 }
 
@@ -223,10 +302,7 @@ fn slope(
         out = [out[0] + terms.torque[0].partial[k], out[1] + terms.torque[1].partial[k]];
     }
     if variations.level != Variation::Absent {
-        for (j, d) in DIRECTIONS.iter().enumerate() {
-            let friction = s[j] * terms.level[j].partial[k];
-            out = [out[0] + d[0] * friction, out[1] + d[1] * friction];
-        }
+        out = with_friction(out, &terms.level.map(|level| level.partial[k]), s);
     }
     out
 }

@@ -36,7 +36,7 @@ const SPEEDS: std::ops::Range<usize> = 3..5;
 const PLACE: [f64; MOTION] = [0.7, 0.3, -0.4, 1.1, -0.6];
 
 impl Variations {
-    pub(super) fn of(effect: &dyn Effect, robot: &Robot) -> Self {
+    pub(crate) fn of(effect: &dyn Effect, robot: &Robot) -> Self {
         let typical = effect.parameters().iter().map(|spec| spec.typical).collect::<Vec<f64>>();
         let formula = record(&[&PLACE, &typical[..]].concat(), |inputs| {
             let (x, p) = inputs.split_at(MOTION);
@@ -71,6 +71,12 @@ impl Variations {
     #[must_use]
     pub fn is_quadratic(&self) -> bool {
         self.torque == Variation::Quadratic && self.mass.max(self.level) <= Variation::Constant
+    }
+
+    /// Whether nothing but torques is there.
+    #[must_use]
+    pub fn is_torque_alone(&self) -> bool {
+        self.mass.max(self.level) == Variation::Absent
     }
 
     fn most(&self) -> Variation {

@@ -6,6 +6,7 @@ use std::convert::Infallible;
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
+use super::forces::CLEARLY;
 use super::input_line::InputLine;
 use super::stepper::{SPEED_LIMIT, Stepper, pieces_between};
 use super::{Hold, Input, SimulateError, simulate};
@@ -17,10 +18,6 @@ use crate::robot::{BaseParameters, State};
 /// Simulations that go on together: two of the widest registers, since a step of one waits for itself most of
 /// the time.
 const TOGETHER: usize = 16;
-/// A wheel counts as held only if what holds it is below its level by this share; what is closer
-/// to breaking away is decided by the scalar rule.
-const CLEARLY: f64 = 1.0 - 1e-9;
-
 /// ISE of free simulations with many parameter vectors over one input.
 ///
 /// ```text

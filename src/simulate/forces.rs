@@ -1,11 +1,14 @@
 //! What acts on the wheels of a model with given parameters, and the rates that follow from it.
 
+use std::convert::Infallible;
+
 use super::friction::{Contact, contact};
 use super::input_line::InputLine;
-use super::speed_polynomial::SpeedPolynomial;
 use crate::effects::{BodyState, DIRECTIONS, Effect, Motion, Terms};
-use crate::math::runge_kutta_from;
-use crate::model::{Model, ModelError, Variation, Variations, inverse_mass, solve_mass, times};
+use crate::math::{runge_kutta_from, runge_kutta_motion};
+use crate::model::{
+    Model, ModelError, SpeedPolynomial, Variation, Variations, inverse_mass, solve_mass, times,
+};
 
 /// alpha1, alpha2, omega1, omega2, and behind a coupling: body speeds u1, u2, twists phi1, phi2.
 pub(super) type Vector = [f64; 8];
@@ -66,6 +69,9 @@ impl<'m> Sum<'m> {
         terms
     }
 }
+
+/// A wheel counts as held without a closer look if what holds it is below its level by this share.
+pub(super) const CLEARLY: f64 = 1.0 - 1e-9;
 
 /// A model with parameter values, ready to be integrated.
 pub(super) struct Forces<'m> {
@@ -202,6 +208,32 @@ impl<'m> Forces<'m> {
         b
     }
 
+    /// Whether the wheels that stick in the contact state of `from` clearly still do at `y`, of which no direction has
+    /// reversed. What is close to breaking away, and what needs more than a look, is for [`Forces::contact`].
+    #[inline]
+    pub(super) fn clearly_held(
+        &self,
+        t: f64,
+        y: &Vector,
+        input: &InputLine,
+        from: &Departure,
+    ) -> bool {
+        let ([f1, f2, turning, forward], stuck) = (self.level, from.contact.stuck);
+        if self.rough || self.inverse.is_none() || turning > 0.0 || forward > 0.0 {
+            return false;
+        }
+        let b = self.remaining(&self.motion(t, y), input.at(t), &from.resisting);
+        let [m11, m12, m22] = self.wheel.constant.mass;
+        let holds = |need: f64, level: f64| need.abs() < level * CLEARLY;
+        match [stuck[0], stuck[1]] {
+            [true, true] => holds(b[0], f1) && holds(b[1], f2),
+            // what the other wheel passes on by its acceleration
+            [true, false] => y[3] != 0.0 && holds(b[0] - m12 * b[1] / m22, f1),
+            [false, true] => y[2] != 0.0 && holds(b[1] - m12 * b[0] / m11, f2),
+            [false, false] => false,
+        }
+    }
+
     pub(super) fn contact(
         &self,
         t: f64,
@@ -282,30 +314,41 @@ impl<'m> Forces<'m> {
         input: &InputLine,
     ) -> Result<Vector, ModelError> {
         let (t, [a1, a2, w1, w2, ..]) = (from.t, from.y);
-        let first = [w1, w2, from.rate[2], from.rate[3]];
-        let [a1, a2, w1, w2] = runge_kutta_from(&[a1, a2, w1, w2], &first, to - t, |c, y| {
+        let (alpha, omega, first) = ([a1, a2], [w1, w2], [from.rate[2], from.rate[3]]);
+        let robot = self.model.robot();
+        let at = |c: f64, alpha: &[f64; 2], omega: &[f64; 2]| {
             let t = instant(t, to, c);
-            let (alpha, omega) = ([y[0], y[1]], [y[2], y[3]]);
-            let robot = self.model.robot();
-            let x = Motion { t: t - self.t0, alpha, omega, variance: [0.0; 4], robot };
-            let [d1, d2] = self.rigid(&x, input.at(t), from)?;
-            Ok([y[2], y[3], d1, d2])
-        })?;
+            let (alpha, omega) = (*alpha, *omega);
+            (Motion { t: t - self.t0, alpha, omega, variance: [0.0; 4], robot }, input.at(t))
+        };
+        let h = to - t;
+        let ([a1, a2], [w1, w2]) = match self.freed(from) {
+            // masses and levels are the same throughout
+            Some(mobility) => {
+                let Ok(end) = runge_kutta_motion(&alpha, &omega, &first, h, |c, alpha, omega| {
+                    let (x, torque) = at(c, alpha, omega);
+                    let left = self.remaining(&x, torque, &from.resisting);
+                    Ok::<_, Infallible>(times(&mobility, &left))
+                });
+                end
+            }
+            None => runge_kutta_motion(&alpha, &omega, &first, h, |c, alpha, omega| {
+                let (x, torque) = at(c, alpha, omega);
+                self.constrained(&self.wheel.at(&x), &torque, from)
+            })?,
+        };
         Ok([a1, a2, w1, w2, w1, w2, 0.0, 0.0])
     }
 
-    /// Acceleration in the contact state of `from` without a two-mass drivetrain.
+    /// The accelerations by torques of one in the contact state of `from`, where neither masses nor levels vary.
     #[inline]
-    fn rigid(
-        &self,
-        x: &Motion<f64>,
-        torque: [f64; 2],
-        from: &Departure,
-    ) -> Result<[f64; 2], ModelError> {
-        let (false, None, Some(inverse)) = (self.rough, from.freedom, &self.inverse) else {
-            return self.constrained(&self.wheel.at(x), &torque, from);
-        };
-        Ok(times(inverse, &self.remaining(x, torque, &from.resisting)))
+    fn freed(&self, from: &Departure) -> Option<[f64; 3]> {
+        let inverse = self.inverse.filter(|_| !self.rough)?;
+        let Some(n) = from.freedom else { return Some(inverse) };
+        let [m11, m12, m22] = self.wheel.constant.mass;
+        let inertia = m11 * n[0] * n[0] + 2.0 * m12 * n[0] * n[1] + m22 * n[1] * n[1];
+        let share = if inertia > 0.0 { 1.0 / inertia } else { 0.0 };
+        Some([n[0] * n[0] * share, n[0] * n[1] * share, n[1] * n[1] * share])
     }
 }
 

@@ -2,23 +2,22 @@
 //! changes and torques that are polynomials of the speeds, the derivatives of the accelerations by the
 //! parameters are sums of a few quantities with constant factors.
 
-use wide::f64x4;
+use pulp::Simd;
 
 use super::forces::Forces;
-use super::speed_polynomial::SpeedPolynomial;
 use crate::effects::{DIFFERENTIATED, DIRECTIONS, Jet, Motion};
-use crate::math::Dual;
-use crate::model::times;
+use crate::math::{Dual, Lanes};
+use crate::model::{SpeedPolynomial, times};
 
 /// Quantities beside the constant: w1, w2, w1 (w1 - w2), w2 (w1 - w2), w1 w2, and the two accelerations.
 const QUANTITIES: usize = 7;
 /// Partial derivatives of a [`Jet`] before those of an effect's own parameters.
 const STATES: usize = 4;
 
-/// Columns that are carried together in the lanes of the processor.
-pub(crate) const LANES: usize = 4;
-/// The derivatives of both accelerations by four parameters.
-pub(super) type Pair = [f64x4; 2];
+/// Columns that stand together: the numbers of the widest register.
+pub(crate) const LANES: usize = 8;
+/// The derivatives of both accelerations by as many parameters.
+pub(super) type Pair = [[f64; LANES]; 2];
 
 /// The compiled derivatives.
 pub(super) struct Forcing {
@@ -27,7 +26,7 @@ pub(super) struct Forcing {
     sign: [f64; 4],
 }
 
-/// Those of four parameters.
+/// Those of [`LANES`] parameters.
 #[derive(Clone, Default)]
 struct Group {
     constant: Pair,
@@ -36,6 +35,9 @@ struct Group {
     /// Factors of the quantities that have any.
     factors: Vec<(usize, Pair)>,
 }
+
+/// The quantities of one instant.
+pub(super) type Quantities = [f64; QUANTITIES];
 
 /// What acts at one instant: speeds, their products, accelerations.
 pub(super) fn quantities([w1, w2]: [f64; 2], a: [f64; 2]) -> [f64; QUANTITIES] {
@@ -97,24 +99,35 @@ impl Forcing {
         for group in &mut self.groups {
             group.constant = group.without_friction;
             for (friction, sign) in group.by_sign.iter().zip(sign) {
-                for i in 0..2 {
-                    group.constant[i] += friction[i] * *sign;
+                for (constant, friction) in group.constant.iter_mut().zip(friction) {
+                    constant.iter_mut().zip(friction).for_each(|(c, f)| *c += f * sign);
                 }
             }
         }
     }
 
-    /// Writes the derivatives by all parameters.
-    #[inline]
-    pub(super) fn write(&self, quantities: &[f64; QUANTITIES], out: &mut [Pair]) {
-        for (group, out) in self.groups.iter().zip(out) {
-            let [mut first, mut second] = group.constant;
-            for (n, factor) in &group.factors {
-                let quantity = f64x4::splat(quantities[*n % QUANTITIES]);
-                first += factor[0] * quantity;
-                second += factor[1] * quantity;
+    /// Writes the derivatives by the first `columns` parameters, and what fills their registers up.
+    #[inline(always)]
+    pub(super) fn write<S: Simd>(
+        &self,
+        simd: S,
+        quantities: &[f64; QUANTITIES],
+        columns: usize,
+        out: &mut [Pair],
+    ) {
+        for (g, (group, out)) in self.groups.iter().zip(out).enumerate() {
+            let asked = columns.saturating_sub(g * LANES).min(LANES);
+            for r in (0..asked).step_by(Lanes::<S>::COUNT) {
+                let mut first = Lanes::load(simd, &group.constant[0][r..]);
+                let mut second = Lanes::load(simd, &group.constant[1][r..]);
+                for (n, factor) in &group.factors {
+                    let quantity = quantities[*n % QUANTITIES];
+                    first = first + Lanes::load(simd, &factor[0][r..]) * quantity;
+                    second = second + Lanes::load(simd, &factor[1][r..]) * quantity;
+                }
+                first.store(&mut out[0][r..]);
+                second.store(&mut out[1][r..]);
             }
-            *out = [first, second];
         }
     }
 }
@@ -146,15 +159,25 @@ impl Group {
 
 fn subtract(pair: &mut Pair, lane: usize, taken: [f64; 2]) {
     for (value, taken) in pair.iter_mut().zip(taken) {
-        value.as_mut_array()[lane] -= taken;
+        value[lane] -= taken;
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::in_lanes;
     use crate::model::{Linearisation, Model};
     use crate::robot::Robot;
+
+    struct Write<'a>(&'a Forcing, [f64; QUANTITIES], usize, &'a mut [Pair]);
+    impl pulp::WithSimd for Write<'_> {
+        type Output = ();
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            self.0.write(simd, &self.1, self.2, self.3);
+        }
+    }
 
     #[test]
     fn compiled_derivatives_are_those_of_the_effects() {
@@ -172,8 +195,8 @@ mod tests {
         let (omega, a, sign) = ([1.3, -0.8], [2.0, -0.7], [1.0, -1.0, 1.0, 1.0]);
         let mut forcing = Forcing::new(&f).unwrap();
         forcing.turn(&sign);
-        let mut out = vec![[f64x4::ZERO; 2]; (p.len() + 4).div_ceil(LANES)];
-        forcing.write(&quantities(omega, a), &mut out);
+        let mut out = vec![Pair::default(); (p.len() + 4).div_ceil(LANES)];
+        in_lanes(Write(&forcing, quantities(omega, a), p.len(), &mut out));
         let x = f.motion(0.0, &[0.0, 0.0, omega[0], omega[1], omega[0], omega[1], 0.0, 0.0]);
         let mut linear = Linearisation::new(p.len());
         model.linearise(&x, &p, &a, &sign, &mut linear);
@@ -182,7 +205,7 @@ mod tests {
         for (j, torque) in linear.by_parameter.iter().enumerate() {
             let expected = times(&inverse, torque);
             for i in 0..2 {
-                close(out[j / LANES][i].as_array()[j % LANES], -expected[i]);
+                close(out[j / LANES][i][j % LANES], -expected[i]);
             }
         }
         let slope = f.by_speed.slope(omega);

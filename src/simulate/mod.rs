@@ -1,6 +1,7 @@
 //! Motion from a model: an integrator with exact stick and slip, and what is built on it.
 
 mod batch;
+mod carry;
 pub mod dynamics;
 mod emulator;
 mod event;
@@ -15,7 +16,6 @@ mod movement;
 mod recorder;
 mod sensitivity;
 mod simulation;
-mod speed_polynomial;
 mod stepper;
 mod takagi_sugeno;
 mod variation;
@@ -31,7 +31,7 @@ pub(crate) use input::every_other;
 pub use input::{BETWEEN_ROWS, Hold, Input, RunIn, SimulateError, Structure};
 pub use movement::{Movement, Reference, Segment};
 pub use recorder::{NoiseLevel, Recorder, record, record_disturbed};
-pub(crate) use sensitivity::{ActingInput, follow, follow_part};
+pub(crate) use sensitivity::{ActingInput, Asked, follow, follow_part};
 pub use sensitivity::{Sensitivities, simulate_with_sensitivities};
 pub(crate) use simulation::simulate_windows;
 pub use simulation::{simulate, simulate_acting};

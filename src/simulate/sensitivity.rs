@@ -84,7 +84,16 @@ pub(crate) fn follow(
     let (acting, derivatives) = model.input_derivatives(input.t, input.torque, p);
     let (t, hold) = (input.t, input.hold);
     let acting = ActingInput { t, acting: &acting, derivatives: &derivatives, hold };
-    follow_part(model, p, &acting, 0..t.len(), start, visit)
+    follow_part(model, p, &acting, (0..t.len(), start), Asked::All, visit)
+}
+
+/// Columns that [`follow_part`] is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Asked {
+    /// Those of the parameters and of the initial state.
+    All,
+    /// Those of the parameters; what stands in the others is of no use.
+    Parameters,
 }
 
 /// The input of a whole recording as the effects of a model change it.
@@ -100,7 +109,7 @@ pub(crate) struct ActingInput<'a> {
     pub(crate) hold: Hold,
 }
 
-/// [`follow`] over the rows of `range` alone, from `start` at the first; rows are counted from it. The model
+/// [`follow`] over a range of rows alone, from a state at the first; rows are counted from it. The model
 /// must be without a second body.
 ///
 /// # Errors
@@ -109,12 +118,16 @@ pub(crate) fn follow_part(
     model: &Model,
     p: &[f64],
     input: &ActingInput,
-    range: std::ops::Range<usize>,
-    start: State,
+    (range, start): (std::ops::Range<usize>, State),
+    asked: Asked,
     visit: Visit,
 ) -> Result<(), SimulateError> {
     let mut stepper = Stepper::new(model, p, input.t[0], start);
-    let mut variation = Variation::new(stepper.forces());
+    let variation = Variation::new(stepper.forces());
+    let mut variation = match asked {
+        Asked::All => variation,
+        Asked::Parameters => variation.without_start(),
+    };
     let mut values = Vec::with_capacity(4 * LANES * variation.groups.len());
     variation.write(&mut values);
     visit(0, &start, &values);
@@ -124,8 +137,7 @@ pub(crate) fn follow_part(
             Hold::Constant => k - 1,
         };
         let by_input = input.derivatives.iter().enumerate().filter(|(_, d)| !d.is_empty());
-        variation.input.clear();
-        variation.input.extend(by_input.map(|(j, d)| (j, [d[k - 1], d[last]])));
+        variation.next_input(by_input.map(|(j, d)| (j, [d[k - 1], d[last]])));
         let (from, to) = (input.t[k - 1], input.t[k]);
         stepper.advance(from, to, &input.acting[k - 1], &input.acting[last], &mut variation)?;
         variation.write(&mut values);

@@ -161,6 +161,9 @@ impl<'m> Stepper<'m> {
         if backward > 0.0 || start.freedom.is_none() {
             return Ok(backward);
         }
+        if self.forces.clearly_held(t, y, input, start) {
+            return Ok(0.0);
+        }
         let now = self.forces.contact(t, y, input)?;
         if now.stuck == c.stuck {
             return Ok(0.0);

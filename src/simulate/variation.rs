@@ -1,30 +1,14 @@
 //! The variational equation along a simulated motion, all columns together.
 
-use std::convert::Infallible;
-
-use wide::f64x4;
-
+use super::carry::{Carry, Group, InputSlope, Node, Slide, Turn};
 use super::forces::{Departure, Forces, Vector};
 use super::forcing::{Forcing, LANES, Pair, quantities};
 use super::friction::Contact;
 use super::input_line::InputLine;
 use super::stepper::StepObserver;
 use crate::effects::{DIRECTIONS, along};
-use crate::math::{runge_kutta_motion, runge_kutta_step};
+use crate::math::in_lanes;
 use crate::model::{Linearisation, times};
-
-/// Derivatives of (alpha1, alpha2, omega1, omega2) by four columns.
-type Group = [f64x4; 4];
-
-/// The variational equation at one instant, solved for the accelerations:
-/// `dω' = by_state · (dα, dω) + forcing`.
-#[derive(Clone)]
-struct Node {
-    /// Acceleration and friction signs for which it was solved.
-    place: ([f64; 2], [f64; 4]),
-    by_state: [[f64; 4]; 2],
-    forcing: Vec<Pair>,
-}
 
 /// The sensitivities on their way. Their columns are the parameters, the initial speeds and the
 /// initial angles: where nothing depends on the angles, those of the angles stay as they are.
@@ -34,7 +18,12 @@ pub(super) struct Variation {
     /// Where the derivatives by the parameters could be compiled.
     forcing: Option<Forcing>,
     /// Derivative of the input by each parameter at both ends of the sample, where there is one.
-    pub(super) input: Vec<(usize, [[f64; 2]; 2])>,
+    input: Vec<InputSlope>,
+    /// Whether they go on from where the last node was solved.
+    joined: bool,
+    /// Columns that are carried where nothing depends on the angles, and where something does: the others stay.
+    moving: usize,
+    turning: usize,
     /// At the start, in the middle and at the end of a step.
     nodes: [Node; 3],
     middle: Linearisation,
@@ -50,13 +39,16 @@ impl Variation {
         let node = Node {
             place: ([f64::NAN; 2], [0.0; 4]),
             by_state: [[0.0; 4]; 2],
-            forcing: vec![[f64x4::ZERO; 2]; count],
+            forcing: vec![Pair::default(); count],
         };
         let mut variation = Self {
-            groups: vec![[f64x4::ZERO; 4]; count],
+            groups: vec![Group::default(); count],
             parameters,
             forcing: Forcing::new(f),
             input: vec![],
+            joined: false,
+            moving: parameters + 2,
+            turning: parameters + 4,
             nodes: std::array::from_fn(|_| node.clone()),
             middle: Linearisation::new(parameters),
             end: Linearisation::new(parameters),
@@ -70,7 +62,7 @@ impl Variation {
     fn identity(&mut self) {
         for i in 0..4 {
             let column = self.place(self.parameters + i);
-            self.groups[column / LANES][i].as_mut_array()[column % LANES] = 1.0;
+            self.groups[column / LANES][i][column % LANES] = 1.0;
         }
     }
 
@@ -84,29 +76,63 @@ impl Variation {
     }
 
     /// Derivatives count from here on; `acting` are those of the input at both ends of the sample.
-    pub(super) fn restart(&mut self, acting: &[(usize, [[f64; 2]; 2])]) {
-        self.groups.iter_mut().for_each(|group| *group = [f64x4::ZERO; 4]);
+    pub(super) fn restart(&mut self, acting: &[InputSlope]) {
+        self.groups.fill(Group::default());
         self.identity();
         self.input.clear();
         self.input.extend_from_slice(acting);
+        self.joined = false;
     }
 
-    /// Derivative of state `i` by a column.
+    /// Derivatives of the four states by a column.
     #[inline]
-    pub(super) fn at(&self, i: usize, column: usize) -> f64 {
+    pub(super) fn by(&self, column: usize) -> [f64; 4] {
         let column = self.place(column);
-        self.groups[column / LANES][i].as_array()[column % LANES]
+        let group = &self.groups[column / LANES];
+        [0, 1, 2, 3].map(|i| group[i][column % LANES])
+    }
+
+    /// Leaves the columns of the initial state, which nobody asks for, where they are.
+    pub(super) fn without_start(mut self) -> Self {
+        (self.moving, self.turning) = (self.parameters, self.parameters);
+        self
+    }
+
+    /// Takes over the derivatives of the input for the next sample. Where they go on from those of the last one, what
+    /// was solved at its end holds at the start of this one.
+    #[inline]
+    pub(super) fn next_input(&mut self, next: impl Iterator<Item = InputSlope>) {
+        let mut count = 0;
+        let mut joined = true;
+        for (n, (j, ends)) in next.enumerate() {
+            match self.input.get_mut(n) {
+                Some(before) => {
+                    joined &= before.0 == j && before.1[1] == ends[0];
+                    *before = (j, ends);
+                }
+                None => {
+                    joined = false;
+                    self.input.push((j, ends));
+                }
+            }
+            count = n + 1;
+        }
+        joined &= count == self.input.len();
+        self.input.truncate(count);
+        self.joined = joined;
     }
 
     /// Writes all columns, one state after the other.
     pub(super) fn write(&self, values: &mut Vec<f64>) {
-        let stride = LANES * self.groups.len();
+        let (stride, first) = (LANES * self.groups.len(), self.parameters);
         values.resize(4 * stride, 0.0);
         for (i, row) in values.chunks_exact_mut(stride).enumerate() {
             for (group, lanes) in self.groups.iter().zip(row.chunks_exact_mut(LANES)) {
-                lanes.copy_from_slice(group[i].as_array());
+                lanes.copy_from_slice(&group[i]);
             }
-            row[self.parameters..self.parameters + 4].rotate_left(2);
+            // the angles before the speeds
+            row.swap(first, first + 2);
+            row.swap(first + 1, first + 3);
         }
     }
 
@@ -134,8 +160,7 @@ impl Variation {
         let mut set = |j: usize, torque: [f64; 2]| {
             let [first, second] = &mut node.forcing[j / LANES];
             let column = solved(torque);
-            first.as_mut_array()[j % LANES] = column[0];
-            second.as_mut_array()[j % LANES] = column[1];
+            (first[j % LANES], second[j % LANES]) = (column[0], column[1]);
         };
         for (j, torque) in linear.by_parameter.iter().enumerate() {
             set(j, *torque);
@@ -147,136 +172,72 @@ impl Variation {
         }
     }
 
-    /// The same where the derivatives by the parameters are compiled: all wheels slide.
-    #[inline]
-    fn solve_compiled(
-        &mut self,
-        f: &Forces,
-        node: usize,
-        (t, omega, a): Instant,
-        input: &InputLine,
-    ) {
-        let Some(forcing) = &self.forcing else { return };
-        let node = &mut self.nodes[node];
-        forcing.write(&quantities(omega, a), &mut node.forcing);
-        let [first, second] = f.by_speed.slope(omega);
-        node.by_state = [[0.0, 0.0, first[0], first[1]], [0.0, 0.0, second[0], second[1]]];
-        let (share, inverse) = (input.share(t), f.inverse.unwrap_or([0.0; 3]));
-        for (j, [start, end]) in &self.input {
-            let torque = [0, 1].map(|i| start[i] + share * (end[i] - start[i]));
-            for (lanes, a) in node.forcing[j / LANES].iter_mut().zip(times(&inverse, &torque)) {
-                lanes.as_mut_array()[j % LANES] += a;
-            }
-        }
-    }
-
     /// A step of wheels that slide, with compiled derivatives.
     #[inline]
     fn slide(&mut self, f: &Forces, from: &Departure, to: f64, end: &Vector, input: &InputLine) {
-        let place = |a: [f64; 2]| (a, from.contact.sign);
-        if let Some(forcing) = &mut self.forcing {
-            forcing.turn(&from.contact.sign);
-        }
+        let Self { forcing: Some(forcing), nodes, .. } = self else { return };
+        let sign = from.contact.sign;
+        forcing.turn(&sign);
         let goes_on = self.at_end == Some((from.t, from.y));
-        if goes_on && self.input.is_empty() && self.nodes[2].holds(from) {
-            self.nodes.swap(0, 2);
-        } else {
-            let (omega, a) = ([from.y[2], from.y[3]], [from.rate[2], from.rate[3]]);
-            self.solve_compiled(f, 0, (from.t, omega, a), input);
+        let known = goes_on && (self.joined || self.input.is_empty()) && nodes[2].holds(from);
+        if known {
+            nodes.swap(0, 2);
         }
-        let (h, t) = (to - from.t, 0.5 * (from.t + to));
-        let (omega, resisting) = ([end[2], end[3]], &from.resisting);
-        let a = f.acceleration_at(omega, input.at(to), resisting);
-        self.solve_compiled(f, 2, (to, omega, a), input);
-        self.nodes[2].place = place(a);
-        self.at_end = Some((to, *end));
-        let y = middle(h, (&from.y, &from.rate), (end, &a));
+        let (h, t, resisting) = (to - from.t, 0.5 * (from.t + to), &from.resisting);
+        let at_start = ([from.y[2], from.y[3]], [from.rate[2], from.rate[3]]);
+        let omega = [end[2], end[3]];
+        let at_end = (omega, f.acceleration_at(omega, input.at(to), resisting));
+        let y = middle(h, (&from.y, &from.rate), (end, &at_end.1));
         let omega = [y[2], y[3]];
-        let a = f.acceleration_at(omega, input.at(t), resisting);
-        self.solve_compiled(f, 1, (t, omega, a), input);
-        self.step_of_speeds(h);
+        let in_middle = (omega, f.acceleration_at(omega, input.at(t), resisting));
+        let mut solved = [None; 3];
+        for (n, (omega, a)) in [at_start, in_middle, at_end].into_iter().enumerate() {
+            if n == 0 && known {
+                continue;
+            }
+            let [first, second] = f.by_speed.slope(omega);
+            nodes[n].by_state = [[0.0, 0.0, first[0], first[1]], [0.0, 0.0, second[0], second[1]]];
+            let share = input.share([from.t, t, to][n]);
+            solved[n] = Some((quantities(omega, a), share));
+        }
+        nodes[2].place = (at_end.1, sign);
+        (self.at_end, self.joined) = (Some((to, *end)), true);
+        in_lanes(Slide {
+            forcing: &*forcing,
+            solved: &solved,
+            input: (&self.input, f.inverse.unwrap_or([0.0; 3])),
+            carry: Carry { nodes, groups: &mut self.groups, h, columns: self.moving },
+        });
     }
 
     /// Runge-Kutta 4 over a step of `h` with the nodes.
     fn step(&mut self, h: f64) {
-        let angles = |node: &Node| node.by_state.iter().any(|row| row[0] != 0.0 || row[1] != 0.0);
-        if !self.nodes.iter().any(angles) {
-            return self.step_of_speeds(h);
-        }
-        let [start, middle, end] = &self.nodes;
-        for (n, group) in self.groups.iter_mut().enumerate() {
-            let Ok(after) = runge_kutta_step(group, h, |c, x| {
-                let node = if c == 0.0 {
-                    start
-                } else if c < 1.0 {
-                    middle
-                } else {
-                    end
-                };
-                let row = |i: usize| {
-                    let by = node.by_state[i];
-                    let by_angles = x[0] * by[0] + x[1] * by[1];
-                    node.forcing[n][i] + x[2] * by[2] + x[3] * by[3] + by_angles
-                };
-                Ok::<_, Infallible>([x[2], x[3], row(0), row(1)])
-            });
-            *group = after;
+        let by_angles =
+            |node: &Node| node.by_state.iter().any(|row| row[0] != 0.0 || row[1] != 0.0);
+        let turning = self.nodes.iter().any(by_angles);
+        let (nodes, groups) = (&mut self.nodes, &mut self.groups);
+        if turning {
+            in_lanes(Turn(Carry { nodes, groups, h, columns: self.turning }));
+        } else {
+            in_lanes(Carry { nodes, groups, h, columns: self.moving });
         }
     }
 
     /// A step without acceleration.
     fn rest(&mut self, h: f64) {
         for [a1, a2, w1, w2] in &mut self.groups {
-            (*a1, *a2) = (*a1 + *w1 * h, *a2 + *w2 * h);
-        }
-    }
-
-    /// The same where nothing depends on the angles, which follow from the speeds.
-    #[inline]
-    fn step_of_speeds(&mut self, h: f64) {
-        let [start, middle, end] = &self.nodes;
-        let moving = (self.parameters + 2).div_ceil(LANES);
-        for (n, [a1, a2, w1, w2]) in self.groups.iter_mut().enumerate().take(moving) {
-            let rate = |node: &Node, w: Pair| {
-                let row = |i: usize| {
-                    let [_, _, by_first, by_second] = node.by_state[i];
-                    node.forcing[n][i] + w[0] * by_first + w[1] * by_second
-                };
-                [row(0), row(1)]
-            };
-            let (angles, speeds) = ([*a1, *a2], [*w1, *w2]);
-            let Ok((angles, speeds)) =
-                runge_kutta_motion(&angles, &speeds, &rate(start, speeds), h, |c, _, w| {
-                    Ok::<_, Infallible>(rate(if c < 1.0 { middle } else { end }, *w))
-                });
-            ([*a1, *a2], [*w1, *w2]) = (angles, speeds);
+            for n in 0..LANES {
+                (a1[n], a2[n]) = (a1[n] + w1[n] * h, a2[n] + w2[n] * h);
+            }
         }
     }
 }
-
-/// An instant of sliding wheels: time, speeds, accelerations.
-type Instant = (f64, [f64; 2], [f64; 2]);
 
 /// The state in the middle of a step from its ends and the rates there, by Hermite's cubic.
 fn middle(h: f64, (y, rate): (&Vector, &Vector), (end, a): (&Vector, &[f64; 2])) -> Vector {
     let at = |i: usize, end_rate: f64| 0.5 * (y[i] + end[i]) + 0.125 * h * (rate[i] - end_rate);
     let (alpha, omega) = ([at(0, end[2]), at(1, end[3])], [at(2, a[0]), at(3, a[1])]);
     [alpha[0], alpha[1], omega[0], omega[1], omega[0], omega[1], 0.0, 0.0]
-}
-
-/// Accelerations that differ by less than this share differ by rounding.
-const ROUNDING: f64 = 1e-9;
-
-impl Node {
-    /// Whether it holds at the start of a step that begins where it was solved.
-    fn holds(&self, from: &Departure) -> bool {
-        let (a, sign) = self.place;
-        let close = |i: usize| {
-            let now = from.rate[2 + i];
-            (now - a[i]).abs() <= ROUNDING * (1.0 + now.abs())
-        };
-        sign == from.contact.sign && close(0) && close(1)
-    }
 }
 
 impl StepObserver for Variation {
@@ -288,7 +249,8 @@ impl StepObserver for Variation {
             return self.rest(to - from.t);
         }
         let goes_on = self.forcing.is_none() && self.at_end == Some((from.t, from.y));
-        if goes_on && from.freedom.is_none() && self.input.is_empty() && self.nodes[2].holds(from) {
+        let same_input = self.joined || self.input.is_empty();
+        if goes_on && from.freedom.is_none() && same_input && self.nodes[2].holds(from) {
             self.nodes.swap(0, 2);
         } else {
             if !goes_on {
@@ -304,6 +266,7 @@ impl StepObserver for Variation {
         self.at_end = Some((to, *end));
         let a = acceleration(to, &self.end);
         self.solve(f, 2, (to, a), from, input);
+        self.joined = true;
         let (h, t) = (to - from.t, 0.5 * (from.t + to));
         let y = middle(h, (&from.y, &from.rate), (end, &a));
         f.model.evaluate(&f.motion(t, &y), f.p, &mut self.middle);
@@ -318,17 +281,19 @@ impl StepObserver for Variation {
         let second = if arrived[..2] == [true; 2] { 1 } else { first };
         let freedom = after.freedom();
         for [_, _, w1, w2] in &mut self.groups {
-            let time = [first, second].map(|j| {
-                let ([d1, d2], rate) = (DIRECTIONS[j], along(j, before));
-                let delay = if rate == 0.0 { 0.0 } else { -1.0 / rate };
-                (*w1 * d1 + *w2 * d2) * delay
-            });
-            *w1 += time[0] * (before[0] - after.acceleration[0]);
-            *w2 += time[1] * (before[1] - after.acceleration[1]);
-            if let Some(n) = freedom {
-                let square = (n[0] * n[0] + n[1] * n[1]).max(f64::MIN_POSITIVE);
-                let q = (*w1 * n[0] + *w2 * n[1]) * (1.0 / square);
-                (*w1, *w2) = (q * n[0], q * n[1]);
+            for (w1, w2) in w1.iter_mut().zip(w2) {
+                let time = [first, second].map(|j| {
+                    let ([d1, d2], rate) = (DIRECTIONS[j], along(j, before));
+                    let delay = if rate == 0.0 { 0.0 } else { -1.0 / rate };
+                    (*w1 * d1 + *w2 * d2) * delay
+                });
+                *w1 += time[0] * (before[0] - after.acceleration[0]);
+                *w2 += time[1] * (before[1] - after.acceleration[1]);
+                if let Some(n) = freedom {
+                    let square = (n[0] * n[0] + n[1] * n[1]).max(f64::MIN_POSITIVE);
+                    let q = (*w1 * n[0] + *w2 * n[1]) * (1.0 / square);
+                    (*w1, *w2) = (q * n[0], q * n[1]);
+                }
             }
         }
     }

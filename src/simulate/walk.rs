@@ -50,16 +50,16 @@ impl<'m> Walk<'m> {
         self.stepper.forces().inverse
     }
 
-    /// Derivative of state `i` (alpha1, alpha2, omega1, omega2) after the sample by parameter `j`.
+    /// Derivatives of (alpha1, alpha2, omega1, omega2) after the sample by parameter `j`.
     #[inline]
-    pub(crate) fn by_parameter(&self, i: usize, j: usize) -> f64 {
-        self.variation.at(i, j)
+    pub(crate) fn by_parameter(&self, j: usize) -> [f64; 4] {
+        self.variation.by(j)
     }
 
     /// The same by state `k` at the start of the sample.
     #[inline]
-    pub(crate) fn by_state(&self, i: usize, k: usize) -> f64 {
-        self.variation.at(i, self.parameters + k)
+    pub(crate) fn by_state(&self, k: usize) -> [f64; 4] {
+        self.variation.by(self.parameters + k)
     }
 }
 
@@ -90,8 +90,8 @@ mod tests {
             for (j, column) in psi.iter_mut().enumerate() {
                 let old = *column;
                 *column = std::array::from_fn(|i| {
-                    let carried: f64 = (0..4).map(|n| walk.by_state(i, n) * old[n]).sum();
-                    carried + walk.by_parameter(i, j)
+                    let carried: f64 = (0..4).map(|n| walk.by_state(n)[i] * old[n]).sum();
+                    carried + walk.by_parameter(j)[i]
                 });
             }
             for i in 0..2 {

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::math::descent::Quadratic;
+use crate::math::{FILLED, add_products};
 
 /// Variance of a start that is known exactly.
 pub(super) const TINY: f64 = 1e-300;
@@ -40,73 +41,78 @@ pub(in crate::diagnose) fn quadratic_of(sums: &[Sums], columns: usize) -> Option
     cost.is_finite().then(|| Quadratic { cost, gradient: -score, hessian: information })
 }
 
-/// Sums over the rows of a window, with and without the constant that its start may be off by.
+/// Sums over the rows of a window, with and without the constant that its start may be off by: the rows of each wheel,
+/// which are multiplied at once.
 pub(super) struct Accumulator {
-    square: f64,
-    score: DVector<f64>,
-    /// Lower triangle, row by row.
-    information: Vec<f64>,
-    constant: [Constant; 2],
+    columns: usize,
+    width: usize,
+    wheels: [Gathered; 2],
 }
 
-struct Constant {
+/// The rows of a wheel.
+struct Gathered {
     lasts: bool,
+    /// Derivatives, error, and one while the constant lasts, filled up to `width` numbers.
+    rows: Vec<f64>,
+    /// Derivatives and error times the weight.
+    weighted: Vec<f64>,
+    /// Sum of the weights while the constant lasts.
     weights: f64,
-    error: f64,
-    psi: DVector<f64>,
 }
 
 impl Accumulator {
-    pub(super) fn new(columns: usize) -> Self {
-        let constant =
-            || Constant { lasts: true, weights: 0.0, error: 0.0, psi: DVector::zeros(columns) };
-        Self {
-            square: 0.0,
-            score: DVector::zeros(columns),
-            information: vec![0.0; columns * columns],
-            constant: [constant(), constant()],
-        }
+    /// For up to `rows` rows.
+    pub(super) fn new(columns: usize, rows: usize) -> Self {
+        let width = (columns + 2).next_multiple_of(FILLED);
+        let wheel = || Gathered {
+            lasts: true,
+            rows: Vec::with_capacity(rows * width),
+            weighted: Vec::with_capacity(rows * (columns + 1)),
+            weights: 0.0,
+        };
+        Self { columns, width, wheels: [wheel(), wheel()] }
     }
 
     pub(super) fn add(&mut self, wheel: usize, e: f64, psi: &[f64], weight: f64, still: bool) {
-        let constant = &mut self.constant[wheel];
-        constant.lasts &= !still;
+        let wheel = &mut self.wheels[wheel];
+        wheel.lasts &= !still;
         if weight == 0.0 {
             return;
         }
-        self.square += weight * e * e;
-        let n = psi.len();
-        for (a, row) in self.information.chunks_exact_mut(n.max(1)).enumerate() {
-            let weighted = weight * psi[a];
-            self.score[a] += weighted * e;
-            row[..=a].iter_mut().zip(psi).for_each(|(sum, psi)| *sum += weighted * psi);
-        }
-        if constant.lasts {
-            constant.weights += weight;
-            constant.error += weight * e;
-            for a in 0..n {
-                constant.psi[a] += weight * psi[a];
-            }
+        let first = wheel.rows.len();
+        wheel.rows.resize(first + self.width, 0.0);
+        let row = &mut wheel.rows[first..];
+        row[..self.columns].copy_from_slice(psi);
+        row[self.columns] = e;
+        wheel.weighted.extend(row[..=self.columns].iter().map(|value| weight * value));
+        if wheel.lasts {
+            row[self.columns + 1] = 1.0;
+            wheel.weights += weight;
         }
     }
 
     /// Takes out what the start explains; `None` where a sum is not finite.
-    pub(super) fn finish(mut self, variance: &[f64; 2]) -> Option<Sums> {
-        let n = self.score.len();
-        let mut information = DMatrix::from_row_slice(n, n, &self.information);
-        for (c, v) in self.constant.iter().zip(variance) {
-            let total = c.weights + 1.0 / v.max(TINY);
-            self.square -= c.error * c.error / total;
-            for a in 0..n {
-                self.score[a] -= c.psi[a] * c.error / total;
-                for b in 0..=a {
-                    information[(a, b)] -= c.psi[a] * c.psi[b] / total;
-                }
+    pub(super) fn finish(self, variance: &[f64; 2]) -> Option<Sums> {
+        let Self { columns, width, wheels } = self;
+        let mut out = Sums::zero(columns);
+        let mut products = vec![0.0; (columns + 1) * width];
+        for (wheel, v) in wheels.iter().zip(variance) {
+            products.fill(0.0);
+            let rows = (&wheel.rows[..], width);
+            add_products((&wheel.weighted, columns + 1), rows, &mut products);
+            let total = wheel.weights + 1.0 / v.max(TINY);
+            let row = |a: usize| &products[a * width..][..width];
+            // what the constant of the window explains
+            let constant = |a: usize| row(a)[columns + 1];
+            let left = |a: usize, b: usize| row(a)[b] - constant(a) * constant(b) / total;
+            out.square += left(columns, columns);
+            for a in 0..columns {
+                out.score[a] += left(a, columns);
+                (0..=a).for_each(|b| out.information[(a, b)] += left(a, b));
             }
         }
-        information.fill_upper_triangle_with_lower_triangle();
-        let Self { square, score, .. } = self;
-        let finite = square.is_finite() && information.iter().all(|v| v.is_finite());
-        finite.then_some(Sums { square, score, information })
+        out.information.fill_upper_triangle_with_lower_triangle();
+        let finite = out.square.is_finite() && out.information.iter().all(|v| v.is_finite());
+        finite.then_some(out)
     }
 }

@@ -6,7 +6,6 @@ use crate::identify::Task;
 use crate::identify::regressor::Regressor;
 use crate::identify::weak::{Window, motion_at};
 use crate::math::BandedCholesky;
-use crate::model::Linearisation;
 use crate::recording::Recording;
 
 /// Added to the covariance of the rows, as a share of its mean: overlapping test functions are nearly
@@ -126,7 +125,7 @@ pub(super) fn slopes(
     let width = regressor.width();
     let first = windows[0].samples.start;
     let last = windows.iter().map(|w| w.samples.end).max().unwrap_or(first);
-    let mut work = Linearisation::new(task.model.parameters().len());
+    let mut work = regressor.work();
     let instants: Vec<_> = (first..last)
         .map(|k| {
             let motion = motion_at(task, recording, k, recording.omega()[k]);

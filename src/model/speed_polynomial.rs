@@ -6,14 +6,14 @@
 /// What needs a difference of speeds is exactly zero where they are equal, and both wheels are summed
 /// alike: a robot that is driven straight stays straight, which an unstable one would not with rounding.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct SpeedPolynomial {
-    pub(super) factors: [[f64; 2]; 6],
+pub(crate) struct SpeedPolynomial {
+    pub(crate) factors: [[f64; 2]; 6],
 }
 
 impl SpeedPolynomial {
     /// The polynomials that have the values of `value` [of speeds, rad/s], which must be such polynomials
     /// themselves: six places determine them.
-    pub(super) fn through(value: impl Fn([f64; 2]) -> [f64; 2]) -> Self {
+    pub(crate) fn through(value: impl Fn([f64; 2]) -> [f64; 2]) -> Self {
         let places = [[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.0, 1.0]];
         let values = places.map(value);
         let mut factors = [[0.0; 2]; 6];
@@ -32,25 +32,25 @@ impl SpeedPolynomial {
         Self { factors }
     }
 
-    pub(super) fn add(&mut self, other: &Self) {
+    pub(crate) fn add(&mut self, other: &Self) {
         for (sum, factor) in self.factors.iter_mut().zip(&other.factors) {
             *sum = [sum[0] + factor[0], sum[1] + factor[1]];
         }
     }
 
     /// Takes the constant out.
-    pub(super) fn take_constant(&mut self) -> [f64; 2] {
+    pub(crate) fn take_constant(&mut self) -> [f64; 2] {
         std::mem::take(&mut self.factors[0])
     }
 
     /// The polynomials after a linear map.
-    pub(super) fn mapped(&self, map: impl Fn(&[f64; 2]) -> [f64; 2]) -> Self {
+    pub(crate) fn mapped(&self, map: impl Fn(&[f64; 2]) -> [f64; 2]) -> Self {
         Self { factors: self.factors.each_ref().map(map) }
     }
 
     /// The values at these speeds, less the constant.
     #[inline]
-    pub(super) fn rest(&self, [w1, w2]: [f64; 2]) -> [f64; 2] {
+    pub(crate) fn rest(&self, [w1, w2]: [f64; 2]) -> [f64; 2] {
         let [_, by_first, by_second, turn_first, turn_second, product] = &self.factors;
         let (turn, both) = (w1 - w2, w1 * w2);
         let one = |i: usize| {
@@ -63,7 +63,7 @@ impl SpeedPolynomial {
 
     /// The derivatives by the two speeds, a row a wheel.
     #[inline]
-    pub(super) fn slope(&self, [w1, w2]: [f64; 2]) -> [[f64; 2]; 2] {
+    pub(crate) fn slope(&self, [w1, w2]: [f64; 2]) -> [[f64; 2]; 2] {
         let [_, by_first, by_second, turn_first, turn_second, product] = &self.factors;
         let turn = w1 - w2;
         let one = |i: usize| {

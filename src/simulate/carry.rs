@@ -1,0 +1,171 @@
+//! Steps of the derivatives, a register of columns at a time.
+
+use std::convert::Infallible;
+
+use pulp::{Simd, WithSimd};
+
+use super::forces::Departure;
+use super::forcing::{Forcing, LANES, Pair, Quantities};
+use crate::math::{Lanes, runge_kutta_motion, runge_kutta_step};
+use crate::model::times;
+
+/// Derivatives of (alpha1, alpha2, omega1, omega2) by [`LANES`] columns.
+pub(super) type Group = [[f64; LANES]; 4];
+
+/// The variational equation at one instant, solved for the accelerations:
+/// `dω' = by_state · (dα, dω) + forcing`.
+#[derive(Clone)]
+pub(super) struct Node {
+    /// Acceleration and friction signs for which it was solved.
+    pub(super) place: ([f64; 2], [f64; 4]),
+    pub(super) by_state: [[f64; 4]; 2],
+    pub(super) forcing: Vec<Pair>,
+}
+
+/// Accelerations that differ by less than this share differ by rounding.
+const ROUNDING: f64 = 1e-9;
+
+impl Node {
+    /// Derivatives of the accelerations by the columns of a register from place `r` of group `g` on, where those of the
+    /// speeds are `w`: what does not come from the angles.
+    #[inline(always)]
+    fn rate<S: Simd>(&self, simd: S, (g, r): (usize, usize), w: &[Lanes<S>; 2]) -> [Lanes<S>; 2] {
+        let ([first, second], forcing) = (&self.by_state, &self.forcing[g]);
+        [
+            Lanes::load(simd, &forcing[0][r..]) + w[0] * first[2] + w[1] * first[3],
+            Lanes::load(simd, &forcing[1][r..]) + w[0] * second[2] + w[1] * second[3],
+        ]
+    }
+
+    /// Whether it holds at the start of a step that begins where it was solved.
+    pub(super) fn holds(&self, from: &Departure) -> bool {
+        let (a, sign) = self.place;
+        let close = |i: usize| {
+            let now = from.rate[2 + i];
+            (now - a[i]).abs() <= ROUNDING * (1.0 + now.abs())
+        };
+        sign == from.contact.sign && close(0) && close(1)
+    }
+}
+
+/// A parameter, and the derivatives of the input by it at both ends of a sample.
+pub(super) type InputSlope = (usize, [[f64; 2]; 2]);
+
+/// A step of the first `columns` columns where nothing depends on the angles, which follow from the speeds.
+pub(super) struct Carry<'a> {
+    pub(super) nodes: &'a mut [Node; 3],
+    pub(super) groups: &'a mut [Group],
+    pub(super) h: f64,
+    pub(super) columns: usize,
+}
+
+/// The same where something does.
+pub(super) struct Turn<'a>(pub(super) Carry<'a>);
+
+/// The same as [`Carry`] behind the nodes of sliding wheels, which are solved at these instants, the input at a share of the sample.
+pub(super) struct Slide<'a> {
+    pub(super) forcing: &'a Forcing,
+    pub(super) solved: &'a [Option<(Quantities, f64)>; 3],
+    /// Derivatives of the input by parameters at both ends of the sample, and the inverse of the mass matrix.
+    pub(super) input: (&'a [InputSlope], [f64; 3]),
+    pub(super) carry: Carry<'a>,
+}
+
+impl WithSimd for Slide<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let (input, inverse) = self.input;
+        for (node, solved) in self.carry.nodes.iter_mut().zip(self.solved) {
+            let Some((quantities, share)) = solved else { continue };
+            self.forcing.write(simd, quantities, self.carry.columns, &mut node.forcing);
+            for (j, [start, end]) in input {
+                let torque = [
+                    start[0] + share * (end[0] - start[0]),
+                    start[1] + share * (end[1] - start[1]),
+                ];
+                let a = times(&inverse, &torque);
+                let [first, second] = &mut node.forcing[j / LANES];
+                first[j % LANES] += a[0];
+                second[j % LANES] += a[1];
+            }
+        }
+        self.carry.with_simd(simd);
+    }
+}
+
+impl WithSimd for Carry<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let [start, middle, end] = self.nodes;
+        for (g, group) in self.groups.iter_mut().enumerate() {
+            let asked = self.columns.saturating_sub(g * LANES).min(LANES);
+            for r in (0..asked).step_by(Lanes::<S>::COUNT) {
+                let angles = [Lanes::load(simd, &group[0][r..]), Lanes::load(simd, &group[1][r..])];
+                let speeds = [Lanes::load(simd, &group[2][r..]), Lanes::load(simd, &group[3][r..])];
+                let first = start.rate(simd, (g, r), &speeds);
+                let Ok((angles, speeds)) = runge_kutta_motion(
+                    &angles,
+                    &speeds,
+                    &first,
+                    self.h,
+                    // or the closure is not compiled for wide registers
+                    #[inline(always)]
+                    |c, _, w| {
+                        let node = if c < 1.0 { &*middle } else { &*end };
+                        Ok::<_, Infallible>(node.rate(simd, (g, r), w))
+                    },
+                );
+                angles[0].store(&mut group[0][r..]);
+                angles[1].store(&mut group[1][r..]);
+                speeds[0].store(&mut group[2][r..]);
+                speeds[1].store(&mut group[3][r..]);
+            }
+        }
+    }
+}
+
+impl WithSimd for Turn<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Carry { nodes: [start, middle, end], groups, h, columns } = self.0;
+        for (g, group) in groups.iter_mut().enumerate() {
+            let asked = columns.saturating_sub(g * LANES).min(LANES);
+            for r in (0..asked).step_by(Lanes::<S>::COUNT) {
+                let before = [
+                    Lanes::load(simd, &group[0][r..]),
+                    Lanes::load(simd, &group[1][r..]),
+                    Lanes::load(simd, &group[2][r..]),
+                    Lanes::load(simd, &group[3][r..]),
+                ];
+                let Ok(after) = runge_kutta_step(
+                    &before,
+                    h,
+                    #[inline(always)]
+                    |c, x| {
+                        let node = if c == 0.0 {
+                            &*start
+                        } else if c < 1.0 {
+                            &*middle
+                        } else {
+                            &*end
+                        };
+                        let [first, second] = node.rate(simd, (g, r), &[x[2], x[3]]);
+                        let [by_first, by_second] = &node.by_state;
+                        let of_first = x[0] * by_first[0] + x[1] * by_first[1];
+                        let of_second = x[0] * by_second[0] + x[1] * by_second[1];
+                        Ok::<_, Infallible>([x[2], x[3], first + of_first, second + of_second])
+                    },
+                );
+                for i in 0..4 {
+                    after[i].store(&mut group[i][r..]);
+                }
+            }
+        }
+    }
+}
