@@ -90,15 +90,20 @@ pub fn smallest_change(signal: &[f64]) -> Option<f64> {
 /// ```
 #[must_use]
 pub fn quantum(signal: &[f64]) -> Option<f64> {
+    let equal = signal.windows(2).filter(|w| w[1] == w[0]).count();
+    grid(signal).filter(|_| equal as f64 >= EQUAL_SHARE * signal.len() as f64)
+}
+
+/// The smallest change of a signal where 19 changes in 20 are whole multiples of it: the step of a quantised one that may
+/// move in every row.
+pub(crate) fn grid(signal: &[f64]) -> Option<f64> {
     let step = smallest_change(signal)?;
-    let count = signal.len() as f64;
-    let equal = signal.windows(2).filter(|w| w[1] == w[0]).count() as f64;
     let multiple = |w: &[f64]| {
         let ratio = (w[1] - w[0]).abs() / step;
         (ratio - ratio.round()).abs() < PRINTED * ratio.max(1.0)
     };
-    let multiples = signal.windows(2).filter(|w| multiple(w)).count() as f64;
-    (equal >= EQUAL_SHARE * count && multiples > MULTIPLE_SHARE * count).then_some(step)
+    let multiples = signal.windows(2).filter(|w| multiple(w)).count();
+    (multiples as f64 > MULTIPLE_SHARE * signal.len() as f64).then_some(step)
 }
 
 fn fourth_differences(v: &[f64]) -> Vec<f64> {

@@ -63,9 +63,8 @@ pub(super) fn words(name: &str, kind: &Kind, channel: Channel) -> (String, Strin
         ),
         Kind::Stale { rows, first } => (
             format!(
-                "{} the last sample of the sensors although the wheels move, and later ones make up for it (first: \
-                 row {first})",
-                if rows == 1 { "1 row repeats".into() } else { format!("{rows} rows repeat") }
+                "{rows} rows repeat the last sample of the sensors although the wheels move, and later ones make up for \
+                 it (first: row {first})"
             ),
             "the samples that came late stand in their place".into(),
         ),
