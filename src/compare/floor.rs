@@ -40,14 +40,16 @@ pub struct WindowFloor {
 /// between its rows, which nobody recorded.
 ///
 /// ```text
-/// floor = ∫ σ_w² dt + mean over 8 draws of ∫ (w(M, x0 + noise) - w(M, x0))² dt + N + max(H - N, 0)/3
+/// floor = ∫ σ_w² dt + mean over 8 draws of ∫ (w(M, x0 + noise) - w(M, x0))² dt
+///         + max(N, n H + (1 - n) H/3)
 /// N = mean over 8 draws of ∫ (w(M + noise, x0) - w(M, x0))² dt
 /// H = mean over both phases of ∫ (w(every other row of M, x0) - w(M, x0))² dt
 /// ```
-/// A step of the input at any time between two rows with equal chance puts the line between them off by
-/// h² step²/12, mean square, and leaving out every other row by h² step²/4: a third of what is seen there. Of a smooth
-/// input it is a ninth, of one that is held through its rows none, and of changes within a row that come back all of it;
-/// which of them it is the rows do not show, and the most is H.
+/// n: share of the variance of the input's jumps that is noise, which the robot does not follow. A step that it follows,
+/// at any time between two rows with equal chance, puts the line between them off by h² step²/12, mean square, and
+/// leaving out every other row by h² step²/4: a third of what is seen there. Of a smooth input it is a ninth, of one that
+/// is held through its rows none, and of changes within a row that come back all of it; which of them it is the rows do
+/// not show, and the most is H.
 /// Every other row of an input with independent noise differs from all of them by as much as that noise makes: the
 /// second has the first in it. `dynamics` stands for the right model; any model near it serves, since only the
 /// spread counts.
@@ -71,7 +73,8 @@ fn floor(runs: &Runs, seed: u64) -> Result<Floor, SimulateError> {
     let start = runs.by_start_noise(&mut rng)?;
     let half = runs.by_every_other_row()?;
     let noise = recording.noise_of_jumps().powi(2);
-    let input = |jumps: f64, half: f64| noise * jumps + STEPS * (half - noise * jumps).max(0.0);
+    let share = noise + STEPS * (1.0 - noise);
+    let input = |jumps: f64, half: f64| f64::max(noise * jumps, share * half);
     let covered: f64 = recording.pieces().iter().map(|p| length(recording, p)).sum();
     let speed = recording.noise().omega.map(|s| s * s);
     let ise = [0, 1].map(|i| speed[i] * covered + start.ise[i] + input(jumps.ise[i], half.ise[i]));

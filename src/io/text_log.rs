@@ -44,8 +44,11 @@ const SEPARATORS: [char; 5] = [';', '\t', ',', '|', ' '];
 /// Those of plain CSV.
 const PLAIN: [char; 3] = [';', '\t', ','];
 
-/// Forms of text that are known by their lines, before any other: whether a text is one, and its columns.
-const FORMS: [(fn(&[&str]) -> bool, fn(&str) -> Columns); 6] = [
+/// Whether the first lines have a form, and the columns of a text that has it.
+type Form = (fn(&[&str]) -> bool, fn(&str) -> Columns);
+
+/// Forms of text that are known by their lines, before any other.
+const FORMS: [Form; 6] = [
     (yaml::is_one, yaml::columns),
     (octave::is_one, octave::columns),
     (dataflash::is_one, dataflash::columns),

@@ -199,6 +199,9 @@ impl Finding<'_> {
                 ", beyond which it is {} of the top speed",
                 format::percent(self.errors.excess())
             ),
+            false if !self.errors.above_input() => {
+                ", as much as the input may make between its rows".to_owned()
+            }
             false => String::new(),
         };
         match (self.diagnosis.steps.as_slice(), ratio <= THRESHOLDS.at_floor) {

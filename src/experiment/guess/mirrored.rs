@@ -62,7 +62,7 @@ pub(super) fn look(columns: &[PreviewColumn], guess: &mut Guess) {
     }
     let rows: Vec<[f64; 2]> = w1.iter().zip(&w2).map(|(a, b)| [*a, *b]).collect();
     let Some(said) = crate::experiment::remarks::opposed(&rows) else { return };
-    if !(drives(&input1, &w1) && drives(&input2, &w2)) || !mirror_each_other(&rows) {
+    if !(drives(&input1, &w1) && drives(&input2, &w2) && mirror_each_other(&rows)) {
         // one sign alone is turned, as conditioning shows; or the wheels move each in its own way
         guess.questions.push(said);
         return;

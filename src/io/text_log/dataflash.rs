@@ -43,9 +43,9 @@ pub(super) fn columns(text: &str) -> Columns {
 
 /// The numbers of a line that begins with its time; of one without a time nothing.
 fn row(kind: &str, names: &[&str], cells: &[&str]) -> Option<Pairs> {
-    let (time, scale) = match names.first()? {
-        &"TimeUS" => (cells.first()?.parse::<f64>().ok()?, 1.0),
-        &"TimeMS" => (cells.first()?.parse::<f64>().ok()?, 1e3),
+    let (time, scale) = match *names.first()? {
+        "TimeUS" => (cells.first()?.parse::<f64>().ok()?, 1.0),
+        "TimeMS" => (cells.first()?.parse::<f64>().ok()?, 1e3),
         _ => return None,
     };
     let numbers = names.iter().zip(cells).skip(1);
