@@ -64,7 +64,7 @@ impl Search<'_> {
             shown = next;
             let best = ranking[0].clone();
             let Some(refit) = best.refit.clone() else { break };
-            tried.push((best, equals(ranking, self.dispersion(&refit))));
+            tried.push((best, equals(ranking)));
             rankings.push(self.rank(&refit, false));
         }
         let steps = self.proven(base, &tried);

@@ -3,7 +3,6 @@
 use std::cmp::Ordering;
 
 use super::Search;
-use crate::diagnose::fit::WindowFit;
 use crate::diagnose::outcome::Ranked;
 use crate::diagnose::thresholds::THRESHOLDS;
 use crate::effects::Change;
@@ -53,25 +52,11 @@ impl Search<'_> {
         }
     }
 
-    /// Difference of the criterion that training windows leave open between two refits. Far above the noise a share of
-    /// it; nearer, what errors larger than their noise leave of the criterion's own sharpness, and none at the noise.
+    /// Difference of the criterion that training windows leave open between two refits far above their noise;
+    /// zero nearer to it, where the criterion itself says what it knows.
     pub(super) fn open_share(&self, a: &Ranked, b: &Ranked) -> f64 {
-        if self.is_far_above(a) && self.is_far_above(b) {
-            return THRESHOLDS.alike_share * a.bic_windows.abs();
-        }
-        let beyond = |r: &Ranked| r.refit.as_ref().map_or(0.0, |fit| self.dispersion(fit) - 1.0);
-        THRESHOLDS.alike * beyond(a).min(beyond(b))
-    }
-
-    /// Squared errors of the windows over those of their noise, one at least: a difference of the criterion counts so
-    /// many times less.
-    ///
-    /// ```text
-    /// c = max(1, sum (e/sigma)^2 / n)
-    /// ```
-    /// Source: Burnham and Anderson, Model Selection and Multimodel Inference, 2002, section 2.5 (QAIC).
-    pub(super) fn dispersion(&self, fit: &WindowFit) -> f64 {
-        (2.0 * fit.cost / self.windows.values() as f64).max(1.0)
+        let far = self.is_far_above(a) && self.is_far_above(b);
+        if far { THRESHOLDS.alike_share * a.bic_windows.abs() } else { 0.0 }
     }
 
     /// Whether the windows of a refit are missed by far more than their noise.
@@ -92,12 +77,11 @@ pub(super) fn before(a: &Ranked, b: &Ranked) -> Ordering {
     refuted(a).cmp(&refuted(b)).then(a.bic.total_cmp(&b.bic))
 }
 
-/// Effects that the data do not distinguish from the best, and those that are the same by their equations;
-/// `dispersion`: [`Search::dispersion`] of the best.
-pub(super) fn equals(ranking: &[Ranked], dispersion: f64) -> Vec<String> {
+/// Effects that the data do not distinguish from the best, and those that are the same by their equations.
+pub(super) fn equals(ranking: &[Ranked]) -> Vec<String> {
     let Some(best) = ranking.first() else { return vec![] };
     let mut out = best.candidate.effect.description().equivalent;
-    for other in ranking[1..].iter().filter(|r| alike(best, r, dispersion)) {
+    for other in ranking[1..].iter().filter(|r| alike(best, r)) {
         if !out.contains(&other.candidate.id) {
             out.push(other.candidate.id.clone());
         }
@@ -106,6 +90,6 @@ pub(super) fn equals(ranking: &[Ranked], dispersion: f64) -> Vec<String> {
 }
 
 /// Whether the data hardly distinguish two candidates that were refitted.
-fn alike(best: &Ranked, other: &Ranked, dispersion: f64) -> bool {
-    other.refit.is_some() && (other.bic - best.bic).abs() < THRESHOLDS.alike * dispersion
+fn alike(best: &Ranked, other: &Ranked) -> bool {
+    other.refit.is_some() && (other.bic - best.bic).abs() < THRESHOLDS.alike
 }
