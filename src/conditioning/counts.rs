@@ -60,7 +60,7 @@ pub enum Encoders {
 /// The encoders that the findings of the first recording which shows them tell.
 #[must_use]
 pub fn common_encoders<'a>(
-    recordings: impl Iterator<Item = &'a [Finding]>,
+    mut recordings: impl Iterator<Item = &'a [Finding]>,
 ) -> Option<[Encoder; 2]> {
     let of = |findings: &[Finding], i: usize| {
         findings.iter().find_map(|f| match f.kind {
@@ -70,7 +70,7 @@ pub fn common_encoders<'a>(
             _ => None,
         })
     };
-    recordings.into_iter().find_map(|findings| of(findings, 0).zip(of(findings, 1))).map(Into::into)
+    recordings.find_map(|findings| of(findings, 0).zip(of(findings, 1))).map(Into::into)
 }
 
 /// Replaces speeds without angles that come from an encoder's counts by the angles that these add up to.
@@ -129,24 +129,28 @@ impl Counts {
 /// back though they move slowly enough to show it.
 fn counts_of(encoder: Encoder, omega: &[f64], steps: &[f64]) -> Option<Counts> {
     let Encoder { step_rad, rows } = encoder;
-    on_grid(&sizes(omega, steps), step_rad / rows as f64)?;
+    on_grid(&sizes(&ways(omega, steps)), step_rad / rows as f64)?;
     let counts = by_row(omega, steps, step_rad, rows);
     let shown = taken_back(&counts) != Some(false);
     shown.then_some(Counts { step: step_rad, counts, rows })
 }
 
-/// How far the wheel moved from row to row \[rad\], ascending, where it did.
-fn sizes(omega: &[f64], steps: &[f64]) -> Vec<f64> {
-    let ways = omega.iter().zip(steps).map(|(w, h)| (w * h).abs());
-    let mut sizes: Vec<f64> = ways.filter(|d| *d > 0.0).collect();
+/// How far the wheel moved from row to row \[rad\].
+fn ways(omega: &[f64], steps: &[f64]) -> Vec<f64> {
+    omega.iter().zip(steps).map(|(w, h)| w * h).collect()
+}
+
+/// The sizes of ways, ascending, where the wheel moved.
+fn sizes(ways: &[f64]) -> Vec<f64> {
+    let mut sizes: Vec<f64> = ways.iter().map(|d| d.abs()).filter(|d| *d > 0.0).collect();
     sizes.sort_by(f64::total_cmp);
     sizes
 }
 
 /// The counts of which speeds are made that were divided by `steps`; `None` where they are none.
 fn counts(omega: &[f64], steps: &[f64]) -> Option<Counts> {
-    let ways: Vec<f64> = omega.iter().zip(steps).map(|(w, h)| w * h).collect();
-    let sizes = sizes(omega, steps);
+    let ways = ways(omega, steps);
+    let sizes = sizes(&ways);
     if sizes.len() < FEWEST {
         return None;
     }

@@ -21,7 +21,8 @@ use super::signal::{column, median, pieces};
 use super::{Conditioned, Settings};
 use crate::math::noise::grid;
 
-/// Quanta of a row's motion from which on a row that repeats both angles is no rounding: by that the motion of a row goes up or down by one.
+/// Quanta of a row's motion from which on a row that repeats both angles is no rounding, by which the motion of a row
+/// goes up or down by one.
 const QUANTA: f64 = 4.0;
 /// Rows to either side whose motion is usual.
 const AROUND: usize = 4;
@@ -29,16 +30,15 @@ const AROUND: usize = 4;
 const SKIPPED: Range<f64> = 1.5..2.5;
 /// Stale rows from which on a log has them: clocks that drift against each other meet more than once, while a row that
 /// looks so alone is a coarse encoder or a slip.
-const FEWEST: f64 = 3.0;
+const FEWEST: usize = 3;
 /// Share of stale rows above which the sensor is slower than the rows.
 const MANY: f64 = 0.1;
 
 /// Puts the samples of rows that came late in their place.
 pub(super) fn rows(work: &mut Conditioned, settings: &Settings) {
     let Some(late) = late(work) else { return };
-    let count = late.len();
     let Some(first) = late.first().map(|late| late.rows.start) else { return };
-    let kind = Kind::Stale { rows: count, first: first + 1 };
+    let kind = Kind::Stale { rows: late.len(), first: first + 1 };
     work.findings.push(Finding::corrected(Channel::Sensors, kind, "rows", settings.rows));
     if !settings.rows {
         return;
@@ -68,15 +68,23 @@ fn advance(values: &mut [[f64; 2]], late: &Late) {
     }
 }
 
-/// The rows that are one sample late, from each that repeats the last sample to that which skips one; `None` where rows repeat so often that the sensor is slower.
+/// The rows that are one sample late, from each that repeats the last sample to that which skips one; `None` where rows
+/// repeat so often that the sensor is slower, or hardly ever.
 fn late(work: &Conditioned) -> Option<Vec<Late>> {
     let c = &work.channels;
     let alpha = c.alpha.as_ref()?;
+    let repeats = |k: usize| {
+        alpha[k] == alpha[k - 1] && c.omega.as_ref().is_none_or(|omega| omega[k] == omega[k - 1])
+    };
+    // most logs need no closer look at their motion
+    if (1..alpha.len()).filter(|&k| repeats(k)).count() < FEWEST {
+        return None;
+    }
     let columns = [column(alpha, 0), column(alpha, 1)];
     let least = [0, 1].map(|i| QUANTA * grid(&columns[i]).unwrap_or(0.0));
     let mut out: Vec<Late> = Vec::new();
     let to = |from: usize, end: usize| Late { rows: from..end, until_end: false };
-    let (mut moving, mut stale) = (0.0, 0.0);
+    let (mut moving, mut stale) = (0_u32, 0_usize);
     for piece in pieces(&c.t) {
         let mut open: Option<usize> = None;
         for k in piece.start + 1..piece.end.saturating_sub(1) {
@@ -86,22 +94,19 @@ fn late(work: &Conditioned) -> Option<Vec<Late>> {
                 out.extend(open.take().map(|from| to(from, k)));
                 continue;
             }
-            moving += 1.0;
-            let step = [0, 1].map(|i| columns[i][k] - columns[i][k - 1]);
-            let repeats =
-                step == [0.0; 2] && c.omega.as_ref().is_none_or(|omega| omega[k] == omega[k - 1]);
-            let skips = (0..2).all(|i| !moves[i] || SKIPPED.contains(&(step[i] / usual[i])));
-            if repeats {
-                stale += 1.0;
+            moving += 1;
+            let step = |i: usize| columns[i][k] - columns[i][k - 1];
+            if repeats(k) {
+                stale += 1;
                 out.extend(open.replace(k).map(|from| to(from, from + 1)));
-            } else if skips {
+            } else if (0..2).all(|i| !moves[i] || SKIPPED.contains(&(step(i) / usual[i]))) {
                 out.extend(open.take().map(|from| to(from, k)));
             }
         }
         let until_end = |from| Late { rows: from..piece.end, until_end: true };
         out.extend(open.filter(|from| from + 2 < piece.end).map(until_end));
     }
-    (stale >= FEWEST && stale <= MANY * moving).then_some(out)
+    (stale >= FEWEST && stale as f64 <= MANY * f64::from(moving)).then_some(out)
 }
 
 /// The usual motion of a row around row `k`, without its own; none where the wheel starts, stops or turns round there.

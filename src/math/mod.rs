@@ -1,6 +1,7 @@
 //! Numbers only: no robot, no file.
 
 mod banded;
+mod correlation;
 mod covariance;
 pub mod descent;
 pub mod distribution;
@@ -24,6 +25,7 @@ mod singular_values;
 mod symbol;
 
 pub use banded::BandedCholesky;
+pub(crate) use correlation::correlation;
 pub use covariance::{clustered_covariance, raise_errors, sandwich};
 pub use descent::{MinimiseOptions, Minimum, MinimumStatus, Quadratic, minimise};
 pub use error::MathError;

@@ -95,8 +95,7 @@ impl Finding<'_> {
             ),
             None if self.errors.above_floor() && !self.errors.above_input() => format!(
                 "Nothing is proven to be missing: none of the effects of the catalogue is proven at a \
-                 false-alarm rate of {:.0} %. {} What the input does between its rows can make that much; \
-                 a recording at the rate of the controller tells.",
+                 false-alarm rate of {:.0} %. {} A recording at the rate of the controller tells.",
                 100.0 * self.false_alarm,
                 self.error()
             ),
@@ -158,7 +157,7 @@ impl Finding<'_> {
     /// What of a shift of the input may be no property of the actuator: half a row of an input that is held between
     /// its rows, all of it where the sensor of the speeds may be late.
     fn by_logging(&self, id: &str) -> String {
-        if crate::effects::find(id).is_none_or(|e| e.change() != Change::TimeShift) {
+        if !shifts_input(id) {
             return String::new();
         }
         let held = self.if_held.map_or_else(String::new, |time| {
@@ -175,9 +174,7 @@ impl Finding<'_> {
     /// Beside more that is missing than was found, what was found may take the place of something else; a shift of the
     /// input shows in when the wheels move, and nothing else moves them earlier or later.
     fn in_place(&self) -> &'static str {
-        let shifts =
-            |id: &str| crate::effects::find(id).is_some_and(|e| e.change() == Change::TimeShift);
-        match self.diagnosis.steps.iter().all(|s| shifts(&s.id)) {
+        match self.diagnosis.steps.iter().all(|s| shifts_input(&s.id)) {
             true => "",
             false => " What was found may stand for a part of what is not in the catalogue.",
         }
@@ -257,6 +254,11 @@ pub(crate) fn residual_torque(curves: &[Curve], tested: Option<Variable>) -> Str
                 + "; coloured noise of the recorded input and disturbances from outside look like this too."
         }
     }
+}
+
+/// Whether an effect of the catalogue shifts the input in time.
+fn shifts_input(id: &str) -> bool {
+    crate::effects::find(id).is_some_and(|e| e.change() == Change::TimeShift)
 }
 
 /// The share of the squared error that went, in words that do not round what is left away.

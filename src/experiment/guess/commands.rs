@@ -1,6 +1,6 @@
 //! Inputs that are commands: a share of the battery's voltage, or a pulse of a servo.
 
-use super::values::{largest, whole};
+use super::values::{largest, values_of, whole};
 use super::{Guess, Guessed};
 use crate::io::PreviewColumn;
 use crate::recording::DriveUnit;
@@ -28,7 +28,7 @@ pub(super) fn look(
     battery: Option<(&PreviewColumn, Option<&str>)>,
     guess: &mut Guess,
 ) {
-    let of = |name: &str| columns.iter().find(|c| c.name == name).map_or(&[][..], |c| &c.values);
+    let of = |name: &str| values_of(columns, name);
     if guess.drive_unit == DriveUnit::NewtonMetre {
         let asked = battery.and_then(|(battery, _)| effort(columns, battery, guess));
         guess.questions.extend(asked);

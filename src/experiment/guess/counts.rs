@@ -1,13 +1,13 @@
 //! Counts of encoders.
 
 use super::speed_units::is_unknown;
-use super::values::{COUNTED, largest, row_step, seconds, whole};
+use super::values::{COUNTED, largest, row_step, seconds, values_of, whole};
 use super::{Guess, Guessed};
 use crate::io::PreviewColumn;
 
 /// Whether a column holds whole numbers, and many: counts of an encoder.
 pub(super) fn are(columns: &[PreviewColumn], one: &Guessed) -> bool {
-    let values = columns.iter().find(|c| c.name == one.name).map_or(&[][..], |c| &c.values);
+    let values = values_of(columns, &one.name);
     whole(values) && largest(values) > COUNTED
 }
 
@@ -15,7 +15,7 @@ pub(super) fn are(columns: &[PreviewColumn], one: &Guessed) -> bool {
 /// question. Speeds that are the slope or the steps of the counts are in counts as well.
 pub(super) fn per_turn(columns: &[PreviewColumn], guess: &mut Guess) {
     let known: Vec<Guessed> = guess.columns.clone();
-    let of = |name: &str| columns.iter().find(|c| c.name == name).map_or(&[][..], |c| &c.values);
+    let of = |name: &str| values_of(columns, name);
     let time = known.iter().find(|c| c.key == "t");
     let mut asked = false;
     for k in 0..guess.columns.len() {

@@ -1,7 +1,7 @@
 //! Columns that hold the direction of a magnitude: `dirL` beside `pwmL`.
 
 use super::names::{Side, named};
-use super::values::is_constant;
+use super::values::{is_constant, is_never_negative, values_of};
 use super::{Guess, Guessed};
 use crate::io::PreviewColumn;
 
@@ -64,11 +64,10 @@ impl Directions {
 
     /// Gives magnitudes the columns of their directions, and what stands for backward or the question for it.
     pub(super) fn give(&self, columns: &[PreviewColumn], guess: &mut Guess) {
-        let of =
-            |name: &str| columns.iter().find(|c| c.name == name).map_or(&[][..], |c| &c.values);
+        let of = |name: &str| values_of(columns, name);
         let is_magnitude = |one: &Guessed| {
             let values = of(&one.name);
-            !is_constant(values) && values.iter().all(|v| v.is_nan() || *v >= 0.0)
+            !is_constant(values) && is_never_negative(values)
         };
         let speeds: Vec<(String, Vec<f64>)> = guess
             .columns

@@ -2,6 +2,7 @@
 
 use super::{Guess, Guessed};
 use crate::io::PreviewColumn;
+use crate::math::correlation;
 
 /// Names of a rate of turning about the vertical, letters and numbers alone.
 const TURNING: [&str; 8] = [
@@ -42,7 +43,8 @@ pub(super) fn look(columns: &[PreviewColumn], guess: &mut Guess) {
     if let Some(turning) = columns.iter().find(|c| is_turning(&c.name)) {
         let by = |sign: f64| {
             let sum: Vec<f64> = w1.iter().zip(&w2).map(|(a, b)| a + sign * b).collect();
-            correlation(&turning.values, &sum)
+            let pairs = turning.values.iter().copied().zip(sum);
+            correlation(pairs.filter(|(a, b)| a.is_finite() && b.is_finite()))
         };
         let (difference, sum) = (by(-1.0), by(1.0));
         if sum.abs() > SHOWN && sum.abs() > difference.abs() + CLEARER {
@@ -114,23 +116,6 @@ fn is_turning(name: &str) -> bool {
 /// Work of an input at its wheel, where both are known.
 fn work(input: &[f64], speed: &[f64]) -> f64 {
     input.iter().zip(speed).map(|(m, w)| m * w).filter(|x| x.is_finite()).sum()
-}
-
-fn correlation(a: &[f64], b: &[f64]) -> f64 {
-    let pairs: Vec<(f64, f64)> = a
-        .iter()
-        .zip(b)
-        .map(|(a, b)| (*a, *b))
-        .filter(|(a, b)| a.is_finite() && b.is_finite())
-        .collect();
-    let n = pairs.len() as f64;
-    let mean = |of: fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>() / n;
-    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
-    let (mut xx, mut yy, mut xy) = (0.0, 0.0, 0.0);
-    for (a, b) in pairs {
-        (xx, yy, xy) = (xx + (a - x).powi(2), yy + (b - y).powi(2), xy + (a - x) * (b - y));
-    }
-    if xx * yy > 0.0 { xy / (xx * yy).sqrt() } else { 0.0 }
 }
 
 #[cfg(test)]

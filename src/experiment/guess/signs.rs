@@ -1,14 +1,14 @@
 //! Speeds that lost their sign.
 
 use super::names::Quantity;
-use super::values::{AT_REST, extent};
+use super::values::{AT_REST, extent, is_never_negative, values_of};
 use super::{Candidate, Guess};
 use crate::io::PreviewColumn;
 
 /// The question of speeds that are never negative beside set-points that are: the wheels turned both ways, and only a
 /// log with signs shows it.
 pub(super) fn lost(all: &[Candidate], columns: &[PreviewColumn], guess: &Guess) -> Option<String> {
-    let of = |name: &str| columns.iter().find(|c| c.name == name).map_or(&[][..], |c| &c.values);
+    let of = |name: &str| values_of(columns, name);
     let mut speeds = guess.columns.iter().filter(|c| c.key.starts_with("dalpha")).peekable();
     let first = speeds.peek()?.name.clone();
     let wished = |c: &&Candidate| {
@@ -38,8 +38,8 @@ const BOUNCES: usize = 3;
 /// Opens the sign of speeds that are never negative and rise from zero as steeply as they fell to it, again and again: a wheel
 /// that turns back, without its sign. One that stops stands still, for friction holds it.
 pub(super) fn bounce(columns: &[PreviewColumn], guess: &mut Guess) {
-    let of = |name: &str| columns.iter().find(|c| c.name == name).map_or(&[][..], |c| &c.values);
-    let is_magnitude = |name: &str| of(name).iter().all(|v| v.is_nan() || *v >= 0.0);
+    let of = |name: &str| values_of(columns, name);
+    let is_magnitude = |name: &str| is_never_negative(of(name));
     let speeds: Vec<&str> = guess
         .columns
         .iter()

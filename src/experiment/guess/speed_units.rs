@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::names::named;
-use super::values::{largest, seconds};
+use super::values::{largest, seconds, values_of};
 use super::{Guess, Guessed};
 use crate::io::PreviewColumn;
 
@@ -28,7 +28,7 @@ pub(super) fn is_unknown(values: &[f64], one: &Guessed) -> bool {
 
 /// Asks for the unit of speeds that names do not state and angles do not show. Both wheels have one unit.
 pub(super) fn open(columns: &[PreviewColumn], guess: &mut Guess) {
-    let of = |name: &str| columns.iter().find(|c| c.name == name).map_or(&[][..], |c| &c.values);
+    let of = |name: &str| values_of(columns, name);
     let is_joint = guess.columns.iter().any(|c| c.key == "M1" && is_effort(&c.name));
     angles(columns, guess, is_joint);
     let is_open = |one: &Guessed| {
@@ -61,7 +61,7 @@ pub(super) fn open(columns: &[PreviewColumn], guess: &mut Guess) {
 /// Asks for the unit of angles under the general names of a sensor or a position, where the speeds beside them do not
 /// show it.
 fn angles(columns: &[PreviewColumn], guess: &mut Guess, is_joint: bool) {
-    let of = |name: &str| columns.iter().find(|c| c.name == name).map_or(&[][..], |c| &c.values);
+    let of = |name: &str| values_of(columns, name);
     let speed = |key: &str| guess.columns.iter().find(|c| c.key.strip_prefix('d') == Some(key));
     let is_open = |one: &Guessed| {
         let name = named(&one.name);

@@ -35,10 +35,19 @@ pub(super) fn fits(key: &str, unit: &str) -> bool {
     }
 }
 
+/// The values of a column; none where no column has that name.
+pub(super) fn values_of<'a>(columns: &'a [PreviewColumn], name: &str) -> &'a [f64] {
+    columns.iter().find(|c| c.name == name).map_or(&[], |c| &c.values)
+}
+
+/// Whether no value is negative.
+pub(super) fn is_never_negative(values: &[f64]) -> bool {
+    values.iter().all(|v| v.is_nan() || *v >= 0.0)
+}
+
 /// Whether a column holds one value and no other.
 pub(super) fn never_changes(columns: &[PreviewColumn], one: &Guessed) -> bool {
-    let values = columns.iter().find(|c| c.name == one.name).map_or(&[][..], |c| &c.values);
-    is_constant(values)
+    is_constant(values_of(columns, &one.name))
 }
 
 pub(super) fn is_constant(values: &[f64]) -> bool {
@@ -63,7 +72,7 @@ pub(super) fn is_magnitude(
     angles: Option<&[Guessed; 2]>,
     speeds: Option<&[Guessed; 2]>,
 ) -> bool {
-    let of = |name: &str| columns.iter().find(|c| c.name == name).map_or(&[][..], |c| &c.values);
+    let of = |name: &str| values_of(columns, name);
     let both_ways = |(low, high): (f64, f64)| low < -AT_REST * high && high > -AT_REST * low;
     let by_speed = |one: &Guessed| both_ways(extent(of(&one.name)));
     let by_angle = |one: &Guessed| {
@@ -84,7 +93,7 @@ pub(super) fn is_magnitude(
 
 /// Adds the units that the values of the guessed columns show, with the evidence.
 pub(super) fn units(columns: &[PreviewColumn], guess: &mut Guess) {
-    let of = |name: &str| columns.iter().find(|c| c.name == name).map_or(&[][..], |c| &c.values);
+    let of = |name: &str| values_of(columns, name);
     for one in &mut guess.columns {
         let values = of(&one.name);
         if one.unit.is_none() {

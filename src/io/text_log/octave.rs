@@ -29,18 +29,11 @@ pub(super) fn columns(text: &str) -> Columns {
             name = next;
         } else if !line.starts_with('#') && !line.trim().is_empty() {
             rows.push(
-                line.split_whitespace().map(|cell| number(cell).unwrap_or(f64::NAN)).collect(),
+                line.split_whitespace().map(|cell| cell.parse().unwrap_or(f64::NAN)).collect(),
             );
         }
     }
     out
-}
-
-fn number(cell: &str) -> Option<f64> {
-    match cell {
-        "NA" => Some(f64::NAN),
-        _ => cell.parse().ok(),
-    }
 }
 
 fn put(out: &mut Columns, name: &str, rows: &[Vec<f64>]) {

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::quantile;
 use super::window::Window;
-use crate::math::{fit, sgn};
+use crate::math::{correlation, fit, sgn};
 
 /// Fewest windows of motion that a check is based on.
 pub(super) const FEWEST: usize = 10;
@@ -46,19 +46,6 @@ pub(crate) fn opposing_input(windows: &[Window], i: usize) -> bool {
 fn smooth(windows: &[Window]) -> Vec<&Window> {
     let limit = 3.0 * quantile(windows.iter().flat_map(|w| w.angle_rate), 0.9);
     windows.iter().filter(|w| w.angle_rate.iter().all(|a| a.abs() <= limit)).collect()
-}
-
-fn correlation(pairs: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {
-    let n = pairs.clone().count().max(1) as f64;
-    let (sx, sy) = pairs.clone().fold((0.0, 0.0), |(a, b), (x, y)| (a + x, b + y));
-    let (mx, my) = (sx / n, sy / n);
-    let (mut xx, mut yy, mut xy) = (0.0, 0.0, 0.0);
-    for (x, y) in pairs {
-        xx += (x - mx) * (x - mx);
-        yy += (y - my) * (y - my);
-        xy += (x - mx) * (y - my);
-    }
-    if xx * yy > 0.0 { xy / (xx * yy).sqrt() } else { 0.0 }
 }
 
 /// `M = c1 dω + c2 sgn(ω) + c3 ω` of one wheel's input on one wheel's motion.
