@@ -4,6 +4,7 @@ mod blocks;
 mod by_cell;
 mod lists;
 mod number;
+mod style;
 mod unfold;
 
 use std::fs::File;
@@ -19,6 +20,7 @@ use polars::prelude::{
 pub(super) use self::blocks::{Blocks, has_more_lines};
 pub(super) use self::lists::lists;
 pub(super) use self::number::{ABSENT, duration, number, quantity, value};
+pub(super) use self::style::{Evidence, Style};
 pub(super) use self::unfold::{is_owner, may_be_keyed, unfold, unfolded};
 use super::IoError;
 use super::columns::is_unit;
@@ -33,8 +35,10 @@ pub(super) struct Layout {
     decimal_comma: bool,
     /// Lines above the header: blank ones and comments.
     above: usize,
-    /// Whether the line below the names holds their units.
-    units: bool,
+    /// Lines below the names up to that of their units; none without such a line.
+    units: usize,
+    /// How numbers are written.
+    style: Style,
     /// Units that stand in the cells of columns, as MATLAB writes `0.01 sec`; empty where cells are bare numbers.
     in_cells: Vec<String>,
     /// Places of columns whose words are directions, and the word for backward.
@@ -44,7 +48,6 @@ pub(super) struct Layout {
 impl Layout {
     /// A cell of a column as a number, which stands in the unit of the column's cells.
     fn value(&self, place: usize, cell: &str) -> Option<f64> {
-        let comma = self.separator != b',';
         if let Some((_, back)) = self.directions.iter().find(|(at, _)| *at == place) {
             let cell = cell.trim().trim_matches('"').trim();
             return Some(if cell.is_empty() {
@@ -55,9 +58,9 @@ impl Layout {
                 1.0
             });
         }
-        value(cell, comma).or_else(|| {
+        value(cell, self.style).or_else(|| {
             let unit = self.in_cells.get(place).filter(|unit| !unit.is_empty())?;
-            number(cell.trim().trim_matches('"').trim().strip_suffix(unit.as_str())?, comma)
+            number(cell.trim().trim_matches('"').trim().strip_suffix(unit.as_str())?, self.style)
         })
     }
 }
@@ -65,8 +68,17 @@ impl Layout {
 /// A header, with whatever stands above it, is looked for in this many bytes.
 const HEAD: u64 = 1 << 20;
 
-/// Reads the header: the first line that is neither blank nor a comment.
+/// Reads the header, and how numbers are written in the rows below it.
 pub(super) fn layout(path: &Path) -> Result<Layout, IoError> {
+    let layout = head(path)?;
+    Ok(Layout { style: style::of_file(path, &layout)?, ..layout })
+}
+
+/// Lines below the names in which their units are looked for: a program writes types and the like beside them.
+const BELOW: usize = 4;
+
+/// Reads the header: the first line that is neither blank nor a comment.
+fn head(path: &Path) -> Result<Layout, IoError> {
     let file = File::open(path).map_err(|e| IoError::system(path, &e))?;
     let (mut lines, mut above) = (Vec::new(), 0);
     for line in BufReader::new(file).take(HEAD).split(b'\n') {
@@ -76,7 +88,7 @@ pub(super) fn layout(path: &Path) -> Result<Layout, IoError> {
         } else if lines.is_empty() {
             above += 1;
         }
-        if lines.len() == 3 {
+        if lines.len() == 2 + BELOW {
             break;
         }
     }
@@ -92,19 +104,18 @@ pub(super) fn layout(path: &Path) -> Result<Layout, IoError> {
     let separator =
         [',', ';', '\t'].into_iter().max_by_key(|c| (count(*c), *c == ',')).unwrap_or(',');
     let names = split(text, separator);
-    if names.iter().all(|n| number(n, separator != ',').is_some()) {
+    if names.iter().all(|n| number(n, Style::of(separator)).is_some()) {
         return Err(IoError::NoHeader { file: shown(path), count: names.len() });
     }
-    let mut row = lines.next().unwrap_or_default();
-    let units = units_of(&row, separator).filter(|units| units.len() == names.len());
-    if units.is_some() {
-        row = lines.next().unwrap_or_default();
-    }
-    let decimal_comma = separator != ',' && row.contains(&b',') && !row.contains(&b'.');
-    let (names, units) = match units {
-        Some(units) => (names.iter().zip(&units).map(|(n, u)| with_unit(n, u)).collect(), true),
-        None => (names, false),
+    let below: Vec<Vec<u8>> = lines.collect();
+    let (units, names) = match units_below(&below, separator, names.len()) {
+        Some((lines, units)) => {
+            (lines, names.iter().zip(&units).map(|(n, u)| with_unit(n, u)).collect())
+        }
+        None => (0, names),
     };
+    let row = below.get(units).cloned().unwrap_or_default();
+    let decimal_comma = separator != ',' && row.contains(&b',') && !row.contains(&b'.');
     let in_cells = units_in_cells(&row, separator);
     let unit = |k: usize| in_cells.get(k).map_or("", String::as_str);
     let names = names.iter().enumerate().map(|(k, name)| with_unit(name, unit(k))).collect();
@@ -114,6 +125,7 @@ pub(super) fn layout(path: &Path) -> Result<Layout, IoError> {
         decimal_comma,
         above,
         units,
+        style: Style::of(separator),
         in_cells,
         directions: vec![],
     })
@@ -145,9 +157,25 @@ pub(super) fn is_units(cells: &[String]) -> bool {
     2 * cells.iter().filter(|c| is_unit(bare(c))).count() > cells.len()
 }
 
-/// A unit without the brackets around it.
+/// A unit without the brackets around it, or the word before it: `Units: deg/s`.
 fn bare(cell: &str) -> &str {
-    cell.trim_matches(['[', ']', '(', ')']).trim()
+    let cell = cell.trim_matches(['[', ']', '(', ')']).trim();
+    match cell.split_once(':') {
+        Some((word, unit)) if matches!(word, "Units" | "Unit" | "units" | "unit") => unit.trim(),
+        _ => cell,
+    }
+}
+
+/// The units of so many columns below a header, and the lines without a number up to the first row of data.
+fn units_below(below: &[Vec<u8>], separator: char, columns: usize) -> Option<(usize, Vec<String>)> {
+    let holds_number = |line: &Vec<u8>| {
+        let text = String::from_utf8_lossy(line);
+        let cells = split(text.trim_end_matches(['\r', '\n']), separator);
+        cells.iter().any(|c| !c.is_empty() && value(c, Style::of(separator)).is_some())
+    };
+    let lines = below.iter().take_while(|line| !holds_number(line)).count().min(BELOW);
+    let units = |line: &Vec<u8>| units_of(line, separator).filter(|units| units.len() == columns);
+    Some((lines, below[..lines].iter().find_map(units)?))
 }
 
 /// The units of a line that holds units and no number: `s,rpm,,mNm`.
@@ -155,7 +183,7 @@ fn units_of(line: &[u8], separator: char) -> Option<Vec<String>> {
     let text = str::from_utf8(line).ok()?.trim_end_matches(['\r', '\n']);
     let cells = split(text, separator).into_iter();
     let cells: Vec<String> = cells.map(|cell| bare(&cell).to_string()).collect();
-    let data = cells.iter().any(|c| !c.is_empty() && value(c, separator != ',').is_some());
+    let data = cells.iter().any(|c| !c.is_empty() && value(c, Style::of(separator)).is_some());
     (!data && is_units(&cells)).then_some(cells)
 }
 
@@ -206,7 +234,8 @@ pub(super) fn read(path: &Path, layout: &Layout, names: &[String]) -> Result<Dat
     let fast = options(layout, false)
         .with_columns(Some(names.iter().map(|n| n.as_str().into()).collect()))
         .with_schema_overwrite(Some(Arc::new(schema)));
-    if !layout.units
+    if layout.units == 0
+        && layout.style == Style::of(char::from(layout.separator))
         && let Ok(frame) = finish(path, fast)
         && frame.columns().iter().all(|c| c.null_count() == 0)
     {
@@ -223,7 +252,12 @@ pub(super) struct TextColumn {
     pub(super) values: Vec<f64>,
     /// The words of a column of words, each once; none where there are many.
     pub(super) words: Vec<String>,
+    /// The first cells of a column without numbers.
+    pub(super) texts: Vec<String>,
 }
+
+/// First cells of a column without numbers that are shown.
+const SHOWN: usize = 3;
 
 /// Words of a column that has a few: states, directions, names of motors.
 const WORDS: usize = 16;
@@ -238,8 +272,10 @@ pub(super) fn all(path: &Path, layout: &Layout) -> Result<Vec<TextColumn>, IoErr
     let column = |(k, (name, cells)): (usize, (&String, Vec<String>))| {
         let number = |cell: &String| layout.value(k, cell);
         let words = words(&cells, number);
-        let values = cells.iter().map(|cell| number(cell).unwrap_or(f64::NAN)).collect();
-        TextColumn { name: name.clone(), values, words }
+        let values: Vec<f64> = cells.iter().map(|cell| number(cell).unwrap_or(f64::NAN)).collect();
+        let is_text = values.iter().all(|x| x.is_nan());
+        let texts = cells.into_iter().take(if is_text { SHOWN } else { 0 }).collect();
+        TextColumn { name: name.clone(), values, words, texts }
     };
     Ok(columns.enumerate().filter(|(_, column)| is_column(column)).map(column).collect())
 }
@@ -278,7 +314,7 @@ fn options(layout: &Layout, truncate: bool) -> CsvReadOptions {
     CsvReadOptions::default()
         .with_has_header(true)
         .with_skip_lines(layout.above)
-        .with_skip_rows_after_header(usize::from(layout.units))
+        .with_skip_rows_after_header(layout.units)
         .with_infer_schema_length(Some(0))
         .with_parse_options(parse)
 }
@@ -291,7 +327,7 @@ fn finish(path: &Path, options: CsvReadOptions) -> PolarsResult<DataFrame> {
 fn rows(path: &Path) -> Result<impl Iterator<Item = (usize, usize, Vec<u8>)>, IoError> {
     let file = File::open(path).map_err(|e| IoError::system(path, &e))?;
     let lines = BufReader::new(file).split(b'\n').map_while(Result::ok).enumerate();
-    let header = 1 + usize::from(layout(path)?.units);
+    let header = 1 + head(path)?.units;
     let rows = lines.filter(|(_, line)| is_row(line)).skip(header).enumerate();
     Ok(rows.map(|(row, (line, text))| (row + 1, line + 1, text)))
 }

@@ -15,6 +15,8 @@ pub struct PreviewColumn {
     pub values: Vec<f64>,
     /// The words of a column that holds a few and no numbers.
     pub words: Vec<String>,
+    /// The first cells of a text column without numbers.
+    pub texts: Vec<String>,
 }
 
 /// All columns of a file with their values.
@@ -23,9 +25,17 @@ pub struct PreviewColumn {
 /// A file that cannot be read, and a text without any number in its columns.
 pub fn preview(path: &Path) -> Result<Vec<PreviewColumn>, IoError> {
     let headers = headers(path)?;
-    let column = |(name, values): (String, Vec<f64>)| PreviewColumn { name, values, words: vec![] };
-    let of_text =
-        |c: csv::TextColumn| PreviewColumn { name: c.name, values: c.values, words: c.words };
+    let column = |(name, values): (String, Vec<f64>)| PreviewColumn {
+        name,
+        values,
+        ..PreviewColumn::default()
+    };
+    let of_text = |c: csv::TextColumn| PreviewColumn {
+        name: c.name,
+        values: c.values,
+        words: c.words,
+        texts: c.texts,
+    };
     Ok(match headers.source {
         Source::Text(layout) => {
             let columns: Vec<_> = csv::all(path, &layout)?.into_iter().map(of_text).collect();
@@ -42,10 +52,10 @@ pub fn preview(path: &Path) -> Result<Vec<PreviewColumn>, IoError> {
             let read = |name: &String| {
                 let frame = parquet::read(path, vec![name.clone()])?;
                 let wrong = |e| format_error(path, "table", &e);
-                let column = frame.column(name).map_err(wrong)?;
-                let cast = column.cast(&polars::prelude::DataType::Float64).map_err(wrong)?;
+                let found = frame.column(name).map_err(wrong)?;
+                let cast = found.cast(&polars::prelude::DataType::Float64).map_err(wrong)?;
                 let values = cast.f64().map_err(wrong)?.iter().map(|v| v.unwrap_or(f64::NAN));
-                Ok(PreviewColumn { name: name.clone(), values: values.collect(), words: vec![] })
+                Ok(column((name.clone(), values.collect())))
             };
             let read: Vec<Result<_, IoError>> = headers.names.iter().map(read).collect();
             read.into_iter().filter_map(Result::ok).collect()

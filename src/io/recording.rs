@@ -398,7 +398,9 @@ fn numbers(path: &Path, frame: &DataFrame, name: &str, before: usize) -> Result<
     if matches!(column.dtype(), DataType::String) {
         let cells = column.str().map_err(wrong)?.iter().map(Option::unwrap_or_default);
         let cells = cells.enumerate();
-        return cells.map(|(k, c)| csv::value(c, true).ok_or_else(|| broken(k, c))).collect();
+        return cells
+            .map(|(k, c)| csv::value(c, csv::Style::Either).ok_or_else(|| broken(k, c)))
+            .collect();
     }
     let column = column.cast(&DataType::Float64).map_err(wrong)?;
     let values = column.f64().map_err(wrong)?.iter();

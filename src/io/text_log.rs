@@ -27,7 +27,7 @@ use self::decode::decoded;
 use self::header::names;
 use self::stamp::CLOCK;
 use super::IoError;
-use super::csv::{is_separator, may_be_keyed, quantity, split, unfolded, value};
+use super::csv::{Evidence, Style, is_separator, may_be_keyed, quantity, split, unfolded, value};
 use super::error::shown;
 
 /// Columns with their names; a cell without a number is NaN.
@@ -151,13 +151,23 @@ pub(super) fn has_no_header(names: &[String]) -> bool {
 
 impl Table {
     fn columns(&self, text: &str) -> Columns {
-        let keyed = self.keyed(text);
-        header::completed(keyed.unwrap_or_else(|| self.numbers(text.lines())), text)
+        let style = self.style(text);
+        let keyed = self.keyed(text, style);
+        header::completed(keyed.unwrap_or_else(|| self.numbers(text.lines(), style)), text)
+    }
+
+    /// How the numbers of all rows are written.
+    fn style(&self, text: &str) -> Style {
+        let mut evidence = Evidence::default();
+        for line in text.lines().skip(self.first).filter(|line| !is_comment(line)) {
+            let cells = cells(self.bare(line), self.separator);
+            cells.iter().enumerate().for_each(|(k, cell)| evidence.see(k, cell));
+        }
+        evidence.style(self.separator)
     }
 
     /// The columns of rows that are those of several motors in turn.
-    fn keyed(&self, text: &str) -> Option<Columns> {
-        let comma = self.separator != ',';
+    fn keyed(&self, text: &str, style: Style) -> Option<Columns> {
         let rows = || {
             let held =
                 text.lines().skip(self.first).filter(|line| !is_blank(line) && !is_comment(line));
@@ -170,17 +180,17 @@ impl Table {
             .take(LOOKED_AT)
             .map(|row| places.clone().map(|k| cell(&row, k)).collect())
             .collect();
-        if head.is_empty() || !may_be_keyed(&self.names, &head, comma) {
+        if head.is_empty() || !may_be_keyed(&self.names, &head, style) {
             return None;
         }
         let mut texts: Vec<Vec<String>> = vec![vec![]; self.names.len()];
         for row in rows() {
             texts.iter_mut().enumerate().for_each(|(k, column)| column.push(cell(&row, k)));
         }
-        unfolded(&self.names, &texts, comma)
+        unfolded(&self.names, &texts, style)
     }
 
-    fn numbers<'a>(&self, lines: impl Iterator<Item = &'a str>) -> Columns {
+    fn numbers<'a>(&self, lines: impl Iterator<Item = &'a str>, style: Style) -> Columns {
         let mut columns: Columns = self.names.iter().map(|n| (n.clone(), vec![])).collect();
         let mut clock = vec![];
         for line in lines.skip(self.first).filter(|line| !is_blank(line) && !is_comment(line)) {
@@ -190,7 +200,7 @@ impl Table {
             let cells = cells(line, self.separator);
             for (k, (_, values)) in columns.iter_mut().enumerate() {
                 let cell = cells.get(self.before + k).map_or("", String::as_str);
-                values.push(value(cell, self.separator != ',').unwrap_or(f64::NAN));
+                values.push(value(cell, style).unwrap_or(f64::NAN));
             }
         }
         if self.read.is_some() {
@@ -247,7 +257,7 @@ fn is_data(cells: &[String], separator: char) -> bool {
         return false;
     }
     let held = || cells.iter().filter(|c| !c.trim().is_empty());
-    let numbers = held().filter(|c| value(c, separator != ',').is_some()).count();
+    let numbers = held().filter(|c| value(c, Style::of(separator)).is_some()).count();
     numbers > 0 && 2 * numbers >= held().count()
 }
 
@@ -294,7 +304,8 @@ fn unnamed(lines: &[&str], first: usize, separator: char) -> Vec<(usize, usize)>
         .map(|line| cells(line, separator))
         .collect();
     let rows: Vec<&Vec<String>> = rows.iter().filter(|row| row.len() == rows[0].len()).collect();
-    let head = rows[0].first().filter(|cell| value(cell, separator != ',').is_none_or(f64::is_nan));
+    let head =
+        rows[0].first().filter(|cell| value(cell, Style::of(separator)).is_none_or(f64::is_nan));
     let before = usize::from(head.is_some() && rows.iter().all(|row| row.first() == head));
     let is_empty = |row: &&Vec<String>| row.len() > 2 && row.last().is_some_and(String::is_empty);
     let behind = usize::from(rows.iter().all(is_empty));

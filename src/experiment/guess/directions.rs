@@ -197,7 +197,7 @@ mod tests {
 
     fn column(name: &str, of: impl Fn(f64) -> f64) -> PreviewColumn {
         let values = (0..400).map(|k| of(0.05 * f64::from(k))).collect();
-        PreviewColumn { name: name.into(), values, words: vec![] }
+        PreviewColumn { name: name.into(), values, ..PreviewColumn::default() }
     }
 
     fn log(dir: impl Fn(f64) -> f64 + Copy, words: &[&str]) -> Guess {

@@ -27,7 +27,12 @@ mod tests {
     fn column(name: &str, words: &[&str]) -> PreviewColumn {
         let value = |k: i32| if words.is_empty() { f64::from(k % 17) } else { f64::NAN };
         let words = words.iter().map(ToString::to_string).collect();
-        PreviewColumn { name: name.into(), values: (0..100).map(value).collect(), words }
+        PreviewColumn {
+            name: name.into(),
+            values: (0..100).map(value).collect(),
+            words,
+            ..PreviewColumn::default()
+        }
     }
 
     #[test]

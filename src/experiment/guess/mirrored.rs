@@ -128,7 +128,7 @@ mod tests {
         let column = |name: &str, of: &dyn Fn(f64) -> f64| PreviewColumn {
             name: name.into(),
             values: (0..800).map(|k| of(0.05 * f64::from(k))).collect(),
-            words: vec![],
+            ..PreviewColumn::default()
         };
         let speed = |t: f64| [5.0 + t.sin(), 5.0 - t.sin()];
         let mut log = vec![

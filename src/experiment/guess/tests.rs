@@ -11,7 +11,7 @@ fn columns(names: &[&str]) -> Vec<PreviewColumn> {
         values: (0..100)
             .map(|j| ramp(k) * f64::from(j) * if k == 0 { 1.0 } else { (0.1 * f64::from(j)).sin() })
             .collect(),
-        words: vec![],
+        ..PreviewColumn::default()
     };
     names.iter().enumerate().map(column).collect()
 }
@@ -129,7 +129,7 @@ fn values_say_milliseconds_counts_and_their_number_per_turn() {
     let column = |name: &str, values: &[f64]| PreviewColumn {
         name: name.into(),
         values: values.to_vec(),
-        words: vec![],
+        ..PreviewColumn::default()
     };
     let log = [
         column("clock", &t),
@@ -187,7 +187,7 @@ fn driven(inputs: &[Input], left: f64) -> Vec<PreviewColumn> {
     let column = |name: &str, of: &dyn Fn(f64) -> f64| PreviewColumn {
         name: name.into(),
         values: t.iter().map(|t| of(*t)).collect(),
-        words: vec![],
+        ..PreviewColumn::default()
     };
     let mut out = vec![
         column("t", &|t| t),
@@ -226,7 +226,7 @@ fn wheels_that_turn_against_each_other_raise_a_question() {
 
 fn column(name: &str, of: impl Fn(f64) -> f64) -> PreviewColumn {
     let values = (0..1000).map(|k| of(0.01 * f64::from(k))).collect();
-    PreviewColumn { name: name.into(), values, words: vec![] }
+    PreviewColumn { name: name.into(), values, ..PreviewColumn::default() }
 }
 
 #[test]

@@ -54,7 +54,7 @@ impl<'a> Blocks<'a> {
         let place = |n: &String| layout.names.iter().position(|h| h == n).unwrap_or_default();
         let wanted = names.iter().map(|n| (n.as_str(), place(n))).collect();
         let lines = BufReader::with_capacity(1 << 16, file);
-        let header = 1 + usize::from(layout.units);
+        let header = 1 + layout.units;
         Ok(Self { path, layout, wanted, lines, text: vec![], line: 0, header, row: 0 })
     }
 

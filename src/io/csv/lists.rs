@@ -35,13 +35,12 @@ pub(in crate::io) fn lists(path: &Path, layout: &Layout) -> Result<Option<Column
     }
     let texts = by_place(path, layout)?;
     let words = places.iter().find_map(|k| joints(texts[*k].first()?));
-    let comma = layout.separator != b',';
     let mut columns = vec![];
     for (k, name) in layout.names.iter().enumerate() {
         if places.contains(&k) {
             columns.extend(of_cells(name, &texts[k], words.as_deref()));
         } else {
-            let number = |cell: &String| value(cell, comma).unwrap_or(f64::NAN);
+            let number = |cell: &String| value(cell, layout.style).unwrap_or(f64::NAN);
             columns.push((name.clone(), texts[k].iter().map(number).collect()));
         }
     }

@@ -1,22 +1,22 @@
 //! A cell of text as a number: decimal commas, dates and times of day.
 
+use super::style::Style;
+
 /// Words for a value that is not there.
 pub(in crate::io) const ABSENT: [&str; 6] = ["", "na", "n/a", "null", "none", "-"];
 
 /// A cell of data as a number; NaN where it says that there is none.
-pub(in crate::io) fn value(cell: &str, decimal_comma: bool) -> Option<f64> {
+pub(in crate::io) fn value(cell: &str, style: Style) -> Option<f64> {
     let bare = cell.trim().trim_matches('"').trim().to_lowercase();
     if ABSENT.contains(&bare.as_str()) {
         return Some(f64::NAN);
     }
-    number(cell, decimal_comma).or_else(|| date_time(&bare))
+    number(cell, style).or_else(|| date_time(&bare))
 }
 
-/// A cell as a number; a comma may be the decimal sign where it does not separate columns.
-pub(in crate::io) fn number(cell: &str, decimal_comma: bool) -> Option<f64> {
-    let cell = cell.trim().trim_matches('"').trim();
-    let parsed = cell.parse().ok();
-    if parsed.is_none() && decimal_comma { cell.replacen(',', ".", 1).parse().ok() } else { parsed }
+/// A cell as a number that is written in that style.
+pub(in crate::io) fn number(cell: &str, style: Style) -> Option<f64> {
+    style.number(cell.trim().trim_matches('"').trim())
 }
 
 /// A number and the unit that stands behind it, with a space between or without: `44.1rpm`, `0.01 sec`, `12%`. The
@@ -63,6 +63,9 @@ fn date_time(text: &str) -> Option<f64> {
     // a span of time, as pandas writes it
     if let Some((days, time)) = text.split_once(" days ") {
         return Some(DAY * days.parse::<f64>().ok()? + clock(time, half)?);
+    }
+    if let Some((days, time)) = named_date(text) {
+        return Some(DAY * days + time.map_or(Some(0.0), |time| clock(time, half))?);
     }
     // the last slash of `2026/03/03/12:00:00`
     let parted = text
@@ -115,6 +118,57 @@ fn days_of(date: &str, is_american: bool) -> Option<f64> {
     days_since_1970(year, month, day).map(|days| days as f64)
 }
 
+/// First letters of the names of months in English, and where they differ in German and French.
+const MONTHS: [&[&str]; 12] = [
+    &["jan"],
+    &["feb", "fév", "fev"],
+    &["mar", "mär", "mrz"],
+    &["apr", "avr"],
+    &["may", "mai"],
+    &["jun", "juin"],
+    &["jul", "juil"],
+    &["aug", "aoû", "aou"],
+    &["sep"],
+    &["oct", "okt"],
+    &["nov"],
+    &["dec", "dez", "déc"],
+];
+
+/// Month of a name or its beginning, from 1.
+fn month(word: &str) -> Option<i64> {
+    let is_name = word.chars().count() >= 3 && word.chars().all(char::is_alphabetic);
+    let begins = |names: &&[&str]| names.iter().any(|name| word.starts_with(name));
+    let place = MONTHS.iter().position(|names| begins(&names))?;
+    is_name.then_some(place as i64 + 1)
+}
+
+/// Days since 1970 of a date whose month is a name, and the time of day where one stands beside it: `01-may-2024
+/// 10:00:00.010`, `mon jun 10 13:03:00 2024`, `june 10, 2024`. The day is the first number that may be one.
+fn named_date(text: &str) -> Option<(f64, Option<&str>)> {
+    if !text.contains(char::is_alphabetic) {
+        return None;
+    }
+    let (times, words): (Vec<&str>, Vec<&str>) = text.split(' ').partition(|w| w.contains(':'));
+    let parts = words.iter().flat_map(|word| word.split(['-', '/', '.', ',']));
+    let (mut named, mut numbers) = (None, vec![]);
+    for part in parts.filter(|part| !part.is_empty()) {
+        match (part.parse::<i64>(), month(part)) {
+            (Ok(number), _) => numbers.push(number),
+            (_, Some(found)) if named.is_none() => named = Some(found),
+            (..) if WEEKDAYS.iter().any(|day| part.starts_with(day)) => {}
+            _ => return None,
+        }
+    }
+    let (&[a, b], month, true) = (&numbers[..], named?, times.len() < 2) else { return None };
+    let (day, year) = if a > 31 { (b, a) } else { (a, b) };
+    // two digits of a year
+    let year = if year < 100 { year + 2000 } else { year };
+    Some((days_since_1970(year, month, day)? as f64, times.first().copied()))
+}
+
+/// First letters of the days of a week, which a date may begin with, and words of a time zone behind it.
+const WEEKDAYS: [&str; 9] = ["mon", "tue", "wed", "thu", "fri", "sat", "sun", "utc", "gmt"];
+
 /// Days of the Gregorian calendar. Source: H. Hinnant, chrono-compatible low-level date algorithms.
 fn days_since_1970(year: i64, month: i64, day: i64) -> Option<i64> {
     if !(1..=12).contains(&month) || !(1..=31).contains(&day) || !(1900..3000).contains(&year) {
@@ -144,11 +198,14 @@ mod tests {
             "3/3/2026 12:00:00.250 PM",
             "2026-03-03 12:00:00:250",
         ] {
-            assert_eq!(value(text, true), Some(expected), "{text}");
+            assert_eq!(value(text, Style::Either), Some(expected), "{text}");
         }
-        assert!(value("", false).unwrap().is_nan() && value("null", false).unwrap().is_nan());
+        assert!(
+            value("", Style::Point).unwrap().is_nan()
+                && value("null", Style::Point).unwrap().is_nan()
+        );
         for text in ["broken", "2026-13-03 00:00", "1:x", "1:03:00 XM", "12:00:x"] {
-            assert_eq!(value(text, true), None, "{text}");
+            assert_eq!(value(text, Style::Either), None, "{text}");
         }
     }
 
@@ -189,10 +246,23 @@ mod tests {
             ("12:00:00.5 am", 0.5),
             ("0 days 00:00:02.5", 2.5),
         ] {
-            assert_eq!(value(text, false), Some(seconds), "{text}");
+            assert_eq!(value(text, Style::Point), Some(seconds), "{text}");
+        }
+        // python: datetime(2024, 10, 1, 10, 0, 0, 10000, timezone.utc).timestamp()
+        for text in [
+            "01-Oct-2024 10:00:00.010",
+            "1 October 2024 10:00:00,010",
+            "Tue Oct 1 10:00:00.010 2024",
+            "Oct 1, 2024 10:00:00.010 AM",
+            "2024-Okt-01 10:00:00.01",
+        ] {
+            assert_eq!(value(text, Style::Point), Some(1_727_776_800.01), "{text}");
+        }
+        for text in ["01-Foo-2024 10:00:00", "May", "1 May", "Oct 1 2024 motor 3"] {
+            assert_eq!(value(text, Style::Point), None, "{text}");
         }
         // the 14th is no month; the day after the 10th of June is the 11th in both notations
-        let day = |text: &str| value(text, false).unwrap();
+        let day = |text: &str| value(text, Style::Point).unwrap();
         assert_eq!(day("6/14/2024 00:00") - day("13.6.2024 00:00"), 86_400.0);
         assert_eq!(day("6/11/2024 0:00:00 AM") - day("6/10/2024 0:00:00 AM"), 86_400.0);
     }

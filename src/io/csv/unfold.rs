@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use super::{Layout, by_place, value};
+use super::{Layout, Style, by_place, value};
 use crate::io::IoError;
 
 /// Columns with their names.
@@ -54,34 +54,33 @@ pub(in crate::io) fn unfold(path: &Path, layout: &Layout) -> Result<Option<Colum
     let head = super::rows(path)?.take(LOOKED_AT);
     let head: Vec<Vec<String>> =
         head.map(|(_, _, line)| super::split(&String::from_utf8_lossy(&line), separator)).collect();
-    let comma = layout.separator != b',';
-    if !may_be_keyed(&layout.names, &head, comma) {
+    if !may_be_keyed(&layout.names, &head, layout.style) {
         return Ok(None);
     }
-    Ok(unfolded(&layout.names, &by_place(path, layout)?, comma))
+    Ok(unfolded(&layout.names, &by_place(path, layout)?, layout.style))
 }
 
 /// Whether the first rows have a time, and a column that may say whose row it is.
-pub(in crate::io) fn may_be_keyed(names: &[String], rows: &[Vec<String>], comma: bool) -> bool {
+pub(in crate::io) fn may_be_keyed(names: &[String], rows: &[Vec<String>], style: Style) -> bool {
     let head: Vec<Vec<String>> = (0..names.len())
         .map(|k| rows.iter().map(|row| row.get(k).map_or("", |c| c.trim()).to_string()).collect())
         .collect();
-    let Some(time) = time(&head, comma) else { return false };
-    (0..names.len()).any(|k| k != time && is_label(&names[k], &head[k], &head[time], comma))
+    let Some(time) = time(&head, style) else { return false };
+    (0..names.len()).any(|k| k != time && is_label(&names[k], &head[k], &head[time], style))
 }
 
 /// The same of cells that are held, column by column.
 pub(in crate::io) fn unfolded(
     names: &[String],
     texts: &[Vec<String>],
-    comma: bool,
+    style: Style,
 ) -> Option<Columns> {
     let head: Vec<Vec<String>> =
         texts.iter().map(|cells| cells.iter().take(LOOKED_AT).cloned().collect()).collect();
-    let time = time(&head, comma)?;
-    let times: Vec<f64> = texts[time].iter().map(|c| value(c, comma).unwrap_or(f64::NAN)).collect();
+    let time = time(&head, style)?;
+    let times: Vec<f64> = texts[time].iter().map(|c| value(c, style).unwrap_or(f64::NAN)).collect();
     let are_labels: Vec<usize> = (0..names.len())
-        .filter(|k| *k != time && is_label(&names[*k], &head[*k], &head[time], comma))
+        .filter(|k| *k != time && is_label(&names[*k], &head[*k], &head[time], style))
         .filter(|k| (2..=JOINTS).contains(&distinct(texts[*k].iter().map(String::as_str)).len()))
         .collect();
     let labels = match alternating(&head, &are_labels) {
@@ -92,7 +91,7 @@ pub(in crate::io) fn unfolded(
         return None;
     }
     // numbers that are written down for people, as a table's own, are no quantities of a joint
-    let rows = Rows::new(names, texts, &labels, time, comma);
+    let rows = Rows::new(names, texts, &labels, time, style);
     Some(with_numbers(
         rows.side_by_side(&times),
         &rows.quantities.iter().map(|(n, _)| n).collect::<Vec<_>>(),
@@ -106,7 +105,7 @@ struct Rows<'a> {
     /// Which key each row has.
     owner: Vec<usize>,
     quantities: Vec<(String, &'a [String])>,
-    comma: bool,
+    style: Style,
 }
 
 impl<'a> Rows<'a> {
@@ -115,7 +114,7 @@ impl<'a> Rows<'a> {
         texts: &'a [Vec<String>],
         labels: &[usize],
         time: usize,
-        comma: bool,
+        style: Style,
     ) -> Self {
         let key = |row: usize| {
             labels.iter().map(|k| texts[*k][row].as_str()).collect::<Vec<_>>().join(".")
@@ -131,7 +130,7 @@ impl<'a> Rows<'a> {
         }
         let quantities = (0..names.len()).filter(|k| *k != time && !labels.contains(k));
         let quantities = quantities.map(|k| (names[k].clone(), &texts[k][..])).collect();
-        Self { time: &names[time], keys, owner, quantities, comma }
+        Self { time: &names[time], keys, owner, quantities, style }
     }
 
     /// A column for each quantity and key: rows of one time are one row, unless a key comes again.
@@ -158,7 +157,7 @@ impl<'a> Rows<'a> {
                 }
             };
             for (column, (_, cells)) in columns[first..].iter_mut().zip(&self.quantities) {
-                column[at] = value(&cells[row], self.comma).unwrap_or(f64::NAN);
+                column[at] = value(&cells[row], self.style).unwrap_or(f64::NAN);
             }
         }
         names.into_iter().zip(columns).collect()
@@ -198,9 +197,9 @@ fn with_numbers(columns: Columns, quantities: &[&String]) -> Columns {
 }
 
 /// The time: the first column that never falls and changes.
-fn time(head: &[Vec<String>], comma: bool) -> Option<usize> {
+fn time(head: &[Vec<String>], style: Style) -> Option<usize> {
     let rises = |cells: &Vec<String>| {
-        let values: Option<Vec<f64>> = cells.iter().map(|c| value(c, comma)).collect();
+        let values: Option<Vec<f64>> = cells.iter().map(|c| value(c, style)).collect();
         values.is_some_and(|v| {
             v.windows(2).all(|w| w[1] >= w[0])
                 && v.first().zip(v.last()).is_some_and(|(a, b)| a < b)
@@ -211,8 +210,8 @@ fn time(head: &[Vec<String>], comma: bool) -> Option<usize> {
 
 /// Whether a column may say whose row it is: words, numbers under the name of a motor, or a few whole numbers that come
 /// in turn in rows of the same time.
-fn is_label(name: &str, cells: &[String], times: &[String], comma: bool) -> bool {
-    let number = |cell: &String| value(cell, comma);
+fn is_label(name: &str, cells: &[String], times: &[String], style: Style) -> bool {
+    let number = |cell: &String| value(cell, style);
     if cells.iter().all(|c| !c.is_empty() && number(c).is_none()) {
         return true;
     }

@@ -144,6 +144,42 @@ fn names_units_factors_and_offsets_are_applied() {
 }
 
 #[test]
+fn thousands_and_quoted_decimal_commas_are_read() {
+    let number = |x: f64, is_german: bool| {
+        let digits = format!("{:.2}", x.abs() % 1000.0);
+        let thousands = (x.abs() / 1000.0).floor();
+        let text = if thousands > 0.0 { format!("{thousands},{digits:0>6}") } else { digits };
+        let sign = if x < 0.0 { "-" } else { "" };
+        let swapped = |c: char| match c {
+            ',' => '.',
+            '.' => ',',
+            c => c,
+        };
+        format!("{sign}{}", if is_german { text.chars().map(swapped).collect() } else { text })
+    };
+    let rows = |separator: &str, is_german: bool, factor: f64| {
+        let row = |k: u32| {
+            let x = f64::from(k);
+            let cells =
+                [10.0 * x, factor * (x - 150.0), 0.63, -0.25, 0.5].map(|x| number(x, is_german));
+            cells.map(|c| format!("\"{c}\"")).join(separator)
+        };
+        (0..300).map(row).collect::<Vec<_>>().join("\n")
+    };
+    let mut map = ColumnMap::default();
+    map.set("t", "t", Some("ms"), 1.0).unwrap();
+    for (separator, is_german, factor) in
+        [(",", false, 9.5), (";", true, 9.5), (";", false, 9.5), (",", true, 0.5)]
+    {
+        let header = ["t", "dalpha1", "dalpha2", "M1", "M2"].join(separator);
+        let text = format!("{header}\n{}", rows(separator, is_german, factor));
+        let r = Scratch::new("run.csv", text).read_as(&map).unwrap();
+        assert!((r.t()[299] - 2.99).abs() < 1e-12, "{separator} {is_german}: {}", r.t()[299]);
+        assert_eq!((r.omega()[299], r.torque()[0]), ([149.0 * factor, 0.63], [-0.25, 0.5]));
+    }
+}
+
+#[test]
 fn one_column_may_stand_for_both_wheels_and_a_calendar_starts_at_zero() {
     let body: Vec<String> = (0..30)
         .map(|k| format!("{},{},{}", 1_700_000_000_000_000_000_i64 + 10_000_000 * k, k, 0.5))

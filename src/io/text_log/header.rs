@@ -2,12 +2,14 @@
 //! time.
 
 use super::{Columns, SEPARATORS, cells, is_blank, is_comment, made_up};
-use crate::io::csv::{ABSENT, is_units, value, with_unit};
+use crate::io::csv::{ABSENT, Style, is_units, value, with_unit};
 
 /// Lines above the rows among which the names are looked for.
 const ABOVE: usize = 3;
 /// Lines in which the header of LabVIEW stands.
 const PREAMBLE: usize = 60;
+/// First cell of the line of units of LabVIEW.
+const UNITS: &str = "Y_Unit_Label";
 /// First words of a measurement file of LabVIEW.
 const LABVIEW: &str = "LabVIEW Measurement";
 
@@ -21,7 +23,7 @@ pub(super) fn names(
 ) -> (Option<usize>, Vec<String>) {
     let no_number = |cells: &[String]| {
         let named =
-            |c: &String| ABSENT.contains(&c.as_str()) || value(c, separator != ',').is_none();
+            |c: &String| ABSENT.contains(&c.as_str()) || value(c, Style::of(separator)).is_none();
         cells.len() == count && cells.iter().all(named) && cells.iter().any(|c| !c.is_empty())
     };
     let named_cells = |line: &str, separator: char| {
@@ -57,9 +59,10 @@ pub(super) fn names(
             continue;
         }
         // or somewhere in the preamble, behind a word that says so
-        let of_line = |line: &&str| Some(self::cells(line, separator)).filter(|c| c.len() == count);
-        let preamble = || lines[..k].iter().rev().filter_map(of_line).find(|c| is_units(c));
-        let units = units.clone().or_else(preamble).unwrap_or_default();
+        let above = || lines[..k].iter().rev().map(|line| self::cells(line, separator));
+        let preamble = || above().find(|c| c.len() == count && is_units(c));
+        let labelled = || above().find_map(|row| labelled(&row, &cells));
+        let units = units.clone().or_else(labelled).or_else(preamble).unwrap_or_default();
         let is_one = |cell: &&String| is_units(std::slice::from_ref(*cell));
         let unit = |k: usize| units.get(k).filter(is_one).map_or("", String::as_str);
         let name = |(k, cell): (usize, &String)| {
@@ -72,6 +75,18 @@ pub(super) fn names(
     (None, (0..count).map(made_up).collect())
 }
 
+/// The units of columns by the line of LabVIEW that has one for each channel, and none for times and comments.
+fn labelled(row: &[String], names: &[String]) -> Option<Vec<String>> {
+    let (_, units) = row.split_first().filter(|(first, _)| *first == UNITS)?;
+    let mut units: Vec<&String> = units.iter().filter(|unit| !unit.is_empty()).rev().collect();
+    let is_channel = |name: &String| !name.starts_with("X_Value") && name != "Comment";
+    if names.iter().filter(|name| is_channel(name)).count() != units.len() {
+        return None;
+    }
+    let unit = |name: &String| if is_channel(name) { units.pop().cloned() } else { None };
+    Some(names.iter().map(unit).map(Option::unwrap_or_default).collect())
+}
+
 /// Whether a name comes again.
 fn is_repeated(names: &[String]) -> bool {
     names.iter().enumerate().any(|(k, name)| !name.is_empty() && names[..k].contains(name))
@@ -82,7 +97,7 @@ fn is_repeated(names: &[String]) -> bool {
 fn groups(above: &[&str], separator: char, count: usize) -> Option<Vec<String>> {
     let line = above.iter().rev().find(|line| !is_blank(line) && !is_comment(line))?;
     let mut found = cells(line, separator);
-    let is_word = |cell: &String| cell.is_empty() || value(cell, separator != ',').is_none();
+    let is_word = |cell: &String| cell.is_empty() || value(cell, Style::of(separator)).is_none();
     if found.len() != count || !found.iter().all(is_word) || found.iter().all(String::is_empty) {
         return None;
     }
@@ -136,7 +151,7 @@ fn described(above: &[&str], count: usize) -> Option<(usize, Vec<String>)> {
 pub(super) fn completed(mut columns: Columns, text: &str) -> Columns {
     let number = |key: &str| -> Option<f64> {
         let line = text.lines().take(PREAMBLE).find(|line| line.starts_with(key))?;
-        value(line.split('\t').nth(1)?, true).filter(|x| x.is_finite())
+        value(line.split('\t').nth(1)?, Style::Either).filter(|x| x.is_finite())
     };
     let rows = columns.first().map_or(0, |(_, values)| values.len());
     if text.trim_start_matches('\u{feff}').starts_with(LABVIEW)
@@ -182,6 +197,15 @@ mod tests {
         assert_eq!(names(&comments, 3, ' ', 2).1, ["time [s]", "speed"]);
         assert_eq!(names(&["# 0) t", "# 1) w", "0 1"], 2, ' ', 2).1, ["t", "w"]);
         assert_eq!(names(&["# 3 of 2", "# 5 of 2", "0 1"], 2, ' ', 2).1, ["column1", "column2"]);
+    }
+
+    #[test]
+    fn units_in_the_header_of_labview_stand_behind_the_names() {
+        let lines = ["Y_Unit_Label\tdeg\tVolts", "X_Value\tEncoder\tMotor\tComment", "0\t1\t2\t"];
+        let found = names(&lines, 2, '\t', 4).1;
+        assert_eq!(found, ["X_Value", "Encoder [deg]", "Motor [Volts]", "Comment"]);
+        let lines = ["Y_Unit_Label\tdeg\tV", "X_Value\ta\tX_Value\tb", "0\t1\t0\t2"];
+        assert_eq!(names(&lines, 2, '\t', 4).1, ["X_Value", "a [deg]", "X_Value", "b [V]"]);
     }
 
     #[test]

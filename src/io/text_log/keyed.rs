@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::Columns;
 use super::record::{Pairs, assigned_texts, collected, joined, pairs};
-use crate::io::csv::is_owner;
+use crate::io::csv::{Style, is_owner};
 
 /// Records that say whether a word does.
 const LOOKED_AT: usize = 64;
@@ -51,7 +51,7 @@ fn keys(lines: &[&str]) -> Option<Owners> {
 fn words(line: &str) -> Vec<(String, String)> {
     let is_word = |name: &str, text: &str| {
         let is_number = text.parse::<i64>().is_ok();
-        is_number && is_owner(name) || !is_number && super::value(text, false).is_none()
+        is_number && is_owner(name) || !is_number && super::value(text, Style::Point).is_none()
     };
     let found: Vec<(String, String)> = match serde_json::from_str(line.trim()) {
         Ok(Value::Object(map)) => {

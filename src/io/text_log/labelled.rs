@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::record::{self, Pairs, qualified};
 use super::{Columns, Table, cells, is_blank, is_comment};
 use crate::io::columns::is_unit;
-use crate::io::csv::{quantity, value, with_unit};
+use crate::io::csv::{Style, quantity, value, with_unit};
 
 /// Lines that say whether a text consists of such.
 const LOOKED_AT: usize = 64;
@@ -107,7 +107,7 @@ pub(super) fn is_one(lines: &[&str], table: Option<&Table>) -> bool {
     let found = || held.iter().filter_map(|(line, found)| Some((*line, found.as_ref()?)));
     let is_glued = |(line, found): (&str, &Line)| {
         let cells = cells(table.bare(line), table.separator);
-        let numbers = cells.iter().filter(|c| value(c, table.separator != ',').is_some());
+        let numbers = cells.iter().filter(|c| value(c, Style::of(table.separator)).is_some());
         let count = found.pairs.len() + usize::from(found.before.is_some());
         count > numbers.count() + usize::from(table.read.is_some())
     };
@@ -120,7 +120,7 @@ fn is_headed(lines: &[&str]) -> bool {
     let (Some(first), Some(second)) = (held.next(), held.next()) else { return false };
     super::PLAIN.iter().any(|separator| {
         let (names, row) = (cells(first, *separator), cells(second, *separator));
-        let is_name = |c: &String| !c.is_empty() && value(c, *separator != ',').is_none();
+        let is_name = |c: &String| !c.is_empty() && value(c, Style::of(*separator)).is_none();
         names.len() > 1
             && names.len() == row.len()
             && names.iter().all(|c| is_name(c) && !c.contains(':'))

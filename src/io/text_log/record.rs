@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::stamp::CLOCK;
 use super::{Columns, made_up, stamp};
-use crate::io::csv::{quantity, value, with_unit};
+use crate::io::csv::{Style, quantity, value, with_unit};
 
 /// Labels of a line among which those that come again are distinguished; a line of more is not that of a robot.
 const REPEATED: usize = 256;
@@ -111,7 +111,7 @@ fn table(value: &Value) -> Option<Columns> {
     let rows = lists().find(|list| list.len() > 1 && list.iter().all(is_row))?;
     let column = |(k, name): (usize, &Value)| {
         let number =
-            |row: &Value| row[k].as_f64().or_else(|| super::value(row[k].as_str()?, false));
+            |row: &Value| row[k].as_f64().or_else(|| super::value(row[k].as_str()?, Style::Point));
         let values = rows.iter().map(|row| number(row).unwrap_or(f64::NAN)).collect();
         (name.as_str().unwrap_or_default().to_string(), values)
     };
@@ -247,7 +247,7 @@ fn assigned(word: &str) -> Option<Option<Assigned<'_>>> {
     if !name.starts_with(|c: char| c.is_alphabetic() || c == '_') {
         return None;
     }
-    let found = quantity(text).or_else(|| Some((value(text, false)?, "")));
+    let found = quantity(text).or_else(|| Some((value(text, Style::Point)?, "")));
     match found {
         Some((number, unit)) => Some(Some((name, number, unit))),
         None => (!text.contains([':', '='])).then_some(None),
@@ -275,7 +275,7 @@ fn flatten(path: &str, value: &Value, out: &mut Vec<(String, f64)>) {
         Value::Bool(flag) => out.push((path.into(), f64::from(u8::from(*flag)))),
         Value::String(text) => {
             // a date is a number too; other words are none
-            let number = super::value(text, false).filter(|x| x.is_finite());
+            let number = super::value(text, Style::Point).filter(|x| x.is_finite());
             out.extend(number.map(|x| (path.into(), x)));
         }
         Value::Null | Value::Array(_) => {}

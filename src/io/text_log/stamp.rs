@@ -1,6 +1,6 @@
 //! The time of arrival that a serial monitor or a logger writes before each line.
 
-use crate::io::csv::{duration, value};
+use crate::io::csv::{Style, duration, value};
 
 /// The name of its column.
 pub(super) const CLOCK: &str = "clock";
@@ -62,7 +62,7 @@ pub(super) fn is_on(lines: &[&str], read: fn(&str) -> Option<(f64, &str)>) -> bo
 /// A time of day, a date, a number, a number with a unit of time.
 fn time(text: &str) -> Option<f64> {
     let is_number = text.trim_start().starts_with(|c: char| c.is_ascii_digit());
-    value(text, false).or_else(|| duration(text)).filter(|t| is_number && t.is_finite())
+    value(text, Style::Point).or_else(|| duration(text)).filter(|t| is_number && t.is_finite())
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::Columns;
 use super::record::collected;
-use crate::io::csv::value;
+use crate::io::csv::{Style, value};
 
 /// Messages that say whether a text consists of them.
 const MESSAGES: usize = 2;
@@ -106,7 +106,7 @@ fn numbers(values: &[Value]) -> Vec<(String, f64)> {
     };
     let is_short = |path: &str| parted(path).is_none_or(|(_, k)| k < ELEMENTS);
     let number = |(path, text): &Value| {
-        let number = value(text, false).filter(|x| x.is_finite())?;
+        let number = value(text, Style::Point).filter(|x| x.is_finite())?;
         is_short(path).then(|| (named(path), number))
     };
     values.iter().filter_map(number).collect()

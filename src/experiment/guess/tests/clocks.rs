@@ -3,7 +3,11 @@
 use super::*;
 
 fn counted(name: &str, of: impl Fn(usize) -> f64) -> PreviewColumn {
-    PreviewColumn { name: name.into(), values: (0..400).map(of).collect(), words: vec![] }
+    PreviewColumn {
+        name: name.into(),
+        values: (0..400).map(of).collect(),
+        ..PreviewColumn::default()
+    }
 }
 
 fn time(columns: &[PreviewColumn]) -> Guessed {

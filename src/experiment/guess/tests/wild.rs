@@ -4,7 +4,7 @@ use super::*;
 
 fn column(name: &str, f: impl Fn(f64) -> f64) -> PreviewColumn {
     let values = (0..400).map(|k| f(0.05 * f64::from(k))).collect();
-    PreviewColumn { name: name.into(), values, words: vec![] }
+    PreviewColumn { name: name.into(), values, ..PreviewColumn::default() }
 }
 
 fn of<'a>(g: &'a Guess, key: &str) -> &'a Guessed {
