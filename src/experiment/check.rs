@@ -28,6 +28,9 @@ pub fn check(file: &Path, set: &[String]) -> Result<String, ExperimentError> {
     };
     let _ = writeln!(out, "  model       {effects}: {}", plan.model.symbols().join(", "));
     plan.recordings.iter().for_each(|measured| recording(measured, &mut out));
+    for sum in &plan.sums {
+        let _ = writeln!(out, "  input       {sum}");
+    }
     conditioning(&plan, &mut out);
     let robot = plan.model.robot();
     let notes: Vec<(&str, String)> = plan.recordings.iter().flat_map(|m| notes(m, robot)).collect();

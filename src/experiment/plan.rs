@@ -68,6 +68,8 @@ pub struct Plan {
     pub model: Model,
     /// Effects written as formulas in the file, in the model or not.
     pub own: Vec<Own>,
+    /// Inputs that are the sum of several columns, in words.
+    pub sums: Vec<String>,
     /// Keys of the file that do not do what they seem to, in sentences.
     pub remarks: Vec<String>,
     /// Recordings; at least one to train on.

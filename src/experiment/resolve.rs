@@ -106,6 +106,7 @@ fn plan(
         file: text.to_string(),
         typed: vec![],
         source: std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf()),
+        sums: sums(file),
         remarks,
         robot_is_given: file.robot.is_some(),
         model,
@@ -128,6 +129,14 @@ fn plan(
     super::align::weigh(&mut plan, is_built(file.robot.as_ref()));
     super::align::align(&mut plan, &Asked { hold, settings: file.conditioning });
     Ok(plan)
+}
+
+/// Inputs that are the sum of several columns, in words: `M1 = front_right + rear_right`.
+fn sums(file: &ExperimentFile) -> Vec<String> {
+    let columns = file.recordings.iter().flat_map(|r| &r.columns);
+    let sums = columns.filter(|(_, column)| !column.plus.is_empty());
+    sums.map(|(key, column)| format!("{key} = {} + {}", column.name, column.plus.join(" + ")))
+        .collect()
 }
 
 /// What follows from a robot whose construction nobody gave.

@@ -14,7 +14,7 @@ pub(super) const CONTRACT: [&str; 7] = ["t", "alpha1", "alpha2", "dalpha1", "dal
 /// A column of a file and how its values are written.
 ///
 /// ```text
-/// value [SI] = factor of the unit * (scale * value in the file + offset) * value of another column
+/// value [SI] = factor of the unit * (scale * (value in the file + those of `plus`) + offset) * value of another column
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
@@ -36,6 +36,8 @@ pub struct Column {
     pub sum: bool,
     /// Time between two rows \[s\] of a recording without a column of the time; stands alone.
     pub period: Option<f64>,
+    /// Columns that are added to the value: the torques or currents of the other motors of a side.
+    pub plus: Vec<String>,
     /// Column that multiplies the value; 1 without one.
     pub times: Option<String>,
     /// Column that says the direction of a magnitude.
@@ -60,6 +62,7 @@ impl Column {
             nanoseconds: None,
             sum: false,
             period: None,
+            plus: vec![],
             times: None,
             sign: None,
             backward: None,
@@ -131,6 +134,7 @@ impl ColumnMap {
         {
             return Err(IoError::Direction { column: key.into() });
         }
+        self.check_sum(contract, &column)?;
         if column.torque_constant.is_some() && self.drive_unit != DriveUnit::NewtonMetre {
             let need = "drive_unit = \"N m\" (the default) beside torque_constant".into();
             return Err(IoError::UnitNeeds { column: key.into(), unit: "A".into(), need });
@@ -141,6 +145,25 @@ impl ColumnMap {
         }
         self.columns.insert(contract, column);
         Ok(())
+    }
+
+    /// Refuses a sum of what does not add up: angles, speeds, voltages, a column twice.
+    fn check_sum(&self, key: &str, column: &Column) -> Result<(), IoError> {
+        let all: Vec<&String> = std::iter::once(&column.name).chain(&column.plus).collect();
+        let twice = (1..all.len()).find(|k| all[..*k].contains(&all[*k]));
+        let reason = if column.plus.is_empty() {
+            return Ok(());
+        } else if !key.starts_with('M') {
+            "only torques and currents of M1 and M2 add up; name the angle or speed of one wheel"
+                .into()
+        } else if self.drive_unit == DriveUnit::Volt {
+            "voltages do not add up: motors of one side have the same; leave `plus` out".into()
+        } else if let Some(k) = twice {
+            format!("column `{}` stands there twice; name each once", all[k])
+        } else {
+            return Ok(());
+        };
+        Err(IoError::Sum { column: key.into(), reason })
     }
 
     /// The column of a quantity of the contract.
@@ -172,6 +195,16 @@ impl ColumnMap {
         let unit = column.unit.as_deref().or(implied).or(header_unit);
         let factor = unit.map_or(Ok(1.0), |unit| self.factor(key, column, unit))?;
         Ok((factor * column.scale, factor * column.offset))
+    }
+
+    /// Unit of the contract: of times, angles, speeds, and of the inputs that of the experiment.
+    pub(super) fn unit_of(&self, key: &str) -> &'static str {
+        match key {
+            "t" => "s",
+            "alpha1" | "alpha2" => "rad",
+            "dalpha1" | "dalpha2" => "rad/s",
+            _ => self.drive_unit.symbol(),
+        }
     }
 
     /// Factor from a unit to that of the contract.
@@ -212,6 +245,7 @@ impl ColumnMap {
                 ("ns", Ok(1e-9)),
                 ("min", Ok(60.0)),
                 ("h", Ok(3600.0)),
+                ("d", Ok(86_400.0)),
             ],
             "alpha1" | "alpha2" => vec![
                 ("rad", Ok(1.0)),
@@ -248,6 +282,10 @@ impl ColumnMap {
                     ("N m", Ok(1.0)),
                     ("mN m", Ok(1e-3)),
                     ("N cm", Ok(1e-2)),
+                    ("kgf cm", Ok(1e-2 * KILOGRAM_FORCE)),
+                    ("oz in", Ok(POUND_FORCE / 16.0 * INCH)),
+                    ("lb in", Ok(POUND_FORCE * INCH)),
+                    ("lb ft", Ok(12.0 * POUND_FORCE * INCH)),
                     ("A", ampere),
                     ("mA", ampere.map(|k| 1e-3 * k)),
                     ("V", volt),
@@ -264,6 +302,11 @@ impl ColumnMap {
     }
 }
 
+/// Weight of a kilogram \[N\], of a pound \[N\], and an inch \[m\]. Source: ISO 80000, by definition.
+const KILOGRAM_FORCE: f64 = 9.806_65;
+const POUND_FORCE: f64 = 0.453_592_37 * KILOGRAM_FORCE;
+const INCH: f64 = 0.0254;
+
 fn quantity(key: &str) -> &'static str {
     match key {
         "t" => "time",
@@ -278,11 +321,12 @@ fn plain(unit: &str) -> String {
 }
 
 /// Other ways to write a unit.
-const SPELLINGS: [(&str, &[&str]); 16] = [
+const SPELLINGS: [(&str, &[&str]); 21] = [
     ("s", &["sec", "secs", "second", "seconds"]),
     ("us", &["µs", "μs"]),
     ("min", &["minute", "minutes"]),
     ("h", &["hr", "hrs", "hour", "hours"]),
+    ("d", &["day", "days"]),
     ("deg", &["degree", "degrees", "°"]),
     ("rad/s", &["rad/sec", "rads/s"]),
     ("deg/s", &["°/s", "deg/sec", "dps"]),
@@ -293,6 +337,10 @@ const SPELLINGS: [(&str, &[&str]); 16] = [
     ("ticks/s", &["ticks/sec", "counts/s", "counts/sec"]),
     ("m/s", &["m/sec"]),
     ("N m", &["n-m"]),
+    ("kgf cm", &["kgf-cm", "kgcm", "kg-cm"]),
+    ("oz in", &["oz-in", "ozfin", "ozf-in", "in-oz", "inoz"]),
+    ("lb in", &["lb-in", "lbin", "lbfin", "lbf-in", "in-lb", "inlb"]),
+    ("lb ft", &["lb-ft", "lbft", "lbfft", "lbf-ft", "ft-lb", "ftlb"]),
     ("A", &["amp", "amps", "ampere", "amperes"]),
     ("V", &["volt", "volts"]),
 ];

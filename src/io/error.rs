@@ -70,7 +70,7 @@ pub enum IoError {
         file: String,
     },
     /// A column that is needed is not there.
-    #[error("{file}: there is no column `{column}`{}; the file has {present}. Say which it is in the experiment file: columns = {{ {key} = \"…\" }}", near.as_ref().map_or(String::new(), |n| format!(" (did you mean `{n}`?)")))]
+    #[error("{file}: there is no column `{column}`{}; the file has {present}. Say which it is in the experiment file: columns = {{ {} }}", near.as_ref().map_or(String::new(), |n| format!(" (did you mean `{n}`?)")), assigned(key))]
     MissingColumn {
         /// As the user named it.
         file: String,
@@ -110,7 +110,9 @@ pub enum IoError {
         reason: String,
     },
     /// A unit that is not known for the quantity.
-    #[error("columns.{column}: unit `{unit}` is not known for {quantity}; use one of {known}")]
+    #[error(
+        "columns.{column}: unit `{unit}` is not known for {quantity}; use one of {known}, or the factor to one of them: unit = \"{}\", scale = …", known.split(',').next().unwrap_or_default()
+    )]
     Unit {
         /// Contract column.
         column: String,
@@ -133,7 +135,7 @@ pub enum IoError {
     },
     /// A unit in the header that is not known for the quantity.
     #[error(
-        "{file}: the header says `{column}`, but `{unit}` is not known as its unit; give the unit in the experiment file: columns = {{ {key} = {{ name = \"{column}\", unit = \"…\" }} }}"
+        "{file}: the header says `{column}`, but `{unit}` is not known as its unit; give a unit that is known in the experiment file, and the factor to it as scale: columns = {{ {key} = {{ name = \"{column}\", unit = \"{si}\", scale = … }} }}"
     )]
     HeaderUnit {
         /// As the user named it.
@@ -142,6 +144,8 @@ pub enum IoError {
         column: String,
         /// What stands in the brackets.
         unit: String,
+        /// Unit of the contract.
+        si: &'static str,
         /// Its key in `columns`.
         key: String,
     },
@@ -156,6 +160,14 @@ pub enum IoError {
         factor: f64,
         /// Offset in SI.
         offset: f64,
+    },
+    /// A sum of what does not add up.
+    #[error("columns.{column}.plus: {reason}")]
+    Sum {
+        /// Contract column.
+        column: String,
+        /// What is wrong, and the remedy.
+        reason: String,
     },
     /// A direction of what has none, or what says it without a column.
     #[error(
@@ -297,6 +309,11 @@ pub enum IoError {
         /// Line of the file, where a row is named and the file has lines.
         line: Option<usize>,
     },
+}
+
+/// A key with what it is given; a list where it takes one.
+fn assigned(key: &str) -> String {
+    if key.ends_with(".plus") { format!("{key} = [\"…\"]") } else { format!("{key} = \"…\"") }
 }
 
 fn in_file(line: Option<usize>) -> String {

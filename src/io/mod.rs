@@ -12,6 +12,7 @@ mod long;
 mod mcap_table;
 mod parquet;
 mod preview;
+mod rate;
 mod recording;
 mod signals;
 mod summary;
@@ -37,7 +38,10 @@ pub use journal::Journal;
 pub use long::read_long_recording;
 pub use mcap_table::write_mcap_table;
 pub use preview::{PreviewColumn, preview};
-pub use recording::{Headers, RawChannels, headers, parts, read_channels, read_recording};
+pub use rate::stated_period;
+pub use recording::{
+    Headers, RawChannels, headers, parts, read_channels, read_recording, unknown_unit,
+};
 pub use summary::{group_rows, read_parquet_table, write_csv_table};
 pub use table::{TableColumn, write_csv, write_parquet_pieces, write_parquet_table};
 

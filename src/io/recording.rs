@@ -3,6 +3,7 @@
 mod direction;
 mod header;
 mod missing;
+mod sum;
 
 use std::path::{Path, PathBuf};
 
@@ -10,6 +11,7 @@ use polars::prelude::{DataFrame, DataType, PolarsError};
 
 pub(super) use self::direction::read_words;
 use self::direction::{SIGNS, give_sign};
+pub use self::header::unknown_unit;
 use self::header::{bare, bracketed};
 use self::missing::missing;
 use super::columns::CONTRACT;
@@ -251,6 +253,11 @@ pub(super) fn channels(
         let Some((_, name)) = wanted.iter().find(|(k, _)| *k == key) else { return Ok(None) };
         let (factor, offset) = conversion(path, columns, key, name)?;
         let mut values = numbers(path, frame, name, place.first)?;
+        for other in sum::columns_of(key, wanted) {
+            // another controller may write in rows of its own
+            let others = held(numbers(path, frame, other, place.first)?);
+            values.iter_mut().zip(others).for_each(|(x, other)| *x += other);
+        }
         // a row without a time may come first
         let start = values.iter().copied().find(|t| t.is_finite()).unwrap_or_default();
         if key == "t"
@@ -327,6 +334,7 @@ fn conversion(
                 file: shown(path),
                 column: name.into(),
                 unit: unit.into(),
+                si: columns.unit_of(key),
                 key: key.into(),
             }
         }
@@ -369,6 +377,7 @@ pub(super) fn wanted(
         }
         out.push((key, name.clone()));
     }
+    out.extend(sum::wanted(path, headers, columns, &out)?);
     for (key, of) in SIGNS {
         let Some(name) = &columns.get(of).sign else { continue };
         if !headers.names.contains(name) {

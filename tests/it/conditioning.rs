@@ -48,6 +48,9 @@ fn columns(block: &toml::Table) -> Vec<(String, String, String)> {
         if !of("sign").is_empty() {
             out.push((key.replace('M', "sign"), of("sign").to_string(), String::new()));
         }
+        for other in column.get("plus").and_then(toml::Value::as_array).into_iter().flatten() {
+            out.push((key.clone(), other.as_str().unwrap().to_string(), unit.to_string()));
+        }
         for other in ["nanoseconds", "times"] {
             if !of(other).is_empty() {
                 out.push((other.into(), of(other).to_string(), String::new()));
@@ -100,7 +103,15 @@ fn the_examples_of_the_docs_are_accepted_as_they_stand() {
         let table: toml::Table = toml::from_str(block).unwrap();
         let columns = columns(&table);
         let plain = csv(&motion());
-        for file in ["run1.csv", "run2.csv", "log.csv", "pwm.csv", "magnitudes.csv", "drive.csv"] {
+        for file in [
+            "run1.csv",
+            "run2.csv",
+            "log.csv",
+            "pwm.csv",
+            "magnitudes.csv",
+            "drive.csv",
+            "skid.csv",
+        ] {
             folder.write(file, if columns.is_empty() { plain.clone() } else { log(&columns) });
         }
         folder.write("e.toml", block);

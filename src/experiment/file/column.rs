@@ -33,6 +33,9 @@ pub struct ColumnEntry {
     pub sum: bool,
     /// Time between two rows \[s\] of a recording without a column of the time (`t` only, in place of all other keys).
     pub period: Option<f64>,
+    /// Columns that are added to the value: the torques or currents of the other motors of a side (`M1` and `M2` only).
+    #[serde(default)]
+    pub plus: Vec<String>,
     /// Column that multiplies the value, for example the voltage of the battery where the input is a
     /// duty cycle (`M1` and `M2` only).
     pub times: Option<String>,
@@ -53,6 +56,7 @@ impl From<ColumnEntry> for Column {
             nanoseconds: entry.nanoseconds,
             sum: entry.sum,
             period: entry.period,
+            plus: entry.plus,
             times: entry.times,
             sign: entry.sign,
             backward: entry.backward,

@@ -55,6 +55,41 @@ fn the_unit_of_a_command_leaves_its_size_to_scale() {
 }
 
 #[test]
+fn torques_in_weights_and_days_become_si() {
+    let map = ColumnMap::default();
+    let of = |key: &str, unit: &str| factor(&map, key, in_unit(unit)).unwrap().0;
+    // NIST SP 811: 1 kgf m = 9.80665 N m, 1 ozf in = 7.061552e-3, 1 lbf in = 0.1129848, 1 lbf ft = 1.355818
+    for (unit, expected) in [
+        ("kgf.cm", 0.098_066_5),
+        ("kg-cm", 0.098_066_5),
+        ("oz-in", 7.061_552e-3),
+        ("in-lb", 0.112_984_8),
+        ("lb-ft", 1.355_818),
+    ] {
+        // seven digits are given
+        assert!((of("M1", unit) / expected - 1.0).abs() < 3e-7, "{unit}");
+    }
+    assert_eq!(of("t", "days"), 86_400.0);
+}
+
+#[test]
+fn what_does_not_add_up_is_refused() {
+    let sum = |unit: DriveUnit, key: &str, plus: &[&str]| {
+        let plus = plus.iter().map(ToString::to_string).collect();
+        ColumnMap::new(unit, None).put(key, Column { plus, ..Column::new("a") })
+    };
+    assert_eq!(sum(DriveUnit::Ampere, "M2", &["b", "c"]), Ok(()));
+    for (unit, key, plus, words) in [
+        (DriveUnit::Volt, "M1", "b", "voltages do not add up"),
+        (DriveUnit::NewtonMetre, "dalpha1", "b", "only torques and currents"),
+        (DriveUnit::NewtonMetre, "M1", "a", "`a` stands there twice"),
+    ] {
+        let e = sum(unit, key, &[plus]).unwrap_err().to_string();
+        assert!(e.contains(words) && e.contains(&format!("columns.{key}.plus")), "{e}");
+    }
+}
+
+#[test]
 fn counts_currents_scale_and_offset_are_converted() {
     let map = ColumnMap::default();
     let ticks = Column { per_turn: Some(500.0), ..Column::new("enc") };

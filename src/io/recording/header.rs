@@ -1,5 +1,7 @@
 //! What stands in brackets behind the name of a column.
 
+use super::super::{Column, ColumnMap, IoError};
+
 /// The name without the unit behind it.
 pub(super) fn bare(name: &str) -> &str {
     if is_element(name) { name } else { name.split(['[', '(']).next().unwrap_or(name).trim() }
@@ -9,6 +11,14 @@ pub(super) fn bare(name: &str) -> &str {
 pub(super) fn bracketed(name: &str) -> Option<&str> {
     let (_, unit) = name.trim_end_matches([']', ')']).split_once(['[', '('])?;
     Some(unit.trim()).filter(|u| !u.is_empty() && !is_element(name))
+}
+
+/// The unit that the header states behind a name, where it is none of that quantity.
+#[must_use]
+pub fn unknown_unit<'a>(map: &ColumnMap, key: &str, name: &'a str) -> Option<&'a str> {
+    let unit = bracketed(name)?;
+    let found = map.conversion(key, &Column::new(name), Some(unit));
+    matches!(found, Err(IoError::Unit { .. })).then_some(unit)
 }
 
 /// Whether the brackets behind a name hold an index, as in `name[0]` and `name(:,1)`.
@@ -28,5 +38,9 @@ mod tests {
         assert_eq!((bare("i (A)"), bracketed("i (A)")), ("i", Some("A")));
         assert_eq!((bare("velocity(:,1)"), bracketed("velocity(:,1)")), ("velocity(:,1)", None));
         assert_eq!((bare("t"), bracketed("t []")), ("t", None));
+        let unknown =
+            |key: &str, name: &'static str| unknown_unit(&ColumnMap::default(), key, name);
+        assert_eq!(unknown("M1", "torque [0.1%]"), Some("0.1%"));
+        assert_eq!((unknown("M1", "torque [oz-in]"), unknown("M1", "i [A]")), (None, None));
     }
 }

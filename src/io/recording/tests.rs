@@ -144,6 +144,38 @@ fn names_units_factors_and_offsets_are_applied() {
 }
 
 #[test]
+fn the_torques_of_two_motors_of_a_side_are_added() {
+    let row = |k: usize| {
+        let t = 0.01 * k as f64;
+        // the second motor of the left side is written in every other row
+        let slow = if k % 2 == 0 { "0.25" } else { "" };
+        format!("{t},{},1,{t},0.5,-0.25,{slow}", 1.0 + t)
+    };
+    let rows = (0..40).map(row).collect::<Vec<_>>().join("\n");
+    let text = |unit: &str| format!("t,dalpha1,dalpha2,a [mN m],b [{unit}],c,d\n{rows}");
+    let map = |plus: &str| {
+        let mut map = ColumnMap::default();
+        let column =
+            |name: &str, plus: &str| Column { plus: vec![plus.into()], ..Column::new(name) };
+        map.put("M1", column("a", plus)).unwrap();
+        map.put("M2", Column { offset: 0.5, scale: 2.0, ..column("c", "d") }).unwrap();
+        map
+    };
+    let r = Scratch::new("run.csv", text("mN m")).read_as(&map("b [mN m]")).unwrap();
+    for k in 0..40 {
+        let [a, b] = r.torque()[k];
+        assert!((a - 1e-3 * (0.01 * k as f64 + 0.5)).abs() < 1e-15 && b == 0.5, "{a} {b}");
+    }
+    let refused = |unit: &str, plus: &str| {
+        Scratch::new("run.csv", text(unit)).read_as(&map(plus)).unwrap_err().to_string()
+    };
+    let e = refused("N m", "b [N m]");
+    assert!(e.contains("columns.M1.plus: the header states `mN m` for `a [mN m]`"), "{e}");
+    let e = refused("mN m", "e [mN m]");
+    assert!(e.contains("no column `e [mN m]`") && e.contains("M1.plus = [\"…\"]"), "{e}");
+}
+
+#[test]
 fn thousands_and_quoted_decimal_commas_are_read() {
     let number = |x: f64, is_german: bool| {
         let digits = format!("{:.2}", x.abs() % 1000.0);
