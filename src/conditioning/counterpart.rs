@@ -7,7 +7,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::finding::{Channel, Finding, Kind};
+use super::finding::{Action, Channel, Finding, Kind};
 use super::signal::{column, median, pieces, quantile};
 use super::{Conditioned, Context, Settings};
 
@@ -75,7 +75,11 @@ fn units(work: &mut Conditioned, settings: &Settings, context: &Context, ratios:
     let known = known(context);
     let mut fits = known.iter().filter(|(factor, ..)| (first / factor - 1.0).abs() < CLOSE);
     // with two that fit nobody knows which
-    let (Some((factor, unit, target)), None) = (fits.next(), fits.next()) else { return };
+    let (factor, unit, target) = match (fits.next(), fits.next()) {
+        (Some(one), None) => one,
+        (None, _) => return gear(work, first),
+        _ => return,
+    };
     if unit.is_empty() {
         return;
     }
@@ -99,6 +103,21 @@ fn units(work: &mut Conditioned, settings: &Settings, context: &Context, ratios:
         Target::Speed => scale(c.omega.as_mut(), 1.0 / factor),
         Target::Angle => scale(c.alpha.as_mut(), *factor),
         Target::Time => c.t.iter_mut().for_each(|t| *t /= factor),
+    }
+}
+
+/// Gears between a motor and a wheel.
+const GEARS: std::ops::Range<f64> = 1.25..1000.0;
+
+/// Notes speeds and angles of different shafts: those of a motor, and those of the wheel behind its gear.
+fn gear(work: &mut Conditioned, ratio: f64) {
+    if GEARS.contains(&ratio) || GEARS.contains(&(1.0 / ratio)) {
+        let found = [0, 1].map(|i| Finding {
+            channel: Channel::Speed(i),
+            kind: Kind::Gear { ratio },
+            action: Action::Noted,
+        });
+        work.findings.extend(found);
     }
 }
 
@@ -194,6 +213,25 @@ mod tests {
             assert!(differ(done.channels.alpha.as_ref(), right.alpha.as_ref()) < 1e-9, "{unit}");
             assert!((done.channels.t[1999] - 19.99).abs() < 1e-9);
         }
+    }
+
+    #[test]
+    fn speeds_of_a_motor_beside_angles_of_the_wheel_are_said() {
+        let said = |factor: f64| {
+            let done = changed(|c| {
+                c.omega.iter_mut().flatten().for_each(|v| *v = v.map(|x| x * factor));
+            });
+            crate::conditioning::sentences(&done.findings).join("\n")
+        };
+        assert!(
+            said(30.0).contains("write scale = 0.0333 in dalpha1 and dalpha2"),
+            "{}",
+            said(30.0)
+        );
+        assert!(said(0.0125).contains("write scale = 0.0125 in alpha1 and alpha2"));
+        // a radius of 0.05 m makes the same of metres
+        assert!(said(20.0).contains("in m (or a gear of 19.99"), "{}", said(20.0));
+        assert_eq!(said(1.1), "");
     }
 
     #[test]

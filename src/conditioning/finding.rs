@@ -178,6 +178,11 @@ pub enum Kind {
         /// Unit whose factor that ratio is.
         unit: &'static str,
     },
+    /// Speeds that are this many times the slope of the angles, which is the factor of no unit: a gear between them.
+    Gear {
+        /// Ratio of speed to slope of the angle.
+        ratio: f64,
+    },
     /// A channel whose sign contradicts the others.
     Sign,
     /// An input that takes the energy out that friction and inertia need.
@@ -291,6 +296,7 @@ impl Kind {
             Self::Reset { step_rad, .. } => ("reset", step_rad, "rad"),
             Self::Spikes { count, .. } => ("spikes", count as f64, "samples"),
             Self::Unit { factor, .. } => ("unit", factor, "1"),
+            Self::Gear { ratio } => ("gear", ratio, "1"),
             Self::Sign => ("sign", -1.0, "1"),
             Self::Opposing => ("opposing", -1.0, "1"),
             Self::Exchanged => ("exchanged", 1.0, "1"),

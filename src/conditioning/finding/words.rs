@@ -2,6 +2,13 @@
 
 use super::{Channel, Kind};
 
+/// The factor of a gear that a ratio of speed to slope of the angle may be, and the columns whose values it turns into
+/// those of the wheel: those of the faster shaft.
+fn gear_scale(ratio: f64) -> String {
+    let (key, scale) = if ratio > 1.0 { ("dalpha", 1.0 / ratio) } else { ("alpha", ratio) };
+    format!("scale = {:.4} in {key}1 and {key}2", scale)
+}
+
 /// What was found, and what is done about it unless it is switched off.
 pub(super) fn words(name: &str, kind: &Kind, channel: Channel) -> (String, String) {
     let ms = |s: f64| format!("{:.2} ms", 1e3 * s);
@@ -86,11 +93,29 @@ pub(super) fn words(name: &str, kind: &Kind, channel: Channel) -> (String, Strin
         Kind::Unit { factor, unit } => {
             let other =
                 if matches!(channel, Channel::Speed(_)) { "the slope of" } else { "that of" };
+            // a length as well as a gear may be any number
+            let or = if matches!(unit, "m" | "m/s") {
+                format!(
+                    " (or a gear of {:.4} lies between motor and wheel: write {})",
+                    factor.max(1.0 / factor),
+                    gear_scale(factor)
+                )
+            } else {
+                String::new()
+            };
             (
-                format!("{name} is {factor:.4} times {other} its counterpart: it is in {unit}"),
+                format!("{name} is {factor:.4} times {other} its counterpart: it is in {unit}{or}"),
                 "converted".into(),
             )
         }
+        Kind::Gear { ratio } => (
+            format!(
+                "{name} is {ratio:.4} times the slope of its counterpart, which is the factor of no unit: of a gear between \
+                 motor and wheel write {}",
+                gear_scale(ratio)
+            ),
+            "left as recorded".into(),
+        ),
         Kind::Sign => (
             format!("{name} has the opposite sign of its counterpart and of the input"),
             "turned".into(),
