@@ -4,8 +4,10 @@ use std::path::{Path, PathBuf};
 
 use super::error::ExperimentError;
 use super::guess::{Guess, Written, file_text, guess};
-use crate::conditioning::{Context, Finding, Settings, condition, sentences};
-use crate::io::{Column, ColumnMap, IoError, parts, preview, read_channels, write_whole};
+use crate::conditioning::{self, Channel, Context, Finding, Settings, condition, sentences};
+use crate::io::{
+    Column, ColumnMap, IoError, parts, preview, read_channels, stated_period, write_whole,
+};
 use crate::recording::{DriveUnit, Recording};
 use crate::study::shell_word;
 
@@ -47,7 +49,7 @@ pub(super) struct Draft {
     pub(super) text: String,
     /// What was guessed, in words.
     pub(super) words: String,
-    /// Whether something in it must be filled in before it can run.
+    /// Whether something in it must be filled in or changed before it can run.
     pub(super) is_open: bool,
 }
 
@@ -59,7 +61,12 @@ pub(super) fn draft(recordings: &[PathBuf], folder: &Path) -> Result<Draft, Expe
     let recordings = with_parts(recordings)?;
     let columns = preview(&recordings[0])?;
     let mut guess = guess(&columns);
-    let (mut said, mut kinds) = (vec![], vec![]);
+    let (mut said, mut kinds, mut unread) = (vec![], vec![], None);
+    if let Some((period, comment)) = stated_period(&recordings[0])
+        && guess.take_period(period)
+    {
+        said.push(in_a_line(&format!("`{comment}`: a row every {period} s")));
+    }
     for path in &recordings {
         let (words, kind) = match look(path, &guess) {
             Ok((recording, findings)) => {
@@ -67,12 +74,21 @@ pub(super) fn draft(recordings: &[PathBuf], folder: &Path) -> Result<Draft, Expe
                 let kind = Kind::of(&recording);
                 (seen(&recording, &findings, kind), Some(kind))
             }
-            Err(reason) => (vec![format!("not read yet: {reason}")], None),
+            Err(reason) => {
+                let said = format!("not read yet: {reason}");
+                unread.get_or_insert(format!("{}: {reason}", path.to_string_lossy()));
+                (vec![said], None)
+            }
         };
         let name = path.to_string_lossy();
         said.extend(words.into_iter().map(|w| in_a_line(&format!("{name}: {w}"))));
         kinds.push(kind);
     }
+    let is_asked = guess.is_open();
+    let unread: Option<String> = unread.filter(|_| !is_asked);
+    guess.questions.extend(unread.iter().map(|reason| {
+        format!("what is to be changed? The recording cannot be read with these columns: {reason}")
+    }));
     let (validation, split) = split(&kinds);
     said.extend(split);
     let recordings: Vec<(PathBuf, bool)> = recordings.into_iter().zip(validation).collect();
@@ -82,7 +98,7 @@ pub(super) fn draft(recordings: &[PathBuf], folder: &Path) -> Result<Draft, Expe
     if folder.join(SCHEMA).is_file() {
         text = format!("#:schema ./{SCHEMA}\n\n{text}");
     }
-    Ok(Draft { is_open: text.contains("\"?\""), text, words: guess.words() })
+    Ok(Draft { is_open: text.contains("\"?\"") || unread.is_some(), text, words: guess.words() })
 }
 
 /// The recordings, each test of a SysId file as one of its own.
@@ -102,11 +118,15 @@ fn with_parts(recordings: &[PathBuf]) -> Result<Vec<PathBuf>, IoError> {
 /// A recording as the guess reads it, and what conditioning says; or why it cannot be read. Which way it
 /// moves does not depend on counts per turn and radius; what conditioning says of angles does.
 fn look(path: &Path, guess: &Guess) -> Result<(Recording, Vec<Finding>), String> {
-    if !guess.columns.iter().any(|c| c.key == "t" && !c.scale_open) {
+    if guess.period.is_none() && !guess.columns.iter().any(|c| c.key == "t" && !c.scale_open) {
         return Err("the time between two rows is not known".into());
     }
     let is_scaled = !guess.columns.iter().any(|c| c.needs_per_turn() || c.is_in_metres());
     let mut columns = ColumnMap::new(guess.drive_unit, (!is_scaled).then_some(1.0));
+    if guess.period.is_some() {
+        let rows = Column { period: guess.period, ..Column::new("") };
+        columns.put("t", rows).map_err(|e| e.to_string())?;
+    }
     for one in &guess.columns {
         let column = Column {
             unit: one.unit.clone(),
@@ -115,6 +135,7 @@ fn look(path: &Path, guess: &Guess) -> Result<(Recording, Vec<Finding>), String>
             offset: one.offset.unwrap_or(0.0),
             nanoseconds: one.nanoseconds.clone(),
             sum: one.sum,
+            plus: one.plus.clone(),
             times: one.times.clone(),
             sign: one.sign.clone(),
             backward: one.backward.clone(),
@@ -136,7 +157,15 @@ fn look(path: &Path, guess: &Guess) -> Result<(Recording, Vec<Finding>), String>
 /// Units that speeds and angles show of each other go into the file.
 fn take_units(guess: &mut Guess, findings: &[Finding]) {
     for finding in findings {
-        let crate::conditioning::Kind::Unit { unit, .. } = finding.kind else { continue };
+        if let Finding {
+            channel: Channel::Speed(0),
+            kind: conditioning::Kind::Gear { ratio },
+            ..
+        } = *finding
+        {
+            ask_gear(guess, ratio);
+        }
+        let conditioning::Kind::Unit { unit, .. } = finding.kind else { continue };
         let key = finding.channel.name();
         let open = guess.columns.iter_mut().find(|c| c.key == key && c.unit.is_none());
         // half a turn has no unit in files; conditioning converts it
@@ -147,6 +176,26 @@ fn take_units(guess: &mut Guess, findings: &[Finding]) {
             one.evidence.push(format!("{finding}").split(';').next().unwrap_or_default().into());
         }
     }
+}
+
+/// Asks for the gear between the shafts of speeds and angles, and opens the factor of the faster one.
+fn ask_gear(guess: &mut Guess, ratio: f64) {
+    let (key, other, scale) =
+        if ratio > 1.0 { ("dalpha", "alpha", 1.0 / ratio) } else { ("alpha", "dalpha", ratio) };
+    let of = |key: &str| guess.columns.iter().find(|c| c.key.strip_prefix(key) == Some("1"));
+    let (Some(fast), Some(slow)) = (of(key), of(other)) else { return };
+    if [fast, slow].iter().any(|c| c.unit_open || c.scale_open || c.scale.is_some()) {
+        return;
+    }
+    guess.questions.push(format!(
+        "the speeds are {ratio:.4} times the slope of the angles: does a gear lie between `{}`, of a motor, and `{}`, of its \
+         wheel? Then write scale = {scale:.6} in {key}1 and {key}2 (with \"-\" where it turns the direction); else correct the \
+         units",
+        fast.name, slow.name
+    ));
+    let wheels =
+        guess.columns.iter_mut().filter(|c| c.key.strip_prefix(key).is_some_and(|k| k.len() == 1));
+    wheels.for_each(|c| c.scale_open = true);
 }
 
 fn seen(r: &Recording, findings: &[Finding], kind: Kind) -> Vec<String> {
@@ -243,5 +292,48 @@ mod tests {
         assert!(said[0].contains("turning on the spot: it is fitted"), "{said:?}");
         assert_eq!(split(&[s]), (vec![false], vec![]));
         assert!(split(&[s, t]).1[2].contains("no recording is left"));
+    }
+
+    /// The draft for a log of these rows, of wheels that turn both ways.
+    fn drafted(name: &str, header: &str, row: impl Fn(f64) -> String, rows: u32) -> Draft {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(name);
+        let body: Vec<String> = (0..rows).map(|k| row(0.01 * f64::from(k))).collect();
+        write_whole(&path, format!("{header}\n{}\n", body.join("\n")).as_bytes()).unwrap();
+        draft(&[path], folder.path()).unwrap()
+    }
+
+    #[test]
+    fn what_keeps_a_recording_from_being_read_is_asked() {
+        let row = |t: f64| format!("{t},{},{},{},{}", t.sin(), t.sin(), t.cos(), t.cos());
+        let few = drafted("few.csv", "t,w_r,w_l,tau_r,tau_l", row, 5);
+        assert!(few.is_open && few.words.contains("5 samples; at least 10"), "{}", few.words);
+        assert!(few.text.contains("#   - what is to be changed?"), "{}", few.text);
+        let many = drafted("many.csv", "t,w_r,w_l,tau_r,tau_l", row, 400);
+        assert!(!many.is_open && !many.text.contains("what is to be changed?"), "{}", many.text);
+    }
+
+    #[test]
+    fn a_gear_between_speeds_and_angles_is_asked() {
+        let row = |t: f64| {
+            let (angle, speed) = (5.0 * (1.0 - t.cos()), 100.0 * t.sin());
+            format!("{t},{speed},{speed},{angle},{angle},{},{}", 0.2 * t.cos(), 0.2 * t.cos())
+        };
+        let header = "t,motor_r_rad_s,motor_l_rad_s,angle_r_rad,angle_l_rad,tau_r,tau_l";
+        let found = drafted("gear.csv", header, row, 2000);
+        assert!(
+            found.is_open && found.words.contains("does a gear lie between"),
+            "{}",
+            found.words
+        );
+        assert!(found.text.contains("name = \"motor_r_rad_s\", scale = \"?\""), "{}", found.text);
+    }
+
+    #[test]
+    fn the_period_in_a_comment_stands_for_a_column_of_the_time() {
+        let row = |t: f64| format!("{},{},{},{}", t.sin(), t.sin(), t.cos(), t.cos());
+        let found = drafted("fs.csv", "# fs: 100 Hz\nw_r,w_l,tau_r,tau_l", row, 400);
+        assert!(!found.is_open && found.text.contains("t = { period = 0.01 }"), "{}", found.text);
+        assert!(found.text.contains("`# fs: 100 Hz`: a row every 0.01 s"), "{}", found.text);
     }
 }

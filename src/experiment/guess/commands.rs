@@ -77,9 +77,10 @@ pub(super) fn look(
             one.evidence.push(format!("{full} is the whole of the battery's voltage{milli}"));
         }
         guess.questions.push(format!(
-            "`{name}` goes up to {reaches}: is {full} the whole voltage of `{}`? Else write another \
+            "`{name}` goes up to {reaches}: is {full} the whole voltage of `{}` ({})? Else write another \
              scale in M1 and M2",
-            column.name
+            column.name,
+            volts_of(column, factor)
         ));
     } else if !is_pulse && is_volt_sized(top, &name, inputs.iter().map(|one| of(&one.name))) {
         guess.questions.push(format!(
@@ -113,6 +114,13 @@ fn effort(columns: &[PreviewColumn], battery: &PreviewColumn, guess: &Guess) -> 
          under [model]",
         first.name, battery.name
     ))
+}
+
+/// The battery of several columns whose names may be its own: the first with values of one.
+pub(super) fn battery<'a>(
+    found: &[(&'a PreviewColumn, Option<&'static str>)],
+) -> Option<(&'a PreviewColumn, Option<&'static str>)> {
+    found.iter().find(|(column, unit)| to_volts(column, *unit).is_some()).copied()
 }
 
 /// Whether numbers are rather volts than a share: fractions beyond one, by a name that says neither.
@@ -163,9 +171,20 @@ fn full_scale(top: f64, name: &str) -> f64 {
     FULL.into_iter().find(|full| top <= 1.001 * full).unwrap_or(top)
 }
 
-/// Factor from the battery's column to volts, where its values are those of a battery.
+/// The range of a battery in words.
+fn volts_of(column: &PreviewColumn, factor: f64) -> String {
+    let held = || column.values.iter().filter(|v| v.is_finite()).map(|v| factor * v);
+    let (low, high) = (held().fold(f64::INFINITY, f64::min), held().fold(0.0, f64::max));
+    format!("{low:.1} to {high:.1} V")
+}
+
+/// Factor from the battery's column to volts, where its values are those of a battery, which no load halves.
 fn to_volts(column: &PreviewColumn, unit: Option<&str>) -> Option<f64> {
     let top = largest(&column.values);
+    let low = column.values.iter().copied().filter(|v| v.is_finite()).fold(top, f64::min);
+    if unit.is_none() && low < 0.5 * top {
+        return None;
+    }
     let factors: &[f64] = match unit {
         Some("V") => &[1.0],
         Some("mV") => &[1e-3],

@@ -7,11 +7,13 @@ mod counts;
 mod directions;
 mod labels;
 mod mirrored;
+mod motors;
 mod names;
 mod pairs;
 mod relations;
 mod signs;
 mod speed_units;
+mod stated;
 mod text;
 mod values;
 
@@ -47,6 +49,8 @@ pub(super) struct Guessed {
     pub(super) sum: bool,
     /// Added after the factor.
     pub(super) offset: Option<f64>,
+    /// Columns that are added to the value.
+    pub(super) plus: Vec<String>,
     /// Column that multiplies the value.
     pub(super) times: Option<String>,
     /// Column that says the direction, and what it holds where the value is negative.
@@ -75,6 +79,8 @@ pub(super) struct Guess {
     pub(super) one_axis: bool,
     /// Whether no column can be the time, so that the period of the rows is asked for.
     pub(super) period_open: bool,
+    /// Time between two rows \[s\] that the file states beside its columns.
+    pub(super) period: Option<f64>,
 }
 
 /// A column with what its name says.
@@ -93,6 +99,7 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
         questions: vec![],
         one_axis: false,
         period_open: false,
+        period: None,
     };
     out.columns.extend(clock::time(&all));
     out.questions.extend(beside::look(&mut all));
@@ -140,11 +147,14 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
         out.columns.extend(input);
     }
     out.questions.extend(which_is_right(&out.columns));
-    let battery = all.iter().find(|c| c.named.battery).map(|c| (c.column, c.named.unit));
+    motors::look(&all, columns, &mut out);
+    let batteries = all.iter().filter(|c| c.named.battery).map(|c| (c.column, c.named.unit));
+    let battery = commands::battery(&batteries.collect::<Vec<_>>());
     values::units(columns, &mut out);
     counts::per_turn(columns, &mut out);
     speed_units::open(columns, &mut out);
     values::questions(columns, &mut out);
+    stated::look(&mut out);
     out.questions.extend(signs::lost(&all, columns, &out));
     commands::look(columns, battery, &mut out);
     directions.give(columns, &mut out);

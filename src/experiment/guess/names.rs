@@ -1,11 +1,13 @@
 //! What the name of a column says: quantity, wheel, unit.
 
 mod factor;
+mod unit;
 mod words;
 
 use self::factor::{many, multiplied, take_multiple, take_power_of_ten};
+use self::unit::{bracketed, split_unit, unit, unit_behind, unit_in_front};
 pub(super) use self::words::WISHED;
-use self::words::{BATTERY, OTHERS, QUANTITIES, STEPS, UNITS, WEAK};
+use self::words::{BATTERY, OTHERS, QUANTITIES, STEPS, WEAK};
 
 /// What a column may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -61,7 +63,7 @@ pub(super) fn named(name: &str) -> Named {
     });
     scale = times.or(scale).or_else(|| take_multiple(&mut words));
     let mut ending =
-        bracket.and_then(|u| bracketed(&u.to_lowercase().replace([' ', '·', '*', '.'], "")));
+        bracket.and_then(|u| bracketed(&u.to_lowercase().replace([' ', '·', '*', '.', '-'], "")));
     ending = ending.or(front);
     if ending.is_none() {
         ending = unit_behind(&mut words);
@@ -73,9 +75,7 @@ pub(super) fn named(name: &str) -> Named {
     let step = words.iter().any(|w| STEPS.contains(&w.as_str()))
         || words.windows(2).any(|w| w[0] == "delta" && matches!(w[1].as_str(), "t" | "time"));
     let other = step || words.iter().any(|w| OTHERS.contains(&w.as_str()));
-    let battery = words.iter().any(|w| BATTERY.contains(&w.as_str()))
-        && (matches!(ending, Some(("V" | "mV", _)))
-            || words.iter().any(|w| matches!(w.as_str(), "voltage" | "volt" | "volts" | "vbat")));
+    let battery = !name.contains('%') && is_battery(&words, ending.map(|(unit, _)| unit));
     let wished = words.iter().any(|w| WISHED.contains(&w.as_str()));
     let side = take_side(&mut words);
     let (mut quantity, mut word) = (None, String::new());
@@ -93,12 +93,25 @@ pub(super) fn named(name: &str) -> Named {
         }
     }
     // `sec`, `millis`: a unit of time and nothing else
-    let time = matches!(ending, Some(("s" | "ms" | "us" | "ns" | "min" | "h", _)));
+    let time = matches!(ending, Some(("s" | "ms" | "us" | "ns" | "min" | "h" | "d", _)));
     if quantity.is_none() && !other && time && words.is_empty() {
         quantity = Some(Quantity::Time);
     }
     let unit = ending.map(|(unit, _)| unit);
     Named { quantity, word, side, unit, scale, wished, battery, step, rest: words }
+}
+
+/// Whether a name is that of the voltage of the battery: it says volts, or says the battery and nothing else. The
+/// values then must be those of a battery.
+fn is_battery(words: &[String], unit: Option<&str>) -> bool {
+    let is_volt =
+        |w: &String| matches!(w.as_str(), "voltage" | "volt" | "volts" | "vbat" | "vbatt");
+    let is_one = |w: &String| BATTERY.contains(&w.as_str());
+    words.iter().any(is_one)
+        && match unit {
+            Some(unit) => matches!(unit, "V" | "mV"),
+            None => words.iter().any(is_volt) || words.iter().all(is_one),
+        }
 }
 
 /// Whether the unit behind a name says more than its word: the speed of `position_rpm`, what is not the input of
@@ -108,89 +121,6 @@ fn is_overruled(quantity: Option<Quantity>, word: &str, of: Quantity) -> bool {
         None => true,
         Some(Quantity::Angle) => of == Quantity::Speed,
         Some(_) => WEAK.contains(&word) || word.len() == 1,
-    }
-}
-
-/// Takes the unit off the end of the words. A single letter stays where another word says a quantity of which it is
-/// no unit: `a` of `speed_a` is a motor.
-fn unit_behind(words: &mut Vec<String>) -> Option<(&'static str, Option<Quantity>)> {
-    let before = words.clone();
-    let last = take_unit(words);
-    if let Some(inner) = unit_before_motor(&before, words) {
-        return Some(inner);
-    }
-    let found = of_its_quantity(last?, words);
-    let letter =
-        before.last().is_some_and(|last| last.len() == 1) && before.len() == words.len() + 1;
-    if letter
-        && let Some(of) = found.1
-        && let Some((said, word)) = take_quantity(&mut words.clone())
-        && said != of
-        && !WEAK.contains(&word.as_str())
-    {
-        *words = before;
-        return None;
-    }
-    Some(found)
-}
-
-/// The unit before a last letter that is a motor, and may have been taken for a unit: `current_mA.A`, `current_mA.B`.
-fn unit_before_motor(
-    before: &[String],
-    words: &mut Vec<String>,
-) -> Option<(&'static str, Option<Quantity>)> {
-    let (letter, inner) = before.split_last()?;
-    let is_free = before.len() <= words.len() + 1;
-    if letter.len() != 1 || !is_free || !letter.starts_with(char::is_alphabetic) {
-        return None;
-    }
-    let mut others = inner.to_vec();
-    let found = take_unit(&mut others)?;
-    // a side is found as such, and one letter is none of these units
-    if matches!(letter.as_str(), "l" | "r") || inner[others.len()..].concat().len() < 2 {
-        return None;
-    }
-    others.push(letter.clone());
-    *words = others;
-    Some(found)
-}
-
-/// A unit behind the words of a name: `ms` of a speed is m/s, no time.
-fn of_its_quantity(
-    found: (&'static str, Option<Quantity>),
-    words: &[String],
-) -> (&'static str, Option<Quantity>) {
-    let said = take_quantity(&mut words.to_vec()).map(|(said, _)| said);
-    match found.0 {
-        "ms" if said == Some(Quantity::Speed) => ("m/s", said),
-        _ => found,
-    }
-}
-
-/// A unit before the first sign that is no letter, of more letters than one: `mA_left`, and the rest of the name.
-fn unit_in_front(name: &str) -> (Option<(&'static str, Option<Quantity>)>, &str) {
-    let end = name.find(|c: char| !c.is_alphanumeric()).unwrap_or(name.len());
-    let (front, rest) = name.split_at(end);
-    let says = |(_, of): &(&str, Option<Quantity>)| of.is_some_and(|q| q != Quantity::Time);
-    let is_word = |word: &str| QUANTITIES.iter().any(|(_, words)| words.contains(&word));
-    let front = front.to_lowercase();
-    match unit(&front).filter(says) {
-        // what is a word of its quantity as well is found as such: `rpm_left`, `ticks_left`
-        Some(found) if front.len() > 1 && !rest.is_empty() && !is_word(&front) => {
-            (Some(found), rest)
-        }
-        _ => (None, name),
-    }
-}
-
-/// The name and the unit in brackets behind it; an index is no unit.
-fn split_unit(name: &str) -> (&str, Option<&str>) {
-    let trimmed = name.trim().trim_end_matches([']', ')']);
-    match trimmed.split_once(['[', '(']) {
-        Some((bare, inner)) if inner.chars().any(char::is_alphabetic) => {
-            (bare.trim(), Some(inner.trim()))
-        }
-        _ => (name, None),
     }
 }
 
@@ -215,38 +145,6 @@ fn words(name: &str) -> Vec<String> {
     }
     out.retain(|word| !word.is_empty());
     out
-}
-
-fn unit(text: &str) -> Option<(&'static str, Option<Quantity>)> {
-    let found = UNITS.iter().find(|(words, ..)| words.contains(&text));
-    found.map(|(_, unit, of)| (*unit, *of))
-}
-
-/// A unit in brackets; `min` and `h` are words of other names without them.
-fn bracketed(text: &str) -> Option<(&'static str, Option<Quantity>)> {
-    match text {
-        "min" | "minute" | "minutes" => Some(("min", None)),
-        "h" | "hr" | "hrs" | "hour" | "hours" => Some(("h", None)),
-        _ => unit(text),
-    }
-}
-
-/// Takes the unit off the end of the words: the longest ending that is one, of up to three words.
-fn take_unit(words: &mut Vec<String>) -> Option<(&'static str, Option<Quantity>)> {
-    for count in (1..=4.min(words.len())).rev() {
-        let from = words.len() - count;
-        let joined = words[from..].concat();
-        let slashed = words[from..].join("/");
-        // a name that is a unit and nothing else says it as its quantity: `t`, `v`, `a`
-        let alone = from == 0 && joined.len() < 2;
-        // `m_s` is m/s, and no ms
-        if let Some(found) = unit(&slashed).or_else(|| unit(&joined)).filter(|_| !alone) {
-            // words such as `rpm` and `volts` say the quantity too, `ticks` of an encoder as well
-            words.truncate(from);
-            return Some(found);
-        }
-    }
-    None
 }
 
 fn take_side(words: &mut Vec<String>) -> Option<Side> {
@@ -378,6 +276,9 @@ mod tests {
             ("taur", Some(Torque), Some(Right), None),
             ("Wheel Speed RL [rpm]", Some(Speed), Some(Left), Some("rpm")),
             ("battery_voltage_mV", None, None, Some("mV")),
+            ("torque_right [oz-in]", Some(Torque), Some(Right), Some("oz in")),
+            ("torque_left (kgf.cm)", Some(Torque), Some(Left), Some("kgf cm")),
+            ("left_pos_m", Some(Angle), Some(Left), Some("m")),
             ("alpha1", Some(Angle), Some(Numbered(1)), None),
             ("dalpha2", Some(Speed), Some(Numbered(2)), None),
         ];
@@ -396,6 +297,8 @@ mod tests {
         );
         assert_eq!(named("speed [1/min]").scale, None);
         assert!(named("battery_voltage_mV").battery && named("Vbat").battery);
-        assert!(!named("battery_charge").battery);
+        assert!(named("bat").battery && named("Battery").battery && named("vbatt").battery);
+        assert!(!named("battery_charge").battery && !named("battery [%]").battery);
+        assert!(!named("battery_mA").battery);
     }
 }

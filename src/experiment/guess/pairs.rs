@@ -11,6 +11,9 @@ const WHEELS: [&str; 4] = ["wheel", "wheels", "drive", "traction"];
 /// Words of the motor that is meant where one current is that of the battery.
 const MOTORS: [&str; 5] = ["motor", "wheel", "wheels", "drive", "mot"];
 
+/// What is written where several motors drive a side.
+const ADDED: &str = "; of several motors of a side one as name, and the others as plus = [\"…\"], which adds them up";
+
 /// Looks for pairs, and collects what must be asked of those that it does not take.
 pub(super) struct Pairs<'a, 'b> {
     all: &'a [Candidate<'b>],
@@ -41,10 +44,11 @@ impl<'a, 'b> Pairs<'a, 'b> {
         if !others.is_empty() {
             self.are_several = true;
             self.questions.push(format!(
-                "which of {} are those of the right and of the left wheel ({}, {})? Write them in place of \"?\"",
+                "which of {} are those of the right and of the left wheel ({}, {})? Write them in place of \"?\"{}",
                 listed(&[&[pair.0, pair.1], &others[..]].concat()),
                 keys[0],
-                keys[1]
+                keys[1],
+                if matches!(quantity, Quantity::Torque | Quantity::Current) { ADDED } else { "" }
             ));
             return None;
         }

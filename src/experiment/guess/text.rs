@@ -49,6 +49,11 @@ impl Guessed {
 }
 
 impl Guess {
+    /// Whether something of the columns must be filled in.
+    pub(in crate::experiment) fn is_open(&self) -> bool {
+        columns(self).contains("\"?\"")
+    }
+
     /// The guesses in words.
     pub(in crate::experiment) fn words(&self) -> String {
         let mut out = String::from("guessed from names and values of the columns (check them):\n");
@@ -58,8 +63,9 @@ impl Guess {
             let open = if one.unit_open { " in \"?\"" } else { "" };
             let unit = unit.unwrap_or_else(|| open.into());
             let times = one.times.as_ref().map_or(String::new(), |n| format!(" times {n}"));
+            let plus: String = one.plus.iter().map(|n| format!(" + {n}")).collect();
             let and = one.nanoseconds.as_ref().map_or(String::new(), |n| format!(" and {n}"));
-            let unit = format!("{and}{times}{unit}");
+            let unit = format!("{plus}{and}{times}{unit}");
             let why = one.evidence.join("; ");
             let why = if why.is_empty() { why } else { format!("   ({why})") };
             let _ = writeln!(out, "  {:<8} = {}{unit}{why}", one.key, one.name);
@@ -196,14 +202,21 @@ fn questions(out: &mut String, w: &Written) {
     for question in &w.guess.questions {
         let _ = writeln!(out, "#   - {}", in_a_line(question));
     }
-    let used = |name: &str| w.guess.columns.iter().any(|c| c.name == name);
+    let is_used = |c: &Guessed, name: &str| {
+        let beside = [&c.nanoseconds, &c.times, &c.sign].map(Option::as_deref);
+        c.name == name || c.plus.iter().any(|n| n == name) || beside.contains(&Some(name))
+    };
+    let used = |name: &str| w.guess.columns.iter().any(|c| is_used(c, name));
     let open: Vec<&PreviewColumn> = w.columns.iter().filter(|c| !used(&c.name)).collect();
     if open.is_empty() {
         return;
     }
     out.push_str("# Columns that are still open, with their first values and their range:\n");
     for column in open.iter().take(SHOWN) {
-        let first: Vec<String> = column.values.iter().take(3).map(|v| short(*v)).collect();
+        let first: Vec<String> = match &column.texts[..] {
+            [] => column.values.iter().take(3).map(|v| short(*v)).collect(),
+            texts => texts.iter().map(|text| format!("\"{}\"", in_a_line(text))).collect(),
+        };
         let finite = || column.values.iter().copied().filter(|v| v.is_finite());
         let (low, high) =
             (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
@@ -236,6 +249,9 @@ fn columns(guess: &Guess) -> String {
     let needed = ["t", "dalpha1", "dalpha2", "M1", "M2"];
     let open = needed.iter().filter(|key| !(there(key) || key.starts_with('d') && motion));
     entries.extend(open.map(|key| match *key {
+        "t" if guess.period.is_some() => {
+            format!("t = {{ period = {:?} }}", guess.period.unwrap_or_default())
+        }
         "t" if guess.period_open => "t = { period = \"?\" }".into(),
         key => format!("{key} = \"?\""),
     }));
@@ -269,6 +285,10 @@ fn entry(c: &Guessed) -> String {
     keys.extend(c.scale.filter(|_| !c.scale_open).map(|x| format!("scale = {x:?}")));
     keys.extend(c.scale_open.then(|| "scale = \"?\"".into()));
     keys.extend(c.offset.map(|x| format!("offset = {x:?}")));
+    if !c.plus.is_empty() {
+        let names: Vec<String> = c.plus.iter().map(|n| text(n)).collect();
+        keys.push(format!("plus = [{}]", names.join(", ")));
+    }
     keys.extend(c.times.as_ref().map(|n| format!("times = {}", text(n))));
     keys.extend(c.sign.as_ref().map(|n| format!("sign = {}", text(n))));
     keys.extend(c.sign_open.then(|| "sign = \"?\"".into()));

@@ -1,5 +1,6 @@
 //! What the values of columns say: units of time, counts, milliamperes, and what has to be asked.
 
+use super::names::named;
 use super::{Guess, Guessed};
 use crate::io::PreviewColumn;
 use crate::math::median;
@@ -30,7 +31,10 @@ pub(super) fn fits(key: &str, unit: &str) -> bool {
             let angular = matches!(unit, "mrad/s" | "deg/s" | "rev/s" | "rpm" | "ticks/s");
             angular || matches!(unit, "m/s" | "cm/s" | "mm/s")
         }
-        "M1" | "M2" => matches!(unit, "mN m" | "N cm" | "mA" | "mV"),
+        "M1" | "M2" => {
+            let torque = matches!(unit, "mN m" | "N cm" | "kgf cm" | "oz in" | "lb in" | "lb ft");
+            torque || matches!(unit, "mA" | "mV")
+        }
         _ => true,
     }
 }
@@ -102,7 +106,7 @@ pub(super) fn units(columns: &[PreviewColumn], guess: &mut Guess) {
         match one.key {
             "t" => time(values, one),
             "alpha1" | "alpha2" => angle(values, one),
-            _ if guess.drive_unit == DriveUnit::Ampere => current(values, one),
+            "M1" | "M2" if guess.drive_unit == DriveUnit::Ampere => current(values, one),
             _ => {}
         }
     }
@@ -123,6 +127,9 @@ pub(super) fn questions(columns: &[PreviewColumn], guess: &mut Guess) {
     if guess.columns.iter().any(Guessed::is_in_metres) {
         guess.questions.push(RADIUS.into());
     }
+    if guess.drive_unit == DriveUnit::Ampere {
+        whole_currents(columns, guess);
+    }
     let [angles, speeds] = ["alpha", "dalpha"].map(|of| {
         guess.columns.iter().any(|c| c.key.strip_prefix(of).is_some_and(|s| s.len() == 1))
     });
@@ -137,6 +144,22 @@ pub(super) fn questions(columns: &[PreviewColumn], guess: &mut Guess) {
         let held = |c: &PreviewColumn| c.values.iter().copied().filter(|v| v.is_finite()).collect();
         guess.period_open = !columns.iter().map(held).any(|values: Vec<f64>| increases(&values));
         guess.questions.push(no_time(guess.period_open).into());
+    }
+}
+
+impl Guess {
+    /// Takes the period of the rows that the file states where no column is the time, or one counts the rows; whether it
+    /// was needed.
+    pub(in crate::experiment) fn take_period(&mut self, period: f64) -> bool {
+        match self.columns.iter_mut().find(|c| c.key == "t") {
+            Some(t) if t.scale_open => (t.scale, t.scale_open) = (Some(period), false),
+            Some(_) => return false,
+            None => {
+                self.questions.retain(|q| [true, false].iter().all(|open| q != no_time(*open)));
+                (self.period, self.period_open) = (Some(period), false);
+            }
+        }
+        true
     }
 }
 
@@ -189,6 +212,15 @@ fn time(values: &[f64], one: &mut Guessed) {
         let calendar = first * factor > 0.3 * CALENDAR && first * factor < 4.0 * CALENDAR;
         rate(factor) >= RATES.0 && rate(factor) <= RATES.1 && (first < CALENDAR || calendar)
     };
+    if are_days(first) && !sound(1.0) && (RATES.0..RATES.1).contains(&rate(DAY)) {
+        let (steps, seconds) = (DAY * step, (last - first) * DAY);
+        one.unit = Some("d".into());
+        one.evidence.push(format!(
+            "from {first:.4}, in steps of {steps:.4} s as days: days of a calendar ({seconds:.1} s at {:.0} Hz)",
+            rate(DAY)
+        ));
+        return;
+    }
     let Some((unit, factor)) = units.into_iter().find(|(_, f)| sound(*f)) else { return };
     if unit != "s" {
         one.unit = Some(unit.into());
@@ -200,6 +232,14 @@ fn time(values: &[f64], one: &mut Guessed) {
             rate(factor)
         ));
     }
+}
+
+/// Seconds of a day.
+const DAY: f64 = 86_400.0;
+
+/// Whether a number may be that of a day of 1990 to 2090: since 1900 (spreadsheets), 1970 or the year 0 (MATLAB).
+fn are_days(first: f64) -> bool {
+    [0.0, 25_569.0, -693_960.0].iter().any(|epoch| (32_874.0..69_400.0).contains(&(first + epoch)))
 }
 
 /// Repeated stamps for each that differs beyond which a clock is coarser than the rows.
@@ -224,6 +264,7 @@ pub(super) fn seconds(time: &Guessed) -> f64 {
         Some("ns") => 1e-9,
         Some("min") => 60.0,
         Some("h") => 3600.0,
+        Some("d") => DAY,
         _ => 1.0,
     }
 }
@@ -256,6 +297,30 @@ fn no_input(columns: &[PreviewColumn], guess: &Guess) -> &'static str {
         "which columns hold the torques, currents or voltages of the motors (M1, M2)? Write their unit as drive_unit; \
          of voltages and PWM also hold = \"constant\" below it, and effects = [\"back_emf\"] under [model]"
     }
+}
+
+/// Whole numbers beyond this are rather milliamperes or counts of a converter than amperes.
+const WHOLE_AMPERES: f64 = 10.0;
+
+/// Asks for the unit of currents in whole numbers that nothing states.
+fn whole_currents(columns: &[PreviewColumn], guess: &mut Guess) {
+    let top = |c: &Guessed| largest(values_of(columns, &c.name));
+    let is_open = |c: &Guessed| {
+        let values = values_of(columns, &c.name);
+        let is_stated = c.unit.is_some() || c.scale.is_some() || named(&c.name).unit.is_some();
+        c.key.starts_with('M') && !is_stated && whole(values) && top(c) > WHOLE_AMPERES
+    };
+    let open: Vec<bool> = guess.columns.iter().map(is_open).collect();
+    let Some(first) = open.iter().position(|open| *open).map(|k| &guess.columns[k]) else { return };
+    let question = format!(
+        "{} up to {:.0} in whole numbers: a current in A or mA? Write it as unit; of counts of a converter write \
+         unit = \"A\" and the amperes of one count as scale",
+        first.asks_unit(),
+        top(first)
+    );
+    guess.questions.push(question);
+    let inputs = guess.columns.iter_mut().filter(|c| c.key.starts_with('M') && c.unit.is_none());
+    inputs.for_each(|c| c.unit_open = true);
 }
 
 fn current(values: &[f64], one: &mut Guessed) {

@@ -170,13 +170,17 @@ pub(super) const OTHERS: [&str; 25] = [
     "steering",
 ];
 
+/// Words of a way in units of length.
+pub(super) const LENGTHS: [&str; 7] =
+    ["pos", "position", "distance", "dist", "travel", "travelled", "odometer"];
+
 /// Words of the voltage that all motors share.
 pub(super) const BATTERY: [&str; 8] =
     ["battery", "bat", "batt", "vbat", "vbatt", "bus", "supply", "vin"];
 
 /// Endings of a name that are a unit: as written, unit of the program, and whether it says the quantity
 /// by itself.
-pub(super) const UNITS: [(&[&str], &str, Option<Quantity>); 28] = [
+pub(super) const UNITS: [(&[&str], &str, Option<Quantity>); 32] = [
     (&["mm/s", "mmps", "mmpersec", "mmpersecond"], "mm/s", Some(Quantity::Speed)),
     (&["cm/s", "cmps", "cmpersec", "cmpersecond"], "cm/s", Some(Quantity::Speed)),
     (
@@ -285,6 +289,10 @@ pub(super) const UNITS: [(&[&str], &str, Option<Quantity>); 28] = [
     (&["volts", "volt", "v"], "V", Some(Quantity::Voltage)),
     (&["mnm"], "mN m", Some(Quantity::Torque)),
     (&["ncm"], "N cm", Some(Quantity::Torque)),
+    (&["kgfcm", "kgcm"], "kgf cm", Some(Quantity::Torque)),
+    (&["ozin", "ozfin", "inoz"], "oz in", Some(Quantity::Torque)),
+    (&["lbin", "lbfin", "inlb"], "lb in", Some(Quantity::Torque)),
+    (&["lbft", "lbfft", "ftlb"], "lb ft", Some(Quantity::Torque)),
     (&["newtonmeters", "newtonmetres", "nm"], "N m", Some(Quantity::Torque)),
     (&["seconds", "second", "secs", "sec", "s"], "s", None),
 ];

@@ -58,6 +58,18 @@ fn steps_between_rows_are_summed() {
 }
 
 #[test]
+fn the_period_that_a_file_states_stands_for_a_time_that_is_not_there() {
+    let log =
+        [counted("w_r", |k| (0.1 * k as f64).sin()), counted("w_l", |k| (0.1 * k as f64).sin())];
+    let mut g = guess(&log);
+    assert!(g.take_period(0.01) && g.period == Some(0.01));
+    assert!(!g.questions.iter().any(|q| q.contains("time between two rows")), "{:?}", g.questions);
+    let mut g = guess(&[counted("sample", |k| k as f64), log[0].clone()]);
+    assert!(g.take_period(0.02) && g.columns[0].scale == Some(0.02) && !g.columns[0].scale_open);
+    assert!(!guess(&[counted("t", |k| 0.01 * k as f64)]).take_period(0.02));
+}
+
+#[test]
 fn seconds_of_a_coarse_clock_are_no_milliseconds() {
     let of_day = counted("timestamp", |k| 43_380.0 + (k / 4) as f64);
     assert_eq!(time(&[of_day]).unit, None);

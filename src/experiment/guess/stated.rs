@@ -1,0 +1,70 @@
+//! Units that a header states and that are not known.
+
+use super::{Guess, Guessed};
+use crate::io::{ColumnMap, unknown_unit};
+use crate::recording::DriveUnit;
+
+/// Asks for the factor of columns whose header states a unit that is none of their quantity.
+pub(super) fn look(guess: &mut Guess) {
+    let map = ColumnMap::new(guess.drive_unit, None);
+    let input = guess.drive_unit;
+    let is_unknown = |c: &Guessed| {
+        c.unit.is_none()
+            && c.per_turn.is_none()
+            && c.nanoseconds.is_none()
+            && unknown_unit(&map, c.key, &c.name).is_some()
+    };
+    let mut questions = vec![];
+    for one in guess.columns.iter_mut().filter(|c| is_unknown(c)) {
+        let stated = unknown_unit(&map, one.key, &one.name).unwrap_or_default();
+        let si = si(one.key, input);
+        // both wheels in one question
+        if !one.key.ends_with('2') {
+            questions.push(format!(
+                "`{}` is in `{stated}`, which is no unit that is known for it: how many {si} is one of it{}? Write it as scale",
+                one.name,
+                if stated.contains('%') { RATED } else { "" }
+            ));
+        }
+        (one.unit, one.scale) = (Some(si.into()), None);
+        (one.scale_open, one.unit_open) = (true, false);
+    }
+    guess.questions.extend(questions);
+}
+
+/// What a share may be one of.
+const RATED: &str = " (a share of the rated value: 0.01 of it for 1 %, 0.001 for 0.1 %)";
+
+/// Unit of the program.
+fn si(key: &str, input: DriveUnit) -> &'static str {
+    match key {
+        "t" => "s",
+        "alpha1" | "alpha2" => "rad",
+        "dalpha1" | "dalpha2" => "rad/s",
+        _ => input.symbol(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::guess;
+    use crate::io::PreviewColumn;
+
+    #[test]
+    fn the_factor_of_a_unit_that_is_not_known_is_asked() {
+        let column = |name: &str| PreviewColumn {
+            name: name.into(),
+            values: (0..200).map(|k| 40.0 * (0.05 * f64::from(k)).sin()).collect(),
+            ..PreviewColumn::default()
+        };
+        let names = ["left [rpm]", "right [rpm]", "left torque [0.1%]", "right torque [0.1%]"];
+        let mut log: Vec<PreviewColumn> = names.iter().map(|n| column(n)).collect();
+        let values = (0..200).map(|k| 0.05 * f64::from(k)).collect();
+        log.push(PreviewColumn { name: "t".into(), values, ..PreviewColumn::default() });
+        let g = guess(&log);
+        let m1 = g.columns.iter().find(|c| c.key == "M1").unwrap();
+        assert_eq!((m1.unit.as_deref(), m1.scale_open), (Some("N m"), true));
+        let asked = g.questions.iter().filter(|q| q.contains("is in `0.1%`")).count();
+        assert!(asked == 1 && g.columns.iter().all(|c| c.key != "dalpha1" || !c.scale_open));
+    }
+}
