@@ -161,7 +161,7 @@ pub(super) fn is_units(cells: &[String]) -> bool {
 fn bare(cell: &str) -> &str {
     let cell = cell.trim_matches(['[', ']', '(', ')']).trim();
     match cell.split_once(':') {
-        Some((word, unit)) if matches!(word, "Units" | "Unit" | "units" | "unit") => unit.trim(),
+        Some(("Units" | "Unit" | "units" | "unit", unit)) => unit.trim(),
         _ => cell,
     }
 }

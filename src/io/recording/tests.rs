@@ -212,6 +212,17 @@ fn thousands_and_quoted_decimal_commas_are_read() {
 }
 
 #[test]
+fn units_below_the_names_beside_lines_of_types_are_read() {
+    let rows: Vec<String> = (0..40).map(|k| format!("{},90,180,0.1,-0.2", 10 * k)).collect();
+    let head = "t,dalpha1,dalpha2,M1,M2\nSimTime: double,double,double,double,double\n\
+                Units: ms,Units: deg/s,Units: deg/s,Units: N*m,Units: N*m\n\
+                Interp: linear,Interp: linear,Interp: linear,Interp: zoh,Interp: zoh";
+    let r = Scratch::new("run.csv", format!("{head}\n{}", rows.join("\n"))).read().unwrap();
+    assert_eq!((r.len(), r.t()[39], r.torque()[39]), (40, 0.39, [0.1, -0.2]));
+    assert!((r.omega()[0][0] - TAU / 4.0).abs() < 1e-12);
+}
+
+#[test]
 fn one_column_may_stand_for_both_wheels_and_a_calendar_starts_at_zero() {
     let body: Vec<String> = (0..30)
         .map(|k| format!("{},{},{}", 1_700_000_000_000_000_000_i64 + 10_000_000 * k, k, 0.5))

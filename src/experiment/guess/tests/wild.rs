@@ -151,3 +151,66 @@ fn numbers_of_a_few_volts_are_no_percent() {
     assert!(logged(["L.u", "R.u"], |s| 170.0 * s).contains("which are no volts"));
     assert!(!logged(["L.u", "R.u"], |s| 7000.0 * s).contains("which are no volts"));
 }
+
+#[test]
+fn speeds_beside_large_currents_are_not_in_milliamperes() {
+    let logged = |top: f64| {
+        guess(&[
+            column("ms", |t| 1e3 * t),
+            column("vel_l", |t| (20.0 * speed(t)).round()),
+            column("vel_r", |t| (20.0 * speed(t)).round()),
+            column("cur_l", move |t| (top * t.cos()).round()),
+            column("cur_r", move |t| (top * t.cos()).round()),
+        ])
+    };
+    let g = logged(900.0);
+    assert_eq!((of(&g, "dalpha1").unit.as_deref(), of(&g, "dalpha1").unit_open), (None, true));
+    assert_eq!((of(&g, "M1").unit.as_deref(), of(&g, "M1").unit_open), (Some("mA"), false));
+    // whole amperes up to 150 are as likely milliamperes
+    let g = logged(150.0);
+    assert!(of(&g, "M2").unit_open && g.questions.iter().any(|q| q.contains("in A or mA?")));
+    assert!(!of(&logged(5.0), "M1").unit_open);
+}
+
+#[test]
+fn days_of_a_calendar_are_known_by_their_size() {
+    for start in [739_373.416_7, 45_413.416_7, 19_844.416_7] {
+        let g = guess(&[
+            column("datenum", |t| start + t / 86_400.0),
+            column("w_r", speed),
+            column("w_l", speed),
+            column("tau_r", speed),
+            column("tau_l", speed),
+        ]);
+        let t = of(&g, "t");
+        assert_eq!(t.unit.as_deref(), Some("d"), "{start}");
+        assert!(
+            t.evidence
+                .iter()
+                .any(|e| e.contains("days of a calendar (") && e.contains("at 20 Hz)"))
+        );
+    }
+}
+
+#[test]
+fn a_column_that_is_called_battery_is_one_where_its_values_are() {
+    let logged = |name: &str, volts: fn(f64) -> f64| {
+        let g = guess(&[
+            column("t", |t| t),
+            column("left_rpm", speed),
+            column("right_rpm", speed),
+            column("pwm_left", |t| (200.0 * t.sin()).round()),
+            column("pwm_right", |t| (200.0 * t.sin()).round()),
+            column(name, volts),
+        ]);
+        (of(&g, "M1").times.clone(), of(&g, "M1").scale)
+    };
+    for name in ["bat", "battery", "vbatt"] {
+        assert_eq!(logged(name, |t| 14.4 - 0.01 * t), (Some(name.into()), Some(1.0 / 255.0)));
+    }
+    let (times, scale) = logged("battery", |t| 14_400.0 - t);
+    assert!(times.is_some() && (scale.unwrap() * 255.0 - 1e-3).abs() < 1e-15);
+    // a charge that falls from full, and what is no voltage
+    assert_eq!(logged("battery", |t| 1.0 - 0.01 * t).0, None);
+    assert_eq!(logged("battery", |t| 50.0 - 2.45 * t).0, None);
+}
