@@ -138,7 +138,7 @@ const MONTHS: [&[&str]; 12] = [
 fn month(word: &str) -> Option<i64> {
     let is_name = word.chars().count() >= 3 && word.chars().all(char::is_alphabetic);
     let begins = |names: &&[&str]| names.iter().any(|name| word.starts_with(name));
-    let place = MONTHS.iter().position(|names| begins(names))?;
+    let place = MONTHS.iter().position(begins)?;
     is_name.then_some(place as i64 + 1)
 }
 
