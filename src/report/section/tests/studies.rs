@@ -4,7 +4,7 @@ use crate::compare::{
     Curve, CurveBin, Failure, Floor, Horizon, Innovations, Mean, Variable, Whiteness, analysed,
 };
 use crate::export::ModelFiles;
-use crate::identify::{Estimate, Status, Trace, Work};
+use crate::identify::{Estimate, Note, Status, Trace, Work};
 use crate::recording::{DriveUnit, Measured, Noise, Regime};
 use crate::study::{
     Candidate, DiagnosisStudy, FoundEffect, FuzzyStudy, Invocation, MethodStudy, ModelStudy,
@@ -197,6 +197,7 @@ fn diagnosis() -> DiagnosisStudy {
             cause: "tyres scrub".to_owned(),
             indistinguishable: vec![],
         }],
+        is_undetermined: false,
     }
 }
 
@@ -232,7 +233,7 @@ pub(in crate::report::section) fn full() -> Study {
         Estimate::new("a4", "V".to_owned(), 0.12, 0.01),
     ];
     physical.correlations = vec![vec![1.0, f64::NAN, 0.0, 0.5]; 4];
-    physical.notes = vec!["a2 is not identifiable".to_owned()];
+    physical.notes = vec![Note::MassNotPositive];
     physical.traces = vec![Trace {
         axis: "time [s]".to_owned(),
         at: (0..50).map(f64::from).collect(),
