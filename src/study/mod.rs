@@ -224,6 +224,8 @@ pub struct Study {
     pub robot: String,
     /// Whether the experiment says which robot it is.
     pub robot_is_given: bool,
+    /// Whether the track of the robot is known; that of another robot stands in where it is not.
+    pub track_is_known: bool,
     /// Effects of the model beyond the base.
     pub effects: Vec<String>,
     /// Unit of the input.

@@ -75,6 +75,7 @@ pub(in crate::report::section) fn empty() -> Study {
         file: String::new(),
         robot: "robot".to_owned(),
         robot_is_given: true,
+        track_is_known: true,
         effects: vec![],
         drive_unit: DriveUnit::Volt,
         recordings: vec![],
