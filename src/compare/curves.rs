@@ -105,7 +105,7 @@ pub struct Unexplained<'a> {
 ///
 /// Noise of the speeds is in a measured acceleration and, times the inertia, in the residual torque with the opposite
 /// sign: over its own acceleration the residual torque of the right model falls. For the accelerations the speeds are
-/// therefore split into two of which the noises are independent, [`with_split_noise`]; one gives the acceleration, the
+/// therefore split into two of which the noises are independent; one gives the acceleration, the
 /// other the residual torque.
 #[must_use]
 pub fn curves(
@@ -117,7 +117,8 @@ pub fn curves(
     let measured = rows(recordings, cutoff, before, after);
     let split: Vec<[Recording; 2]> =
         recordings.iter().enumerate().map(|(n, r)| with_split_noise(r, n as u64)).collect();
-    let [of_motion, of_torque] = [0, 1].map(|i| split.iter().map(|pair| &pair[i]).collect::<Vec<_>>());
+    let [of_motion, of_torque] =
+        [0, 1].map(|i| split.iter().map(|pair| &pair[i]).collect::<Vec<_>>());
     let again = |u: Unexplained<'_>| -> Vec<Vec<[f64; 2]>> {
         of_torque.iter().map(|r| residual_torque(u.model, u.p, r, cutoff)).collect()
     };

@@ -49,7 +49,10 @@ mod tests {
         }
         let files = recordings(folder)?;
         let read = |f: &PathBuf| read_recording(f, &map, unit).unwrap().0;
-        let said = |r: Recording| findings(&r, &Robot::amigobot()).join("\n");
+        let said = |r: Recording| {
+            let found = findings(&r, &Robot::amigobot());
+            found.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
+        };
         Some(files.iter().map(read).map(said).collect())
     }
 

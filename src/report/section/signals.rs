@@ -110,9 +110,9 @@ fn path(study: &Study, recording: &RecordingStudy, windows: &[[f64; 2]]) -> Figu
         dots(vec![all[0]], "start", Role::Ink, 4.5),
     ];
     let size = map_size(&all);
-    let panel = Panel::new(Axis::linear("x", "m"), Axis::linear("y", "m"))
-        .with_equal_units()
-        .with(Layer::line(curves::broken_where_rows_miss(&recording.t, &all), "path", Role::NoiseFloor));
+    let panel = Panel::new(Axis::linear("x", "m"), Axis::linear("y", "m")).with_equal_units().with(
+        Layer::line(curves::broken_where_rows_miss(&recording.t, &all), "path", Role::NoiseFloor),
+    );
     // what does not occur is not in the legend
     let occurs =
         |layer: &Layer| !matches!(layer, Layer::Points { points, .. } if points.is_empty());

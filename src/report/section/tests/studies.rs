@@ -5,7 +5,7 @@ use crate::compare::{
 };
 use crate::export::ModelFiles;
 use crate::identify::{Estimate, Note, Status, Trace, Work};
-use crate::recording::{DriveUnit, Measured, Noise, Regime};
+use crate::recording::{DriveUnit, Finding, Issue, Measured, Noise, Regime, Severity};
 use crate::study::{
     Candidate, DiagnosisStudy, FoundEffect, FuzzyStudy, Invocation, MethodStudy, ModelStudy,
     ParameterStudy, Performance, RecordingStudy, Role, Step, Study, Verdict, Version,
@@ -28,7 +28,7 @@ fn recording(role: Role) -> RecordingStudy {
         measured: Measured { alpha: true, omega: true },
         noise: Noise { alpha: [1e-3; 2], omega: [0.05; 2], torque: [0.005; 2] },
         conditioning: vec![],
-        findings: vec!["a gap of 0.2 s at 1.0 s".to_owned()],
+        findings: vec![Finding { severity: Severity::Warning, issue: Issue::Still(1) }],
         floor: Floor { ise: [0.01; 2], window_rms: 0.05, window_most: 0.05 },
         alpha: t.iter().map(|t| [4.0 - 4.0 * t.cos(), 3.0 * t.sin()]).collect(),
         torque: omega.iter().map(|w| [0.1 * w[0], 0.1 * w[1]]).collect(),
