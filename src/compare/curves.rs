@@ -86,7 +86,7 @@ struct Row {
 /// A model with its [`residual_torque()`] of every recording.
 #[derive(Clone, Copy)]
 pub struct Unexplained<'a> {
-    /// The model.
+    /// The fitted model of which it is the residual.
     pub model: &'a Model,
     /// Values of its parameters.
     pub p: &'a [f64],

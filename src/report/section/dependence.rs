@@ -59,7 +59,7 @@ fn figure(study: &Study) -> Figure {
         .with_caption(caption(study))
         .with_columns(2)
         .interactive()
-        .with_height(660.0);
+        .with_height(560.0);
     for curve in drawn(study) {
         for i in 0..2 {
             let mut panel = panel(study, curve, i);

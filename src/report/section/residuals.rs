@@ -97,7 +97,7 @@ fn figure(study: &Study, given: &Whiteness, completed: Option<&Whiteness>) -> Fi
         ))
         .with_columns(2)
         .interactive()
-        .with_height(540.0);
+        .with_height(470.0);
     let models = match completed {
         Some(completed) => vec![
             (given, words::given(study), Role::Given),
