@@ -14,7 +14,7 @@ from __future__ import annotations
 from ._catalogue import effects, methods
 from ._errors import AmigoError, InputError, RunError
 from ._experiment import Experiment
-from ._fit import Fit, identify
+from ._fit import Fit, identify, simulate
 from ._native import __version__
 from ._recording import Recording
 from ._settings import Effect
@@ -37,4 +37,5 @@ __all__ = [
     "effects",
     "identify",
     "methods",
+    "simulate",
 ]

@@ -177,3 +177,15 @@ def identify(
     )
     made = plan(settings, train, [])
     return Fit(made.fit(), settings, train, made.warnings)
+
+
+def simulate(
+    fit: Fit,
+    t: npt.ArrayLike,
+    inputs: npt.ArrayLike,
+    alpha0: tuple[float, float] = (0.0, 0.0),
+    dalpha0: tuple[float, float] = (0.0, 0.0),
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Wheel angles [rad] and speeds [rad/s] that the model of a fit predicts from the input alone, each of shape (n, 2);
+    parameters as in :meth:`Fit.simulate`."""
+    return fit.simulate(t, inputs, alpha0, dalpha0)

@@ -18,6 +18,28 @@ from ._settings import RobotLike, robot_keys
 Columns = Mapping[str, Union[str, Mapping[str, Any]]]
 
 
+def _numbers(values: Any) -> npt.NDArray[np.float64]:
+    """Numbers; of dates [s] since the first one, of durations [s]."""
+    if getattr(getattr(values, "dtype", None), "tz", None) is not None:  # dates of pandas with a time zone
+        values = getattr(values, "dt", values).tz_convert(None)
+    array = np.asarray(values)
+    if array.dtype.kind == "M":
+        known = array[~np.isnat(array)]
+        array = array - known[0] if len(known) else array - array
+    if array.dtype.kind == "m":
+        return np.where(np.isnat(array), np.nan, array / np.timedelta64(1, "s"))
+    return np.asarray(array, dtype=np.float64)
+
+
+def _time_index(df: Any, names: list[Any]) -> str | None:
+    """The name under which the index of a pandas frame is a column: its own, or `t` for dates and durations."""
+    index: Any = getattr(df, "index", None)
+    if getattr(getattr(index, "dtype", None), "kind", None) not in ("M", "m", "f"):
+        return None
+    name = str(index.name) if index.name is not None else "t"
+    return None if name in names else name
+
+
 class Recording:
     """A checked recording: wheel angles and speeds, and the input that drove the wheels.
 
@@ -64,14 +86,20 @@ class Recording:
         """Takes a polars or pandas frame, a pyarrow table, or a mapping of names to arrays.
 
         Only the columns that are needed are read; parameters as in :meth:`read`. Missing values count as
-        samples that were not recorded.
+        samples that were not recorded. Dates and durations are taken as seconds, whatever they are counted in; dates
+        begin at zero. Where pandas has the time as its index, the index is the column ``t``, or that of its name.
         """
+        if isinstance(df, pl.LazyFrame):
+            df = df.collect()
         # pyarrow; polars and pandas; mappings
         names = list(getattr(df, "column_names", getattr(df, "columns", df)))
+        index = _time_index(df, names)
+        if index is not None:
+            names.append(index)
 
         def fetch(column: str) -> bytes:
             try:
-                return np.asarray(df[column], dtype=np.float64).tobytes()
+                return _numbers(df.index if column == index else df[column]).tobytes()
             except (TypeError, ValueError) as e:
                 raise InputError(f"{name}: column `{column}` has no numbers: {e}") from e
 

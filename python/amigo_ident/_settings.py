@@ -48,9 +48,9 @@ RobotLike = Union[str, Mapping[str, Any], None]
 
 
 def robot_keys(robot: RobotLike) -> dict[str, Any]:
-    """The table ``[robot]``."""
+    """The table ``[robot]``; without a robot nothing of its geometry is assumed."""
     if robot is None:
-        return {}
+        return {"preset": "unknown"}
     return {"preset": robot} if isinstance(robot, str) else dict(robot)
 
 
@@ -76,10 +76,9 @@ class Settings:
                 "fixed": dict(self.fixed),
                 "custom": [e._keys() for e in own],
             },
+            "robot": robot_keys(self.robot),
             "method": [{"name": self.method, **self.options}],
         }
-        if self.robot is not None:
-            keys["robot"] = robot_keys(self.robot)
         if diagnosis is not None:
             keys["diagnosis"] = dict(diagnosis)
         return json.dumps(keys, allow_nan=False)

@@ -100,7 +100,7 @@ impl Recording {
     #[getter]
     fn findings(&self) -> Vec<String> {
         let corrected = self.measured.conditioning.iter().map(ToString::to_string);
-        corrected.chain(self.measured.findings.iter().cloned()).collect()
+        corrected.chain(self.measured.findings.iter().map(ToString::to_string)).collect()
     }
 
     fn t<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {

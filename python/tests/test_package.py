@@ -9,6 +9,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
+import pandas as pd
 import polars as pl
 import pytest
 
@@ -195,3 +196,33 @@ def test_every_public_name_has_a_docstring_and_the_stub_is_that_of_the_module():
     for node in (n for n in stub.body if isinstance(n, ast.ClassDef)):
         stubbed = {m.name for m in node.body if isinstance(m, ast.FunctionDef)} - {"__init__"}
         assert stubbed == {m for m in vars(getattr(_native, node.name)) if not m.startswith("_")}
+
+
+@pytest.mark.parametrize("unit", ["ms", "us", "ns"])
+def test_dates_and_durations_are_seconds(slope, train, unit):
+    table = pl.read_csv(slope / "train_1.csv")
+    # 5 ms a row is a whole number in each unit
+    of_day = pl.datetime(2026, 3, 1, time_unit="us") + pl.duration(microseconds=(pl.col("t") * 1e6).round().cast(pl.Int64))
+    dated = table.with_columns(t=of_day.dt.cast_time_unit(unit))
+    lasting = table.with_columns(t=(of_day - pl.datetime(2026, 3, 1)).dt.cast_time_unit(unit))
+    for frame in (dated, lasting, dated.lazy(), dated.to_pandas(), dated.to_pandas().set_index("t")):
+        taken = ai.Recording.from_frame(frame)
+        assert taken.samples == train.samples
+        assert np.allclose(taken.t - taken.t[0], train.t - train.t[0], atol=1e-9)
+
+
+def test_an_index_of_dates_with_a_zone_is_the_time(slope, train):
+    frame = pl.read_csv(slope / "train_1.csv").to_pandas()
+    frame.index = pd.Timestamp("2026-03-01", tz="Europe/Warsaw") + pd.to_timedelta(frame.pop("t"), unit="s")
+    frame.index.name = None
+    assert np.allclose(ai.Recording.from_frame(frame).t, train.t - train.t[0], atol=1e-8)
+
+
+def test_no_robot_is_assumed(slope):
+    study = ai.diagnose(ai.Recording.read(slope / "train_1.csv"), candidates=["turning_scrub"])
+    assert study.results["robot"] == "unknown"
+
+
+def test_simulate_is_that_of_the_fit(fit, train):
+    alpha, dalpha = ai.simulate(fit, train.t, train.inputs)
+    assert np.array_equal(dalpha, fit.simulate(train.t, train.inputs)[1]) and alpha.shape == dalpha.shape

@@ -1,14 +1,17 @@
 //! Measured against simulated: the error, its floor, and where it exceeds the floor.
 
+mod curves;
 mod error;
 mod floor;
 mod horizon;
 mod low_pass;
 mod regime;
 mod residual_torque;
+mod split_noise;
 mod unexplained_torque;
 mod whiteness;
 
+pub use curves::{Curve, CurveBin, Mean, Unexplained, clustered_mean, curves};
 pub use error::{Simulated, angle_rms, ise, simulate_recording, window_errors, window_rms};
 pub(crate) use error::{WINDOW, start_of};
 pub use floor::{
@@ -18,7 +21,7 @@ pub use horizon::{Horizon, fit_percent, horizons};
 pub use low_pass::{filter_together, filtered, smooth_motion};
 pub(crate) use regime::{AT_FLOOR, REGIME_RATE};
 pub use regime::{Failure, failures};
-pub use residual_torque::{Curve, CurveBin, Mean, clustered_mean, curves, residual_torque};
+pub use residual_torque::residual_torque;
 pub(crate) use residual_torque::{REST, WIDTH};
 pub use unexplained_torque::{
     Bin, Dependence, UnexplainedTorque, Variable, log_significance, score_statistic,

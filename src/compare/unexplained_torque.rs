@@ -77,6 +77,12 @@ impl Variable {
         }
     }
 
+    /// Whether it is an acceleration.
+    #[must_use]
+    pub(super) const fn is_acceleration(self) -> bool {
+        matches!(self, Self::Acceleration1 | Self::Acceleration2)
+    }
+
     /// Unit, for an input in `drive_unit`.
     #[must_use]
     pub fn unit(self, drive_unit: &'static str) -> &'static str {

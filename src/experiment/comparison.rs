@@ -152,7 +152,7 @@ fn method_study(
         status: Some(fit.status),
         work: fit.work,
         estimates: fit.estimates.clone(),
-        notes: fit.notes.iter().map(ToString::to_string).collect(),
+        notes: fit.notes.clone(),
         traces: fit.traces.clone(),
         correlations: fit.covariance.as_ref().map_or(vec![], correlations),
         fuzzy: fuzzy.map(|f| super::fuzzy_study::fuzzy_study(plan, &method.name, f)),

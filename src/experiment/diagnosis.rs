@@ -4,7 +4,7 @@ use super::comparison::Comparison;
 use super::error::RunError;
 use super::plan::{DiagnosisPlan, Plan};
 use crate::compare::{Curve, Variable, WindowFloor};
-use crate::diagnose::{Data, Diagnosis, WindowFit, with_later_input};
+use crate::diagnose::{Data, Diagnosis, THRESHOLDS, WindowFit, with_later_input};
 use crate::identify::{IdentifyError, Task, start};
 use crate::model::Model;
 use crate::recording::Recording;
@@ -40,14 +40,13 @@ pub(super) struct Outcome {
     words: DiagnosisStudy,
     /// The variable on which the residual torque of the last model depends significantly.
     depends_on: Option<Variable>,
-    is_undetermined: bool,
 }
 
 impl Outcome {
     /// The verdict beside the `curves` of the residual torque.
     pub(super) fn concluded(self, curves: &[Curve]) -> DiagnosisStudy {
-        let Self { words, depends_on, is_undetermined, .. } = self;
-        if is_undetermined { words } else { with_dependence(words, curves, depends_on) }
+        let Self { words, depends_on, .. } = self;
+        if words.is_undetermined { words } else { with_dependence(words, curves, depends_on) }
     }
 }
 
@@ -73,10 +72,9 @@ pub fn diagnose(plan: &Plan, comparison: Comparison) -> Result<Diagnosed, RunErr
         seed: plan.seed,
     };
     let (words, depends_on) = concluded(&diagnosis, &basis)?;
-    let is_undetermined =
-        is_undetermined(&comparison.recordings, Some(comparison.reference_method()));
+    let is_undetermined = stalled_without_inertia(&comparison) && !knows_inertia(diagnosis.last());
     let words = unless_undetermined(words, is_undetermined);
-    let outcome = Outcome { diagnosis, words, depends_on, is_undetermined };
+    let outcome = Outcome { diagnosis, words, depends_on };
     Ok(Diagnosed { comparison, outcome: Some(outcome) })
 }
 
@@ -99,12 +97,24 @@ fn search(
     crate::diagnose::diagnose(&model, &starts, &data, &asked.settings).map_err(failed)
 }
 
+/// Whether the preferred fit stalled where a1 is not identifiable, though wheels turn against each other.
+fn stalled_without_inertia(comparison: &Comparison) -> bool {
+    is_undetermined(&comparison.recordings, Some(comparison.reference_method()))
+}
+
+/// Whether a fit identifies a1: its 95 % interval holds positive values only.
+fn knows_inertia(fit: &WindowFit) -> bool {
+    let Ok(j) = fit.model.index_of("a1") else { return false };
+    fit.p[j] > THRESHOLDS.uncertain * fit.covariance[(j, j)].sqrt()
+}
+
 /// The model with what the data do not identify held where the preferred fit holds it: a fit that is free to
 /// move what no recording shows simulates others worse than the model as it was given. Of a single axis only
 /// sums are known, and nothing of one wheel is held.
 fn with_held(plan: &Plan, train: &[Recording], comparison: &Comparison) -> Model {
     let mut model = plan.model.clone();
-    if train.iter().all(Recording::is_single_axis) {
+    // where a descent went astray and stalled tells nothing of the data
+    if train.iter().all(Recording::is_single_axis) || stalled_without_inertia(comparison) {
         return model;
     }
     let estimates = &comparison.reference_method().estimates;

@@ -1,20 +1,18 @@
 //! Recordings of which only windows are held: what is said of them, and which methods read all.
 
 use crate::identify::{Fit, Identifier, IdentifyError, Note, Task};
-use crate::recording::{LongRecording, Recording};
+use crate::recording::{Finding, Issue, LongRecording, Recording, Severity};
 
 /// What the check of the recordings says.
-pub(super) fn finding(windows: &Recording, long: &LongRecording) -> String {
+pub(super) fn finding(windows: &Recording, long: &LongRecording) -> Finding {
     let rows = windows.len() / long.windows.max(1);
-    format!(
-        "{} rows are more than are held in memory (hold_rows): torque_regression reads every row; \
-         all else (other methods, comparison, noise floor, diagnosis, figures) sees {} windows of \
-         {:.3} s, spread over all of it, {:.2} % of the rows",
-        long.samples,
-        long.windows,
-        rows as f64 * windows.step(),
-        100.0 * windows.len() as f64 / long.samples as f64
-    )
+    let issue = Issue::Windows {
+        rows: long.samples,
+        windows: long.windows,
+        length_s: rows as f64 * windows.step(),
+        share: windows.len() as f64 / long.samples as f64,
+    };
+    Finding { severity: Severity::Warning, issue }
 }
 
 /// The fit from every row, where the method can; else from the windows. Says which.

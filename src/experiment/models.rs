@@ -6,7 +6,7 @@ use super::comparison::{Comparison, four};
 use super::error::RunError;
 use super::plan::Plan;
 use crate::compare::{
-    Curve, Horizon, angle_rms, curves, failures, horizons, ise, residual_torque,
+    Curve, Horizon, Unexplained, angle_rms, curves, failures, horizons, ise, residual_torque,
     simulate_recording, whiteness, window_rms,
 };
 use crate::diagnose::{Diagnosis, WindowFit, cutoff, mobility};
@@ -45,7 +45,7 @@ pub(super) fn of_reference(plan: &Plan, comparison: &Comparison) -> Result<Model
     let cutoff = stage.cutoff(model, p);
     let parameters = of_method(model, comparison.reference_method());
     let given = stage.physical((model, p), parameters, &[], cutoff)?;
-    let curves = stage.curves(model, cutoff, &given, None);
+    let curves = stage.curves(cutoff, (model, p, &given), None);
     Ok(Models { given, completed: None, curves })
 }
 
@@ -72,7 +72,8 @@ pub(super) fn of_diagnosis(
     };
     // a second mass is no part of the torque balance
     let after = completed.as_ref().filter(|_| !last.model.is_coupled());
-    let curves = stage.curves(&base.model, cutoff, &given, after);
+    let after = after.map(|study| (&last.model, last.p.as_slice(), study));
+    let curves = stage.curves(cutoff, (&base.model, &base.p, &given), after);
     Ok(Models { given, completed, curves })
 }
 
@@ -188,12 +189,13 @@ impl<'a> Stage<'a> {
 
     fn curves(
         &self,
-        model: &Model,
         cutoff: f64,
-        before: &ModelStudy,
-        after: Option<&ModelStudy>,
+        before: (&Model, &[f64], &ModelStudy),
+        after: Option<(&Model, &[f64], &ModelStudy)>,
     ) -> Vec<Curve> {
-        let after = after.map(|m| m.residual_torque.as_slice());
-        curves(model, &self.recordings, cutoff, &before.residual_torque, after)
+        fn of<'a>((model, p, study): (&'a Model, &'a [f64], &'a ModelStudy)) -> Unexplained<'a> {
+            Unexplained { model, p, torque: &study.residual_torque }
+        }
+        curves(&self.recordings, cutoff, of(before), after.map(of))
     }
 }

@@ -9,7 +9,7 @@ use crate::conditioning::{Finding, sentences};
 use crate::diagnose::{Settings, Timing};
 use crate::identify::Identifier;
 use crate::model::Model;
-use crate::recording::{DriveUnit, LongRecording, Recording};
+use crate::recording::{self, DriveUnit, LongRecording, Recording};
 use crate::simulate::{Gain, Hold};
 use crate::study::{Role, grouped};
 
@@ -27,7 +27,7 @@ pub struct Measured {
     /// What conditioning found, and did.
     pub conditioning: Vec<Finding>,
     /// What the quality check says.
-    pub findings: Vec<String>,
+    pub findings: Vec<recording::Finding>,
 }
 
 /// A method with its options.
@@ -125,7 +125,7 @@ impl Plan {
 
     /// The same without corrections.
     pub(super) fn remarks_and_findings(&self) -> Vec<String> {
-        let found = self.grouped(|m| m.findings.clone());
+        let found = self.grouped(|m| m.findings.iter().map(ToString::to_string).collect());
         self.remarks.iter().cloned().chain(found).collect()
     }
 

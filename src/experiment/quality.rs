@@ -1,11 +1,11 @@
-//! Findings of the quality check as sentences.
+//! Findings of the quality check, by how much they matter.
 
 use crate::recording::{Finding, Recording, Severity, quality};
 use crate::robot::Robot;
 
 /// The warnings and problems of a recording, worst first.
-pub(super) fn findings(recording: &Recording, robot: &Robot) -> Vec<String> {
-    quality(recording, robot).at_least(Severity::Warning).map(ToString::to_string).collect()
+pub(super) fn findings(recording: &Recording, robot: &Robot) -> Vec<Finding> {
+    quality(recording, robot).at_least(Severity::Warning).copied().collect()
 }
 
 /// What else is worth knowing of a recording.
@@ -49,7 +49,10 @@ mod tests {
         }
         let files = recordings(folder)?;
         let read = |f: &PathBuf| read_recording(f, &map, unit).unwrap().0;
-        let said = |r: Recording| findings(&r, &Robot::amigobot()).join("\n");
+        let said = |r: Recording| {
+            let found = findings(&r, &Robot::amigobot());
+            found.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
+        };
         Some(files.iter().map(read).map(said).collect())
     }
 

@@ -7,6 +7,7 @@ use super::fits::fits_in_stages;
 use super::model_out::model_out;
 use super::models::{self, Models};
 use super::plan::Plan;
+use super::robot_table::has_no_track;
 use super::what_if::what_if;
 use crate::study::{Invocation, Study};
 
@@ -56,6 +57,7 @@ pub fn study(plan: &Plan, diagnosed: Diagnosed) -> Result<Study, RunError> {
         file: plan.file.clone(),
         robot: plan.model.robot().name.clone(),
         robot_is_given: plan.robot_is_given,
+        track_is_known: !has_no_track(plan.model.robot()),
         effects: plan.model.added_ids(),
         drive_unit: plan.drive_unit(),
         recordings,

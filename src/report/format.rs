@@ -85,6 +85,12 @@ pub fn in_text(heading: &str) -> String {
     letters.next().map_or(String::new(), |first| first.to_lowercase().chain(letters).collect())
 }
 
+/// A phrase with a capital first letter.
+pub fn capital(phrase: &str) -> String {
+    let mut letters = phrase.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
 /// A sentence of the program with units and powers of ten as in print: `5.2e-4 rad^2/s` becomes
 /// `5.2 × 10⁻⁴ rad²/s`.
 pub fn sentence(text: &str) -> String {

@@ -42,6 +42,11 @@ pub fn results(study: &Study) -> Value {
     out
 }
 
+/// What is said by each of `said`.
+fn sentences<T: ToString>(said: &[T]) -> Vec<String> {
+    said.iter().map(ToString::to_string).collect()
+}
+
 fn recordings(study: &Study) -> Vec<Value> {
     study
         .recordings
@@ -60,7 +65,7 @@ fn recordings(study: &Study) -> Vec<Value> {
                     "M1": r.noise.torque[0], "M2": r.noise.torque[1],
                 },
                 "conditioning": r.conditioning.iter().map(Finding::json).collect::<Vec<_>>(),
-                "findings": r.findings,
+                "findings": sentences(&r.findings),
                 "dead_time_s": study.timing.map(|t| json!({
                     "value": t.dead_time_s, "std_error": t.std_error_s, "corrected": t.correction_s,
                 })),
@@ -114,7 +119,7 @@ fn method(study: &Study, m: &MethodStudy) -> Value {
         "evaluations": m.work.evaluations,
         "parameters": m.estimates.iter().map(estimate).collect::<Vec<_>>(),
         "correlations": m.correlations,
-        "notes": m.notes,
+        "notes": sentences(&m.notes),
         "angle_rms": of(&|p| p.angle_rms),
         "ise": of(&|p| p.ise[0] + p.ise[1]),
         "window_rms": of(&|p| p.window_rms),

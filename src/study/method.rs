@@ -1,6 +1,6 @@
 //! What the methods of an experiment found.
 
-use crate::identify::{Estimate, Status, Trace, Work};
+use crate::identify::{Estimate, Note, Status, Trace, Work};
 
 /// A method on one recording.
 #[derive(Clone, Debug, Default)]
@@ -49,8 +49,8 @@ pub struct MethodStudy {
     pub estimates: Vec<Estimate>,
     /// Correlations between the parameters, row by row; empty where there are none.
     pub correlations: Vec<Vec<f64>>,
-    /// Sentences.
-    pub notes: Vec<String>,
+    /// What the reader of the fit must know.
+    pub notes: Vec<Note>,
     /// Curves.
     pub traces: Vec<Trace>,
     /// One per recording of the experiment.

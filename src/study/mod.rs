@@ -25,7 +25,7 @@ use crate::compare::{Curve, Floor};
 use crate::conditioning::Finding;
 use crate::export::ModelFiles;
 use crate::identify::Estimate;
-use crate::recording::{DriveUnit, Measured, Noise, Regime};
+use crate::recording::{self, DriveUnit, Measured, Noise, Regime};
 
 /// What a recording is used for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -70,7 +70,7 @@ pub struct RecordingStudy {
     /// What sensors and logger did to it, and what was done about it.
     pub conditioning: Vec<Finding>,
     /// What the quality check says, worst first.
-    pub findings: Vec<String>,
+    pub findings: Vec<recording::Finding>,
     /// Error of the right model.
     pub floor: Floor,
     /// Time \[s\].
@@ -185,6 +185,8 @@ pub struct DiagnosisStudy {
     pub false_alarm: f64,
     /// The effects found, in words.
     pub effects: Vec<FoundEffect>,
+    /// Whether the columns do not determine the model, so that nothing else here holds.
+    pub is_undetermined: bool,
 }
 
 /// A version of the model that was run before: the error by the user's own versions.
@@ -222,6 +224,8 @@ pub struct Study {
     pub robot: String,
     /// Whether the experiment says which robot it is.
     pub robot_is_given: bool,
+    /// Whether the track of the robot is known; that of another robot stands in where it is not.
+    pub track_is_known: bool,
     /// Effects of the model beyond the base.
     pub effects: Vec<String>,
     /// Unit of the input.
@@ -282,11 +286,14 @@ impl Study {
     /// What the check of the recordings found, alike sentences as one, with the names of its recordings.
     #[must_use]
     pub fn findings(&self) -> Vec<(String, String)> {
-        let findings = self
-            .recordings
-            .iter()
-            .flat_map(|r| r.findings.iter().map(|finding| (r.file.as_str(), finding.as_str())));
-        grouped(findings, self.recordings.len())
+        let of = |r: &RecordingStudy| {
+            r.findings.iter().map(|f| (r.file.clone(), f.to_string())).collect::<Vec<_>>()
+        };
+        let findings: Vec<(String, String)> = self.recordings.iter().flat_map(of).collect();
+        grouped(
+            findings.iter().map(|(file, text)| (file.as_str(), text.as_str())),
+            self.recordings.len(),
+        )
     }
 
     /// Root mean square 2 s simulation error of a method over the judged recordings [rad/s].
@@ -335,7 +342,10 @@ impl Study {
     /// Whether the columns do not determine the model.
     #[must_use]
     pub fn is_undetermined(&self) -> bool {
-        is_undetermined(&self.recordings, self.reference_method())
+        match &self.diagnosis {
+            Some(diagnosis) => diagnosis.is_undetermined,
+            None => is_undetermined(&self.recordings, self.reference_method()),
+        }
     }
 
     /// The method shown in detail.

@@ -140,6 +140,7 @@ pub(crate) fn concluded(
         proposal,
         false_alarm: basis.false_alarm,
         effects: diagnosis.steps.iter().map(found_effect).collect(),
+        is_undetermined: false,
     };
     Ok((words, left.map(|dependence| dependence.variable)))
 }

@@ -270,10 +270,10 @@ fn removed(left: f64) -> String {
 /// Parameters of an effect that a sentence gives.
 const SIZES: usize = 2;
 
-/// The name of an effect of the catalogue within a sentence; the id of any other.
+/// The name of an effect of the catalogue within a sentence; the id of any other in words.
 pub(crate) fn title(id: &str) -> String {
     let known = crate::effects::find(id).map(|effect| effect.description().title);
-    known.map_or_else(|| id.to_owned(), |title| format::in_text(&title))
+    known.map_or_else(|| id.replace('_', " "), |title| format::in_text(&title))
 }
 
 /// "f_t = 0.0202 N m (95 %: 0.0198 to 0.0206)".

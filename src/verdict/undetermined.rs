@@ -22,6 +22,7 @@ pub(crate) fn unless_undetermined(words: DiagnosisStudy, is_undetermined: bool) 
         found: vec![],
         likely: vec![],
         effects: vec![],
+        is_undetermined,
         ..words
     }
 }

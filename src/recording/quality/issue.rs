@@ -16,6 +16,17 @@ const WHEELS: [&str; 2] = ["wheel 1 (right)", "wheel 2 (left)"];
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Issue {
+    /// Only windows of the recording are held in memory.
+    Windows {
+        /// Rows of the file.
+        rows: usize,
+        /// How many windows.
+        windows: usize,
+        /// Length of each \[s\].
+        length_s: f64,
+        /// Share of the rows that the windows hold \[1\].
+        share: f64,
+    },
     /// The recording lasts only so long \[s\].
     Short(f64),
     /// Rows a second \[Hz\].
@@ -115,6 +126,9 @@ impl Issue {
     #[must_use]
     pub fn what(&self) -> String {
         match *self {
+            Self::Windows { rows, .. } => {
+                format!("{rows} rows are more than are held in memory (hold_rows)")
+            }
             Self::Short(duration) => format!("the recording lasts {duration:.2} s"),
             Self::Slow(rate) => format!("{rate:.3} rows a second"),
             Self::Uneven(jitter) => {
@@ -183,6 +197,14 @@ impl Issue {
     #[must_use]
     pub fn remedy(&self) -> String {
         match *self {
+            Self::Windows { windows, length_s, share, .. } => {
+                return format!(
+                    "torque_regression reads every row; all else (other methods, comparison, noise \
+                     floor, diagnosis, figures) sees {windows} windows of {length_s:.3} s, spread \
+                     over all of it, {:.2} % of the rows",
+                    100.0 * share
+                );
+            }
             Self::Short(_) => {
                 return format!("record at least {SHORT:.0} s, better 20 s; or check the unit of t");
             }

@@ -94,20 +94,29 @@ const drawFigure = (() => {
     context.globalAlpha = 1;
   }
 
-  // Values of the nearest samples beside the legend, the place of the cursor beside the axis label.
+  // Values of the nearest samples beside the legend, those of the panel under the cursor; the place of the cursor
+  // beside the axis label.
   function readOut(state, view) {
     const { cursor } = state;
-    const here = cursor && (cursor.view === view || state.shared);
+    const seen = cursor?.view ?? view;
+    const here = cursor && (seen === view || state.shared);
     const at = here ? value(view.panel.x, view.x, cursor.x) : null;
     for (const { layer, reading } of view.keys) {
-      const readable = here && layer.y && layer.sorted && isShown(layer);
-      const index = readable ? nearest(layer.xs, at) : -1;
-      reading.textContent = index < 0 ? "" : format(layer.y[index]);
+      const read = seen === view ? layer : counterpart(seen.panel, layer);
+      const readable = here && read?.y && read.sorted && isShown(layer);
+      const index = readable ? nearest(read.xs, at) : -1;
+      reading.textContent = index < 0 ? "" : format(read.y[index]);
     }
     if (cursor && cursor.view === view) {
       const height = value(view.panel.y, view.y, 1 - cursor.y);
       view.label.textContent += `   (${format(at)}, ${format(height)})`;
     }
+  }
+
+  // The layer of another panel that the same key of the legend stands for.
+  function counterpart(panel, layer) {
+    const look = ({ kind, color, dash, width }) => [kind, color, dash, width].join();
+    return panel.layers.find((other) => look(other) === look(layer));
   }
 
   function nearest(xs, at) {

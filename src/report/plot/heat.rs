@@ -50,7 +50,7 @@ pub(super) fn draw(canvas: &Canvas<'_>, map: &HeatMap, frame: &Frame) -> Result<
 }
 
 fn cell_text(canvas: &Canvas<'_>, rect: Rect, fill: Rgb, text: &str) -> Result<(), ReportError> {
-    let size = (0.42 * rect.height()).clamp(8.0, 12.0);
+    let size = (0.55 * rect.height()).clamp(8.0, 12.0);
     let pen = Pen::new(size, text_on(fill));
     if pen.width(text) + 4.0 > rect.width() || size + 2.0 > rect.height() {
         return Ok(());

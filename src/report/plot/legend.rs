@@ -20,6 +20,7 @@ const ROW: f64 = 20.0;
 pub(super) enum Sample {
     /// Dashes and width of the stroke \[px\].
     Line(Dash, f64),
+    Dot,
     Dots,
     Patch(f64),
     Whisker,
@@ -62,6 +63,7 @@ impl Entry {
             Sample::Line(dash, width) => {
                 stroke(canvas, &[(x, middle), (x + SWATCH, middle)], color, width, dash)?;
             }
+            Sample::Dot => canvas.dot((x + 0.5 * SWATCH, middle), 3.0, color, 1.0)?,
             Sample::Dots => {
                 for share in [0.2, 0.5, 0.8] {
                     canvas.dot((x + share * SWATCH, middle), 2.2, color, 0.8)?;
@@ -97,7 +99,9 @@ pub(super) fn entries(panel: &Panel) -> Vec<Entry> {
             Layer::HLine { label, role, dash, .. } | Layer::VLine { label, role, dash, .. } => {
                 add(label, *role, Sample::Line(*dash, 2.0));
             }
-            Layer::Points { label, role, .. } => add(label, *role, Sample::Dots),
+            Layer::Points { points, label, role, .. } => {
+                add(label, *role, if points.len() == 1 { Sample::Dot } else { Sample::Dots });
+            }
             Layer::Band { label, role, .. } => add(label, *role, Sample::Patch(BAND)),
             Layer::Shade { label, role, .. } => {
                 add(label, *role, Sample::Patch(SHADE));

@@ -159,7 +159,7 @@ impl<'a> Plan<'a> {
             }
             (Some(names), None) => {
                 let count = names.len() as f64;
-                (30.0 * count).min(340.0).max(14.0 * count).clamp(90.0, 1400.0)
+                (30.0 * count).min(340.0).max(20.0 * count).clamp(90.0, 1400.0)
             }
             _ if alone => 300.0,
             _ => 170.0,

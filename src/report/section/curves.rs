@@ -58,15 +58,21 @@ pub(super) fn residual(recording: &RecordingStudy, rows: &[[f64; 2]], i: usize) 
 
 /// A curve over time, broken where rows are missing.
 pub(super) fn broken_at_gaps(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    let times: Vec<f64> = points.iter().map(|point| point.0).collect();
+    broken_where_rows_miss(&times, &points)
+}
+
+/// A curve of which each point has a time \[s\], broken where rows are missing.
+pub(super) fn broken_where_rows_miss(times: &[f64], points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     // a curve that is broken already holds the place of the break twice
-    let steps = points.windows(2).map(|pair| pair[1].0 - pair[0].0).filter(|step| *step > 0.0);
+    let steps = times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0);
     let step = median(steps);
     let mut out: Vec<(f64, f64)> = Vec::with_capacity(points.len());
-    for point in points {
-        if out.last().is_some_and(|last| is_gap(last.0, point.0, step)) {
+    for (k, point) in points.iter().enumerate() {
+        if k > 0 && is_gap(times[k - 1], times[k], step) {
             out.push((point.0, f64::NAN));
         }
-        out.push(point);
+        out.push(*point);
     }
     out
 }

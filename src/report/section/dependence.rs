@@ -59,7 +59,7 @@ fn figure(study: &Study) -> Figure {
         .with_caption(caption(study))
         .with_columns(2)
         .interactive()
-        .with_height(470.0);
+        .with_height(560.0);
     for curve in drawn(study) {
         for i in 0..2 {
             let mut panel = panel(study, curve, i);
@@ -94,10 +94,17 @@ fn caption(study: &Study) -> String {
         }
         None => "",
     };
+    let geometry = match study.track_is_known {
+        true => "",
+        false => {
+            " The track of the robot is not known: turn rate and heading are those of another track, so that their \
+             shape holds and their scale does not."
+        }
+    };
     format!(
         "Recorded input less what the model needs for the measured motion, behind a low-pass, in bins of a \
          variable; rows near rest, where the direction of dry friction is not known, are left out. No line crosses a range without data.{line} Variables that \
-         varied together in these recordings share their curves."
+         varied together in these recordings share their curves.{geometry}"
     )
 }
 

@@ -60,7 +60,7 @@ fn caption(study: &Study) -> String {
 fn columns(study: &Study) -> Vec<Column> {
     let mut columns = vec![Column::text("Parameter"), Column::text("Meaning")];
     let mut model = |name: String| {
-        columns.push(Column::number(capital(&name), ""));
+        columns.push(Column::number(format::capital(&name), ""));
     };
     model(words::given(study));
     if study.completed.is_some() {
@@ -71,11 +71,6 @@ fn columns(study: &Study) -> Vec<Column> {
     }
     columns.push(Column::text("Unit"));
     columns
-}
-
-fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 fn cells(study: &Study, row: &ParameterStudy) -> Vec<Cell> {

@@ -62,17 +62,19 @@ fn title(study: &Study, models: &[(String, &[Failure])]) -> String {
         (_, Some(worst)) if models.len() > 1 => {
             format!(
                 "{} the model still fails most clearly in: {worst}",
-                capital(&words::added(study))
+                format::capital(&words::added(study))
             )
         }
         (_, Some(worst)) => format!("The model fails most clearly in: {worst}"),
-        (_, None) => capital(&left(last)),
+        (None, None) if models.len() > 1 => format!(
+            "{}: {}; {}: {}",
+            format::capital(&words::given(study)),
+            left(models[0].1),
+            words::added(study),
+            left(last)
+        ),
+        (_, None) => format::capital(&left(last)),
     }
-}
-
-fn capital(sentence: &str) -> String {
-    let mut letters = sentence.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// What is said where the residual torque is significant in no regime: that is no proof of a small error.
@@ -149,11 +151,11 @@ fn table(study: &Study, models: &[(String, &[Failure])]) -> Table {
         columns.push(Column::number(format!("Share of error, {name}"), ""));
         columns.push(Column::number("Over floor", "×"));
         columns.push(Column::number("Residual torque", unit));
-        columns.push(Column::number("p", ""));
+        columns.push(Column::number("p, one regime", ""));
     }
     let caption = format!(
         "Regimes by how far the error exceeds noise, on {} data: share of the summed squared 2 s simulation \
-         error, and the mean residual torque ± standard error (over blocks of 1 s; a dash near rest).",
+         error, and the mean residual torque ± standard error (over blocks of 1 s; a dash near rest), with its p-value, not corrected for the number of regimes.",
         study.judged_words()
     );
     let mut table = Table::new(caption, columns);

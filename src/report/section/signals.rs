@@ -96,8 +96,7 @@ fn velocity(study: &Study, recording: &RecordingStudy) -> Figure {
 
 /// The path of the axle's centre, dotted where the error of the model exceeds the noise floor.
 fn path(study: &Study, recording: &RecordingStudy, windows: &[[f64; 2]]) -> Figure {
-    let place = |k: usize| (recording.path[k][0], recording.path[k][1]);
-    let all: Vec<(f64, f64)> = (0..recording.path.len()).map(place).collect();
+    let all: Vec<(f64, f64)> = recording.path.iter().map(|[x, y, _]| (*x, *y)).collect();
     let over_floor = over_floor(recording, windows, all.len());
     let above = |low: f64, high: f64| -> Vec<(f64, f64)> {
         let rows = over_floor.iter().zip(&all).filter(|(over, _)| **over > low && **over <= high);
@@ -111,9 +110,9 @@ fn path(study: &Study, recording: &RecordingStudy, windows: &[[f64; 2]]) -> Figu
         dots(vec![all[0]], "start", Role::Ink, 4.5),
     ];
     let size = map_size(&all);
-    let panel = Panel::new(Axis::linear("x", "m"), Axis::linear("y", "m"))
-        .with_equal_units()
-        .with(line(all, "path", Role::NoiseFloor, 1.6));
+    let panel = Panel::new(Axis::linear("x", "m"), Axis::linear("y", "m")).with_equal_units().with(
+        Layer::line(curves::broken_where_rows_miss(&recording.t, &all), "path", Role::NoiseFloor),
+    );
     // what does not occur is not in the legend
     let occurs =
         |layer: &Layer| !matches!(layer, Layer::Points { points, .. } if points.is_empty());

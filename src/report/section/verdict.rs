@@ -93,6 +93,10 @@ fn numbers(study: &Study) -> Option<Block> {
         false => ("what noise alone leaves", means(grade)),
     };
     let judged = format!("on {} data; {holds}", study.judged_words());
+    let is = match &study.completed {
+        Some(_) => format!("{} the model is", format::capital(&words::added(study))),
+        None => "The model is".to_owned(),
+    };
     Some(Block::Numbers(vec![
         number("2 s simulation error", three(error), "rad/s", before),
         number("Noise floor", three(floor), "rad/s", judged),
@@ -102,7 +106,7 @@ fn numbers(study: &Study) -> Option<Block> {
             "",
             format!("error: {share} of the top speed"),
         ),
-        Number { tone, ..number("The model is", grade.words().to_owned(), "", meaning.to_owned()) },
+        Number { tone, ..number(&is, grade.words().to_owned(), "", meaning.to_owned()) },
     ]))
 }
 
@@ -225,11 +229,15 @@ fn cautions(study: &Study) -> Vec<Block> {
 
 fn next_step(study: &Study) -> Vec<Block> {
     let Some(diagnosis) = &study.diagnosis else {
+        // a fuzzy system has no effects to add
+        if study.reference_method().is_none_or(|m| m.fuzzy.is_some()) {
+            return vec![];
+        }
         let text = Text::from("Next step: to learn whether an effect is missing, and which, add ")
             .code("[diagnosis]")
             .plain(" to the experiment file, or try one: ");
         let text = add_command(study, "viscous_friction", text).plain(".");
-        return if study.reference.is_some() { vec![Block::Paragraph(text)] } else { vec![] };
+        return vec![Block::Paragraph(text)];
     };
     let mut blocks = Vec::new();
     if let Some(first) = diagnosis.found.first() {

@@ -4,8 +4,8 @@ use crate::compare::{
     Curve, CurveBin, Failure, Floor, Horizon, Innovations, Mean, Variable, Whiteness, analysed,
 };
 use crate::export::ModelFiles;
-use crate::identify::{Estimate, Status, Trace, Work};
-use crate::recording::{DriveUnit, Measured, Noise, Regime};
+use crate::identify::{Estimate, Note, Status, Trace, Work};
+use crate::recording::{DriveUnit, Finding, Issue, Measured, Noise, Regime, Severity};
 use crate::study::{
     Candidate, DiagnosisStudy, FoundEffect, FuzzyStudy, Invocation, MethodStudy, ModelStudy,
     ParameterStudy, Performance, RecordingStudy, Role, Step, Study, Verdict, Version,
@@ -28,7 +28,7 @@ fn recording(role: Role) -> RecordingStudy {
         measured: Measured { alpha: true, omega: true },
         noise: Noise { alpha: [1e-3; 2], omega: [0.05; 2], torque: [0.005; 2] },
         conditioning: vec![],
-        findings: vec!["a gap of 0.2 s at 1.0 s".to_owned()],
+        findings: vec![Finding { severity: Severity::Warning, issue: Issue::Still(1) }],
         floor: Floor { ise: [0.01; 2], window_rms: 0.05, window_most: 0.05 },
         alpha: t.iter().map(|t| [4.0 - 4.0 * t.cos(), 3.0 * t.sin()]).collect(),
         torque: omega.iter().map(|w| [0.1 * w[0], 0.1 * w[1]]).collect(),
@@ -75,6 +75,7 @@ pub(in crate::report::section) fn empty() -> Study {
         file: String::new(),
         robot: "robot".to_owned(),
         robot_is_given: true,
+        track_is_known: true,
         effects: vec![],
         drive_unit: DriveUnit::Volt,
         recordings: vec![],
@@ -197,6 +198,7 @@ fn diagnosis() -> DiagnosisStudy {
             cause: "tyres scrub".to_owned(),
             indistinguishable: vec![],
         }],
+        is_undetermined: false,
     }
 }
 
@@ -232,7 +234,7 @@ pub(in crate::report::section) fn full() -> Study {
         Estimate::new("a4", "V".to_owned(), 0.12, 0.01),
     ];
     physical.correlations = vec![vec![1.0, f64::NAN, 0.0, 0.5]; 4];
-    physical.notes = vec!["a2 is not identifiable".to_owned()];
+    physical.notes = vec![Note::MassNotPositive];
     physical.traces = vec![Trace {
         axis: "time [s]".to_owned(),
         at: (0..50).map(f64::from).collect(),
