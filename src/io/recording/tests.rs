@@ -148,7 +148,7 @@ fn the_torques_of_two_motors_of_a_side_are_added() {
     let row = |k: usize| {
         let t = 0.01 * k as f64;
         // the second motor of the left side is written in every other row
-        let slow = if k % 2 == 0 { "0.25" } else { "" };
+        let slow = if k.is_multiple_of(2) { "0.25" } else { "" };
         format!("{t},{},1,{t},0.5,-0.25,{slow}", 1.0 + t)
     };
     let rows = (0..40).map(row).collect::<Vec<_>>().join("\n");
