@@ -35,16 +35,80 @@ pub struct Mean {
 /// ```
 #[must_use]
 pub fn clustered_mean(values: &[(usize, f64)]) -> Mean {
-    let n = values.len() as f64;
-    let value = values.iter().map(|v| v.1).sum::<f64>() / n;
-    let (mut square, mut blocks) = (0.0, 0);
-    for block in values.chunk_by(|a, b| a.0 == b.0) {
-        square += block.iter().map(|v| v.1 - value).sum::<f64>().powi(2);
+    clustered_factor(
+        values.iter().map(|&(block, value)| Sample { block, per: 1.0, value }).collect(),
+    )
+}
+
+/// A value that may be proportional to another, and the number of the block that it lies in.
+#[derive(Clone, Copy)]
+struct Sample {
+    block: usize,
+    per: f64,
+    value: f64,
+}
+
+/// The factor c of values y = c x by least squares, blocks in order.
+///
+/// ```text
+/// c = Σ x y/Σ x²,   se² = B/(B - 1) Σ_b (Σ_k in b x_k (y_k - c x_k))²/(Σ x²)²
+/// ```
+fn clustered_factor(samples: Vec<Sample>) -> Mean {
+    let square: f64 = samples.iter().map(|s| s.per * s.per).sum();
+    let value = samples.iter().map(|s| s.per * s.value).sum::<f64>() / square;
+    let (mut scatter, mut blocks) = (0.0, 0);
+    for block in samples.chunk_by(|a, b| a.block == b.block) {
+        scatter += block.iter().map(|s| s.per * (s.value - value * s.per)).sum::<f64>().powi(2);
         blocks += 1;
     }
     let small = blocks as f64 / (blocks as f64 - 1.0);
-    let std_error = if blocks > 1 { (small * square).sqrt() / n } else { f64::NAN };
+    let std_error = if blocks > 1 { (small * scatter).sqrt() / square } else { f64::NAN };
     Mean { value, std_error, blocks }
+}
+
+/// How a torque that the model lacks may act on a wheel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Acting {
+    /// As a torque of its own.
+    Torque,
+    /// Against the motion: the torque changes its sign with the speed of the wheel.
+    Resistance,
+    /// As a share of the input: the torque is proportional to it.
+    Gain,
+}
+
+impl Acting {
+    /// How a torque may act that depends on `variable`. What depends on a speed, a turn rate or an input is seen over
+    /// them whatever its sign; what depends on the place or the time may change it with the direction of the motion.
+    const fn of(variable: Variable) -> &'static [Self] {
+        match variable {
+            Variable::Heading | Variable::Alpha1 | Variable::Alpha2 => {
+                &[Self::Torque, Self::Resistance]
+            }
+            Variable::Time => &[Self::Torque, Self::Resistance, Self::Gain],
+            _ => &[Self::Torque],
+        }
+    }
+
+    /// In words, behind the variable that it depends on.
+    #[must_use]
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Torque => "",
+            Self::Resistance => ", as a resistance to the motion",
+            Self::Gain => ", as a share of the input",
+        }
+    }
+
+    /// What the torque on wheel `i` is proportional to.
+    fn per(self, row: &Row, i: usize) -> f64 {
+        match self {
+            Self::Torque => 1.0,
+            Self::Resistance => row.values[Variable::Omega1 as usize + i].signum(),
+            Self::Gain => row.values[Variable::Input1 as usize + i],
+        }
+    }
 }
 
 /// The residual torque in one bin of a variable.
@@ -54,9 +118,9 @@ pub struct CurveBin {
     pub at: f64,
     /// Whether values lie without a gap between this bin and the one before it.
     pub joined: bool,
-    /// Of the model as given, by wheel [N m].
+    /// Of the model as given, by wheel [N m; a share of the input where it acts so].
     pub before: [Mean; 2],
-    /// Of the model with what was found, by wheel [N m].
+    /// Of the model with what was found, by wheel [the same].
     pub after: Option<[Mean; 2]>,
 }
 
@@ -65,6 +129,8 @@ pub struct CurveBin {
 pub struct Curve {
     /// What stands on the abscissa.
     pub variable: Variable,
+    /// What its bins hold.
+    pub acting: Acting,
     /// Bins in order.
     pub bins: Vec<CurveBin>,
     /// Share of the mean square of the residual torque that the bins explain, of the model as given.
@@ -73,6 +139,21 @@ pub struct Curve {
     pub share_after: Option<f64>,
     /// -ln of the p-value of the dependence of the model as given.
     pub log_significance: f64,
+}
+
+impl Curve {
+    /// The share that is left: of the model with what was found where something was, else of the model as given.
+    #[must_use]
+    pub fn left(&self) -> f64 {
+        self.share_after.unwrap_or(self.share_before)
+    }
+
+    /// The largest mean of what is left, by its amount \[N m; a share of the input where it acts so\].
+    #[must_use]
+    pub fn largest_left(&self) -> f64 {
+        let means = self.bins.iter().flat_map(|b| b.after.unwrap_or(b.before));
+        means.map(|m| m.value.abs()).filter(|v| v.is_finite()).fold(0.0, f64::max)
+    }
 }
 
 /// Rows with their residual torques.
@@ -134,11 +215,18 @@ pub fn curves(
     let independent = (2.0 * cutoff * step).min(1.0);
     let of = |v: usize| {
         let rows = if Variable::ALL[v].is_acceleration() { &independent_noise } else { &measured };
-        curve(rows, v, independent, after.is_some())
+        as_it_acts(rows, v, independent, after.is_some())
     };
     let mut out: Vec<Curve> = (0..Variable::ALL.len()).filter_map(of).collect();
     out.sort_by(|a, b| b.share_before.total_cmp(&a.share_before));
     out
+}
+
+/// The curve over a variable that explains most of what is left, by how the torque acts.
+fn as_it_acts(rows: &[Row], v: usize, independent: f64, has_after: bool) -> Option<Curve> {
+    let all = Acting::of(Variable::ALL[v]).iter();
+    let all = all.filter_map(|acting| curve(rows, v, *acting, independent, has_after));
+    all.reduce(|best, next| if next.left() > best.left() { next } else { best })
 }
 
 fn rows(
@@ -170,7 +258,13 @@ fn rows(
     out
 }
 
-fn curve(rows: &[Row], v: usize, independent: f64, has_after: bool) -> Option<Curve> {
+fn curve(
+    rows: &[Row],
+    v: usize,
+    acting: Acting,
+    independent: f64,
+    has_after: bool,
+) -> Option<Curve> {
     let moves = |r: &&Row| r.before.iter().any(|m| m.is_finite()) && r.values[v].is_finite();
     let mut order: Vec<&Row> = rows.iter().filter(moves).collect();
     order.sort_by(|a, b| a.values[v].total_cmp(&b.values[v]));
@@ -178,33 +272,39 @@ fn curve(rows: &[Row], v: usize, independent: f64, has_after: bool) -> Option<Cu
         return None;
     }
     let bins: Vec<(bool, Vec<&Row>)> = cut(&order, v);
-    let mean = |bin: &[&Row], of: &dyn Fn(&Row) -> [f64; 2]| -> [Mean; 2] {
-        [0, 1].map(|i| {
-            let mut values: Vec<(usize, f64)> =
-                bin.iter().map(|r| (r.block, of(r)[i])).filter(|v| v.1.is_finite()).collect();
-            values.sort_by_key(|v| v.0);
-            clustered_mean(&values)
-        })
+    let model = |of: fn(&Row) -> [f64; 2]| {
+        let samples: Vec<[Vec<Sample>; 2]> =
+            bins.iter().map(|(_, bin)| [0, 1].map(|i| samples(bin, acting, i, of))).collect();
+        let means: Vec<[Mean; 2]> =
+            samples.iter().map(|bin| [0, 1].map(|i| clustered_factor(bin[i].clone()))).collect();
+        (explained(&samples, &means, acting, independent), means)
     };
-    let made: Vec<CurveBin> = bins
-        .iter()
-        .map(|(joined, bin)| CurveBin {
-            at: bin.iter().map(|r| r.values[v]).sum::<f64>() / bin.len() as f64,
-            joined: *joined,
-            before: mean(bin, &|r| r.before),
-            after: has_after.then(|| mean(bin, &|r| r.after)),
-        })
-        .collect();
-    let explained = |of: &dyn Fn(&Row) -> [f64; 2], means: &dyn Fn(&CurveBin) -> [Mean; 2]| {
-        explained(&bins, of, &made.iter().map(means).collect::<Vec<_>>(), independent)
-    };
-    let (square, share_before, log_significance) = explained(&|r| r.before, &|b| b.before);
-    let after = has_after.then(|| {
-        let (left, share, _) = explained(&|r| r.after, &|b| b.after.unwrap_or(b.before));
-        share * left / square.max(f64::MIN_POSITIVE)
+    let (before, means) = model(|r| r.before);
+    let after = has_after.then(|| model(|r| r.after));
+    let made = bins.iter().enumerate().map(|(n, (joined, bin))| CurveBin {
+        at: bin.iter().map(|r| r.values[v]).sum::<f64>() / bin.len() as f64,
+        joined: *joined,
+        before: means[n],
+        after: after.as_ref().map(|(_, means)| means[n]),
     });
-    let variable = Variable::ALL[v];
-    Some(Curve { variable, bins: made, share_before, share_after: after, log_significance })
+    Some(Curve {
+        variable: Variable::ALL[v],
+        acting,
+        bins: made.collect(),
+        share_before: before.share,
+        share_after: after
+            .as_ref()
+            .map(|(after, _)| after.share * after.square / before.square.max(f64::MIN_POSITIVE)),
+        log_significance: before.log_significance,
+    })
+}
+
+/// The residual torques of wheel `i` in a bin, blocks in order.
+fn samples(bin: &[&Row], acting: Acting, i: usize, of: fn(&Row) -> [f64; 2]) -> Vec<Sample> {
+    let sample = |r: &&Row| Sample { block: r.block, per: acting.per(r, i), value: of(r)[i] };
+    let mut out: Vec<Sample> = bin.iter().map(sample).filter(|s| s.value.is_finite()).collect();
+    out.sort_by_key(|s| s.block);
+    out
 }
 
 /// Rows in the order of a variable cut into bins of equal counts, none across a gap; whether each follows
@@ -227,30 +327,46 @@ fn cut<'a>(order: &[&'a Row], v: usize) -> Vec<(bool, Vec<&'a Row>)> {
     out
 }
 
-/// Sum of squares, the share of it that the bins' means explain, and -ln p.
+/// What the bins explain.
+struct Explained {
+    /// Sum of the squares of all values.
+    square: f64,
+    /// Share of it that the bins explain.
+    share: f64,
+    /// -ln p.
+    log_significance: f64,
+}
+
+/// What the `means` of bins explain. Of what changes its sign with the motion or the input, the part that is the same in
+/// all bins depends on these and not on the variable, and is not counted.
 fn explained(
-    bins: &[(bool, Vec<&Row>)],
-    of: &dyn Fn(&Row) -> [f64; 2],
+    bins: &[[Vec<Sample>; 2]],
     means: &[[Mean; 2]],
+    acting: Acting,
     independent: f64,
-) -> (f64, f64, f64) {
-    let (mut whole, mut left, mut count, mut used) = (0.0, 0.0, 0.0, 0.0);
-    for ((_, bin), mean) in bins.iter().zip(means) {
-        for i in 0..2 {
-            let values = || bin.iter().map(|r| of(r)[i]).filter(|v| v.is_finite());
-            whole += values().map(|v| v * v).sum::<f64>();
-            left += values().map(|v| (v - mean[i].value).powi(2)).sum::<f64>();
-            count += values().count() as f64;
+) -> Explained {
+    let square_of = |s: &Sample, c: f64| (s.value - c * s.per).powi(2);
+    let (mut square, mut same, mut left, mut count, mut used) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for i in 0..2 {
+        let of_wheel = || bins.iter().flat_map(|bin| &bin[i]);
+        let all = clustered_factor(of_wheel().copied().collect()).value;
+        let constant = if acting == Acting::Torque || all.is_nan() { 0.0 } else { all };
+        square += of_wheel().map(|s| square_of(s, 0.0)).sum::<f64>();
+        same += of_wheel().map(|s| square_of(s, constant)).sum::<f64>();
+        for (bin, mean) in bins.iter().zip(means) {
+            left += bin[i].iter().map(|s| square_of(s, mean[i].value)).sum::<f64>();
+            count += bin[i].len() as f64;
             used += f64::from(mean[i].value.is_finite());
         }
     }
     let n = count * independent;
-    if n <= used + 1.0 || whole <= 0.0 {
-        return (whole, 0.0, 0.0);
+    if n <= used + 1.0 || square <= 0.0 {
+        return Explained { square, share: 0.0, log_significance: 0.0 };
     }
-    let left = left.max(1e-12 * whole);
-    let share = 1.0 - (left / (n - used)) / (whole / n);
-    (whole, share.max(0.0), -chi2_log_survival(n * (whole / left).ln(), used))
+    let left = left.max(1e-12 * square);
+    let share = (same / n - left / (n - used)) / (square / n);
+    let log_significance = -chi2_log_survival(n * (same / left).ln(), used);
+    Explained { square, share: share.max(0.0), log_significance }
 }
 
 #[cfg(test)]
@@ -280,7 +396,7 @@ mod tests {
                 row(k / 100, x, x.signum() + if k % 2 == 0 { 0.1 } else { -0.1 })
             })
             .collect();
-        let curve = curve(&rows, 0, 1.0, false).unwrap();
+        let curve = curve(&rows, 0, Acting::Torque, 1.0, false).unwrap();
         let broken: Vec<f64> = curve.bins.iter().filter(|b| !b.joined).map(|b| b.at).collect();
         assert_eq!(broken.len(), 2);
         assert!(broken[0] < -1.0 && broken[1] > 1.0);
@@ -288,5 +404,50 @@ mod tests {
         // 1/(1 + 0.01) of the mean square is the step
         assert!((curve.share_before - 1.0 / 1.01).abs() < 1e-3, "{}", curve.share_before);
         assert!(curve.log_significance > 1000.0);
+    }
+
+    /// Rows of 300 s, 10 a second, over a heading that turns slowly, with directions and inputs that change faster.
+    fn driven(torque: impl Fn(f64, f64, f64) -> f64) -> Vec<Row> {
+        (0..3000)
+            .map(|k| {
+                let t = 0.1 * f64::from(k);
+                let heading = (0.21 * t).rem_euclid(std::f64::consts::TAU);
+                let (speed, input) = ((0.9 * t).sin(), 1.0 + (1.7 * t).cos());
+                let mut values = [0.0; 12];
+                values[Variable::Omega1 as usize] = speed;
+                values[Variable::Omega2 as usize] = speed;
+                values[Variable::Input1 as usize] = input;
+                values[Variable::Input2 as usize] = input;
+                values[Variable::Heading as usize] = heading;
+                values[Variable::Time as usize] = t;
+                let before = [torque(t, heading, speed), torque(t, heading, speed)];
+                Row { block: t as usize, values, before, after: [f64::NAN; 2] }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_resistance_over_the_heading_is_told_from_a_torque() {
+        let nap = driven(|_, heading, speed| speed.signum() * (2.0 * heading).cos());
+        let found = as_it_acts(&nap, Variable::Heading as usize, 1.0, false).unwrap();
+        assert_eq!(found.acting, Acting::Resistance);
+        // twelve steps across a wave of two periods hold sinc²(π/6) of its square, 0.912
+        assert!((found.share_before - 0.912).abs() < 0.02, "{}", found.share_before);
+        let slope = driven(|_, heading, _| heading.cos());
+        let found = as_it_acts(&slope, Variable::Heading as usize, 1.0, false).unwrap();
+        assert_eq!(found.acting, Acting::Torque);
+    }
+
+    #[test]
+    fn a_torque_constant_that_fades_is_a_share_of_the_input_over_the_time() {
+        let fading = |t: f64| (t - 150.0) / 1000.0;
+        let rows = driven(|t, _, _| fading(t) * (1.0 + (1.7 * t).cos()));
+        let found = as_it_acts(&rows, Variable::Time as usize, 1.0, false).unwrap();
+        assert_eq!(found.acting, Acting::Gain);
+        assert!(found.bins.iter().all(|b| (b.before[0].value - fading(b.at)).abs() < 0.003));
+        // a share that is the same at all times does not depend on the time
+        let same = driven(|t, _, _| 0.3 * (1.0 + (1.7 * t).cos()));
+        let curve = curve(&same, Variable::Time as usize, Acting::Gain, 1.0, false).unwrap();
+        assert!(curve.share_before < 1e-9, "{}", curve.share_before);
     }
 }

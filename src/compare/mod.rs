@@ -11,7 +11,7 @@ mod split_noise;
 mod unexplained_torque;
 mod whiteness;
 
-pub use curves::{Curve, CurveBin, Mean, Unexplained, clustered_mean, curves};
+pub use curves::{Acting, Curve, CurveBin, Mean, Unexplained, clustered_mean, curves};
 pub use error::{Simulated, angle_rms, ise, simulate_recording, window_errors, window_rms};
 pub(crate) use error::{WINDOW, start_of};
 pub use floor::{

@@ -60,6 +60,18 @@ impl Errors {
         (self.after / self.floor).sqrt()
     }
 
+    /// Whether the model as given is at the floor.
+    #[must_use]
+    pub fn was_at_floor(&self) -> bool {
+        (self.before / self.floor).sqrt() <= THRESHOLDS.at_floor
+    }
+
+    /// Fall of the root mean square error by what was found, as a share.
+    #[must_use]
+    pub fn fall(&self) -> f64 {
+        1.0 - (self.after / self.before).sqrt()
+    }
+
     /// Root mean square error of the last model beyond the noise floor, as a share of the top speed of the wheels.
     #[must_use]
     pub fn excess(&self) -> f64 {
@@ -81,6 +93,12 @@ impl Errors {
         // what is not a number fails every comparison
         let small = self.ratio() <= THRESHOLDS.above_floor || self.excess() <= THRESHOLDS.excess;
         !small
+    }
+
+    /// Whether what the last model leaves beyond the floor is that of a useful model.
+    #[must_use]
+    pub fn useful(&self) -> bool {
+        self.excess() <= THRESHOLDS.useful
     }
 
     /// Whether the last model is above all that the input may have done between its rows. An error that is not a
@@ -121,14 +139,15 @@ pub fn withheld(diagnosis: &Diagnosis, rate: f64) -> Option<&Ranked> {
 /// Concludes from the number of effects found, the errors, and the share of the squared error that a likely
 /// effect would leave (1 without one).
 ///
-/// Where the error is above the floor, what was found or is likely must explain the larger part of it;
-/// else something unknown is missing, if the residual torque shows `structure` or the error is far above the
+/// Where the error is above the floor, what was found or is likely must explain the larger part of it, and with what
+/// was found the model must be useful; else something unknown is missing, if the residual torque shows `structure` or the error is far above the
 /// floor, which is itself an estimate, and if nothing that the input may have done between its rows makes it.
 #[must_use]
 pub fn conclude(found: usize, errors: &Errors, likely: Option<f64>, structure: bool) -> Conclusion {
     let explained = |after: f64| errors.left(after) <= THRESHOLDS.unexplained;
     match likely {
-        _ if found > 0 && (!errors.above_floor() || explained(errors.after)) => Conclusion::Missing,
+        _ if found > 0 && !errors.above_floor() => Conclusion::Missing,
+        _ if found > 0 && explained(errors.after) && errors.useful() => Conclusion::Missing,
         _ if found > 0 => Conclusion::Unknown,
         Some(ratio) if explained(errors.after * ratio * ratio) => Conclusion::Likely,
         _ if errors.above_floor()
@@ -209,6 +228,16 @@ mod tests {
         assert_eq!(conclude(0, &errors(4.0, 4.0), Some(0.5), true), Conclusion::Likely);
         assert_eq!(conclude(0, &errors(4.0, 4.0), Some(0.95), true), Conclusion::Unknown);
         assert!((errors(4.0, 1.1).unexplained() - 0.1 / 3.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn effects_that_leave_a_poor_model_are_not_all_that_is_missing() {
+        let slow = Errors { speed: 100.0, ..errors(4.0, 1.2) };
+        assert_eq!(conclude(1, &slow, None, true), Conclusion::Missing);
+        // 30 of 48 floors and a fifth of the top speed are left
+        let poor = Errors { before: 2300.0, after: 900.0, speed: 2e4, ..slow };
+        assert_eq!(conclude(3, &poor, None, true), Conclusion::Unknown);
+        assert_eq!(conclude(3, &Errors { speed: 1e6, ..poor }, None, true), Conclusion::Missing);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::compare::{Curve, Variable, WindowFloor};
 use crate::diagnose::{Data, Diagnosis, THRESHOLDS, WindowFit, with_later_input};
 use crate::identify::{IdentifyError, Task, start};
 use crate::model::Model;
-use crate::recording::Recording;
+use crate::recording::{DriveUnit, Recording};
 use crate::simulate::PhysicalDynamics;
 use crate::study::{DiagnosisStudy, Role, is_undetermined};
 use crate::verdict::{Basis, concluded, unless_undetermined, with_dependence};
@@ -40,13 +40,18 @@ pub(super) struct Outcome {
     words: DiagnosisStudy,
     /// The variable on which the residual torque of the last model depends significantly.
     depends_on: Option<Variable>,
+    /// Unit of the input.
+    unit: DriveUnit,
 }
 
 impl Outcome {
     /// The verdict beside the `curves` of the residual torque.
     pub(super) fn concluded(self, curves: &[Curve]) -> DiagnosisStudy {
-        let Self { words, depends_on, .. } = self;
-        if words.is_undetermined { words } else { with_dependence(words, curves, depends_on) }
+        let Self { words, depends_on, unit, .. } = self;
+        match words.is_undetermined {
+            true => words,
+            false => with_dependence(words, curves, depends_on, unit),
+        }
     }
 }
 
@@ -74,7 +79,8 @@ pub fn diagnose(plan: &Plan, comparison: Comparison) -> Result<Diagnosed, RunErr
     let (words, depends_on) = concluded(&diagnosis, &basis)?;
     let is_undetermined = stalled_without_inertia(&comparison) && !knows_inertia(diagnosis.last());
     let words = unless_undetermined(words, is_undetermined);
-    let outcome = Outcome { diagnosis, words, depends_on };
+    let unit = basis.train[0].drive_unit();
+    let outcome = Outcome { diagnosis, words, depends_on, unit };
     Ok(Diagnosed { comparison, outcome: Some(outcome) })
 }
 

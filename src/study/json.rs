@@ -190,7 +190,7 @@ fn diagnosis(study: &Study, d: &DiagnosisStudy) -> Value {
         "false_alarm": d.false_alarm,
         "effects": d.effects,
         "dependences": study.curves.iter().map(|c| json!({
-            "variable": c.variable, "log_significance": c.log_significance,
+            "variable": c.variable, "acting": c.acting, "log_significance": c.log_significance,
             "share_before": c.share_before, "share_after": c.share_after,
         })).collect::<Vec<_>>(),
     })

@@ -10,13 +10,13 @@ pub(crate) use self::undetermined::unless_undetermined;
 
 use self::next::{advice, propose, to_prove};
 use self::ranking::{ranking, staircase};
-use self::sentence::{Finding, Withheld, residual_torque};
+use self::sentence::{Finding, Withheld, is_most_of_it, most_left, residual_torque};
 use crate::compare::{Curve, Variable, WindowFloor};
 use crate::diagnose::{
     Conclusion, Diagnosis, Judge, Settings, WindowFit, conclude, likely, withheld,
 };
 use crate::filter::{Likelihood, prepare};
-use crate::recording::Recording;
+use crate::recording::{DriveUnit, Recording};
 use crate::simulate::{Hold, SimulateError};
 use crate::study::{DiagnosisStudy, FoundEffect, Verdict, parameters_of};
 
@@ -55,20 +55,27 @@ impl<'a> Basis<'a> {
 /// A model that cannot move, or diverges.
 pub fn verdict(diagnosis: &Diagnosis, basis: &Basis) -> Result<DiagnosisStudy, SimulateError> {
     let (words, depends_on) = concluded(diagnosis, basis)?;
-    Ok(with_dependence(words, &[], depends_on))
+    Ok(with_dependence(words, &[], depends_on, basis.train[0].drive_unit()))
 }
 
-/// A verdict with what the residual torque depends on, by its `curves`, where something outside the catalogue is
-/// missing.
+/// A verdict with what the residual torque depends on, by its `curves`: where something outside the catalogue is
+/// missing, and where something is and one variable shows the larger part of it.
 pub(crate) fn with_dependence(
     words: DiagnosisStudy,
     curves: &[Curve],
     depends_on: Option<Variable>,
+    unit: DriveUnit,
 ) -> DiagnosisStudy {
-    if words.verdict != Verdict::UnknownEffect {
+    let plainly = most_left(curves).is_some_and(is_most_of_it);
+    let says = match words.verdict {
+        Verdict::UnknownEffect => true,
+        Verdict::EffectsMissing | Verdict::EffectLikely => plainly,
+        Verdict::ModelSufficient => false,
+    };
+    if !says {
         return words;
     }
-    let sentence = format!("{} {}", words.sentence, residual_torque(curves, depends_on));
+    let sentence = format!("{} {}", words.sentence, residual_torque(curves, depends_on, unit));
     DiagnosisStudy { sentence, ..words }
 }
 

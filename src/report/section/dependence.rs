@@ -1,7 +1,7 @@
 //! What the residual torque depends on, before and after what was found: which points to the missing effect.
 
 use super::{Section, words};
-use crate::compare::{Curve, CurveBin, Mean};
+use crate::compare::{Acting, Curve, CurveBin, Mean};
 use crate::diagnose::THRESHOLDS;
 use crate::report::block::{Block, Cell, Column, Table};
 use crate::report::figure::{Axis, Dash, ErrorBar, Figure, Layer, Panel, Role};
@@ -27,7 +27,7 @@ impl Section for Dependence {
     fn how_to_read(&self) -> &'static str {
         "The residual torque is what would have to be added to the model to explain the recorded input: a \
          slope over speed is viscous friction, a step at zero is dry friction, a wave over the heading is a \
-         slope of the floor."
+         slope of the floor, and as a resistance the pile of a carpet."
     }
 
     fn blocks(&self, study: &Study) -> Vec<Block> {
@@ -42,17 +42,17 @@ impl Section for Dependence {
 fn figure(study: &Study) -> Figure {
     let first = &study.curves[0];
     let before = format::percent(first.share_before);
-    let variable = first.variable.words();
+    let (variable, acting) = (first.variable.words(), first.acting.words());
     let title = match first.share_after {
         _ if first.share_before < THRESHOLDS.named_share => {
             "The residual torque depends on nothing that was looked at".to_owned()
         }
         Some(after) => format!(
-            "The {variable} explains {before} of the residual torque, and {after} with {} in the model",
+            "The {variable} explains {before} of the residual torque{acting}, and {after} with {} in the model",
             words::found(study),
             after = format::percent(after)
         ),
-        None => format!("The {variable} explains {before} of the residual torque"),
+        None => format!("The {variable} explains {before} of the residual torque{acting}"),
     };
     let mut figure = Figure::new("dependence", title)
         .with_subtitle("All recordings; means of bins with 95 % intervals")
@@ -101,10 +101,18 @@ fn caption(study: &Study) -> String {
              shape holds and their scale does not."
         }
     };
+    let acting = match study.curves.iter().all(|c| c.acting == Acting::Torque) {
+        true => "",
+        false => {
+            " A resistance is the residual torque where the wheel turns forward and its opposite where it turns \
+             backward; a share of the input is the factor between the two. Of both, what is the same over the whole \
+             variable is not counted."
+        }
+    };
     format!(
         "Recorded input less what the model needs for the measured motion, behind a low-pass, in bins of a \
          variable; rows near rest, where the direction of dry friction is not known, are left out. No line crosses a range without data.{line} Variables that \
-         varied together in these recordings share their curves.{geometry}"
+         varied together in these recordings share their curves.{acting}{geometry}"
     )
 }
 
@@ -119,7 +127,12 @@ fn panel(study: &Study, curve: &Curve, i: usize) -> Panel {
         let room = 0.04 * (last.at - first.at);
         x = x.with_range(first.at - room, last.at + room);
     }
-    let y = Axis::linear(format!("residual torque, {} wheel", words::SIDES[i]), unit);
+    let side = words::SIDES[i];
+    let y = match curve.acting {
+        Acting::Torque => Axis::linear(format!("residual torque, {side} wheel"), unit),
+        Acting::Resistance => Axis::linear(format!("resistance, {side} wheel"), unit),
+        Acting::Gain => Axis::linear(format!("share of the input, {side} wheel"), ""),
+    };
     let mut panel = Panel::new(x, y).with(zero);
     let is_after = curve.share_after.is_some();
     if is_after {
@@ -190,12 +203,15 @@ fn table(study: &Study) -> Table {
         let means = curve.bins.iter().filter_map(of).flatten().map(|m| m.value);
         let known = means.filter(|m| m.is_finite());
         let v = known.max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(f64::NAN);
-        Cell::formatted(format::significant(v, 2), v)
+        match curve.acting {
+            Acting::Gain => Cell::formatted(format!("{} of the input", format::percent(v)), v),
+            _ => Cell::formatted(format::significant(v, 2), v),
+        }
     };
     let share = |v: f64| Cell::formatted(format::percent(v), v).bar(v);
     for curve in &study.curves {
         let mut row = vec![
-            Cell::text(curve.variable.words()),
+            Cell::text(format!("{}{}", curve.variable.words(), curve.acting.words())),
             share(curve.share_before),
             largest(curve, &|b| Some(b.before)),
         ];
