@@ -2,15 +2,16 @@
 
 use super::comparison::Comparison;
 use super::error::RunError;
+use super::models::curves_of;
 use super::plan::{DiagnosisPlan, Plan};
-use crate::compare::{Curve, Variable, WindowFloor};
-use crate::diagnose::{Data, Diagnosis, THRESHOLDS, WindowFit, with_later_input};
+use crate::compare::{Curve, WindowFloor};
+use crate::diagnose::{Data, Diagnosis, Judge, THRESHOLDS, WindowFit, with_later_input};
 use crate::identify::{IdentifyError, Task, start};
 use crate::model::Model;
-use crate::recording::{DriveUnit, Recording};
+use crate::recording::Recording;
 use crate::simulate::PhysicalDynamics;
 use crate::study::{DiagnosisStudy, Role, is_undetermined};
-use crate::verdict::{Basis, concluded, unless_undetermined, with_dependence};
+use crate::verdict::{Basis, Concluded, concluded, tried};
 
 /// A comparison with its diagnosis, where the plan asks for one.
 pub struct Diagnosed {
@@ -23,7 +24,7 @@ impl Diagnosed {
     /// The verdict; `None` where no diagnosis was asked for.
     #[must_use]
     pub fn verdict(&self) -> Option<&DiagnosisStudy> {
-        self.outcome.as_ref().map(|outcome| &outcome.words)
+        self.outcome.as_ref().map(Outcome::words)
     }
 }
 
@@ -37,21 +38,25 @@ impl From<Comparison> for Diagnosed {
 /// A diagnosis and its verdict.
 pub(super) struct Outcome {
     pub(super) diagnosis: Diagnosis,
-    words: DiagnosisStudy,
-    /// The variable on which the residual torque of the last model depends significantly.
-    depends_on: Option<Variable>,
-    /// Unit of the input.
-    unit: DriveUnit,
+    concluded: Concluded,
+    /// Noise floor of the judged recordings under the last model.
+    floor: WindowFloor,
 }
 
 impl Outcome {
+    /// The verdict; where nothing but the words is asked for.
+    fn words(&self) -> &DiagnosisStudy {
+        &self.concluded.words
+    }
+
     /// The verdict beside the `curves` of the residual torque.
-    pub(super) fn concluded(self, curves: &[Curve]) -> DiagnosisStudy {
-        let Self { words, depends_on, unit, .. } = self;
-        match words.is_undetermined {
-            true => words,
-            false => with_dependence(words, curves, depends_on, unit),
-        }
+    pub(super) fn concluded(self, plan: &Plan, curves: &[Curve]) -> DiagnosisStudy {
+        let Self { diagnosis, concluded, floor } = self;
+        let (train, judged) = (plan.of(Role::Train), plan.judged());
+        let basis = Basis { floor: Some(floor), ..Basis::new(&train, &judged, plan.hold) };
+        let says = concluded.says_dependence(curves);
+        let formula = says.then(|| tried(curves, &diagnosis, &basis)).flatten();
+        concluded.with_dependence(curves, &basis, formula)
     }
 }
 
@@ -62,26 +67,54 @@ impl Outcome {
 pub fn diagnose(plan: &Plan, comparison: Comparison) -> Result<Diagnosed, RunError> {
     let Some(asked) = &plan.diagnosis else { return Ok(comparison.into()) };
     let diagnosis = search(plan, asked, &comparison)?;
+    let diagnosis = unless_in_place(plan, &comparison, diagnosis);
     let comparison = match diagnosis.steps.last() {
         Some(_) => comparison.under(plan, &dynamics(diagnosis.last()))?,
         None => comparison,
     };
-    let judged = comparison.judged();
+    let floor = floor_of(&comparison);
     let basis = Basis {
         train: &plan.of(Role::Train),
         judged: &plan.judged(),
         hold: plan.hold,
-        floor: Some(WindowFloor { expected: judged.floor(), most: judged.floor_most() }),
+        floor: Some(floor),
         false_alarm: asked.settings.false_alarm,
         slow_moment: asked.slow_moment,
         seed: plan.seed,
     };
-    let (words, depends_on) = concluded(&diagnosis, &basis)?;
+    let concluded = concluded(&diagnosis, &basis)?;
     let is_undetermined = stalled_without_inertia(&comparison) && !knows_inertia(diagnosis.last());
-    let words = unless_undetermined(words, is_undetermined);
-    let unit = basis.train[0].drive_unit();
-    let outcome = Outcome { diagnosis, words, depends_on, unit };
+    let concluded = concluded.unless_undetermined(is_undetermined);
+    let outcome = Outcome { diagnosis, concluded, floor };
     Ok(Diagnosed { comparison, outcome: Some(outcome) })
+}
+
+/// The diagnosis without what was found, where the model is far above the floor with it and better with a formula of what
+/// the residual torque depends on in its place.
+fn unless_in_place(plan: &Plan, comparison: &Comparison, diagnosis: Diagnosis) -> Diagnosis {
+    if diagnosis.steps.is_empty() {
+        return diagnosis;
+    }
+    let (train, judged, floor) = (plan.of(Role::Train), plan.judged(), floor_of(comparison));
+    let basis = Basis { floor: Some(floor), ..Basis::new(&train, &judged, plan.hold) };
+    let errors = Judge::new(judged.clone(), plan.hold).errors(&diagnosis, floor);
+    if !errors.is_ok_and(|errors| errors.far_above_floor() && errors.above_input()) {
+        return diagnosis;
+    }
+    let curves = curves_of(plan, comparison, &diagnosis);
+    match tried(&curves, &diagnosis, &basis) {
+        Some(formula) if formula.in_place => {
+            let rest = diagnosis.ranking.clone();
+            Diagnosis { steps: vec![], rest, ..diagnosis }
+        }
+        _ => diagnosis,
+    }
+}
+
+/// The noise floor of the judged recordings.
+fn floor_of(comparison: &Comparison) -> WindowFloor {
+    let judged = comparison.judged();
+    WindowFloor { expected: judged.floor(), most: judged.floor_most() }
 }
 
 fn dynamics(fit: &WindowFit) -> PhysicalDynamics {

@@ -45,7 +45,8 @@ pub(super) fn of_reference(plan: &Plan, comparison: &Comparison) -> Result<Model
     let cutoff = stage.cutoff(model, p);
     let parameters = of_method(model, comparison.reference_method());
     let given = stage.physical((model, p), parameters, &[], cutoff)?;
-    let curves = stage.curves(cutoff, (model, p, &given), None);
+    let before = Unexplained { model, p, torque: &given.residual_torque };
+    let curves = stage.curves(cutoff, before, None);
     Ok(Models { given, completed: None, curves })
 }
 
@@ -72,9 +73,19 @@ pub(super) fn of_diagnosis(
     };
     // a second mass is no part of the torque balance
     let after = completed.as_ref().filter(|_| !last.model.is_coupled());
-    let after = after.map(|study| (&last.model, last.p.as_slice(), study));
-    let curves = stage.curves(cutoff, (&base.model, &base.p, &given), after);
+    let after = after.map(|study| unexplained(last, &study.residual_torque));
+    let curves = stage.curves(cutoff, unexplained(base, &given.residual_torque), after);
     Ok(Models { given, completed, curves })
+}
+
+/// How the residual torque of the model as given depends on anything, and that of the model with what was found.
+pub(super) fn curves_of(plan: &Plan, comparison: &Comparison, diagnosis: &Diagnosis) -> Vec<Curve> {
+    let stage = Stage::new(plan, comparison);
+    let (base, last) = (&diagnosis.base, diagnosis.last());
+    let cutoff = stage.cutoff(&base.model, &base.p);
+    let [before, after] = [base, last].map(|fit| stage.residual_torque(&fit.model, &fit.p, cutoff));
+    let after = (!last.model.is_coupled()).then(|| unexplained(last, &after));
+    stage.curves(cutoff, unexplained(base, &before), after)
 }
 
 /// The parameters of the reference method, with their effects.
@@ -115,8 +126,7 @@ impl<'a> Stage<'a> {
         cutoff: f64,
     ) -> Result<ModelStudy, RunError> {
         let dynamics = PhysicalDynamics { model: model.clone(), p: p.to_vec() };
-        let torque = |r: &&Recording| residual_torque(model, p, r, cutoff);
-        let residual_torque: Vec<_> = self.recordings.par_iter().map(torque).collect();
+        let residual_torque = self.residual_torque(model, p, cutoff);
         let analysis = whiteness(model, p, &self.judged_recordings(), self.plan.hold)?;
         let (performance, horizons) = self.simulated(&dynamics)?;
         Ok(ModelStudy {
@@ -187,15 +197,23 @@ impl<'a> Stage<'a> {
         )
     }
 
+    /// The residual torque of a model on every recording.
+    fn residual_torque(&self, model: &Model, p: &[f64], cutoff: f64) -> Vec<Vec<[f64; 2]>> {
+        let torque = |r: &&Recording| residual_torque(model, p, r, cutoff);
+        self.recordings.par_iter().map(torque).collect()
+    }
+
     fn curves(
         &self,
         cutoff: f64,
-        before: (&Model, &[f64], &ModelStudy),
-        after: Option<(&Model, &[f64], &ModelStudy)>,
+        before: Unexplained<'_>,
+        after: Option<Unexplained<'_>>,
     ) -> Vec<Curve> {
-        fn of<'a>((model, p, study): (&'a Model, &'a [f64], &'a ModelStudy)) -> Unexplained<'a> {
-            Unexplained { model, p, torque: &study.residual_torque }
-        }
-        curves(&self.recordings, cutoff, of(before), after.map(of))
+        curves(&self.recordings, cutoff, before, after)
     }
+}
+
+/// The residual torque of a fit, by recording.
+fn unexplained<'a>(fit: &'a WindowFit, torque: &'a [Vec<[f64; 2]>]) -> Unexplained<'a> {
+    Unexplained { model: &fit.model, p: &fit.p, torque }
 }

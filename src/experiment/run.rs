@@ -43,7 +43,7 @@ pub fn study(plan: &Plan, diagnosed: Diagnosed) -> Result<Study, RunError> {
         Some(outcome) => models::of_diagnosis(plan, &comparison, &outcome.diagnosis)?,
         None => models::of_reference(plan, &comparison)?,
     };
-    let diagnosis = outcome.map(|outcome| outcome.concluded(&models.curves));
+    let diagnosis = outcome.map(|outcome| outcome.concluded(plan, &models.curves));
     let model_out = model_out(plan, &comparison, diagnosis.as_ref());
     let what_if = what_if(plan, &comparison, &models, diagnosis.as_ref());
     let Comparison { recordings, methods, reference, .. } = comparison;

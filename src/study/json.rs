@@ -189,6 +189,7 @@ fn diagnosis(study: &Study, d: &DiagnosisStudy) -> Value {
         "next_movement": d.proposal,
         "false_alarm": d.false_alarm,
         "effects": d.effects,
+        "formula": d.formula,
         "dependences": study.curves.iter().map(|c| json!({
             "variable": c.variable, "acting": c.acting, "log_significance": c.log_significance,
             "share_before": c.share_before, "share_after": c.share_after,

@@ -185,8 +185,23 @@ pub struct DiagnosisStudy {
     pub false_alarm: f64,
     /// The effects found, in words.
     pub effects: Vec<FoundEffect>,
+    /// What the residual torque depends on as a formula, where that lowers the error.
+    pub formula: Option<FormulaStudy>,
     /// Whether the columns do not determine the model, so that nothing else here holds.
     pub is_undetermined: bool,
+}
+
+/// A formula over what the residual torque depends on, tried in the model.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FormulaStudy {
+    /// Name of the effect.
+    pub id: String,
+    /// Its block of an experiment file.
+    pub toml: String,
+    /// Whether the model has it in place of what was found, not beside that.
+    pub in_place: bool,
+    /// 2 s simulation error on the judged recordings of the model with it [rad/s].
+    pub window_rms: f64,
 }
 
 /// A version of the model that was run before: the error by the user's own versions.

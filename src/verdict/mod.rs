@@ -1,12 +1,14 @@
 //! The verdict of a diagnosis: what is missing, with the errors that show it, in plain data and in words.
 
+mod formula;
 mod next;
 mod ranking;
 mod sentence;
 mod undetermined;
 
+pub(crate) use self::formula::tried;
 pub(crate) use self::sentence::title;
-pub(crate) use self::undetermined::unless_undetermined;
+use self::undetermined::unless_undetermined;
 
 use self::next::{advice, propose, to_prove};
 use self::ranking::{ranking, staircase};
@@ -16,9 +18,9 @@ use crate::diagnose::{
     Conclusion, Diagnosis, Judge, Settings, WindowFit, conclude, likely, withheld,
 };
 use crate::filter::{Likelihood, prepare};
-use crate::recording::{DriveUnit, Recording};
+use crate::recording::Recording;
 use crate::simulate::{Hold, SimulateError};
-use crate::study::{DiagnosisStudy, FoundEffect, Verdict, parameters_of};
+use crate::study::{DiagnosisStudy, FormulaStudy, FoundEffect, Verdict, parameters_of};
 
 /// What a verdict rests on beside the diagnosis.
 #[derive(Clone, Copy, Debug)]
@@ -54,40 +56,70 @@ impl<'a> Basis<'a> {
 /// # Errors
 /// A model that cannot move, or diverges.
 pub fn verdict(diagnosis: &Diagnosis, basis: &Basis) -> Result<DiagnosisStudy, SimulateError> {
-    let (words, depends_on) = concluded(diagnosis, basis)?;
-    Ok(with_dependence(words, &[], depends_on, basis.train[0].drive_unit()))
+    Ok(concluded(diagnosis, basis)?.with_dependence(&[], basis, None))
 }
 
-/// A verdict with what the residual torque depends on, by its `curves`: where something outside the catalogue is
-/// missing, and where something is and one variable shows the larger part of it.
-pub(crate) fn with_dependence(
-    words: DiagnosisStudy,
-    curves: &[Curve],
+/// A verdict without what the residual torque depends on.
+pub(crate) struct Concluded {
+    /// The verdict.
+    pub(crate) words: DiagnosisStudy,
+    /// The effect that is likely beside it, in words.
+    likely: String,
+    /// The variable on which the residual torque of the last model depends significantly.
     depends_on: Option<Variable>,
-    unit: DriveUnit,
-) -> DiagnosisStudy {
-    let plainly = most_left(curves).is_some_and(is_most_of_it);
-    let says = match words.verdict {
-        Verdict::UnknownEffect => true,
-        Verdict::EffectsMissing | Verdict::EffectLikely => plainly,
-        Verdict::ModelSufficient => false,
-    };
-    if !says {
-        return words;
-    }
-    let sentence = format!("{} {}", words.sentence, residual_torque(curves, depends_on, unit));
-    DiagnosisStudy { sentence, ..words }
 }
 
-/// The verdict without what the residual torque depends on, and the variable on which that of the last model depends
-/// significantly.
+impl Concluded {
+    /// The verdict, taken back where the columns do not determine the model.
+    pub(crate) fn unless_undetermined(self, is_undetermined: bool) -> Self {
+        Self { words: unless_undetermined(self.words, is_undetermined), ..self }
+    }
+
+    /// Whether the verdict says what the residual torque depends on, by its `curves`: where something outside the
+    /// catalogue is missing, and where something is and one variable shows the larger part of it.
+    pub(crate) fn says_dependence(&self, curves: &[Curve]) -> bool {
+        let plainly = || most_left(curves).is_some_and(is_most_of_it);
+        match self.words.verdict {
+            Verdict::UnknownEffect => !self.words.is_undetermined,
+            Verdict::EffectsMissing | Verdict::EffectLikely => plainly(),
+            Verdict::ModelSufficient => false,
+        }
+    }
+
+    /// The verdict with what the residual torque depends on, by its `curves`, where it says so, and with a `formula` of
+    /// that, beside which no effect of the catalogue is likely and no recording is needed to tell.
+    pub(crate) fn with_dependence(
+        self,
+        curves: &[Curve],
+        basis: &Basis,
+        formula: Option<FormulaStudy>,
+    ) -> DiagnosisStudy {
+        let says = self.says_dependence(curves);
+        let Self { words, likely, depends_on } = self;
+        let likely = if formula.is_some() { String::new() } else { likely };
+        if !says {
+            return DiagnosisStudy { sentence: words.sentence + &likely, ..words };
+        }
+        let depends = residual_torque(curves, depends_on, basis.train[0].drive_unit());
+        let sentence = format!("{}{likely} {depends}", words.sentence);
+        let Some(formula) = formula else { return DiagnosisStudy { sentence, ..words } };
+        let floor = basis.floor.map(|floor| floor.expected);
+        DiagnosisStudy {
+            sentence: sentence + &formula::words(&formula, floor),
+            formula: Some(formula),
+            likely: vec![],
+            next_run: None,
+            proposal: None,
+            ..words
+        }
+    }
+}
+
+/// The verdict without what the residual torque depends on.
 ///
 /// # Errors
 /// As [`verdict`].
-pub(crate) fn concluded(
-    diagnosis: &Diagnosis,
-    basis: &Basis,
-) -> Result<(DiagnosisStudy, Option<Variable>), SimulateError> {
+pub(crate) fn concluded(diagnosis: &Diagnosis, basis: &Basis) -> Result<Concluded, SimulateError> {
     let likelihood = Likelihood {
         prepared: basis.train.iter().map(prepare).collect(),
         hold: basis.hold,
@@ -147,9 +179,11 @@ pub(crate) fn concluded(
         proposal,
         false_alarm: basis.false_alarm,
         effects: diagnosis.steps.iter().map(found_effect).collect(),
+        formula: None,
         is_undetermined: false,
     };
-    Ok((words, left.map(|dependence| dependence.variable)))
+    let depends_on = left.map(|dependence| dependence.variable);
+    Ok(Concluded { words, likely: finding.likely_beside(), depends_on })
 }
 
 /// Why a fit that lowers the held-out error is not accepted; `now`: square of the error that is shown [rad^2/s^2].

@@ -59,7 +59,7 @@ impl Finding<'_> {
         match self.conclusion {
             Conclusion::Sufficient => self.sufficient(),
             Conclusion::Missing => {
-                format!("Missing: {}. {}{}", self.names(), self.rest(), self.more())
+                format!("Missing: {}. {}{}", self.names(), self.error(), self.more())
             }
             // so far above its floor something is missing, whatever it is
             Conclusion::Likely if self.errors.far_above_floor() && self.errors.above_input() => {
@@ -75,12 +75,15 @@ impl Finding<'_> {
                 self.error()
             ),
             Conclusion::Unknown if self.diagnosis.steps.is_empty() => {
-                format!("Something is missing that the catalogue does not explain. {}", self.rest())
+                format!(
+                    "Something is missing that the catalogue does not explain. {}",
+                    self.error()
+                )
             }
             Conclusion::Unknown => format!(
                 "Something is missing that the catalogue does not explain. Found: {}. {}{}",
                 self.names(),
-                self.rest(),
+                self.error(),
                 self.in_place()
             ),
         }
@@ -233,12 +236,14 @@ impl Finding<'_> {
         }
     }
 
-    fn rest(&self) -> String {
-        let likely = match self.likely {
-            Some(ranked) => format!(" Likely, not proven: {}.", of(ranked)),
-            None => String::new(),
-        };
-        format!("{}{likely}", self.error())
+    /// The effect that is likely beside what the sentence says of it; empty where it is said already.
+    pub(super) fn likely_beside(&self) -> String {
+        match (self.conclusion, self.likely) {
+            (Conclusion::Missing | Conclusion::Unknown, Some(ranked)) => {
+                format!(" Likely, not proven: {}.", of(ranked))
+            }
+            _ => String::new(),
+        }
     }
 }
 

@@ -10,7 +10,7 @@ const NEXT: &str = "Check in the experiment file that the columns are those of t
                     the units are right: `experiment new` shows the ranges of all columns.";
 
 /// Takes the findings back where the columns do not determine the model: what such a fit leaves is no effect.
-pub(crate) fn unless_undetermined(words: DiagnosisStudy, is_undetermined: bool) -> DiagnosisStudy {
+pub(super) fn unless_undetermined(words: DiagnosisStudy, is_undetermined: bool) -> DiagnosisStudy {
     if !is_undetermined {
         return words;
     }
@@ -22,6 +22,7 @@ pub(crate) fn unless_undetermined(words: DiagnosisStudy, is_undetermined: bool) 
         found: vec![],
         likely: vec![],
         effects: vec![],
+        formula: None,
         is_undetermined,
         ..words
     }

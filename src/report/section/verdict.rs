@@ -240,12 +240,23 @@ fn next_step(study: &Study) -> Vec<Block> {
         return vec![Block::Paragraph(text)];
     };
     let mut blocks = Vec::new();
-    if let Some(first) = diagnosis.found.first() {
+    let in_place = diagnosis.formula.as_ref().is_some_and(|f| f.in_place);
+    if let Some(first) = diagnosis.found.first().filter(|_| !in_place) {
         let text = Text::from("Next step: add ")
             .plain(words::effect_in_text(first))
             .plain(" to the model and see whether the error falls on data that were not fitted: ");
         let text = add_command(study, first, text).plain(".");
         blocks.push(Block::Paragraph(text));
+    }
+    if let Some(formula) = &diagnosis.formula {
+        let text = Text::from(
+            "To try the formula, write it into the experiment file and run it: the diagnosis judges it \
+                               beside the catalogue. ",
+        );
+        blocks.push(Block::Paragraph(
+            add_command(study, &formula.id, text).plain(" puts it into the model."),
+        ));
+        blocks.push(Block::Code(formula.toml.clone()));
     }
     if let Some(next) = &diagnosis.next_run {
         blocks.push(Block::paragraph(Text::default().strong("Next recording. ").plain(next)));

@@ -198,6 +198,7 @@ fn diagnosis() -> DiagnosisStudy {
             cause: "tyres scrub".to_owned(),
             indistinguishable: vec![],
         }],
+        formula: None,
         is_undetermined: false,
     }
 }

@@ -1,0 +1,154 @@
+//! What the residual torque depends on, as a formula that a model can have.
+
+use std::fmt::Write;
+use std::sync::Arc;
+
+use super::fit::{WindowFit, fit};
+use super::scale::scale_of;
+use super::windows::{Windows, mobility};
+use crate::compare::{Acting, Curve, Variable};
+use crate::effects::{Custom, CustomDefinition, ParameterSpec};
+use crate::recording::{DriveUnit, Recording};
+use crate::simulate::Hold;
+
+/// Amplitudes that a coefficient may have, in those of the curve: a series that leaves parts of the range empty may
+/// take more than the curve shows.
+const RANGE: f64 = 10.0;
+
+/// A dependence of the residual torque on the place or the time as an effect of an experiment file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Formula {
+    /// Name of the effect.
+    pub id: String,
+    /// Its torques and parameters.
+    pub definition: CustomDefinition,
+}
+
+impl Formula {
+    /// The series that follows a curve: two harmonics of the heading, one of the angle of each wheel, a parabola of the
+    /// time. `None` over what is no place or time, for which the catalogue stands, and for a share of the input, which
+    /// no formula has.
+    #[must_use]
+    pub fn of(curve: &Curve, unit: DriveUnit) -> Option<Self> {
+        let (name, series) = match curve.variable {
+            Variable::Heading => {
+                let both = "k1*cos(beta) + k2*sin(beta) + k3*cos(2*beta) + k4*sin(2*beta)";
+                ("heading", [both, both])
+            }
+            Variable::Alpha1 | Variable::Alpha2 => (
+                "wheel_angle",
+                ["k1*cos(alpha1) + k2*sin(alpha1)", "k3*cos(alpha2) + k4*sin(alpha2)"],
+            ),
+            Variable::Time => ("time", ["k1*t + k2*t^2", "k3*t + k4*t^2"]),
+            _ => return None,
+        };
+        let (kind, what) = match curve.acting {
+            Acting::Torque => ("torque", "torque"),
+            Acting::Resistance => ("resistance", "resistance to the motion"),
+            Acting::Gain => return None,
+        };
+        let torque = series.map(|series| match curve.acting {
+            Acting::Resistance => format!("({series}) * sgn(w)"),
+            _ => series.to_owned(),
+        });
+        let size = rounded(curve.largest_left());
+        let parameters = ["k1", "k2", "k3", "k4"].map(|symbol| {
+            let (reach, unit) = (RANGE * size, unit.symbol());
+            ParameterSpec::linear(symbol, "coefficient of the series", unit, (-reach, reach), size)
+        });
+        let [torque1, torque2] = torque;
+        let definition = CustomDefinition {
+            torque1,
+            torque2: Some(torque2),
+            parameters: parameters.into(),
+            description: format!("a {what} that depends on the {}", name.replace('_', " ")),
+        };
+        (size > 0.0).then_some(Self { id: format!("{name}_{kind}"), definition })
+    }
+
+    /// As it stands in an experiment file.
+    #[must_use]
+    pub fn toml(&self) -> String {
+        let Self { id, definition } = self;
+        let mut out = format!("[[model.custom]]\nid = \"{id}\"\n");
+        let torque2 = definition.torque2.as_deref().unwrap_or_default();
+        let CustomDefinition { torque1, description, .. } = definition;
+        // a string takes every write
+        let _ = writeln!(out, "description = \"{description}\"");
+        let _ = writeln!(
+            out,
+            "torque1 = \"{torque1}\"\ntorque2 = \"{torque2}\"\n\n[model.custom.parameters]"
+        );
+        for ParameterSpec { symbol, unit, range: (low, high), typical, .. } in
+            &definition.parameters
+        {
+            let _ = writeln!(
+                out,
+                "{symbol} = {{ unit = \"{unit}\", range = [{low:?}, {high:?}], typical = {typical:?} }}"
+            );
+        }
+        out
+    }
+
+    /// The model of `base` with this effect, fitted over the training recordings like any effect of the catalogue. `None`
+    /// where the model has an effect of that name, and where it cannot be simulated.
+    #[must_use]
+    pub fn fitted(&self, base: &WindowFit, train: &[Recording], hold: Hold) -> Option<WindowFit> {
+        let WindowFit { model, p, .. } = base;
+        let effect = Custom::new(&self.id, self.definition.clone()).ok()?;
+        let train: Vec<&Recording> = train.iter().collect();
+        let scale = scale_of(model, p, &train);
+        let windows = Windows::new(train, hold, mobility(model, p)).sampled(model, p);
+        let with = model.add_effect(Arc::new(effect)).ok()?;
+        let start: Vec<f64> =
+            p.iter().copied().chain(self.definition.parameters.iter().map(|_| 0.0)).collect();
+        fit(&windows, &with, &start, &scale)
+    }
+}
+
+/// To two digits.
+fn rounded(v: f64) -> f64 {
+    if !(v > 0.0) {
+        return 0.0;
+    }
+    format!("{v:.1e}").parse().unwrap_or(v)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::{CurveBin, Mean};
+
+    fn curve(variable: Variable, acting: Acting) -> Curve {
+        let before = [1.06, -0.4].map(|value| Mean { value, std_error: 0.1, blocks: 9 });
+        let bins = vec![CurveBin { at: 0.0, joined: false, before, after: None }];
+        let (share_before, share_after) = (0.7, None);
+        Curve { variable, acting, bins, share_before, share_after, log_significance: 50.0 }
+    }
+
+    #[test]
+    fn a_formula_is_an_effect_and_reads_as_one_of_a_file() {
+        for (variable, acting) in [
+            (Variable::Heading, Acting::Resistance),
+            (Variable::Heading, Acting::Torque),
+            (Variable::Alpha1, Acting::Resistance),
+            (Variable::Time, Acting::Torque),
+        ] {
+            let formula = Formula::of(&curve(variable, acting), DriveUnit::Volt).unwrap();
+            Custom::new(&formula.id, formula.definition.clone()).unwrap();
+            let file: toml::Table = formula.toml().parse().unwrap();
+            let written = &file["model"]["custom"][0];
+            assert_eq!(written["torque1"].as_str(), Some(formula.definition.torque1.as_str()));
+            assert_eq!(written["parameters"]["k4"]["typical"].as_float(), Some(1.1));
+            assert_eq!(written["parameters"]["k1"]["unit"].as_str(), Some("V"));
+        }
+    }
+
+    #[test]
+    fn the_catalogue_stands_for_speeds_and_no_formula_has_the_input() {
+        let none =
+            |variable, acting| Formula::of(&curve(variable, acting), DriveUnit::Volt).is_none();
+        assert!(none(Variable::Omega1, Acting::Torque));
+        assert!(none(Variable::Time, Acting::Gain));
+    }
+}

@@ -1,0 +1,74 @@
+//! What the residual torque depends on, tried as a formula.
+
+use super::Basis;
+use super::sentence::most_left;
+use crate::compare::Curve;
+use crate::diagnose::{Diagnosis, Formula, Judge, THRESHOLDS, WindowFit};
+use crate::report::format;
+use crate::study::FormulaStudy;
+
+/// The formula of the curve that shows most of the residual torque, in the model as given or beside what was found;
+/// `None` where it does not explain the larger part of what the last model leaves on the judged recordings. It stands
+/// beside what was found where that lowers the error further by as much as is asked of any effect.
+pub(crate) fn tried(
+    curves: &[Curve],
+    diagnosis: &Diagnosis,
+    basis: &Basis,
+) -> Option<FormulaStudy> {
+    let curve = most_left(curves).filter(|c| c.left() >= THRESHOLDS.named_share)?;
+    let formula = Formula::of(curve, basis.train[0].drive_unit())?;
+    let judge = Judge::new(basis.judged.to_vec(), basis.hold);
+    let error = |fit: &WindowFit| judge.judge(&fit.model, &fit.p).ok().map(|j| j.window_rms);
+    let with = |base: &WindowFit| error(&formula.fitted(base, basis.train, basis.hold)?);
+    let lower = |one: f64, other: f64| one <= (1.0 - THRESHOLDS.least_fall) * other;
+    let floor = basis.floor?.expected;
+    let above = |error: f64| error.powi(2) - floor.powi(2);
+    let before = error(diagnosis.last())?;
+    let alone = with(&diagnosis.base);
+    let beside = diagnosis.steps.last().and_then(|step| with(&step.fit));
+    let (window_rms, in_place) = match (alone, beside) {
+        (Some(alone), Some(beside)) if lower(beside, alone) => (beside, false),
+        (None, Some(beside)) => (beside, false),
+        (alone, _) => (alone?, !diagnosis.steps.is_empty()),
+    };
+    let study = || FormulaStudy { toml: formula.toml(), id: formula.id, in_place, window_rms };
+    (above(window_rms) <= THRESHOLDS.unexplained * above(before)).then(study)
+}
+
+/// "A formula of it (heading_resistance) lowers the 2 s simulation error to 0.061 rad/s, 1.7 times the noise floor."
+pub(super) fn words(formula: &FormulaStudy, floor: Option<f64>) -> String {
+    let FormulaStudy { id, in_place, window_rms, .. } = formula;
+    let place = if *in_place { " in place of what was found" } else { "" };
+    let over = match floor.filter(|floor| *floor > 0.0) {
+        Some(floor) if window_rms / floor <= THRESHOLDS.at_floor => ", the noise floor".to_owned(),
+        Some(floor) => format!(", {:.1} times the noise floor", window_rms / floor),
+        None => String::new(),
+    };
+    let error = format::significant(*window_rms, 3);
+    format!(
+        " A formula of it ({id}){place} lowers the 2 s simulation error to {error} rad/s{over}."
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_words_compare_with_the_floor() {
+        let formula = |window_rms, in_place| FormulaStudy {
+            id: "heading_resistance".into(),
+            toml: String::new(),
+            in_place,
+            window_rms,
+        };
+        assert_eq!(
+            words(&formula(0.0612, true), Some(0.0358)),
+            " A formula of it (heading_resistance) in place of what was found lowers the 2 s simulation error to \
+             0.0612 rad/s, 1.7 times the noise floor."
+        );
+        assert!(
+            words(&formula(0.04, false), Some(0.0358)).ends_with("0.0400 rad/s, the noise floor.")
+        );
+    }
+}
