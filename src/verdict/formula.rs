@@ -68,7 +68,8 @@ mod tests {
              0.0612 rad/s, 1.7 times the noise floor."
         );
         assert!(
-            words(&formula(0.04, false), Some(0.0358)).ends_with("0.0400 rad/s, the noise floor.")
+            words(&formula(0.0412, false), Some(0.0358))
+                .ends_with("0.0412 rad/s, the noise floor.")
         );
     }
 }

@@ -71,3 +71,49 @@ fn recordings_without_a_file_get_one_first() {
     type_all(&folder, &found);
     assert!(folder.read("floor run 1.toml").contains("\"turning_scrub\""));
 }
+
+/// The pile of a carpet, which the catalogue does not have, in recordings that a simulation made; the candidates leave
+/// it out.
+const PILE: &str = r#"[simulation]
+movement   = "rich"
+hidden     = { pile = { kn = 0.02 } }
+noise      = { dalpha = 0.02, alpha = 0.001, M = 0.002 }
+seed       = 4
+train      = 2
+validation = 1
+duration_s = 25
+[model]
+effects = []
+[[model.custom]]
+id         = "pile"
+torque1    = "kn * cos(2 * beta) * sgn(w)"
+torque2    = "kn * cos(2 * beta) * sgn(w)"
+parameters = { kn = { unit = "N m", range = [-1.0, 1.0], typical = 0.01 } }
+[[method]]
+name = "torque_regression"
+[diagnosis]
+candidates = ["viscous_friction", "torque_saturation", "slope"]
+"#;
+
+#[test]
+fn what_the_catalogue_does_not_have_is_written_as_a_formula_that_removes_the_error() {
+    let folder = Folder::new();
+    folder.write("pile.toml", PILE).run(&["pile.toml"]).says(0, &["as a resistance to the motion"]);
+    let diagnosis = |name: &str| -> serde_json::Value {
+        let results = folder.read(&format!("reports/{name}/results.json"));
+        serde_json::from_str(&results).unwrap()
+    };
+    let results = diagnosis("pile");
+    assert_eq!(results["diagnosis"]["verdict"], "unknown_effect");
+    assert_eq!(results["diagnosis"]["found"].as_array().map(Vec::len), Some(0));
+    let formula = &results["diagnosis"]["formula"];
+    assert_eq!(formula["id"], "heading_resistance");
+    let floor = results["noise_floor"]["window_rms"]["validation"][0].as_f64().unwrap();
+    let error = formula["window_rms"].as_f64().unwrap();
+    // the series holds the pile, so that what is left is noise and what its estimates scatter by
+    assert!(error < 1.2 * floor, "{error} {floor}");
+    let block = formula["toml"].as_str().unwrap();
+    folder.write("with.toml", format!("{PILE}\n{block}"));
+    let added = folder.run(&["add", "heading_resistance", "with.toml"]);
+    added.says(0, &["Nothing is missing"]);
+}
