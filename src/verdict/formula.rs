@@ -19,20 +19,35 @@ pub(crate) fn tried(
     let formula = Formula::of(curve, basis.train[0].drive_unit())?;
     let judge = Judge::new(basis.judged.to_vec(), basis.hold);
     let error = |fit: &WindowFit| judge.judge(&fit.model, &fit.p).ok().map(|j| j.window_rms);
-    let with = |base: &WindowFit| error(&formula.fitted(base, basis.train, basis.hold)?);
+    let with = |base: &WindowFit| {
+        let fit = formula.fitted(base, basis.train, basis.hold)?;
+        Some((error(&fit)?, fit))
+    };
     let lower = |one: f64, other: f64| one <= (1.0 - THRESHOLDS.least_fall) * other;
     let floor = basis.floor?.expected;
     let above = |error: f64| error.powi(2) - floor.powi(2);
     let before = error(diagnosis.last())?;
     let alone = with(&diagnosis.base);
-    let beside = diagnosis.steps.last().and_then(|step| with(&step.fit));
+    let beside = diagnosis.steps.last().and_then(|step| Some((with(&step.fit)?, step)));
     let (window_rms, in_place) = match (alone, beside) {
-        (Some(alone), Some(beside)) if lower(beside, alone) => (beside, false),
-        (None, Some(beside)) => (beside, false),
-        (alone, _) => (alone?, !diagnosis.steps.is_empty()),
+        (Some((alone, _)), Some(((beside, fit), step))) => {
+            match lower(beside, alone) || holds(&fit, &step.fit) {
+                true => (beside, false),
+                false => (alone, true),
+            }
+        }
+        (None, Some(((beside, _), _))) => (beside, false),
+        (alone, None) => (alone?.0, false),
     };
     let study = || FormulaStudy { toml: formula.toml(), id: formula.id, in_place, window_rms };
     (above(window_rms) <= THRESHOLDS.unexplained * above(before)).then(study)
+}
+
+/// Whether a formula holds what was found, as a series in the heading holds a slope of the floor: a parameter that was
+/// identified is not beside it.
+fn holds(with_formula: &WindowFit, found: &WindowFit) -> bool {
+    let is_known = |fit: &WindowFit, j: usize| fit.covariance[(j, j)].is_finite();
+    (0..found.p.len()).any(|j| is_known(found, j) && !is_known(with_formula, j))
 }
 
 /// "A formula of it (heading_resistance) lowers the 2 s simulation error to 0.061 rad/s, 1.7 times the noise floor."

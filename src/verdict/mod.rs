@@ -67,6 +67,8 @@ pub(crate) struct Concluded {
     likely: String,
     /// The variable on which the residual torque of the last model depends significantly.
     depends_on: Option<Variable>,
+    /// Whether the last model is far above the noise floor.
+    is_far: bool,
 }
 
 impl Concluded {
@@ -76,12 +78,13 @@ impl Concluded {
     }
 
     /// Whether the verdict says what the residual torque depends on, by its `curves`: where something outside the
-    /// catalogue is missing, and where something is and one variable shows the larger part of it.
+    /// catalogue is missing, and where more is missing than was found, by the error or by a variable that shows the
+    /// larger part of it.
     pub(crate) fn says_dependence(&self, curves: &[Curve]) -> bool {
         let plainly = || most_left(curves).is_some_and(is_most_of_it);
         match self.words.verdict {
             Verdict::UnknownEffect => !self.words.is_undetermined,
-            Verdict::EffectsMissing | Verdict::EffectLikely => plainly(),
+            Verdict::EffectsMissing | Verdict::EffectLikely => self.is_far || plainly(),
             Verdict::ModelSufficient => false,
         }
     }
@@ -95,7 +98,7 @@ impl Concluded {
         formula: Option<FormulaStudy>,
     ) -> DiagnosisStudy {
         let says = self.says_dependence(curves);
-        let Self { words, likely, depends_on } = self;
+        let Self { words, likely, depends_on, .. } = self;
         let likely = if formula.is_some() { String::new() } else { likely };
         if !says {
             return DiagnosisStudy { sentence: words.sentence + &likely, ..words };
@@ -183,7 +186,8 @@ pub(crate) fn concluded(diagnosis: &Diagnosis, basis: &Basis) -> Result<Conclude
         is_undetermined: false,
     };
     let depends_on = left.map(|dependence| dependence.variable);
-    Ok(Concluded { words, likely: finding.likely_beside(), depends_on })
+    let is_far = errors.far_above_floor() && errors.above_input();
+    Ok(Concluded { words, likely: finding.likely_beside(), depends_on, is_far })
 }
 
 /// Why a fit that lowers the held-out error is not accepted; `now`: square of the error that is shown [rad^2/s^2].
