@@ -12,6 +12,7 @@ mod exported;
 mod face;
 mod formats;
 mod fuzz;
+mod grades;
 mod hidden_effects;
 mod imports;
 mod language;
