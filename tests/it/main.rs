@@ -15,6 +15,7 @@ mod fuzz;
 mod grades;
 mod hidden_effects;
 mod imports;
+mod index;
 mod language;
 mod layering;
 mod log_styles;
