@@ -4,12 +4,15 @@ use amigo_ident::identify::{Estimate, Fit};
 
 use super::cases::Case;
 
+/// A parameter: symbol, error in standard errors, whether the interval covers the true value, and whether it is known.
+type Found = (String, f64, bool, bool);
+
 /// What one case gave.
 pub(crate) struct Row {
     name: String,
     robot: String,
-    /// Error in standard errors and whether the interval covers the truth, of each parameter.
-    found: Vec<(String, f64, bool, bool)>,
+    /// Of each parameter.
+    found: Vec<Found>,
     /// Relative error of the first parameter.
     first: f64,
     ratio: f64,
@@ -106,7 +109,7 @@ impl Figures {
     pub(crate) fn of(rows: &[&Row]) -> Self {
         let count = rows.iter().map(|r| r.found.len()).max().unwrap_or(0);
         let known = |j: usize| rows.iter().filter_map(move |r| r.found.get(j)).filter(|f| f.3);
-        let mean = |j: usize, value: &dyn Fn(&(String, f64, bool, bool)) -> f64| {
+        let mean = |j: usize, value: &dyn Fn(&Found) -> f64| {
             known(j).map(value).sum::<f64>() / known(j).count().max(1) as f64
         };
         let covered = |j: usize| 100.0 * mean(j, &|f| f64::from(u8::from(f.2)));

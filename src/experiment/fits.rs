@@ -29,7 +29,7 @@ pub(super) fn fits_in_stages(plan: &Plan, stages: &Stages) -> Vec<MethodFit> {
     let (train, count) = (plan.of(Role::Train), plan.methods.len());
     let fitted = |(n, method): (usize, &MethodPlan)| {
         stages.enter(&format!("fitting {} (method {} of {count})", method.name, n + 1));
-        let long = counted(&plan.long(), &stages.counting("rows read"));
+        let long = counted(&plan.long(), &stages.counting("rows"));
         fit(plan, method, &train, &long)
     };
     plan.methods.iter().enumerate().map(fitted).collect()

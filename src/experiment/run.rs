@@ -29,9 +29,9 @@ pub(super) fn run_in_stages(plan: &Plan, stages: &Stages) -> Result<Study, RunEr
     stages.enter("simulating the recordings");
     let comparison = compare(plan, &fits)?;
     if plan.diagnosis.is_some() {
-        stages.enter("diagnosis: trying the effects of the catalogue");
+        stages.enter("diagnosis: trying effects");
     }
-    let told = stages.counting("candidates of this round fitted");
+    let told = stages.counting("of this round");
     study(plan, diagnose_told(plan, comparison, Some(told))?)
 }
 

@@ -56,7 +56,11 @@ impl Stages {
         Arc::new(move |done, total| {
             let (Ok(stage), Ok(mut rate)) = (shown.stage.lock(), rate.lock()) else { return };
             let left = rate.left(done, total, Instant::now());
-            shown.bar.set_message(format!("{stage}, {done} of {total} {items}{}", words(left)));
+            // behind the last item comes what is not counted
+            shown.bar.set_message(match done < total {
+                true => format!("{stage}, {done} of {total} {items}{}", words(left)),
+                false => stage.clone(),
+            });
         })
     }
 }

@@ -100,7 +100,11 @@ fn a_grade_says_how_far_off_the_model_is_on_a_later_drive() {
         // measured with the noise of the recordings that were judged
         let error = j.later.hypot(j.floor);
         let (least, most) = range(j);
-        assert!(least / ANOTHER_DRIVE <= error && error <= most * ANOTHER_DRIVE, "{error} {j:?}");
+        assert!(
+            least / ANOTHER_DRIVE <= error && error <= most * ANOTHER_DRIVE,
+            "{}: {error} {j:?}",
+            j.missing
+        );
     }
     all.sort_by_key(|j| j.grade);
     for pair in all.chunk_by(|a, b| a.grade == b.grade).collect::<Vec<_>>().windows(2) {

@@ -78,8 +78,8 @@ pub(super) fn render(
 fn caution(cells: &[GridCell]) -> Option<Block> {
     let on = judged_on(cells);
     let sentence = format!("The 2 s simulation errors are{on}, which the models were fitted to.");
-    let detail = "A model with enough parameters follows its training data, right or wrong; `validation` says how many \
-                  recordings are held out.";
+    let detail = "A model with enough parameters follows its training data, right or wrong. Name recordings, or of \
+                  simulated ones how many there are, under validation.";
     (!on.is_empty()).then(|| Block::verdict(Tone::Notice, sentence, detail))
 }
 

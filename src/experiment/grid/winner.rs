@@ -1,6 +1,6 @@
 //! Which method or setting of a grid has the smallest error, as far as the repetitions distinguish them.
 
-use super::cell::Cell;
+use super::cell::{Cell, Row};
 use super::competitors::Competitor;
 use crate::math::distribution::t_quantile;
 use crate::report::format;
@@ -67,10 +67,12 @@ fn rival(name: &str, logs: &[f64], level: f64) -> Rival {
 
 /// On which data the errors of a grid are, where it is not validation data alone.
 pub(super) fn judged_on(cells: &[Cell]) -> &'static str {
-    let trained = cells.iter().filter(|cell| cell.on_training).count();
+    // a cell without a fit has no error
+    let with_errors = || cells.iter().filter(|cell| !cell.rows.iter().all(Row::failed));
+    let trained = with_errors().filter(|cell| cell.on_training).count();
     match trained {
         0 => "",
-        n if n == cells.len() => " on the training data",
+        n if n == with_errors().count() => " on the training data",
         _ => " on validation data, or on the training data where there are none",
     }
 }
