@@ -217,36 +217,58 @@ fn the_readme_counts_the_healthy_sets_of_the_benchmark() {
     assert!(said.starts_with(&format!("{word} were said to miss something")), "{sets}: {said}");
 }
 
-#[test]
-fn pages_quote_the_estimators_as_their_benchmark_wrote_them() {
-    let read = |name: &str| fs::read_to_string(root().join(name)).unwrap();
-    let found: serde_json::Value =
-        serde_json::from_str(&read("benchmarks/estimators/worlds.json")).unwrap();
-    let covered = found["covered_percent"].as_array().unwrap();
-    let covered: Vec<String> =
-        covered.iter().map(|v| format!("{:.0}", v.as_f64().unwrap())).collect();
-    let ratio = |key: &str, digits: usize| {
-        let value = found["error_over_that_of_the_true_parameters"][key].as_f64().unwrap();
+/// What the benchmark of the estimators wrote.
+struct Estimators {
+    sets: u64,
+    /// Share of the 95 % intervals that cover the true value, by parameter [%].
+    covered: Vec<String>,
+    found: serde_json::Value,
+}
+
+impl Estimators {
+    fn of(file: &str) -> Self {
+        let text = fs::read_to_string(root().join("benchmarks/estimators").join(file)).unwrap();
+        let found: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let covered = found["covered_percent"].as_array().unwrap().iter();
+        let covered = covered.map(|v| format!("{:.0}", v.as_f64().unwrap())).collect();
+        Self { sets: found["sets"].as_u64().unwrap(), covered, found }
+    }
+
+    /// 2 s simulation error over that of the true parameters.
+    fn ratio(&self, key: &str, digits: usize) -> String {
+        let value = self.found["error_over_that_of_the_true_parameters"][key].as_f64().unwrap();
         format!("{value:.digits$}")
-    };
-    let (last, first) = covered.split_last().unwrap();
-    let sets = &found["sets"];
-    let readme = read("README.md").split_whitespace().collect::<Vec<_>>().join(" ");
+    }
+}
+
+#[test]
+fn the_readme_quotes_the_estimators_as_their_benchmark_wrote_them() {
+    let worlds = Estimators::of("worlds.json");
+    let (last, first) = worlds.covered.split_last().unwrap();
+    let readme = fs::read_to_string(root().join("README.md")).unwrap();
+    let readme = readme.split_whitespace().collect::<Vec<_>>().join(" ");
     for sentence in [
-        format!("The default method on {sets} healthy sets"),
-        format!("is {} times that of the true parameters", ratio("mean", 3)),
-        format!("(worst {}), and its 95 % intervals", ratio("largest", 2)),
+        format!("The default method on {} healthy sets", worlds.sets),
+        format!("is {} times that of the true parameters", worlds.ratio("mean", 3)),
+        format!("(worst {}), and its 95 % intervals", worlds.ratio("largest", 2)),
         format!("cover the true a1..a5 in {} and {last} %", first.join(", ")),
     ] {
         assert!(readme.contains(&sentence), "README.md does not say: {sentence}");
     }
-    let [mean, most, largest] =
-        [("mean", 3), ("nine_tenths", 2), ("largest", 2)].map(|(k, d)| ratio(k, d));
-    let row = format!("| {} | {mean} | {most} | {largest} |", covered.join(" "));
-    let methods = read("docs/methods.md");
-    let line =
-        methods.lines().find(|l| l.starts_with(&format!("| {sets} healthy robots"))).unwrap();
-    assert!(line.ends_with(&row), "docs/methods.md: {line} for {row}");
+}
+
+#[test]
+fn the_page_of_methods_quotes_the_estimators_as_their_benchmark_wrote_them() {
+    let page = fs::read_to_string(root().join("docs/methods.md")).unwrap();
+    for (file, robots) in [("worlds.json", "healthy robots"), ("amigobot.json", "AmigoBots")] {
+        let found = Estimators::of(file);
+        let figures = [("mean", 3), ("nine_tenths", 2), ("largest", 2)];
+        let ratios = figures.map(|(key, digits)| found.ratio(key, digits)).join(" | ");
+        let row = format!("| {} | {ratios} |", found.covered.join(" "));
+        let start = format!("| {} {robots}", found.sets);
+        let line = page.lines().find(|line| line.starts_with(&start)).unwrap();
+        assert!(line.ends_with(&row), "docs/methods.md: {line} for {row}");
+    }
 }
 
 #[test]
