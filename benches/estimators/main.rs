@@ -6,6 +6,7 @@
 //! cargo bench --bench estimators -- worlds FOLDER [METHOD] [OPTIONS]    healthy cases of a folder as
 //!                                                     described in ../shared/worlds/README.md
 //! ```
+//! `--json FILE` behind either writes the line of all robots into a file, which the pages are compared with.
 //! Everything is seeded; results do not depend on the number of threads.
 #![allow(clippy::print_stdout)]
 
@@ -23,13 +24,15 @@ use amigo_ident::simulate::{Hold, PhysicalDynamics};
 use rayon::prelude::*;
 
 use cases::Case;
-use table::{Row, print};
+use table::{Figures, Row, print};
 
 /// Sets a preset where none are asked for.
 const SETS: u64 = 40;
 
 fn main() {
-    let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
+    let mut arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
+    let json = arguments.iter().position(|a| a == "--json");
+    let json = json.and_then(|at| arguments.drain(at..).nth(1));
     let word = |n: usize| arguments.get(n).map(String::as_str);
     let (name, options) = (word(2).unwrap_or("prediction_error"), word(3).unwrap_or(""));
     let options = toml::from_str(options).expect("options as in an experiment file");
@@ -44,6 +47,10 @@ fn main() {
     };
     let rows: Vec<Row> = cases.par_iter().map(|case| judge(case, &*method)).collect();
     print(name, &rows);
+    if let Some(file) = json {
+        let text = format!("{:#}\n", Figures::of(&rows.iter().collect::<Vec<_>>()).json(name));
+        std::fs::write(&file, text).expect("the file can be written");
+    }
 }
 
 /// Fits a case and compares with its truth.

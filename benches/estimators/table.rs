@@ -4,12 +4,15 @@ use amigo_ident::identify::{Estimate, Fit};
 
 use super::cases::Case;
 
+/// A parameter: symbol, error in standard errors, whether the interval covers the true value, and whether it is known.
+type Found = (String, f64, bool, bool);
+
 /// What one case gave.
 pub(crate) struct Row {
     name: String,
     robot: String,
-    /// Error in standard errors and whether the interval covers the truth, of each parameter.
-    found: Vec<(String, f64, bool, bool)>,
+    /// Of each parameter.
+    found: Vec<Found>,
     /// Relative error of the first parameter.
     first: f64,
     ratio: f64,
@@ -90,25 +93,60 @@ fn case(row: &Row) {
     println!("{head} {:+7.2} % {} {notes:?}", 100.0 * row.first, z.join(" "));
 }
 
-fn line(robot: &str, rows: &[&Row]) {
-    let count = rows.iter().map(|r| r.found.len()).max().unwrap_or(0);
-    let (mut covered, mut size) = (String::new(), String::new());
-    for j in 0..count {
-        let known: Vec<_> = rows.iter().filter_map(|r| r.found.get(j)).filter(|f| f.3).collect();
-        let of = known.len().max(1) as f64;
-        let share = known.iter().filter(|f| f.2).count() as f64 / of;
-        let square = known.iter().map(|f| f.1 * f.1).sum::<f64>() / of;
-        covered += &format!("{:5.1}", 100.0 * share);
-        size += &format!("{:6.2}", square.sqrt());
+/// What is said of several sets.
+pub(crate) struct Figures {
+    sets: usize,
+    /// Share of the 95 % intervals that cover the true value, by parameter [%].
+    covered: Vec<f64>,
+    /// Root mean square error in standard errors, by parameter.
+    size: Vec<f64>,
+    /// 2 s simulation error over that of the true parameters: mean, nine tenths, largest.
+    ratio: [f64; 3],
+    seconds: f64,
+}
+
+impl Figures {
+    pub(crate) fn of(rows: &[&Row]) -> Self {
+        let count = rows.iter().map(|r| r.found.len()).max().unwrap_or(0);
+        let known = |j: usize| rows.iter().filter_map(move |r| r.found.get(j)).filter(|f| f.3);
+        let mean = |j: usize, value: &dyn Fn(&Found) -> f64| {
+            known(j).map(value).sum::<f64>() / known(j).count().max(1) as f64
+        };
+        let covered = |j: usize| 100.0 * mean(j, &|f| f64::from(u8::from(f.2)));
+        let mut ratios: Vec<f64> = rows.iter().map(|r| r.ratio).collect();
+        ratios.sort_by(f64::total_cmp);
+        let n = ratios.len();
+        let average = ratios.iter().sum::<f64>() / n as f64;
+        Self {
+            sets: n,
+            covered: (0..count).map(covered).collect(),
+            size: (0..count).map(|j| mean(j, &|f| f.1 * f.1).sqrt()).collect(),
+            ratio: [average, ratios[(n * 9 / 10).min(n - 1)], ratios[n - 1]],
+            seconds: rows.iter().map(|r| r.seconds).sum::<f64>() / n as f64,
+        }
     }
-    let mut ratios: Vec<f64> = rows.iter().map(|r| r.ratio).collect();
-    ratios.sort_by(f64::total_cmp);
-    let n = ratios.len();
-    let mean = ratios.iter().sum::<f64>() / n as f64;
-    let seconds = rows.iter().map(|r| r.seconds).sum::<f64>() / n as f64;
+
+    pub(crate) fn json(&self, method: &str) -> serde_json::Value {
+        let rounded = |v: f64, digits: i32| (v * 10f64.powi(digits)).round() / 10f64.powi(digits);
+        serde_json::json!({
+            "method": method,
+            "sets": self.sets,
+            "covered_percent": self.covered.iter().map(|v| rounded(*v, 1)).collect::<Vec<_>>(),
+            "error_over_that_of_the_true_parameters": {
+                "mean": rounded(self.ratio[0], 4),
+                "nine_tenths": rounded(self.ratio[1], 3),
+                "largest": rounded(self.ratio[2], 3),
+            },
+        })
+    }
+}
+
+fn line(robot: &str, rows: &[&Row]) {
+    let Figures { sets, covered, size, ratio, seconds } = Figures::of(rows);
+    let covered: String = covered.iter().map(|v| format!("{v:5.1}")).collect();
+    let size: String = size.iter().map(|v| format!("{v:6.2}")).collect();
+    let [mean, most, largest] = ratio;
     println!(
-        "{robot:18} {n:4} |{covered} |{size} | {mean:6.3} {:6.3} {:6.3} | {seconds:.2}",
-        ratios[(n * 9 / 10).min(n - 1)],
-        ratios[n - 1],
+        "{robot:18} {sets:4} |{covered} |{size} | {mean:6.3} {most:6.3} {largest:6.3} | {seconds:.2}"
     );
 }

@@ -57,26 +57,51 @@ def test_polars_reads_the_motion_that_results_json_judges(exported):
     assert {"slope_torque1_N_m", "slope_torque2_N_m"} <= set(table.columns)
 
 
-def test_pyarrow_and_the_mcap_reader_find_the_same_numbers(exported):
+def test_pyarrow_finds_the_same_numbers(exported):
     parquet = pytest.importorskip("pyarrow.parquet")
-    reader = pytest.importorskip("mcap.reader")
     folder = exported / "reports/slope/export"
     table = pl.read_csv(folder / "validation.csv")
     arrow = parquet.read_table(folder / "validation.parquet")
     assert arrow.column_names == table.columns
     for name in table.columns:
         assert np.array_equal(arrow[name].to_numpy(), table[name].to_numpy(), equal_nan=True), name
+
+
+def test_the_protobuf_reader_of_mcap_finds_the_same_numbers(exported):
+    """The reference implementation of Protocol Buffers."""
+    pytest.importorskip("mcap_protobuf")
+    from mcap.reader import make_reader
+    from mcap_protobuf.decoder import DecoderFactory
+
+    folder = exported / "reports/slope/export"
+    table = pl.read_csv(folder / "validation.csv")
     with open(folder / "validation.mcap", "rb") as stream:
-        rows = [
-            (message.log_time, json.loads(message.data), schema.encoding, channel.topic)
-            for schema, channel, message in reader.make_reader(stream).iter_messages()
-        ]
-    assert len(rows) == table.height
-    assert {(encoding, topic) for _, _, encoding, topic in rows} == {("jsonschema", "/validation")}
+        reader = make_reader(stream, decoder_factories=[DecoderFactory()])
+        decoded = list(reader.iter_decoded_messages())
+    assert len(decoded) == table.height
+    assert {(schema.name, channel.topic) for schema, channel, *_ in decoded} == {("amigo_ident.Motion", "/validation")}
     t = table["t_s"].to_numpy()
-    assert np.allclose([time * 1e-9 for time, *_ in rows], t - t[0], atol=1e-9)
+    assert np.allclose([message.log_time * 1e-9 for _, _, message, _ in decoded], t - t[0], atol=1e-9)
+    fields = [field.name for field in decoded[0][3].DESCRIPTOR.fields]
+    assert fields == table.columns[1:]
+    for name in fields:
+        values = np.array([getattr(row, name) for *_, row in decoded])
+        assert np.array_equal(values, table[name].to_numpy(), equal_nan=True), name
+
+
+def test_rerun_decodes_the_columns_of_the_mcap_file(exported):
+    chunk = pytest.importorskip("rerun.chunk")
+    folder = exported / "reports/slope/export"
+    table = pl.read_csv(folder / "validation.csv")
+    rows = []
+    for piece in chunk.McapReader(folder / "validation.mcap").stream():
+        batch = piece.to_record_batch()
+        for name in batch.schema.names:
+            if name.endswith("amigo_ident.Motion:message"):
+                rows += [row[0] for row in batch[name].to_pylist()]
+    assert len(rows) == table.height
     for name in table.columns[1:]:
-        values = np.array([row.get(name, np.nan) for _, row, *_ in rows], dtype=float)
+        values = np.array([row[name] for row in rows])
         assert np.array_equal(values, table[name].to_numpy(), equal_nan=True), name
 
 

@@ -265,7 +265,9 @@ fn merge(files: &[PathBuf], options: &RunOptions, quiet: bool) -> ExitCode {
     for file in files {
         let joined = experiment::load(file, &options.set).and_then(|plan| {
             let name = plan.name.clone();
-            experiment::merge(plan, options).result.map(|done| (name, done))
+            let done = experiment::merge(plan, options).result?;
+            experiment::write_index(&[], &options.out)?;
+            Ok((name, done))
         });
         match joined {
             Ok((name, done)) if !quiet => say(&name, &done),
@@ -338,8 +340,7 @@ fn execute(plans: Vec<Plan>, run: &Run, options: &RunOptions) -> ExitCode {
     }
     let outcomes: Vec<Outcome> =
         plans.into_par_iter().map(|plan| experiment::execute(plan, options)).collect();
-    let index = (outcomes.len() > 1 && run.shard.is_none())
-        .then(|| experiment::write_index(&outcomes, options));
+    let index = run.shard.is_none().then(|| experiment::write_index(&outcomes, &options.out));
     report(&outcomes, run.quiet);
     if let Some(Err(e)) = index {
         return complain(&e);

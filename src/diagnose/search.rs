@@ -29,6 +29,10 @@ use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::Hold;
 
+/// Called with how many candidates of a round are fitted, and how many are fitted in it. Rounds follow each other;
+/// how many there will be depends on what they find.
+pub type Told = Arc<dyn Fn(usize, usize) + Send + Sync>;
+
 /// What the diagnosis is asked.
 #[derive(Clone)]
 pub struct Settings {
@@ -40,11 +44,13 @@ pub struct Settings {
     pub false_alarm: f64,
     /// Most effects that are added.
     pub max_effects: usize,
+    /// Who is told of the progress.
+    pub told: Option<Told>,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { candidates: vec![], own: vec![], false_alarm: 0.05, max_effects: 3 }
+        Self { candidates: vec![], own: vec![], false_alarm: 0.05, max_effects: 3, told: None }
     }
 }
 

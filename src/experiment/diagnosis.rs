@@ -3,9 +3,11 @@
 use super::comparison::Comparison;
 use super::error::RunError;
 use super::models::curves_of;
-use super::plan::{DiagnosisPlan, Plan};
+use super::plan::Plan;
 use crate::compare::{Curve, WindowFloor};
-use crate::diagnose::{Data, Diagnosis, Judge, THRESHOLDS, WindowFit, with_later_input};
+use crate::diagnose::{
+    Data, Diagnosis, Judge, Settings, THRESHOLDS, Told, WindowFit, with_later_input,
+};
 use crate::identify::{IdentifyError, Task, start};
 use crate::model::Model;
 use crate::recording::Recording;
@@ -65,8 +67,21 @@ impl Outcome {
 /// # Errors
 /// If the model cannot be fitted or simulated.
 pub fn diagnose(plan: &Plan, comparison: Comparison) -> Result<Diagnosed, RunError> {
+    diagnose_told(plan, comparison, None)
+}
+
+/// The same; `told` is told of the progress.
+///
+/// # Errors
+/// If the model cannot be fitted or simulated.
+pub(super) fn diagnose_told(
+    plan: &Plan,
+    comparison: Comparison,
+    told: Option<Told>,
+) -> Result<Diagnosed, RunError> {
     let Some(asked) = &plan.diagnosis else { return Ok(comparison.into()) };
-    let diagnosis = search(plan, asked, &comparison)?;
+    let settings = Settings { told, ..asked.settings.clone() };
+    let diagnosis = search(plan, &settings, &comparison)?;
     let diagnosis = unless_in_place(plan, &comparison, diagnosis);
     let comparison = match diagnosis.steps.last() {
         Some(_) => comparison.under(plan, &dynamics(diagnosis.last()))?,
@@ -123,7 +138,7 @@ fn dynamics(fit: &WindowFit) -> PhysicalDynamics {
 
 fn search(
     plan: &Plan,
-    asked: &DiagnosisPlan,
+    settings: &Settings,
     comparison: &Comparison,
 ) -> Result<Diagnosis, RunError> {
     let train = plan.of(Role::Train);
@@ -133,7 +148,7 @@ fn search(
     let validation = plan.of(Role::Validation);
     let corrected_s = plan.timing.map_or(0.0, |t| t.correction_s);
     let data = Data { train: &train, validation: &validation, hold: plan.hold, corrected_s };
-    crate::diagnose::diagnose(&model, &starts, &data, &asked.settings).map_err(failed)
+    crate::diagnose::diagnose(&model, &starts, &data, settings).map_err(failed)
 }
 
 /// Whether the preferred fit stalled where a1 is not identifiable, though wheels turn against each other.

@@ -7,14 +7,14 @@ use sha2::{Digest, Sha256};
 use super::error::ExperimentError;
 use super::file::ExperimentFile;
 use super::grid;
-use super::options::{Done, RunOptions};
+use super::options::{Done, RunOptions, THUMBNAIL};
 use super::plan::Plan;
 use super::remarks::remarks;
 use super::resolve::resolve;
 use super::run::run_in_stages;
 use super::stages::Stages;
 use crate::io::{ResultFolder, check_writable, exists, read_text, write_csv};
-use crate::study::{DiagnosisStudy, Invocation, Judged, ModelStudy, Study, Version, results};
+use crate::study::{DiagnosisStudy, Invocation, Judged, Study, Version, results};
 
 /// What became of an experiment.
 #[derive(Debug)]
@@ -171,8 +171,8 @@ fn finish(plan: &Plan, options: &RunOptions) -> Result<Done, ExperimentError> {
             None => grid::finish(plan, grid, options),
         };
     }
-    let stages = Stages::new(plan, options.progress);
-    let study = run_in_stages(plan, &|stage| stages.enter(stage))?;
+    let stages = Stages::new(&plan.name, options.progress);
+    let study = run_in_stages(plan, &stages)?;
     stages.enter("drawing the report");
     write(plan, study, &options.out)
 }
@@ -213,20 +213,18 @@ pub fn write(plan: &Plan, study: Study, out: &Path) -> Result<Done, ExperimentEr
     folder.add("report.html", rendered.html);
     let mut results = results(&study);
     results["file"] = plan.source.display().to_string().into();
+    results["finding"] = finding(&study).into();
     let results = serde_json::to_string_pretty(&results).unwrap_or_default();
     folder.add("results.json", results);
+    if let Some(png) = crate::report::thumbnail(&study)? {
+        folder.add(THUMBNAIL, png);
+    }
     let path = folder.write()?;
-    let error = |model: Option<&ModelStudy>| model.map_or(f64::NAN, |m| study.error_of(m));
     Ok(Done {
         verdict: verdict(&study),
-        finding: finding(&study),
         report: path.join("report.html"),
-        error: error(study.given.as_ref()),
-        error_completed: error(study.last_model()),
+        error: study.given.as_ref().map_or(f64::NAN, |given| study.error_of(given)),
         floor: study.judged_floor(),
-        grade: study.grade(),
-        found: study.diagnosis.as_ref().map_or(vec![], |d| d.found.clone()),
-        thumbnail: crate::report::thumbnail(&study)?,
     })
 }
 

@@ -2,9 +2,11 @@
 
 use std::time::Instant;
 
+use super::long::counted;
 use super::plan::{MethodPlan, Plan};
+use super::stages::Stages;
 use crate::identify::{Fit, Task};
-use crate::recording::Recording;
+use crate::recording::{LongRecording, Recording};
 use crate::study::Role;
 
 /// What a method made of the training recordings.
@@ -19,23 +21,29 @@ pub struct MethodFit {
 /// Fits every method of a plan to its training recordings; one entry a method, in their order.
 #[must_use]
 pub fn fits(plan: &Plan) -> Vec<MethodFit> {
-    fits_in_stages(plan, &|_| ())
+    fits_in_stages(plan, &Stages::hidden())
 }
 
-/// The same; `enter` is called with every method that begins.
-pub(super) fn fits_in_stages(plan: &Plan, enter: &dyn Fn(&str)) -> Vec<MethodFit> {
+/// The same, with a stage for every method.
+pub(super) fn fits_in_stages(plan: &Plan, stages: &Stages) -> Vec<MethodFit> {
     let (train, count) = (plan.of(Role::Train), plan.methods.len());
     let fitted = |(n, method): (usize, &MethodPlan)| {
-        enter(&format!("fitting {} (method {} of {count})", method.name, n + 1));
-        fit(plan, method, &train)
+        stages.enter(&format!("fitting {} (method {} of {count})", method.name, n + 1));
+        let long = counted(&plan.long(), &stages.counting("rows"));
+        fit(plan, method, &train, &long)
     };
     plan.methods.iter().enumerate().map(fitted).collect()
 }
 
-fn fit(plan: &Plan, method: &MethodPlan, train: &[Recording]) -> MethodFit {
+fn fit(
+    plan: &Plan,
+    method: &MethodPlan,
+    train: &[Recording],
+    long: &[Option<LongRecording>],
+) -> MethodFit {
     let task = Task { model: &plan.model, train, hold: plan.hold, seed: plan.seed };
+    let long: Vec<Option<&LongRecording>> = long.iter().map(Option::as_ref).collect();
     let start = Instant::now();
-    let fit =
-        super::long::identify(&*method.method, &task, &plan.long()).map_err(|e| e.to_string());
+    let fit = super::long::identify(&*method.method, &task, &long).map_err(|e| e.to_string());
     MethodFit { fit, seconds: start.elapsed().as_secs_f64() }
 }

@@ -1,7 +1,11 @@
 //! Recordings of which only windows are held: what is said of them, and which methods read all.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
+use crate::diagnose::Told;
 use crate::identify::{Fit, Identifier, IdentifyError, Note, Task};
-use crate::recording::{Finding, Issue, LongRecording, Recording, Severity};
+use crate::recording::{Channels, Finding, Issue, LongRecording, Recording, Rows, Severity};
 
 /// What the check of the recordings says.
 pub(super) fn finding(windows: &Recording, long: &LongRecording) -> Finding {
@@ -35,4 +39,43 @@ pub(super) fn identify(
     };
     fit.notes.push(note);
     Ok(fit)
+}
+
+/// The rows of a long recording, counted while they are read.
+struct Counted {
+    long: Arc<LongRecording>,
+    /// Rows that were read of all recordings, and how many there are.
+    read: Arc<AtomicUsize>,
+    all: usize,
+    told: Told,
+}
+
+impl Rows for Counted {
+    fn blocks(&self) -> Box<dyn Iterator<Item = Result<Channels, String>> + '_> {
+        let count = |block: &Result<Channels, String>| {
+            let rows = block.as_ref().map_or(0, |block| block.t.len());
+            (self.told)(self.read.fetch_add(rows, Relaxed) + rows, self.all);
+        };
+        Box::new(self.long.rows.blocks().inspect(count))
+    }
+
+    fn left_out(&self) -> (usize, usize) {
+        self.long.rows.left_out()
+    }
+}
+
+/// The same recordings; `told` is told of the rows that were read of all of them.
+pub(super) fn counted(
+    long: &[Option<Arc<LongRecording>>],
+    told: &Told,
+) -> Vec<Option<LongRecording>> {
+    let all = long.iter().flatten().map(|long| long.samples).sum();
+    let read = Arc::new(AtomicUsize::new(0));
+    let of = |long: &Arc<LongRecording>| LongRecording {
+        rows: Box::new(Counted { long: long.clone(), read: read.clone(), all, told: told.clone() }),
+        samples: long.samples,
+        duration: long.duration,
+        windows: long.windows,
+    };
+    long.iter().map(|long| long.as_ref().map(of)).collect()
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 use super::custom::add;
 use super::error::ExperimentError;
 use super::execute::{execute, load};
+use super::index::write_index;
 use super::options::RunOptions;
 use crate::io::{check_writable, read_text, write_whole};
 
@@ -47,6 +48,7 @@ pub fn add_effect(effect: &str, file: &Path, out: &Path) -> Result<String, Exper
             return Err(e);
         }
     };
+    write_index(&[], out)?;
     let (before, after) = (first.error, second.error);
     Ok(format!(
         "added {effect} to {}\n2 s simulation error {before:.4} -> {after:.4} rad/s ({}), noise floor {:.4} \

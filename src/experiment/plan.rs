@@ -157,9 +157,9 @@ impl Plan {
 
     /// Of each training recording all rows, if it is too long to be held.
     #[must_use]
-    pub fn long(&self) -> Vec<Option<&LongRecording>> {
+    pub fn long(&self) -> Vec<Option<Arc<LongRecording>>> {
         let train = self.recordings.iter().filter(|m| m.role == Role::Train);
-        train.map(|m| m.long.as_deref()).collect()
+        train.map(|m| m.long.clone()).collect()
     }
 
     /// The recordings on which errors are judged: validation, or train where there is none.

@@ -269,7 +269,8 @@ fn diagnosis(file: &ExperimentFile, own: &[Own]) -> Result<Option<DiagnosisPlan>
         add(&Model::base(Robot::amigobot()), id, own)?;
     }
     let DiagnosisEntry { false_alarm, max_effects, slow_moment, .. } = *entry;
-    let settings = diagnose::Settings { candidates, own: own.to_vec(), false_alarm, max_effects };
+    let own = own.to_vec();
+    let settings = diagnose::Settings { candidates, own, false_alarm, max_effects, told: None };
     Ok(Some(DiagnosisPlan { settings, slow_moment }))
 }
 

@@ -1,13 +1,14 @@
 //! From a plan to a study: fit, compare, diagnose.
 
 use super::comparison::{Comparison, compare};
-use super::diagnosis::{Diagnosed, diagnose};
+use super::diagnosis::{Diagnosed, diagnose_told};
 use super::error::RunError;
 use super::fits::fits_in_stages;
 use super::model_out::model_out;
 use super::models::{self, Models};
 use super::plan::Plan;
 use super::robot_table::has_no_track;
+use super::stages::Stages;
 use super::what_if::what_if;
 use crate::study::{Invocation, Study};
 
@@ -16,21 +17,22 @@ use crate::study::{Invocation, Study};
 /// # Errors
 /// If no method has a fit, or nothing can be simulated.
 pub fn run(plan: &Plan) -> Result<Study, RunError> {
-    run_in_stages(plan, &|_| ())
+    run_in_stages(plan, &Stages::hidden())
 }
 
-/// The same; `enter` is called with every stage that begins.
+/// The same, with its `stages` shown.
 ///
 /// # Errors
 /// If no method has a fit, or nothing can be simulated.
-pub(super) fn run_in_stages(plan: &Plan, enter: &(dyn Fn(&str) + Sync)) -> Result<Study, RunError> {
-    let fits = fits_in_stages(plan, enter);
-    enter("simulating the recordings");
+pub(super) fn run_in_stages(plan: &Plan, stages: &Stages) -> Result<Study, RunError> {
+    let fits = fits_in_stages(plan, stages);
+    stages.enter("simulating the recordings");
     let comparison = compare(plan, &fits)?;
     if plan.diagnosis.is_some() {
-        enter("diagnosis: trying the effects of the catalogue");
+        stages.enter("diagnosis: trying effects");
     }
-    study(plan, diagnose(plan, comparison)?)
+    let told = stages.counting("of this round");
+    study(plan, diagnose_told(plan, comparison, Some(told))?)
 }
 
 /// All results of a plan: its comparison and its diagnosis with the models that they are about.

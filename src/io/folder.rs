@@ -166,6 +166,12 @@ impl ResultFolder {
         fs::read_to_string(self.path.join(name)).ok()
     }
 
+    /// A file of an earlier run, if it is there.
+    #[must_use]
+    pub fn earlier_bytes(&self, name: &str) -> Option<Vec<u8>> {
+        fs::read(self.path.join(name)).ok()
+    }
+
     /// Writes all files beside those of an earlier run, and when all are on the disk gives them their
     /// names, `results.json` last. If they cannot be written, the earlier ones stay as they are.
     /// Pictures and model functions that this run does not have are removed.

@@ -12,6 +12,7 @@ mod long;
 mod mcap_table;
 mod parquet;
 mod preview;
+mod protobuf;
 mod rate;
 mod recording;
 mod signals;

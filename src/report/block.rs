@@ -55,6 +55,8 @@ pub enum Block {
 pub struct Track {
     /// Its name in the list.
     pub name: String,
+    /// What is said of it below the list; empty for none.
+    pub note: String,
     /// Its signals over time; panels and layers are alike in all tracks.
     pub figure: Figure,
     /// Where the robot is: time \[s\], x \[m\], y \[m\], heading \[rad\]; empty where that is not known.

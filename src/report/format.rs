@@ -59,17 +59,6 @@ pub fn unit(unit: &str) -> String {
     unit.replace("^2", "²").replace("^3", "³").replace('*', "·")
 }
 
-/// A symbol with its number as subscript: `a1` becomes `a₁`; others stay as they are typed.
-pub fn symbol(symbol: &str) -> String {
-    const SUBSCRIPTS: [char; 10] = ['₀', '₁', '₂', '₃', '₄', '₅', '₆', '₇', '₈', '₉'];
-    let stem = symbol.trim_end_matches(|c: char| c.is_ascii_digit());
-    if stem.is_empty() || stem.len() == symbol.len() || stem.ends_with('_') {
-        return symbol.to_owned();
-    }
-    let digits = symbol[stem.len()..].bytes().map(|b| SUBSCRIPTS[usize::from(b - b'0')]);
-    stem.chars().chain(digits).collect()
-}
-
 /// A heading within a sentence: without its capital, save for people.
 ///
 /// ```

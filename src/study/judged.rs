@@ -23,6 +23,20 @@ impl<'a> Judged<'a> {
         if validation.is_empty() { with(Role::Train) } else { validation }
     }
 
+    /// Whether they were held out from the fit.
+    #[must_use]
+    pub fn are_held_out(self) -> bool {
+        self.0.iter().any(|r| r.role == Role::Validation)
+    }
+
+    /// Largest measured speed of a wheel [rad/s].
+    #[must_use]
+    pub fn top_speed(self) -> f64 {
+        let numbers = self.numbers().into_iter();
+        let speeds = numbers.flat_map(|r| self.0[r].omega.iter().flatten());
+        speeds.filter(|w| w.is_finite()).fold(0.0, |top: f64, w| top.max(w.abs()))
+    }
+
     /// Root mean square 2 s simulation error of a model, whose `performance` has one entry a recording of the
     /// experiment [rad/s]; not a number where it has none.
     #[must_use]

@@ -291,7 +291,7 @@ impl Study {
     /// The role of the judged recordings in words.
     #[must_use]
     pub fn judged_words(&self) -> &'static str {
-        if self.recordings.iter().any(|r| r.role == Role::Validation) {
+        if Judged::of(&self.recordings).are_held_out() {
             "validation"
         } else {
             "training (no validation recording is given)"
@@ -338,9 +338,7 @@ impl Study {
     /// Largest measured wheel speed of the judged recordings [rad/s].
     #[must_use]
     pub fn top_speed(&self) -> f64 {
-        let speeds =
-            self.judged().into_iter().flat_map(|r| self.recordings[r].omega.iter().flatten());
-        speeds.filter(|w| w.is_finite()).fold(0.0, |top: f64, w| top.max(w.abs()))
+        Judged::of(&self.recordings).top_speed()
     }
 
     /// How good the last model is; `None` without a fit. A model that the columns do not determine is not usable,

@@ -1,6 +1,6 @@
 //! A fitted model on the recordings of an experiment, in detail, and how good that is in a word.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::Performance;
 use crate::compare::{Failure, Horizon, Whiteness};
@@ -93,7 +93,7 @@ pub const FAR_BELOW_FLOOR: f64 = 0.5;
 /// | useful | e ≤ 5 % of the top speed |
 /// | poor | e ≤ 20 % of the top speed |
 /// | not usable | beyond, or the simulation diverges |
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Grade {
     /// These recordings cannot show a better model.

@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 
+use crate::exported::{is_here, run};
 use crate::support::{Folder, csv, motion};
 
 /// A robot whose tyres resist turning, which the model does not know.
@@ -59,7 +60,8 @@ fn every_figure_is_there_as_png_and_as_svg() {
     let names: Vec<_> = std::fs::read_dir(folder.path("out/small"))
         .unwrap()
         .map(|e| e.unwrap().path())
-        .filter(|p| p.extension().is_some_and(|e| e == "png"))
+        // the picture of the index is no figure
+        .filter(|p| p.extension().is_some_and(|e| e == "png") && !p.ends_with("thumbnail.png"))
         .collect();
     assert!(!names.is_empty(), "no PNG");
     let page = folder.read("out/small/report.html");
@@ -347,4 +349,21 @@ fn a_key_that_does_nothing_is_named_and_equal_findings_are_said_once() {
     ran.says(0, &["e: 2 s simulation error"]);
     assert!(ran.err.contains("warning: e: simulation.duration_s has no effect"), "{}", ran.err);
     assert!(folder.read("reports/e/report.html").contains("<h1>e</h1>"));
+}
+
+#[test]
+fn progress_is_shown_on_a_terminal_and_nowhere_else() {
+    let folder = small();
+    let piped = folder.run(&["small.toml", "--quiet"]);
+    assert_eq!((piped.out.as_str(), piped.err.as_str()), ("", ""));
+    assert!(!folder.run(&["small.toml"]).err.contains("fitting"));
+    // a terminal is what `script` of util-linux gives
+    if !is_here("script") {
+        return;
+    }
+    folder.write("long.toml", long());
+    let command = format!("{} long.toml", env!("CARGO_BIN_EXE_experiment"));
+    let shown =
+        run(&folder, "script", &["--quiet", "--return", "--command", &command, "/dev/null"]);
+    assert!(shown.contains("long: fitting") && shown.contains("of this round"), "{shown}");
 }

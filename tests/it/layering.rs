@@ -116,13 +116,13 @@ fn heavy_crates_stay_in_their_modules() {
 /// Each imports only its own stage and those before it.
 const STAGES: [(&str, &[&str]); 9] = [
     ("the file", &["file", "error", "remarks", "guess", "new_file"]),
-    ("a plan", &["combinations", "custom", "robot_table", "quality", "plan"]),
+    ("a plan", &["combinations", "custom", "robot_table", "quality", "plan", "stages"]),
     ("from the file to a plan", &["long", "measured", "align", "resolve"]),
     ("from a plan to fits", &["fits", "fitted"]),
     ("from fits to a comparison", &["fuzzy_study", "comparison"]),
     ("from a comparison to a diagnosis", &["diagnosis"]),
     ("from a diagnosis to a study", &["models", "model_out", "what_if", "run"]),
-    ("from a study to files", &["overlay", "estimates", "shard", "options", "stages", "grid"]),
+    ("from a study to files", &["overlay", "estimates", "shard", "options", "grid"]),
     ("commands", &["execute", "check", "export", "index", "loop_commands"]),
 ];
 

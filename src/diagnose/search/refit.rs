@@ -1,5 +1,7 @@
 //! Fits with a candidate added.
 
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
 use rayon::prelude::*;
 
 use super::{Look, Search};
@@ -26,10 +28,13 @@ impl Search<'_> {
         looks: Option<&[Look; 2]>,
     ) {
         let Some((lead, others)) = wanted.split_first() else { return };
+        let done = AtomicUsize::new(0);
         let refit = |r: &mut Ranked, negligible: f64| {
             let look = looks.map(|looks| &looks[usize::from(r.candidate.is_shift())]);
             let by_torque = look.and_then(|(by_torque, _)| by_torque.as_ref());
             r.refit = self.refit(present, r, by_torque, negligible);
+            let done = done.fetch_add(1, Relaxed) + 1;
+            self.settings.told.iter().for_each(|told| told(done, wanted.len()));
         };
         refit(&mut ranked[*lead], 0.0);
         let gain = |cost: f64| (present.cost - cost).max(0.0);

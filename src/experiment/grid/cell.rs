@@ -12,7 +12,7 @@ use crate::experiment::comparison::{Comparison, compare};
 use crate::experiment::diagnosis::diagnose;
 use crate::experiment::fits::fits;
 use crate::identify::{Estimate, Status};
-use crate::study::{MethodStudy, Role, Verdict};
+use crate::study::{Grade, MethodStudy, Role, Verdict};
 
 /// A number that is written exactly, also where it is not finite (JSON has no words for that).
 #[derive(Clone, Copy, Debug)]
@@ -48,6 +48,8 @@ pub(super) struct Row {
     pub(super) ise_validation: Exact,
     pub(super) window_rms: Exact,
     pub(super) floor: Exact,
+    #[serde(default)]
+    pub(super) grade: Option<Grade>,
     pub(super) status: RowStatus,
     pub(super) reason: Word,
     pub(super) seconds: Exact,
@@ -115,6 +117,9 @@ pub(super) struct Cell {
     pub(super) verdict: Option<CellVerdict>,
     /// Effects found, joined by `+`.
     pub(super) found: String,
+    /// Whether errors are on the training data, since no recording is held out.
+    #[serde(default)]
+    pub(super) on_training: bool,
     pub(super) rows: Vec<Row>,
 }
 
@@ -132,7 +137,8 @@ pub(super) fn run_cell(grid: &GridPlan, cell: usize, key: String, methods: &[&st
         let seconds = start.elapsed().as_secs_f64();
         methods.iter().map(|m| failed_row(m, &reason, seconds)).collect()
     };
-    let mut out = Cell { key, cell, verdict: None, found: String::new(), rows: vec![] };
+    let mut out =
+        Cell { key, cell, verdict: None, found: String::new(), on_training: false, rows: vec![] };
     let plan = match resolve_cell(grid, cell) {
         Ok(plan) => plan,
         // without the file, which machines may keep in different places
@@ -148,6 +154,7 @@ pub(super) fn run_cell(grid: &GridPlan, cell: usize, key: String, methods: &[&st
         Err(e) => return Cell { rows: failed(e.to_string()), ..out },
     };
     let truth = &plan.truth;
+    out.on_training = !comparison.judged().are_held_out();
     out.rows = comparison.methods.iter().flat_map(|m| rows(&comparison, m, truth)).collect();
     out.verdict = match diagnose(&plan, comparison) {
         Ok(diagnosed) => diagnosed.verdict().map(|words| {
@@ -173,6 +180,7 @@ fn failed_row(method: &str, reason: &str, seconds: f64) -> Row {
         ise_validation: MISSING,
         window_rms: MISSING,
         floor: MISSING,
+        grade: None,
         status: RowStatus::Failed,
         reason: reason.into(),
         seconds: Exact(seconds),
@@ -188,11 +196,13 @@ fn rows(comparison: &Comparison, method: &MethodStudy, truth: &[(String, f64)]) 
     let trained = comparison.recordings.iter().zip(&method.performance);
     let ise_train = trained.filter(|(r, _)| r.role == Role::Train);
     let ise_train = ise_train.map(|(_, p)| p.ise[0] + p.ise[1]).sum();
+    let error = judged.window_rms(&method.performance);
     let base = Row {
         ise_train: Exact(ise_train),
         ise_validation: Exact(judged.ise(&method.performance)),
-        window_rms: Exact(judged.window_rms(&method.performance)),
+        window_rms: Exact(error),
         floor,
+        grade: Some(Grade::of(error, judged.floor(), judged.top_speed())),
         status: RowStatus::Fitted(method.status.unwrap_or(Status::Converged)),
         ..failed_row(&method.name, "", method.seconds)
     };

@@ -140,8 +140,8 @@ fn figure(
         .with_caption(format!("{}{}", quantity.caption, curves.words(grid)))
         .with_columns(columns(parameters.len()));
     for (parameter, unit) in parameters {
-        let mut panel = Panel::new(x(), (quantity.axis)(&format::unit(unit)))
-            .with_title(format::symbol(parameter));
+        let mut panel =
+            Panel::new(x(), (quantity.axis)(&format::unit(unit))).with_title(*parameter);
         let repetitions = summaries.iter().map(|s| s.n).max().unwrap_or(0);
         if let Some(target) = quantity.target.as_ref().filter(|_| repetitions > 0) {
             panel = panel.with(chance(&numbers, (target.chance)(repetitions)));

@@ -4,14 +4,15 @@ use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 
 use super::cell::Cell;
+use super::competitors::{Best, competitors};
 use super::run::{Finished, Line, run_cells};
 use super::shell::command;
 use super::summary::{self, Summary};
-use super::winner::winner;
-use super::{page, table};
+use super::winner::{judged_on, winner};
+use super::{page, table, thumbnail};
 use crate::experiment::combinations::GridPlan;
 use crate::experiment::error::ExperimentError;
-use crate::experiment::options::{Done, RunOptions};
+use crate::experiment::options::{Done, RunOptions, THUMBNAIL};
 use crate::experiment::plan::Plan;
 use crate::experiment::shard::Shard;
 use crate::io::{Journal, ResultFolder, write_csv_table};
@@ -138,16 +139,27 @@ fn write(
     folder.add("estimates.parquet", table::parquet(grid, cells)?);
     let summaries = summary::summaries(grid, cells)?;
     folder.add("summary.csv", write_csv_table(&summary::columns(grid, &summaries))?);
-    let rendered = page::render(plan, grid, cells, &summaries)?;
+    let competitors = competitors(grid, cells);
+    let (best, winner) = (Best::of(&competitors), winner(&competitors));
+    let rendered = page::render(plan, grid, cells, &summaries, winner.as_ref())?;
     for (file, bytes) in rendered.figures {
         folder.add(file, bytes);
     }
     folder.add("report.html", rendered.html);
-    let results = results(plan, grid, cells, &summaries);
-    folder.add("results.json", serde_json::to_string_pretty(&results).unwrap_or_default());
-    let path = folder.write()?;
-    let headline = winner(grid, cells).map(|winner| format!(" {}", winner.sentence()));
+    if let Some(png) = thumbnail::thumbnail(&competitors)? {
+        folder.add(THUMBNAIL, png);
+    }
+    let headline = winner.map(|winner| format!(" {}", winner.sentence(judged_on(cells))));
     let verdict = page::verdict(grid, cells, &summaries) + &headline.unwrap_or_default();
+    let results = serde_json::to_string_pretty(&results(
+        plan,
+        grid,
+        cells,
+        &summaries,
+        (&verdict, best.as_ref()),
+    ));
+    folder.add("results.json", results.unwrap_or_default());
+    let path = folder.write()?;
     Ok(Done::of_grid(verdict, path.join("report.html")))
 }
 
@@ -160,6 +172,8 @@ struct Results<'a, F: Iterator<Item = Value> + Clone, S: Iterator<Item = Value> 
     program: Value,
     grid: Vec<Value>,
     cells: usize,
+    finding: &'a str,
+    best: Option<Value>,
     #[serde(serialize_with = "each")]
     failures: F,
     #[serde(serialize_with = "each")]
@@ -178,7 +192,8 @@ fn results<'a>(
     grid: &'a GridPlan,
     cells: &'a [Cell],
     summaries: &'a [Summary],
-) -> impl Serialize + 'a {
+    (finding, best): (&'a str, Option<&Best>),
+) -> impl Serialize + use<'a> {
     let axes = grid.axes.iter();
     let axes = axes.map(|a| json!({ "key": a.name, "path": a.key, "values": a.values }));
     let rows = cells.iter().flat_map(|cell| cell.rows.iter().map(move |row| (cell.cell, row)));
@@ -192,7 +207,20 @@ fn results<'a>(
         program: json!({ "name": env!("CARGO_PKG_NAME"), "version": env!("CARGO_PKG_VERSION") }),
         grid: axes.collect(),
         cells: cells.len(),
+        finding,
+        best: best.map(best_json),
         failures,
         summary: summaries.iter().map(|s| summary::json(grid, s)),
     }
+}
+
+/// The method or setting with the smallest 2 s simulation error: geometric means over its runs, and their grade.
+fn best_json(best: &Best) -> Value {
+    json!({
+        "name": best.name,
+        "window_rms": best.error,
+        "noise_floor": best.floor,
+        "grade": best.grade,
+        "runs": best.words(),
+    })
 }

@@ -7,6 +7,7 @@
 //! a cell is a row with its reason.
 
 mod cell;
+mod competitors;
 mod curves;
 mod figures;
 mod finish;
@@ -16,6 +17,7 @@ mod run;
 mod shell;
 mod summary;
 mod table;
+mod thumbnail;
 mod winner;
 mod word;
 

@@ -3,7 +3,7 @@
 use super::cell::Cell as GridCell;
 use super::figures::figures;
 use super::summary::{FEWEST_COVERED, Summary, conditions, share_interval};
-use super::winner::winner;
+use super::winner::{Winner, judged_on};
 use crate::experiment::combinations::GridPlan;
 use crate::experiment::plan::Plan;
 use crate::report::block::{Block, Cell, Column, Table, Text, Tone};
@@ -24,6 +24,7 @@ pub(super) fn render(
     grid: &GridPlan,
     cells: &[GridCell],
     summaries: &[Summary],
+    winner: Option<&Winner>,
 ) -> Result<Rendered, ReportError> {
     let section = |id: &str, title: &str, blocks: Vec<Block>| SectionContent {
         id: id.into(),
@@ -33,12 +34,13 @@ pub(super) fn render(
     };
     let failed = cells.iter().any(GridCell::failed);
     let tone = if failed { Tone::Notice } else { Tone::Neutral };
-    let headline = winner(grid, cells).map(|w| w.sentence());
+    let headline = winner.map(|w| w.sentence(judged_on(cells)));
     let runs = verdict(grid, cells, summaries);
     let mut first = vec![match headline {
         Some(headline) => Block::verdict(tone, headline, runs),
         None => Block::verdict(tone, runs, ""),
     }];
+    first.extend(caution(cells));
     first.extend(figures(grid, summaries));
     let sections = vec![
         section("accuracy", "What the repetitions say", first),
@@ -70,6 +72,15 @@ pub(super) fn render(
     let page = render_page(&content)?;
     let figures = page.pictures.into_iter().flat_map(Picture::files).collect();
     Ok(Rendered { html: page.html, figures })
+}
+
+/// What a reader must know of the errors where recordings are not held out.
+fn caution(cells: &[GridCell]) -> Option<Block> {
+    let on = judged_on(cells);
+    let sentence = format!("The 2 s simulation errors are{on}, which the models were fitted to.");
+    let detail = "A model with enough parameters follows its training data, right or wrong. Name recordings, or of \
+                  simulated ones how many there are, under validation.";
+    (!on.is_empty()).then(|| Block::verdict(Tone::Notice, sentence, detail))
 }
 
 /// Rows of a table that is not folded, and so printed, at most: two sheets.
@@ -171,12 +182,8 @@ fn table(grid: &GridPlan, summaries: &[Summary]) -> Block {
             })
             .collect();
         row.extend(
-            [
-                s.method.clone(),
-                format::symbol(&s.parameter),
-                format::unit(&s.unit).replace(' ', "\u{a0}"),
-            ]
-            .map(Cell::text),
+            [s.method.clone(), s.parameter.clone(), format::unit(&s.unit).replace(' ', "\u{a0}")]
+                .map(Cell::text),
         );
         row.extend(counts.iter().map(|(_, of)| Cell::count(of(s))));
         row.push(Cell::number(s.truth));

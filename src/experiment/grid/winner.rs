@@ -1,9 +1,7 @@
 //! Which method or setting of a grid has the smallest error, as far as the repetitions distinguish them.
 
-use std::collections::BTreeMap;
-
-use super::cell::Cell;
-use crate::experiment::combinations::GridPlan;
+use super::cell::{Cell, Row};
+use super::competitors::Competitor;
 use crate::math::distribution::t_quantile;
 use crate::report::format;
 
@@ -11,9 +9,6 @@ use crate::report::format;
 const FEWEST_PAIRS: usize = 3;
 /// Chance of naming a winner where all are alike.
 const LEVEL: f64 = 0.05;
-
-/// What competes, with the logarithms of its 2 s simulation errors by the data that they were found on.
-type Errors = BTreeMap<String, BTreeMap<Vec<usize>, f64>>;
 
 /// The smallest 2 s simulation error, and what comes closest to it.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,36 +36,24 @@ impl Rival {
     }
 }
 
-/// The winner among methods and settings; `None` where nothing competes.
+/// The winner among competitors, the best first; `None` where nothing competes.
 ///
 /// Methods compete, and values of keys that are not of the data. Errors are compared by their ratio on the same
 /// data (seed, noise and recordings), with a t interval over the data of the mean logarithm, at a level divided
 /// by the number of rivals (Bonferroni), since the winner was chosen among them.
-pub(super) fn winner(grid: &GridPlan, cells: &[Cell]) -> Option<Winner> {
-    let errors = errors(grid, cells);
-    // of data on which a competitor has no error nothing is compared
-    let first = errors.values().next()?;
-    let common: Vec<&Vec<usize>> =
-        first.keys().filter(|data| errors.values().all(|e| e.contains_key(*data))).collect();
-    if errors.len() < 2 || common.is_empty() {
+pub(super) fn winner(competitors: &[Competitor]) -> Option<Winner> {
+    let (best, others) = competitors.split_first()?;
+    if others.is_empty() {
         return None;
     }
-    let mean = |name: &String| {
-        common.iter().map(|data| errors[name][*data]).sum::<f64>() / common.len() as f64
+    let level = LEVEL / others.len() as f64;
+    let against_best = |other: &Competitor| {
+        let pairs = other.runs.iter().zip(&best.runs);
+        let logs: Vec<f64> = pairs.map(|(a, b)| a.error.ln() - b.error.ln()).collect();
+        rival(&other.name, &logs, level)
     };
-    let best = errors.keys().min_by(|a, b| mean(a).total_cmp(&mean(b)))?;
-    let level = LEVEL / (errors.len() - 1) as f64;
-    let mut rivals: Vec<Rival> = errors
-        .keys()
-        .filter(|name| *name != best)
-        .map(|name| {
-            let logs: Vec<f64> =
-                common.iter().map(|data| errors[name][*data] - errors[best][*data]).collect();
-            rival(name, &logs, level)
-        })
-        .collect();
-    rivals.sort_by(|a, b| a.ratio.total_cmp(&b.ratio));
-    Some(Winner { name: best.clone(), error: mean(best).exp(), rivals })
+    let rivals = others.iter().map(against_best).collect();
+    Some(Winner { name: best.name.clone(), error: best.mean_log().exp(), rivals })
 }
 
 fn rival(name: &str, logs: &[f64], level: f64) -> Rival {
@@ -82,35 +65,28 @@ fn rival(name: &str, logs: &[f64], level: f64) -> Rival {
     Rival { name: name.to_owned(), ratio: mean.exp(), interval, pairs: logs.len() }
 }
 
-fn errors(grid: &GridPlan, cells: &[Cell]) -> Errors {
-    let mut out = Errors::new();
-    for cell in cells {
-        let places = grid.places(cell.cell);
-        let axes = || grid.axes.iter().zip(&places);
-        let data: Vec<usize> = axes().filter(|(a, _)| a.is_data()).map(|(_, p)| *p).collect();
-        let settings: Vec<String> = axes()
-            .filter(|(axis, _)| !axis.is_data() && axis.values.len() > 1)
-            .map(|(axis, place)| format!("{} = {}", axis.name, axis.text(*place)))
-            .collect();
-        for row in cell.rows.iter().filter(|row| row.window_rms.0 > 0.0) {
-            let parts = std::iter::once(row.method.to_string()).chain(settings.iter().cloned());
-            let name = parts.collect::<Vec<_>>().join(", ");
-            out.entry(name).or_default().insert(data.clone(), row.window_rms.0.ln());
-        }
+/// On which data the errors of a grid are, where it is not validation data alone.
+pub(super) fn judged_on(cells: &[Cell]) -> &'static str {
+    // a cell without a fit has no error
+    let with_errors = || cells.iter().filter(|cell| !cell.rows.iter().all(Row::failed));
+    let trained = with_errors().filter(|cell| cell.on_training).count();
+    match trained {
+        0 => "",
+        n if n == with_errors().count() => " on the training data",
+        _ => " on validation data, or on the training data where there are none",
     }
-    out
 }
 
 impl Winner {
-    /// The headline of the report.
-    pub(super) fn sentence(&self) -> String {
+    /// The headline of the report; `on`: the data of the errors, [`judged_on`].
+    pub(super) fn sentence(&self, on: &str) -> String {
         let nearest = &self.rivals[0];
         let error = format::digits(self.error, 3);
         if nearest.is_distinguished() {
             let [ratio, low, high] = [nearest.ratio, nearest.interval.0, nearest.interval.1]
                 .map(|ratio| format::percent(ratio - 1.0));
             return format!(
-                "{} has the smallest 2 s simulation error, {error} rad/s; that of {}, the next, is {ratio} larger \
+                "{} has the smallest 2 s simulation error{on}, {error} rad/s; that of {}, the next, is {ratio} larger \
                  (95 %: {low} to {high}, {} pairs).",
                 self.name, nearest.name, nearest.pairs
             );
@@ -118,7 +94,7 @@ impl Winner {
         if self.rivals.iter().all(|rival| rival.interval == (1.0, 1.0)) {
             let names: Vec<&str> = self.rivals.iter().map(|rival| rival.name.as_str()).collect();
             return format!(
-                "{} has the same 2 s simulation error as {}, {error} rad/s.",
+                "{} has the same 2 s simulation error{on} as {}, {error} rad/s.",
                 self.name,
                 names.join(", ")
             );
@@ -132,7 +108,7 @@ impl Winner {
         let pairs = nearest.pairs;
         if pairs < FEWEST_PAIRS {
             return format!(
-                "{} has the smallest 2 s simulation error, {error} rad/s, in {pairs} repetition{}: too few to \
+                "{} has the smallest 2 s simulation error{on}, {error} rad/s, in {pairs} repetition{}: too few to \
                  distinguish it from {others}.",
                 self.name,
                 if pairs == 1 { "" } else { "s" }
@@ -141,7 +117,7 @@ impl Winner {
         let [low, high] =
             [nearest.interval.0, nearest.interval.1].map(|ratio| format::digits(ratio, 4));
         format!(
-            "{} has the smallest 2 s simulation error, {error} rad/s, but is not distinguishable from {others} \
+            "{} has the smallest 2 s simulation error{on}, {error} rad/s, but is not distinguishable from {others} \
              (error of {} over it, 95 %: {low} to {high}, {pairs} pairs).",
             self.name, nearest.name
         )
@@ -163,12 +139,17 @@ mod tests {
         let clear = rival("b", &[0.10, 0.11, 0.09, 0.10], 0.05);
         assert!(clear.is_distinguished());
         let winner = |rival: Rival| Winner { name: "a".into(), error: 0.05, rivals: vec![rival] };
-        let said = winner(clear).sentence();
+        let said = winner(clear).sentence("");
         assert!(said.contains("that of b, the next, is 11 % larger (95 %: 9"), "{said}");
-        let said = winner(rival("b", &[0.1, -0.1, 0.05, 0.0], 0.05)).sentence();
+        let said = winner(rival("b", &[0.1, -0.1, 0.05, 0.0], 0.05)).sentence("");
         assert!(said.contains("not distinguishable from b"), "{said}");
-        assert!(winner(two).sentence().contains("too few"));
-        let same = winner(rival("b", &[0.0, 0.0, 0.0], 0.05)).sentence();
+        assert!(winner(two).sentence("").contains("too few"));
+        let same = winner(rival("b", &[0.0, 0.0, 0.0], 0.05)).sentence("");
         assert_eq!(same, "a has the same 2 s simulation error as b, 0.0500 rad/s.");
+        let trained = winner(rival("b", &[0.0; 3], 0.05)).sentence(" on the training data");
+        assert_eq!(
+            trained,
+            "a has the same 2 s simulation error on the training data as b, 0.0500 rad/s."
+        );
     }
 }

@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD as BASE64;
 use maud::{Markup, PreEscaped, html};
 
 use super::{Drawn, PageData, explorer, what_if};
-use crate::report::block::{Align, Block, Cell, Number, Span, Table, Text, Tone};
+use crate::report::block::{Align, Block, Cell, Column, Number, Span, Table, Text, Tone};
 
 /// Writes blocks in order and numbers figures and tables through the page.
 pub(super) struct Writer<'a> {
@@ -150,11 +150,21 @@ pub(super) fn guide(heading: &str) -> Option<String> {
     Some(text.split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
+/// Columns from which on a phone shows every row as a block, with the heads of the columns beside the cells.
+const LEAST_STACKED: usize = 4;
+/// Rows up to which it does: longer tables scroll sideways, and do not hold every head once a row.
+const MOST_STACKED: usize = 100;
+
 fn table(table: &Table, number: usize) -> Markup {
     let class = |align: Align| if align == Align::Right { "number" } else { "" };
+    let is_stacked = table.columns.len() >= LEAST_STACKED && table.rows.len() <= MOST_STACKED;
+    let label = |column: &Column| match column.unit.as_str() {
+        "" => column.title.clone(),
+        unit => format!("{} [{unit}]", column.title),
+    };
     html! {
         div.table {
-            table.sortable {
+            table.sortable.stacked[is_stacked] {
                 caption { b { "Table " (number) } " " (table.caption) }
                 thead {
                     tr {
@@ -171,7 +181,10 @@ fn table(table: &Table, number: usize) -> Markup {
                         tr {
                             @for (i, column) in table.columns.iter().enumerate() {
                                 @match row.get(i) {
-                                    Some(shown) => (cell(shown, class(column.align))),
+                                    Some(shown) => {
+                                        @let label = is_stacked.then(|| label(column));
+                                        (cell(shown, class(column.align), label))
+                                    },
                                     None => td {},
                                 }
                             }
@@ -183,7 +196,7 @@ fn table(table: &Table, number: usize) -> Markup {
     }
 }
 
-fn cell(cell: &Cell, align: &str) -> Markup {
+fn cell(cell: &Cell, align: &str, label: Option<String>) -> Markup {
     let tone = cell.tone.map_or(String::new(), |tone| format!("tone-{}", tone_name(tone)));
     let classes = [align, &tone, if cell.bar.is_some() { "bar" } else { "" }];
     let classes: Vec<&str> = classes.into_iter().filter(|class| !class.is_empty()).collect();
@@ -194,19 +207,23 @@ fn cell(cell: &Cell, align: &str) -> Markup {
         v if v.is_infinite() => format!("{}Infinity", if v < 0.0 { "-" } else { "" }),
         v => format!("{v}"),
     });
-    // a number is not broken before its power of ten
-    let shown = cell.text.replace(" × 10", "\u{a0}×\u{a0}10");
+    let (shown, note) = (unbroken(&cell.text), unbroken(&cell.note));
     html! {
-        td class=[(!classes.is_empty()).then(|| classes.join(" "))] style=[style] data-value=[value] {
+        td class=[(!classes.is_empty()).then(|| classes.join(" "))] style=[style] data-value=[value] data-label=[label] {
             @if let Some(png) = &cell.picture {
-                img.thumbnail alt="" src={ "data:image/png;base64," (BASE64.encode(png)) };
+                img.thumbnail alt=(shown) src={ "data:image/png;base64," (BASE64.encode(png)) };
             } @else if let Some(address) = &cell.link { a href=(address) { (shown) } }
             @else if cell.code { code { (shown) } }
             @else if cell.strong { strong { (shown) } }
             @else { (shown) }
-            @if !cell.note.is_empty() { span.note { (cell.note) } }
+            @if !note.is_empty() { span.note { (note) } }
         }
     }
+}
+
+/// A number is not broken before its power of ten, nor a value before its error.
+fn unbroken(text: &str) -> String {
+    text.replace(" × 10", "\u{a0}×\u{a0}10").replace(" ± ", "\u{a0}±\u{a0}")
 }
 
 /// Where the drawings are: embedded as well, they would double the page.

@@ -2,8 +2,8 @@
 "use strict";
 for (const box of document.querySelectorAll(".explorer")) {
   const tracks = JSON.parse(box.querySelector("script").textContent);
-  const [choice, replay, map, play, scrub, now] = ["select", ".replay", ".replay canvas", ".replay button",
-    "input[type=range]", ".replay output"].map((part) => box.querySelector(part));
+  const [choice, errors, replay, map, play, scrub, now] = ["select", ".errors", ".replay", ".replay canvas",
+    ".replay button", "input[type=range]", ".replay output"].map((part) => box.querySelector(part));
   let [t, x, y, heading] = tracks[0].path.map(column);
   let running = null;
   box.hidden = false;
@@ -25,6 +25,7 @@ for (const box of document.querySelectorAll(".explorer")) {
     stop();
     [t, x, y, heading] = tracks[number].path.map(column);
     live.load(state, tracks[number].figure);
+    errors.textContent = tracks[number].note;
     replay.hidden = t.length < 2;
     scrub.max = t.length - 1;
     scrub.value = 0;

@@ -13,6 +13,7 @@ const PATH_STEPS: f64 = 1e3;
 
 #[derive(Serialize)]
 struct TrackData<'a> {
+    note: &'a str,
     figure: FigureData<'a>,
     /// Time, x, y and heading, one column each.
     path: [Column; 4],
@@ -22,7 +23,8 @@ impl<'a> TrackData<'a> {
     fn of(track: &'a Track) -> Self {
         let rounded = |v: f64| (v * PATH_STEPS).round() / PATH_STEPS;
         let column = |i: usize| Column(track.path.iter().map(|row| rounded(row[i])).collect());
-        Self { figure: data::of(&track.figure), path: std::array::from_fn(column) }
+        let path = std::array::from_fn(column);
+        Self { note: &track.note, figure: data::of(&track.figure), path }
     }
 }
 
@@ -51,6 +53,7 @@ pub(super) fn markup(tracks: &[Track], json: &str) -> Markup {
                     "Recording "
                     select { @for track in tracks { option { (track.name) } } }
                 }
+                span.errors aria-live="polite" {}
             }
             div.replay {
                 canvas role="img" aria-label="The robot on its path" {}

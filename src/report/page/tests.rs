@@ -67,6 +67,7 @@ fn every_text_is_escaped_and_only_our_scripts_stand_on_the_page() {
         still.into(),
         Block::Explorer(vec![Track {
             name: evil.into(),
+            note: evil.into(),
             figure: series("explored"),
             path: vec![[0.0; 4], [f64::NAN; 4]],
         }]),
@@ -153,4 +154,18 @@ fn a_reading_aid_brings_the_text_of_the_guide_along() {
     assert_eq!(blocks::guide("No such heading"), None);
     let staircase = blocks::guide("Error by model version").unwrap();
     assert!(staircase.starts_with("One bar") && !staircase.contains('#'), "{staircase}");
+}
+
+#[test]
+fn a_table_of_many_columns_names_them_in_its_cells_and_breaks_no_value_from_its_error() {
+    let with = |columns: usize| {
+        let names = (0..columns).map(|n| Column::number(format!("column {n}"), "rad/s"));
+        let mut table = Table::new("", names.collect());
+        table.push((0..columns).map(|_| Cell::estimate(0.1234, 0.01).noted("1 ± 2")).collect());
+        page(&with_blocks(vec![table.into()])).unwrap()
+    };
+    let (few, many) = (with(3), with(4));
+    assert!(many.contains("data-label=\"column 3 [rad/s]\"") && many.contains("sortable stacked"));
+    assert!(!few.contains("data-label=") && !few.contains("sortable stacked"));
+    assert!(few.contains("0.123\u{a0}±\u{a0}0.010") && few.contains("1\u{a0}±\u{a0}2"));
 }

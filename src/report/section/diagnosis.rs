@@ -169,7 +169,7 @@ fn parameters(candidate: &Candidate) -> Vec<String> {
                 words::unit(&e.unit)
             };
             let whole = |text: &str| text.replace(' ', "\u{a0}");
-            let value = whole(&format!("{} = {value}", words::symbol(&e.symbol)));
+            let value = whole(&format!("{} = {value}", e.symbol));
             format!("{value} {}", whole(&unit)).trim_end().to_owned()
         })
         .collect()

@@ -106,7 +106,7 @@ fn row(e: &Estimate) -> Vec<Cell> {
     };
     let estimate = Cell::estimate(e.value, e.std_error);
     vec![
-        Cell::text(words::symbol(&e.symbol)).strong(),
+        Cell::text(&e.symbol).strong(),
         Cell::text(words::meaning(&e.symbol)),
         if e.fixed || e.identifiable { estimate } else { estimate.tone(Tone::Bad) },
         interval,

@@ -76,7 +76,7 @@ fn columns(study: &Study) -> Vec<Column> {
 fn cells(study: &Study, row: &ParameterStudy) -> Vec<Cell> {
     let symbol = &row.estimate.symbol;
     let known = truth(study, symbol);
-    let mut out = vec![Cell::text(words::symbol(symbol)).strong(), Cell::text(&row.meaning)];
+    let mut out = vec![Cell::text(symbol).strong(), Cell::text(&row.meaning)];
     for model in [&study.given, &study.completed].into_iter().flatten() {
         match model.parameter(symbol) {
             Some(p) => out.push(value(&p.estimate, known)),

@@ -35,7 +35,9 @@ impl Section for Provenance {
         fact("Robot", study.robot.clone());
         fact("Model", words::model(&study.effects));
         fact("Unit of the input", study.drive_unit.symbol().to_owned());
-        fact("Seed", study.seed.to_string());
+        if study.recordings.iter().any(|r| r.sha256.is_none()) {
+            fact("Seed", study.seed.to_string());
+        }
         if let Some(files) = &study.model_out {
             fact("Identified model", files.words());
         }

@@ -171,3 +171,14 @@ fn the_guide_says_more_of_every_section_under_its_title() {
         assert!(guide.contains(&heading), "{heading}");
     }
 }
+
+#[test]
+fn the_seed_is_stated_where_it_made_the_data() {
+    let seed = |sha256: Option<&str>| {
+        let mut study = full();
+        study.recordings.iter_mut().for_each(|r| r.sha256 = sha256.map(str::to_owned));
+        render(&study).unwrap().html.contains("<td>Seed</td>")
+    };
+    assert!(seed(None));
+    assert!(!seed(Some("1234")), "recorded data have no seed");
+}

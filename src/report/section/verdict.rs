@@ -194,7 +194,7 @@ fn cautions(study: &Study) -> Vec<Block> {
             .estimates
             .iter()
             .filter(|e| !e.identifiable && !e.fixed)
-            .map(|e| words::symbol(&e.symbol))
+            .map(|e| e.symbol.clone())
             .collect();
         if !unknown.is_empty() {
             let sentence = format!("Not identifiable from these data: {}.", words::list(&unknown));

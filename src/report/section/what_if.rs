@@ -49,7 +49,7 @@ fn slider(parameter: &ParameterStudy) -> Option<Slider> {
     let least = if is_signed && value > 0.0 { -(value / half).min(1.0) } else { -1.0 };
     (half.is_finite() && half > 0.0).then(|| Slider {
         name: format!("p_{}", estimate.symbol),
-        symbol: format::symbol(&estimate.symbol),
+        symbol: estimate.symbol.clone(),
         meaning: meaning.clone(),
         unit: format::unit(&estimate.unit),
         value,

@@ -4,7 +4,7 @@ use crate::effects;
 use crate::identify::{Estimate, Status};
 use crate::recording::Regime;
 use crate::report::format;
-pub(super) use crate::report::format::{symbol, unit};
+pub(super) use crate::report::format::unit;
 use crate::study::{MethodStudy, Study};
 
 /// The wheel of index 0 or 1, as a reader calls it.
@@ -75,7 +75,7 @@ pub(super) fn out_of_range(estimate: &Estimate) -> Option<String> {
     let remedy = if base { String::new() } else { format!("; take {id} out of the model") };
     Some(format!(
         "{} = {} lies {side} {}, where it makes no sense: {cause}{remedy}",
-        symbol(&estimate.symbol),
+        estimate.symbol,
         format::with_unit(estimate.value, &unit(&estimate.unit)),
         if near == 0.0 { "0".to_owned() } else { format::with_unit(near, &unit(&estimate.unit)) },
     ))

@@ -19,6 +19,7 @@ fn row(method: &str, value: f64, std_error: f64) -> Row {
         ise_validation: Exact(0.0),
         window_rms: Exact(0.2),
         floor: Exact(0.1),
+        grade: None,
         status: RowStatus::Fitted(Status::Converged),
         reason: "".into(),
         seconds: Exact(0.0),
@@ -31,8 +32,10 @@ fn failure(method: &str) -> Row {
 }
 
 fn cells(rows: Vec<Vec<Row>>) -> Vec<Cell> {
-    let cell =
-        |(cell, rows)| Cell { key: String::new(), cell, verdict: None, found: String::new(), rows };
+    let cell = |(cell, rows)| {
+        let (key, found) = (String::new(), String::new());
+        Cell { key, cell, verdict: None, found, on_training: false, rows }
+    };
     rows.into_iter().enumerate().map(cell).collect()
 }
 

@@ -76,7 +76,7 @@ fn panel(study: &Study, physical: &[&MethodStudy], reference: &Estimate) -> Opti
     let x = Axis::linear("deviation", "%").with_range(-reach, reach);
     let title = format!(
         "{}, {} {} {}",
-        words::symbol(&reference.symbol),
+        reference.symbol,
         if truth(study, &reference.symbol).is_some() { "true value" } else { "reference" },
         format::number(centre),
         words::unit(&reference.unit)

@@ -19,7 +19,7 @@ pub(super) fn figure(study: &Study, method: &MethodStudy) -> Option<Figure> {
     let strongest = pairs
         .filter(|(i, j)| i < j && at(*i, *j).is_finite())
         .max_by(|a, b| at(a.0, a.1).abs().total_cmp(&at(b.0, b.1).abs()));
-    let name = |j: usize| words::symbol(&method.estimates[j].symbol);
+    let name = |j: usize| method.estimates[j].symbol.clone();
     let title = match strongest {
         Some((i, j)) => format!(
             "Strongest correlation: {} and {}, {}",

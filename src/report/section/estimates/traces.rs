@@ -88,11 +88,11 @@ fn panel(
         let y = Axis::linear(PROFILE, "").with_range(-5.0, 0.2);
         let line = Layer::line(points, "", Role::Model);
         let limit = Layer::hline(-DROP, "95 %", Role::Ink);
-        return Panel::new(Axis::linear(words::symbol(&x), x_unit), y).with(limit).with(line);
+        return Panel::new(Axis::linear(x, x_unit), y).with(limit).with(line);
     }
     let estimate = method.estimates.iter().find(|e| e.symbol == symbol);
     let (y, y_unit) = match estimate {
-        Some(e) => (words::symbol(symbol), words::unit(&e.unit)),
+        Some(e) => (symbol.to_owned(), words::unit(&e.unit)),
         None => label(symbol),
     };
     let finite = || points.iter().map(|p| p.1).filter(|v| v.is_finite());
