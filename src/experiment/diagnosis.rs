@@ -2,7 +2,6 @@
 
 use super::comparison::Comparison;
 use super::error::RunError;
-use super::models::curves_of;
 use super::plan::Plan;
 use crate::compare::{Curve, WindowFloor};
 use crate::diagnose::{
@@ -13,7 +12,7 @@ use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::PhysicalDynamics;
 use crate::study::{DiagnosisStudy, Role, is_undetermined};
-use crate::verdict::{Basis, Concluded, concluded, tried};
+use crate::verdict::{Basis, Concluded, concluded, curves_of, tried};
 
 /// A comparison with its diagnosis, where the plan asks for one.
 pub struct Diagnosed {
@@ -116,7 +115,8 @@ fn unless_in_place(plan: &Plan, comparison: &Comparison, diagnosis: Diagnosis) -
     if !errors.is_ok_and(|errors| errors.far_above_floor() && errors.above_input()) {
         return diagnosis;
     }
-    let curves = curves_of(plan, comparison, &diagnosis);
+    let recordings: Vec<&Recording> = plan.recordings.iter().map(|m| &m.recording).collect();
+    let curves = curves_of(&diagnosis, &recordings);
     match tried(&curves, &diagnosis, &basis) {
         Some(formula) if formula.in_place => {
             let rest = diagnosis.ranking.clone();

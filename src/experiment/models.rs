@@ -78,16 +78,6 @@ pub(super) fn of_diagnosis(
     Ok(Models { given, completed, curves })
 }
 
-/// How the residual torque of the model as given depends on anything, and that of the model with what was found.
-pub(super) fn curves_of(plan: &Plan, comparison: &Comparison, diagnosis: &Diagnosis) -> Vec<Curve> {
-    let stage = Stage::new(plan, comparison);
-    let (base, last) = (&diagnosis.base, diagnosis.last());
-    let cutoff = stage.cutoff(&base.model, &base.p);
-    let [before, after] = [base, last].map(|fit| stage.residual_torque(&fit.model, &fit.p, cutoff));
-    let after = (!last.model.is_coupled()).then(|| unexplained(last, &after));
-    stage.curves(cutoff, unexplained(base, &before), after)
-}
-
 /// The parameters of the reference method, with their effects.
 fn of_method(model: &Model, method: &MethodStudy) -> Vec<ParameterStudy> {
     let known = model.parameters().iter();
@@ -126,7 +116,8 @@ impl<'a> Stage<'a> {
         cutoff: f64,
     ) -> Result<ModelStudy, RunError> {
         let dynamics = PhysicalDynamics { model: model.clone(), p: p.to_vec() };
-        let residual_torque = self.residual_torque(model, p, cutoff);
+        let torque = |r: &&Recording| residual_torque(model, p, r, cutoff);
+        let residual_torque: Vec<_> = self.recordings.par_iter().map(torque).collect();
         let analysis = whiteness(model, p, &self.judged_recordings(), self.plan.hold)?;
         let (performance, horizons) = self.simulated(&dynamics)?;
         Ok(ModelStudy {
@@ -195,12 +186,6 @@ impl<'a> Stage<'a> {
             &errors,
             &judged().map(|r| of(r).floor.window_rms).collect::<Vec<_>>(),
         )
-    }
-
-    /// The residual torque of a model on every recording.
-    fn residual_torque(&self, model: &Model, p: &[f64], cutoff: f64) -> Vec<Vec<[f64; 2]>> {
-        let torque = |r: &&Recording| residual_torque(model, p, r, cutoff);
-        self.recordings.par_iter().map(torque).collect()
     }
 
     fn curves(

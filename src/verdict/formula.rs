@@ -2,8 +2,9 @@
 
 use super::Basis;
 use super::sentence::most_left;
-use crate::compare::Curve;
-use crate::diagnose::{Diagnosis, Formula, Judge, THRESHOLDS, WindowFit};
+use crate::compare::{Curve, Unexplained, curves, residual_torque};
+use crate::diagnose::{Diagnosis, Formula, Judge, THRESHOLDS, WindowFit, cutoff, mobility};
+use crate::recording::Recording;
 use crate::report::format;
 use crate::study::FormulaStudy;
 
@@ -41,6 +42,22 @@ pub(crate) fn tried(
     };
     let study = || FormulaStudy { toml: formula.toml(), id: formula.id, in_place, window_rms };
     (above(window_rms) <= THRESHOLDS.unexplained * above(before)).then(study)
+}
+
+/// How the residual torque of the model as given depends on anything over `recordings`, and that of the model with what
+/// was found.
+pub(crate) fn curves_of(diagnosis: &Diagnosis, recordings: &[&Recording]) -> Vec<Curve> {
+    let fits = [&diagnosis.base, diagnosis.last()];
+    let WindowFit { model, p, .. } = fits[0];
+    let cutoff = cutoff(recordings, mobility(model, p));
+    let torque = |fit: &WindowFit| -> Vec<Vec<[f64; 2]>> {
+        recordings.iter().map(|r| residual_torque(&fit.model, &fit.p, r, cutoff)).collect()
+    };
+    let torques = fits.map(torque);
+    let [before, after] =
+        [0, 1].map(|n| Unexplained { model: &fits[n].model, p: &fits[n].p, torque: &torques[n] });
+    // a second mass is no part of the torque balance
+    curves(recordings, cutoff, before, (!after.model.is_coupled()).then_some(after))
 }
 
 /// Whether a formula holds what was found, as a series in the heading holds a slope of the floor: a parameter that was

@@ -6,7 +6,7 @@ mod ranking;
 mod sentence;
 mod undetermined;
 
-pub(crate) use self::formula::tried;
+pub(crate) use self::formula::{curves_of, tried};
 pub(crate) use self::sentence::title;
 use self::undetermined::unless_undetermined;
 

@@ -72,28 +72,8 @@ fn recordings_without_a_file_get_one_first() {
     assert!(folder.read("floor run 1.toml").contains("\"turning_scrub\""));
 }
 
-/// The pile of a carpet, which the catalogue does not have, in recordings that a simulation made; the candidates leave
-/// it out.
-const PILE: &str = r#"[simulation]
-movement   = "rich"
-hidden     = { pile = { kn = 0.02 } }
-noise      = { dalpha = 0.02, alpha = 0.001, M = 0.002 }
-seed       = 4
-train      = 2
-validation = 1
-duration_s = 25
-[model]
-effects = []
-[[model.custom]]
-id         = "pile"
-torque1    = "kn * cos(2 * beta) * sgn(w)"
-torque2    = "kn * cos(2 * beta) * sgn(w)"
-parameters = { kn = { unit = "N m", range = [-1.0, 1.0], typical = 0.01 } }
-[[method]]
-name = "torque_regression"
-[diagnosis]
-candidates = ["viscous_friction", "torque_saturation", "slope"]
-"#;
+/// The pile of a carpet in recordings that a simulation made; the candidates leave it out.
+const PILE: &str = include_str!("../../experiments/outside_catalogue.toml");
 
 #[test]
 fn what_the_catalogue_does_not_have_is_written_as_a_formula_that_removes_the_error() {
