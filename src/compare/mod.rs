@@ -5,13 +5,14 @@ mod error;
 mod floor;
 mod horizon;
 mod low_pass;
+mod mean;
 mod regime;
 mod residual_torque;
 mod split_noise;
 mod unexplained_torque;
 mod whiteness;
 
-pub use curves::{Acting, Curve, CurveBin, Mean, Unexplained, clustered_mean, curves};
+pub use curves::{Acting, Curve, CurveBin, Unexplained, curves};
 pub use error::{Simulated, angle_rms, ise, simulate_recording, window_errors, window_rms};
 pub(crate) use error::{WINDOW, start_of};
 pub use floor::{
@@ -19,6 +20,7 @@ pub use floor::{
 };
 pub use horizon::{Horizon, fit_percent, horizons};
 pub use low_pass::{filter_together, filtered, smooth_motion};
+pub use mean::{Mean, clustered_mean};
 pub(crate) use regime::{AT_FLOOR, REGIME_RATE};
 pub use regime::{Failure, failures};
 pub use residual_torque::residual_torque;

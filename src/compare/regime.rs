@@ -1,6 +1,6 @@
 //! In which regimes of driving the model fails, and whether that is more than noise.
 
-use super::curves::clustered_mean;
+use super::mean::clustered_mean;
 use crate::math::distribution::{holm, t_survival};
 use crate::recording::{Recording, Regime};
 

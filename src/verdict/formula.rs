@@ -1,7 +1,7 @@
 //! What the residual torque depends on, tried as a formula.
 
 use super::Basis;
-use super::sentence::most_left;
+use super::dependence::most_left;
 use crate::compare::{Curve, Unexplained, curves, residual_torque};
 use crate::diagnose::{Diagnosis, Formula, Judge, THRESHOLDS, WindowFit, cutoff, mobility};
 use crate::recording::Recording;

@@ -1,5 +1,6 @@
 //! The verdict of a diagnosis: what is missing, with the errors that show it, in plain data and in words.
 
+mod dependence;
 mod formula;
 mod next;
 mod ranking;
@@ -10,9 +11,10 @@ pub(crate) use self::formula::{curves_of, tried};
 pub(crate) use self::sentence::title;
 use self::undetermined::unless_undetermined;
 
+use self::dependence::{is_most_of_it, most_left, residual_torque};
 use self::next::{advice, propose, to_prove};
 use self::ranking::{ranking, staircase};
-use self::sentence::{Finding, Withheld, is_most_of_it, most_left, residual_torque};
+use self::sentence::{Finding, Withheld};
 use crate::compare::{Curve, Variable, WindowFloor};
 use crate::diagnose::{
     Conclusion, Diagnosis, Judge, Settings, WindowFit, conclude, likely, withheld,
