@@ -136,6 +136,13 @@ pub struct Unexplained<'a> {
 /// ```
 /// n is the number of independent values behind a low-pass of cut-off fc over the time T that wheels move.
 ///
+/// Over the heading, the angles and the time the residual torque r may act in another way than as a torque of its own;
+/// of each variable the curve stands that explains most ([`Acting`]):
+///
+/// ```text
+/// r_i = c(x) φ_i,   φ_i = 1, sgn ω_i or M_i;   RSS₀ of the last two with one c for all x
+/// ```
+///
 /// Noise of the speeds is in a measured acceleration and, times the inertia, in the residual torque with the opposite
 /// sign: over its own acceleration the residual torque of the right model falls. For the accelerations the speeds are
 /// therefore split into two of which the noises are independent; one gives the acceleration, the

@@ -1,7 +1,8 @@
 //! Studies as tests want them: full, and almost empty.
 
 use crate::compare::{
-    Acting, Curve, CurveBin, Failure, Floor, Horizon, Innovations, Mean, Variable, Whiteness, analysed,
+    Acting, Curve, CurveBin, Failure, Floor, Horizon, Innovations, Mean, Variable, Whiteness,
+    analysed,
 };
 use crate::export::ModelFiles;
 use crate::identify::{Estimate, Note, Status, Trace, Work};
@@ -105,7 +106,14 @@ fn curve(variable: Variable, share: f64) -> Curve {
     };
     let bins = (0..12).map(bin).collect();
     let (share_before, share_after) = (share, Some(0.01));
-    Curve { variable, acting: Acting::Torque, bins, share_before, share_after, log_significance: 900.0 * share }
+    Curve {
+        variable,
+        acting: Acting::Torque,
+        bins,
+        share_before,
+        share_after,
+        log_significance: 900.0 * share,
+    }
 }
 
 fn whiteness() -> Whiteness {
