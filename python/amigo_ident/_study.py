@@ -163,6 +163,21 @@ class Diagnosis(Study):
         return self._found["next_run"]  # type: ignore[no-any-return]
 
     @property
+    def formula(self) -> Effect | None:
+        """What the residual torque depends on as an effect, where something outside the catalogue is missing and a
+        formula of it explains most of that: ``diagnose(..., effects=[diagnosis.formula])`` has it in the model."""
+        keys = self._found["formula"]
+        if keys is None:
+            return None
+        return Effect(
+            id=keys["id"],
+            torque1=keys["torque1"],
+            torque2=keys["torque2"],
+            parameters=keys["parameters"],
+            description=keys["description"],
+        )
+
+    @property
     def ranking(self) -> pl.DataFrame:
         """The candidates, best first: ``effect``, ``probability``, ``delta_bic``, ``p_value``, 2 s simulation
         error [rad/s] before and after, ``indistinguishable`` effects, ``parameters``."""

@@ -88,6 +88,16 @@ def test_a_formula_gives_the_estimate_of_the_same_effect_in_the_catalogue(train)
     assert by_formula["a1"] == pytest.approx(by_name["a1"], rel=1e-9)
 
 
+def test_what_the_catalogue_does_not_have_is_an_effect_to_add(train):
+    study = ai.Experiment.from_toml(
+        Path(__file__).resolve().parents[2] / "experiments" / "outside_catalogue.toml"
+    ).run()
+    assert study.verdict == "unknown_effect" and study.found == []
+    assert study.formula.id == "heading_resistance"
+    fit = ai.identify(train, effects=[study.formula], method="weak_form")
+    assert all(np.isfinite(fit[symbol]) for symbol in study.formula.parameters)
+
+
 def test_errors_name_what_was_found_and_what_is_expected(slope, train, fit, tmp_path):
     with pytest.raises(ai.InputError, match="no effect is called|unknown effect|did you mean `slope`"):
         ai.identify(train, effects=["slop"])

@@ -3,6 +3,7 @@
 //! A study holds no files and no models, only what was found; the report draws it and
 //! [`results`] turns it into the JSON that other programs read.
 
+mod formula;
 mod grouped;
 mod invocation;
 mod json;
@@ -11,6 +12,7 @@ mod method;
 mod model;
 mod what_if;
 
+pub use formula::{Coefficient, FormulaStudy};
 pub use grouped::grouped;
 pub use invocation::{Invocation, shell_word};
 pub use json::{SCHEMA, results};
@@ -189,19 +191,6 @@ pub struct DiagnosisStudy {
     pub formula: Option<FormulaStudy>,
     /// Whether the columns do not determine the model, so that nothing else here holds.
     pub is_undetermined: bool,
-}
-
-/// A formula over what the residual torque depends on, tried in the model.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct FormulaStudy {
-    /// Name of the effect.
-    pub id: String,
-    /// Its block of an experiment file.
-    pub toml: String,
-    /// Whether the model has it in place of what was found, not beside that.
-    pub in_place: bool,
-    /// 2 s simulation error on the judged recordings of the model with it [rad/s].
-    pub window_rms: f64,
 }
 
 /// A version of the model that was run before: the error by the user's own versions.

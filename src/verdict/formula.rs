@@ -4,9 +4,10 @@ use super::Basis;
 use super::dependence::most_left;
 use crate::compare::{Curve, Unexplained, curves, residual_torque};
 use crate::diagnose::{Diagnosis, Formula, Judge, THRESHOLDS, WindowFit, cutoff, mobility};
+use crate::effects::{CustomDefinition, ParameterSpec};
 use crate::recording::Recording;
 use crate::report::format;
-use crate::study::FormulaStudy;
+use crate::study::{Coefficient, FormulaStudy};
 
 /// The formula of the curve that shows most of the residual torque, in the model as given or beside what was found;
 /// `None` where it does not explain the larger part of what the last model leaves on the judged recordings. It stands
@@ -40,8 +41,29 @@ pub(crate) fn tried(
         (None, Some(((beside, _), _))) => (beside, false),
         (alone, None) => (alone?.0, false),
     };
-    let study = || FormulaStudy { toml: formula.toml(), id: formula.id, in_place, window_rms };
-    (above(window_rms) <= THRESHOLDS.unexplained * above(before)).then(study)
+    (above(window_rms) <= THRESHOLDS.unexplained * above(before)).then(|| FormulaStudy {
+        in_place,
+        window_rms,
+        ..study_of(formula)
+    })
+}
+
+/// A formula as an effect of an experiment file.
+fn study_of(formula: Formula) -> FormulaStudy {
+    let toml = formula.toml();
+    let CustomDefinition { torque1, torque2, parameters, description } = formula.definition;
+    let coefficient = |p: ParameterSpec| {
+        (p.symbol, Coefficient { unit: p.unit, range: p.range, typical: p.typical })
+    };
+    FormulaStudy {
+        id: formula.id,
+        description,
+        torque1,
+        torque2,
+        parameters: parameters.into_iter().map(coefficient).collect(),
+        toml,
+        ..FormulaStudy::default()
+    }
 }
 
 /// How the residual torque of the model as given depends on anything over `recordings`, and that of the model with what
@@ -90,9 +112,9 @@ mod tests {
     fn the_words_compare_with_the_floor() {
         let formula = |window_rms, in_place| FormulaStudy {
             id: "heading_resistance".into(),
-            toml: String::new(),
             in_place,
             window_rms,
+            ..FormulaStudy::default()
         };
         assert_eq!(
             words(&formula(0.0612, true), Some(0.0358)),
