@@ -30,7 +30,7 @@ pub(super) struct Sample {
     pub(super) block: usize,
     /// What it may be proportional to.
     pub(super) per: f64,
-    /// The value.
+    /// The value itself, in the unit of the mean times that of `per`.
     pub(super) value: f64,
 }
 

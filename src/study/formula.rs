@@ -29,7 +29,7 @@ pub struct FormulaStudy {
 /// A parameter of a formula.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Coefficient {
-    /// Unit.
+    /// SI unit, with that of the input in place of N m.
     pub unit: String,
     /// Smallest and largest value.
     pub range: (f64, f64),
