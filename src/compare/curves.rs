@@ -183,9 +183,22 @@ pub fn curves(
 
 /// The curve over a variable that explains most of what is left, by how the torque acts.
 fn as_it_acts(rows: &[Row], v: usize, independent: f64, has_after: bool) -> Option<Curve> {
+    let bins = binned(rows, v)?;
     let all = Acting::of(Variable::ALL[v]).iter();
-    let all = all.filter_map(|acting| curve(rows, v, *acting, independent, has_after));
+    let all = all.map(|acting| curve(&bins, v, *acting, independent, has_after));
     all.reduce(|best, next| if next.left() > best.left() { next } else { best })
+}
+
+/// Rows in bins of a variable, and whether each bin follows the one before it without a gap.
+type Bins<'a> = Vec<(bool, Vec<&'a Row>)>;
+
+/// The rows in motion in bins of a variable; `None` where they are too few, or it does not vary.
+fn binned(rows: &[Row], v: usize) -> Option<Bins<'_>> {
+    let moves = |r: &&Row| r.before.iter().any(|m| m.is_finite()) && r.values[v].is_finite();
+    let mut order: Vec<&Row> = rows.iter().filter(moves).collect();
+    order.sort_by(|a, b| a.values[v].total_cmp(&b.values[v]));
+    let varies = |order: &[&Row]| order[0].values[v] != order[order.len() - 1].values[v];
+    (order.len() >= BINS * FEWEST && varies(&order)).then(|| cut(&order, v))
 }
 
 fn rows(
@@ -217,25 +230,12 @@ fn rows(
     out
 }
 
-fn curve(
-    rows: &[Row],
-    v: usize,
-    acting: Acting,
-    independent: f64,
-    has_after: bool,
-) -> Option<Curve> {
-    let moves = |r: &&Row| r.before.iter().any(|m| m.is_finite()) && r.values[v].is_finite();
-    let mut order: Vec<&Row> = rows.iter().filter(moves).collect();
-    order.sort_by(|a, b| a.values[v].total_cmp(&b.values[v]));
-    if order.len() < BINS * FEWEST || order[0].values[v] == order[order.len() - 1].values[v] {
-        return None;
-    }
-    let bins: Vec<(bool, Vec<&Row>)> = cut(&order, v);
+fn curve(bins: &Bins<'_>, v: usize, acting: Acting, independent: f64, has_after: bool) -> Curve {
     let model = |of: fn(&Row) -> [f64; 2]| {
         let samples: Vec<[Vec<Sample>; 2]> =
             bins.iter().map(|(_, bin)| [0, 1].map(|i| samples(bin, acting, i, of))).collect();
         let means: Vec<[Mean; 2]> =
-            samples.iter().map(|bin| [0, 1].map(|i| clustered_factor(bin[i].clone()))).collect();
+            samples.iter().map(|bin| [0, 1].map(|i| clustered_factor(&bin[i]))).collect();
         (explained(&samples, &means, acting, independent), means)
     };
     let (before, means) = model(|r| r.before);
@@ -246,7 +246,7 @@ fn curve(
         before: means[n],
         after: after.as_ref().map(|(_, means)| means[n]),
     });
-    Some(Curve {
+    Curve {
         variable: Variable::ALL[v],
         acting,
         bins: made.collect(),
@@ -255,7 +255,7 @@ fn curve(
             .as_ref()
             .map(|(after, _)| after.share * after.square / before.square.max(f64::MIN_POSITIVE)),
         log_significance: before.log_significance,
-    })
+    }
 }
 
 /// The residual torques of wheel `i` in a bin, blocks in order.
@@ -268,7 +268,7 @@ fn samples(bin: &[&Row], acting: Acting, i: usize, of: fn(&Row) -> [f64; 2]) -> 
 
 /// Rows in the order of a variable cut into bins of equal counts, none across a gap; whether each follows
 /// the one before without a gap.
-fn cut<'a>(order: &[&'a Row], v: usize) -> Vec<(bool, Vec<&'a Row>)> {
+fn cut<'a>(order: &[&'a Row], v: usize) -> Bins<'a> {
     let at = |n: usize| order[n].values[v];
     let (low, high) = (at(order.len() / 100), at(order.len() - 1 - order.len() / 100));
     let inside: Vec<&Row> =
@@ -308,8 +308,12 @@ fn explained(
     let (mut square, mut same, mut left, mut count, mut used) = (0.0, 0.0, 0.0, 0.0, 0.0);
     for i in 0..2 {
         let of_wheel = || bins.iter().flat_map(|bin| &bin[i]);
-        let all = clustered_factor(of_wheel().copied().collect()).value;
-        let constant = if acting == Acting::Torque || all.is_nan() { 0.0 } else { all };
+        let constant = match acting {
+            Acting::Torque => 0.0,
+            _ => clustered_factor(&of_wheel().copied().collect::<Vec<_>>()).value,
+        };
+        // of a wheel without rows nothing is counted
+        let constant = if constant.is_nan() { 0.0 } else { constant };
         square += of_wheel().map(|s| square_of(s, 0.0)).sum::<f64>();
         same += of_wheel().map(|s| square_of(s, constant)).sum::<f64>();
         for (bin, mean) in bins.iter().zip(means) {
@@ -345,7 +349,7 @@ mod tests {
                 row(k / 100, x, x.signum() + if k % 2 == 0 { 0.1 } else { -0.1 })
             })
             .collect();
-        let curve = curve(&rows, 0, Acting::Torque, 1.0, false).unwrap();
+        let curve = curve(&binned(&rows, 0).unwrap(), 0, Acting::Torque, 1.0, false);
         let broken: Vec<f64> = curve.bins.iter().filter(|b| !b.joined).map(|b| b.at).collect();
         assert_eq!(broken.len(), 2);
         assert!(broken[0] < -1.0 && broken[1] > 1.0);
@@ -396,7 +400,8 @@ mod tests {
         assert!(found.bins.iter().all(|b| (b.before[0].value - fading(b.at)).abs() < 0.003));
         // a share that is the same at all times does not depend on the time
         let same = driven(|t, _, _| 0.3 * (1.0 + (1.7 * t).cos()));
-        let curve = curve(&same, Variable::Time as usize, Acting::Gain, 1.0, false).unwrap();
+        let bins = binned(&same, Variable::Time as usize).unwrap();
+        let curve = curve(&bins, Variable::Time as usize, Acting::Gain, 1.0, false);
         assert!(curve.share_before < 1e-9, "{}", curve.share_before);
     }
 }

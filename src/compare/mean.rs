@@ -18,9 +18,8 @@ pub struct Mean {
 /// ```
 #[must_use]
 pub fn clustered_mean(values: &[(usize, f64)]) -> Mean {
-    clustered_factor(
-        values.iter().map(|&(block, value)| Sample { block, per: 1.0, value }).collect(),
-    )
+    let sample = |&(block, value): &(usize, f64)| Sample { block, per: 1.0, value };
+    clustered_factor(&values.iter().map(sample).collect::<Vec<_>>())
 }
 
 /// A value that may be proportional to another, and the number of the block that it lies in.
@@ -39,7 +38,7 @@ pub(super) struct Sample {
 /// ```text
 /// c = Σ x y/Σ x²,   se² = B/(B - 1) Σ_b (Σ_k in b x_k (y_k - c x_k))²/(Σ x²)²
 /// ```
-pub(super) fn clustered_factor(samples: Vec<Sample>) -> Mean {
+pub(super) fn clustered_factor(samples: &[Sample]) -> Mean {
     let square: f64 = samples.iter().map(|s| s.per * s.per).sum();
     let value = samples.iter().map(|s| s.per * s.value).sum::<f64>() / square;
     let (mut scatter, mut blocks) = (0.0, 0);
@@ -76,7 +75,7 @@ mod tests {
             sample(1, 2.0, 3.0),
             sample(2, 3.0, 3.0),
         ];
-        let factor = clustered_factor(samples);
+        let factor = clustered_factor(&samples);
         assert!((factor.value - 18.0 / 15.0).abs() < 1e-12);
         let scores: [f64; 3] = [3.0 - 2.0 * 1.2, 2.0 * (3.0 - 2.4), 3.0 * (3.0 - 3.6)];
         let square: f64 = scores.iter().map(|s| s * s).sum();

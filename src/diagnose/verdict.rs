@@ -95,6 +95,12 @@ impl Errors {
         !small
     }
 
+    /// Whether the last model is far above the floor, and that by more than the input may have done between its rows.
+    #[must_use]
+    pub fn far_above_all(&self) -> bool {
+        self.far_above_floor() && self.above_input()
+    }
+
     /// Whether what the last model leaves beyond the floor is that of a useful model.
     #[must_use]
     pub fn useful(&self) -> bool {
@@ -140,8 +146,9 @@ pub fn withheld(diagnosis: &Diagnosis, rate: f64) -> Option<&Ranked> {
 /// effect would leave (1 without one).
 ///
 /// Where the error is above the floor, what was found or is likely must explain the larger part of it, and with what
-/// was found the model must be useful; else something unknown is missing, if the residual torque shows `structure` or the error is far above the
-/// floor, which is itself an estimate, and if nothing that the input may have done between its rows makes it.
+/// was found the model must be useful; else something unknown is missing, if the residual torque shows `structure` or
+/// the error is far above the floor, which is itself an estimate, and if nothing that the input may have done between its
+/// rows makes it.
 #[must_use]
 pub fn conclude(found: usize, errors: &Errors, likely: Option<f64>, structure: bool) -> Conclusion {
     let explained = |after: f64| errors.left(after) <= THRESHOLDS.unexplained;

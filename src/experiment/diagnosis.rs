@@ -5,14 +5,15 @@ use super::error::RunError;
 use super::plan::Plan;
 use crate::compare::{Curve, WindowFloor};
 use crate::diagnose::{
-    Data, Diagnosis, Judge, Settings, THRESHOLDS, Told, WindowFit, with_later_input,
+    Data, Diagnosis, Judge, Settings, THRESHOLDS, Told, WindowFit, cutoff, mobility,
+    with_later_input,
 };
 use crate::identify::{IdentifyError, Task, start};
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::PhysicalDynamics;
 use crate::study::{DiagnosisStudy, Role, is_undetermined};
-use crate::verdict::{Basis, Concluded, concluded, curves_of, tried};
+use crate::verdict::{Basis, Concluded, Trial, concluded, curves_of, residual_torques};
 
 /// A comparison with its diagnosis, where the plan asks for one.
 pub struct Diagnosed {
@@ -25,7 +26,7 @@ impl Diagnosed {
     /// The verdict; `None` where no diagnosis was asked for.
     #[must_use]
     pub fn verdict(&self) -> Option<&DiagnosisStudy> {
-        self.outcome.as_ref().map(Outcome::words)
+        self.outcome.as_ref().map(|outcome| &outcome.concluded.words)
     }
 }
 
@@ -42,22 +43,20 @@ pub(super) struct Outcome {
     concluded: Concluded,
     /// Noise floor of the judged recordings under the last model.
     floor: WindowFloor,
+    /// The formula of what the residual torque depends on, where it was tried already.
+    trial: Option<Trial>,
 }
 
 impl Outcome {
-    /// The verdict; where nothing but the words is asked for.
-    fn words(&self) -> &DiagnosisStudy {
-        &self.concluded.words
-    }
-
     /// The verdict beside the `curves` of the residual torque.
     pub(super) fn concluded(self, plan: &Plan, curves: &[Curve]) -> DiagnosisStudy {
-        let Self { diagnosis, concluded, floor } = self;
+        let Self { diagnosis, concluded, floor, trial } = self;
         let (train, judged) = (plan.of(Role::Train), plan.judged());
         let basis = Basis { floor: Some(floor), ..Basis::new(&train, &judged, plan.hold) };
         let says = concluded.says_dependence(curves);
-        let formula = says.then(|| tried(curves, &diagnosis, &basis)).flatten();
-        concluded.with_dependence(curves, &basis, formula)
+        let trial = || trial.or_else(|| Trial::of(curves, &diagnosis, &basis));
+        let trial = says.then(trial).flatten().filter(|trial| trial.explains(floor.expected));
+        concluded.with_dependence(curves, &basis, trial.map(Trial::study))
     }
 }
 
@@ -81,7 +80,7 @@ pub(super) fn diagnose_told(
     let Some(asked) = &plan.diagnosis else { return Ok(comparison.into()) };
     let settings = Settings { told, ..asked.settings.clone() };
     let diagnosis = search(plan, &settings, &comparison)?;
-    let diagnosis = unless_in_place(plan, &comparison, diagnosis);
+    let (diagnosis, trial) = unless_in_place(plan, &comparison, diagnosis);
     let comparison = match diagnosis.steps.last() {
         Some(_) => comparison.under(plan, &dynamics(diagnosis.last()))?,
         None => comparison,
@@ -99,30 +98,38 @@ pub(super) fn diagnose_told(
     let concluded = concluded(&diagnosis, &basis)?;
     let is_undetermined = stalled_without_inertia(&comparison) && !knows_inertia(diagnosis.last());
     let concluded = concluded.unless_undetermined(is_undetermined);
-    let outcome = Outcome { diagnosis, concluded, floor };
+    let outcome = Outcome { diagnosis, concluded, floor, trial };
     Ok(Diagnosed { comparison, outcome: Some(outcome) })
 }
 
 /// The diagnosis without what was found, where the model is far above the floor with it and better with a formula of what
-/// the residual torque depends on in its place.
-fn unless_in_place(plan: &Plan, comparison: &Comparison, diagnosis: Diagnosis) -> Diagnosis {
+/// the residual torque depends on in its place; else with that formula, where it was tried.
+fn unless_in_place(
+    plan: &Plan,
+    comparison: &Comparison,
+    diagnosis: Diagnosis,
+) -> (Diagnosis, Option<Trial>) {
     if diagnosis.steps.is_empty() {
-        return diagnosis;
+        return (diagnosis, None);
     }
     let (train, judged, floor) = (plan.of(Role::Train), plan.judged(), floor_of(comparison));
-    let basis = Basis { floor: Some(floor), ..Basis::new(&train, &judged, plan.hold) };
     let errors = Judge::new(judged.clone(), plan.hold).errors(&diagnosis, floor);
-    if !errors.is_ok_and(|errors| errors.far_above_floor() && errors.above_input()) {
-        return diagnosis;
+    if !errors.is_ok_and(|errors| errors.far_above_all()) {
+        return (diagnosis, None);
     }
     let recordings: Vec<&Recording> = plan.recordings.iter().map(|m| &m.recording).collect();
-    let curves = curves_of(&diagnosis, &recordings);
-    match tried(&curves, &diagnosis, &basis) {
-        Some(formula) if formula.in_place => {
+    let WindowFit { model, p, .. } = &diagnosis.base;
+    let cutoff = cutoff(&recordings, mobility(model, p));
+    let [before, after] = [&diagnosis.base, diagnosis.last()]
+        .map(|fit| residual_torques(&fit.model, &fit.p, &recordings, cutoff));
+    let curves = curves_of(&diagnosis, &recordings, cutoff, &before, Some(&after));
+    let trial = Trial::of(&curves, &diagnosis, &Basis::new(&train, &judged, plan.hold));
+    match trial {
+        Some(trial) if trial.in_place && trial.explains(floor.expected) => {
             let rest = diagnosis.ranking.clone();
-            Diagnosis { steps: vec![], rest, ..diagnosis }
+            (Diagnosis { steps: vec![], rest, ..diagnosis }, None)
         }
-        _ => diagnosis,
+        trial => (diagnosis, trial),
     }
 }
 

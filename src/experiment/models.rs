@@ -6,14 +6,15 @@ use super::comparison::{Comparison, four};
 use super::error::RunError;
 use super::plan::Plan;
 use crate::compare::{
-    Curve, Horizon, Unexplained, angle_rms, curves, failures, horizons, ise, residual_torque,
-    simulate_recording, whiteness, window_rms,
+    Curve, Horizon, Unexplained, angle_rms, curves, failures, horizons, ise, simulate_recording,
+    whiteness, window_rms,
 };
 use crate::diagnose::{Diagnosis, WindowFit, cutoff, mobility};
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::{Dynamics, PhysicalDynamics};
 use crate::study::{MethodStudy, ModelStudy, ParameterStudy, Performance, parameters_of};
+use crate::verdict::{curves_of, residual_torques};
 
 /// The fits that the report is about.
 pub(super) struct Models {
@@ -46,7 +47,7 @@ pub(super) fn of_reference(plan: &Plan, comparison: &Comparison) -> Result<Model
     let parameters = of_method(model, comparison.reference_method());
     let given = stage.physical((model, p), parameters, &[], cutoff)?;
     let before = Unexplained { model, p, torque: &given.residual_torque };
-    let curves = stage.curves(cutoff, before, None);
+    let curves = curves(&stage.recordings, cutoff, before, None);
     Ok(Models { given, completed: None, curves })
 }
 
@@ -71,10 +72,8 @@ pub(super) fn of_diagnosis(
         [] => None,
         found => Some(study_of(last, found)?),
     };
-    // a second mass is no part of the torque balance
-    let after = completed.as_ref().filter(|_| !last.model.is_coupled());
-    let after = after.map(|study| unexplained(last, &study.residual_torque));
-    let curves = stage.curves(cutoff, unexplained(base, &given.residual_torque), after);
+    let after = completed.as_ref().map(|study| &study.residual_torque[..]);
+    let curves = curves_of(diagnosis, &stage.recordings, cutoff, &given.residual_torque, after);
     Ok(Models { given, completed, curves })
 }
 
@@ -116,8 +115,7 @@ impl<'a> Stage<'a> {
         cutoff: f64,
     ) -> Result<ModelStudy, RunError> {
         let dynamics = PhysicalDynamics { model: model.clone(), p: p.to_vec() };
-        let torque = |r: &&Recording| residual_torque(model, p, r, cutoff);
-        let residual_torque: Vec<_> = self.recordings.par_iter().map(torque).collect();
+        let residual_torque = residual_torques(model, p, &self.recordings, cutoff);
         let analysis = whiteness(model, p, &self.judged_recordings(), self.plan.hold)?;
         let (performance, horizons) = self.simulated(&dynamics)?;
         Ok(ModelStudy {
@@ -187,18 +185,4 @@ impl<'a> Stage<'a> {
             &judged().map(|r| of(r).floor.window_rms).collect::<Vec<_>>(),
         )
     }
-
-    fn curves(
-        &self,
-        cutoff: f64,
-        before: Unexplained<'_>,
-        after: Option<Unexplained<'_>>,
-    ) -> Vec<Curve> {
-        curves(&self.recordings, cutoff, before, after)
-    }
-}
-
-/// The residual torque of a fit, by recording.
-fn unexplained<'a>(fit: &'a WindowFit, torque: &'a [Vec<[f64; 2]>]) -> Unexplained<'a> {
-    Unexplained { model: &fit.model, p: &fit.p, torque }
 }

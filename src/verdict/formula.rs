@@ -1,51 +1,68 @@
 //! What the residual torque depends on, tried as a formula.
 
+use rayon::prelude::*;
+
 use super::Basis;
 use super::dependence::most_left;
+use super::series::Formula;
 use crate::compare::{Curve, Unexplained, curves, residual_torque};
-use crate::diagnose::{Diagnosis, Formula, Judge, THRESHOLDS, WindowFit, cutoff, mobility};
+use crate::diagnose::{Diagnosis, Judge, THRESHOLDS, WindowFit};
 use crate::effects::{CustomDefinition, ParameterSpec};
+use crate::model::Model;
 use crate::recording::Recording;
 use crate::report::format;
 use crate::study::{Coefficient, FormulaStudy};
 
-/// The formula of the curve that shows most of the residual torque, in the model as given or beside what was found;
-/// `None` where it does not explain the larger part of what the last model leaves on the judged recordings. It stands
-/// beside what was found where that lowers the error further by as much as is asked of any effect.
-pub(crate) fn tried(
-    curves: &[Curve],
-    diagnosis: &Diagnosis,
-    basis: &Basis,
-) -> Option<FormulaStudy> {
-    let curve = most_left(curves).filter(|c| c.left() >= THRESHOLDS.named_share)?;
-    let formula = Formula::of(curve, basis.train[0].drive_unit())?;
-    let judge = Judge::new(basis.judged.to_vec(), basis.hold);
-    let error = |fit: &WindowFit| judge.judge(&fit.model, &fit.p).ok().map(|j| j.window_rms);
-    let with = |base: &WindowFit| {
-        let fit = formula.fitted(base, basis.train, basis.hold)?;
-        Some((error(&fit)?, fit))
-    };
-    let lower = |one: f64, other: f64| one <= (1.0 - THRESHOLDS.least_fall) * other;
-    let floor = basis.floor?.expected;
-    let above = |error: f64| error.powi(2) - floor.powi(2);
-    let before = error(diagnosis.last())?;
-    let alone = with(&diagnosis.base);
-    let beside = diagnosis.steps.last().and_then(|step| Some((with(&step.fit)?, step)));
-    let (window_rms, in_place) = match (alone, beside) {
-        (Some((alone, _)), Some(((beside, fit), step))) => {
-            match lower(beside, alone) || holds(&fit, &step.fit) {
-                true => (beside, false),
-                false => (alone, true),
+/// The formula of the curve that shows most of the residual torque, fitted in the model as given and beside what was
+/// found.
+pub(crate) struct Trial {
+    formula: Formula,
+    /// Whether it takes the place of what was found. It stands beside that where it holds it, or lowers the error
+    /// further by as much as is asked of any effect.
+    pub(crate) in_place: bool,
+    /// Error on the judged recordings of the last model, and of the model with the formula [rad/s].
+    errors: [f64; 2],
+}
+
+impl Trial {
+    /// `None` where no formula follows the curve, and where none can be simulated.
+    pub(crate) fn of(curves: &[Curve], diagnosis: &Diagnosis, basis: &Basis) -> Option<Self> {
+        let curve = most_left(curves).filter(|c| c.left() >= THRESHOLDS.named_share)?;
+        let formula = Formula::of(curve, basis.train[0].drive_unit())?;
+        let judge = Judge::new(basis.judged.to_vec(), basis.hold);
+        let error = |fit: &WindowFit| judge.judge(&fit.model, &fit.p).ok().map(|j| j.window_rms);
+        let with = |base: &WindowFit| {
+            let fit = formula.fitted(base, basis.train, basis.hold)?;
+            Some((error(&fit)?, fit))
+        };
+        let lower = |one: f64, other: f64| one <= (1.0 - THRESHOLDS.least_fall) * other;
+        let before = error(diagnosis.last())?;
+        let alone = with(&diagnosis.base).map(|(error, _)| error);
+        let beside = diagnosis.steps.last().and_then(|step| {
+            let (error, fit) = with(&step.fit)?;
+            Some((error, holds(&fit, &step.fit)))
+        });
+        let (after, in_place) = match (alone, beside) {
+            (Some(alone), Some((beside, holds))) if !holds && !lower(beside, alone) => {
+                (alone, true)
             }
-        }
-        (None, Some(((beside, _), _))) => (beside, false),
-        (alone, None) => (alone?.0, false),
-    };
-    (above(window_rms) <= THRESHOLDS.unexplained * above(before)).then(|| FormulaStudy {
-        in_place,
-        window_rms,
-        ..study_of(formula)
-    })
+            (_, Some((beside, _))) => (beside, false),
+            (alone, None) => (alone?, false),
+        };
+        Some(Self { formula, in_place, errors: [before, after] })
+    }
+
+    /// Whether it explains the larger part of what the last model leaves above the noise floor [rad/s].
+    pub(crate) fn explains(&self, floor: f64) -> bool {
+        let [before, after] = self.errors.map(|error| error.powi(2) - floor.powi(2));
+        after <= THRESHOLDS.unexplained * before
+    }
+
+    /// The formula as an effect of an experiment file, with the error of the model that has it.
+    pub(crate) fn study(self) -> FormulaStudy {
+        let [_, window_rms] = self.errors;
+        FormulaStudy { in_place: self.in_place, window_rms, ..study_of(self.formula) }
+    }
 }
 
 /// A formula as an effect of an experiment file.
@@ -66,20 +83,32 @@ fn study_of(formula: Formula) -> FormulaStudy {
     }
 }
 
-/// How the residual torque of the model as given depends on anything over `recordings`, and that of the model with what
-/// was found.
-pub(crate) fn curves_of(diagnosis: &Diagnosis, recordings: &[&Recording]) -> Vec<Curve> {
-    let fits = [&diagnosis.base, diagnosis.last()];
-    let WindowFit { model, p, .. } = fits[0];
-    let cutoff = cutoff(recordings, mobility(model, p));
-    let torque = |fit: &WindowFit| -> Vec<Vec<[f64; 2]>> {
-        recordings.iter().map(|r| residual_torque(&fit.model, &fit.p, r, cutoff)).collect()
-    };
-    let torques = fits.map(torque);
-    let [before, after] =
-        [0, 1].map(|n| Unexplained { model: &fits[n].model, p: &fits[n].p, torque: &torques[n] });
+/// Residual torque of every recording behind a low-pass of cut-off `cutoff` [Hz].
+pub(crate) fn residual_torques(
+    model: &Model,
+    p: &[f64],
+    recordings: &[&Recording],
+    cutoff: f64,
+) -> Vec<Vec<[f64; 2]>> {
+    recordings.par_iter().map(|r| residual_torque(model, p, r, cutoff)).collect()
+}
+
+/// How the residual torque of the model as given (`before`) depends on anything over `recordings`, and that of the model
+/// with what was found (`after`), both behind `cutoff` [Hz].
+pub(crate) fn curves_of(
+    diagnosis: &Diagnosis,
+    recordings: &[&Recording],
+    cutoff: f64,
+    before: &[Vec<[f64; 2]>],
+    after: Option<&[Vec<[f64; 2]>]>,
+) -> Vec<Curve> {
+    fn of<'a>(fit: &'a WindowFit, torque: &'a [Vec<[f64; 2]>]) -> Unexplained<'a> {
+        Unexplained { model: &fit.model, p: &fit.p, torque }
+    }
+    let last = diagnosis.last();
     // a second mass is no part of the torque balance
-    curves(recordings, cutoff, before, (!after.model.is_coupled()).then_some(after))
+    let after = after.filter(|_| !last.model.is_coupled()).map(|torque| of(last, torque));
+    curves(recordings, cutoff, of(&diagnosis.base, before), after)
 }
 
 /// Whether a formula holds what was found, as a series in the heading holds a slope of the floor: a parameter that was

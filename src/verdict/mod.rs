@@ -5,9 +5,10 @@ mod formula;
 mod next;
 mod ranking;
 mod sentence;
+mod series;
 mod undetermined;
 
-pub(crate) use self::formula::{curves_of, tried};
+pub(crate) use self::formula::{Trial, curves_of, residual_torques};
 pub(crate) use self::sentence::title;
 use self::undetermined::unless_undetermined;
 
@@ -188,8 +189,8 @@ pub(crate) fn concluded(diagnosis: &Diagnosis, basis: &Basis) -> Result<Conclude
         is_undetermined: false,
     };
     let depends_on = left.map(|dependence| dependence.variable);
-    let is_far = errors.far_above_floor() && errors.above_input();
-    Ok(Concluded { words, likely: finding.likely_beside(), depends_on, is_far })
+    let (likely, is_far) = (finding.likely_beside(), errors.far_above_all());
+    Ok(Concluded { words, likely, depends_on, is_far })
 }
 
 /// Why a fit that lowers the held-out error is not accepted; `now`: square of the error that is shown [rad^2/s^2].

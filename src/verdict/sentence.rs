@@ -61,7 +61,7 @@ impl Finding<'_> {
                 format!("Missing: {}. {}{}", self.names(), self.error(), self.more())
             }
             // so far above its floor something is missing, whatever it is
-            Conclusion::Likely if self.errors.far_above_floor() && self.errors.above_input() => {
+            Conclusion::Likely if self.errors.far_above_all() => {
                 format!(
                     "Something is missing. Likely, not proven: {}. {}",
                     self.likely.map_or(String::new(), of),
@@ -186,7 +186,7 @@ impl Finding<'_> {
 
     /// What was found explains the larger part of the error; what is left may be far above the floor all the same.
     fn more(&self) -> &'static str {
-        match self.errors.far_above_floor() && self.errors.above_input() {
+        match self.errors.far_above_all() {
             true => " More is missing than was found.",
             false => "",
         }

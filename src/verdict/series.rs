@@ -3,12 +3,11 @@
 use std::fmt::Write;
 use std::sync::Arc;
 
-use super::fit::{WindowFit, fit};
-use super::scale::scale_of;
-use super::windows::{Windows, mobility};
 use crate::compare::{Acting, Curve, Variable};
+use crate::diagnose::{WindowFit, Windows, fit, mobility, scale_of};
 use crate::effects::{Custom, CustomDefinition, ParameterSpec};
 use crate::recording::{DriveUnit, Recording};
+use crate::report::format::round_significant;
 use crate::simulate::Hold;
 
 /// Amplitudes that a coefficient may have, in those of the curve: a series that leaves parts of the range empty may
@@ -17,19 +16,18 @@ const RANGE: f64 = 10.0;
 
 /// A dependence of the residual torque on the place or the time as an effect of an experiment file.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Formula {
+pub(super) struct Formula {
     /// Name of the effect.
-    pub id: String,
+    pub(super) id: String,
     /// Its torques and parameters.
-    pub definition: CustomDefinition,
+    pub(super) definition: CustomDefinition,
 }
 
 impl Formula {
     /// The series that follows a curve: two harmonics of the heading, one of the angle of each wheel, a parabola of the
     /// time. `None` over what is no place or time, for which the catalogue stands, and for a share of the input, which
     /// no formula has.
-    #[must_use]
-    pub fn of(curve: &Curve, unit: DriveUnit) -> Option<Self> {
+    pub(super) fn of(curve: &Curve, unit: DriveUnit) -> Option<Self> {
         let (name, series) = match curve.variable {
             Variable::Heading => {
                 let both = "k1*cos(beta) + k2*sin(beta) + k3*cos(2*beta) + k4*sin(2*beta)";
@@ -42,21 +40,19 @@ impl Formula {
             Variable::Time => ("time", ["k1*t + k2*t^2", "k3*t + k4*t^2"]),
             _ => return None,
         };
-        let (kind, what) = match curve.acting {
-            Acting::Torque => ("torque", "torque"),
-            Acting::Resistance => ("resistance", "resistance to the motion"),
+        let (kind, what, [torque1, torque2]) = match curve.acting {
+            Acting::Torque => ("torque", "torque", series.map(str::to_owned)),
+            Acting::Resistance => {
+                let against = series.map(|series| format!("({series}) * sgn(w)"));
+                ("resistance", "resistance to the motion", against)
+            }
             Acting::Gain => return None,
         };
-        let torque = series.map(|series| match curve.acting {
-            Acting::Resistance => format!("({series}) * sgn(w)"),
-            _ => series.to_owned(),
-        });
-        let size = rounded(curve.largest_left());
+        let size = round_significant(curve.largest_left(), 2);
         let parameters = ["k1", "k2", "k3", "k4"].map(|symbol| {
             let (reach, unit) = (RANGE * size, unit.symbol());
             ParameterSpec::linear(symbol, "coefficient of the series", unit, (-reach, reach), size)
         });
-        let [torque1, torque2] = torque;
         let definition = CustomDefinition {
             torque1,
             torque2: Some(torque2),
@@ -67,8 +63,7 @@ impl Formula {
     }
 
     /// As it stands in an experiment file.
-    #[must_use]
-    pub fn toml(&self) -> String {
+    pub(super) fn toml(&self) -> String {
         let Self { id, definition } = self;
         let mut out = format!("[[model.custom]]\nid = \"{id}\"\n");
         let torque2 = definition.torque2.as_deref().unwrap_or_default();
@@ -92,8 +87,12 @@ impl Formula {
 
     /// The model of `base` with this effect, fitted over the training recordings like any effect of the catalogue. `None`
     /// where the model has an effect of that name, and where it cannot be simulated.
-    #[must_use]
-    pub fn fitted(&self, base: &WindowFit, train: &[Recording], hold: Hold) -> Option<WindowFit> {
+    pub(super) fn fitted(
+        &self,
+        base: &WindowFit,
+        train: &[Recording],
+        hold: Hold,
+    ) -> Option<WindowFit> {
         let WindowFit { model, p, .. } = base;
         let effect = Custom::new(&self.id, self.definition.clone()).ok()?;
         let train: Vec<&Recording> = train.iter().collect();
@@ -104,14 +103,6 @@ impl Formula {
             p.iter().copied().chain(self.definition.parameters.iter().map(|_| 0.0)).collect();
         fit(&windows, &with, &start, &scale)
     }
-}
-
-/// To two digits.
-fn rounded(v: f64) -> f64 {
-    if !(v > 0.0) {
-        return 0.0;
-    }
-    format!("{v:.1e}").parse().unwrap_or(v)
 }
 
 #[cfg(test)]
