@@ -7,7 +7,7 @@ use super::dependence::most_left;
 use super::series::Formula;
 use crate::compare::{Curve, Unexplained, curves, residual_torque};
 use crate::diagnose::{Diagnosis, Judge, THRESHOLDS, WindowFit};
-use crate::effects::{CustomDefinition, ParameterSpec};
+use crate::effects::{CustomDefinition, ParameterKind, ParameterSpec};
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::report::format;
@@ -111,11 +111,14 @@ pub(crate) fn curves_of(
     curves(recordings, cutoff, of(&diagnosis.base, before), after)
 }
 
-/// Whether a formula holds what was found, as a series in the heading holds a slope of the floor: a parameter that was
-/// identified is not beside it.
+/// Whether a formula holds what was found, as a series in the heading holds a slope of the floor: a linear parameter that
+/// was identified is not beside it. What a linear parameter adds does not vanish with its size, so that something else
+/// adds the same; a shape is not identified where its effect is gone either (a limit that is no longer reached).
 fn holds(with_formula: &WindowFit, found: &WindowFit) -> bool {
     let is_known = |fit: &WindowFit, j: usize| fit.covariance[(j, j)].is_finite();
-    (0..found.p.len()).any(|j| is_known(found, j) && !is_known(with_formula, j))
+    let parameters = found.model.parameters().iter().enumerate();
+    let mut linear = parameters.filter(|(_, p)| p.spec.kind == ParameterKind::Linear);
+    linear.any(|(j, _)| is_known(found, j) && !is_known(with_formula, j))
 }
 
 /// "A formula of it (heading_resistance) lowers the 2 s simulation error to 0.061 rad/s, 1.7 times the noise floor."
@@ -136,6 +139,28 @@ pub(super) fn words(formula: &FormulaStudy, floor: Option<f64>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::robot::Robot;
+    use nalgebra::DMatrix;
+
+    /// A model with an effect, of which one parameter has a covariance.
+    fn fit(effect: &str, symbol: &str, variance: f64) -> WindowFit {
+        let model = Model::base(Robot::amigobot()).add(effect).unwrap();
+        let p = model.initial();
+        let mut covariance = DMatrix::identity(p.len(), p.len());
+        let j = model.index_of(symbol).unwrap();
+        covariance[(j, j)] = variance;
+        let at_bound = vec![false; p.len()];
+        WindowFit { model, p, cost: 1.0, covariance, at_bound }
+    }
+
+    #[test]
+    fn a_series_holds_a_slope_and_not_a_limit_that_is_no_longer_reached() {
+        let held =
+            |effect, symbol| holds(&fit(effect, symbol, f64::INFINITY), &fit(effect, symbol, 1.0));
+        assert!(held("slope", "g_c"));
+        assert!(!held("torque_saturation", "limit"));
+        assert!(!holds(&fit("slope", "g_c", 1.0), &fit("slope", "g_c", 1.0)));
+    }
 
     #[test]
     fn the_words_compare_with_the_floor() {
