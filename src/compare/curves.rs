@@ -1,5 +1,6 @@
 //! The residual torque as a function of anything that it may depend on.
 
+use super::acting::Acting;
 use super::low_pass::smooth_motion;
 use super::mean::{Mean, Sample, clustered_factor};
 use super::residual_torque::{motion_of, residual_torque};
@@ -17,51 +18,6 @@ const BINS: usize = 12;
 const GAP: f64 = 0.08;
 /// Rows of a bin at least.
 const FEWEST: usize = 10;
-
-/// How a torque that the model lacks may act on a wheel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Acting {
-    /// As a torque of its own.
-    Torque,
-    /// Against the motion: the torque changes its sign with the speed of the wheel.
-    Resistance,
-    /// As a share of the input: the torque is proportional to it.
-    Gain,
-}
-
-impl Acting {
-    /// How a torque may act that depends on `variable`. What depends on a speed, a turn rate or an input is seen over
-    /// them whatever its sign; what depends on the place or the time may change it with the direction of the motion.
-    const fn of(variable: Variable) -> &'static [Self] {
-        match variable {
-            Variable::Heading | Variable::Alpha1 | Variable::Alpha2 => {
-                &[Self::Torque, Self::Resistance]
-            }
-            Variable::Time => &[Self::Torque, Self::Resistance, Self::Gain],
-            _ => &[Self::Torque],
-        }
-    }
-
-    /// In words, behind the variable that it depends on.
-    #[must_use]
-    pub const fn words(self) -> &'static str {
-        match self {
-            Self::Torque => "",
-            Self::Resistance => ", as a resistance to the motion",
-            Self::Gain => ", as a share of the input",
-        }
-    }
-
-    /// What the torque on wheel `i` is proportional to.
-    fn per(self, row: &Row, i: usize) -> f64 {
-        match self {
-            Self::Torque => 1.0,
-            Self::Resistance => row.values[Variable::Omega1 as usize + i].signum(),
-            Self::Gain => row.values[Variable::Input1 as usize + i],
-        }
-    }
-}
 
 /// The residual torque in one bin of a variable.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -260,7 +216,12 @@ fn curve(bins: &Bins<'_>, v: usize, acting: Acting, independent: f64, has_after:
 
 /// The residual torques of wheel `i` in a bin, blocks in order.
 fn samples(bin: &[&Row], acting: Acting, i: usize, of: fn(&Row) -> [f64; 2]) -> Vec<Sample> {
-    let sample = |r: &&Row| Sample { block: r.block, per: acting.per(r, i), value: of(r)[i] };
+    let at = |r: &Row, of_wheel_1: Variable| r.values[of_wheel_1 as usize + i];
+    let sample = |r: &&Row| Sample {
+        block: r.block,
+        per: acting.per(at(r, Variable::Omega1), at(r, Variable::Input1)),
+        value: of(r)[i],
+    };
     let mut out: Vec<Sample> = bin.iter().map(sample).filter(|s| s.value.is_finite()).collect();
     out.sort_by_key(|s| s.block);
     out
@@ -304,7 +265,9 @@ fn explained(
     acting: Acting,
     independent: f64,
 ) -> Explained {
-    let square_of = |s: &Sample, c: f64| (s.value - c * s.per).powi(2);
+    // rows of an input that is zero have no factor, and nothing is explained of them
+    let known = |c: f64| if c.is_finite() { c } else { 0.0 };
+    let square_of = |s: &Sample, c: f64| (s.value - known(c) * s.per).powi(2);
     let (mut square, mut same, mut left, mut count, mut used) = (0.0, 0.0, 0.0, 0.0, 0.0);
     for i in 0..2 {
         let of_wheel = || bins.iter().flat_map(|bin| &bin[i]);
@@ -312,8 +275,6 @@ fn explained(
             Acting::Torque => 0.0,
             _ => clustered_factor(&of_wheel().copied().collect::<Vec<_>>()).value,
         };
-        // of a wheel without rows nothing is counted
-        let constant = if constant.is_nan() { 0.0 } else { constant };
         square += of_wheel().map(|s| square_of(s, 0.0)).sum::<f64>();
         same += of_wheel().map(|s| square_of(s, constant)).sum::<f64>();
         for (bin, mean) in bins.iter().zip(means) {
@@ -403,5 +364,16 @@ mod tests {
         let bins = binned(&same, Variable::Time as usize).unwrap();
         let curve = curve(&bins, Variable::Time as usize, Acting::Gain, 1.0, false);
         assert!(curve.share_before < 1e-9, "{}", curve.share_before);
+    }
+
+    #[test]
+    fn nothing_is_explained_of_a_bin_without_input() {
+        let mut coasting = driven(|t, _, _| if t < 25.0 { 1.0 } else { 0.0 });
+        for row in coasting.iter_mut().filter(|row| row.values[Variable::Time as usize] < 30.0) {
+            [Variable::Input1, Variable::Input2].iter().for_each(|i| row.values[*i as usize] = 0.0);
+        }
+        let bins = binned(&coasting, Variable::Time as usize).unwrap();
+        let curve = curve(&bins, Variable::Time as usize, Acting::Gain, 1.0, false);
+        assert!(curve.share_before < 0.01, "{}", curve.share_before);
     }
 }

@@ -1,5 +1,6 @@
 //! Measured against simulated: the error, its floor, and where it exceeds the floor.
 
+mod acting;
 mod curves;
 mod error;
 mod floor;
@@ -12,7 +13,8 @@ mod split_noise;
 mod unexplained_torque;
 mod whiteness;
 
-pub use curves::{Acting, Curve, CurveBin, Unexplained, curves};
+pub use acting::Acting;
+pub use curves::{Curve, CurveBin, Unexplained, curves};
 pub use error::{Simulated, angle_rms, ise, simulate_recording, window_errors, window_rms};
 pub(crate) use error::{WINDOW, start_of};
 pub use floor::{
