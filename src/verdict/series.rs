@@ -10,8 +10,8 @@ use crate::recording::{DriveUnit, Recording};
 use crate::report::format::round_significant;
 use crate::simulate::Hold;
 
-/// Amplitudes that a coefficient may have, in those of the curve: a series that leaves parts of the range empty may
-/// take more than the curve shows.
+/// Largest coefficient in amplitudes of the curve: a series over a range with gaps may take more than the curve shows
+/// (taste: ten times).
 const RANGE: f64 = 10.0;
 
 /// A dependence of the residual torque on the place or the time as an effect of an experiment file.
@@ -31,17 +31,24 @@ impl Formula {
         let (name, series) = match curve.variable {
             Variable::Heading => {
                 let both = "k1*cos(beta) + k2*sin(beta) + k3*cos(2*beta) + k4*sin(2*beta)";
-                ("heading", [both, both])
+                ("heading", [both, both].map(str::to_owned))
             }
             Variable::Alpha1 | Variable::Alpha2 => (
                 "wheel_angle",
-                ["k1*cos(alpha1) + k2*sin(alpha1)", "k3*cos(alpha2) + k4*sin(alpha2)"],
+                ["k1*cos(alpha1) + k2*sin(alpha1)", "k3*cos(alpha2) + k4*sin(alpha2)"]
+                    .map(str::to_owned),
             ),
-            Variable::Time => ("time", ["k1*t + k2*t^2", "k3*t + k4*t^2"]),
+            Variable::Time => {
+                // in parts of the range, so that coefficients are torques
+                let whole = round_significant(curve.bins.last()?.at, 2);
+                let parabola =
+                    |a: &str, b: &str| format!("{a}*(t/{whole:?}) + {b}*(t/{whole:?})^2");
+                ("time", [parabola("k1", "k2"), parabola("k3", "k4")])
+            }
             _ => return None,
         };
         let (kind, what, [torque1, torque2]) = match curve.acting {
-            Acting::Torque => ("torque", "torque", series.map(str::to_owned)),
+            Acting::Torque => ("torque", "torque", series),
             Acting::Resistance => {
                 let against = series.map(|series| format!("({series}) * sgn(w)"));
                 ("resistance", "resistance to the motion", against)
@@ -112,7 +119,7 @@ mod tests {
 
     fn curve(variable: Variable, acting: Acting) -> Curve {
         let before = [1.06, -0.4].map(|value| Mean { value, std_error: 0.1, blocks: 9 });
-        let bins = vec![CurveBin { at: 0.0, joined: false, before, after: None }];
+        let bins = vec![CurveBin { at: 20.0, joined: false, before, after: None }];
         let (share_before, share_after) = (0.7, None);
         Curve { variable, acting, bins, share_before, share_after, log_significance: 50.0 }
     }
@@ -133,6 +140,12 @@ mod tests {
             assert_eq!(written["parameters"]["k4"]["typical"].as_float(), Some(1.1));
             assert_eq!(written["parameters"]["k1"]["unit"].as_str(), Some("V"));
         }
+    }
+
+    #[test]
+    fn coefficients_over_the_time_are_torques() {
+        let formula = Formula::of(&curve(Variable::Time, Acting::Torque), DriveUnit::Volt).unwrap();
+        assert_eq!(formula.definition.torque1, "k1*(t/20.0) + k2*(t/20.0)^2");
     }
 
     #[test]
