@@ -46,8 +46,9 @@ impl Content<'_> {
         let body = self.of_state(&traced.body, &BODY, language);
         let fastest = self.of_state(&traced.fastest, &FASTEST, language);
         let input = self.of_input(&traced.input, language);
-        let counts =
-            [&terms, &body, &fastest, &input].map(|printed| printed.temporaries.to_string());
+        let behind = self.of_input(&traced.behind, language);
+        let counts = [&terms, &body, &fastest, &input, &behind]
+            .map(|printed| printed.temporaries.to_string());
         let states = (4 + traced.body.outputs.len()).to_string();
         let time = |parameter: Option<usize>| {
             parameter.map_or_else(|| number(0.0), |j| constants[j].name.clone())
@@ -62,6 +63,7 @@ impl Content<'_> {
             ("{{body_temporaries}}", &counts[1]),
             ("{{fastest_temporaries}}", &counts[2]),
             ("{{drive_temporaries}}", &counts[3]),
+            ("{{behind_temporaries}}", &counts[4]),
             ("{{lag}}", &time(traced.lag)),
             ("{{delay}}", &time(traced.delay)),
             ("{{delay_rows}}", &delay_rows.to_string()),
@@ -73,6 +75,7 @@ impl Content<'_> {
             ("{{body}}", body.statements),
             ("{{fastest}}", fastest.statements),
             ("{{drive}}", input.statements),
+            ("{{behind}}", behind.statements),
         ];
         filled(language.frame, &inline, &blocks)
     }

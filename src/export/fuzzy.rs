@@ -49,6 +49,7 @@ fn traced(fuzzy: &FuzzyDynamics) -> Traced {
         input: record(&[0.1; TORQUES], |m| {
             [0, 1].map(|i| m[2] * gain[i][0] + m[3] * gain[i][1]).to_vec()
         }),
+        behind: record(&[0.1; TORQUES], |m| m[2..].to_vec()),
         lag: None,
         delay: None,
     }

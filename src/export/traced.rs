@@ -34,8 +34,10 @@ pub struct Traced {
     pub body: Formula,
     /// From the same to the fastest rate of the coupling [1/s]; zero without one.
     pub fastest: Formula,
-    /// From (M1, M2 of the sample before, M1, M2, parameters) to the torques that act, before lag and delay.
+    /// From (M1, M2 of the sample before, M1, M2, parameters) to the torques that enter lag and delay.
     pub input: Formula,
+    /// From the same, M as lag and delay pass it on, to the torques that act.
+    pub behind: Formula,
     /// Number of the parameter that is the time constant of a first-order lag, if there is one.
     pub lag: Option<usize>,
     /// Number of the parameter that is a pure delay, if there is one.
@@ -75,14 +77,15 @@ pub fn trace(model: &Model, p: &[f64]) -> Result<Traced, Vec<Obstacle>> {
     let every: Vec<usize> = (0..model.effects().len()).collect();
     let memory = |kind: Memory| every.iter().copied().find(|&e| memory(model, e, p) == Some(kind));
     let (lag, delay) = (memory(Memory::Lag), memory(Memory::Delay));
-    let instant: Vec<usize> =
-        every.iter().copied().filter(|&e| Some(e) != lag && Some(e) != delay).collect();
+    // where lag and delay stand in the list of effects, the first and the last of them
+    let (from, to) = span(model, p).unwrap_or((every.len(), every.len()));
     let parameter = |e: usize| model.slots(e).start;
     Ok(Traced {
         terms: formula(model, p, |x| numbers(&x.separated().wheel)),
         body: formula(model, p, |x| x.separated().body.map_or(vec![], |b| b.rates.to_vec())),
         fastest: formula(model, p, |x| vec![x.separated().body.map_or(0.0.into(), |b| b.fastest)]),
-        input: input(model, &instant, p),
+        input: input(model, 0..from, p),
+        behind: input(model, to + 1..every.len(), p),
         lag: lag.map(parameter),
         delay: delay.map(parameter),
     })
@@ -118,10 +121,11 @@ fn memory(model: &Model, e: usize, p: &[f64]) -> Option<Memory> {
     Some(if rise[25][0] > 0.1 { Memory::Lag } else { Memory::Delay })
 }
 
-/// Whether an input effect that is no lag or delay stands behind one.
-fn behind_memory(model: &Model, e: usize, p: &[f64]) -> bool {
-    let effect = &model.effects()[e];
-    effect.acts_on_input() && (0..e).any(|before| memory(model, before, p).is_some())
+/// Numbers of the first and the last effect that is a lag or a delay.
+fn span(model: &Model, p: &[f64]) -> Option<(usize, usize)> {
+    let mut remember = (0..model.effects().len()).filter(|&e| memory(model, e, p).is_some());
+    let first = remember.next()?;
+    Some((first, remember.next_back().unwrap_or(first)))
 }
 
 /// Why effect number `e` cannot be written, if so.
@@ -130,16 +134,17 @@ fn obstacle(model: &Model, e: usize, p: &[f64]) -> Option<&'static str> {
         let coupling = x.coupling(e).map(|c| vec![c.rotor, c.stiffness, c.damping]);
         [numbers(&x.sum([e], &x.motion)), coupling.unwrap_or_default()].concat()
     });
-    let input = input(model, &[e], p);
+    let input = input(model, e..e + 1, p);
     if memory(model, e, p).is_some() {
         return None;
     }
     if input.depends_on(0) || input.depends_on(1) {
         return Some("the torque that acts depends on earlier torques, and by no lag or delay");
     }
-    if behind_memory(model, e, p) {
+    let between = span(model, p).is_some_and(|(first, last)| (first..last).contains(&e));
+    if between && model.effects()[e].acts_on_input() {
         return Some(
-            "it acts on the input behind a lag or a delay; put it before that in the list of effects",
+            "it acts on the input between a lag and a delay; put it before or behind both",
         );
     }
     if terms.read || input.read {
@@ -230,11 +235,11 @@ fn formula(model: &Model, p: &[f64], f: impl Fn(&Place) -> Vec<Symbol>) -> Formu
 }
 
 /// Two samples go in, so that a memory of the first shows in the second.
-fn input(model: &Model, effects: &[usize], p: &[f64]) -> Formula {
+fn input(model: &Model, effects: std::ops::Range<usize>, p: &[f64]) -> Formula {
     record(&[&RECORDED, p].concat(), |x| {
         let (m, p) = x.split_at(TORQUES);
         let mut m: Vec<[Symbol; 2]> = vec![[m[0], m[1]], [m[2], m[3]]];
-        for &e in effects {
+        for e in effects.clone() {
             let effect: &dyn Effect = &*model.effects()[e];
             if let Some(changed) = effect.input_symbolic(&[0.0, 0.01], &m, &p[model.slots(e)]) {
                 m = changed;
@@ -337,8 +342,20 @@ mod tests {
         let traced = trace(&model, &model.initial()).unwrap();
         let index = |symbol: &str| model.index_of(symbol).ok();
         assert_eq!((traced.lag, traced.delay), (index("tau"), index("delay")));
-        let behind = Model::with_effects(robot, &["actuator_lag", "torque_saturation"]).unwrap();
-        let obstacles = trace(&behind, &behind.initial()).unwrap_err();
-        assert_eq!(obstacles[0].effect, "torque_saturation");
+        let limited = |ids: &[&str]| {
+            let model = Model::with_effects(robot.clone(), ids).unwrap();
+            trace(&model, &model.initial()).map(|traced| {
+                let clipped = |formula: &Formula| {
+                    let m = [&[0.0, 0.0, 1e3, -1e3], &model.initial()[..]].concat();
+                    formula.evaluate(&m)[0] < 1e3
+                };
+                (clipped(&traced.input), clipped(&traced.behind))
+            })
+        };
+        let (lag, limit, delay) = ("actuator_lag", "torque_saturation", "actuator_delay");
+        assert_eq!(limited(&[limit, lag, delay]), Ok((true, false)));
+        assert_eq!(limited(&[lag, delay, limit]), Ok((false, true)));
+        assert_eq!(limited(&[lag, limit]), Ok((false, true)));
+        assert_eq!(limited(&[lag, limit, delay]).unwrap_err()[0].effect, limit);
     }
 }

@@ -99,7 +99,7 @@ fn the_javascript_function_moves_as_the_program_does() {
 
 #[test]
 fn a_model_that_is_no_function_is_written_as_data_with_the_reason() {
-    let ids = ["viscous_friction", "actuator_lag", "torque_saturation"];
+    let ids = ["viscous_friction", "actuator_lag", "torque_saturation", "actuator_delay"];
     let model = Model::with_effects(Robot::amigobot(), &ids).unwrap();
     let written = written(&model);
     assert_eq!(written.len(), 1);
@@ -107,8 +107,8 @@ fn a_model_that_is_no_function_is_written_as_data_with_the_reason() {
     assert_eq!((&data["schema"], &data["exported"]), (&1.into(), &false.into()));
     let obstacles = data["obstacles"].as_array().unwrap();
     let effects: Vec<&str> = obstacles.iter().map(|o| o["effect"].as_str().unwrap()).collect();
-    assert_eq!(effects, &ids[2..]);
-    assert!(obstacles[0]["reason"].as_str().unwrap().contains("behind a lag"));
+    assert_eq!(effects, &ids[2..3]);
+    assert!(obstacles[0]["reason"].as_str().unwrap().contains("between a lag and a delay"));
     assert_eq!(data["effects"][3]["parameters"][0]["symbol"], "b");
     assert_eq!(data["effects"][0]["parameters"][0]["std_error"], 1e-3);
     assert_eq!(data["robot"]["construction"]["r_m"], Robot::amigobot().r());
@@ -142,8 +142,8 @@ fn an_experiment_leaves_the_model_and_takes_back_functions_that_no_longer_hold()
         read("report.html").contains("model.json, model.py, model.m, model.c, model.mo, model.js")
     );
 
-    let behind = "[\"actuator_lag\", \"torque_saturation\"]";
-    folder.write("small.toml", on("run.csv") + &format!("\n[model]\neffects = {behind}\n"));
+    let between = "[\"actuator_lag\", \"torque_saturation\", \"actuator_delay\"]";
+    folder.write("small.toml", on("run.csv") + &format!("\n[model]\neffects = {between}\n"));
     folder.run(&["small.toml"]).says(0, &[]);
     let data: serde_json::Value = serde_json::from_str(&read("model.json")).unwrap();
     assert_eq!(data["exported"], false);

@@ -31,9 +31,10 @@ const EFFECTS: [&str; 17] = [
     "lateral_com",
     "torque_gain",
     "torque_saturation",
-    "backlash_deadzone",
     "actuator_lag",
     "actuator_delay",
+    // behind the lag, where its order matters
+    "backlash_deadzone",
 ];
 
 pub(crate) fn model() -> Model {

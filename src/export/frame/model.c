@@ -16,6 +16,7 @@ static const double direction[4][2] = {{1.0, 0.0}, {0.0, 1.0}, {1.0, -1.0}, {1.0
 
 void model_terms(double t, const double y[], double mass[3], double torque[2], double level[4]);
 void model_drive(const double M[2], double acting[2]);
+void model_behind(const double M[2], double acting[2]);
 void model_rates(double t, const double y[], const double M[2], double rate[]);
 void model_acceleration(double t, const double alpha[2], const double omega[2],
                         const double M[2], double a[2]);
@@ -47,9 +48,14 @@ static double fastest_rate(double t, const double y[]) {
     return fastest[0];
 }
 
-// The torques that act, from the recorded ones [N m].
+// The torques that enter lag and delay, from the recorded ones [N m].
 void model_drive(const double M[2], double acting[2]) {
     {{drive}}
+}
+
+// The torques that act, from those that lag and delay pass on [N m].
+void model_behind(const double M[2], double acting[2]) {
+    {{behind}}
 }
 
 // First-order lag of torques that run straight between samples, in place; tau [s].
@@ -169,9 +175,10 @@ static void moving(double t, const double y[], const double acting[2], const dou
 
 // Rates of a state y; t [s], M as recorded.
 void model_rates(double t, const double y[], const double M[2], double rate[]) {
-    double acting[2], sign[4];
+    double entering[2], acting[2], sign[4];
     int stuck[4];
-    model_drive(M, acting);
+    model_drive(M, entering);
+    model_behind(entering, acting);
     contact(t, y, acting, sign, stuck);
     moving(t, y, acting, sign, stuck, rate);
 }
@@ -249,7 +256,7 @@ static void advance(double t, double h, double y[STATES], const double from[2],
 }
 
 // The motion from recorded torques M, one row a sample of t [s], and the first state. Until a row is done its
-// alpha holds the torques that act.
+// alpha holds the torques that lag and delay pass on.
 void model_simulate(int n, const double t[], double M[][2], const double alpha0[2],
                     const double omega0[2], double alpha[][2], double omega[][2]) {
     double y[STATES], last[2] = {0.0, 0.0};
@@ -258,7 +265,8 @@ void model_simulate(int n, const double t[], double M[][2], const double alpha0[
     lag(n, t, alpha, {{lag}});
     postpone(n, t, alpha, {{delay}});
     for (int k = 0; k < n; k++) {
-        const double now[2] = {alpha[k][0], alpha[k][1]};
+        double now[2];
+        model_behind(alpha[k], now);
         if (k > 0) {
             double start[2] = {last[0], last[1]}, end[2] = {last[0], last[1]}, from[2], to[2];
             if (linear) end[0] = now[0], end[1] = now[1];

@@ -57,10 +57,17 @@ function model(changed = {}) {
     return fastest[0];
   }
 
-  // The torques that act, from the recorded ones [N m].
+  // The torques that enter lag and delay, from the recorded ones [N m].
   function drive(M) {
     const acting = [0.0, 0.0];
     {{drive}}
+    return acting;
+  }
+
+  // The torques that act, from those that lag and delay pass on [N m].
+  function behind(M) {
+    const acting = [0.0, 0.0];
+    {{behind}}
     return acting;
   }
 
@@ -224,7 +231,7 @@ function model(changed = {}) {
 
   // Rates of a state y; t [s], M as recorded.
   function rates(t, y, M) {
-    const acts = drive(M);
+    const acts = behind(drive(M));
     contact(t, y, acts);
     moving(t, acts);
     return Array.from(all);
@@ -242,7 +249,7 @@ function model(changed = {}) {
 
   // The torques that act at every sample of t [s], from the recorded ones.
   function acting(t, M) {
-    return delayed(t, lagged(t, M.map(drive), {{lag}}), {{delay}});
+    return delayed(t, lagged(t, M.map(drive), {{lag}}), {{delay}}).map(behind);
   }
 
   // The state y one sample later, at sample k, under torques that act.

@@ -7,6 +7,7 @@
 function robot = model()
   robot.terms = @terms;
   robot.drive = @drive;
+  robot.behind = @behind;
   robot.rates = @rates;
   robot.acceleration = @acceleration;
   robot.simulate = @simulate;
@@ -35,11 +36,18 @@ function fastest = fastest_rate(t, y)
   {{fastest}}
 end
 
-% The torques that act, from the recorded ones [N m].
+% The torques that enter lag and delay, from the recorded ones [N m].
 function acting = drive(M)
   {{parameters}}
   acting = zeros(1, 2);
   {{drive}}
+end
+
+% The torques that act, from those that lag and delay pass on [N m].
+function acting = behind(M)
+  {{parameters}}
+  acting = zeros(1, 2);
+  {{behind}}
 end
 
 % First-order lag of torques that run straight between samples; tau [s].
@@ -81,6 +89,9 @@ function out = acting_torques(t, M)
     out(k, :) = drive(M(k, :));
   end
   out = delayed(t, lagged(t, out, {{lag}}), {{delay}});
+  for k = 1:numel(t)
+    out(k, :) = behind(out(k, :));
+  end
 end
 
 function d = direction(j)
@@ -164,7 +175,7 @@ end
 
 % Rates of a state y; t [s], M as recorded.
 function dy = rates(t, y, M)
-  acting = drive(M);
+  acting = behind(drive(M));
   [s, stuck] = contact(t, y, acting);
   dy = moving(t, y, acting, s, stuck);
 end

@@ -70,7 +70,7 @@ package TwoWheelRobot "Identified model of a two-wheel robot"
     {{fastest}}
   end fastestRate;
 
-  function drive "The torques that act, from the recorded ones [N m]"
+  function drive "The torques that enter lag and delay, from the recorded ones [N m]"
     input Real M[2];
     output Real acting[2];
   protected
@@ -78,6 +78,15 @@ package TwoWheelRobot "Identified model of a two-wheel robot"
   algorithm
     {{drive}}
   end drive;
+
+  function behind "The torques that act, from those that lag and delay pass on [N m]"
+    input Real M[2];
+    output Real acting[2];
+  protected
+    Real x[{{behind_temporaries}}];
+  algorithm
+    {{behind}}
+  end behind;
 
   function solve "Solves (m11 m12; m12 m22) x = b"
     input Real mass[3];
@@ -215,7 +224,7 @@ package TwoWheelRobot "Identified model of a two-wheel robot"
     Real s[4];
     Boolean stuck[4];
   algorithm
-    acting := drive(M);
+    acting := behind(drive(M));
     (s, stuck) := contact(t, y, acting);
     k := moving(t, y, acting, s, stuck);
   end rates;
@@ -443,7 +452,7 @@ package TwoWheelRobot "Identified model of a two-wheel robot"
       commanded := drive(M);
       slow := if time > 0.5 * step then later(pre(slow), pre(commanded), commanded, left, mean)
               else held(commanded);
-      acting := passed(slow, whole, share);
+      acting := behind(passed(slow, whole, share));
       if time > 0.5 * step then
         y := follow(time - step, step, pre(y), pre(acting),
                     if linear then acting else pre(acting));

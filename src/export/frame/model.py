@@ -44,9 +44,16 @@ def fastest_rate(t, y):
 
 
 def drive(M):
-    """The torques that act, from the recorded ones [N m]."""
+    """The torques that enter lag and delay, from the recorded ones [N m]."""
     acting = [0.0] * 2
     {{drive}}
+    return acting
+
+
+def behind(M):
+    """The torques that act, from those that lag and delay pass on [N m]."""
+    acting = [0.0] * 2
+    {{behind}}
     return acting
 
 
@@ -143,7 +150,7 @@ def moving(t, y, acting, sign, stuck):
 
 def rates(t, y, M):
     """Rates of a state y; t [s], M as recorded."""
-    acting = drive(M)
+    acting = behind(drive(M))
     return moving(t, y, acting, *contact(t, y, acting))
 
 
@@ -206,7 +213,8 @@ def simulate(t, M, alpha, omega):
     """The motion from recorded torques M, one pair a sample of t [s], and the first state."""
     y = started(alpha, omega)
     states = [y]
-    acting = delayed(t, lagged(t, [drive(m) for m in M], {{lag}}), {{delay}})
+    passed = delayed(t, lagged(t, [drive(m) for m in M], {{lag}}), {{delay}})
+    acting = [behind(m) for m in passed]
     for k in range(1, len(t)):
         start = acting[k - 1]
         end = acting[k] if LINEAR else start
