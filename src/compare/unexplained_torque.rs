@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::effects::Motion;
 use crate::filter::{Columns, Instant, Likelihood, ProcessNoise};
 use crate::math::distribution::chi2_log_survival;
-use crate::math::{Information, eliminate};
+use crate::math::{Information, eliminate, pseudo_inverse};
 use crate::model::{Model, ModelError};
 use crate::recording::Recording;
 
@@ -279,10 +279,8 @@ fn curve(
     let (information, score) = eliminate(h, g, base, columns);
     // all bins are in N m: scaled to unit diagonal, as `Information` does, bins with few rows would count as others
     let largest = information.diagonal().max();
-    let inverse = information
-        .clone()
-        .pseudo_inverse(1e-3 * largest.max(1e-300))
-        .unwrap_or_else(|_| DMatrix::zeros(columns.len(), columns.len()));
+    let inverse = pseudo_inverse(&information, 1e-3 * largest.max(1e-300))
+        .unwrap_or_else(|| DMatrix::zeros(columns.len(), columns.len()));
     let torque = &inverse * score;
     (0..BINS)
         .map(|b| {

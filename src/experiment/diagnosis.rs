@@ -2,61 +2,39 @@
 
 use super::comparison::Comparison;
 use super::error::RunError;
-use super::plan::Plan;
+use super::plan::{DiagnosisPlan, Plan};
 use crate::compare::{Curve, WindowFloor};
-use crate::diagnose::{
-    Data, Diagnosis, Judge, Settings, THRESHOLDS, Told, WindowFit, cutoff, mobility,
-    with_later_input,
-};
+use crate::diagnose::{Data, Diagnosis, Settings, Told, WindowFit, with_later_input};
 use crate::identify::{IdentifyError, Task, start};
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::PhysicalDynamics;
 use crate::study::{DiagnosisStudy, Role, is_undetermined};
-use crate::verdict::{Basis, Concluded, Trial, concluded, curves_of, residual_torques};
+use crate::verdict::{Basis, Settled};
 
 /// A comparison with its diagnosis, where the plan asks for one.
 pub struct Diagnosed {
     /// The comparison; with a diagnosis, the noise floor is that of the model with what was found.
     pub comparison: Comparison,
-    pub(super) outcome: Option<Outcome>,
+    pub(super) settled: Option<Settled>,
 }
 
 impl Diagnosed {
-    /// The verdict; `None` where no diagnosis was asked for.
-    #[must_use]
-    pub fn verdict(&self) -> Option<&DiagnosisStudy> {
-        self.outcome.as_ref().map(|outcome| &outcome.concluded.words)
+    /// The verdict, that of the [study](super::study()); `None` where no diagnosis was asked for.
+    ///
+    /// # Errors
+    /// A model that cannot be simulated.
+    pub fn verdict(self, plan: &Plan) -> Result<Option<DiagnosisStudy>, RunError> {
+        let (Some(asked), Some(settled)) = (&plan.diagnosis, self.settled) else { return Ok(None) };
+        let curves = with_basis(plan, asked, &self.comparison, |basis| settled.curves(basis));
+        verdict(plan, &self.comparison, Some(settled), &curves)
     }
 }
 
 impl From<Comparison> for Diagnosed {
     /// Without a diagnosis.
     fn from(comparison: Comparison) -> Self {
-        Self { comparison, outcome: None }
-    }
-}
-
-/// A diagnosis and its verdict.
-pub(super) struct Outcome {
-    pub(super) diagnosis: Diagnosis,
-    concluded: Concluded,
-    /// Noise floor of the judged recordings under the last model.
-    floor: WindowFloor,
-    /// The formula of what the residual torque depends on, where it was tried already.
-    trial: Option<Trial>,
-}
-
-impl Outcome {
-    /// The verdict beside the `curves` of the residual torque.
-    pub(super) fn concluded(self, plan: &Plan, curves: &[Curve]) -> DiagnosisStudy {
-        let Self { diagnosis, concluded, floor, trial } = self;
-        let (train, judged) = (plan.of(Role::Train), plan.judged());
-        let basis = Basis { floor: Some(floor), ..Basis::new(&train, &judged, plan.hold) };
-        let says = concluded.says_dependence(curves);
-        let trial = || trial.or_else(|| Trial::of(curves, &diagnosis, &basis));
-        let trial = says.then(trial).flatten().filter(|trial| trial.explains(floor.expected));
-        concluded.with_dependence(curves, &basis, trial.map(Trial::study))
+        Self { comparison, settled: None }
     }
 }
 
@@ -80,57 +58,49 @@ pub(super) fn diagnose_told(
     let Some(asked) = &plan.diagnosis else { return Ok(comparison.into()) };
     let settings = Settings { told, ..asked.settings.clone() };
     let diagnosis = search(plan, &settings, &comparison)?;
-    let (diagnosis, trial) = unless_in_place(plan, &comparison, diagnosis);
-    let comparison = match diagnosis.steps.last() {
-        Some(_) => comparison.under(plan, &dynamics(diagnosis.last()))?,
+    let floor = floor_of(&comparison);
+    let settled =
+        with_basis(plan, asked, &comparison, |basis| Settled::of(diagnosis, basis, Some(floor)));
+    let comparison = match settled.diagnosis().steps.last() {
+        Some(_) => comparison.under(plan, &dynamics(settled.diagnosis().last()))?,
         None => comparison,
     };
-    let floor = floor_of(&comparison);
-    let basis = Basis {
+    Ok(Diagnosed { comparison, settled: Some(settled) })
+}
+
+/// The verdict of a diagnosis beside the `curves` of the residual torque; `None` where none was asked for.
+///
+/// # Errors
+/// A model that cannot be simulated.
+pub(super) fn verdict(
+    plan: &Plan,
+    comparison: &Comparison,
+    settled: Option<Settled>,
+    curves: &[Curve],
+) -> Result<Option<DiagnosisStudy>, RunError> {
+    let (Some(asked), Some(settled)) = (&plan.diagnosis, settled) else { return Ok(None) };
+    let floor = Some(floor_of(comparison));
+    let verdict =
+        with_basis(plan, asked, comparison, |basis| settled.verdict(curves, basis, floor))?;
+    Ok(Some(verdict))
+}
+
+/// Does something with what the verdict on a plan rests on.
+fn with_basis<T>(
+    plan: &Plan,
+    asked: &DiagnosisPlan,
+    comparison: &Comparison,
+    f: impl FnOnce(&Basis) -> T,
+) -> T {
+    f(&Basis {
         train: &plan.of(Role::Train),
-        judged: &plan.judged(),
+        validation: &plan.of(Role::Validation),
         hold: plan.hold,
-        floor: Some(floor),
         false_alarm: asked.settings.false_alarm,
         slow_moment: asked.slow_moment,
         seed: plan.seed,
-    };
-    let concluded = concluded(&diagnosis, &basis)?;
-    let is_undetermined = stalled_without_inertia(&comparison) && !knows_inertia(diagnosis.last());
-    let concluded = concluded.unless_undetermined(is_undetermined);
-    let outcome = Outcome { diagnosis, concluded, floor, trial };
-    Ok(Diagnosed { comparison, outcome: Some(outcome) })
-}
-
-/// The diagnosis without what was found, where the model is far above the floor with it and better with a formula of what
-/// the residual torque depends on in its place; else with that formula, where it was tried.
-fn unless_in_place(
-    plan: &Plan,
-    comparison: &Comparison,
-    diagnosis: Diagnosis,
-) -> (Diagnosis, Option<Trial>) {
-    if diagnosis.steps.is_empty() {
-        return (diagnosis, None);
-    }
-    let (train, judged, floor) = (plan.of(Role::Train), plan.judged(), floor_of(comparison));
-    let errors = Judge::new(judged.clone(), plan.hold).errors(&diagnosis, floor);
-    if !errors.is_ok_and(|errors| errors.far_above_all()) {
-        return (diagnosis, None);
-    }
-    let recordings: Vec<&Recording> = plan.recordings.iter().map(|m| &m.recording).collect();
-    let WindowFit { model, p, .. } = &diagnosis.base;
-    let cutoff = cutoff(&recordings, mobility(model, p));
-    let [before, after] = [&diagnosis.base, diagnosis.last()]
-        .map(|fit| residual_torques(&fit.model, &fit.p, &recordings, cutoff));
-    let curves = curves_of(&diagnosis, &recordings, cutoff, &before, Some(&after));
-    let trial = Trial::of(&curves, &diagnosis, &Basis::new(&train, &judged, plan.hold));
-    match trial {
-        Some(trial) if trial.in_place && trial.explains(floor.expected) => {
-            let rest = diagnosis.ranking.clone();
-            (Diagnosis { steps: vec![], rest, ..diagnosis }, None)
-        }
-        trial => (diagnosis, trial),
-    }
+        is_stalled: stalled_without_inertia(comparison),
+    })
 }
 
 /// The noise floor of the judged recordings.
@@ -161,12 +131,6 @@ fn search(
 /// Whether the preferred fit stalled where a1 is not identifiable, though wheels turn against each other.
 fn stalled_without_inertia(comparison: &Comparison) -> bool {
     is_undetermined(&comparison.recordings, Some(comparison.reference_method()))
-}
-
-/// Whether a fit identifies a1: its 95 % interval holds positive values only.
-fn knows_inertia(fit: &WindowFit) -> bool {
-    let Ok(j) = fit.model.index_of("a1") else { return false };
-    fit.p[j] > THRESHOLDS.uncertain * fit.covariance[(j, j)].sqrt()
 }
 
 /// The model with what the data do not identify held where the preferred fit holds it: a fit that is free to
@@ -203,4 +167,27 @@ fn starts(plan: &Plan, task: &Task) -> Vec<Vec<f64>> {
 
 fn failed(e: IdentifyError) -> RunError {
     RunError::NoFit { reasons: e.to_string() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::{compare, fits, load};
+
+    #[test]
+    fn the_verdict_of_an_experiment_is_that_of_the_library() {
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/experiments/outside_catalogue.toml");
+        let plan = load(file.as_ref(), &[]).unwrap();
+        let asked = plan.diagnosis.as_ref().unwrap();
+        let comparison = compare(&plan, &fits(&plan)).unwrap();
+        let found = search(&plan, &asked.settings, &comparison).unwrap();
+        let (train, validation) = (plan.of(Role::Train), plan.of(Role::Validation));
+        let basis = Basis::new(&train, &validation, plan.hold);
+        let alone = crate::verdict::verdict(&found, &basis).unwrap();
+        let run = diagnose(&plan, comparison).unwrap().verdict(&plan).unwrap().unwrap();
+        assert_eq!((alone.verdict, alone.found), (run.verdict, run.found));
+        let block = |study: Option<crate::study::FormulaStudy>| study.map(|f| (f.id, f.toml));
+        assert!(run.formula.is_some());
+        assert_eq!(block(alone.formula), block(run.formula));
+    }
 }

@@ -1,7 +1,7 @@
 //! From a plan to a study: fit, compare, diagnose.
 
 use super::comparison::{Comparison, compare};
-use super::diagnosis::{Diagnosed, diagnose_told};
+use super::diagnosis::{Diagnosed, diagnose_told, verdict};
 use super::error::RunError;
 use super::fits::fits_in_stages;
 use super::model_out::model_out;
@@ -40,12 +40,12 @@ pub(super) fn run_in_stages(plan: &Plan, stages: &Stages) -> Result<Study, RunEr
 /// # Errors
 /// A model that cannot be simulated.
 pub fn study(plan: &Plan, diagnosed: Diagnosed) -> Result<Study, RunError> {
-    let Diagnosed { comparison, outcome } = diagnosed;
-    let models = match &outcome {
-        Some(outcome) => models::of_diagnosis(plan, &comparison, &outcome.diagnosis)?,
+    let Diagnosed { comparison, settled } = diagnosed;
+    let models = match &settled {
+        Some(settled) => models::of_diagnosis(plan, &comparison, settled.diagnosis())?,
         None => models::of_reference(plan, &comparison)?,
     };
-    let diagnosis = outcome.map(|outcome| outcome.concluded(plan, &models.curves));
+    let diagnosis = verdict(plan, &comparison, settled, &models.curves)?;
     let model_out = model_out(plan, &comparison, diagnosis.as_ref());
     let what_if = what_if(plan, &comparison, &models, diagnosis.as_ref());
     let Comparison { recordings, methods, reference, .. } = comparison;

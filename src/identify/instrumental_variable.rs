@@ -12,7 +12,7 @@ use super::{
     Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task, from_options,
     options_schema, start,
 };
-use crate::math::clustered_covariance;
+use crate::math::{clustered_covariance, pseudo_inverse};
 use crate::simulate::{Gain, PhysicalDynamics, Structure, emulate};
 
 /// Instrumental variables for the inverse dynamics (IDIM-IV).
@@ -162,6 +162,6 @@ fn inverse_of_product(z: &DMatrix<f64>, x: &DMatrix<f64>) -> DMatrix<f64> {
     let n = x.ncols();
     let product = z.tr_mul(x);
     let scaled = DMatrix::from_fn(n, n, |i, k| product[(i, k)] / (of_z[i] * of_x[k]));
-    let inverse = scaled.pseudo_inverse(1e-8).unwrap_or_else(|_| DMatrix::zeros(n, n));
+    let inverse = pseudo_inverse(&scaled, 1e-8).unwrap_or_else(|| DMatrix::zeros(n, n));
     DMatrix::from_fn(n, n, |i, k| inverse[(i, k)] / (of_x[i] * of_z[k]))
 }

@@ -16,7 +16,7 @@ use super::{
     Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task, from_options,
     options_schema, start,
 };
-use crate::math::{BandedCholesky, clustered_covariance, raise_errors};
+use crate::math::{BandedCholesky, clustered_covariance, pseudo_inverse, raise_errors};
 use crate::recording::Recording;
 
 /// Weak form: torques integrated against test functions, weighted by their covariance.
@@ -156,7 +156,7 @@ impl Sums {
         let half = inverse_where_known(&self.information);
         let inside = &half * &self.left;
         let right = &half * &self.right;
-        inside.pseudo_inverse(1e-9).map_or(right.clone(), |inverse| inverse * &right)
+        pseudo_inverse(&inside, 1e-9).map_or(right.clone(), |inverse| inverse * &right)
     }
 }
 

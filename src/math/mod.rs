@@ -42,4 +42,5 @@ pub(crate) use products::{FILLED, add_products};
 pub use robust::{RobustFit, fit_huber};
 pub use runge_kutta::{runge_kutta_from, runge_kutta_motion, runge_kutta_step};
 pub use scalar::{Dual, Real, sgn};
+pub(crate) use singular_values::pseudo_inverse;
 pub use symbol::{Symbol, record};

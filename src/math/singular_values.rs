@@ -1,6 +1,6 @@
 //! Singular values of small matrices by one-sided Jacobi rotations.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 /// More sweeps than any matrix has been seen to need (about ten).
 const MAX_SWEEPS: usize = 60;
@@ -47,6 +47,30 @@ pub(crate) fn singular_values(matrix: DMatrix<f64>) -> SingularValues {
     }
 }
 
+/// Pseudo-inverse of a matrix with at least as many rows as columns; singular values up to `least` count as zero. `None` where
+/// an entry is not finite.
+///
+/// The one of nalgebra iterates without an end on such a matrix.
+pub(crate) fn pseudo_inverse(matrix: &DMatrix<f64>, least: f64) -> Option<DMatrix<f64>> {
+    if !matrix.iter().all(|entry| entry.is_finite()) {
+        return None;
+    }
+    let svd = singular_values(matrix.clone());
+    let rank = svd.values.iter().take_while(|value| **value > least).count();
+    Some(svd.pseudo_inverse(rank))
+}
+
+impl SingularValues {
+    /// Pseudo-inverse of the decomposed matrix of so many largest singular values.
+    pub(crate) fn pseudo_inverse(&self, rank: usize) -> DMatrix<f64> {
+        let squares = self.values[..rank].iter().map(|value| value * value);
+        let squares = DVector::from_iterator(rank, squares);
+        let mut left = self.left_scaled.columns(0, rank).transpose();
+        left.row_iter_mut().zip(&squares).for_each(|(mut row, square)| row /= *square);
+        self.right.columns(0, rank) * left
+    }
+}
+
 /// Rotates columns `p` and `q` until they are orthogonal; false if they already were.
 fn make_orthogonal(left: &mut DMatrix<f64>, right: &mut DMatrix<f64>, p: usize, q: usize) -> bool {
     let (pp, qq) = (left.column(p).norm_squared(), left.column(q).norm_squared());
@@ -84,6 +108,18 @@ mod tests {
         let identity = svd.right.transpose() * &svd.right;
         assert!((identity - DMatrix::identity(6, 6)).amax() < 1e-14);
         assert!((hilbert * &svd.right - svd.left_scaled).amax() < 1e-15);
+    }
+
+    #[test]
+    fn the_pseudo_inverse_equals_that_of_numpy_and_ends_without_numbers() {
+        let a = DMatrix::from_row_slice(3, 2, &[1.0, 2.0, 2.0, 4.0, 3.0, 6.0]);
+        // numpy.linalg.pinv: of rank one, a'/norm^2
+        let inverse = pseudo_inverse(&a, 1e-9).unwrap();
+        assert!((inverse - a.transpose() / 70.0).amax() < 1e-15);
+        let b = DMatrix::from_row_slice(2, 2, &[2.0, 1.0, 1.0, 3.0]);
+        let exact = DMatrix::from_row_slice(2, 2, &[0.6, -0.2, -0.2, 0.4]);
+        assert!((pseudo_inverse(&b, 0.0).unwrap() - exact).amax() < 1e-15);
+        assert_eq!(pseudo_inverse(&DMatrix::from_element(9, 9, f64::NAN), 0.0), None);
     }
 
     #[test]

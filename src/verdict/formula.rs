@@ -15,21 +15,21 @@ use crate::study::{Coefficient, FormulaStudy};
 
 /// The formula of the curve that shows most of the residual torque, fitted in the model as given and beside what was
 /// found.
-pub(crate) struct Trial {
+pub(super) struct Trial {
     formula: Formula,
     /// Whether it takes the place of what was found. It stands beside that where it holds it, or lowers the error
     /// further by as much as is asked of any effect.
-    pub(crate) in_place: bool,
+    pub(super) in_place: bool,
     /// Error on the judged recordings of the last model, and of the model with the formula [rad/s].
     errors: [f64; 2],
 }
 
 impl Trial {
     /// `None` where no formula follows the curve, and where none can be simulated.
-    pub(crate) fn of(curves: &[Curve], diagnosis: &Diagnosis, basis: &Basis) -> Option<Self> {
+    pub(super) fn of(curves: &[Curve], diagnosis: &Diagnosis, basis: &Basis) -> Option<Self> {
         let curve = most_left(curves).filter(|c| c.left() >= THRESHOLDS.named_share)?;
         let formula = Formula::of(curve, basis.train[0].drive_unit())?;
-        let judge = Judge::new(basis.judged.to_vec(), basis.hold);
+        let judge = Judge::new(basis.judged().to_vec(), basis.hold);
         let error = |fit: &WindowFit| judge.judge(&fit.model, &fit.p).ok().map(|j| j.window_rms);
         let with = |base: &WindowFit| {
             let fit = formula.fitted(base, basis.train, basis.hold)?;
@@ -53,13 +53,13 @@ impl Trial {
     }
 
     /// Whether it explains the larger part of what the last model leaves above the noise floor [rad/s].
-    pub(crate) fn explains(&self, floor: f64) -> bool {
+    pub(super) fn explains(&self, floor: f64) -> bool {
         let [before, after] = self.errors.map(|error| error.powi(2) - floor.powi(2));
         after <= THRESHOLDS.unexplained * before
     }
 
     /// The formula as an effect of an experiment file, with the error of the model that has it.
-    pub(crate) fn study(self) -> FormulaStudy {
+    pub(super) fn study(self) -> FormulaStudy {
         let [_, window_rms] = self.errors;
         FormulaStudy { in_place: self.in_place, window_rms, ..study_of(self.formula) }
     }
@@ -122,13 +122,13 @@ fn holds(with_formula: &WindowFit, found: &WindowFit) -> bool {
 }
 
 /// "A formula of it (heading_resistance) lowers the 2 s simulation error to 0.061 rad/s, 1.7 times the noise floor."
-pub(super) fn words(formula: &FormulaStudy, floor: Option<f64>) -> String {
+pub(super) fn words(formula: &FormulaStudy, floor: f64) -> String {
     let FormulaStudy { id, in_place, window_rms, .. } = formula;
     let place = if *in_place { " in place of what was found" } else { "" };
-    let over = match floor.filter(|floor| *floor > 0.0) {
-        Some(floor) if window_rms / floor <= THRESHOLDS.at_floor => ", the noise floor".to_owned(),
-        Some(floor) => format!(", {:.1} times the noise floor", window_rms / floor),
-        None => String::new(),
+    let over = match window_rms / floor {
+        ratio if !ratio.is_finite() => String::new(),
+        ratio if ratio <= THRESHOLDS.at_floor => ", the noise floor".to_owned(),
+        ratio => format!(", {ratio:.1} times the noise floor"),
     };
     let error = format::significant(*window_rms, 3);
     format!(
@@ -171,13 +171,10 @@ mod tests {
             ..FormulaStudy::default()
         };
         assert_eq!(
-            words(&formula(0.0612, true), Some(0.0358)),
+            words(&formula(0.0612, true), 0.0358),
             " A formula of it (heading_resistance) in place of what was found lowers the 2 s simulation error to \
              0.0612 rad/s, 1.7 times the noise floor."
         );
-        assert!(
-            words(&formula(0.0412, false), Some(0.0358))
-                .ends_with("0.0412 rad/s, the noise floor.")
-        );
+        assert!(words(&formula(0.0412, false), 0.0358).ends_with("0.0412 rad/s, the noise floor."));
     }
 }

@@ -6,10 +6,12 @@ mod next;
 mod ranking;
 mod sentence;
 mod series;
+mod settled;
 mod undetermined;
 
-pub(crate) use self::formula::{Trial, curves_of, residual_torques};
+pub(crate) use self::formula::{curves_of, residual_torques};
 pub(crate) use self::sentence::title;
+pub(crate) use self::settled::Settled;
 use self::undetermined::unless_undetermined;
 
 use self::dependence::{is_most_of_it, most_left, residual_torque};
@@ -30,42 +32,54 @@ use crate::study::{DiagnosisStudy, FormulaStudy, FoundEffect, Verdict, parameter
 pub struct Basis<'a> {
     /// The recordings that were fitted.
     pub train: &'a [Recording],
-    /// The recordings whose error is judged, best such that no model was fitted to.
-    pub judged: &'a [Recording],
+    /// The recordings that no model was fitted to; without any, errors are judged on those that were fitted.
+    pub validation: &'a [Recording],
     /// The input between the rows.
     pub hold: Hold,
-    /// Noise floor of the judged recordings under the last model of the diagnosis, where it is known already.
-    pub floor: Option<WindowFloor>,
     /// The false-alarm rate that the diagnosis was asked for.
     pub false_alarm: f64,
     /// Whether the residual torque of the filter contains a slow disturbance.
     pub slow_moment: bool,
     /// Seed of the proposed manoeuvre.
     pub seed: u64,
+    /// Whether an estimate of the model as given stalled without an identifiable a1, though the wheels turn against each
+    /// other. Unless the diagnosis identifies a1, the columns do not determine the model then.
+    pub is_stalled: bool,
 }
 
 impl<'a> Basis<'a> {
     /// Of a diagnosis with default settings.
     #[must_use]
-    pub fn new(train: &'a [Recording], judged: &'a [Recording], hold: Hold) -> Self {
+    pub fn new(train: &'a [Recording], validation: &'a [Recording], hold: Hold) -> Self {
         let Settings { false_alarm, .. } = Settings::default();
-        Self { train, judged, hold, floor: None, false_alarm, slow_moment: true, seed: 0 }
+        let (slow_moment, seed, is_stalled) = (true, 0, false);
+        Self { train, validation, hold, false_alarm, slow_moment, seed, is_stalled }
+    }
+
+    /// The recordings whose error is judged.
+    fn judged(&self) -> &'a [Recording] {
+        if self.validation.is_empty() { self.train } else { self.validation }
     }
 }
 
 /// The verdict of a diagnosis: errors of its first and its last model over the judged recordings against the
-/// noise floor, structure in the residual torque, and what to record next.
+/// noise floor, what the residual torque depends on, with a formula of that, and what to record next. Effects that only
+/// stand in for such a formula are not found.
 ///
 /// # Errors
 /// A model that cannot move, or diverges.
 pub fn verdict(diagnosis: &Diagnosis, basis: &Basis) -> Result<DiagnosisStudy, SimulateError> {
-    Ok(concluded(diagnosis, basis)?.with_dependence(&[], basis, None))
+    let settled = Settled::of(diagnosis.clone(), basis, None);
+    let curves = settled.curves(basis);
+    settled.verdict(&curves, basis, None)
 }
 
 /// A verdict without what the residual torque depends on.
-pub(crate) struct Concluded {
+struct Concluded {
     /// The verdict.
-    pub(crate) words: DiagnosisStudy,
+    words: DiagnosisStudy,
+    /// Noise floor of the judged recordings under the last model [rad/s].
+    floor: f64,
     /// The effect that is likely beside it, in words.
     likely: String,
     /// The variable on which the residual torque of the last model depends significantly.
@@ -76,14 +90,14 @@ pub(crate) struct Concluded {
 
 impl Concluded {
     /// The verdict, taken back where the columns do not determine the model.
-    pub(crate) fn unless_undetermined(self, is_undetermined: bool) -> Self {
+    fn unless_undetermined(self, is_undetermined: bool) -> Self {
         Self { words: unless_undetermined(self.words, is_undetermined), ..self }
     }
 
     /// Whether the verdict says what the residual torque depends on, by its `curves`: where something outside the
     /// catalogue is missing, and where more is missing than was found, by the error or by a variable that shows the
     /// larger part of it.
-    pub(crate) fn says_dependence(&self, curves: &[Curve]) -> bool {
+    fn says_dependence(&self, curves: &[Curve]) -> bool {
         let plainly = || most_left(curves).is_some_and(is_most_of_it);
         match self.words.verdict {
             Verdict::UnknownEffect => !self.words.is_undetermined,
@@ -94,14 +108,14 @@ impl Concluded {
 
     /// The verdict with what the residual torque depends on, by its `curves`, where it says so, and with a `formula` of
     /// that, beside which no effect of the catalogue is likely and no recording is needed to tell.
-    pub(crate) fn with_dependence(
+    fn with_dependence(
         self,
         curves: &[Curve],
         basis: &Basis,
         formula: Option<FormulaStudy>,
     ) -> DiagnosisStudy {
         let says = self.says_dependence(curves);
-        let Self { words, likely, depends_on, .. } = self;
+        let Self { words, floor, likely, depends_on, .. } = self;
         let likely = if formula.is_some() { String::new() } else { likely };
         if !says {
             return DiagnosisStudy { sentence: words.sentence + &likely, ..words };
@@ -109,7 +123,6 @@ impl Concluded {
         let depends = residual_torque(curves, depends_on, basis.train[0].drive_unit());
         let sentence = format!("{}{likely} {depends}", words.sentence);
         let Some(formula) = formula else { return DiagnosisStudy { sentence, ..words } };
-        let floor = basis.floor.map(|floor| floor.expected);
         DiagnosisStudy {
             sentence: sentence + &formula::words(&formula, floor),
             formula: Some(formula),
@@ -121,11 +134,13 @@ impl Concluded {
     }
 }
 
-/// The verdict without what the residual torque depends on.
-///
-/// # Errors
-/// As [`verdict`].
-pub(crate) fn concluded(diagnosis: &Diagnosis, basis: &Basis) -> Result<Concluded, SimulateError> {
+/// The verdict without what the residual torque depends on; `floor`: that of the judged recordings under the last model,
+/// where it is known already.
+fn concluded(
+    diagnosis: &Diagnosis,
+    basis: &Basis,
+    floor: Option<WindowFloor>,
+) -> Result<Concluded, SimulateError> {
     let likelihood = Likelihood {
         prepared: basis.train.iter().map(prepare).collect(),
         hold: basis.hold,
@@ -133,9 +148,9 @@ pub(crate) fn concluded(diagnosis: &Diagnosis, basis: &Basis) -> Result<Conclude
         timing: false,
     };
     let unit = basis.train[0].drive_unit();
-    let judge = Judge::new(basis.judged.to_vec(), basis.hold);
+    let judge = Judge::new(basis.judged().to_vec(), basis.hold);
     let WindowFit { model, p, .. } = diagnosis.last();
-    let floor = basis.floor.unwrap_or_else(|| judge.floor(model, p));
+    let floor = floor.unwrap_or_else(|| judge.floor(model, p));
     let before = judge.judge(&diagnosis.base.model, &diagnosis.base.p)?;
     let errors = judge.errors(diagnosis, floor)?;
     let left = judge.structure_left(diagnosis, &likelihood)?;
@@ -190,7 +205,7 @@ pub(crate) fn concluded(diagnosis: &Diagnosis, basis: &Basis) -> Result<Conclude
     };
     let depends_on = left.map(|dependence| dependence.variable);
     let (likely, is_far) = (finding.likely_beside(), errors.far_above_all());
-    Ok(Concluded { words, likely, depends_on, is_far })
+    Ok(Concluded { words, floor: floor.expected, likely, depends_on, is_far })
 }
 
 /// Why a fit that lowers the held-out error is not accepted; `now`: square of the error that is shown [rad^2/s^2].

@@ -156,8 +156,8 @@ pub(super) fn run_cell(grid: &GridPlan, cell: usize, key: String, methods: &[&st
     let truth = &plan.truth;
     out.on_training = !comparison.judged().are_held_out();
     out.rows = comparison.methods.iter().flat_map(|m| rows(&comparison, m, truth)).collect();
-    out.verdict = match diagnose(&plan, comparison) {
-        Ok(diagnosed) => diagnosed.verdict().map(|words| {
+    out.verdict = match diagnose(&plan, comparison).and_then(|diagnosed| diagnosed.verdict(&plan)) {
+        Ok(words) => words.map(|words| {
             out.found = words.found.join("+");
             CellVerdict::Concluded(words.verdict)
         }),

@@ -1,0 +1,86 @@
+//! From what the search found to the verdict.
+
+use super::formula::{Trial, curves_of, residual_torques};
+use super::{Basis, concluded};
+use crate::compare::{Curve, WindowFloor};
+use crate::diagnose::{Diagnosis, Judge, THRESHOLDS, WindowFit, cutoff, mobility};
+use crate::recording::Recording;
+use crate::simulate::SimulateError;
+use crate::study::DiagnosisStudy;
+
+/// A diagnosis without effects that only stand in for something outside the catalogue.
+pub(crate) struct Settled {
+    diagnosis: Diagnosis,
+    /// The formula of what the residual torque depends on, where it was tried already.
+    trial: Option<Trial>,
+}
+
+impl Settled {
+    /// Takes back what was found where the model is far above the noise floor with it, and better with a formula of what
+    /// the residual torque depends on in its place. `floor`: that of the judged recordings under the model as given,
+    /// where it is known already.
+    pub(crate) fn of(diagnosis: Diagnosis, basis: &Basis, floor: Option<WindowFloor>) -> Self {
+        if diagnosis.steps.is_empty() {
+            return Self { diagnosis, trial: None };
+        }
+        let judge = Judge::new(basis.judged().to_vec(), basis.hold);
+        let WindowFit { model, p, .. } = &diagnosis.base;
+        let floor = floor.unwrap_or_else(|| judge.floor(model, p));
+        if !judge.errors(&diagnosis, floor).is_ok_and(|errors| errors.far_above_all()) {
+            return Self { diagnosis, trial: None };
+        }
+        match Trial::of(&curves(&diagnosis, basis), &diagnosis, basis) {
+            Some(trial) if trial.in_place && trial.explains(floor.expected) => {
+                let rest = diagnosis.ranking.clone();
+                Self { diagnosis: Diagnosis { steps: vec![], rest, ..diagnosis }, trial: None }
+            }
+            trial => Self { diagnosis, trial },
+        }
+    }
+
+    /// The diagnosis.
+    pub(crate) fn diagnosis(&self) -> &Diagnosis {
+        &self.diagnosis
+    }
+
+    /// How the residual torque of its models depends on anything.
+    pub(crate) fn curves(&self, basis: &Basis) -> Vec<Curve> {
+        curves(&self.diagnosis, basis)
+    }
+
+    /// The verdict beside the `curves` of the residual torque. `floor`: that of the judged recordings under the last
+    /// model, where it is known already.
+    ///
+    /// # Errors
+    /// A model that cannot move, or diverges.
+    pub(crate) fn verdict(
+        self,
+        curves: &[Curve],
+        basis: &Basis,
+        floor: Option<WindowFloor>,
+    ) -> Result<DiagnosisStudy, SimulateError> {
+        let Self { diagnosis, trial } = self;
+        let is_undetermined = basis.is_stalled && !knows_inertia(diagnosis.last());
+        let concluded = concluded(&diagnosis, basis, floor)?.unless_undetermined(is_undetermined);
+        let trial = || trial.or_else(|| Trial::of(curves, &diagnosis, basis));
+        let trial = concluded.says_dependence(curves).then(trial).flatten();
+        let trial = trial.filter(|trial| trial.explains(concluded.floor));
+        Ok(concluded.with_dependence(curves, basis, trial.map(Trial::study)))
+    }
+}
+
+/// How the residual torque of the model as given, and that of the model with what was found, depend on anything.
+fn curves(diagnosis: &Diagnosis, basis: &Basis) -> Vec<Curve> {
+    let recordings: Vec<&Recording> = basis.train.iter().chain(basis.validation).collect();
+    let (base, last) = (&diagnosis.base, diagnosis.last());
+    let cutoff = cutoff(&recordings, mobility(&base.model, &base.p));
+    let of = |fit: &WindowFit| residual_torques(&fit.model, &fit.p, &recordings, cutoff);
+    let after = (!diagnosis.steps.is_empty()).then(|| of(last));
+    curves_of(diagnosis, &recordings, cutoff, &of(base), after.as_deref())
+}
+
+/// Whether a fit identifies a1: its 95 % interval holds positive values only.
+fn knows_inertia(fit: &WindowFit) -> bool {
+    let Ok(j) = fit.model.index_of("a1") else { return false };
+    fit.p[j] > THRESHOLDS.uncertain * fit.covariance[(j, j)].sqrt()
+}
