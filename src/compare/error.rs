@@ -1,13 +1,13 @@
 //! The error of a model on a recording: the paper's index, and the error over short windows.
 
+use std::ops::Range;
+
 use crate::recording::{LocalMotion, Recording};
 use crate::robot::State;
-use crate::simulate::{Dynamics, Hold, Input, RunIn, SimulateError};
+use crate::simulate::{Dynamics, Hold, Input, SimulateError};
 
 /// Length of an open-loop window \[s\].
 pub(crate) const WINDOW: f64 = 2.0;
-/// Run-in of a window where the second mass of a drivetrain must get under way first \[s\].
-const RUN_IN: f64 = 2.0;
 
 /// A recording simulated by a model.
 #[derive(Clone, Debug)]
@@ -38,12 +38,11 @@ pub fn simulate_recording(
     let mut window_starts = Vec::new();
     let mut window_states = Vec::new();
     for piece in recording.pieces() {
-        free.extend(input.simulate_measured(piece.clone(), hold)?);
-        for window in windows_of(recording, piece, WINDOW) {
-            window_starts.push(window.start);
-            window_states.push(start_of(&recording.local_motion()[window.start]));
-            windows.extend(input.simulate_measured(window, hold)?);
-        }
+        free.extend(input.simulate_measured(std::slice::from_ref(piece), hold)?);
+        let short = windows_of(recording, piece, WINDOW);
+        window_starts.extend(short.iter().map(|window| window.start));
+        window_states.extend(short.iter().map(|window| input.start(window)));
+        windows.extend(input.simulate_measured(&short, hold)?);
     }
     Ok(Simulated { free, windows, window_starts, window_states })
 }
@@ -51,11 +50,11 @@ pub fn simulate_recording(
 /// The windows of `length` \[s\] of a piece; a short rest joins the last one.
 pub(super) fn windows_of(
     recording: &Recording,
-    piece: &std::ops::Range<usize>,
+    piece: &Range<usize>,
     length: f64,
-) -> Vec<std::ops::Range<usize>> {
+) -> Vec<Range<usize>> {
     let t = recording.t();
-    let mut out: Vec<std::ops::Range<usize>> = Vec::new();
+    let mut out: Vec<Range<usize>> = Vec::new();
     let mut start = piece.start;
     for k in piece.clone() {
         if t[k] - t[start] >= length {
@@ -87,47 +86,38 @@ impl<'a> Acting<'a> {
         Self { dynamics, recording, input }
     }
 
-    /// The motion over a range of samples; far away (NaN) where it diverges: a bad model is a
+    /// The motion in the rows of all windows, each from its own start; not a number where it diverges: a bad model is a
     /// result, not an error.
     pub(crate) fn simulate(
         &self,
-        range: std::ops::Range<usize>,
-        start: State,
+        windows: &[(Range<usize>, State)],
         hold: Hold,
     ) -> Result<Vec<State>, SimulateError> {
-        let (samples, t) = (range.len(), self.recording.t());
-        let run_in = self.run_in(range.start);
-        let whole = range.start - run_in.samples..range.end;
-        let input = Input { t: &t[whole.clone()], torque: &self.input[whole], hold };
-        match self.dynamics.simulate_part(&input, t[0], &run_in, start) {
-            Err(SimulateError::Diverged { .. }) => {
-                Ok(vec![State { alpha: [f64::NAN; 2], omega: [f64::NAN; 2] }; samples])
-            }
-            other => other,
+        let input = Input { t: self.recording.t(), torque: &self.input, hold };
+        let piece = |row| self.recording.pieces().iter().position(|piece| piece.contains(&row));
+        let together = |a: &(Range<usize>, State), b: &(Range<usize>, State)| {
+            piece(a.0.start) == piece(b.0.start)
+        };
+        let mut out = Vec::with_capacity(self.recording.len());
+        for stretch in windows.chunk_by(together) {
+            out.extend(self.dynamics.simulate_windows(&input, stretch)?.into_iter().flatten());
         }
+        Ok(out)
     }
 
-    /// [`Self::simulate`] from the local motion at the start of the range.
+    /// [`Self::simulate`] from the local motion at the start of each window.
     pub(crate) fn simulate_measured(
         &self,
-        range: std::ops::Range<usize>,
+        windows: &[Range<usize>],
         hold: Hold,
     ) -> Result<Vec<State>, SimulateError> {
-        let start = start_of(&self.recording.local_motion()[range.start]);
-        self.simulate(range, start, hold)
+        let from = |window: &Range<usize>| (window.clone(), self.start(window));
+        self.simulate(&windows.iter().map(from).collect::<Vec<_>>(), hold)
     }
 
-    /// The run-in of a range that starts at a sample; none at the start of a piece, and none where
-    /// the wheels are all there is.
-    fn run_in(&self, first: usize) -> RunIn {
-        let (r, t) = (self.recording, self.recording.t());
-        let piece = r.pieces().iter().find(|piece| piece.contains(&first));
-        let Some(piece) = piece.filter(|_| self.dynamics.has_more_state()) else {
-            return RunIn::default();
-        };
-        let early = |k: &usize| t[first] - t[*k] <= RUN_IN;
-        let samples = (piece.start..first).rev().take_while(early).count();
-        RunIn { samples, start: start_of(&r.local_motion()[first - samples]) }
+    /// Where a window starts.
+    fn start(&self, window: &Range<usize>) -> State {
+        start_of(&self.recording.local_motion()[window.start])
     }
 }
 

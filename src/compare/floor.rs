@@ -237,11 +237,8 @@ impl<'a> Runs<'a> {
         ranges: &[Range<usize>],
         starts: &[State],
     ) -> Result<Vec<State>, SimulateError> {
-        let mut out = Vec::with_capacity(self.recording.len());
-        for (range, start) in ranges.iter().zip(starts) {
-            out.extend(acting.simulate(range.clone(), *start, self.hold)?);
-        }
-        Ok(out)
+        let windows: Vec<_> = ranges.iter().cloned().zip(starts.iter().copied()).collect();
+        acting.simulate(&windows, self.hold)
     }
 
     /// The mean over draws of noise as large as the jumps of the recorded input.

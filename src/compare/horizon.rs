@@ -67,12 +67,12 @@ fn horizon(
     for recording in recordings {
         let acting = Acting::new(dynamics, recording, recording.torque());
         let pieces = recording.pieces().iter();
-        for rows in pieces.flat_map(|piece| windows_of(recording, piece, length)) {
-            let states = acting.simulate_measured(rows.clone(), hold)?;
-            for (k, state) in rows.zip(&states) {
-                for (i, pairs) in pairs.iter_mut().enumerate() {
-                    pairs.push((recording.omega()[k][i], state.omega[i]));
-                }
+        let windows: Vec<_> =
+            pieces.flat_map(|piece| windows_of(recording, piece, length)).collect();
+        let states = acting.simulate_measured(&windows, hold)?;
+        for (k, state) in windows.into_iter().flatten().zip(&states) {
+            for (i, pairs) in pairs.iter_mut().enumerate() {
+                pairs.push((recording.omega()[k][i], state.omega[i]));
             }
         }
     }

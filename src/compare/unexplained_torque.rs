@@ -83,6 +83,12 @@ impl Variable {
         matches!(self, Self::Acceleration1 | Self::Acceleration2)
     }
 
+    /// Whether a controller makes it answer whatever disturbs the robot: the inputs, and with them the accelerations.
+    #[must_use]
+    pub const fn answers(self) -> bool {
+        self.is_acceleration() || matches!(self, Self::Input1 | Self::Input2)
+    }
+
     /// Unit, for an input in `drive_unit`.
     #[must_use]
     pub fn unit(self, drive_unit: &'static str) -> &'static str {

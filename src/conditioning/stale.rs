@@ -5,7 +5,7 @@
 //! time again.
 //!
 //! ```text
-//! stale    alpha_k = alpha_(k-1) of both wheels, though a wheel moves by several quanta a row
+//! stale    alpha_k = alpha_(k-1) of both wheels, though a wheel moves by several quanta in the rows around
 //! skipped  alpha_s - alpha_(s-1) about twice as large as in the rows around
 //! between  v_j := v_(j+1) for k <= j < s - 1,   v_(s-1) := (v_(s-1) + v_s)/2
 //! ```
@@ -26,6 +26,8 @@ use crate::math::noise::grid;
 const QUANTA: f64 = 4.0;
 /// Rows to either side whose motion is usual.
 const AROUND: usize = 4;
+/// Usual motions of a row that the rows beside a stale one make at least.
+const SLOWEST: f64 = 0.5;
 /// Usual motions of a row that a row which skips a sample makes: two, and nearer to them than to one or three.
 const SKIPPED: Range<f64> = 1.5..2.5;
 /// Stale rows from which on a log has them: clocks that drift against each other meet more than once, while a row that
@@ -96,7 +98,12 @@ fn late(work: &Conditioned) -> Option<Vec<Late>> {
             }
             moving += 1;
             let step = |i: usize| columns[i][k] - columns[i][k - 1];
-            if repeats(k) {
+            // a wheel that comes to rest or turns round for a row is slow in the rows beside it
+            let goes_on = |i: usize| {
+                let slow = SLOWEST * usual[i].abs();
+                [k - 1, k + 1].iter().all(|&j| (columns[i][j] - columns[i][j - 1]).abs() >= slow)
+            };
+            if repeats(k) && (0..2).all(|i| !moves[i] || (k > 1 && goes_on(i))) {
                 stale += 1;
                 out.extend(open.replace(k).map(|from| to(from, from + 1)));
             } else if (0..2).all(|i| !moves[i] || SKIPPED.contains(&(step(i) / usual[i]))) {
@@ -186,6 +193,17 @@ mod tests {
 
     #[test]
     fn a_wheel_that_stops_repeats_its_angle() {
+        // at rest for one row between two movements of the same direction, again and again
+        let pause = |k: usize| {
+            let (part, row) = ((k / 20) as f64, (k % 20) as f64);
+            part + (row - 19.0 / std::f64::consts::TAU * (std::f64::consts::TAU * row / 19.0).sin())
+                / 19.0
+        };
+        let mut paused = work(|k| k);
+        paused.channels.alpha = Some((0..1000).map(|k| [pause(k), 0.8 * pause(k)]).collect());
+        paused.channels.omega = None;
+        rows(&mut paused, &Settings::default());
+        assert!(paused.findings.is_empty(), "{:?}", paused.findings);
         // an encoder of 512 counts that comes to rest and starts again, gently and by six counts a row more in each
         let step = std::f64::consts::TAU / 512.0;
         let gently = |t: f64| 4.0 * (t + (2.0 * t).sin() / 2.0);

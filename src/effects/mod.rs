@@ -142,6 +142,7 @@ catalogue! {
     turning_scrub::TurningScrub,
     yaw_viscous::YawViscous,
     caster_drag::CasterDrag,
+    sliding_caster::SlidingCaster,
     payload::Payload,
     lateral_com::LateralCom,
     wheel_radius_mismatch::WheelRadiusMismatch,

@@ -1,6 +1,9 @@
 //! Anything that moves under an input: a physical model with values, or a fuzzy emulator.
 
-use super::{FuzzyDynamics, Input, RunIn, SimulateError, contact, simulate, simulate_acting};
+use std::ops::Range;
+
+use super::simulation::{NOWHERE, simulate_windows};
+use super::{FuzzyDynamics, Input, SimulateError, contact, simulate};
 use crate::effects::Motion;
 use crate::model::Model;
 use crate::recording::Recording;
@@ -37,31 +40,25 @@ pub trait Dynamics: Send + Sync {
     /// A diverging motion, or dynamics without acceleration.
     fn simulate(&self, input: &Input, start: State) -> Result<Vec<State>, SimulateError>;
 
-    /// Simulation of a part of a recording: `input.torque` is the acting input ([`Dynamics::input`]
-    /// over the whole recording) and time counts from `origin` \[s\]. The first samples of `input` are
-    /// the run-in; the states behind it are returned, the first being `start`.
+    /// Simulation of windows of an unbroken stretch of a recording, each from its own start: `input.torque` is the acting input
+    /// ([`Dynamics::input`] over the whole recording), and time counts from its first row. A body behind the wheels, which
+    /// no sensor sees, keeps its slip and twist from a window to the next. States of a window that diverges are not numbers.
     ///
     /// # Errors
-    /// As [`Dynamics::simulate`].
-    fn simulate_part(
+    /// Dynamics without acceleration.
+    fn simulate_windows(
         &self,
         input: &Input,
-        origin: f64,
-        run_in: &RunIn,
-        start: State,
-    ) -> Result<Vec<State>, SimulateError> {
-        let _ = origin;
-        let from = run_in.samples;
-        self.simulate(
-            &Input { t: &input.t[from..], torque: &input.torque[from..], ..*input },
-            start,
-        )
-    }
-
-    /// Whether there is more to the state than angles and speeds of the wheels (a body behind a
-    /// coupling), so that a part needs a run-in.
-    fn has_more_state(&self) -> bool {
-        false
+        windows: &[(Range<usize>, State)],
+    ) -> Result<Vec<Vec<State>>, SimulateError> {
+        let one = |(rows, start): &(Range<usize>, State)| {
+            let (t, torque) = (&input.t[rows.clone()], &input.torque[rows.clone()]);
+            match self.simulate(&Input { t, torque, ..*input }, *start) {
+                Err(SimulateError::Diverged { .. }) => Ok(vec![NOWHERE; rows.len()]),
+                other => other,
+            }
+        };
+        windows.iter().map(one).collect()
     }
 
     /// The physical model and its parameter values, where the dynamics is one.
@@ -114,18 +111,12 @@ impl Dynamics for PhysicalDynamics {
         simulate(&self.model, &self.p, input, start)
     }
 
-    fn simulate_part(
+    fn simulate_windows(
         &self,
         input: &Input,
-        origin: f64,
-        run_in: &RunIn,
-        start: State,
-    ) -> Result<Vec<State>, SimulateError> {
-        simulate_acting(&self.model, &self.p, input, origin, run_in, start)
-    }
-
-    fn has_more_state(&self) -> bool {
-        self.model.is_coupled()
+        windows: &[(Range<usize>, State)],
+    ) -> Result<Vec<Vec<State>>, SimulateError> {
+        simulate_windows(&self.model, &self.p, input, input.t[0], windows)
     }
 
     fn physical(&self) -> Option<(&Model, &[f64])> {

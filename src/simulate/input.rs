@@ -2,7 +2,6 @@
 
 use crate::model::ModelError;
 use crate::recording::{Recording, RecordingError};
-use crate::robot::State;
 
 /// What the input does between two samples.
 #[derive(
@@ -77,15 +76,6 @@ pub enum SimulateError {
         /// Bound [rad/s].
         limit: f64,
     },
-}
-
-/// What was driven before a part of a recording: it makes ready the states that no sensor sees.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct RunIn {
-    /// Its samples, before the first of the part.
-    pub samples: usize,
-    /// The state of the wheels at its start.
-    pub start: State,
 }
 
 /// Where the nonlinear functions f3, f4 take their argument from.

@@ -1,6 +1,8 @@
 //! Free simulation: the motion that a model predicts from the input alone.
 
-use super::input::{Hold, Input, RunIn, SimulateError};
+use std::ops::Range;
+
+use super::input::{Hold, Input, SimulateError};
 use super::stepper::Stepper;
 use crate::model::Model;
 use crate::robot::State;
@@ -30,83 +32,73 @@ pub fn simulate(
     input: &Input,
     start: State,
 ) -> Result<Vec<State>, SimulateError> {
-    let acting_torque = model.input(input.t, input.torque, p);
-    let acting = Input { torque: &acting_torque, ..*input };
-    simulate_acting(model, p, &acting, input.t[0], &RunIn::default(), start)
+    let acting = Input { torque: &model.input(input.t, input.torque, p), ..*input };
+    follow(&mut Stepper::new(model, p, input.t[0], start), &acting, &(0..input.t.len()), start)
 }
 
-/// Simulates a part of a recording: as [`simulate`], but `input.torque` is the acting input,
-/// effects applied over the whole recording, and effects count time from `origin` \[s\]. Behind the run-in,
-/// whose states are not returned, the wheels are put to `start`; a body behind them keeps its slip
-/// and twist.
+/// Simulates windows of an unbroken stretch of a recording, each from its own start; effects count time from `origin` \[s\], and `input.torque` is
+/// the acting input. A body behind the wheels keeps its slip and twist from a window to the next, so that no window needs a
+/// run-in of its own. States of a window that diverges are not numbers.
 ///
 /// # Errors
-/// As [`simulate`].
-pub fn simulate_acting(
-    model: &Model,
-    p: &[f64],
-    input: &Input,
-    origin: f64,
-    run_in: &RunIn,
-    start: State,
-) -> Result<Vec<State>, SimulateError> {
-    let acting_torque = input.torque;
-    let first = if run_in.samples == 0 { start } else { run_in.start };
-    let mut stepper = Stepper::new(model, p, origin, first);
-    let mut motion = Vec::with_capacity(input.t.len() - run_in.samples);
-    if run_in.samples == 0 {
-        motion.push(start);
-    }
-    for k in 1..input.t.len() {
-        let end = match input.hold {
-            Hold::Linear => acting_torque[k],
-            Hold::Constant => acting_torque[k - 1],
-        };
-        stepper.advance(input.t[k - 1], input.t[k], &acting_torque[k - 1], &end, &mut ())?;
-        if k == run_in.samples {
-            stepper.place_wheels(start);
-        }
-        if k >= run_in.samples {
-            motion.push(stepper.state());
-        }
-    }
-    Ok(motion)
-}
-
-/// Simulates the windows of a recording one after the other: at the first row of each, the wheels are put to
-/// its start, and a body behind them keeps its slip and twist, so that no window needs a run-in of its own.
-/// `input.torque` is the acting input; rows before the first window, and between pieces, are skipped.
-///
-/// # Errors
-/// As [`simulate`].
+/// A model that cannot move.
 pub(crate) fn simulate_windows(
     model: &Model,
     p: &[f64],
     input: &Input,
-    windows: &[(std::ops::Range<usize>, State)],
+    origin: f64,
+    windows: &[(Range<usize>, State)],
 ) -> Result<Vec<Vec<State>>, SimulateError> {
     let mut out = Vec::with_capacity(windows.len());
-    let mut stepper: Option<(usize, Stepper)> = None;
+    let mut before: Option<(usize, Stepper)> = None;
     for (rows, start) in windows {
-        let follows = stepper.take().filter(|(end, _)| *end == rows.start);
-        let mut now = match follows {
-            // the last row of one window is one before the first of the next
-            Some((_, mut stepper)) => {
-                step(&mut stepper, input, rows.start)?;
-                stepper.place_wheels(*start);
-                stepper
-            }
-            None => Stepper::new(model, p, input.t[0], *start),
+        // where the wheels are all there is, nothing of the window before matters
+        let before_it = before.take().filter(|(end, _)| *end == rows.start && model.is_coupled());
+        let mut stepper = match before_it {
+            Some((_, stepper)) => with_wheels_at(stepper, input, rows.start, *start)?,
+            None => Stepper::new(model, p, origin, *start),
         };
-        let mut states = vec![*start];
-        for k in rows.start + 1..rows.end {
-            step(&mut now, input, k)?;
-            states.push(now.state());
+        match follow(&mut stepper, input, rows, *start) {
+            Ok(states) => {
+                out.push(states);
+                before = Some((rows.end, stepper));
+            }
+            Err(SimulateError::Diverged { .. }) => out.push(vec![NOWHERE; rows.len()]),
+            Err(other) => return Err(other),
         }
-        out.push(states);
-        stepper = Some((rows.end, now));
     }
     Ok(out)
+}
+
+/// Where a simulation is that diverged.
+pub(super) const NOWHERE: State = State { alpha: [f64::NAN; 2], omega: [f64::NAN; 2] };
+
+/// One row on, to the first of the next window, where the wheels are put to its start.
+fn with_wheels_at<'m>(
+    mut stepper: Stepper<'m>,
+    input: &Input,
+    row: usize,
+    start: State,
+) -> Result<Stepper<'m>, SimulateError> {
+    step(&mut stepper, input, row)?;
+    stepper.place_wheels(start);
+    Ok(stepper)
+}
+
+/// The states in the rows of a range, from its first.
+fn follow(
+    stepper: &mut Stepper,
+    input: &Input,
+    rows: &Range<usize>,
+    start: State,
+) -> Result<Vec<State>, SimulateError> {
+    let mut states = Vec::with_capacity(rows.len());
+    states.push(start);
+    for k in rows.start + 1..rows.end {
+        step(stepper, input, k)?;
+        states.push(stepper.state());
+    }
+    Ok(states)
 }
 
 /// From row `k - 1` to row `k`.

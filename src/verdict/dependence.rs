@@ -14,25 +14,40 @@ pub(super) fn residual_torque(
 ) -> String {
     let shown = most_left(curves).filter(|c| c.left() >= THRESHOLDS.named_share);
     let is_left = if curves.iter().any(|c| c.share_after.is_some()) { " that is left" } else { "" };
+    let on = |curve: &Curve| {
+        let (variable, acting) = (curve.variable.words(), curve.acting.words());
+        format!("the {variable}{acting} ({})", amount(curve, unit))
+    };
+    let follows = shown.filter(|curve| curve.variable.answers());
     let depends = match (shown, tested) {
-        (Some(curve), _) => format!(
-            "The residual torque{is_left} depends most on the {}{} ({})",
-            curve.variable.words(),
-            curve.acting.words(),
-            amount(curve, unit)
+        (Some(curve), _) if follows.is_some() => format!(
+            "The residual torque{is_left} follows {}, as it does under a controller whatever disturbs the robot",
+            on(curve)
         ),
+        (Some(curve), _) => format!("The residual torque{is_left} depends most on {}", on(curve)),
         (None, Some(variable)) => {
             format!("The residual torque depends on the {}", variable.words())
         }
         (None, None) => "The residual torque depends little on anything that was tried".to_owned(),
     };
-    match (tested, shown.is_some_and(is_most_of_it)) {
-        (Some(_), _) | (None, true) => depends + ".",
+    let end = match (tested, shown.is_some_and(is_most_of_it)) {
+        (Some(_), _) | (None, true) => ".",
         (None, false) => {
-            depends
-                + "; coloured noise of the recorded input and disturbances from outside look like this too."
+            "; coloured noise of the recorded input and disturbances from outside look like this too."
         }
-    }
+    };
+    let beside = follows.and(most_pointing(curves)).map_or(String::new(), |curve| {
+        format!(" Of speeds, place and time it depends most on {}.", on(curve))
+    });
+    depends + end + &beside
+}
+
+/// The curve that shows most of the residual torque over anything but what answers every disturbance, where it shows a
+/// part worth naming.
+pub(super) fn most_pointing(curves: &[Curve]) -> Option<&Curve> {
+    let pointing = curves.iter().filter(|curve| !curve.variable.answers());
+    let most = pointing.max_by(|a, b| a.left().total_cmp(&b.left()));
+    most.filter(|curve| curve.left() >= THRESHOLDS.named_share)
 }
 
 /// The curve that shows most of the residual torque that is left.
@@ -86,7 +101,9 @@ mod tests {
         let words = residual_torque(&given, Some(Variable::TurnRate), UNIT);
         assert_eq!(
             words,
-            "The residual torque depends most on the input of wheel 1 (72 % of it, up to 0.31 N m)."
+            "The residual torque follows the input of wheel 1 (72 % of it, up to 0.31 N m), as it does under a \
+             controller whatever disturbs the robot. Of speeds, place and time it depends most on the time (10 % of \
+             it, up to 0.31 N m)."
         );
         let left =
             [curve(Variable::TurnRate, 0.7, Some(0.0)), curve(Variable::Time, 0.1, Some(0.05))];
@@ -116,7 +133,7 @@ mod tests {
     fn what_is_not_significant_beside_coloured_noise_says_so() {
         let given = [curve(Variable::Input1, 0.32, None)];
         let words = residual_torque(&given, None, UNIT);
-        assert!(words.contains("(32 % of it, up to 0.31 N m); coloured noise"), "{words}");
+        assert!(words.contains("whatever disturbs the robot; coloured noise"), "{words}");
         let nothing = residual_torque(&[curve(Variable::Time, 0.001, None)], None, UNIT);
         assert!(nothing.starts_with("The residual torque depends little on anything"), "{nothing}");
     }

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::Basis;
-use super::dependence::most_left;
+use super::dependence::most_pointing;
 use super::series::Formula;
 use crate::compare::{Curve, Unexplained, curves, residual_torque};
 use crate::diagnose::{Diagnosis, Judge, THRESHOLDS, WindowFit};
@@ -27,7 +27,7 @@ pub(super) struct Trial {
 impl Trial {
     /// `None` where no formula follows the curve, and where none can be simulated.
     pub(super) fn of(curves: &[Curve], diagnosis: &Diagnosis, basis: &Basis) -> Option<Self> {
-        let curve = most_left(curves).filter(|c| c.left() >= THRESHOLDS.named_share)?;
+        let curve = most_pointing(curves)?;
         let formula = Formula::of(curve, basis.train[0].drive_unit())?;
         let judge = Judge::new(basis.judged().to_vec(), basis.hold);
         let error = |fit: &WindowFit| judge.judge(&fit.model, &fit.p).ok().map(|j| j.window_rms);

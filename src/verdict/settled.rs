@@ -60,6 +60,9 @@ impl Settled {
         floor: Option<WindowFloor>,
     ) -> Result<DiagnosisStudy, SimulateError> {
         let Self { diagnosis, trial } = self;
+        // of a second mass no curve shows what is left: the torque balance does not have it
+        let shows = diagnosis.steps.is_empty() || curves.iter().any(|c| c.share_after.is_some());
+        let curves = if shows { curves } else { &[] };
         let is_undetermined = basis.is_stalled && !knows_inertia(diagnosis.last());
         let concluded = concluded(&diagnosis, basis, floor)?.unless_undetermined(is_undetermined);
         let trial = || trial.or_else(|| Trial::of(curves, &diagnosis, basis));

@@ -48,7 +48,11 @@ impl Windows<'_> {
             self.recordings.par_iter().map(|r| model.input_of(r, r.torque(), p)).collect();
         // without a second body nothing before a window matters to it
         let coupled = model.is_coupled();
-        let together = |a: &Window, b: &Window| coupled && a.recording == b.recording;
+        let place = |w: &Window| {
+            let pieces = self.recordings[w.recording].pieces();
+            (w.recording, pieces.iter().position(|piece| piece.contains(&w.rows.start)))
+        };
+        let together = |a: &Window, b: &Window| coupled && place(a) == place(b);
         let groups: Vec<&[Window]> = self.windows.chunk_by(together).collect();
         let by_group: Vec<Vec<Errors>> = groups
             .into_par_iter()
@@ -68,7 +72,7 @@ impl Windows<'_> {
         let recording = self.recordings[group[0].recording];
         let input = Input { t: recording.t(), torque: acting, hold: self.hold };
         let windows: Vec<_> = group.iter().map(|w| (w.rows.clone(), w.start)).collect();
-        let states = simulate_windows(model, p, &input, &windows).ok()?;
+        let states = simulate_windows(model, p, &input, input.t[0], &windows).ok()?;
         let one = |(window, states): (&Window, &Vec<State>)| {
             let mut compared = Compared::new(recording, window);
             let error = |(k, state): (usize, &State)| compared.row(k, state).error;

@@ -8,12 +8,11 @@ use rayon::prelude::*;
 use crate::model::Model;
 use crate::recording::{LocalMotion, Recording};
 use crate::robot::State;
-use crate::simulate::{Hold, Input, RunIn, simulate_acting};
+use crate::simulate::{Hold, Input, simulate_windows};
 
 /// Length of a window \[s\], as of the 2 s simulation error everywhere.
 const WINDOW: f64 = 2.0;
-/// Rows before a window that effects on the input look back at, and over which a body behind the
-/// wheels gets under way \[s\].
+/// Rows before a window that effects on the input look back at \[s\].
 const BEFORE: f64 = 2.0;
 
 /// Windows of recordings, by pieces.
@@ -44,21 +43,21 @@ impl OpenLoop<'_> {
         let motion = recording.local_motion();
         let t = recording.t();
         let whole = recording.pieces().iter().find(|piece| piece.contains(&rows.start))?;
-        let from = whole.start + t[whole.start..].partition_point(|s| *s < t[rows.start] - BEFORE);
+        // a body behind the wheels gets under way over all windows before
+        let first = if model.is_coupled() { whole.start } else { rows.start };
+        let from = whole.start + t[whole.start..].partition_point(|s| *s < t[first] - BEFORE);
         let acting = model.input(&t[from..rows.end], &recording.torque()[from..rows.end], p);
         let (mut sum, mut count) = (0.0, 0.0);
-        for window in windows(t, rows) {
-            let samples = if model.is_coupled() { window.start - from } else { 0 };
-            let first = window.start - samples;
-            let input = Input {
-                t: &t[first..window.end],
-                torque: &acting[first - from..window.end - from],
-                hold: self.hold,
-            };
-            let run_in = RunIn { samples, start: start(&motion[first]) };
-            let begin = start(&motion[window.start]);
-            let states = simulate_acting(model, p, &input, t[0], &run_in, begin).ok()?;
-            for (k, state) in window.zip(&states) {
+        let before = if first < rows.start { windows(t, &(first..rows.start)) } else { vec![] };
+        let own = windows(t, rows);
+        let with_start = |window: &Range<usize>| {
+            (window.start - from..window.end - from, start(&motion[window.start]))
+        };
+        let all: Vec<_> = before.iter().chain(&own).map(with_start).collect();
+        let input = Input { t: &t[from..rows.end], torque: &acting, hold: self.hold };
+        let states = simulate_windows(model, p, &input, t[0], &all).ok()?;
+        for (window, states) in own.into_iter().zip(&states[before.len()..]) {
+            for (k, state) in window.zip(states) {
                 let (measured, simulated) = if recording.measured().omega {
                     (recording.omega()[k], state.omega)
                 } else {
