@@ -22,6 +22,7 @@ pub mod robust;
 mod runge_kutta;
 pub mod scalar;
 mod singular_values;
+mod span;
 mod symbol;
 
 pub use banded::BandedCholesky;
@@ -42,4 +43,5 @@ pub(crate) use products::{FILLED, add_products};
 pub use robust::{RobustFit, fit_huber};
 pub use runge_kutta::{runge_kutta_from, runge_kutta_motion, runge_kutta_step};
 pub use scalar::{Dual, Real, sgn};
+pub use span::Span;
 pub use symbol::{Symbol, record};
