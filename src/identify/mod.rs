@@ -21,7 +21,7 @@ mod stretch;
 mod text;
 mod weak;
 
-pub use fit::{Estimate, Fit, Status, Trace, Work};
+pub use fit::{Estimate, Fit, Status, Trace, TraceAxis, TraceKind, Work};
 pub(crate) use identifiability::among_all;
 pub use method::{
     Identifier, IdentifyError, MethodDescription, MethodOption, OptionError, Task, doc_text,
@@ -29,7 +29,7 @@ pub use method::{
 };
 
 pub use note::{Note, SingleAxis, Unknown};
-pub use profile::{DROP, PROFILE};
+pub use profile::DROP;
 pub use text::{details, overview};
 
 use crate::catalogue;
