@@ -80,6 +80,16 @@ pub trait Physics: Send + Sync + 'static {
         false
     }
 
+    /// Whether most robots have it.
+    fn is_common(&self) -> bool {
+        false
+    }
+
+    /// Whether its torque varies with the heading of the robot, which needs the track.
+    fn depends_on_heading(&self) -> bool {
+        false
+    }
+
     /// What it changes, where that is not the input ([`Physics::acts_on_input`]) or the torque.
     fn change(&self) -> Change {
         if self.acts_on_input() { Change::Input } else { Change::Torque }
@@ -197,6 +207,10 @@ pub trait Effect: Send + Sync {
     fn acts_on_input(&self) -> bool;
     /// [`Physics::is_delay`].
     fn is_delay(&self) -> bool;
+    /// [`Physics::is_common`].
+    fn is_common(&self) -> bool;
+    /// [`Physics::depends_on_heading`].
+    fn depends_on_heading(&self) -> bool;
     /// [`Physics::change`].
     fn change(&self) -> Change;
     /// [`Physics::admissible`].
@@ -282,6 +296,12 @@ impl<P: Physics> Effect for P {
     }
     fn is_delay(&self) -> bool {
         Physics::is_delay(self)
+    }
+    fn is_common(&self) -> bool {
+        Physics::is_common(self)
+    }
+    fn depends_on_heading(&self) -> bool {
+        Physics::depends_on_heading(self)
     }
     fn change(&self) -> Change {
         Physics::change(self)

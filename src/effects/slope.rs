@@ -55,6 +55,10 @@ impl Physics for Slope {
         Energy::Stores
     }
 
+    fn depends_on_heading(&self) -> bool {
+        true
+    }
+
     fn terms<T: Real>(&self, x: &Motion<T>, p: &[T]) -> Terms<T> {
         let (cos, sin) = (x.heading().cos(), x.heading().sin());
         let both = p[0] * cos + p[1] * sin;

@@ -1,10 +1,12 @@
 //! An experiment ready to run: everything resolved, nothing left to look up.
 
+use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::combinations::GridPlan;
 use super::custom::Own;
+use super::remark::Remark;
 use crate::conditioning::{Finding, Stated, stated};
 use crate::diagnose::{Settings, Timing};
 use crate::identify::Identifier;
@@ -28,6 +30,21 @@ pub struct Measured {
     pub conditioning: Vec<Finding>,
     /// What the quality check says.
     pub findings: Vec<recording::Finding>,
+}
+
+/// An input that is the sum of several columns; printed as `M1 = front_right + rear_right`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct InputSum {
+    /// `M1` or `M2`.
+    pub input: String,
+    /// Names of the columns.
+    pub columns: Vec<String>,
+}
+
+impl fmt::Display for InputSum {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} = {}", self.input, self.columns.join(" + "))
+    }
 }
 
 /// A method with its options.
@@ -68,10 +85,10 @@ pub struct Plan {
     pub model: Model,
     /// Effects written as formulas in the file, in the model or not.
     pub own: Vec<Own>,
-    /// Inputs that are the sum of several columns, in words.
-    pub sums: Vec<String>,
-    /// Keys of the file that do not do what they seem to, in sentences.
-    pub remarks: Vec<String>,
+    /// Inputs that are the sum of several columns.
+    pub sums: Vec<InputSum>,
+    /// What a reader of the file would not expect of it.
+    pub remarks: Vec<Remark>,
     /// Recordings; at least one to train on.
     pub recordings: Vec<Measured>,
     /// The input between samples.
@@ -133,7 +150,7 @@ impl Plan {
         let issues = |m: &Measured| m.findings.iter().map(|f| f.issue.stated()).collect();
         let found = self.grouped(issues, StatedIssue::join);
         let found = found.into_iter().map(|(names, issue)| format!("{names}: {issue}"));
-        self.remarks.iter().cloned().chain(found).collect()
+        self.remarks.iter().map(ToString::to_string).chain(found).collect()
     }
 
     /// What `of` finds in the recordings, each with the names of those in which it is found.

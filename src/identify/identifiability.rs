@@ -99,12 +99,6 @@ fn hopeless(
     torque_of_each(model, values, train).into_iter().filter_map(wanting).collect()
 }
 
-/// The motion that tells the parameters of the effect with that id.
-pub(super) fn to_record(effect: &str) -> String {
-    crate::effects::find(effect)
-        .map_or_else(|| "richer motion".into(), |e| e.description().excitation)
-}
-
 /// Largest recorded input [unit of the input].
 pub(super) fn largest_input(train: &[Recording]) -> f64 {
     let inputs = train.iter().flat_map(|r| r.torque().iter().flatten());
@@ -223,8 +217,7 @@ fn note(
     part: &[usize],
 ) -> Note {
     let name = |i: usize| model.parameters()[free[i]].spec.symbol.clone();
-    let effect = |i: usize| &model.parameters()[free[i]].effect;
-    let record = to_record(effect(part[0]));
+    let effect = model.parameters()[free[part[0]]].effect.clone();
     let unknown = match *part {
         [i] => Unknown::One(name(i)),
         [i, k] => {
@@ -243,5 +236,5 @@ fn note(
         }
         _ => Unknown::Several(part.iter().map(|&i| name(i)).collect()),
     };
-    Note::Unknown { unknown, record }
+    Note::Unknown { unknown, effect }
 }

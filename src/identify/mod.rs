@@ -11,6 +11,7 @@ mod linear_fit;
 mod method;
 mod note;
 mod profile;
+mod reason;
 mod regressor;
 mod sampling;
 mod screening;
@@ -28,8 +29,9 @@ pub use method::{
     from_options, options_of, options_schema,
 };
 
-pub use note::{Note, SingleAxis, Unknown};
+pub use note::{Note, PhysicalBound, SingleAxis, Unknown};
 pub use profile::DROP;
+pub use reason::{NoStart, Unsupported};
 pub use text::{details, overview};
 
 use crate::catalogue;

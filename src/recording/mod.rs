@@ -21,7 +21,7 @@ pub(crate) use derived::differentiate;
 pub use drive_unit::DriveUnit;
 pub use error::RecordingError;
 pub(crate) use gaps::{is_gap, pieces};
-pub use long::{LongRecording, Rows, Survey};
+pub use long::{LongRecording, Rows, RowsError, Survey};
 pub use motion::LocalMotion;
 pub(crate) use noise::FEW_LEVELS;
 pub use noise::share_noise;

@@ -1,6 +1,6 @@
 //! What the methods of an experiment found.
 
-use crate::identify::{Estimate, Note, Status, Trace, Work};
+use crate::identify::{Estimate, IdentifyError, Note, Status, Trace, Work};
 
 /// A method on one recording.
 #[derive(Clone, Debug, Default)]
@@ -38,7 +38,7 @@ pub struct MethodStudy {
     /// Options that differ from the defaults, as written.
     pub options: String,
     /// Why there is no fit.
-    pub failure: Option<String>,
+    pub failure: Option<IdentifyError>,
     /// How it ended.
     pub status: Option<Status>,
     /// Wall time \[s\].

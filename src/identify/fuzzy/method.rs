@@ -12,8 +12,8 @@ use super::finish::finish;
 use super::problem::{Journal, Problem};
 use super::settings::{Settings, Start};
 use crate::identify::{
-    Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task, from_options,
-    options_schema,
+    Fit, Identifier, IdentifyError, MethodDescription, NoStart, OptionError, Status, Task,
+    from_options, options_schema,
 };
 use crate::simulate::Structure;
 
@@ -63,8 +63,8 @@ impl Job {
 
     /// The error of a search that cannot begin.
     #[must_use]
-    pub fn no_start(&self, reason: impl ToString) -> IdentifyError {
-        IdentifyError::NoStart { method: self.method.into(), reason: reason.to_string() }
+    pub fn no_start(&self, reason: NoStart) -> IdentifyError {
+        IdentifyError::NoStart { method: self.method.into(), reason }
     }
 }
 

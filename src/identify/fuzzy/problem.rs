@@ -10,7 +10,7 @@ use super::piece::Piece;
 use super::rows::Rows;
 use super::sensitivity::{Along, pass_along, pass_closed, pass_with_sensitivities};
 use super::side_by_side::{SIDE_BY_SIDE, passes};
-use crate::identify::{IdentifyError, Task};
+use crate::identify::{IdentifyError, Task, Unsupported};
 use crate::robot::BaseParameters;
 use crate::robot::StateSpace;
 use crate::simulate::{FuzzyDynamics, Structure, TakagiSugeno};
@@ -273,7 +273,7 @@ impl Problem {
         let Some(factor) = factor else {
             return Err(IdentifyError::Unsupported {
                 method: method.into(),
-                reason: "the recordings do not reach all rules; set `ridge` above 0".into(),
+                reason: Unsupported::UnreachedRules,
             });
         };
         let step = factor.solve(&sum.g);

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Problem;
 use crate::identify::prediction_error::PredictionError;
-use crate::identify::{Identifier, IdentifyError, OptionError, Task};
+use crate::identify::{Identifier, IdentifyError, NoStart, OptionError, Task};
 use crate::recording::DriveUnit;
 use crate::robot::BaseParameters;
 use crate::simulate::TakagiSugeno;
@@ -132,11 +132,7 @@ impl Settings {
         if parameters.a1 <= 0.0 || parameters.determinant() <= 0.0 {
             return Err(IdentifyError::NoStart {
                 method: method.into(),
-                reason: format!(
-                    "a1 = {:.3e} does not exceed |a2| = {:.3e}",
-                    parameters.a1,
-                    parameters.a2.abs()
-                ),
+                reason: NoStart::Mass { a1: parameters.a1, a2: parameters.a2 },
             });
         }
         let system = TakagiSugeno::uniform(

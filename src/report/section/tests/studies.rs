@@ -5,7 +5,9 @@ use crate::compare::{
     analysed,
 };
 use crate::export::ModelFiles;
-use crate::identify::{Estimate, Note, Status, Trace, TraceAxis, TraceKind, Work};
+use crate::identify::{
+    Estimate, IdentifyError, NoStart, Note, Status, Trace, TraceAxis, TraceKind, Work,
+};
 use crate::recording::{DriveUnit, Finding, Issue, Measured, Noise, Regime, Severity};
 use crate::study::{
     Candidate, DiagnosisStudy, FoundEffect, FuzzyStudy, Invocation, MethodStudy, ModelStudy,
@@ -253,7 +255,10 @@ pub(in crate::report::section) fn full() -> Study {
     let symbols = TraceKind::Estimates(vec!["a1".to_owned()]);
     physical.traces = vec![trace(symbols, TraceAxis::Time, |_| 0.03)];
     let mut failed = method("output_error");
-    failed.failure = Some("a2: not identifiable from these data".to_owned());
+    failed.failure = Some(IdentifyError::NoStart {
+        method: "output_error".to_owned(),
+        reason: NoStart::Simulation,
+    });
     failed.status = None;
     let cost = trace(TraceKind::Cost, TraceAxis::Evaluation, |k| (-0.2 * k).exp());
     let fuzzy = MethodStudy {
