@@ -62,6 +62,15 @@ enum Piece {
     Text(String),
 }
 
+/// The string literals of a Rust source, as they are written.
+pub(crate) fn literals(source: &str) -> Vec<String> {
+    let texts = pieces(source).into_iter().filter_map(|(_, piece)| match piece {
+        Piece::Text(text) => Some(text),
+        Piece::Comment(_) => None,
+    });
+    texts.collect()
+}
+
 /// The comments and string literals of a Rust source, with the lines on which they begin.
 fn pieces(source: &str) -> Vec<(usize, Piece)> {
     let mut out = Vec::new();

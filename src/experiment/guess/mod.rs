@@ -7,6 +7,7 @@ mod counts;
 mod directions;
 mod labels;
 mod mirrored;
+mod model_key;
 mod motors;
 mod names;
 mod pairs;

@@ -17,7 +17,8 @@ pub(super) const SHORT: f64 = 4.0;
 /// Names of the wheels in findings.
 const WHEELS: [&str; 2] = ["wheel 1 (right)", "wheel 2 (left)"];
 
-/// What was noticed, with counts `C` and other numbers `R`; wheels count from 0, the right one.
+/// A property of a recording that makes results worse, or that explains them, with counts `C` and other numbers `R`;
+/// wheels count from 0, the right one.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Issue<C = usize, R = f64> {
@@ -241,7 +242,7 @@ impl StatedIssue {
             Self::AtLimit { is_command: true, .. } => "a command of constant size",
             Self::AtLimit { .. } => {
                 "the input or its sensor is at a limit; what is recorded there may not be what acts \
-                 (see the effect torque_saturation)"
+                 (torque saturation is an effect of the catalogue)"
             }
             // a wheel cannot jump; an input may be commanded to, and conditioning has asked the wheel
             Self::Spikes { channel: "M", .. } => {
