@@ -14,7 +14,7 @@ use crate::effects::{
     Coupling, DIFFERENTIATED, DIRECTIONS, Jet, MOST_PARAMETERS, Motion, Terms, along,
 };
 use crate::math::Dual;
-use crate::model::{Model, ModelError};
+use crate::model::{Model, ModelError, inverse_mass};
 
 /// The six states of the rigid robot, body speeds u1, u2, twists phi1, phi2.
 const STATES: usize = 10;
@@ -114,16 +114,17 @@ impl<'a> Coupled<'a> {
             self.terms.push(terms);
         }
         let rotor = coupling.rotor_within(&body.mass);
-        let [m11, m12, m22] = [body.mass[0] - rotor, body.mass[1], body.mass[2] - rotor];
-        let determinant = m11 * m22 - m12 * m12;
-        if !(rotor > 0.0 && m11 > 0.0 && determinant > 0.0) {
-            let [m11, m12, m22] = body.mass;
-            return Err(ModelError::MassNotPositive { m11, m12, m22 });
+        let [m11, m12, m22] = body.mass;
+        let not_positive = ModelError::MassNotPositive { m11, m12, m22 };
+        if !(rotor > 0.0) {
+            return Err(not_positive);
         }
+        let [i11, i12, i22] =
+            inverse_mass(&[m11 - rotor, m12, m22 - rotor]).map_err(|_| not_positive)?;
         Ok(Sides {
             coupling,
             rotor,
-            mobility: Matrix2::new(m22, -m12, -m12, m11) / determinant,
+            mobility: Matrix2::new(i11, i12, i12, i22),
             body_torque: body.torque,
             wheel_torque: wheel.torque,
             level: wheel.level.map(|level| level.max(0.0)),

@@ -13,7 +13,7 @@ use super::{
     Fit, Identifier, IdentifyError, MethodDescription, Note, OptionError, PhysicalBound, Status,
     Task, Unsupported, from_options, options_schema,
 };
-use crate::math::clustered_covariance;
+use crate::math::{clustered_covariance, robust_deviation};
 use crate::model::base;
 
 /// Inverse-dynamic regression with physical bounds (a quadratic or linear program).
@@ -257,9 +257,7 @@ impl ConstrainedRegression {
 
 /// Robust standard deviation, never zero.
 fn spread(residuals: &DVector<f64>) -> f64 {
-    let mut sizes: Vec<f64> = residuals.iter().map(|r| r.abs()).collect();
-    let middle = sizes.len() / 2;
-    (*sizes.select_nth_unstable_by(middle, f64::total_cmp).1 / 0.6745).max(1e-12)
+    robust_deviation(residuals.iter().copied()).max(1e-12)
 }
 
 /// `minimise ½ z'Pz + q'z  subject to  A z <= b`, z = (θ / scale, slacks).
