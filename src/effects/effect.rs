@@ -75,7 +75,7 @@ pub trait Physics: Send + Sync + 'static {
         false
     }
 
-    /// Whether the input acts later and is otherwise the same, so that no shift of the rows can be told from it.
+    /// Whether the input acts later and is otherwise the same, so that no shift of the rows can be distinguished from it.
     fn is_delay(&self) -> bool {
         false
     }

@@ -168,8 +168,13 @@ fn straight_driving_alone_is_marked_and_the_sum_is_given() {
             let warned = fit.notes.iter().any(narrow);
             for (j, symbol) in [(0, "a1"), (2, "a3")] {
                 let e = fit.estimate(symbol).unwrap();
-                let honest = warned || (e.value - truth[j]).abs() < 4.0 * e.std_error;
-                assert!(!e.identifiable || honest, "{name} {symbol} {} {}", e.value, e.std_error);
+                let is_covered = warned || (e.value - truth[j]).abs() < 4.0 * e.std_error;
+                assert!(
+                    !e.identifiable || is_covered,
+                    "{name} {symbol} {} {}",
+                    e.value,
+                    e.std_error
+                );
             }
             // likelihoods give a wide interval instead, where noise lets the difference be seen
             if !["prediction_error", "output_error"].contains(&name.as_str()) {

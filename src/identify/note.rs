@@ -24,11 +24,11 @@ pub enum Note {
         /// Symbols and values without bounds.
         unbounded: Vec<(String, f64)>,
     },
-    /// The data ask for a mass matrix that no body has.
+    /// The estimates make a mass matrix that is not positive definite.
     MassNotPositive,
     /// Cut-offs of the filter of a regression, one a recording \[Hz\].
     CutOff(Vec<f64>),
-    /// Symbols and how far noise in the columns pulls their values.
+    /// Symbols and how far noise in the columns biases their values.
     Biased(Vec<(String, f64)>),
     /// The data do not give a parameter, or several one by one.
     Unknown {
@@ -194,7 +194,7 @@ impl fmt::Display for Note {
             Self::ActiveBound { bound, unbounded } => {
                 let values: Vec<_> = unbounded.iter().map(|(s, v)| format!("{s} = {v:.4e}")).collect();
                 let values = values.join(", ");
-                write!(f, "The bound {bound} is active; without bounds the data ask for {values}.")
+                write!(f, "The bound {bound} is active; the unbounded estimates are {values}.")
             }
             Self::MassNotPositive => f.write_str(
                 "a1 does not exceed |a2|: no mass matrix has these values, and they cannot be \

@@ -62,7 +62,7 @@ fn may_import(own: &str, target: &str) -> bool {
         ("lib" | "bin" | "catalogue", _) | (_, "catalogue") => true,
         ("experiment", "io") => true,
         (_, "io") => false,
-        // files hold recordings and plain results; io knows nothing of fits
+        // files hold recordings and plain results; io imports no fits
         ("io", target) => matches!(target, "math" | "robot" | "recording" | "study"),
         (own, target) => match (place(own), place(target)) {
             (Some(own), Some(target)) => target < own,

@@ -130,7 +130,7 @@ impl Cell {
     }
 }
 
-/// Runs a cell. Whatever fails is told in its rows; `methods` are named there if nothing runs.
+/// Runs a cell. Whatever fails stands in its rows; `methods` are named there if nothing runs.
 pub(super) fn run_cell(grid: &GridPlan, cell: usize, key: String, methods: &[&str]) -> Cell {
     let start = Instant::now();
     let failed = |reason: String| {

@@ -40,7 +40,7 @@ pub(super) struct Named {
     pub(super) unit: Option<&'static str>,
     /// Units of the value: 10 of `current_10mA`.
     pub(super) scale: Option<f64>,
-    /// What the robot was told, and not what it did.
+    /// Whether it is a command, and not a measurement.
     pub(super) wished: bool,
     /// Whether it is the voltage of the battery.
     pub(super) battery: bool,

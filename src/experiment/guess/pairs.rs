@@ -183,7 +183,7 @@ fn lettered<'a, 'b>(fits: &[&'a Candidate<'b>]) -> Option<Two<'a, 'b>> {
     };
     let pairs = || fits.iter().flat_map(|a| fits.iter().map(move |b| (*a, *b)));
     let mut found = pairs().filter(|(a, b)| differs(a, b));
-    // with three motors nobody knows which
+    // with three motors either may be it
     found.next().filter(|_| found.next().is_none())
 }
 

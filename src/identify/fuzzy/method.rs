@@ -24,7 +24,7 @@ pub trait Search:
     /// Name in experiment files.
     const NAME: &'static str;
 
-    /// The structure, where the method knows one only; `structure` is then no option.
+    /// The structure, where the method has one only; `structure` is then no option.
     const STRUCTURE: Option<Structure> = None;
 
     /// Title, equation, source, when to use.
@@ -43,7 +43,7 @@ pub struct Job {
     pub problem: Problem,
     /// Consequents at the friction level.
     pub level: DVector<f64>,
-    /// Weight of the pull to the friction level, relative to the mean square sensitivity.
+    /// Weight of the penalty on the distance from the friction level, relative to the mean square sensitivity.
     pub ridge: f64,
     /// Seed of everything random.
     pub seed: u64,

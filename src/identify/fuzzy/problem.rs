@@ -45,7 +45,7 @@ pub struct Problem {
 
 /// Strength that a rule must reach in some sample, for its consequents to be searched one by one.
 const REACHED: f64 = 0.01;
-/// The same for derivatives to be taken by them: below it, the pull to the friction level holds them.
+/// The same for derivatives to be taken by them: below it, the penalty on the distance from the friction level holds them.
 const FELT: f64 = 1e-3;
 /// Least gain at which the sensitivities are measured that the penalty is relative to [1/s], in the middle of
 /// those of the continuation. Towards none they would grow with the length of the recording.

@@ -111,7 +111,7 @@ pub(super) const QUANTITIES: [(Quantity, &[&str]); 7] = [
             "pwm",
             "spannung",
             "throttle",
-            // of a motor and nothing else: what it was told
+            // of a motor and nothing else: its command
             "power",
             "motor",
             "mot",
@@ -125,7 +125,7 @@ pub(super) const WEAK: [&str; 4] = ["power", "motor", "mot", "throttle"];
 /// Words of the step between two rows.
 pub(super) const STEPS: [&str; 4] = ["dt", "deltat", "interval", "period"];
 
-/// Words of a name that is what the robot was told and not what it did.
+/// Words of a name that is a command and not a measurement.
 pub(in crate::experiment::guess) const WISHED: [&str; 13] = [
     "command",
     "commands",
