@@ -9,9 +9,9 @@ pub enum Remark {
     Columns(String),
     /// Keys of `[simulation]` that the movement does not use.
     Unused {
-        /// The keys.
+        /// Without the name of the table.
         keys: Vec<&'static str>,
-        /// The movement.
+        /// What it has of its own.
         movement: FixedMovement,
     },
     /// Fuzzy methods that are fitted at another gain than they are judged at.
@@ -36,7 +36,7 @@ pub enum Remark {
 pub enum FixedMovement {
     /// That of the paper.
     Paper,
-    /// Segments.
+    /// Written out piece by piece in the file.
     Segments,
 }
 

@@ -128,9 +128,9 @@ pub enum TraceAxis {
     Evaluation,
     /// Value of a parameter.
     Parameter {
-        /// Its symbol.
+        /// As in the estimates.
         symbol: String,
-        /// Its unit.
+        /// For the unit of the input.
         unit: String,
     },
 }

@@ -126,7 +126,7 @@ pub enum Note {
 pub enum PhysicalBound {
     /// The lower end of the range of a parameter.
     Range {
-        /// Its symbol.
+        /// Of that parameter.
         symbol: String,
         /// The end.
         low: f64,

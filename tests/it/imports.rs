@@ -33,7 +33,7 @@ pub(crate) fn files() -> Vec<(String, String)> {
 
 /// Files that are compiled for tests only.
 fn is_test(name: &str) -> bool {
-    let ends = ["/tests.rs", "/contract.rs", "_tests.rs"];
+    let ends = ["/tests.rs", "/contract.rs", "/independent.rs", "_tests.rs"];
     ends.iter().any(|end| name.ends_with(end)) || name.contains("/tests/")
 }
 

@@ -123,13 +123,18 @@ fn names_effect(text: &str, id: &str) -> bool {
     }
 }
 
+/// Texts that are the id of an effect and mean something else, with their file.
+const NO_EFFECT: [(&str, &str); 1] = [("src/io/wpilog.rs", "payload")];
+
 #[test]
 fn effects_are_named_in_their_own_files_alone() {
     let ids: Vec<String> = amigo_ident::effects::all().iter().map(|e| e.id()).collect();
     let mut broken = Vec::new();
     for (name, code) in files().iter().filter(|(name, _)| !name.starts_with("src/effects/")) {
         for text in literals(code) {
-            let named = ids.iter().filter(|id| names_effect(&text, id));
+            let named = ids.iter().filter(|id| {
+                names_effect(&text, id) && !NO_EFFECT.contains(&(name.as_str(), id.as_str()))
+            });
             broken.extend(named.map(|id| format!("{name}: {id}")));
         }
     }

@@ -21,8 +21,8 @@ impl Stated {
         Self { channels: vec![*channel], kind: kind.map(Span::of, Span::of), action: *action }
     }
 
-    /// Takes up what another one says, where it is the same of the same channels but for its numbers; false where it
-    /// is not.
+    /// Widens its numbers by those of another one, where that says the same of the same channels but for them; false
+    /// where it does not.
     pub fn join(&mut self, other: &Self) -> bool {
         let is_like = self.channels == other.channels
             && self.action == other.action
