@@ -1,8 +1,8 @@
 //! Inputs that are commands: a share of the battery's voltage, or a pulse of a servo.
 
+use super::guessed::{Guess, Guessed};
 use super::model_key::effects_of;
 use super::values::{largest, values_of, whole};
-use super::{Guess, Guessed};
 use crate::io::PreviewColumn;
 use crate::recording::DriveUnit;
 

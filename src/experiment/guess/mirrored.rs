@@ -1,6 +1,6 @@
 //! A wheel that counts the other way: its motor stands mirrored on the robot.
 
-use super::{Guess, Guessed};
+use super::guessed::{Guess, Guessed};
 use crate::experiment::remark::{Remark, mirrored_question};
 use crate::experiment::remarks::opposed;
 use crate::io::PreviewColumn;

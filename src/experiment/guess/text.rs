@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use super::guessed::{Guess, Guessed};
 use super::model_key::effects_of;
 use super::names::named;
-use super::{Guess, Guessed};
 use crate::diagnose;
 use crate::io::PreviewColumn;
 use crate::recording::DriveUnit;

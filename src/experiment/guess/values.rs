@@ -1,8 +1,8 @@
 //! What the values of columns say: units of time, counts, milliamperes, and what has to be asked.
 
+use super::guessed::{Guess, Guessed};
 use super::model_key::effects_of;
 use super::names::named;
-use super::{Guess, Guessed};
 use crate::io::PreviewColumn;
 use crate::math::median;
 use crate::recording::DriveUnit;
