@@ -10,7 +10,7 @@
 //!
 //! # Example
 //!
-//! A robot is simulated whose tyres resist turning, which the model does not know: the fit leaves an
+//! A robot is simulated whose tyres resist turning, which the model lacks: the fit leaves an
 //! error above the noise floor, and the diagnosis names the effect.
 //!
 //! ```

@@ -22,7 +22,7 @@ pub(crate) struct Case {
 }
 
 impl Case {
-    /// The model that does not know of the effect.
+    /// The model without the effect.
     pub(crate) fn model_without(&self) -> Result<Model, ModelError> {
         let base = Model::base(Robot::amigobot());
         let construction = base.initial();

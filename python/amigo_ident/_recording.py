@@ -169,7 +169,7 @@ class Recording:
 
     @property
     def noise(self) -> dict[str, Any]:
-        """Standard deviations of the measurement noise: ``alpha`` [rad], ``omega`` [rad/s], ``moment``
+        """Standard deviations of the measurement noise: ``alpha`` [rad], ``omega`` [rad/s], ``torque``
         [:attr:`drive_unit`], each for both wheels."""
         noise: dict[str, Any] = json.loads(self._native.noise())
         return noise

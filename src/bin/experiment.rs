@@ -190,7 +190,7 @@ fn printable(text: &str) -> String {
 }
 
 /// A damaged Parquet file can make its reader panic in threads of its own; the panic is caught and
-/// told as an error, so that its own message would only confuse.
+/// given as an error, so that its own message would only confuse.
 fn silence_the_parquet_reader() {
     let usual = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {

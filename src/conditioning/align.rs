@@ -9,7 +9,7 @@
 //! other sensors  the line between the samples around the row, and a measured input as well
 //! a command      the last sample: it holds until the next
 //! ```
-//! Between the samples of a measured input nobody knows it, and more rows would claim so. A sensor with less than
+//! Between the samples of a measured input it is unknown, and more rows would claim so. A sensor with less than
 //! half as many samples is held too: lines between few samples would be counted as measurements that nobody made.
 
 use super::cells::{column, columns, keep, put};

@@ -20,7 +20,7 @@ use crate::math::noise::quantum;
 const AROUND: usize = 4;
 /// A step is not motion if it is this many times the largest ordinary one around it: between two
 /// rows no wheel changes its increment by more than that increment itself, unless it is slower than
-/// the wrap can be told from (half a period a row).
+/// the wrap can be distinguished from (half a period a row).
 const BEYOND: f64 = 10.0;
 /// Part of a period by which its steps may differ: the increment of the row is part of the step.
 const ALIKE: f64 = 0.02;
@@ -177,7 +177,7 @@ mod tests {
                 let wrap = |x: f64| round(x - low).rem_euclid(period) + low;
                 let done = conditioned(truth.iter().map(|v| v.map(wrap)).collect(), 0.02);
                 let found = done.channels.alpha.unwrap();
-                // up to the constant that nobody knows, within rounding
+                // up to an unknown constant, within rounding
                 for i in 0..2 {
                     let by = found[0][i] - truth[0][i];
                     let worst = found.iter().zip(&truth).map(|(a, b)| (a[i] - b[i] - by).abs());

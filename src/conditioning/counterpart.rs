@@ -74,7 +74,7 @@ fn units(work: &mut Conditioned, settings: &Settings, context: &Context, ratios:
     }
     let known = known(context);
     let mut fits = known.iter().filter(|(factor, ..)| (first / factor - 1.0).abs() < CLOSE);
-    // with two that fit nobody knows which
+    // of two that fit either may be it
     let (factor, unit, target) = match (fits.next(), fits.next()) {
         (Some(one), None) => one,
         (None, _) => return gear(work, first),

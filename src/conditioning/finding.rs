@@ -1,10 +1,12 @@
 //! What conditioning found: typed, with the words made in one place.
 
+mod kind;
+mod stated;
 mod words;
 
 use serde_json::{Value, json};
 
-use self::words::words;
+pub use self::stated::{Stated, sentences, stated};
 
 /// Names of the wheels.
 pub(super) const WHEELS: [&str; 2] = ["right", "left"];
@@ -61,95 +63,95 @@ impl Action {
     }
 }
 
-/// What was found. Rows count from 1, the first row of data.
+/// What was found, with counts `C` and other numbers `R`. Rows count from 1, the first row of data.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Kind {
+pub enum Kind<C = usize, R = f64> {
     /// Rows in which a column has no number; left out.
     MissingValues {
         /// How many rows.
-        rows: usize,
+        rows: C,
         /// The first of them.
-        first: usize,
+        first: C,
     },
     /// A column that has its own, slower rows; read between them.
     SparseColumn {
         /// Part of the rows that have a value \[1\].
-        share: f64,
+        share: R,
     },
     /// A command or a slow sensor that has its own rows; held in between.
     HeldColumn {
         /// Part of the rows that have a value \[1\].
-        share: f64,
+        share: R,
     },
     /// A column in whose rows the recording stands; those of other messages serve their own columns.
     OwnRows {
         /// Part of the rows that have a value of it \[1\].
-        share: f64,
+        share: R,
     },
     /// Rows whose time repeats or precedes that of others; left out.
     TimeRows {
         /// How many rows.
-        rows: usize,
+        rows: C,
         /// The first of them.
-        first: usize,
+        first: C,
     },
     /// Stamps scatter about even times, on which the motion is smoother; the rows stand there.
     Jitter {
         /// Root mean square of the scatter, as a share of a row.
-        share: f64,
+        share: R,
     },
     /// A timer of so many seconds began again.
     ClockWrap {
         /// How often.
-        count: usize,
+        count: C,
         /// The first row behind it.
-        row: usize,
+        row: C,
         /// Its period \[s\].
-        period_s: f64,
+        period_s: R,
     },
     /// The clock went back \[s\] and on from there: the rows go on behind a gap.
     ClockRestart {
         /// How often.
-        count: usize,
+        count: C,
         /// The first row behind it.
-        row: usize,
+        row: C,
         /// By how much \[s\].
-        back_s: f64,
+        back_s: R,
     },
     /// A clock that stands still over so many rows and goes on by so many seconds.
     CoarseClock {
         /// Its tick \[s\].
-        tick_s: f64,
+        tick_s: R,
         /// Rows within a tick.
-        rows: f64,
+        rows: R,
     },
     /// Rows that repeat the sensors' last sample though the wheels move; what came late is put in its place.
     Stale {
         /// How many rows.
-        rows: usize,
+        rows: C,
         /// The first of them.
-        first: usize,
+        first: C,
     },
     /// An angle that wraps at so many radians.
     Wrapped {
         /// Period \[rad\].
-        period_rad: f64,
+        period_rad: R,
         /// How often.
-        turns: usize,
+        turns: C,
     },
     /// An angle whose counter was reset by so many radians.
     Reset {
         /// First row behind the jump, from 0.
-        row: usize,
+        row: C,
         /// Size of the jump \[rad\].
-        step_rad: f64,
+        step_rad: R,
     },
     /// Speeds without angles behind a low-pass of their sensor, as the motion says that they make.
     LowPass {
         /// Its time constant \[s\].
-        time_s: f64,
+        time_s: R,
         /// Standard error of that \[s\].
-        std_error_s: f64,
+        std_error_s: R,
         /// Whether a late actuator explains them hardly worse.
         or_late: bool,
     },
@@ -158,30 +160,30 @@ pub enum Kind {
     /// An input that acts so much later than in the mean of the recordings, as the motion says that they make.
     Phase {
         /// Time \[s\].
-        shift_s: f64,
+        shift_s: R,
         /// Standard error of that \[s\].
-        std_error_s: f64,
+        std_error_s: R,
     },
     /// Isolated wrong samples.
     Spikes {
         /// How many.
-        count: usize,
+        count: C,
         /// The first of them.
-        first: usize,
+        first: C,
         /// The largest one, from the line between its neighbours.
-        largest: f64,
+        largest: R,
     },
     /// A channel that is this many times what the other one says.
     Unit {
         /// Ratio of speed to slope of the angle.
-        factor: f64,
+        factor: R,
         /// Unit whose factor that ratio is.
         unit: &'static str,
     },
     /// Speeds that are this many times the slope of the angles, which is the factor of no unit: a gear between them.
     Gear {
         /// Ratio of speed to slope of the angle.
-        ratio: f64,
+        ratio: R,
     },
     /// A channel whose sign contradicts the others.
     Sign,
@@ -192,54 +194,54 @@ pub enum Kind {
     /// Speeds that are recorded so much later than the angles \[s\].
     Lag {
         /// Lag \[s\].
-        lag_s: f64,
+        lag_s: R,
         /// Its standard error \[s\].
-        std_error_s: f64,
+        std_error_s: R,
     },
     /// Speeds that a filter made late; the angles alone are used.
     Filtered {
         /// Lag \[s\].
-        lag_s: f64,
+        lag_s: R,
         /// Its standard error \[s\].
-        std_error_s: f64,
+        std_error_s: R,
     },
     /// Speeds that are differences of the angles over so many samples; the angles alone are used.
     Differences {
         /// Over how many samples.
-        samples: usize,
+        samples: C,
         /// Lag \[s\].
-        lag_s: f64,
+        lag_s: R,
     },
     /// Speeds without angles that an encoder's counts make; what these add up to is used.
     Counts {
         /// One count \[rad\].
-        step_rad: f64,
+        step_rad: R,
         /// Rows over which each speed is the mean.
-        rows: usize,
+        rows: C,
     },
     /// An input of a few levels: commands without noise.
     FewLevels {
         /// How many.
-        levels: usize,
+        levels: C,
     },
     /// An input without sign, though the wheel turns both ways.
     Magnitude,
     /// An input that is not zero while the robot stands before it starts.
     RestOffset {
         /// Mean at rest, in the unit of the input.
-        mean: f64,
+        mean: R,
         /// Its standard error.
-        std_error: f64,
+        std_error: R,
     },
     /// Sensors that give a new value only every so often \[s\].
     Refresh {
         /// Time between new values \[s\].
-        period_s: f64,
+        period_s: R,
     },
     /// A channel that comes in steps.
     Quantum {
         /// The step, in the unit of the channel.
-        step: f64,
+        step: R,
     },
 }
 
@@ -318,39 +320,6 @@ impl Kind {
 
 impl std::fmt::Display for Finding {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.sentence(&self.channel.name()))
+        Stated::of(self).fmt(f)
     }
-}
-
-impl Finding {
-    /// In words, of channels of that name.
-    fn sentence(&self, name: &str) -> String {
-        let (what, done) = words(name, &self.kind, self.channel);
-        match self.action {
-            Action::Corrected(key) => {
-                format!("{what}; {done} ([conditioning] {key} = false leaves it)")
-            }
-            Action::Used => format!("{what}; {done}"),
-            Action::Noted => format!("{what}; left as recorded"),
-        }
-    }
-}
-
-/// The findings in words, those that say the same of several channels in one sentence.
-#[must_use]
-pub fn sentences(findings: &[Finding]) -> Vec<String> {
-    let mut groups: Vec<(Finding, Vec<String>)> = vec![];
-    for finding in findings {
-        let same = |f: &Finding| (f.kind, f.action) == (finding.kind, finding.action);
-        match groups.iter_mut().find(|(first, _)| same(first)) {
-            Some((_, names)) => names.push(finding.channel.name()),
-            None => groups.push((*finding, vec![finding.channel.name()])),
-        }
-    }
-    let named = |names: &[String]| match names {
-        [one] => one.clone(),
-        [rest @ .., last] => format!("each of {} and {last}", rest.join(", ")),
-        [] => String::new(),
-    };
-    groups.iter().map(|(finding, names)| finding.sentence(&named(names))).collect()
 }

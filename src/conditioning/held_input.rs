@@ -37,8 +37,10 @@ pub(super) fn sampled(work: &mut Conditioned, settings: &Settings, context: &Con
     let rows = c.t.len() as f64;
     let fresh = refreshed(c);
     let repeated = count(&|k| !right[k]);
-    let told = count(&|k| !right[k] && fresh[k]);
-    if repeated == 0.0 || 2.0 * told < repeated || count(&|k| right[k] == left[k]) < TOGETHER * rows
+    let alone = count(&|k| !right[k] && fresh[k]);
+    if repeated == 0.0
+        || 2.0 * alone < repeated
+        || count(&|k| right[k] == left[k]) < TOGETHER * rows
     {
         return;
     }

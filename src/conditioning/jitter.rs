@@ -10,7 +10,7 @@ use super::{Conditioned, Settings};
 
 /// Scatter of the stamps, as a share of a row, below which they are left alone (taste).
 const LITTLE: f64 = 0.01;
-/// Scatter beyond which a row cannot be told from the next, and the share of rows that may have more.
+/// Scatter beyond which a row cannot be distinguished from the next, and the share of rows that may have more.
 const HALF: f64 = 0.5;
 const FEW: f64 = 0.05;
 /// Share of its distance from a stamp by which the clock that counts rows follows: over some twenty rows.
@@ -159,7 +159,7 @@ mod tests {
             matches!(work.findings[0].kind, Kind::Jitter { share } if (0.08..0.095).contains(&share))
         );
         let true_times = (0..2000).filter(|k| k % 40 != 7).map(|k| 0.01 * f64::from(k) * 1.0003);
-        // a line through a hundred stamps of 0.87 ms knows its middle to 0.09 ms, its ends to twice that
+        // a line through a hundred stamps of 0.87 ms has its middle to 0.09 ms, its ends to twice that
         for (found, is) in work.channels.t.iter().zip(true_times) {
             assert!((found - is).abs() < 6e-4, "{found} {is}");
         }

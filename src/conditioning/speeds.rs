@@ -18,6 +18,7 @@ use nalgebra::{Matrix2, Vector2};
 use super::finding::{Channel, Finding, Kind};
 use super::signal::{changes, column, median, noise_variance, pieces, trimmed};
 use super::{Conditioned, Context, Settings};
+use crate::math::{cumulative_trapezoid, robust_deviation};
 
 /// Window \[s\] and its samples at least: motion changes within a few tenths of a second.
 const WINDOW: (f64, usize) = (0.1, 4);
@@ -207,11 +208,7 @@ fn windows(s: &Samples) -> Vec<(usize, usize)> {
 
 /// Integral of the speed up to each sample, by trapezoids.
 fn integral(s: &Samples) -> Vec<f64> {
-    let mut way = vec![0.0; s.t.len()];
-    for k in 1..s.t.len() {
-        way[k] = way[k - 1] + 0.5 * (s.t[k] - s.t[k - 1]) * (s.omega[k] + s.omega[k - 1]);
-    }
-    way
+    cumulative_trapezoid(&s.t, |k| s.omega[k])
 }
 
 struct Step {
@@ -234,7 +231,7 @@ fn solve(s: &Samples, way: &[f64], windows: &[(usize, usize)], lag: f64) -> Opti
         ))
     };
     let rows: Vec<(f64, f64, f64)> = windows.iter().filter_map(row).collect();
-    let limit = 8.0 * 1.4826 * median(rows.iter().map(|(e, ..)| e.abs()));
+    let limit = 8.0 * robust_deviation(rows.iter().map(|(e, ..)| *e));
     let used = || rows.iter().filter(|(e, ..)| limit <= 0.0 || e.abs() <= limit);
     let (mut normal, mut right, mut squares, mut n) = (Matrix2::zeros(), Vector2::zeros(), 0.0, 0);
     for (e, slope, way) in used() {

@@ -14,9 +14,10 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::finding::{Channel, Finding, Kind};
-use super::signal::{column, median, pieces, quantile};
+use super::signal::{column, pieces, quantile};
 use super::{Conditioned, Context, Settings};
 use crate::math::noise::quantum;
+use crate::math::{cumulative_trapezoid, robust_deviation};
 use crate::recording::refreshed;
 
 /// See above.
@@ -105,7 +106,7 @@ fn spikes(t: &[f64], values: &[f64], samples: &[usize]) -> Vec<Spike> {
     // around a standstill nothing stands out, though the noise of motion does not end there
     let changes = samples.windows(2).map(|w| (values[w[1]] - values[w[0]]).abs());
     let step = quantile(changes.filter(|d| *d > 0.0), 0.02).max(quantum(values).unwrap_or(0.0));
-    let floor = (1.4826 * median(sizes.iter().copied().filter(|z| *z > 0.0))).max(step);
+    let floor = robust_deviation(sizes.iter().copied().filter(|z| *z > 0.0)).max(step);
     let mut found = Vec::new();
     for k in 0..out.len() {
         let (before, here, after) = (samples[k], samples[k + 1], samples[k + 2]);
@@ -114,7 +115,7 @@ fn spikes(t: &[f64], values: &[f64], samples: &[usize]) -> Vec<Spike> {
             continue;
         }
         let near = k.saturating_sub(AROUND)..(k + AROUND + 1).min(sizes.len());
-        let usual = 1.4826 * median(sizes[near].iter().copied());
+        let usual = robust_deviation(sizes[near].iter().copied());
         let least = beyond[0].abs().min(beyond[1].abs());
         if least > FAR * usual.max(floor) && is_alone(&out, k) {
             let value = values[here] - out[k];
@@ -150,15 +151,12 @@ fn unfelt(work: &Conditioned, input: &[f64], found: Vec<Spike>, i: usize) -> Vec
         near.iter().all(|w| *w > slow) || near.iter().all(|w| *w < -slow)
     };
     let found: Vec<Spike> = found.into_iter().filter(|s| moves(s.rows.start)).collect();
-    let mut integral = vec![0.0; t.len()];
-    for k in 1..t.len() {
-        integral[k] = integral[k - 1] + 0.5 * (t[k] - t[k - 1]) * (input[k] + input[k - 1]);
-    }
+    let integral = cumulative_trapezoid(t, |k| input[k]);
     let bend = |v: &[f64], k: usize| 3.0 * (v[k + 1] - v[k - 1]) - (v[k + 3] - v[k - 3]);
     let rows = 3..t.len().saturating_sub(3 + DELAY);
     let at: Vec<usize> = found.iter().map(|s| s.rows.start).filter(|k| rows.contains(k)).collect();
     let size: f64 = at.iter().map(|&k| bend(&integral, k).powi(2)).sum();
-    let noise = 1.4826 * median(rows.map(|k| bend(&speed, k).abs()));
+    let noise = robust_deviation(rows.map(|k| bend(&speed, k)));
     let error = noise / size.sqrt().max(f64::MIN_POSITIVE);
     let there = |delay: usize| {
         at.iter().map(|&k| bend(&integral, k) * bend(&speed, k + delay)).sum::<f64>() / size

@@ -171,7 +171,7 @@ impl<'a> Search<'a> {
         });
         fits.min_by(|a, b| a.cost.total_cmp(&b.cost)).ok_or_else(|| IdentifyError::NoStart {
             method: "diagnosis".into(),
-            reason: "no start can be simulated over the windows".into(),
+            reason: crate::identify::NoStart::Windows,
         })
     }
 

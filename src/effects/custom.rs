@@ -300,6 +300,13 @@ impl Physics for Custom {
         }
     }
 
+    fn depends_on_heading(&self) -> bool {
+        let formulas = [Some(&self.definition.torque1), self.definition.torque2.as_ref()];
+        let names_heading =
+            |text: &String| parse(text).is_ok_and(|formula| formula.variables().contains(&"beta"));
+        formulas.into_iter().flatten().any(names_heading)
+    }
+
     fn parameters(&self) -> Vec<ParameterSpec> {
         self.definition.parameters.clone()
     }

@@ -75,8 +75,18 @@ pub trait Physics: Send + Sync + 'static {
         false
     }
 
-    /// Whether the input acts later and is otherwise the same, so that no shift of the rows can be told from it.
+    /// Whether the input acts later and is otherwise the same, so that no shift of the rows can be distinguished from it.
     fn is_delay(&self) -> bool {
+        false
+    }
+
+    /// Whether most robots have it.
+    fn is_common(&self) -> bool {
+        false
+    }
+
+    /// Whether its torque varies with the heading of the robot, which needs the track.
+    fn depends_on_heading(&self) -> bool {
         false
     }
 
@@ -197,6 +207,10 @@ pub trait Effect: Send + Sync {
     fn acts_on_input(&self) -> bool;
     /// [`Physics::is_delay`].
     fn is_delay(&self) -> bool;
+    /// [`Physics::is_common`].
+    fn is_common(&self) -> bool;
+    /// [`Physics::depends_on_heading`].
+    fn depends_on_heading(&self) -> bool;
     /// [`Physics::change`].
     fn change(&self) -> Change;
     /// [`Physics::admissible`].
@@ -282,6 +296,12 @@ impl<P: Physics> Effect for P {
     }
     fn is_delay(&self) -> bool {
         Physics::is_delay(self)
+    }
+    fn is_common(&self) -> bool {
+        Physics::is_common(self)
+    }
+    fn depends_on_heading(&self) -> bool {
+        Physics::depends_on_heading(self)
     }
     fn change(&self) -> Change {
         Physics::change(self)

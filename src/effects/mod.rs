@@ -21,6 +21,7 @@ pub use scale::{FAST, Scale, geometric};
 pub use text::{details, details_of, overview};
 
 use crate::catalogue;
+use crate::recording::DriveUnit;
 
 /// How an effect treats mechanical energy; every registered effect is tested against its claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -161,6 +162,18 @@ catalogue! {
 
 /// The ids of the base model, in the order of its parameters a1..a5.
 pub const BASE: [&str; 3] = ["inertia", "centrifugal", "coulomb_friction"];
+
+/// Ids of the effects that belong to every model whose input was recorded in this unit.
+#[must_use]
+pub fn belonging_to(input: DriveUnit) -> Vec<String> {
+    all().iter().filter(|effect| effect.belongs_to(input)).map(|effect| effect.id()).collect()
+}
+
+/// Id of the effect beyond the base model that most robots have: what to try where nothing is known.
+#[must_use]
+pub fn most_common() -> Option<String> {
+    all().iter().find(|effect| effect.is_common()).map(|effect| effect.id())
+}
 
 /// The registered effect of that id.
 #[must_use]

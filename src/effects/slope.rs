@@ -55,6 +55,10 @@ impl Physics for Slope {
         Energy::Stores
     }
 
+    fn depends_on_heading(&self) -> bool {
+        true
+    }
+
     fn terms<T: Real>(&self, x: &Motion<T>, p: &[T]) -> Terms<T> {
         let (cos, sin) = (x.heading().cos(), x.heading().sin());
         let both = p[0] * cos + p[1] * sin;
@@ -71,8 +75,8 @@ mod tests {
     fn the_power_of_the_torques_is_the_rate_of_the_potential_energy() {
         let robot = Robot::amigobot();
         let body = &robot.construction;
-        let (pull, uphill) = (1.7_f64, 0.6_f64); // N a kg of mass along the floor, rad
-        let weight = |mass: f64| pull * mass;
+        let (gravity, uphill) = (1.7_f64, 0.6_f64); // N a kg of mass along the floor, rad
+        let weight = |mass: f64| gravity * mass;
         let total = body.m4_kg + 2.0 * body.m1_kg;
         let g = weight(total) * robot.r() / 2.0;
         let (alpha, omega) = ([2.0, -1.5], [7.0, 3.0]);

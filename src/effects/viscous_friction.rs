@@ -29,6 +29,11 @@ impl Physics for ViscousFriction {
         vec![ParameterSpec::linear("b", "viscous constant", "N m s/rad", (0.0, 1e3), 0.003)]
     }
 
+    /// Every bearing and gear has some.
+    fn is_common(&self) -> bool {
+        true
+    }
+
     fn energy(&self) -> Energy {
         Energy::Dissipates
     }

@@ -43,7 +43,7 @@ impl Physics for WheelEccentricity {
         ]
     }
 
-    /// A wave of which less than a period was driven cannot be told from an offset.
+    /// A wave of which less than a period was driven cannot be distinguished from an offset.
     fn admissible(&self, scale: &Scale) -> bool {
         scale.angle >= std::f64::consts::TAU
     }

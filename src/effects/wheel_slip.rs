@@ -57,7 +57,7 @@ impl Physics for WheelSlip {
         out
     }
 
-    /// Slip that has died away within half a row cannot be told from none. A wheel with its gear may have nearly
+    /// Slip that has died away within half a row cannot be distinguished from none. A wheel with its gear may have nearly
     /// all of the inertia, and more than a fit without slip saw: the robot behind the slip moves less.
     fn limits(&self, scale: &Scale) -> Vec<(f64, f64)> {
         let reduced = 0.25 * scale.inertia;

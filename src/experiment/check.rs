@@ -6,10 +6,9 @@ use std::path::Path;
 use super::error::ExperimentError;
 use super::execute::load;
 use super::plan::{DiagnosisPlan, Measured, Plan};
-use crate::conditioning::sentences;
-use crate::recording::{Finding, Issue};
+use crate::conditioning::{Stated, stated};
+use crate::recording::{Finding, Issue, StatedIssue};
 use crate::robot::Robot;
-use crate::study::grouped;
 
 /// Validates a file and its recordings and says what would be done.
 ///
@@ -33,12 +32,10 @@ pub fn check(file: &Path, set: &[String]) -> Result<String, ExperimentError> {
     }
     conditioning(&plan, &mut out);
     let robot = plan.model.robot();
-    let notes: Vec<(&str, String)> = plan.recordings.iter().flat_map(|m| notes(m, robot)).collect();
     for warning in plan.remarks_and_findings() {
         let _ = writeln!(out, "  warning     {warning}");
     }
-    let notes = notes.iter().map(|(name, note)| (*name, note.as_str()));
-    for (names, note) in grouped(notes, plan.recordings.len()) {
+    for (names, note) in plan.grouped(|m| notes(m, robot), StatedIssue::join) {
         let _ = writeln!(out, "  note        {names}: {note}");
     }
     let methods: Vec<&str> = plan.methods.iter().map(|m| m.name.as_str()).collect();
@@ -82,15 +79,8 @@ fn diagnosis(DiagnosisPlan { settings, .. }: &DiagnosisPlan) -> String {
 
 /// What conditioning found, in groups of recordings, and the dead time.
 fn conditioning(plan: &Plan, out: &mut String) {
-    let count = plan.recordings.len();
-    let found: Vec<(&str, String)> = plan
-        .recordings
-        .iter()
-        .flat_map(|m| sentences(&m.conditioning).into_iter().map(|s| (m.recording.name(), s)))
-        .collect();
-    let found = found.iter().map(|(name, words)| (*name, words.as_str()));
-    for (names, words) in grouped(found, count) {
-        let _ = writeln!(out, "  signal      {names}: {words}");
+    for (names, found) in plan.grouped(|m| stated(&m.conditioning), Stated::join) {
+        let _ = writeln!(out, "  signal      {names}: {found}");
     }
     if let Some(timing) = plan.timing {
         let [value, error, corrected] =
@@ -104,9 +94,8 @@ fn conditioning(plan: &Plan, out: &mut String) {
 }
 
 /// What the quality check notes; between the windows of a long recording nothing is missing.
-fn notes<'a>(measured: &'a Measured, robot: &Robot) -> Vec<(&'a str, String)> {
+fn notes(measured: &Measured, robot: &Robot) -> Vec<StatedIssue> {
     let between = |f: &Finding| measured.long.is_some() && matches!(f.issue, Issue::Gaps(..));
-    let r = &measured.recording;
-    let notes = super::quality::notes(r, robot).into_iter().filter(|note| !between(note));
-    notes.map(|note| (r.name(), note.to_string())).collect()
+    let notes = super::quality::notes(&measured.recording, robot).into_iter();
+    notes.filter(|note| !between(note)).map(|note| note.issue.stated()).collect()
 }

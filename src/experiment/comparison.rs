@@ -9,7 +9,7 @@ use super::error::RunError;
 use super::fits::MethodFit;
 use super::plan::{Measured, MethodPlan, Plan};
 use crate::compare::{Floor, angle_rms, ise, noise_floor, simulate_recording, window_rms};
-use crate::identify::Fit;
+use crate::identify::{Fit, IdentifyError};
 use crate::recording::Recording;
 use crate::robot::{State, kinematics};
 use crate::simulate::{Dynamics, PhysicalDynamics, SimulateError, Structure, emulate};
@@ -65,7 +65,7 @@ impl Comparison {
 pub fn compare(plan: &Plan, fits: &[MethodFit]) -> Result<Comparison, RunError> {
     let Some((reference, fit)) = reference(fits) else {
         let reasons: Vec<String> =
-            fits.iter().filter_map(|f| f.fit.as_ref().err().cloned()).collect();
+            fits.iter().filter_map(|f| Some(f.fit.as_ref().err()?.to_string())).collect();
         return Err(RunError::NoFit { reasons: reasons.join("; ") });
     };
     let dynamics = fit.dynamics.clone();
@@ -81,7 +81,7 @@ pub fn compare(plan: &Plan, fits: &[MethodFit]) -> Result<Comparison, RunError> 
         .map(|(method, MethodFit { fit, seconds })| {
             // a fit that cannot be simulated is a row with its reason, like one that does not exist
             method_study(plan, method, fit, *seconds)
-                .or_else(|e| method_study(plan, method, &Err(e.to_string()), *seconds))
+                .or_else(|e| method_study(plan, method, &Err(e.into()), *seconds))
         })
         .collect::<Result<_, _>>()?;
     Ok(Comparison { recordings, methods, reference, dynamics })
@@ -138,7 +138,7 @@ fn path(plan: &Plan, r: &Recording) -> Vec<[f64; 3]> {
 fn method_study(
     plan: &Plan,
     method: &MethodPlan,
-    fit: &Result<Fit, String>,
+    fit: &Result<Fit, IdentifyError>,
     seconds: f64,
 ) -> Result<MethodStudy, SimulateError> {
     let nothing = MethodStudy::new(&method.name, &method.title, &method.options, seconds);

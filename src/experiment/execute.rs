@@ -9,6 +9,7 @@ use super::file::ExperimentFile;
 use super::grid;
 use super::options::{Done, RunOptions, THUMBNAIL};
 use super::plan::Plan;
+use super::remark::Remark;
 use super::remarks::remarks;
 use super::resolve::resolve;
 use super::run::run_in_stages;
@@ -122,7 +123,7 @@ fn load_recordings(recordings: &[PathBuf], set: &[String]) -> Result<Plan, Exper
     }
     let mut plan = load_text(&file, draft.text, set)?;
     plan.typed = recordings.to_vec();
-    plan.remarks.insert(0, draft.words.trim_end().to_string());
+    plan.remarks.insert(0, Remark::Columns(draft.words.trim_end().to_string()));
     Ok(plan)
 }
 

@@ -5,15 +5,15 @@ use std::time::Instant;
 use super::long::counted;
 use super::plan::{MethodPlan, Plan};
 use super::stages::Stages;
-use crate::identify::{Fit, Task};
+use crate::identify::{Fit, IdentifyError, Task};
 use crate::recording::{LongRecording, Recording};
 use crate::study::Role;
 
 /// What a method made of the training recordings.
 #[derive(Clone)]
 pub struct MethodFit {
-    /// The fit, or in words why there is none.
-    pub fit: Result<Fit, String>,
+    /// The fit, or why there is none.
+    pub fit: Result<Fit, IdentifyError>,
     /// Wall time \[s\].
     pub seconds: f64,
 }
@@ -44,6 +44,6 @@ fn fit(
     let task = Task { model: &plan.model, train, hold: plan.hold, seed: plan.seed };
     let long: Vec<Option<&LongRecording>> = long.iter().map(Option::as_ref).collect();
     let start = Instant::now();
-    let fit = super::long::identify(&*method.method, &task, &long).map_err(|e| e.to_string());
+    let fit = super::long::identify(&*method.method, &task, &long);
     MethodFit { fit, seconds: start.elapsed().as_secs_f64() }
 }

@@ -5,7 +5,9 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 use crate::diagnose::Told;
 use crate::identify::{Fit, Identifier, IdentifyError, Note, Task};
-use crate::recording::{Channels, Finding, Issue, LongRecording, Recording, Rows, Severity};
+use crate::recording::{
+    Channels, Finding, Issue, LongRecording, Recording, Rows, RowsError, Severity,
+};
 
 /// What the check of the recordings says.
 pub(super) fn finding(windows: &Recording, long: &LongRecording) -> Finding {
@@ -51,8 +53,8 @@ struct Counted {
 }
 
 impl Rows for Counted {
-    fn blocks(&self) -> Box<dyn Iterator<Item = Result<Channels, String>> + '_> {
-        let count = |block: &Result<Channels, String>| {
+    fn blocks(&self) -> Box<dyn Iterator<Item = Result<Channels, RowsError>> + '_> {
+        let count = |block: &Result<Channels, RowsError>| {
             let rows = block.as_ref().map_or(0, |block| block.t.len());
             (self.told)(self.read.fetch_add(rows, Relaxed) + rows, self.all);
         };

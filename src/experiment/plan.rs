@@ -1,15 +1,17 @@
 //! An experiment ready to run: everything resolved, nothing left to look up.
 
+use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::combinations::GridPlan;
 use super::custom::Own;
-use crate::conditioning::{Finding, sentences};
+use super::remark::Remark;
+use crate::conditioning::{Finding, Stated, stated};
 use crate::diagnose::{Settings, Timing};
 use crate::identify::Identifier;
 use crate::model::Model;
-use crate::recording::{self, DriveUnit, LongRecording, Recording};
+use crate::recording::{self, DriveUnit, LongRecording, Recording, StatedIssue};
 use crate::simulate::{Gain, Hold};
 use crate::study::{Role, grouped};
 
@@ -28,6 +30,21 @@ pub struct Measured {
     pub conditioning: Vec<Finding>,
     /// What the quality check says.
     pub findings: Vec<recording::Finding>,
+}
+
+/// An input that is the sum of several columns; printed as `M1 = front_right + rear_right`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct InputSum {
+    /// `M1` or `M2`.
+    pub input: String,
+    /// Names of the columns.
+    pub columns: Vec<String>,
+}
+
+impl fmt::Display for InputSum {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} = {}", self.input, self.columns.join(" + "))
+    }
 }
 
 /// A method with its options.
@@ -68,10 +85,10 @@ pub struct Plan {
     pub model: Model,
     /// Effects written as formulas in the file, in the model or not.
     pub own: Vec<Own>,
-    /// Inputs that are the sum of several columns, in words.
-    pub sums: Vec<String>,
-    /// Keys of the file that do not do what they seem to, in sentences.
-    pub remarks: Vec<String>,
+    /// Inputs that are the sum of several columns.
+    pub sums: Vec<InputSum>,
+    /// What a reader of the file would not expect of it.
+    pub remarks: Vec<Remark>,
     /// Recordings; at least one to train on.
     pub recordings: Vec<Measured>,
     /// The input between samples.
@@ -97,6 +114,10 @@ pub struct Plan {
 }
 
 impl Measured {
+    fn name(&self) -> &str {
+        self.recording.name()
+    }
+
     /// Rows of the whole recording.
     #[must_use]
     pub fn samples(&self) -> usize {
@@ -117,30 +138,29 @@ impl Plan {
     pub fn warnings(&self) -> Vec<String> {
         let corrected = |m: &Measured| {
             let remarkable = m.conditioning.iter().filter(|f| f.is_remarkable());
-            sentences(&remarkable.copied().collect::<Vec<_>>())
+            stated(&remarkable.copied().collect::<Vec<_>>())
         };
-        let said = self.grouped(corrected);
-        said.into_iter().chain(self.remarks_and_findings()).collect()
+        let said = self.grouped(corrected, Stated::join);
+        let said = said.into_iter().map(|(names, corrected)| format!("{names}: {corrected}"));
+        said.chain(self.remarks_and_findings()).collect()
     }
 
     /// The same without corrections.
     pub(super) fn remarks_and_findings(&self) -> Vec<String> {
-        let found = self.grouped(|m| m.findings.iter().map(ToString::to_string).collect());
-        self.remarks.iter().cloned().chain(found).collect()
+        let issues = |m: &Measured| m.findings.iter().map(|f| f.issue.stated()).collect();
+        let found = self.grouped(issues, StatedIssue::join);
+        let found = found.into_iter().map(|(names, issue)| format!("{names}: {issue}"));
+        self.remarks.iter().map(ToString::to_string).chain(found).collect()
     }
 
-    /// Sentences on recordings, each with the names of those of which it is said.
-    fn grouped(&self, said: impl Fn(&Measured) -> Vec<String>) -> Vec<String> {
-        let of = |m: &Measured| {
-            let all = said(m).into_iter();
-            all.map(|f| (m.recording.name().to_string(), f)).collect::<Vec<_>>()
-        };
-        let findings: Vec<(String, String)> = self.recordings.iter().flat_map(of).collect();
-        let grouped = grouped(
-            findings.iter().map(|(name, text)| (name.as_str(), text.as_str())),
-            self.recordings.len(),
-        );
-        grouped.into_iter().map(|(names, text)| format!("{names}: {text}")).collect()
+    /// What `of` finds in the recordings, each with the names of those in which it is found.
+    pub(super) fn grouped<T>(
+        &self,
+        of: impl Fn(&Measured) -> Vec<T>,
+        join: impl Fn(&mut T, &T) -> bool,
+    ) -> Vec<(String, T)> {
+        let named = |m| of(m).into_iter().map(|finding| (Measured::name(m), finding));
+        grouped(self.recordings.iter().flat_map(named), self.recordings.len(), join)
     }
 
     /// Unit of the recorded input.

@@ -2,20 +2,20 @@
 
 use toml::{Table, Value};
 
-/// What a reader of the file would not expect of it, in sentences. `table` holds its keys as they
-/// are written, since a key that was left out is no surprise.
-pub(super) fn remarks(table: &Table) -> Vec<String> {
+use super::remark::{FixedMovement, Remark};
+
+/// What a reader of the file would not expect of it. `table` holds its keys as they are written, since a key that
+/// was left out is no surprise.
+pub(super) fn remarks(table: &Table) -> Vec<Remark> {
     [unused_length(table), other_gain(table)].into_iter().flatten().collect()
 }
 
 /// Length and top speed are those of a rich movement alone.
-fn unused_length(table: &Table) -> Option<String> {
+fn unused_length(table: &Table) -> Option<Remark> {
     let simulation = table.get("simulation")?.as_table()?;
     let movement = match simulation.get("movement")? {
-        Value::String(name) if name == "paper" => {
-            "\"paper\", which is as long and as fast as the paper's"
-        }
-        Value::Array(_) => "written out in segments, which say how long and how fast they are",
+        Value::String(name) if name == "paper" => FixedMovement::Paper,
+        Value::Array(_) => FixedMovement::Segments,
         _ => return None,
     };
     let grid = table.get("grid").and_then(Value::as_table);
@@ -25,44 +25,28 @@ fn unused_length(table: &Table) -> Option<String> {
     if varies("movement") {
         return None;
     }
-    let keys = ["duration_s", "top_speed_rad_s"];
-    let unused: Vec<String> = keys
-        .into_iter()
-        .filter(|key| simulation.contains_key(*key) || varies(key))
-        .map(|key| format!("simulation.{key}"))
-        .collect();
-    let (verb, them) = if unused.len() == 1 { ("has", "it") } else { ("have", "them") };
-    (!unused.is_empty()).then(|| {
-        format!(
-            "{} {verb} no effect: the movement is {movement}; take {them} out, or use movement = \
-             \"rich\"",
-            unused.join(" and ")
-        )
-    })
+    let is_written = |key: &&str| simulation.contains_key(*key) || varies(key);
+    let keys: Vec<&str> =
+        ["duration_s", "top_speed_rad_s"].into_iter().filter(is_written).collect();
+    (!keys.is_empty()).then_some(Remark::Unused { keys, movement })
 }
 
 /// A fuzzy method is fitted in an emulator, with a gain of its own where the file's has none.
-fn other_gain(table: &Table) -> Option<String> {
+fn other_gain(table: &Table) -> Option<Remark> {
     let emulator = table.get("emulator").and_then(Value::as_table);
     let positive = |v: &Value| v.as_float().or(v.as_integer().map(|k| k as f64)) > Some(0.0);
     let states = |key: &str| emulator.is_some_and(|e| e.contains_key(key));
     if states("poles") || states("matrix") || emulator?.get("gain").is_none_or(positive) {
         return None;
     }
-    let methods = table.get("method")?.as_array()?.iter().filter_map(Value::as_table);
-    let names: Vec<&str> = methods
+    let tables = table.get("method")?.as_array()?.iter().filter_map(Value::as_table);
+    let methods: Vec<String> = tables
         .filter(|m| !m.contains_key("gain"))
         .filter_map(|m| m.get("name")?.as_str())
         .filter(|name| crate::identify::find(name).is_some_and(|m| m.fits_emulator()))
+        .map(String::from)
         .collect();
-    (!names.is_empty()).then(|| {
-        format!(
-            "emulator.gain = 0 is used to judge, not to fit, {}: a fuzzy method is fitted with a \
-             gain of 1 1/s unless its [[method]] has a gain; write gain = 0.0 there to fit the free \
-             simulation",
-            names.join(", ")
-        )
-    })
+    (!methods.is_empty()).then_some(Remark::OtherGain { methods })
 }
 
 /// Share of the rows with wheels that turn against each other beyond which it is asked whether a motor is
@@ -71,9 +55,8 @@ const OPPOSED: f64 = 2.0 / 3.0;
 /// Share of the top speed below which a wheel rests.
 const RESTS: f64 = 0.05;
 
-/// The question whether one wheel counts the other way, where the wheels turn against each other nearly always in these
-/// rows of speeds.
-pub(super) fn opposed(rows: &[[f64; 2]]) -> Option<String> {
+/// The share of these rows of speeds in which the wheels turn against each other, where that is nearly always.
+pub(super) fn opposed(rows: &[[f64; 2]]) -> Option<f64> {
     let top = |i: usize| rows.iter().map(|w| w[i].abs()).fold(0.0, f64::max);
     let tops = [top(0), top(1)];
     let moving = rows.iter().filter(|w| (0..2).all(|i| w[i].abs() > RESTS * tops[i]));
@@ -83,13 +66,7 @@ pub(super) fn opposed(rows: &[[f64; 2]]) -> Option<String> {
         against += usize::from(w[0] * w[1] < 0.0);
     }
     let share = f64::from(against as u32) / f64::from(count.max(1));
-    (share > OPPOSED).then(|| {
-        format!(
-            "the wheels turn against each other in {:.0} % of the rows: did the robot turn on the spot, or is a \
-             motor mounted mirrored? Then write scale = -1 in every column of that wheel",
-            100.0 * share
-        )
-    })
+    (share > OPPOSED).then_some(share)
 }
 
 #[cfg(test)]
@@ -97,7 +74,8 @@ mod tests {
     use super::*;
 
     fn said(text: &str) -> String {
-        remarks(&toml::from_str(text).unwrap()).join("\n")
+        let remarks = remarks(&toml::from_str(text).unwrap());
+        remarks.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
     }
 
     #[test]

@@ -12,10 +12,11 @@ use super::file::{
     CandidatesEntry, DiagnosisEntry, EmulatorEntry, ExperimentFile, FixedEntry, MovementEntry,
     NamedMovement, SimulationEntry,
 };
-use super::plan::{DiagnosisPlan, Measured, MethodPlan, Plan};
+use super::plan::{DiagnosisPlan, InputSum, Measured, MethodPlan, Plan};
+use super::remark::Remark;
 use super::robot_table::{has_no_track, is_built, robot};
 use crate::diagnose;
-use crate::effects::ParameterKind;
+use crate::effects::{self, ParameterKind};
 use crate::identify;
 use crate::model::Model;
 use crate::robot::Robot;
@@ -98,7 +99,7 @@ fn plan(
     let (recordings, hold, seed, truth) = read(&robot, &own)?;
     let (name, mut remarks) = (name_of(path), vec![]);
     if has_no_track(model.robot()) {
-        remarks.push(GEOMETRY.into());
+        remarks.push(Remark::NoTrack { effects: of_heading() });
     }
     let mut plan = Plan {
         title: title(file, &name),
@@ -124,25 +125,29 @@ fn plan(
         grid: None,
     };
     let speeds = plan.recordings.iter().flat_map(|m| m.recording.omega().iter().copied());
-    plan.remarks.extend(super::remarks::opposed(&speeds.collect::<Vec<_>>()));
+    let opposed = super::remarks::opposed(&speeds.collect::<Vec<_>>());
+    plan.remarks.extend(opposed.map(|share| Remark::Opposed { share }));
     super::align::place(&mut plan);
     super::align::weigh(&mut plan, is_built(file.robot.as_ref()));
     super::align::align(&mut plan, &Asked { hold, settings: file.conditioning });
     Ok(plan)
 }
 
-/// Inputs that are the sum of several columns, in words: `M1 = front_right + rear_right`.
-fn sums(file: &ExperimentFile) -> Vec<String> {
+/// Inputs that are the sum of several columns.
+fn sums(file: &ExperimentFile) -> Vec<InputSum> {
     let columns = file.recordings.iter().flat_map(|r| &r.columns);
     let sums = columns.filter(|(_, column)| !column.plus.is_empty());
-    sums.map(|(key, column)| format!("{key} = {} + {}", column.name, column.plus.join(" + ")))
-        .collect()
+    sums.map(|(key, column)| InputSum {
+        input: key.to_string(),
+        columns: std::iter::once(&column.name).chain(&column.plus).cloned().collect(),
+    })
+    .collect()
 }
 
-/// What follows from a robot whose construction nobody gave.
-const GEOMETRY: &str = "[robot] preset = \"unknown\": the path of the robot is left out, and effects that \
-    depend on its heading (slope) are measured with the track of another robot; write l1_m and r_m, or a \
-    preset";
+/// Ids of the effects of the catalogue that need the track of the robot.
+fn of_heading() -> Vec<String> {
+    effects::all().iter().filter(|e| e.depends_on_heading()).map(|e| e.id()).collect()
+}
 
 /// The heading; one that is left empty, as in a new file, counts as none.
 fn title(file: &ExperimentFile, name: &str) -> String {

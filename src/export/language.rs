@@ -16,7 +16,7 @@ pub(super) struct Language {
     pub(super) syntax: Syntax,
     /// A constant from name, value and remark.
     pub(super) constant: fn(&str, &str, &str) -> String,
-    /// Whether the input is linear between samples.
+    /// The words of the language for false and true.
     pub(super) truth: [&'static str; 2],
 }
 

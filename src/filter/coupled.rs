@@ -1,10 +1,13 @@
 //! The filter's step where a body runs behind the wheels: slip, or a spring between them.
 
 mod part;
+mod robot;
 
 use nalgebra::{Matrix2, SVector};
 
 use part::{Friction, Part, Sides, friction};
+pub(super) use robot::Coupled;
+use robot::{BODY, STATES, TWIST};
 
 use super::ProcessNoise;
 use super::correction::{Covariance, Mean, STILL, freeze, make_symmetric};
@@ -14,46 +17,13 @@ use crate::effects::{
     Coupling, DIFFERENTIATED, DIRECTIONS, Jet, MOST_PARAMETERS, Motion, Terms, along,
 };
 use crate::math::Dual;
-use crate::model::{Model, ModelError};
+use crate::model::{Model, ModelError, inverse_mass};
 
-/// The six states of the rigid robot, body speeds u1, u2, twists phi1, phi2.
-const STATES: usize = 10;
-/// Where the body's speeds stand.
-const BODY: usize = 6;
-/// Where the twists stand.
-const TWIST: usize = 8;
 /// Parts of a step for each radian by which the coupling turns in it: the frequency of a part is low by a share of
 /// (1/8)²/12, a stiffness high by 0.3 %.
 const PARTS: f64 = 8.0;
 /// Most parts of a step. A coupling that is faster still is all but rigid at this rate of sampling.
 const MOST_PARTS: f64 = 8.0;
-
-/// A robot of two inertias a wheel.
-///
-/// ```text
-/// J_r dw/dt = M + d - k φ - c (w - u) - friction(w)
-/// (A - J_r) du/dt = k φ + c (w - u) - torque(u),   dφ/dt = w - u
-/// ```
-/// Each part of a step is linearly implicit, x <- x + h (1 - h J/2)⁻¹ f(x) with the Jacobian J of f:
-/// of second order and stable for any stiffness. Dry friction is linearised as for the rigid robot
-/// and taken fully implicitly.
-///
-/// Source: [`Coupling`]; Rosenbrock's method of one stage.
-pub(super) struct Coupled<'a> {
-    model: &'a Model,
-    p: &'a [f64],
-    noise: ProcessNoise,
-    /// Effects that act on the body.
-    on_body: Vec<bool>,
-    /// What every effect adds at the present instant, with derivatives.
-    terms: Vec<Terms<Jet>>,
-    /// Derivatives of stiffness and damping by parameters.
-    joint: Vec<(usize, [f64; 3])>,
-    /// Derivative of the state after the step by each parameter, at the state before it.
-    forced: Vec<SVector<f64, STATES>>,
-    /// Transition matrix of the last step.
-    transition: Covariance<STATES>,
-}
 
 impl<'a> Coupled<'a> {
     pub(super) fn new(model: &'a Model, p: &'a [f64], noise: ProcessNoise) -> Self {
@@ -114,16 +84,17 @@ impl<'a> Coupled<'a> {
             self.terms.push(terms);
         }
         let rotor = coupling.rotor_within(&body.mass);
-        let [m11, m12, m22] = [body.mass[0] - rotor, body.mass[1], body.mass[2] - rotor];
-        let determinant = m11 * m22 - m12 * m12;
-        if !(rotor > 0.0 && m11 > 0.0 && determinant > 0.0) {
-            let [m11, m12, m22] = body.mass;
-            return Err(ModelError::MassNotPositive { m11, m12, m22 });
+        let [m11, m12, m22] = body.mass;
+        let not_positive = ModelError::MassNotPositive { m11, m12, m22 };
+        if !(rotor > 0.0) {
+            return Err(not_positive);
         }
+        let [i11, i12, i22] =
+            inverse_mass(&[m11 - rotor, m12, m22 - rotor]).map_err(|_| not_positive)?;
         Ok(Sides {
             coupling,
             rotor,
-            mobility: Matrix2::new(m22, -m12, -m12, m11) / determinant,
+            mobility: Matrix2::new(i11, i12, i12, i22),
             body_torque: body.torque,
             wheel_torque: wheel.torque,
             level: wheel.level.map(|level| level.max(0.0)),

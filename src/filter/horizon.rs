@@ -2,6 +2,7 @@
 //! of the channels) towards free simulation.
 
 mod between_rows;
+mod reading;
 mod recorded_input;
 
 use std::ops::Range;
@@ -10,6 +11,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use self::between_rows::{crossing, whole_noise};
+pub(crate) use self::reading::Reading;
 use self::recorded_input::RecordedInput;
 use super::ProcessNoise;
 use super::accumulate::Information;
@@ -69,18 +71,6 @@ pub(crate) struct HorizonFilter<'a> {
     whole_noise: f64,
     /// Whether noise of the input is taken to be the same in all rows, where there is a horizon.
     pub(crate) alike: bool,
-}
-
-/// How a pass reads the recorded input.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Reading {
-    /// As recorded; derivatives by inertias along the smoothed input.
-    Whole,
-    /// Every second row from its neighbours, the even ones or the odd ones, to see what the sampling of the input
-    /// does.
-    HalfRate(usize),
-    /// As recorded, derivatives too, to see what its noise does.
-    Noisy,
 }
 
 /// What a pass over a piece sums up.

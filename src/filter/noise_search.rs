@@ -28,11 +28,11 @@ const STEPS: usize = 15;
 /// Slow torque to start with where none is known, as a share of the rms input.
 const FIRST_SLOW: f64 = 0.01;
 /// Information of a logarithm below which a step of it changes nothing.
-const TOLD: f64 = 1e-3;
+const LEAST_INFORMATION: f64 = 1e-3;
 /// Share of the other's strength below which one of white noise and slow torque is negligible.
 const NEGLIGIBLE: f64 = 0.1;
 /// Time constants at which a slow torque is tried again \[s\].
-const AWAKE: [f64; 2] = [1.0, 0.1];
+const TIME_CONSTANTS: [f64; 2] = [1.0, 0.1];
 /// A step damped by more than this leads nowhere.
 const DAMPED: f64 = 1e4;
 
@@ -167,7 +167,7 @@ impl<'a> NoiseSearch<'a> {
         let half = 0.5 * 2.0_f64.ln();
         let offers: Vec<Vector3<f64>> = if share < NEGLIGIBLE.ln() {
             let slow = |tau: f64| self.as_strong_as(x[0], tau) - half;
-            AWAKE.map(|tau| Vector3::new(x[0] - half, slow(tau.ln()), tau.ln())).to_vec()
+            TIME_CONSTANTS.map(|tau| Vector3::new(x[0] - half, slow(tau.ln()), tau.ln())).to_vec()
         } else if share > -NEGLIGIBLE.ln() {
             vec![Vector3::new(x[0] + share - half, x[1] - half, x[2])]
         } else {
@@ -201,8 +201,9 @@ impl<'a> NoiseSearch<'a> {
         let at_edge = |i: usize| {
             (x[i] <= self.low[i] && g[i] <= 0.0) || (x[i] >= self.high[i] && g[i] >= 0.0)
         };
-        let free: Vec<usize> =
-            (0..self.dimensions).filter(|&i| !at_edge(i) && information[(i, i)] > TOLD).collect();
+        let free: Vec<usize> = (0..self.dimensions)
+            .filter(|&i| !at_edge(i) && information[(i, i)] > LEAST_INFORMATION)
+            .collect();
         let of_free: DMatrix<f64> = information.select_rows(&free).select_columns(&free);
         let right: DVector<f64> = g.select_rows(&free);
         let steps = Information::new(&of_free).solve_damped(&right, damping + RIDGE);

@@ -7,7 +7,7 @@ use super::correction::{Covariance, Mean, STILL, freeze};
 use super::push::Push;
 use crate::effects::{Motion, along};
 use crate::math::Real;
-use crate::model::{Linearisation, Model, ModelError};
+use crate::model::{Linearisation, Model, ModelError, inverse_mass};
 use crate::simulate::Ends;
 
 /// The exponential of less than minus this is zero.
@@ -340,15 +340,11 @@ pub(super) fn density(v: f64, variance: f64) -> f64 {
 
 /// The inverse mass matrix; a wheel that stands still does not move, the other one moves alone.
 fn mobility(mass: &[f64; 3], still: [bool; 2]) -> Result<Matrix2<f64>, ModelError> {
-    let [m11, m12, m22] = *mass;
-    let determinant = m11 * m22 - m12 * m12;
-    if !(m11 > 0.0 && m22 > 0.0 && determinant > 0.0) {
-        return Err(ModelError::MassNotPositive { m11, m12, m22 });
-    }
+    let [i11, i12, i22] = inverse_mass(mass)?;
     Ok(match still {
-        [false, false] => Matrix2::new(m22, -m12, -m12, m11) / determinant,
-        [false, true] => Matrix2::new(1.0 / m11, 0.0, 0.0, 0.0),
-        [true, false] => Matrix2::new(0.0, 0.0, 0.0, 1.0 / m22),
+        [false, false] => Matrix2::new(i11, i12, i12, i22),
+        [false, true] => Matrix2::new(1.0 / mass[0], 0.0, 0.0, 0.0),
+        [true, false] => Matrix2::new(0.0, 0.0, 0.0, 1.0 / mass[2]),
         [true, true] => Matrix2::zeros(),
     })
 }

@@ -10,10 +10,10 @@ use serde::{Deserialize, Serialize};
 use super::identifiability::inverse_where_known;
 use super::inverse_dynamics::{NOISE_SHARE, Regression};
 use super::{
-    Fit, Identifier, IdentifyError, MethodDescription, Note, OptionError, Status, Task,
-    from_options, options_schema,
+    Fit, Identifier, IdentifyError, MethodDescription, Note, OptionError, PhysicalBound, Status,
+    Task, Unsupported, from_options, options_schema,
 };
-use crate::math::clustered_covariance;
+use crate::math::{clustered_covariance, robust_deviation};
 use crate::model::base;
 
 /// Inverse-dynamic regression with physical bounds (a quadratic or linear program).
@@ -114,7 +114,7 @@ impl Identifier for ConstrainedRegression {
                 let value =
                     |(c, _): &(usize, _)| (symbols[rows.linear()[*c]].clone(), unbounded[*c]);
                 let unbounded = bound.columns.iter().map(value).collect();
-                fit.notes.push(Note::ActiveBound { bound: bound.name.clone(), unbounded });
+                fit.notes.push(Note::ActiveBound { bound: bound.kind.clone(), unbounded });
             }
         }
         fit.status = solved.status;
@@ -125,7 +125,7 @@ impl Identifier for ConstrainedRegression {
 
 /// `Σ factor θ_column >= limit`.
 struct Bound {
-    name: String,
+    kind: PhysicalBound,
     columns: Vec<(usize, f64)>,
     limit: f64,
 }
@@ -147,19 +147,19 @@ impl ConstrainedRegression {
             let symbol = &parameters[j].spec.symbol;
             let low = parameters[j].spec.range.0;
             if low >= 0.0 {
-                let name = format!("{symbol} >= {low}");
-                out.push(Bound { name, columns: vec![(c, 1.0)], limit: low });
+                let kind = PhysicalBound::Range { symbol: symbol.clone(), low };
+                out.push(Bound { kind, columns: vec![(c, 1.0)], limit: low });
             }
             if let Some(share) = self.within_construction.filter(|_| j < base::COUNT) {
                 let reach = share * construction[j].abs();
                 for side in [1.0, -1.0] {
-                    let name = format!(
-                        "{symbol} {} {:.4e} (construction)",
-                        if side > 0.0 { ">=" } else { "<=" },
-                        construction[j] - side * reach
-                    );
+                    let kind = PhysicalBound::Construction {
+                        symbol: symbol.clone(),
+                        value: construction[j] - side * reach,
+                        is_lower: side > 0.0,
+                    };
                     let limit = side * construction[j] - reach;
-                    out.push(Bound { name, columns: vec![(c, side)], limit });
+                    out.push(Bound { kind, columns: vec![(c, side)], limit });
                 }
             }
         }
@@ -172,7 +172,7 @@ impl ConstrainedRegression {
                 }
             }
             if !columns.is_empty() {
-                out.push(Bound { name: "a1 > |a2|".into(), columns, limit });
+                out.push(Bound { kind: PhysicalBound::PositiveMass, columns, limit });
             }
         }
         out
@@ -257,9 +257,7 @@ impl ConstrainedRegression {
 
 /// Robust standard deviation, never zero.
 fn spread(residuals: &DVector<f64>) -> f64 {
-    let mut sizes: Vec<f64> = residuals.iter().map(|r| r.abs()).collect();
-    let middle = sizes.len() / 2;
-    (*sizes.select_nth_unstable_by(middle, f64::total_cmp).1 / 0.6745).max(1e-12)
+    robust_deviation(residuals.iter().copied()).max(1e-12)
 }
 
 /// `minimise ½ z'Pz + q'z  subject to  A z <= b`, z = (θ / scale, slacks).
@@ -290,7 +288,7 @@ impl Program {
     }
 
     fn solve(&self) -> Result<Solved, IdentifyError> {
-        let failed = |reason: String| IdentifyError::Unsupported { method: NAME.into(), reason };
+        let failed = |reason| IdentifyError::Unsupported { method: NAME.into(), reason };
         let n = self.linear.len();
         let matrix = |height: usize, entries: Vec<(usize, usize, f64)>| {
             let (mut i, mut j, mut v) = (vec![], vec![], vec![]);
@@ -312,21 +310,17 @@ impl Program {
             .tol_gap_rel(1e-10)
             .tol_feas(1e-10)
             .build()
-            .map_err(|e| failed(e.to_string()))?;
+            .map_err(|e| failed(Unsupported::Solver(e.to_string())))?;
         let cones = [SupportedConeT::NonnegativeConeT(self.limits.len())];
         let mut solver = DefaultSolver::new(&p, &self.linear, &a, &self.limits, &cones, settings)
-            .map_err(|e| failed(e.to_string()))?;
+            .map_err(|e| failed(Unsupported::Solver(e.to_string())))?;
         solver.solve();
         let solution = &solver.solution;
         let status = match solution.status {
             SolverStatus::Solved | SolverStatus::AlmostSolved => Status::Converged,
             SolverStatus::MaxIterations | SolverStatus::MaxTime => Status::IterationLimit,
             SolverStatus::InsufficientProgress => Status::Stalled,
-            other => {
-                return Err(failed(format!(
-                    "no parameters satisfy the bounds ({other:?}); widen within_construction"
-                )));
-            }
+            other => return Err(failed(Unsupported::Bounds(other))),
         };
         Ok(Solved {
             values: DVector::from_fn(self.scale.len(), |c, _| solution.x[c] * self.scale[c]),

@@ -1,6 +1,6 @@
 //! What every physical method promises, tested over the whole list.
 
-use super::{Fit, Identifier, IdentifyError, Note, Task, all, find};
+use super::{Fit, Identifier, IdentifyError, Note, Task, TraceKind, all, find};
 use crate::model::Model;
 use crate::recording::{Channels, DriveUnit, Recording};
 use crate::robot::{Robot, State};
@@ -168,8 +168,13 @@ fn straight_driving_alone_is_marked_and_the_sum_is_given() {
             let warned = fit.notes.iter().any(narrow);
             for (j, symbol) in [(0, "a1"), (2, "a3")] {
                 let e = fit.estimate(symbol).unwrap();
-                let honest = warned || (e.value - truth[j]).abs() < 4.0 * e.std_error;
-                assert!(!e.identifiable || honest, "{name} {symbol} {} {}", e.value, e.std_error);
+                let is_covered = warned || (e.value - truth[j]).abs() < 4.0 * e.std_error;
+                assert!(
+                    !e.identifiable || is_covered,
+                    "{name} {symbol} {} {}",
+                    e.value,
+                    e.std_error
+                );
             }
             // likelihoods give a wide interval instead, where noise lets the difference be seen
             if !["prediction_error", "output_error"].contains(&name.as_str()) {
@@ -210,7 +215,8 @@ fn recursion_without_forgetting_ends_at_ordinary_least_squares() {
         assert!((a.std_error / b.std_error - 1.0).abs() < 1e-6, "{}", a.symbol);
     }
     let trace = &recursive.traces[0];
-    assert_eq!(trace.names, ["a1", "a2", "a3", "a4", "a5"]);
+    let TraceKind::Estimates(symbols) = &trace.kind else { panic!("{trace:?}") };
+    assert_eq!(*symbols, ["a1", "a2", "a3", "a4", "a5"]);
     assert!(trace.at.windows(2).all(|t| t[0] < t[1]) && trace.at[trace.at.len() - 1] < 51.0);
     let last = &trace.values[trace.values.len() - 1];
     assert!((last[0] / whole.estimates[0].value - 1.0).abs() < 1e-3);

@@ -108,15 +108,42 @@ pub struct Work {
     pub evaluations: usize,
 }
 
-/// Estimates that converge over time or over iterations, for drawing.
+/// What the curves of a trace show.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub enum TraceKind {
+    /// Estimates of the parameters of these symbols, each in its own unit; one curve a symbol.
+    Estimates(Vec<String>),
+    /// The lowest quality index so far [rad^2/s]; one curve.
+    Cost,
+    /// Log-likelihood below its maximum, with all other parameters fitted; one curve.
+    Profile,
+}
+
+/// What runs along the axis of a trace.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub enum TraceAxis {
+    /// Time \[s\].
+    Time,
+    /// Number of the evaluation.
+    Evaluation,
+    /// Value of a parameter.
+    Parameter {
+        /// As in the estimates.
+        symbol: String,
+        /// For the unit of the input.
+        unit: String,
+    },
+}
+
+/// Estimates or a cost over time, evaluations or a parameter, for drawing.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Trace {
-    /// What runs along the axis, with its unit: `time [s]`, `iteration`.
-    pub axis: String,
+    /// What the curves show.
+    pub kind: TraceKind,
+    /// What they run along.
+    pub axis: TraceAxis,
     /// Positions along it.
     pub at: Vec<f64>,
-    /// Names of the curves.
-    pub names: Vec<String>,
     /// One row a position, one value a curve.
     pub values: Vec<Vec<f64>>,
 }

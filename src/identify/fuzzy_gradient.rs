@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::fuzzy::{
     DIVERGED, Descent, Found, Fuzzy, Job, Limits, Penalty, Problem, Search, Start, continuation,
 };
-use super::{IdentifyError, MethodDescription, Status};
+use super::{IdentifyError, MethodDescription, NoStart, Status};
 
 /// Limited-memory BFGS over the consequents that the recordings reach, with the exact gradient of the
 /// simulated cost and the gain lowered step by step.
@@ -111,7 +111,7 @@ impl<'a> Slope<'a> {
         start: &'a DVector<f64>,
     ) -> Result<Self, IdentifyError> {
         let Some(normal) = problem.normal(start.as_slice(), false) else {
-            return Err(job.no_start("the emulator diverges from the start; raise `gain`"));
+            return Err(job.no_start(NoStart::Emulator));
         };
         job.journal.note(normal.cost);
         let free = problem.free();
@@ -120,7 +120,7 @@ impl<'a> Slope<'a> {
         let least = 1e-9 * normal.h.trace() / n as f64;
         let curvature = normal.h + DMatrix::identity(n, n) * penalty.weight.max(least);
         let Some(factor) = curvature.cholesky() else {
-            return Err(job.no_start("the sensitivities at the start are not finite"));
+            return Err(job.no_start(NoStart::Sensitivities));
         };
         let (factor, last) = (factor.l(), RefCell::default());
         Ok(Self { job, problem, penalty, start, free, factor, last })
@@ -136,7 +136,7 @@ impl<'a> Slope<'a> {
 
     fn descend(self, limits: Limits) -> Result<Descent, IdentifyError> {
         let first = DVector::zeros(self.free.len());
-        let refuse = |e: argmin::core::Error| self.job.no_start(e);
+        let refuse = |e: argmin::core::Error| self.job.no_start(NoStart::Optimiser(e.to_string()));
         let tolerance = (limits.tolerance * self.problem.noise_floor).max(1e-9);
         let solver = LBFGS::new(MoreThuenteLineSearch::new(), MEMORY)
             .with_tolerance_cost(tolerance)

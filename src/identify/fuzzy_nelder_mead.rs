@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 use super::fuzzy::{Found, Fuzzy, Job, Search, Start};
-use super::{IdentifyError, MethodDescription, Status};
+use super::{IdentifyError, MethodDescription, NoStart, Status};
 
 /// The simplex of Nelder and Mead over the consequents of the rules that the recordings reach, several
 /// vertices a round.
@@ -77,7 +77,7 @@ impl Search for Simplex {
         let open = OPEN * curvature.trace() / n.max(1) as f64;
         curvature += DMatrix::identity(n, n) * open;
         let Some(factor) = curvature.cholesky() else {
-            return Err(job.no_start("the recordings reach no rule"));
+            return Err(job.no_start(NoStart::Rules));
         };
         let simplex = Vertices { job, start, free, factor: factor.l(), vertices: vec![] };
         Ok(simplex.descend(self.edge, self.iterations))

@@ -19,7 +19,7 @@ pub(super) struct Identified {
 
 /// A parameter whose torque, at the speeds of the recordings, is uncertain by more than this many
 /// times the largest input is not identifiable.
-const HOPELESS: f64 = 1e3;
+const LARGEST_TORQUE_ERROR: f64 = 1e3;
 /// Directions in which noise makes this share of the columns are not known.
 const NOISE_SHARE: f64 = 0.5;
 /// Parts of a projection below this are rounding.
@@ -45,7 +45,7 @@ pub(super) fn identified(
     let free = model.free();
     let n = free.len();
     let mut information = information.clone();
-    for j in hopeless(model, values, &information, given, train) {
+    for j in undetermined(model, values, &information, given, train) {
         information.row_mut(j).fill(0.0);
         information.column_mut(j).fill(0.0);
     }
@@ -84,7 +84,7 @@ pub(crate) fn among_all(model: &Model, of_free: &DMatrix<f64>) -> DMatrix<f64> {
 
 /// Linear parameters of which rounding is all the data hold: a column that should be zero never is
 /// quite.
-fn hopeless(
+fn undetermined(
     model: &Model,
     values: &[f64],
     information: &DMatrix<f64>,
@@ -94,15 +94,9 @@ fn hopeless(
     let input = largest_input(train);
     let wanting = |(j, torque): (usize, f64)| {
         let variance = given.map_or_else(|| 1.0 / information[(j, j)], |given| given[(j, j)]);
-        (variance.sqrt() * torque > HOPELESS * input).then_some(j)
+        (variance.sqrt() * torque > LARGEST_TORQUE_ERROR * input).then_some(j)
     };
     torque_of_each(model, values, train).into_iter().filter_map(wanting).collect()
-}
-
-/// The motion that tells the parameters of the effect with that id.
-pub(super) fn to_record(effect: &str) -> String {
-    crate::effects::find(effect)
-        .map_or_else(|| "richer motion".into(), |e| e.description().excitation)
 }
 
 /// Largest recorded input [unit of the input].
@@ -223,8 +217,7 @@ fn note(
     part: &[usize],
 ) -> Note {
     let name = |i: usize| model.parameters()[free[i]].spec.symbol.clone();
-    let effect = |i: usize| &model.parameters()[free[i]].effect;
-    let record = to_record(effect(part[0]));
+    let effect = model.parameters()[free[part[0]]].effect.clone();
     let unknown = match *part {
         [i] => Unknown::One(name(i)),
         [i, k] => {
@@ -243,5 +236,5 @@ fn note(
         }
         _ => Unknown::Several(part.iter().map(|&i| name(i)).collect()),
     };
-    Note::Unknown { unknown, record }
+    Note::Unknown { unknown, effect }
 }

@@ -12,7 +12,7 @@ use super::linear_fit::linear_fit;
 use super::regressor::{Regressor, input_around};
 pub(super) use super::stretch::Source;
 use super::stretch::{Signals, Stretch, Treatment};
-use super::{Fit, IdentifyError, Note, Task};
+use super::{Fit, IdentifyError, Note, Task, Unsupported};
 use crate::math::clustered_covariance;
 use crate::recording::Recording;
 use crate::simulate::every_other;
@@ -110,7 +110,7 @@ impl<'a> Regression<'a> {
         let regressor = Regressor::new(task.model, &task.model.initial());
         let width = regressor.width();
         if width == 0 {
-            let reason = "the model has no free parameter that enters linearly".to_string();
+            let reason = Unsupported::NoLinearParameter;
             return Err(IdentifyError::Unsupported { method: method.into(), reason });
         }
         let treatment = |r| Treatment::new(r, cutoff_hz, rest, noise_share);

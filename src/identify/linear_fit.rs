@@ -45,8 +45,8 @@ pub(super) fn linear_fit(
         task.train,
     );
     let mut notes = known.notes;
-    let blind = |j: usize| known.covariance[(j, j)].is_infinite();
-    settle(&mut p, task, blind(0) || blind(1), &mut notes);
+    let is_unknown = |j: usize| known.covariance[(j, j)].is_infinite();
+    settle(&mut p, task, is_unknown(A1) || is_unknown(A2), &mut notes);
     let unit = task.train[0].drive_unit();
     let mut out = Fit::physical(method, task.model, p, known.covariance, unit);
     for (j, estimate) in out.estimates.iter_mut().enumerate() {
@@ -56,14 +56,14 @@ pub(super) fn linear_fit(
     Ok(out)
 }
 
-/// Where the data give a1 + a2 or a1 - a2 alone, takes of all that fit one that can move (a1 above
+/// Where the data give `only_sum`, a1 + a2 or a1 - a2, takes of all that fit one that can move (a1 above
 /// |a2|); where they contradict it, says so.
-pub(super) fn settle(p: &mut [f64], task: &Task, blind: bool, notes: &mut Vec<Note>) {
+pub(super) fn settle(p: &mut [f64], task: &Task, only_sum: bool, notes: &mut Vec<Note>) {
     let free = |j: usize| task.model.parameters()[j].fixed.is_none();
     if p[A1] > 1.05 * p[A2].abs() {
         return;
     }
-    if blind && free(A1) && free(A2) {
+    if only_sum && free(A1) && free(A2) {
         let side = if p[A2] < 0.0 { -1.0 } else { 1.0 };
         let sum = p[A1] + side * p[A2];
         (p[A1], p[A2]) = (0.525 * sum, 0.475 * side * sum);

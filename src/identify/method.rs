@@ -7,9 +7,9 @@ use schemars::{JsonSchema, Schema};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-use super::Fit;
+use super::{Fit, NoStart, Unsupported};
 use crate::model::{Model, ModelError};
-use crate::recording::{LongRecording, Recording};
+use crate::recording::{LongRecording, Recording, RowsError};
 use crate::simulate::{Hold, SimulateError};
 
 /// What is to be identified, from what.
@@ -64,7 +64,7 @@ pub struct OptionError {
 }
 
 /// Why a method has no fit.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, thiserror::Error)]
 pub enum IdentifyError {
     /// Nothing is left after samples near rest and at ends were dropped.
     #[error(
@@ -84,7 +84,7 @@ pub enum IdentifyError {
         /// Name of the method, as in experiment files.
         method: String,
         /// Why the last try failed.
-        reason: String,
+        reason: NoStart,
     },
     /// The method does not treat this model.
     #[error("{method}: {reason}")]
@@ -92,7 +92,7 @@ pub enum IdentifyError {
         /// Name of the method, as in experiment files.
         method: String,
         /// What it cannot do, and what to use instead.
-        reason: String,
+        reason: Unsupported,
     },
     /// Rows that were there when the recording was checked cannot be read any more.
     #[error("{method}: the rows cannot be read again: {reason}")]
@@ -100,7 +100,7 @@ pub enum IdentifyError {
         /// Name of the method, as in experiment files.
         method: String,
         /// Why.
-        reason: String,
+        reason: RowsError,
     },
     /// Simulation failed.
     #[error(transparent)]

@@ -11,6 +11,7 @@ mod linear_fit;
 mod method;
 mod note;
 mod profile;
+mod reason;
 mod regressor;
 mod sampling;
 mod screening;
@@ -21,15 +22,16 @@ mod stretch;
 mod text;
 mod weak;
 
-pub use fit::{Estimate, Fit, Status, Trace, Work};
+pub use fit::{Estimate, Fit, Status, Trace, TraceAxis, TraceKind, Work};
 pub(crate) use identifiability::among_all;
 pub use method::{
     Identifier, IdentifyError, MethodDescription, MethodOption, OptionError, Task, doc_text,
     from_options, options_of, options_schema,
 };
 
-pub use note::{Note, SingleAxis, Unknown};
-pub use profile::{DROP, PROFILE};
+pub use note::{Note, PhysicalBound, SingleAxis, Unknown};
+pub use profile::DROP;
+pub use reason::{NoStart, Unsupported};
 pub use text::{details, overview};
 
 use crate::catalogue;

@@ -19,23 +19,23 @@ pub enum SingleAxis {
 pub enum Note {
     /// A bound holds an estimate back.
     ActiveBound {
-        /// The bound as an inequality.
-        bound: String,
+        /// Which one.
+        bound: PhysicalBound,
         /// Symbols and values without bounds.
         unbounded: Vec<(String, f64)>,
     },
-    /// The data ask for a mass matrix that no body has.
+    /// The estimates make a mass matrix that is not positive definite.
     MassNotPositive,
     /// Cut-offs of the filter of a regression, one a recording \[Hz\].
     CutOff(Vec<f64>),
-    /// Symbols and how far noise in the columns pulls their values.
+    /// Symbols and how far noise in the columns biases their values.
     Biased(Vec<(String, f64)>),
     /// The data do not give a parameter, or several one by one.
     Unknown {
         /// What is not known, and what is.
         unknown: Unknown,
-        /// The motion that would tell.
-        record: String,
+        /// Id of the effect of the first of them, which motion would show.
+        effect: String,
     },
     /// One axis written down twice.
     SingleAxis(SingleAxis),
@@ -121,6 +121,49 @@ pub enum Note {
     FittedToWindows(usize),
 }
 
+/// A bound that physics or construction set.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PhysicalBound {
+    /// The lower end of the range of a parameter.
+    Range {
+        /// Of that parameter.
+        symbol: String,
+        /// The end.
+        low: f64,
+    },
+    /// The distance that is allowed from the value of the construction data.
+    Construction {
+        /// Symbol of the parameter.
+        symbol: String,
+        /// The bound.
+        value: f64,
+        /// Whether the parameter is above it.
+        is_lower: bool,
+    },
+    /// A positive definite mass matrix.
+    PositiveMass,
+}
+
+/// As an inequality.
+impl fmt::Display for PhysicalBound {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Range { symbol, low } => write!(f, "{symbol} >= {low}"),
+            Self::Construction { symbol, value, is_lower } => {
+                let sign = if *is_lower { ">=" } else { "<=" };
+                write!(f, "{symbol} {sign} {value:.4e} (construction)")
+            }
+            Self::PositiveMass => f.write_str("a1 > |a2|"),
+        }
+    }
+}
+
+/// The motion that shows the parameters of an effect.
+fn to_record(effect: &str) -> String {
+    crate::effects::find(effect)
+        .map_or_else(|| "richer motion".into(), |e| e.description().excitation)
+}
+
 /// What the data do not give.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Unknown {
@@ -151,7 +194,7 @@ impl fmt::Display for Note {
             Self::ActiveBound { bound, unbounded } => {
                 let values: Vec<_> = unbounded.iter().map(|(s, v)| format!("{s} = {v:.4e}")).collect();
                 let values = values.join(", ");
-                write!(f, "The bound {bound} is active; without bounds the data ask for {values}.")
+                write!(f, "The bound {bound} is active; the unbounded estimates are {values}.")
             }
             Self::MassNotPositive => f.write_str(
                 "a1 does not exceed |a2|: no mass matrix has these values, and they cannot be \
@@ -170,7 +213,9 @@ impl fmt::Display for Note {
                     by.join(", ")
                 )
             }
-            Self::Unknown { unknown, record } => write!(f, "{unknown}; record: {record}."),
+            Self::Unknown { unknown, effect } => {
+                write!(f, "{unknown}; record: {}.", to_record(effect))
+            }
             Self::SingleAxis(counted) => {
                 f.write_str(
                     "Both wheels carry the same numbers: this is one axis, so only sums over the two \

@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::identifiability::{among_all, identified, inverse_where_known};
 use super::simulation_cost::Problem;
 use super::{
-    Fit, Identifier, IdentifyError, MethodDescription, Note, OptionError, SingleAxis, Status, Task,
-    from_options, options_schema, start,
+    Fit, Identifier, IdentifyError, MethodDescription, NoStart, Note, OptionError, SingleAxis,
+    Status, Task, from_options, options_schema, start,
 };
 use crate::math::descent::{MinimiseOptions, Minimum, MinimumStatus, minimise};
 use crate::math::{clustered_covariance, eliminate, raise_errors};
@@ -122,8 +122,7 @@ impl Identifier for OutputError {
 }
 
 fn no_start() -> IdentifyError {
-    let reason = "the start cannot be simulated".to_string();
-    IdentifyError::NoStart { method: NAME.into(), reason }
+    IdentifyError::NoStart { method: NAME.into(), reason: NoStart::Simulation }
 }
 
 impl Problem<'_> {

@@ -16,8 +16,8 @@ use serde::{Deserialize, Serialize};
 use super::identifiability::identified;
 use super::profile::{Profile, profile};
 use super::{
-    Estimate, Fit, Identifier, IdentifyError, MethodDescription, Note, OptionError, SingleAxis,
-    Task, from_options, options_schema, start,
+    Estimate, Fit, Identifier, IdentifyError, MethodDescription, NoStart, Note, OptionError,
+    SingleAxis, Task, from_options, options_schema, start,
 };
 use crate::filter::{HorizonFilter, Prepared, Reading, pieces, prepare};
 use crate::model::Model;
@@ -147,11 +147,9 @@ impl PredictionError {
             Some((filter, solution, p))
         };
         let starts = ranked(task, &open, starts(task)?);
-        let (mut filter, first, start) =
-            starts.into_iter().find_map(begin).ok_or_else(|| IdentifyError::NoStart {
-                method: NAME.into(),
-                reason: "the likelihood is not finite at any start".into(),
-            })?;
+        let (mut filter, first, start) = starts.into_iter().find_map(begin).ok_or_else(|| {
+            IdentifyError::NoStart { method: NAME.into(), reason: NoStart::Likelihood }
+        })?;
         let held = Held::of(task, &filter, first);
         filter.alike = held.solution.scale() > MISFIT;
         let horizons = match self.horizon_s {
@@ -162,7 +160,7 @@ impl PredictionError {
         let chosen = choose(&filter, &held.model, (begin, &start), &horizons, &open);
         let chosen = chosen.ok_or_else(|| IdentifyError::NoStart {
             method: NAME.into(),
-            reason: "the likelihood is not finite at any horizon".into(),
+            reason: NoStart::Horizon,
         })?;
         let mut fit = physical(task, &filter, &held, &chosen, &self.horizon_s);
         for symbol in &self.profile {

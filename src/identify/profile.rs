@@ -2,11 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::{IdentifyError, Trace};
+use super::{IdentifyError, Trace, TraceAxis, TraceKind};
 use crate::model::Model;
 
-/// Name of the curve in the trace of a profile.
-pub const PROFILE: &str = "log-likelihood below its maximum";
 /// Where the profile is taken, in standard errors from the maximum.
 const PLACES: [f64; 11] = [-4.0, -3.0, -2.4, -1.8, -0.9, 0.0, 0.9, 1.8, 2.4, 3.0, 4.0];
 /// Half of the chi-square quantile at 95 %, one degree of freedom.
@@ -21,12 +19,13 @@ pub(super) struct Profile {
     pub(super) interval: (f64, f64),
 }
 
-/// Which parameter, how far, and how its axis is labelled.
+/// The parameter that is profiled; the profile reaches four of its standard errors to either side.
 pub(super) struct Place {
-    /// Number of the parameter.
+    /// Number of the parameter in the model.
     pub(super) j: usize,
-    /// Its standard error.
+    /// Standard error of its estimate, in `unit`.
     pub(super) std_error: f64,
+    /// For the unit of the input.
     pub(super) unit: String,
 }
 
@@ -65,9 +64,9 @@ pub(super) fn profile(
     let drops: Vec<f64> = values.iter().map(|l| l - best).collect();
     let interval = ends(&at, &drops);
     let trace = Trace {
-        axis: format!("{symbol} [{unit}]"),
+        kind: TraceKind::Profile,
+        axis: TraceAxis::Parameter { symbol, unit: unit.clone() },
         at: at.to_vec(),
-        names: vec![PROFILE.into()],
         values: drops.into_iter().map(|d| vec![d]).collect(),
     };
     Ok(Profile { trace, interval })

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 use super::identifiability::inverse_where_known;
 use super::inverse_dynamics::{NOISE_SHARE, Regression};
 use super::{
-    Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task, Trace, from_options,
-    options_schema,
+    Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task, Trace, TraceAxis,
+    TraceKind, from_options, options_schema,
 };
 use crate::math::clustered_covariance;
 
@@ -74,10 +74,11 @@ impl Identifier for RecursiveLeastSquares {
         let instants = rows.y.len() / 2;
         let every = instants.div_ceil(POINTS).max(1);
         let (mut r, mut b) = (DMatrix::zeros(width, width), DVector::zeros(width));
+        let symbols = rows.linear().iter().map(|&j| task.model.symbols()[j].clone());
         let mut trace = Trace {
-            axis: "time [s]".into(),
+            kind: TraceKind::Estimates(symbols.collect()),
+            axis: TraceAxis::Time,
             at: vec![],
-            names: rows.linear().iter().map(|&j| task.model.symbols()[j].clone()).collect(),
             values: vec![],
         };
         for k in 0..instants {

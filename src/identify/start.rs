@@ -48,8 +48,8 @@ pub fn start(task: &Task, method: &str) -> Result<Vec<f64>, IdentifyError> {
         first += right.len();
     }
     let fit = fit_above(WEAK, &x, &y, None);
-    let fit = fit
-        .map_err(|e| IdentifyError::Unsupported { method: method.into(), reason: e.to_string() })?;
+    let fit =
+        fit.map_err(|e| IdentifyError::Unsupported { method: method.into(), reason: e.into() })?;
     for (value, &j) in fit.coefficients.iter().zip(linear) {
         if value.abs() > 0.0 {
             p[j] = *value;
@@ -59,7 +59,7 @@ pub fn start(task: &Task, method: &str) -> Result<Vec<f64>, IdentifyError> {
     Ok(p)
 }
 
-/// Makes a start from which the model can move, as its effects know it ([`crate::effects::Physics::start`]); fixed
+/// Makes a start from which the model can move, as its effects state it ([`crate::effects::Physics::start`]); fixed
 /// values stay.
 pub(super) fn sound(model: &Model, p: &mut [f64]) {
     let free: Vec<bool> = model.parameters().iter().map(|q| q.fixed.is_none()).collect();

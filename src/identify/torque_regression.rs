@@ -137,9 +137,9 @@ impl TorqueRegression {
     /// The fit; if `widened`, with standard errors no smaller than what noise of the columns and the sampling of
     /// the input do to the values.
     fn fit(&self, rows: &Regression, widened: bool) -> Result<Fit, IdentifyError> {
-        let (values, weights, psi, slope) = self.solve(rows).map_err(|e| {
-            IdentifyError::Unsupported { method: NAME.into(), reason: e.to_string() }
-        })?;
+        let (values, weights, psi, slope) = self
+            .solve(rows)
+            .map_err(|e| IdentifyError::Unsupported { method: NAME.into(), reason: e.into() })?;
         let weighted = scaled_rows(&rows.x, &weights);
         let bread = inverse_where_known(&rows.x.tr_mul(&scaled_rows(&rows.x, &slope)));
         let inverse = inverse_where_known(&rows.x.tr_mul(&weighted));

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use super::inverse_dynamics::Regression;
 use super::{
-    Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task, from_options,
-    options_schema,
+    Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task, Unsupported,
+    from_options, options_schema,
 };
 use crate::math::Information;
 
@@ -73,7 +73,7 @@ impl Identifier for TotalLeastSquares {
         let gram = columns.tr_mul(&columns);
         let failed = || IdentifyError::Unsupported {
             method: NAME.into(),
-            reason: "the columns have no smallest direction; use torque_regression".into(),
+            reason: Unsupported::NoSmallestDirection,
         };
         let values = smallest(&gram, &rows.noise).ok_or_else(failed)?;
         let covariance = jackknife(&columns, &gram, &rows, &values).ok_or_else(failed)?;

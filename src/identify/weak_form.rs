@@ -27,7 +27,7 @@ use crate::recording::Recording;
 /// (R~' V⁻¹ R) θ = R~' V⁻¹ Y,   R~_c = R_c + (∂R_c/∂ω) S E' V⁻¹ r
 /// ```
 /// No acceleration is needed. R~ is the expectation of R given the residual: without it noise of
-/// the speeds would pull the inertias.
+/// the speeds would bias the inertias.
 ///
 /// Source: Bortz, Messenger and Dukic, "Direct estimation of parameters in ODE models using WENDy",
 /// Bull. Math. Biol. 85 (2023). Deviation: the left factor R~ (errors in variables).

@@ -9,7 +9,7 @@ use super::error::shown;
 use super::recording::{Headers, Place, Source, channels, headers, names_of, read_words, wanted};
 use super::{ColumnMap, IoError, csv, parquet, sha256};
 use crate::recording::{
-    Channels, DriveUnit, LongRecording, Recording, RecordingError, Rows, Survey,
+    Channels, DriveUnit, LongRecording, Recording, RecordingError, Rows, RowsError, Survey,
 };
 
 /// Rows that are read at a time.
@@ -166,10 +166,10 @@ impl Rows for LongFile {
         *self.left_out.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn blocks(&self) -> Box<dyn Iterator<Item = Result<Channels, String>> + '_> {
+    fn blocks(&self) -> Box<dyn Iterator<Item = Result<Channels, RowsError>> + '_> {
         match self.read() {
-            Ok(blocks) => Box::new(blocks.map(|block| block.map_err(|e| e.to_string()))),
-            Err(e) => Box::new(std::iter::once(Err(e.to_string()))),
+            Ok(blocks) => Box::new(blocks.map(|block| block.map_err(RowsError::new))),
+            Err(e) => Box::new(std::iter::once(Err(RowsError::new(e)))),
         }
     }
 }

@@ -1,5 +1,5 @@
 //! Parquet: the numbers of a file that say how much is to be read are checked against its size
-//! before polars believes them.
+//! before polars uses them.
 //!
 //! A changed bit in the number of rows makes polars ask for more memory than there is, which ends
 //! the program; what else it meets in damaged data makes it panic, which is caught.

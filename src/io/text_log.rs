@@ -13,6 +13,7 @@ mod header;
 mod influx;
 mod keyed;
 mod labelled;
+mod lines;
 mod octave;
 mod record;
 mod stamp;
@@ -25,13 +26,11 @@ use std::path::Path;
 
 use self::decode::decoded;
 use self::header::names;
+use self::lines::{Columns, SEPARATORS, cells, is_blank, is_comment, made_up};
 use self::stamp::CLOCK;
 use super::IoError;
-use super::csv::{Evidence, Style, is_separator, may_be_keyed, quantity, split, unfolded, value};
+use super::csv::{Evidence, Style, may_be_keyed, quantity, unfolded, value};
 use super::error::shown;
-
-/// Columns with their names; a cell without a number is NaN.
-type Columns = Vec<(String, Vec<f64>)>;
 
 /// The table, with whatever stands above it, begins within this many bytes.
 const HEAD: u64 = 1 << 16;
@@ -39,8 +38,6 @@ const HEAD: u64 = 1 << 16;
 const ROWS: usize = 5;
 /// Rows that say whether a table has a row for each motor.
 const LOOKED_AT: usize = 64;
-/// What may part columns; those that occur in numbers and words come last.
-const SEPARATORS: [char; 5] = [';', '\t', ',', '|', ' '];
 /// Those of plain CSV.
 const PLAIN: [char; 3] = [';', '\t', ','];
 
@@ -139,11 +136,6 @@ pub(super) fn json(path: &Path) -> Result<Option<Columns>, IoError> {
     Ok(record::is_one(&lines).then(|| keyed::columns(text.lines())))
 }
 
-/// The name of a column without one.
-fn made_up(k: usize) -> String {
-    format!("column{}", k + 1)
-}
-
 /// Whether the names of a file are made up, because it has no header.
 pub(super) fn has_no_header(names: &[String]) -> bool {
     names.iter().enumerate().all(|(k, name)| *name == made_up(k))
@@ -224,31 +216,6 @@ fn is_plain(table: &Table, lines: &[&str]) -> bool {
         && first.is_some()
         && table.header == first
         && table.before == 0
-}
-
-fn is_blank(line: &str) -> bool {
-    let line = line.trim();
-    let is_rule = || line.contains("--") && line.chars().all(|c| "-|:+= ".contains(c));
-    line.is_empty() || is_separator(line.as_bytes()) || is_rule()
-}
-
-/// Lines that loggers and mathematics programs write between rows of data.
-fn is_comment(line: &str) -> bool {
-    ["#", "%", "//"].iter().any(|sign| line.trim_start().starts_with(sign))
-}
-
-/// The cells of a line; several spaces part two columns as one does.
-fn cells(line: &str, separator: char) -> Vec<String> {
-    if separator == ' ' {
-        line.split_whitespace().map(Into::into).collect()
-    } else if separator == '|' {
-        // a table of Markdown has a bar at both ends
-        let line = line.trim();
-        let inner = line.strip_prefix('|').and_then(|l| l.strip_suffix('|'));
-        split(inner.unwrap_or(line), separator)
-    } else {
-        split(line, separator)
-    }
 }
 
 /// Whether at least half of the cells that hold something hold numbers.

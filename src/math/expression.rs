@@ -41,7 +41,7 @@ pub enum Unary {
     Tanh,
     /// Error function.
     Erf,
-    /// To the nearest whole number; effects use it, formulas do not know it.
+    /// To the nearest whole number; effects use it, formulas have no name for it.
     Round,
 }
 
@@ -105,7 +105,7 @@ pub struct Expression {
 ///
 /// # Errors
 /// If the formula is not well formed, calls an unknown function, or is longer than 4096 bytes or
-/// nested deeper than 32; the error knows the bytes it speaks of.
+/// nested deeper than 32; the error holds the bytes that it is about.
 pub fn parse(source: &str) -> Result<Expression, ExpressionError> {
     parser::parse(source)
 }

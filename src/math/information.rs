@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::least_squares::{blind, participants};
+use super::least_squares::{participants, with_unidentifiable};
 
 /// Eigenvalues of the information scaled to unit diagonal below this count as zero: the rounding
 /// of sums over a million rows (1e6 times 2e-16).
@@ -119,7 +119,7 @@ impl Information {
     /// direction without information; the others keep theirs.
     #[must_use]
     pub fn covariance(&self) -> DMatrix<f64> {
-        blind(self.inverse(), &self.unidentifiable())
+        with_unidentifiable(self.inverse(), &self.unidentifiable())
     }
 
     /// One unit column per direction without information, in parameters times [`Self::scale`].

@@ -56,7 +56,7 @@ pub struct LinearFit {
 ///
 /// # Errors
 /// If lengths differ, a value is not finite, a weight is negative, there is no column, or there are
-/// not more rows of positive weight than columns. A deficient rank is not an error: it is told in the result.
+/// not more rows of positive weight than columns. A deficient rank is not an error: the result states it.
 ///
 /// # Examples
 /// ```
@@ -109,7 +109,7 @@ pub fn fit_above(
     let residual_variance = weighted_square(&residuals, weights) / degrees_of_freedom as f64;
     let null_directions = svd.right.columns_range(rank..).into_owned();
     let unidentifiable = participants(&null_directions);
-    let covariance = blind(&unit_covariance * residual_variance, &unidentifiable);
+    let covariance = with_unidentifiable(&unit_covariance * residual_variance, &unidentifiable);
     Ok(LinearFit {
         std_errors: covariance.diagonal().map(f64::sqrt),
         coefficients,
@@ -131,7 +131,7 @@ impl LinearFit {
     /// `unidentifiable` coefficients.
     #[must_use]
     pub fn unit_covariance(&self) -> DMatrix<f64> {
-        blind(self.unit_covariance.clone(), &self.unidentifiable)
+        with_unidentifiable(self.unit_covariance.clone(), &self.unidentifiable)
     }
 }
 
@@ -143,8 +143,11 @@ pub(crate) fn participants(null_directions: &DMatrix<f64>) -> Vec<usize> {
     norms.enumerate().filter(|&(_, norm)| norm > PARTICIPATION).map(|(i, _)| i).collect()
 }
 
-/// Sets the variance of the parameters the data are blind to.
-pub(crate) fn blind(mut covariance: DMatrix<f64>, unidentifiable: &[usize]) -> DMatrix<f64> {
+/// Sets the variance of the parameters that are not identifiable to infinity.
+pub(crate) fn with_unidentifiable(
+    mut covariance: DMatrix<f64>,
+    unidentifiable: &[usize],
+) -> DMatrix<f64> {
     for &i in unidentifiable {
         covariance[(i, i)] = f64::INFINITY;
     }

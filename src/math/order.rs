@@ -1,5 +1,10 @@
 //! Order statistics.
 
+use super::noise;
+
+/// Median of the size of a normal variable of standard deviation one, the upper quartile of the normal distribution.
+const NORMAL_UPPER_QUARTILE: f64 = 0.674_489_750_196_081_7;
+
 /// The value of a sample below which a share of all lies, the nearest one in order; zero of nothing.
 ///
 /// # Examples
@@ -22,4 +27,41 @@ pub fn quantile(values: impl IntoIterator<Item = f64>, share: f64) -> f64 {
 #[must_use]
 pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     quantile(values, 0.5)
+}
+
+/// Standard deviation of normal noise from its median absolute deviation from zero; zero of nothing.
+///
+/// ```text
+/// s = median |e| / 0.6745
+/// ```
+/// Half of the values may be anything without moving it far.
+///
+/// Source: P. J. Huber, E. M. Ronchetti, *Robust Statistics*, 2nd ed., 5.1.
+#[must_use]
+pub fn robust_deviation(errors: impl IntoIterator<Item = f64>) -> f64 {
+    let sizes = errors.into_iter().map(f64::abs).collect();
+    noise::median(sizes).unwrap_or_default() / NORMAL_UPPER_QUARTILE
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::distribution::normal_quantile;
+    use super::*;
+
+    #[test]
+    fn the_robust_deviation_is_that_of_statsmodels_mad() {
+        // statsmodels.robust.scale.mad([1, -2, 3, -4, 100], center=0) and of the first four
+        assert!(
+            (robust_deviation([1.0, -2.0, 3.0, -4.0, 100.0]) - 4.447_806_655_516_806).abs() < 1e-12
+        );
+        assert!((robust_deviation([1.0, -2.0, 3.0, -4.0]) - 3.706_505_546_264_005).abs() < 1e-12);
+        assert_eq!(robust_deviation([]), 0.0);
+    }
+
+    #[test]
+    fn the_quantiles_of_a_normal_variable_have_its_deviation() {
+        let sample = (0..1000).map(|k| 0.3 * normal_quantile((f64::from(k) + 0.5) / 1000.0));
+        // the steps between the quantiles near 0.25 and 0.75 are 0.001/0.318 of a deviation
+        assert!((robust_deviation(sample) / 0.3 - 1.0).abs() < 2e-3);
+    }
 }

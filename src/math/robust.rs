@@ -4,12 +4,11 @@ use nalgebra::{DMatrix, DVector};
 
 use super::error::MathError;
 use super::least_squares::{LinearFit, fit};
+use super::order::robust_deviation;
 
 /// Huber's threshold in standard deviations: 95 % efficient on clean normal data.
 pub const HUBER_THRESHOLD: f64 = 1.345;
 
-/// The 0.75 quantile of the normal distribution: median |r| / this estimates sigma.
-const NORMAL_UPPER_QUARTILE: f64 = 0.674_489_750_196_081_7;
 const MAX_ITERATIONS: usize = 200;
 
 /// A Huber fit: the last reweighted least-squares fit and how it came about.
@@ -52,7 +51,7 @@ pub fn fit_huber(
     let plain = fit(x, y, weights)?;
     let mut current = plain.clone();
     let mut row_weights = DVector::repeat(y.len(), 1.0);
-    let mut scale = spread(&current.residuals.component_mul(&root));
+    let mut scale = robust_deviation(current.residuals.component_mul(&root).iter().copied());
     let (mut iterations, mut converged) = (0, scale == 0.0);
     while !converged && iterations < MAX_ITERATIONS {
         iterations += 1;
@@ -62,7 +61,7 @@ pub fn fit_huber(
         let next = fit(x, y, Some(&total))?;
         converged = settled(&next, &current);
         current = next;
-        scale = spread(&current.residuals.component_mul(&root));
+        scale = robust_deviation(current.residuals.component_mul(&root).iter().copied());
         converged |= scale == 0.0;
     }
     if scale > 0.0 {
@@ -80,15 +79,6 @@ fn settled(next: &LinearFit, current: &LinearFit) -> bool {
         let step = (next.coefficients[i] - current.coefficients[i]).abs();
         step <= 1e-6 * next.std_errors[i]
     })
-}
-
-fn spread(residuals: &DVector<f64>) -> f64 {
-    let mut sizes: Vec<f64> = residuals.iter().map(|r| r.abs()).collect();
-    sizes.sort_by(f64::total_cmp);
-    let half = sizes.len() / 2;
-    let median =
-        if sizes.len() % 2 == 1 { sizes[half] } else { 0.5 * (sizes[half - 1] + sizes[half]) };
-    median / NORMAL_UPPER_QUARTILE
 }
 
 /// The factor that turns `(X'WX)^-1` into the covariance of the M-estimator.

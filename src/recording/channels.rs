@@ -30,6 +30,5 @@ pub struct Noise {
     /// Speeds [rad/s].
     pub omega: [f64; 2],
     /// Input [unit of the input].
-    #[serde(rename = "moment")]
     pub torque: [f64; 2],
 }

@@ -2,16 +2,12 @@
 
 use std::ops::Range;
 
+use crate::math::cumulative_trapezoid;
+
 /// Angles from speeds, by the trapezoid rule from zero \[rad\].
 pub(super) fn integrate(t: &[f64], omega: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let mut alpha = vec![[0.0; 2]; t.len()];
-    for k in 1..t.len() {
-        for i in 0..2 {
-            alpha[k][i] =
-                alpha[k - 1][i] + 0.5 * (t[k] - t[k - 1]) * (omega[k][i] + omega[k - 1][i]);
-        }
-    }
-    alpha
+    let [right, left] = [0, 1].map(|i| cumulative_trapezoid(t, |k| omega[k][i]));
+    right.into_iter().zip(left).map(|(right, left)| [right, left]).collect()
 }
 
 /// Speeds from angles of which some rows repeat a slow sensor: those of the rows that do not, held

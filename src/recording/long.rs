@@ -1,5 +1,7 @@
 //! Recordings too long to be held: windows of them, and a way to read all their rows again.
 
+use std::sync::Arc;
+
 use super::check::{MINIMUM_SAMPLES, check_rows};
 use super::gaps::median_step;
 use super::{Channels, DriveUnit, Recording, RecordingError, limits};
@@ -11,11 +13,23 @@ const WINDOW: (usize, f64) = (5_000, 10.0);
 /// Windows at most; there are at least half as many, if the recording has that many.
 const WINDOWS: (usize, usize) = (8, 40);
 
+/// Why rows that were read before cannot be read again.
+#[derive(Clone, Debug, thiserror::Error)]
+#[error(transparent)]
+pub struct RowsError(Arc<dyn std::error::Error + Send + Sync>);
+
+impl RowsError {
+    /// With the error of the source of the rows.
+    pub fn new(source: impl std::error::Error + Send + Sync + 'static) -> Self {
+        Self(Arc::new(source))
+    }
+}
+
 /// The rows of a recording, as often as they are asked for.
 pub trait Rows: Send + Sync {
-    /// All rows in order, in blocks of any length; every block has the same columns. A reason in
-    /// words ends them where they cannot be read.
-    fn blocks(&self) -> Box<dyn Iterator<Item = Result<Channels, String>> + '_>;
+    /// All rows in order, in blocks of any length; every block has the same columns. An error
+    /// ends them where they cannot be read.
+    fn blocks(&self) -> Box<dyn Iterator<Item = Result<Channels, RowsError>> + '_>;
 
     /// Rows that are left out because their time does not exceed that before: how many, and the
     /// number of the first one, from 1.
@@ -222,7 +236,7 @@ fn append(to: &mut Channels, rows: &Channels) {
 
 /// A recording that is held, as rows.
 impl Rows for Recording {
-    fn blocks(&self) -> Box<dyn Iterator<Item = Result<Channels, String>> + '_> {
+    fn blocks(&self) -> Box<dyn Iterator<Item = Result<Channels, RowsError>> + '_> {
         const BLOCK: usize = 1 << 16;
         Box::new((0..self.len()).step_by(BLOCK).map(|from| {
             let range = from..(from + BLOCK).min(self.len());

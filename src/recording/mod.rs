@@ -21,11 +21,11 @@ pub(crate) use derived::differentiate;
 pub use drive_unit::DriveUnit;
 pub use error::RecordingError;
 pub(crate) use gaps::{is_gap, pieces};
-pub use long::{LongRecording, Rows, Survey};
+pub use long::{LongRecording, Rows, RowsError, Survey};
 pub use motion::LocalMotion;
 pub(crate) use noise::FEW_LEVELS;
 pub use noise::share_noise;
-pub use quality::{Finding, Gaps, Issue, Quality, Severity, quality};
+pub use quality::{Finding, Gaps, Issue, Quality, Severity, StatedIssue, quality};
 pub(crate) use quality::{
     View, Window, exchanged_input, exchanged_speeds, opposing_input, windows_of,
 };

@@ -11,7 +11,7 @@ mod motion;
 mod timing;
 mod window;
 
-pub use issue::Issue;
+pub use issue::{Issue, StatedIssue};
 
 pub(crate) use consistency::{exchanged_input, exchanged_speeds, opposing_input};
 pub(crate) use window::{View, Window, windows_of};
@@ -49,29 +49,29 @@ impl Finding {
     /// What was seen.
     #[must_use]
     pub fn what(&self) -> String {
-        self.issue.what()
+        self.issue.stated().what()
     }
 
     /// What to do, or what follows from it.
     #[must_use]
     pub fn remedy(&self) -> String {
-        self.issue.remedy()
+        self.issue.stated().remedy()
     }
 }
 
 impl std::fmt::Display for Finding {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}: {}", self.what(), self.remedy())
+        self.issue.stated().fmt(f)
     }
 }
 
 /// Gaps in time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
-pub struct Gaps {
+pub struct Gaps<C = usize, R = f64> {
     /// How many.
-    pub count: usize,
+    pub count: C,
     /// The longest \[s\]; zero without any.
-    pub longest: f64,
+    pub longest: R,
 }
 
 /// What the quality check says of a recording.

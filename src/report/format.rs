@@ -74,7 +74,7 @@ pub fn in_text(heading: &str) -> String {
     letters.next().map_or(String::new(), |first| first.to_lowercase().chain(letters).collect())
 }
 
-/// A phrase with a capital first letter.
+/// A phrase as it starts a sentence or a heading: `turning scrub` becomes `Turning scrub`.
 pub fn capital(phrase: &str) -> String {
     let mut letters = phrase.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())

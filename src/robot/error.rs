@@ -20,7 +20,7 @@ pub enum RobotError {
     /// The two wheels have different masses, which eq. (15) does not provide for.
     #[error(
         "robot: m2_kg = {m2}, expected m1_kg = {m1}: the equations hold for equal wheels; give \
-         both the mean mass and add the effect lateral_com for the difference"
+         both the mean mass and add the lateral centre of mass as an effect for the difference"
     )]
     UnequalWheels {
         /// Mass of wheel 1 \[kg\].

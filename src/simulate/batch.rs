@@ -346,7 +346,7 @@ impl<'a, S: Simd> Batch<'a, S> {
         [m11 * b[0] + m12 * b[1], m12 * b[0] + m22 * b[1]]
     }
 
-    /// Lanes in which a wheel that sticks is not clearly held, against the pull of the other one
+    /// Lanes in which a wheel that sticks is not clearly held, against the torque of the other one
     /// through a2, or another one does not move.
     #[inline(always)]
     fn loose(&self, w: &Wheels<S>, torque: &[f64; 2], motion: &Motion<S>) -> Mask<S> {

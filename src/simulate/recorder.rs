@@ -63,7 +63,7 @@ const BANDWIDTH: f64 = 12.0;
 /// Follows `movement` with the robot `truth` (parameters `p`) under a speed controller and records
 /// it.
 ///
-/// The controller knows the base model with the construction's parameters: torques by inverse
+/// The controller has the base model with the construction's parameters: torques by inverse
 /// dynamics of the movement, eq. (14), plus a proportional-integral correction of the speeds, held
 /// between its steps. The torques recorded are those commanded.
 ///

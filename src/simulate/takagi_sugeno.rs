@@ -316,12 +316,12 @@ impl TakagiSugeno {
                     }
                 }
                 let strength = strengths[input][i];
-                let pull = [0, 1].map(|o| match self.defuzzification {
+                let factor = [0, 1].map(|o| match self.defuzzification {
                     Defuzzification::WeightedAverage => strength * (row[o] - value[o]),
                     Defuzzification::WeightedSum => strength * row[o],
                 });
-                out.push([0, 1].map(|o| pull[o] * z / m.width - strength * slope[o]));
-                widths.push(pull.map(|p| p * z * z / m.width));
+                out.push([0, 1].map(|o| factor[o] * z / m.width - strength * slope[o]));
+                widths.push(factor.map(|p| p * z * z / m.width));
             }
             out.extend(widths);
         }

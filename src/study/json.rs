@@ -103,7 +103,7 @@ fn by_role(study: &Study, value: impl Fn(usize) -> f64) -> Value {
 fn method(study: &Study, m: &MethodStudy) -> Value {
     if let Some(reason) = &m.failure {
         return json!({
-            "method": m.name, "status": "failed", "reason": reason, "seconds": m.seconds,
+            "method": m.name, "status": "failed", "reason": reason.to_string(), "seconds": m.seconds,
             "parameters": [],
         });
     }

@@ -1,6 +1,7 @@
 //! What the methods of an experiment found.
 
-use crate::identify::{Estimate, Note, Status, Trace, Work};
+use crate::identify::{Estimate, IdentifyError, Note, Status, Trace, Work};
+use crate::model::base::A1;
 
 /// A method on one recording.
 #[derive(Clone, Debug, Default)]
@@ -38,14 +39,14 @@ pub struct MethodStudy {
     /// Options that differ from the defaults, as written.
     pub options: String,
     /// Why there is no fit.
-    pub failure: Option<String>,
+    pub failure: Option<IdentifyError>,
     /// How it ended.
     pub status: Option<Status>,
     /// Wall time \[s\].
     pub seconds: f64,
     /// Evaluations and iterations.
     pub work: Work,
-    /// Parameters.
+    /// Estimates of the parameters, in the order of the model.
     pub estimates: Vec<Estimate>,
     /// Correlations between the parameters, row by row; empty where there are none.
     pub correlations: Vec<Vec<f64>>,
@@ -84,7 +85,7 @@ impl MethodStudy {
     /// may simulate well, as one with a huge inertia does where a column that hardly moves is taken for a speed.
     #[must_use]
     pub fn is_undetermined(&self) -> bool {
-        let a1 = self.estimates.iter().find(|e| e.symbol == "a1");
+        let a1 = self.estimates.get(A1);
         self.status == Some(Status::Stalled) && a1.is_some_and(|e| !e.identifiable && !e.fixed)
     }
 }

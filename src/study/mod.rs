@@ -27,7 +27,7 @@ use crate::compare::{Curve, Floor};
 use crate::conditioning::Finding;
 use crate::export::ModelFiles;
 use crate::identify::Estimate;
-use crate::recording::{self, DriveUnit, Measured, Noise, Regime};
+use crate::recording::{self, DriveUnit, Measured, Noise, Regime, StatedIssue};
 
 /// What a recording is used for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -287,17 +287,15 @@ impl Study {
         }
     }
 
-    /// What the check of the recordings found, alike sentences as one, with the names of its recordings.
+    /// What the check of the recordings found, what differs in its numbers alone once, with the names of its
+    /// recordings.
     #[must_use]
-    pub fn findings(&self) -> Vec<(String, String)> {
-        let of = |r: &RecordingStudy| {
-            r.findings.iter().map(|f| (r.file.clone(), f.to_string())).collect::<Vec<_>>()
-        };
-        let findings: Vec<(String, String)> = self.recordings.iter().flat_map(of).collect();
-        grouped(
-            findings.iter().map(|(file, text)| (file.as_str(), text.as_str())),
-            self.recordings.len(),
-        )
+    pub fn findings(&self) -> Vec<(String, StatedIssue)> {
+        let found = self
+            .recordings
+            .iter()
+            .flat_map(|r| r.findings.iter().map(|f| (r.file.as_str(), f.issue.stated())));
+        grouped(found, self.recordings.len(), StatedIssue::join)
     }
 
     /// Root mean square 2 s simulation error of a method over the judged recordings [rad/s].

@@ -5,7 +5,7 @@ use serde_json::Value;
 use crate::exported::{is_here, run};
 use crate::support::{Folder, csv, motion};
 
-/// A robot whose tyres resist turning, which the model does not know.
+/// A robot whose tyres resist turning, which the model lacks.
 const SMALL: &str = r#"# a comment at the top
 title = "Small"
 

@@ -33,7 +33,7 @@ pub(crate) fn files() -> Vec<(String, String)> {
 
 /// Files that are compiled for tests only.
 fn is_test(name: &str) -> bool {
-    let ends = ["/tests.rs", "/contract.rs", "_tests.rs"];
+    let ends = ["/tests.rs", "/contract.rs", "/independent.rs", "_tests.rs"];
     ends.iter().any(|end| name.ends_with(end)) || name.contains("/tests/")
 }
 
@@ -136,6 +136,8 @@ fn uses(code: &str) -> Vec<(bool, String)> {
 fn written_out(line: &str) -> Vec<String> {
     let is_path = |c: &char| c.is_alphanumeric() || matches!(c, '_' | ':');
     let starts = ["super::", "crate::"].into_iter().flat_map(|word| line.match_indices(word));
+    // `pub(in crate::a)` says who may see an item
+    let starts = starts.filter(|(at, _)| !line[..*at].ends_with("pub(in "));
     let starts = starts.filter(|(at, _)| *at == 0 || !line[..*at].ends_with(|c: char| is_path(&c)));
     starts.map(|(at, _)| line[at..].chars().take_while(is_path).collect()).collect()
 }
@@ -183,8 +185,7 @@ fn absolute(own: &str, path: &str) -> String {
     if base.is_empty() { rest.to_owned() } else { format!("{base}::{rest}") }
 }
 
-/// Files that each file imports from. A module's own file lists and re-exports its children; that
-/// is not an import.
+/// Files that each file imports from. What a file re-exports of its own children is not an import.
 pub(crate) fn edges(files: &[(String, String)]) -> BTreeMap<String, BTreeSet<String>> {
     let tree = Tree::new(files);
     let mut out = BTreeMap::new();
@@ -192,9 +193,12 @@ pub(crate) fn edges(files: &[(String, String)]) -> BTreeMap<String, BTreeSet<Str
         let own = path_of(name);
         let targets = uses(code)
             .into_iter()
-            .filter_map(|(_, path)| tree.file(&absolute(&own, &path)))
-            .filter(|target| *target != name && !path_of(target).starts_with(&format!("{own}::")))
-            .cloned()
+            .filter_map(|(public, path)| Some((public, tree.file(&absolute(&own, &path))?)))
+            .filter(|(public, target)| {
+                let is_child = path_of(target).starts_with(&format!("{own}::"));
+                *target != name && !(*public && is_child)
+            })
+            .map(|(_, target)| target.clone())
             .collect();
         out.insert(name.clone(), targets);
     }
@@ -252,6 +256,16 @@ fn a_ring_of_files_is_seen_through_a_path_within_the_code() {
         file("src/d.rs", "use crate::a::b::B;\n"),
     ];
     assert_eq!(rings(&edges(&files)), ["src/a/b.rs src/a/c.rs src/d.rs"]);
+}
+
+#[test]
+fn a_parent_that_uses_a_child_which_uses_it_is_a_ring_and_one_that_re_exports_it_is_none() {
+    let file = |name: &str, code: &str| (name.to_owned(), code.to_owned());
+    let child = || file("src/a/b.rs", "use super::{Limit};\npub(in crate::a) struct B;\n");
+    let uses = [file("src/a.rs", "mod b;\nuse self::b::B;\nstruct Limit;\n"), child()];
+    assert_eq!(rings(&edges(&uses)), ["src/a.rs src/a/b.rs"]);
+    let lists = [file("src/a.rs", "mod b;\npub use self::b::B;\nstruct Limit;\n"), child()];
+    assert!(rings(&edges(&lists)).is_empty());
 }
 
 #[test]

@@ -185,7 +185,7 @@ fn directions_in_columns_of_their_own_give_the_sign() {
         assert!(text.contains("sign = \"dir_r\"") && text.contains(said), "{text}");
         folder.run(&["check", "e.toml"]).says(0, &["600 samples"]);
     }
-    // without the column of the direction nobody knows
+    // without the column of the direction the sign is unknown
     let folder = Folder::new();
     folder.write("run.csv", "t,wr,wl,torque_r,torque_l\n0,1,1,1,1\n1,1,1,1,1\n");
     let file = "[recordings]\ntrain = [\"run.csv\"]\ncolumns = { dalpha1 = \"wr\", dalpha2 = \"wl\", M2 = \"torque_l\", M1 = { name = \"torque_r\", sign = \"dir\" } }\n";

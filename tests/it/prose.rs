@@ -3,11 +3,12 @@
 use std::path::Path;
 
 /// The lines of a file that are prose, with their numbers: all of Markdown but code, the comments of TOML, comments
-/// and texts of Rust.
+/// and texts of Rust and Python, texts of JSON.
 pub(crate) fn prose(path: &Path, text: &str) -> Vec<(usize, String)> {
     match path.extension().and_then(|e| e.to_str()) {
         Some("md") => of_markdown(path, text),
         Some("rs") => of_rust(text),
+        Some("py" | "json") => of_python(text),
         _ => (1..)
             .zip(text.lines())
             .filter_map(|(n, l)| Some((n, l.split_once('#')?.1.into())))
@@ -57,9 +58,38 @@ fn of_rust(source: &str) -> Vec<(usize, String)> {
     out
 }
 
+/// Docstrings, comments, and texts with a space in them; JSON has texts alone.
+fn of_python(source: &str) -> Vec<(usize, String)> {
+    let mut out = Vec::new();
+    let mut number = 1;
+    for (place, part) in source.split("\"\"\"").enumerate() {
+        for (n, line) in (number..).zip(part.split('\n')) {
+            if place % 2 == 1 {
+                out.push((n, without_code(line)));
+                continue;
+            }
+            let (code, comment) = line.split_once('#').unwrap_or((line, ""));
+            let texts = code.split('"').skip(1).step_by(2).filter(|text| text.contains(' '));
+            out.extend(texts.chain([comment]).map(|text| (n, without_code(text))));
+        }
+        number += part.matches('\n').count();
+    }
+    out.retain(|(_, text)| !text.is_empty());
+    out
+}
+
 enum Piece {
     Comment(String),
     Text(String),
+}
+
+/// The string literals of a Rust source, as they are written.
+pub(crate) fn literals(source: &str) -> Vec<String> {
+    let texts = pieces(source).into_iter().filter_map(|(_, piece)| match piece {
+        Piece::Text(text) => Some(text),
+        Piece::Comment(_) => None,
+    });
+    texts.collect()
 }
 
 /// The comments and string literals of a Rust source, with the lines on which they begin.
@@ -111,6 +141,14 @@ fn character(rest: &str) -> Option<usize> {
     }
     let first = inner.chars().next()?.len_utf8();
     inner[first..].starts_with('\'').then_some(first + 2)
+}
+
+#[test]
+fn docstrings_comments_and_texts_of_python_are_prose() {
+    let source = "\"\"\"One `two`\nthree.\"\"\"\nx = f(\"key\", \"a text\")  # why\n";
+    let found = of_python(source);
+    let found: Vec<(usize, &str)> = found.iter().map(|(n, l)| (*n, l.trim())).collect();
+    assert_eq!(found, [(1, "One"), (2, "three."), (3, "a text"), (3, "why")]);
 }
 
 #[test]

@@ -1,35 +1,46 @@
 //! The words of findings.
 
 use super::{Channel, Kind};
+use crate::math::Span;
 
 /// The factor of a gear that a ratio of speed to slope of the angle may be, and the columns whose values it turns into
 /// those of the wheel: those of the faster shaft.
-fn gear_scale(ratio: f64) -> String {
-    let (key, scale) = if ratio > 1.0 { ("dalpha", 1.0 / ratio) } else { ("alpha", ratio) };
-    format!("scale = {:.4} in {key}1 and {key}2", scale)
+fn gear_scale(ratio: Span<f64>) -> String {
+    let (key, scale) = if ratio.low() > 1.0 {
+        ("dalpha", ratio.map(|ratio| 1.0 / ratio))
+    } else {
+        ("alpha", ratio)
+    };
+    format!("scale = {scale:.4} in {key}1 and {key}2")
 }
 
 /// What was found, and what is done about it unless it is switched off.
-pub(super) fn words(name: &str, kind: &Kind, channel: Channel) -> (String, String) {
-    let ms = |s: f64| format!("{:.2} ms", 1e3 * s);
-    let one = |count: usize, what: &str| {
-        if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
+pub(super) fn words(
+    name: &str,
+    kind: Kind<Span<usize>, Span<f64>>,
+    channel: Channel,
+) -> (String, String) {
+    let ms = |s: Span<f64>| format!("{:.2} ms", s.map(|s| 1e3 * s));
+    let percent = |share: Span<f64>| share.map(|share| 100.0 * share);
+    let one = |count: Span<usize>, what: &str| {
+        let plural = if count.high() == 1 { "" } else { "s" };
+        format!("{count} {what}{plural}")
     };
-    match *kind {
+    match kind {
         Kind::MissingValues { rows, first } => (
             format!("{} without a number in some column (first: row {first})", one(rows, "row")),
             "left out".into(),
         ),
         Kind::SparseColumn { share } => (
-            format!("{name} has a new value in {:.1} % of the rows", 100.0 * share),
+            format!("{name} has a new value in {:.1} % of the rows", percent(share)),
             "the line between its values stands for it".into(),
         ),
         Kind::HeldColumn { share } => (
-            format!("{name} has a value in {:.1} % of the rows", 100.0 * share),
+            format!("{name} has a value in {:.1} % of the rows", percent(share)),
             "it holds until the next".into(),
         ),
         Kind::OwnRows { share } => (
-            format!("{name} has a new value in {:.1} % of the rows", 100.0 * share),
+            format!("{name} has a new value in {:.1} % of the rows", percent(share)),
             "the recording has these rows; the others serve their own columns".into(),
         ),
         Kind::TimeRows { rows, first } => (
@@ -43,7 +54,7 @@ pub(super) fn words(name: &str, kind: &Kind, channel: Channel) -> (String, Strin
             format!(
                 "the times of the rows scatter by {:.0} % of a row about even times, on which the sensors move more \
                  smoothly",
-                100.0 * share
+                percent(share)
             ),
             "the rows stand on the even times".into(),
         ),
@@ -64,7 +75,7 @@ pub(super) fn words(name: &str, kind: &Kind, channel: Channel) -> (String, Strin
         Kind::CoarseClock { tick_s, rows } => (
             format!(
                 "the time goes on in steps of {} s, each with {rows:.1} rows",
-                (1e6 * tick_s).round() / 1e6
+                tick_s.map(|s| (1e6 * s).round() / 1e6)
             ),
             "a coarse clock: the rows are spread evenly over its steps".into(),
         ),
@@ -86,7 +97,11 @@ pub(super) fn words(name: &str, kind: &Kind, channel: Channel) -> (String, Strin
             format!(
                 "{name} has {} (first: row {first}; the largest stands out by {})",
                 one(count, "isolated wrong sample"),
-                if largest.abs() < 1e6 { format!("{largest:.4}") } else { format!("{largest:e}") }
+                largest.written(|v| if v.abs() < 1e6 {
+                    format!("{v:.4}")
+                } else {
+                    format!("{v:e}")
+                })
             ),
             "replaced by the line between the neighbours".into(),
         ),
@@ -97,7 +112,7 @@ pub(super) fn words(name: &str, kind: &Kind, channel: Channel) -> (String, Strin
             let or = if matches!(unit, "m" | "m/s") {
                 format!(
                     " (or a gear of {:.4} lies between motor and wheel: write {})",
-                    factor.max(1.0 / factor),
+                    factor.map(|factor| factor.max(1.0 / factor)),
                     gear_scale(factor)
                 )
             } else {
@@ -166,9 +181,9 @@ pub(super) fn words(name: &str, kind: &Kind, channel: Channel) -> (String, Strin
             format!(
                 "{name} acts {} ± {} {} than in the mean of the recordings: the rows stand at another phase of the \
                  controller's",
-                ms(shift_s.abs()),
+                ms(shift_s.map(f64::abs)),
                 ms(std_error_s),
-                if shift_s > 0.0 { "later" } else { "earlier" }
+                if shift_s.low() > 0.0 { "later" } else { "earlier" }
             ),
             "moved by that".into(),
         ),

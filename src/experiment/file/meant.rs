@@ -58,7 +58,7 @@ fn unknown_keys<'a>(
     table: &'a Table,
     found: &mut Vec<(&'a str, Vec<&'a str>)>,
 ) {
-    // of a block that may be one of many tables its own reader knows which
+    // of a block that may be one of many tables its own reader finds which
     let [schema] =
         alternatives(schema).filter(|s| s["properties"].is_object()).collect::<Vec<_>>()[..]
     else {

@@ -10,6 +10,7 @@ use crate::conditioning::Settings;
 use crate::diagnose;
 use crate::recording::DriveUnit;
 use crate::simulate::{Hold, NoiseLevel, Segment};
+use crate::verdict::Basis;
 
 /// An experiment: recordings or a simulation, a model, methods to compare, and a diagnosis.
 #[derive(Clone, Debug, Default, Deserialize, schemars::JsonSchema)]
@@ -256,9 +257,10 @@ pub struct DiagnosisEntry {
 
 impl Default for DiagnosisEntry {
     fn default() -> Self {
-        let diagnose::Settings { false_alarm, max_effects, .. } = diagnose::Settings::default();
+        let diagnose::Settings { max_effects, .. } = diagnose::Settings::default();
+        let Basis { false_alarm, slow_moment, .. } = Basis::new(&[], &[], Hold::default());
         let candidates = CandidatesEntry::All(AllCandidates::All);
-        Self { candidates, false_alarm, max_effects, slow_moment: true }
+        Self { candidates, false_alarm, max_effects, slow_moment }
     }
 }
 

@@ -130,7 +130,7 @@ impl Cell {
     }
 }
 
-/// Runs a cell. Whatever fails is told in its rows; `methods` are named there if nothing runs.
+/// Runs a cell. Whatever fails stands in its rows; `methods` are named there if nothing runs.
 pub(super) fn run_cell(grid: &GridPlan, cell: usize, key: String, methods: &[&str]) -> Cell {
     let start = Instant::now();
     let failed = |reason: String| {
@@ -191,7 +191,10 @@ fn rows(comparison: &Comparison, method: &MethodStudy, truth: &[(String, f64)]) 
     let judged = comparison.judged();
     let floor = Exact(judged.floor());
     if let Some(reason) = &method.failure {
-        return vec![Row { floor, ..failed_row(&method.name, reason, method.seconds) }];
+        return vec![Row {
+            floor,
+            ..failed_row(&method.name, &reason.to_string(), method.seconds)
+        }];
     }
     let trained = comparison.recordings.iter().zip(&method.performance);
     let ise_train = trained.filter(|(r, _)| r.role == Role::Train);

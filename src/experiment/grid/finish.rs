@@ -85,7 +85,7 @@ pub(in crate::experiment) fn merge(
             return Err(ExperimentError::Meaning { file: path.display().to_string(), message });
         }
     }
-    let missing: Vec<usize> = (0..grid.cells()).filter(|cell| !finished.knows(*cell)).collect();
+    let missing: Vec<usize> = (0..grid.cells()).filter(|cell| !finished.has(*cell)).collect();
     if !missing.is_empty() {
         let message = missing_words(&missing, &parts, grid, options);
         return Err(ExperimentError::Meaning { file: folder.display().to_string(), message });

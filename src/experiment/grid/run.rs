@@ -58,7 +58,7 @@ impl Finished {
         Line::New
     }
 
-    pub(super) fn knows(&self, cell: usize) -> bool {
+    pub(super) fn has(&self, cell: usize) -> bool {
         self.known[cell]
     }
 
@@ -74,7 +74,7 @@ impl Finished {
         wanted: &[usize],
         shown: bool,
     ) -> Result<(), IoError> {
-        let missing: Vec<usize> = wanted.iter().copied().filter(|c| !self.knows(*c)).collect();
+        let missing: Vec<usize> = wanted.iter().copied().filter(|c| !self.has(*c)).collect();
         let bar = progress(wanted.len(), wanted.len() - missing.len(), shown);
         let methods: Vec<&str> = plan.methods.iter().map(|m| m.name.as_str()).collect();
         let run = |cell: usize| -> Result<Cell, IoError> {
@@ -141,7 +141,7 @@ fn is_interrupted(
     Journal::read(path, |line| {
         earlier.take(line);
     })?;
-    let known = wanted.iter().filter(|cell| earlier.knows(**cell)).count();
+    let known = wanted.iter().filter(|cell| earlier.has(**cell)).count();
     Ok(known > 0 && known < wanted.len())
 }
 

@@ -14,7 +14,7 @@ use crate::math::distribution::{chi2_quantile, normal_quantile};
 /// Method whose claimed variance stands for the Cramér-Rao bound.
 const EFFICIENT: &str = "prediction_error";
 
-/// Repetitions below which a coverage is not said: of 20 honest intervals 19 cover the true value, of fewer
+/// Repetitions below which a coverage is not said: of 20 right intervals 19 cover the true value, of fewer
 /// all or all but one do, whatever the coverage is between 85 and 100 %.
 pub(super) const FEWEST_COVERED: usize = 20;
 
@@ -123,7 +123,7 @@ pub(super) fn summaries(grid: &GridPlan, cells: &[Cell]) -> Result<Vec<Summary>,
     for group in groups {
         let (cell, first) = rows[group[0]];
         let at = (condition[group[0]], &*first.method);
-        // failures are told with the parameters, where the method has any
+        // failures stand with the parameters, where the method has any
         let failed = group.iter().all(|r| rows[*r].1.failed());
         if failed && ran.contains(&at) {
             continue;

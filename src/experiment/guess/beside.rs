@@ -1,6 +1,6 @@
 //! What other columns say of a name that could be two things.
 
-use super::Candidate;
+use super::guessed::Candidate;
 use super::names::{Quantity, Side, WISHED};
 
 /// Reads names anew that mean something else beside others, and gives what must be asked of them.

@@ -1,8 +1,8 @@
 //! The column of the time.
 
+use super::guessed::{Candidate, Guessed};
 use super::names::Quantity;
 use super::values::{increases, largest, whole};
-use super::{Candidate, Guessed};
 
 /// Nanoseconds of a stamp come near to a second and never reach it.
 const NANOSECONDS: (f64, f64) = (5e8, 1e9);

@@ -1,7 +1,8 @@
 //! Inputs that are commands: a share of the battery's voltage, or a pulse of a servo.
 
+use super::guessed::{Guess, Guessed};
+use super::model_key::effects_of;
 use super::values::{largest, values_of, whole};
-use super::{Guess, Guessed};
 use crate::io::PreviewColumn;
 use crate::recording::DriveUnit;
 
@@ -110,9 +111,10 @@ fn effort(columns: &[PreviewColumn], battery: &PreviewColumn, guess: &Guess) -> 
     let first = inputs().next().filter(|_| inputs().all(is_open))?;
     Some(format!(
         "`{}` lies within -1 and 1: a torque in N m, as it is taken, or a share of the battery's voltage? For a share write \
-         times = \"{}\" in M1 and M2, drive_unit = \"V\", hold = \"constant\" below it, and effects = [\"back_emf\"] \
-         under [model]",
-        first.name, battery.name
+         times = \"{}\" in M1 and M2, drive_unit = \"V\", hold = \"constant\" below it, and {} under [model]",
+        first.name,
+        battery.name,
+        effects_of(DriveUnit::Volt)
     ))
 }
 

@@ -1,8 +1,8 @@
 //! Counts of encoders.
 
+use super::guessed::{Guess, Guessed};
 use super::speed_units::is_unknown;
 use super::values::{COUNTED, largest, row_step, seconds, values_of, whole};
-use super::{Guess, Guessed};
 use crate::io::PreviewColumn;
 
 /// Whether a column holds whole numbers, and many: counts of an encoder.

@@ -1,8 +1,8 @@
 //! Columns that hold the direction of a magnitude: `dirL` beside `pwmL`.
 
+use super::guessed::{Guess, Guessed};
 use super::names::{Side, named};
 use super::values::{is_constant, is_never_negative, values_of};
-use super::{Guess, Guessed};
 use crate::io::PreviewColumn;
 
 /// Words of a name that is that of a direction, and those that say which way a 1 is.

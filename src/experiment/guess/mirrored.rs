@@ -1,6 +1,8 @@
 //! A wheel that counts the other way: its motor stands mirrored on the robot.
 
-use super::{Guess, Guessed};
+use super::guessed::{Guess, Guessed};
+use crate::experiment::remark::{Remark, mirrored_question};
+use crate::experiment::remarks::opposed;
 use crate::io::PreviewColumn;
 use crate::math::correlation;
 
@@ -63,13 +65,12 @@ pub(super) fn look(columns: &[PreviewColumn], guess: &mut Guess) {
         }
     }
     let rows: Vec<[f64; 2]> = w1.iter().zip(&w2).map(|(a, b)| [*a, *b]).collect();
-    let Some(said) = crate::experiment::remarks::opposed(&rows) else { return };
+    let Some(share) = opposed(&rows) else { return };
     if !(drives(&input1, &w1) && drives(&input2, &w2) && mirror_each_other(&rows)) {
         // one sign alone is turned, as conditioning shows; or the wheels move each in its own way
-        guess.questions.push(said);
+        guess.questions.push(Remark::Opposed { share }.to_string());
         return;
     }
-    let said = said.split(" Then write").next().unwrap_or_default();
     let mut scales = vec![];
     for one in guess.columns.iter_mut().filter(|c| is_of(c, '2')) {
         let scale = one.scale.unwrap_or(1.0);
@@ -77,7 +78,8 @@ pub(super) fn look(columns: &[PreviewColumn], guess: &mut Guess) {
         scales.push(format!("`{}` {:?} or {scale:?}", one.name, -scale));
     }
     guess.questions.push(format!(
-        "{said} Write as scale, of a mirrored motor of the left wheel or of a turn on the spot: {}",
+        "{} Write as scale, of a mirrored motor of the left wheel or of a turn on the spot: {}",
+        mirrored_question(share),
         scales.join(", ")
     ));
 }

@@ -5,8 +5,10 @@ mod clock;
 mod commands;
 mod counts;
 mod directions;
+mod guessed;
 mod labels;
 mod mirrored;
+mod model_key;
 mod motors;
 mod names;
 mod pairs;
@@ -17,77 +19,13 @@ mod stated;
 mod text;
 mod values;
 
-use self::names::{Named, Quantity, named};
+use self::guessed::Candidate;
+pub(super) use self::guessed::{Guess, Guessed};
+use self::names::{Quantity, named};
 use self::pairs::Pairs;
 pub(super) use self::text::{Written, file_text};
 use crate::io::PreviewColumn;
 use crate::recording::DriveUnit;
-
-/// A column of the log as a quantity of the program.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Guessed {
-    /// Quantity.
-    pub(super) key: &'static str,
-    /// Name in the file.
-    pub(super) name: String,
-    /// Unit, where it is not that of the program.
-    pub(super) unit: Option<String>,
-    /// Column that holds the nanoseconds of the time.
-    pub(super) nanoseconds: Option<String>,
-    /// Counts per turn of the wheel.
-    pub(super) per_turn: Option<f64>,
-    /// Factor on the value.
-    pub(super) scale: Option<f64>,
-    /// Whether the unit must be asked for.
-    pub(super) unit_open: bool,
-    /// Whether the factor must be asked for: the time between two rows, of a column that counts rows; the sign of a wheel
-    /// that may be mirrored; the gear of a speed of the motor's field.
-    pub(super) scale_open: bool,
-    /// Whether it is a command that is a share of the battery's voltage.
-    pub(super) is_share: bool,
-    /// Whether the values are steps, and what is meant is their sum.
-    pub(super) sum: bool,
-    /// Added after the factor.
-    pub(super) offset: Option<f64>,
-    /// Columns that are added to the value.
-    pub(super) plus: Vec<String>,
-    /// Column that multiplies the value.
-    pub(super) times: Option<String>,
-    /// Column that says the direction, and what it holds where the value is negative.
-    pub(super) sign: Option<String>,
-    pub(super) backward: Option<String>,
-    /// Whether the column of the direction must be asked for.
-    pub(super) sign_open: bool,
-    /// Whether what stands for backward must be asked for.
-    pub(super) backward_open: bool,
-    /// Whether the name does not say which wheel it is.
-    pub(super) side_unsure: bool,
-    /// What the guess rests on, beside the name.
-    pub(super) evidence: Vec<String>,
-}
-
-/// What the columns of a log seem to be.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Guess {
-    /// The columns that were found.
-    pub(super) columns: Vec<Guessed>,
-    /// Unit of the input.
-    pub(super) drive_unit: DriveUnit,
-    /// Questions that only the user can answer.
-    pub(super) questions: Vec<String>,
-    /// Whether one axis stands for both wheels.
-    pub(super) one_axis: bool,
-    /// Whether no column can be the time, so that the period of the rows is asked for.
-    pub(super) period_open: bool,
-    /// Time between two rows \[s\] that the file states beside its columns.
-    pub(super) period: Option<f64>,
-}
-
-/// A column with what its name says.
-struct Candidate<'a> {
-    column: &'a PreviewColumn,
-    named: Named,
-}
 
 /// Guesses from names and values; a name of the program wins over any other.
 pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
@@ -245,11 +183,6 @@ fn input(
         input.0[0].evidence.push(why);
     }
     Some(input)
-}
-
-fn of(c: &Candidate, key: &'static str) -> Guessed {
-    let unit = c.named.unit.filter(|u| values::fits(key, u)).map(Into::into);
-    Guessed { key, name: c.column.name.clone(), unit, scale: c.named.scale, ..Guessed::default() }
 }
 
 #[cfg(test)]

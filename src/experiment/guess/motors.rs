@@ -1,8 +1,8 @@
 //! Several motors or wheels on a side: front and rear, leader and follower, 1 and 2.
 
+use super::guessed::{Candidate, Guess, Guessed};
 use super::names::Named;
 use super::values::{is_constant, values_of};
-use super::{Candidate, Guess, Guessed};
 use crate::io::PreviewColumn;
 use crate::recording::DriveUnit;
 

@@ -1,54 +1,15 @@
 //! What the name of a column says: quantity, wheel, unit.
 
 mod factor;
+mod said;
 mod unit;
 mod words;
 
 use self::factor::{many, multiplied, take_multiple, take_power_of_ten};
+pub(super) use self::said::{Named, Quantity, Side};
 use self::unit::{bracketed, split_unit, unit, unit_behind, unit_in_front};
 pub(super) use self::words::WISHED;
-use self::words::{BATTERY, OTHERS, QUANTITIES, STEPS, WEAK};
-
-/// What a column may be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Quantity {
-    Time,
-    Nanoseconds,
-    Angle,
-    Speed,
-    Torque,
-    Current,
-    Voltage,
-}
-
-/// A wheel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Side {
-    Right,
-    Left,
-    /// A number or letter that does not say which: 0 or 1.
-    Numbered(usize),
-}
-
-/// What a name says.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Named {
-    pub(super) quantity: Option<Quantity>,
-    /// The word that says the quantity; empty where the unit does.
-    pub(super) word: String,
-    pub(super) side: Option<Side>,
-    pub(super) unit: Option<&'static str>,
-    /// Units of the value: 10 of `current_10mA`.
-    pub(super) scale: Option<f64>,
-    /// What the robot was told, and not what it did.
-    pub(super) wished: bool,
-    /// Whether it is the voltage of the battery.
-    pub(super) battery: bool,
-    /// Whether it is the step between two rows.
-    pub(super) step: bool,
-    /// The words that say none of this.
-    pub(super) rest: Vec<String>,
-}
+use self::words::{BATTERY, OTHERS, QUANTITIES, STEPS, WEAK, take_quantity};
 
 /// What a name says.
 pub(super) fn named(name: &str) -> Named {
@@ -187,25 +148,6 @@ fn take_side(words: &mut Vec<String>) -> Option<Side> {
 /// A letter that stands for a quantity of a wheel.
 fn is_short(letter: &str) -> bool {
     matches!(letter, "w" | "v" | "i" | "u" | "m" | "q")
-}
-
-/// The quantity and the word that says it.
-fn take_quantity(words: &mut Vec<String>) -> Option<(Quantity, String)> {
-    // a derivative: d alpha, wheel speed, alpha dot
-    let dot = words.iter().any(|w| matches!(w.as_str(), "dot" | "d"));
-    let is_alone = words.iter().filter(|w| !w.chars().all(|c| c.is_ascii_digit())).count() == 1;
-    for (quantity, known) in QUANTITIES {
-        if let Some(k) = words.iter().position(|w| known.contains(&w.as_str())) {
-            // one letter says little among other words
-            if words[k].len() == 1 && !is_alone && !dot {
-                continue;
-            }
-            let word = words.remove(k);
-            let speed = dot && quantity == Quantity::Angle;
-            return Some((if speed { Quantity::Speed } else { quantity }, word));
-        }
-    }
-    None
 }
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
 //! Columns that belong together: the same quantity at the right and at the left wheel.
 
+use super::guessed::{Candidate, Guessed};
 use super::names::{Quantity, Side};
-use super::{Candidate, Guessed, of};
+use super::values::fits;
 
 /// Letters in which two names differ that are no motors: axes of space and of a motor's field, and the terms of a
 /// controller.
@@ -183,7 +184,7 @@ fn lettered<'a, 'b>(fits: &[&'a Candidate<'b>]) -> Option<Two<'a, 'b>> {
     };
     let pairs = || fits.iter().flat_map(|a| fits.iter().map(move |b| (*a, *b)));
     let mut found = pairs().filter(|(a, b)| differs(a, b));
-    // with three motors nobody knows which
+    // with three motors either may be it
     found.next().filter(|_| found.next().is_none())
 }
 
@@ -204,4 +205,10 @@ pub(super) fn one(
         [first, second, ..] if rank(first) == rank(second) => None,
         [first, ..] => Some(keys.map(|key| of(first, key))),
     }
+}
+
+/// A column as this quantity of the program, with the unit and the factor of its name.
+fn of(c: &Candidate, key: &'static str) -> Guessed {
+    let unit = c.named.unit.filter(|u| fits(key, u)).map(Into::into);
+    Guessed { key, name: c.column.name.clone(), unit, scale: c.named.scale, ..Guessed::default() }
 }

@@ -1,6 +1,6 @@
 //! What columns without a telling name say of each other: a speed is the slope of its angle.
 
-use super::Guess;
+use super::guessed::Guess;
 use super::values::is_constant;
 use crate::io::PreviewColumn;
 

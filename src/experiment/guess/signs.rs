@@ -1,8 +1,8 @@
 //! Speeds that lost their sign.
 
+use super::guessed::{Candidate, Guess};
 use super::names::Quantity;
 use super::values::{AT_REST, extent, is_never_negative, values_of};
-use super::{Candidate, Guess};
 use crate::io::PreviewColumn;
 
 /// The question of speeds that are never negative beside set-points that are: the wheels turned both ways, and only a

@@ -2,9 +2,9 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::guessed::{Guess, Guessed};
 use super::names::named;
 use super::values::{largest, seconds, values_of};
-use super::{Guess, Guessed};
 use crate::io::PreviewColumn;
 
 /// Wheel speed beyond which a number is rather one of rpm [rad/s].

@@ -1,6 +1,6 @@
 //! Units that a header states and that are not known.
 
-use super::{Guess, Guessed};
+use super::guessed::{Guess, Guessed};
 use crate::io::{ColumnMap, unknown_unit};
 use crate::recording::DriveUnit;
 

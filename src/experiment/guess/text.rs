@@ -3,11 +3,12 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use super::guessed::{Guess, Guessed};
+use super::model_key::effects_of;
 use super::names::named;
-use super::{Guess, Guessed};
+use crate::diagnose;
 use crate::io::PreviewColumn;
 use crate::recording::DriveUnit;
-use crate::{diagnose, effects};
 
 /// Columns whose first values a question shows at most.
 const SHOWN: usize = 40;
@@ -153,20 +154,13 @@ pub(in crate::experiment) fn file_text(w: &Written) -> String {
         out,
         "\n# [conditioning]             # corrections of the signals, all on; `experiment check` lists them\n\
          # unwrap = true               # also rows, spikes, units, signs, speeds\n\n\
-         [model]\neffects = [{}]                # `experiment effects` lists them\n\n\
+         [model]\n{}                # `experiment effects` lists them\n\n\
          [[method]]\nname = \"prediction_error\"   # `experiment methods` lists them\n\n\
          [[method]]\nname = \"torque_regression\"\n\n\
          [diagnosis]\ncandidates  = \"all\"\nfalse_alarm = {false_alarm}\nmax_effects = {max_effects}\n",
         effects_of(w.guess.drive_unit)
     );
     out
-}
-
-/// The effects that belong to every model with an input in this unit, as a list of TOML without brackets.
-fn effects_of(unit: DriveUnit) -> String {
-    let own = effects::all().into_iter().filter(|effect| effect.belongs_to(unit));
-    let ids: Vec<String> = own.map(|effect| format!("\"{}\"", effect.id())).collect();
-    ids.join(", ")
 }
 
 /// What must be said of the robot.

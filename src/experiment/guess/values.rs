@@ -1,7 +1,8 @@
 //! What the values of columns say: units of time, counts, milliamperes, and what has to be asked.
 
+use super::guessed::{Guess, Guessed};
+use super::model_key::effects_of;
 use super::names::named;
-use super::{Guess, Guessed};
 use crate::io::PreviewColumn;
 use crate::math::median;
 use crate::recording::DriveUnit;
@@ -137,7 +138,7 @@ pub(super) fn questions(columns: &[PreviewColumn], guess: &mut Guess) {
         guess.questions.push("which columns hold the angles (alpha1, alpha2) or speeds (dalpha1, dalpha2) of the wheels?".into());
     }
     if !guess.columns.iter().any(|c| c.key == "M1") {
-        guess.questions.push(no_input(columns, guess).into());
+        guess.questions.push(no_input(columns, guess));
     }
     if !guess.columns.iter().any(|c| c.key == "t") {
         // rows of other lines in between have no value
@@ -288,14 +289,18 @@ fn angle(values: &[f64], one: &mut Guessed) {
 }
 
 /// What is asked where no input was found; where no column is left there is none.
-fn no_input(columns: &[PreviewColumn], guess: &Guess) -> &'static str {
+fn no_input(columns: &[PreviewColumn], guess: &Guess) -> String {
     let is_used = |c: &&PreviewColumn| guess.columns.iter().any(|g| g.name == c.name);
     if columns.iter().filter(|c| !is_used(c)).all(|c| is_constant(&c.values)) {
         "this log holds no input: record the torques, currents or voltages of the motors (M1, M2), without which the \
          dynamics cannot be found"
+            .into()
     } else {
-        "which columns hold the torques, currents or voltages of the motors (M1, M2)? Write their unit as drive_unit; \
-         of voltages and PWM also hold = \"constant\" below it, and effects = [\"back_emf\"] under [model]"
+        format!(
+            "which columns hold the torques, currents or voltages of the motors (M1, M2)? Write their unit as \
+             drive_unit; of voltages and PWM also hold = \"constant\" below it, and {} under [model]",
+            effects_of(DriveUnit::Volt)
+        )
     }
 }
 

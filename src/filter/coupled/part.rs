@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix2, SMatrix, SVector};
 
-use super::{BODY, Coupled, STATES, TWIST};
+use super::robot::{BODY, Coupled, STATES, TWIST};
 use crate::effects::{Coupling, DIRECTIONS, along};
 use crate::filter::correction::{Covariance, Mean, STILL};
 use crate::filter::step::{clarity, linearised};

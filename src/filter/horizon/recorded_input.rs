@@ -1,6 +1,6 @@
 //! The recorded input as a pass reads it.
 
-use super::Reading;
+use super::reading::Reading;
 use crate::effects::Change;
 use crate::filter::prepare::Prepared;
 use crate::model::Model;

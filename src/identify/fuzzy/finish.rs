@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{DIVERGED, Journal, Problem};
-use crate::identify::{Fit, Note, Status, Trace, Work};
+use crate::identify::{Fit, Note, Status, Trace, TraceAxis, TraceKind, Work};
 use crate::simulate::Structure;
 
 /// The fit of a fuzzy method: no physical parameters, the emulator as dynamics, and notes on what
@@ -21,9 +21,9 @@ pub(super) fn finish(
     let notes = notes(problem, theta, &dynamics.trained);
     let best = journal.best();
     let trace = Trace {
-        axis: "evaluation".into(),
+        kind: TraceKind::Cost,
+        axis: TraceAxis::Evaluation,
         at: best.iter().map(|b| b.0 as f64).collect(),
-        names: vec!["ISE [rad^2/s]".into()],
         values: best.iter().map(|b| vec![b.1]).collect(),
     };
     Fit {

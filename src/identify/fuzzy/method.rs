@@ -12,8 +12,8 @@ use super::finish::finish;
 use super::problem::{Journal, Problem};
 use super::settings::{Settings, Start};
 use crate::identify::{
-    Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task, from_options,
-    options_schema,
+    Fit, Identifier, IdentifyError, MethodDescription, NoStart, OptionError, Status, Task,
+    from_options, options_schema,
 };
 use crate::simulate::Structure;
 
@@ -24,7 +24,7 @@ pub trait Search:
     /// Name in experiment files.
     const NAME: &'static str;
 
-    /// The structure, where the method knows one only; `structure` is then no option.
+    /// The structure, where the method has one only; `structure` is then no option.
     const STRUCTURE: Option<Structure> = None;
 
     /// Title, equation, source, when to use.
@@ -43,7 +43,7 @@ pub struct Job {
     pub problem: Problem,
     /// Consequents at the friction level.
     pub level: DVector<f64>,
-    /// Weight of the pull to the friction level, relative to the mean square sensitivity.
+    /// Weight of the penalty on the distance from the friction level, relative to the mean square sensitivity.
     pub ridge: f64,
     /// Seed of everything random.
     pub seed: u64,
@@ -63,8 +63,8 @@ impl Job {
 
     /// The error of a search that cannot begin.
     #[must_use]
-    pub fn no_start(&self, reason: impl ToString) -> IdentifyError {
-        IdentifyError::NoStart { method: self.method.into(), reason: reason.to_string() }
+    pub fn no_start(&self, reason: NoStart) -> IdentifyError {
+        IdentifyError::NoStart { method: self.method.into(), reason }
     }
 }
 

@@ -10,7 +10,7 @@ use super::piece::Piece;
 use super::rows::Rows;
 use super::sensitivity::{Along, pass_along, pass_closed, pass_with_sensitivities};
 use super::side_by_side::{SIDE_BY_SIDE, passes};
-use crate::identify::{IdentifyError, Task};
+use crate::identify::{IdentifyError, Task, Unsupported};
 use crate::robot::BaseParameters;
 use crate::robot::StateSpace;
 use crate::simulate::{FuzzyDynamics, Structure, TakagiSugeno};
@@ -45,7 +45,7 @@ pub struct Problem {
 
 /// Strength that a rule must reach in some sample, for its consequents to be searched one by one.
 const REACHED: f64 = 0.01;
-/// The same for derivatives to be taken by them: below it, the pull to the friction level holds them.
+/// The same for derivatives to be taken by them: below it, the penalty on the distance from the friction level holds them.
 const FELT: f64 = 1e-3;
 /// Least gain at which the sensitivities are measured that the penalty is relative to [1/s], in the middle of
 /// those of the continuation. Towards none they would grow with the length of the recording.
@@ -273,7 +273,7 @@ impl Problem {
         let Some(factor) = factor else {
             return Err(IdentifyError::Unsupported {
                 method: method.into(),
-                reason: "the recordings do not reach all rules; set `ridge` above 0".into(),
+                reason: Unsupported::UnreachedRules,
             });
         };
         let step = factor.solve(&sum.g);

@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use super::Problem;
 use crate::identify::prediction_error::PredictionError;
-use crate::identify::{Identifier, IdentifyError, OptionError, Task};
+use crate::identify::{Identifier, IdentifyError, NoStart, OptionError, Task};
+use crate::model::base;
 use crate::recording::DriveUnit;
 use crate::robot::BaseParameters;
 use crate::simulate::TakagiSugeno;
@@ -132,11 +133,7 @@ impl Settings {
         if parameters.a1 <= 0.0 || parameters.determinant() <= 0.0 {
             return Err(IdentifyError::NoStart {
                 method: method.into(),
-                reason: format!(
-                    "a1 = {:.3e} does not exceed |a2| = {:.3e}",
-                    parameters.a1,
-                    parameters.a2.abs()
-                ),
+                reason: NoStart::Mass { a1: parameters.a1, a2: parameters.a2 },
             });
         }
         let system = TakagiSugeno::uniform(
@@ -171,14 +168,9 @@ impl Settings {
             return Ok(task.model.robot().parameters());
         }
         let fit = PredictionError::default().identify(task)?;
-        let value = |symbol: &str| fit.estimate(symbol).map_or(0.0, |e| e.value);
-        Ok(BaseParameters {
-            a1: value("a1"),
-            a2: value("a2"),
-            a3: value("a3"),
-            a4: value("a4").max(0.0),
-            a5: value("a5").max(0.0),
-        })
+        let values: Vec<f64> = fit.estimates.iter().map(|e| e.value).collect();
+        let found = base::of(&values);
+        Ok(BaseParameters { a4: found.a4.max(0.0), a5: found.a5.max(0.0), ..found })
     }
 }
 

@@ -5,7 +5,7 @@ use crate::identify::{Estimate, Fit, Note};
 /// A fit of a model with an error above noise, with intervals that hold its disagreement with `other`, a fit of
 /// the same model. Noise of the input that goes on from row to row moves the simulated robot, which the filter takes
 /// for less of the input: inertias come out too large by far more than their standard errors. The regression of
-/// torques has that noise on its left side, where it does not pull.
+/// torques has that noise on its left side, where it biases nothing.
 ///
 /// ```text
 /// E (θ - θ')² = b² + s² + s'²,   s² → s² + max(0, (θ - θ')² - s² - s'²)

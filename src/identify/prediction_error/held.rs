@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use super::descent::{Solution, descend};
 use crate::filter::HorizonFilter;
-use crate::identify::identifiability::{largest_input, to_record, torque_of_each};
+use crate::identify::identifiability::{largest_input, torque_of_each};
 use crate::identify::start::covariance_of_free;
 use crate::identify::{Note, Task, Unknown};
 use crate::model::Model;
@@ -86,9 +86,9 @@ impl Held {
     pub(super) fn notes(&self, task: &Task) -> Vec<Note> {
         let one = |&j: &usize| {
             let parameter = &task.model.parameters()[j];
-            let record = to_record(&parameter.effect);
+            let effect = parameter.effect.clone();
             let unknown = Unknown::Held(parameter.spec.symbol.clone(), self.solution.p[j]);
-            Note::Unknown { unknown, record }
+            Note::Unknown { unknown, effect }
         };
         self.places.iter().map(one).collect()
     }

@@ -25,8 +25,8 @@ pub(super) fn shaped(model: &Model, fit: &Fit) -> Model {
 /// ```text
 /// s_k² → s_k² + Σ_j (∂θ_k/∂θ_j)² s_j²,   j: shapes that were held, ∂ by a regression with shape j moved
 /// ```
-/// Of a shape that the data do not tell, what it moves by more than its error when it is moved by all of itself is not
-/// told either.
+/// Of a shape that is not identifiable, what it moves by more than its error when it is moved by all of itself is not
+/// identifiable either.
 ///
 /// Source: propagation of errors of a two-step estimate, without the covariance of the steps (Murphy and Topel, J. Bus.
 /// Econ. Stat. 3, 1985).

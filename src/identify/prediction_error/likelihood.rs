@@ -45,7 +45,7 @@ fn unusable(error: FilterError) -> IdentifyError {
     match error {
         FilterError::Model(error) => error.into(),
         FilterError::NotFinite => {
-            IdentifyError::NoStart { method: NAME.into(), reason: error.to_string() }
+            IdentifyError::NoStart { method: NAME.into(), reason: error.into() }
         }
     }
 }

@@ -4,7 +4,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::*;
 use crate::model::Model;
-use crate::recording::DriveUnit;
+use crate::recording::{DriveUnit, RowsError};
 use crate::robot::Robot;
 use crate::simulate::Hold;
 
@@ -57,7 +57,7 @@ fn recording(speeds: bool) -> Recording {
 struct Blocks(Channels);
 
 impl Rows for Blocks {
-    fn blocks(&self) -> Box<dyn Iterator<Item = Result<Channels, String>> + '_> {
+    fn blocks(&self) -> Box<dyn Iterator<Item = Result<Channels, RowsError>> + '_> {
         const BLOCK: usize = 777;
         let c = &self.0;
         Box::new((0..c.t.len()).step_by(BLOCK).map(move |from| {
@@ -159,8 +159,9 @@ fn memory_holds_a_triangle_a_block_and_wheel() {
 fn rows_that_cannot_be_read_again_are_an_error_in_words() {
     struct Gone;
     impl Rows for Gone {
-        fn blocks(&self) -> Box<dyn Iterator<Item = Result<Channels, String>> + '_> {
-            Box::new(std::iter::once(Err("run.csv: No such file".to_string())))
+        fn blocks(&self) -> Box<dyn Iterator<Item = Result<Channels, RowsError>> + '_> {
+            let error = std::io::Error::other("run.csv: No such file");
+            Box::new(std::iter::once(Err(RowsError::new(error))))
         }
     }
     let model = Model::base(Robot::amigobot());

@@ -87,7 +87,7 @@ impl Group {
         of_speeds + self.input_variance[i % 2] * of_input
     }
 
-    /// Adds to the columns what the residual tells of their noise, `(∂R_c/∂ω) S E' V⁻¹ r`.
+    /// Adds to the columns the expectation of their noise given the residual, `(∂R_c/∂ω) S E' V⁻¹ r`.
     pub(super) fn correct(
         &self,
         values: &DVector<f64>,
@@ -96,19 +96,19 @@ impl Group {
     ) {
         let first = self.windows[0].samples.start;
         let last = self.windows.iter().map(|w| w.samples.end).max().unwrap_or(first);
-        let mut told = vec![[0.0; 2]; last - first];
+        let mut expected = vec![[0.0; 2]; last - first];
         for (row, weight) in weighed.iter().enumerate() {
             let start = self.windows[row / 2].samples.start - first;
             for (s, e) in self.slope(row, values).iter().enumerate() {
                 for l in 0..2 {
-                    told[start + s][l] += self.variance[l] * e[l] * weight;
+                    expected[start + s][l] += self.variance[l] * e[l] * weight;
                 }
             }
         }
         for row in 0..weighed.len() {
             let start = self.windows[row / 2].samples.start - first;
             for c in 0..values.len() {
-                let slopes = self.slopes[row][c].iter().zip(&told[start..]);
+                let slopes = self.slopes[row][c].iter().zip(&expected[start..]);
                 left[(row, c)] += slopes.map(|(d, z)| d[0] * z[0] + d[1] * z[1]).sum::<f64>();
             }
         }

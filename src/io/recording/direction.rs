@@ -5,7 +5,7 @@ use std::path::Path;
 use super::super::csv::Layout;
 use super::super::error::shown;
 use super::super::{Column, ColumnMap, IoError};
-use super::{Headers, Source};
+use super::headers::{Headers, Source};
 
 /// The columns of directions, with the quantities that take their sign from them.
 pub(super) const SIGNS: [(&str, &str); 4] = [

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
+use super::super::columns::CONTRACT;
 use super::super::error::{shortened, shown};
 use super::super::{IoError, csv, text_log};
-use super::{CONTRACT, Headers, Source};
+use super::headers::{Headers, Source};
 
 /// The column of that name is not there: with the closest name, and those that there are.
 pub(super) fn missing(path: &Path, headers: &Headers, key: &str, name: &str) -> IoError {

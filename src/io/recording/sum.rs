@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
+use super::super::{ColumnMap, IoError};
 use super::header::bracketed;
+use super::headers::Headers;
 use super::missing::missing;
-use super::{ColumnMap, Headers, IoError};
 
 /// A column with what it stands for.
 type Wanted = (&'static str, String);

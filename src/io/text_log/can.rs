@@ -1,6 +1,6 @@
 //! Logs of a CAN bus: frames as `candump` prints them, and frames with their signals as `cantools decode` does.
 
-use super::Columns;
+use super::lines::Columns;
 use super::record::{Pairs, collected, joined};
 use crate::io::csv::{quantity, with_unit};
 

@@ -4,7 +4,7 @@
 
 use std::collections::HashMap;
 
-use super::Columns;
+use super::lines::Columns;
 use super::record::{Pairs, collected, joined};
 
 /// The kind of the lines that describe others, and the place of the first name in them.

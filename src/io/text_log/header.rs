@@ -1,7 +1,7 @@
 //! Names above a table: in a line, in two of them, in comments, behind a line of units; and what a header says of the
 //! time.
 
-use super::{Columns, SEPARATORS, cells, is_blank, is_comment, made_up};
+use super::lines::{Columns, SEPARATORS, cells, is_blank, is_comment, made_up};
 use crate::io::csv::{ABSENT, Style, is_units, value, with_unit};
 
 /// Lines above the rows among which the names are looked for.

@@ -2,7 +2,7 @@
 //!
 //! Source: InfluxDB documentation, line protocol.
 
-use super::Columns;
+use super::lines::Columns;
 use super::record::{Pairs, collected, joined};
 
 /// Lines that say whether a text is one of points.

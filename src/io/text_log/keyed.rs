@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use serde_json::Value;
 
-use super::Columns;
+use super::lines::Columns;
 use super::record::{Pairs, assigned_texts, collected, joined, pairs};
 use crate::io::csv::{Style, is_owner};
 

@@ -2,8 +2,9 @@
 
 use std::collections::HashMap;
 
+use super::Table;
+use super::lines::{Columns, cells, is_blank, is_comment};
 use super::record::{self, Pairs, qualified};
-use super::{Columns, Table, cells, is_blank, is_comment};
 use crate::io::columns::is_unit;
 use crate::io::csv::{Style, quantity, value, with_unit};
 

@@ -2,7 +2,7 @@
 //!
 //! Source: GNU Octave manual, simple file I/O.
 
-use super::Columns;
+use super::lines::Columns;
 
 /// The most columns of a matrix that are taken for signals.
 const WIDTH: usize = 64;

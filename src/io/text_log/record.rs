@@ -5,8 +5,9 @@ use std::collections::{HashMap, HashSet};
 
 use serde_json::Value;
 
+use super::lines::{Columns, made_up};
+use super::stamp;
 use super::stamp::CLOCK;
-use super::{Columns, made_up, stamp};
 use crate::io::csv::{Style, quantity, value, with_unit};
 
 /// Labels of a line among which those that come again are distinguished; a line of more is not that of a robot.

@@ -2,7 +2,7 @@
 //!
 //! Source: Teleplot, README, telemetry format.
 
-use super::Columns;
+use super::lines::Columns;
 use super::record::{Pairs, collected, joined};
 use crate::io::csv::with_unit;
 

@@ -1,6 +1,6 @@
 //! Messages as `ros2 topic echo` and `rostopic echo` print them: YAML with `---` between two messages.
 
-use super::Columns;
+use super::lines::Columns;
 use super::record::collected;
 use crate::io::csv::{Style, value};
 

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use thiserror::Error;
 
-/// A formula that cannot be used; every variant knows the bytes it speaks of.
+/// A formula that cannot be used; every variant holds the bytes that it is about.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ExpressionError {

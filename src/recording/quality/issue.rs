@@ -1,8 +1,13 @@
 //! What the quality check may notice, and the words for it.
 
-use std::f64::consts::{PI, TAU};
+mod joined;
+mod unit;
 
+use std::f64::consts::TAU;
+
+use self::unit::UnitError;
 use super::Gaps;
+use crate::math::Span;
 use crate::recording::DriveUnit;
 
 /// Slowest rate at which starts and stops are still resolved \[Hz\].
@@ -12,31 +17,32 @@ pub(super) const SHORT: f64 = 4.0;
 /// Names of the wheels in findings.
 const WHEELS: [&str; 2] = ["wheel 1 (right)", "wheel 2 (left)"];
 
-/// What was noticed; wheels count from 0, the right one.
+/// A property of a recording that makes results worse, or that explains them, with counts `C` and other numbers `R`;
+/// wheels count from 0, the right one.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Issue {
+pub enum Issue<C = usize, R = f64> {
     /// Only windows of the recording are held in memory.
     Windows {
         /// Rows of the file.
-        rows: usize,
+        rows: C,
         /// How many windows.
-        windows: usize,
+        windows: C,
         /// Length of each \[s\].
-        length_s: f64,
+        length_s: R,
         /// Share of the rows that the windows hold \[1\].
-        share: f64,
+        share: R,
     },
     /// The recording lasts only so long \[s\].
-    Short(f64),
+    Short(R),
     /// Rows a second \[Hz\].
-    Slow(f64),
+    Slow(R),
     /// Standard deviation of the step in time, over the median step \[1\].
-    Uneven(f64),
+    Uneven(R),
     /// Gaps in time, with the number of pieces too short to judge an error on.
-    Gaps(Gaps, usize),
+    Gaps(Gaps<C, R>, C),
     /// Share of the rows that repeat the sensors \[1\].
-    Repeats(f64),
+    Repeats(R),
     /// A wheel never moves.
     Still(usize),
     /// An input is constant.
@@ -44,7 +50,7 @@ pub enum Issue {
         /// 0 (right) or 1 (left).
         wheel: usize,
         /// Where it stays.
-        value: f64,
+        value: R,
         /// Of the input.
         unit: DriveUnit,
     },
@@ -53,11 +59,11 @@ pub enum Issue {
         /// 0 (right) or 1 (left).
         wheel: usize,
         /// The extreme.
-        value: f64,
+        value: R,
         /// Of the input.
         unit: DriveUnit,
         /// Share of the samples \[1\].
-        share: f64,
+        share: R,
         /// Whether it is so often there that it is a command of constant size.
         is_command: bool,
     },
@@ -68,27 +74,27 @@ pub enum Issue {
         /// 0 (right) or 1 (left).
         wheel: usize,
         /// How many.
-        count: usize,
+        count: C,
         /// Time of the first \[s\].
-        t: f64,
+        t: R,
         /// The first, between its neighbours.
-        around: [f64; 3],
+        around: [R; 3],
     },
     /// Steps of an angle that no motion explains.
     Jumps {
         /// 0 (right) or 1 (left).
         wheel: usize,
         /// How many.
-        count: usize,
+        count: C,
         /// Time of the first \[s\].
-        t: f64,
+        t: R,
         /// Its size \[rad\].
-        size: f64,
+        size: R,
     },
     /// Speeds in steps of so many rad/s, a visible part of the speed itself.
-    CoarseSpeed(usize, f64),
+    CoarseSpeed(usize, R),
     /// Share of the time at a standstill \[1\].
-    Standstill(f64),
+    Standstill(R),
     /// Both wheels carry the same numbers.
     OneAxis,
     /// The robot drives straight only.
@@ -100,9 +106,9 @@ pub enum Issue {
     /// Wheel speeds that no robot reaches.
     TooFast {
         /// The highest [rad/s].
-        top: f64,
+        top: R,
         /// Radius of the wheels \[m\].
-        radius: f64,
+        radius: R,
     },
     /// The speed of each wheel follows the angle of the other.
     ExchangedSpeeds,
@@ -111,9 +117,9 @@ pub enum Issue {
         /// 0 (right) or 1 (left).
         wheel: usize,
         /// Speed over slope \[1\].
-        ratio: f64,
+        ratio: R,
         /// Radius of the wheels \[m\].
-        radius: f64,
+        radius: R,
     },
     /// The input of each wheel moves the other.
     ExchangedInput,
@@ -121,7 +127,10 @@ pub enum Issue {
     OpposingInput(usize),
 }
 
-impl Issue {
+/// What was noticed on one or several recordings, with the ranges of the numbers.
+pub type StatedIssue = Issue<Span<usize>, Span<f64>>;
+
+impl StatedIssue {
     /// What was seen.
     #[must_use]
     pub fn what(&self) -> String {
@@ -132,17 +141,16 @@ impl Issue {
             Self::Short(duration) => format!("the recording lasts {duration:.2} s"),
             Self::Slow(rate) => format!("{rate:.3} rows a second"),
             Self::Uneven(jitter) => {
-                format!("the step in time varies by {:.0} %", 100.0 * jitter)
+                format!("the step in time varies by {:.0} %", percent(jitter))
             }
             Self::Gaps(gaps, _) => {
-                let plural = if gaps.count == 1 { "gap" } else { "gaps" };
-                format!("{} {plural} in time, the longest {:.3} s", gaps.count, gaps.longest)
+                format!("{} in time, the longest {:.3} s", number(gaps.count, "gap"), gaps.longest)
             }
             Self::Repeats(share) => {
-                format!("{:.0} % of the rows repeat the sensors", 100.0 * share)
+                format!("{:.0} % of the rows repeat the sensors", percent(share))
             }
             Self::Still(i) => format!("{} never moves", WHEELS[i]),
-            Self::ConstantInput { wheel, value: 0.0, .. } => {
+            Self::ConstantInput { wheel, value, .. } if value.low() == 0.0 => {
                 format!("M{} is zero throughout", wheel + 1)
             }
             Self::ConstantInput { wheel, value, unit } => {
@@ -151,9 +159,9 @@ impl Issue {
             Self::AtLimit { wheel, value, unit, share, .. } => format!(
                 "M{} is exactly {} {} at its extreme, {:.1} % of the samples",
                 wheel + 1,
-                significant(value),
+                value.map(significant),
                 unit.symbol(),
-                100.0 * share
+                percent(share)
             ),
             Self::Spikes { channel, wheel, count, t, around: [before, first, after] } => format!(
                 "{channel}{} has {} (first at t = {t:.3} s: {first:.4} between {before:.4} and {after:.4})",
@@ -169,7 +177,7 @@ impl Issue {
                 format!("dalpha{} comes in steps of {step:.4} rad/s", i + 1)
             }
             Self::Standstill(share) => {
-                format!("the robot stands still for {:.0} % of the time", 100.0 * share)
+                format!("the robot stands still for {:.0} % of the time", percent(share))
             }
             Self::OneAxis => "both wheels carry the same numbers".into(),
             Self::StraightOnly => "the robot drives straight only".into(),
@@ -180,7 +188,7 @@ impl Issue {
             }
             Self::TooFast { top, radius } => format!(
                 "wheel speeds up to {top:.0} rad/s, {:.0} m/s on wheels of {radius} m",
-                top * radius
+                top.map(|top| top * radius.low())
             ),
             Self::ExchangedSpeeds => "dalpha1 follows alpha2 and dalpha2 follows alpha1".into(),
             Self::Ratio { wheel, ratio, .. } => {
@@ -202,7 +210,7 @@ impl Issue {
                     "torque_regression reads every row; all else (other methods, comparison, noise \
                      floor, diagnosis, figures) sees {windows} windows of {length_s:.3} s, spread \
                      over all of it, {:.2} % of the rows",
-                    100.0 * share
+                    percent(share)
                 );
             }
             Self::Short(_) => {
@@ -216,13 +224,15 @@ impl Issue {
                     "gaps are left out; {short} pieces are too short to judge an error on"
                 );
             }
-            Self::ConstantInput { wheel, value: 0.0, .. } => {
+            Self::ConstantInput { wheel, value, .. } if value.low() == 0.0 => {
                 return format!("{} coasts, or its input was not recorded", WHEELS[wheel]);
             }
             Self::OpposingInput(i) => {
                 return format!("its sign is wrong: scale = -1 for M{} in `columns`", i + 1);
             }
-            Self::Ratio { wheel, ratio, radius } => return meaning(ratio, wheel, radius),
+            Self::Ratio { wheel, ratio, radius } => {
+                return UnitError::of(ratio.low(), radius.low()).words(wheel);
+            }
             Self::Uneven(_) => "write the time of measurement, not that of arrival",
             Self::Repeats(_) => "repeated rows are not counted as measurements",
             Self::Still(_) => {
@@ -232,7 +242,7 @@ impl Issue {
             Self::AtLimit { is_command: true, .. } => "a command of constant size",
             Self::AtLimit { .. } => {
                 "the input or its sensor is at a limit; what is recorded there may not be what acts \
-                 (see the effect torque_saturation)"
+                 (torque saturation is an effect of the catalogue)"
             }
             // a wheel cannot jump; an input may be commanded to, and conditioning has asked the wheel
             Self::Spikes { channel: "M", .. } => {
@@ -241,7 +251,7 @@ impl Issue {
             Self::Spikes { .. } => {
                 "single wrong samples; remove their rows, gaps in time are allowed"
             }
-            Self::Jumps { size, .. } if (size.abs() / TAU - 1.0).abs() < 0.05 => {
+            Self::Jumps { size, .. } if is_full_turn(size) => {
                 "the angle wraps at a full turn; count on beyond it"
             }
             Self::Jumps { .. } => {
@@ -282,6 +292,13 @@ impl Issue {
     }
 }
 
+/// What was seen, and what to do.
+impl std::fmt::Display for StatedIssue {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}: {}", self.what(), self.remedy())
+    }
+}
+
 /// Four digits of a value, without zeros at the end.
 fn significant(value: f64) -> f64 {
     let scale = 10.0_f64.powi(3 - value.abs().max(f64::MIN_POSITIVE).log10().floor() as i32);
@@ -289,40 +306,16 @@ fn significant(value: f64) -> f64 {
     if rounded.is_finite() { rounded } else { value }
 }
 
-fn number(count: usize, what: &str) -> String {
-    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
+fn percent(share: Span<f64>) -> Span<f64> {
+    share.map(|share| 100.0 * share)
 }
 
-/// What a ratio of speed to slope of the angle other than one means.
-fn meaning(ratio: f64, i: usize, radius: f64) -> String {
-    let (degrees, minute) = (180.0 / PI, 60.0 / TAU);
-    let (speed, angle) = (format!("dalpha{}", i + 1), format!("alpha{}", i + 1));
-    let known = [
-        (1.0, String::new()),
-        (minute, format!("{speed} is in rpm")),
-        (degrees, format!("{speed} is in deg/s, or t in a wrong unit")),
-        (1.0 / TAU, format!("{speed} is in rev/s")),
-        (radius, format!("{speed} is in m/s")),
-        (1.0 / degrees, format!("{angle} is in deg")),
-        (TAU, format!("{angle} is in rev")),
-        (1.0 / radius, format!("{angle} is in m")),
-        (1e3, "t is in ms".into()),
-        (1e6, "t is in us".into()),
-        (1e9, "t is in ns".into()),
-    ];
-    let size = ratio.abs();
-    let unit = known.into_iter().find(|(factor, _)| (size / factor - 1.0).abs() < 0.03);
-    let sign = if ratio < 0.0 {
-        format!(
-            "the sign of one of them is wrong (forward is positive for both wheels): scale = -1 on {speed} or {angle}"
-        )
-    } else {
-        String::new()
-    };
-    let words = match unit {
-        Some((_, words)) if !words.is_empty() => format!("{words}; say so in `columns`"),
-        Some(_) => String::new(),
-        None => "a unit, a gear ratio or the counts per turn are wrong; correct it with unit or scale in `columns`".into(),
-    };
-    [sign, words].into_iter().filter(|w| !w.is_empty()).collect::<Vec<_>>().join(", and ")
+/// Whether steps of an angle \[rad\] are those of one that wraps at a turn.
+fn is_full_turn(size: Span<f64>) -> bool {
+    (size.low().abs() / TAU - 1.0).abs() < 0.05
+}
+
+fn number(count: Span<usize>, what: &str) -> String {
+    let plural = if count.high() == 1 { "" } else { "s" };
+    format!("{count} {what}{plural}")
 }

@@ -1,4 +1,4 @@
-//! A figure drawn to SVG by plotters: the only folder that knows the library.
+//! A figure drawn to SVG by plotters: the only folder that imports the library.
 //!
 //! plotters writes strokes, fills and text; scales, ticks, layout and clipping are ours, because
 //! its axes clamp data to the border and cannot align panels.

@@ -45,7 +45,7 @@ impl Section for Methods {
         }
         let remarks = remarks(study);
         if !remarks.is_empty() {
-            blocks.push(Block::Heading("Remarks of the methods".to_owned()));
+            blocks.push(Block::Heading("Notes on the methods".to_owned()));
             blocks.push(Block::List(remarks));
         }
         let other = study.methods.iter().filter(|m| m.estimates.is_empty());

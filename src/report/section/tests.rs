@@ -83,7 +83,7 @@ fn a_study_whose_methods_all_failed_still_shows_why_and_what_was_recorded() {
         ids(&study),
         ["verdict", "methods", "explorer", "signals", "recordings", "provenance"]
     );
-    assert!(render(&study).unwrap().html.contains("a2: not identifiable from these data"));
+    assert!(render(&study).unwrap().html.contains("the start cannot be simulated"));
 }
 
 #[test]

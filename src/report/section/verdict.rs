@@ -3,6 +3,7 @@
 use super::overlay::Overlay;
 use super::{Depth, Section, words};
 use crate::diagnose::THRESHOLDS;
+use crate::effects;
 use crate::identify::Status;
 use crate::report::block::{Block, Number, Text, Tone};
 use crate::report::format;
@@ -42,7 +43,7 @@ impl Section for Verdict {
 
 fn finding(study: &Study) -> Block {
     let Some(model) = study.last_model() else {
-        let reasons = study.methods.iter().filter_map(|m| m.failure.clone());
+        let reasons = study.methods.iter().filter_map(|m| Some(m.failure.as_ref()?.to_string()));
         let detail = reasons.collect::<Vec<_>>().join(" ");
         return Block::verdict(Tone::Bad, "No method has a fit, so nothing is judged.", detail);
     };
@@ -235,9 +236,12 @@ fn next_step(study: &Study) -> Vec<Block> {
         }
         let text = Text::from("Next step: to learn whether an effect is missing, and which, add ")
             .code("[diagnosis]")
-            .plain(" to the experiment file, or try one: ");
-        let text = add_command(study, "viscous_friction", text).plain(".");
-        return vec![Block::Paragraph(text)];
+            .plain(" to the experiment file");
+        let text = match effects::most_common() {
+            Some(id) => add_command(study, &id, text.plain(", or try one: ")),
+            None => text,
+        };
+        return vec![Block::Paragraph(text.plain("."))];
     };
     let mut blocks = Vec::new();
     let in_place = diagnosis.formula.as_ref().is_some_and(|f| f.in_place);

@@ -43,7 +43,7 @@ fn movement(machine: &Machine, rng: &mut ChaCha8Rng, duration: f64) -> Movement 
 }
 
 /// Drives `robot` with `effects` hidden in it: exact stick and slip under the project's controller at 1 kHz,
-/// which knows the robot's own construction.
+/// which has the robot's own construction.
 pub fn input(
     machine: &Machine,
     robot: Robot,

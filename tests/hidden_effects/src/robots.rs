@@ -14,7 +14,7 @@ const UNKNOWN: f64 = 0.1;
 pub struct Machine {
     /// Name in the id of a case.
     pub name: String,
-    /// Construction data as a user knows them; they go into the experiment file.
+    /// Construction data as a user has them; they go into the experiment file.
     pub known: Construction,
     /// The robot that is driven.
     pub truth: Construction,

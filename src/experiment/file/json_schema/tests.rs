@@ -64,7 +64,7 @@ fn refused(schema: &Value, value: &Value, place: &str, out: &mut Vec<String>) {
                 }
                 true
             }
-            other => panic!("the check does not know `{other}`"),
+            other => panic!("the check has no case for `{other}`"),
         };
         if !good {
             out.push(format!("{place} = {value}: {keyword}"));
@@ -159,7 +159,7 @@ fn the_examples_of_the_guide_fit_the_schema() {
     assert!(seen > 0);
 }
 
-/// Keys that the parser names when it meets one that it does not know.
+/// Keys that the parser names when it meets one that it does not have.
 fn keys_of_parser(text: &str) -> BTreeSet<String> {
     let message = toml::from_str::<ExperimentFile>(text).unwrap_err().message().to_string();
     assert!(message.starts_with("unknown field `zzz`"), "{message}\n{text}");
@@ -317,7 +317,7 @@ fn the_schema_refuses_what_the_program_refuses_and_lets_pass_what_it_reads() {
         ("[emulator]\ngain = 1.0\npoles = [1.0, 2.0]", false),
         ("[emulator]\npoles = [1.0, 2.0, 3.0]", false),
         ("[diagnosis]\ncandidates = [\"slope\"]", true),
-        // a formula of the file may have any name; the program knows which there are
+        // a formula of the file may have any name; the program finds which there are
         ("[diagnosis]\ncandidates = [3]", false),
         ("[diagnosis]\ncandidates = \"some\"", false),
         ("[recordings]\ntrain = [\"a.csv\"]", false),

@@ -62,7 +62,7 @@ fn bias_rmse_coverage_and_efficiency_follow_their_definitions() {
         vec![row("prediction_error", 1.0, f64::INFINITY), failure("other")],
     ]);
     let all = summaries(&seeds(3), &all).unwrap();
-    assert_eq!(all.len(), 2, "failures are told with the parameters");
+    assert_eq!(all.len(), 2, "failures stand with the parameters");
     let [best, other] = [&all[0], &all[1]];
     assert_eq!((best.n, best.failures, best.unidentifiable), (2, 0, 1));
     near(best.bias, 0.0);

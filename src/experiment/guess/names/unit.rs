@@ -1,7 +1,7 @@
 //! Units in names: in brackets, behind, in front.
 
-use super::words::{LENGTHS, QUANTITIES, UNITS, WEAK};
-use super::{Quantity, take_quantity};
+use super::said::Quantity;
+use super::words::{LENGTHS, QUANTITIES, UNITS, WEAK, take_quantity};
 
 /// Takes the unit off the end of the words. A single letter stays where another word says a quantity of which it is
 /// no unit: `a` of `speed_a` is a motor.

@@ -1,6 +1,6 @@
 //! Words of column names: quantities, what was commanded, what is no wheel, units.
 
-use super::Quantity;
+use super::said::Quantity;
 
 /// Words of each quantity, the ones that say most first.
 pub(super) const QUANTITIES: [(Quantity, &[&str]); 7] = [
@@ -111,7 +111,7 @@ pub(super) const QUANTITIES: [(Quantity, &[&str]); 7] = [
             "pwm",
             "spannung",
             "throttle",
-            // of a motor and nothing else: what it was told
+            // of a motor and nothing else: its command
             "power",
             "motor",
             "mot",
@@ -125,7 +125,7 @@ pub(super) const WEAK: [&str; 4] = ["power", "motor", "mot", "throttle"];
 /// Words of the step between two rows.
 pub(super) const STEPS: [&str; 4] = ["dt", "deltat", "interval", "period"];
 
-/// Words of a name that is what the robot was told and not what it did.
+/// Words of a name that is a command and not a measurement.
 pub(in crate::experiment::guess) const WISHED: [&str; 13] = [
     "command",
     "commands",
@@ -296,3 +296,22 @@ pub(super) const UNITS: [(&[&str], &str, Option<Quantity>); 32] = [
     (&["newtonmeters", "newtonmetres", "nm"], "N m", Some(Quantity::Torque)),
     (&["seconds", "second", "secs", "sec", "s"], "s", None),
 ];
+
+/// The quantity and the word that says it.
+pub(super) fn take_quantity(words: &mut Vec<String>) -> Option<(Quantity, String)> {
+    // a derivative: d alpha, wheel speed, alpha dot
+    let dot = words.iter().any(|w| matches!(w.as_str(), "dot" | "d"));
+    let is_alone = words.iter().filter(|w| !w.chars().all(|c| c.is_ascii_digit())).count() == 1;
+    for (quantity, known) in QUANTITIES {
+        if let Some(k) = words.iter().position(|w| known.contains(&w.as_str())) {
+            // one letter says little among other words
+            if words[k].len() == 1 && !is_alone && !dot {
+                continue;
+            }
+            let word = words.remove(k);
+            let speed = dot && quantity == Quantity::Angle;
+            return Some((if speed { Quantity::Speed } else { quantity }, word));
+        }
+    }
+    None
+}

@@ -1,10 +1,13 @@
-//! How estimates or costs settle, over time or over evaluations.
+//! Estimates and costs over time or evaluations, and profiles of the likelihood over a parameter.
 
 use super::super::words;
 use super::truth;
-use crate::identify::{DROP, PROFILE, Trace};
+use crate::identify::{DROP, Trace, TraceAxis, TraceKind};
 use crate::report::figure::{Axis, Dash, Figure, Layer, Panel, Role};
 use crate::study::{MethodStudy, Study};
+
+/// A curve of a trace.
+type Points = Vec<(f64, f64)>;
 
 /// One figure a trace of the method.
 pub(in super::super) fn figures(study: &Study, method: &MethodStudy) -> Vec<Figure> {
@@ -14,106 +17,96 @@ pub(in super::super) fn figures(study: &Study, method: &MethodStudy) -> Vec<Figu
 
 fn figure(study: &Study, method: &MethodStudy, trace: &Trace) -> Option<Figure> {
     let name = words::method(study, method);
-    let (settling, over) = (Settling::of(method, trace), label(&trace.axis).0);
-    let id = match settling {
-        Settling::Likelihood => format!("profile-{}-{over}", method.name),
-        Settling::Estimates | Settling::Cost => format!("trace-{}", method.name),
+    let (over, _) = label(&trace.axis);
+    let (what, caption) = words_of(&trace.kind);
+    let id = match trace.kind {
+        TraceKind::Profile => format!("profile-{}-{over}", method.name),
+        TraceKind::Estimates(_) | TraceKind::Cost => format!("trace-{}", method.name),
     };
-    let title = format!("{} of {name} over {over}", settling.word());
+    let title = format!("{what} of {name} over {over}");
     let mut figure = Figure::new(id, title).with_subtitle(&method.title);
-    figure.caption = settling.caption().to_owned();
-    for (curve, symbol) in trace.names.iter().enumerate() {
-        let points: Vec<(f64, f64)> = trace
-            .at
+    figure.caption = caption.to_owned();
+    let x = || {
+        let (name, unit) = label(&trace.axis);
+        Axis::linear(name, unit)
+    };
+    let shown = |points: &Points| points.iter().any(|p| p.1.is_finite());
+    figure.panels = match &trace.kind {
+        TraceKind::Estimates(symbols) => symbols
             .iter()
-            .zip(&trace.values)
-            .map(|(at, row)| (*at, row.get(curve).copied().unwrap_or(f64::NAN)))
-            .collect();
-        if points.iter().any(|p| p.1.is_finite()) {
-            figure.panels.push(panel(study, method, trace, symbol, points));
+            .enumerate()
+            .map(|(curve, symbol)| (symbol, points(trace, curve)))
+            .filter(|(_, points)| shown(points))
+            .map(|(symbol, points)| of_estimate(study, method, x(), symbol, points))
+            .collect(),
+        TraceKind::Cost => {
+            Some(points(trace, 0)).filter(shown).map(|p| of_cost(x(), p)).into_iter().collect()
         }
-    }
+        TraceKind::Profile => {
+            Some(points(trace, 0)).filter(shown).map(|p| of_profile(x(), p)).into_iter().collect()
+        }
+    };
     (!figure.panels.is_empty()).then(|| figure.interactive())
 }
 
-/// What settles along a trace.
-#[derive(Clone, Copy)]
-enum Settling {
-    Estimates,
-    Cost,
-    /// How the likelihood falls beside the estimate.
-    Likelihood,
+fn points(trace: &Trace, curve: usize) -> Points {
+    let value = |row: &Vec<f64>| row.get(curve).copied().unwrap_or(f64::NAN);
+    trace.at.iter().zip(&trace.values).map(|(at, row)| (*at, value(row))).collect()
 }
 
-impl Settling {
-    fn of(method: &MethodStudy, trace: &Trace) -> Self {
-        let is_estimate = |name: &String| method.estimates.iter().any(|e| e.symbol == *name);
-        match &trace.names {
-            names if names.iter().any(|name| name == PROFILE) => Self::Likelihood,
-            names if names.iter().any(is_estimate) => Self::Estimates,
-            _ => Self::Cost,
+/// What a trace shows, for its title, and the caption.
+fn words_of(kind: &TraceKind) -> (&'static str, &'static str) {
+    match kind {
+        TraceKind::Estimates(_) => {
+            ("Estimates", "Dashed lines mark the true value where it is known, else the last one.")
         }
-    }
-
-    fn word(self) -> &'static str {
-        match self {
-            Self::Estimates => "Estimates",
-            Self::Cost => "Cost",
-            Self::Likelihood => "Profile likelihood",
-        }
-    }
-
-    fn caption(self) -> &'static str {
-        match self {
-            Self::Estimates => {
-                "Dashed lines mark the true value where it is known, else the last one."
-            }
-            Self::Cost => "",
-            Self::Likelihood => {
-                "All other parameters follow. The values above the line are the 95 % interval."
-            }
-        }
+        TraceKind::Cost => ("Cost", ""),
+        TraceKind::Profile => (
+            "Profile likelihood",
+            "All other parameters follow. The values above the line are the 95 % interval.",
+        ),
     }
 }
 
-fn panel(
-    study: &Study,
-    method: &MethodStudy,
-    trace: &Trace,
-    symbol: &str,
-    points: Vec<(f64, f64)>,
-) -> Panel {
-    let (x, x_unit) = label(&trace.axis);
-    if symbol == PROFILE {
-        let y = Axis::linear(PROFILE, "").with_range(-5.0, 0.2);
-        let line = Layer::line(points, "", Role::Model);
-        let limit = Layer::hline(-DROP, "95 %", Role::Ink);
-        return Panel::new(Axis::linear(x, x_unit), y).with(limit).with(line);
-    }
-    let estimate = method.estimates.iter().find(|e| e.symbol == symbol);
-    let (y, y_unit) = match estimate {
-        Some(e) => (symbol.to_owned(), words::unit(&e.unit)),
-        None => label(symbol),
-    };
+fn of_profile(x: Axis, points: Points) -> Panel {
+    let y = Axis::linear("log-likelihood below its maximum", "").with_range(-5.0, 0.2);
+    let limit = Layer::hline(-DROP, "95 %", Role::Ink);
+    Panel::new(x, y).with(limit).with(Layer::line(points, "", Role::Model))
+}
+
+fn of_cost(x: Axis, points: Points) -> Panel {
     let finite = || points.iter().map(|p| p.1).filter(|v| v.is_finite());
     let (low, high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(0.0, f64::max));
-    let is_cost = estimate.is_none() && low > 0.0;
-    let y =
-        if is_cost && high > 30.0 * low { Axis::log(y, y_unit) } else { Axis::linear(y, y_unit) };
-    let last = points.iter().rev().map(|p| p.1).find(|v| v.is_finite());
+    let (name, unit) = ("ISE", words::unit("rad^2/s"));
+    let is_wide = low > 0.0 && high > 30.0 * low;
+    let y = if is_wide { Axis::log(name, unit) } else { Axis::linear(name, unit) };
+    Panel::new(x, y).with(line(points))
+}
+
+fn of_estimate(
+    study: &Study,
+    method: &MethodStudy,
+    x: Axis,
+    symbol: &str,
+    points: Points,
+) -> Panel {
+    let unit = method.estimates.iter().find(|e| e.symbol == symbol).map(|e| words::unit(&e.unit));
     let known = truth(study, symbol);
+    let y = Axis::linear(symbol, unit.unwrap_or_default());
     // the first guesses of a recursion would hide how it settles
-    let y = match estimate {
-        Some(_) => settled(&points, known).map_or(y.clone(), |(a, b)| y.clone().with_range(a, b)),
+    let y = match settled(&points, known) {
+        Some((low, high)) => y.with_range(low, high),
         None => y,
     };
-    let mut panel = Panel::new(Axis::linear(x, x_unit), y);
-    if let Some(at) = known.or(last.filter(|_| estimate.is_some())) {
-        let label = if known.is_some() { "true value" } else { "last value" };
-        panel = panel.with(Layer::hline(at, label, Role::Ink));
-    }
+    let last = points.iter().rev().map(|p| p.1).find(|v| v.is_finite());
+    let label = if known.is_some() { "true value" } else { "last value" };
+    let mark = known.or(last).map(|at| Layer::hline(at, label, Role::Ink));
+    mark.into_iter().fold(Panel::new(x, y), Panel::with).with(line(points))
+}
+
+fn line(points: Points) -> Layer {
     let label = String::new();
-    panel.with(Layer::Line { points, label, role: Role::Model, width: 1.4, dash: Dash::Solid })
+    Layer::Line { points, label, role: Role::Model, width: 1.4, dash: Dash::Solid }
 }
 
 /// The range of the later four fifths, with the true value and some room around.
@@ -127,24 +120,11 @@ fn settled(points: &[(f64, f64)], known: Option<f64>) -> Option<(f64, f64)> {
     (high > low).then_some((low - room, high + room))
 }
 
-/// `time [s]` as label and unit.
-fn label(text: &str) -> (String, String) {
-    match text.split_once('[') {
-        Some((name, unit)) => {
-            (name.trim().to_owned(), words::unit(unit.trim_end_matches(']').trim()))
-        }
-        None => (text.to_owned(), String::new()),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_axis_is_split_into_label_and_unit() {
-        assert_eq!(label("time [s]"), ("time".to_owned(), "s".to_owned()));
-        assert_eq!(label("ISE [rad^2/s]"), ("ISE".to_owned(), "rad²/s".to_owned()));
-        assert_eq!(label("iteration"), ("iteration".to_owned(), String::new()));
+/// Label and unit of an axis.
+fn label(axis: &TraceAxis) -> (String, String) {
+    match axis {
+        TraceAxis::Time => ("time".to_owned(), "s".to_owned()),
+        TraceAxis::Evaluation => ("evaluation".to_owned(), String::new()),
+        TraceAxis::Parameter { symbol, unit } => (symbol.clone(), words::unit(unit)),
     }
 }

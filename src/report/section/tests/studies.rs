@@ -5,7 +5,9 @@ use crate::compare::{
     analysed,
 };
 use crate::export::ModelFiles;
-use crate::identify::{Estimate, Note, Status, Trace, Work};
+use crate::identify::{
+    Estimate, IdentifyError, NoStart, Note, Status, Trace, TraceAxis, TraceKind, Work,
+};
 use crate::recording::{DriveUnit, Finding, Issue, Measured, Noise, Regime, Severity};
 use crate::study::{
     Candidate, DiagnosisStudy, FoundEffect, FuzzyStudy, Invocation, MethodStudy, ModelStudy,
@@ -244,16 +246,26 @@ pub(in crate::report::section) fn full() -> Study {
     ];
     physical.correlations = vec![vec![1.0, f64::NAN, 0.0, 0.5]; 4];
     physical.notes = vec![Note::MassNotPositive];
-    physical.traces = vec![Trace {
-        axis: "time [s]".to_owned(),
+    let trace = |kind, axis, value: fn(f64) -> f64| Trace {
+        kind,
+        axis,
         at: (0..50).map(f64::from).collect(),
-        names: vec!["a1".to_owned(), "cost [rad^2/s]".to_owned()],
-        values: (0..50).map(|k| vec![0.03, (-0.2 * f64::from(k)).exp()]).collect(),
-    }];
+        values: (0..50).map(|k| vec![value(f64::from(k))]).collect(),
+    };
+    let symbols = TraceKind::Estimates(vec!["a1".to_owned()]);
+    physical.traces = vec![trace(symbols, TraceAxis::Time, |_| 0.03)];
     let mut failed = method("output_error");
-    failed.failure = Some("a2: not identifiable from these data".to_owned());
+    failed.failure = Some(IdentifyError::NoStart {
+        method: "output_error".to_owned(),
+        reason: NoStart::Simulation,
+    });
     failed.status = None;
-    let fuzzy = MethodStudy { fuzzy: Some(fuzzy()), ..performed("fuzzy_genetic", f64::NAN) };
+    let cost = trace(TraceKind::Cost, TraceAxis::Evaluation, |k| (-0.2 * k).exp());
+    let fuzzy = MethodStudy {
+        fuzzy: Some(fuzzy()),
+        traces: vec![cost],
+        ..performed("fuzzy_genetic", f64::NAN)
+    };
     let version = |effects: &[&str], window_rms| Version {
         effects: effects.iter().map(|e| (*e).to_owned()).collect(),
         data: "sum".to_owned(),

@@ -1,0 +1,104 @@
+//! Findings that differ in their numbers alone, and what they become together.
+
+use super::Kind;
+use crate::math::Span;
+
+impl<C: Copy, R: Copy> Kind<C, R> {
+    /// The same with other numbers.
+    pub(super) fn map<D, S>(
+        self,
+        mut whole: impl FnMut(C) -> D,
+        mut real: impl FnMut(R) -> S,
+    ) -> Kind<D, S> {
+        match self {
+            Self::MissingValues { rows, first } => {
+                Kind::MissingValues { rows: whole(rows), first: whole(first) }
+            }
+            Self::SparseColumn { share } => Kind::SparseColumn { share: real(share) },
+            Self::HeldColumn { share } => Kind::HeldColumn { share: real(share) },
+            Self::OwnRows { share } => Kind::OwnRows { share: real(share) },
+            Self::TimeRows { rows, first } => {
+                Kind::TimeRows { rows: whole(rows), first: whole(first) }
+            }
+            Self::Jitter { share } => Kind::Jitter { share: real(share) },
+            Self::ClockWrap { count, row, period_s } => {
+                Kind::ClockWrap { count: whole(count), row: whole(row), period_s: real(period_s) }
+            }
+            Self::ClockRestart { count, row, back_s } => {
+                Kind::ClockRestart { count: whole(count), row: whole(row), back_s: real(back_s) }
+            }
+            Self::CoarseClock { tick_s, rows } => {
+                Kind::CoarseClock { tick_s: real(tick_s), rows: real(rows) }
+            }
+            Self::Stale { rows, first } => Kind::Stale { rows: whole(rows), first: whole(first) },
+            Self::Wrapped { period_rad, turns } => {
+                Kind::Wrapped { period_rad: real(period_rad), turns: whole(turns) }
+            }
+            Self::Reset { row, step_rad } => {
+                Kind::Reset { row: whole(row), step_rad: real(step_rad) }
+            }
+            Self::LowPass { time_s, std_error_s, or_late } => {
+                Kind::LowPass { time_s: real(time_s), std_error_s: real(std_error_s), or_late }
+            }
+            Self::HeldInput => Kind::HeldInput,
+            Self::Phase { shift_s, std_error_s } => {
+                Kind::Phase { shift_s: real(shift_s), std_error_s: real(std_error_s) }
+            }
+            Self::Spikes { count, first, largest } => {
+                Kind::Spikes { count: whole(count), first: whole(first), largest: real(largest) }
+            }
+            Self::Unit { factor, unit } => Kind::Unit { factor: real(factor), unit },
+            Self::Gear { ratio } => Kind::Gear { ratio: real(ratio) },
+            Self::Sign => Kind::Sign,
+            Self::Opposing => Kind::Opposing,
+            Self::Exchanged => Kind::Exchanged,
+            Self::Lag { lag_s, std_error_s } => {
+                Kind::Lag { lag_s: real(lag_s), std_error_s: real(std_error_s) }
+            }
+            Self::Filtered { lag_s, std_error_s } => {
+                Kind::Filtered { lag_s: real(lag_s), std_error_s: real(std_error_s) }
+            }
+            Self::Differences { samples, lag_s } => {
+                Kind::Differences { samples: whole(samples), lag_s: real(lag_s) }
+            }
+            Self::Counts { step_rad, rows } => {
+                Kind::Counts { step_rad: real(step_rad), rows: whole(rows) }
+            }
+            Self::FewLevels { levels } => Kind::FewLevels { levels: whole(levels) },
+            Self::Magnitude => Kind::Magnitude,
+            Self::RestOffset { mean, std_error } => {
+                Kind::RestOffset { mean: real(mean), std_error: real(std_error) }
+            }
+            Self::Refresh { period_s } => Kind::Refresh { period_s: real(period_s) },
+            Self::Quantum { step } => Kind::Quantum { step: real(step) },
+        }
+    }
+}
+
+impl Kind<Span<usize>, Span<f64>> {
+    /// Whether the other one is the same but for the size of its numbers.
+    pub(super) fn is_like(self, other: Self) -> bool {
+        let rest = |kind: Self| (kind.map(|_| (), |_| ()), kind.is_above());
+        rest(self) == rest(other)
+    }
+
+    /// Whether a ratio is above one, or a shift above zero: a smaller one means something else.
+    fn is_above(self) -> bool {
+        match self {
+            Self::Unit { factor: ratio, .. } | Self::Gear { ratio } => ratio.low() > 1.0,
+            Self::Phase { shift_s, .. } => shift_s.low() > 0.0,
+            _ => false,
+        }
+    }
+
+    /// Both, of which the one is like the other, with the ranges of their numbers.
+    pub(super) fn join(self, other: Self) -> Self {
+        let (mut counts, mut reals) = (vec![], vec![]);
+        other.map(|count| counts.push(count), |real| reals.push(real));
+        let (mut counts, mut reals) = (counts.into_iter(), reals.into_iter());
+        self.map(
+            |count| counts.next().map_or(count, |other| count.join(other)),
+            |real| reals.next().map_or(real, |other| real.join(other)),
+        )
+    }
+}

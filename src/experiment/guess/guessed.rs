@@ -1,0 +1,71 @@
+//! What is guessed of the columns of a log.
+
+use super::names::Named;
+use crate::io::PreviewColumn;
+use crate::recording::DriveUnit;
+
+/// A column of the log as a quantity of the program.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(in crate::experiment) struct Guessed {
+    /// Quantity.
+    pub(in crate::experiment) key: &'static str,
+    /// Name in the file.
+    pub(in crate::experiment) name: String,
+    /// Unit, where it is not that of the program.
+    pub(in crate::experiment) unit: Option<String>,
+    /// Column that holds the nanoseconds of the time.
+    pub(in crate::experiment) nanoseconds: Option<String>,
+    /// Counts per turn of the wheel.
+    pub(in crate::experiment) per_turn: Option<f64>,
+    /// Factor on the value.
+    pub(in crate::experiment) scale: Option<f64>,
+    /// Whether the unit must be asked for.
+    pub(in crate::experiment) unit_open: bool,
+    /// Whether the factor must be asked for: the time between two rows, of a column that counts rows; the sign of a wheel
+    /// that may be mirrored; the gear of a speed of the motor's field.
+    pub(in crate::experiment) scale_open: bool,
+    /// Whether it is a command that is a share of the battery's voltage.
+    pub(in crate::experiment) is_share: bool,
+    /// Whether the values are steps, and what is meant is their sum.
+    pub(in crate::experiment) sum: bool,
+    /// Added after the factor.
+    pub(in crate::experiment) offset: Option<f64>,
+    /// Columns that are added to the value.
+    pub(in crate::experiment) plus: Vec<String>,
+    /// Column that multiplies the value.
+    pub(in crate::experiment) times: Option<String>,
+    /// Column that says the direction, and what it holds where the value is negative.
+    pub(in crate::experiment) sign: Option<String>,
+    pub(in crate::experiment) backward: Option<String>,
+    /// Whether the column of the direction must be asked for.
+    pub(in crate::experiment) sign_open: bool,
+    /// Whether what stands for backward must be asked for.
+    pub(in crate::experiment) backward_open: bool,
+    /// Whether the name does not say which wheel it is.
+    pub(in crate::experiment) side_unsure: bool,
+    /// What the guess rests on, beside the name.
+    pub(in crate::experiment) evidence: Vec<String>,
+}
+
+/// What the columns of a log seem to be.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::experiment) struct Guess {
+    /// The columns that were found.
+    pub(in crate::experiment) columns: Vec<Guessed>,
+    /// Unit of the input.
+    pub(in crate::experiment) drive_unit: DriveUnit,
+    /// Questions that only the user can answer.
+    pub(in crate::experiment) questions: Vec<String>,
+    /// Whether one axis stands for both wheels.
+    pub(in crate::experiment) one_axis: bool,
+    /// Whether no column can be the time, so that the period of the rows is asked for.
+    pub(in crate::experiment) period_open: bool,
+    /// Time between two rows \[s\] that the file states beside its columns.
+    pub(in crate::experiment) period: Option<f64>,
+}
+
+/// A column with what its name says.
+pub(super) struct Candidate<'a> {
+    pub(super) column: &'a PreviewColumn,
+    pub(super) named: Named,
+}

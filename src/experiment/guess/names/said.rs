@@ -1,0 +1,42 @@
+//! What a name may say.
+
+/// What a column may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(in crate::experiment::guess) enum Quantity {
+    Time,
+    Nanoseconds,
+    Angle,
+    Speed,
+    Torque,
+    Current,
+    Voltage,
+}
+
+/// A wheel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::experiment::guess) enum Side {
+    Right,
+    Left,
+    /// A number or letter that does not say which: 0 or 1.
+    Numbered(usize),
+}
+
+/// What a name says.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::experiment::guess) struct Named {
+    pub(in crate::experiment::guess) quantity: Option<Quantity>,
+    /// The word that says the quantity; empty where the unit does.
+    pub(in crate::experiment::guess) word: String,
+    pub(in crate::experiment::guess) side: Option<Side>,
+    pub(in crate::experiment::guess) unit: Option<&'static str>,
+    /// Units of the value: 10 of `current_10mA`.
+    pub(in crate::experiment::guess) scale: Option<f64>,
+    /// Whether it is a command, and not a measurement.
+    pub(in crate::experiment::guess) wished: bool,
+    /// Whether it is the voltage of the battery.
+    pub(in crate::experiment::guess) battery: bool,
+    /// Whether it is the step between two rows.
+    pub(in crate::experiment::guess) step: bool,
+    /// The words that say none of this.
+    pub(in crate::experiment::guess) rest: Vec<String>,
+}

@@ -1,0 +1,95 @@
+//! What a reader of an experiment file would not expect of it, and the words for it.
+
+use std::fmt;
+
+/// Something to say of a file or its recordings before they are used.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Remark {
+    /// What the columns of recordings without an experiment file were read as, in the words of `experiment new`.
+    Columns(String),
+    /// Keys of `[simulation]` that the movement does not use.
+    Unused {
+        /// Without the name of the table.
+        keys: Vec<&'static str>,
+        /// What it has of its own.
+        movement: FixedMovement,
+    },
+    /// Fuzzy methods that are fitted at another gain than they are judged at.
+    OtherGain {
+        /// Their names.
+        methods: Vec<String>,
+    },
+    /// The track of the robot is not known.
+    NoTrack {
+        /// Ids of the effects that are measured with the track of another robot.
+        effects: Vec<String>,
+    },
+    /// The wheels turn against each other nearly always.
+    Opposed {
+        /// In this part of the rows \[1\].
+        share: f64,
+    },
+}
+
+/// A movement that has its own length and speed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FixedMovement {
+    /// That of the paper.
+    Paper,
+    /// Written out piece by piece in the file.
+    Segments,
+}
+
+impl fmt::Display for FixedMovement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Paper => "\"paper\", which is as long and as fast as the paper's",
+            Self::Segments => "written out in segments, which say how long and how fast they are",
+        })
+    }
+}
+
+impl fmt::Display for Remark {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Columns(words) => f.write_str(words),
+            Self::Unused { keys, movement } => {
+                let (verb, them) = if keys.len() == 1 { ("has", "it") } else { ("have", "them") };
+                let keys: Vec<String> =
+                    keys.iter().map(|key| format!("simulation.{key}")).collect();
+                write!(
+                    f,
+                    "{} {verb} no effect: the movement is {movement}; take {them} out, or use movement = \"rich\"",
+                    keys.join(" and ")
+                )
+            }
+            Self::OtherGain { methods } => write!(
+                f,
+                "emulator.gain = 0 is used to judge, not to fit, {}: a fuzzy method is fitted with a gain of 1 1/s \
+                 unless its [[method]] has a gain; write gain = 0.0 there to fit the free simulation",
+                methods.join(", ")
+            ),
+            Self::NoTrack { effects } => write!(
+                f,
+                "[robot] preset = \"unknown\": the path of the robot is left out, and effects that depend on its \
+                 heading ({}) are measured with the track of another robot; write l1_m and r_m, or a preset",
+                effects.join(", ")
+            ),
+            Self::Opposed { share } => write!(
+                f,
+                "{} Then write scale = -1 in every column of that wheel",
+                mirrored_question(*share)
+            ),
+        }
+    }
+}
+
+/// The question whether one wheel counts the other way, of the share of the rows in which the wheels turn against
+/// each other.
+pub(super) fn mirrored_question(share: f64) -> String {
+    format!(
+        "the wheels turn against each other in {:.0} % of the rows: did the robot turn on the spot, or is a motor \
+         mounted mirrored?",
+        100.0 * share
+    )
+}

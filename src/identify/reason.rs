@@ -1,0 +1,69 @@
+//! Why a method has no fit, in words.
+
+use clarabel::solver::SolverStatus;
+
+use crate::filter::FilterError;
+use crate::math::MathError;
+
+/// Why no start is found from which the model can be simulated.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NoStart {
+    /// A free simulation from the start diverges.
+    #[error("the start cannot be simulated")]
+    Simulation,
+    /// No simulation over the windows of a diagnosis is finite.
+    #[error("no start can be simulated over the windows")]
+    Windows,
+    /// No start has a likelihood.
+    #[error("the likelihood is not finite at any start")]
+    Likelihood,
+    /// No prediction horizon has a likelihood.
+    #[error("the likelihood is not finite at any horizon")]
+    Horizon,
+    /// The filter fails at the start.
+    #[error(transparent)]
+    Filter(#[from] FilterError),
+    /// The mass matrix is not positive definite.
+    #[error("a1 = {a1:.3e} does not exceed |a2| = {:.3e}", .a2.abs())]
+    Mass {
+        /// Value of a1 [kg m^2, or that of another input].
+        a1: f64,
+        /// Value of a2, likewise.
+        a2: f64,
+    },
+    /// The emulator diverges.
+    #[error("the emulator diverges from the start; raise `gain`")]
+    Emulator,
+    /// The derivatives of the emulator overflow.
+    #[error("the sensitivities at the start are not finite")]
+    Sensitivities,
+    /// No rule of the emulator is excited.
+    #[error("the recordings reach no rule")]
+    Rules,
+    /// The optimiser refuses, with its message.
+    #[error("{0}")]
+    Optimiser(String),
+}
+
+/// What a method cannot do, and what to use instead.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Unsupported {
+    /// A regression has no column.
+    #[error("the model has no free parameter that enters linearly")]
+    NoLinearParameter,
+    /// The least-squares problem has no solution.
+    #[error(transparent)]
+    LeastSquares(#[from] MathError),
+    /// Errors in the columns hide the direction of least variance.
+    #[error("the columns have no smallest direction; use torque_regression")]
+    NoSmallestDirection,
+    /// The matrix of a closed form is singular.
+    #[error("the recordings do not reach all rules; set `ridge` above 0")]
+    UnreachedRules,
+    /// The convex program has no solution.
+    #[error("no parameters satisfy the bounds ({0:?}); widen within_construction")]
+    Bounds(SolverStatus),
+    /// The convex program is refused, with the message of the solver.
+    #[error("{0}")]
+    Solver(String),
+}

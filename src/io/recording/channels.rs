@@ -1,0 +1,154 @@
+//! Columns of a block of rows as channels, in the units of the contract.
+
+use std::path::Path;
+
+use polars::prelude::{DataFrame, DataType, PolarsError};
+
+use super::super::csv;
+use super::super::error::{format_error, shown};
+use super::super::{ColumnMap, IoError};
+use super::direction::{SIGNS, give_sign};
+use super::header::bracketed;
+use super::sum;
+use crate::recording::Channels;
+
+/// The part of a time that is written as seconds and nanoseconds.
+pub(super) const NANOSECONDS: &str = "t.nanoseconds";
+/// The columns that multiply the inputs, with their inputs.
+pub(super) const FACTORS: [(&str, &str); 2] = [("M1.times", "M1"), ("M2.times", "M2")];
+
+/// A time beyond this is that of a calendar and not of the recording \[s\].
+const CALENDAR: f64 = 1e6;
+
+/// Where a block of rows stands in its file.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::io) struct Place {
+    /// Rows before it.
+    pub(in crate::io) first: usize,
+    /// Time of the first row of all, where that is the start of a calendar.
+    start: f64,
+    /// Time of the last row before it, where the file has steps in place of times.
+    passed: f64,
+}
+
+/// The columns of a block of rows, in the units of the contract.
+pub(in crate::io) fn channels(
+    path: &Path,
+    columns: &ColumnMap,
+    wanted: &[(&'static str, String)],
+    frame: &DataFrame,
+    place: &mut Place,
+) -> Result<Channels, IoError> {
+    let rows = place.first..place.first + frame.height();
+    let part = wanted.iter().find(|(k, _)| *k == NANOSECONDS);
+    let part = part.map(|(_, name)| numbers(path, frame, name, place.first)).transpose()?;
+    let mut one = |key: &str| -> Result<Option<Vec<f64>>, IoError> {
+        let Some((_, name)) = wanted.iter().find(|(k, _)| *k == key) else { return Ok(None) };
+        let (factor, offset) = conversion(path, columns, key, name)?;
+        let mut values = numbers(path, frame, name, place.first)?;
+        for other in sum::columns_of(key, wanted) {
+            // another controller may write in rows of its own
+            let others = held(numbers(path, frame, other, place.first)?);
+            values.iter_mut().zip(others).for_each(|(x, other)| *x += other);
+        }
+        // a row without a time may come first
+        let start = values.iter().copied().find(|t| t.is_finite()).unwrap_or_default();
+        if key == "t"
+            && place.first == 0
+            && !columns.get("t").sum
+            && (factor * start).abs() > CALENDAR
+        {
+            place.start = start;
+        }
+        if key == "t" && place.start != 0.0 {
+            values.iter_mut().for_each(|t| *t -= place.start);
+        }
+        if (factor, offset) != (1.0, 0.0) {
+            values.iter_mut().for_each(|x| *x = factor * *x + offset);
+        }
+        if key == "t" && columns.get("t").sum {
+            for t in &mut values {
+                // a row without a step is one without a time
+                place.passed += if t.is_finite() { *t } else { 0.0 };
+                *t = if t.is_finite() { place.passed } else { f64::NAN };
+            }
+        }
+        if let (Some(part), "t") = (&part, key) {
+            values.iter_mut().zip(part).for_each(|(t, ns)| *t += 1e-9 * ns);
+        }
+        let factor = FACTORS.iter().find(|(_, input)| *input == key).map(|(factor, _)| factor);
+        if let Some((_, name)) = wanted.iter().find(|(k, _)| Some(k) == factor) {
+            let by = held(numbers(path, frame, name, place.first)?);
+            values.iter_mut().zip(by).for_each(|(x, by)| *x *= by);
+        }
+        let sign = SIGNS.iter().find(|(_, of)| *of == key).map(|(sign, _)| sign);
+        if let Some((_, name)) = wanted.iter().find(|(k, _)| Some(k) == sign) {
+            let directions = numbers(path, frame, name, place.first)?;
+            give_sign(path, (key, columns.get(key)), &mut values, &directions, place.first)?;
+        }
+        Ok(Some(values))
+    };
+    let pair = |a: Option<Vec<f64>>, b: Option<Vec<f64>>| {
+        a.zip(b).map(|(a, b)| a.into_iter().zip(b).map(|(a, b)| [a, b]).collect::<Vec<_>>())
+    };
+    Ok(Channels {
+        t: match columns.get("t").period {
+            Some(period) => rows.map(|row| period * row as f64).collect(),
+            None => one("t")?.unwrap_or_default(),
+        },
+        alpha: pair(one("alpha1")?, one("alpha2")?),
+        omega: pair(one("dalpha1")?, one("dalpha2")?),
+        torque: pair(one("M1")?, one("M2")?).unwrap_or_default(),
+    })
+}
+
+/// The values with the last one in place of those that are missing: the battery is measured more slowly than
+/// the wheels. Before the first there is the first.
+fn held(mut values: Vec<f64>) -> Vec<f64> {
+    let mut last = values.iter().copied().find(|x| x.is_finite()).unwrap_or(f64::NAN);
+    for x in &mut values {
+        last = if x.is_finite() { *x } else { last };
+        *x = last;
+    }
+    values
+}
+
+/// Factor and offset of a column; the unit behind its name counts where the map gives none.
+fn conversion(
+    path: &Path,
+    columns: &ColumnMap,
+    key: &str,
+    name: &str,
+) -> Result<(f64, f64), IoError> {
+    let unit = bracketed(name);
+    columns.conversion(key, columns.get(key), unit).map_err(|e| match (e, unit) {
+        (IoError::Unit { .. }, Some(unit)) if columns.get(key).unit.is_none() => {
+            IoError::HeaderUnit {
+                file: shown(path),
+                column: name.into(),
+                unit: unit.into(),
+                si: columns.unit_of(key),
+                key: key.into(),
+            }
+        }
+        (e, _) => e,
+    })
+}
+
+/// A column of a frame, after so many rows, as numbers; a file of Parquet may hold whole numbers or text.
+fn numbers(path: &Path, frame: &DataFrame, name: &str, before: usize) -> Result<Vec<f64>, IoError> {
+    let wrong = |e: PolarsError| format_error(path, "table", &e);
+    let broken =
+        |k: usize, text: &str| IoError::not_a_number(path, before + k + 1, None, name, text);
+    let column = frame.column(name).map_err(wrong)?;
+    if matches!(column.dtype(), DataType::String) {
+        let cells = column.str().map_err(wrong)?.iter().map(Option::unwrap_or_default);
+        let cells = cells.enumerate();
+        return cells
+            .map(|(k, c)| csv::value(c, csv::Style::Either).ok_or_else(|| broken(k, c)))
+            .collect();
+    }
+    let column = column.cast(&DataType::Float64).map_err(wrong)?;
+    let values = column.f64().map_err(wrong)?.iter();
+    Ok(values.map(|v| v.unwrap_or(f64::NAN)).collect())
+}

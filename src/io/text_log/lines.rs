@@ -1,0 +1,40 @@
+//! Lines of a text and their cells.
+
+use crate::io::csv::{is_separator, split};
+
+/// Columns with their names; a cell without a number is NaN.
+pub(in crate::io) type Columns = Vec<(String, Vec<f64>)>;
+
+/// What may part columns; those that occur in numbers and words come last.
+pub(super) const SEPARATORS: [char; 5] = [';', '\t', ',', '|', ' '];
+
+/// The name of a column without one.
+pub(super) fn made_up(k: usize) -> String {
+    format!("column{}", k + 1)
+}
+
+/// Whether a line is empty, a rule, or a separator of columns alone.
+pub(super) fn is_blank(line: &str) -> bool {
+    let line = line.trim();
+    let is_rule = || line.contains("--") && line.chars().all(|c| "-|:+= ".contains(c));
+    line.is_empty() || is_separator(line.as_bytes()) || is_rule()
+}
+
+/// Lines that loggers and mathematics programs write between rows of data.
+pub(super) fn is_comment(line: &str) -> bool {
+    ["#", "%", "//"].iter().any(|sign| line.trim_start().starts_with(sign))
+}
+
+/// The cells of a line; several spaces part two columns as one does.
+pub(super) fn cells(line: &str, separator: char) -> Vec<String> {
+    if separator == ' ' {
+        line.split_whitespace().map(Into::into).collect()
+    } else if separator == '|' {
+        // a table of Markdown has a bar at both ends
+        let line = line.trim();
+        let inner = line.strip_prefix('|').and_then(|l| l.strip_suffix('|'));
+        split(inner.unwrap_or(line), separator)
+    } else {
+        split(line, separator)
+    }
+}
