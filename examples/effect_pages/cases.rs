@@ -43,7 +43,7 @@ const PLAIN: Case =
 
 /// Sizes as in the benchmark of hidden effects, with some exceptions: an order of ripple that 12 bins a
 /// turn can show, a limit that is not reached all the time, and softer contacts and shafts.
-static CASES: [Case; 30] = [
+static CASES: [Case; 31] = [
     Case {
         id: "inertia",
         held: &[("a2", 0.0)],
@@ -182,6 +182,15 @@ static CASES: [Case; 30] = [
         against: Some(Variable::ForwardSpeed),
         reading: "A step where the forward speed changes sign, the same on both wheels, from +f_c \
                   backward to -f_c forward.",
+        ..PLAIN
+    },
+    Case {
+        id: "sliding_caster",
+        hidden: &[("f_k", 0.015), ("d_k", 1.2)],
+        against: Some(Variable::TurnRate),
+        reading: "A step where the turn changes sign, of opposite sign on the two wheels, and the same over the forward \
+                  speed with one sign on both: each is as high as it is where the other speed is small, and lower in \
+                  curves, where the one force has a part of either.",
         ..PLAIN
     },
     Case {

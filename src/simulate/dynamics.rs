@@ -41,8 +41,8 @@ pub trait Dynamics: Send + Sync {
     fn simulate(&self, input: &Input, start: State) -> Result<Vec<State>, SimulateError>;
 
     /// Simulation of windows of an unbroken stretch of a recording, each from its own start: `input.torque` is the acting input
-    /// ([`Dynamics::input`] over the whole recording), and time counts from its first row. A body behind the wheels, which
-    /// no sensor sees, keeps its slip and twist from a window to the next. States of a window that diverges are not numbers.
+    /// ([`Dynamics::input`] over the whole recording), and time counts from its first row. The body of a two-mass drivetrain,
+    /// which no sensor sees, keeps its slip and twist from a window to the next. States of a window that diverges are not numbers.
     ///
     /// # Errors
     /// Dynamics without acceleration.

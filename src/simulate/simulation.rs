@@ -37,8 +37,8 @@ pub fn simulate(
 }
 
 /// Simulates windows of an unbroken stretch of a recording, each from its own start; effects count time from `origin` \[s\], and `input.torque` is
-/// the acting input. A body behind the wheels keeps its slip and twist from a window to the next, so that no window needs a
-/// run-in of its own. States of a window that diverges are not numbers.
+/// the acting input. The body of a two-mass drivetrain keeps its slip and twist from a window to the next, so that no
+/// window needs a run-in of its own. States of a window that diverges are not numbers.
 ///
 /// # Errors
 /// A model that cannot move.

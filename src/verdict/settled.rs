@@ -38,7 +38,7 @@ impl Settled {
         }
     }
 
-    /// The diagnosis.
+    /// What was found, without what only stands in.
     pub(crate) fn diagnosis(&self) -> &Diagnosis {
         &self.diagnosis
     }

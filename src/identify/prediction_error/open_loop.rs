@@ -43,7 +43,7 @@ impl OpenLoop<'_> {
         let motion = recording.local_motion();
         let t = recording.t();
         let whole = recording.pieces().iter().find(|piece| piece.contains(&rows.start))?;
-        // a body behind the wheels gets under way over all windows before
+        // a two-mass drivetrain gets under way over all windows before
         let first = if model.is_coupled() { whole.start } else { rows.start };
         let from = whole.start + t[whole.start..].partition_point(|s| *s < t[first] - BEFORE);
         let acting = model.input(&t[from..rows.end], &recording.torque()[from..rows.end], p);
