@@ -1,6 +1,7 @@
 //! A recording from a file of any format that is read.
 
 mod direction;
+mod fraction;
 mod header;
 mod missing;
 mod sum;
@@ -11,8 +12,10 @@ use polars::prelude::{DataFrame, DataType, PolarsError};
 
 pub(super) use self::direction::read_words;
 use self::direction::{SIGNS, give_sign};
+use self::fraction::in_seconds;
+pub use self::fraction::part_of_second;
 pub use self::header::unknown_unit;
-use self::header::{bare, bracketed};
+use self::header::{bare, conversion};
 use self::missing::missing;
 use super::columns::CONTRACT;
 use super::csv::{self, Layout};
@@ -43,7 +46,7 @@ pub(super) enum Source {
     Columns(Vec<(String, Vec<f64>)>),
 }
 
-/// The part of a time that is written as seconds and nanoseconds.
+/// The part of a time that is written as seconds and a part of a second.
 const NANOSECONDS: &str = "t.nanoseconds";
 /// The columns that multiply the inputs, with their inputs.
 const FACTORS: [(&str, &str); 2] = [("M1.times", "M1"), ("M2.times", "M2")];
@@ -72,7 +75,7 @@ fn headers_of(path: &Path, part: Option<&str>) -> Result<Headers, IoError> {
         Format::Csv => match text_log::read(path)? {
             Some(found) => columns(found),
             None => {
-                let layout = csv::layout(path)?;
+                let layout = csv::named_by_cells(path, csv::layout(path)?)?;
                 let several = match csv::unfold(path, &layout)? {
                     Some(unfolded) => Some(unfolded),
                     None => csv::lists(path, &layout)?,
@@ -248,7 +251,9 @@ pub(super) fn channels(
 ) -> Result<Channels, IoError> {
     let rows = place.first..place.first + frame.height();
     let part = wanted.iter().find(|(k, _)| *k == NANOSECONDS);
-    let part = part.map(|(_, name)| numbers(path, frame, name, place.first)).transpose()?;
+    let part = part
+        .map(|(_, name)| Ok(in_seconds(name, numbers(path, frame, name, place.first)?)))
+        .transpose()?;
     let mut one = |key: &str| -> Result<Option<Vec<f64>>, IoError> {
         let Some((_, name)) = wanted.iter().find(|(k, _)| *k == key) else { return Ok(None) };
         let (factor, offset) = conversion(path, columns, key, name)?;
@@ -281,7 +286,7 @@ pub(super) fn channels(
             }
         }
         if let (Some(part), "t") = (&part, key) {
-            values.iter_mut().zip(part).for_each(|(t, ns)| *t += 1e-9 * ns);
+            values.iter_mut().zip(part).for_each(|(t, part)| *t += part);
         }
         let factor = FACTORS.iter().find(|(_, input)| *input == key).map(|(factor, _)| factor);
         if let Some((_, name)) = wanted.iter().find(|(k, _)| Some(k) == factor) {
@@ -318,28 +323,6 @@ fn held(mut values: Vec<f64>) -> Vec<f64> {
         *x = last;
     }
     values
-}
-
-/// Factor and offset of a column; the unit behind its name counts where the map gives none.
-fn conversion(
-    path: &Path,
-    columns: &ColumnMap,
-    key: &str,
-    name: &str,
-) -> Result<(f64, f64), IoError> {
-    let unit = bracketed(name);
-    columns.conversion(key, columns.get(key), unit).map_err(|e| match (e, unit) {
-        (IoError::Unit { .. }, Some(unit)) if columns.get(key).unit.is_none() => {
-            IoError::HeaderUnit {
-                file: shown(path),
-                column: name.into(),
-                unit: unit.into(),
-                si: columns.unit_of(key),
-                key: key.into(),
-            }
-        }
-        (e, _) => e,
-    })
 }
 
 /// Contract column and its name in the file, for those that are there; t and the inputs must be,
