@@ -16,6 +16,7 @@ mod labelled;
 mod octave;
 mod record;
 mod stamp;
+mod tag;
 mod teleplot;
 mod yaml;
 
@@ -110,6 +111,11 @@ pub(super) fn read(path: &Path) -> Result<Option<Columns>, IoError> {
     if record::is_one(&lines) {
         let (text, _) = decoded(&bytes(u64::MAX)?);
         return Ok(Some(keyed::columns(text.lines())));
+    }
+    if let Some(tag) = tag::of(&lines) {
+        let (text, _) = decoded(&bytes(u64::MAX)?);
+        let text = tag::without(&text, &tag);
+        return Ok(table(&text.lines().collect::<Vec<_>>()).map(|table| table.columns(&text)));
     }
     let table = stamped_table(&lines);
     if labelled::is_one(&lines, table.as_ref()) {
@@ -240,7 +246,8 @@ fn is_comment(line: &str) -> bool {
 /// The cells of a line; several spaces part two columns as one does.
 fn cells(line: &str, separator: char) -> Vec<String> {
     if separator == ' ' {
-        line.split_whitespace().map(Into::into).collect()
+        // rows of a matrix of MATLAB end so
+        line.trim_end().trim_end_matches(';').split_whitespace().map(Into::into).collect()
     } else if separator == '|' {
         // a table of Markdown has a bar at both ends
         let line = line.trim();
