@@ -30,7 +30,7 @@ pub struct Column {
     pub per_turn: Option<f64>,
     /// Torque at the wheel per ampere [N m/A], for an input that was recorded as current.
     pub torque_constant: Option<f64>,
-    /// Column with the nanoseconds of a time that is written as seconds and nanoseconds.
+    /// Column with the part of a second of a time in whole seconds: nanoseconds, unless its name states another.
     pub nanoseconds: Option<String>,
     /// Whether the column holds the step from row to row, and the time is the sum of the steps.
     pub sum: bool,
@@ -267,6 +267,7 @@ impl ColumnMap {
                 ("m/s", metre),
                 ("cm/s", part(1e-2)),
                 ("mm/s", part(1e-3)),
+                ("km/h", part(1.0 / 3.6)),
             ],
             _ => self.inputs(column),
         }
@@ -321,7 +322,7 @@ fn plain(unit: &str) -> String {
 }
 
 /// Other ways to write a unit.
-const SPELLINGS: [(&str, &[&str]); 21] = [
+const SPELLINGS: [(&str, &[&str]); 22] = [
     ("s", &["sec", "secs", "second", "seconds"]),
     ("us", &["µs", "μs"]),
     ("min", &["minute", "minutes"]),
@@ -330,12 +331,13 @@ const SPELLINGS: [(&str, &[&str]); 21] = [
     ("deg", &["degree", "degrees", "°"]),
     ("rad/s", &["rad/sec", "rads/s"]),
     ("deg/s", &["°/s", "deg/sec", "dps"]),
-    ("rev", &["turn", "turns", "revs"]),
+    ("rev", &["turn", "turns", "revs", "rot"]),
     ("rev/s", &["turn/s", "turns/s", "rot/s", "rev/sec", "rps"]),
-    ("rpm", &["1/min", "r/min", "rev/min", "u/min"]),
+    ("rpm", &["1/min", "r/min", "rev/min", "u/min", "tr/min", "giri/min", "obr/min", "об/мин"]),
     ("ticks", &["tick", "count", "counts"]),
-    ("ticks/s", &["ticks/sec", "counts/s", "counts/sec"]),
+    ("ticks/s", &["ticks/sec", "counts/s", "counts/sec", "tps"]),
     ("m/s", &["m/sec"]),
+    ("km/h", &["kmh", "kph"]),
     ("N m", &["n-m"]),
     ("kgf cm", &["kgf-cm", "kgcm", "kg-cm"]),
     ("oz in", &["oz-in", "ozfin", "ozf-in", "in-oz", "inoz"]),

@@ -2,7 +2,9 @@
 
 mod blocks;
 mod by_cell;
+mod keys;
 mod lists;
+mod named_cells;
 mod number;
 mod style;
 mod unfold;
@@ -18,10 +20,13 @@ use polars::prelude::{
 };
 
 pub(super) use self::blocks::{Blocks, has_more_lines};
+pub use self::keys::is_owner;
+pub(super) use self::keys::is_part;
 pub(super) use self::lists::lists;
+pub(super) use self::named_cells::named_by_cells;
 pub(super) use self::number::{ABSENT, duration, number, quantity, value};
 pub(super) use self::style::{Evidence, Style};
-pub(super) use self::unfold::{is_owner, may_be_keyed, unfold, unfolded};
+pub(super) use self::unfold::{may_be_keyed, unfold, unfolded};
 use super::IoError;
 use super::columns::is_unit;
 use super::error::{caught, format_error, shown};

@@ -21,6 +21,7 @@ mod sysid;
 mod table;
 mod text_log;
 mod whole;
+mod words;
 
 whole::formats! {
     wpilog,
@@ -29,6 +30,7 @@ whole::formats! {
 }
 
 pub use columns::{Column, ColumnMap, contract_units};
+pub use csv::is_owner;
 pub use error::IoError;
 pub use folder::{
     ResultFolder, check_writable, exists, file_names, make_folder, read_text, sha256, sha256_text,
@@ -41,10 +43,12 @@ pub use mcap_table::write_mcap_table;
 pub use preview::{PreviewColumn, preview};
 pub use rate::stated_period;
 pub use recording::{
-    Headers, RawChannels, headers, parts, read_channels, read_recording, unknown_unit,
+    Headers, RawChannels, headers, part_of_second, parts, read_channels, read_recording,
+    unknown_unit,
 };
 pub use summary::{group_rows, read_parquet_table, write_csv_table};
 pub use table::{TableColumn, write_csv, write_parquet_pieces, write_parquet_table};
+pub use words::{WheelSide, side, words};
 
 #[cfg(test)]
 mod tests;

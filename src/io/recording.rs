@@ -2,6 +2,7 @@
 
 mod channels;
 mod direction;
+mod fraction;
 mod header;
 mod headers;
 mod missing;
@@ -15,6 +16,7 @@ use self::channels::{FACTORS, NANOSECONDS};
 pub(super) use self::channels::{Place, channels};
 use self::direction::SIGNS;
 pub(super) use self::direction::read_words;
+pub use self::fraction::part_of_second;
 use self::header::bare;
 pub use self::header::unknown_unit;
 use self::headers::headers_of;

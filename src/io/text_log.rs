@@ -17,6 +17,7 @@ mod lines;
 mod octave;
 mod record;
 mod stamp;
+mod tag;
 mod teleplot;
 mod yaml;
 
@@ -107,6 +108,11 @@ pub(super) fn read(path: &Path) -> Result<Option<Columns>, IoError> {
     if record::is_one(&lines) {
         let (text, _) = decoded(&bytes(u64::MAX)?);
         return Ok(Some(keyed::columns(text.lines())));
+    }
+    if let Some(tag) = tag::of(&lines) {
+        let (text, _) = decoded(&bytes(u64::MAX)?);
+        let text = tag::without(&text, &tag);
+        return Ok(table(&text.lines().collect::<Vec<_>>()).map(|table| table.columns(&text)));
     }
     let table = stamped_table(&lines);
     if labelled::is_one(&lines, table.as_ref()) {

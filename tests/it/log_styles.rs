@@ -201,3 +201,135 @@ fn units_and_a_mirrored_wheel_are_asked_for() {
     let words = ["dalpha1  = speed_r in \"?\"", "in rad/s, rpm, deg/s"];
     asked("run.csv", &format!("t,speed_r,speed_l,torque_r,torque_l\n{rows}"), &words, &unit);
 }
+
+/// Two runs one below the other, each from t = 0, with a column before that says which.
+fn runs(head: &str, name: &str, words: [&str; 2], row: impl Fn(&Row) -> String) -> String {
+    let run = |word: &str| lines(|r| format!("{word},{}", row(r)));
+    format!("{name},{head}\n{}{}", run(words[0]), run(words[1]))
+}
+
+#[test]
+fn runs_one_after_the_other_are_no_wheels() {
+    let both = |[t, w1, w2, m1, m2]: &Row| format!("{t:.3},{w1},{w2},{m1},{m2}\n");
+    let (names, rows) = ("t,omega_r,omega_l,tau_r,tau_l", &["1200 samples"]);
+    for (name, words) in
+        [("run", ["A", "B"]), ("mode", ["AUTO", "MANUAL"]), ("log", ["fwd", "back"])]
+    {
+        let folder = Folder::new();
+        folder.write("run.csv", runs(names, name, words, both));
+        let said = ["dalpha1  = omega_r\n", "M2       = tau_l\n"];
+        folder.run(&["new", "run.csv", "-o", "e.toml"]).says(0, &said);
+        folder.run(&["check", "e.toml"]).says(0, rows);
+    }
+    let one = |[t, w1, _, m1, _]: &Row| format!("{t:.3},{w1},{m1}\n");
+    let folder = Folder::new();
+    folder.write("run.csv", runs("t,omega,tau", "run", ["A", "B"], one));
+    folder.run(&["new", "run.csv", "-o", "e.toml"]).says(0, &["one axis stands for both wheels"]);
+    // of motors measured one after the other it is asked
+    folder.write("motors.csv", runs("t,omega,tau", "motor", ["L", "R"], one));
+    folder
+        .run(&["new", "motors.csv", "-o", "m.toml"])
+        .says(0, &["`motor` says whose row it is (L, R): were the motors measured one after"]);
+}
+
+#[test]
+fn parts_of_a_second_are_added_to_the_seconds() {
+    for (head, size) in [("sec,usec", 1e6), ("tv_sec,tv_usec", 1e6), ("s,ms", 1e3)] {
+        let rows = lines(|[t, w1, w2, m1, m2]| {
+            let (whole, part) = ((t + 0.5).floor(), ((t + 0.5).fract() * size).round());
+            format!("{},{part},{w1},{w2},{m1},{m2}\n", 1_718_020_983.0 + whole)
+        });
+        let log = format!("{head},omega_r,omega_l,tau_r,tau_l\n{rows}");
+        let (seconds, part) = head.split_once(',').unwrap();
+        started("run.csv", &log, &[&format!("t        = {seconds} and {part}")]);
+    }
+}
+
+#[test]
+fn a_named_clock_goes_before_a_column_that_rises() {
+    let log = |clock: &str| {
+        let rows = lines(|[t, w1, w2, m1, m2]| {
+            format!("{},{:.0},{w1},{w2},{m1},{m2}\n", 0.3 * t, 1e3 * t)
+        });
+        format!("x,{clock},omega_r,omega_l,tau_r,tau_l\n{rows}")
+    };
+    started("run.csv", &log("tick_ms"), &["t        = tick_ms in ms"]);
+    started("run.csv", &log("HAL_tick"), &["t        = HAL_tick in ms"]);
+    let rows = lines(|[t, w1, w2, m1, m2]| format!("{},10,{w1},{w2},{m1},{m2}\n", 0.3 * t));
+    let log = format!("x,dt,omega_r,omega_l,tau_r,tau_l\n{rows}");
+    started("run.csv", &log, &["t        = dt in ms", "the time is its sum"]);
+    let rows = lines(|[t, w1, w2, m1, m2]| format!("{t:.3},{w1},{w2},{m1},{m2}\n"));
+    let words = ["t        = x in \"?\"", "is it the time?"];
+    let log = format!("x,omega_r,omega_l,tau_r,tau_l\n{rows}");
+    asked("run.csv", &log, &words, &["recordings.columns.t.unit='s'"]);
+}
+
+#[test]
+fn names_in_cells_and_attributes_above_the_names_are_read() {
+    let rows = lines(|[t, w1, w2, m1, m2]| {
+        let ns = 1_718_020_983_000_000_000_u64 + (1e9 * t).round() as u64;
+        format!("{ns},right_joint,left_joint,{w1},{w2},{m1},{m2}\n")
+    });
+    let head =
+        "%time,field.name0,field.name1,field.velocity0,field.velocity1,field.effort0,field.effort1";
+    let words = ["dalpha1  = right_joint.velocity", "M2       = left_joint.effort"];
+    started("run.csv", &format!("{head}\n{rows}"), &words);
+    let rows = lines(|[t, w1, w2, m1, m2]| {
+        let ms = (1e3 * t).round();
+        format!("{ms}\t{w1}\t{ms}\t{w2}\t{ms}\t{m1}\t{ms}\t{m2}\n")
+    });
+    let head = "Name\tScope Project\nFile\trun.tcscopex\n\n\
+                Name\tAxisR.ActVelo\tName\tAxisL.ActVelo\tName\tAxisR.ActTorque\tName\tAxisL.ActTorque\n\
+                Data-Type\tREAL64\tData-Type\tREAL64\tData-Type\tREAL64\tData-Type\tREAL64\n\
+                Unit\trad/s\tUnit\trad/s\tUnit\tNm\tUnit\tNm\nScale\t1\tScale\t1\tScale\t1\tScale\t1\n\n";
+    started("run.csv", &format!("{head}{rows}"), &["dalpha1  = AxisR.ActVelo [rad/s]"]);
+    let rows = lines(|row| format!(",{}\n", row.map(|x| format!("{x:.6}")).join(",")));
+    let head =
+        "name,Time,omega_r,omega_l,tau_r,tau_l\nunit,s,rad/s,rad/s,Nm,Nm\ntrace_values,,,,,\n";
+    started("run.csv", &format!("{head}{rows}"), &["dalpha1  = omega_r [rad/s]"]);
+}
+
+#[test]
+fn tags_before_rows_and_names_of_loggers_are_left_out() {
+    let rows = lines(|row| format!("@D {}\n", row.map(|x| format!("{x:.6}")).join(",")));
+    let head = "@D INFO fw=1.4\n@D COLS t,omega_r,omega_l,tau_r,tau_l\n";
+    started("run.txt", &format!("{head}{rows}"), &["t        = t\n", "dalpha1  = omega_r\n"]);
+    let rows = lines(|[t, w1, w2, m1, m2]| {
+        format!(
+            "2024-06-10 12:03:{t:06.3} - INFO - robot.drive - wr={w1:.6} wl={w2:.6} tr_nm={m1:.6} tl_nm={m2:.6}\n"
+        )
+    });
+    folder_says("run.log", &rows, &["dalpha1  = wr\n"]);
+    let rows = lines(|row| format!("{};\n", row.map(|x| format!("{x:.6}")).join(" ")));
+    let log = format!("data = [ % t wr wl tau_r tau_l\n{rows}];\n");
+    folder_says("run.m", &log, &["t        = t\n", "M2       = tau_l\n"]);
+}
+
+/// What `new` says of a log in a file of that name.
+fn folder_says(file: &str, log: &str, words: &[&str]) {
+    let folder = Folder::new();
+    folder.write(file, log);
+    folder.run(&["new", file, "-o", "e.toml"]).says(0, words);
+}
+
+#[test]
+fn names_of_other_languages_state_quantity_and_side() {
+    let rows = lines(|row| row.map(|x| format!("{x:.6}").replace('.', ",")).join(";") + "\n");
+    for (head, right) in [
+        (
+            "Temps (s);Vitesse roue droite (rad/s);Vitesse roue gauche (rad/s);Couple moteur droit (Nm);Couple moteur gauche (Nm)",
+            "Vitesse roue droite (rad/s)",
+        ),
+        (
+            "tempo;velocita_dx [rad/s];velocita_sx [rad/s];coppia_dx;coppia_sx",
+            "velocita_dx [rad/s]",
+        ),
+        ("時間[s];右速度[rad/s];左速度[rad/s];右トルク[Nm];左トルク[Nm]", "右速度[rad/s]"),
+        (
+            "czas;prędkość_prawy [rad/s];prędkość_lewy [rad/s];moment_prawy;moment_lewy",
+            "prędkość_prawy [rad/s]",
+        ),
+    ] {
+        started("run.csv", &format!("{head}\n{rows}"), &[&format!("dalpha1  = {right}")]);
+    }
+}

@@ -26,7 +26,7 @@ pub struct ColumnEntry {
     pub per_turn: Option<f64>,
     /// Torque per ampere [N m/A], for an input that was recorded as current.
     pub torque_constant: Option<f64>,
-    /// Column with the nanoseconds of a time that is written as seconds and nanoseconds (`t` only).
+    /// Column with the part of a second of a time in whole seconds (`t` only): nanoseconds, unless its name states `usec` or `ms`.
     pub nanoseconds: Option<String>,
     /// Whether the column holds the step from row to row, and the time is the sum of the steps (`t` only).
     #[serde(default)]

@@ -1,7 +1,7 @@
 //! What other columns say of a name that could be two things.
 
 use super::guessed::Candidate;
-use super::names::{Quantity, Side, WISHED};
+use super::names::{Named, Quantity, Side, WISHED};
 
 /// Reads names anew that mean something else beside others, and gives what must be asked of them.
 ///
@@ -9,11 +9,40 @@ use super::names::{Quantity, Side, WISHED};
 /// right_p, right_i, right_d      the terms of a controller, and i no current
 /// current_right, target_right    the present value of what is set, and no electric current
 /// v_right, pwm_right             a speed, and no second voltage
+/// ctrl_right                     what the motor was told, where no other column says it
 /// ```
 pub(super) fn look(all: &mut [Candidate]) -> Vec<String> {
     controller_terms(all);
+    outputs(all);
     bare_speeds(all);
     present_values(all).into_iter().collect()
+}
+
+/// Words of a name that is the output of a controller, where it says nothing else.
+const OUTPUTS: [&str; 9] = ["output", "out", "ctrl", "control", "drive", "pid", "vm", "u", "pwr"];
+
+/// Whether a name says a side and the output of a controller, and no more: `ctrl_r`, `output_left`.
+pub(super) fn is_output(named: &Named) -> bool {
+    let is_one = |w: &String| OUTPUTS.contains(&w.as_str()) || WISHED.contains(&w.as_str());
+    let says = named.rest.iter().any(|w| OUTPUTS.contains(&w.as_str()));
+    let has_side = matches!(named.side, Some(Side::Right | Side::Left));
+    named.quantity.is_none() && has_side && says && named.rest.iter().all(is_one)
+}
+
+/// Takes outputs of controllers for inputs of the motors where both wheels have one and nothing else is their input.
+fn outputs(all: &mut [Candidate]) {
+    let is_input = |c: &Candidate| {
+        matches!(c.named.quantity, Some(Quantity::Torque | Quantity::Current | Quantity::Voltage))
+            && !(c.named.word == "v" && c.named.unit.is_none())
+            && is_of_wheel(c)
+    };
+    let found: Vec<bool> = all.iter().map(|c| is_output(&c.named)).collect();
+    if all.iter().any(is_input) || found.iter().filter(|is_one| **is_one).count() != 2 {
+        return;
+    }
+    for (c, _) in all.iter_mut().zip(&found).filter(|(_, is_one)| **is_one) {
+        c.named.quantity = Some(Quantity::Voltage);
+    }
 }
 
 fn words(c: &Candidate, but: &[&str]) -> Vec<String> {

@@ -3,18 +3,30 @@
 use super::guessed::{Candidate, Guessed};
 use super::names::Quantity;
 use super::values::{increases, largest, whole};
+use crate::io::part_of_second;
 
-/// Nanoseconds of a stamp come near to a second and never reach it.
-const NANOSECONDS: (f64, f64) = (5e8, 1e9);
+/// Parts of a second come beyond this part of it, and never reach it.
+const HALF: f64 = 0.5;
+/// Part of the steps of whole seconds at which their fraction falls back: others are gaps in the log.
+const FALLS: f64 = 0.9;
+/// Words of a name that is rather that of a position than of the time, where it has no others.
+const PLACES: [&str; 8] = ["x", "y", "z", "pos", "position", "dist", "distance", "odom"];
 
-/// The time: the best name whose values increase, else two columns that are seconds and nanoseconds, else the one
-/// column that always increases; of rows that have only the step between them its sum. A column that counts the
-/// rows is not their time, which is asked for.
+/// The time: the best name whose values increase, else two columns that are seconds and a part of a second, else the
+/// sum of the steps between the rows, else the one column that always increases. A column that counts the rows is not
+/// their time, and a position may be none, which is asked for.
 pub(super) fn time(all: &[Candidate]) -> Option<Guessed> {
+    let parted = seconds_and_part(all);
+    let is_part = |one: &Guessed| {
+        parted
+            .as_ref()
+            .is_some_and(|p| p.name == one.name || p.nanoseconds.as_ref() == Some(&one.name))
+    };
     named(all)
-        .or_else(|| seconds_and_nanoseconds(all))
-        .or_else(|| rising(all))
+        .filter(|one| one.nanoseconds.is_some() || !is_part(one))
+        .or(parted)
         .or_else(|| steps(all))
+        .or_else(|| rising(all))
 }
 
 fn guessed(c: &Candidate) -> Guessed {
@@ -68,27 +80,27 @@ fn stem(name: &str) -> &str {
     &name[..name.rfind(|c: char| !c.is_alphanumeric()).map_or(0, |end| end + 1)]
 }
 
-/// Whole numbers below 10^9 that fall back in the very rows in which another column of whole numbers rises.
-fn seconds_and_nanoseconds(all: &[Candidate]) -> Option<Guessed> {
+/// Whole numbers below those of a second that fall back just where another column of whole numbers rises: the seconds. The
+/// name of the part says its unit, which else is that of nanoseconds.
+fn seconds_and_part(all: &[Candidate]) -> Option<Guessed> {
     let is_part = |c: &&Candidate| {
         let values = &c.column.values;
-        let top = largest(values);
-        whole(values)
-            && (NANOSECONDS.0..NANOSECONDS.1).contains(&top)
-            && values.iter().all(|v| *v >= 0.0)
+        let top = largest(values) * part_of_second(&c.column.name);
+        whole(values) && (HALF..1.0).contains(&top) && values.iter().all(|v| *v >= 0.0)
     };
     let goes_on = |seconds: &[f64], part: &[f64]| {
         let rows = || seconds.windows(2).zip(part.windows(2));
         let steps = rows().filter(|(s, _)| s[1] > s[0]).count();
-        steps > 1
+        let falls = rows().filter(|(s, p)| s[1] > s[0] && p[1] < p[0]).count();
+        falls > 1
             && rows().all(|(s, p)| s[1] >= s[0] && (s[1] > s[0] || p[1] > p[0]))
-            && rows().filter(|(s, p)| s[1] > s[0] && p[1] < p[0]).count() == steps
+            && falls as f64 >= FALLS * steps as f64
     };
     all.iter().filter(is_part).find_map(|part| {
         let mut others = all.iter().filter(|c| whole(&c.column.values));
         let seconds = others.find(|c| goes_on(&c.column.values, &part.column.values))?;
         let name = &part.column.name;
-        let why = format!("it goes on by one where `{name}` falls back: seconds and nanoseconds");
+        let why = format!("it goes on by one where `{name}` falls back: seconds and their parts");
         let nanoseconds = Some(name.clone());
         Some(Guessed { nanoseconds, evidence: vec![why], ..guessed(seconds) })
     })
@@ -101,14 +113,17 @@ fn rising(all: &[Candidate]) -> Option<Guessed> {
         |c: &&Candidate| increases(&c.column.values) && !c.named.step && c.named.quantity.is_none();
     let (rows, times): (Vec<&Candidate>, Vec<&Candidate>) =
         all.iter().filter(rising).partition(|c| counts_rows(&c.column.values));
-    let of = |c: &Candidate, why: &str, scale_open| Guessed {
-        evidence: vec![why.into()],
-        scale_open,
-        ..guessed(c)
-    };
+    let of = |c: &Candidate, why: &str| Guessed { evidence: vec![why.into()], ..guessed(c) };
     match (&times[..], &rows[..]) {
-        ([one], _) => Some(of(one, "the only column that increases from row to row", false)),
-        ([], [one, ..]) => Some(of(one, "it goes on by 1 from row to row: it counts rows", true)),
+        ([one], _) => {
+            let is_place = one.named.rest.iter().all(|w| PLACES.contains(&w.as_str()));
+            let found = of(one, "the only column that increases from row to row");
+            Some(Guessed { unit_open: is_place, ..found })
+        }
+        ([], [one, ..]) => {
+            let found = of(one, "it goes on by 1 from row to row: it counts rows");
+            Some(Guessed { scale_open: true, ..found })
+        }
         _ => None,
     }
 }

@@ -1,13 +1,16 @@
 //! Inputs that are commands: a share of the battery's voltage, or a pulse of a servo.
 
+use super::beside::is_output;
+use super::centred;
 use super::guessed::{Guess, Guessed};
 use super::model_key::effects_of;
+use super::names::named;
 use super::values::{largest, values_of, whole};
 use crate::io::PreviewColumn;
 use crate::recording::DriveUnit;
 
 /// Words of a command that say that it is a share of the battery's voltage, and those of one that may be.
-const SHARES: [&str; 4] = ["duty", "pwm", "power", "throttle"];
+const SHARES: [&str; 5] = ["duty", "pwm", "power", "pwr", "throttle"];
 const PERHAPS: [&str; 3] = ["motor", "mot", "output"];
 /// Full scales of controllers: a share, percent, 7 and 8 bits, of Pololu, per mille, 10, 12 and 15 bits.
 const FULL: [f64; 9] = [1.0, 100.0, 127.0, 255.0, 400.0, 1000.0, 1023.0, 4095.0, 32767.0];
@@ -40,7 +43,8 @@ pub(super) fn look(
     let mut inputs: Vec<&mut Guessed> =
         guess.columns.iter_mut().filter(|c| c.key.starts_with('M')).collect();
     let share = |one: &&mut Guessed| {
-        one.unit.is_none() && (has_one(&SHARES, &one.name) || has_one(&PERHAPS, &one.name))
+        let is_named = has_one(&SHARES, &one.name) || has_one(&PERHAPS, &one.name);
+        one.unit.is_none() && (is_named || is_output(&named(&one.name)))
     };
     if inputs.is_empty() || !inputs.iter().all(share) || inputs.iter().any(|c| is_volt(&c.name)) {
         let asked = millivolts(&mut inputs, of);
@@ -61,12 +65,19 @@ pub(super) fn look(
             ));
         }
     }
+    let centre = centred::centre(columns, &inputs).filter(|_| !is_pulse);
+    if let Some(centre) = centre {
+        centred::shift(&mut inputs, centre);
+    }
     let top = if is_pulse {
         PULSE.1 - 1000.0
+    } else if let Some(centre) = centre {
+        centre
     } else {
         inputs.iter().map(|one| largest(of(&one.name))).fold(0.0, f64::max)
     };
-    let full = if is_pulse { top } else { full_scale(top, &inputs[0].name.to_lowercase()) };
+    let rest = if is_pulse { Some(PULSE.1) } else { centre };
+    let full = if rest.is_some() { top } else { full_scale(top, &inputs[0].name.to_lowercase()) };
     let reaches = (1e4 * top).round() / 1e4;
     let volts = battery.and_then(|(column, unit)| Some((column, to_volts(column, unit)?)));
     let name = inputs[0].name.clone();
@@ -74,6 +85,8 @@ pub(super) fn look(
         for one in &mut inputs {
             one.times = Some(column.name.clone());
             one.scale = Some(factor / full).filter(|f| *f != 1.0);
+            // what is added stands behind the factor
+            one.offset = one.offset.map(|offset| offset * factor / full);
             let milli = if factor == 1.0 { "" } else { ", which is in mV" };
             one.evidence.push(format!("{full} is the whole of the battery's voltage{milli}"));
         }
@@ -83,7 +96,7 @@ pub(super) fn look(
             column.name,
             volts_of(column, factor)
         ));
-    } else if !is_pulse && is_volt_sized(top, &name, inputs.iter().map(|one| of(&one.name))) {
+    } else if rest.is_none() && is_volt_sized(top, &name, inputs.iter().map(|one| of(&one.name))) {
         guess.questions.push(format!(
             "`{name}` goes up to {reaches}: volts, as they are taken? Of a share of the battery's voltage write the volts of \
              one unit as scale in M1 and M2"
@@ -92,10 +105,10 @@ pub(super) fn look(
         guess.questions.push(format!(
             "`{name}` is a share of the battery's voltage{}: with {full} for the whole of 12 V write \
              scale = {:.5}{} in M1 and M2; until then a volt of the results is one unit of the command",
-            if is_pulse { String::new() } else { format!(" and goes up to {reaches}") },
+            if rest.is_some() { String::new() } else { format!(" and goes up to {reaches}") },
             12.0 / full,
             // what is added stands behind the factor
-            if is_pulse { format!(", offset = {}", -PULSE.1 * 12.0 / full) } else { String::new() },
+            rest.map_or(String::new(), |rest| format!(", offset = {}", -rest * 12.0 / full)),
         ));
     }
 }
@@ -162,11 +175,14 @@ fn has_one(words: &[&str], name: &str) -> bool {
 
 /// Whether a name says volts.
 fn is_volt(name: &str) -> bool {
-    name.to_lowercase().contains("volt")
+    name.to_lowercase().contains("volt") || named(name).unit == Some("V")
 }
 
 /// The smallest full scale of controllers that holds the value, but for PWM that of most boards.
 fn full_scale(top: f64, name: &str) -> f64 {
+    if ["percent", "pct", "%"].iter().any(|word| name.contains(word)) && top <= 100.0 {
+        return 100.0;
+    }
     if name.contains("pwm") && top > 1.0 && top <= PWM {
         return PWM;
     }

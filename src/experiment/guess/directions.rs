@@ -59,7 +59,11 @@ impl Directions {
         let common = |d: &&Direction| d.rest.iter().filter(|w| own.rest.contains(w)).count();
         // of equals the one whose other words are fewest
         let rank = |d: &&Direction| (common(d), std::cmp::Reverse(d.rest.len()));
-        self.0.iter().filter(|d| d.side.is_some() && d.side == own.side).max_by_key(rank)
+        // that of one axis has no side
+        let is_of = |d: &&Direction| {
+            d.side == own.side && (d.side.is_some() || d.has(&DIRECTIONS) && !own.battery)
+        };
+        self.0.iter().filter(is_of).max_by_key(rank)
     }
 
     /// Gives magnitudes the columns of their directions, and what stands for backward or the question for it.
@@ -106,6 +110,11 @@ impl Directions {
 }
 
 impl Direction {
+    /// Whether one of the words stands in its name.
+    fn has(&self, list: &[&str]) -> bool {
+        self.rest.iter().any(|w| list.contains(&w.as_str()))
+    }
+
     /// What it holds, each once.
     fn shown(&self) -> Vec<String> {
         if self.words.is_empty() {
@@ -150,8 +159,7 @@ impl Direction {
                 return by(if signed > 0.0 { low } else { high }, ", as the wheel turns");
             }
         }
-        let has = |list: &[&str]| self.rest.iter().any(|w| list.contains(&w.as_str()));
-        match (has(&FORWARDS), has(&BACKWARDS)) {
+        match (self.has(&FORWARDS), self.has(&BACKWARDS)) {
             (true, false) => by(low, " by its name"),
             (false, true) => by(high, " by its name"),
             _ => None,

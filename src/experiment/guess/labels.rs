@@ -1,22 +1,53 @@
 //! Columns of words beside those of numbers.
 
-use crate::io::PreviewColumn;
+use crate::io::{PreviewColumn, is_owner};
 
-/// Names of a column that says whose row it is.
-const OWNERS: [&str; 6] = ["motor", "joint", "wheel", "motor_id", "joint_name", "name"];
+/// Names of a column of words that says whose row it is, beside those of a number of a motor.
+const OWNERS: [&str; 2] = ["joint_name", "name"];
+/// Motors at most, by numbers.
+const MOTORS: usize = 4;
 
 /// The question of a table whose rows are those of several motors in turn.
 pub(super) fn owners(columns: &[PreviewColumn]) -> Option<String> {
-    let is_owner = |c: &&PreviewColumn| {
-        c.words.len() > 1 && OWNERS.contains(&c.name.trim().to_lowercase().as_str())
-    };
-    let column = columns.iter().find(is_owner)?;
+    let (column, words) = columns.iter().find_map(|c| Some((c, whose(c)?)))?;
     Some(format!(
         "`{}` says whose row it is ({}): were the motors measured one after the other? The two wheels must be measured at \
          the same time, in columns of their own",
         column.name,
-        column.words.join(", ")
+        words.join(", ")
     ))
+}
+
+/// A remark on the columns at the end of the header that no row has cells for; of LabVIEW that for comments has none.
+pub(super) fn without_cells(columns: &[PreviewColumn]) -> Option<String> {
+    let is_empty = |c: &&PreviewColumn| {
+        c.name != "Comment"
+            && c.values.iter().all(|v| v.is_nan())
+            && c.texts.iter().all(String::is_empty)
+    };
+    let empty: Vec<String> =
+        columns.iter().rev().take_while(is_empty).map(|c| format!("`{}`", c.name)).collect();
+    let names = empty.iter().rev().cloned().collect::<Vec<_>>().join(", ");
+    (!empty.is_empty())
+        .then(|| format!("the rows have no cells for {names}: the names before them are used"))
+}
+
+/// The words or numbers of the motors of a column that says whose row it is.
+fn whose(column: &PreviewColumn) -> Option<Vec<String>> {
+    let name = column.name.trim().to_lowercase();
+    if column.words.len() > 1 && (is_owner(&name) || OWNERS.contains(&name.as_str())) {
+        return Some(column.words.clone());
+    }
+    let numbers = || column.values.iter().filter(|v| v.is_finite());
+    let changes = column.values.windows(2).filter(|w| w[0] != w[1]).count();
+    let is_number = |name: &str| is_owner(name) && !["channel", "ch"].contains(&name);
+    if !is_number(&name) || changes == 0 || changes >= MOTORS || numbers().any(|v| v.fract() != 0.0)
+    {
+        return None;
+    }
+    let mut found: Vec<String> = numbers().map(f64::to_string).collect();
+    found.dedup();
+    Some(found)
 }
 
 #[cfg(test)]
@@ -41,5 +72,11 @@ mod tests {
         let g = guess(&log);
         assert!(g.questions.join("\n").contains("`motor` says whose row it is (M1, M2)"));
         assert!(!g.one_axis && g.columns.is_empty(), "{:?}", g.columns);
+        let numbers = PreviewColumn {
+            values: (0..100).map(|k| f64::from(1 + k / 50)).collect(),
+            ..column("motor_id", &[])
+        };
+        let g = guess(&[numbers, column("pwm", &[]), column("rpm", &[])]);
+        assert!(g.questions.join("\n").contains("`motor_id` says whose row it is (1, 2)"));
     }
 }

@@ -1,6 +1,8 @@
 //! Guesses which column of a log is what, from names and values, and says why.
 
+mod assigned;
 mod beside;
+mod centred;
 mod clock;
 mod commands;
 mod counts;
@@ -11,12 +13,15 @@ mod mirrored;
 mod model_key;
 mod motors;
 mod names;
+mod open_inputs;
 mod pairs;
 mod relations;
+mod shafts;
 mod signs;
 mod speed_units;
 mod stated;
 mod text;
+mod unknown_sides;
 mod values;
 
 use self::guessed::Candidate;
@@ -44,6 +49,7 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
     let owners = labels::owners(columns);
     // a column without a number is none
     all.retain(|c| c.column.values.iter().any(|v| v.is_finite()));
+    unknown_sides::look(&mut all);
     let mut pairs = Pairs::new(&all);
     let mut angles = pairs.of(Quantity::Angle, ANGLES);
     let mut speeds = pairs.of(Quantity::Speed, SPEEDS);
@@ -84,6 +90,7 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
         out.drive_unit = unit;
         out.columns.extend(input);
     }
+    assigned::look(columns, &mut out);
     out.questions.extend(which_is_right(&out.columns));
     motors::look(&all, columns, &mut out);
     let batteries = all.iter().filter(|c| c.named.battery).map(|c| (c.column, c.named.unit));
@@ -91,10 +98,13 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
     values::units(columns, &mut out);
     counts::per_turn(columns, &mut out);
     speed_units::open(columns, &mut out);
-    values::questions(columns, &mut out);
+    let input = open_inputs::question(columns, &out);
+    values::questions(columns, &mut out, input);
     stated::look(&mut out);
     out.questions.extend(signs::lost(&all, columns, &out));
     commands::look(columns, battery, &mut out);
+    let remark = labels::without_cells(columns);
+    out.columns.iter_mut().take(1).for_each(|c| c.evidence.extend(remark.clone()));
     directions.give(columns, &mut out);
     signs::bounce(columns, &mut out);
     mirrored::look(columns, &mut out);
@@ -166,7 +176,9 @@ fn input(
     let still =
         still.first().map(|i| format!("`{}` and `{}` never change", i.0[0].name, i.0[1].name));
     let magnitude = |pair: &[Guessed; 2]| {
-        values::is_magnitude(columns, pair, angles, speeds) && !directions.are_of(pair)
+        values::is_magnitude(columns, pair, angles, speeds)
+            && !directions.are_of(pair)
+            && !centred::are_centred(columns, pair)
     };
     let mut found: Vec<_> = found.into_iter().map(|i| (magnitude(&i.0), i)).collect();
     // stable: among equals in the order above

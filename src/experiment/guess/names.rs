@@ -8,8 +8,9 @@ mod words;
 use self::factor::{many, multiplied, take_multiple, take_power_of_ten};
 pub(super) use self::said::{Named, Quantity, Side};
 use self::unit::{bracketed, split_unit, unit, unit_behind, unit_in_front};
-pub(super) use self::words::WISHED;
-use self::words::{BATTERY, OTHERS, QUANTITIES, STEPS, WEAK, take_quantity};
+use self::words::{BATTERY, OTHERS, QUANTITIES, STEPS, SYSTEM, WEAK, take_quantity};
+pub(super) use self::words::{MEASURED, WISHED};
+use crate::io::{WheelSide, side, words};
 
 /// What a name says.
 pub(super) fn named(name: &str) -> Named {
@@ -58,6 +59,10 @@ pub(super) fn named(name: &str) -> Named {
     if quantity.is_none() && !other && time && words.is_empty() {
         quantity = Some(Quantity::Time);
     }
+    // the ticks of an operating system are those of its clock
+    if matches!(ending, Some(("ticks", _))) && words.iter().any(|w| SYSTEM.contains(&w.as_str())) {
+        (quantity, ending) = (Some(Quantity::Time), None);
+    }
     let unit = ending.map(|(unit, _)| unit);
     Named { quantity, word, side, unit, scale, wished, battery, step, rest: words }
 }
@@ -85,36 +90,17 @@ fn is_overruled(quantity: Option<Quantity>, word: &str, of: Quantity) -> bool {
     }
 }
 
-/// The words that a name is made of: `/input/LeftVelocity[0]` of drive, left, velocity and 0.
-fn words(name: &str) -> Vec<String> {
-    let mut out = vec![String::new()];
-    let mut before = ' ';
-    let letters: Vec<char> = name.chars().collect();
-    for (k, &c) in letters.iter().enumerate() {
-        let next = letters.get(k + 1).copied().unwrap_or(' ');
-        let edge = !c.is_alphanumeric()
-            || (before.is_lowercase() && c.is_uppercase())
-            || (before.is_uppercase() && c.is_uppercase() && next.is_lowercase())
-            || before.is_ascii_digit() != c.is_ascii_digit();
-        if edge {
-            out.push(String::new());
-        }
-        if let (true, Some(last)) = (c.is_alphanumeric(), out.last_mut()) {
-            last.extend(c.to_lowercase());
-        }
-        before = c;
-    }
-    out.retain(|word| !word.is_empty());
-    out
-}
-
 fn take_side(words: &mut Vec<String>) -> Option<Side> {
-    let side = |word: &str| match word {
-        "right" | "r" | "rt" | "rhs" | "rechts" | "re" => Some(Side::Right),
-        "left" | "l" | "lt" | "lhs" | "links" | "li" => Some(Side::Left),
-        _ => None,
+    let side = |word: &str| {
+        side(word).map(|side| match side {
+            WheelSide::Right => Side::Right,
+            WheelSide::Left => Side::Left,
+        })
     };
-    if let Some(k) = words.iter().position(|w| side(w).is_some()) {
+    // short ones may be words of another language
+    let is_clear = |w: &&String| w.len() > 2 && w.as_str() != "der";
+    let clear = words.iter().position(|w| side(w).is_some() && is_clear(&w));
+    if let Some(k) = clear.or_else(|| words.iter().position(|w| side(w).is_some())) {
         return side(&words.remove(k));
     }
     // the corners of a car: RL, FR
@@ -222,6 +208,29 @@ mod tests {
             ("torque_left (kgf.cm)", Some(Torque), Some(Left), Some("kgf cm")),
             ("left_pos_m", Some(Angle), Some(Left), Some("m")),
             ("alpha1", Some(Angle), Some(Numbered(1)), None),
+            ("rad_s_l", Some(Speed), Some(Left), Some("rad/s")),
+            ("rad_per_s_right", Some(Speed), Some(Right), Some("rad/s")),
+            ("wheel_rad_s_left", Some(Speed), Some(Left), Some("rad/s")),
+            ("rads_l", Some(Speed), Some(Left), Some("rad/s")),
+            ("deg/s", Some(Speed), None, Some("deg/s")),
+            ("left_tps", Some(Speed), Some(Left), Some("ticks/s")),
+            ("ticks_per_sec_l", Some(Speed), Some(Left), Some("ticks/s")),
+            ("speed_l_kmh", Some(Speed), Some(Left), Some("km/h")),
+            ("cnt_l", Some(Angle), Some(Left), None),
+            ("rot_r", Some(Angle), Some(Right), None),
+            ("tick_ms", Some(Time), None, Some("ms")),
+            ("HAL_tick", Some(Time), None, None),
+            ("tick_l", Some(Angle), Some(Left), Some("ticks")),
+            ("wl_meas", Some(Speed), Some(Left), None),
+            ("ist_r", None, Some(Right), None),
+            ("spd_l", Some(Speed), Some(Left), None),
+            ("Vitesse roue gauche (tr/min)", Some(Speed), Some(Left), Some("rpm")),
+            ("Tension moteur droit (V)", Some(Voltage), Some(Right), Some("V")),
+            ("vel_sx", Some(Speed), Some(Left), None),
+            ("rpm_der", Some(Speed), Some(Right), Some("rpm")),
+            ("Drehzahl der linken Seite", Some(Speed), Some(Left), None),
+            ("左实际速度", Some(Speed), Some(Left), None),
+            ("скорость_прав", Some(Speed), Some(Right), None),
             ("dalpha2", Some(Speed), Some(Numbered(2)), None),
         ];
         for (name, quantity, side, unit) in cases {

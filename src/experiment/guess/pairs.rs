@@ -1,7 +1,8 @@
 //! Columns that belong together: the same quantity at the right and at the left wheel.
 
 use super::guessed::{Candidate, Guessed};
-use super::names::{Quantity, Side};
+use super::names::{MEASURED, Quantity, Side};
+use super::shafts;
 use super::values::fits;
 
 /// Letters in which two names differ that are no motors: axes of space and of a motor's field, and the terms of a
@@ -9,6 +10,8 @@ use super::values::fits;
 const NO_MOTORS: [&str; 7] = ["x", "y", "z", "d", "q", "p", "i"];
 /// Words of a name that is that of a wheel.
 const WHEELS: [&str; 4] = ["wheel", "wheels", "drive", "traction"];
+/// Words of the shaft behind a gear, which turns with the wheel.
+const SHAFTS: [&str; 5] = ["output", "shaft", "gearbox", "load", "axle"];
 /// Words of the motor that is meant where one current is that of the battery.
 const MOTORS: [&str; 5] = ["motor", "wheel", "wheels", "drive", "mot"];
 
@@ -33,7 +36,7 @@ impl<'a, 'b> Pairs<'a, 'b> {
 
     /// The columns of a quantity at the right and the left wheel: two names that differ in the side only, those of
     /// what was measured before those of what was wished, sides before numbers, wheels before other words, the
-    /// fewest words first, then those with a unit. Of more wheels than two, and of speeds and angles that were wished alone, it is asked.
+    /// fewest words first, then those with a unit, and the slower of two in a constant ratio. Of more wheels than two, and of speeds and angles that were wished alone, it is asked.
     pub(super) fn of(
         &mut self,
         quantity: Quantity,
@@ -68,7 +71,10 @@ impl<'a, 'b> Pairs<'a, 'b> {
 
     /// Two columns whose names say the side and nothing else.
     pub(super) fn bare(&self, keys: [&'static str; 2]) -> Option<[Guessed; 2]> {
-        let is_bare = |c: &&Candidate| c.named.quantity.is_none() && c.named.rest.is_empty();
+        let says_no_more =
+            |c: &Candidate| c.named.rest.iter().all(|w| MEASURED.contains(&w.as_str()));
+        let is_bare =
+            |c: &&Candidate| c.named.quantity.is_none() && !c.named.wished && says_no_more(c);
         let fits: Vec<&Candidate> = self.all.iter().filter(is_bare).collect();
         best(&fits, keys)
             .filter(|(_, others)| others.is_empty())
@@ -115,10 +121,15 @@ fn best<'a, 'b>(
         fits.iter().copied().filter_map(|a| Some((a, partner(&a)?))).collect();
     pairs.sort_by_key(|(a, _)| {
         let n = &a.named;
-        let words = (!has_word(a, &WHEELS), n.rest.len());
+        let words = (!is_of_wheel(a), n.rest.len());
         // of `left_vel` and `left_rpm` the one that states its unit
         (!is_exact(a, keys), n.wished, is_numbered(a), words, n.unit.is_none())
     });
+    // a gear makes a motor slower
+    let is_slower = |(a, _): &Two| !is_of_wheel(pairs[0].0) && shafts::is_slower(pairs[0].0, a);
+    if let Some(k) = (1..pairs.len()).find(|k| is_slower(&pairs[*k])) {
+        pairs.swap(0, k);
+    }
     let Some(&pair) = pairs.first() else { return lettered(fits).map(|pair| (pair, vec![])) };
     let others = if is_exact(pair.0, keys) || !is_numbered(pair.0) {
         vec![]
@@ -132,6 +143,12 @@ fn best<'a, 'b>(
 
 fn is_numbered(c: &Candidate) -> bool {
     matches!(c.named.side, Some(Side::Numbered(_)))
+}
+
+/// Whether a name is that of a wheel, or of a motion behind the gear of its motor.
+fn is_of_wheel(c: &Candidate) -> bool {
+    let moves = matches!(c.named.quantity, Some(Quantity::Angle | Quantity::Speed));
+    has_word(c, &WHEELS) || moves && has_word(c, &SHAFTS)
 }
 
 fn has_word(c: &Candidate, words: &[&str]) -> bool {
@@ -163,8 +180,8 @@ fn siblings<'a, 'b>(fits: &[&'a Candidate<'b>], pair: Two) -> Vec<&'a Candidate<
 fn rivals<'a, 'b>(pairs: &[Two<'a, 'b>]) -> Vec<&'a Candidate<'b>> {
     let first = pairs[0].0;
     let alike = |c: &Candidate| {
-        (c.named.wished, is_numbered(c), has_word(c, &WHEELS))
-            == (first.named.wished, true, has_word(first, &WHEELS))
+        (c.named.wished, is_numbered(c), is_of_wheel(c))
+            == (first.named.wished, true, is_of_wheel(first))
     };
     let is_variant = |c: &Candidate| first.named.rest.iter().all(|w| c.named.rest.contains(w));
     let rivals = pairs[1..].iter().filter(|(a, _)| alike(a) && !is_variant(a));
@@ -188,16 +205,21 @@ fn lettered<'a, 'b>(fits: &[&'a Candidate<'b>]) -> Option<Two<'a, 'b>> {
     found.next().filter(|_| found.next().is_none())
 }
 
-/// The one column of a quantity, for both wheels: that of a motor or wheel, with the fewest other words.
+/// The one column of a quantity, for both wheels: that of a wheel, else of a motor, with the fewest other words. What was
+/// wished comes last, and is never the motion.
 pub(super) fn one(
     all: &[Candidate],
     quantity: Quantity,
     keys: [&'static str; 2],
 ) -> Option<[Guessed; 2]> {
+    let moves = matches!(quantity, Quantity::Angle | Quantity::Speed);
     let fits = |c: &&Candidate| {
-        c.named.quantity == Some(quantity) && c.named.side.is_none() && !c.named.wished
+        c.named.quantity == Some(quantity) && c.named.side.is_none() && !(c.named.wished && moves)
     };
-    let rank = |c: &Candidate| (!has_word(c, &MOTORS), c.named.rest.len());
+    let rank = |c: &Candidate| {
+        let n = &c.named;
+        (n.wished, moves && !is_of_wheel(c), !has_word(c, &MOTORS), n.rest.len())
+    };
     let mut found: Vec<&Candidate> = all.iter().filter(fits).collect();
     found.sort_by_key(|c| rank(c));
     match found[..] {

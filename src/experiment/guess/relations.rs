@@ -6,13 +6,17 @@ use crate::io::PreviewColumn;
 
 /// Columns that are compared at most: all pairs are looked at.
 const MOST: usize = 40;
+/// Rows below which columns go with each other by chance, and sentences at most.
+const ROWS: usize = 30;
+const SAID: usize = 3;
 /// Windows that a recording is cut into.
 const WINDOWS: usize = 200;
 /// Correlation over the windows that says "the slope of": an angle and its speed reach it unless noise or
 /// coarse steps are a tenth of the motion in a window.
 const SAME: f64 = 0.99;
 
-/// Sentences on which open columns are the slope of which, where angles or speeds are still looked for.
+/// Sentences on which open columns are the slope of which, where angles or speeds are still looked for: of those that fit
+/// one other alone, and not of recordings so short that many do.
 pub(super) fn hints(columns: &[PreviewColumn], guess: &Guess) -> Vec<String> {
     let known = |key: &str| guess.columns.iter().find(|c| c.key == key);
     let time = known("t").and_then(|t| columns.iter().find(|c| c.name == t.name));
@@ -20,17 +24,27 @@ pub(super) fn hints(columns: &[PreviewColumn], guess: &Guess) -> Vec<String> {
     let used = |name: &str| guess.columns.iter().any(|c| c.name == name);
     let open: Vec<&PreviewColumn> =
         columns.iter().filter(|c| !used(&c.name) && is_signal(c, time)).collect();
-    if open.len() > MOST {
+    if open.len() > MOST || time.values.len() < ROWS {
         return vec![];
     }
-    let pairs = open.iter().flat_map(|angle| open.iter().map(move |speed| (angle, speed)));
-    pairs
+    let pairs = open.iter().flat_map(|angle| open.iter().map(move |speed| (*angle, *speed)));
+    let found: Vec<(&PreviewColumn, &PreviewColumn)> = pairs
         .filter(|(angle, speed)| angle.name != speed.name)
         .filter(|(angle, speed)| is_slope(&time.values, &angle.values, &speed.values))
-        .map(|(angle, speed)| {
-            format!("`{}` is the slope of `{}`: a speed and its angle?", speed.name, angle.name)
-        })
-        .collect()
+        .collect();
+    let is_one = |(angle, speed): &&(&PreviewColumn, &PreviewColumn)| {
+        let shared = found.iter().filter(|(a, s)| {
+            a.name == angle.name
+                || s.name == speed.name
+                || a.name == speed.name
+                || s.name == angle.name
+        });
+        shared.count() == 1
+    };
+    let said = found.iter().filter(is_one).map(|(angle, speed)| {
+        format!("`{}` is the slope of `{}`: a speed and its angle?", speed.name, angle.name)
+    });
+    said.take(SAID).collect()
 }
 
 /// Whether a column may be that of a motion: one value that stays is a setting, and its integral goes with whatever

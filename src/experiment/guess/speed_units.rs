@@ -3,22 +3,45 @@
 use std::f64::consts::{PI, TAU};
 
 use super::guessed::{Guess, Guessed};
-use super::names::named;
+use super::names::{Quantity, named};
 use super::values::{largest, seconds, values_of};
 use crate::io::PreviewColumn;
 
 /// Wheel speed beyond which a number is rather one of rpm [rad/s].
 const FAST: f64 = 120.0;
 /// Words of a speed that do not state its unit; `omega` and the like are angular speeds in SI.
-const GENERAL: [&str; 9] =
-    ["", "v", "speed", "vel", "velo", "velocity", "velocities", "drehzahl", "geschwindigkeit"];
+const GENERAL: [&str; 19] = [
+    "",
+    "v",
+    "speed",
+    "spd",
+    "vel",
+    "velo",
+    "velocity",
+    "velocities",
+    "drehzahl",
+    "geschwindigkeit",
+    "vitesse",
+    "velocita",
+    "velocidad",
+    "velocidade",
+    "predkosc",
+    "snelheid",
+    "hiz",
+    "скорость",
+    "速度",
+];
 /// Words of an angle that do not state its unit.
 const POSITIONS: [&str; 9] =
     ["", "enc", "encoder", "pos", "position", "positions", "distance", "dist", "travel"];
+/// Those of a way as well.
+const PLACES: [&str; 6] = ["pos", "position", "positions", "distance", "dist", "travel"];
 /// Radius of the wheels with which candidates are compared \[m\].
 const RADIUS: f64 = 0.05;
 /// Part by which a speed may differ from the slope of its angle.
 const ALIKE: f64 = 0.1;
+/// Factor within which a speed follows its set-point.
+const SIMILAR: f64 = 2.0;
 
 /// Whether a speed is in a unit that nobody stated and that is none of SI.
 pub(super) fn is_unknown(values: &[f64], one: &Guessed) -> bool {
@@ -29,7 +52,9 @@ pub(super) fn is_unknown(values: &[f64], one: &Guessed) -> bool {
 /// Asks for the unit of speeds that names do not state and angles do not show. Both wheels have one unit.
 pub(super) fn open(columns: &[PreviewColumn], guess: &mut Guess) {
     let of = |name: &str| values_of(columns, name);
-    let is_joint = guess.columns.iter().any(|c| c.key == "M1" && is_effort(&c.name));
+    let is_joint = guess.columns.iter().any(|c| {
+        c.key == "M1" && is_effort(&c.name) || named(&c.name).rest.iter().any(|w| w == "joint")
+    });
     angles(columns, guess, is_joint);
     let is_open = |one: &Guessed| {
         let name = named(&one.name);
@@ -43,6 +68,14 @@ pub(super) fn open(columns: &[PreviewColumn], guess: &mut Guess) {
     };
     let Some(first) = guess.columns.iter().find(|c| is_open(c)) else { return };
     let top = largest(of(&first.name)) * first.scale.unwrap_or(1.0).abs();
+    if let Some((name, unit)) = of_set_point(columns, top) {
+        let speeds = guess.columns.iter_mut().filter(|c| c.key.starts_with("dalpha"));
+        for one in speeds.filter(|c| c.unit.is_none()) {
+            one.unit = (unit != "rad/s").then(|| unit.into());
+            one.evidence.push(format!("in {unit} as its set-point `{name}`"));
+        }
+        return;
+    }
     let digits = if top < 10.0 { 3 } else { 0 };
     let ground = |by: f64| format!("{:.2}", RADIUS * by * top);
     guess.questions.push(format!(
@@ -58,34 +91,78 @@ pub(super) fn open(columns: &[PreviewColumn], guess: &mut Guess) {
     speeds.filter(|c| c.unit.is_none()).for_each(|c| c.unit_open = true);
 }
 
-/// Asks for the unit of angles under the general names of a sensor or a position, where the speeds beside them do not
-/// show it.
+/// The set-point that states the unit of a speed and goes up to about as much, and its unit.
+fn of_set_point(columns: &[PreviewColumn], top: f64) -> Option<(&str, &'static str)> {
+    columns.iter().find_map(|column| {
+        let name = named(&column.name);
+        let unit = name.unit.filter(|_| name.wished && name.quantity == Some(Quantity::Speed))?;
+        let set = largest(&column.values);
+        (set < SIMILAR * top && top < SIMILAR * set).then_some((column.name.as_str(), unit))
+    })
+}
+
+/// Asks for the unit of angles whose names do not state it: of those under the general names of a sensor or a position,
+/// where the speeds beside them do not show it, and of those that would turn faster than wheels do. A speed without
+/// unit that is the slope of a position has the same unit a second, which nothing shows.
 fn angles(columns: &[PreviewColumn], guess: &mut Guess, is_joint: bool) {
     let of = |name: &str| values_of(columns, name);
     let speed = |key: &str| guess.columns.iter().find(|c| c.key.strip_prefix('d') == Some(key));
+    let is_stated = |w: &Guessed| w.unit.is_some() || named(&w.name).unit.is_some();
+    let is_slope = |one: &Guessed| speed(one.key).is_some_and(|w| agrees(columns, guess, w));
+    let is_shown = |one: &Guessed| {
+        let is_place = PLACES.contains(&named(&one.name).word.as_str());
+        is_slope(one) && (!is_place || speed(one.key).is_some_and(is_stated))
+    };
     let is_open = |one: &Guessed| {
         let name = named(&one.name);
+        let is_general = POSITIONS.contains(&name.word.as_str())
+            && !(is_joint && name.word == "position")
+            && !is_shown(one);
         one.key.starts_with("alpha")
             && one.name != one.key
             && one.unit.is_none()
             && one.per_turn.is_none()
             && name.unit.is_none()
-            && POSITIONS.contains(&name.word.as_str())
-            && !(is_joint && name.word == "position")
-            && !speed(one.key).is_some_and(|w| agrees(columns, guess, w))
+            && (is_general || slope(columns, guess, one).is_some_and(|w| w > FAST))
     };
     let Some(first) = guess.columns.iter().find(|c| is_open(c)) else { return };
     let held = of(&first.name).iter().copied().filter(|v| v.is_finite());
     let (low, high) =
         held.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
-    let question = format!(
-        "{} from {low:.2} to {high:.2}: an angle in rad, deg, rev or ticks, or a way in m, cm or mm? Write it as unit; of speeds \
-         write dalpha1 and dalpha2 in place of alpha1 and alpha2",
-        first.asks_unit()
-    );
+    let range = format!("{} from {low:.2} to {high:.2}", first.asks_unit());
+    let both = speed(first.key).filter(|w| is_slope(first) && !is_stated(w) && w.name != w.key);
+    let question = match both {
+        Some(w) => format!(
+            "{range}, and `{}` is its slope: in rad and rad/s, rev and rev/s, deg and deg/s, or m and m/s? Write both as unit",
+            w.name
+        ),
+        None => format!(
+            "{range}: an angle in rad, deg, rev or ticks, or a way in m, cm or mm? Write it as unit; of speeds \
+             write dalpha1 and dalpha2 in place of alpha1 and alpha2"
+        ),
+    };
+    let keys: &[&str] = if both.is_some() { &["alpha", "dalpha"] } else { &["alpha"] };
     guess.questions.push(question);
-    let angles = guess.columns.iter_mut().filter(|c| c.key.starts_with("alpha"));
+    let is_one = |c: &&mut Guessed| {
+        keys.iter().any(|key| c.key.strip_prefix(key).is_some_and(|wheel| wheel.len() == 1))
+    };
+    let angles = guess.columns.iter_mut().filter(is_one);
     angles.filter(|c| c.unit.is_none()).for_each(|c| c.unit_open = true);
+}
+
+/// The speed in the unit of an angle a second that nearly all rows stay below: not the wraps of a counter.
+fn slope(columns: &[PreviewColumn], guess: &Guess, angle: &Guessed) -> Option<f64> {
+    let time = guess.columns.iter().find(|c| c.key == "t")?;
+    let (t, a) = (values_of(columns, &time.name), values_of(columns, &angle.name));
+    if t.len() != a.len() || time.sum || time.nanoseconds.is_some() {
+        return None;
+    }
+    let second = seconds(time) * time.scale.unwrap_or(1.0);
+    let rows = t.windows(2).zip(a.windows(2));
+    let by_row = rows.map(|(t, a)| ((a[1] - a[0]) / ((t[1] - t[0]) * second)).abs());
+    let mut slopes: Vec<f64> = by_row.filter(|w| w.is_finite()).collect();
+    slopes.sort_by(f64::total_cmp);
+    slopes.get(slopes.len() * 98 / 100).copied()
 }
 
 /// Whether the input is the effort of a joint: joint states of ROS are in SI.

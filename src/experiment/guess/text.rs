@@ -45,7 +45,7 @@ impl Guessed {
 
     /// Whether lengths need the radius of the wheels.
     pub(in crate::experiment) fn is_in_metres(&self) -> bool {
-        matches!(self.unit.as_deref(), Some("m" | "cm" | "mm" | "m/s" | "cm/s" | "mm/s"))
+        matches!(self.unit.as_deref(), Some("m" | "cm" | "mm" | "m/s" | "cm/s" | "mm/s" | "km/h"))
     }
 }
 

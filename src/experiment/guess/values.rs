@@ -30,7 +30,7 @@ pub(super) fn fits(key: &str, unit: &str) -> bool {
         "alpha1" | "alpha2" => matches!(unit, "mrad" | "deg" | "rev" | "ticks" | "m" | "cm" | "mm"),
         "dalpha1" | "dalpha2" => {
             let angular = matches!(unit, "mrad/s" | "deg/s" | "rev/s" | "rpm" | "ticks/s");
-            angular || matches!(unit, "m/s" | "cm/s" | "mm/s")
+            angular || matches!(unit, "m/s" | "cm/s" | "mm/s" | "km/h")
         }
         "M1" | "M2" => {
             let torque = matches!(unit, "mN m" | "N cm" | "kgf cm" | "oz in" | "lb in" | "lb ft");
@@ -113,8 +113,8 @@ pub(super) fn units(columns: &[PreviewColumn], guess: &mut Guess) {
     }
 }
 
-/// Adds the questions that the values of the guessed columns raise.
-pub(super) fn questions(columns: &[PreviewColumn], guess: &mut Guess) {
+/// Adds the questions that the values of the guessed columns raise; where no input was found the one that names columns.
+pub(super) fn questions(columns: &[PreviewColumn], guess: &mut Guess, input: Option<String>) {
     if guess.columns.iter().any(Guessed::is_electrical) {
         guess.questions.push(
             "erpm counts electrical turns: write 1/(pole pairs of the motor x gear) as scale, 0.14 for 7 pole pairs \
@@ -138,7 +138,7 @@ pub(super) fn questions(columns: &[PreviewColumn], guess: &mut Guess) {
         guess.questions.push("which columns hold the angles (alpha1, alpha2) or speeds (dalpha1, dalpha2) of the wheels?".into());
     }
     if !guess.columns.iter().any(|c| c.key == "M1") {
-        guess.questions.push(no_input(columns, guess));
+        guess.questions.push(input.unwrap_or_else(|| no_input(columns, guess)));
     }
     if !guess.columns.iter().any(|c| c.key == "t") {
         // rows of other lines in between have no value
@@ -146,6 +146,8 @@ pub(super) fn questions(columns: &[PreviewColumn], guess: &mut Guess) {
         guess.period_open = !columns.iter().map(held).any(|values: Vec<f64>| increases(&values));
         guess.questions.push(no_time(guess.period_open).into());
     }
+    let asked = time_question(guess);
+    guess.questions.extend(asked);
 }
 
 impl Guess {
@@ -153,7 +155,11 @@ impl Guess {
     /// was needed.
     pub(in crate::experiment) fn take_period(&mut self, period: f64) -> bool {
         match self.columns.iter_mut().find(|c| c.key == "t") {
-            Some(t) if t.scale_open => (t.scale, t.scale_open) = (Some(period), false),
+            Some(t) if t.scale_open => {
+                (t.scale, t.scale_open) = (Some(period), false);
+                let asked = no_step(&t.name);
+                self.questions.retain(|q| *q != asked);
+            }
             Some(_) => return false,
             None => {
                 self.questions.retain(|q| [true, false].iter().all(|open| q != no_time(*open)));
@@ -162,6 +168,29 @@ impl Guess {
         }
         true
     }
+}
+
+/// The question of a column that was taken for the time and may be none.
+fn time_question(guess: &Guess) -> Option<String> {
+    let time = guess.columns.iter().find(|c| c.key == "t")?;
+    if time.scale_open {
+        Some(no_step(&time.name))
+    } else if time.unit_open {
+        Some(format!(
+            "`{}` is the only column that increases from row to row: is it the time? Then write its unit; of a position \
+             write the column of the time as name, or t = {{ period = 0.02 }} where rows come at a fixed period",
+            time.name
+        ))
+    } else {
+        None
+    }
+}
+
+/// The question for the step of a column that counts rows.
+fn no_step(name: &str) -> String {
+    format!(
+        "`{name}` counts rows: what is the time between two of them [s]? Write it as scale of t"
+    )
 }
 
 /// What is asked where no column was found to be the time.
@@ -198,8 +227,9 @@ fn of_controller(values: &[f64], one: &mut Guessed) {
 }
 
 /// The unit of a time that its name does not state, from its rate.
-fn time(values: &[f64], one: &mut Guessed) {
-    let is_known = one.unit.is_some() || one.nanoseconds.is_some() || one.scale_open;
+pub(super) fn time(values: &[f64], one: &mut Guessed) {
+    let is_known =
+        one.unit.is_some() || one.unit_open || one.nanoseconds.is_some() || one.scale_open;
     let Some(step) = row_step(values, one.sum).filter(|_| !is_known) else { return };
     let held = || values.iter().copied().filter(|v| v.is_finite());
     let (first, last) = if one.sum {

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::path::Path;
 
+use super::keys::{is_label, is_value, labels, time};
 use super::{Layout, Style, by_place, value};
 use crate::io::IoError;
 
@@ -11,35 +12,6 @@ type Columns = Vec<(String, Vec<f64>)>;
 
 /// Rows that say whether a table has a row for each joint.
 const LOOKED_AT: usize = 64;
-/// The most joints of a robot that a log tells apart.
-const JOINTS: usize = 16;
-/// The most motors that a column of numbers without a telling name counts.
-const COUNTED: usize = 4;
-/// Rows for each change of a label beside one that alternates; the state of a robot stays for longer.
-const STAYS: usize = 8;
-/// Names of a column with the number of a motor.
-const OWNERS: [&str; 18] = [
-    "id",
-    "motor",
-    "motorid",
-    "motornr",
-    "motornumber",
-    "motoridx",
-    "joint",
-    "jointid",
-    "wheel",
-    "wheelid",
-    "axis",
-    "node",
-    "nodeid",
-    "channel",
-    "ch",
-    "servo",
-    "servoid",
-    "canid",
-];
-/// Names of a column whose quantity the label says.
-const VALUES: [&str; 4] = ["value", "_value", "val", "data"];
 
 /// The columns of a table that has a row for each joint, with the name or number of the joint in a column: `velocity` of
 /// `left` becomes `velocity.left`. Rows of one time become one row; what a joint does not have at that time is NaN. A
@@ -79,14 +51,7 @@ pub(in crate::io) fn unfolded(
         texts.iter().map(|cells| cells.iter().take(LOOKED_AT).cloned().collect()).collect();
     let time = time(&head, style)?;
     let times: Vec<f64> = texts[time].iter().map(|c| value(c, style).unwrap_or(f64::NAN)).collect();
-    let are_labels: Vec<usize> = (0..names.len())
-        .filter(|k| *k != time && is_label(&names[*k], &head[*k], &head[time], style))
-        .filter(|k| (2..=JOINTS).contains(&distinct(texts[*k].iter().map(String::as_str)).len()))
-        .collect();
-    let labels = match alternating(&head, &are_labels) {
-        labels if !labels.is_empty() => labels,
-        _ => one_below_the_other(texts, &times, &are_labels),
-    };
+    let labels = labels(names, texts, &head, (time, &times), style);
     if labels.is_empty() {
         return None;
     }
@@ -166,7 +131,7 @@ impl<'a> Rows<'a> {
 
 /// The name of a quantity of a key; its unit stays behind it.
 fn keyed(name: &str, key: &str) -> String {
-    if VALUES.contains(&name.to_lowercase().as_str()) {
+    if is_value(name) {
         return key.into();
     }
     match name.find(['[', '(']) {
@@ -194,77 +159,6 @@ fn with_numbers(columns: Columns, quantities: &[&String]) -> Columns {
             (if alone { quantities[quantity].clone() } else { name }, values)
         })
         .collect()
-}
-
-/// The time: the first column that never falls and changes.
-fn time(head: &[Vec<String>], style: Style) -> Option<usize> {
-    let rises = |cells: &Vec<String>| {
-        let values: Option<Vec<f64>> = cells.iter().map(|c| value(c, style)).collect();
-        values.is_some_and(|v| {
-            v.windows(2).all(|w| w[1] >= w[0])
-                && v.first().zip(v.last()).is_some_and(|(a, b)| a < b)
-        })
-    };
-    head.iter().position(rises)
-}
-
-/// Whether a column may say whose row it is: words, numbers under the name of a motor, or a few whole numbers that come
-/// in turn in rows of the same time.
-fn is_label(name: &str, cells: &[String], times: &[String], style: Style) -> bool {
-    let number = |cell: &String| value(cell, style);
-    if cells.iter().all(|c| !c.is_empty() && number(c).is_none()) {
-        return true;
-    }
-    let whole = |c: &String| c.parse::<i64>().is_ok();
-    if cells.is_empty() || !cells.iter().all(whole) {
-        return false;
-    }
-    if is_owner(name) {
-        return true;
-    }
-    let ids = distinct(cells.iter().map(String::as_str));
-    let count = ids.len();
-    let in_turn = (0..cells.len()).all(|k| cells[k] == ids[k % count]);
-    (2..=COUNTED).contains(&count)
-        && in_turn
-        && times.chunks(count).all(|cycle| cycle.iter().all(|t| *t == cycle[0]))
-}
-
-/// Whether a name is that of a number of a motor.
-pub(in crate::io) fn is_owner(name: &str) -> bool {
-    let bare: String = name.to_lowercase().chars().filter(char::is_ascii_alphanumeric).collect();
-    OWNERS.contains(&bare.as_str())
-}
-
-/// The labels of rows in turn: one that differs from the row before in at least half of the rows, and those that
-/// change now and then beside it.
-fn alternating(head: &[Vec<String>], labels: &[usize]) -> Vec<usize> {
-    let changes = |k: &usize| head[*k].windows(2).filter(|w| w[0] != w[1]).count();
-    let steps = |k: &usize| head[*k].len().saturating_sub(1);
-    if !labels.iter().any(|k| 2 * changes(k) >= steps(k)) {
-        return vec![];
-    }
-    labels.iter().copied().filter(|k| STAYS * changes(k) >= steps(k)).collect()
-}
-
-/// The labels of tables one below the other: each change of a label begins at an earlier time.
-fn one_below_the_other(texts: &[Vec<String>], times: &[f64], labels: &[usize]) -> Vec<usize> {
-    let begins = |k: &usize| {
-        let changes = |row: usize| texts[*k][row] != texts[*k][row - 1];
-        let mut rows = (1..times.len()).filter(|row| changes(*row)).peekable();
-        rows.peek().is_some() && rows.all(|row| times[row] < times[row - 1])
-    };
-    labels.iter().copied().filter(begins).collect()
-}
-
-fn distinct<'a>(texts: impl Iterator<Item = &'a str>) -> Vec<String> {
-    let mut out: Vec<String> = vec![];
-    for text in texts {
-        if out.len() <= JOINTS && !out.iter().any(|o| o == text) {
-            out.push(text.into());
-        }
-    }
-    out
 }
 
 #[cfg(test)]
@@ -307,6 +201,16 @@ mod tests {
         assert_eq!(found[0].1.len(), 100);
         let all = names(&found);
         assert!(all.contains(&"rpm.l") && all.contains(&"A.r"), "{all:?}");
+        // nor are those of a clock that starts anew, and those of both wheels
+        let of = |header: &str, from: usize, words: [&str; 2]| {
+            let row = |k: usize| format!("{},{},{k},3", words[k / 100], from + k % 100);
+            read(header, &(0..200).map(row).collect::<Vec<_>>())
+        };
+        let found = of("motor,t,rpm,amps", 1000, ["L", "R"]).unwrap();
+        assert_eq!(names(&found), ["t", "rpm.L", "amps.L", "rpm.R", "amps.R"]);
+        assert_eq!(of("motor,t,rpm,amps", 0, ["L", "R"]), None);
+        assert_eq!(of("run,t,rpm,amps", 1000, ["A", "B"]), None);
+        assert_eq!(of("log,t,rpm_l,rpm_r", 1000, ["A", "B"]), None);
         // a state that changes is none
         let rows: Vec<String> = (0..80).map(|k| format!("{k},{},3", ["a", "b"][k / 40])).collect();
         assert_eq!(read("t,state,x", &rows), None);

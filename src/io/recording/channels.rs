@@ -5,10 +5,11 @@ use std::path::Path;
 use polars::prelude::{DataFrame, DataType, PolarsError};
 
 use super::super::csv;
-use super::super::error::{format_error, shown};
+use super::super::error::format_error;
 use super::super::{ColumnMap, IoError};
 use super::direction::{SIGNS, give_sign};
-use super::header::bracketed;
+use super::fraction::in_seconds;
+use super::header::conversion;
 use super::sum;
 use crate::recording::Channels;
 
@@ -41,7 +42,9 @@ pub(in crate::io) fn channels(
 ) -> Result<Channels, IoError> {
     let rows = place.first..place.first + frame.height();
     let part = wanted.iter().find(|(k, _)| *k == NANOSECONDS);
-    let part = part.map(|(_, name)| numbers(path, frame, name, place.first)).transpose()?;
+    let part = part
+        .map(|(_, name)| Ok(in_seconds(name, numbers(path, frame, name, place.first)?)))
+        .transpose()?;
     let mut one = |key: &str| -> Result<Option<Vec<f64>>, IoError> {
         let Some((_, name)) = wanted.iter().find(|(k, _)| *k == key) else { return Ok(None) };
         let (factor, offset) = conversion(path, columns, key, name)?;
@@ -74,7 +77,7 @@ pub(in crate::io) fn channels(
             }
         }
         if let (Some(part), "t") = (&part, key) {
-            values.iter_mut().zip(part).for_each(|(t, ns)| *t += 1e-9 * ns);
+            values.iter_mut().zip(part).for_each(|(t, part)| *t += part);
         }
         let factor = FACTORS.iter().find(|(_, input)| *input == key).map(|(factor, _)| factor);
         if let Some((_, name)) = wanted.iter().find(|(k, _)| Some(k) == factor) {
@@ -111,28 +114,6 @@ fn held(mut values: Vec<f64>) -> Vec<f64> {
         *x = last;
     }
     values
-}
-
-/// Factor and offset of a column; the unit behind its name counts where the map gives none.
-fn conversion(
-    path: &Path,
-    columns: &ColumnMap,
-    key: &str,
-    name: &str,
-) -> Result<(f64, f64), IoError> {
-    let unit = bracketed(name);
-    columns.conversion(key, columns.get(key), unit).map_err(|e| match (e, unit) {
-        (IoError::Unit { .. }, Some(unit)) if columns.get(key).unit.is_none() => {
-            IoError::HeaderUnit {
-                file: shown(path),
-                column: name.into(),
-                unit: unit.into(),
-                si: columns.unit_of(key),
-                key: key.into(),
-            }
-        }
-        (e, _) => e,
-    })
 }
 
 /// A column of a frame, after so many rows, as numbers; a file of Parquet may hold whole numbers or text.

@@ -1,6 +1,9 @@
 //! What stands in brackets behind the name of a column.
 
+use std::path::Path;
+
 use super::super::{Column, ColumnMap, IoError};
+use crate::io::error::shown;
 
 /// The name without the unit behind it.
 pub(super) fn bare(name: &str) -> &str {
@@ -11,6 +14,28 @@ pub(super) fn bare(name: &str) -> &str {
 pub(super) fn bracketed(name: &str) -> Option<&str> {
     let (_, unit) = name.trim_end_matches([']', ')']).split_once(['[', '('])?;
     Some(unit.trim()).filter(|u| !u.is_empty() && !is_element(name))
+}
+
+/// Factor and offset of a column; the unit behind its name counts where the map gives none.
+pub(super) fn conversion(
+    path: &Path,
+    columns: &ColumnMap,
+    key: &str,
+    name: &str,
+) -> Result<(f64, f64), IoError> {
+    let unit = bracketed(name);
+    columns.conversion(key, columns.get(key), unit).map_err(|e| match (e, unit) {
+        (IoError::Unit { .. }, Some(unit)) if columns.get(key).unit.is_none() => {
+            IoError::HeaderUnit {
+                file: shown(path),
+                column: name.into(),
+                unit: unit.into(),
+                si: columns.unit_of(key),
+                key: key.into(),
+            }
+        }
+        (e, _) => e,
+    })
 }
 
 /// The unit that the header states behind a name, where it is none of that quantity.

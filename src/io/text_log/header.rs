@@ -46,33 +46,124 @@ pub(super) fn names(
     if let Some((k, names)) = described(&lines[..first], count) {
         return (Some(k), names);
     }
-    let mut units: Option<Vec<String>> = None;
-    let above = (0..first).rev().filter(|k| !is_blank(lines[*k])).take(ABOVE);
-    for k in above {
-        let line = lines[k].trim_start_matches(['#', '%', '/', ' ']);
-        let ways: &[char] = if is_comment(lines[k]) { &SEPARATORS } else { &[separator] };
-        let Some(cells) = ways.iter().map(|s| named_cells(line, *s)).find(|c| no_number(c)) else {
-            continue;
-        };
-        if units.is_none() && is_units(&cells) {
-            units = Some(cells);
-            continue;
+    let rows = Above { lines: &lines[..first], separator, count };
+    rows.named(&named_cells, &no_number, true)
+        .or_else(|| rows.named(&named_cells, &no_number, false))
+        .or_else(|| longer(lines, first, separator, count))
+        .unwrap_or_else(|| (None, (0..count).map(made_up).collect()))
+}
+
+/// The lines above a table of so many columns.
+struct Above<'a> {
+    lines: &'a [&'a str],
+    separator: char,
+    count: usize,
+}
+
+impl Above<'_> {
+    /// The lowest line with names, with the units of a line between it and the rows or in the preamble. Lines of one
+    /// attribute of all columns are passed over where they are to be, as `Data-Type,REAL64,Data-Type,REAL64`, and lines that
+    /// are mostly empty.
+    fn named(
+        &self,
+        cells_of: &dyn Fn(&str, char) -> Vec<String>,
+        no_number: &dyn Fn(&[String]) -> bool,
+        passes_over: bool,
+    ) -> Option<(Option<usize>, Vec<String>)> {
+        let (mut units, mut seen): (Option<Vec<String>>, usize) = (None, 0);
+        for k in (0..self.lines.len()).rev().filter(|k| !is_blank(self.lines[*k])) {
+            let line = within_bracket(self.lines[k]).trim_start_matches(['#', '%', '/', ' ']);
+            let is_remark = is_comment(self.lines[k]) || line.len() < self.lines[k].len();
+            let ways: &[char] = if is_remark { &SEPARATORS } else { &[self.separator] };
+            let all = || ways.iter().map(|s| cells_of(line, *s));
+            if units.is_none()
+                && let Some(cells) =
+                    all().find(|c| no_number(c) && (is_units(c) || passes_over && are_units(c)))
+            {
+                units = Some(cells);
+                continue;
+            }
+            if passes_over && all().any(|c| c.len() == self.count && is_attribute(&c)) {
+                continue;
+            }
+            seen += 1;
+            if seen > ABOVE {
+                return None;
+            }
+            if let Some(cells) = all().find(|c| no_number(c)) {
+                return Some((Some(k), self.completed(k, &cells, units)));
+            }
         }
-        // or somewhere in the preamble, behind a word that says so
-        let above = || lines[..k].iter().rev().map(|line| self::cells(line, separator));
-        let preamble = || above().find(|c| c.len() == count && is_units(c));
-        let labelled = || above().find_map(|row| labelled(&row, &cells));
-        let units = units.clone().or_else(labelled).or_else(preamble).unwrap_or_default();
+        None
+    }
+
+    /// Names with their units, which may stand somewhere in the preamble behind a word that says so, and the groups of
+    /// the line above them.
+    fn completed(&self, k: usize, cells: &[String], units: Option<Vec<String>>) -> Vec<String> {
+        let above = || self.lines[..k].iter().rev().map(|line| self::cells(line, self.separator));
+        let preamble = || above().find(|c| c.len() == self.count && is_units(c));
+        let labelled = || above().find_map(|row| labelled(&row, cells));
+        let units = units.or_else(labelled).or_else(preamble).unwrap_or_default();
         let is_one = |cell: &&String| is_units(std::slice::from_ref(*cell));
         let unit = |k: usize| units.get(k).filter(is_one).map_or("", String::as_str);
         let name = |(k, cell): (usize, &String)| {
             if cell.is_empty() { made_up(k) } else { with_unit(cell, unit(k)) }
         };
         let named: Vec<String> = cells.iter().enumerate().map(name).collect();
-        let groups = if is_repeated(&cells) { groups(&lines[..k], separator, count) } else { None };
-        return (Some(k), groups.map_or_else(|| named.clone(), |groups| grouped(&named, &groups)));
+        let groups = is_repeated(cells)
+            .then(|| groups(&self.lines[..k], self.separator, self.count))
+            .flatten();
+        groups.map_or_else(|| named.clone(), |groups| grouped(&named, &groups))
     }
-    (None, (0..count).map(made_up).collect())
+}
+
+/// What stands behind the bracket that opens a matrix of MATLAB, and its comment sign: `data = [ % t wl wr`.
+fn within_bracket(line: &str) -> &str {
+    let behind = line.split_once("= [").map(|(_, rest)| rest.trim_start());
+    behind.filter(|rest| rest.starts_with('%')).unwrap_or(line)
+}
+
+/// Whether cells alternate between one word and units: `Unit,deg/s,Unit,Nm`.
+fn are_units(cells: &[String]) -> bool {
+    let (mut labels, mut units) = (cells.iter().step_by(2), cells.iter().skip(1).step_by(2));
+    let is_unit = |cell: &String| is_units(std::slice::from_ref(cell));
+    cells.len() > 3
+        && cells.first().is_some_and(|first| !is_unit(first) && labels.all(|c| c == first))
+        && units.all(|cell| cell.is_empty() || is_unit(cell))
+        && cells.iter().any(is_unit)
+}
+
+/// Whether cells are an attribute of the columns and no names: every second cell is the same word and the others repeat
+/// themselves, or are numbers or empty; or half of the cells are empty.
+fn is_attribute(cells: &[String]) -> bool {
+    let filled = cells.iter().filter(|c| !c.is_empty()).count();
+    let (mut labels, values) = (cells.iter().step_by(2), cells.iter().skip(1).step_by(2));
+    let is_same = cells.len() > 3 && labels.all(|c| *c == cells[0]) && !cells[0].is_empty();
+    let values: Vec<&String> = values.collect();
+    let distinct = values.iter().collect::<std::collections::BTreeSet<_>>().len();
+    let are_numbers = values.iter().all(|c| c.is_empty() || value(c, Style::Either).is_some());
+    cells.len() > 2 && 2 * filled <= cells.len()
+        || is_same && (distinct < values.len() || are_numbers)
+}
+
+/// The names of a header of more columns than the rows below it have cells: those behind are empty.
+fn longer(
+    lines: &[&str],
+    first: usize,
+    separator: char,
+    count: usize,
+) -> Option<(Option<usize>, Vec<String>)> {
+    let k = (0..first).rev().find(|k| !is_blank(lines[*k]))?;
+    let found = cells(lines[k], separator);
+    let is_name = |c: &String| !c.is_empty() && value(c, Style::of(separator)).is_none();
+    let is_header = separator != ' '
+        && !is_comment(lines[k])
+        && count > 2
+        && found.len() > count
+        && found.len() <= 2 * count
+        && found.iter().all(is_name)
+        && !is_repeated(&found);
+    is_header.then_some((Some(k), found))
 }
 
 /// The units of columns by the line of LabVIEW that has one for each channel, and none for times and comments.
@@ -197,6 +288,39 @@ mod tests {
         assert_eq!(names(&comments, 3, ' ', 2).1, ["time [s]", "speed"]);
         assert_eq!(names(&["# 0) t", "# 1) w", "0 1"], 2, ' ', 2).1, ["t", "w"]);
         assert_eq!(names(&["# 3 of 2", "# 5 of 2", "0 1"], 2, ' ', 2).1, ["column1", "column2"]);
+    }
+
+    #[test]
+    fn attributes_of_columns_are_no_names() {
+        let twincat = [
+            "Name\tScope",
+            "",
+            "Name\tAxisL.Velo\tName\tAxisR.Velo",
+            "Comment\t\tComment\t",
+            "Type\tREAL64\tType\tREAL64",
+            "Unit\tdeg/s\tUnit\tdeg/s",
+            "Scale\t1\tScale\t2",
+            "",
+            "0\t1\t0\t2",
+        ];
+        let (at, found) = names(&twincat, 8, '\t', 4);
+        assert_eq!(at, Some(2));
+        assert_eq!(found, ["Name", "AxisL.Velo [deg/s]", "Name", "AxisR.Velo [deg/s]"]);
+        let dspace =
+            ["meta,run 3,", "name,Time,w_l,w_r", "unit,s,rad/s,rad/s", "values,,,", ",0,1,2"];
+        let found = names(&dspace, 4, ',', 4).1;
+        assert_eq!(found, ["name", "Time [s]", "w_l [rad/s]", "w_r [rad/s]"]);
+        // names that come again, with those of the sides above them
+        let two = [",left,,right", "t,speed,t,speed", "0,1,0,2"];
+        assert_eq!(names(&two, 2, ',', 4).1, ["t", "left speed", "left t", "right speed"]);
+    }
+
+    #[test]
+    fn a_header_of_more_columns_than_the_rows_names_the_first_of_them() {
+        let lines = ["v_l,v_r,w_l,w_r,yaw", "0,1,2,3"];
+        assert_eq!(names(&lines, 1, ',', 4).1.len(), 5);
+        let lines = ["data = [ % t wl wr", "0 1 2;"];
+        assert_eq!(names(&lines, 1, ' ', 3).1, ["t", "wl", "wr"]);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::lines::Columns;
 use super::record::{Pairs, assigned_texts, collected, joined, pairs};
-use crate::io::csv::{Style, is_owner};
+use crate::io::csv::{Style, is_owner, is_part};
 
 /// Records that say whether a word does.
 const LOOKED_AT: usize = 64;
@@ -31,6 +31,7 @@ fn keys(lines: &[&str]) -> Option<Owners> {
     let held = lines.iter().map(|line| words(line)).filter(|found| !found.is_empty());
     let head: Vec<HashMap<String, String>> = held.take(LOOKED_AT).collect();
     let mut fields: Vec<&String> = head.first().into_iter().flat_map(HashMap::keys).collect();
+    fields.retain(|field| !is_part(field));
     fields.sort();
     let says = |field: &&String| {
         let of: Vec<Option<&String>> = head.iter().map(|words| words.get(*field)).collect();

@@ -17,6 +17,9 @@ const KINDS: usize = 16;
 /// Words of sides, in pairs.
 const SIDES: [&str; 6] = ["left", "right", "l", "r", "links", "rechts"];
 
+/// Levels of loggers.
+const LEVELS: [&str; 7] = ["TRACE", "DEBUG", "INFO", "NOTICE", "WARN", "WARNING", "ERROR"];
+
 /// What a line holds.
 #[derive(Debug, PartialEq)]
 pub(super) struct Line {
@@ -137,9 +140,12 @@ pub(super) fn columns<'a>(lines: impl Iterator<Item = &'a str>) -> Columns {
     let mut counts: HashMap<&str, usize> = HashMap::new();
     found.iter().for_each(|(kind, _)| *counts.entry(kind).or_default() += 1);
     let again = || found.iter().filter(|(kind, _)| counts[kind.as_str()] > 1).map(|(_, line)| line);
-    // a tag in capitals before every line, `INFO` or `PID`, says nothing; other words may be the quantity
+    // a tag in capitals before every line, `INFO` or `PID`, says nothing, nor does the name of a logger behind a level; other
+    // words may be the quantity
     let first = again().next().map_or("", |line| &line.head);
-    let is_tag = !first.contains(char::is_lowercase) && again().all(|line| line.head == first);
+    let is_level = first.split_whitespace().next().is_some_and(|word| LEVELS.contains(&word));
+    let is_tag =
+        (is_level || !first.contains(char::is_lowercase)) && again().all(|line| line.head == first);
     record::collected(record::joined(again().map(|line| line.record(!is_tag))))
 }
 
@@ -231,6 +237,7 @@ fn share_words<'a>(items: &mut [Item<'a>]) {
             continue;
         };
         let (Some(a), Some(b)) = (side(first), side(second)) else { continue };
+        let shared = behind_level(shared);
         // a tag in capitals before the line is none of its names
         let says = shared.last().is_some_and(|word| word.contains(char::is_lowercase));
         if !says || a == b || a / 2 != b / 2 {
@@ -243,6 +250,12 @@ fn share_words<'a>(items: &mut [Item<'a>]) {
             items[k - 1].unit = unit;
         }
     }
+}
+
+/// Words without a level of a logger and its name before them.
+fn behind_level<'a, 'b>(words: &'b [&'a str]) -> &'b [&'a str] {
+    let has_level = words.first().is_some_and(|word| LEVELS.contains(word));
+    if has_level { words.get(2..).unwrap_or_default() } else { words }
 }
 
 fn piece(chunk: &str) -> Option<Piece<'_>> {
@@ -342,6 +355,7 @@ mod tests {
             columns(lines.repeat(2).into_iter()).into_iter().map(|(name, _)| name).collect()
         };
         assert_eq!(of(&["INFO: l 1 r 2"]), ["l", "r"]);
+        assert_eq!(of(&["INFO - robot.drive - l=1 r=2"]), ["l", "r"]);
         assert_eq!(of(&["GYRO x 1 y 2", "ACC x 3 y 4"]), ["GYRO.x", "GYRO.y", "ACC.x", "ACC.y"]);
         let lines = ["ENC 1 L 2 R 3", "CUR 1 L 4 R 5", "ENC 2 L 2 R 3", "CUR 2 L 4 R 5"];
         let found = columns(lines.into_iter());

@@ -28,7 +28,8 @@ pub(super) fn is_comment(line: &str) -> bool {
 /// The cells of a line; several spaces part two columns as one does.
 pub(super) fn cells(line: &str, separator: char) -> Vec<String> {
     if separator == ' ' {
-        line.split_whitespace().map(Into::into).collect()
+        // rows of a matrix of MATLAB end so
+        line.trim_end().trim_end_matches(';').split_whitespace().map(Into::into).collect()
     } else if separator == '|' {
         // a table of Markdown has a bar at both ends
         let line = line.trim();

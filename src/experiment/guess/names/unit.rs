@@ -1,7 +1,7 @@
 //! Units in names: in brackets, behind, in front.
 
 use super::said::Quantity;
-use super::words::{LENGTHS, QUANTITIES, UNITS, WEAK, take_quantity};
+use super::words::{LENGTHS, QUANTITIES, WEAK, take_quantity};
 
 /// Takes the unit off the end of the words. A single letter stays where another word says a quantity of which it is
 /// no unit: `a` of `speed_a` is a motor.
@@ -13,7 +13,7 @@ pub(super) fn unit_behind(words: &mut Vec<String>) -> Option<(&'static str, Opti
         words.pop();
         return Some(("m", Some(Quantity::Angle)));
     }
-    let last = take_unit(words);
+    let last = take_unit(words).or_else(|| unit_before_side(words));
     if let Some(inner) = unit_before_motor(&before, words) {
         return Some(inner);
     }
@@ -29,6 +29,21 @@ pub(super) fn unit_behind(words: &mut Vec<String>) -> Option<(&'static str, Opti
         *words = before;
         return None;
     }
+    Some(found)
+}
+
+/// The unit of more letters than one before the side at the end, `wheel_rad_s_left`, where it is no word of its quantity.
+fn unit_before_side(words: &mut Vec<String>) -> Option<(&'static str, Option<Quantity>)> {
+    let (last, inner) = words.split_last()?;
+    crate::io::side(last)?;
+    let mut others = inner.to_vec();
+    let found = take_unit(&mut others)?;
+    let taken = &inner[others.len()..];
+    if taken.concat().len() < 2 || taken.iter().any(|word| is_word(word)) {
+        return None;
+    }
+    others.push(last.clone());
+    *words = others;
     Some(found)
 }
 
@@ -65,20 +80,38 @@ fn of_its_quantity(
     }
 }
 
-/// A unit before the first sign that is no letter, of more letters than one: `mA_left`, and the rest of the name.
+/// A unit at the beginning of a name, of more letters than one, and the rest of the name: `mA_left`, `rad_s_l`. Of
+/// several words it is that of a speed; one that is a word of its quantity as well is found as such: `rpm_left`.
 pub(super) fn unit_in_front(name: &str) -> (Option<(&'static str, Option<Quantity>)>, &str) {
-    let end = name.find(|c: char| !c.is_alphanumeric()).unwrap_or(name.len());
-    let (front, rest) = name.split_at(end);
-    let says = |(_, of): &(&str, Option<Quantity>)| of.is_some_and(|q| q != Quantity::Time);
-    let is_word = |word: &str| QUANTITIES.iter().any(|(_, words)| words.contains(&word));
-    let front = front.to_lowercase();
-    match unit(&front).filter(says) {
-        // what is a word of its quantity as well is found as such: `rpm_left`, `ticks_left`
-        Some(found) if front.len() > 1 && !rest.is_empty() && !is_word(&front) => {
-            (Some(found), rest)
+    let is_edge = |c: char| !c.is_alphanumeric();
+    let ends: Vec<usize> =
+        name.match_indices(is_edge).map(|(at, _)| at).chain([name.len()]).take(3).collect();
+    for (k, &end) in ends.iter().enumerate().rev() {
+        let (front, rest) = name.split_at(end);
+        let front = front.to_lowercase();
+        let words: Vec<&str> = front.split(is_edge).collect();
+        let found = unit(&words.join("/")).or_else(|| unit(&words.concat()));
+        let is_one = |(_, of): &(&str, Option<Quantity>)| match of {
+            Some(Quantity::Speed) => k > 0 || !is_word(&front),
+            Some(of) => *of != Quantity::Time && k == 0 && !is_word(&front),
+            None => false,
+        };
+        // `tick_ms` are no counts
+        let is_time =
+            || unit(rest.trim_matches(is_edge)).is_some_and(|(_, of)| of == Some(Quantity::Time));
+        if let Some(found) = found.filter(is_one)
+            && front.len() > 1
+            && (k > 0 || !rest.is_empty() && !is_time())
+        {
+            return (Some(found), rest);
         }
-        _ => (None, name),
     }
+    (None, name)
+}
+
+/// Whether a word says a quantity.
+fn is_word(word: &str) -> bool {
+    QUANTITIES.iter().any(|(_, words)| words.contains(&word))
 }
 
 /// The name and the unit in brackets behind it; an index is no unit.
@@ -124,3 +157,139 @@ fn take_unit(words: &mut Vec<String>) -> Option<(&'static str, Option<Quantity>)
     }
     None
 }
+
+/// Endings of a name that are a unit: as written, unit of the program, and whether it says the quantity
+/// by itself.
+const UNITS: [(&[&str], &str, Option<Quantity>); 33] = [
+    (&["mm/s", "mmps", "mmpersec", "mmpersecond"], "mm/s", Some(Quantity::Speed)),
+    (&["cm/s", "cmps", "cmpersec", "cmpersecond"], "cm/s", Some(Quantity::Speed)),
+    (
+        &[
+            "meterspersecond",
+            "meterspersec",
+            "metrespersecond",
+            "mpersecond",
+            "mpersec",
+            "mpers",
+            "mps",
+            "m/sec",
+            "m/s",
+        ],
+        "m/s",
+        Some(Quantity::Speed),
+    ),
+    (&["km/h", "kmh", "kph", "kmperh", "kmperhour"], "km/h", Some(Quantity::Speed)),
+    (
+        &[
+            "radianspersecond",
+            "radianspersec",
+            "radpersec",
+            "radpers",
+            "radps",
+            "rads",
+            "radsec",
+            "rad/sec",
+            "rads/s",
+            "rad/s",
+        ],
+        "rad/s",
+        Some(Quantity::Speed),
+    ),
+    (
+        &[
+            "degreespersecond",
+            "degreespersec",
+            "degpersec",
+            "degpers",
+            "degps",
+            "dps",
+            "deg/sec",
+            "°/s",
+            "deg/s",
+        ],
+        "deg/s",
+        Some(Quantity::Speed),
+    ),
+    (
+        &[
+            "rotationspersecond",
+            "rotationspersec",
+            "revolutionspersecond",
+            "revpersec",
+            "revpers",
+            "rev/s",
+            "rev/sec",
+            "rot/s",
+            "rps",
+            "turnspersecond",
+            "turn/s",
+            "turns/s",
+        ],
+        "rev/s",
+        Some(Quantity::Speed),
+    ),
+    (
+        &[
+            "rotationsperminute",
+            "rpm",
+            "1/min",
+            "r/min",
+            "u/min",
+            "rev/min",
+            "tr/min",
+            "giri/min",
+            "об/мин",
+            "obr/min",
+        ],
+        "rpm",
+        Some(Quantity::Speed),
+    ),
+    (
+        &[
+            "ticks/s",
+            "ticks/sec",
+            "counts/s",
+            "counts/sec",
+            "tickspersecond",
+            "tickspersec",
+            "countspersecond",
+            "countspersec",
+            "tickspers",
+            "countspers",
+            "cps",
+            "tps",
+            "qpps",
+            "pps",
+        ],
+        "ticks/s",
+        Some(Quantity::Speed),
+    ),
+    (&["mrad/s", "mrad/sec", "mradps", "mradpers", "mradpersec"], "mrad/s", Some(Quantity::Speed)),
+    (&["mrad"], "mrad", Some(Quantity::Angle)),
+    (&["radians", "rad"], "rad", Some(Quantity::Angle)),
+    (&["degrees", "degree", "deg", "grad"], "deg", Some(Quantity::Angle)),
+    (
+        &["rotations", "rotation", "revolutions", "turns", "turn", "revs", "rev", "rot"],
+        "rev",
+        Some(Quantity::Angle),
+    ),
+    (&["ticks", "tick", "counts", "cnt"], "ticks", Some(Quantity::Angle)),
+    (&["meters", "metres"], "m", None),
+    (&["centimeters", "centimetres", "cm"], "cm", Some(Quantity::Angle)),
+    (&["millimeters", "millimetres", "mm"], "mm", Some(Quantity::Angle)),
+    (&["milliseconds", "millis", "msec", "ms"], "ms", Some(Quantity::Time)),
+    (&["microseconds", "micros", "usec", "us"], "us", Some(Quantity::Time)),
+    (&["nanoseconds", "ns"], "ns", Some(Quantity::Time)),
+    (&["milliamps", "ma"], "mA", Some(Quantity::Current)),
+    (&["amperes", "ampere", "amps", "amp", "a"], "A", Some(Quantity::Current)),
+    (&["millivolts", "mv"], "mV", Some(Quantity::Voltage)),
+    (&["volts", "volt", "v"], "V", Some(Quantity::Voltage)),
+    (&["mnm"], "mN m", Some(Quantity::Torque)),
+    (&["ncm"], "N cm", Some(Quantity::Torque)),
+    (&["kgfcm", "kgcm"], "kgf cm", Some(Quantity::Torque)),
+    (&["ozin", "ozfin", "inoz"], "oz in", Some(Quantity::Torque)),
+    (&["lbin", "lbfin", "inlb"], "lb in", Some(Quantity::Torque)),
+    (&["lbft", "lbfft", "ftlb"], "lb ft", Some(Quantity::Torque)),
+    (&["newtonmeters", "newtonmetres", "nm"], "N m", Some(Quantity::Torque)),
+    (&["seconds", "second", "secs", "sec", "s"], "s", None),
+];

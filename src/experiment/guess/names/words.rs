@@ -26,6 +26,17 @@ pub(super) const QUANTITIES: [(Quantity, &[&str]); 7] = [
             "zeit",
             // of a day: the milliseconds of VESC Tool
             "today",
+            "temps",
+            "tempo",
+            "tiempo",
+            "czas",
+            "tijd",
+            "zaman",
+            "время",
+            "时间",
+            "時間",
+            "uptime",
+            "systick",
         ],
     ),
     (
@@ -53,6 +64,18 @@ pub(super) const QUANTITIES: [(Quantity, &[&str]); 7] = [
             "drehzahl",
             "geschwindigkeit",
             "ω",
+            "spd",
+            "vitesse",
+            "velocita",
+            "velocidad",
+            "velocidade",
+            "predkosc",
+            "snelheid",
+            "hiz",
+            "скорость",
+            "速度",
+            "转速",
+            "回転数",
         ],
     ),
     (
@@ -86,15 +109,59 @@ pub(super) const QUANTITIES: [(Quantity, &[&str]); 7] = [
             "θ",
             "φ",
             "α",
+            "cnt",
+            "rot",
+            "angolo",
+            "angulo",
+            "hoek",
+            "угол",
+            "角度",
         ],
     ),
     (
         Quantity::Torque,
-        &["m", "moment", "torque", "tau", "effort", "efforts", "trq", "tq", "drehmoment", "τ"],
+        &[
+            "m",
+            "moment",
+            "torque",
+            "tau",
+            "effort",
+            "efforts",
+            "trq",
+            "tq",
+            "drehmoment",
+            "τ",
+            "couple",
+            "coppia",
+            "koppel",
+            "момент",
+            "扭矩",
+            "转矩",
+            "トルク",
+        ],
     ),
     (
         Quantity::Current,
-        &["current", "currents", "cur", "curr", "i", "amps", "iq", "ia", "ampere", "strom"],
+        &[
+            "current",
+            "currents",
+            "cur",
+            "curr",
+            "i",
+            "amps",
+            "iq",
+            "ia",
+            "ampere",
+            "strom",
+            "courant",
+            "corrente",
+            "corriente",
+            "prad",
+            "stroom",
+            "ток",
+            "电流",
+            "電流",
+        ],
     ),
     (
         Quantity::Voltage,
@@ -110,6 +177,15 @@ pub(super) const QUANTITIES: [(Quantity, &[&str]); 7] = [
             "dutycycle",
             "pwm",
             "spannung",
+            "tension",
+            "tensione",
+            "tensao",
+            "voltaje",
+            "napiecie",
+            "spanning",
+            "напряжение",
+            "电压",
+            "電圧",
             "throttle",
             // of a motor and nothing else: its command
             "power",
@@ -126,7 +202,7 @@ pub(super) const WEAK: [&str; 4] = ["power", "motor", "mot", "throttle"];
 pub(super) const STEPS: [&str; 4] = ["dt", "deltat", "interval", "period"];
 
 /// Words of a name that is a command and not a measurement.
-pub(in crate::experiment::guess) const WISHED: [&str; 13] = [
+pub(in crate::experiment::guess) const WISHED: [&str; 20] = [
     "command",
     "commands",
     "commanded",
@@ -140,7 +216,23 @@ pub(in crate::experiment::guess) const WISHED: [&str; 13] = [
     "des",
     "goal",
     "soll",
+    "sollwert",
+    "consigne",
+    "consigna",
+    "obiettivo",
+    "目标",
+    "目標",
+    "指令",
 ];
+
+/// Words of a name that is what the robot did, and say no more.
+pub(in crate::experiment::guess) const MEASURED: [&str; 15] = [
+    "meas", "measured", "measure", "act", "actual", "ist", "istwert", "pv", "fb", "feedback",
+    "real", "mes", "实际", "実", "測定",
+];
+
+/// Words of the system whose ticks are those of a clock.
+pub(super) const SYSTEM: [&str; 7] = ["hal", "sys", "system", "os", "rtos", "kernel", "mcu"];
 /// Words of quantities that are not those of a wheel.
 pub(super) const OTHERS: [&str; 25] = [
     "gyro",
@@ -178,130 +270,13 @@ pub(super) const LENGTHS: [&str; 7] =
 pub(super) const BATTERY: [&str; 8] =
     ["battery", "bat", "batt", "vbat", "vbatt", "bus", "supply", "vin"];
 
-/// Endings of a name that are a unit: as written, unit of the program, and whether it says the quantity
-/// by itself.
-pub(super) const UNITS: [(&[&str], &str, Option<Quantity>); 32] = [
-    (&["mm/s", "mmps", "mmpersec", "mmpersecond"], "mm/s", Some(Quantity::Speed)),
-    (&["cm/s", "cmps", "cmpersec", "cmpersecond"], "cm/s", Some(Quantity::Speed)),
-    (
-        &[
-            "meterspersecond",
-            "meterspersec",
-            "metrespersecond",
-            "mpersecond",
-            "mpersec",
-            "mpers",
-            "mps",
-            "m/sec",
-            "m/s",
-        ],
-        "m/s",
-        Some(Quantity::Speed),
-    ),
-    (
-        &[
-            "radianspersecond",
-            "radianspersec",
-            "radpersec",
-            "radpers",
-            "radps",
-            "rads",
-            "rad/sec",
-            "rads/s",
-            "rad/s",
-        ],
-        "rad/s",
-        Some(Quantity::Speed),
-    ),
-    (
-        &[
-            "degreespersecond",
-            "degreespersec",
-            "degpersec",
-            "degpers",
-            "degps",
-            "dps",
-            "deg/sec",
-            "°/s",
-            "deg/s",
-        ],
-        "deg/s",
-        Some(Quantity::Speed),
-    ),
-    (
-        &[
-            "rotationspersecond",
-            "rotationspersec",
-            "revolutionspersecond",
-            "revpersec",
-            "revpers",
-            "rev/s",
-            "rev/sec",
-            "rot/s",
-            "rps",
-            "turnspersecond",
-            "turn/s",
-            "turns/s",
-        ],
-        "rev/s",
-        Some(Quantity::Speed),
-    ),
-    (
-        &["rotationsperminute", "rpm", "1/min", "r/min", "u/min", "rev/min"],
-        "rpm",
-        Some(Quantity::Speed),
-    ),
-    (
-        &[
-            "ticks/s",
-            "ticks/sec",
-            "counts/s",
-            "counts/sec",
-            "tickspersecond",
-            "tickspersec",
-            "countspersecond",
-            "cps",
-            "qpps",
-            "pps",
-        ],
-        "ticks/s",
-        Some(Quantity::Speed),
-    ),
-    (&["mrad/s", "mrad/sec", "mradps", "mradpers", "mradpersec"], "mrad/s", Some(Quantity::Speed)),
-    (&["mrad"], "mrad", Some(Quantity::Angle)),
-    (&["radians", "rad"], "rad", Some(Quantity::Angle)),
-    (&["degrees", "degree", "deg", "grad"], "deg", Some(Quantity::Angle)),
-    (
-        &["rotations", "rotation", "revolutions", "turns", "turn", "revs", "rev"],
-        "rev",
-        Some(Quantity::Angle),
-    ),
-    (&["ticks", "tick", "counts"], "ticks", Some(Quantity::Angle)),
-    (&["meters", "metres"], "m", None),
-    (&["centimeters", "centimetres", "cm"], "cm", Some(Quantity::Angle)),
-    (&["millimeters", "millimetres", "mm"], "mm", Some(Quantity::Angle)),
-    (&["milliseconds", "millis", "msec", "ms"], "ms", Some(Quantity::Time)),
-    (&["microseconds", "micros", "usec", "us"], "us", Some(Quantity::Time)),
-    (&["nanoseconds", "ns"], "ns", Some(Quantity::Time)),
-    (&["milliamps", "ma"], "mA", Some(Quantity::Current)),
-    (&["amperes", "ampere", "amps", "amp", "a"], "A", Some(Quantity::Current)),
-    (&["millivolts", "mv"], "mV", Some(Quantity::Voltage)),
-    (&["volts", "volt", "v"], "V", Some(Quantity::Voltage)),
-    (&["mnm"], "mN m", Some(Quantity::Torque)),
-    (&["ncm"], "N cm", Some(Quantity::Torque)),
-    (&["kgfcm", "kgcm"], "kgf cm", Some(Quantity::Torque)),
-    (&["ozin", "ozfin", "inoz"], "oz in", Some(Quantity::Torque)),
-    (&["lbin", "lbfin", "inlb"], "lb in", Some(Quantity::Torque)),
-    (&["lbft", "lbfft", "ftlb"], "lb ft", Some(Quantity::Torque)),
-    (&["newtonmeters", "newtonmetres", "nm"], "N m", Some(Quantity::Torque)),
-    (&["seconds", "second", "secs", "sec", "s"], "s", None),
-];
-
 /// The quantity and the word that says it.
 pub(super) fn take_quantity(words: &mut Vec<String>) -> Option<(Quantity, String)> {
     // a derivative: d alpha, wheel speed, alpha dot
     let dot = words.iter().any(|w| matches!(w.as_str(), "dot" | "d"));
-    let is_alone = words.iter().filter(|w| !w.chars().all(|c| c.is_ascii_digit())).count() == 1;
+    let says =
+        |w: &&String| !MEASURED.contains(&w.as_str()) && !w.chars().all(|c| c.is_ascii_digit());
+    let is_alone = words.iter().filter(says).count() == 1;
     for (quantity, known) in QUANTITIES {
         if let Some(k) = words.iter().position(|w| known.contains(&w.as_str())) {
             // one letter says little among other words

@@ -214,3 +214,84 @@ fn a_column_that_is_called_battery_is_one_where_its_values_are() {
     assert_eq!(logged("battery", |t| 1.0 - 0.01 * t).0, None);
     assert_eq!(logged("battery", |t| 50.0 - 2.45 * t).0, None);
 }
+
+fn log(names: &[&str], f: impl Fn(f64) -> f64 + Copy) -> Guess {
+    let mut all = vec![column("t", |t| t)];
+    all.extend(names.iter().map(|name| column(name, f)));
+    guess(&all)
+}
+
+#[test]
+fn outputs_of_controllers_are_inputs_where_nothing_else_is() {
+    for (right, left) in [
+        ("right_pwr", "left_pwr"),
+        ("output_right", "output_left"),
+        ("ctrl_r", "ctrl_l"),
+        ("pid_r", "pid_l"),
+        ("R_OUT", "L_OUT"),
+    ] {
+        let g = log(&["rpm_r", "rpm_l", right, left], |t| 10.0 * speed(t));
+        assert_eq!(of(&g, "M1").name, right, "{:?}", g.questions);
+        assert!(g.questions.join(" ").contains("is a share of the battery's voltage"));
+        let g = log(&["rpm_r", "rpm_l", right, left, "amps_r", "amps_l"], speed);
+        assert_eq!(of(&g, "M1").name, "amps_r");
+    }
+    let g = log(&["rpm_r", "rpm_l", "pwm_pct_r", "pwm_pct_l"], speed);
+    assert!(g.questions.join(" ").contains("with 100 for the whole"), "{:?}", g.questions);
+    // of one axis a command, with the column of its direction
+    let dir = column("dir", |t| speed(t).signum());
+    let pwm = column("pwm_cmd", |t| speed(t).abs());
+    let g = guess(&[column("t", |t| t), column("rpm", speed), pwm, dir]);
+    assert_eq!(
+        (of(&g, "M2").name.as_str(), of(&g, "M2").sign.as_deref()),
+        ("pwm_cmd", Some("dir"))
+    );
+}
+
+#[test]
+fn measured_values_beside_their_set_points_are_the_speeds() {
+    for names in [
+        ["soll_l", "soll_r", "ist_l", "ist_r", "u_l", "u_r"],
+        ["L_SP", "R_SP", "L_PV", "R_PV", "L_OUT", "R_OUT"],
+        ["wl_ref", "wr_ref", "wl_meas", "wr_meas", "pwm_l", "pwm_r"],
+    ] {
+        let g = log(&names, speed);
+        assert_eq!(
+            (of(&g, "dalpha1").name.as_str(), of(&g, "M1").name.as_str()),
+            (names[3], names[5])
+        );
+    }
+    let g = log(&["target_mmps", "spd_l", "spd_r", "duty_l", "duty_r"], |t| 20.0 * speed(t));
+    assert_eq!(
+        (of(&g, "dalpha1").unit.as_deref(), of(&g, "dalpha1").unit_open),
+        (Some("mm/s"), false)
+    );
+}
+
+#[test]
+fn angles_that_turn_too_fast_and_positions_with_their_slopes_are_asked_for() {
+    let of_log = |names: [&str; 2], factor: f64, speeds: Option<[&str; 2]>| {
+        let mut all = vec![column("t", |t| t)];
+        all.extend(names.map(|name| column(name, |t| factor * angle(t))));
+        all.extend(speeds.into_iter().flatten().map(|name| column(name, |t| factor * speed(t))));
+        all.extend(["torque_r", "torque_l"].map(|name| column(name, speed)));
+        let g = guess(&all);
+        (of(&g, "alpha1").unit_open, g.columns.iter().any(|c| c.key == "dalpha1" && c.unit_open))
+    };
+    assert_eq!(of_log(["theta_r", "theta_l"], 1.0, None), (false, false));
+    assert_eq!(of_log(["theta_r", "theta_l"], 360.0 / TURN, None), (true, false));
+    let pair = |a: &'static str, b: &'static str| Some([a, b]);
+    let speeds = pair("vel_r", "vel_l");
+    assert_eq!(of_log(["pos_r", "pos_l"], 0.05, speeds), (true, true));
+    assert_eq!(of_log(["theta_r", "theta_l"], 1.0, pair("omega_r", "omega_l")), (false, false));
+    let joints = pair("joint_r.velocity", "joint_l.velocity");
+    assert_eq!(of_log(["joint_r.position", "joint_l.position"], 1.0, joints), (false, false));
+}
+
+#[test]
+fn columns_that_all_go_with_each_other_are_said_to_be_no_slopes() {
+    let constant = |name: &str, by: f64| column(name, move |t| by + 1e-3 * t);
+    let g =
+        guess(&[column("t", |t| t), constant("a", 1.0), constant("b", 2.0), constant("c", 3.0)]);
+    assert!(!g.questions.join(" ").contains("is the slope of"), "{:?}", g.questions);
+}

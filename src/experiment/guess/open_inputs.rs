@@ -1,0 +1,90 @@
+//! The question for the input where no column is one by its name, and few may be.
+
+use super::names::{Named, Quantity, Side, named};
+use super::values::is_constant;
+use super::{ANGLES, Guess, Guessed, SPEEDS};
+use crate::io::PreviewColumn;
+
+/// What must be written beside the columns.
+const BESIDE: &str = "drive_unit as \"V\" of a voltage or PWM, with hold = \"constant\" below it";
+
+/// Names the column or the pair that is left beside two wheels and may be the input; `None` where several or none may be.
+pub(super) fn question(columns: &[PreviewColumn], guess: &Guess) -> Option<String> {
+    let of = |key: &str| guess.columns.iter().find(|c| c.key == key).map(|c| &c.name);
+    let are_wheels = |[right, left]: [&str; 2]| of(right).is_some() && of(right) != of(left);
+    if !are_wheels(ANGLES) && !are_wheels(SPEEDS) {
+        return None;
+    }
+    let is_used = |c: &PreviewColumn| guess.columns.iter().any(|g: &Guessed| g.name == c.name);
+    let open: Vec<(&PreviewColumn, Named)> = columns
+        .iter()
+        .filter(|c| !is_used(c) && !is_constant(&c.values))
+        .map(|c| (c, named(&c.name)))
+        .collect();
+    shared(&open).or_else(|| pair(&open))
+}
+
+/// The one input that both wheels may share.
+fn shared(open: &[(&PreviewColumn, Named)]) -> Option<String> {
+    let is_input = |n: &Named| {
+        let quantity = n.quantity;
+        matches!(quantity, Some(Quantity::Torque | Quantity::Current | Quantity::Voltage))
+            && !n.battery
+            && (n.word.len() > 1 || n.unit.is_some())
+    };
+    let found: Vec<_> = open.iter().filter(|(_, n)| is_input(n)).collect();
+    let [(column, name)] = found[..] else { return None };
+    name.side.is_none().then(|| {
+        format!(
+            "`{}` is the only input: do both wheels have it? Then write it as M1 and as M2, and {BESIDE}",
+            column.name
+        )
+    })
+}
+
+/// The one pair of columns whose names differ in the side alone and say no motion.
+fn pair(open: &[(&PreviewColumn, Named)]) -> Option<String> {
+    let is_of = |n: &Named, side: Side| {
+        n.side == Some(side)
+            && !n.rest.is_empty()
+            && !matches!(n.quantity, Some(Quantity::Angle | Quantity::Speed))
+    };
+    let of = |side: Side| open.iter().filter(move |(_, n)| is_of(n, side));
+    let same =
+        |a: &Named, b: &Named| (a.quantity, &a.rest, a.unit) == (b.quantity, &b.rest, b.unit);
+    let mut pairs = of(Side::Right)
+        .flat_map(|right| of(Side::Left).map(move |left| (right, left)))
+        .filter(|(right, left)| same(&right.1, &left.1));
+    let (right, left) = pairs.next()?;
+    pairs.next().is_none().then(|| {
+        format!(
+            "is `{}` the input of the right wheel, and `{}` that of the left one? Then write them as M1 and M2, and {BESIDE}",
+            right.0.name, left.0.name
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::guess;
+    use crate::io::PreviewColumn;
+
+    fn questions(names: &[&str]) -> String {
+        let column = |name: &&str| PreviewColumn {
+            name: (*name).into(),
+            values: (0..200).map(|k| 50.0 * (0.05 * f64::from(k)).sin()).collect(),
+            ..PreviewColumn::default()
+        };
+        guess(&names.iter().map(column).collect::<Vec<_>>()).questions.join("\n")
+    }
+
+    #[test]
+    fn the_pair_that_is_left_and_an_input_of_both_wheels_are_named() {
+        let asked = questions(&["leftRpm", "rightRpm", "leftCommand", "rightCommand"]);
+        assert!(asked.contains("is `rightCommand` the input of the right wheel"), "{asked}");
+        let asked = questions(&["RPM_R", "RPM_L", "PWM_percent"]);
+        assert!(asked.contains("`PWM_percent` is the only input: do both wheels"), "{asked}");
+        let asked = questions(&["RPM_R", "RPM_L", "a_l", "a_r", "b_l", "b_r"]);
+        assert!(!asked.contains("is `"), "{asked}");
+    }
+}

@@ -1,0 +1,180 @@
+//! Columns that say whose row it is: of a joint, a motor, a signal.
+
+use super::{Style, value};
+use crate::io::words::{have_both_sides, words};
+
+/// The most joints of a robot that a log tells apart.
+const JOINTS: usize = 16;
+/// The most motors that a column of numbers without a telling name counts.
+const COUNTED: usize = 4;
+/// Rows for each change of a label beside one that alternates; the state of a robot stays for longer.
+const STAYS: usize = 8;
+/// Names of a column with the number of a motor.
+const OWNERS: [&str; 19] = [
+    "id",
+    "motor",
+    "motorid",
+    "motornr",
+    "motornumber",
+    "motoridx",
+    "joint",
+    "jointid",
+    "wheel",
+    "wheelid",
+    "axis",
+    "node",
+    "nodeid",
+    "channel",
+    "ch",
+    "servo",
+    "servoid",
+    "canid",
+    "side",
+];
+/// Words of a column that says which part of an experiment a row is of, and never which wheel.
+const PARTS: [&str; 16] = [
+    "run",
+    "test",
+    "trial",
+    "phase",
+    "mode",
+    "step",
+    "rep",
+    "repetition",
+    "state",
+    "status",
+    "session",
+    "segment",
+    "experiment",
+    "maneuver",
+    "manoeuvre",
+    "cycle",
+];
+/// Names of a column whose quantity the label says.
+const VALUES: [&str; 4] = ["value", "_value", "val", "data"];
+
+/// Whether the label of a row says which quantity a column of that name holds.
+pub(super) fn is_value(name: &str) -> bool {
+    VALUES.contains(&name.to_lowercase().as_str())
+}
+
+/// Whether a name is that of a column with the number of a motor.
+#[must_use]
+pub fn is_owner(name: &str) -> bool {
+    let bare: String = name.to_lowercase().chars().filter(char::is_ascii_alphanumeric).collect();
+    OWNERS.contains(&bare.as_str())
+}
+
+/// Whether a name is that of a part of an experiment: `run`, `test_id`, `robot_mode`.
+pub(in crate::io) fn is_part(name: &str) -> bool {
+    words(name).iter().any(|word| PARTS.contains(&word.as_str()))
+}
+
+/// The time: the first column that never falls and changes.
+pub(super) fn time(head: &[Vec<String>], style: Style) -> Option<usize> {
+    let rises = |cells: &Vec<String>| {
+        let values: Option<Vec<f64>> = cells.iter().map(|c| value(c, style)).collect();
+        values.is_some_and(|v| {
+            v.windows(2).all(|w| w[1] >= w[0])
+                && v.first().zip(v.last()).is_some_and(|(a, b)| a < b)
+        })
+    };
+    head.iter().position(rises)
+}
+
+/// Whether a column may say whose row it is: words, numbers under the name of a motor, or a few whole numbers that come
+/// in turn in rows of the same time.
+pub(super) fn is_label(name: &str, cells: &[String], times: &[String], style: Style) -> bool {
+    let number = |cell: &String| value(cell, style);
+    if is_part(name) {
+        return false;
+    }
+    if cells.iter().all(|c| !c.is_empty() && number(c).is_none()) {
+        return true;
+    }
+    let whole = |c: &String| c.parse::<i64>().is_ok();
+    if cells.is_empty() || !cells.iter().all(whole) {
+        return false;
+    }
+    if is_owner(name) {
+        return true;
+    }
+    let ids = distinct(cells.iter().map(String::as_str));
+    let count = ids.len();
+    let in_turn = (0..cells.len()).all(|k| cells[k] == ids[k % count]);
+    (2..=COUNTED).contains(&count)
+        && in_turn
+        && times.chunks(count).all(|cycle| cycle.iter().all(|t| *t == cycle[0]))
+}
+
+/// The columns that say whose row it is: those of rows in turn, else those of tables one below the other.
+pub(super) fn labels(
+    names: &[String],
+    texts: &[Vec<String>],
+    head: &[Vec<String>],
+    (time, times): (usize, &[f64]),
+    style: Style,
+) -> Vec<usize> {
+    let found: Vec<usize> = (0..names.len())
+        .filter(|k| *k != time && is_label(&names[*k], &head[*k], &head[time], style))
+        .filter(|k| (2..=JOINTS).contains(&distinct(texts[*k].iter().map(String::as_str)).len()))
+        .collect();
+    let in_turn = alternating(head, &found);
+    if !in_turn.is_empty() {
+        return in_turn;
+    }
+    // what stands beside both wheels is no wheel
+    let others = (0..names.len()).filter(|k| *k != time && !found.contains(k));
+    if have_both_sides(&others.map(|k| names[k].as_str()).collect::<Vec<_>>()) {
+        return vec![];
+    }
+    let is_long = names.iter().any(|name| is_value(name));
+    one_below_the_other(texts, times, &found, is_long)
+}
+
+/// The labels of rows in turn: one that differs from the row before in at least half of the rows, and those that
+/// change now and then beside it.
+fn alternating(head: &[Vec<String>], labels: &[usize]) -> Vec<usize> {
+    let changes = |k: &usize| head[*k].windows(2).filter(|w| w[0] != w[1]).count();
+    let steps = |k: &usize| head[*k].len().saturating_sub(1);
+    if !labels.iter().any(|k| 2 * changes(k) >= steps(k)) {
+        return vec![];
+    }
+    labels.iter().copied().filter(|k| STAYS * changes(k) >= steps(k)).collect()
+}
+
+/// The labels of tables one below the other: each change of a label begins at an earlier time. Where a clock starts anew
+/// with a table, the tables were measured one after the other, unless the label says which quantity it is of.
+fn one_below_the_other(
+    texts: &[Vec<String>],
+    times: &[f64],
+    labels: &[usize],
+    is_long: bool,
+) -> Vec<usize> {
+    let begins = |k: &usize| {
+        let changes = |row: &usize| texts[*k][*row] != texts[*k][*row - 1];
+        let rows: Vec<usize> = (1..times.len()).filter(changes).collect();
+        let starts = std::iter::once(0).chain(rows.iter().copied());
+        let ends = rows.iter().copied().chain([times.len()]);
+        let starts_anew = starts.zip(ends).skip(1).any(|(from, to)| is_near_zero(&times[from..to]));
+        !rows.is_empty()
+            && rows.iter().all(|row| times[*row] < times[row - 1])
+            && (is_long || !starts_anew)
+    };
+    labels.iter().copied().filter(begins).collect()
+}
+
+/// Whether times begin nearer to zero than they last: those of a clock that was started for them.
+fn is_near_zero(times: &[f64]) -> bool {
+    times.first().zip(times.last()).is_some_and(|(first, last)| *first <= last - first)
+}
+
+fn distinct<'a>(texts: impl Iterator<Item = &'a str>) -> Vec<String> {
+    let mut out: Vec<String> = vec![];
+    for text in texts {
+        if out.len() <= JOINTS && !out.iter().any(|o| o == text) {
+            out.push(text.into());
+        }
+    }
+    out
+}
