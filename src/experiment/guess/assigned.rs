@@ -1,7 +1,7 @@
 //! Numbered columns beside those that state their side: the data show which input moves which wheel.
 
+use super::guessed::{Guess, Guessed};
 use super::values::{time, values_of};
-use super::{Guess, Guessed};
 use crate::conditioning::{Channel, Context, Kind, Settings, condition};
 use crate::io::PreviewColumn;
 use crate::recording::{Channels, DriveUnit};

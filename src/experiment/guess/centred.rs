@@ -1,6 +1,6 @@
 //! Commands that rest in the middle of their scale and never at zero: 128 of 8 bits.
 
-use super::Guessed;
+use super::guessed::Guessed;
 use super::values::values_of;
 use crate::io::PreviewColumn;
 

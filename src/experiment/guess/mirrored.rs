@@ -78,7 +78,8 @@ pub(super) fn look(columns: &[PreviewColumn], guess: &mut Guess) {
         scales.push(format!("`{}` {:?} or {scale:?}", one.name, -scale));
     }
     guess.questions.push(format!(
-        "{} Write as scale, of a mirrored motor of the left wheel or of a turn on the spot: {}",
+        "{} Write as scale, of a mirrored motor of the left wheel or of a turn on the spot: {} (of a mirrored right \
+         motor as of a turn on the spot, and scale = -1.0 in the columns of the right wheel)",
         mirrored_question(share),
         scales.join(", ")
     ));

@@ -1,8 +1,9 @@
 //! The question for the input where no column is one by its name, and few may be.
 
+use super::guessed::{Guess, Guessed};
 use super::names::{Named, Quantity, Side, named};
 use super::values::is_constant;
-use super::{ANGLES, Guess, Guessed, SPEEDS};
+use super::{ANGLES, SPEEDS};
 use crate::io::PreviewColumn;
 
 /// What must be written beside the columns.

@@ -1,6 +1,6 @@
 //! Speeds of the motors beside those of the wheels behind their gears.
 
-use super::Candidate;
+use super::guessed::Candidate;
 use super::names::Quantity;
 use super::values::largest;
 

@@ -102,7 +102,7 @@ fn of_set_point(columns: &[PreviewColumn], top: f64) -> Option<(&str, &'static s
 }
 
 /// Asks for the unit of angles whose names do not state it: of those under the general names of a sensor or a position,
-/// where the speeds beside them do not show it, and of those that would turn faster than wheels do. A speed without
+/// where the speeds beside them do not show it, and of those that would turn faster than wheels do and are no joints. A speed without
 /// unit that is the slope of a position has the same unit a second, which nothing shows.
 fn angles(columns: &[PreviewColumn], guess: &mut Guess, is_joint: bool) {
     let of = |name: &str| values_of(columns, name);
@@ -123,7 +123,7 @@ fn angles(columns: &[PreviewColumn], guess: &mut Guess, is_joint: bool) {
             && one.unit.is_none()
             && one.per_turn.is_none()
             && name.unit.is_none()
-            && (is_general || slope(columns, guess, one).is_some_and(|w| w > FAST))
+            && (is_general || !is_joint && slope(columns, guess, one).is_some_and(|w| w > FAST))
     };
     let Some(first) = guess.columns.iter().find(|c| is_open(c)) else { return };
     let held = of(&first.name).iter().copied().filter(|v| v.is_finite());

@@ -8,15 +8,22 @@ use crate::recording::DriveUnit;
 pub(super) fn look(guess: &mut Guess) {
     let map = ColumnMap::new(guess.drive_unit, None);
     let input = guess.drive_unit;
+    // a share of a voltage is a command, of which the question is another
+    let is_share = |c: &Guessed| {
+        let name = c.name.to_lowercase();
+        let says = ["percent", "pct"].iter().any(|word| name.contains(word));
+        says && ["M1", "M2"].contains(&c.key) && input != DriveUnit::Volt
+    };
+    let stated = |c: &Guessed| {
+        let written = unknown_unit(&map, c.key, &c.name);
+        written.map(Into::into).or_else(|| is_share(c).then(|| "%".to_owned()))
+    };
     let is_unknown = |c: &Guessed| {
-        c.unit.is_none()
-            && c.per_turn.is_none()
-            && c.nanoseconds.is_none()
-            && unknown_unit(&map, c.key, &c.name).is_some()
+        c.unit.is_none() && c.per_turn.is_none() && c.nanoseconds.is_none() && stated(c).is_some()
     };
     let mut questions = vec![];
     for one in guess.columns.iter_mut().filter(|c| is_unknown(c)) {
-        let stated = unknown_unit(&map, one.key, &one.name).unwrap_or_default();
+        let stated = stated(one).unwrap_or_default();
         let si = si(one.key, input);
         // both wheels in one question
         if !one.key.ends_with('2') {
@@ -57,14 +64,18 @@ mod tests {
             values: (0..200).map(|k| 40.0 * (0.05 * f64::from(k)).sin()).collect(),
             ..PreviewColumn::default()
         };
-        let names = ["left [rpm]", "right [rpm]", "left torque [0.1%]", "right torque [0.1%]"];
-        let mut log: Vec<PreviewColumn> = names.iter().map(|n| column(n)).collect();
-        let values = (0..200).map(|k| 0.05 * f64::from(k)).collect();
-        log.push(PreviewColumn { name: "t".into(), values, ..PreviewColumn::default() });
-        let g = guess(&log);
-        let m1 = g.columns.iter().find(|c| c.key == "M1").unwrap();
-        assert_eq!((m1.unit.as_deref(), m1.scale_open), (Some("N m"), true));
-        let asked = g.questions.iter().filter(|q| q.contains("is in `0.1%`")).count();
-        assert!(asked == 1 && g.columns.iter().all(|c| c.key != "dalpha1" || !c.scale_open));
+        for (names, unit) in [
+            (["left [rpm]", "right [rpm]", "left torque [0.1%]", "right torque [0.1%]"], "`0.1%`"),
+            (["left_rpm", "right_rpm", "left_torque_percent", "right_torque_percent"], "`%`"),
+        ] {
+            let mut log: Vec<PreviewColumn> = names.iter().map(|n| column(n)).collect();
+            let values = (0..200).map(|k| 0.05 * f64::from(k)).collect();
+            log.push(PreviewColumn { name: "t".into(), values, ..PreviewColumn::default() });
+            let g = guess(&log);
+            let m1 = g.columns.iter().find(|c| c.key == "M1").unwrap();
+            assert_eq!((m1.unit.as_deref(), m1.scale_open), (Some("N m"), true));
+            let asked = g.questions.iter().filter(|q| q.contains(&format!("is in {unit}"))).count();
+            assert!(asked == 1 && g.columns.iter().all(|c| c.key != "dalpha1" || !c.scale_open));
+        }
     }
 }

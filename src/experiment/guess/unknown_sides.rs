@@ -1,6 +1,6 @@
 //! Sides in words that are not known: names of the motion and of the input that differ in the same word.
 
-use super::Candidate;
+use super::guessed::Candidate;
 use super::names::{MEASURED, Quantity, Side, WISHED};
 
 /// Words in which names of one wheel differ as well: places, axes, and how a value was treated.

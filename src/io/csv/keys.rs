@@ -1,7 +1,7 @@
 //! Columns that say whose row it is: of a joint, a motor, a signal.
 
 use super::{Style, value};
-use crate::io::words::{have_both_sides, words};
+use crate::io::words::{have_both_sides, side, words};
 
 /// The most joints of a robot that a log tells apart.
 const JOINTS: usize = 16;
@@ -86,7 +86,8 @@ pub(super) fn time(head: &[Vec<String>], style: Style) -> Option<usize> {
 /// in turn in rows of the same time.
 pub(super) fn is_label(name: &str, cells: &[String], times: &[String], style: Style) -> bool {
     let number = |cell: &String| value(cell, style);
-    if is_part(name) {
+    // the direction of one wheel (`dirL`) is in words as well
+    if is_part(name) || words(name).iter().any(|word| side(word).is_some()) {
         return false;
     }
     if cells.iter().all(|c| !c.is_empty() && number(c).is_none()) {

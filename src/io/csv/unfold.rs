@@ -177,6 +177,15 @@ mod tests {
     }
 
     #[test]
+    fn the_direction_of_a_wheel_is_no_joint() {
+        let row =
+            |k: usize| format!("{k},{0},{k},{0},{k}", if k.is_multiple_of(2) { "F" } else { "R" });
+        let rows: Vec<String> = (0..40).map(row).collect();
+        assert!(read("ms,dirL,rpmL,dirR,rpmR", &rows).is_none());
+        assert!(read("ms,direction,rpm,force,x", &rows).is_some());
+    }
+
+    #[test]
     fn rows_of_numbered_motors_stand_side_by_side() {
         let rows: Vec<String> =
             (0..40).map(|k| format!("{}.{:04},{},{k}", k / 2, 2 * (k % 2), k % 2 + 1)).collect();
