@@ -94,10 +94,8 @@ impl<'a> Acting<'a> {
         hold: Hold,
     ) -> Result<Vec<State>, SimulateError> {
         let input = Input { t: self.recording.t(), torque: &self.input, hold };
-        let piece = |row| self.recording.pieces().iter().position(|piece| piece.contains(&row));
-        let together = |a: &(Range<usize>, State), b: &(Range<usize>, State)| {
-            piece(a.0.start) == piece(b.0.start)
-        };
+        let piece = |window: &(Range<usize>, State)| self.recording.piece_of(window.0.start);
+        let together = |a: &_, b: &_| piece(a) == piece(b);
         let mut out = Vec::with_capacity(self.recording.len());
         for stretch in windows.chunk_by(together) {
             out.extend(self.dynamics.simulate_windows(&input, stretch)?.into_iter().flatten());

@@ -26,7 +26,8 @@ use crate::math::noise::grid;
 const QUANTA: f64 = 4.0;
 /// Rows to either side whose motion is usual.
 const AROUND: usize = 4;
-/// Usual motions of a row that the rows beside a stale one make at least.
+/// Usual motions of a row that the rows beside a stale one make at least: half way between a wheel that goes on and one
+/// that comes to rest.
 const SLOWEST: f64 = 0.5;
 /// Usual motions of a row that a row which skips a sample makes: two, and nearer to them than to one or three.
 const SKIPPED: Range<f64> = 1.5..2.5;

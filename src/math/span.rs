@@ -45,6 +45,35 @@ impl<T: Copy + PartialOrd> Span<T> {
     }
 }
 
+/// A statement whose numbers are ranges.
+pub(crate) trait Spans: Copy {
+    /// The same statement of other numbers.
+    fn with(
+        self,
+        whole: &mut dyn FnMut(Span<usize>) -> Span<usize>,
+        real: &mut dyn FnMut(Span<f64>) -> Span<f64>,
+    ) -> Self;
+
+    /// Both, of which the one is like the other, with the ranges of their numbers.
+    fn joined(self, other: Self) -> Self {
+        let (mut counts, mut reals) = (vec![], vec![]);
+        let mut count = |count| {
+            counts.push(count);
+            count
+        };
+        let mut real = |real| {
+            reals.push(real);
+            real
+        };
+        other.with(&mut count, &mut real);
+        let (mut counts, mut reals) = (counts.into_iter(), reals.into_iter());
+        self.with(
+            &mut |count| counts.next().map_or(count, |other| count.join(other)),
+            &mut |real| reals.next().map_or(real, |other| real.join(other)),
+        )
+    }
+}
+
 /// Digits and sign as the format says, of both ends.
 impl<T: Copy + PartialOrd + Display> Display for Span<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

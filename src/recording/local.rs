@@ -53,8 +53,7 @@ impl Recording {
     /// The same with the noise of the channels as given; one of infinite noise is not looked at.
     #[must_use]
     pub fn local_motion_seen(&self, k: usize, noise: &Noise) -> LocalMotion {
-        let piece = self.pieces().iter().find(|piece| piece.contains(&k));
-        piece.map_or_else(LocalMotion::default, |piece| {
+        self.piece_of(k).map_or_else(LocalMotion::default, |piece| {
             self.parabolas(piece, k, self.half_width(), noise)
         })
     }

@@ -134,6 +134,11 @@ impl Recording {
     pub fn pieces(&self) -> &[Range<usize>] {
         &self.pieces
     }
+    /// The piece that holds a row.
+    #[must_use]
+    pub fn piece_of(&self, row: usize) -> Option<&Range<usize>> {
+        self.pieces.iter().find(|piece| piece.contains(&row))
+    }
     /// Whether both wheels carry the very same numbers: one axis written down twice. Nothing that
     /// sets the wheels apart can then be known.
     #[must_use]

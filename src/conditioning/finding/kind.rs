@@ -1,7 +1,7 @@
 //! Findings that differ in their numbers alone, and what they become together.
 
 use super::Kind;
-use crate::math::Span;
+use crate::math::{Span, Spans};
 
 impl<C: Copy, R: Copy> Kind<C, R> {
     /// The same with other numbers.
@@ -90,15 +90,14 @@ impl Kind<Span<usize>, Span<f64>> {
             _ => false,
         }
     }
+}
 
-    /// Both, of which the one is like the other, with the ranges of their numbers.
-    pub(super) fn join(self, other: Self) -> Self {
-        let (mut counts, mut reals) = (vec![], vec![]);
-        other.map(|count| counts.push(count), |real| reals.push(real));
-        let (mut counts, mut reals) = (counts.into_iter(), reals.into_iter());
-        self.map(
-            |count| counts.next().map_or(count, |other| count.join(other)),
-            |real| reals.next().map_or(real, |other| real.join(other)),
-        )
+impl Spans for Kind<Span<usize>, Span<f64>> {
+    fn with(
+        self,
+        whole: &mut dyn FnMut(Span<usize>) -> Span<usize>,
+        real: &mut dyn FnMut(Span<f64>) -> Span<f64>,
+    ) -> Self {
+        self.map(whole, real)
     }
 }

@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::words::words;
 use super::{Action, Channel, Finding, Kind};
-use crate::math::Span;
+use crate::math::{Span, Spans};
 
 /// What one or several findings say.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,7 +28,7 @@ impl Stated {
             && self.action == other.action
             && self.kind.is_like(other.kind);
         if is_like {
-            self.kind = self.kind.join(other.kind);
+            self.kind = self.kind.joined(other.kind);
         }
         is_like
     }

@@ -49,8 +49,7 @@ impl Windows<'_> {
         // without a second body nothing before a window matters to it
         let coupled = model.is_coupled();
         let place = |w: &Window| {
-            let pieces = self.recordings[w.recording].pieces();
-            (w.recording, pieces.iter().position(|piece| piece.contains(&w.rows.start)))
+            (w.recording, self.recordings[w.recording].piece_of(w.rows.start).map(|p| p.start))
         };
         let together = |a: &Window, b: &Window| coupled && place(a) == place(b);
         let groups: Vec<&[Window]> = self.windows.chunk_by(together).collect();

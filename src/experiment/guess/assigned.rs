@@ -14,12 +14,8 @@ pub(super) fn look(columns: &[PreviewColumn], guess: &mut Guess) {
         let mut found = guess.columns.iter().filter(|c| c.key != "t" && is_input(c) == input);
         found.any(|c| c.side_unsure)
     };
-    let sure = |input: bool| {
-        let mut found = guess.columns.iter().filter(|c| c.key != "t" && is_input(c) == input);
-        found.all(|c| !c.side_unsure)
-    };
     let of_input = unsure(true);
-    if of_input == unsure(false) || !sure(!of_input) || guess.one_axis {
+    if of_input == unsure(false) || guess.one_axis {
         return;
     }
     let Some(channels) = channels(columns, guess) else { return };

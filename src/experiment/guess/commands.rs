@@ -178,9 +178,14 @@ fn is_volt(name: &str) -> bool {
     name.to_lowercase().contains("volt") || named(name).unit == Some("V")
 }
 
+/// Whether the name of a column, in small letters, says percent in a word.
+pub(super) fn is_percent(name: &str) -> bool {
+    ["percent", "pct"].iter().any(|word| name.contains(word))
+}
+
 /// The smallest full scale of controllers that holds the value, but for PWM that of most boards.
 fn full_scale(top: f64, name: &str) -> f64 {
-    if ["percent", "pct", "%"].iter().any(|word| name.contains(word)) && top <= 100.0 {
+    if (is_percent(name) || name.contains('%')) && top <= 100.0 {
         return 100.0;
     }
     if name.contains("pwm") && top > 1.0 && top <= PWM {

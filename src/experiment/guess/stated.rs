@@ -1,5 +1,6 @@
 //! Units that a header states and that are not known.
 
+use super::commands::is_percent;
 use super::guessed::{Guess, Guessed};
 use crate::io::{ColumnMap, unknown_unit};
 use crate::recording::DriveUnit;
@@ -10,9 +11,8 @@ pub(super) fn look(guess: &mut Guess) {
     let input = guess.drive_unit;
     // a share of a voltage is a command, of which the question is another
     let is_share = |c: &Guessed| {
-        let name = c.name.to_lowercase();
-        let says = ["percent", "pct"].iter().any(|word| name.contains(word));
-        says && ["M1", "M2"].contains(&c.key) && input != DriveUnit::Volt
+        let is_input = ["M1", "M2"].contains(&c.key) && input != DriveUnit::Volt;
+        is_input && is_percent(&c.name.to_lowercase())
     };
     let stated = |c: &Guessed| {
         let written = unknown_unit(&map, c.key, &c.name);

@@ -42,7 +42,7 @@ impl OpenLoop<'_> {
         let recording = &self.train[*r];
         let motion = recording.local_motion();
         let t = recording.t();
-        let whole = recording.pieces().iter().find(|piece| piece.contains(&rows.start))?;
+        let whole = recording.piece_of(rows.start)?;
         // a two-mass drivetrain gets under way over all windows before
         let first = if model.is_coupled() { whole.start } else { rows.start };
         let from = whole.start + t[whole.start..].partition_point(|s| *s < t[first] - BEFORE);

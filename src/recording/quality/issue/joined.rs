@@ -2,7 +2,7 @@
 
 use super::unit::UnitError;
 use super::{Issue, StatedIssue, is_full_turn};
-use crate::math::Span;
+use crate::math::{Span, Spans};
 use crate::recording::Gaps;
 
 impl<C: Copy, R: Copy> Issue<C, R> {
@@ -98,15 +98,15 @@ impl StatedIssue {
             _ => Meaning::Size,
         }
     }
+}
 
-    fn joined(self, other: Self) -> Self {
-        let (mut counts, mut reals) = (vec![], vec![]);
-        other.map(|count| counts.push(count), |real| reals.push(real));
-        let (mut counts, mut reals) = (counts.into_iter(), reals.into_iter());
-        self.map(
-            |count| counts.next().map_or(count, |other| count.join(other)),
-            |real| reals.next().map_or(real, |other| real.join(other)),
-        )
+impl Spans for StatedIssue {
+    fn with(
+        self,
+        whole: &mut dyn FnMut(Span<usize>) -> Span<usize>,
+        real: &mut dyn FnMut(Span<f64>) -> Span<f64>,
+    ) -> Self {
+        self.map(whole, real)
     }
 }
 
