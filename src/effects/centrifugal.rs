@@ -2,6 +2,7 @@
 
 use super::{Description, Energy, Motion, ParameterSpec, Physics, Scale, Terms};
 use crate::math::Real;
+use crate::robot::centrifugal_torques;
 
 /// Centrifugal torques of a centre of mass at distance l2 behind the axle.
 ///
@@ -40,8 +41,6 @@ impl Physics for Centrifugal {
     }
 
     fn terms<T: Real>(&self, x: &Motion<T>, p: &[T]) -> Terms<T> {
-        let [w1, w2] = x.omega;
-        let torque = [p[0] * w2 * (w2 - w1), p[0] * w1 * (w1 - w2)]; // eq. (14)
-        Terms { torque, ..Terms::zero() }
+        Terms { torque: centrifugal_torques(p[0], x.omega), ..Terms::zero() }
     }
 }

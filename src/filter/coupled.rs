@@ -5,17 +5,16 @@ mod robot;
 
 use nalgebra::{Matrix2, SVector};
 
-use part::{Friction, Part, Sides, friction};
+use part::{Part, Sides};
 pub(super) use robot::Coupled;
 use robot::{BODY, STATES, TWIST};
 
 use super::ProcessNoise;
-use super::correction::{Covariance, Mean, STILL, freeze, make_symmetric};
+use super::correction::{Covariance, Mean, STILL, make_symmetric};
 use super::dynamics::Dynamics;
-use super::step::{PASS, Predicted, Sample, between, tilt_angles};
-use crate::effects::{
-    Coupling, DIFFERENTIATED, DIRECTIONS, Jet, MOST_PARAMETERS, Motion, Terms, along,
-};
+use super::friction::{Friction, finish, in_directions, torque_noise};
+use super::step::{Predicted, Sample, tilt_angles};
+use crate::effects::{Coupling, DIFFERENTIATED, Jet, MOST_PARAMETERS, Motion, Terms};
 use crate::math::Dual;
 use crate::model::{Model, ModelError, inverse_mass};
 
@@ -97,7 +96,7 @@ impl<'a> Coupled<'a> {
             mobility: Matrix2::new(i11, i12, i12, i22),
             body_torque: body.torque,
             wheel_torque: wheel.torque,
-            level: wheel.level.map(|level| level.max(0.0)),
+            level: wheel.level,
         })
     }
 
@@ -205,8 +204,10 @@ impl Dynamics<STATES> for Coupled<'_> {
             if part > 0 {
                 sides = self.sides(middle, mean)?;
             }
-            let friction =
-                friction(&sides.level, sides.rotor, h, mean, covariance, sample.speed_variance);
+            let (omega, variances) = ([mean[2], mean[3]], variances(covariance));
+            let wheel = [1.0 / sides.rotor, 0.0, 1.0 / sides.rotor];
+            let open = sample.speed_variance;
+            let friction = Friction::over(h, &sides.level, &omega, &variances, wheel, open);
             let moved = self.part(&sides, &friction, mean, &sample.input, sample.still, h);
             let Some(mut moved) = moved else {
                 return Err(ModelError::MassNotPositive { m11: sides.rotor, m12: 0.0, m22: 0.0 });
@@ -224,16 +225,8 @@ impl Dynamics<STATES> for Coupled<'_> {
             self.transition =
                 if part == 0 { moved.transition } else { moved.transition * self.transition };
             let acceleration = moved.wheel_acceleration;
-            for j in 0..4 {
-                let d = SVector::<f64, 2>::from_row_slice(&DIRECTIONS[j]);
-                let spread = (d.transpose() * covariance.fixed_view::<2, 2>(2, 2) * d)[0];
-                let v = along(j, &[mean[2], mean[3]]);
-                let pass = along(j, &acceleration).abs() * h + 2.0 * spread.max(0.0).sqrt();
-                // a wheel that may pass through rest takes the whole friction as noise
-                let near = 1.0 - between(PASS, v.abs() / pass.max(f64::MIN_POSITIVE));
-                let whole = near * friction.clear[j] * sides.level[j].powi(2);
-                left[j] = left[j].max(friction.rest[j] + whole);
-            }
+            let rest = friction.with_reversals(&omega, &acceleration, &variances, h);
+            left = [0, 1, 2, 3].map(|j| left[j].max(rest[j]));
             out = Some(match out {
                 None => {
                     let variance = std::array::from_fn(|i| covariance[(i, i)]);
@@ -255,11 +248,14 @@ impl Dynamics<STATES> for Coupled<'_> {
         let Some(mut out) = out else {
             return Err(ModelError::MassNotPositive { m11: 0.0, m12: 0.0, m22: 0.0 });
         };
-        let (sum, cross) = (covariance[(2, 2)] + covariance[(3, 3)], 2.0 * covariance[(2, 3)]);
-        out.spread = [sum - cross, sum + cross];
+        let [.., turning, forward] = variances(covariance);
+        out.spread = [turning, forward];
         out.acceleration = [0, 1].map(|i| (mean[2 + i] - before[2 + i]) / sample.step);
         tilt_angles(mean, &out.gain, sample);
-        self.add_noise(&out, sample, &left, mean, covariance);
+        let noise = torque_noise(&self.noise, sample, &left);
+        *covariance += out.gain * noise * out.gain.transpose();
+        make_symmetric(covariance);
+        finish(&self.noise, self.transition[(4, 4)], sample, mean, covariance);
         Ok(out)
     }
 
@@ -298,35 +294,9 @@ impl Dynamics<STATES> for Coupled<'_> {
     }
 }
 
-impl Coupled<'_> {
-    /// Noise of the input, of friction and of the slow torque; wheels that stand stay.
-    fn add_noise(
-        &self,
-        out: &Predicted<STATES>,
-        sample: &Sample,
-        left: &[f64; 4],
-        mean: &mut Mean<STATES>,
-        covariance: &mut Covariance<STATES>,
-    ) {
-        let mut torque = Matrix2::zeros();
-        let white = self.noise.sigma_m.powi(2);
-        for i in 0..2 {
-            torque[(i, i)] += white + (sample.change[i].powi(2) - 6.0 * white).max(0.0) / 12.0;
-        }
-        for (j, d) in DIRECTIONS.iter().enumerate() {
-            let d = SVector::<f64, 2>::from_row_slice(d);
-            torque += d * d.transpose() * left[j];
-        }
-        *covariance += out.gain * torque * out.gain.transpose();
-        make_symmetric(covariance);
-        let slow = self.noise.sigma_d.powi(2) * (1.0 - self.transition[(4, 4)].powi(2));
-        for i in 0..2 {
-            covariance[(4 + i, 4 + i)] += slow;
-            if sample.still[i] {
-                freeze(covariance, mean, i);
-            }
-        }
-    }
+/// Variances of the wheels' speeds along the directions [rad^2/s^2].
+fn variances(covariance: &Covariance<STATES>) -> [f64; 4] {
+    in_directions([covariance[(2, 2)], covariance[(2, 3)], covariance[(3, 3)]])
 }
 
 #[cfg(test)]

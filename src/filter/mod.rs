@@ -10,6 +10,7 @@ mod correction;
 mod coupled;
 mod dynamics;
 mod exact;
+mod friction;
 mod horizon;
 mod input_noise;
 mod jumps;
@@ -23,13 +24,13 @@ mod step;
 mod totals;
 
 pub use accumulate::Information;
+pub use friction::clarity;
 pub(crate) use horizon::{HorizonFilter, Reading, Sums, pieces};
 pub use jumps::noise_of_jumps;
 pub use likelihood::{Likelihood, Maximum};
 pub use pass::{Columns, Innovation, Instant, NoColumns, Pass, PassSettings, filter_pass};
 pub use prepare::{Prepared, prepare};
 pub use standstill::standstill;
-pub use step::clarity;
 
 use crate::model::ModelError;
 

@@ -3,24 +3,12 @@
 use nalgebra::{Matrix2, SMatrix, SVector};
 
 use super::ProcessNoise;
-use super::correction::{Covariance, Mean, STILL, freeze};
+use super::correction::{Covariance, Mean};
+use super::friction::{Friction, finish, in_directions, torque_noise};
 use super::push::Push;
-use crate::effects::{Motion, along};
-use crate::math::Real;
+use crate::effects::Motion;
 use crate::model::{Linearisation, Model, ModelError, inverse_mass};
 use crate::simulate::Ends;
-
-/// The exponential of less than minus this is zero.
-const UNDERFLOW: f64 = 746.0;
-
-/// The first of the [`DIRECTIONS`] are those of the wheels.
-const WHEELS: usize = 2;
-/// Standard deviations from rest between which the direction of a motion becomes clear.
-const CLEAR: (f64, f64) = (2.0, 4.0);
-/// Variance of an unclear friction in units of its level squared: anything between the levels.
-const UNCLEAR: f64 = 1.0 / 3.0;
-/// Shares of the speed that a step may lose between which a wheel is sure not to pass through rest.
-pub(super) const PASS: (f64, f64) = (0.75, 1.25);
 
 /// The input over one sample.
 pub(super) struct Sample<'a> {
@@ -131,7 +119,9 @@ pub(super) fn predict(
     let terms = work.terms;
     let mobility = mobility(&terms.mass, sample.still)?;
     let variances = in_directions([covariance[(2, 2)], covariance[(2, 3)], covariance[(3, 3)]]);
-    let friction = friction(&terms.level, &omega, &variances, &mobility, sample);
+    let inverse = [mobility[(0, 0)], mobility[(0, 1)], mobility[(1, 1)]];
+    let friction =
+        Friction::over(h, &terms.level, &omega, &variances, inverse, sample.speed_variance);
     model.differentiate_by_state(&[0.0; 2], &friction.sign, work);
     let resisting = terms.total_torque(&[0.0; 2], &friction.sign);
     let block = |k: usize| {
@@ -139,7 +129,7 @@ pub(super) fn predict(
         Matrix2::new(first[k], first[k + 1], second[k], second[k + 1])
     };
     let (by_angle, smooth) = (block(0), block(2));
-    let stiff = along_directions(&[0, 1, 2, 3].map(|j| friction.level[j] * friction.slope[j]));
+    let stiff = friction.stiffness();
     let implicit = Matrix2::identity() + mobility * (smooth * (0.5 * h) + stiff * h);
     let Some(phi) = implicit.try_inverse() else {
         let [m11, m12, m22] = terms.mass;
@@ -168,19 +158,8 @@ pub(super) fn predict(
         mean[4 + i] *= push.decay;
     }
     tilt_angles(mean, &gain, sample);
-    let mut torque_noise = along_directions(&rest);
-    for i in 0..2 {
-        let inside = (sample.change[i].powi(2) - 6.0 * noise.sigma_m.powi(2)).max(0.0) / 12.0;
-        torque_noise[(i, i)] += noise.sigma_m.powi(2) + inside;
-    }
-    *covariance = push.spread(covariance, &torque_noise);
-    let slow = noise.sigma_d.powi(2) * (1.0 - push.decay.powi(2));
-    for i in 0..2 {
-        covariance[(4 + i, 4 + i)] += slow;
-        if sample.still[i] {
-            freeze(covariance, mean, i);
-        }
-    }
+    *covariance = push.spread(covariance, &torque_noise(noise, sample, &rest));
+    finish(noise, push.decay, sample, mean, covariance);
     Ok(Predicted {
         gain,
         acceleration,
@@ -190,118 +169,6 @@ pub(super) fn predict(
         variance: x.variance,
         spread: [variances[2], variances[3]],
     })
-}
-
-/// Dry friction over a step, statistically linearised along each direction.
-struct Friction {
-    /// Not below zero [N m].
-    level: [f64; 4],
-    clear: [f64; 4],
-    sign: [f64; 4],
-    slope: [f64; 4],
-    rest: [f64; 4],
-}
-
-/// Friction of these levels at speeds `omega` of these `variances` along the directions.
-#[inline]
-fn friction(
-    level: &[f64; 4],
-    omega: &[f64; 2],
-    variances: &[f64; 4],
-    mobility: &Matrix2<f64>,
-    sample: &Sample,
-) -> Friction {
-    let level = level.map(|level| level.max(0.0));
-    let none = [0.0; 4];
-    let mut out = Friction { level, clear: none, sign: none, slope: none, rest: none };
-    let yields = in_directions([mobility[(0, 0)], mobility[(0, 1)], mobility[(1, 1)]]);
-    for j in 0..4 {
-        if level[j] == 0.0 {
-            continue;
-        }
-        let kick = level[j] * sample.step * yields[j];
-        let variance = (variances[j] + 0.25 * kick * kick).max(STILL);
-        let v = along(j, omega);
-        out.clear[j] = clarity(j, v, sample.speed_variance);
-        (out.sign[j], out.slope[j], out.rest[j]) = linearised(level[j], v, variance, out.clear[j]);
-    }
-    out
-}
-
-impl Friction {
-    /// Variance of what the mean of the signs leaves out [N^2 m^2], with that of a direction which may pass through
-    /// rest within a step of `h`.
-    #[inline]
-    fn with_reversals(
-        &self,
-        omega: &[f64; 2],
-        acceleration: &[f64; 2],
-        variances: &[f64; 4],
-        h: f64,
-    ) -> [f64; 4] {
-        let mut rest = self.rest;
-        for j in 0..4 {
-            let (level, clear) = (self.level[j], self.clear[j]);
-            if level == 0.0 || clear == 0.0 {
-                continue;
-            }
-            let pass = along(j, acceleration).abs() * h + 2.0 * variances[j].max(0.0).sqrt();
-            let near = 1.0 - between(PASS, along(j, omega).abs() / pass.max(f64::MIN_POSITIVE));
-            rest[j] += near * clear * level * level;
-        }
-        rest
-    }
-}
-
-/// `d' S d` of a symmetric matrix (s11, s12, s22) along each of the directions.
-#[inline]
-fn in_directions([first, beside, second]: [f64; 3]) -> [f64; 4] {
-    let (sum, cross) = (first + second, 2.0 * beside);
-    [first, second, sum - cross, sum + cross]
-}
-
-/// `Σ_j d_j d_j' weight_j` over the directions.
-#[inline]
-fn along_directions([first, second, turning, forward]: &[f64; 4]) -> Matrix2<f64> {
-    let (both, beside) = (turning + forward, forward - turning);
-    Matrix2::new(first + both, beside, beside, second + both)
-}
-
-/// Mean of the sign of a friction of this `level` over a speed `v` of this `variance`, the slope of that
-/// mean, and the variance of the torque that it leaves out. As far as its direction is not `clear` the
-/// friction is anywhere between its levels instead.
-pub(super) fn linearised(level: f64, v: f64, variance: f64, clear: f64) -> (f64, f64, f64) {
-    if v * v > 2.0 * UNDERFLOW * variance {
-        // far from rest, as most steps are: erf is one and its slope nothing
-        return (clear * v.signum(), 0.0, (1.0 - clear) * UNCLEAR * level * level);
-    }
-    let sign = Real::erf(v / (2.0 * variance).sqrt());
-    let slope = 2.0 * density(v, variance);
-    let left = (1.0 - sign * sign - slope * slope * variance).max(0.0);
-    let rest = (clear * left + (1.0 - clear) * UNCLEAR) * level * level;
-    (clear * sign, clear * slope, rest)
-}
-
-/// How clear the direction of a friction of the body (turning, forward) is at speed `v` along it, of
-/// which the sensors leave `variance` open: 0 within two standard deviations of rest, 1 beyond four,
-/// smooth between. That of a wheel is always 1.
-///
-/// As far as it is unclear a friction is noise in the step. A robot that drives straight holds
-/// w1 - w2 at zero because its controller does; a friction that pins it there would predict that
-/// better than the noise of the recorded torques, and so be found where there is none.
-#[must_use]
-pub fn clarity(direction: usize, v: f64, variance: f64) -> f64 {
-    if direction < WHEELS || v * v >= CLEAR.1 * CLEAR.1 * variance {
-        return 1.0;
-    }
-    between(CLEAR, v.abs() / variance.sqrt())
-}
-
-/// 0 below the first limit, 1 above the second, smooth between: a likelihood with jumps has no
-/// derivatives to climb by.
-pub(super) fn between(limits: (f64, f64), x: f64) -> f64 {
-    let share = ((x - limits.0) / (limits.1 - limits.0)).clamp(0.0, 1.0);
-    share * share * (3.0 - 2.0 * share)
 }
 
 /// Moves the derivatives over the step: `psi <- F psi + G f`, `f` the derivative of the torque
@@ -326,16 +193,6 @@ pub(super) fn move_parameters(
         carry(column, [input[0] - needed[0], input[1] - needed[1]]);
     }
     by_column.iter_mut().zip(extra).for_each(|(column, torque)| carry(column, *torque));
-}
-
-/// Density of a normal variable of this variance at `v`.
-pub(super) fn density(v: f64, variance: f64) -> f64 {
-    let exponent = 0.5 * v * v / variance;
-    // most steps are far from rest, and an exponential that underflows is slow
-    if exponent > UNDERFLOW {
-        return 0.0;
-    }
-    (-exponent).exp() / (2.0 * std::f64::consts::PI * variance).sqrt()
 }
 
 /// The inverse mass matrix; a wheel that stands still does not move, the other one moves alone.

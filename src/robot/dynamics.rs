@@ -1,5 +1,7 @@
 //! The equations of motion of the base model in closed form: the reference for everything else.
 
+use std::ops::{Mul, Sub};
+
 use serde::{Deserialize, Serialize};
 
 use super::State;
@@ -50,15 +52,10 @@ impl BaseParameters {
         self.a1 > self.a2.abs()
     }
 
-    /// Centrifugal torques [N m] of the left side of eq. (14) for wheel speeds [rad/s].
-    ///
-    /// ```text
-    /// c1 = a3 w2 (w2 - w1),  c2 = a3 w1 (w1 - w2)
-    /// ```
+    /// Centrifugal torques [N m] of these parameters, see [`centrifugal_torques`].
     #[must_use]
     pub fn centrifugal(&self, omega: [f64; 2]) -> [f64; 2] {
-        let [w1, w2] = omega;
-        [self.a3 * w2 * (w2 - w1), self.a3 * w1 * (w1 - w2)]
+        centrifugal_torques(self.a3, omega)
     }
 
     /// Drive torques [M1, M2] [N m] that give wheel accelerations [rad/s²] in a state.
@@ -88,6 +85,20 @@ impl BaseParameters {
             self.a2 * dw1 + self.a1 * dw2 + c2 + self.a5 * sgn(state.omega[1]),
         ]
     }
+}
+
+/// Centrifugal torques [N m] of the left side of eq. (14) for wheel speeds [rad/s], of one robot or of as many as `T`
+/// holds.
+///
+/// ```text
+/// c1 = a3 w2 (w2 - w1),  c2 = a3 w1 (w1 - w2)
+/// ```
+#[inline(always)]
+pub(crate) fn centrifugal_torques<T>(a3: T, [w1, w2]: [T; 2]) -> [T; 2]
+where
+    T: Copy + Sub<Output = T> + Mul<Output = T>,
+{
+    [a3 * w2 * (w2 - w1), a3 * w1 * (w1 - w2)]
 }
 
 /// What tests compare with: production simulates the sum of effects instead.

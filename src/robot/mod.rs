@@ -34,6 +34,7 @@ pub mod state_space;
 
 pub use construction::Construction;
 pub use dynamics::BaseParameters;
+pub(crate) use dynamics::centrifugal_torques;
 pub use error::RobotError;
 pub use presets::{Preset, preset, presets};
 pub use robot::Robot;

@@ -13,7 +13,7 @@ use super::{Hold, Input, SimulateError, simulate};
 use crate::effects::BASE;
 use crate::math::{Lanes, Mask, in_lanes, runge_kutta_step};
 use crate::model::{Model, base};
-use crate::robot::{BaseParameters, State};
+use crate::robot::{BaseParameters, State, centrifugal_torques};
 
 /// Simulations that go on together: two of the widest registers, since a step of one waits for itself most of
 /// the time.
@@ -331,12 +331,8 @@ impl<'a, S: Simd> Batch<'a, S> {
     /// What drives each wheel beside the inertia: torque less centrifugal torque and friction.
     #[inline(always)]
     fn force(&self, w: &Wheels<S>, torque: &[f64; 2], motion: &Motion<S>) -> Wheels<S> {
-        let turn = self.a3 * (w[1] - w[0]); // eq. (14)
-        let [first, second] = motion.friction;
-        [
-            Lanes::splat(self.simd, torque[0]) - turn * w[1] - first,
-            Lanes::splat(self.simd, torque[1]) + turn * w[0] - second,
-        ]
+        let turning = centrifugal_torques(self.a3, *w);
+        [0, 1].map(|i| Lanes::splat(self.simd, torque[i]) - turning[i] - motion.friction[i])
     }
 
     #[inline(always)]

@@ -3,9 +3,9 @@
 use nalgebra::{Matrix2, SMatrix, SVector};
 
 use super::robot::{BODY, Coupled, STATES, TWIST};
-use crate::effects::{Coupling, DIRECTIONS, along};
-use crate::filter::correction::{Covariance, Mean, STILL};
-use crate::filter::step::{clarity, linearised};
+use crate::effects::{Coupling, DIRECTIONS};
+use crate::filter::correction::Mean;
+use crate::filter::friction::Friction;
 
 /// What acts at one instant.
 pub(super) struct Sides {
@@ -30,17 +30,6 @@ pub(super) struct Part {
     pub(super) body_acceleration: [f64; 2],
 }
 
-/// Statistically linearised friction.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Friction {
-    /// How clear its direction is.
-    pub(super) clear: [f64; 4],
-    pub(super) sign: [f64; 4],
-    pub(super) slope: [f64; 4],
-    /// Variance that the mean leaves out.
-    pub(super) rest: [f64; 4],
-}
-
 impl Coupled<'_> {
     /// One part of length `h` from `x`, `input` acting on the wheels.
     pub(super) fn part(
@@ -59,12 +48,10 @@ impl Coupled<'_> {
         let body_acceleration = sides.mobility * SVector::<f64, 2>::from(on_body);
         let body_acceleration = [body_acceleration[0], body_acceleration[1]];
         let mut resisting = sides.wheel_torque;
-        let mut stiff = Matrix2::<f64>::zeros();
+        let stiff = friction.stiffness();
         for (j, d) in DIRECTIONS.iter().enumerate() {
-            let d = SVector::<f64, 2>::from_row_slice(d);
-            resisting[0] += d[0] * sides.level[j] * friction.sign[j];
-            resisting[1] += d[1] * sides.level[j] * friction.sign[j];
-            stiff += d * d.transpose() * (sides.level[j] * friction.slope[j]);
+            let dry = friction.level[j] * friction.sign[j];
+            (0..2).for_each(|i| resisting[i] += d[i] * dry);
         }
         let mut wheel_acceleration = [0.0; 2];
         // the fast rows, those of (w1, w2, u1, u2), by all states
@@ -161,27 +148,4 @@ fn solve(
         at += places.row(row);
     }
     Some(out)
-}
-
-/// Every sgn replaced by its mean over the filter's spread, as for the rigid robot.
-pub(super) fn friction(
-    level: &[f64; 4],
-    rotor: f64,
-    h: f64,
-    x: &Mean<STATES>,
-    p: &Covariance<STATES>,
-    speed_variance: f64,
-) -> Friction {
-    let mut out = Friction::default();
-    let omega = [x[2], x[3]];
-    for (j, d) in DIRECTIONS.iter().enumerate().filter(|(j, _)| level[*j] > 0.0) {
-        let d = SVector::<f64, 2>::from_row_slice(d);
-        let spread = (d.transpose() * p.fixed_view::<2, 2>(2, 2) * d)[0];
-        let v = along(j, &omega);
-        let kick = level[j] * h * d.norm_squared() / rotor;
-        let variance = (spread + 0.25 * kick * kick).max(STILL);
-        out.clear[j] = clarity(j, v, speed_variance);
-        (out.sign[j], out.slope[j], out.rest[j]) = linearised(level[j], v, variance, out.clear[j]);
-    }
-    out
 }

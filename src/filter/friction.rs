@@ -1,0 +1,193 @@
+//! Dry friction over a step of the filter, and the noise that a step adds: the same for the rigid robot and for one
+//! with a body behind its wheels.
+
+use nalgebra::Matrix2;
+
+use super::ProcessNoise;
+use super::correction::{Covariance, Mean, STILL, freeze};
+use super::step::Sample;
+use crate::effects::along;
+use crate::math::Real;
+
+/// The exponential of less than minus this is zero.
+const UNDERFLOW: f64 = 746.0;
+
+/// The first of the [`DIRECTIONS`] are those of the wheels.
+const WHEELS: usize = 2;
+/// Standard deviations from rest between which the direction of a motion becomes clear.
+const CLEAR: (f64, f64) = (2.0, 4.0);
+/// Variance of an unclear friction in units of its level squared: anything between the levels.
+const UNCLEAR: f64 = 1.0 / 3.0;
+/// Shares of the speed that a step may lose between which a wheel is sure not to pass through rest.
+pub(super) const PASS: (f64, f64) = (0.75, 1.25);
+
+/// Dry friction over a step, statistically linearised along each direction.
+#[derive(Clone, Copy)]
+pub(super) struct Friction {
+    /// Not below zero [N m].
+    pub(super) level: [f64; 4],
+    /// How clear each direction is, see [`clarity`].
+    clear: [f64; 4],
+    /// Means of the signs.
+    pub(super) sign: [f64; 4],
+    /// Slopes of the means by the speed \[s/rad\].
+    slope: [f64; 4],
+    /// Variance of the torque that the means leave out [N^2 m^2].
+    rest: [f64; 4],
+}
+
+impl Friction {
+    /// Friction of these levels [N m] over a step of `h` \[s\] that begins at speeds `omega` [rad/s] of these
+    /// `variances` along the directions; `mobility` is the inverse mass (m11, m12, m22) of what it brakes.
+    #[inline]
+    pub(super) fn over(
+        h: f64,
+        level: &[f64; 4],
+        omega: &[f64; 2],
+        variances: &[f64; 4],
+        mobility: [f64; 3],
+        speed_variance: f64,
+    ) -> Self {
+        let level = level.map(|level| level.max(0.0));
+        let none = [0.0; 4];
+        let mut out = Self { level, clear: none, sign: none, slope: none, rest: none };
+        let yields = in_directions(mobility);
+        for j in 0..4 {
+            if level[j] == 0.0 {
+                continue;
+            }
+            let kick = level[j] * h * yields[j];
+            let variance = (variances[j] + 0.25 * kick * kick).max(STILL);
+            let v = along(j, omega);
+            out.clear[j] = clarity(j, v, speed_variance);
+            (out.sign[j], out.slope[j], out.rest[j]) =
+                linearised(level[j], v, variance, out.clear[j]);
+        }
+        out
+    }
+
+    /// Slope of the torque by the speeds [N m s/rad].
+    #[inline]
+    pub(super) fn stiffness(&self) -> Matrix2<f64> {
+        along_directions(&[0, 1, 2, 3].map(|j| self.level[j] * self.slope[j]))
+    }
+
+    /// Variance of what the mean of the signs leaves out [N^2 m^2], with that of a direction which may pass through
+    /// rest within a step of `h`.
+    #[inline]
+    pub(super) fn with_reversals(
+        &self,
+        omega: &[f64; 2],
+        acceleration: &[f64; 2],
+        variances: &[f64; 4],
+        h: f64,
+    ) -> [f64; 4] {
+        let mut rest = self.rest;
+        for j in 0..4 {
+            let (level, clear) = (self.level[j], self.clear[j]);
+            if level == 0.0 || clear == 0.0 {
+                continue;
+            }
+            let pass = along(j, acceleration).abs() * h + 2.0 * variances[j].max(0.0).sqrt();
+            let near = 1.0 - between(PASS, along(j, omega).abs() / pass.max(f64::MIN_POSITIVE));
+            rest[j] += near * clear * level * level;
+        }
+        rest
+    }
+}
+
+/// `d' S d` of a symmetric matrix (s11, s12, s22) along each of the directions.
+#[inline]
+pub(super) fn in_directions([first, beside, second]: [f64; 3]) -> [f64; 4] {
+    let (sum, cross) = (first + second, 2.0 * beside);
+    [first, second, sum - cross, sum + cross]
+}
+
+/// `Σ_j d_j d_j' weight_j` over the directions.
+#[inline]
+pub(super) fn along_directions([first, second, turning, forward]: &[f64; 4]) -> Matrix2<f64> {
+    let (both, beside) = (turning + forward, forward - turning);
+    Matrix2::new(first + both, beside, beside, second + both)
+}
+
+/// Mean of the sign of a friction of this `level` over a speed `v` of this `variance`, the slope of that
+/// mean, and the variance of the torque that it leaves out. As far as its direction is not `clear` the
+/// friction is anywhere between its levels instead.
+fn linearised(level: f64, v: f64, variance: f64, clear: f64) -> (f64, f64, f64) {
+    if v * v > 2.0 * UNDERFLOW * variance {
+        // far from rest, as most steps are: erf is one and its slope nothing
+        return (clear * v.signum(), 0.0, (1.0 - clear) * UNCLEAR * level * level);
+    }
+    let sign = Real::erf(v / (2.0 * variance).sqrt());
+    let slope = 2.0 * density(v, variance);
+    let left = (1.0 - sign * sign - slope * slope * variance).max(0.0);
+    let rest = (clear * left + (1.0 - clear) * UNCLEAR) * level * level;
+    (clear * sign, clear * slope, rest)
+}
+
+/// How clear the direction of a friction of the body (turning, forward) is at speed `v` along it, of
+/// which the sensors leave `variance` open: 0 within two standard deviations of rest, 1 beyond four,
+/// smooth between. That of a wheel is always 1.
+///
+/// As far as it is unclear a friction is noise in the step. A robot that drives straight holds
+/// w1 - w2 at zero because its controller does; a friction that pins it there would predict that
+/// better than the noise of the recorded torques, and so be found where there is none.
+#[must_use]
+pub fn clarity(direction: usize, v: f64, variance: f64) -> f64 {
+    if direction < WHEELS || v * v >= CLEAR.1 * CLEAR.1 * variance {
+        return 1.0;
+    }
+    between(CLEAR, v.abs() / variance.sqrt())
+}
+
+/// 0 below the first limit, 1 above the second, smooth between: a likelihood with jumps has no
+/// derivatives to climb by.
+pub(super) fn between(limits: (f64, f64), x: f64) -> f64 {
+    let share = ((x - limits.0) / (limits.1 - limits.0)).clamp(0.0, 1.0);
+    share * share * (3.0 - 2.0 * share)
+}
+
+/// Density of a normal variable of this variance at `v`.
+fn density(v: f64, variance: f64) -> f64 {
+    let exponent = 0.5 * v * v / variance;
+    // most steps are far from rest, and an exponential that underflows is slow
+    if exponent > UNDERFLOW {
+        return 0.0;
+    }
+    (-exponent).exp() / (2.0 * std::f64::consts::PI * variance).sqrt()
+}
+
+/// Variance of the torque over a step [N^2 m^2]: white noise of the recorded input, what the input may do between its
+/// rows (a twelfth of the square of its change, less what noise makes of it), and friction of variances `friction`
+/// along the directions.
+#[inline]
+pub(super) fn torque_noise(
+    noise: &ProcessNoise,
+    sample: &Sample,
+    friction: &[f64; 4],
+) -> Matrix2<f64> {
+    let mut out = along_directions(friction);
+    let white = noise.sigma_m.powi(2);
+    for i in 0..2 {
+        out[(i, i)] += white + (sample.change[i].powi(2) - 6.0 * white).max(0.0) / 12.0;
+    }
+    out
+}
+
+/// After a step that leaves `decay` of the slow torques: their noise is added, and wheels that stand stay.
+#[inline]
+pub(super) fn finish<const N: usize>(
+    noise: &ProcessNoise,
+    decay: f64,
+    sample: &Sample,
+    mean: &mut Mean<N>,
+    covariance: &mut Covariance<N>,
+) {
+    let slow = noise.sigma_d.powi(2) * (1.0 - decay.powi(2));
+    for i in 0..2 {
+        covariance[(4 + i, 4 + i)] += slow;
+        if sample.still[i] {
+            freeze(covariance, mean, i);
+        }
+    }
+}
