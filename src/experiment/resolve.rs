@@ -275,7 +275,7 @@ fn diagnosis(file: &ExperimentFile, own: &[Own]) -> Result<Option<DiagnosisPlan>
     }
     let DiagnosisEntry { false_alarm, max_effects, slow_moment, .. } = *entry;
     let own = own.to_vec();
-    let settings = diagnose::Settings { candidates, own, false_alarm, max_effects, told: None };
+    let settings = diagnose::Settings { candidates, own, false_alarm, max_effects, progress: None };
     Ok(Some(DiagnosisPlan { settings, slow_moment }))
 }
 

@@ -107,7 +107,7 @@ impl Concluded {
     }
 
     /// The verdict with what the residual torque depends on, by its `curves`, where it says so, and with a `formula` of
-    /// that, beside which no effect of the catalogue is likely and no recording is needed to tell.
+    /// that, beside which no effect of the catalogue is likely and no recording is needed to decide.
     fn with_dependence(
         self,
         curves: &[Curve],
