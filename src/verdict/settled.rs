@@ -1,7 +1,8 @@
 //! From what the search found to the verdict.
 
 use super::formula::{Trial, curves_of, residual_torques};
-use super::{Basis, concluded};
+use super::Basis;
+use super::concluded::Concluded;
 use crate::compare::{Curve, WindowFloor};
 use crate::diagnose::{Diagnosis, Judge, THRESHOLDS, WindowFit, cutoff, mobility};
 use crate::recording::Recording;
@@ -64,11 +65,12 @@ impl Settled {
         let shows = diagnosis.steps.is_empty() || curves.iter().any(|c| c.share_after.is_some());
         let curves = if shows { curves } else { &[] };
         let is_undetermined = basis.is_stalled && !identifies_inertia(diagnosis.last());
-        let concluded = concluded(&diagnosis, basis, floor)?.unless_undetermined(is_undetermined);
-        let trial = || trial.or_else(|| Trial::of(curves, &diagnosis, basis));
-        let trial = concluded.says_dependence(curves).then(trial).flatten();
+        let concluded = Concluded::of(&diagnosis, basis, floor, is_undetermined)?;
+        let dependence = concluded.dependence(curves);
+        let tried = || trial.or_else(|| Trial::of(curves, &diagnosis, basis));
+        let trial = dependence.is_some().then(tried).flatten();
         let trial = trial.filter(|trial| trial.explains(concluded.floor));
-        Ok(concluded.with_dependence(curves, basis, trial.map(Trial::study)))
+        concluded.study(dependence, trial.map(Trial::study))
     }
 }
 
