@@ -20,7 +20,8 @@ impl Plan {
     /// settled before any method sees the recordings.
     ///
     /// # Errors
-    /// No training recording, no method, recordings with different units of the input, candidates that are no effect.
+    /// No training recording, none with an input, no method, recordings with different units of the input, candidates that
+    /// are no effect.
     ///
     /// # Examples
     /// ```
@@ -59,6 +60,13 @@ fn own_effects(model: &Model, options: &PlanOptions) -> Vec<Own> {
 fn check(recordings: &[Measured], options: &PlanOptions, own: &[Own]) -> Result<(), Meaning> {
     if !recordings.iter().any(|m| m.role == Role::Train) {
         return Err(words("no recording is there to train on".into()));
+    }
+    let train = recordings.iter().filter(|m| m.role == Role::Train).map(|m| &m.recording);
+    if super::quality::without_input(train) {
+        return Err(words(
+            "the inputs of all training recordings are zero throughout; without an input the parameters have no scale"
+                .into(),
+        ));
     }
     let mut units = recordings.iter().map(|m| m.recording.drive_unit());
     let first = units.next();
@@ -134,4 +142,72 @@ pub(super) fn assembled(
 /// Ids of the effects of the catalogue that need the track of the robot.
 fn of_heading() -> Vec<String> {
     effects::all().iter().filter(|e| e.depends_on_heading()).map(|e| e.id()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::Settings;
+    use crate::experiment::{MethodPlan, Reading, fits, plan_of};
+    use crate::identify::WeakForm;
+    use crate::recording::DriveUnit;
+    use crate::simulate::Hold;
+
+    fn recordings(train: &[&str], validation: &[&str]) -> Vec<Measured> {
+        let reading = Reading::new(Robot::amigobot(), DriveUnit::NewtonMetre);
+        let file = |name: &&str| format!("recordings/simulated_3d/slope/{name}.csv");
+        let of = |names: &[&str]| names.iter().map(file).collect::<Vec<_>>();
+        reading.files(&of(train), &of(validation)).unwrap()
+    }
+
+    fn refused(recordings: Vec<Measured>, options: PlanOptions) -> String {
+        let model = Model::base(Robot::amigobot());
+        Plan::new("mine", model, recordings, options).err().expect("it is refused").to_string()
+    }
+
+    #[test]
+    fn typed_options_are_the_keys_of_an_experiment_file() {
+        let keys = "model.effects = [\"slope\"]\nmethod = [{ name = \"weak_form\", half_width_s = 0.24 }]\n\
+                    [diagnosis]\nmax_effects = 1";
+        let read = || recordings(&["train_1"], &["validation"]);
+        let by_keys =
+            plan_of("mine", &toml::from_str(keys).unwrap(), read(), Hold::Linear).unwrap();
+        let method = WeakForm { half_width_s: Some(0.24), ..WeakForm::default() };
+        let options = PlanOptions {
+            methods: vec![MethodPlan::new(method)],
+            diagnosis: Some(Settings { max_effects: 1, ..Settings::default() }.into()),
+            hold: Some(Hold::Linear),
+            ..PlanOptions::default()
+        };
+        let model = Model::with_effects(Robot::amigobot(), &["slope"]).unwrap();
+        let typed = Plan::new("mine", model, read(), options).unwrap();
+        let asked = |plan: &Plan| {
+            let asked = plan.diagnosis.as_ref().unwrap();
+            let Settings { candidates, false_alarm, max_effects, .. } = &asked.settings;
+            (candidates.clone(), *false_alarm, *max_effects, asked.slow_moment)
+        };
+        assert_eq!(asked(&typed), asked(&by_keys));
+        let of = |plan: &Plan| {
+            let fit = fits(plan).swap_remove(0).fit.unwrap();
+            fit.estimates.iter().map(|e| (e.value, e.std_error)).collect::<Vec<_>>()
+        };
+        assert_eq!(of(&typed), of(&by_keys));
+        let stated = |plan: &Plan| {
+            (plan.title.clone(), plan.seed, plan.hold, plan.emulated, plan.methods[0].title.clone())
+        };
+        assert_eq!(stated(&typed), stated(&by_keys));
+    }
+
+    #[test]
+    fn a_plan_that_cannot_run_is_refused_with_the_reason() {
+        let none = refused(recordings(&[], &["validation"]), PlanOptions::default());
+        assert_eq!(none, "mine: no recording is there to train on");
+        let methods = PlanOptions { methods: vec![], ..PlanOptions::default() };
+        let none = refused(recordings(&["train_1"], &[]), methods);
+        assert_eq!(none, "mine: no method is there to fit the model by");
+        let candidates = Settings { candidates: vec!["slop".into()], ..Settings::default() };
+        let options = PlanOptions { diagnosis: Some(candidates.into()), ..PlanOptions::default() };
+        let unknown = refused(recordings(&["train_1"], &[]), options);
+        assert!(unknown.contains("did you mean `slope`"), "{unknown}");
+    }
 }

@@ -74,7 +74,12 @@ pub(super) fn counted(
     let all = long.iter().flatten().map(|long| long.samples).sum();
     let read = Arc::new(AtomicUsize::new(0));
     let of = |long: &Arc<LongRecording>| LongRecording {
-        rows: Box::new(Counted { long: long.clone(), read: read.clone(), all, progress: progress.clone() }),
+        rows: Box::new(Counted {
+            long: long.clone(),
+            read: read.clone(),
+            all,
+            progress: progress.clone(),
+        }),
         samples: long.samples,
         duration: long.duration,
         windows: long.windows,

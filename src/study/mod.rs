@@ -18,7 +18,9 @@ pub use invocation::{Invocation, shell_word};
 pub use json::{SCHEMA, results};
 pub use judged::Judged;
 pub use method::{FuzzyStudy, MethodStudy, Performance};
-pub use model::{FAR_BELOW_FLOOR, FoundEffect, Grade, ModelStudy, ParameterStudy, UnprovenEffect, parameters_of};
+pub use model::{
+    FAR_BELOW_FLOOR, FoundEffect, Grade, ModelStudy, ParameterStudy, UnprovenEffect, parameters_of,
+};
 pub use what_if::{Start, WhatIf};
 
 use serde::Serialize;

@@ -88,11 +88,13 @@ fn concluded(stated: &Statement) -> Vec<String> {
         Conclusion::Likely => vec![format!("Likely missing, not proven: {}.", likely()), error],
         Conclusion::Unknown if diagnosis.steps.is_empty() => vec![unknown, error],
         Conclusion::Unknown => {
-            let mut out = vec![unknown, format!("Found: {}.", found(diagnosis, &stated.logging)), error];
+            let mut out =
+                vec![unknown, format!("Found: {}.", found(diagnosis, &stated.logging)), error];
             // what was found may take the place of something else; a shift of the input shows in when the wheels move,
             // and nothing else moves them earlier or later
             if !diagnosis.steps.iter().all(|step| shifts_input(&step.id)) {
-                let in_place = "What was found may stand for a part of what is not in the catalogue.";
+                let in_place =
+                    "What was found may stand for a part of what is not in the catalogue.";
                 out.push(in_place.to_owned());
             }
             out
@@ -151,4 +153,88 @@ fn likely_beside(stated: &Statement) -> Option<String> {
     let beside = matches!(stated.conclusion, Conclusion::Missing | Conclusion::Unknown);
     let likely = stated.likely.filter(|_| beside && stated.formula.is_none())?;
     Some(format!("Likely, not proven: {}.", unproven(likely)))
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DMatrix;
+
+    use super::*;
+    use crate::diagnose::WindowFit;
+    use crate::model::Model;
+    use crate::recording::DriveUnit;
+    use crate::robot::Robot;
+
+    fn nothing_found() -> Diagnosis {
+        let model = Model::base(Robot::amigobot());
+        let (p, free) = (model.initial(), model.parameters().len());
+        let covariance = DMatrix::identity(free, free);
+        let base = WindowFit { model, p, cost: 1.0, covariance, at_bound: vec![false; free] };
+        Diagnosis { base, ranking: vec![], steps: vec![], rest: vec![], validated: true }
+    }
+
+    /// A model three times as far from the measurement as its noise floor, of which nothing was found.
+    fn unknown(diagnosis: &Diagnosis) -> Statement<'_> {
+        let logging = Logging { unit: DriveUnit::NewtonMetre, if_held: None, speeds_alone: false };
+        Statement {
+            is_undetermined: false,
+            conclusion: Conclusion::Unknown,
+            diagnosis,
+            errors: Errors { before: 9.0, after: 9.0, floor: 1.0, most: 1.0, speed: 1e4 },
+            likely: None,
+            withheld: None,
+            false_alarm: 0.05,
+            logging,
+            dependence: None,
+            formula: None,
+            floor: 1.0,
+        }
+    }
+
+    #[test]
+    fn a_verdict_states_its_parts_in_the_order_error_likely_effect_dependence_formula() {
+        let diagnosis = nothing_found();
+        let likely = UnprovenEffect { id: "slope".into(), lowers: 0.117 };
+        let depends = Dependence { shown: None, beside: None, tested: None, is_left: false };
+        let stated =
+            Statement { likely: Some(&likely), dependence: Some(depends), ..unknown(&diagnosis) };
+        let error = "Something is missing that the catalogue does not explain. The 2 s simulation error is 3.0 times \
+                     the noise floor.";
+        let beside =
+            "Likely, not proven: inclined floor (slope), which lowers the held-out error by 12 %.";
+        let depends = "The residual torque depends little on anything that was tried; coloured noise of the recorded \
+                       input and disturbances from outside look like this too.";
+        assert_eq!(sentence(&stated), format!("{error} {beside} {depends}"));
+        let formula =
+            FormulaStudy { id: "pile".into(), window_rms: 1.0, ..FormulaStudy::default() };
+        // beside the formula no effect of the catalogue is likely
+        let lowers = "A formula of it (pile) lowers the 2 s simulation error to 1.00 rad/s, the noise floor.";
+        let stated = Statement { formula: Some(&formula), ..stated };
+        assert_eq!(sentence(&stated), format!("{error} {depends} {lowers}"));
+    }
+
+    #[test]
+    fn columns_that_do_not_determine_the_model_make_no_effect_likely() {
+        let diagnosis = nothing_found();
+        let likely = UnprovenEffect { id: "slope".into(), lowers: 0.117 };
+        let stated =
+            Statement { is_undetermined: true, likely: Some(&likely), ..unknown(&diagnosis) };
+        assert_eq!(sentence(&stated), UNDETERMINED);
+    }
+
+    #[test]
+    fn an_effect_that_is_withheld_is_named_with_the_reason() {
+        let diagnosis = nothing_found();
+        let effect = UnprovenEffect { id: "wheel_slip".into(), lowers: 0.25 };
+        let stated = Statement {
+            conclusion: Conclusion::Sufficient,
+            withheld: Some((&effect, Withheld::Small)),
+            ..unknown(&diagnosis)
+        };
+        let text = sentence(&stated);
+        assert!(text.starts_with("Nothing is proven to be missing. The 2 s"), "{text}");
+        let end = "the held-out error falls by 25 %, but its size does not differ from zero by more than its \
+                   uncertainty.";
+        assert!(text.ends_with(end), "{text}");
+    }
 }

@@ -1,8 +1,8 @@
 //! From what the search found to the verdict.
 
-use super::formula::{Trial, curves_of, residual_torques};
 use super::Basis;
 use super::concluded::Concluded;
+use super::formula::{Trial, curves_of, residual_torques};
 use crate::compare::{Curve, WindowFloor};
 use crate::diagnose::{Diagnosis, Judge, THRESHOLDS, WindowFit, cutoff, mobility};
 use crate::recording::Recording;

@@ -146,7 +146,9 @@ fn pages_experiment_files_and_sources_use_the_words_of_the_field() {
         let text = fs::read_to_string(path).unwrap();
         for (number, line) in prose(path, &text) {
             let shown = path.strip_prefix(root).unwrap().display();
-            wrong.extend(refused_with_personal(&line).into_iter().map(|r| format!("{shown}:{number}: {r}")));
+            wrong.extend(
+                refused_with_personal(&line).into_iter().map(|r| format!("{shown}:{number}: {r}")),
+            );
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));

@@ -2,10 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::sums::TINY;
-use super::compared::Compared;
-use super::window::Window;
 use super::Windows;
+use super::compared::Compared;
+use super::sums::TINY;
+use super::window::Window;
 use crate::model::Model;
 use crate::robot::State;
 use crate::simulate::{Input, simulate_windows};
