@@ -14,7 +14,7 @@
 
 use super::cells::{column, columns, keep, put};
 use super::finding::{Channel, Finding, Kind};
-use super::signal::{changes, median};
+use super::signal::{changes, median_high};
 use super::{Conditioned, Context, Settings};
 use crate::recording::{Channels, REGULAR, refreshed};
 
@@ -91,7 +91,7 @@ pub(super) fn read_in_turn(work: &mut Conditioned, settings: &Settings, context:
         let [(_, right), (_, left)] = &cells[..] else { continue };
         let every = |new: &[bool]| {
             let rows: Vec<usize> = (0..new.len()).filter(|&k| new[k]).collect();
-            median(rows.windows(2).map(|w| (w[1] - w[0]) as f64))
+            median_high(rows.windows(2).map(|w| (w[1] - w[0]) as f64))
         };
         if [every(right), every(left)] != [2.0; 2] {
             continue;
@@ -112,7 +112,7 @@ pub(super) fn read_in_turn(work: &mut Conditioned, settings: &Settings, context:
 pub(super) fn new_in(t: &[f64], values: &[f64]) -> Vec<bool> {
     let changes = changes(values);
     let runs: Vec<usize> = changes.windows(2).map(|w| w[1] - w[0]).collect();
-    let usual = median(runs.iter().map(|r| *r as f64)) as usize;
+    let usual = median_high(runs.iter().map(|r| *r as f64)) as usize;
     let alike = runs.iter().filter(|run| run.abs_diff(usual) <= 1).count();
     if usual < 2 || (alike as f64) < REGULAR * runs.len() as f64 {
         return vec![true; values.len()];

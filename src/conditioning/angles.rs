@@ -12,7 +12,7 @@
 use std::f64::consts::TAU;
 
 use super::finding::{Channel, Finding, Kind};
-use super::signal::{column, median, pieces, quantile};
+use super::signal::{column, median_high, pieces, quantile};
 use super::{Conditioned, Settings};
 use crate::math::noise::quantum;
 
@@ -88,7 +88,7 @@ fn steps(values: &[f64], pieces: &[std::ops::Range<usize>]) -> Vec<(usize, f64)>
         }
         let from = k.saturating_sub(AROUND + 1);
         let near = increments[from..(k + AROUND).min(increments.len())].iter().copied();
-        out.push((k, increments[k - 1] - median(near)));
+        out.push((k, increments[k - 1] - median_high(near)));
     }
     out
 }
@@ -125,15 +125,15 @@ fn explained(values: &[f64], steps: &[(usize, f64)]) -> (Vec<Kind>, Vec<(usize, 
 
 /// Whether the angle stays where the step brought it; a wrong sample returns.
 fn lasts(values: &[f64], (k, by): (usize, f64)) -> bool {
-    let before = median(values[k.saturating_sub(AROUND)..k].iter().copied());
-    let after = median(values[k..(k + AROUND).min(values.len())].iter().copied());
+    let before = median_high(values[k.saturating_sub(AROUND)..k].iter().copied());
+    let after = median_high(values[k..(k + AROUND).min(values.len())].iter().copied());
     (after - before - by).abs() < 0.5 * by.abs()
 }
 
 /// The period of which the steps are, if they are of one: a known one within two parts in a hundred,
 /// or one on which three steps and the range of the angle agree.
 fn period(values: &[f64], steps: &[(usize, f64)]) -> Option<f64> {
-    let size = median(steps.iter().map(|(_, by)| by.abs()));
+    let size = median_high(steps.iter().map(|(_, by)| by.abs()));
     let alike = |a: f64, b: f64| (a / b - 1.0).abs() < ALIKE;
     if !steps.iter().all(|(_, by)| alike(by.abs(), size)) {
         return None;

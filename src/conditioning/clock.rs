@@ -10,7 +10,7 @@ use std::ops::Range;
 use super::Conditioned;
 use super::cells::columns;
 use super::finding::{Channel, Finding, Kind};
-use super::signal::{changes, median};
+use super::signal::{changes, median_high};
 use crate::recording::REGULAR;
 
 /// Mean number of rows within a tick from which on a clock is coarse; repeated stamps that are fewer are those of
@@ -33,14 +33,14 @@ pub(super) fn coarse(work: &mut Conditioned) {
     if t.windows(2).any(|w| w[1] < w[0]) || inner.len() < 2 || is_twice(work) {
         return;
     }
-    let usual = median(inner.iter().map(|r| r.len() as f64));
+    let usual = median_high(inner.iter().map(|r| r.len() as f64));
     let allowed = (UNEVEN * usual).max(1.0);
     let regular = inner.iter().filter(|r| (r.len() as f64 - usual).abs() <= allowed).count();
     let mean = inner.iter().map(|r| r.len() as f64).sum::<f64>() / inner.len() as f64;
     if mean < ROWS_A_TICK || (regular as f64) < REGULAR * inner.len() as f64 {
         return;
     }
-    let tick = median(ticks.windows(2).map(|w| t[w[1].start] - t[w[0].start]));
+    let tick = median_high(ticks.windows(2).map(|w| t[w[1].start] - t[w[0].start]));
     let t = at_one_rate(t, &ticks, tick).unwrap_or_else(|| spread(t, &ticks, tick, tick / mean));
     work.channels.t = t;
     let kind = Kind::CoarseClock { tick_s: tick, rows: mean };

@@ -17,7 +17,7 @@
 //! contradicts them the speeds of all stay: half of a log in angles would stand half a row from the other half.
 
 use super::finding::{Channel, Finding, Kind};
-use super::signal::{column, median, trimmed};
+use super::signal::{column, median_high, trimmed};
 use super::{Conditioned, Context, Settings};
 
 /// Rows that must move: fewer are on a grid by chance or by the digits that are written.
@@ -78,7 +78,7 @@ pub(super) fn angles(work: &mut Conditioned, settings: &Settings, context: &Cont
     let channels = &work.channels;
     let (None, Some(omega)) = (&channels.alpha, &channels.omega) else { return };
     let steps = steps(&channels.t);
-    let even = vec![median(steps[1..].iter().copied()); steps.len()];
+    let even = vec![median_high(steps[1..].iter().copied()); steps.len()];
     let of = |i: usize| {
         let omega = column(omega, i);
         let counts = |steps: &[f64]| match context.encoders {

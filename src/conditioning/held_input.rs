@@ -14,7 +14,7 @@ use super::align::{Cells, align, new_in};
 use super::cells::columns;
 use super::finding::Channel;
 use super::input::speeds;
-use super::signal::{column, median, pieces};
+use super::signal::{column, median_high, pieces};
 use super::spikes::answer;
 use super::{Conditioned, Context, Settings};
 use crate::recording::refreshed;
@@ -63,7 +63,7 @@ pub(super) fn sampled(work: &mut Conditioned, settings: &Settings, context: &Con
 fn goes_on(work: &Conditioned, new: &[bool]) -> Option<(f64, f64)> {
     let (c, omega) = (&work.channels, speeds(work)?);
     let samples: Vec<usize> = (0..new.len()).filter(|&k| new[k]).collect();
-    let usual = median(samples.windows(2).map(|w| (w[1] - w[0]) as f64)) as usize;
+    let usual = median_high(samples.windows(2).map(|w| (w[1] - w[0]) as f64)) as usize;
     let pieces = pieces(&c.t);
     let piece = |k: usize| pieces.partition_point(|p| p.end <= k);
     let half = usual / 2;

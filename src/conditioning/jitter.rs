@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::finding::{Channel, Finding, Kind};
 use super::rows::is_increasing;
-use super::signal::{median, pieces};
+use super::signal::{median_high, pieces};
 use super::{Conditioned, Settings};
 
 /// Scatter of the stamps, as a share of a row, below which they are left alone (taste).
@@ -38,7 +38,7 @@ pub(super) fn even_times(work: &mut Conditioned, settings: &Settings) {
     }
     let pieces = pieces(t);
     let even: Vec<f64> = pieces.iter().flat_map(|piece| even(&t[piece.clone()])).collect();
-    let step = median(t.windows(2).map(|w| w[1] - w[0]));
+    let step = median_high(t.windows(2).map(|w| w[1] - w[0]));
     let off: Vec<f64> = t.iter().zip(&even).map(|(t, even)| (t - even) / step).collect();
     let share = (off.iter().map(|o| o * o).sum::<f64>() / off.len() as f64).sqrt();
     let far = off.iter().filter(|o| o.abs() > HALF).count() as f64;
@@ -58,7 +58,7 @@ pub(super) fn even_times(work: &mut Conditioned, settings: &Settings) {
 
 /// The even times of a piece: rows counted by a clock that follows the stamps slowly, on a line through those around.
 fn even(t: &[f64]) -> Vec<f64> {
-    let h = median(t.windows(2).map(|w| w[1] - w[0]));
+    let h = median_high(t.windows(2).map(|w| w[1] - w[0]));
     if t.len() <= 2 || !(h > 0.0) {
         return t.to_vec();
     }

@@ -4,7 +4,7 @@ use super::align::{Cells, align};
 use super::cells::{columns, keep};
 use super::clock;
 use super::finding::{Channel, Finding, Kind};
-use super::signal::median;
+use super::signal::median_high;
 use super::{Conditioned, Context, Settings};
 
 /// A column that lacks more than this share of its values is not damaged but slower than the rows:
@@ -89,7 +89,7 @@ const LATE: f64 = 2.0;
 /// by the period of a timer was not restarted: it wrapped, and there is no gap.
 fn restarts(work: &mut Conditioned) {
     let t = &mut work.channels.t;
-    let step = median(t.windows(2).map(|w| w[1] - w[0]).filter(|h| *h > 0.0));
+    let step = median_high(t.windows(2).map(|w| w[1] - w[0]).filter(|h| *h > 0.0));
     let mut restarts: Option<(usize, usize, f64)> = None;
     let mut wraps: Option<(usize, usize, f64)> = None;
     for k in RESTARTED..t.len().saturating_sub(RESTARTED) {

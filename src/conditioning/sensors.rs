@@ -2,7 +2,7 @@
 
 use super::error::ConditioningError;
 use super::finding::{Action, Channel, Finding, Kind, WHEELS};
-use super::signal::{column, median, noise_variance, quantile};
+use super::signal::{column, median_high, noise_variance, quantile};
 use super::{Conditioned, Settings};
 use crate::math::noise::quantum;
 use crate::recording::refreshed;
@@ -37,7 +37,7 @@ pub(super) fn refresh(work: &mut Conditioned) {
     let rows: Vec<usize> = (0..fresh.len()).filter(|&k| fresh[k]).collect();
     let mut found = Vec::new();
     if rows.len() < fresh.len() {
-        let period_s = median(rows.windows(2).map(|w| c.t[w[1]] - c.t[w[0]]));
+        let period_s = median_high(rows.windows(2).map(|w| c.t[w[1]] - c.t[w[0]]));
         let kind = Kind::Refresh { period_s };
         found.push(Finding { channel: Channel::Sensors, kind, action: Action::Used });
     }

@@ -16,7 +16,7 @@
 use nalgebra::{Matrix2, Vector2};
 
 use super::finding::{Channel, Finding, Kind};
-use super::signal::{changes, column, median, noise_variance, pieces, trimmed};
+use super::signal::{changes, column, median_high, noise_variance, pieces, trimmed};
 use super::{Conditioned, Context, Settings};
 use crate::math::{cumulative_trapezoid, robust_deviation};
 
@@ -154,7 +154,7 @@ fn samples(work: &Conditioned, i: usize) -> Option<Samples> {
     let rows = if all { (0..c.t.len()).collect() } else { rows };
     let t: Vec<f64> = rows.iter().map(|&k| c.t[k]).collect();
     let of = |v: &[f64]| rows.iter().map(|&k| v[k]).collect();
-    let step = median(t.windows(2).map(|w| w[1] - w[0]));
+    let step = median_high(t.windows(2).map(|w| w[1] - w[0]));
     Some(Samples { alpha: of(&alpha), omega: of(&omega), pieces: pieces(&t), step, t, all })
 }
 
@@ -279,7 +279,7 @@ fn angles_suffice(s: &Samples, lag: f64) -> bool {
 /// so that the noise of each speed stays its own.
 fn advance(work: &mut Conditioned, lag: f64, full_rate: bool) {
     let t = work.channels.t.clone();
-    let step = median(t.windows(2).map(|w| w[1] - w[0]));
+    let step = median_high(t.windows(2).map(|w| w[1] - w[0]));
     let rows = (lag / step).round() as isize;
     // between the values of a slow sensor there is no slope
     let rest = if full_rate { lag - rows as f64 * step } else { 0.0 };

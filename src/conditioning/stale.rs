@@ -17,7 +17,7 @@
 use std::ops::Range;
 
 use super::finding::{Channel, Finding, Kind};
-use super::signal::{column, median, pieces};
+use super::signal::{column, median_high, pieces};
 use super::{Conditioned, Settings};
 use crate::math::noise::grid;
 
@@ -119,7 +119,7 @@ fn late(work: &Conditioned) -> Option<Vec<Late>> {
 
 /// The usual motion of a row around row `k`, without its own; none where the wheel starts, stops or turns round there.
 fn usual(values: &[f64], k: usize, piece: &Range<usize>) -> f64 {
-    let of = |rows: Range<usize>| median(rows.map(|j| values[j] - values[j - 1]));
+    let of = |rows: Range<usize>| median_high(rows.map(|j| values[j] - values[j - 1]));
     let before = of(k.saturating_sub(AROUND).max(piece.start + 1)..k);
     let after = of(k + 1..(k + 1 + AROUND).min(piece.end));
     // no motion, or two that differ by more than a row which skips a sample from one which does not

@@ -11,7 +11,7 @@
 
 use super::finding::{Channel, Finding, Kind};
 use super::input::speeds;
-use super::signal::{median, pieces};
+use super::signal::{median_high, pieces};
 use super::{Conditioned, Settings};
 use crate::recording::{
     View, Window, exchanged_input, exchanged_speeds, opposing_input, windows_of,
@@ -97,7 +97,7 @@ fn windows(work: &Conditioned) -> Vec<Window> {
     let c = &work.channels;
     let Some(omega) = speeds(work) else { return vec![] };
     let alpha = c.alpha.as_ref().unwrap_or(&omega);
-    let step = median(c.t.windows(2).map(|w| w[1] - w[0]));
+    let step = median_high(c.t.windows(2).map(|w| w[1] - w[0]));
     let pieces = pieces(&c.t);
     windows_of(&View { t: &c.t, alpha, omega: &omega, torque: &c.torque, pieces: &pieces, step })
 }

@@ -17,8 +17,8 @@ pub struct Fall {
     pub ratio: f64,
     /// Held-out windows on which both errors rest.
     pub windows: usize,
-    /// Whether the effect moves the input in time: how large it is is a time then. A controller has to know of it, of
-    /// which the error of a simulation tells little.
+    /// Whether the effect moves the input in time: how large it is is a time then. It matters to a controller, and the
+    /// error of a simulation shows little of it.
     pub later: bool,
 }
 
@@ -34,7 +34,7 @@ impl Fall {
     }
 }
 
-/// The fall between the squared errors of windows, in the order of time, with what each window tells of it
+/// The fall between the squared errors of windows, in the order of time, with what each window shows of it
 /// (`weight`, 0 to 1).
 ///
 /// ```text
@@ -44,7 +44,7 @@ impl Fall {
 /// r is the correlation of neighbouring windows (0 to 0.9). Logarithms keep one window from deciding. The weights
 /// must not depend on the errors: those of windows in which both models move alike are small, so that an effect
 /// that acts in a few windows (a warm-up, a limit that is seldom reached) is not tested on the noise of all others.
-/// Where fewer than four windows tell, all count alike.
+/// Where fewer than four windows show anything, all count alike.
 #[must_use]
 pub fn fall_of(before: &[f64], after: &[f64], weight: &[f64]) -> Fall {
     let rows = before.iter().zip(after).zip(weight);
@@ -113,7 +113,7 @@ mod tests {
         let weight = [1.0, 1.0, 0.0, 1.0, 1.0, 0.0, 1.0, 1.0];
         let fall = fall_of(&before, &after, &weight);
         assert!((fall.p_value - 0.006_338).abs() < 5e-5, "{}", fall.p_value);
-        // three that tell are too few: all count
+        // three that show it are too few: all count
         let three = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0];
         assert_eq!(fall_of(&before, &after, &three), fall_of(&before, &after, &[1.0; 8]));
     }

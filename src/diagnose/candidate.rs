@@ -156,7 +156,7 @@ impl Candidate {
     }
 
     /// Leaves out columns that are zero whatever this robot does, where others are not: a term times a3 where the
-    /// centre of mass is on the axle. Two motions in general position tell, one forward and one back.
+    /// centre of mass is on the axle. Two motions in general position decide, one forward and one back.
     fn drop_absent(&mut self, recording: &Recording) {
         let top = recording.top_speed();
         let around = self.around.clone();
@@ -342,7 +342,7 @@ fn common_size(candidate: &Candidate, model: &Model, recording: &Recording) -> V
     largest
 }
 
-/// The effect of a candidate seen on the local motion of the recordings, to know its size: root
+/// The effect of a candidate seen on the local motion of the recordings, for its size: root
 /// mean square of each column over them [N m per unit].
 #[must_use]
 pub(super) fn column_size(

@@ -10,8 +10,8 @@ use crate::simulate::Hold;
 
 /// Whether the input is held through a row, as a controller at the rate of the log does, or runs on to the next row:
 /// the model at `p` is fitted with either, each with the time of the input, and the line between the rows stands
-/// unless the windows speak against it with odds of twenty to one. Where the model misses more than noise it cannot
-/// tell.
+/// unless the windows speak against it with odds of twenty to one. Where the model misses more than noise it does not
+/// decide.
 ///
 /// A line between the rows smooths the noise of the recorded input; what noise makes of the errors is therefore taken
 /// out of both.

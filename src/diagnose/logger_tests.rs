@@ -1,4 +1,4 @@
-//! What a logger does to a recording, told from physics, on random steps of the input.
+//! What a logger does to a recording, distinguished from physics, on random steps of the input.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -36,7 +36,7 @@ pub use phases::{Phase, phases};
 pub use regression::{Regression, Smoothed, cutoff};
 pub use scale::scale_of;
 pub use screen::Screen;
-pub use search::{Data, Settings, Told, diagnose};
+pub use search::{Data, Progress, Settings, diagnose};
 pub use shapes::shapes_placed;
 pub use speed_filter::{SpeedFilter, advanced, speed_filter};
 pub use thresholds::{THRESHOLDS, Thresholds};

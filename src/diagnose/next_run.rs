@@ -1,4 +1,4 @@
-//! The next run: the manoeuvre that would tell two effects apart, and how sure one would be then.
+//! The next run: the manoeuvre that would distinguish two effects, and how probably it would.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -29,7 +29,7 @@ pub struct Limits {
     pub duration: f64,
 }
 
-/// A manoeuvre with what it would tell.
+/// A manoeuvre with what it would decide.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Proposal {
     /// The manoeuvre.
@@ -66,7 +66,7 @@ impl Columns for Pair<'_> {
     }
 }
 
-/// Two effects, each with the coefficients of its columns as far as the data tell.
+/// Two effects, each with the coefficients of its columns as far as the data show them.
 #[derive(Clone, Copy)]
 pub struct Rivals<'a> {
     /// The candidates.
@@ -75,7 +75,7 @@ pub struct Rivals<'a> {
     pub sizes: [&'a [f64]; 2],
 }
 
-/// Designs a manoeuvre within `limits` that tells two rivals apart.
+/// Designs a manoeuvre within `limits` that distinguishes two rivals.
 ///
 /// ```text
 /// T_A|B = θ_A' I_A|B θ_A,   I_A|B: information on A when base and B are free

@@ -247,7 +247,7 @@ impl<'a> Regression<'a> {
     }
 
     /// Where a fit with the candidate starts: the free parameters of the model and the linear ones of the
-    /// candidate that explain the input torque together. It knows no sticking, on which a simulation from
+    /// candidate that explain the input torque together. It has no sticking, on which a simulation from
     /// a wrong start may hang.
     #[must_use]
     pub fn start(&self, candidate: &Candidate) -> Option<(Vec<f64>, Vec<f64>)> {

@@ -10,7 +10,6 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use self::order::before;
 use super::candidate::{Candidate, candidates};
 use super::fit::{WindowFit, fit};
 use super::input_timing::{InputTiming, SYMBOL};
@@ -24,14 +23,14 @@ use super::timing::EARLIEST;
 use super::windows::{Windows, mobility};
 use crate::effects::{Change, Effect, Scale};
 use crate::identify::IdentifyError;
-use crate::math::median as middle;
+use crate::math::median_high;
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::Hold;
 
 /// Called with how many candidates of a round are fitted, and how many are fitted in it. Rounds follow each other;
 /// how many there will be depends on what they find.
-pub type Told = Arc<dyn Fn(usize, usize) + Send + Sync>;
+pub type Progress = Arc<dyn Fn(usize, usize) + Send + Sync>;
 
 /// What the diagnosis is asked.
 #[derive(Clone)]
@@ -44,13 +43,13 @@ pub struct Settings {
     pub false_alarm: f64,
     /// Most effects that are added.
     pub max_effects: usize,
-    /// Who is told of the progress.
-    pub told: Option<Told>,
+    /// Called as candidates are fitted.
+    pub progress: Option<Progress>,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { candidates: vec![], own: vec![], false_alarm: 0.05, max_effects: 3, told: None }
+        Self { candidates: vec![], own: vec![], false_alarm: 0.05, max_effects: 3, progress: None }
     }
 }
 
@@ -175,15 +174,6 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Puts refitted candidates in order.
-    fn order(&self, ranked: &mut [Ranked]) {
-        self.set_criteria(ranked);
-        ranked.sort_by(before);
-        self.tell_shifts(ranked);
-        ranked.sort_by(before);
-        self.choose_alike(ranked);
-    }
-
     /// Screens all candidates, refits the best, and ranks them.
     fn rank(&self, present: &WindowFit, is_base: bool) -> Vec<Ranked> {
         // a shift of the input is what timing would take for itself: it is held while shifts are looked at
@@ -305,7 +295,7 @@ impl<'a> Search<'a> {
             }
             let expected = crate::math::distribution::chi2_quantile(0.5, columns as f64);
             let median = |value: &dyn Fn(&Ranked) -> f64| {
-                (middle(own.iter().map(|&n| value(&looked[n]))) / expected).max(1.0)
+                (median_high(own.iter().map(|&n| value(&looked[n]))) / expected).max(1.0)
             };
             let by = (median(&|r| r.by_regression), median(&|r| r.by_windows));
             for n in own {

@@ -1,4 +1,4 @@
-//! Speeds behind a low-pass of their sensor, told from an actuator that follows late.
+//! Speeds behind a low-pass of their sensor, distinguished from an actuator that follows late.
 
 use super::evidence::{evidence, noiseless, without_noise};
 use super::fit::fit;

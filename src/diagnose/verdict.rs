@@ -80,7 +80,7 @@ impl Errors {
         if beyond < 0.0 { 0.0 } else { (beyond / self.speed).sqrt() }
     }
 
-    /// Whether the last model is so far above the floor that noise which the floor does not know (coloured noise
+    /// Whether the last model is so far above the floor that noise which the floor leaves out (coloured noise
     /// of the input) is no explanation. An error that is not a number is.
     #[must_use]
     pub fn far_above_floor(&self) -> bool {

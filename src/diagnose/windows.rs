@@ -6,8 +6,7 @@
 mod compared;
 mod errors;
 mod sums;
-
-use std::ops::Range;
+mod window;
 
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -16,40 +15,21 @@ use self::compared::{Compared, variance};
 pub(super) use self::errors::Errors;
 use self::sums::{Accumulator, TINY};
 pub(super) use self::sums::{Sums, quadratic_of};
+use self::window::{WINDOW, Window, cut};
 use super::input_timing::input_derivatives;
 use crate::compare::start_of;
 use crate::effects::{Motion, Scale};
 use crate::math::descent::Quadratic;
-use crate::math::noise::median;
+use crate::math::median;
 use crate::model::{Model, inverse_mass};
 use crate::recording::Recording;
 use crate::robot::State;
 use crate::simulate::{ActingInput, Asked, BETWEEN_ROWS, Hold, LANES, every_other, follow_part};
 
-/// Length of a window \[s\]: long enough for friction and viscous effects to show, short enough that noise
-/// of the input does not drown them; the acceptance test uses the same.
-pub(super) const WINDOW: f64 = 1.0;
 /// Largest growth of the variance of a speed over a window, in variances of the sensor: noise of the input is
 /// an estimate, and a recording that seems to have much of it must not lose its say where the model is wrong
 /// by more than either.
 const MOST_GROWTH: f64 = 8.0;
-/// Fewest rows of a window.
-const FEWEST: usize = 5;
-
-/// One window of a recording.
-#[derive(Clone, Debug)]
-pub struct Window {
-    /// Index among the recordings.
-    pub recording: usize,
-    /// Rows of that recording, from the start of the window.
-    pub rows: Range<usize>,
-    /// Smoothed state at the first row.
-    pub start: State,
-    /// Variance of its speeds [rad^2/s^2].
-    variance: [f64; 2],
-    /// Factor on the weight of each wheel, one where the input between the rows does little.
-    share: [f64; 2],
-}
 
 /// Recordings cut into windows.
 #[derive(Clone)]
@@ -100,7 +80,7 @@ impl<'a> Windows<'a> {
     /// its rows may do there: a third of what every other row changes. A window in which a wheel comes to rest or
     /// breaks away a row earlier or later has errors far above noise whatever the parameters, and would decide all of
     /// them. And the model's own errors: where they are larger than noise, a recording whose sensors are quieter
-    /// knows no more than the others, and all windows count alike.
+    /// says no more than the others, and all windows count alike.
     ///
     /// ```text
     /// weight × (σ_r²/σ²) (σ² + m²)/(σ_r² + m² + d²/9)
@@ -119,7 +99,7 @@ impl<'a> Windows<'a> {
                 *sum = [0, 1].map(|i| sum[i] + 0.5 * BETWEEN_ROWS.powi(2) * square[i]);
             }
         }
-        let own = median(whole.iter().flat_map(Errors::mean_squares).collect()).unwrap_or(0.0);
+        let own = median(whole.iter().flat_map(Errors::mean_squares));
         let noise = &self.noise;
         let mean = noise.iter().flatten().sum::<f64>() / (2 * noise.len()) as f64;
         for (window, changed) in self.windows.iter_mut().zip(changed) {
@@ -339,7 +319,7 @@ impl<'a> Windows<'a> {
 /// Relative step of forward differences: the root of the precision to which a window is simulated (1e-12).
 const DIFFERENCE: f64 = 1e-6;
 
-/// What is told of a row of a window: its number, the wheel, the error, its derivatives and whether the
+/// Called with a row of a window: its number, the wheel, the error, its derivatives and whether the
 /// simulated wheel rests.
 type See<'a> = &'a mut dyn FnMut(usize, usize, f64, &[f64], bool);
 /// Visits all rows of a window; `None` where the simulation fails.
@@ -358,23 +338,6 @@ pub(super) struct Row {
 
 fn typical(model: &Model, j: usize) -> f64 {
     model.parameters()[j].spec.typical.abs()
-}
-
-/// The windows of a piece: equal parts of about 1 s.
-fn cut(recording: &Recording, piece: &Range<usize>) -> impl Iterator<Item = Range<usize>> {
-    let t = recording.t();
-    let length = t[piece.end - 1] - t[piece.start];
-    let count = (length / WINDOW).round().max(1.0) as usize;
-    let edge = {
-        let (start, t) = (t[piece.start], t[piece.clone()].to_vec());
-        let first = piece.start;
-        move |n: usize| {
-            first + t.partition_point(|now| now - start < length * n as f64 / count as f64)
-        }
-    };
-    let end = piece.end;
-    let ranges = (0..count).map(move |n| edge(n)..if n + 1 == count { end } else { edge(n + 1) });
-    ranges.filter(|rows| rows.len() >= FEWEST)
 }
 
 /// The acceleration that a torque of one gives its wheel [1/(kg m²)], of a model at parameters `p`.

@@ -4,7 +4,7 @@ use super::comparison::Comparison;
 use super::error::RunError;
 use super::plan::{DiagnosisPlan, Plan};
 use crate::compare::{Curve, WindowFloor};
-use crate::diagnose::{Data, Diagnosis, Settings, Told, WindowFit, with_later_input};
+use crate::diagnose::{Data, Diagnosis, Progress, Settings, WindowFit, with_later_input};
 use crate::identify::{IdentifyError, Task, start};
 use crate::model::Model;
 use crate::recording::Recording;
@@ -43,20 +43,20 @@ impl From<Comparison> for Diagnosed {
 /// # Errors
 /// If the model cannot be fitted or simulated.
 pub fn diagnose(plan: &Plan, comparison: Comparison) -> Result<Diagnosed, RunError> {
-    diagnose_told(plan, comparison, None)
+    diagnose_with_progress(plan, comparison, None)
 }
 
-/// The same; `told` is told of the progress.
+/// The same; `progress` is called as candidates are fitted.
 ///
 /// # Errors
 /// If the model cannot be fitted or simulated.
-pub(super) fn diagnose_told(
+pub(super) fn diagnose_with_progress(
     plan: &Plan,
     comparison: Comparison,
-    told: Option<Told>,
+    progress: Option<Progress>,
 ) -> Result<Diagnosed, RunError> {
     let Some(asked) = &plan.diagnosis else { return Ok(comparison.into()) };
-    let settings = Settings { told, ..asked.settings.clone() };
+    let settings = Settings { progress, ..asked.settings.clone() };
     let diagnosis = search(plan, &settings, &comparison)?;
     let floor = floor_of(&comparison);
     let settled =

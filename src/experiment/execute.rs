@@ -193,7 +193,9 @@ pub fn write(plan: &Plan, study: Study, out: &Path) -> Result<Done, ExperimentEr
     let invocation = Invocation { out, ..study.invocation };
     let study = Study { versions: comparable, invocation, ..study };
     let rendered = crate::report::render(&study)?;
-    folder.add("experiment.toml", study.file.clone());
+    if !study.file.is_empty() {
+        folder.add("experiment.toml", study.file.clone());
+    }
     for (file, bytes) in rendered.figures {
         folder.add(file, bytes);
     }

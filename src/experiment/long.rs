@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-use crate::diagnose::Told;
+use crate::diagnose::Progress;
 use crate::identify::{Fit, Identifier, IdentifyError, Note, Task};
 use crate::recording::{
     Channels, Finding, Issue, LongRecording, Recording, Rows, RowsError, Severity,
@@ -49,14 +49,14 @@ struct Counted {
     /// Rows that were read of all recordings, and how many there are.
     read: Arc<AtomicUsize>,
     all: usize,
-    told: Told,
+    progress: Progress,
 }
 
 impl Rows for Counted {
     fn blocks(&self) -> Box<dyn Iterator<Item = Result<Channels, RowsError>> + '_> {
         let count = |block: &Result<Channels, RowsError>| {
             let rows = block.as_ref().map_or(0, |block| block.t.len());
-            (self.told)(self.read.fetch_add(rows, Relaxed) + rows, self.all);
+            (self.progress)(self.read.fetch_add(rows, Relaxed) + rows, self.all);
         };
         Box::new(self.long.rows.blocks().inspect(count))
     }
@@ -66,15 +66,20 @@ impl Rows for Counted {
     }
 }
 
-/// The same recordings; `told` is told of the rows that were read of all of them.
+/// The same recordings; `progress` is called with the rows that were read of all of them.
 pub(super) fn counted(
     long: &[Option<Arc<LongRecording>>],
-    told: &Told,
+    progress: &Progress,
 ) -> Vec<Option<LongRecording>> {
     let all = long.iter().flatten().map(|long| long.samples).sum();
     let read = Arc::new(AtomicUsize::new(0));
     let of = |long: &Arc<LongRecording>| LongRecording {
-        rows: Box::new(Counted { long: long.clone(), read: read.clone(), all, told: told.clone() }),
+        rows: Box::new(Counted {
+            long: long.clone(),
+            read: read.clone(),
+            all,
+            progress: progress.clone(),
+        }),
         samples: long.samples,
         duration: long.duration,
         windows: long.windows,

@@ -1,6 +1,6 @@
 //! The measured recordings of an experiment: read, conditioned, checked.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 
@@ -32,39 +32,16 @@ pub(super) fn read(
         return Err(words(format!("recordings.hold_rows = {found} must be 1000 or more")));
     }
     let folder = path.parent().unwrap_or_else(|| Path::new("."));
-    let train = entry.train.iter().map(|f| (Role::Train, f));
-    let all: Vec<_> = train.chain(entry.validation.iter().map(|f| (Role::Validation, f))).collect();
     let mut reading = Reading::new(robot.clone(), entry.drive_unit);
     for (key, column) in &entry.columns {
         reading.columns.put(key, column.clone().into())?;
     }
     (reading.hold_rows, reading.conditioning) = (entry.hold_rows, *settings);
-    let mut measured = in_threads(&all, |(role, file)| reading.one(*role, &folder.join(file)))?;
-    let again =
-        |reading: &Reading, measured: &mut [Measured], which: &dyn Fn(&[Finding]) -> bool| {
-            let of: Vec<usize> = (0..all.len())
-                .filter(|&k| measured[k].long.is_none() && which(&measured[k].conditioning))
-                .collect();
-            let read = in_threads(&of, |&k| reading.one(all[k].0, &folder.join(all[k].1)))?;
-            of.into_iter().zip(read).for_each(|(k, one)| measured[k] = one);
-            Ok::<_, Meaning>(())
-        };
-    // what one recording of a log shows of its logger holds for all of them
-    let shows = |findings: &[Finding]| common_encoders([findings].into_iter()).is_some();
-    if let Some(encoders) = common_encoders(findings_of(&measured)) {
-        reading.encoders = Encoders::Known(encoders);
-        again(&reading, &mut measured, &|findings| !shows(findings))?;
-        if !findings_of(&measured).all(shows) {
-            reading.encoders = Encoders::None;
-            again(&reading, &mut measured, &shows)?;
-        }
-    }
-    reading.speed_lag = common_lag(findings_of(&measured));
-    if reading.speed_lag.is_some() {
-        let lags = |findings: &[Finding]| common_lag([findings].into_iter()).is_some();
-        again(&reading, &mut measured, &|findings| !lags(findings))?;
-    }
-    share_noise(&mut measured.iter_mut().map(|m| &mut m.recording).collect::<Vec<_>>());
+    let of = |role: Role, files: &[String]| -> Vec<(Role, PathBuf)> {
+        files.iter().map(|file| (role, folder.join(file))).collect()
+    };
+    let all = [of(Role::Train, &entry.train), of(Role::Validation, &entry.validation)].concat();
+    let measured = reading.together(&all)?;
     let train = measured.iter().filter(|m| m.role == Role::Train).map(|m| &m.recording);
     if super::quality::without_input(train) {
         return Err(words(format!(
@@ -131,6 +108,53 @@ impl Reading {
     /// What is wrong with the file or its values, with the place.
     pub fn file(&self, role: Role, file: &Path) -> Result<Measured, ExperimentError> {
         self.one(role, file).map_err(|e| e.of(&file.display().to_string()))
+    }
+
+    /// The recordings of files of one robot and logger, read as those of an experiment file: what one of them shows of its
+    /// encoders or of a lag of its speeds holds for all, and short ones have the sensors of long ones.
+    ///
+    /// # Errors
+    /// What is wrong with a file or its values, with the place.
+    pub fn files<P: AsRef<Path>>(
+        &self,
+        train: &[P],
+        validation: &[P],
+    ) -> Result<Vec<Measured>, ExperimentError> {
+        let train = train.iter().map(|file| (Role::Train, file));
+        let all = train.chain(validation.iter().map(|file| (Role::Validation, file)));
+        let all: Vec<_> = all.map(|(role, file)| (role, file.as_ref().to_path_buf())).collect();
+        self.together(&all).map_err(|e| e.of("recordings"))
+    }
+
+    fn together(&self, all: &[(Role, PathBuf)]) -> Result<Vec<Measured>, Meaning> {
+        let mut reading = self.clone();
+        let mut measured = in_threads(all, |(role, file)| reading.one(*role, file))?;
+        let again =
+            |reading: &Self, measured: &mut [Measured], which: &dyn Fn(&[Finding]) -> bool| {
+                let of: Vec<usize> = (0..all.len())
+                    .filter(|&k| measured[k].long.is_none() && which(&measured[k].conditioning))
+                    .collect();
+                let read = in_threads(&of, |&k| reading.one(all[k].0, &all[k].1))?;
+                of.into_iter().zip(read).for_each(|(k, one)| measured[k] = one);
+                Ok::<_, Meaning>(())
+            };
+        // what one recording of a log shows of its logger holds for all of them
+        let shows = |findings: &[Finding]| common_encoders([findings].into_iter()).is_some();
+        if let Some(encoders) = common_encoders(findings_of(&measured)) {
+            reading.encoders = Encoders::Known(encoders);
+            again(&reading, &mut measured, &|findings| !shows(findings))?;
+            if !findings_of(&measured).all(shows) {
+                reading.encoders = Encoders::None;
+                again(&reading, &mut measured, &shows)?;
+            }
+        }
+        reading.speed_lag = common_lag(findings_of(&measured));
+        if reading.speed_lag.is_some() {
+            let lags = |findings: &[Finding]| common_lag([findings].into_iter()).is_some();
+            again(&reading, &mut measured, &|findings| !lags(findings))?;
+        }
+        share_noise(&mut measured.iter_mut().map(|m| &mut m.recording).collect::<Vec<_>>());
+        Ok(measured)
     }
 
     /// The recording of a table in memory that has the columns [`Self::needed`], conditioned and checked.

@@ -1,6 +1,7 @@
 //! Runs the stages of an experiment; the only module that sees all.
 
 mod align;
+mod assemble;
 mod check;
 mod combinations;
 mod comparison;
@@ -56,7 +57,7 @@ pub use measured::Reading;
 pub use new_file::new_file;
 pub use options::{Done, RunOptions};
 pub use overlay::{Overlay, overlay};
-pub use plan::{DiagnosisPlan, InputSum, Measured, MethodPlan, Plan};
+pub use plan::{DiagnosisPlan, InputSum, Measured, MethodPlan, Plan, PlanOptions};
 pub use remark::{FixedMovement, Remark};
 pub use resolve::plan_of;
 pub use robot_table::robot_of;

@@ -1,15 +1,17 @@
 //! An experiment ready to run: everything resolved, nothing left to look up.
 
+mod options;
+
 use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+pub use self::options::{DiagnosisPlan, MethodPlan, PlanOptions};
 use super::combinations::GridPlan;
 use super::custom::Own;
 use super::remark::Remark;
 use crate::conditioning::{Finding, Stated, stated};
-use crate::diagnose::{Settings, Timing};
-use crate::identify::Identifier;
+use crate::diagnose::Timing;
 use crate::model::Model;
 use crate::recording::{self, DriveUnit, LongRecording, Recording, StatedIssue};
 use crate::simulate::{Gain, Hold};
@@ -47,43 +49,23 @@ impl fmt::Display for InputSum {
     }
 }
 
-/// A method with its options.
-pub struct MethodPlan {
-    /// As in its `[[method]]` block.
-    pub name: String,
-    /// In words.
-    pub title: String,
-    /// Options as written.
-    pub options: String,
-    /// The configured method.
-    pub method: Box<dyn Identifier>,
-}
-
-/// What the diagnosis is asked.
-pub struct DiagnosisPlan {
-    /// Candidates, false-alarm rate and number of effects.
-    pub settings: Settings,
-    /// Whether a slow unknown torque is part of the noise model.
-    pub slow_moment: bool,
-}
-
 /// An experiment ready to run.
 pub struct Plan {
     /// Name of the result folder.
     pub name: String,
     /// Heading.
     pub title: String,
-    /// The experiment file as run.
+    /// The experiment file as run; empty where there is none.
     pub file: String,
-    /// Its path.
+    /// Its path; empty where there is none.
     pub source: PathBuf,
     /// The recordings of a run without an experiment file, as typed; then there is nothing at `source`.
     pub typed: Vec<PathBuf>,
-    /// Whether the file says which robot it is; else the model's stands in for it.
+    /// Whether it is said which robot it is; else the model's stands in for it.
     pub robot_is_given: bool,
     /// Model to fit.
     pub model: Model,
-    /// Effects written as formulas in the file, in the model or not.
+    /// Effects beside the catalogue, in the model or not: formulas of the file, effects of the user.
     pub own: Vec<Own>,
     /// Inputs that are the sum of several columns.
     pub sums: Vec<InputSum>,

@@ -5,26 +5,22 @@ use std::path::Path;
 use rayon::prelude::*;
 use toml::Table;
 
-use super::align::Asked;
+use super::assemble::{assembled, candidates_are_known};
 use super::custom::{self, Own, add};
 use super::error::{ExperimentError, Meaning, nearest, words};
 use super::file::{
     CandidatesEntry, DiagnosisEntry, EmulatorEntry, ExperimentFile, FixedEntry, MovementEntry,
     NamedMovement, SimulationEntry,
 };
-use super::plan::{DiagnosisPlan, InputSum, Measured, MethodPlan, Plan};
-use super::remark::Remark;
-use super::robot_table::{has_no_track, is_built, robot};
+use super::plan::{DiagnosisPlan, InputSum, Measured, MethodPlan, Plan, PlanOptions};
+use super::robot_table::{is_built, robot};
 use crate::diagnose;
-use crate::effects::{self, ParameterKind};
+use crate::effects::ParameterKind;
 use crate::identify;
 use crate::model::Model;
 use crate::robot::Robot;
 use crate::simulate::{Gain, Hold, Movement, Recorder, record};
 use crate::study::Role;
-
-/// Methods that are compared where the file names none.
-const DEFAULT_METHODS: [&str; 3] = ["prediction_error", "output_error", "torque_regression"];
 
 /// Resolves a file at `path` (recordings are relative to it) whose text is `text`.
 ///
@@ -97,40 +93,26 @@ fn plan(
     let gain = gain(file)?;
     let diagnosis = diagnosis(file, &own)?;
     let (recordings, hold, seed, truth) = read(&robot, &own)?;
-    let (name, mut remarks) = (name_of(path), vec![]);
-    if has_no_track(model.robot()) {
-        remarks.push(Remark::NoTrack { effects: of_heading() });
-    }
-    let mut plan = Plan {
-        title: title(file, &name),
-        name,
+    let options = PlanOptions {
+        title: title(file),
+        methods,
+        diagnosis,
+        hold,
+        gain,
+        conditioning: file.conditioning,
+        robot_is_built: is_built(file.robot.as_ref()),
+        seed,
+    };
+    Ok(Plan {
         file: text.to_string(),
-        typed: vec![],
         source: std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf()),
         sums: sums(file),
-        remarks,
         robot_is_given: file.robot.is_some(),
-        model,
         own,
-        recordings,
-        hold: hold.unwrap_or_default(),
-        methods,
-        gain,
-        emulated: emulated(file),
         of_paper: file.simulation.as_ref().is_some_and(is_of_paper),
-        diagnosis,
-        seed,
         truth,
-        timing: None,
-        grid: None,
-    };
-    let speeds = plan.recordings.iter().flat_map(|m| m.recording.omega().iter().copied());
-    let opposed = super::remarks::opposed(&speeds.collect::<Vec<_>>());
-    plan.remarks.extend(opposed.map(|share| Remark::Opposed { share }));
-    super::align::place(&mut plan);
-    super::align::weigh(&mut plan, is_built(file.robot.as_ref()));
-    super::align::align(&mut plan, &Asked { hold, settings: file.conditioning });
-    Ok(plan)
+        ..assembled(&name_of(path), model, recordings, options)
+    })
 }
 
 /// Inputs that are the sum of several columns.
@@ -144,15 +126,9 @@ fn sums(file: &ExperimentFile) -> Vec<InputSum> {
     .collect()
 }
 
-/// Ids of the effects of the catalogue that need the track of the robot.
-fn of_heading() -> Vec<String> {
-    effects::all().iter().filter(|e| e.depends_on_heading()).map(|e| e.id()).collect()
-}
-
 /// The heading; one that is left empty, as in a new file, counts as none.
-fn title(file: &ExperimentFile, name: &str) -> String {
-    let written = file.title.clone().filter(|title| !title.trim().is_empty());
-    written.unwrap_or_else(|| name.replace(['_', '-'], " "))
+fn title(file: &ExperimentFile) -> Option<String> {
+    file.title.clone().filter(|title| !title.trim().is_empty())
 }
 
 /// The name of the result folder: that of the file.
@@ -186,11 +162,7 @@ fn model(file: &ExperimentFile, own: &[Own], robot: &Robot) -> Result<Model, Mea
 /// that the file states, if that has one.
 fn methods(tables: &[Table], emulator: Option<f64>) -> Result<Vec<MethodPlan>, Meaning> {
     if tables.is_empty() {
-        return DEFAULT_METHODS
-            .iter()
-            .filter(|name| identify::find(name).is_some())
-            .map(|name| method(name, &Table::new()))
-            .collect();
+        return Ok(MethodPlan::defaults());
     }
     tables
         .iter()
@@ -226,40 +198,19 @@ fn method(name: &str, options: &Table) -> Result<MethodPlan, Meaning> {
     };
     let method = method.configure(options)?;
     let written: Vec<String> = options.iter().map(|(k, v)| format!("{k} = {v}")).collect();
-    Ok(MethodPlan {
-        name: name.into(),
-        title: method.describe().title,
-        options: written.join(", "),
-        method,
-    })
-}
-
-/// Whether the file states a gain, or a method that fits an emulator.
-fn emulated(file: &ExperimentFile) -> bool {
-    let EmulatorEntry { gain, poles, matrix } = &file.emulator;
-    let fits = |table: &Table| {
-        let name = table.get("name").and_then(toml::Value::as_str);
-        name.and_then(identify::find).is_some_and(|method| method.fits_emulator())
-    };
-    gain.is_some() || poles.is_some() || matrix.is_some() || file.method.iter().any(fits)
+    Ok(MethodPlan::boxed(method, written.join(", ")))
 }
 
 fn is_of_paper(entry: &SimulationEntry) -> bool {
     entry.movement == MovementEntry::Named(NamedMovement::Paper)
 }
 
-fn gain(file: &ExperimentFile) -> Result<Gain, Meaning> {
-    let entry = &file.emulator;
-    let gain = if let Some(k) = entry.gain {
-        Gain::speed(k)
-    } else if let Some([a, b]) = entry.poles {
-        Gain::from_poles(a, b)
-    } else if let Some(matrix) = entry.matrix {
-        Gain(matrix)
-    } else {
-        Gain::ZERO
-    };
-    gain.check()?;
+/// The gain that the file states, if any.
+fn gain(file: &ExperimentFile) -> Result<Option<Gain>, Meaning> {
+    let EmulatorEntry { gain, poles, matrix } = file.emulator;
+    let by_poles = || poles.map(|[a, b]| Gain::from_poles(a, b));
+    let gain = gain.map(Gain::speed).or_else(by_poles).or(matrix.map(Gain));
+    gain.map_or(Ok(()), |gain| gain.check())?;
     Ok(gain)
 }
 
@@ -269,13 +220,10 @@ fn diagnosis(file: &ExperimentFile, own: &[Own]) -> Result<Option<DiagnosisPlan>
         CandidatesEntry::All(_) => vec![],
         CandidatesEntry::Some(ids) => ids.clone(),
     };
-    for id in &candidates {
-        // the model's own message names the effect that was meant
-        add(&Model::base(Robot::amigobot()), id, own)?;
-    }
+    candidates_are_known(&candidates, own)?;
     let DiagnosisEntry { false_alarm, max_effects, slow_moment, .. } = *entry;
     let own = own.to_vec();
-    let settings = diagnose::Settings { candidates, own, false_alarm, max_effects, told: None };
+    let settings = diagnose::Settings { candidates, own, false_alarm, max_effects, progress: None };
     Ok(Some(DiagnosisPlan { settings, slow_moment }))
 }
 

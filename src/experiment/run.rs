@@ -1,7 +1,7 @@
 //! From a plan to a study: fit, compare, diagnose.
 
 use super::comparison::{Comparison, compare};
-use super::diagnosis::{Diagnosed, diagnose_told, verdict};
+use super::diagnosis::{Diagnosed, diagnose_with_progress, verdict};
 use super::error::RunError;
 use super::fits::fits_in_stages;
 use super::model_out::model_out;
@@ -31,8 +31,8 @@ pub(super) fn run_in_stages(plan: &Plan, stages: &Stages) -> Result<Study, RunEr
     if plan.diagnosis.is_some() {
         stages.enter("diagnosis: trying effects");
     }
-    let told = stages.counting("of this round");
-    study(plan, diagnose_told(plan, comparison, Some(told))?)
+    let progress = stages.counting("of this round");
+    study(plan, diagnose_with_progress(plan, comparison, Some(progress))?)
 }
 
 /// All results of a plan: its comparison and its diagnosis with the models that they are about.

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::diagnose::Told;
+use crate::diagnose::Progress;
 
 /// The stages of a run, shown while they last.
 pub(super) struct Stages(Shown);
@@ -49,8 +49,8 @@ impl Stages {
         }
     }
 
-    /// Who is told how many `items` of the stage are done, and shows that with the time left for them.
-    pub(super) fn counting(&self, items: &'static str) -> Told {
+    /// Shows how many `items` of the stage are done, with the time left for them, each time it is called.
+    pub(super) fn counting(&self, items: &'static str) -> Progress {
         let shown = self.0.clone();
         let rate = Mutex::new(Rate::from(0, Instant::now()));
         Arc::new(move |done, total| {

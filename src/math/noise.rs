@@ -1,6 +1,7 @@
 //! How noisy a sampled signal is, from the signal alone.
 
 use super::distribution::chi2_quantile;
+use super::order::median;
 
 /// C(8, 4): fourth differences of white noise have this many times its variance.
 const GAIN: f64 = 70.0;
@@ -50,8 +51,8 @@ pub fn white_noise_variance(
             variances.push(variance);
         }
     }
-    let bias = median_bias(median(lengths)?, variances.len());
-    Some(median(variances)? / bias)
+    let bias = median_bias(median(lengths), variances.len());
+    (!variances.is_empty()).then(|| median(variances) / bias)
 }
 
 /// Correlation of neighbouring fourth differences: -0.8 if the noise is white, larger if a logger
@@ -123,16 +124,6 @@ fn median_bias(length: f64, blocks: usize) -> f64 {
 
 fn sum_of_squares(values: &[f64]) -> f64 {
     values.iter().map(|v| v * v).sum()
-}
-
-/// The median; of an even number the mean of the middle two, `None` of nothing.
-pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    let half = values.len() / 2;
-    match values.len() % 2 {
-        1 => Some(values[half]),
-        _ => Some(0.5 * (values.get(half.checked_sub(1)?)? + values[half])),
-    }
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ const USUAL: f64 = 0.95;
 
 /// Median step in time \[s\].
 pub(super) fn median_step(t: &[f64]) -> f64 {
-    crate::math::median(t.windows(2).map(|w| w[1] - w[0]))
+    crate::math::median_high(t.windows(2).map(|w| w[1] - w[0]))
 }
 
 /// Whether rows are missing between two, at that usual step.

@@ -1,7 +1,7 @@
 //! How noisy the channels of a recording are, from the recording alone.
 
 use super::{Noise, Recording};
-use crate::math::{median as middle, noise};
+use crate::math::{median_high, noise};
 
 /// Length of a block over which one estimate is taken \[s\].
 const BLOCK: f64 = 0.5;
@@ -19,7 +19,7 @@ pub fn share_noise(recordings: &mut [&mut Recording]) {
     if noises.is_empty() {
         return;
     }
-    let median = |value: &dyn Fn(&Noise) -> f64| middle(noises.iter().map(value));
+    let median = |value: &dyn Fn(&Noise) -> f64| median_high(noises.iter().map(value));
     let most = Noise {
         alpha: [0, 1].map(|i| median(&|n| n.alpha[i])),
         omega: [0, 1].map(|i| median(&|n| n.omega[i])),

@@ -3,7 +3,7 @@
 /// The experiment as the command line names it, for commands that a report quotes.
 #[derive(Clone, Debug, Default)]
 pub struct Invocation {
-    /// Its file, or the file that `experiment new` is to write.
+    /// Its file, or the file that `experiment new` is to write; empty where the library runs it without one.
     pub file: String,
     /// The recordings of a run without an experiment file; else empty.
     pub recordings: Vec<String>,
@@ -17,6 +17,12 @@ impl Invocation {
     pub fn new_file(&self) -> Option<String> {
         let recordings = (!self.recordings.is_empty()).then(|| words(&self.recordings))?;
         Some(format!("experiment new {recordings} -o {}", shell_word(&self.file)))
+    }
+
+    /// Whether the command line can run it: by its file, or by its recordings.
+    #[must_use]
+    pub fn has_file(&self) -> bool {
+        !self.file.is_empty()
     }
 
     /// The command that adds an effect to the model.

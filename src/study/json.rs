@@ -179,7 +179,7 @@ fn diagnosis(study: &Study, d: &DiagnosisStudy) -> Value {
         "verdict": d.verdict,
         "sentence": d.sentence,
         "found": d.found,
-        "likely": d.likely,
+        "likely": d.likely.iter().map(|effect| &effect.id).collect::<Vec<_>>(),
         "parameters": d.estimates.iter().map(estimate).collect::<Vec<_>>(),
         "thresholds": crate::diagnose::THRESHOLDS,
         "ranking": ranking,

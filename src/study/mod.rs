@@ -18,7 +18,9 @@ pub use invocation::{Invocation, shell_word};
 pub use json::{SCHEMA, results};
 pub use judged::Judged;
 pub use method::{FuzzyStudy, MethodStudy, Performance};
-pub use model::{FAR_BELOW_FLOOR, FoundEffect, Grade, ModelStudy, ParameterStudy, parameters_of};
+pub use model::{
+    FAR_BELOW_FLOOR, FoundEffect, Grade, ModelStudy, ParameterStudy, UnprovenEffect, parameters_of,
+};
 pub use what_if::{Start, WhatIf};
 
 use serde::Serialize;
@@ -169,8 +171,8 @@ pub struct DiagnosisStudy {
     pub sentence: String,
     /// Effects found, first found first.
     pub found: Vec<String>,
-    /// Effects that lower the held-out error without being proven.
-    pub likely: Vec<String>,
+    /// An effect that is likely, and stands beside what was found.
+    pub likely: Option<UnprovenEffect>,
     /// Parameters of the last model: that of the experiment with all effects found.
     pub estimates: Vec<Estimate>,
     /// Candidates of the first step, best first.

@@ -77,6 +77,15 @@ pub struct FoundEffect {
     pub indistinguishable: Vec<String>,
 }
 
+/// An effect that lowers the held-out error without being proven.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UnprovenEffect {
+    /// As in the catalogue.
+    pub id: String,
+    /// Fall of the held-out error with it (root mean square over all windows), as a share.
+    pub lowers: f64,
+}
+
 /// Error over the floor below which the floor is the most that noise and the input between its rows may make, and not
 /// what they do make: sets with noise alone lie between 0.6 and 1.7.
 pub const FAR_BELOW_FLOOR: f64 = 0.5;

@@ -10,7 +10,6 @@ use crate::diagnose::{Diagnosis, Judge, THRESHOLDS, WindowFit};
 use crate::effects::{CustomDefinition, ParameterKind, ParameterSpec};
 use crate::model::Model;
 use crate::recording::Recording;
-use crate::report::format;
 use crate::study::{Coefficient, FormulaStudy};
 
 /// The formula of the curve that shows most of the residual torque, fitted in the model as given and beside what was
@@ -121,21 +120,6 @@ fn holds(with_formula: &WindowFit, found: &WindowFit) -> bool {
     linear.any(|(j, _)| is_known(found, j) && !is_known(with_formula, j))
 }
 
-/// "A formula of it (heading_resistance) lowers the 2 s simulation error to 0.061 rad/s, 1.7 times the noise floor."
-pub(super) fn words(formula: &FormulaStudy, floor: f64) -> String {
-    let FormulaStudy { id, in_place, window_rms, .. } = formula;
-    let place = if *in_place { " in place of what was found" } else { "" };
-    let over = match window_rms / floor {
-        ratio if !ratio.is_finite() => String::new(),
-        ratio if ratio <= THRESHOLDS.at_floor => ", the noise floor".to_owned(),
-        ratio => format!(", {ratio:.1} times the noise floor"),
-    };
-    let error = format::significant(*window_rms, 3);
-    format!(
-        " A formula of it ({id}){place} lowers the 2 s simulation error to {error} rad/s{over}."
-    )
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -160,21 +144,5 @@ mod tests {
         assert!(held("slope", "g_c"));
         assert!(!held("torque_saturation", "limit"));
         assert!(!holds(&fit("slope", "g_c", 1.0), &fit("slope", "g_c", 1.0)));
-    }
-
-    #[test]
-    fn the_words_compare_with_the_floor() {
-        let formula = |window_rms, in_place| FormulaStudy {
-            id: "heading_resistance".into(),
-            in_place,
-            window_rms,
-            ..FormulaStudy::default()
-        };
-        assert_eq!(
-            words(&formula(0.0612, true), 0.0358),
-            " A formula of it (heading_resistance) in place of what was found lowers the 2 s simulation error to \
-             0.0612 rad/s, 1.7 times the noise floor."
-        );
-        assert!(words(&formula(0.0412, false), 0.0358).ends_with("0.0412 rad/s, the noise floor."));
     }
 }

@@ -7,6 +7,9 @@ use crate::filter::Likelihood;
 use crate::recording::Recording;
 use crate::report::format;
 
+/// What to do where the columns do not determine the model.
+pub(super) const CHECK_COLUMNS: &str = "Check in the experiment file that the columns are those of the wheels and of their input, and that the units are \
+     right: `experiment new` shows the ranges of all columns.";
 /// Floor that a proposed manoeuvre keeps to, a square of this side \[m\].
 const FLOOR: f64 = 2.0;
 /// Its length \[s\].

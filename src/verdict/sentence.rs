@@ -1,33 +1,42 @@
-//! The verdict of a diagnosis as a sentence.
+//! The verdict of a diagnosis as a text.
 
-use crate::diagnose::{Conclusion, Diagnosis, Errors, Ranked, THRESHOLDS};
-use crate::effects::Change;
-use crate::identify::Estimate;
-use crate::recording::DriveUnit;
-use crate::report::format;
-use crate::study::{FAR_BELOW_FLOOR, parameters_of};
+mod dependence;
+mod effects;
+mod error;
+mod formula;
 
-/// What the sentence is made of.
-pub(super) struct Finding<'a> {
+pub(super) use self::effects::Logging;
+pub(crate) use self::effects::title;
+
+use self::effects::{found, lowered, named, shifts_input, unproven};
+use super::dependence::Dependence;
+use crate::diagnose::{Conclusion, Diagnosis, Errors};
+use crate::study::{FormulaStudy, UnprovenEffect};
+
+/// What a verdict states.
+pub(super) struct Statement<'a> {
+    /// Whether the columns do not determine the model; then nothing else is stated.
+    pub(super) is_undetermined: bool,
     pub(super) conclusion: Conclusion,
+    /// What was found, first found first.
     pub(super) diagnosis: &'a Diagnosis,
-    pub(super) errors: &'a Errors,
-    pub(super) likely: Option<&'a Ranked>,
+    pub(super) errors: Errors,
+    pub(super) likely: Option<&'a UnprovenEffect>,
     /// What lowers the held-out error without being accepted.
-    pub(super) withheld: Option<&'a Ranked>,
-    pub(super) reason: Option<Withheld>,
+    pub(super) withheld: Option<(&'a UnprovenEffect, Withheld)>,
+    /// The rate at which an effect is named where none is missing.
     pub(super) false_alarm: f64,
-    /// Unit of the input.
-    pub(super) unit: DriveUnit,
-    /// How much less late the input is if it is held through the rows, which the model draws a line between \[s\]: half a
-    /// row; `None` where it is known to be held.
-    pub(super) if_held: Option<f64>,
-    /// Whether speeds were recorded without angles, whose sensor may then be late.
-    pub(super) speeds_alone: bool,
+    pub(super) logging: Logging,
+    /// What the residual torque depends on, where that is stated.
+    pub(super) dependence: Option<Dependence<'a>>,
+    /// That as a formula, beside which no effect of the catalogue is likely.
+    pub(super) formula: Option<&'a FormulaStudy>,
+    /// Noise floor of the judged recordings under the last model [rad/s].
+    pub(super) floor: f64,
 }
 
 /// Why an effect that lowers the held-out error is not accepted.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Withheld {
     /// The 2 s simulation error rises.
     Raises,
@@ -37,257 +46,195 @@ pub(super) enum Withheld {
     Small,
 }
 
-impl Withheld {
-    fn words(self) -> &'static str {
-        match self {
-            Self::Raises => {
-                "the 2 s simulation error rises with it, as that of a right model may where friction decides when a \
-                 wheel stops"
+/// The text of a verdict: what is missing, with the error that is left; what is likely beside it; what the residual torque
+/// depends on, and a formula of that.
+pub(super) fn sentence(statement: &Statement) -> String {
+    if statement.is_undetermined {
+        return UNDETERMINED.to_owned();
+    }
+    let mut sentences = concluded(statement);
+    sentences.extend(likely_beside(statement));
+    let unit = statement.logging.unit;
+    sentences.extend(statement.dependence.iter().map(|on| dependence::words(on, unit)));
+    sentences.extend(statement.formula.map(|formula| formula::words(formula, statement.floor)));
+    sentences.join(" ")
+}
+
+/// What is said in place of a comparison with the noise floor.
+const UNDETERMINED: &str = "These columns do not determine the model: the fit stalled, and a1 is not identifiable. Its \
+                            error is no measure of it.";
+
+/// What is missing, and the error that is left.
+fn concluded(stated: &Statement) -> Vec<String> {
+    let Statement { conclusion, diagnosis, errors, .. } = stated;
+    let error = error::words(errors, diagnosis.steps.len());
+    let likely = || stated.likely.map_or(String::new(), unproven);
+    let unknown = "Something is missing that the catalogue does not explain.".to_owned();
+    match conclusion {
+        Conclusion::Sufficient => sufficient(stated, error),
+        Conclusion::Missing => {
+            let mut out = vec![format!("Missing: {}.", found(diagnosis, &stated.logging)), error];
+            // what was found explains the larger part of the error; what is left may be far above the floor all the same
+            if errors.far_above_all() {
+                out.push("More is missing than was found.".to_owned());
             }
-            Self::BetweenRows => {
-                "what the input does between its rows could be the reason as well; a recording at a higher rate tells"
+            out
+        }
+        // so far above its floor something is missing, whatever it is
+        Conclusion::Likely if errors.far_above_all() => {
+            let likely = format!("Something is missing. Likely, not proven: {}.", likely());
+            vec![likely, error]
+        }
+        Conclusion::Likely => vec![format!("Likely missing, not proven: {}.", likely()), error],
+        Conclusion::Unknown if diagnosis.steps.is_empty() => vec![unknown, error],
+        Conclusion::Unknown => {
+            let mut out =
+                vec![unknown, format!("Found: {}.", found(diagnosis, &stated.logging)), error];
+            // what was found may take the place of something else; a shift of the input shows in when the wheels move,
+            // and nothing else moves them earlier or later
+            if !diagnosis.steps.iter().all(|step| shifts_input(&step.id)) {
+                let in_place =
+                    "What was found may stand for a part of what is not in the catalogue.";
+                out.push(in_place.to_owned());
             }
-            Self::Small => "its size does not differ from zero by more than its uncertainty",
+            out
         }
     }
 }
 
-impl Finding<'_> {
-    /// The verdict, with the error that is left.
-    pub(super) fn sentence(&self) -> String {
-        match self.conclusion {
-            Conclusion::Sufficient => self.sufficient(),
-            Conclusion::Missing => {
-                format!("Missing: {}. {}{}", self.names(), self.error(), self.more())
-            }
-            // so far above its floor something is missing, whatever it is
-            Conclusion::Likely if self.errors.far_above_all() => {
-                format!(
-                    "Something is missing. Likely, not proven: {}. {}",
-                    self.likely.map_or(String::new(), of),
-                    self.error()
-                )
-            }
-            Conclusion::Likely => format!(
-                "Likely missing, not proven: {}. {}",
-                self.likely.map_or(String::new(), of),
-                self.error()
-            ),
-            Conclusion::Unknown if self.diagnosis.steps.is_empty() => {
-                format!(
-                    "Something is missing that the catalogue does not explain. {}",
-                    self.error()
-                )
-            }
-            Conclusion::Unknown => format!(
-                "Something is missing that the catalogue does not explain. Found: {}. {}{}",
-                self.names(),
-                self.error(),
-                self.in_place()
-            ),
+/// That nothing is missing, or nothing proven to be.
+fn sufficient(stated: &Statement, error: String) -> Vec<String> {
+    let rate = format!("at a false-alarm rate of {:.0} %", 100.0 * stated.false_alarm);
+    let none = format!("none of the effects of the catalogue is proven {rate}");
+    let text = |text: &str| text.to_owned();
+    if let Some((effect, why)) = stated.withheld {
+        let with = format!(
+            "With {} the held-out error falls by {}, but {}.",
+            named(&effect.id),
+            lowered(effect),
+            reason(why)
+        );
+        return vec![text("Nothing is proven to be missing."), error, with];
+    }
+    if !stated.errors.above_floor() {
+        return vec![format!("Nothing is missing: {none}."), error];
+    }
+    if !stated.errors.above_input() {
+        let faster = text("A recording at the rate of the controller decides.");
+        return vec![format!("Nothing is proven to be missing: {none}."), error, faster];
+    }
+    // the floor is an estimate for white noise: coloured noise of the input reaches so far too
+    vec![
+        format!(
+            "Nothing is proven to be missing: {none}, and no dependence of the residual torque is significant."
+        ),
+        error,
+        text(
+            "Coloured noise of the recorded input makes that much, and so does a disturbance from outside.",
+        ),
+    ]
+}
+
+fn reason(why: Withheld) -> &'static str {
+    match why {
+        Withheld::Raises => {
+            "the 2 s simulation error rises with it, as that of a right model may where friction decides when a wheel \
+             stops"
+        }
+        Withheld::BetweenRows => {
+            "what the input does between its rows could be the reason as well; a recording at a higher rate decides"
+        }
+        Withheld::Small => "its size does not differ from zero by more than its uncertainty",
+    }
+}
+
+/// The effect that is likely beside what was found, or beside what the catalogue does not explain.
+fn likely_beside(stated: &Statement) -> Option<String> {
+    let beside = matches!(stated.conclusion, Conclusion::Missing | Conclusion::Unknown);
+    let likely = stated.likely.filter(|_| beside && stated.formula.is_none())?;
+    Some(format!("Likely, not proven: {}.", unproven(likely)))
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DMatrix;
+
+    use super::*;
+    use crate::diagnose::WindowFit;
+    use crate::model::Model;
+    use crate::recording::DriveUnit;
+    use crate::robot::Robot;
+
+    fn nothing_found() -> Diagnosis {
+        let model = Model::base(Robot::amigobot());
+        let (p, free) = (model.initial(), model.parameters().len());
+        let covariance = DMatrix::identity(free, free);
+        let base = WindowFit { model, p, cost: 1.0, covariance, at_bound: vec![false; free] };
+        Diagnosis { base, ranking: vec![], steps: vec![], rest: vec![], validated: true }
+    }
+
+    /// A model three times as far from the measurement as its noise floor, of which nothing was found.
+    fn unknown(diagnosis: &Diagnosis) -> Statement<'_> {
+        let logging = Logging { unit: DriveUnit::NewtonMetre, if_held: None, speeds_alone: false };
+        Statement {
+            is_undetermined: false,
+            conclusion: Conclusion::Unknown,
+            diagnosis,
+            errors: Errors { before: 9.0, after: 9.0, floor: 1.0, most: 1.0, speed: 1e4 },
+            likely: None,
+            withheld: None,
+            false_alarm: 0.05,
+            logging,
+            dependence: None,
+            formula: None,
+            floor: 1.0,
         }
     }
 
-    fn sufficient(&self) -> String {
-        match self.withheld {
-            Some(ranked) => format!(
-                "Nothing is proven to be missing. {} With {} the held-out error falls by {:.0} %, but {}.",
-                self.error(),
-                named(ranked),
-                lowered(ranked),
-                self.reason.map_or("it is not proven", Withheld::words)
-            ),
-            None if self.errors.above_floor() && !self.errors.above_input() => format!(
-                "Nothing is proven to be missing: none of the effects of the catalogue is proven at a \
-                 false-alarm rate of {:.0} %. {} A recording at the rate of the controller tells.",
-                100.0 * self.false_alarm,
-                self.error()
-            ),
-            // the floor is an estimate for white noise: coloured noise of the input reaches so far too
-            None if self.errors.above_floor() => format!(
-                "Nothing is proven to be missing: none of the effects of the catalogue is proven at a \
-                 false-alarm rate of {:.0} %, and no dependence of the residual torque is significant. {} \
-                 Coloured noise of the recorded input makes that much, and so does a disturbance from \
-                 outside.",
-                100.0 * self.false_alarm,
-                self.error()
-            ),
-            None => format!(
-                "Nothing is missing: none of the effects of the catalogue is proven at a \
-                 false-alarm rate of {:.0} %. {}",
-                100.0 * self.false_alarm,
-                self.error()
-            ),
-        }
+    #[test]
+    fn a_verdict_states_its_parts_in_the_order_error_likely_effect_dependence_formula() {
+        let diagnosis = nothing_found();
+        let likely = UnprovenEffect { id: "slope".into(), lowers: 0.117 };
+        let depends = Dependence { shown: None, beside: None, tested: None, is_left: false };
+        let stated =
+            Statement { likely: Some(&likely), dependence: Some(depends), ..unknown(&diagnosis) };
+        let error = "Something is missing that the catalogue does not explain. The 2 s simulation error is 3.0 times \
+                     the noise floor.";
+        let beside =
+            "Likely, not proven: inclined floor (slope), which lowers the held-out error by 12 %.";
+        let depends = "The residual torque depends little on anything that was tried; coloured noise of the recorded \
+                       input and disturbances from outside look like this too.";
+        assert_eq!(sentence(&stated), format!("{error} {beside} {depends}"));
+        let formula =
+            FormulaStudy { id: "pile".into(), window_rms: 1.04, ..FormulaStudy::default() };
+        // beside the formula no effect of the catalogue is likely
+        let lowers = "A formula of it (pile) lowers the 2 s simulation error to 1.04 rad/s, the noise floor.";
+        let stated = Statement { formula: Some(&formula), ..stated };
+        assert_eq!(sentence(&stated), format!("{error} {depends} {lowers}"));
     }
 
-    /// The effects found, each with its size and those that these data do not distinguish from it.
-    fn names(&self) -> String {
-        let name = |step: &crate::diagnose::Step| {
-            let sized = self.sized(&step.id) + &self.by_logging(&step.id);
-            match step.equals.as_slice() {
-                [] => sized,
-                equals => {
-                    let equals: Vec<String> = equals.iter().map(|id| title(id)).collect();
-                    format!(
-                        "{sized} (or {}: not distinguishable from these data)",
-                        equals.join(" or ")
-                    )
-                }
-            }
+    #[test]
+    fn columns_that_do_not_determine_the_model_make_no_effect_likely() {
+        let diagnosis = nothing_found();
+        let likely = UnprovenEffect { id: "slope".into(), lowers: 0.117 };
+        let stated =
+            Statement { is_undetermined: true, likely: Some(&likely), ..unknown(&diagnosis) };
+        assert_eq!(sentence(&stated), UNDETERMINED);
+    }
+
+    #[test]
+    fn an_effect_that_is_withheld_is_named_with_the_reason() {
+        let diagnosis = nothing_found();
+        let effect = UnprovenEffect { id: "wheel_slip".into(), lowers: 0.25 };
+        let stated = Statement {
+            conclusion: Conclusion::Sufficient,
+            withheld: Some((&effect, Withheld::Small)),
+            ..unknown(&diagnosis)
         };
-        self.diagnosis.steps.iter().map(name).collect::<Vec<_>>().join(", then ")
+        let text = sentence(&stated);
+        assert!(text.starts_with("Nothing is proven to be missing. The 2 s"), "{text}");
+        let end = "the held-out error falls by 25 %, but its size does not differ from zero by more than its \
+                   uncertainty.";
+        assert!(text.ends_with(end), "{text}");
     }
-
-    /// "turning scrub (turning_scrub), f_t = 0.0202 N m (95 %: 0.0198 to 0.0206)"; of many parameters the
-    /// first two that are estimated.
-    fn sized(&self, id: &str) -> String {
-        let fit = self.diagnosis.last();
-        let sizes: Vec<String> = parameters_of(fit, self.unit)
-            .iter()
-            .filter(|p| p.effect == id && !p.estimate.fixed && p.estimate.std_error.is_finite())
-            .take(SIZES)
-            .map(|p| size(&p.estimate))
-            .collect();
-        let effects = fit.model.effects().iter();
-        let description = effects.map(|e| e.description()).find(|d| d.id == id);
-        let name = description.map_or_else(|| title(id), |d| format::in_text(&d.title));
-        match sizes.as_slice() {
-            [] => format!("{name} ({id})"),
-            sizes => format!("{name} ({id}), {}", sizes.join(", ")),
-        }
-    }
-
-    /// What of a shift of the input may be no property of the actuator: half a row of an input that is held between
-    /// its rows, all of it where the sensor of the speeds may be late.
-    fn by_logging(&self, id: &str) -> String {
-        if !shifts_input(id) {
-            return String::new();
-        }
-        let held = self.if_held.map_or_else(String::new, |time| {
-            let time = format::digits(time, 2);
-            format!(", {time} s of it if the input is held through its rows")
-        });
-        let sensor = match self.speeds_alone {
-            true => ", unless the sensor of the speeds is late, which angles would show",
-            false => "",
-        };
-        held + sensor
-    }
-
-    /// Beside more that is missing than was found, what was found may take the place of something else; a shift of the
-    /// input shows in when the wheels move, and nothing else moves them earlier or later.
-    fn in_place(&self) -> &'static str {
-        match self.diagnosis.steps.iter().all(|s| shifts_input(&s.id)) {
-            true => "",
-            false => " What was found may stand for a part of what is not in the catalogue.",
-        }
-    }
-
-    /// What was found explains the larger part of the error; what is left may be far above the floor all the same.
-    fn more(&self) -> &'static str {
-        match self.errors.far_above_all() {
-            true => " More is missing than was found.",
-            false => "",
-        }
-    }
-
-    fn error(&self) -> String {
-        let ratio = self.errors.ratio();
-        if !ratio.is_finite() {
-            return "The simulation of the model diverges on the judged recordings.".into();
-        }
-        let with = match self.diagnosis.steps.len() {
-            0 => "The",
-            1 => "With it the",
-            _ => "With them the",
-        };
-        // beside little noise a ratio says more than it means
-        let little = match ratio > THRESHOLDS.above_floor && !self.errors.above_floor() {
-            true => format!(
-                ", beyond which it is {} of the top speed",
-                format::percent(self.errors.excess())
-            ),
-            false if !self.errors.above_input() => {
-                ", as much as the input may make between its rows".to_owned()
-            }
-            false => String::new(),
-        };
-        match (self.diagnosis.steps.as_slice(), ratio <= THRESHOLDS.at_floor) {
-            (_, true) if ratio < FAR_BELOW_FLOOR => format!(
-                "{with} 2 s simulation error is {ratio:.2} of the noise floor, which holds all that the input may do \
-                 between its rows."
-            ),
-            ([_, ..], true) if self.errors.was_at_floor() => format!(
-                "What is missing matters little in this motion: the 2 s simulation error is at the noise floor as it \
-                 was before, and falls by {}.",
-                format::percent(self.errors.fall())
-            ),
-            (_, true) => format!("{with} 2 s simulation error is at the noise floor."),
-            ([], false) => {
-                format!("The 2 s simulation error is {ratio:.1} times the noise floor{little}.")
-            }
-            (_, false) => format!(
-                "This removes {} of the error above the noise floor; the 2 s simulation error is still \
-                 {ratio:.1} times the floor{little}.",
-                removed(self.errors.unexplained())
-            ),
-        }
-    }
-
-    /// The effect that is likely beside what the sentence says of it; empty where it is said already.
-    pub(super) fn likely_beside(&self) -> String {
-        match (self.conclusion, self.likely) {
-            (Conclusion::Missing | Conclusion::Unknown, Some(ranked)) => {
-                format!(" Likely, not proven: {}.", of(ranked))
-            }
-            _ => String::new(),
-        }
-    }
-}
-
-/// Whether an effect of the catalogue shifts the input in time.
-fn shifts_input(id: &str) -> bool {
-    crate::effects::find(id).is_some_and(|e| e.change() == Change::TimeShift)
-}
-
-/// The share of the squared error that went, in words that do not round what is left away.
-fn removed(left: f64) -> String {
-    let percent = 100.0 * (1.0 - left);
-    if left > 0.0 && percent >= 99.0 { "more than 99 %".into() } else { format!("{percent:.0} %") }
-}
-
-/// Parameters of an effect that a sentence gives.
-const SIZES: usize = 2;
-
-/// The name of an effect of the catalogue within a sentence; the id of any other in words.
-pub(crate) fn title(id: &str) -> String {
-    let known = crate::effects::find(id).map(|effect| effect.description().title);
-    known.map_or_else(|| id.replace('_', " "), |title| format::in_text(&title))
-}
-
-/// "f_t = 0.0202 N m (95 %: 0.0198 to 0.0206)".
-fn size(e: &Estimate) -> String {
-    let (low, high) = e.interval;
-    // to the first digit of the standard error
-    let decimals = (-e.std_error.log10().floor()).clamp(0.0, 9.0) as usize;
-    let fixed = |v: f64| format::fixed(v, decimals);
-    let unit = format::unit(&e.unit);
-    let unit = if unit.is_empty() || unit == "1" { String::new() } else { format!(" {unit}") };
-    format!("{} = {}{unit} (95 %: {} to {})", e.symbol, fixed(e.value), fixed(low), fixed(high))
-}
-
-fn of(ranked: &Ranked) -> String {
-    format!("{}, which lowers the held-out error by {:.0} %", named(ranked), lowered(ranked))
-}
-
-/// "turning scrub (turning_scrub)".
-fn named(ranked: &Ranked) -> String {
-    let id = &ranked.candidate.id;
-    format!("{} ({id})", title(id))
-}
-
-/// By how much a candidate lowers the held-out error [%].
-fn lowered(ranked: &Ranked) -> f64 {
-    ranked.fall.map_or(0.0, |fall| 100.0 * (1.0 - fall.ratio))
 }

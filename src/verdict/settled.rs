@@ -1,7 +1,8 @@
 //! From what the search found to the verdict.
 
+use super::Basis;
+use super::concluded::Concluded;
 use super::formula::{Trial, curves_of, residual_torques};
-use super::{Basis, concluded};
 use crate::compare::{Curve, WindowFloor};
 use crate::diagnose::{Diagnosis, Judge, THRESHOLDS, WindowFit, cutoff, mobility};
 use crate::recording::Recording;
@@ -63,12 +64,13 @@ impl Settled {
         // of a second mass no curve shows what is left: the torque balance does not have it
         let shows = diagnosis.steps.is_empty() || curves.iter().any(|c| c.share_after.is_some());
         let curves = if shows { curves } else { &[] };
-        let is_undetermined = basis.is_stalled && !knows_inertia(diagnosis.last());
-        let concluded = concluded(&diagnosis, basis, floor)?.unless_undetermined(is_undetermined);
-        let trial = || trial.or_else(|| Trial::of(curves, &diagnosis, basis));
-        let trial = concluded.says_dependence(curves).then(trial).flatten();
+        let is_undetermined = basis.is_stalled && !identifies_inertia(diagnosis.last());
+        let concluded = Concluded::of(&diagnosis, basis, floor, is_undetermined)?;
+        let dependence = concluded.dependence(curves);
+        let tried = || trial.or_else(|| Trial::of(curves, &diagnosis, basis));
+        let trial = dependence.is_some().then(tried).flatten();
         let trial = trial.filter(|trial| trial.explains(concluded.floor));
-        Ok(concluded.with_dependence(curves, basis, trial.map(Trial::study)))
+        concluded.study(dependence, trial.map(Trial::study))
     }
 }
 
@@ -83,7 +85,7 @@ fn curves(diagnosis: &Diagnosis, basis: &Basis) -> Vec<Curve> {
 }
 
 /// Whether a fit identifies a1: its 95 % interval holds positive values only.
-fn knows_inertia(fit: &WindowFit) -> bool {
+fn identifies_inertia(fit: &WindowFit) -> bool {
     let Ok(j) = fit.model.index_of("a1") else { return false };
     fit.p[j] > THRESHOLDS.uncertain * fit.covariance[(j, j)].sqrt()
 }

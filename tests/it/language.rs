@@ -121,9 +121,6 @@ fn refused(text: &str) -> Vec<String> {
     refused_of(&REFUSED, text)
 }
 
-/// Sources that still have words of persons.
-const PERSONAL_LEFT: [&str; 2] = ["src/diagnose", "src/verdict"];
-
 /// The same with words of persons.
 fn refused_with_personal(text: &str) -> Vec<String> {
     [refused(text), refused_of(&PERSONAL, text)].concat()
@@ -147,11 +144,11 @@ fn pages_experiment_files_and_sources_use_the_words_of_the_field() {
     let mut wrong = Vec::new();
     for path in paths.iter().filter(|path| !path.ends_with(EXEMPT)) {
         let text = fs::read_to_string(path).unwrap();
-        let is_left = PERSONAL_LEFT.iter().any(|part| path.starts_with(root.join(part)));
-        let refuse = if is_left { refused } else { refused_with_personal };
         for (number, line) in prose(path, &text) {
             let shown = path.strip_prefix(root).unwrap().display();
-            wrong.extend(refuse(&line).into_iter().map(|r| format!("{shown}:{number}: {r}")));
+            wrong.extend(
+                refused_with_personal(&line).into_iter().map(|r| format!("{shown}:{number}: {r}")),
+            );
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));

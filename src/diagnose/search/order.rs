@@ -8,10 +8,19 @@ use crate::diagnose::thresholds::THRESHOLDS;
 use crate::effects::Change;
 
 impl Search<'_> {
+    /// Puts refitted candidates in order.
+    pub(super) fn order(&self, ranked: &mut [Ranked]) {
+        self.set_criteria(ranked);
+        ranked.sort_by(before);
+        self.order_shifts(ranked);
+        ranked.sort_by(before);
+        self.choose_alike(ranked);
+    }
+
     /// Sets what candidates are ranked by: regression and windows together. Where a column is made of the
     /// input its noise stands on both sides of the regression, so such an effect is compared with the best of
     /// the others by the windows alone.
-    pub(super) fn set_criteria(&self, ranked: &mut [Ranked]) {
+    fn set_criteria(&self, ranked: &mut [Ranked]) {
         let of_input =
             |r: &Ranked| matches!(r.candidate.effect.change(), Change::Input | Change::TimeShift);
         for r in ranked.iter_mut().filter(|r| r.refit.is_some() && !of_input(r)) {
@@ -35,8 +44,8 @@ impl Search<'_> {
 
     /// Of the candidates that training windows do not set apart puts the one first whose held-out error is
     /// lowest. Far above the noise: what is left is no noise, and a criterion that takes
-    /// it for independent values decides by much more than it knows.
-    pub(super) fn choose_alike(&self, ranked: &mut [Ranked]) {
+    /// it for independent values is far too certain.
+    fn choose_alike(&self, ranked: &mut [Ranked]) {
         let Some(first) = ranked.first().filter(|r| r.refit.is_some()) else { return };
         let near = |r: &Ranked| r.bic_windows - first.bic_windows < self.open_share(first, r);
         let shifts = |r: &Ranked| first.candidate.is_shift() && r.candidate.is_shift();
@@ -53,7 +62,7 @@ impl Search<'_> {
     }
 
     /// Difference of the criterion that training windows leave open between two refits far above their noise;
-    /// zero nearer to it, where the criterion itself says what it knows.
+    /// zero nearer to it, where the criterion itself is right about its uncertainty.
     pub(super) fn open_share(&self, a: &Ranked, b: &Ranked) -> f64 {
         let far = self.is_far_above(a) && self.is_far_above(b);
         if far { THRESHOLDS.alike_share * a.bic_windows.abs() } else { 0.0 }
@@ -72,7 +81,7 @@ impl Search<'_> {
 
 /// The order of candidates: those first whose simulation confirms them, since the balance of the torques may be
 /// wrong by far where friction decides; among them by the criterion.
-pub(super) fn before(a: &Ranked, b: &Ranked) -> Ordering {
+fn before(a: &Ranked, b: &Ranked) -> Ordering {
     let refuted = |r: &Ranked| r.bic_windows >= 0.0;
     refuted(a).cmp(&refuted(b)).then(a.bic.total_cmp(&b.bic))
 }

@@ -34,7 +34,7 @@ impl Search<'_> {
             let by_torque = look.and_then(|(by_torque, _)| by_torque.as_ref());
             r.refit = self.refit(present, r, by_torque, negligible);
             let done = done.fetch_add(1, Relaxed) + 1;
-            self.settings.told.iter().for_each(|told| told(done, wanted.len()));
+            self.settings.progress.iter().for_each(|report| report(done, wanted.len()));
         };
         refit(&mut ranked[*lead], 0.0);
         let gain = |cost: f64| (present.cost - cost).max(0.0);

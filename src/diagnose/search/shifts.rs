@@ -13,9 +13,9 @@ impl Search<'_> {
     /// Orders the shifts of the input among each other, where one of them comes first: their criterion becomes that
     /// of the lowest and what [`evidence`] says against each.
     ///
-    /// The windows' error does not tell a lag from a delay of the same length: they differ in the second order, and
+    /// The windows' error does not distinguish a lag from a delay of the same length: they differ in the second order, and
     /// a lag smooths the noise of the recorded input, which lowers its error whether the robot has one or not.
-    pub(super) fn tell_shifts(&self, ranked: &mut [Ranked]) {
+    pub(super) fn order_shifts(&self, ranked: &mut [Ranked]) {
         let is_shift = |r: &Ranked| r.candidate.is_shift() && r.refit.is_some();
         let places: Vec<usize> = (0..ranked.len()).filter(|&n| is_shift(&ranked[n])).collect();
         if places.len() < 2 || places[0] != 0 {

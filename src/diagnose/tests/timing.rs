@@ -48,7 +48,7 @@ fn recordings_of_a_logger_that_was_started_anew_have_a_phase_each() {
     let same: Vec<Recording> =
         (18..20).map(|s| recorded_before(&recorded(&[], NOISE, s), 0.004)).collect();
     assert_eq!(phases(&model, &first, &same.iter().collect::<Vec<_>>(), 1, Hold::Linear), None);
-    // of a robot that the model does not know a phase proves nothing
+    // of a robot that the model does not describe a phase proves nothing
     let friction: &[(&str, &[f64])] = &[("viscous_friction", &[0.02])];
     let other: Vec<Recording> =
         (18..).zip(late).map(|(s, l)| recorded_before(&recorded(friction, NOISE, s), l)).collect();

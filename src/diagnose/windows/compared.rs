@@ -1,6 +1,6 @@
 //! What a window compares in a row: the speeds, or what the angles say of them.
 
-use super::Window;
+use super::window::Window;
 use crate::recording::Recording;
 use crate::robot::State;
 
@@ -24,7 +24,7 @@ pub(super) struct Compared<'a> {
 pub(super) struct Row {
     /// Measured less simulated speeds [rad/s].
     pub(super) error: [f64; 2],
-    /// Time since the angle before \[s\], where mean speeds are compared; infinite in rows that tell nothing.
+    /// Time since the angle before \[s\], where mean speeds are compared; infinite in rows without information.
     pub(super) mean_over: Option<f64>,
 }
 

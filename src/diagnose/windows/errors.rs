@@ -1,9 +1,11 @@
-//! The errors that a model leaves in windows, and what they tell.
+//! The errors that a model leaves in windows, and sums of them.
 
 use rayon::prelude::*;
 
+use super::Windows;
+use super::compared::Compared;
 use super::sums::TINY;
-use super::{Compared, Window, Windows};
+use super::window::Window;
 use crate::model::Model;
 use crate::robot::State;
 use crate::simulate::{Input, simulate_windows};
@@ -94,7 +96,7 @@ impl Windows<'_> {
         self.windows.iter().zip(errors).map(|(w, e)| self.square(w, e)).collect()
     }
 
-    /// How well each window tells two models apart by the errors they leave: `D/(D + n)`, with D the sum of squares
+    /// How well each window distinguishes two models by the errors they leave: `D/(D + n)`, with D the sum of squares
     /// by which their simulated speeds differ, in variances of the error, and n the number of values.
     pub(in crate::diagnose) fn contrast(&self, one: &[Errors], other: &[Errors]) -> Vec<f64> {
         let of = |((window, a), b): ((&Window, &Errors), &Errors)| {

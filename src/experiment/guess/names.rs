@@ -8,8 +8,8 @@ mod words;
 use self::factor::{many, multiplied, take_multiple, take_power_of_ten};
 pub(super) use self::said::{Named, Quantity, Side};
 use self::unit::{bracketed, split_unit, unit, unit_behind, unit_in_front};
-use self::words::{BATTERY, OTHERS, QUANTITIES, STEPS, SYSTEM, WEAK, take_quantity};
-pub(super) use self::words::{MEASURED, WISHED};
+use self::words::{BATTERY, OTHERS, STEPS, SYSTEM, WEAK, is_quantity, take_quantity};
+pub(super) use self::words::{MEASURED, WISHED, is_place, leaves_angle_open, leaves_speed_open};
 use crate::io::{WheelSide, side, words};
 
 /// What a name says.
@@ -112,8 +112,8 @@ fn take_side(words: &mut Vec<String>) -> Option<Side> {
     }
     // glued to a quantity: `taur`, `encl`
     let glued = |w: &String| {
-        let known = |word: &str| QUANTITIES.iter().any(|(_, words)| words.contains(&word));
-        w.len() > 3 && w.ends_with(['r', 'l']) && !known(w) && known(&w[..w.len() - 1])
+        let bare = w.strip_suffix(['r', 'l']).filter(|_| w.len() > 3);
+        !is_quantity(w) && bare.is_some_and(is_quantity)
     };
     if let Some(k) = words.iter().position(glued) {
         let last = words[k].len() - 1;

@@ -3,39 +3,12 @@
 use std::f64::consts::{PI, TAU};
 
 use super::guessed::{Guess, Guessed};
-use super::names::{Quantity, named};
+use super::names::{Quantity, is_place, leaves_angle_open, leaves_speed_open, named};
 use super::values::{largest, seconds, values_of};
 use crate::io::PreviewColumn;
 
 /// Wheel speed beyond which a number is rather one of rpm [rad/s].
 const FAST: f64 = 120.0;
-/// Words of a speed that do not state its unit; `omega` and the like are angular speeds in SI.
-const GENERAL: [&str; 19] = [
-    "",
-    "v",
-    "speed",
-    "spd",
-    "vel",
-    "velo",
-    "velocity",
-    "velocities",
-    "drehzahl",
-    "geschwindigkeit",
-    "vitesse",
-    "velocita",
-    "velocidad",
-    "velocidade",
-    "predkosc",
-    "snelheid",
-    "hiz",
-    "скорость",
-    "速度",
-];
-/// Words of an angle that do not state its unit.
-const POSITIONS: [&str; 9] =
-    ["", "enc", "encoder", "pos", "position", "positions", "distance", "dist", "travel"];
-/// Those of a way as well.
-const PLACES: [&str; 6] = ["pos", "position", "positions", "distance", "dist", "travel"];
 /// Radius of the wheels with which candidates are compared \[m\].
 const RADIUS: f64 = 0.05;
 /// Part by which a speed may differ from the slope of its angle.
@@ -61,7 +34,7 @@ pub(super) fn open(columns: &[PreviewColumn], guess: &mut Guess) {
         let is_general = one.name != one.key
             && one.unit.is_none()
             && name.unit.is_none()
-            && GENERAL.contains(&name.word.as_str())
+            && leaves_speed_open(&name.word)
             && !(is_joint && name.word == "velocity");
         one.key.starts_with("dalpha")
             && (is_unknown(of(&one.name), one) || is_general && !agrees(columns, guess, one))
@@ -110,12 +83,12 @@ fn angles(columns: &[PreviewColumn], guess: &mut Guess, is_joint: bool) {
     let is_stated = |w: &Guessed| w.unit.is_some() || named(&w.name).unit.is_some();
     let is_slope = |one: &Guessed| speed(one.key).is_some_and(|w| agrees(columns, guess, w));
     let is_shown = |one: &Guessed| {
-        let is_place = PLACES.contains(&named(&one.name).word.as_str());
-        is_slope(one) && (!is_place || speed(one.key).is_some_and(is_stated))
+        let is_way = is_place(&named(&one.name).word);
+        is_slope(one) && (!is_way || speed(one.key).is_some_and(is_stated))
     };
     let is_open = |one: &Guessed| {
         let name = named(&one.name);
-        let is_general = POSITIONS.contains(&name.word.as_str())
+        let is_general = leaves_angle_open(&name.word)
             && !(is_joint && name.word == "position")
             && !is_shown(one);
         one.key.starts_with("alpha")

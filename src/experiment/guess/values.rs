@@ -4,7 +4,7 @@ use super::guessed::{Guess, Guessed};
 use super::model_key::effects_of;
 use super::names::named;
 use crate::io::PreviewColumn;
-use crate::math::median;
+use crate::math::median_high;
 use crate::recording::DriveUnit;
 
 /// Rates that logs of robots have \[Hz\].
@@ -283,7 +283,7 @@ pub(super) fn row_step(values: &[f64], are_steps: bool) -> Option<f64> {
     let forward = || steps.iter().copied().filter(|h| *h > 0.0);
     let (count, repeated) =
         (forward().count() as f64, steps.iter().filter(|h| **h == 0.0).count() as f64);
-    let step = (count > 0.0).then(|| median(forward()))?;
+    let step = (count > 0.0).then(|| median_high(forward()))?;
     Some(if repeated > COARSE * count { step * count / (count + repeated) } else { step })
 }
 

@@ -4,7 +4,7 @@ use super::super::Recording;
 use super::consistency::{FEWEST, exchanged_input, exchanged_speeds, opposing_input};
 use super::window::Window;
 use super::{Finding, Issue, Severity, quantile};
-use crate::math::median;
+use crate::math::median_high;
 use crate::robot::Robot;
 
 /// Ratio of speed to slope of the angle that is still taken as one.
@@ -59,7 +59,7 @@ fn ratio(windows: &[Window], i: usize, robot: &Robot) -> Option<Finding> {
     if ratios.len() < FEWEST {
         return None;
     }
-    let ratio = median(ratios);
+    let ratio = median_high(ratios);
     if (ratio - 1.0).abs() <= RATIO {
         return None;
     }

@@ -1,6 +1,6 @@
 //! Columns of a study as points to draw.
 
-use crate::math::median;
+use crate::math::median_high;
 use crate::recording::{Regime, is_gap};
 use crate::report::figure::{Layer, Role};
 use crate::study::{MethodStudy, Performance, RecordingStudy, Study};
@@ -66,7 +66,7 @@ pub(super) fn broken_at_gaps(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
 pub(super) fn broken_where_rows_miss(times: &[f64], points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     // a curve that is broken already holds the place of the break twice
     let steps = times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0);
-    let step = median(steps);
+    let step = median_high(steps);
     let mut out: Vec<(f64, f64)> = Vec::with_capacity(points.len());
     for (k, point) in points.iter().enumerate() {
         if k > 0 && is_gap(times[k - 1], times[k], step) {

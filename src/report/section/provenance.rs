@@ -57,6 +57,9 @@ impl Section for Provenance {
             blocks.push(Block::Heading("Experiment file as run".to_owned()));
             blocks.push(Block::Code(study.file.clone()));
         }
+        if !study.invocation.has_file() {
+            return blocks;
+        }
         let repeat = if study.invocation.recordings.is_empty() {
             Text::from("To repeat the run, save this file beside its recordings and type ")
                 .code(format!("experiment {}.toml", study.experiment))

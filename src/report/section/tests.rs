@@ -47,6 +47,18 @@ fn a_full_study_has_every_section_and_every_figure_is_drawn_once() {
 }
 
 #[test]
+fn a_study_of_the_library_names_no_command() {
+    let mut study = full();
+    study.invocation.file = String::new();
+    let without_diagnosis = Study { diagnosis: None, completed: None, ..study.clone() };
+    for study in [study, without_diagnosis] {
+        let html = render(&study).unwrap().html;
+        assert!(html.contains("Next step: ") && !html.contains("experiment add"));
+        assert!(!html.contains("To repeat the run"));
+    }
+}
+
+#[test]
 fn an_input_in_volts_is_never_shown_in_newton_metres() {
     let html = render(&full()).unwrap().html;
     // the one parameter of a candidate is given in N m by this test itself, and has no value

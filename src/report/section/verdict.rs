@@ -231,41 +231,55 @@ fn cautions(study: &Study) -> Vec<Block> {
 fn next_step(study: &Study) -> Vec<Block> {
     let Some(diagnosis) = &study.diagnosis else {
         // a fuzzy system has no effects to add
-        if study.reference_method().is_none_or(|m| m.fuzzy.is_some()) {
-            return vec![];
-        }
-        let text = Text::from("Next step: to learn whether an effect is missing, and which, add ")
-            .code("[diagnosis]")
-            .plain(" to the experiment file");
-        let text = match effects::most_common() {
-            Some(id) => add_command(study, &id, text.plain(", or try one: ")),
-            None => text,
-        };
-        return vec![Block::Paragraph(text.plain("."))];
+        let is_fuzzy = study.reference_method().is_none_or(|m| m.fuzzy.is_some());
+        return if is_fuzzy { vec![] } else { vec![Block::Paragraph(to_diagnose(study))] };
     };
     let mut blocks = Vec::new();
     let in_place = diagnosis.formula.as_ref().is_some_and(|f| f.in_place);
     if let Some(first) = diagnosis.found.first().filter(|_| !in_place) {
         let text = Text::from("Next step: add ")
             .plain(words::effect_in_text(first))
-            .plain(" to the model and see whether the error falls on data that were not fitted: ");
-        let text = add_command(study, first, text).plain(".");
-        blocks.push(Block::Paragraph(text));
+            .plain(" to the model and see whether the error falls on data that were not fitted");
+        let text = match study.invocation.has_file() {
+            true => add_command(study, first, text.plain(": ")),
+            false => text,
+        };
+        blocks.push(Block::Paragraph(text.plain(".")));
     }
     if let Some(formula) = &diagnosis.formula {
-        let text = Text::from(
-            "To try the formula, write it into the experiment file and run it: the diagnosis judges it \
-                               beside the catalogue. ",
-        );
-        blocks.push(Block::Paragraph(
-            add_command(study, &formula.id, text).plain(" puts it into the model."),
-        ));
+        let text = match study.invocation.has_file() {
+            true => {
+                let text = Text::from(
+                    "To try the formula, write it into the experiment file and run it: the diagnosis judges it \
+                     beside the catalogue. ",
+                );
+                add_command(study, &formula.id, text).plain(" puts it into the model.")
+            }
+            false => Text::from(
+                "To try the formula, add it to the model as an effect of your own; as one of an experiment file it is:",
+            ),
+        };
+        blocks.push(Block::Paragraph(text));
         blocks.push(Block::Code(formula.toml.clone()));
     }
     if let Some(next) = &diagnosis.next_run {
         blocks.push(Block::paragraph(Text::default().strong("Next recording. ").plain(next)));
     }
     blocks
+}
+
+/// How to have effects tried.
+fn to_diagnose(study: &Study) -> Text {
+    let text = Text::from("Next step: to learn whether an effect is missing, and which, ");
+    if !study.invocation.has_file() {
+        return text.plain("ask for a diagnosis.");
+    }
+    let text = text.plain("add ").code("[diagnosis]").plain(" to the experiment file");
+    let text = match effects::most_common() {
+        Some(id) => add_command(study, &id, text.plain(", or try one: ")),
+        None => text,
+    };
+    text.plain(".")
 }
 
 /// The command that adds an effect, behind the one that writes the experiment file where there is none yet.

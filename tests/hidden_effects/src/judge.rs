@@ -161,7 +161,7 @@ fn said(study: &Study, rate: f64) -> Result<Said, String> {
         false_alarm: rate,
         found: diagnosis.found.clone(),
         verdict: verdict.as_str().unwrap_or_default().into(),
-        likely: diagnosis.likely.clone(),
+        likely: diagnosis.likely.iter().map(|effect| effect.id.clone()).collect(),
         versions: diagnosis
             .staircase
             .iter()

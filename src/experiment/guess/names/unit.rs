@@ -1,7 +1,7 @@
 //! Units in names: in brackets, behind, in front.
 
 use super::said::Quantity;
-use super::words::{LENGTHS, QUANTITIES, WEAK, take_quantity};
+use super::words::{LENGTHS, WEAK, is_quantity, take_quantity};
 
 /// Takes the unit off the end of the words. A single letter stays where another word says a quantity of which it is
 /// no unit: `a` of `speed_a` is a motor.
@@ -39,7 +39,7 @@ fn unit_before_side(words: &mut Vec<String>) -> Option<(&'static str, Option<Qua
     let mut others = inner.to_vec();
     let found = take_unit(&mut others)?;
     let taken = &inner[others.len()..];
-    if taken.concat().len() < 2 || taken.iter().any(|word| is_word(word)) {
+    if taken.concat().len() < 2 || taken.iter().any(|word| is_quantity(word)) {
         return None;
     }
     others.push(last.clone());
@@ -92,8 +92,8 @@ pub(super) fn unit_in_front(name: &str) -> (Option<(&'static str, Option<Quantit
         let words: Vec<&str> = front.split(is_edge).collect();
         let found = unit(&words.join("/")).or_else(|| unit(&words.concat()));
         let is_one = |(_, of): &(&str, Option<Quantity>)| match of {
-            Some(Quantity::Speed) => k > 0 || !is_word(&front),
-            Some(of) => *of != Quantity::Time && k == 0 && !is_word(&front),
+            Some(Quantity::Speed) => k > 0 || !is_quantity(&front),
+            Some(of) => *of != Quantity::Time && k == 0 && !is_quantity(&front),
             None => false,
         };
         // `tick_ms` are no counts
@@ -107,11 +107,6 @@ pub(super) fn unit_in_front(name: &str) -> (Option<(&'static str, Option<Quantit
         }
     }
     (None, name)
-}
-
-/// Whether a word says a quantity.
-fn is_word(word: &str) -> bool {
-    QUANTITIES.iter().any(|(_, words)| words.contains(&word))
 }
 
 /// The name and the unit in brackets behind it; an index is no unit.

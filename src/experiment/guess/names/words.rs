@@ -2,12 +2,37 @@
 
 use super::said::Quantity;
 
-/// Words of each quantity, the ones that say most first.
-pub(super) const QUANTITIES: [(Quantity, &[&str]); 7] = [
-    (Quantity::Nanoseconds, &["nanosec", "nsec", "nanosecs", "nsecs", "nanoseconds"]),
+/// Words of a speed that leave its unit open; `omega` and the like are angular speeds in SI.
+const OPEN_SPEEDS: [&str; 17] = [
+    "speed",
+    "spd",
+    "vel",
+    "velo",
+    "velocity",
+    "velocities",
+    "drehzahl",
+    "geschwindigkeit",
+    "vitesse",
+    "velocita",
+    "velocidad",
+    "velocidade",
+    "predkosc",
+    "snelheid",
+    "hiz",
+    "скорость",
+    "速度",
+];
+/// Words of a way, in whatever unit.
+const PLACES: [&str; 6] = ["pos", "position", "positions", "distance", "dist", "travel"];
+/// Words of a sensor of angles that leave its unit open.
+const SENSORS: [&str; 2] = ["enc", "encoder"];
+
+/// Words of each quantity; those of speeds and angles that leave the unit open are groups of their own.
+const QUANTITIES: [(Quantity, &[&[&str]]); 7] = [
+    (Quantity::Nanoseconds, &[&["nanosec", "nsec", "nanosecs", "nsecs", "nanoseconds"]]),
     (
         Quantity::Time,
-        &[
+        &[&[
             "t",
             "time",
             "timestamp",
@@ -37,90 +62,72 @@ pub(super) const QUANTITIES: [(Quantity, &[&str]); 7] = [
             "時間",
             "uptime",
             "systick",
-        ],
+        ]],
     ),
     (
         Quantity::Speed,
         &[
-            "dalpha",
-            "omega",
-            "velocity",
-            "velocities",
-            "speed",
-            "vel",
-            "velo",
-            "rpm",
-            "erpm",
-            "w",
-            "dq",
-            "qd",
-            "dphi",
-            "dtheta",
-            "angvel",
-            "alphadot",
-            "thetadot",
-            "phidot",
-            "rate",
-            "drehzahl",
-            "geschwindigkeit",
-            "ω",
-            "spd",
-            "vitesse",
-            "velocita",
-            "velocidad",
-            "velocidade",
-            "predkosc",
-            "snelheid",
-            "hiz",
-            "скорость",
-            "速度",
-            "转速",
-            "回転数",
+            &[
+                "dalpha",
+                "omega",
+                "rpm",
+                "erpm",
+                "w",
+                "dq",
+                "qd",
+                "dphi",
+                "dtheta",
+                "angvel",
+                "alphadot",
+                "thetadot",
+                "phidot",
+                "rate",
+                "ω",
+                "转速",
+                "回転数",
+            ],
+            &OPEN_SPEEDS,
         ],
     ),
     (
         Quantity::Angle,
         &[
-            "alpha",
-            "angle",
-            "position",
-            "positions",
-            "pos",
-            "theta",
-            "enc",
-            "encoder",
-            "phi",
-            "q",
-            "rotations",
-            "rotation",
-            "turns",
-            "ticks",
-            "counts",
-            "count",
-            "tachometer",
-            "tacho",
-            "distance",
-            "dist",
-            "rev",
-            "winkel",
-            "travel",
-            "travelled",
-            "odometer",
-            "θ",
-            "φ",
-            "α",
-            "cnt",
-            "rot",
-            "angolo",
-            "angulo",
-            "hoek",
-            "угол",
-            "角度",
+            &[
+                "alpha",
+                "angle",
+                "theta",
+                "phi",
+                "q",
+                "rotations",
+                "rotation",
+                "turns",
+                "ticks",
+                "counts",
+                "count",
+                "tachometer",
+                "tacho",
+                "rev",
+                "winkel",
+                "travelled",
+                "odometer",
+                "θ",
+                "φ",
+                "α",
+                "cnt",
+                "rot",
+                "angolo",
+                "angulo",
+                "hoek",
+                "угол",
+                "角度",
+            ],
+            &PLACES,
+            &SENSORS,
         ],
     ),
     (
         Quantity::Torque,
-        &[
+        &[&[
             "m",
             "moment",
             "torque",
@@ -138,11 +145,11 @@ pub(super) const QUANTITIES: [(Quantity, &[&str]); 7] = [
             "扭矩",
             "转矩",
             "トルク",
-        ],
+        ]],
     ),
     (
         Quantity::Current,
-        &[
+        &[&[
             "current",
             "currents",
             "cur",
@@ -161,11 +168,11 @@ pub(super) const QUANTITIES: [(Quantity, &[&str]); 7] = [
             "ток",
             "电流",
             "電流",
-        ],
+        ]],
     ),
     (
         Quantity::Voltage,
-        &[
+        &[&[
             "voltage",
             "voltages",
             "volt",
@@ -191,7 +198,7 @@ pub(super) const QUANTITIES: [(Quantity, &[&str]); 7] = [
             "power",
             "motor",
             "mot",
-        ],
+        ]],
     ),
 ];
 
@@ -278,7 +285,7 @@ pub(super) fn take_quantity(words: &mut Vec<String>) -> Option<(Quantity, String
         |w: &&String| !MEASURED.contains(&w.as_str()) && !w.chars().all(|c| c.is_ascii_digit());
     let is_alone = words.iter().filter(says).count() == 1;
     for (quantity, known) in QUANTITIES {
-        if let Some(k) = words.iter().position(|w| known.contains(&w.as_str())) {
+        if let Some(k) = words.iter().position(|w| is_among(known, w)) {
             // one letter says little among other words
             if words[k].len() == 1 && !is_alone && !dot {
                 continue;
@@ -289,4 +296,28 @@ pub(super) fn take_quantity(words: &mut Vec<String>) -> Option<(Quantity, String
         }
     }
     None
+}
+
+/// Whether a word says a quantity.
+pub(super) fn is_quantity(word: &str) -> bool {
+    QUANTITIES.iter().any(|(_, groups)| is_among(groups, word))
+}
+
+fn is_among(groups: &[&[&str]], word: &str) -> bool {
+    groups.iter().any(|words| words.contains(&word))
+}
+
+/// Whether the word that says a speed, if any does, leaves its unit open.
+pub(in crate::experiment::guess) fn leaves_speed_open(word: &str) -> bool {
+    matches!(word, "" | "v") || OPEN_SPEEDS.contains(&word)
+}
+
+/// Whether the word that says an angle, if any does, leaves its unit open.
+pub(in crate::experiment::guess) fn leaves_angle_open(word: &str) -> bool {
+    word.is_empty() || SENSORS.contains(&word) || is_place(word)
+}
+
+/// Whether a word says a way, in whatever unit.
+pub(in crate::experiment::guess) fn is_place(word: &str) -> bool {
+    PLACES.contains(&word)
 }

@@ -188,7 +188,7 @@ fn diagnosis() -> DiagnosisStudy {
         window_rms_validation,
     };
     DiagnosisStudy {
-        likely: vec![],
+        likely: None,
         estimates: vec![],
         verdict: Verdict::EffectsMissing,
         sentence: "Missing: turning_scrub.".to_owned(),

@@ -1,0 +1,47 @@
+//! A window of a recording, and how recordings are cut into windows.
+
+use std::ops::Range;
+
+use crate::recording::Recording;
+use crate::robot::State;
+
+/// Length of a window \[s\]: long enough for friction and viscous effects to show, short enough that noise
+/// of the input does not drown them; the acceptance test uses the same.
+pub(super) const WINDOW: f64 = 1.0;
+/// Fewest rows of a window.
+const FEWEST: usize = 5;
+
+/// One window of a recording.
+#[derive(Clone, Debug)]
+pub struct Window {
+    /// Index among the recordings.
+    pub recording: usize,
+    /// Rows of that recording, from the start of the window.
+    pub rows: Range<usize>,
+    /// Smoothed state at the first row.
+    pub start: State,
+    /// Variance of its speeds [rad^2/s^2].
+    pub(super) variance: [f64; 2],
+    /// Factor on the weight of each wheel, one where the input between the rows does little.
+    pub(super) share: [f64; 2],
+}
+
+/// The windows of a piece: equal parts of about 1 s.
+pub(super) fn cut(
+    recording: &Recording,
+    piece: &Range<usize>,
+) -> impl Iterator<Item = Range<usize>> {
+    let t = recording.t();
+    let length = t[piece.end - 1] - t[piece.start];
+    let count = (length / WINDOW).round().max(1.0) as usize;
+    let edge = {
+        let (start, t) = (t[piece.start], t[piece.clone()].to_vec());
+        let first = piece.start;
+        move |n: usize| {
+            first + t.partition_point(|now| now - start < length * n as f64 / count as f64)
+        }
+    };
+    let end = piece.end;
+    let ranges = (0..count).map(move |n| edge(n)..if n + 1 == count { end } else { edge(n + 1) });
+    ranges.filter(|rows| rows.len() >= FEWEST)
+}

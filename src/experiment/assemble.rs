@@ -1,0 +1,213 @@
+//! A plan from a model, recordings and what is asked of them.
+
+use std::path::PathBuf;
+
+use super::align::{self, Asked};
+use super::custom::{Own, add};
+use super::error::{ExperimentError, Meaning, words};
+use super::plan::{Measured, Plan, PlanOptions};
+use super::remark::Remark;
+use super::robot_table::has_no_track;
+use crate::effects;
+use crate::model::Model;
+use crate::robot::Robot;
+use crate::simulate::Gain;
+use crate::study::Role;
+
+impl Plan {
+    /// The experiment that fits `model` to the training recordings and judges it on those for validation. `name` is that
+    /// of the result folder. As for an experiment file, the time of the input and what the motion shows of the logger are
+    /// settled before any method sees the recordings.
+    ///
+    /// # Errors
+    /// No training recording, none with an input, no method, recordings with different units of the input, candidates that
+    /// are no effect.
+    ///
+    /// # Examples
+    /// ```
+    /// use amigo_ident::experiment::{MethodPlan, Plan, PlanOptions, Reading, compare, fits};
+    /// use amigo_ident::identify::WeakForm;
+    /// use amigo_ident::{model::Model, recording::DriveUnit, robot::Robot};
+    /// let reading = Reading::new(Robot::amigobot(), DriveUnit::NewtonMetre);
+    /// let recordings = reading.files(&["recordings/simulated_3d/slope/train_1.csv"], &[])?;
+    /// let model = Model::with_effects(Robot::amigobot(), &["slope"])?;
+    /// let methods = vec![MethodPlan::new(WeakForm { half_width_s: Some(0.24), ..WeakForm::default() })];
+    /// let plan = Plan::new("slope", model, recordings, PlanOptions { methods, ..PlanOptions::default() })?;
+    /// let comparison = compare(&plan, &fits(&plan))?;
+    /// let (judged, weak_form) = (comparison.judged(), &comparison.methods[0]);
+    /// assert!(judged.window_rms(&weak_form.performance) < 2.0 * judged.floor());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn new(
+        name: &str,
+        model: Model,
+        recordings: Vec<Measured>,
+        options: PlanOptions,
+    ) -> Result<Self, ExperimentError> {
+        let own = own_effects(&model, &options);
+        check(&recordings, &options, &own).map_err(|e| e.of(name))?;
+        Ok(Self { own, ..assembled(name, model, recordings, options) })
+    }
+}
+
+/// Effects beside the catalogue: those of the model, and those that the diagnosis tries.
+fn own_effects(model: &Model, options: &PlanOptions) -> Vec<Own> {
+    let tried = options.diagnosis.iter().flat_map(|asked| &asked.settings.own);
+    let all = model.effects().iter().chain(tried);
+    all.filter(|effect| effects::find(&effect.id()).is_none()).cloned().collect()
+}
+
+fn check(recordings: &[Measured], options: &PlanOptions, own: &[Own]) -> Result<(), Meaning> {
+    if !recordings.iter().any(|m| m.role == Role::Train) {
+        return Err(words("no recording is there to train on".into()));
+    }
+    let train = recordings.iter().filter(|m| m.role == Role::Train).map(|m| &m.recording);
+    if super::quality::without_input(train) {
+        return Err(words(
+            "the inputs of all training recordings are zero throughout; without an input the parameters have no scale"
+                .into(),
+        ));
+    }
+    let mut units = recordings.iter().map(|m| m.recording.drive_unit());
+    let first = units.next();
+    if let Some(other) = units.find(|unit| Some(*unit) != first) {
+        let units = [first.unwrap_or_default(), other].map(|unit| unit.symbol());
+        let [first, other] = units;
+        return Err(words(format!(
+            "the inputs of all recordings must have one unit; there are {first} and {other}"
+        )));
+    }
+    if options.methods.is_empty() {
+        return Err(words("no method is there to fit the model by".into()));
+    }
+    options.gain.map_or(Ok(()), |gain| gain.check())?;
+    options
+        .diagnosis
+        .as_ref()
+        .map_or(Ok(()), |asked| candidates_are_known(&asked.settings.candidates, own))
+}
+
+/// Whether every candidate is an effect of the catalogue or of `own`.
+///
+/// # Errors
+/// One that is not, with the one that was meant.
+pub(super) fn candidates_are_known(ids: &[String], own: &[Own]) -> Result<(), Meaning> {
+    let base = Model::base(Robot::amigobot());
+    // the model's own message names the effect that was meant
+    ids.iter().try_for_each(|id| add(&base, id, own).map(drop).map_err(Meaning::from))
+}
+
+/// The plan without an experiment file, and without effects beside the catalogue.
+pub(super) fn assembled(
+    name: &str,
+    model: Model,
+    recordings: Vec<Measured>,
+    options: PlanOptions,
+) -> Plan {
+    let PlanOptions { title, methods, diagnosis, hold, gain, conditioning, robot_is_built, seed } =
+        options;
+    let speeds = recordings.iter().flat_map(|m| m.recording.omega().iter().copied());
+    let opposed = super::remarks::opposed(&speeds.collect::<Vec<_>>());
+    let no_track = has_no_track(model.robot()).then(|| Remark::NoTrack { effects: of_heading() });
+    let opposed = opposed.map(|share| Remark::Opposed { share });
+    let mut plan = Plan {
+        name: name.to_owned(),
+        title: title.unwrap_or_else(|| name.replace(['_', '-'], " ")),
+        file: String::new(),
+        source: PathBuf::new(),
+        typed: vec![],
+        robot_is_given: true,
+        own: vec![],
+        sums: vec![],
+        remarks: no_track.into_iter().chain(opposed).collect(),
+        model,
+        recordings,
+        hold: hold.unwrap_or_default(),
+        timing: None,
+        emulated: gain.is_some() || methods.iter().any(|m| m.method.fits_emulator()),
+        methods,
+        gain: gain.unwrap_or(Gain::ZERO),
+        of_paper: false,
+        diagnosis,
+        seed,
+        truth: vec![],
+        grid: None,
+    };
+    align::place(&mut plan);
+    align::weigh(&mut plan, robot_is_built);
+    align::align(&mut plan, &Asked { hold, settings: conditioning });
+    plan
+}
+
+/// Ids of the effects of the catalogue that need the track of the robot.
+fn of_heading() -> Vec<String> {
+    effects::all().iter().filter(|e| e.depends_on_heading()).map(|e| e.id()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::Settings;
+    use crate::experiment::{MethodPlan, Reading, fits, plan_of};
+    use crate::identify::WeakForm;
+    use crate::recording::DriveUnit;
+    use crate::simulate::Hold;
+
+    fn recordings(train: &[&str], validation: &[&str]) -> Vec<Measured> {
+        let reading = Reading::new(Robot::amigobot(), DriveUnit::NewtonMetre);
+        let file = |name: &&str| format!("recordings/simulated_3d/slope/{name}.csv");
+        let of = |names: &[&str]| names.iter().map(file).collect::<Vec<_>>();
+        reading.files(&of(train), &of(validation)).unwrap()
+    }
+
+    fn refused(recordings: Vec<Measured>, options: PlanOptions) -> String {
+        let model = Model::base(Robot::amigobot());
+        Plan::new("mine", model, recordings, options).err().expect("it is refused").to_string()
+    }
+
+    #[test]
+    fn typed_options_are_the_keys_of_an_experiment_file() {
+        let keys = "model.effects = [\"slope\"]\nmethod = [{ name = \"weak_form\", half_width_s = 0.24 }]\n\
+                    [diagnosis]\nmax_effects = 1";
+        let read = || recordings(&["train_1"], &["validation"]);
+        let by_keys =
+            plan_of("mine", &toml::from_str(keys).unwrap(), read(), Hold::Linear).unwrap();
+        let method = WeakForm { half_width_s: Some(0.24), ..WeakForm::default() };
+        let options = PlanOptions {
+            methods: vec![MethodPlan::new(method)],
+            diagnosis: Some(Settings { max_effects: 1, ..Settings::default() }.into()),
+            hold: Some(Hold::Linear),
+            ..PlanOptions::default()
+        };
+        let model = Model::with_effects(Robot::amigobot(), &["slope"]).unwrap();
+        let typed = Plan::new("mine", model, read(), options).unwrap();
+        let asked = |plan: &Plan| {
+            let asked = plan.diagnosis.as_ref().unwrap();
+            let Settings { candidates, false_alarm, max_effects, .. } = &asked.settings;
+            (candidates.clone(), *false_alarm, *max_effects, asked.slow_moment)
+        };
+        assert_eq!(asked(&typed), asked(&by_keys));
+        let of = |plan: &Plan| {
+            let fit = fits(plan).swap_remove(0).fit.unwrap();
+            fit.estimates.iter().map(|e| (e.value, e.std_error)).collect::<Vec<_>>()
+        };
+        assert_eq!(of(&typed), of(&by_keys));
+        let stated = |plan: &Plan| {
+            (plan.title.clone(), plan.seed, plan.hold, plan.emulated, plan.methods[0].title.clone())
+        };
+        assert_eq!(stated(&typed), stated(&by_keys));
+    }
+
+    #[test]
+    fn a_plan_that_cannot_run_is_refused_with_the_reason() {
+        let none = refused(recordings(&[], &["validation"]), PlanOptions::default());
+        assert_eq!(none, "mine: no recording is there to train on");
+        let methods = PlanOptions { methods: vec![], ..PlanOptions::default() };
+        let none = refused(recordings(&["train_1"], &[]), methods);
+        assert_eq!(none, "mine: no method is there to fit the model by");
+        let candidates = Settings { candidates: vec!["slop".into()], ..Settings::default() };
+        let options = PlanOptions { diagnosis: Some(candidates.into()), ..PlanOptions::default() };
+        let unknown = refused(recordings(&["train_1"], &[]), options);
+        assert!(unknown.contains("did you mean `slope`"), "{unknown}");
+    }
+}

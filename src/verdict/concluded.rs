@@ -1,0 +1,203 @@
+//! What a diagnosis concludes against the noise floor, and the verdict that it makes.
+
+use super::Basis;
+use super::dependence::{Dependence, is_plain};
+use super::next::{CHECK_COLUMNS, advice, propose, to_prove};
+use super::ranking::{ranking, staircase};
+use super::sentence::{Logging, Statement, Withheld, sentence};
+use crate::compare::{Curve, Variable, WindowFloor};
+use crate::diagnose::{
+    Conclusion, Diagnosis, Errors, Judge, Judgement, Ranked, Step, WindowFit, conclude, likely,
+    withheld,
+};
+use crate::filter::{Likelihood, prepare};
+use crate::recording::Recording;
+use crate::simulate::{Hold, SimulateError};
+use crate::study::{
+    DiagnosisStudy, FormulaStudy, FoundEffect, UnprovenEffect, Verdict, parameters_of,
+};
+
+/// A diagnosis against the noise floor of the judged recordings.
+pub(super) struct Concluded<'a> {
+    diagnosis: &'a Diagnosis,
+    basis: &'a Basis<'a>,
+    judge: Judge,
+    likelihood: Likelihood<'a>,
+    /// The model as given on the judged recordings.
+    before: Judgement,
+    errors: Errors,
+    /// Noise floor of the judged recordings under the last model [rad/s].
+    pub(super) floor: f64,
+    conclusion: Conclusion,
+    /// Whether the columns do not determine the model, so that nothing else holds.
+    is_undetermined: bool,
+    likely: Option<&'a Ranked>,
+    /// What lowers the held-out error without being accepted, and why it is not.
+    withheld: Option<(&'a Ranked, Withheld)>,
+    /// The variable on which the residual torque of the last model depends significantly.
+    depends_on: Option<Variable>,
+}
+
+impl<'a> Concluded<'a> {
+    /// `floor`: that of the judged recordings under the last model, where it is known already.
+    pub(super) fn of(
+        diagnosis: &'a Diagnosis,
+        basis: &'a Basis,
+        floor: Option<WindowFloor>,
+        is_undetermined: bool,
+    ) -> Result<Self, SimulateError> {
+        let likelihood = Likelihood {
+            prepared: basis.train.iter().map(prepare).collect(),
+            hold: basis.hold,
+            slow_moment: basis.slow_moment,
+            timing: false,
+        };
+        let judge = Judge::new(basis.judged().to_vec(), basis.hold);
+        let WindowFit { model, p, .. } = diagnosis.last();
+        let floor = floor.unwrap_or_else(|| judge.floor(model, p));
+        let before = judge.judge(&diagnosis.base.model, &diagnosis.base.p)?;
+        let errors = judge.errors(diagnosis, floor)?;
+        let left = judge.structure_left(diagnosis, &likelihood)?;
+        let depends_on = left.map(|dependence| dependence.variable);
+        let likely = likely(diagnosis, &errors);
+        let leaves = likely.and_then(|ranked| ranked.fall).map(|fall| fall.ratio);
+        let conclusion = conclude(diagnosis.steps.len(), &errors, leaves, depends_on.is_some());
+        let withheld = withheld(diagnosis, basis.false_alarm)
+            .filter(|_| conclusion == Conclusion::Sufficient)
+            .and_then(|r| Some((r, reason(&judge, errors.after, r.refit.as_ref()?))));
+        Ok(Self {
+            diagnosis,
+            basis,
+            judge,
+            likelihood,
+            before,
+            errors,
+            floor: floor.expected,
+            conclusion,
+            is_undetermined,
+            likely,
+            withheld,
+            depends_on,
+        })
+    }
+
+    /// What the residual torque depends on by its `curves`, where the verdict states it: where something outside the
+    /// catalogue is missing, and where more is missing than was found, by the error or by a variable that shows the
+    /// larger part of it.
+    pub(super) fn dependence<'c>(&self, curves: &'c [Curve]) -> Option<Dependence<'c>> {
+        let is_stated = match self.conclusion {
+            _ if self.is_undetermined => false,
+            Conclusion::Unknown => true,
+            Conclusion::Missing | Conclusion::Likely => {
+                self.errors.far_above_all() || is_plain(curves)
+            }
+            Conclusion::Sufficient => false,
+        };
+        is_stated.then(|| Dependence::of(curves, self.depends_on))
+    }
+
+    /// The verdict, with what the residual torque depends on where it states that, and with a `formula` of it, beside
+    /// which no effect of the catalogue is likely and no recording is needed to decide. What a fit leaves that the
+    /// columns do not determine is no effect.
+    pub(super) fn study(
+        &self,
+        dependence: Option<Dependence>,
+        formula: Option<FormulaStudy>,
+    ) -> Result<DiagnosisStudy, SimulateError> {
+        let Self { diagnosis, basis, judge, errors, .. } = self;
+        let steps = if self.is_undetermined { &[][..] } else { &diagnosis.steps };
+        let likely = self.likely.map(unproven);
+        let withheld = self.withheld.map(|(ranked, why)| (unproven(ranked), why));
+        let logging = self.logging();
+        let sentence = sentence(&Statement {
+            is_undetermined: self.is_undetermined,
+            conclusion: self.conclusion,
+            diagnosis,
+            errors: *errors,
+            likely: likely.as_ref(),
+            withheld: withheld.as_ref().map(|(effect, why)| (effect, *why)),
+            false_alarm: basis.false_alarm,
+            logging,
+            dependence,
+            formula: formula.as_ref(),
+            floor: self.floor,
+        });
+        // where nothing is missing there is nothing to record
+        let is_open =
+            self.conclusion != Conclusion::Sufficient && !self.is_undetermined && formula.is_none();
+        let proposal = is_open.then(|| propose(diagnosis, &self.likelihood, basis.seed)).flatten();
+        let next_run = match self.withheld {
+            _ if self.is_undetermined => Some(CHECK_COLUMNS.to_owned()),
+            Some((ranked, why)) => Some(to_prove(ranked, why == Withheld::BetweenRows)),
+            None if is_open => advice(diagnosis, self.likely, proposal.as_ref()),
+            None => None,
+        };
+        let is_likely = !self.is_undetermined && formula.is_none();
+        let estimates = parameters_of(diagnosis.last(), logging.unit);
+        Ok(DiagnosisStudy {
+            verdict: self.verdict(),
+            sentence,
+            found: steps.iter().map(|step| step.id.clone()).collect(),
+            likely: likely.filter(|_| is_likely),
+            estimates: estimates.into_iter().map(|p| p.estimate).collect(),
+            ranking: ranking(diagnosis, judge, self.before, self.floor)?,
+            staircase: staircase(diagnosis, judge, self.before)?,
+            unexplained_fraction: errors.unexplained(),
+            next_run,
+            proposal,
+            false_alarm: basis.false_alarm,
+            effects: steps.iter().map(found_effect).collect(),
+            formula,
+            is_undetermined: self.is_undetermined,
+        })
+    }
+
+    fn verdict(&self) -> Verdict {
+        match self.conclusion {
+            _ if self.is_undetermined => Verdict::UnknownEffect,
+            Conclusion::Sufficient => Verdict::ModelSufficient,
+            Conclusion::Missing => Verdict::EffectsMissing,
+            Conclusion::Likely => Verdict::EffectLikely,
+            Conclusion::Unknown => Verdict::UnknownEffect,
+        }
+    }
+
+    fn logging(&self) -> Logging {
+        let Basis { train, hold, .. } = self.basis;
+        let half_a_row = || 0.5 * train.iter().map(Recording::step).fold(0.0, f64::max);
+        Logging {
+            unit: train[0].drive_unit(),
+            if_held: (*hold == Hold::Linear).then(half_a_row),
+            speeds_alone: train.iter().all(|r| !r.measured().alpha),
+        }
+    }
+}
+
+/// Why a fit that lowers the held-out error is not accepted; `now`: square of the error that is shown [rad^2/s^2].
+fn reason(judge: &Judge, now: f64, fit: &WindowFit) -> Withheld {
+    let with =
+        judge.judge(&fit.model, &fit.p).map_or(f64::INFINITY, |with| with.window_rms.powi(2));
+    let open = judge.unresolved(&fit.model, &fit.p);
+    // one that cannot be simulated raises it too
+    if !(with <= now) {
+        Withheld::Raises
+    } else if fit.model.is_coupled() || now - with < open.powi(2).min(with) {
+        Withheld::BetweenRows
+    } else {
+        Withheld::Small
+    }
+}
+
+/// A candidate as an effect that is not proven.
+fn unproven(ranked: &Ranked) -> UnprovenEffect {
+    let lowers = ranked.fall.map_or(0.0, |fall| 1.0 - fall.ratio);
+    UnprovenEffect { id: ranked.candidate.id.clone(), lowers }
+}
+
+/// An accepted effect with its name and cause.
+fn found_effect(step: &Step) -> FoundEffect {
+    let effects = step.fit.model.effects();
+    let description = effects.iter().map(|e| e.description()).find(|d| d.id == step.id);
+    let (title, cause) = description.map_or_else(Default::default, |d| (d.title, d.cause));
+    FoundEffect { id: step.id.clone(), title, cause, indistinguishable: step.equals.clone() }
+}

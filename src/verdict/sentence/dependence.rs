@@ -1,0 +1,118 @@
+//! What the residual torque depends on, in words.
+
+use crate::compare::{Acting, Curve};
+use crate::recording::DriveUnit;
+use crate::report::format;
+use crate::verdict::dependence::{Dependence, is_most_of_it};
+
+/// "The residual torque depends most on the heading (72 % of it, up to 0.31 N m)." `unit`: that of the input.
+pub(super) fn words(dependence: &Dependence, unit: DriveUnit) -> String {
+    let Dependence { shown, beside, tested, is_left } = *dependence;
+    let is_left = if is_left { " that is left" } else { "" };
+    let on = |curve: &Curve| {
+        let (variable, acting) = (curve.variable.words(), curve.acting.words());
+        format!("the {variable}{acting} ({})", amount(curve, unit))
+    };
+    let depends = match (shown, tested) {
+        (Some(curve), _) if curve.variable.answers() => format!(
+            "The residual torque{is_left} follows {}, as it does under a controller whatever disturbs the robot",
+            on(curve)
+        ),
+        (Some(curve), _) => format!("The residual torque{is_left} depends most on {}", on(curve)),
+        (None, Some(variable)) => {
+            format!("The residual torque depends on the {}", variable.words())
+        }
+        (None, None) => "The residual torque depends little on anything that was tried".to_owned(),
+    };
+    let end = match (tested, shown.is_some_and(is_most_of_it)) {
+        (Some(_), _) | (None, true) => ".",
+        (None, false) => {
+            "; coloured noise of the recorded input and disturbances from outside look like this too."
+        }
+    };
+    let beside = beside.map_or(String::new(), |curve| {
+        format!(" Of speeds, place and time it depends most on {}.", on(curve))
+    });
+    depends + end + &beside
+}
+
+/// "72 % of it, up to 0.31 N m"; as a share of the input "up to 31 % of that".
+fn amount(curve: &Curve, unit: DriveUnit) -> String {
+    let largest = curve.largest_left();
+    let most = match curve.acting {
+        Acting::Gain => format!("up to {} of that", format::percent(largest)),
+        _ => format!("up to {} {}", format::significant(largest, 2), unit.symbol()),
+    };
+    // after effects were found the share is one of the residual torque before
+    match curve.share_after {
+        Some(_) => most,
+        None => format!("{} of it, {most}", format::percent(curve.share_before)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::{CurveBin, Mean, Variable};
+
+    fn of(curves: &[Curve], tested: Option<Variable>) -> String {
+        words(&Dependence::of(curves, tested), DriveUnit::NewtonMetre)
+    }
+
+    fn curve(variable: Variable, before: f64, after: Option<f64>) -> Curve {
+        let means = [-0.31, 0.02].map(|value| Mean { value, std_error: 0.01, blocks: 9 });
+        let after_means = after.map(|_| means);
+        let bin = CurveBin { at: 0.0, joined: false, before: means, after: after_means };
+        Curve {
+            variable,
+            acting: Acting::Torque,
+            bins: vec![bin],
+            share_before: before,
+            share_after: after,
+            log_significance: 50.0,
+        }
+    }
+
+    #[test]
+    fn the_verdict_names_the_variable_that_the_figure_shows() {
+        let given = [curve(Variable::Input1, 0.72, None), curve(Variable::Time, 0.1, None)];
+        let words = of(&given, Some(Variable::TurnRate));
+        assert_eq!(
+            words,
+            "The residual torque follows the input of wheel 1 (72 % of it, up to 0.31 N m), as it does under a \
+             controller whatever disturbs the robot. Of speeds, place and time it depends most on the time (10 % of \
+             it, up to 0.31 N m)."
+        );
+        let left =
+            [curve(Variable::TurnRate, 0.7, Some(0.0)), curve(Variable::Time, 0.1, Some(0.05))];
+        let words = of(&left, Some(Variable::TurnRate));
+        assert_eq!(
+            words,
+            "The residual torque that is left depends most on the time (up to 0.31 N m)."
+        );
+    }
+
+    #[test]
+    fn what_changes_its_sign_with_the_motion_is_called_a_resistance() {
+        let acting = |variable, acting| Curve { acting, ..curve(variable, 0.8, None) };
+        let against = of(&[acting(Variable::Heading, Acting::Resistance)], None);
+        assert_eq!(
+            against,
+            "The residual torque depends most on the heading, as a resistance to the motion (80 % of it, up to \
+             0.31 N m)."
+        );
+        let fading = of(&[acting(Variable::Time, Acting::Gain)], None);
+        assert!(
+            fading.ends_with("the time, as a share of the input (80 % of it, up to 31 % of that).")
+        );
+    }
+
+    #[test]
+    fn what_is_not_significant_beside_coloured_noise_says_so() {
+        let given = [curve(Variable::Input1, 0.32, None)];
+        let words = of(&given, None);
+        assert!(words.contains("whatever disturbs the robot; coloured noise"), "{words}");
+        let nothing = of(&[curve(Variable::Time, 0.001, None)], None);
+        assert!(nothing.starts_with("The residual torque depends little on anything"), "{nothing}");
+    }
+}

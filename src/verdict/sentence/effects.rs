@@ -1,0 +1,111 @@
+//! Effects in words: by name, with their sizes, and with what may be logging.
+
+use crate::diagnose::{Diagnosis, Step};
+use crate::effects::Change;
+use crate::identify::Estimate;
+use crate::recording::DriveUnit;
+use crate::report::format;
+use crate::study::{UnprovenEffect, parameters_of};
+
+/// Parameters of an effect that a sentence gives.
+const SIZES: usize = 2;
+
+/// How inputs and speeds were recorded, as far as sizes of effects depend on it.
+#[derive(Clone, Copy)]
+pub(in crate::verdict) struct Logging {
+    /// Unit of the input.
+    pub(in crate::verdict) unit: DriveUnit,
+    /// How much less late the input is if it is held through the rows, which the model draws a line between \[s\]: half a
+    /// row; `None` where it is known to be held.
+    pub(in crate::verdict) if_held: Option<f64>,
+    /// Whether speeds were recorded without angles, whose sensor may then be late.
+    pub(in crate::verdict) speeds_alone: bool,
+}
+
+/// The effects found, each with its size and those that these data do not distinguish from it.
+pub(super) fn found(diagnosis: &Diagnosis, logging: &Logging) -> String {
+    let name = |step: &Step| {
+        let sized = sized(diagnosis, &step.id, logging.unit) + &by_logging(&step.id, logging);
+        match step.equals.as_slice() {
+            [] => sized,
+            equals => {
+                let equals: Vec<String> = equals.iter().map(|id| title(id)).collect();
+                format!("{sized} (or {}: not distinguishable from these data)", equals.join(" or "))
+            }
+        }
+    };
+    diagnosis.steps.iter().map(name).collect::<Vec<_>>().join(", then ")
+}
+
+/// "turning scrub (turning_scrub), which lowers the held-out error by 12 %".
+pub(super) fn unproven(effect: &UnprovenEffect) -> String {
+    format!("{}, which lowers the held-out error by {}", named(&effect.id), lowered(effect))
+}
+
+/// "turning scrub (turning_scrub)".
+pub(super) fn named(id: &str) -> String {
+    format!("{} ({id})", title(id))
+}
+
+/// "12 %": the fall of the held-out error.
+pub(super) fn lowered(effect: &UnprovenEffect) -> String {
+    format!("{:.0} %", 100.0 * effect.lowers)
+}
+
+/// The name of an effect of the catalogue within a sentence; the id of any other in words.
+pub(crate) fn title(id: &str) -> String {
+    let known = crate::effects::find(id).map(|effect| effect.description().title);
+    known.map_or_else(|| id.replace('_', " "), |title| format::in_text(&title))
+}
+
+/// Whether an effect of the catalogue shifts the input in time.
+pub(super) fn shifts_input(id: &str) -> bool {
+    crate::effects::find(id).is_some_and(|e| e.change() == Change::TimeShift)
+}
+
+/// "turning scrub (turning_scrub), f_t = 0.0202 N m (95 %: 0.0198 to 0.0206)"; of many parameters the
+/// first two that are estimated.
+fn sized(diagnosis: &Diagnosis, id: &str, unit: DriveUnit) -> String {
+    let fit = diagnosis.last();
+    let sizes: Vec<String> = parameters_of(fit, unit)
+        .iter()
+        .filter(|p| p.effect == id && !p.estimate.fixed && p.estimate.std_error.is_finite())
+        .take(SIZES)
+        .map(|p| size(&p.estimate))
+        .collect();
+    let effects = fit.model.effects().iter();
+    let description = effects.map(|e| e.description()).find(|d| d.id == id);
+    let name = description.map_or_else(|| title(id), |d| format::in_text(&d.title));
+    match sizes.as_slice() {
+        [] => format!("{name} ({id})"),
+        sizes => format!("{name} ({id}), {}", sizes.join(", ")),
+    }
+}
+
+/// What of a shift of the input may be no property of the actuator: half a row of an input that is held between
+/// its rows, all of it where the sensor of the speeds may be late.
+fn by_logging(id: &str, logging: &Logging) -> String {
+    if !shifts_input(id) {
+        return String::new();
+    }
+    let held = logging.if_held.map_or_else(String::new, |time| {
+        let time = format::digits(time, 2);
+        format!(", {time} s of it if the input is held through its rows")
+    });
+    let sensor = match logging.speeds_alone {
+        true => ", unless the sensor of the speeds is late, which angles would show",
+        false => "",
+    };
+    held + sensor
+}
+
+/// "f_t = 0.0202 N m (95 %: 0.0198 to 0.0206)".
+fn size(e: &Estimate) -> String {
+    let (low, high) = e.interval;
+    // to the first digit of the standard error
+    let decimals = (-e.std_error.log10().floor()).clamp(0.0, 9.0) as usize;
+    let fixed = |v: f64| format::fixed(v, decimals);
+    let unit = format::unit(&e.unit);
+    let unit = if unit.is_empty() || unit == "1" { String::new() } else { format!(" {unit}") };
+    format!("{} = {}{unit} (95 %: {} to {})", e.symbol, fixed(e.value), fixed(low), fixed(high))
+}

@@ -1,0 +1,60 @@
+//! The error of the last model, in words.
+
+use crate::diagnose::{Errors, THRESHOLDS};
+use crate::report::format;
+use crate::study::FAR_BELOW_FLOOR;
+
+/// "This removes 92 % of the error above the noise floor; …": the error with so many effects `found`.
+pub(super) fn words(errors: &Errors, found: usize) -> String {
+    let ratio = errors.ratio();
+    if !ratio.is_finite() {
+        return "The simulation of the model diverges on the judged recordings.".into();
+    }
+    let with = match found {
+        0 => "The",
+        1 => "With it the",
+        _ => "With them the",
+    };
+    match (found, ratio <= THRESHOLDS.at_floor) {
+        (_, true) if ratio < FAR_BELOW_FLOOR => format!(
+            "{with} 2 s simulation error is {ratio:.2} of the noise floor, which holds all that the input may do \
+             between its rows."
+        ),
+        (1.., true) if errors.was_at_floor() => format!(
+            "What is missing matters little in this motion: the 2 s simulation error is at the noise floor as it \
+             was before, and falls by {}.",
+            format::percent(errors.fall())
+        ),
+        (_, true) => format!("{with} 2 s simulation error is at the noise floor."),
+        (0, false) => format!(
+            "The 2 s simulation error is {ratio:.1} times the noise floor{}.",
+            in_perspective(errors)
+        ),
+        (_, false) => format!(
+            "This removes {} of the error above the noise floor; the 2 s simulation error is still {ratio:.1} times \
+             the floor{}.",
+            removed(errors.unexplained()),
+            in_perspective(errors)
+        ),
+    }
+}
+
+/// What an error above the floor is beside the speed and beside the input between its rows: beside little noise a ratio
+/// says more than it means.
+fn in_perspective(errors: &Errors) -> String {
+    match errors.ratio() > THRESHOLDS.above_floor && !errors.above_floor() {
+        true => {
+            format!(", beyond which it is {} of the top speed", format::percent(errors.excess()))
+        }
+        false if !errors.above_input() => {
+            ", as much as the input may make between its rows".to_owned()
+        }
+        false => String::new(),
+    }
+}
+
+/// The share of the squared error that went, in words that do not round what is left away.
+fn removed(left: f64) -> String {
+    let percent = 100.0 * (1.0 - left);
+    if left > 0.0 && percent >= 99.0 { "more than 99 %".into() } else { format!("{percent:.0} %") }
+}

@@ -1,0 +1,39 @@
+//! A formula of what the residual torque depends on, in words.
+
+use crate::diagnose::THRESHOLDS;
+use crate::report::format;
+use crate::study::FormulaStudy;
+
+/// "A formula of it (heading_resistance) lowers the 2 s simulation error to 0.061 rad/s, 1.7 times the noise floor."
+pub(super) fn words(formula: &FormulaStudy, floor: f64) -> String {
+    let FormulaStudy { id, in_place, window_rms, .. } = formula;
+    let place = if *in_place { " in place of what was found" } else { "" };
+    let over = match window_rms / floor {
+        ratio if !ratio.is_finite() => String::new(),
+        ratio if ratio <= THRESHOLDS.at_floor => ", the noise floor".to_owned(),
+        ratio => format!(", {ratio:.1} times the noise floor"),
+    };
+    let error = format::significant(*window_rms, 3);
+    format!("A formula of it ({id}){place} lowers the 2 s simulation error to {error} rad/s{over}.")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_words_compare_with_the_floor() {
+        let formula = |window_rms, in_place| FormulaStudy {
+            id: "heading_resistance".into(),
+            in_place,
+            window_rms,
+            ..FormulaStudy::default()
+        };
+        assert_eq!(
+            words(&formula(0.0612, true), 0.0358),
+            "A formula of it (heading_resistance) in place of what was found lowers the 2 s simulation error to \
+             0.0612 rad/s, 1.7 times the noise floor."
+        );
+        assert!(words(&formula(0.0412, false), 0.0358).ends_with("0.0412 rad/s, the noise floor."));
+    }
+}
