@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::recording::{LocalMotion, Recording};
+use crate::recording::{LocalMotion, Recording, slopes};
 use crate::robot::State;
 use crate::simulate::{Dynamics, Hold, Input, SimulateError};
 
@@ -86,8 +86,8 @@ impl<'a> Acting<'a> {
         Self { dynamics, recording, input }
     }
 
-    /// The motion in the rows of all windows, each from its own start; not a number where it diverges: a bad model is a
-    /// result, not an error.
+    /// The motion in the rows of all windows, each from its own start, with speeds as the recording has them; not a
+    /// number where it diverges: a bad model is a result, not an error.
     pub(crate) fn simulate(
         &self,
         windows: &[(Range<usize>, State)],
@@ -98,9 +98,31 @@ impl<'a> Acting<'a> {
         let together = |a: &_, b: &_| piece(a) == piece(b);
         let mut out = Vec::with_capacity(self.recording.len());
         for stretch in windows.chunk_by(together) {
-            out.extend(self.dynamics.simulate_windows(&input, stretch)?.into_iter().flatten());
+            let moved = self.dynamics.simulate_windows(&input, stretch)?;
+            for ((rows, _), mut states) in stretch.iter().zip(moved) {
+                self.as_recorded(rows, &mut states);
+                out.extend(states);
+            }
         }
         Ok(out)
+    }
+
+    /// Gives states at `rows` the speeds of the recording's own kind: where those are slopes of measured angles, they
+    /// differ from the measured ones by the slopes of the error of the angles. A speed that changes within a row is not
+    /// the slope around it.
+    fn as_recorded(&self, rows: &Range<usize>, states: &mut [State]) {
+        let r = self.recording;
+        if r.measured().omega {
+            return;
+        }
+        let error = |(m, s): (&[f64; 2], &State)| [0, 1].map(|i| m[i] - s.alpha[i]);
+        let errors: Vec<_> = r.alpha()[rows.clone()].iter().zip(&*states).map(error).collect();
+        let all = 0..rows.len();
+        let (t, fresh) = (&r.t()[rows.clone()], &r.fresh()[rows.clone()]);
+        let wrong = slopes(t, &errors, std::slice::from_ref(&all), fresh);
+        for ((state, m), wrong) in states.iter_mut().zip(&r.omega()[rows.clone()]).zip(wrong) {
+            state.omega = [0, 1].map(|i| m[i] - wrong[i]);
+        }
     }
 
     /// [`Self::simulate`] from the local motion at the start of each window.
@@ -193,7 +215,10 @@ pub fn angle_rms(recording: &Recording, free: &[State]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::Model;
     use crate::recording::{Channels, DriveUnit};
+    use crate::robot::Robot;
+    use crate::simulate::{PhysicalDynamics, simulate};
 
     #[test]
     fn the_error_of_the_angles_leaves_the_first_samples_out() {
@@ -213,6 +238,31 @@ mod tests {
             .map(|alpha| State { alpha, omega: [0.0; 2] })
             .collect();
         assert!((angle_rms(&recording, &free) - 12.5_f64.sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn slopes_of_angles_are_compared_with_slopes_of_simulated_angles() {
+        // held torques that jump from row to row, at 20 Hz
+        let model = Model::base(Robot::amigobot());
+        let p = model.initial();
+        let t: Vec<f64> = (0..200).map(|k| 0.05 * f64::from(k)).collect();
+        let jump = |k: u32| 0.25 + 0.25 * (f64::from(k * k)).sin();
+        let torque: Vec<[f64; 2]> = (0..200).map(|k| [jump(k), jump(k + 5)]).collect();
+        let hold = Hold::Constant;
+        let input = Input { t: &t, torque: &torque, hold };
+        let states = simulate(&model, &p, &input, State::default()).unwrap();
+        let alpha = Some(states.iter().map(|s| s.alpha).collect());
+        let channels = Channels { t, alpha, omega: None, torque };
+        let recording = Recording::new("angles", channels, DriveUnit::NewtonMetre).unwrap();
+        let wrong = |k: usize| (recording.omega()[k][0] - states[k].omega[0]).abs();
+        assert!((20..150).any(|k| wrong(k) > 0.1));
+        let dynamics = PhysicalDynamics { model, p };
+        let acting = Acting::new(&dynamics, &recording, recording.torque());
+        let windows = [(20..60, states[20]), (60..150, states[60])];
+        let simulated = acting.simulate(&windows, hold).unwrap();
+        for (k, simulated) in (20..150).zip(&simulated) {
+            assert!((recording.omega()[k][0] - simulated.omega[0]).abs() < 1e-9, "{k}");
+        }
     }
 
     #[test]

@@ -47,9 +47,9 @@ pub struct WindowFloor {
 /// ```
 /// n: share of the variance of the input's jumps that is noise, which the robot does not follow. A step that it follows,
 /// at any time between two rows with equal chance, puts the line between them off by h² step²/12, mean square, and
-/// leaving out every other row by h² step²/4: a third of what is seen there. Of a smooth input it is a ninth, of one that
-/// is held through its rows none, and of changes within a row that come back all of it; which of them it is the rows do
-/// not show, and the most is H.
+/// leaving out every other row by h² step²/4: a third of what is seen there. Of a smooth input it is a ninth, and of
+/// changes within a row that come back all of it; which of them it is the rows do not show, and the most is H. An input
+/// that is held through its rows is known between them, and H is zero.
 /// Every other row of an input with independent noise differs from all of them by as much as that noise makes: the
 /// second has the first in it. `dynamics` stands for the right model; any model near it serves, since only the
 /// spread counts.
@@ -253,8 +253,11 @@ impl<'a> Runs<'a> {
     }
 
     /// The mean over both ways of leaving out every other row of the input: what is not known of it between its
-    /// rows.
+    /// rows; nothing of one that is held.
     fn by_every_other_row(&self) -> Result<Apart, SimulateError> {
+        if self.hold == Hold::Constant {
+            return Ok(Apart::default());
+        }
         let halved = |phase| every_other(self.recording, self.recording.torque(), phase);
         self.mean(2, |phase| self.run(&halved(phase), None))
     }

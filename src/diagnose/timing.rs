@@ -114,6 +114,10 @@ fn by_simulation(
     let error = timed.error();
     let Timed { windows, fit, shift: j } = timed;
     let moved = [0, 1].map(|phase| {
+        // between its rows a held input is known
+        if hold == Hold::Constant {
+            return 0.0;
+        }
         let halved = windows.halved(phase);
         let windows = windows.with_recordings(halved.iter().collect());
         step_of(&windows, &fit, j).unwrap_or(f64::INFINITY)

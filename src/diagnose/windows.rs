@@ -77,10 +77,10 @@ impl<'a> Windows<'a> {
     }
 
     /// The same windows, in whose weights stands what else than noise `model` at `p` leaves. What the input between
-    /// its rows may do there: a third of what every other row changes. A window in which a wheel comes to rest or
-    /// breaks away a row earlier or later has errors far above noise whatever the parameters, and would decide all of
-    /// them. And the model's own errors: where they are larger than noise, a recording whose sensors are quieter
-    /// says no more than the others, and all windows count alike.
+    /// its rows may do there: a third of what every other row changes, nothing of one that is held. A window in which a
+    /// wheel comes to rest or breaks away a row earlier or later has errors far above noise whatever the parameters,
+    /// and would decide all of them. And the model's own errors: where they are larger than noise, a recording whose
+    /// sensors are quieter says no more than the others, and all windows count alike.
     ///
     /// ```text
     /// weight × (σ_r²/σ²) (σ² + m²)/(σ_r² + m² + d²/9)
@@ -90,7 +90,8 @@ impl<'a> Windows<'a> {
     pub fn sampled(mut self, model: &Model, p: &[f64]) -> Self {
         let Some(whole) = self.errors(model, p) else { return self };
         let mut changed = vec![[0.0; 2]; self.windows.len()];
-        for phase in 0..2 {
+        let phases = if self.hold == Hold::Constant { 0..0 } else { 0..2 };
+        for phase in phases {
             let halved = self.halved(phase);
             let windows = self.with_recordings(halved.iter().collect());
             let Some(errors) = windows.errors(model, p) else { return self };

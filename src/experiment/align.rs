@@ -64,6 +64,9 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
             |i| Finding { channel: Channel::Input(i), kind: Kind::HeldInput, action: Action::Used };
         plan.recordings.iter_mut().for_each(|m| m.conditioning.extend([0, 1].map(held)));
         plan.hold = Hold::Constant;
+        // what a line between the rows took for noise
+        start = balanced(plan).unwrap_or(start);
+        share = share_of_noise(plan, &start);
     }
     if asked.settings.rows {
         in_phase(plan, &start, share);

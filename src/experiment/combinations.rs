@@ -1,19 +1,23 @@
 //! What a grid varies, and how its combinations are counted.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use toml::Table;
 
 use super::file::GridAxis;
+use super::plan::Source;
 
 /// The combinations of a grid.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct GridPlan {
     /// What varies, the last one fastest.
     pub axes: Vec<GridAxis>,
     /// The experiment file without its grid.
     pub(super) table: Table,
     pub(super) path: PathBuf,
+    /// The recordings, where all combinations have the same.
+    pub(super) source: Option<Arc<Source>>,
 }
 
 impl GridPlan {

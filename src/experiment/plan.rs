@@ -34,6 +34,24 @@ pub struct Measured {
     pub findings: Vec<recording::Finding>,
 }
 
+/// Recordings as they are before a model is there: of a file, or simulated.
+#[derive(Clone)]
+pub(super) struct Source {
+    pub(super) recordings: Vec<Measured>,
+    /// The input between the rows, if it is said.
+    pub(super) hold: Option<Hold>,
+    pub(super) seed: u64,
+    /// The true parameters of simulated ones.
+    pub(super) truth: Vec<(String, f64)>,
+}
+
+impl Source {
+    /// Recordings that are there already.
+    pub(super) fn given(recordings: Vec<Measured>) -> Self {
+        Self { recordings, hold: None, seed: 1, truth: vec![] }
+    }
+}
+
 /// An input that is the sum of several columns; printed as `M1 = front_right + rear_right`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InputSum {

@@ -12,7 +12,7 @@ use super::file::{
     CandidatesEntry, DiagnosisEntry, EmulatorEntry, ExperimentFile, FixedEntry, MovementEntry,
     NamedMovement, SimulationEntry,
 };
-use super::plan::{DiagnosisPlan, InputSum, Measured, MethodPlan, Plan, PlanOptions};
+use super::plan::{DiagnosisPlan, InputSum, Measured, MethodPlan, Plan, PlanOptions, Source};
 use super::robot_table::{is_built, robot};
 use crate::diagnose;
 use crate::effects::ParameterKind;
@@ -21,6 +21,23 @@ use crate::model::Model;
 use crate::robot::Robot;
 use crate::simulate::{Gain, Hold, Movement, Recorder, record};
 use crate::study::Role;
+
+/// Reads, or simulates, the recordings of a file at `path`.
+fn source(
+    path: &Path,
+    file: &ExperimentFile,
+    robot: &Robot,
+    own: &[Own],
+) -> Result<Source, Meaning> {
+    match (&file.recordings, &file.simulation) {
+        (Some(entry), _) => {
+            let recordings = super::measured::read(path, entry, &file.conditioning, robot)?;
+            Ok(Source { hold: entry.hold, ..Source::given(recordings) })
+        }
+        (None, Some(entry)) => made(entry, own, robot),
+        (None, None) => Ok(Source { hold: Some(Hold::Linear), ..Source::given(vec![]) }),
+    }
+}
 
 /// Resolves a file at `path` (recordings are relative to it) whose text is `text`.
 ///
@@ -31,13 +48,20 @@ pub(super) fn resolve(
     text: &str,
     file: &ExperimentFile,
 ) -> Result<Plan, ExperimentError> {
-    let read = |robot: &Robot, own: &[Own]| match (&file.recordings, &file.simulation) {
-        (Some(entry), _) => {
-            let measured = super::measured::read(path, entry, &file.conditioning, robot)?;
-            Ok((measured, entry.hold, 1, vec![]))
-        }
-        (None, Some(entry)) => made(entry, own, robot),
-        (None, None) => Ok((vec![], Some(Hold::Linear), 1, vec![])),
+    resolve_with(path, text, file, &mut None)
+}
+
+/// The same with the recordings of an earlier experiment that has the same ones, and of which they were kept; else they
+/// are read, and kept.
+pub(super) fn resolve_with(
+    path: &Path,
+    text: &str,
+    file: &ExperimentFile,
+    kept: &mut Option<Source>,
+) -> Result<Plan, ExperimentError> {
+    let read = |robot: &Robot, own: &[Own]| match kept {
+        Some(source) => Ok(source.clone()),
+        None => Ok(kept.insert(source(path, file, robot, own)?).clone()),
     };
     plan(path, text, file, read).map_err(|e| e.of(&path.display().to_string()))
 }
@@ -76,15 +100,15 @@ pub fn plan_of(
     let file = ExperimentFile::from_table(keys).map_err(wrong)?;
     file.check_keys(name)?;
     let text = toml::to_string(keys).map_err(|e| wrong(e.to_string()))?;
-    plan(Path::new(name), &text, &file, |_, _| Ok((recordings, Some(hold), 1, vec![])))
-        .map_err(|e| e.of(name))
+    let source = Source { hold: Some(hold), ..Source::given(recordings) };
+    plan(Path::new(name), &text, &file, |_, _| Ok(source)).map_err(|e| e.of(name))
 }
 
 fn plan(
     path: &Path,
     text: &str,
     file: &ExperimentFile,
-    read: impl FnOnce(&Robot, &[Own]) -> Result<Made, Meaning>,
+    read: impl FnOnce(&Robot, &[Own]) -> Result<Source, Meaning>,
 ) -> Result<Plan, Meaning> {
     let robot = robot(file.robot.as_ref())?;
     let own = custom::effects(&file.model.custom).map_err(words)?;
@@ -92,7 +116,7 @@ fn plan(
     let methods = methods(&file.method, file.emulator.gain)?;
     let gain = gain(file)?;
     let diagnosis = diagnosis(file, &own)?;
-    let (recordings, hold, seed, truth) = read(&robot, &own)?;
+    let Source { recordings, hold, seed, truth } = read(&robot, &own)?;
     let options = PlanOptions {
         title: title(file),
         methods,
@@ -227,11 +251,8 @@ fn diagnosis(file: &ExperimentFile, own: &[Own]) -> Result<Option<DiagnosisPlan>
     Ok(Some(DiagnosisPlan { settings, slow_moment }))
 }
 
-/// Recordings, the hold if it is said, seed, and the true parameters of simulated ones.
-type Made = (Vec<Measured>, Option<Hold>, u64, Vec<(String, f64)>);
-
 /// Simulated recordings: a robot with base and hidden effects follows the movement.
-fn made(entry: &SimulationEntry, own: &[Own], robot: &Robot) -> Result<Made, Meaning> {
+fn made(entry: &SimulationEntry, own: &[Own], robot: &Robot) -> Result<Source, Meaning> {
     let mut truth = Model::base(robot.clone());
     for id in entry.hidden.keys() {
         truth = add(&truth, id, own)?;
@@ -288,7 +309,7 @@ fn made(entry: &SimulationEntry, own: &[Own], robot: &Robot) -> Result<Made, Mea
         })
         .collect::<Result<Vec<_>, Meaning>>()?;
     let truth = truth.symbols().into_iter().zip(p).collect();
-    Ok((recordings, Some(Hold::Linear), entry.seed, truth))
+    Ok(Source { recordings, hold: Some(Hold::Linear), seed: entry.seed, truth })
 }
 
 fn movement(entry: &SimulationEntry, robot: &Robot, k: u64) -> Movement {

@@ -60,7 +60,7 @@ fn speed_variance(recording: &Recording, noise: &Noise, speeds: bool) -> f64 {
     };
     let longest = recording.pieces().iter().max_by_key(|piece| piece.len());
     longest.map_or(0.0, |piece| {
-        let motion = recording.local_motion_seen((piece.start + piece.end) / 2, &seen);
-        motion.omega_variance.iter().sum()
+        let variance = recording.local_speed_variance((piece.start + piece.end) / 2, &seen);
+        variance.iter().sum()
     })
 }

@@ -12,7 +12,7 @@ pub(super) fn integrate(t: &[f64], omega: &[[f64; 2]]) -> Vec<[f64; 2]> {
 
 /// Speeds from angles of which some rows repeat a slow sensor: those of the rows that do not, held
 /// like the angles in between.
-pub(super) fn slopes(
+pub(crate) fn slopes(
     t: &[f64],
     alpha: &[[f64; 2]],
     pieces: &[Range<usize>],

@@ -1,9 +1,12 @@
 //! A smooth look at a recording without any model: the local motion around each sample.
 
+mod corner;
+
 use std::ops::Range;
 
 use nalgebra::{Matrix3, Vector3};
 
+use self::corner::{AGREE, Corner, Corners, around};
 use super::{LocalMotion, Measured, Noise, Recording};
 
 /// Half width of the widest neighbourhood \[s\], and its limits in samples.
@@ -12,8 +15,6 @@ const FEWEST: usize = 3;
 const MOST: usize = 30;
 /// Ratio of one neighbourhood to the next wider one.
 const WIDER: f64 = 1.6;
-/// Standard errors within which two neighbourhoods agree.
-const AGREE: f64 = 2.0;
 
 impl Recording {
     /// The local motion around every sample: weighted least squares of
@@ -21,8 +22,10 @@ impl Recording {
     /// samples to either side, fewer at the ends of a piece), each channel weighted by its noise.
     ///
     /// Angle and speed come from the widest neighbourhood whose interval of two standard errors meets those
-    /// of all narrower ones, since friction breaks the parabola where a wheel reverses; the acceleration
-    /// from the widest.
+    /// of all narrower ones, since friction breaks the parabola where a wheel reverses, and every row does where
+    /// the input is held for a slow one; the acceleration from the widest. The narrowest is the measured speed of the
+    /// row itself; of angles alone, parabolas to either side that differ in their curvature, and where those leave more
+    /// than noise the variance of the speed holds it.
     ///
     /// Source: intersection of confidence intervals, Goldenshluger and Nemirovski, Math. Methods Stat. 6
     /// (1997); Katkovnik, IEEE Trans. Signal Process. 47 (1999).
@@ -34,12 +37,10 @@ impl Recording {
     }
 
     fn parabolas_of_all(&self) -> Vec<LocalMotion> {
-        let (noise, half) = (self.noise(), self.half_width());
+        let noise = self.noise();
         let mut out = vec![LocalMotion::default(); self.len()];
         for piece in self.pieces() {
-            for k in piece.clone() {
-                out[k] = self.parabolas(piece, k, half, &noise);
-            }
+            self.parabolas(piece, piece.clone(), &noise, &mut out[piece.clone()]);
         }
         out
     }
@@ -47,59 +48,83 @@ impl Recording {
     /// [`Recording::local_motion`] around sample `k` alone.
     #[must_use]
     pub fn local_motion_at(&self, k: usize) -> LocalMotion {
-        self.local_motion_seen(k, &self.noise())
+        let mut out = [LocalMotion::default()];
+        if let Some(piece) = self.piece_of(k) {
+            self.parabolas(piece, k..k + 1, &self.noise(), &mut out);
+        }
+        out[0]
     }
 
-    /// The same with the noise of the channels as given; one of infinite noise is not looked at.
+    /// Variance of the speeds around sample `k` by its widest neighbourhood [rad^2/s^2], with the noise of the channels
+    /// as given; one of infinite noise is not looked at.
     #[must_use]
-    pub fn local_motion_seen(&self, k: usize, noise: &Noise) -> LocalMotion {
-        self.piece_of(k).map_or_else(LocalMotion::default, |piece| {
-            self.parabolas(piece, k, self.half_width(), noise)
-        })
+    pub fn local_speed_variance(&self, k: usize, noise: &Noise) -> [f64; 2] {
+        let Some(piece) = self.piece_of(k) else { return [0.0; 2] };
+        let mut out = LocalMotion::default();
+        for i in 0..2 {
+            let mut parabola = Parabola::new(self, (k, i), noise);
+            parabola.widen(around(piece, k, self.half_width()));
+            parabola.fit(&mut out);
+        }
+        out.omega_variance
     }
 
     fn half_width(&self) -> usize {
         ((HALF_WIDTH / self.step()).round() as usize).clamp(FEWEST, MOST)
     }
 
-    fn parabolas(&self, piece: &Range<usize>, k: usize, half: usize, noise: &Noise) -> LocalMotion {
-        let range =
-            |half: usize| k.saturating_sub(half).max(piece.start)..(k + half + 1).min(piece.end);
-        let mut out = LocalMotion::default();
+    /// The motion at `rows` of a piece.
+    fn parabolas(
+        &self,
+        piece: &Range<usize>,
+        rows: Range<usize>,
+        noise: &Noise,
+        out: &mut [LocalMotion],
+    ) {
         for i in 0..2 {
-            let sigma = [noise.alpha[i].max(1e-9), noise.omega[i].max(1e-9)];
-            self.parabola(&range, Parabola::new(self, (k, i), sigma), half, &mut out);
+            let angles_alone = !self.measured().omega;
+            let corners = angles_alone.then(|| Corners::of(self, piece, rows.clone(), i));
+            for (k, out) in rows.clone().zip(out.iter_mut()) {
+                self.parabola(piece, Parabola::new(self, (k, i), noise), corners.as_ref(), out);
+                if let Some(corners) = &corners {
+                    out.omega_variance[i] += corners.roughness(k, noise.alpha[i]);
+                }
+            }
         }
-        out
     }
 
     /// Angle and speed of a wheel by the widest neighbourhood that agrees with all narrower ones, its
     /// acceleration by the widest of all.
     fn parabola(
         &self,
-        range: &impl Fn(usize) -> Range<usize>,
+        piece: &Range<usize>,
         mut parabola: Parabola,
-        widest: usize,
+        corners: Option<&Corners>,
         out: &mut LocalMotion,
     ) {
-        let i = parabola.wheel;
-        let both = self.measured().alpha && self.measured().omega;
-        let mut half = if both { 1 } else { 2 };
+        let (i, k, widest) = (parabola.wheel, parabola.sample, self.half_width());
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         let mut agreed: Option<LocalMotion> = None;
+        let mut agrees = |fit: &LocalMotion| meets(fit, i, &mut low, &mut high);
+        let corner = corners.and_then(|corners| corners.at(k));
+        if let Some(fit) = parabola.at_row().or_else(|| Some(parabola.at_corner(corner?))) {
+            agrees(&fit);
+            agreed = Some(fit);
+        }
+        let mut half = if self.measured().omega { 1 } else { 2 };
         while half < widest {
-            parabola.widen(range(half));
+            parabola.widen(around(piece, k, half));
             let mut fit = *out;
             parabola.fit(&mut fit);
-            if !meets(&fit, i, &mut low, &mut high) {
+            if !agrees(&fit) {
                 break;
             }
             agreed = Some(fit);
             half = ((half as f64 * WIDER).round() as usize).max(half + 1);
         }
-        parabola.widen(range(widest));
+        parabola.widen(around(piece, k, widest));
         parabola.fit(out);
-        let all = half >= widest && meets(out, i, &mut low, &mut high);
+        let all = half >= widest && agrees(out);
         if let Some(fit) = agreed.filter(|_| !all) {
             (out.alpha[i], out.omega[i]) = (fit.alpha[i], fit.omega[i]);
             out.omega_variance[i] = fit.omega_variance[i];
@@ -125,8 +150,9 @@ struct Parabola<'a> {
 }
 
 impl<'a> Parabola<'a> {
-    fn new(recording: &'a Recording, (sample, wheel): (usize, usize), sigma: [f64; 2]) -> Self {
+    fn new(recording: &'a Recording, (sample, wheel): (usize, usize), noise: &Noise) -> Self {
         let Measured { alpha, omega } = recording.measured();
+        let sigma = [noise.alpha[wheel], noise.omega[wheel]].map(|sigma| sigma.max(1e-9));
         let weight = |measured, sigma: f64| if measured { 1.0 / (sigma * sigma) } else { 0.0 };
         Self {
             recording,
@@ -138,6 +164,29 @@ impl<'a> Parabola<'a> {
             alpha: [0.0; 3],
             omega: [0.0; 2],
         }
+    }
+
+    /// The row itself, where its speed was measured.
+    fn at_row(&self) -> Option<LocalMotion> {
+        let (r, k, i) = (self.recording, self.sample, self.wheel);
+        let [a, w] = self.weight;
+        if !(w > 0.0) {
+            return None;
+        }
+        let mut out = LocalMotion::default();
+        (out.alpha[i], out.omega[i]) = (r.alpha()[k][i], r.omega()[k][i]);
+        out.omega_variance[i] = 1.0 / w;
+        out.alpha_variance[i] = if a > 0.0 { 1.0 / a } else { 0.0 };
+        Some(out)
+    }
+
+    /// The same of a corner of the angles.
+    fn at_corner(&self, corner: &Corner) -> LocalMotion {
+        let (i, variance) = (self.wheel, 1.0 / self.weight[0]);
+        let mut out = LocalMotion::default();
+        (out.alpha[i], out.omega[i]) = (corner.alpha, corner.omega);
+        [out.alpha_variance[i], out.omega_variance[i]] = corner.variance.map(|v| v * variance);
+        out
     }
 
     /// Adds what a wider range has beside the present one.
@@ -219,6 +268,37 @@ mod tests {
             assert!((m.acceleration[0] - 3.0).abs() < 1e-5, "{k} {m:?}");
             assert!((m.alpha[1] + t).abs() < 1e-6);
             assert_eq!(*m, r.local_motion_at(k));
+        }
+    }
+
+    /// A wheel that the steps of a held input accelerate by turns, at 20 Hz.
+    fn stepped(alpha: bool, omega: bool) -> (Recording, Vec<f64>) {
+        let (h, mut at, mut w) = (0.05, 0.0, 3.0);
+        let (mut angles, mut speeds) = (vec![], vec![]);
+        for k in 0..40 {
+            angles.push([at; 2]);
+            speeds.push(w);
+            let a = 30.0 * f64::from(k).sin().signum();
+            (at, w) = (at + h * w + 0.5 * h * h * a, w + h * a);
+        }
+        let t = (0..40).map(|k| h * f64::from(k)).collect();
+        let omega = omega.then(|| speeds.iter().map(|w| [*w; 2]).collect());
+        let torque = vec![[0.0; 2]; 40];
+        let c = Channels { t, alpha: alpha.then_some(angles), omega, torque };
+        let mut r = Recording::new("steps", c, DriveUnit::NewtonMetre).unwrap();
+        r.set_most_noise(Noise { alpha: [1e-4; 2], omega: [1e-3; 2], torque: [0.0; 2] });
+        (r, speeds)
+    }
+
+    #[test]
+    fn speeds_between_the_steps_of_a_held_input_lie_within_their_errors() {
+        for (alpha, omega) in [(true, false), (false, true), (true, true)] {
+            let (r, truth) = stepped(alpha, omega);
+            for (k, m) in r.local_motion().iter().enumerate().skip(2).take(36) {
+                let error = m.omega_variance[0].sqrt();
+                assert!((m.omega[0] - truth[k]).abs() < 1e-6 + 2.0 * error, "{k} {m:?}");
+                assert!(!omega || error < 4e-3, "{error}");
+            }
         }
     }
 

@@ -17,7 +17,7 @@ mod refresh;
 mod regime;
 
 pub use channels::{Channels, Measured, Noise};
-pub(crate) use derived::differentiate;
+pub(crate) use derived::{differentiate, slopes};
 pub use drive_unit::DriveUnit;
 pub use error::RecordingError;
 pub(crate) use gaps::{is_gap, pieces};

@@ -1,14 +1,15 @@
 //! From `[grid]` to plans: of the whole grid, and of each of its combinations.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use toml::{Table, Value};
 
 use crate::experiment::combinations::GridPlan;
 use crate::experiment::error::ExperimentError;
 use crate::experiment::file::{ExperimentFile, FileError, GridAxis, axes, set_value};
-use crate::experiment::plan::Plan;
-use crate::experiment::resolve::resolve;
+use crate::experiment::plan::{Plan, Source};
+use crate::experiment::resolve::resolve_with;
 
 /// Checks the grid of a file and resolves its first combination that makes sense; the plan is
 /// that of this combination, with the grid.
@@ -23,16 +24,29 @@ pub(in crate::experiment) fn resolve_grid(
 ) -> Result<Plan, ExperimentError> {
     table.remove("grid");
     let axes = checked_axes(path, &table, grid)?;
-    let grid = GridPlan { axes, table, path: path.to_path_buf() };
+    let one_source = !axes.iter().any(|axis| changes_source(&axis.key));
+    let mut grid = GridPlan { axes, table, path: path.to_path_buf(), source: None };
     let mut first = None;
     for cell in 0..grid.cells() {
-        match resolve_cell(&grid, cell) {
-            Ok(plan) => return Ok(Plan { grid: Some(grid), file: text.to_string(), ..plan }),
+        let mut source = None;
+        match resolve_from(&grid, cell, &mut source) {
+            Ok(plan) => {
+                grid.source = source.filter(|_| one_source).map(Arc::new);
+                return Ok(Plan { grid: Some(grid), file: text.to_string(), ..plan });
+            }
             Err(e) => first = first.or(Some(e)),
         }
     }
     // a grid has at least one cell, so there is a first error
     Err(first.unwrap_or_else(|| wrong(path, "", "has no combination".into()).into()))
+}
+
+/// Whether recordings are read, conditioned or simulated with what stands at a key.
+fn changes_source(key: &str) -> bool {
+    let parts = ["recordings", "conditioning", "simulation", "robot", "model.custom"];
+    parts
+        .iter()
+        .any(|part| key.strip_prefix(part).is_some_and(|r| r.is_empty() || r.starts_with('.')))
 }
 
 /// The axes of a grid, whose every value must be of the type of its key.
@@ -62,6 +76,15 @@ fn wrong(path: &Path, key: &str, message: String) -> FileError {
 /// # Errors
 /// Values that make no sense.
 pub(super) fn resolve_cell(grid: &GridPlan, cell: usize) -> Result<Plan, ExperimentError> {
+    // each cell aligns its recordings with its own model
+    resolve_from(grid, cell, &mut grid.source.as_deref().cloned())
+}
+
+fn resolve_from(
+    grid: &GridPlan,
+    cell: usize,
+    source: &mut Option<Source>,
+) -> Result<Plan, ExperimentError> {
     let shown = grid.path.display().to_string();
     let wrong = |message: String| ExperimentError::Meaning { file: shown.clone(), message };
     let mut table = grid.table.clone();
@@ -71,5 +94,5 @@ pub(super) fn resolve_cell(grid: &GridPlan, cell: usize) -> Result<Plan, Experim
     }
     let file = ExperimentFile::from_table(&table).map_err(wrong)?;
     file.check(&shown)?;
-    resolve(&grid.path, "", &file)
+    resolve_with(&grid.path, "", &file, source)
 }

@@ -46,7 +46,8 @@ fn seeds(count: i64) -> GridPlan {
         key: "simulation.seed".into(),
         values,
     };
-    GridPlan { axes: vec![axis], table: toml::Table::new(), path: std::path::PathBuf::new() }
+    let (table, path) = (toml::Table::new(), std::path::PathBuf::new());
+    GridPlan { axes: vec![axis], table, path, source: None }
 }
 
 fn near(a: f64, b: f64) {
