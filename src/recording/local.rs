@@ -59,7 +59,9 @@ impl Recording {
     }
 
     fn half_width(&self) -> usize {
-        ((HALF_WIDTH / self.step()).round() as usize).clamp(FEWEST, MOST)
+        let refresh = self.rows_per_refresh();
+        ((HALF_WIDTH / (self.step() * refresh as f64)).round() as usize).clamp(FEWEST, MOST)
+            * refresh
     }
 
     fn parabolas(&self, piece: &Range<usize>, k: usize, half: usize, noise: &Noise) -> LocalMotion {
@@ -84,7 +86,7 @@ impl Recording {
     ) {
         let i = parabola.wheel;
         let both = self.measured().alpha && self.measured().omega;
-        let mut half = if both { 1 } else { 2 };
+        let mut half = if both { 1 } else { 2 } * self.rows_per_refresh();
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         let mut agreed: Option<LocalMotion> = None;
         while half < widest {
@@ -144,6 +146,10 @@ impl<'a> Parabola<'a> {
     fn widen(&mut self, to: Range<usize>) {
         for n in (to.start..self.range.start).chain(self.range.end..to.end) {
             let (r, k, i) = (self.recording, self.sample, self.wheel);
+            // a row that repeats the last value was not measured then
+            if !r.fresh()[n] {
+                continue;
+            }
             let tau = r.t()[n] - r.t()[k];
             let square = tau * tau;
             for (sum, power) in
