@@ -360,11 +360,12 @@ fn typical(model: &Model, j: usize) -> f64 {
     model.parameters()[j].spec.typical.abs()
 }
 
-/// The windows of a piece: equal parts of about 1 s.
+/// The windows of a piece: equal parts of about 1 s, or of twice the fewest rows where those come slowly.
 fn cut(recording: &Recording, piece: &Range<usize>) -> impl Iterator<Item = Range<usize>> {
     let t = recording.t();
     let length = t[piece.end - 1] - t[piece.start];
-    let count = (length / WINDOW).round().max(1.0) as usize;
+    let count =
+        (length / WINDOW.max(2.0 * FEWEST as f64 * recording.step())).round().max(1.0) as usize;
     let edge = {
         let (start, t) = (t[piece.start], t[piece.clone()].to_vec());
         let first = piece.start;
