@@ -66,8 +66,8 @@ fn filter_some<const N: usize>(r: &Recording, cutoff: f64, signals: &mut [&mut V
 /// The motion behind the low-pass: angles and speeds filtered, accelerations by differences.
 #[must_use]
 pub fn smooth_motion(r: &Recording, cutoff: f64) -> Vec<LocalMotion> {
-    let alpha = filtered(r, cutoff, r.alpha());
-    let omega = filtered(r, cutoff, r.omega());
+    let alpha = filtered(r, cutoff, &r.on_lines(r.alpha()));
+    let omega = filtered(r, cutoff, &r.on_lines(r.omega()));
     let t = r.t();
     let mut out = vec![LocalMotion::default(); r.len()];
     for piece in r.pieces() {

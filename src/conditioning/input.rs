@@ -83,16 +83,49 @@ pub(super) fn speeds(work: &Conditioned) -> Option<Vec<[f64; 2]>> {
     Some((0..alpha.len()).map(slope).collect())
 }
 
+/// Standard deviations of a sensor at rest within which its values say that the wheel still rests.
+const STILL: f64 = 5.0;
+
+/// Rows before the wheels first move: those in which no sensor changes, or changes by no more than its noise in the
+/// first of them. Of noisy ones the last quarter stays out: the input begins before the motion stands out of the noise.
+fn rows_at_rest(work: &Conditioned) -> usize {
+    let c = &work.channels;
+    let count = c.t.len();
+    let stays = |rows: Option<&Vec<[f64; 2]>>, k: usize| rows.is_none_or(|v| v[k] == v[0]);
+    let exact = (0..count)
+        .take_while(|&k| stays(c.alpha.as_ref(), k) && stays(c.omega.as_ref(), k))
+        .count();
+    if exact >= AT_REST || count <= 2 * AT_REST {
+        return exact;
+    }
+    let (mut rest, mut is_slow) = (count, true);
+    for (signal, is_speed) in [(c.alpha.as_ref(), false), (c.omega.as_ref(), true)] {
+        let Some(signal) = signal else { continue };
+        for values in [0, 1].map(|i| column(signal, i)) {
+            let first = &values[..AT_REST];
+            let mean = first.iter().sum::<f64>() / AT_REST as f64;
+            let square = first.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
+            let deviation = (square / (AT_REST - 1) as f64).sqrt();
+            let near = |v: &&f64| (**v - mean).abs() <= STILL * deviation;
+            rest = rest.min(values.iter().take_while(near).count());
+            // a steady drive is no rest
+            is_slow &= !is_speed || mean.abs() <= STILL * deviation / (AT_REST as f64).sqrt();
+            // values of white noise change by more from row to row than those of a motion
+            let changes = first.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum::<f64>();
+            is_slow &= changes >= square;
+            is_slow &= deviation < MOVING * quantile(values.iter().map(|v| v.abs()), 0.99);
+        }
+    }
+    if is_slow { rest * 3 / 4 } else { exact }
+}
+
 /// The mean of a measured input before the robot first moves.
 pub(super) fn at_rest(work: &mut Conditioned, context: &Context) {
     if context.commanded {
         return;
     }
     let c = &work.channels;
-    let stays = |rows: Option<&Vec<[f64; 2]>>, k: usize| rows.is_none_or(|v| v[k] == v[0]);
-    let rest =
-        (0..c.t.len()).take_while(|&k| stays(c.alpha.as_ref(), k) && stays(c.omega.as_ref(), k));
-    let rows = rest.count();
+    let rows = rows_at_rest(work);
     if rows < AT_REST || rows == c.t.len() {
         return;
     }
@@ -113,4 +146,45 @@ pub(super) fn at_rest(work: &mut Conditioned, context: &Context) {
         }
     }
     work.findings.extend(found);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::Channels;
+
+    /// A wheel that rests for 1 s and then moves, with a current of that offset and noise.
+    fn started(offset: f64, noisy: bool) -> Vec<Finding> {
+        let t: Vec<f64> = (0..1000).map(|k| 0.01 * f64::from(k)).collect();
+        let noise = |k: usize, n: usize| ((k * (k + n) * 7919 % 1009) as f64 / 504.5) - 1.0;
+        let since = |k: usize| (t[k] - 1.0).max(0.0);
+        let sensor = |k: usize, n: usize| if noisy { 0.03 * noise(k, n) } else { 0.0 };
+        let omega = (0..1000)
+            .map(|k| {
+                [0, 1].map(|i| 5.0 * (since(k) * (1.0 + 0.1 * i as f64)).sin() + sensor(k, 3 + i))
+            })
+            .collect();
+        let torque = (0..1000)
+            .map(|k| [0, 1].map(|i| since(k).sin() + offset + 0.01 * noise(k, 11 + i)))
+            .collect();
+        let channels = Channels { alpha: None, omega: Some(omega), torque, t };
+        let mut work = Conditioned { channels, findings: vec![] };
+        at_rest(&mut work, &Context::default());
+        work.findings
+    }
+
+    #[test]
+    fn an_offset_at_rest_is_seen_behind_the_noise_of_the_speeds() {
+        for noisy in [false, true] {
+            let found = started(0.07, noisy);
+            assert!(
+                matches!(
+                    found[..],
+                    [Finding { kind: Kind::RestOffset { mean, .. }, .. }, _] if (mean - 0.07).abs() < 0.005
+                ),
+                "{noisy}: {found:?}"
+            );
+            assert!(started(0.0, noisy).is_empty(), "{noisy}");
+        }
+    }
 }

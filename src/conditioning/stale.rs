@@ -24,6 +24,8 @@ use crate::math::noise::grid;
 /// Quanta of a row's motion from which on a row that repeats both angles is no rounding, by which the motion of a row
 /// goes up or down by one.
 const QUANTA: f64 = 4.0;
+/// Rows to either side whose digits are those of a row.
+const NEAR: usize = 50;
 /// Rows to either side whose motion is usual.
 const AROUND: usize = 4;
 /// Usual motions of a row that the rows beside a stale one make at least: half way between a wheel that goes on and one
@@ -85,6 +87,11 @@ fn late(work: &Conditioned) -> Option<Vec<Late>> {
     }
     let columns = [column(alpha, 0), column(alpha, 1)];
     let least = [0, 1].map(|i| QUANTA * grid(&columns[i]).unwrap_or(0.0));
+    // a logger of so many digits rounds large angles more coarsely
+    let rounds = |i: usize, k: usize| {
+        let near = &columns[i][k.saturating_sub(NEAR)..(k + NEAR).min(columns[i].len())];
+        QUANTA * grid(near).unwrap_or(0.0)
+    };
     let mut out: Vec<Late> = Vec::new();
     let to = |from: usize, end: usize| Late { rows: from..end, until_end: false };
     let (mut moving, mut stale) = (0_u32, 0_usize);
@@ -104,7 +111,8 @@ fn late(work: &Conditioned) -> Option<Vec<Late>> {
                 let slow = SLOWEST * usual[i].abs();
                 [k - 1, k + 1].iter().all(|&j| (columns[i][j] - columns[i][j - 1]).abs() >= slow)
             };
-            if repeats(k) && (0..2).all(|i| !moves[i] || (k > 1 && goes_on(i))) {
+            let is_clear = |i: usize| usual[i].abs() > rounds(i, k);
+            if repeats(k) && (0..2).all(|i| !moves[i] || (k > 1 && goes_on(i) && is_clear(i))) {
                 stale += 1;
                 out.extend(open.replace(k).map(|from| to(from, from + 1)));
             } else if (0..2).all(|i| !moves[i] || SKIPPED.contains(&(step(i) / usual[i]))) {
@@ -190,6 +198,21 @@ mod tests {
         rows(&mut left, &Settings { rows: false, ..Settings::default() });
         assert_eq!(left.findings.len(), 1);
         assert_eq!(left.channels.alpha.unwrap()[300], motion(0.02 * 299.0));
+    }
+
+    #[test]
+    fn digits_that_a_logger_leaves_out_are_no_late_rows() {
+        // six digits: steps of 1e-4 below 100 rad and of 1e-3 beyond, on which a wheel of 0.1 rad/s repeats itself
+        let digits =
+            |x: f64| if x < 100.0 { (1e4 * x).round() / 1e4 } else { (1e3 * x).round() / 1e3 };
+        let angle = |t: f64| if t < 10.0 { 9.99 * t } else { 99.9 + 0.1 * (t - 10.0) };
+        let t: Vec<f64> = (0..8000).map(|k| 0.005 * f64::from(k)).collect();
+        let alpha = t.iter().map(|t| [digits(angle(*t)), digits(0.9 * angle(*t) + 11.0)]).collect();
+        let channels =
+            Channels { torque: vec![[0.1; 2]; t.len()], t, alpha: Some(alpha), omega: None };
+        let mut work = Conditioned { channels, findings: vec![] };
+        rows(&mut work, &Settings::default());
+        assert!(work.findings.is_empty(), "{:?}", work.findings);
     }
 
     #[test]

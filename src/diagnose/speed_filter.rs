@@ -27,8 +27,8 @@ pub struct SpeedFilter {
 }
 
 /// The low-pass behind which the speeds of `recordings` were recorded, with a model at `p`. `None` where angles were
-/// recorded too, which show it by themselves, where the model follows the speeds without one, and where a late
-/// actuator explains them better by more than chance: what a sensor may do is not taken for the robot.
+/// recorded too, which show it by themselves, where the model follows the speeds without one or with the dead time
+/// alone, and where a late actuator explains them better by more than chance: what a sensor may do is not taken for the robot.
 ///
 /// ```text
 /// T w_r' = w - w_r          w: speed of the wheel, w_r: as recorded
@@ -59,8 +59,14 @@ pub fn speed_filter(
     let sum = |squares: &[f64]| squares.iter().sum::<f64>();
     let without = noiseless(&plain.windows, &fit(&plain.windows, model, start, &scale)?)?;
     let most = sum(&left) < THRESHOLDS.most_left * sum(&without);
-    let late = search.late_actuators(filter.time_s);
     let beyond_chance = |late: &Vec<f64>, z2: f64| evidence(late, &left) > z2;
+    // of speeds that are late as a whole a short low-pass with the rest as dead time is a part of that
+    let shifted = noiseless(&plain.windows, &plain.fit)?;
+    let bends = sum(&left) < sum(&shifted) && beyond_chance(&shifted, THRESHOLDS.strong);
+    if !bends {
+        return None;
+    }
+    let late = search.late_actuators(filter.time_s);
     let is_late = |late: &Vec<f64>| {
         sum(late) < sum(&left) && beyond_chance(late, THRESHOLDS.uncertain.powi(2))
     };

@@ -17,6 +17,8 @@ use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::{BETWEEN_ROWS, Hold};
 
+/// What the interpolation of the input between its rows leaves in the time, in rows.
+const INTERPOLATION: f64 = 0.02;
 /// Range of the search, in rows, and its resolution.
 pub(super) const EARLIEST: f64 = -1.5;
 const RESOLUTION: f64 = 0.1;
@@ -30,7 +32,7 @@ const WINDOWS: usize = 120;
 pub struct Timing {
     /// Time from the recorded input to the motion, dead time of actuator and sensors together \[s\].
     pub dead_time_s: f64,
-    /// Its standard error \[s\].
+    /// Its standard error \[s\], with what the interpolation between the rows leaves.
     pub std_error_s: f64,
     /// The part of it that logging explains and that is taken out of the recordings \[s\].
     pub correction_s: f64,
@@ -55,6 +57,7 @@ pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -
     let something_else = simulated.is_some_and(|s| s.error > THRESHOLDS.above_floor);
     let kept = late || nothing || something_else;
     let correction_s = if kept { 0.0 } else { dead_time_s.clamp(EARLIEST * step, scale.logging) };
+    let std_error_s = std_error_s.hypot(INTERPOLATION * step);
     Some(Timing { dead_time_s, std_error_s, correction_s })
 }
 

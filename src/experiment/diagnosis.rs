@@ -5,7 +5,7 @@ use super::error::RunError;
 use super::plan::{DiagnosisPlan, Plan};
 use crate::compare::{Curve, WindowFloor};
 use crate::diagnose::{Data, Diagnosis, Progress, Settings, WindowFit, with_later_input};
-use crate::identify::{IdentifyError, Task, start};
+use crate::identify::{IdentifyError, Note, Task, start};
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::PhysicalDynamics;
@@ -57,7 +57,16 @@ pub(super) fn diagnose_with_progress(
 ) -> Result<Diagnosed, RunError> {
     let Some(asked) = &plan.diagnosis else { return Ok(comparison.into()) };
     let settings = Settings { progress, ..asked.settings.clone() };
-    let diagnosis = search(plan, &settings, &comparison)?;
+    let diagnosis = match search(plan, &settings, &comparison) {
+        Ok(diagnosis) => diagnosis,
+        // the fits stand without it
+        Err(e) => {
+            let mut comparison = comparison;
+            let reference = &mut comparison.methods[comparison.reference];
+            reference.notes.push(Note::NotDiagnosed(e.to_string()));
+            return Ok(comparison.into());
+        }
+    };
     let floor = floor_of(&comparison);
     let settled =
         with_basis(plan, asked, &comparison, |basis| Settled::of(diagnosis, basis, Some(floor)));
@@ -117,7 +126,7 @@ fn search(
     plan: &Plan,
     settings: &Settings,
     comparison: &Comparison,
-) -> Result<Diagnosis, RunError> {
+) -> Result<Diagnosis, IdentifyError> {
     let train = plan.of(Role::Train);
     let model = with_held(plan, &train, comparison);
     let task = Task { model: &model, train: &train, hold: plan.hold, seed: plan.seed };
@@ -125,7 +134,7 @@ fn search(
     let validation = plan.of(Role::Validation);
     let corrected_s = plan.timing.map_or(0.0, |t| t.correction_s);
     let data = Data { train: &train, validation: &validation, hold: plan.hold, corrected_s };
-    crate::diagnose::diagnose(&model, &starts, &data, settings).map_err(failed)
+    crate::diagnose::diagnose(&model, &starts, &data, settings)
 }
 
 /// Whether the preferred fit stalled where a1 is not identifiable, though wheels turn against each other.
@@ -163,10 +172,6 @@ fn starts(plan: &Plan, task: &Task) -> Vec<Vec<f64>> {
     out.extend(start::start(task, "diagnosis").ok());
     out.push(task.model.initial());
     out
-}
-
-fn failed(e: IdentifyError) -> RunError {
-    RunError::NoFit { reasons: e.to_string() }
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ use super::linear_fit::linear_fit;
 use super::regressor::{Regressor, input_around};
 pub(super) use super::stretch::Source;
 use super::stretch::{Signals, Stretch, Treatment};
+use super::weak::longest_motion;
 use super::{Fit, IdentifyError, Note, Task, Unsupported};
 use crate::math::clustered_covariance;
 use crate::recording::Recording;
@@ -134,7 +135,9 @@ impl<'a> Regression<'a> {
     pub(super) fn check_count(&self, samples: usize, method: &str) -> Result<(), IdentifyError> {
         let usable = self.count;
         if usable <= 2 * self.regressor.width() + 2 {
-            return Err(IdentifyError::TooFewSamples { method: method.into(), usable, samples });
+            let moving_s = longest_motion(self.task.train);
+            let method = method.into();
+            return Err(IdentifyError::TooFewSamples { method, usable, samples, moving_s });
         }
         Ok(())
     }

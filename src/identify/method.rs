@@ -63,13 +63,22 @@ pub struct OptionError {
     pub message: String,
 }
 
+/// How long the wheels move, in words.
+fn moving(seconds: f64) -> String {
+    if seconds > 0.0 {
+        format!(
+            "both wheels turn one way for {seconds:.2} s at most without a rest or a gap; record longer motion"
+        )
+    } else {
+        "the wheels stand still, or never both turn; record motion of both".into()
+    }
+}
+
 /// Why a method has no fit.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum IdentifyError {
     /// Nothing is left after samples near rest and at ends were dropped.
-    #[error(
-        "{method}: {usable} usable samples are left of {samples} (the wheels stand still or the pieces are too short); record longer motion"
-    )]
+    #[error("{method}: {usable} usable samples are left of {samples}: {}", moving(*moving_s))]
     TooFewSamples {
         /// Name of the method, as in experiment files.
         method: String,
@@ -77,6 +86,8 @@ pub enum IdentifyError {
         usable: usize,
         /// Recorded.
         samples: usize,
+        /// Longest time in which both wheels move one way, without a rest or a gap \[s\].
+        moving_s: f64,
     },
     /// No finite cost at the start or anywhere near.
     #[error("{method}: no start is found from which the model can be simulated: {reason}")]

@@ -39,6 +39,8 @@ pub enum Note {
     },
     /// One axis written down twice.
     SingleAxis(SingleAxis),
+    /// The diagnosis of what the model lacks could not start from the fit, and why.
+    NotDiagnosed(String),
     /// Descents from several starts.
     Descents {
         /// Those that end in the lowest minimum.
@@ -196,6 +198,10 @@ impl fmt::Display for Note {
                 let values = values.join(", ");
                 write!(f, "The bound {bound} is active; the unbounded estimates are {values}.")
             }
+            Self::NotDiagnosed(reason) => write!(
+                f,
+                "What the model lacks was not searched for ({reason}); the fits stand without it."
+            ),
             Self::MassNotPositive => f.write_str(
                 "a1 does not exceed |a2|: no mass matrix has these values, and they cannot be \
                  simulated; use constrained_regression, or prediction_error.",

@@ -4,15 +4,15 @@ use nalgebra::{DMatrix, DVector};
 
 use super::identifiability::among_all;
 use super::regressor::{Regressor, input_around};
-use super::weak::{weak_rows, windows};
+use super::weak::{longest_motion, weak_rows, windows};
 use super::{IdentifyError, Task};
 use crate::math::Information;
 use crate::math::least_squares::fit_above;
 use crate::model::Model;
 use crate::recording::Recording;
 
-/// Half width of a test function \[s\].
-const HALF_WIDTH: f64 = 0.25;
+/// Half widths of a test function \[s\]: the widest with which enough windows fit between rests and gaps.
+const HALF_WIDTHS: [f64; 4] = [0.25, 0.12, 0.06, 0.03];
 /// Directions of the regressor below this share of the largest stay out of a start: they would begin it far away.
 const WEAK: f64 = 1e-6;
 
@@ -28,16 +28,35 @@ pub fn start(task: &Task, method: &str) -> Result<Vec<f64>, IdentifyError> {
     if linear.is_empty() {
         return Ok(p);
     }
-    let mut rows = Vec::new();
-    for recording in task.train {
-        let windows = windows(recording, HALF_WIDTH, 2);
-        let input = input_around(task, recording, recording.torque());
-        rows.push(weak_rows(task, &regressor, recording, &windows, recording.omega(), &input));
+    let rows_of = |half_width: f64| {
+        let of = |recording: &Recording| {
+            let windows = windows(recording, half_width, 2);
+            let input = input_around(task, recording, recording.torque());
+            let omega = recording.on_lines(recording.omega());
+            weak_rows(task, &regressor, recording, &windows, &omega, &input)
+        };
+        task.train.iter().map(of).collect::<Vec<_>>()
+    };
+    let count = |rows: &[(DMatrix<f64>, DVector<f64>)]| rows.iter().map(|(_, y)| y.len()).sum();
+    let mut widths = HALF_WIDTHS.into_iter();
+    let mut rows = widths.next().map(rows_of).unwrap_or_default();
+    let mut usable: usize = count(&rows);
+    for half_width in widths {
+        if usable > linear.len() {
+            break;
+        }
+        rows = rows_of(half_width);
+        usable = count(&rows);
     }
-    let samples: usize = task.train.iter().map(Recording::len).sum();
-    let usable = rows.iter().map(|(_, y)| y.len()).sum();
     if usable <= linear.len() {
-        return Err(IdentifyError::TooFewSamples { method: method.into(), usable, samples });
+        let samples = task.train.iter().map(Recording::len).sum();
+        let moving_s = longest_motion(task.train);
+        return Err(IdentifyError::TooFewSamples {
+            method: method.into(),
+            usable,
+            samples,
+            moving_s,
+        });
     }
     let mut x = DMatrix::zeros(usable, linear.len());
     let mut y = DVector::zeros(usable);

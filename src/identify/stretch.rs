@@ -162,8 +162,8 @@ pub(super) struct Source {
 impl Source {
     pub(super) fn measured(recording: &Recording) -> Self {
         Self {
-            alpha: recording.alpha().to_vec(),
-            omega: recording.omega().to_vec(),
+            alpha: recording.on_lines(recording.alpha()).into_owned(),
+            omega: recording.on_lines(recording.omega()).into_owned(),
             input: recording.torque().to_vec(),
         }
     }

@@ -47,6 +47,29 @@ pub(super) fn windows(recording: &Recording, half_width: f64, per_half: usize) -
     out
 }
 
+/// Longest time in which both wheels turn one way, without a rest or a gap \[s\].
+pub(super) fn longest_motion(recordings: &[Recording]) -> f64 {
+    let of = |recording: &Recording| {
+        let (t, omega) = (recording.t(), recording.omega());
+        let rest = REST * recording.top_speed();
+        let way = |k: usize| omega[k].map(|w| if w.abs() >= rest { w.signum() } else { 0.0 });
+        let mut longest = 0.0_f64;
+        for piece in recording.pieces() {
+            let mut since = piece.start;
+            for k in piece.clone() {
+                if way(k) != way(since) {
+                    since = k;
+                }
+                if way(k).iter().all(|w| *w != 0.0) {
+                    longest = longest.max(t[k] - t[since]);
+                }
+            }
+        }
+        longest
+    };
+    recordings.iter().map(of).fold(0.0, f64::max)
+}
+
 fn window(t: &[f64], samples: Range<usize>) -> Window {
     let (first, last) = (t[samples.start], t[samples.end - 1]);
     let (middle, reach) = (0.5 * (first + last), 0.5 * (last - first));

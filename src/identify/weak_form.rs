@@ -11,7 +11,7 @@ use self::group::{Group, slopes};
 use super::identifiability::{inverse_where_known, known_part};
 use super::linear_fit::linear_fit;
 use super::regressor::{Regressor, input_around};
-use super::weak::{Window, weak_rows, windows};
+use super::weak::{Window, longest_motion, weak_rows, windows};
 use super::{
     Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task, from_options,
     options_schema, start,
@@ -102,6 +102,7 @@ impl Identifier for WeakForm {
                 method: NAME.into(),
                 usable: rows,
                 samples,
+                moving_s: longest_motion(task.train),
             });
         }
         let mut values = DVector::from_fn(width, |c, _| p[regressor.linear[c]]);
@@ -202,7 +203,8 @@ impl WeakForm {
             let windows = windows(recording, half_width, PER_HALF);
             let noise = recording.noise();
             let input = input_around(task, recording, recording.torque());
-            let mut noisy = recording.omega().to_vec();
+            let omega = recording.on_lines(recording.omega());
+            let mut noisy = omega.to_vec();
             for row in &mut noisy {
                 for i in 0..2 {
                     let draw: f64 = StandardNormal.sample(&mut rng);
@@ -216,7 +218,7 @@ impl WeakForm {
             }
             let rows =
                 |omega: &[[f64; 2]]| weak_rows(task, regressor, recording, &windows, omega, &input);
-            let (x, y) = rows(recording.omega());
+            let (x, y) = rows(&omega);
             let since = |w: &Window| recording.t()[w.samples.start] - recording.t()[0];
             out.push(Group {
                 change: rows(&noisy).0 - &x,

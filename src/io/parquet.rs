@@ -12,6 +12,8 @@ use std::path::Path;
 
 use polars::prelude::{DataFrame, ParquetReader, PolarsResult, SerReader};
 
+mod times;
+
 use super::IoError;
 use super::bytes::{Bytes, Damage};
 use super::error::{caught, format_error};
@@ -39,8 +41,25 @@ pub(super) fn names(path: &Path) -> Result<Vec<String>, IoError> {
 
 /// The columns of those names.
 pub(super) fn read(path: &Path, names: Vec<String>) -> Result<DataFrame, IoError> {
-    let file = checked(path, &names)?;
-    guarded(path, || ParquetReader::new(file).with_columns(Some(names)).finish())
+    table(path, checked(path, &names)?, names, None)
+}
+
+/// The columns of those names; times are in seconds.
+fn table(
+    path: &Path,
+    mut file: File,
+    names: Vec<String>,
+    rows: Option<(usize, usize)>,
+) -> Result<DataFrame, IoError> {
+    let times = times::of(path, &file, &names)?;
+    if times.is_empty() {
+        let file = reopened(file).map_err(|e| IoError::system(path, &e))?;
+        let reader = ParquetReader::new(file).with_columns(Some(names));
+        return guarded(path, || reader.with_slice(rows).finish());
+    }
+    let bytes = times::as_numbers(path, &mut file, &times)?;
+    let reader = ParquetReader::new(bytes).with_columns(Some(names));
+    guarded(path, || times::in_seconds(reader.with_slice(rows).finish()?, &times))
 }
 
 /// How many rows it says it has.
@@ -62,8 +81,7 @@ pub(super) fn read_rows(
     count: usize,
 ) -> Result<DataFrame, IoError> {
     let file = File::open(path).map_err(|e| IoError::system(path, &e))?;
-    let reader = || ParquetReader::new(file).with_columns(Some(names));
-    guarded(path, || reader().with_slice(Some((from, count))).finish())
+    table(path, file, names, Some((from, count)))
 }
 
 /// What polars says of a file that may be damaged.

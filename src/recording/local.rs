@@ -70,7 +70,9 @@ impl Recording {
     }
 
     fn half_width(&self) -> usize {
-        ((HALF_WIDTH / self.step()).round() as usize).clamp(FEWEST, MOST)
+        let refresh = self.rows_per_refresh();
+        ((HALF_WIDTH / (self.step() * refresh as f64)).round() as usize).clamp(FEWEST, MOST)
+            * refresh
     }
 
     /// The motion at `rows` of a piece.
@@ -82,7 +84,8 @@ impl Recording {
         out: &mut [LocalMotion],
     ) {
         for i in 0..2 {
-            let angles_alone = !self.measured().omega;
+            // rows that repeat the last value show no corner
+            let angles_alone = !self.measured().omega && self.rows_per_refresh() == 1;
             let corners = angles_alone.then(|| Corners::of(self, piece, rows.clone(), i));
             for (k, out) in rows.clone().zip(out.iter_mut()) {
                 self.parabola(piece, Parabola::new(self, (k, i), noise), corners.as_ref(), out);
@@ -111,7 +114,7 @@ impl Recording {
             agrees(&fit);
             agreed = Some(fit);
         }
-        let mut half = if self.measured().omega { 1 } else { 2 };
+        let mut half = if self.measured().omega { 1 } else { 2 } * self.rows_per_refresh();
         while half < widest {
             parabola.widen(around(piece, k, half));
             let mut fit = *out;
@@ -170,7 +173,7 @@ impl<'a> Parabola<'a> {
     fn at_row(&self) -> Option<LocalMotion> {
         let (r, k, i) = (self.recording, self.sample, self.wheel);
         let [a, w] = self.weight;
-        if !(w > 0.0) {
+        if !(w > 0.0 && r.fresh()[k]) {
             return None;
         }
         let mut out = LocalMotion::default();
@@ -193,6 +196,10 @@ impl<'a> Parabola<'a> {
     fn widen(&mut self, to: Range<usize>) {
         for n in (to.start..self.range.start).chain(self.range.end..to.end) {
             let (r, k, i) = (self.recording, self.sample, self.wheel);
+            // a row that repeats the last value was not measured then
+            if !r.fresh()[n] {
+                continue;
+            }
             let tau = r.t()[n] - r.t()[k];
             let square = tau * tau;
             for (sum, power) in

@@ -7,6 +7,7 @@ mod drive_unit;
 mod error;
 mod gaps;
 mod limits;
+mod lines;
 mod local;
 mod long;
 mod motion;

@@ -3,7 +3,7 @@
 use crate::support::{Folder, Row, motion};
 
 /// A log in a file of that name: what `new` says of it, and what `check` says once the answers are given.
-fn asked(file: &str, log: &str, words: &[&str], answers: &[&str]) {
+pub(crate) fn asked(file: &str, log: &str, words: &[&str], answers: &[&str]) {
     let folder = Folder::new();
     folder.write(file, log);
     folder.run(&["new", file, "-o", "e.toml"]).says(0, words);
@@ -16,11 +16,11 @@ fn asked(file: &str, log: &str, words: &[&str], answers: &[&str]) {
 }
 
 /// The same of one that leaves nothing open.
-fn started(file: &str, log: &str, words: &[&str]) {
+pub(crate) fn started(file: &str, log: &str, words: &[&str]) {
     asked(file, log, words, &[]);
 }
 
-fn lines(line: impl Fn(&Row) -> String) -> String {
+pub(crate) fn lines(line: impl Fn(&Row) -> String) -> String {
     motion().iter().map(line).collect()
 }
 

@@ -27,6 +27,7 @@ mod prose;
 mod quoted;
 mod recordings;
 mod shards;
+mod stated_logs;
 mod stray_logs;
 mod support;
 mod versions;

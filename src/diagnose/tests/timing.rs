@@ -87,6 +87,25 @@ fn speeds_without_angles_may_be_late_by_a_row() {
 }
 
 #[test]
+fn a_dead_time_is_no_low_pass_of_the_sensor() {
+    let model = Model::base(Robot::amigobot());
+    let recording = recorded_before(&recorded(&[], NOISE, 30), 0.020);
+    let speeds = Channels {
+        t: recording.t().to_vec(),
+        alpha: None,
+        omega: Some(recording.omega().to_vec()),
+        torque: recording.torque().to_vec(),
+    };
+    let speeds = Recording::new("speeds", speeds, DriveUnit::NewtonMetre).unwrap();
+    let first = started(&model, std::slice::from_ref(&speeds));
+    let filter = speed_filter(&model, &first, &[&speeds], Hold::Linear);
+    assert!(filter.is_none(), "{filter:?}");
+    let found = timing(&model, &first, &[&speeds], Hold::Linear).unwrap();
+    let error = found.dead_time_s - 0.020;
+    assert!(error.abs() < 5e-4 + 3.0 * found.std_error_s, "{found:?}");
+}
+
+#[test]
 fn an_input_that_was_interpolated_keeps_the_noise_of_its_rows() {
     let recording = recorded(&[], NoiseLevel { torque: 0.01, ..NOISE }, 18);
     let before = recording.noise().torque;

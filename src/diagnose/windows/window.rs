@@ -26,14 +26,15 @@ pub struct Window {
     pub(super) share: [f64; 2],
 }
 
-/// The windows of a piece: equal parts of about 1 s.
+/// The windows of a piece: equal parts of about 1 s, or of twice the fewest rows where those come slowly.
 pub(super) fn cut(
     recording: &Recording,
     piece: &Range<usize>,
 ) -> impl Iterator<Item = Range<usize>> {
     let t = recording.t();
     let length = t[piece.end - 1] - t[piece.start];
-    let count = (length / WINDOW).round().max(1.0) as usize;
+    let slow = 2.0 * FEWEST as f64 * recording.step();
+    let count = (length / WINDOW.max(slow)).round().max(1.0) as usize;
     let edge = {
         let (start, t) = (t[piece.start], t[piece.clone()].to_vec());
         let first = piece.start;

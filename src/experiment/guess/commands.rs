@@ -167,6 +167,11 @@ fn millivolts<'a>(inputs: &mut [&mut Guessed], of: impl Fn(&str) -> &'a [f64]) -
     None
 }
 
+/// Whether a name says that it is a share of the battery's voltage.
+pub(super) fn is_share_word(name: &str) -> bool {
+    has_one(&SHARES, name)
+}
+
 /// Whether one of the words stands in a name.
 fn has_one(words: &[&str], name: &str) -> bool {
     let name = name.to_lowercase();

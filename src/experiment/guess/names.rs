@@ -18,18 +18,27 @@ pub(super) fn named(name: &str) -> Named {
     let (bare, bracket) = split_unit(name);
     let (front, bare) = unit_in_front(bare);
     let mut words = words(bare);
+    // Simulink keeps the values of a signal in a field of it
+    if words.len() > 1 && words.last().is_some_and(|w| w == "data") {
+        words.pop();
+    }
     let (mut scale, bracket) = bracket.map_or((None, None), |b| {
         let (times, unit) = multiplied(b);
         let (scale, unit) = many(unit);
         (times.or(scale), Some(unit))
     });
     scale = times.or(scale).or_else(|| take_multiple(&mut words));
-    let mut ending =
-        bracket.and_then(|u| bracketed(&u.to_lowercase().replace([' ', '·', '*', '.', '-'], "")));
+    part_halves(&mut words);
+    let plain = bracket.map(|u| u.to_lowercase().replace([' ', '·', '*', '.', '-'], ""));
+    let is_half = plain.as_deref().is_some_and(|u| u.starts_with(HALF));
+    let mut ending = plain.as_deref().and_then(|u| bracketed(u.strip_prefix(HALF).unwrap_or(u)));
     ending = ending.or(front);
     if ending.is_none() {
         ending = unit_behind(&mut words);
         scale = scale.or_else(|| ending.and_then(|_| take_power_of_ten(&mut words)));
+    }
+    if is_half || take_half(&mut words, ending.map(|(unit, _)| unit)) {
+        scale = Some(0.5 * scale.unwrap_or(1.0));
     }
     if ending.is_none() && words.iter().any(|w| w == "rpm" || w == "erpm") {
         ending = unit("rpm");
@@ -63,8 +72,37 @@ pub(super) fn named(name: &str) -> Named {
     if matches!(ending, Some(("ticks", _))) && words.iter().any(|w| SYSTEM.contains(&w.as_str())) {
         (quantity, ending) = (Some(Quantity::Time), None);
     }
-    let unit = ending.map(|(unit, _)| unit);
+    let unit = ending.map(|(unit, _)| unit).or(match word.as_str() {
+        "amps" | "ampere" => Some("A"),
+        "volts" | "volt" => Some("V"),
+        _ => None,
+    });
     Named { quantity, word, side, unit, scale, wished, battery, step, rest: words }
+}
+
+/// What stands before turns of which two are one.
+const HALF: &str = "half";
+
+/// Makes two words of `halfturns`.
+fn part_halves(words: &mut Vec<String>) {
+    let glued = |w: &String| {
+        let of = w.strip_prefix(HALF).and_then(unit);
+        of.is_some_and(|(unit, _)| unit.starts_with("rev"))
+    };
+    if let Some(k) = words.iter().position(glued) {
+        let turns = words[k].split_off(HALF.len());
+        words.insert(k + 1, turns);
+    }
+}
+
+/// Takes the word of half turns off the end, where their unit stood behind it.
+fn take_half(words: &mut Vec<String>, unit: Option<&str>) -> bool {
+    let is_half =
+        unit.is_some_and(|u| u.starts_with("rev")) && words.last().is_some_and(|w| w == HALF);
+    if is_half {
+        words.pop();
+    }
+    is_half
 }
 
 /// Whether a name is that of the voltage of the battery: it says volts, or says the battery and nothing else. The
@@ -232,6 +270,14 @@ mod tests {
             ("左实际速度", Some(Speed), Some(Left), None),
             ("скорость_прав", Some(Speed), Some(Right), None),
             ("dalpha2", Some(Speed), Some(Numbered(2)), None),
+            ("Motor right turns_per_s", Some(Speed), Some(Right), Some("rev/s")),
+            ("left rotations/s", Some(Speed), Some(Left), Some("rev/s")),
+            ("right_revs_per_sec", Some(Speed), Some(Right), Some("rev/s")),
+            ("wheel_left_rotations_per_second", Some(Speed), Some(Left), Some("rev/s")),
+            ("left.halfturns", Some(Angle), Some(Left), Some("rev")),
+            ("amps_l", Some(Current), Some(Left), Some("A")),
+            ("out.wl.Data", Some(Speed), Some(Left), None),
+            ("logsout.signals.values.ir", Some(Current), Some(Right), None),
         ];
         for (name, quantity, side, unit) in cases {
             let found = named(name);
@@ -247,6 +293,13 @@ mod tests {
             (Some(Speed), Some("cm/s"), Some(0.01))
         );
         assert_eq!(named("speed [1/min]").scale, None);
+        for half in ["left.halfturns", "left_half_turns", "left [half-turns]", "left_pos_halfrev"] {
+            let found = named(half);
+            assert_eq!(
+                (found.unit, found.scale, found.quantity),
+                (Some("rev"), Some(0.5), Some(Angle))
+            );
+        }
         assert!(named("battery_voltage_mV").battery && named("Vbat").battery);
         assert!(named("bat").battery && named("Battery").battery && named("vbatt").battery);
         assert!(!named("battery_charge").battery && !named("battery [%]").battery);

@@ -1,13 +1,30 @@
 //! The question for the input where no column is one by its name, and few may be.
 
 use super::guessed::{Guess, Guessed};
+use super::model_key::effects_of;
 use super::names::{Named, Quantity, Side, named};
-use super::values::is_constant;
+use super::values::{is_constant, largest};
 use super::{ANGLES, SPEEDS};
 use crate::io::PreviewColumn;
+use crate::recording::DriveUnit;
 
 /// What must be written beside the columns.
-const BESIDE: &str = "drive_unit as \"V\" of a voltage or PWM, with hold = \"constant\" below it";
+fn beside() -> String {
+    format!(
+        "drive_unit as \"V\" of a voltage or PWM, with hold = \"constant\" below it and {} under [model]",
+        effects_of(DriveUnit::Volt)
+    )
+}
+
+/// What is said of values within one: a share, by its size.
+fn share_of(values: &[f64]) -> &'static str {
+    let top = largest(values);
+    if top > 0.0 && top < 1.001 {
+        "; it lies within -1 and 1: of a share of the battery's voltage write also scale = 12.0 for 12 V"
+    } else {
+        ""
+    }
+}
 
 /// Names the column or the pair that is left beside two wheels and may be the input; `None` where several or none may be.
 pub(super) fn question(columns: &[PreviewColumn], guess: &Guess) -> Option<String> {
@@ -37,8 +54,10 @@ fn shared(open: &[(&PreviewColumn, Named)]) -> Option<String> {
     let [(column, name)] = found[..] else { return None };
     name.side.is_none().then(|| {
         format!(
-            "`{}` is the only input: do both wheels have it? Then write it as M1 and as M2, and {BESIDE}",
-            column.name
+            "`{}` is the only input: do both wheels have it? Then write it as M1 and as M2, and {}{}",
+            column.name,
+            beside(),
+            share_of(&column.values)
         )
     })
 }
@@ -59,8 +78,11 @@ fn pair(open: &[(&PreviewColumn, Named)]) -> Option<String> {
     let (right, left) = pairs.next()?;
     pairs.next().is_none().then(|| {
         format!(
-            "is `{}` the input of the right wheel, and `{}` that of the left one? Then write them as M1 and M2, and {BESIDE}",
-            right.0.name, left.0.name
+            "is `{}` the input of the right wheel, and `{}` that of the left one? Then write them as M1 and M2, and {}{}",
+            right.0.name,
+            left.0.name,
+            beside(),
+            share_of(&[&right.0.values[..], &left.0.values].concat())
         )
     })
 }

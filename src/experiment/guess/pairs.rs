@@ -3,6 +3,7 @@
 use super::guessed::{Candidate, Guessed};
 use super::names::{MEASURED, Quantity, Side};
 use super::shafts;
+use super::shares;
 use super::values::fits;
 
 /// Letters in which two names differ that are no motors: axes of space and of a motor's field, and the terms of a
@@ -128,6 +129,9 @@ fn best<'a, 'b>(
     // a gear makes a motor slower
     let is_slower = |(a, _): &Two| !is_of_wheel(pairs[0].0) && shafts::is_slower(pairs[0].0, a);
     if let Some(k) = (1..pairs.len()).find(|k| is_slower(&pairs[*k])) {
+        pairs.swap(0, k);
+    }
+    if let Some(k) = (1..pairs.len()).find(|k| shares::is_volts_of(pairs[0].0, pairs[*k].0)) {
         pairs.swap(0, k);
     }
     let Some(&pair) = pairs.first() else { return lettered(fits).map(|pair| (pair, vec![])) };

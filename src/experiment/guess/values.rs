@@ -1,5 +1,6 @@
 //! What the values of columns say: units of time, counts, milliamperes, and what has to be asked.
 
+use super::electrical;
 use super::guessed::{Guess, Guessed};
 use super::model_key::effects_of;
 use super::names::named;
@@ -9,6 +10,11 @@ use crate::recording::DriveUnit;
 
 /// Rates that logs of robots have \[Hz\].
 const RATES: (f64, f64) = (2.0, 2e4);
+/// Slower logs of steps of an input \[Hz\], and the slowest where a name states seconds.
+const SLOWEST: f64 = 0.5;
+const STATED: f64 = 0.1;
+/// Less is no log \[s\].
+const SHORTEST: f64 = 4.0;
 /// Beyond this a stamp is that of a calendar \[s\]: the year 2001.
 const CALENDAR: f64 = 1e9;
 /// More than any motor of a small robot draws \[A\].
@@ -115,7 +121,9 @@ pub(super) fn units(columns: &[PreviewColumn], guess: &mut Guess) {
 
 /// Adds the questions that the values of the guessed columns raise; where no input was found the one that names columns.
 pub(super) fn questions(columns: &[PreviewColumn], guess: &mut Guess, input: Option<String>) {
-    if guess.columns.iter().any(Guessed::is_electrical) {
+    if let Some(controller) = electrical::mark(columns, guess) {
+        guess.questions.push(controller);
+    } else if guess.columns.iter().any(Guessed::is_electrical) {
         guess.questions.push(
             "erpm counts electrical turns: write 1/(pole pairs of the motor x gear) as scale, 0.14 for 7 pole pairs \
              without gear; a tachometer beside it makes 6 steps an electrical turn: per_turn = 6 x pole pairs x gear"
@@ -250,6 +258,15 @@ pub(super) fn time(values: &[f64], one: &mut Guessed) {
             "from {first:.4}, in steps of {steps:.4} s as days: days of a calendar ({seconds:.1} s at {:.0} Hz)",
             rate(DAY)
         ));
+        return;
+    }
+    // fractions at a slow rate are no milliseconds where those would make no log
+    let is_slow = !whole(values)
+        && (SLOWEST..RATES.0).contains(&rate(1.0))
+        && (last - first) * 1e-3 < SHORTEST
+        && first < CALENDAR;
+    let is_stated = named(&one.name).unit == Some("s") && (STATED..RATES.1).contains(&rate(1.0));
+    if is_slow || is_stated {
         return;
     }
     let Some((unit, factor)) = units.into_iter().find(|(_, f)| sound(*f)) else { return };

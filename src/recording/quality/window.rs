@@ -40,6 +40,9 @@ const SAMPLES: usize = 8;
 
 /// The windows of all pieces, one behind the other.
 pub(super) fn windows(r: &Recording) -> Vec<Window> {
+    if r.rows_per_refresh() > 1 {
+        return refreshed(r);
+    }
     windows_of(&View {
         t: r.t(),
         alpha: r.alpha(),
@@ -47,6 +50,22 @@ pub(super) fn windows(r: &Recording) -> Vec<Window> {
         torque: r.torque(),
         pieces: r.pieces(),
         step: r.step(),
+    })
+}
+
+/// Those of the rows with new values alone: of repeated ones the slope of an angle is too small.
+fn refreshed(r: &Recording) -> Vec<Window> {
+    let rows: Vec<usize> = (0..r.len()).filter(|&k| r.fresh()[k]).collect();
+    let of = |signal: &[[f64; 2]]| rows.iter().map(|&k| signal[k]).collect::<Vec<_>>();
+    let place = |row: usize| rows.partition_point(|k| *k < row);
+    let pieces: Vec<_> = r.pieces().iter().map(|p| place(p.start)..place(p.end)).collect();
+    windows_of(&View {
+        t: &rows.iter().map(|&k| r.t()[k]).collect::<Vec<_>>(),
+        alpha: &of(r.alpha()),
+        omega: &of(r.omega()),
+        torque: &of(r.torque()),
+        pieces: &pieces,
+        step: r.step() * r.rows_per_refresh() as f64,
     })
 }
 

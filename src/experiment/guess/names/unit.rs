@@ -121,8 +121,33 @@ pub(super) fn split_unit(name: &str) -> (&str, Option<&str>) {
 }
 
 pub(super) fn unit(text: &str) -> Option<(&'static str, Option<Quantity>)> {
+    listed(text).or_else(|| a_second(text))
+}
+
+fn listed(text: &str) -> Option<(&'static str, Option<Quantity>)> {
     let found = UNITS.iter().find(|(words, ..)| words.contains(&text));
     found.map(|(_, unit, of)| (*unit, *of))
+}
+
+/// Endings that make a speed of the unit of an angle, the longest first.
+const A_SECOND: [&str; 9] =
+    ["persecond", "persec", "pers", "/second", "/sec", "/s", "/per/second", "/per/sec", "/per/s"];
+
+/// The unit of an angle a second, however its words are put together: `turns_per_s`, `rotations/s`.
+fn a_second(text: &str) -> Option<(&'static str, Option<Quantity>)> {
+    let angles = A_SECOND.iter().filter_map(|end| text.strip_suffix(end)).filter_map(listed);
+    let speeds = angles.filter_map(|(unit, _)| match unit {
+        "mrad" => Some("mrad/s"),
+        "rad" => Some("rad/s"),
+        "deg" => Some("deg/s"),
+        "rev" => Some("rev/s"),
+        "ticks" => Some("ticks/s"),
+        "m" => Some("m/s"),
+        "cm" => Some("cm/s"),
+        "mm" => Some("mm/s"),
+        _ => None,
+    });
+    speeds.map(|unit| (unit, Some(Quantity::Speed))).next()
 }
 
 /// A unit in brackets; `min` and `h` are words of other names without them.

@@ -238,6 +238,10 @@ pub(in crate::experiment::guess) const MEASURED: [&str; 15] = [
     "real", "mes", "实际", "実", "測定",
 ];
 
+/// Words of the structures in which Simulink and scripts keep signals, whatever those are.
+const CONTAINERS: [&str; 8] =
+    ["data", "values", "value", "signals", "out", "logsout", "simout", "log"];
+
 /// Words of the system whose ticks are those of a clock.
 pub(super) const SYSTEM: [&str; 7] = ["hal", "sys", "system", "os", "rtos", "kernel", "mcu"];
 /// Words of quantities that are not those of a wheel.
@@ -281,8 +285,11 @@ pub(super) const BATTERY: [&str; 8] =
 pub(super) fn take_quantity(words: &mut Vec<String>) -> Option<(Quantity, String)> {
     // a derivative: d alpha, wheel speed, alpha dot
     let dot = words.iter().any(|w| matches!(w.as_str(), "dot" | "d"));
-    let says =
-        |w: &&String| !MEASURED.contains(&w.as_str()) && !w.chars().all(|c| c.is_ascii_digit());
+    let says = |w: &&String| {
+        let word = w.as_str();
+        let is_empty = MEASURED.contains(&word) || CONTAINERS.contains(&word);
+        !is_empty && !w.chars().all(|c| c.is_ascii_digit())
+    };
     let is_alone = words.iter().filter(says).count() == 1;
     for (quantity, known) in QUANTITIES {
         if let Some(k) = words.iter().position(|w| is_among(known, w)) {

@@ -1,0 +1,71 @@
+//! Speeds of the motor's field, of controllers that call them rpm.
+
+use super::guessed::{Guess, Guessed};
+use crate::io::PreviewColumn;
+
+/// Names of the values that the firmware of VESC sends beside `rpm`, which counts electrical turns.
+const VESC: [&str; 10] = [
+    "avg_motor_current",
+    "avg_input_current",
+    "duty_now",
+    "duty_cycle_now",
+    "temp_mos",
+    "temp_fet",
+    "tachometer_abs",
+    "amp_hours_charged",
+    "watt_hours_charged",
+    "current_motor",
+];
+/// Of so many of them the firmware is known.
+const KNOWN_BY: usize = 2;
+
+/// The question for speeds in rpm that are those of VESC, whose factor is open then.
+pub(super) fn mark(columns: &[PreviewColumn], guess: &mut Guess) -> Option<String> {
+    let plain = |name: &str| {
+        let parts = name.split(|c: char| !c.is_alphanumeric()).filter(|part| !part.is_empty());
+        parts.collect::<Vec<_>>().join("_").to_lowercase()
+    };
+    let names: Vec<String> = columns.iter().map(|c| plain(&c.name)).collect();
+    let has = |value: &&&str| names.iter().any(|name| name.contains(**value));
+    let known: Vec<&&str> = VESC.iter().filter(has).collect();
+    let is_rpm = |c: &Guessed| {
+        c.key.starts_with("dalpha") && c.unit.as_deref() == Some("rpm") && !c.is_electrical()
+    };
+    let first = guess.columns.iter().find(|c| is_rpm(c))?.name.clone();
+    if known.len() < KNOWN_BY {
+        return None;
+    }
+    for one in guess.columns.iter_mut().filter(|c| is_rpm(c)) {
+        one.scale_open |= one.scale.is_none();
+    }
+    Some(format!(
+        "`{first}` beside `{}` and `{}` is that of the VESC firmware, which counts electrical turns: write 1/(pole pairs of \
+         the motor x gear) as scale, 0.14 for 7 pole pairs without gear; 1 where the log holds turns of the wheel",
+        known[0], known[1]
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::guess;
+    use crate::io::PreviewColumn;
+
+    #[test]
+    fn rpm_of_the_vesc_firmware_is_electrical() {
+        let log = |of: [&str; 3]| {
+            let column = |name: String| PreviewColumn {
+                name,
+                values: (0..200).map(|k| 900.0 * (0.05 * f64::from(k)).sin()).collect(),
+                ..PreviewColumn::default()
+            };
+            let sides = ["left", "right"].map(|s| of.map(|name| column(format!("{s}.{name}"))));
+            guess(&sides.into_iter().flatten().collect::<Vec<_>>())
+        };
+        let vesc = log(["rpm", "avg_motor_current", "duty_now"]);
+        let speed = vesc.columns.iter().find(|c| c.key == "dalpha1").unwrap();
+        assert!(speed.scale_open, "{speed:?}");
+        assert!(vesc.questions.iter().any(|q| q.contains("pole pairs")), "{:?}", vesc.questions);
+        let other = log(["rpm", "motor_current", "duty"]);
+        assert!(other.columns.iter().all(|c| !c.scale_open), "{other:?}");
+    }
+}
