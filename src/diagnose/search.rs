@@ -16,7 +16,7 @@ use super::fit::{WindowFit, fit};
 use super::input_timing::{InputTiming, SYMBOL};
 use super::judge::Judge;
 use super::outcome::{Diagnosis, Ranked, Step};
-use super::regression::{Regression, Smoothed};
+use super::regression::{ColumnRoom, Regression, Smoothed};
 use super::scale::scale_of;
 use super::screen::Screen;
 use super::thresholds::THRESHOLDS;
@@ -250,10 +250,10 @@ impl<'a> Search<'a> {
         );
         let mut looked: Vec<Ranked> = all
             .into_par_iter()
-            .map(|candidate| {
+            .map_init(ColumnRoom::default, |room, candidate| {
                 let (regression, screen) = &looks[usize::from(candidate.is_shift())];
                 let (by_regression, first) =
-                    regression.as_ref().map_or((0.0, vec![]), |r| r.ratio(&candidate));
+                    regression.as_ref().map_or((0.0, vec![]), |r| r.ratio(&candidate, room));
                 let (by_windows, second) =
                     screen.as_ref().map_or((0.0, vec![]), |s| s.ratio(&candidate));
                 let estimate = if by_windows > 0.0 { second } else { first };
