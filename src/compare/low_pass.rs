@@ -2,7 +2,7 @@
 
 use nalgebra::{SVector, Vector2};
 
-use crate::math::filter::{Extension, butterworth, filter_both_ways, reflected};
+use crate::math::filter::{Extension, butterworth, filter_both_ways, filter_within, reflected};
 use crate::recording::{LocalMotion, Recording};
 
 /// Order of the low-pass; it is applied forwards and backwards.
@@ -29,34 +29,51 @@ pub fn filtered(r: &Recording, cutoff: f64, signal: &[[f64; 2]]) -> Vec<[f64; 2]
 /// Signals that pass the filter together: what each value waits for is its own past.
 const TOGETHER: usize = 4;
 
+/// Room for signals on their way through the filter, to be used again: it is so large that the system takes it
+/// back and clears it at every turn.
+#[derive(Default)]
+pub struct FilterRoom {
+    four: Vec<SVector<f64, 4>>,
+    eight: Vec<SVector<f64, 8>>,
+}
+
 /// Replaces signals by what [`filtered`] makes of each, to the last bit.
-pub fn filter_together(r: &Recording, cutoff: f64, signals: &mut [Vec<[f64; 2]>]) {
+pub fn filter_together(
+    r: &Recording,
+    cutoff: f64,
+    signals: &mut [Vec<[f64; 2]>],
+    room: &mut FilterRoom,
+) {
     let finite = signals.iter().flatten().flatten().all(|v| v.is_finite());
     for some in signals.chunks_mut(TOGETHER) {
         match some {
-            [first, second] if finite => filter_some::<4>(r, cutoff, &mut [first, second]),
-            [_, _, _, ..] if finite => {
-                filter_some::<8>(r, cutoff, &mut some.iter_mut().collect::<Vec<_>>());
-            }
-            _ => some.iter_mut().for_each(|signal| *signal = filtered(r, cutoff, signal)),
+            _ if !finite => some.iter_mut().for_each(|s| *s = filtered(r, cutoff, s)),
+            [_] | [_, _] => filter_some(r, cutoff, some, &mut room.four),
+            _ => filter_some(r, cutoff, some, &mut room.eight),
         }
     }
 }
 
 /// At most `N`/2 finite signals behind the low-pass, piece by piece.
-fn filter_some<const N: usize>(r: &Recording, cutoff: f64, signals: &mut [&mut Vec<[f64; 2]>]) {
+fn filter_some<const N: usize>(
+    r: &Recording,
+    cutoff: f64,
+    signals: &mut [Vec<[f64; 2]>],
+    rows: &mut Vec<SVector<f64, N>>,
+) {
     let Ok(sections) = butterworth(ORDER, cutoff, 1.0 / r.step()) else { return };
     let edge = reflected(&sections);
     for piece in r.pieces().iter().filter(|piece| piece.len() > edge) {
-        let mut rows = vec![SVector::<f64, N>::zeros(); piece.len()];
+        rows.clear();
+        rows.resize(piece.len() + 2 * edge, SVector::zeros());
         for (n, signal) in signals.iter().enumerate() {
-            for (row, v) in rows.iter_mut().zip(&signal[piece.clone()]) {
+            for (row, v) in rows[edge..].iter_mut().zip(&signal[piece.clone()]) {
                 (row[2 * n], row[2 * n + 1]) = (v[0], v[1]);
             }
         }
-        let passed = filter_both_ways(&sections, &rows, edge, Extension::Odd);
+        filter_within(&sections, rows, edge, Extension::Odd);
         for (n, signal) in signals.iter_mut().enumerate() {
-            for (v, row) in signal[piece.clone()].iter_mut().zip(&passed) {
+            for (v, row) in signal[piece.clone()].iter_mut().zip(&rows[edge..]) {
                 *v = [row[2 * n], row[2 * n + 1]];
             }
         }
@@ -96,10 +113,11 @@ mod together {
         let channels =
             Channels { alpha: None, omega: Some(wave(1.0)), torque: wave(2.0), t: t.clone() };
         let r = Recording::new("waves", channels, DriveUnit::NewtonMetre).unwrap();
+        let mut room = FilterRoom::default();
         for count in 1..=7 {
             let signals: Vec<_> = (0..count).map(|n| wave(2.0 + f64::from(n))).collect();
             let mut together = signals.clone();
-            filter_together(&r, 8.0, &mut together);
+            filter_together(&r, 8.0, &mut together, &mut room);
             for (signal, found) in signals.iter().zip(&together) {
                 assert_eq!(*found, filtered(&r, 8.0, signal));
             }

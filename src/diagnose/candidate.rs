@@ -8,7 +8,8 @@ use rayon::prelude::*;
 use super::joint::{Around, Forces, coupling, joint_signal};
 use super::signals::signals;
 use crate::effects::{
-    Change, Coupling, Effect, MOST_PARAMETERS, Motion, Own, ParameterKind, Scale, along,
+    Change, Coupling, DIFFERENTIATED, Effect, MOST_PARAMETERS, Motion, Own, ParameterKind, Scale,
+    along,
 };
 use crate::filter::{Instant, clarity};
 use crate::math::{Real, sgn};
@@ -171,7 +172,7 @@ impl Candidate {
             };
             let at = still_instant(&around.model, recording, k, &moving);
             let mut torque = vec![[0.0; 2]; self.columns()];
-            self.of_terms(&at, |_| way, &mut torque);
+            self.of_terms(&self.variables(), &at, |_| way, &mut torque);
             present.iter_mut().zip(&torque).for_each(|(p, t)| *p |= *t != [0.0; 2]);
         }
         if present.contains(&true) {
@@ -255,25 +256,50 @@ impl Candidate {
                 let (a, b) = (signal[at.sample], signal[(at.sample + 1).min(signal.len() - 1)]);
                 out[0] = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
             }
-            Form::Instant => self.of_terms(at, |j| sign(at, self.rest, j), out),
+            Form::Instant => {
+                self.of_terms(&self.variables(), at, |j| sign(at, self.rest, j), out);
+            }
         }
     }
 
-    /// Writes the torque of each column on the side of the input at row `at.sample` itself [N m].
-    pub(super) fn torque_at_row(&self, recording: usize, at: &Instant, out: &mut [[f64; 2]]) {
-        match &self.form {
-            Form::Signal(signals) => out[0] = signals[recording][at.sample],
-            Form::Instant => self.torque(recording, at, out),
+    /// Calls `see` for every instant with the torque of each column on the side of the input at its row itself [N m].
+    pub(super) fn torque_at_rows<'a>(
+        &self,
+        recording: usize,
+        instants: impl Iterator<Item = Instant<'a>>,
+        mut see: impl FnMut(&[[f64; 2]]),
+    ) {
+        let p = self.variables();
+        let mut torque = [[0.0; 2]; DIFFERENTIATED];
+        let torque = &mut torque[..self.columns()];
+        for at in instants {
+            match &self.form {
+                Form::Signal(signals) => torque[0] = signals[recording][at.sample],
+                Form::Instant => self.of_terms(&p, &at, |j| sign(&at, self.rest, j), torque),
+            }
+            see(torque);
         }
     }
 
-    /// The columns from the derivatives of the effect, with `sign` of the speed along each direction.
-    fn of_terms(&self, at: &Instant, sign: impl Fn(usize) -> f64, out: &mut [[f64; 2]]) {
+    /// The parameters, of which the linear ones are variables at zero.
+    fn variables(&self) -> [Own; MOST_PARAMETERS] {
         let mut p = [Own::constant(0.0); MOST_PARAMETERS];
         p.iter_mut().zip(&self.p).for_each(|(own, value)| own.value = *value);
         for (column, &j) in self.linear.iter().enumerate() {
             p[j] = Own::variable(0.0, column);
         }
+        p
+    }
+
+    /// The columns from the derivatives of the effect by its variables `p`, with `sign` of the speed along each
+    /// direction.
+    fn of_terms(
+        &self,
+        p: &[Own; MOST_PARAMETERS],
+        at: &Instant,
+        sign: impl Fn(usize) -> f64,
+        out: &mut [[f64; 2]],
+    ) {
         let Motion { t, alpha, omega, variance, robot } = at.motion;
         let (alpha, omega) = (alpha.map(Own::constant), omega.map(Own::constant));
         let x = Motion { t: Own::constant(t), alpha, omega, variance, robot };

@@ -117,19 +117,21 @@ pub(super) fn later<T: Real>(t: &[f64], m: &[[T; 2]], shift: T) -> Vec<[T; 2]> {
             return m[last];
         }
         let h = t[k + 1] - t[k];
-        let s = (at - T::from(t[k])) / h;
+        let s = (at - t[k]) / h;
         let (s2, s3) = (s * s, s * s * s);
         let (before, behind) = (k.saturating_sub(1), (k + 2).min(last));
         // weights of the differences of four rows: the slope at a row is that through its neighbours
         let rise = s2 * 3.0 - s3 * 2.0;
         let first = (s3 - s2 * 2.0 + s) * (h / (t[k + 1] - t[before]));
         let second = (s3 - s2) * (h / (t[behind] - t[k]));
-        [0, 1].map(|i| {
-            m[k][i]
+        let mut out = m[k];
+        for i in 0..2 {
+            out[i] = m[k][i]
                 + rise * (m[k + 1][i] - m[k][i])
                 + first * (m[k + 1][i] - m[before][i])
-                + second * (m[behind][i] - m[k][i])
-        })
+                + second * (m[behind][i] - m[k][i]);
+        }
+        out
     };
     t.iter().map(at_row).collect()
 }

@@ -3,6 +3,7 @@
 //! The torque that a model leaves unexplained on the smoothed motion is regressed on the columns of
 //! candidates, all of them low-passed alike and without a phase shift.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
@@ -11,9 +12,9 @@ use rayon::prelude::*;
 use super::candidate::{Candidate, still_instant};
 use super::input_timing::shifted;
 use super::nonnegative;
-use crate::compare::{REST, WIDTH, filter_together, filtered, smooth_motion};
+use crate::compare::{FilterRoom, REST, WIDTH, filter_together, filtered, smooth_motion};
 use crate::effects::{Motion, along};
-use crate::math::{Real, least_squares};
+use crate::math::{FILLED, Real, add_products, least_squares};
 use crate::model::{Linearisation, Model};
 use crate::recording::{LocalMotion, Recording};
 
@@ -75,8 +76,19 @@ pub struct Regression<'a> {
     torque: DVector<f64>,
     /// Residual torque after the base [N m].
     residual: DVector<f64>,
+    /// The basis and behind it the residual torque, row by row, filled up to `width` numbers.
+    beside: Vec<f64>,
+    width: usize,
     /// Independent values among the rows.
     pub degrees: f64,
+}
+
+/// Room for the columns of a candidate, to be used again for the next one.
+#[derive(Default)]
+pub struct ColumnRoom {
+    signals: Vec<Vec<[f64; 2]>>,
+    filter: FilterRoom,
+    rows: Vec<f64>,
 }
 
 /// Cut-off of the low-pass \[Hz\]: a tenth of the sampling rate, or lower where noise of the measured speeds
@@ -122,6 +134,8 @@ impl<'a> Regression<'a> {
             basis: DMatrix::zeros(0, 0),
             torque: DVector::zeros(0),
             residual: DVector::zeros(0),
+            beside: vec![],
+            width: 0,
             degrees: 0.0,
         };
         this.choose_rows();
@@ -132,7 +146,18 @@ impl<'a> Regression<'a> {
         this.basis = orthonormal(columns.clone());
         this.residual = this.left_by_base(&residual);
         (this.base, this.torque) = (columns, residual);
+        this.set_beside();
         Some(this)
+    }
+
+    fn set_beside(&mut self) {
+        let base = self.basis.ncols();
+        self.width = (base + 1).next_multiple_of(FILLED);
+        self.beside = vec![0.0; self.rows.len() * self.width];
+        for (row, out) in self.beside.chunks_exact_mut(self.width).enumerate() {
+            (0..base).for_each(|b| out[b] = self.basis[(row, b)]);
+            out[base] = self.residual[row];
+        }
     }
 
     /// Rows on which a wheel moves, thinned to what the low-pass leaves independent.
@@ -182,7 +207,7 @@ impl<'a> Regression<'a> {
                     signals[n][k] = [0, 1].map(|i| work.by_parameter[j][i] - by[i]);
                 }
             }
-            filter_together(r, self.smoothed.cutoff, &mut signals);
+            filter_together(r, self.smoothed.cutoff, &mut signals, &mut FilterRoom::default());
             for (row, k, i) in self.rows_of(smooth) {
                 (0..free.len()).for_each(|n| columns[(row, n)] = signals[n][k][i]);
                 residual[row] = signals[free.len()][k][i];
@@ -193,12 +218,14 @@ impl<'a> Regression<'a> {
 
     /// Rows of a recording: number among all, row of the recording, wheel.
     fn rows_of(&self, smooth: &Smooth) -> impl Iterator<Item = (usize, usize, usize)> {
-        let own = self.rows.partition_point(|(index, ..)| *index < smooth.index);
-        let rows = self.rows[own..].iter().take_while({
-            let index = smooth.index;
-            move |row| row.0 == index
-        });
-        rows.enumerate().map(move |(n, (_, k, i))| (own + n, *k, *i))
+        let own = self.numbers_of(smooth);
+        own.clone().zip(&self.rows[own]).map(|(row, (_, k, i))| (row, *k, *i))
+    }
+
+    /// The numbers of the rows of a recording.
+    fn numbers_of(&self, smooth: &Smooth) -> Range<usize> {
+        let before = |index: usize| self.rows.partition_point(|row| row.0 < index);
+        before(smooth.index)..before(smooth.index + 1)
     }
 
     fn motion<'b>(&'b self, smooth: &Smooth, k: usize) -> Motion<'b, f64> {
@@ -242,8 +269,24 @@ impl<'a> Regression<'a> {
     /// LR = n ln(RSS0/RSS1),   n = 2 fc T
     /// ```
     #[must_use]
-    pub fn ratio(&self, candidate: &Candidate) -> (f64, Vec<f64>) {
-        self.regress(candidate, &self.columns(candidate))
+    pub fn ratio(&self, candidate: &Candidate, room: &mut ColumnRoom) -> (f64, Vec<f64>) {
+        let (count, base) = (candidate.columns(), self.basis.ncols());
+        let none = (0.0, vec![0.0; count]);
+        let Products { among, beside } = self.products(candidate, room);
+        let before = beside.columns(0, base);
+        // of an orthonormal basis the products of what it leaves are the differences of those
+        let h = &among - before * before.transpose();
+        let left = |n: usize| h[(n, n)].max(0.0).sqrt();
+        if !(0..count).all(|n| left(n) > COLLINEAR * among[(n, n)].sqrt()) {
+            return none;
+        }
+        // columns of a candidate stand on the side of the input, the base on that of the motion
+        let g = -beside.column(base);
+        let bounded: Vec<bool> = (0..count).map(|n| candidate.not_negative(n)).collect();
+        let (solution, gain) = nonnegative::solve(&h, &g, &bounded);
+        let before = self.residual_square();
+        let after = (before - gain).max(1e-12 * before);
+        (self.degrees * (before / after).ln(), solution)
     }
 
     /// Where a fit with the candidate starts: the free parameters of the model and the linear ones of the
@@ -251,12 +294,15 @@ impl<'a> Regression<'a> {
     /// a wrong start may hang.
     #[must_use]
     pub fn start(&self, candidate: &Candidate) -> Option<(Vec<f64>, Vec<f64>)> {
-        let own = self.columns(candidate);
-        let (rows, count) = (self.rows.len(), own.ncols());
+        let (rows, count) = (self.rows.len(), candidate.columns());
         let base = self.base.ncols();
         let mut all = DMatrix::zeros(rows, base + count);
         all.columns_mut(0, base).copy_from(&self.base);
-        all.columns_mut(base, count).copy_from(&-own);
+        self.each_recording(candidate, &mut ColumnRoom::default(), |numbers, width, rows| {
+            for (number, row) in numbers.zip(rows.chunks_exact(width)) {
+                (0..count).for_each(|n| all[(number, base + n)] = -row[n]);
+            }
+        });
         let values = least_squares::fit(&all, &self.torque, None).ok()?.coefficients;
         let free = self.model.free();
         let mut p = self.p.to_vec();
@@ -264,44 +310,64 @@ impl<'a> Regression<'a> {
         Some((p, values.as_slice()[base..].to_vec()))
     }
 
-    /// The columns of a candidate at the rows, low-passed.
-    fn columns(&self, candidate: &Candidate) -> DMatrix<f64> {
-        let count = candidate.columns();
-        let mut columns = DMatrix::zeros(self.rows.len(), count);
-        let mut torque = vec![[0.0; 2]; count];
-        for smooth in self.smoothed.recordings.iter() {
-            let r = smooth.recording;
-            let mut signals = vec![vec![[0.0; 2]; r.len()]; count];
-            for k in 0..r.len() {
-                let at = still_instant(self.model, r, k, &smooth.motion[k]);
-                candidate.torque_at_row(smooth.index, &at, &mut torque);
-                torque.iter().zip(&mut signals).for_each(|(value, signal)| signal[k] = *value);
-            }
-            filter_together(r, self.smoothed.cutoff, &mut signals);
-            for (row, k, i) in self.rows_of(smooth) {
-                (0..count).for_each(|n| columns[(row, n)] = signals[n][k][i]);
-            }
+    /// The products of a candidate's columns over all rows.
+    fn products(&self, candidate: &Candidate, room: &mut ColumnRoom) -> Products {
+        let (count, base, beside) = (candidate.columns(), self.basis.ncols(), self.width);
+        let own = own_width(count);
+        let mut by_own = vec![0.0; count * own];
+        let mut by_beside = vec![0.0; count * beside];
+        self.each_recording(candidate, room, |numbers, width, rows| {
+            let others = &self.beside[numbers.start * beside..numbers.end * beside];
+            add_products((rows, width), (others, beside), &mut by_beside);
+            add_products((rows, width), (rows, width), &mut by_own);
+        });
+        Products {
+            among: DMatrix::from_fn(count, count, |n, m| by_own[n * own + m]),
+            beside: DMatrix::from_fn(count, base + 1, |n, b| by_beside[n * beside + b]),
         }
-        columns
     }
 
-    fn regress(&self, candidate: &Candidate, columns: &DMatrix<f64>) -> (f64, Vec<f64>) {
-        let count = columns.ncols();
-        let none = (0.0, vec![0.0; count]);
-        let left = columns - &self.basis * self.basis.tr_mul(columns);
-        let seen = |n: usize| left.column(n).norm() > COLLINEAR * columns.column(n).norm();
-        if !(0..count).all(seen) {
-            return none;
+    /// Calls `see` for every recording with the numbers of its rows and the columns of a candidate at them, low-passed:
+    /// so many numbers a row, filled up with zeros.
+    fn each_recording(
+        &self,
+        candidate: &Candidate,
+        room: &mut ColumnRoom,
+        mut see: impl FnMut(Range<usize>, usize, &[f64]),
+    ) {
+        let count = candidate.columns();
+        let width = own_width(count);
+        let ColumnRoom { signals, filter, rows } = room;
+        signals.resize_with(count.max(signals.len()), Vec::new);
+        let signals = &mut signals[..count];
+        for smooth in self.smoothed.recordings.iter() {
+            let r = smooth.recording;
+            signals.iter_mut().for_each(Vec::clear);
+            let at = |k: usize| still_instant(self.model, r, k, &smooth.motion[k]);
+            candidate.torque_at_rows(smooth.index, (0..r.len()).map(at), |torque| {
+                signals.iter_mut().zip(torque).for_each(|(signal, value)| signal.push(*value));
+            });
+            filter_together(r, self.smoothed.cutoff, signals, filter);
+            let numbers = self.numbers_of(smooth);
+            rows.clear();
+            rows.resize(numbers.len() * width, 0.0);
+            for (row, (_, k, i)) in rows.chunks_exact_mut(width).zip(self.rows_of(smooth)) {
+                row.iter_mut().zip(&*signals).for_each(|(out, signal)| *out = signal[k][i]);
+            }
+            see(numbers, width, rows);
         }
-        // columns of a candidate stand on the side of the input, the base on that of the motion
-        let h = left.tr_mul(&left);
-        let g = left.tr_mul(&self.residual) * -1.0;
-        let bounded: Vec<bool> = (0..count).map(|n| candidate.not_negative(n)).collect();
-        let (solution, gain) = nonnegative::solve(&h, &g, &bounded);
-        let before = self.residual_square();
-        let after = (before - gain).max(1e-12 * before);
-        (self.degrees * (before / after).ln(), solution)
     }
+}
+
+/// Products of a candidate's columns with each other, and with the basis and the residual torque.
+struct Products {
+    among: DMatrix<f64>,
+    beside: DMatrix<f64>,
+}
+
+/// Numbers a row of so many columns.
+fn own_width(count: usize) -> usize {
+    count.next_multiple_of(FILLED)
 }
 
 /// Share of a column that the base must leave for it to be looked at.

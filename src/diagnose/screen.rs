@@ -167,18 +167,16 @@ impl<'a> Screen<'a> {
         let r = self.windows.recordings[recording];
         let (t, motion) = (r.t(), r.local_motion());
         let mut before = vec![[0.0; 2]; count];
-        let mut now = vec![[0.0; 2]; count];
         let mut speed = vec![[0.0; 2]; count];
         let mut out = [0, 1].map(|_| Vec::with_capacity(rows.still.len() * count));
-        for (n, still) in rows.still.iter().enumerate() {
-            let k = first + n;
-            let at = still_instant(self.model, r, k, &motion[k]);
-            candidate.torque_at_row(recording, &at, &mut now);
-            if n > 0 {
-                let h = t[k] - t[k - 1];
+        let at = |k: usize| still_instant(self.model, r, k, &motion[k]);
+        let (mut k, last) = (first, first + rows.still.len());
+        candidate.torque_at_rows(recording, (first..last).map(at), |now| {
+            if k > first {
+                let (still, h) = (rows.still[k - first], t[k] - t[k - 1]);
                 for c in 0..count {
                     let mean = [0, 1].map(|i| 0.5 * (before[c][i] + now[c][i]));
-                    let rate = self.mobility.acceleration(mean, *still);
+                    let rate = self.mobility.acceleration(mean, still);
                     let moving = |i: usize| if still[i] { 0.0 } else { speed[c][i] + h * rate[i] };
                     speed[c] = [0, 1].map(moving);
                 }
@@ -186,8 +184,9 @@ impl<'a> Screen<'a> {
             for (i, out) in out.iter_mut().enumerate() {
                 out.extend(speed.iter().map(|speed| speed[i]));
             }
-            std::mem::swap(&mut before, &mut now);
-        }
+            before.copy_from_slice(now);
+            k += 1;
+        });
         out
     }
 

@@ -15,7 +15,7 @@ use super::fit::{WindowFit, fit};
 use super::input_timing::{InputTiming, SYMBOL};
 use super::judge::Judge;
 use super::outcome::{Diagnosis, Ranked, Step};
-use super::regression::{Regression, Smoothed};
+use super::regression::{ColumnRoom, Regression, Smoothed};
 use super::scale::scale_of;
 use super::screen::Screen;
 use super::thresholds::THRESHOLDS;
@@ -82,15 +82,21 @@ pub fn diagnose(
 ) -> Result<Diagnosis, IdentifyError> {
     let search = Search::new(model, starts, data, settings)?;
     let base = search.base(model, starts)?;
-    let (steps, mut rankings) = search.climb_from_best(&base);
+    let (steps, rankings) = search.climb_from_best(&base);
+    let ranking = search.with_falls(&base, rankings[0].clone());
     // what is left was ranked beside the steps that were tried, which others may have replaced
     let tried = |s: &Step| rankings[..steps.len()].iter().any(|r| r[0].candidate.id == s.id);
-    let rest = match (steps.last(), rankings.get(steps.len())) {
-        (Some(last), _) if !steps.iter().all(tried) => search.rank(&last.fit, false),
-        (_, ranking) => ranking.cloned().unwrap_or_default(),
+    let rest = match steps.last() {
+        // beside no effect the first ranking is what is left
+        None => ranking.clone(),
+        Some(last) => {
+            let rest = match rankings.get(steps.len()) {
+                _ if !steps.iter().all(tried) => search.rank(&last.fit, false),
+                ranking => ranking.cloned().unwrap_or_default(),
+            };
+            search.with_falls(&last.fit, rest)
+        }
     };
-    let rest = search.with_falls(steps.last().map_or(&base, |s| &s.fit), rest);
-    let ranking = search.with_falls(&base, std::mem::take(&mut rankings[0]));
     let validated = search.held.is_some();
     Ok(Diagnosis { base, ranking, steps, rest, validated })
 }
@@ -234,10 +240,10 @@ impl<'a> Search<'a> {
         );
         let mut looked: Vec<Ranked> = all
             .into_par_iter()
-            .map(|candidate| {
+            .map_init(ColumnRoom::default, |room, candidate| {
                 let (regression, screen) = &looks[usize::from(candidate.is_shift())];
                 let (by_regression, first) =
-                    regression.as_ref().map_or((0.0, vec![]), |r| r.ratio(&candidate));
+                    regression.as_ref().map_or((0.0, vec![]), |r| r.ratio(&candidate, room));
                 let (by_windows, second) =
                     screen.as_ref().map_or((0.0, vec![]), |s| s.ratio(&candidate));
                 let estimate = if by_windows > 0.0 { second } else { first };

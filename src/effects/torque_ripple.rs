@@ -64,13 +64,15 @@ impl Physics for TorqueRipple {
 
 /// The torques of one order; `p`: sine and cosine amplitude of wheel 1, then of wheel 2.
 pub(super) fn periodic<T: Real>(order: T, x: &Motion<T>, p: &[T; 4]) -> Terms<T> {
-    let torque = [0, 1].map(|i| {
+    let mut terms = Terms::zero();
+    for i in 0..2 {
         let angle = x.alpha[i] * order;
         let wave = p[2 * i] * angle.sin() + p[2 * i + 1] * angle.cos();
-        if x.variance[i] == 0.0 {
-            return wave;
-        }
-        wave * (order.squared() * (-0.5 * x.variance[i])).exp()
-    });
-    Terms { torque, ..Terms::zero() }
+        terms.torque[i] = if x.variance[i] == 0.0 {
+            wave
+        } else {
+            wave * (order.squared() * (-0.5 * x.variance[i])).exp()
+        };
+    }
+    terms
 }

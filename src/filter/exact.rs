@@ -145,17 +145,18 @@ impl Dynamics<4> for Exact<'_> {
         psi: &mut [[f64; 4]],
     ) {
         let g = &predicted.gain;
-        let [f1, f2, f3, f4] = [0, 1, 2, 3].map(|k| [0, 1, 2, 3].map(|i| self.transition[(i, k)]));
-        let carried = |[a, b, c, d]: [f64; 4], forced: [f64; 4]| {
-            [0, 1, 2, 3].map(|i| f1[i] * a + f2[i] * b + f3[i] * c + f4[i] * d + forced[i])
+        let carried = |column: &mut [f64; 4], forced: [f64; 4]| {
+            let moved = self.transition * SVector::<f64, 4>::from(*column);
+            for i in 0..4 {
+                column[i] = moved[i] + forced[i];
+            }
         };
         let (by_parameter, by_column) = psi.split_at_mut(self.p.len());
         for (j, column) in by_parameter.iter_mut().enumerate() {
-            *column = carried(*column, self.walk.by_parameter(j));
+            carried(column, self.walk.by_parameter(j));
         }
         for (column, torque) in by_column.iter_mut().zip(extra) {
-            let forced = [0, 1, 2, 3].map(|i| g[(i, 0)] * torque[0] + g[(i, 1)] * torque[1]);
-            *column = carried(*column, forced);
+            carried(column, (g * SVector::<f64, 2>::from(*torque)).into());
         }
         // what the smoothed input accelerates differently, inertias resist: A⁻¹ is G's over h
         let smoother = SVector::<f64, 2>::from(sample.smoother);

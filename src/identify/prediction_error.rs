@@ -14,7 +14,9 @@ use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 use super::identifiability::identified;
+use super::inverse_dynamics::Regression;
 use super::profile::{Profile, profile};
+use super::torque_regression::TorqueRegression;
 use super::{
     Estimate, Fit, Identifier, IdentifyError, MethodDescription, NoStart, Note, OptionError,
     SingleAxis, Task, from_options, options_schema, start,
@@ -25,7 +27,7 @@ use crate::recording::Recording;
 use choice::{Candidate, HORIZONS, SAFE, choose, mean};
 use descent::{Solution, descend};
 use held::Held;
-use interval::spread;
+use interval::{Spread, of_scores, spread};
 use open_loop::OpenLoop;
 
 /// Prediction error of a filter whose memory is a horizon.
@@ -146,7 +148,9 @@ impl PredictionError {
             let solution = descend(&filter, task.model, (&p, 0.0), 0.0)?;
             Some((filter, solution, p))
         };
-        let starts = ranked(task, &open, starts(task)?);
+        // the regression of torques, a start and the guard at the end
+        let rows = TorqueRegression::default().rows(task).ok();
+        let starts = ranked(task, &open, starts(task, rows.as_ref())?);
         let (mut filter, first, start) = starts.into_iter().find_map(begin).ok_or_else(|| {
             IdentifyError::NoStart { method: NAME.into(), reason: NoStart::Likelihood }
         })?;
@@ -156,8 +160,8 @@ impl PredictionError {
             Horizon::Rule(Rule::Auto) => compared(&filter, &held),
             Horizon::Seconds(horizon) => vec![horizon],
         };
-        let begin = (held.solution.p.as_slice(), held.solution.shift);
-        let chosen = choose(&filter, &held.model, (begin, &start), &horizons, &open);
+        let begin = (&held.solution, start.as_slice());
+        let chosen = choose(&filter, &held.model, begin, &horizons, &open);
         let chosen = chosen.ok_or_else(|| IdentifyError::NoStart {
             method: NAME.into(),
             reason: NoStart::Horizon,
@@ -167,7 +171,7 @@ impl PredictionError {
             add_profile(task, &filter, &held.model, &chosen.solution, symbol, &mut fit)?;
         }
         if self.horizon_s == Horizon::default() {
-            return Ok(rival::better(task, &open, &chosen, fit, filter.alike));
+            return Ok(rival::better((task, rows), &open, &chosen, fit, filter.alike));
         }
         Ok(fit)
     }
@@ -192,15 +196,17 @@ fn compared(filter: &HorizonFilter, held: &Held) -> Vec<f64> {
 fn biased_by_noise(filter: &HorizonFilter, held: &Held) -> bool {
     let (model, solution) = (&held.model, &held.solution);
     let Some(moved) = solution.moved_by(filter, model, Reading::Noisy) else { return true };
-    let errors = spread(solution, filter, model).covariance.diagonal().map(f64::sqrt);
     let parameters = solution.columns.iter().filter(|&&j| j < solution.p.len()).count();
-    (0..parameters).any(|i| moved[i].abs() > errors[i])
+    let beyond =
+        |spread: Spread| (0..parameters).any(|i| moved[i].abs() > spread.covariance[(i, i)].sqrt());
+    // the sampling of the input, which takes two passes, makes the errors of the scores no smaller
+    beyond(of_scores(solution)) && beyond(spread(solution, filter, model))
 }
 
 /// Where descents may start: the weak form, the regression of torques, the construction.
-fn starts(task: &Task) -> Result<Vec<Vec<f64>>, IdentifyError> {
+fn starts(task: &Task, rows: Option<&Regression>) -> Result<Vec<Vec<f64>>, IdentifyError> {
     let mut all = vec![start::start(task, NAME)?];
-    if let Ok(fit) = super::torque_regression::TorqueRegression::default().identify(task) {
+    if let Some(Ok(fit)) = rows.map(|rows| TorqueRegression::default().fit(rows, false)) {
         let mut p: Vec<f64> = fit.estimates.iter().map(|e| e.value).collect();
         start::sound(task.model, &mut p);
         all.push(p);
@@ -271,7 +277,7 @@ fn note_of(chosen: &Candidate, horizon: &Horizon) -> Note {
 }
 
 /// What to say of a shift in time that is there beyond doubt.
-fn note_of_shift(task: &Task, solution: &Solution, spread: &interval::Spread) -> Option<Note> {
+fn note_of_shift(task: &Task, solution: &Solution, spread: &Spread) -> Option<Note> {
     let i = solution.columns.iter().position(|&j| j == solution.p.len())?;
     let step = task.train[0].step();
     let (late, error) = (-solution.shift * step, spread.covariance[(i, i)].sqrt() * step);

@@ -4,12 +4,11 @@ use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use wide::f64x4;
 
 use super::Task;
 use super::screening::lowest;
 use crate::effects::ParameterKind;
-use crate::filter::{Prepared, prepare};
+use crate::filter::{Information, Prepared, prepare};
 use crate::math::descent::Quadratic;
 use crate::model::Model;
 use crate::robot::State;
@@ -192,82 +191,37 @@ impl<'a> Problem<'a> {
         let (mut cost, mut scores) = (0.0, Vec::new());
         for (n, (r, piece)) in self.pieces.iter().enumerate() {
             let (input, weight) = (self.input(*r, piece), self.weight(*r));
-            let mut sums = Sums::new(p.len() + 4);
+            let stride = (p.len() + 4).next_multiple_of(LANES);
+            let (mut sums, mut blocks) = (Information::new(p.len() + 4), Vec::new());
             follow(self.model(), &p, &input, self.start(x, n), &mut |k, state, derivatives| {
                 let residual = self.residual(*r, &weight, piece.start + k, state);
-                let block = ((input.t[k] - input.t[0]) / BLOCK) as usize;
-                sums.add(block, residual, &weight, derivatives);
+                while blocks.len() < ((input.t[k] - input.t[0]) / BLOCK) as usize {
+                    blocks.push(sums.take_score());
+                }
+                for i in (0..4).filter(|&i| weight[i] > 0.0) {
+                    cost += 0.5 * residual[i] * residual[i];
+                    let psi = sums.next_row().iter_mut().zip(&derivatives[i * stride..]);
+                    psi.for_each(|(out, psi)| *out = weight[i] * psi);
+                    sums.add(residual[i], 1.0);
+                }
             })
             .ok()?;
+            blocks.push(sums.take_score());
+            let (curvature, _) = sums.finish();
             let columns = self.free.iter().copied().chain(p.len()..p.len() + 4);
             let places = (0..count).chain(count + 4 * n..count + 4 * n + 4);
             let own: Vec<(usize, usize)> = columns.zip(places).collect();
-            cost += sums.cost;
             for &(c, i) in &own {
-                own.iter().for_each(|&(d, k)| hessian[(i, k)] += sums.curvature(c, d));
+                own.iter().for_each(|&(d, k)| hessian[(i, k)] += curvature[(c, d)]);
             }
-            for block in &sums.blocks {
+            for block in &blocks {
                 let mut score = DVector::zeros(size);
-                own.iter().for_each(|&(c, i)| score[i] = block[c / QUAD].as_array()[c % QUAD]);
+                own.iter().for_each(|&(c, i)| score[i] = block[c]);
                 scores.push(score);
             }
         }
         let scores = DMatrix::from_fn(scores.len(), size, |b, j| scores[b][j]);
         let gradient = -scores.row_sum().transpose();
         cost.is_finite().then_some((Quadratic { cost, gradient, hessian }, scores))
-    }
-}
-
-/// Columns that are summed up together.
-const QUAD: usize = 4;
-
-/// What is summed over the samples of a piece, in the columns of [`follow`].
-struct Sums {
-    cost: f64,
-    /// `Σ ψ ψ'`, lower triangle: rows of lanes.
-    curvature: Vec<f64x4>,
-    /// `Σ ψ e` of every block.
-    blocks: Vec<Vec<f64x4>>,
-    groups: usize,
-    row: Vec<f64x4>,
-}
-
-impl Sums {
-    fn new(columns: usize) -> Self {
-        let groups = columns.next_multiple_of(LANES) / QUAD;
-        let zero = f64x4::ZERO;
-        let curvature = vec![zero; columns * groups];
-        Self { cost: 0.0, curvature, blocks: vec![], groups, row: vec![zero; groups] }
-    }
-
-    /// Adds one sample, given its residuals over their standard deviations, one over these, and
-    /// the derivatives of the four states.
-    fn add(&mut self, block: usize, residual: [f64; 4], weight: &[f64; 4], derivatives: &[f64]) {
-        let groups = self.groups;
-        while self.blocks.len() <= block {
-            self.blocks.push(vec![f64x4::ZERO; groups]);
-        }
-        let stride = QUAD * groups;
-        for (i, e) in residual.into_iter().enumerate().filter(|(i, _)| weight[*i] > 0.0) {
-            self.cost += 0.5 * e * e;
-            let psi = &derivatives[i * stride..(i + 1) * stride];
-            for (row, lanes) in self.row.iter_mut().zip(psi.chunks_exact(QUAD)) {
-                *row = f64x4::new([lanes[0], lanes[1], lanes[2], lanes[3]]) * weight[i];
-            }
-            for (sum, row) in self.blocks[block].iter_mut().zip(&self.row) {
-                *sum += *row * e;
-            }
-            for (c, sums) in self.curvature.chunks_exact_mut(groups).enumerate() {
-                let own = f64x4::splat(psi[c] * weight[i]);
-                for (sum, row) in sums[..=c / QUAD].iter_mut().zip(&self.row) {
-                    *sum += own * *row;
-                }
-            }
-        }
-    }
-
-    fn curvature(&self, c: usize, d: usize) -> f64 {
-        let (row, column) = (c.max(d), c.min(d));
-        self.curvature[row * self.groups + column / QUAD].as_array()[column % QUAD]
     }
 }

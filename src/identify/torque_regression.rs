@@ -85,8 +85,7 @@ impl Identifier for TorqueRegression {
     }
 
     fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
-        let rows = Regression::with_rest(task, self.cutoff_hz, self.rest_rad_s, NOISE_SHARE, NAME)?;
-        self.fit(&rows, false)
+        self.fit(&self.rows(task)?, false)
     }
 
     fn identify_long(
@@ -112,6 +111,14 @@ fn scaled_rows(x: &DMatrix<f64>, factor: &DVector<f64>) -> DMatrix<f64> {
 type Solved = (DVector<f64>, DVector<f64>, DVector<f64>, DVector<f64>);
 
 impl TorqueRegression {
+    /// The rows of the regression.
+    ///
+    /// # Errors
+    /// If too few are left.
+    pub(super) fn rows<'t>(&self, task: &'t Task<'t>) -> Result<Regression<'t>, IdentifyError> {
+        Regression::with_rest(task, self.cutoff_hz, self.rest_rad_s, NOISE_SHARE, NAME)
+    }
+
     /// The fit, its standard errors no smaller than what noise of the columns and the sampling of the input do, and
     /// the parameters without each of some pieces (recording and rows) in turn.
     ///
@@ -119,11 +126,10 @@ impl TorqueRegression {
     /// As [`Identifier::identify`].
     pub(super) fn left_out(
         &self,
-        task: &Task,
+        rows: &Regression,
         pieces: &[(usize, std::ops::Range<usize>)],
     ) -> Result<(Fit, Vec<Vec<f64>>), IdentifyError> {
-        let rows = Regression::with_rest(task, self.cutoff_hz, self.rest_rad_s, NOISE_SHARE, NAME)?;
-        let fit = self.fit(&rows, true)?;
+        let fit = self.fit(rows, true)?;
         let p: Vec<f64> = fit.estimates.iter().map(|e| e.value).collect();
         let left_out = rows.left_out(pieces);
         let of = |values: DVector<f64>| {
@@ -136,7 +142,10 @@ impl TorqueRegression {
 
     /// The fit; if `widened`, with standard errors no smaller than what noise of the columns and the sampling of
     /// the input do to the values.
-    fn fit(&self, rows: &Regression, widened: bool) -> Result<Fit, IdentifyError> {
+    ///
+    /// # Errors
+    /// If the rows do not give the values.
+    pub(super) fn fit(&self, rows: &Regression, widened: bool) -> Result<Fit, IdentifyError> {
         let (values, weights, psi, slope) = self
             .solve(rows)
             .map_err(|e| IdentifyError::Unsupported { method: NAME.into(), reason: e.into() })?;

@@ -28,10 +28,9 @@ pub struct Section {
 }
 
 impl Section {
-    /// Filters in place (transposed direct form II), starting as if the first value had stood
+    /// Filters in place (transposed direct form II), starting as if the `first` value had stood
     /// there for ever.
-    fn run<T: Sample>(&self, signal: &mut [T]) {
-        let Some(&first) = signal.first() else { return };
+    fn run<'s, T: Sample + 's>(&self, first: T, signal: impl Iterator<Item = &'s mut T>) {
         let ([b0, b1, b2], [a1, a2]) = (self.numerator, self.denominator);
         let steady = first * self.steady_gain();
         let mut later = first * b2 - steady * a2;
@@ -127,28 +126,48 @@ pub fn filter_both_ways<T: Sample>(
     edge: usize,
     extension: Extension,
 ) -> Vec<T> {
-    let edge = edge.min(signal.len().saturating_sub(1));
-    let mut extended = extended(signal, edge, extension);
-    for _ in 0..2 {
-        for section in sections {
-            section.run(&mut extended);
-        }
-        extended.reverse();
-    }
+    let Some(&first) = signal.first() else { return vec![] };
+    let edge = edge.min(signal.len() - 1);
+    let mut extended = Vec::with_capacity(signal.len() + 2 * edge);
+    extended.resize(edge, first);
+    extended.extend_from_slice(signal);
+    extended.resize(signal.len() + 2 * edge, first);
+    filter_within(sections, &mut extended, edge, extension);
     extended.truncate(edge + signal.len());
     extended.drain(..edge);
     extended
 }
 
-fn extended<T: Sample>(signal: &[T], edge: usize, extension: Extension) -> Vec<T> {
-    let Some(last) = signal.len().checked_sub(1) else { return vec![] };
-    let beyond = |end: usize, inside: usize| match extension {
-        Extension::Odd => signal[end] * 2.0 - signal[inside],
-        Extension::Even => signal[inside],
+/// [`filter_both_ways`] in place: of a signal of more than `edge` samples that stands behind room for as many, and
+/// before it.
+pub(crate) fn filter_within<T: Sample>(
+    sections: &[Section],
+    signal: &mut [T],
+    edge: usize,
+    extension: Extension,
+) {
+    extend(signal, edge, extension);
+    for section in sections {
+        let Some(&first) = signal.first() else { return };
+        section.run(first, signal.iter_mut());
+    }
+    for section in sections {
+        let Some(&last) = signal.last() else { return };
+        section.run(last, signal.iter_mut().rev());
+    }
+}
+
+/// Fills `edge` samples at each end with how the signal between them goes on.
+fn extend<T: Sample>(signal: &mut [T], edge: usize, extension: Extension) {
+    let beyond = |end: T, inside: T| match extension {
+        Extension::Odd => end * 2.0 - inside,
+        Extension::Even => inside,
     };
-    let before = (1..=edge).rev().map(|k| beyond(0, k));
-    let after = (1..=edge).map(|k| beyond(last, last - k));
-    before.chain(signal.iter().copied()).chain(after).collect()
+    let last = signal.len() - 1 - edge;
+    for k in 1..=edge {
+        signal[edge - k] = beyond(signal[edge], signal[edge + k]);
+        signal[last + k] = beyond(signal[last], signal[last - k]);
+    }
 }
 
 #[cfg(test)]

@@ -11,15 +11,17 @@ const TOGETHER: usize = 4;
 
 /// Adds `Σ_k columns[k][c] rows[k][b]` to `sums[c][b]`, in the order of the rows.
 ///
-/// Row k of `columns` has `own` numbers, and row k of `rows`, as row c of `sums`, has `width`, a multiple of [`FILLED`].
+/// Row k of `columns` has `own` numbers, of which those count that have a row of `sums`, and row k of `rows`, as row c
+/// of `sums`, has `width`, a multiple of [`FILLED`].
 pub(crate) fn add_products(
     (columns, own): (&[f64], usize),
     (rows, width): (&[f64], usize),
     sums: &mut [f64],
 ) {
-    debug_assert!(width % FILLED == 0 && sums.len() == own * width);
-    for first in (0..own).step_by(TOGETHER) {
-        let last = (first + TOGETHER).min(own);
+    let count = sums.len() / width;
+    debug_assert!(width % FILLED == 0 && sums.len() == count * width && count <= own);
+    for first in (0..count).step_by(TOGETHER) {
+        let last = (first + TOGETHER).min(count);
         let sums = &mut sums[first * width..last * width];
         in_lanes(Products { columns, own, first, rows, width, sums });
     }

@@ -229,17 +229,23 @@ impl Model {
         let effects: Vec<usize> = (0..self.effects().len()).filter(of_input).collect();
         let acting: Vec<usize> = effects.iter().flat_map(|&e| self.slots(e)).collect();
         let mut input = None;
-        if let [j] = acting[..] {
-            let m = self.input_by(&effects, &[j], recorded, p, |e, m, p| e.input_tangent(t, m, p));
-            derivatives[j] = m.iter().map(|row| row.map(|v: Tangent| v.partial[0])).collect();
-            return (m.iter().map(|row| row.map(|v| v.value)).collect(), derivatives);
-        }
-        for seen in acting.chunks(DIFFERENTIATED) {
-            let m = self.input_by(&effects, seen, recorded, p, |e, m, p| e.input_own(t, m, p));
-            for (slot, &j) in seen.iter().enumerate() {
-                derivatives[j] = m.iter().map(|row| row.map(|v: Own| v.partial[slot])).collect();
+        // by one or two of them it takes less to go once for each than once with room for all
+        if acting.len() <= 2 {
+            for &j in &acting {
+                let m =
+                    self.input_by(&effects, &[j], recorded, p, |e, m, p| e.input_tangent(t, m, p));
+                derivatives[j] = m.iter().map(|row| row.map(|v: Tangent| v.partial[0])).collect();
+                input.get_or_insert_with(|| m.iter().map(|row| row.map(|v| v.value)).collect());
             }
-            input.get_or_insert_with(|| m.iter().map(|row| row.map(|v| v.value)).collect());
+        } else {
+            for seen in acting.chunks(DIFFERENTIATED) {
+                let m = self.input_by(&effects, seen, recorded, p, |e, m, p| e.input_own(t, m, p));
+                for (slot, &j) in seen.iter().enumerate() {
+                    let of_one = |row: &[Own; 2]| row.map(|v| v.partial[slot]);
+                    derivatives[j] = m.iter().map(of_one).collect();
+                }
+                input.get_or_insert_with(|| m.iter().map(|row| row.map(|v| v.value)).collect());
+            }
         }
         (input.unwrap_or_else(|| recorded.to_vec()), derivatives)
     }

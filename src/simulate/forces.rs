@@ -2,9 +2,9 @@
 
 use std::convert::Infallible;
 
-use super::friction::{Contact, contact};
+use super::friction::{Contact, along_freedom, contact, friction};
 use super::input_line::InputLine;
-use crate::effects::{BodyState, DIRECTIONS, Effect, Motion, Terms};
+use crate::effects::{BodyState, Effect, Motion, Terms};
 use crate::math::{runge_kutta_from, runge_kutta_motion};
 use crate::model::{
     Model, ModelError, SpeedPolynomial, Variation, Variations, inverse_mass, solve_mass, times,
@@ -198,14 +198,25 @@ impl<'m> Forces<'m> {
         torque: [f64; 2],
         resisting: &[f64; 2],
     ) -> [f64; 2] {
-        let by_speed = self.wheel.by_speed.rest(x.omega);
-        let left = |i: usize| torque[i] - resisting[i] - by_speed[i];
-        let mut b = [left(0), left(1)];
+        let mut b = self.remaining_by_speed(x.omega, torque, resisting);
         for (effect, p) in &self.wheel.varying {
             let torque = effect.torque(x, p);
             b = [b[0] - torque[0], b[1] - torque[1]];
         }
         b
+    }
+
+    /// [`Forces::remaining`] where every torque that varies is in the polynomial of the speeds.
+    #[inline]
+    fn remaining_by_speed(
+        &self,
+        omega: [f64; 2],
+        torque: [f64; 2],
+        resisting: &[f64; 2],
+    ) -> [f64; 2] {
+        let by_speed = self.wheel.by_speed.rest(omega);
+        let left = |i: usize| torque[i] - resisting[i] - by_speed[i];
+        [left(0), left(1)]
     }
 
     /// Whether the wheels that stick in the contact state of `from` clearly still do at `y`, of which no direction has
@@ -314,6 +325,11 @@ impl<'m> Forces<'m> {
         input: &InputLine,
     ) -> Result<Vector, ModelError> {
         let (t, [a1, a2, w1, w2, ..]) = (from.t, from.y);
+        if from.freedom == Some([0.0; 2]) {
+            // nothing accelerates
+            let h = to - t;
+            return Ok([a1 + h * w1, a2 + h * w2, w1, w2, w1, w2, 0.0, 0.0]);
+        }
         let (alpha, omega, first) = ([a1, a2], [w1, w2], [from.rate[2], from.rate[3]]);
         let robot = self.model.robot();
         let at = |c: f64, alpha: &[f64; 2], omega: &[f64; 2]| {
@@ -323,6 +339,14 @@ impl<'m> Forces<'m> {
         };
         let h = to - t;
         let ([a1, a2], [w1, w2]) = match self.freed(from) {
+            Some(mobility) if self.wheel.varying.is_empty() => {
+                let Ok(end) = runge_kutta_motion(&alpha, &omega, &first, h, |c, _, omega| {
+                    let torque = input.at(instant(t, to, c));
+                    let left = self.remaining_by_speed(*omega, torque, &from.resisting);
+                    Ok::<_, Infallible>(times(&mobility, &left))
+                });
+                end
+            }
             // masses and levels are the same throughout
             Some(mobility) => {
                 let Ok(end) = runge_kutta_motion(&alpha, &omega, &first, h, |c, alpha, omega| {
@@ -352,17 +376,6 @@ impl<'m> Forces<'m> {
     }
 }
 
-/// The torque of dry friction on each wheel, with the signs of a contact state.
-#[inline]
-pub(super) fn friction(level: &[f64; 4], sign: &[f64; 4]) -> [f64; 2] {
-    let mut sum = [0.0; 2];
-    for (j, d) in DIRECTIONS.iter().enumerate() {
-        let friction = level[j].max(0.0) * sign[j];
-        sum = [sum[0] + d[0] * friction, sum[1] + d[1] * friction];
-    }
-    sum
-}
-
 /// All rates from the acceleration of the wheels.
 #[inline]
 fn with_body(y: &Vector, a: [f64; 2], acting: &Acting) -> Result<Vector, ModelError> {
@@ -373,17 +386,6 @@ fn with_body(y: &Vector, a: [f64; 2], acting: &Acting) -> Result<Vector, ModelEr
         rates[4..].copy_from_slice(&[du[0], du[1], y[2] - y[4], y[3] - y[5]]);
     }
     Ok(rates)
-}
-
-/// `n (n·b)/(n' A n)`, or zero where nothing is free.
-fn along_freedom(mass: &[f64; 3], b: &[f64; 2], n: &[f64; 2]) -> [f64; 2] {
-    let [m11, m12, m22] = *mass;
-    let inertia = m11 * n[0] * n[0] + 2.0 * m12 * n[0] * n[1] + m22 * n[1] * n[1];
-    if inertia <= 0.0 {
-        return [0.0; 2];
-    }
-    let q = (n[0] * b[0] + n[1] * b[1]) / inertia;
-    [n[0] * q, n[1] * q]
 }
 
 /// The instant at share `c` of the way from `t` to `to`; at the end `to` itself, not rounded.

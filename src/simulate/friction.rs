@@ -36,6 +36,28 @@ pub(super) fn perpendicular(j: usize) -> [f64; 2] {
     [-d2, d1]
 }
 
+/// The torque of dry friction on each wheel, with the signs of a contact state.
+#[inline]
+pub(super) fn friction(level: &[f64; 4], sign: &[f64; 4]) -> [f64; 2] {
+    let mut sum = [0.0; 2];
+    for (j, d) in DIRECTIONS.iter().enumerate() {
+        let friction = level[j].max(0.0) * sign[j];
+        sum = [sum[0] + d[0] * friction, sum[1] + d[1] * friction];
+    }
+    sum
+}
+
+/// `n (n·b)/(n' A n)`, or zero where nothing is free.
+pub(super) fn along_freedom(mass: &[f64; 3], b: &[f64; 2], n: &[f64; 2]) -> [f64; 2] {
+    let [m11, m12, m22] = *mass;
+    let inertia = m11 * n[0] * n[0] + 2.0 * m12 * n[0] * n[1] + m22 * n[1] * n[1];
+    if inertia <= 0.0 {
+        return [0.0; 2];
+    }
+    let q = (n[0] * b[0] + n[1] * b[1]) / inertia;
+    [n[0] * q, n[1] * q]
+}
+
 /// Which directions stick, which slip and how the wheels accelerate.
 ///
 /// ```text

@@ -3,8 +3,8 @@
 
 use std::convert::Infallible;
 
-use super::forces::{Departure, Forces, Vector, friction};
-use super::friction::Contact;
+use super::forces::{Departure, Forces, Vector};
+use super::friction::{Contact, friction};
 use super::input_line::InputLine;
 use crate::effects::along;
 use crate::math::{runge_kutta_motion, sgn};

@@ -16,18 +16,18 @@ impl Search<'_> {
     /// above the noise floor.
     pub(super) fn climb_from_best(&self, base: &WindowFit) -> Climbed {
         let mut climbed = self.climb(base, self.rank(base, true));
-        let unexplained = |steps: &[Step]| self.is_unexplained(last_of(base, steps));
+        let is_unexplained = |steps: &[Step]| self.is_unexplained(last_of(base, steps));
+        let mut unexplained = is_unexplained(&climbed.0);
         // nothing is said to be unknown before every effect of the catalogue has been simulated
-        if unexplained(&climbed.0)
-            && let Some(ranking) = self.with_second_bodies(base, &climbed.1[0])
-        {
+        if unexplained && let Some(ranking) = self.with_second_bodies(base, &climbed.1[0]) {
             let again = self.climb(base, ranking);
             let error = |steps: &[Step]| self.shown(last_of(base, steps));
             if error(&again.0) < error(&climbed.0) {
                 climbed = again;
+                unexplained = is_unexplained(&climbed.0);
             }
         }
-        if unexplained(&climbed.0)
+        if unexplained
             && self.errors(base, &climbed.0).unexplained() > THRESHOLDS.unexplained
             && let Some(again) = self.other_beginnings(base, &climbed.1[0])
         {

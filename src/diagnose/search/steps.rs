@@ -110,6 +110,10 @@ impl Search<'_> {
     /// The longest run of the steps that were tried whose last step and whose total are proven, and that never
     /// raises the error that is shown.
     pub(super) fn proven(&self, base: &WindowFit, tried: &[(Ranked, Vec<String>)]) -> Vec<Step> {
+        // the held-out errors of the base alone, which cost fits, prove nothing
+        if tried.is_empty() {
+            return vec![];
+        }
         let fits: Vec<&WindowFit> = std::iter::once(base)
             .chain(tried.iter().filter_map(|(r, _)| r.refit.as_ref()))
             .collect();

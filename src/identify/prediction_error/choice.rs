@@ -2,7 +2,7 @@
 
 use nalgebra::DVector;
 
-use super::descent::{Solution, chosen, descend, part};
+use super::descent::{Solution, chosen, descend, descend_from, part};
 use super::open_loop::OpenLoop;
 use crate::effects::ParameterKind;
 use crate::filter::HorizonFilter;
@@ -86,16 +86,19 @@ fn off_the_edge(model: &Model, p: &[f64], start: &[f64]) -> Vec<f64> {
 pub(super) fn choose(
     filter: &HorizonFilter,
     model: &Model,
-    (begin, start): ((&[f64], f64), &[f64]),
+    (begin, start): (&Solution, &[f64]),
     horizons: &[f64],
     open: &OpenLoop,
 ) -> Option<Candidate> {
     let (mut found, mut evaluations) = (Vec::<Candidate>::new(), 0);
     for &horizon in horizons {
-        let last = found.last().map(|c| (c.solution.p.as_slice(), c.solution.shift));
-        let (p, shift) = last.unwrap_or(begin);
-        let p = off_the_edge(model, p, start);
-        let Some(solution) = descend(filter, model, (&p, shift), horizon) else { continue };
+        let last = found.last().map_or(begin, |c| &c.solution);
+        let p = off_the_edge(model, &last.p, start);
+        let solution = match last.is_at(filter, model, &p, horizon) {
+            true => Some(descend_from(filter, model, last.clone())),
+            false => descend(filter, model, (&p, last.shift), horizon),
+        };
+        let Some(solution) = solution else { continue };
         evaluations += solution.evaluations;
         found.push(Candidate::new(model, solution, open));
     }

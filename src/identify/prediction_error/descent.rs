@@ -46,7 +46,42 @@ struct Towards {
     promise: f64,
 }
 
+/// The columns that are estimated: the free parameters, and behind all parameters the shift.
+fn estimated(filter: &HorizonFilter, model: &Model) -> Vec<usize> {
+    let mut columns = model.free();
+    if filter.hold == Hold::Linear && !model.delays_input() {
+        columns.push(model.parameters().len());
+    }
+    columns
+}
+
 impl Solution {
+    /// A point at which the filter runs; `None` where its cost is not finite.
+    fn at(
+        filter: &HorizonFilter,
+        model: &Model,
+        (p, shift): (Vec<f64>, f64),
+        horizon: f64,
+    ) -> Option<Self> {
+        let sums = filter.pass(model, &p, shift, horizon, Reading::Whole).ok()?;
+        let (columns, status) = (estimated(filter, model), Status::Converged);
+        let out = Self { horizon, p, shift, columns, sums, status, iterations: 0, evaluations: 0 };
+        out.cost().is_finite().then_some(out)
+    }
+
+    /// Whether a descent of this model from `p` at this horizon begins here, where the filter has run. Beyond a horizon
+    /// of zero it may have run before all rows were to count alike.
+    pub(super) fn is_at(
+        &self,
+        filter: &HorizonFilter,
+        model: &Model,
+        p: &[f64],
+        horizon: f64,
+    ) -> bool {
+        let here = self.p == p && self.horizon == horizon;
+        here && (horizon == 0.0 || !filter.alike) && self.columns == estimated(filter, model)
+    }
+
     fn total(&self, of: impl Fn(&Sums) -> f64) -> f64 {
         self.sums.iter().map(of).sum()
     }
@@ -157,19 +192,15 @@ pub(super) fn descend(
     (p, shift): (&[f64], f64),
     horizon: f64,
 ) -> Option<Solution> {
-    let mut columns = model.free();
-    if filter.hold == Hold::Linear && !model.delays_input() {
-        columns.push(p.len());
-    }
-    let at = |p: Vec<f64>, shift: f64| {
-        let sums = filter.pass(model, &p, shift, horizon, Reading::Whole).ok()?;
-        let (columns, status) = (columns.clone(), Status::Converged);
-        let out =
-            Solution { horizon, p, shift, columns, sums, status, iterations: 0, evaluations: 0 };
-        out.cost().is_finite().then_some(out)
-    };
-    let mut here = at(p.to_vec(), shift)?;
-    let (mut damping, mut iterations, mut evaluations) = (0.0, 0, 1);
+    let here = Solution::at(filter, model, (p.to_vec(), shift), horizon)?;
+    let mut end = descend_from(filter, model, here);
+    end.evaluations += 1;
+    Some(end)
+}
+
+/// [`descend`] from a point at which the filter has run.
+pub(super) fn descend_from(filter: &HorizonFilter, model: &Model, mut here: Solution) -> Solution {
+    let (mut damping, mut iterations, mut evaluations) = (0.0, 0, 0);
     let (mut share, mut promised) = (1.0, f64::INFINITY);
     let status = loop {
         let whole = here.towards(model, 0.0);
@@ -196,7 +227,7 @@ pub(super) fn descend(
             let halved = || there.towards(model, 0.0).promise < 0.5 * whole.promise;
             near || there.cost() < here.cost() || halved()
         };
-        match at(p, shift).filter(kept) {
+        match Solution::at(filter, model, (p, shift), here.horizon).filter(kept) {
             Some(there) => {
                 here = there;
                 iterations += 1;
@@ -206,5 +237,5 @@ pub(super) fn descend(
         }
     };
     (here.status, here.iterations, here.evaluations) = (status, iterations, evaluations);
-    Some(here)
+    here
 }

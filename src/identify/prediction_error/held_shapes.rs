@@ -14,9 +14,10 @@ fn shapes(model: &Model) -> impl Iterator<Item = usize> {
     model.free().into_iter().filter(is_shape)
 }
 
-/// The model with its shapes where a fit has them.
-pub(super) fn shaped(model: &Model, fit: &Fit) -> Model {
-    shapes(model).fold(model.clone(), |out, j| out.starting_at(j, fit.estimates[j].value))
+/// The model with its shapes where a fit has them; `None` of one that has none.
+pub(super) fn shaped(model: &Model, fit: &Fit) -> Option<Model> {
+    shapes(model).next()?;
+    Some(shapes(model).fold(model.clone(), |out, j| out.starting_at(j, fit.estimates[j].value)))
 }
 
 /// Gives the `regression` of `task` the errors of the shapes that it held at those of `fit`, and to what it estimated

@@ -36,7 +36,8 @@ pub(super) fn spread(solution: &Solution, filter: &HorizonFilter, model: &Model)
     out
 }
 
-fn of_scores(solution: &Solution) -> Spread {
+/// The errors that the scores of blocks tell.
+pub(super) fn of_scores(solution: &Solution) -> Spread {
     let n = solution.columns.len();
     let inverse = inverse_where_known(&solution.information());
     let model = &inverse * solution.scale();

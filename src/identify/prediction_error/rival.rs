@@ -4,6 +4,7 @@ use super::choice::{Candidate, clearly_smaller, mean};
 use super::disagreement::with_disagreement;
 use super::held_shapes::{shaped, with_shapes_of};
 use super::open_loop::OpenLoop;
+use crate::identify::inverse_dynamics::Regression;
 use crate::identify::torque_regression::TorqueRegression;
 use crate::identify::{Fit, Note, Task};
 
@@ -15,26 +16,26 @@ const MATTERS: f64 = 0.01;
 /// by a few percent, so that one half more means that the fit fails on a kind of motion.
 const FAILS: f64 = 1.5;
 
-/// The fit, or that of the regression of torques if its 2 s simulation error on held-out pieces
-/// is smaller by one percent, and its logarithm by more than a paired standard error: most pieces
+/// The fit, or that of the regression of torques (of `rows` where the model has no shapes) if its 2 s simulation
+/// error on held-out pieces is smaller by one percent, and its logarithm by more than a paired standard error: most pieces
 /// must agree, not the few with the largest errors, unless the fit fails on those. A fit that fails
 /// on the very pieces that it was made from (both have the same parameters, so that neither fits
 /// better by having more) is not taken whatever is left out: a kind of motion that was driven once
 /// cannot be predicted from the others. Where the model `errs` by more than noise, the intervals of a fit that is
 /// kept hold the disagreement of the two.
 pub(super) fn better(
-    task: &Task,
+    (task, rows): (&Task, Option<Regression>),
     open: &OpenLoop,
     chosen: &Candidate,
     fit: Fit,
     errs: bool,
 ) -> Fit {
     let shaped = shaped(task.model, &fit);
-    let regressed = Task { model: &shaped, ..*task };
-    let Ok((mut rival, left_out)) = TorqueRegression::default().left_out(&regressed, &open.pieces)
-    else {
-        return fit;
-    };
+    let regressed = Task { model: shaped.as_ref().unwrap_or(task.model), ..*task };
+    let method = TorqueRegression::default();
+    let rows = if shaped.is_some() { method.rows(&regressed).ok() } else { rows };
+    let left_out = rows.and_then(|rows| method.left_out(&rows, &open.pieces).ok());
+    let Some((mut rival, left_out)) = left_out else { return fit };
     let errors = open.errors(task.model, &left_out);
     let [own, other] = [&fit, &rival].map(|fit| open.mean(task.model, &parameters(fit)).sqrt());
     let fails_in_sample = !(own <= FAILS * other);
