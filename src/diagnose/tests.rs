@@ -155,7 +155,7 @@ fn windows_that_hang_on_one_row_of_the_input_weigh_less() {
         of(&sampled) / of(&plain)
     };
     // a third of a breakaway of some rad/s against rounding of the speeds
-    assert!(share(0) > 0.9 && share(1) < 0.05, "{} {}", share(0), share(1));
+    assert!(share(0) > 0.8 && share(1) < 0.05, "{} {}", share(0), share(1));
 }
 
 #[test]
@@ -322,7 +322,8 @@ fn an_effect_is_found_where_sampling_might_err_by_more_than_the_model_does() {
         let [a, c] = [1, 4].map(|seed| under_steps(&hidden, &p, seed));
         let (train, validation) = ([a], [c]);
         let first = started(&base, &train);
-        let hold = Hold::Constant;
+        // as if nobody knew that it is held
+        let hold = Hold::Linear;
         let data = Data { train: &train, validation: &validation, hold, corrected_s: 0.0 };
         let found = diagnose(&base, &[first], &data, &settings).unwrap();
         let ids: Vec<&str> = found.steps.iter().map(|s| s.id.as_str()).collect();

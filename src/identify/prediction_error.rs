@@ -154,23 +154,29 @@ impl PredictionError {
         let (mut filter, first, start) = starts.into_iter().find_map(begin).ok_or_else(|| {
             IdentifyError::NoStart { method: NAME.into(), reason: NoStart::Likelihood }
         })?;
-        let held = Held::of(task, &filter, first);
+        let mut held = Held::of(task, &filter, first);
         filter.alike = held.solution.scale() > MISFIT;
         let horizons = match self.horizon_s {
             Horizon::Rule(Rule::Auto) => compared(&filter, &held),
             Horizon::Seconds(horizon) => vec![horizon],
         };
-        let begin = (&held.solution, start.as_slice());
-        let chosen = choose(&filter, &held.model, begin, &horizons, &open);
-        let chosen = chosen.ok_or_else(|| IdentifyError::NoStart {
-            method: NAME.into(),
-            reason: NoStart::Horizon,
-        })?;
+        let choose = |held: &Held| {
+            let begin = (&held.solution, start.as_slice());
+            choose(&filter, &held.model, begin, &horizons, &open).ok_or_else(|| {
+                IdentifyError::NoStart { method: NAME.into(), reason: NoStart::Horizon }
+            })
+        };
+        let mut chosen = choose(&held)?;
+        let spread_out = held.spread_over_track(task, &filter, &chosen.solution);
+        if spread_out {
+            chosen = choose(&held)?;
+        }
         let mut fit = physical(task, &filter, &held, &chosen, &self.horizon_s);
         for symbol in &self.profile {
             add_profile(task, &filter, &held.model, &chosen.solution, symbol, &mut fit)?;
         }
-        if self.horizon_s == Horizon::default() {
+        // a regression would find the same inertia without end
+        if self.horizon_s == Horizon::default() && !spread_out {
             return Ok(rival::better((task, rows), &open, &chosen, fit, filter.alike));
         }
         Ok(fit)

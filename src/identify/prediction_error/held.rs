@@ -11,6 +11,9 @@ use crate::model::Model;
 use crate::model::base::{A1, A2};
 use crate::recording::Recording;
 
+/// Largest radius of gyration of a robot in half tracks: that of a rod nine tracks long. A stated taste.
+const WIDEST: f64 = 5.0;
+
 /// A model with what the data do not identify held, and its maximum of the likelihood.
 pub(super) struct Held {
     pub(super) model: Model,
@@ -36,23 +39,48 @@ impl Held {
         let mut out = Self { model: task.model.clone(), solution: first, places: vec![] };
         let initial = task.model.initial();
         while let Some(j) = out.least_known(task) {
-            let symbol = &task.model.parameters()[j].spec.symbol;
-            let Ok(model) = out.model.fix(symbol, initial[j]) else { break };
-            let mut p = out.solution.p.clone();
-            // the sum of the inertias is known where one of them is not
-            if j == A2 {
-                p[A1] += p[A2] - initial[A2];
-            }
-            p[j] = initial[j];
-            crate::identify::start::sound(&model, &mut p);
-            out.places.push(j);
-            out.model = model;
-            match descend(filter, &out.model, (&p, out.solution.shift), 0.0) {
-                Some(solution) => out.solution = solution,
-                None => break,
+            if out.hold(filter, j, initial[j]).is_none() {
+                break;
             }
         }
         out
+    }
+
+    /// Holds parameter `j` at `value` and descends from there; `None` where that is not possible.
+    fn hold(&mut self, filter: &HorizonFilter, j: usize, value: f64) -> Option<()> {
+        let symbol = self.model.parameters()[j].spec.symbol.clone();
+        let model = self.model.fix(&symbol, value).ok()?;
+        let mut p = self.solution.p.clone();
+        // the sum of the inertias is known where one of them is not
+        if j == A2 {
+            p[A1] += p[A2] - value;
+        }
+        p[j] = value;
+        crate::identify::start::sound(&model, &mut p);
+        self.places.push(j);
+        self.model = model;
+        self.solution = descend(filter, &self.model, (&p, self.solution.shift), 0.0)?;
+        Some(())
+    }
+
+    /// Holds a2 at zero, the inertias of a mass that is spread over the track, where a robot with those of `chosen` turns
+    /// as none does; whether it did. Where something that the model lacks keeps a robot from turning, as tyres that
+    /// scrub, no torque turns it but for an inertia without end.
+    ///
+    /// ```text
+    /// (a1 - a2)/(a1 + a2) ≈ (radius of gyration about the vertical / half the track)²
+    /// ```
+    pub(super) fn spread_over_track(
+        &mut self,
+        task: &Task,
+        filter: &HorizonFilter,
+        chosen: &Solution,
+    ) -> bool {
+        let p = &chosen.p;
+        let two = !task.train.iter().all(Recording::is_single_axis);
+        let free = self.model.parameters()[A2].fixed.is_none();
+        let too_wide = p[A1] - p[A2] > WIDEST * WIDEST * (p[A1] + p[A2]);
+        two && free && too_wide && self.hold(filter, A2, 0.0).is_some()
     }
 
     fn least_known(&self, task: &Task) -> Option<usize> {
