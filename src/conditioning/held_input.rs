@@ -17,6 +17,7 @@ use super::input::speeds;
 use super::signal::{column, median_high, pieces};
 use super::spikes::answer;
 use super::{Conditioned, Context, Settings};
+use crate::math::cumulative_trapezoid;
 use crate::recording::refreshed;
 
 /// Between held and not.
@@ -70,10 +71,7 @@ fn goes_on(work: &Conditioned, new: &[bool]) -> Option<(f64, f64)> {
     let (mut zz, mut zy, mut yy, mut n) = (0.0, 0.0, 0.0, 0.0_f64);
     for i in 0..2 {
         let (input, speed) = (column(&c.torque, i), column(&omega, i));
-        let mut integral = vec![0.0; c.t.len()];
-        for k in 1..c.t.len() {
-            integral[k] = integral[k - 1] + 0.5 * (c.t[k] - c.t[k - 1]) * (input[k] + input[k - 1]);
-        }
+        let integral = cumulative_trapezoid(&c.t, |k| input[k]);
         let (answer, its_error) = answer(&c.t, &integral, &speed, &[]);
         if answer < SURE * its_error {
             return None;

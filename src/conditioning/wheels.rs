@@ -14,7 +14,7 @@ use super::input::speeds;
 use super::signal::{median_high, pieces};
 use super::{Conditioned, Settings};
 use crate::recording::{
-    View, Window, exchanged_input, exchanged_speeds, opposing_input, windows_of,
+    SAMPLES, View, Window, exchanged_input, exchanged_speeds, opposing_input, windows_of,
 };
 
 /// Share of the windows in which the wheels turn against each other beyond which a wheel counts mirrored:
@@ -99,7 +99,8 @@ fn windows(work: &Conditioned) -> Vec<Window> {
     let alpha = c.alpha.as_ref().unwrap_or(&omega);
     let step = median_high(c.t.windows(2).map(|w| w[1] - w[0]));
     let pieces = pieces(&c.t);
-    windows_of(&View { t: &c.t, alpha, omega: &omega, torque: &c.torque, pieces: &pieces, step })
+    let (t, torque, samples) = (&c.t, &c.torque, SAMPLES);
+    windows_of(&View { t, alpha, omega: &omega, torque, pieces: &pieces, step, samples })
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use super::candidate::Candidate;
 use crate::filter::{
     Columns, Instant, Likelihood, PassSettings, Prepared, ProcessNoise, filter_pass,
 };
+use crate::math::distribution::normal_cdf;
 use crate::math::eliminate;
 use crate::model::Model;
 use crate::recording::Recording;
@@ -122,7 +123,7 @@ pub fn next_run(
     let (discrimination, movement) = scored.into_iter().next()?;
     (discrimination > 0.0).then(|| Proposal {
         movement,
-        probability: 0.5 * (1.0 + libm::erf(0.5 * discrimination.sqrt() / 2.0_f64.sqrt())),
+        probability: normal_cdf(0.5 * discrimination.sqrt()),
         discrimination,
         random,
     })

@@ -35,6 +35,15 @@ pub enum Change {
     TwoMass,
 }
 
+impl Change {
+    /// Whether it may take the place of what the input does between the rows of a log: a second body moves there, and a
+    /// size of the input takes back what the rows make of its peaks.
+    #[must_use]
+    pub const fn acts_between_rows(self) -> bool {
+        matches!(self, Self::TwoMass | Self::Input)
+    }
+}
+
 /// Standard errors by which a parameter differs from a value for certain (95 %).
 pub const SURELY: f64 = 1.96;
 

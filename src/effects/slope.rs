@@ -84,9 +84,8 @@ mod tests {
     #[test]
     fn the_lever_of_the_inertias_is_that_of_the_construction() {
         let mut robot = Robot::amigobot();
-        // wheels of no inertia of their own, and a caster of no mass, which the slope leaves out
-        let body = &mut robot.construction;
-        (body.ix1_kg_m2, body.m3_kg, body.ix3_kg_m2) = (0.0, 0.0, 0.0);
+        // wheels of no inertia about their own axles
+        robot.construction.iz1_kg_m2 = 0.0;
         let built = lever(&robot);
         robot.estimated = Some(robot.construction.parameters());
         assert!((lever(&robot) / built - 1.0).abs() < 1e-12, "{} {built}", lever(&robot));

@@ -87,12 +87,21 @@ impl Dynamics<6> for Rigid<'_> {
             self.law.model.differentiate(a, &predicted.sign, &mut self.work);
             self.work.by_parameter.clone()
         };
-        let (none, first, second) = (by(&[0.0; 2]), by(&[1.0, 0.0]), by(&[0.0, 1.0]));
+        let slopes = slopes_of_mass(&mut by);
         by(&predicted.acceleration);
-        let slope = |j: usize| {
-            let part = |d: &[[f64; 2]], i: usize| d[j][i] - none[j][i];
-            Matrix2::new(part(&first, 0), part(&second, 0), part(&first, 1), part(&second, 1))
-        };
-        (0..none.len()).map(|j| (j, slope(j))).filter(|(_, d)| d.amax() > 0.0).collect()
+        slopes
     }
+}
+
+/// `∂(mass matrix)/∂θ` of the parameters that have one, from the derivatives `by` of the torque balance at an
+/// acceleration.
+pub(super) fn slopes_of_mass(
+    mut by: impl FnMut(&[f64; 2]) -> Vec<[f64; 2]>,
+) -> Vec<(usize, Matrix2<f64>)> {
+    let (none, first, second) = (by(&[0.0; 2]), by(&[1.0, 0.0]), by(&[0.0, 1.0]));
+    let slope = |j: usize| {
+        let part = |d: &[[f64; 2]], i: usize| d[j][i] - none[j][i];
+        Matrix2::new(part(&first, 0), part(&second, 0), part(&first, 1), part(&second, 1))
+    };
+    (0..none.len()).map(|j| (j, slope(j))).filter(|(_, d)| d.amax() > 0.0).collect()
 }

@@ -3,9 +3,10 @@
 use nalgebra::{Matrix2, SMatrix, SVector};
 
 use super::correction::{Covariance, Mean, make_symmetric};
-use super::dynamics::Dynamics;
+use super::dynamics::{Dynamics, slopes_of_mass};
+use super::friction::torque_noise;
 use super::step::{Predicted, Sample};
-use crate::effects::{DIRECTIONS, Motion};
+use crate::effects::Motion;
 use crate::model::{Linearisation, Model, ModelError, inverse_mass};
 use crate::robot::State;
 use crate::simulate::{Ends, Walk};
@@ -108,16 +109,7 @@ impl Dynamics<4> for Exact<'_> {
         }
         self.transition = transition;
         *mean = Mean::<4>::new(after.alpha[0], after.alpha[1], after.omega[0], after.omega[1]);
-        let mut torque = Matrix2::zeros();
-        let white = self.sigma * self.sigma;
-        for i in 0..2 {
-            torque[(i, i)] = white + (sample.change[i].powi(2) - 6.0 * white).max(0.0) / 12.0;
-        }
-        for (j, d) in DIRECTIONS.iter().enumerate().filter(|(j, _)| sample.crossing[*j] > 0.0) {
-            for i in 0..2 {
-                (0..2).for_each(|k| torque[(i, k)] += d[i] * d[k] * sample.crossing[j]);
-            }
-        }
+        let torque = torque_noise(self.sigma, sample, &sample.crossing);
         *covariance =
             transition * *covariance * transition.transpose() + gain * torque * gain.transpose();
         make_symmetric(covariance);
@@ -181,14 +173,8 @@ fn mass_slopes(model: &Model, p: &[f64]) -> Vec<(usize, Matrix2<f64>)> {
     let mut work = Linearisation::new(p.len());
     let (still, robot) = ([0.0; 2], model.robot());
     let x = Motion { t: 0.0, alpha: still, omega: still, variance: [0.0; 4], robot };
-    let mut by = |a: [f64; 2]| {
-        model.linearise(&x, p, &a, &[0.0; 4], &mut work);
+    slopes_of_mass(|a| {
+        model.linearise(&x, p, a, &[0.0; 4], &mut work);
         work.by_parameter.clone()
-    };
-    let (none, first, second) = (by([0.0; 2]), by([1.0, 0.0]), by([0.0, 1.0]));
-    let slope = |j: usize| {
-        let part = |d: &[[f64; 2]], i: usize| d[j][i] - none[j][i];
-        Matrix2::new(part(&first, 0), part(&second, 0), part(&first, 1), part(&second, 1))
-    };
-    (0..p.len()).map(|j| (j, slope(j))).filter(|(_, d)| d.amax() > 0.0).collect()
+    })
 }

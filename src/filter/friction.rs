@@ -157,21 +157,23 @@ fn density(v: f64, variance: f64) -> f64 {
     (-exponent).exp() / (2.0 * std::f64::consts::PI * variance).sqrt()
 }
 
-/// Variance of the torque over a step [N^2 m^2]: white noise of the recorded input, what the input may do between its
-/// rows (a twelfth of the square of its change, less what noise makes of it), and friction of variances `friction`
-/// along the directions.
+/// Variance of the torque over a step [N^2 m^2]: that of the input, and friction of variances `friction` along the
+/// directions.
 #[inline]
-pub(super) fn torque_noise(
-    noise: &ProcessNoise,
-    sample: &Sample,
-    friction: &[f64; 4],
-) -> Matrix2<f64> {
+pub(super) fn torque_noise(sigma: f64, sample: &Sample, friction: &[f64; 4]) -> Matrix2<f64> {
     let mut out = along_directions(friction);
-    let white = noise.sigma_m.powi(2);
     for i in 0..2 {
-        out[(i, i)] += white + (sample.change[i].powi(2) - 6.0 * white).max(0.0) / 12.0;
+        out[(i, i)] += input_variance(sigma, sample.change[i]);
     }
     out
+}
+
+/// Variance of the input over a row in which it changes by `change` [N m], with white noise of standard deviation
+/// `sigma`: a straight line that is in truth a step at some time in the row.
+#[inline]
+pub(super) fn input_variance(sigma: f64, change: f64) -> f64 {
+    let white = sigma * sigma;
+    white + (change * change - 6.0 * white).max(0.0) / 12.0
 }
 
 /// After a step that leaves `decay` of the slow torques: their noise is added, and wheels that stand stay.

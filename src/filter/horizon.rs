@@ -4,6 +4,8 @@
 mod between_rows;
 mod reading;
 mod recorded_input;
+#[cfg(test)]
+mod tests;
 
 use std::ops::Range;
 

@@ -3,7 +3,7 @@
 //!
 //! State: (alpha1, alpha2, omega1, omega2, d1, d2), d a slow unknown torque on each wheel
 //! (Ornstein-Uhlenbeck: standard deviation `sigma_d`, time constant `tau_d`). A two-mass drivetrain
-//! (`wheel_slip`, `compliance`) adds its speeds and twists (u1, u2, phi1, phi2).
+//! adds its speeds and twists (u1, u2, phi1, phi2).
 
 mod accumulate;
 mod correction;

@@ -158,7 +158,7 @@ pub(super) fn predict(
         mean[4 + i] *= push.decay;
     }
     tilt_angles(mean, &gain, sample);
-    *covariance = push.spread(covariance, &torque_noise(noise, sample, &rest));
+    *covariance = push.spread(covariance, &torque_noise(noise.sigma_m, sample, &rest));
     finish(noise, push.decay, sample, mean, covariance);
     Ok(Predicted {
         gain,

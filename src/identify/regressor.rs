@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::Task;
 use crate::effects::{Motion, Terms, along};
 use crate::math::sgn;
-use crate::model::{Linearisation, Model};
+use crate::model::{Linearisation, Model, times};
 use crate::recording::Recording;
 use crate::simulate::Hold;
 
@@ -67,8 +67,7 @@ impl Balance {
     /// `mass_c v` of column `c`: its momentum for a speed, its inertial torque for an
     /// acceleration.
     pub(super) fn carried(&self, c: usize, v: &[f64; 2]) -> [f64; 2] {
-        let [m11, m12, m22] = self.mass[c];
-        [m11 * v[0] + m12 * v[1], m12 * v[0] + m22 * v[1]]
+        times(&self.mass[c], v)
     }
 
     /// The torque that column `c` asks for at acceleration `a`.

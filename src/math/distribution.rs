@@ -17,6 +17,12 @@ pub fn normal_quantile(p: f64) -> f64 {
     quantile(Normal::new(0.0, 1.0).ok(), p)
 }
 
+/// Probability that a standard normal variable stays below `x`.
+#[must_use]
+pub fn normal_cdf(x: f64) -> f64 {
+    0.5 * (1.0 + libm::erf(x / std::f64::consts::SQRT_2))
+}
+
 /// Value that a Student t variable stays below with probability `p`; `dof` > 0.
 ///
 /// # Examples
@@ -145,6 +151,7 @@ mod tests {
     fn quantiles_equal_scipy() {
         // scipy 1.17; statrs promises about ten digits
         close(normal_quantile(0.975), 1.959963984540054, 1e-12);
+        close(normal_cdf(1.5), 0.9331927987311419, 1e-15);
         close(normal_quantile(1e-10), -6.361340902404056, 1e-12);
         close(chi2_quantile(0.95, 4.0), 9.487729036781154, 1e-10);
         close(chi2_quantile(0.5, 19.0), 18.337652896756474, 1e-10);

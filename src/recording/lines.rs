@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use super::Recording;
+use crate::math::median_high;
 
 impl Recording {
     /// Rows for each new value of the sensors.
@@ -28,12 +29,10 @@ fn on_lines<'a>(r: &Recording, signal: &'a [[f64; 2]]) -> Cow<'a, [[f64; 2]]> {
     }
     let mut out = signal.to_vec();
     let rows: Vec<usize> = (0..fresh.len()).filter(|&k| fresh[k]).collect();
-    let mut apart: Vec<usize> = rows.windows(2).map(|w| w[1] - w[0]).collect();
-    if apart.is_empty() {
+    if rows.len() < 2 {
         return Cow::Borrowed(signal);
     }
-    let middle = apart.len() / 2;
-    let period = *apart.select_nth_unstable(middle).1;
+    let period = median_high(rows.windows(2).map(|w| (w[1] - w[0]) as f64)) as usize;
     let (t, pieces) = (r.t(), r.pieces());
     for w in rows.windows(2) {
         if !pieces.iter().any(|piece| piece.contains(&w[0]) && piece.contains(&w[1])) {

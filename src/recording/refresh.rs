@@ -1,6 +1,7 @@
 //! Sensors that refresh more slowly than the logger writes.
 
 use super::Channels;
+use crate::math::median_high;
 use crate::math::noise::quantum;
 
 /// Share of repeated rows, while moving, from which on the logger may repeat its sensors.
@@ -58,13 +59,11 @@ pub fn refreshed(channels: &Channels) -> Vec<bool> {
 /// Rows between two changes that are not far apart: standstills are none.
 fn moving(channels: &Channels, same: &[bool]) -> Vec<bool> {
     let changes: Vec<usize> = (0..same.len()).filter(|&k| !same[k]).collect();
-    let mut runs: Vec<usize> = changes.windows(2).map(|w| w[1] - w[0]).collect();
     let mut out = vec![false; channels.t.len()];
-    if runs.is_empty() {
+    if changes.len() < 2 {
         return out;
     }
-    let middle = runs.len() / 2;
-    let usual = *runs.select_nth_unstable(middle).1;
+    let usual = median_high(changes.windows(2).map(|w| (w[1] - w[0]) as f64)) as usize;
     for w in changes.windows(2).filter(|w| w[1] - w[0] <= STANDSTILL * usual) {
         out[w[0]..w[1]].fill(true);
     }

@@ -69,7 +69,7 @@ pub(super) fn along_freedom(mass: &[f64; 3], b: &[f64; 2], n: &[f64; 2]) -> [f64
 /// is strictly convex with kinks along lines through the origin, so its minimum is the best of
 /// the origin, the minimum along each kink, and the minimum in each sector.
 ///
-/// `terms` [kg m^2, N m], `moment` [N m], `omega` [rad/s]. A direction is at rest where the speed
+/// `terms` [kg m^2, N m], `torque` [N m], `omega` [rad/s]. A direction is at rest where the speed
 /// along it is exactly zero.
 ///
 /// # Errors

@@ -178,10 +178,11 @@ fn reason(judge: &Judge, now: f64, fit: &WindowFit) -> Withheld {
     let with =
         judge.judge(&fit.model, &fit.p).map_or(f64::INFINITY, |with| with.window_rms.powi(2));
     let open = judge.unresolved(&fit.model, &fit.p);
+    let between = fit.model.effects().iter().any(|effect| effect.change().acts_between_rows());
     // one that cannot be simulated raises it too
     if !(with <= now) {
         Withheld::Raises
-    } else if fit.model.is_coupled() || now - with < open.powi(2).min(with) {
+    } else if between || now - with < open.powi(2).min(with) {
         Withheld::BetweenRows
     } else {
         Withheld::Small

@@ -2,7 +2,7 @@
 
 use super::sentence::title;
 use crate::diagnose::{Diagnosis, Limits, Proposal, Ranked, Rivals, next_run};
-use crate::effects::{Change, Description};
+use crate::effects::Description;
 use crate::filter::Likelihood;
 use crate::recording::Recording;
 use crate::report::format;
@@ -61,7 +61,7 @@ fn competing(diagnosis: &Diagnosis) -> Option<(&Ranked, &Ranked)> {
 pub(super) fn to_prove(ranked: &Ranked, between_rows: bool) -> String {
     let effect = &ranked.candidate.effect;
     let Description { id, excitation, .. } = effect.description();
-    let faster = between_rows || effect.change() == Change::TwoMass;
+    let faster = between_rows || effect.change().acts_between_rows();
     let faster = if faster { ", at a higher rate" } else { "" };
     format!("To prove {}, record{faster}: {excitation}.", title(&id))
 }

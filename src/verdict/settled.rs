@@ -5,6 +5,7 @@ use super::concluded::Concluded;
 use super::formula::{Trial, curves_of, residual_torques};
 use crate::compare::{Curve, WindowFloor};
 use crate::diagnose::{Diagnosis, Judge, THRESHOLDS, WindowFit, cutoff, mobility};
+use crate::model::base::A1;
 use crate::recording::Recording;
 use crate::simulate::SimulateError;
 use crate::study::DiagnosisStudy;
@@ -86,6 +87,5 @@ fn curves(diagnosis: &Diagnosis, basis: &Basis) -> Vec<Curve> {
 
 /// Whether a fit identifies a1: its 95 % interval holds positive values only.
 fn identifies_inertia(fit: &WindowFit) -> bool {
-    let Ok(j) = fit.model.index_of("a1") else { return false };
-    fit.p[j] > THRESHOLDS.uncertain * fit.covariance[(j, j)].sqrt()
+    fit.p[A1] > THRESHOLDS.uncertain * fit.covariance[(A1, A1)].sqrt()
 }

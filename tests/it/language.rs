@@ -81,7 +81,7 @@ const PERSONAL: [(&str, &str); 14] = [
 ];
 
 /// Files and folders whose text is checked; code is not, nor are keys.
-const CHECKED: [&str; 16] = [
+const CHECKED: [&str; 17] = [
     "README.md",
     "ARCHITECTURE.md",
     "CONTRIBUTING.md",
@@ -98,6 +98,7 @@ const CHECKED: [&str; 16] = [
     "python/amigo_ident",
     "python/README.md",
     "schemas",
+    "CITATION.cff",
 ];
 
 /// Where the refused phrases themselves stand.
@@ -108,10 +109,11 @@ fn texts(path: &Path, out: &mut Vec<PathBuf>) {
         let mut entries: Vec<_> = fs::read_dir(path).unwrap().map(|e| e.unwrap().path()).collect();
         entries.sort();
         entries.iter().for_each(|entry| texts(entry, out));
-    } else if path
-        .extension()
-        .is_some_and(|e| ["md", "toml", "rs", "py", "json"].iter().any(|known| e == *known))
-    {
+    } else if path.extension().is_some_and(|e| {
+        ["md", "toml", "rs", "py", "pyi", "json", "c", "m", "mo", "js", "java", "cff"]
+            .iter()
+            .any(|known| e == *known)
+    }) {
         out.push(path.to_path_buf());
     }
 }

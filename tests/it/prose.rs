@@ -8,7 +8,11 @@ pub(crate) fn prose(path: &Path, text: &str) -> Vec<(usize, String)> {
     match path.extension().and_then(|e| e.to_str()) {
         Some("md") => of_markdown(path, text),
         Some("rs") => of_rust(text),
-        Some("py" | "json") => of_python(text),
+        Some("py" | "pyi" | "json") => of_python(text),
+        // code and data of which every word is read
+        Some("c" | "m" | "mo" | "js" | "java" | "cff") => {
+            (1..).zip(text.lines().map(str::to_owned)).collect()
+        }
         _ => (1..)
             .zip(text.lines())
             .filter_map(|(n, l)| Some((n, l.split_once('#')?.1.into())))

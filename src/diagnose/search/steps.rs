@@ -259,8 +259,8 @@ impl Search<'_> {
     }
 
     /// How many steps follow each other from the first of `fits` whose errors that are `shown` fall, each by
-    /// more than the sampling of the input leaves open. A second body moves between the rows, as an input does
-    /// that was not recorded there, and can take the place of all that [`Judge::between_rows`] allows.
+    /// more than the sampling of the input leaves open. One that [`Change::acts_between_rows`] can take the place
+    /// of all that [`Judge::between_rows`] allows.
     ///
     /// [`Judge::between_rows`]: crate::diagnose::Judge::between_rows
     ///
@@ -274,11 +274,11 @@ impl Search<'_> {
         let open = self.judge.unresolved(&last.model, &last.p);
         let falls = |n: &usize| {
             let (before, after) = (shown[n - 1], shown[*n]);
-            let new_body = fits[*n].model.is_coupled() && !fits[n - 1].model.is_coupled();
-            let fit = fits[n - 1];
+            let (fit, next) = (fits[n - 1], fits[*n]);
+            let between = between_rows(next) > between_rows(fit);
             // what the sampling leaves open of a time is half a row, which a shift exceeds
-            let later = is_later(fit, fits[*n]);
-            let open = match new_body {
+            let later = is_later(fit, next);
+            let open = match between {
                 true => self.judge.between_rows(&fit.model, &fit.p),
                 false => open.min(after),
             };
@@ -302,6 +302,11 @@ impl Search<'_> {
         refitted.zip(falls).for_each(|(r, fall)| r.fall = Some(fall));
         ranking
     }
+}
+
+/// How many effects of a fit may take the place of the input between its rows.
+fn between_rows(fit: &WindowFit) -> usize {
+    fit.model.effects().iter().filter(|effect| effect.change().acts_between_rows()).count()
 }
 
 /// Whether one fit has an effect that moves the input in time and the other does not.

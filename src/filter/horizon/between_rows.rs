@@ -1,6 +1,7 @@
 //! What the log does not say of the input between its rows, as noise.
 
 use crate::effects::{Motion, along};
+use crate::filter::friction::input_variance;
 use crate::filter::prepare::Prepared;
 use crate::model::Model;
 
@@ -48,12 +49,10 @@ pub(super) fn crossing(prepared: &Prepared, model: &Model, p: &[f64]) -> Vec<[f6
 pub(super) fn whole_noise(prepared: &[Prepared]) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for one in prepared {
-        let white = one.torque_noise.powi(2);
         let torque = one.recording.torque();
         for k in one.recording.pieces().iter().flat_map(|piece| piece.start + 1..piece.end) {
             for i in 0..2 {
-                let change = (torque[k][i] - torque[k - 1][i]).powi(2);
-                sum += white + (change - 6.0 * white).max(0.0) / 12.0;
+                sum += input_variance(one.torque_noise, torque[k][i] - torque[k - 1][i]);
                 count += 1.0;
             }
         }
