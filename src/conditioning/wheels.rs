@@ -14,7 +14,7 @@ use super::input::speeds;
 use super::signal::{median_high, pieces};
 use super::{Conditioned, Settings};
 use crate::recording::{
-    SAMPLES, View, Window, exchanged_input, exchanged_speeds, opposing_input, windows_of,
+    View, Window, exchanged_input, exchanged_speeds, opposing_input, windows_of,
 };
 
 /// Share of the windows in which the wheels turn against each other beyond which a wheel counts mirrored:
@@ -99,8 +99,8 @@ fn windows(work: &Conditioned) -> Vec<Window> {
     let alpha = c.alpha.as_ref().unwrap_or(&omega);
     let step = median_high(c.t.windows(2).map(|w| w[1] - w[0]));
     let pieces = pieces(&c.t);
-    let (t, torque, samples) = (&c.t, &c.torque, SAMPLES);
-    windows_of(&View { t, alpha, omega: &omega, torque, pieces: &pieces, step, samples })
+    let (t, torque, refresh) = (&c.t, &c.torque, 1);
+    windows_of(&View { t, alpha, omega: &omega, torque, pieces: &pieces, step, refresh })
 }
 
 #[cfg(test)]

@@ -22,12 +22,12 @@ use crate::robot::{Robot, kinematics};
 use crate::simulate::{Movement, NoiseLevel, Recorder, Segment, record};
 
 const RATE: f64 = 100.0;
-const NOISE: NoiseLevel = NoiseLevel { alpha: 1e-3, dalpha: 0.05, torque: 0.01 };
+pub(super) const NOISE: NoiseLevel = NoiseLevel { alpha: 1e-3, dalpha: 0.05, torque: 0.01 };
 /// Rows of the start, in which wheels rest.
 const START: usize = 150;
 
-/// 5 s of a drive in curves, wheels between 3 and 9 rad/s, with [`NOISE`] times `scale`.
-pub(super) fn curves(truth: &Model, p: &[f64], seed: u64, scale: f64) -> Recording {
+/// 5 s of a drive in curves, wheels between 3 and 9 rad/s, measured with `noise`.
+pub(super) fn curves(truth: &Model, p: &[f64], seed: u64, noise: NoiseLevel) -> Recording {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut segments = Vec::new();
     for _ in 0..12 {
@@ -39,7 +39,6 @@ pub(super) fn curves(truth: &Model, p: &[f64], seed: u64, scale: f64) -> Recordi
             hold_s: rng.random_range(0.0..0.2),
         });
     }
-    let noise = NOISE.scaled(scale);
     let recorder = Recorder { rate: RATE, control_rate: RATE, noise, ticks: None, seed };
     let whole = record("curves", truth, p, &Movement { segments }, &recorder).unwrap();
     whole.cut(START..START + 500).unwrap()
@@ -95,7 +94,7 @@ fn by_differences(
 fn score_and_information_of_the_rigid_filter_equal_finite_differences() {
     let model = Model::base(Robot::amigobot());
     let p = model.initial();
-    let recording = curves(&model, &p, 1, 1.0);
+    let recording = curves(&model, &p, 1, NOISE);
     let prepared = known(&recording);
     let noise = process(NOISE.torque);
     let here = pass(&model, &p, &prepared, noise);
@@ -142,7 +141,7 @@ fn shown(viscous: f64, seed: u64) -> Shown {
     let truth = Model::with_effects(Robot::amigobot(), &["viscous_friction"]).unwrap();
     let mut p = model.initial();
     p.push(viscous);
-    let recording = curves(&truth, &p, seed, 1.0);
+    let recording = curves(&truth, &p, seed, NOISE);
     let p = &p[..COUNT];
     let noise = process(NOISE.torque);
     let (keep_innovations, input_noise) = (true, true);

@@ -339,10 +339,8 @@ impl fmt::Display for Unknown {
         match self {
             Self::One(symbol) => write!(f, "{symbol} is not identifiable from these data"),
             Self::Held(symbol, value) => {
-                write!(
-                    f,
-                    "{symbol} is not identifiable from these data and was held at {value:.6e}"
-                )
+                write!(f, "{symbol} is not identifiable from these data and was held at ")?;
+                if *value == 0.0 { f.write_str("0") } else { write!(f, "{value:.6e}") }
             }
             Self::Two { first, second, weight, value, std_error } => {
                 let other = if (weight - 1.0).abs() < 1e-3 {

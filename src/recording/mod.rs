@@ -28,7 +28,7 @@ pub(crate) use noise::FEW_LEVELS;
 pub use noise::share_noise;
 pub use quality::{Finding, Gaps, Issue, Quality, Severity, StatedIssue, quality};
 pub(crate) use quality::{
-    SAMPLES, View, Window, exchanged_input, exchanged_speeds, opposing_input, windows_of,
+    View, Window, exchanged_input, exchanged_speeds, opposing_input, windows_of,
 };
 pub use recording::Recording;
 pub(crate) use refresh::REGULAR;

@@ -14,7 +14,7 @@ mod window;
 pub use issue::{Issue, StatedIssue};
 
 pub(crate) use consistency::{exchanged_input, exchanged_speeds, opposing_input};
-pub(crate) use window::{SAMPLES, View, Window, windows_of};
+pub(crate) use window::{View, Window, windows_of};
 
 use super::Recording;
 use crate::robot::Robot;

@@ -7,10 +7,10 @@ use nalgebra::DVector;
 
 use super::{HorizonFilter, Reading, Sums};
 use crate::filter::Prepared;
-use crate::filter::tests::{curves, known};
+use crate::filter::tests::{NOISE, curves, known};
 use crate::model::Model;
 use crate::robot::Robot;
-use crate::simulate::Hold;
+use crate::simulate::{Hold, NoiseLevel};
 
 /// Any horizon: without noise of the input all are the same.
 const HORIZON: f64 = 0.1;
@@ -41,7 +41,7 @@ fn case(effects: &[&str]) -> (Model, Vec<f64>) {
 fn the_score_is_the_slope_of_the_cost() {
     for effects in [&[][..], &["viscous_friction", "turning_scrub"], &["quadratic_drag"]] {
         let (model, truth) = case(effects);
-        let recording = curves(&model, &truth, 3, 1.0);
+        let recording = curves(&model, &truth, 3, NoiseLevel { torque: 0.0, ..NOISE });
         let prepared = [known(&recording)];
         let filter = exact(&prepared, &model, &truth);
         let information = sums(&filter, &model, &truth)[0].information.clone();
@@ -68,7 +68,7 @@ fn the_score_is_the_slope_of_the_cost() {
 #[test]
 fn the_information_is_the_slope_of_the_score_where_innovations_vanish() {
     let (model, truth) = case(&["viscous_friction"]);
-    let recording = curves(&model, &truth, 4, 0.0);
+    let recording = curves(&model, &truth, 4, NOISE.scaled(0.0));
     let prepared = [known(&recording)];
     let filter = exact(&prepared, &model, &truth);
     let n = truth.len();

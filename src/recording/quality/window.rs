@@ -3,7 +3,6 @@
 use std::ops::Range;
 
 use super::super::Recording;
-use crate::math::median_high;
 
 /// Means and slopes of the channels over a short window, right wheel first.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,20 +31,17 @@ pub(crate) struct View<'a> {
     pub(crate) pieces: &'a [Range<usize>],
     /// Median step \[s\].
     pub(crate) step: f64,
-    /// Fewest samples of a window.
-    pub(crate) samples: usize,
+    /// Rows for each new value of the sensors.
+    pub(crate) refresh: usize,
 }
 
 /// Length of a window \[s\].
 const LENGTH: f64 = 0.1;
-/// Fewest samples of a window, repeated ones included.
-pub(crate) const SAMPLES: usize = 8;
+/// Fewest new values of a window.
+const SAMPLES: usize = 8;
 
 /// The windows of all pieces, one behind the other.
 pub(super) fn windows(r: &Recording) -> Vec<Window> {
-    if r.rows_per_refresh() > 1 {
-        return refreshed(r);
-    }
     windows_of(&View {
         t: r.t(),
         alpha: r.alpha(),
@@ -53,26 +49,7 @@ pub(super) fn windows(r: &Recording) -> Vec<Window> {
         torque: r.torque(),
         pieces: r.pieces(),
         step: r.step(),
-        samples: SAMPLES,
-    })
-}
-
-/// Those of the rows with new values alone: of repeated ones the slope of an angle is too small.
-fn refreshed(r: &Recording) -> Vec<Window> {
-    let rows: Vec<usize> = (0..r.len()).filter(|&k| r.fresh()[k]).collect();
-    let of = |signal: &[[f64; 2]]| rows.iter().map(|&k| signal[k]).collect::<Vec<_>>();
-    let place = |row: usize| rows.partition_point(|k| *k < row);
-    let pieces: Vec<_> = r.pieces().iter().map(|p| place(p.start)..place(p.end)).collect();
-    let t: Vec<f64> = rows.iter().map(|&k| r.t()[k]).collect();
-    let step = median_high(t.windows(2).map(|t| t[1] - t[0]));
-    windows_of(&View {
-        t: &t,
-        alpha: &of(r.alpha()),
-        omega: &of(r.omega()),
-        torque: &of(r.torque()),
-        pieces: &pieces,
-        step,
-        samples: SAMPLES.div_ceil(r.rows_per_refresh()),
+        refresh: r.rows_per_refresh(),
     })
 }
 
@@ -81,7 +58,8 @@ pub(crate) fn windows_of(v: &View) -> Vec<Window> {
     if v.step.is_nan() || v.step <= 0.0 {
         return vec![];
     }
-    let length = ((LENGTH / v.step).round() as usize).max(v.samples);
+    // the slope of n steps of a stair is too small by 1/n²
+    let length = ((LENGTH / v.step).round() as usize).max(SAMPLES * v.refresh);
     let mut out = Vec::with_capacity(v.t.len() / length);
     for piece in v.pieces {
         let mut start = piece.start;
