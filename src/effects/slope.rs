@@ -16,24 +16,14 @@ use crate::robot::Robot;
 /// rate times m g sin(inclination) is the power the wheels need; with v_A = r/2 (w1 + w2) and
 /// β_dot = r/(2 l1) (w1 - w2) the factors of w1 and w2 are the torques above.
 ///
-/// Where the construction is not known, the inertias of the data give the lever: of `a3 = m4 l2 r³/(4 l1²)` and
-/// `a1 + a2 = m r²/2`, the wheels' own inertia left out (k is then too small by its share), `k = 2 l1 a3/(r (a1 + a2))`.
-///
 /// The heading comes from the wheel angles; where these start is absorbed by β_u.
 #[derive(Clone, Debug, Default)]
 pub struct Slope;
 
-/// Largest share k: the centre of mass half a track beside the axle. A stated taste, for an a3 that the data hardly give.
-const LONGEST: f64 = 1.0;
-
 /// Share of the turning torque, k in the docs of [`Slope`].
 fn lever(robot: &Robot) -> f64 {
     let body = &robot.construction;
-    match &robot.estimated {
-        Some(a) => 2.0 * body.l1_m * a.a3 / (robot.r() * (a.a1 + a.a2)),
-        None => body.l2_m / body.l1_m * body.m4_kg / (body.m4_kg + body.m1_kg + body.m2_kg),
-    }
-    .clamp(-LONGEST, LONGEST)
+    body.l2_m / body.l1_m * body.m4_kg / (body.m4_kg + body.m1_kg + body.m2_kg)
 }
 
 impl Physics for Slope {
@@ -80,16 +70,6 @@ impl Physics for Slope {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_lever_of_the_inertias_is_that_of_the_construction() {
-        let mut robot = Robot::amigobot();
-        // wheels of no inertia about their own axles
-        robot.construction.iz1_kg_m2 = 0.0;
-        let built = lever(&robot);
-        robot.estimated = Some(robot.construction.parameters());
-        assert!((lever(&robot) / built - 1.0).abs() < 1e-12, "{} {built}", lever(&robot));
-    }
 
     #[test]
     fn the_power_of_the_torques_is_the_rate_of_the_potential_energy() {

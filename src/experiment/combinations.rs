@@ -6,7 +6,7 @@ use std::sync::Arc;
 use toml::Table;
 
 use super::file::GridAxis;
-use super::plan::Source;
+use super::source::Source;
 
 /// The combinations of a grid.
 #[derive(Clone)]

@@ -34,6 +34,7 @@ mod resolve;
 mod robot_table;
 mod run;
 mod shard;
+mod source;
 mod stages;
 mod what_if;
 

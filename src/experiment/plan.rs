@@ -10,47 +10,13 @@ pub use self::options::{DiagnosisPlan, MethodPlan, PlanOptions};
 use super::combinations::GridPlan;
 use super::custom::Own;
 use super::remark::Remark;
-use crate::conditioning::{Finding, Stated, stated};
+pub use super::source::Measured;
+use crate::conditioning::{Stated, stated};
 use crate::diagnose::Timing;
 use crate::model::Model;
-use crate::recording::{self, DriveUnit, LongRecording, Recording, StatedIssue};
+use crate::recording::{DriveUnit, LongRecording, Recording, StatedIssue};
 use crate::simulate::{Gain, Hold};
 use crate::study::{Role, grouped};
-
-/// A recording with its use and provenance.
-#[derive(Clone)]
-pub struct Measured {
-    /// Use.
-    pub role: Role,
-    /// The recording; windows of it, if it is too long to be held.
-    pub recording: Recording,
-    /// All of its rows, if it is too long to be held.
-    pub long: Option<Arc<LongRecording>>,
-    /// SHA-256 of its file.
-    pub sha256: Option<String>,
-    /// What conditioning found, and did.
-    pub conditioning: Vec<Finding>,
-    /// What the quality check says.
-    pub findings: Vec<recording::Finding>,
-}
-
-/// Recordings as they are before a model is there: of a file, or simulated.
-#[derive(Clone)]
-pub(super) struct Source {
-    pub(super) recordings: Vec<Measured>,
-    /// The input between the rows, if it is said.
-    pub(super) hold: Option<Hold>,
-    pub(super) seed: u64,
-    /// The true parameters of simulated ones.
-    pub(super) truth: Vec<(String, f64)>,
-}
-
-impl Source {
-    /// Recordings that are there already.
-    pub(super) fn given(recordings: Vec<Measured>) -> Self {
-        Self { recordings, hold: None, seed: 1, truth: vec![] }
-    }
-}
 
 /// An input that is the sum of several columns; printed as `M1 = front_right + rear_right`.
 #[derive(Clone, Debug, PartialEq, Eq)]

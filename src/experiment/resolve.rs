@@ -12,8 +12,9 @@ use super::file::{
     CandidatesEntry, DiagnosisEntry, EmulatorEntry, ExperimentFile, FixedEntry, MovementEntry,
     NamedMovement, SimulationEntry,
 };
-use super::plan::{DiagnosisPlan, InputSum, Measured, MethodPlan, Plan, PlanOptions, Source};
+use super::plan::{DiagnosisPlan, InputSum, Measured, MethodPlan, Plan, PlanOptions};
 use super::robot_table::{is_built, robot};
+use super::source::Source;
 use crate::diagnose;
 use crate::effects::ParameterKind;
 use crate::identify;

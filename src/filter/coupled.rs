@@ -252,10 +252,10 @@ impl Dynamics<STATES> for Coupled<'_> {
         out.spread = [turning, forward];
         out.acceleration = [0, 1].map(|i| (mean[2 + i] - before[2 + i]) / sample.step);
         tilt_angles(mean, &out.gain, sample);
-        let noise = torque_noise(self.noise.sigma_m, sample, &left);
+        let noise = torque_noise(self.noise.sigma_m, &sample.change, &left);
         *covariance += out.gain * noise * out.gain.transpose();
         make_symmetric(covariance);
-        finish(&self.noise, self.transition[(4, 4)], sample, mean, covariance);
+        finish(&self.noise, self.transition[(4, 4)], sample.still, mean, covariance);
         Ok(out)
     }
 

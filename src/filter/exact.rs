@@ -109,7 +109,7 @@ impl Dynamics<4> for Exact<'_> {
         }
         self.transition = transition;
         *mean = Mean::<4>::new(after.alpha[0], after.alpha[1], after.omega[0], after.omega[1]);
-        let torque = torque_noise(self.sigma, sample, &sample.crossing);
+        let torque = torque_noise(self.sigma, &sample.change, &sample.crossing);
         *covariance =
             transition * *covariance * transition.transpose() + gain * torque * gain.transpose();
         make_symmetric(covariance);

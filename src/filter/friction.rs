@@ -5,7 +5,6 @@ use nalgebra::Matrix2;
 
 use super::ProcessNoise;
 use super::correction::{Covariance, Mean, STILL, freeze};
-use super::step::Sample;
 use crate::effects::along;
 use crate::math::Real;
 
@@ -160,10 +159,10 @@ fn density(v: f64, variance: f64) -> f64 {
 /// Variance of the torque over a step [N^2 m^2]: that of the input, and friction of variances `friction` along the
 /// directions.
 #[inline]
-pub(super) fn torque_noise(sigma: f64, sample: &Sample, friction: &[f64; 4]) -> Matrix2<f64> {
+pub(super) fn torque_noise(sigma: f64, change: &[f64; 2], friction: &[f64; 4]) -> Matrix2<f64> {
     let mut out = along_directions(friction);
     for i in 0..2 {
-        out[(i, i)] += input_variance(sigma, sample.change[i]);
+        out[(i, i)] += input_variance(sigma, change[i]);
     }
     out
 }
@@ -181,14 +180,14 @@ pub(super) fn input_variance(sigma: f64, change: f64) -> f64 {
 pub(super) fn finish<const N: usize>(
     noise: &ProcessNoise,
     decay: f64,
-    sample: &Sample,
+    still: [bool; 2],
     mean: &mut Mean<N>,
     covariance: &mut Covariance<N>,
 ) {
     let slow = noise.sigma_d.powi(2) * (1.0 - decay.powi(2));
     for i in 0..2 {
         covariance[(4 + i, 4 + i)] += slow;
-        if sample.still[i] {
+        if still[i] {
             freeze(covariance, mean, i);
         }
     }

@@ -158,8 +158,8 @@ pub(super) fn predict(
         mean[4 + i] *= push.decay;
     }
     tilt_angles(mean, &gain, sample);
-    *covariance = push.spread(covariance, &torque_noise(noise.sigma_m, sample, &rest));
-    finish(noise, push.decay, sample, mean, covariance);
+    *covariance = push.spread(covariance, &torque_noise(noise.sigma_m, &sample.change, &rest));
+    finish(noise, push.decay, sample.still, mean, covariance);
     Ok(Predicted {
         gain,
         acceleration,

@@ -153,7 +153,7 @@ fn an_effect_is_named_by_its_id_and_not_by_a_word_of_a_sentence() {
 /// Each imports only its own stage and those before it.
 const STAGES: [(&str, &[&str]); 9] = [
     ("the file", &["file", "error", "remark", "remarks", "guess", "new_file"]),
-    ("a plan", &["combinations", "custom", "robot_table", "quality", "plan", "stages"]),
+    ("a plan", &["combinations", "custom", "robot_table", "quality", "source", "plan", "stages"]),
     ("from the file to a plan", &["long", "measured", "align", "assemble", "resolve"]),
     ("from a plan to fits", &["fits", "fitted"]),
     ("from fits to a comparison", &["fuzzy_study", "comparison"]),

@@ -8,8 +8,9 @@ use toml::{Table, Value};
 use crate::experiment::combinations::GridPlan;
 use crate::experiment::error::ExperimentError;
 use crate::experiment::file::{ExperimentFile, FileError, GridAxis, axes, set_value};
-use crate::experiment::plan::{Plan, Source};
+use crate::experiment::plan::Plan;
 use crate::experiment::resolve::resolve_with;
+use crate::experiment::source::Source;
 
 /// Checks the grid of a file and resolves its first combination that makes sense; the plan is
 /// that of this combination, with the grid.
