@@ -18,7 +18,7 @@ const CLEAR: (f64, f64) = (2.0, 4.0);
 /// Variance of an unclear friction in units of its level squared: anything between the levels.
 const UNCLEAR: f64 = 1.0 / 3.0;
 /// Shares of the speed that a step may lose between which a wheel is sure not to pass through rest.
-pub(super) const PASS: (f64, f64) = (0.75, 1.25);
+const PASS: (f64, f64) = (0.75, 1.25);
 
 /// Dry friction over a step, statistically linearised along each direction.
 #[derive(Clone, Copy)]
@@ -104,7 +104,7 @@ pub(super) fn in_directions([first, beside, second]: [f64; 3]) -> [f64; 4] {
 
 /// `Σ_j d_j d_j' weight_j` over the directions.
 #[inline]
-pub(super) fn along_directions([first, second, turning, forward]: &[f64; 4]) -> Matrix2<f64> {
+fn along_directions([first, second, turning, forward]: &[f64; 4]) -> Matrix2<f64> {
     let (both, beside) = (turning + forward, forward - turning);
     Matrix2::new(first + both, beside, beside, second + both)
 }

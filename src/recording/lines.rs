@@ -12,6 +12,7 @@ impl Recording {
         let fresh = self.fresh().iter().filter(|fresh| **fresh).count().max(1);
         ((self.fresh().len() as f64 / fresh as f64).round() as usize).max(1)
     }
+
     /// A measured signal of the wheels with the line between two new values in the rows between them, where the sensors
     /// refresh more slowly than the rows come: what filters see, which the repeated values would make late by half a refresh.
     #[must_use]
@@ -33,9 +34,9 @@ fn on_lines<'a>(r: &Recording, signal: &'a [[f64; 2]]) -> Cow<'a, [[f64; 2]]> {
         return Cow::Borrowed(signal);
     }
     let period = median_high(rows.windows(2).map(|w| (w[1] - w[0]) as f64)) as usize;
-    let (t, pieces) = (r.t(), r.pieces());
+    let t = r.t();
     for w in rows.windows(2) {
-        if !pieces.iter().any(|piece| piece.contains(&w[0]) && piece.contains(&w[1])) {
+        if !r.piece_of(w[0]).is_some_and(|piece| piece.contains(&w[1])) {
             continue;
         }
         let from = w[0].max(w[1].saturating_sub(period));

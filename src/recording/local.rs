@@ -61,18 +61,13 @@ impl Recording {
     pub fn local_speed_variance(&self, k: usize, noise: &Noise) -> [f64; 2] {
         let Some(piece) = self.piece_of(k) else { return [0.0; 2] };
         let mut out = LocalMotion::default();
+        let widest = half_width(self, self.rows_per_refresh());
         for i in 0..2 {
             let mut parabola = Parabola::new(self, (k, i), noise);
-            parabola.widen(around(piece, k, self.half_width()));
+            parabola.widen(around(piece, k, widest));
             parabola.fit(&mut out);
         }
         out.omega_variance
-    }
-
-    fn half_width(&self) -> usize {
-        let refresh = self.rows_per_refresh();
-        ((HALF_WIDTH / (self.step() * refresh as f64)).round() as usize).clamp(FEWEST, MOST)
-            * refresh
     }
 
     /// The motion at `rows` of a piece.
@@ -83,12 +78,15 @@ impl Recording {
         noise: &Noise,
         out: &mut [LocalMotion],
     ) {
+        // once for all rows: it counts them
+        let refresh = self.rows_per_refresh();
         for i in 0..2 {
             // rows that repeat the last value show no corner
-            let angles_alone = !self.measured().omega && self.rows_per_refresh() == 1;
+            let angles_alone = !self.measured().omega && refresh == 1;
             let corners = angles_alone.then(|| Corners::of(self, piece, rows.clone(), i));
             for (k, out) in rows.clone().zip(out.iter_mut()) {
-                self.parabola(piece, Parabola::new(self, (k, i), noise), corners.as_ref(), out);
+                let parabola = Parabola::new(self, (k, i), noise);
+                self.parabola(piece, parabola, refresh, corners.as_ref(), out);
                 if let Some(corners) = &corners {
                     out.omega_variance[i] += corners.roughness(k, noise.alpha[i]);
                 }
@@ -102,10 +100,11 @@ impl Recording {
         &self,
         piece: &Range<usize>,
         mut parabola: Parabola,
+        refresh: usize,
         corners: Option<&Corners>,
         out: &mut LocalMotion,
     ) {
-        let (i, k, widest) = (parabola.wheel, parabola.sample, self.half_width());
+        let (i, k, widest) = (parabola.wheel, parabola.sample, half_width(self, refresh));
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         let mut agreed: Option<LocalMotion> = None;
         let mut agrees = |fit: &LocalMotion| meets(fit, i, &mut low, &mut high);
@@ -114,7 +113,7 @@ impl Recording {
             agrees(&fit);
             agreed = Some(fit);
         }
-        let mut half = if self.measured().omega { 1 } else { 2 } * self.rows_per_refresh();
+        let mut half = if self.measured().omega { 1 } else { 2 } * refresh;
         while half < widest {
             parabola.widen(around(piece, k, half));
             let mut fit = *out;
@@ -134,6 +133,12 @@ impl Recording {
             out.alpha_variance[i] = fit.alpha_variance[i];
         }
     }
+}
+
+/// Half width of the widest neighbourhood in rows, of which `refresh` come for each new value.
+fn half_width(recording: &Recording, refresh: usize) -> usize {
+    let step = recording.step() * refresh as f64;
+    ((HALF_WIDTH / step).round() as usize).clamp(FEWEST, MOST) * refresh
 }
 
 /// Sums over a neighbourhood of a sample that grows to both sides: powers of the time τ since that sample, and
