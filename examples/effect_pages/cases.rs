@@ -154,7 +154,7 @@ static CASES: [Case; 31] = [
     },
     Case {
         id: "slope",
-        hidden: &[("g_c", 0.015), ("g_s", 0.01)],
+        hidden: &[("g_c", 0.015), ("g_s", 0.01), ("k_g", 0.317)],
         against: Some(Variable::Heading),
         reading: "Both lines vary sinusoidally with heading; they are shifted against each other \
                   because the centre of mass lies off the axle and turns the robot downhill.",

@@ -164,6 +164,20 @@ pub enum Kind<C = usize, R = f64> {
         /// Standard error of that \[s\].
         std_error_s: R,
     },
+    /// A heading that starts so much later than in the other recordings, as the motion says that they make.
+    StartHeading {
+        /// Angle \[rad\].
+        angle_rad: R,
+        /// Standard error of that \[rad\].
+        std_error_rad: R,
+    },
+    /// The same of the angle of a wheel.
+    StartAngle {
+        /// Angle \[rad\].
+        angle_rad: R,
+        /// Standard error of that \[rad\].
+        std_error_rad: R,
+    },
     /// Isolated wrong samples.
     Spikes {
         /// How many.
@@ -307,6 +321,8 @@ impl Kind {
             Self::LowPass { time_s, .. } => ("low_pass", time_s, "s"),
             Self::HeldInput => ("held_input", 1.0, "rows"),
             Self::Phase { shift_s, .. } => ("phase", shift_s, "s"),
+            Self::StartHeading { angle_rad, .. } => ("start_heading", angle_rad, "rad"),
+            Self::StartAngle { angle_rad, .. } => ("start_angle", angle_rad, "rad"),
             Self::Differences { lag_s, .. } => ("differences_of_angle", lag_s, "s"),
             Self::Counts { step_rad, .. } => ("counts", step_rad, "rad"),
             Self::FewLevels { levels } => ("few_levels", levels as f64, "levels"),

@@ -23,6 +23,9 @@ pub struct Settings {
     /// Speeds that lag the angles are advanced, or left out where a filter made them; speeds without
     /// angles that are made of an encoder's counts become the angles that these add up to.
     pub speeds: bool,
+    /// Recordings that start at another heading or with the wheels at another angle than the others are
+    /// brought to one start, where a torque that repeats with the angle shows that they do.
+    pub starts: bool,
     /// Sensors that never move and inputs without a sign are refused.
     pub refuse: bool,
     /// An input without a sign takes that of the speed.
@@ -39,6 +42,7 @@ impl Default for Settings {
             signs: true,
             exchanged: true,
             speeds: true,
+            starts: true,
             refuse: true,
             sign_from_speed: false,
         }

@@ -1,15 +1,19 @@
 //! Candidates: effects that may be missing, each with the torque columns that show it.
 
+mod size;
+
 use std::cell::OnceCell;
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
+pub(super) use self::size::column_size;
+use self::size::common_size;
 use super::joint::{Around, Forces, coupling, joint_signal};
 use super::signals::signals;
 use crate::effects::{
     Change, Coupling, DIFFERENTIATED, Effect, MOST_PARAMETERS, Motion, Own, ParameterKind, Scale,
-    along,
+    Wave, along,
 };
 use crate::filter::{Instant, clarity};
 use crate::math::{Real, sgn};
@@ -197,6 +201,16 @@ impl Candidate {
         specs.iter().filter(|s| s.kind == ParameterKind::Shape).all(|s| s.whole)
     }
 
+    /// The waves that the columns consist of, with the columns in the place of the parameters; empty where the torque
+    /// is none.
+    pub(super) fn waves(&self) -> Vec<Wave> {
+        let column = |j: usize| self.linear.iter().position(|&linear| linear == j);
+        let of_columns = |wave: Wave| {
+            Some(Wave { sine: column(wave.sine)?, cosine: column(wave.cosine)?, ..wave })
+        };
+        self.effect.waves(&self.p).into_iter().filter_map(of_columns).collect()
+    }
+
     /// Whether the effect moves the input in time, and does nothing else.
     pub(super) fn is_shift(&self) -> bool {
         self.effect.change() == Change::TimeShift
@@ -353,41 +367,4 @@ pub(super) fn still_instant<'a>(
         speed_variance: 0.0,
         input: recording.torque()[k],
     }
-}
-
-/// What the two wheels have in common of each column of a candidate: largest value [N m per unit].
-fn common_size(candidate: &Candidate, model: &Model, recording: &Recording) -> Vec<f64> {
-    let mut largest = vec![0.0_f64; candidate.columns()];
-    let mut row = vec![[0.0; 2]; candidate.columns()];
-    for (k, m) in recording.local_motion().iter().enumerate().step_by(7) {
-        candidate.torque(0, &still_instant(model, recording, k, m), &mut row);
-        for (size, torque) in largest.iter_mut().zip(&row) {
-            *size = size.max((torque[0] + torque[1]).abs());
-        }
-    }
-    largest
-}
-
-/// The effect of a candidate seen on the local motion of the recordings, for its size: root
-/// mean square of each column over them [N m per unit].
-#[must_use]
-pub(super) fn column_size(
-    candidate: &Candidate,
-    model: &Model,
-    recordings: &[&Recording],
-) -> Vec<f64> {
-    let mut sums = vec![0.0; candidate.columns()];
-    let mut count = 0.0;
-    let mut row = vec![[0.0; 2]; candidate.columns()];
-    for (r, recording) in recordings.iter().enumerate() {
-        for (k, m) in recording.local_motion().iter().enumerate().step_by(7) {
-            let at = still_instant(model, recording, k, m);
-            candidate.torque(r, &at, &mut row);
-            for (sum, torque) in sums.iter_mut().zip(&row) {
-                *sum += torque[0] * torque[0] + torque[1] * torque[1];
-            }
-            count += 2.0;
-        }
-    }
-    sums.iter().map(|s| (s / f64::max(count, 1.0)).sqrt().max(1e-12)).collect()
 }

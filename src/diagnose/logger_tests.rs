@@ -4,7 +4,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::{hold, speed_filter};
+use super::{held_input, speed_filter, timing};
 use crate::filter::noise_of_jumps;
 use crate::identify::{Task, start};
 use crate::model::Model;
@@ -94,7 +94,28 @@ fn an_input_that_is_held_between_the_rows_is_told_from_one_that_runs_on() {
         for truth in [Hold::Constant, Hold::Linear] {
             let mut recording = stepped(&[], truth, seed, |rows| rows);
             let first = started(&model, &mut recording);
-            assert_eq!(hold(&model, &first, &[&recording]), truth, "{seed}");
+            let held = held_input(&model, &first, &[&recording]);
+            assert_eq!(held.is_some(), truth == Hold::Constant, "{seed}");
         }
     }
+}
+
+#[test]
+fn rows_that_are_means_of_a_held_input_up_to_there_are_found_with_the_right_inertia() {
+    let model = Model::base(Robot::amigobot());
+    let mut recording = stepped(&[], Hold::Constant, 41, |rows| rows);
+    let truth = model.initial();
+    // each row is what was held until it: a row later than what is held from it on
+    let mut late = recording.torque().to_vec();
+    late.rotate_right(1);
+    late[0] = late[1];
+    recording = recording.with_torque(late);
+    let first = started(&model, &mut recording);
+    let held = held_input(&model, &first, &[&recording]).unwrap();
+    // the balance of torques a row late is off by more
+    let off = |p: &[f64]| (p[0] / truth[0] - 1.0).abs();
+    assert!(off(&held) < 0.03 && off(&first) > 2.0 * off(&held), "{held:?} {first:?}");
+    let found = timing(&model, &held, &[&recording], Hold::Constant).unwrap();
+    let row = recording.step();
+    assert!((found.dead_time_s + row).abs() < 0.1 * row, "{found:?}");
 }

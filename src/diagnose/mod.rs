@@ -1,6 +1,8 @@
 //! Which effect is missing: candidates, screening, acceptance, the verdict, the next run.
 
 mod acceptance;
+mod aligned;
+mod by_recording;
 mod candidate;
 mod evidence;
 mod fit;
@@ -27,7 +29,7 @@ mod windows;
 pub use acceptance::{Fall, fall_of};
 pub use candidate::{Candidate, Form, candidates};
 pub use fit::{WindowFit, fit};
-pub use hold::hold;
+pub use hold::held_input;
 pub use input_timing::{SYMBOL as INPUT_SHIFT, shifted, with_later_input};
 pub use judge::{Judge, Judgement};
 pub use next_run::{Limits, Proposal, Rivals, next_run};
@@ -36,7 +38,7 @@ pub use phases::{Phase, phases};
 pub use regression::{ColumnRoom, Regression, Smoothed, cutoff};
 pub use scale::scale_of;
 pub use screen::Screen;
-pub use search::{Data, Progress, Settings, diagnose};
+pub use search::{Data, Progress, Settings, StartAngle, diagnose, start_angles};
 pub use shapes::shapes_placed;
 pub use speed_filter::{SpeedFilter, advanced, speed_filter};
 pub use thresholds::{THRESHOLDS, Thresholds};

@@ -3,18 +3,23 @@
 //! The torque that a model leaves unexplained on the smoothed motion is regressed on the columns of
 //! candidates, all of them low-passed alike and without a phase shift.
 
+mod products;
+
 use std::ops::Range;
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::candidate::{Candidate, still_instant};
+pub use self::products::ColumnRoom;
+use self::products::Products;
+use super::by_recording::ratio;
+use super::candidate::Candidate;
 use super::input_timing::shifted;
 use super::nonnegative;
 use crate::compare::{FilterRoom, REST, WIDTH, filter_together, filtered, smooth_motion};
 use crate::effects::{Motion, along};
-use crate::math::{FILLED, Real, add_products, least_squares};
+use crate::math::{FILLED, Real, least_squares};
 use crate::model::{Linearisation, Model};
 use crate::recording::{LocalMotion, Recording};
 
@@ -81,14 +86,6 @@ pub struct Regression<'a> {
     width: usize,
     /// Independent values among the rows.
     pub degrees: f64,
-}
-
-/// Room for the columns of a candidate, to be used again for the next one.
-#[derive(Default)]
-pub struct ColumnRoom {
-    signals: Vec<Vec<[f64; 2]>>,
-    filter: FilterRoom,
-    rows: Vec<f64>,
 }
 
 /// Cut-off of the low-pass \[Hz\]: a tenth of the sampling rate, or lower where noise of the measured speeds
@@ -284,9 +281,7 @@ impl<'a> Regression<'a> {
         let g = -beside.column(base);
         let bounded: Vec<bool> = (0..count).map(|n| candidate.not_negative(n)).collect();
         let (solution, gain) = nonnegative::solve(&h, &g, &bounded);
-        let before = self.residual_square();
-        let after = (before - gain).max(1e-12 * before);
-        (self.degrees * (before / after).ln(), solution)
+        (ratio(self.degrees, self.residual_square(), gain), solution)
     }
 
     /// Where a fit with the candidate starts: the free parameters of the model and the linear ones of the
@@ -309,65 +304,6 @@ impl<'a> Regression<'a> {
         free.iter().zip(&values).for_each(|(&j, v)| p[j] += v);
         Some((p, values.as_slice()[base..].to_vec()))
     }
-
-    /// The products of a candidate's columns over all rows.
-    fn products(&self, candidate: &Candidate, room: &mut ColumnRoom) -> Products {
-        let (count, base, beside) = (candidate.columns(), self.basis.ncols(), self.width);
-        let own = own_width(count);
-        let mut by_own = vec![0.0; count * own];
-        let mut by_beside = vec![0.0; count * beside];
-        self.each_recording(candidate, room, |numbers, width, rows| {
-            let others = &self.beside[numbers.start * beside..numbers.end * beside];
-            add_products((rows, width), (others, beside), &mut by_beside);
-            add_products((rows, width), (rows, width), &mut by_own);
-        });
-        Products {
-            among: DMatrix::from_fn(count, count, |n, m| by_own[n * own + m]),
-            beside: DMatrix::from_fn(count, base + 1, |n, b| by_beside[n * beside + b]),
-        }
-    }
-
-    /// Calls `see` for every recording with the numbers of its rows and the columns of a candidate at them, low-passed:
-    /// so many numbers a row, filled up with zeros.
-    fn each_recording(
-        &self,
-        candidate: &Candidate,
-        room: &mut ColumnRoom,
-        mut see: impl FnMut(Range<usize>, usize, &[f64]),
-    ) {
-        let count = candidate.columns();
-        let width = own_width(count);
-        let ColumnRoom { signals, filter, rows } = room;
-        signals.resize_with(count.max(signals.len()), Vec::new);
-        let signals = &mut signals[..count];
-        for smooth in self.smoothed.recordings.iter() {
-            let r = smooth.recording;
-            signals.iter_mut().for_each(Vec::clear);
-            let at = |k: usize| still_instant(self.model, r, k, &smooth.motion[k]);
-            candidate.torque_at_rows(smooth.index, (0..r.len()).map(at), |torque| {
-                signals.iter_mut().zip(torque).for_each(|(signal, value)| signal.push(*value));
-            });
-            filter_together(r, self.smoothed.cutoff, signals, filter);
-            let numbers = self.numbers_of(smooth);
-            rows.clear();
-            rows.resize(numbers.len() * width, 0.0);
-            for (row, (_, k, i)) in rows.chunks_exact_mut(width).zip(self.rows_of(smooth)) {
-                row.iter_mut().zip(&*signals).for_each(|(out, signal)| *out = signal[k][i]);
-            }
-            see(numbers, width, rows);
-        }
-    }
-}
-
-/// Products of a candidate's columns with each other, and with the basis and the residual torque.
-struct Products {
-    among: DMatrix<f64>,
-    beside: DMatrix<f64>,
-}
-
-/// Numbers a row of so many columns.
-fn own_width(count: usize) -> usize {
-    count.next_multiple_of(FILLED)
 }
 
 /// Share of a column that the base must leave for it to be looked at.

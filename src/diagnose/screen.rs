@@ -6,6 +6,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::by_recording::{ByRecording, ratio};
 use super::candidate::{Candidate, still_instant};
 use super::nonnegative;
 use super::windows::{Row, Windows, quadratic_of};
@@ -111,8 +112,8 @@ impl<'a> Screen<'a> {
         })
     }
 
-    /// The products of a candidate's columns over all windows.
-    fn products(&self, candidate: &Candidate) -> Products {
+    /// The products of a candidate's columns over the windows of the recordings that `of` takes.
+    fn products(&self, candidate: &Candidate, of: impl Fn(usize) -> bool) -> Products {
         let (base, own) = (self.base, candidate.columns());
         let mut sums = Products {
             by_base: DMatrix::zeros(own, base),
@@ -120,7 +121,8 @@ impl<'a> Screen<'a> {
             score: DVector::zeros(own),
         };
         let mut heavy = Vec::new();
-        for (rows, window) in self.rows.iter().zip(&self.windows.windows) {
+        let windows = self.rows.iter().zip(&self.windows.windows);
+        for (rows, window) in windows.filter(|(_, window)| of(window.recording)) {
             let moved = self.integrals(candidate, window.recording, window.rows.start, rows);
             let (width, beside) = (rows.width, own.next_multiple_of(FILLED));
             for i in 0..2 {
@@ -190,18 +192,35 @@ impl<'a> Screen<'a> {
         out
     }
 
-    /// Information and score over the base and a candidate.
-    fn completed(&self, products: &Products) -> (DMatrix<f64>, DVector<f64>) {
-        let (base, own) = (self.base, products.score.len());
-        let n = base + own;
+    /// Information and score over the base and columns that have nothing in common with each other.
+    fn completed(&self, of: &[Products]) -> (DMatrix<f64>, DVector<f64>) {
+        let base = self.base;
+        let n = base + of.iter().map(|products| products.score.len()).sum::<usize>();
         let (mut h, mut g) = (DMatrix::zeros(n, n), DVector::zeros(n));
         h.view_mut((0, 0), (base, base)).copy_from(&self.information);
-        h.view_mut((base, 0), (own, base)).copy_from(&products.by_base);
-        h.view_mut((0, base), (base, own)).copy_from(&products.by_base.transpose());
-        h.view_mut((base, base), (own, own)).copy_from(&products.own);
         g.rows_mut(0, base).copy_from(&self.score);
-        g.rows_mut(base, own).copy_from(&products.score);
+        let mut first = base;
+        for products in of {
+            let own = products.score.len();
+            h.view_mut((first, 0), (own, base)).copy_from(&products.by_base);
+            h.view_mut((0, first), (base, own)).copy_from(&products.by_base.transpose());
+            h.view_mut((first, first), (own, own)).copy_from(&products.own);
+            g.rows_mut(first, own).copy_from(&products.score);
+            first += own;
+        }
         (h, g)
+    }
+
+    /// What the windows of each recording say of a candidate's columns by themselves.
+    pub(super) fn by_recording(&self, candidate: &Candidate) -> ByRecording {
+        let recordings = 0..self.windows.recordings.len();
+        let all: Vec<Products> =
+            recordings.map(|r| self.products(candidate, |of| of == r)).collect();
+        let (h, g) = self.completed(&all);
+        let base: Vec<usize> = (0..self.base).collect();
+        let own: Vec<usize> = (self.base..h.nrows()).collect();
+        let (information, score) = eliminate(&h, &g, &base, &own);
+        ByRecording { information, score, square: self.square, degrees: self.degrees }
     }
 
     /// Twice the log-likelihood ratio of a candidate to first order, and the estimates of its columns.
@@ -212,7 +231,7 @@ impl<'a> Screen<'a> {
     #[must_use]
     pub fn ratio(&self, candidate: &Candidate) -> (f64, Vec<f64>) {
         let count = candidate.columns();
-        let (h, g) = self.completed(&self.products(candidate));
+        let (h, g) = self.completed(&[self.products(candidate, |_| true)]);
         let base: Vec<usize> = (0..self.base).collect();
         let own: Vec<usize> = (self.base..self.base + count).collect();
         let none = (0.0, vec![0.0; count]);
@@ -223,8 +242,7 @@ impl<'a> Screen<'a> {
         }
         let bounded: Vec<bool> = (0..count).map(|n| candidate.not_negative(n)).collect();
         let (estimate, gain) = nonnegative::solve(&information, &score, &bounded);
-        let after = (self.square - gain).max(1e-12 * self.square);
-        (self.degrees * (self.square / after).ln(), estimate)
+        (ratio(self.degrees, self.square, gain), estimate)
     }
 }
 

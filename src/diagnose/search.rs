@@ -4,12 +4,14 @@ mod climb;
 mod order;
 mod refit;
 mod shifts;
+mod starts;
 mod steps;
 
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
+pub use self::starts::{StartAngle, start_angles};
 use super::candidate::{Candidate, candidates};
 use super::fit::{WindowFit, fit};
 use super::input_timing::{InputTiming, SYMBOL};
@@ -184,11 +186,7 @@ impl<'a> Search<'a> {
     fn rank(&self, present: &WindowFit, is_base: bool) -> Vec<Ranked> {
         // a shift of the input is what timing would take for itself: it is held while shifts are looked at
         let held = held_in_time(present);
-        let look = |model| {
-            let p = &present.p;
-            let by_torque = Regression::new(model, p, &self.smoothed, self.scale.speed);
-            (by_torque, Screen::new(model, p, &self.windows, self.degrees))
-        };
+        let look = |model| self.look(model, &present.p);
         let looks = rayon::join(|| look(&present.model), || look(&held)).into();
         let mut ranked = self.screened(present, &looks);
         ranked.sort_by(|a, b| a.screened.total_cmp(&b.screened));
@@ -202,6 +200,12 @@ impl<'a> Search<'a> {
         }
         self.order(&mut ranked);
         ranked
+    }
+
+    /// The two looks of the screening at what `model` at `p` leaves.
+    fn look<'b>(&'b self, model: &'b Model, p: &'b [f64]) -> Look<'b> {
+        let by_torque = Regression::new(model, p, &self.smoothed, self.scale.speed);
+        (by_torque, Screen::new(model, p, &self.windows, self.degrees))
     }
 
     /// The places of the candidates that are refitted, and of those that are where none of the first explains the

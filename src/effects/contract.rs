@@ -116,7 +116,8 @@ fn symbols_are_unique_over_the_catalogue_and_typical_values_lie_in_their_ranges(
             assert!(!seen.contains(&spec.symbol), "{}: {} is taken", effect.id(), spec.symbol);
             let (low, high) = spec.range;
             assert!(low < spec.typical && spec.typical < high, "{}", spec.symbol);
-            assert!(spec.kind == ParameterKind::Linear || low >= 0.0, "{}", spec.symbol);
+            let finite = low.is_finite() && high.is_finite();
+            assert!(spec.kind == ParameterKind::Linear || finite, "{}", spec.symbol);
             seen.push(spec.symbol);
         }
     }
@@ -275,7 +276,7 @@ fn mirrored(id: &str, p: &[f64]) -> Option<(String, Vec<f64>)> {
         "friction_warmup" => (id, vec![p[0], p[1], -p[2]]),
         "viscous_friction_1" => ("viscous_friction_2", p.to_vec()),
         "viscous_friction_2" => ("viscous_friction_1", p.to_vec()),
-        "slope" => (id, vec![p[0], -p[1]]),
+        "slope" => (id, vec![p[0], -p[1], p[2]]),
         "lateral_com" => (id, vec![-p[0]]),
         "wheel_radius_mismatch" => (id, vec![-p[0], -p[1]]),
         "wheel_eccentricity" => (id, vec![p[2], p[3], p[0], p[1]]),

@@ -1,6 +1,8 @@
 //! The two faces of an effect: what its author writes, and what the program sees.
 
-use super::{Coupling, Description, Energy, Motion, ParameterKind, ParameterSpec, Scale, Terms};
+use super::{
+    Coupling, Description, Energy, Motion, ParameterKind, ParameterSpec, Scale, Terms, Wave,
+};
 use crate::math::{Dual, Real, Symbol};
 use crate::recording::DriveUnit;
 use crate::robot::Robot;
@@ -97,6 +99,12 @@ pub trait Physics: Send + Sync + 'static {
     /// Whether its torque varies with the heading of the robot, which needs the track.
     fn depends_on_heading(&self) -> bool {
         false
+    }
+
+    /// The waves that its torque consists of at shapes `p`; empty where the torque is no wave of an angle. An angle
+    /// that starts anew in each recording shifts them.
+    fn waves(&self, _p: &[f64]) -> Vec<Wave> {
+        vec![]
     }
 
     /// What it changes, where that is not the input ([`Physics::acts_on_input`]) or the torque.
@@ -220,6 +228,8 @@ pub trait Effect: Send + Sync {
     fn is_common(&self) -> bool;
     /// [`Physics::depends_on_heading`].
     fn depends_on_heading(&self) -> bool;
+    /// [`Physics::waves`].
+    fn waves(&self, p: &[f64]) -> Vec<Wave>;
     /// [`Physics::change`].
     fn change(&self) -> Change;
     /// [`Physics::admissible`].
@@ -311,6 +321,9 @@ impl<P: Physics> Effect for P {
     }
     fn depends_on_heading(&self) -> bool {
         Physics::depends_on_heading(self)
+    }
+    fn waves(&self, p: &[f64]) -> Vec<Wave> {
+        Physics::waves(self, p)
     }
     fn change(&self) -> Change {
         Physics::change(self)

@@ -10,6 +10,7 @@ mod effect;
 mod motion;
 mod scale;
 mod text;
+mod wave;
 
 pub use coupling::{BodyState, Coupling, MOST_OF_INERTIA, smallest_inertia};
 pub use custom::{Custom, CustomDefinition, CustomError, QUANTITIES};
@@ -19,6 +20,7 @@ pub use effect::{
 pub use motion::{DIRECTIONS, Motion, Terms, along};
 pub use scale::{FAST, Scale, geometric};
 pub use text::{details, details_of, overview};
+pub use wave::{Cycle, Wave};
 
 use crate::catalogue;
 use crate::recording::DriveUnit;

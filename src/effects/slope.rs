@@ -1,38 +1,38 @@
 //! An inclined floor.
 
-use super::{Description, Energy, Motion, ParameterSpec, Physics, Terms};
+use super::{Cycle, Description, Energy, Motion, ParameterSpec, Physics, Scale, Terms, Wave};
 use crate::math::Real;
-use crate::robot::Robot;
 
 /// Weight on an inclined floor: a torque that turns with the heading.
 ///
 /// ```text
-/// G (cos(β - β_u) (1, 1) + k sin(β - β_u) (1, -1)),   g_c = G cos β_u,  g_s = G sin β_u
-/// = g_c (cos β (1, 1) + k sin β (1, -1)) + g_s (sin β (1, 1) - k cos β (1, -1))
-/// G = m g sin(inclination) r/2,  m = m4 + 2 m1,  k = (l2/l1) m4/m,  β_u uphill heading
+/// G (cos(β - β_u) (1, 1) + k_g sin(β - β_u) (1, -1)),   g_c = G cos β_u,  g_s = G sin β_u
+/// = g_c (cos β (1, 1) + k_g sin β (1, -1)) + g_s (sin β (1, 1) - k_g cos β (1, -1))
+/// G = m g sin(inclination) r/2,  m = m4 + 2 m1,  k_g = (l2/l1) m4/m,  β_u uphill heading
 /// ```
 /// Derived here: the height of the centre of mass along the uphill direction u is
 /// u·(A - l (cos β, sin β)) with l = l2 m4/m behind the axle (the wheels' mass sits on it). Its
 /// rate times m g sin(inclination) is the power the wheels need; with v_A = r/2 (w1 + w2) and
 /// β_dot = r/(2 l1) (w1 - w2) the factors of w1 and w2 are the torques above.
 ///
-/// The heading comes from the wheel angles; where these start is absorbed by β_u.
+/// k_g is how far the centre of mass lies behind the axle, in half tracks. It is a parameter, since
+/// the mass and its centre are what users of a robot know least, and a3 gives it only together
+/// with the mass. The heading comes from the wheel angles; where these start is absorbed by β_u.
 #[derive(Clone, Debug, Default)]
 pub struct Slope;
 
-/// Share of the turning torque, k in the docs of [`Slope`].
-fn lever(robot: &Robot) -> f64 {
-    let body = &robot.construction;
-    body.l2_m / body.l1_m * body.m4_kg / (body.m4_kg + body.m1_kg + body.m2_kg)
-}
+/// Values of k_g that are tried: a centre of mass half-way between the axle and a point a half track
+/// ahead of it or behind, and on it. What lies between differs from the nearest by a quarter of the
+/// driving torque at most, and a fit goes on from there.
+const LEVERS: [f64; 3] = [-0.5, 0.0, 0.5];
 
 impl Physics for Slope {
     fn description(&self) -> Description {
         Description {
             id: "slope".into(),
             title: "Inclined floor".into(),
-            equation: "g_c (cos(beta) (1,1) + k sin(beta) (1,-1)) + g_s (sin(beta) (1,1) \
-                       - k cos(beta) (1,-1)), k = l2 m4/(l1 (m4 + 2 m1))"
+            equation: "g_c (cos(beta) (1,1) + k_g sin(beta) (1,-1)) + g_s (sin(beta) (1,1) \
+                       - k_g cos(beta) (1,-1)), k_g = l2 m4/(l1 (m4 + 2 m1))"
                 .into(),
             cause: "the floor is not level: weight pulls downhill".into(),
             signature: "residual torque varies sinusoidally with heading".into(),
@@ -48,7 +48,18 @@ impl Physics for Slope {
         vec![
             ParameterSpec::linear("g_c", "weight torque at heading 0", "N m", range, 0.02),
             ParameterSpec::linear("g_s", "weight torque at heading 90 degrees", "N m", range, 0.02),
+            ParameterSpec::shape(
+                "k_g",
+                "centre of mass behind the axle, in half tracks",
+                "",
+                (-2.0, 2.0),
+                0.3,
+            ),
         ]
+    }
+
+    fn shapes(&self, _scale: &Scale) -> Vec<Vec<f64>> {
+        LEVERS.map(|lever| vec![lever]).to_vec()
     }
 
     fn energy(&self) -> Energy {
@@ -59,10 +70,14 @@ impl Physics for Slope {
         true
     }
 
+    fn waves(&self, _p: &[f64]) -> Vec<Wave> {
+        vec![Wave { of: Cycle::Heading, order: 1.0, sine: 1, cosine: 0 }]
+    }
+
     fn terms<T: Real>(&self, x: &Motion<T>, p: &[T]) -> Terms<T> {
         let (cos, sin) = (x.heading().cos(), x.heading().sin());
         let both = p[0] * cos + p[1] * sin;
-        let turning = (p[0] * sin - p[1] * cos) * lever(x.robot);
+        let turning = (p[0] * sin - p[1] * cos) * p[2];
         Terms { torque: [both + turning, both - turning], ..Terms::zero() }
     }
 }
@@ -70,6 +85,7 @@ impl Physics for Slope {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::robot::Robot;
 
     #[test]
     fn the_power_of_the_torques_is_the_rate_of_the_potential_energy() {
@@ -81,7 +97,8 @@ mod tests {
         let g = weight(total) * robot.r() / 2.0;
         let (alpha, omega) = ([2.0, -1.5], [7.0, 3.0]);
         let x = Motion { t: 0.0, alpha, omega, variance: [0.0; 4], robot: &robot };
-        let torque = Slope.terms(&x, &[g * uphill.cos(), g * uphill.sin()]).torque;
+        let lever = body.l2_m / body.l1_m * body.m4_kg / total;
+        let torque = Slope.terms(&x, &[g * uphill.cos(), g * uphill.sin(), lever]).torque;
         // height of frame and wheels after a short time, A moving along the heading
         let potential = |dt: f64| {
             let beta = x.heading() + x.turn_rate() * dt;

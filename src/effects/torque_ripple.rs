@@ -1,6 +1,7 @@
 //! Cogging: a torque that repeats several times a turn.
 
-use super::{Description, Energy, Motion, ParameterSpec, Physics, Scale, Terms};
+use super::wave::wheel_waves;
+use super::{Description, Energy, Motion, ParameterSpec, Physics, Scale, Terms, Wave};
 use crate::math::Real;
 
 /// A torque that repeats n times per turn of the wheel, with its own phase on each wheel.
@@ -55,6 +56,10 @@ impl Physics for TorqueRipple {
 
     fn energy(&self) -> Energy {
         Energy::Supplies
+    }
+
+    fn waves(&self, p: &[f64]) -> Vec<Wave> {
+        wheel_waves(p[4].round())
     }
 
     fn terms<T: Real>(&self, x: &Motion<T>, p: &[T]) -> Terms<T> {

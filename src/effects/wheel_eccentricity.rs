@@ -1,7 +1,8 @@
 //! A torque that repeats once per turn of the wheel.
 
 use super::torque_ripple::periodic;
-use super::{Description, Energy, Motion, ParameterSpec, Physics, Scale, Terms};
+use super::wave::wheel_waves;
+use super::{Description, Energy, Motion, ParameterSpec, Physics, Scale, Terms, Wave};
 use crate::math::Real;
 
 /// An eccentric or unbalanced wheel: a torque that varies sinusoidally once per turn.
@@ -50,6 +51,10 @@ impl Physics for WheelEccentricity {
 
     fn energy(&self) -> Energy {
         Energy::Supplies
+    }
+
+    fn waves(&self, _p: &[f64]) -> Vec<Wave> {
+        wheel_waves(1.0)
     }
 
     fn terms<T: Real>(&self, x: &Motion<T>, p: &[T]) -> Terms<T> {

@@ -1,11 +1,15 @@
 //! What is settled from the training recordings before any method sees them: where shapes start, and when the
 //! recorded input acts.
 
+use std::sync::Arc;
+
 use super::plan::{Measured, Plan};
 use crate::conditioning::{Action, Channel, Finding, Kind, Settings};
 use crate::diagnose::{
-    SpeedFilter, advanced, hold, phases, shapes_placed, speed_filter, timing, with_later_input,
+    SpeedFilter, StartAngle, advanced, held_input, phases, shapes_placed, speed_filter,
+    start_angles, timing, with_later_input,
 };
+use crate::effects::{Cycle, Effect};
 use crate::filter::noise_of_jumps;
 use crate::identify::{Task, start};
 use crate::model::base::{A1, A2};
@@ -59,13 +63,16 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
         start = moved;
         share = share_of_noise(plan, &start);
     }
-    if !own && asked.hold.is_none() && is_held(plan, &start, share) {
+    if !own
+        && asked.hold.is_none()
+        && let Some(fitted) = fitted_to_held(plan, &start, share)
+    {
         let held =
             |i| Finding { channel: Channel::Input(i), kind: Kind::HeldInput, action: Action::Used };
         plan.recordings.iter_mut().for_each(|m| m.conditioning.extend([0, 1].map(held)));
         plan.hold = Hold::Constant;
+        start = fitted;
         // what a line between the rows took for noise
-        start = balanced(plan).unwrap_or(start);
         share = share_of_noise(plan, &start);
     }
     if asked.settings.rows {
@@ -75,10 +82,45 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
     let recordings: Vec<&Recording> = train.iter().collect();
     plan.timing = if own { None } else { timing(&plan.model, &start, &recordings, plan.hold) };
     plan.recordings.iter_mut().for_each(|m| m.recording.set_noise_of_jumps(share));
-    let Some(timing) = plan.timing.filter(|t| t.correction_s != 0.0) else { return };
-    for Measured { recording, .. } in &mut plan.recordings {
-        *recording = with_later_input(recording, timing.correction_s);
+    if let Some(timing) = plan.timing.filter(|t| t.correction_s != 0.0) {
+        for Measured { recording, .. } in &mut plan.recordings {
+            *recording = with_later_input(recording, timing.correction_s);
+        }
     }
+    if asked.settings.starts {
+        start_alike(plan);
+    }
+}
+
+/// Has the angles of all recordings start where those of one of them do, as far as torques that repeat with the angles
+/// show, and says so. Where neither the model nor a diagnosis has such torques it would change nothing.
+fn start_alike(plan: &mut Plan) {
+    let has_waves = |effect: &Arc<dyn Effect>| {
+        let typical: Vec<f64> = effect.parameters().iter().map(|spec| spec.typical).collect();
+        !effect.waves(&typical).is_empty()
+    };
+    if plan.diagnosis.is_none() && !plan.model.effects().iter().any(has_waves) {
+        return;
+    }
+    let recordings: Vec<&Recording> = plan.recordings.iter().map(|m| &m.recording).collect();
+    let Some(starts) = start_angles(&plan.model, &recordings, plan.hold) else { return };
+    for (m, starts) in plan.recordings.iter_mut().zip(starts) {
+        for start in starts {
+            let StartAngle { of, angle_rad, std_error_rad } = start;
+            let (channel, kind) = match of {
+                Cycle::Heading => {
+                    (Channel::Sensors, Kind::StartHeading { angle_rad, std_error_rad })
+                }
+                Cycle::Wheel(i) => {
+                    (Channel::Angle(i), Kind::StartAngle { angle_rad, std_error_rad })
+                }
+            };
+            m.conditioning.push(Finding::corrected(channel, kind, "starts", true));
+            m.recording = m.recording.with_later_angles(start.of_wheels(plan.model.robot()));
+        }
+    }
+    // shapes of such torques were placed on angles that contradict each other
+    place(plan);
 }
 
 /// Parameters by the balance of the torques over the training recordings.
@@ -143,9 +185,9 @@ fn in_phase(plan: &mut Plan, start: &[f64], share: f64) {
     }
 }
 
-/// Whether the motion shows an input that is held between the rows.
-fn is_held(plan: &Plan, start: &[f64], share: f64) -> bool {
+/// The parameters under an input that is held between the rows, where the motion shows one.
+fn fitted_to_held(plan: &Plan, start: &[f64], share: f64) -> Option<Vec<f64>> {
     let train = train_with_noise(plan, share);
     let recordings: Vec<&Recording> = train.iter().collect();
-    hold(&plan.model, start, &recordings) == Hold::Constant
+    held_input(&plan.model, start, &recordings)
 }

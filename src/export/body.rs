@@ -92,6 +92,11 @@ impl Body {
         self.mass - 2.0 * self.wheel_mass
     }
 
+    /// Centre of mass of the whole robot behind the axle, in half tracks.
+    pub(super) fn lever(&self) -> f64 {
+        self.behind * self.chassis() / (self.mass * self.l1)
+    }
+
     /// What is not expressed: by the mechanics, and by the format.
     pub(super) fn left_out(&self, by_format: Vec<LeftOut>) -> Vec<LeftOut> {
         self.mechanics.left_out.iter().cloned().chain(by_format).collect()

@@ -24,6 +24,8 @@ pub struct Mechanics {
     pub offset: [f64; 2],
     /// Torque of the weight on each wheel at headings 0 and 90 degrees [N m].
     pub weight: [f64; 2],
+    /// How far behind the axle the weight acts, in half tracks.
+    pub lever: f64,
     /// Factor between recorded and acting input on each wheel.
     pub gain: [f64; 2],
     /// Largest acting input; infinite without a limit.
@@ -46,7 +48,7 @@ pub struct LeftOut {
 }
 
 /// Torques of the two wheels at a motion, one column a term.
-const TERMS: usize = 8;
+const TERMS: usize = 10;
 
 /// Error of a combination of the terms below which it is the effect, as a share of its largest torque:
 /// rounding of a few dozen sums.
@@ -63,6 +65,7 @@ impl Mechanics {
             friction: [0.0; 4],
             offset: [0.0; 2],
             weight: [0.0; 2],
+            lever: 0.0,
             gain: [1.0; 2],
             limit: f64::INFINITY,
             lag_s: 0.0,
@@ -107,15 +110,20 @@ impl Mechanics {
         let torque: Vec<f64> = terms.iter().flat_map(|term| term.torque).collect();
         let found = combination(&places, &torque)
             .ok_or("its torque is no constant, damping, centrifugal torque or weight")?;
+        let weight = [found[6], found[7]];
+        let lever = lever(weight, [found[8], found[9]]).ok_or("its torque is that of no weight")?;
         for i in 0..3 {
             self.mass[i] += first.mass[i];
         }
         for j in 0..4 {
             self.friction[j] += first.level[j];
         }
+        if weight != [0.0; 2] {
+            self.lever = lever;
+        }
         for i in 0..2 {
             self.offset[i] += found[i];
-            self.weight[i] += found[6 + i];
+            self.weight[i] += weight[i];
         }
         for i in 0..3 {
             self.damping[i] += found[2 + i];
@@ -190,8 +198,18 @@ fn places(robot: &Robot, t: f64) -> Vec<Motion<'_, f64>> {
         .collect()
 }
 
-/// The coefficients of (offset 1, offset 2, d11, d12, d22, a3, weight at 0, weight at 90 degrees) that make
-/// the torques, or `None`.
+/// How far behind the axle a weight acts that drives and turns the robot with these torques at headings 0 and 90
+/// degrees, in half tracks; `None` where no place is right for both headings.
+fn lever(drives: [f64; 2], turns: [f64; 2]) -> Option<f64> {
+    let square = drives[0] * drives[0] + drives[1] * drives[1];
+    let lever = (turns[0] * drives[0] + turns[1] * drives[1]) / square.max(f64::MIN_POSITIVE);
+    let size = turns[0].abs().max(turns[1].abs());
+    let left = |i: usize| (turns[i] - lever * drives[i]).abs() <= EXACT * size;
+    (left(0) && left(1)).then_some(lever)
+}
+
+/// The coefficients of (offset 1, offset 2, d11, d12, d22, a3, weight driving at 0 and 90 degrees, weight turning at
+/// 0 and 90 degrees) that make the torques, or `None`.
 fn combination(places: &[Motion<'_, f64>], torque: &[f64]) -> Option<[f64; TERMS]> {
     let size = torque.iter().fold(0.0_f64, |a, m| a.max(m.abs()));
     if size == 0.0 {
@@ -209,15 +227,11 @@ fn combination(places: &[Motion<'_, f64>], torque: &[f64]) -> Option<[f64; TERMS
 /// The terms at a motion on wheel `i`.
 fn at(x: &Motion<f64>, i: usize) -> [f64; TERMS] {
     let [w1, w2] = x.omega;
-    let body = &x.robot.construction;
-    let lever = body.l2_m / body.l1_m * body.m4_kg / (body.m4_kg + body.m1_kg + body.m2_kg);
     let (sin, cos) = x.heading().sin_cos();
     if i == 0 {
-        let weight = [cos + lever * sin, sin - lever * cos];
-        [1.0, 0.0, w1, w2, 0.0, w2 * (w2 - w1), weight[0], weight[1]]
+        [1.0, 0.0, w1, w2, 0.0, w2 * (w2 - w1), cos, sin, sin, -cos]
     } else {
-        let weight = [cos - lever * sin, sin + lever * cos];
-        [0.0, 1.0, 0.0, w1, w2, w1 * (w1 - w2), weight[0], weight[1]]
+        [0.0, 1.0, 0.0, w1, w2, w1 * (w1 - w2), cos, sin, -sin, cos]
     }
 }
 
@@ -243,6 +257,7 @@ mod tests {
         near(found.friction[0], p("a4"));
         near(found.weight[0], p("g_c"));
         near(found.weight[1], p("g_s"));
+        near(found.lever, p("k_g"));
         assert!(found.friction[2] > 0.0 && found.friction[3] == 0.0);
         assert!(found.damping[0] > 0.0 && found.damping[1].abs() < 1e-12);
         assert!(found.lag_s > 0.0 && found.left_out.is_empty(), "{found:?}");

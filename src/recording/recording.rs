@@ -193,6 +193,14 @@ impl Recording {
         Self { alpha, omega, local_motion: Arc::default(), ..self.clone() }
     }
 
+    /// The same recording with angles that start `later` \[rad\].
+    #[must_use]
+    pub fn with_later_angles(&self, later: [f64; 2]) -> Self {
+        let moved = |a: &[f64; 2]| [a[0] + later[0], a[1] + later[1]];
+        let alpha = self.alpha.iter().map(moved).collect();
+        Self { alpha, local_motion: Arc::default(), ..self.clone() }
+    }
+
     /// The same recording with its input interpolated from that of its rows. Interpolation smooths noise between
     /// neighbouring rows, not what is left of it after integration: its level stays that of the rows.
     ///

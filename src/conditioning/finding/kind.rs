@@ -44,6 +44,13 @@ impl<C: Copy, R: Copy> Kind<C, R> {
             Self::Phase { shift_s, std_error_s } => {
                 Kind::Phase { shift_s: real(shift_s), std_error_s: real(std_error_s) }
             }
+            Self::StartHeading { angle_rad, std_error_rad } => Kind::StartHeading {
+                angle_rad: real(angle_rad),
+                std_error_rad: real(std_error_rad),
+            },
+            Self::StartAngle { angle_rad, std_error_rad } => {
+                Kind::StartAngle { angle_rad: real(angle_rad), std_error_rad: real(std_error_rad) }
+            }
             Self::Spikes { count, first, largest } => {
                 Kind::Spikes { count: whole(count), first: whole(first), largest: real(largest) }
             }

@@ -21,6 +21,7 @@ pub(super) fn words(
     channel: Channel,
 ) -> (String, String) {
     let ms = |s: Span<f64>| format!("{:.2} ms", s.map(|s| 1e3 * s));
+    let degrees = |angle: Span<f64>| format!("{:.1}", angle.map(f64::to_degrees));
     let percent = |share: Span<f64>| share.map(|share| 100.0 * share);
     let one = |count: Span<usize>, what: &str| {
         let plural = if count.high() == 1 { "" } else { "s" };
@@ -186,6 +187,22 @@ pub(super) fn words(
                 if shift_s.low() > 0.0 { "later" } else { "earlier" }
             ),
             "moved by that".into(),
+        ),
+        Kind::StartHeading { angle_rad, std_error_rad } => (
+            format!(
+                "the heading starts {} ± {} degrees from that of another recording, as a torque that repeats with it says",
+                degrees(angle_rad),
+                degrees(std_error_rad)
+            ),
+            "the angles start there".into(),
+        ),
+        Kind::StartAngle { angle_rad, std_error_rad } => (
+            format!(
+                "{name} starts {} ± {} degrees from where another recording has it, as a torque that repeats with it says",
+                degrees(angle_rad),
+                degrees(std_error_rad)
+            ),
+            "starts there".into(),
         ),
         Kind::Differences { samples, lag_s } => (
             format!(

@@ -135,7 +135,10 @@ pub fn values(
         "quadratic_drag" => vec![("c", torque / extent.square)],
         "slope" => {
             let heading = rng.random_range(0.0..std::f64::consts::TAU);
-            vec![("g_c", root * torque * heading.cos()), ("g_s", root * torque * heading.sin())]
+            let c = &machine.truth;
+            let lever = c.l2_m / c.l1_m * c.m4_kg / (c.m4_kg + c.m1_kg + c.m2_kg);
+            let along = [heading.cos(), heading.sin()].map(|along| root * torque * along);
+            vec![("g_c", along[0]), ("g_s", along[1]), ("k_g", lever)]
         }
         "turning_scrub" => vec![("f_t", torque)],
         "yaw_viscous" => vec![("d_y", torque / extent.turning)],

@@ -1,0 +1,258 @@
+//! Recordings whose angles start anew: the robot was put down at another heading, its counters set to zero at
+//! another place of the wheels. A torque that repeats with such an angle has another phase in each.
+
+use nalgebra::DVector;
+
+use super::{Data, Look, MANY, Search, Settings, held_in_time};
+use crate::diagnose::aligned::{Aligned, within_turn};
+use crate::diagnose::candidate::{Candidate, candidates};
+use crate::diagnose::fit::{WindowFit, fit};
+use crate::diagnose::outcome::Ranked;
+use crate::diagnose::regression::ColumnRoom;
+use crate::diagnose::screen::Screen;
+use crate::diagnose::thresholds::THRESHOLDS;
+use crate::diagnose::windows::{Windows, mobility};
+use crate::effects::{Cycle, Wave};
+use crate::identify::{Task, start};
+use crate::math::{distribution, median_high};
+use crate::model::Model;
+use crate::recording::Recording;
+use crate::robot::Robot;
+use crate::simulate::Hold;
+
+/// Fits in turn with the shifts: the first shifts are to first order, beside parameters that the waves have bent.
+const REFINEMENTS: usize = 5;
+/// Standard error of a phase \[rad\] beyond which it is not known: a third of the half turn that it can be off by.
+const KNOWN: f64 = 1.0;
+/// Least phase \[rad\] that a recording is moved for: a twentieth of the wave stays if it is not.
+const LEAST: f64 = 0.05;
+
+/// Where an angle of a recording starts against that of another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StartAngle {
+    /// The angle.
+    pub of: Cycle,
+    /// How much later than recorded it starts \[rad\].
+    pub angle_rad: f64,
+    /// Standard error of that \[rad\].
+    pub std_error_rad: f64,
+}
+
+impl StartAngle {
+    /// How much later the angles of the wheels of `robot` start \[rad\].
+    #[must_use]
+    pub fn of_wheels(&self, robot: &Robot) -> [f64; 2] {
+        let mut later = [0.0; 2];
+        match self.of {
+            Cycle::Heading => {
+                let turn = self.angle_rad * robot.l1() / robot.r();
+                later = [turn, -turn];
+            }
+            Cycle::Wheel(i) => later[i] = self.angle_rad,
+        }
+        later
+    }
+}
+
+/// Where the angles of each of `recordings` start, as far as torques that repeat with them say so: of all effects of
+/// the catalogue the one whose waves explain the error of `model` best if they have a phase of their own in each
+/// recording. Empty entries where a recording starts like the others; `None` where all do, where the model is at the
+/// floor without, and where effects without waves explain the error.
+///
+/// Effects with waves that the model has are taken out of it first, so that the starts are the same before and after
+/// one is added; where a parameter of theirs is held at a value, the angles are taken as they are.
+#[must_use]
+pub fn start_angles(
+    model: &Model,
+    recordings: &[&Recording],
+    hold: Hold,
+) -> Option<Vec<Vec<StartAngle>>> {
+    if recordings.len() < 2 {
+        return None;
+    }
+    let model = without_waves(model)?;
+    let owned: Vec<Recording> = recordings.iter().map(|r| (*r).clone()).collect();
+    let task = Task { model: &model, train: &owned, hold, seed: 0 };
+    let starts = [start::start(&task, "start of the angles").ok()?];
+    let data = Data { train: &owned, validation: &[], hold, corrected_s: 0.0 };
+    let settings = Settings::default();
+    let search = Search::new(&model, &starts, &data, &settings).ok()?;
+    let (present, candidate, mut found) = search.waves(search.base(&model, &starts).ok()?)?;
+    let mut with_waves = added(&present, &candidate, &found)?;
+    for _ in 0..REFINEMENTS {
+        let moved = moved(&owned, &found, model.robot());
+        let Some((better, again)) = search.refined(&with_waves, &candidate, &moved) else { break };
+        with_waves = better;
+        if found.turn_by(again) < LEAST {
+            break;
+        }
+    }
+    let of = |r: usize| if r == found.reference { vec![] } else { known(&found, r) };
+    Some((0..owned.len()).map(of).collect())
+}
+
+/// The model without its effects with waves; `None` where one of them is held at a value.
+fn without_waves(model: &Model) -> Option<Model> {
+    let mut out = model.clone();
+    for e in (0..model.effects().len()).rev() {
+        let parameters = &model.parameters()[model.slots(e)];
+        let typical: Vec<f64> = parameters.iter().map(|p| p.spec.typical).collect();
+        if model.effects()[e].waves(&typical).is_empty() {
+            continue;
+        }
+        if parameters.iter().any(|p| p.fixed.is_some()) {
+            return None;
+        }
+        out = out.without(e);
+    }
+    Some(out)
+}
+
+/// The starts of recording `r` that are known and worth moving it for.
+fn known(found: &Aligned, r: usize) -> Vec<StartAngle> {
+    let one = |(w, wave): (usize, &Wave)| {
+        let (angle, std_error_rad) =
+            (within_turn(wave, found.shifts[r][w]), found.std_errors[r][w]);
+        let worth = std_error_rad * wave.order < KNOWN && angle.abs() * wave.order > LEAST;
+        worth.then_some(StartAngle { of: wave.of, angle_rad: angle, std_error_rad })
+    };
+    found.waves.iter().enumerate().filter_map(one).collect()
+}
+
+/// The recordings with their angles where the shifts have them start.
+fn moved(recordings: &[Recording], found: &Aligned, robot: &Robot) -> Vec<Recording> {
+    let one = |(recording, shifts): (&Recording, &Vec<f64>)| {
+        let each = found.waves.iter().zip(shifts);
+        each.fold(recording.clone(), |recording, (wave, &angle_rad)| {
+            let start = StartAngle { of: wave.of, angle_rad, std_error_rad: 0.0 };
+            recording.with_later_angles(start.of_wheels(robot))
+        })
+    };
+    recordings.iter().zip(&found.shifts).map(one).collect()
+}
+
+/// The fit with the candidate added where the alignment has its columns, still to be fitted.
+fn added(present: &WindowFit, candidate: &Candidate, found: &Aligned) -> Option<WindowFit> {
+    let model = present.model.add_effect(candidate.effect.clone()).ok()?;
+    let mut own = candidate.p.clone();
+    candidate.linear.iter().zip(found.p.iter()).for_each(|(&j, value)| own[j] = *value);
+    let p = present.p.iter().copied().chain(own).collect();
+    Some(WindowFit { model, p, ..present.clone() })
+}
+
+impl Search<'_> {
+    /// The candidate whose waves with phases of their own explain the most, with the fit beside which they do:
+    /// effects that explain more are added first. `None` where the waves of no candidate need phases.
+    fn waves(&self, base: WindowFit) -> Option<(WindowFit, Candidate, Aligned)> {
+        let mut present = base;
+        for round in 0..=self.settings.max_effects {
+            if self.is_at_floor(present.cost) {
+                return None;
+            }
+            let held = held_in_time(&present);
+            let looks = [self.look(&present.model, &present.p), self.look(&held, &present.p)];
+            let (model, p) = (&present.model, &present.p);
+            let all = candidates(model, p, &[], &[], &self.windows.recordings, &self.scale);
+            let phased = self.phased(&looks[0], &all);
+            let best = phased.into_iter().min_by(|a, b| a.criterion.total_cmp(&b.criterion))?;
+            let open = |than: f64| best.criterion < than - THRESHOLDS.strong;
+            if round == 0 && !open(best.in_common.min(0.0)) {
+                return None;
+            }
+            let mut others = self.screened(&present, &looks);
+            others.sort_by(|a, b| a.screened.total_cmp(&b.screened));
+            if open(best.in_common) && best.criterion < others.first()?.screened {
+                let (candidate, aligned) = (best.candidate.clone(), best.aligned);
+                drop(looks);
+                return Some((present, candidate, aligned));
+            }
+            let wanted: Vec<usize> = (0..others.len().min(THRESHOLDS.exchanged)).collect();
+            self.refit_all(&present, &mut others, &wanted, Some(&looks));
+            let refits = others.into_iter().filter_map(|r: Ranked| r.refit);
+            let lowest = refits.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+            drop(looks);
+            present = lowest;
+        }
+        None
+    }
+
+    fn is_at_floor(&self, cost: f64) -> bool {
+        cost <= 0.5 * THRESHOLDS.at_floor.powi(2) * self.windows.values() as f64
+    }
+
+    /// Every candidate with waves, shape by shape, with phases. Orders of which many are tried are levelled as in
+    /// [`Search::level_grids`].
+    fn phased<'c>(&self, look: &Look, all: &'c [Candidate]) -> Vec<Phased<'c>> {
+        let mut room = ColumnRoom::default();
+        let mut out: Vec<Phased> = Vec::new();
+        let mut ids: Vec<&str> = all.iter().map(|c| c.id.as_str()).collect();
+        ids.dedup();
+        for id in ids {
+            let own = all.iter().filter(|c| c.id == id && !c.waves().is_empty());
+            let own: Vec<(&Candidate, Aligned)> = own
+                .filter_map(|c| {
+                    let by_torque = look.0.as_ref().map(|r| r.by_recording(c, &mut room));
+                    let by_windows = look.1.as_ref().map(|s| s.by_recording(c));
+                    let looks = by_torque.into_iter().chain(by_windows).collect();
+                    let none = DVector::zeros(c.columns());
+                    Some((c, Aligned::new(looks, c.waves(), &none)?))
+                })
+                .collect();
+            let Some((first, aligned)) = own.first() else { continue };
+            let levelled = first.is_of_orders() && own.len() >= MANY;
+            let free = (first.columns() + aligned.count()) as f64;
+            let expected = distribution::chi2_quantile(0.5, free);
+            let count = aligned.ratios().len();
+            let ratios: Vec<Vec<f64>> = own.iter().map(|(_, aligned)| aligned.ratios()).collect();
+            let levels: Vec<f64> = (0..count)
+                .map(|n| (median_high(ratios.iter().map(|r| r[n])) / expected).max(1.0))
+                .map(|level| if levelled { level } else { 1.0 })
+                .collect();
+            let criterion = |candidate: &Candidate, ratios: &[f64], shifts: usize| {
+                let each = ratios.iter().zip(&levels).map(|(ratio, level)| {
+                    self.bic(candidate, ratio / level) + shifts as f64 * self.degrees.ln()
+                });
+                each.sum::<f64>()
+            };
+            out.extend(own.into_iter().zip(&ratios).map(|((candidate, aligned), ratios)| {
+                let in_common = criterion(candidate, &aligned.ratios_in_common(), 0);
+                let with = criterion(candidate, ratios, aligned.count());
+                Phased { candidate, aligned, criterion: with, in_common }
+            }));
+        }
+        out
+    }
+
+    /// A fit on recordings whose angles were moved, and the shifts that they still need with it.
+    fn refined(
+        &self,
+        before: &WindowFit,
+        candidate: &Candidate,
+        moved: &[Recording],
+    ) -> Option<(WindowFit, Aligned)> {
+        let recordings: Vec<&Recording> = moved.iter().collect();
+        let mobility = mobility(&before.model, &before.p);
+        let windows = Windows::new(recordings, self.windows.hold, mobility);
+        let windows = windows.sampled(&before.model, &before.p);
+        let found = fit(&windows, &before.model, &before.p, &self.scale)?;
+        let first = found.p.len() - candidate.p.len();
+        let mut at = candidate.clone();
+        at.p.copy_from_slice(&found.p[first..]);
+        let own = at.linear.iter().map(|&j| std::mem::take(&mut at.p[j]));
+        let own = DVector::from_vec(own.collect());
+        let symbols = found.model.symbols();
+        let hold = |model: Model, j: usize| model.fix(&symbols[j], found.p[j]);
+        let held = (first..found.p.len()).try_fold(found.model.clone(), hold).ok()?;
+        let screen = Screen::new(&held, &found.p, &windows, self.degrees)?;
+        let again = Aligned::new(vec![screen.by_recording(&at)], at.waves(), &own)?;
+        Some((found, again))
+    }
+}
+
+/// A candidate with the phases of its waves, and its criterion in the screening with them and without.
+struct Phased<'c> {
+    candidate: &'c Candidate,
+    aligned: Aligned,
+    criterion: f64,
+    in_common: f64,
+}
