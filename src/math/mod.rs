@@ -35,7 +35,7 @@ pub use error::MathError;
 pub use expression::{Expression, ExpressionError};
 pub use formula::{Formula, Node};
 pub use information::{Information, eliminate};
-pub use integral::cumulative_trapezoid;
+pub use integral::{cumulative_trapezoid, trapezoid};
 #[cfg(test)]
 pub(crate) use lanes::every_width;
 pub(crate) use lanes::{Lanes, Mask, in_lanes};
