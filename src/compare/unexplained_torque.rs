@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::effects::Motion;
 use crate::filter::{Columns, Instant, Likelihood, ProcessNoise};
 use crate::math::distribution::chi2_log_survival;
-use crate::math::{Information, eliminate, pseudo_inverse};
+use crate::math::{Information, eliminate, pseudo_inverse, quantile_of_sorted};
 use crate::model::{Model, ModelError};
 use crate::recording::Recording;
 
@@ -229,9 +229,7 @@ fn edges(variable: Variable, model: &Model, recordings: &[&Recording]) -> Vec<f6
         }
     }
     values.sort_by(f64::total_cmp);
-    (0..=BINS)
-        .map(|b| values[((values.len() - 1) as f64 * b as f64 / BINS as f64).round() as usize])
-        .collect()
+    (0..=BINS).map(|b| quantile_of_sorted(&values, b as f64 / BINS as f64)).collect()
 }
 
 struct Bins<'a> {

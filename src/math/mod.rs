@@ -42,7 +42,7 @@ pub(crate) use lanes::{Lanes, Mask, in_lanes};
 pub use least_squares::{LinearFit, fit};
 pub(crate) use log_product::LogProduct;
 pub(crate) use normal_equations::{FewCoefficients, NormalEquations};
-pub use order::{median, median_high, quantile, robust_deviation};
+pub use order::{median, median_high, quantile, quantile_of_sorted, robust_deviation};
 pub(crate) use products::{FILLED, add_products};
 pub use robust::{RobustFit, fit_huber};
 pub use runge_kutta::{runge_kutta_from, runge_kutta_motion, runge_kutta_step};
