@@ -218,13 +218,8 @@ fn edges(variable: Variable, model: &Model, recordings: &[&Recording]) -> Vec<f6
     let mut values = Vec::new();
     for recording in recordings {
         for (k, m) in recording.local_motion().iter().enumerate().step_by(3) {
-            let x = Motion {
-                t: recording.t()[k] - recording.t()[0],
-                alpha: m.alpha,
-                omega: m.omega,
-                variance: [0.0; 4],
-                robot: model.robot(),
-            };
+            let x =
+                Motion::at(recording.t()[k] - recording.t()[0], m.alpha, m.omega, model.robot());
             values.push(variable.at(&x, &m.acceleration, &recording.torque()[k]));
         }
     }

@@ -43,6 +43,16 @@ pub struct Motion<'a, T> {
     pub robot: &'a Robot,
 }
 
+impl<'a, T> Motion<'a, T> {
+    /// A motion that is known: at time `t` \[s\], with the angles `alpha` \[rad\] and the speeds `omega` [rad/s] of the
+    /// wheels.
+    #[inline]
+    #[must_use]
+    pub fn at(t: T, alpha: [T; 2], omega: [T; 2], robot: &'a Robot) -> Self {
+        Self { t, alpha, omega, variance: [0.0; 4], robot }
+    }
+}
+
 impl<T: Real> Motion<'_, T> {
     /// Speed of the axle's centre, v_A = r/2 (w1 + w2) [m/s].  eq. (11)
     #[must_use]
