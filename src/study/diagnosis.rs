@@ -152,7 +152,7 @@ pub enum Advice {
     CheckColumns,
     /// A recording that would prove an effect.
     Prove {
-        /// The effect.
+        /// That which is likely or withheld.
         effect: String,
         /// The motion that shows it.
         excitation: String,
@@ -161,7 +161,7 @@ pub enum Advice {
     },
     /// Nothing recorded at the wheels distinguishes an effect from others.
     Equivalent {
-        /// The effect.
+        /// That which was found first.
         effect: String,
         /// Those of the same equations.
         others: Vec<String>,
@@ -170,7 +170,7 @@ pub enum Advice {
     Closest([String; 2]),
     /// A recording that would distinguish two effects.
     Distinguish {
-        /// The effects.
+        /// The best candidate and one that these data do not distinguish from it.
         effects: [String; 2],
         /// The motion that shows each.
         excitations: [String; 2],

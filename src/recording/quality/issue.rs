@@ -20,13 +20,13 @@ const WHEELS: [&str; 2] = ["wheel 1 (right)", "wheel 2 (left)"];
 /// What a channel of a wheel measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub enum Quantity {
-    /// Its angle.
+    /// Angle \[rad\].
     #[serde(rename = "alpha")]
     Angle,
-    /// Its speed.
+    /// Speed [rad/s].
     #[serde(rename = "dalpha")]
     Speed,
-    /// Its input.
+    /// Torque, voltage or current of its motor.
     #[serde(rename = "M")]
     Input,
 }
