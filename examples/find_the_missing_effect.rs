@@ -12,6 +12,7 @@
 use amigo_ident::diagnose::{Data, Settings, diagnose};
 use amigo_ident::identify::{Task, start};
 use amigo_ident::model::Model;
+use amigo_ident::report::sentence;
 use amigo_ident::robot::Robot;
 use amigo_ident::simulate::{Hold, Movement, NoiseLevel, Recorder, record};
 use amigo_ident::verdict::{Basis, verdict};
@@ -34,7 +35,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let data = Data { train, validation, hold: Hold::Linear, corrected_s: 0.0 };
     let diagnosis = diagnose(&model, &starts, &data, &Settings::default())?;
     println!("hidden: {hidden}; found: {:?}", diagnosis.found());
-    println!("{}", verdict(&diagnosis, &Basis::new(train, validation, Hold::Linear))?.sentence);
+    let said = verdict(&diagnosis, &Basis::new(train, validation, Hold::Linear))?;
+    println!("{}", sentence(&said));
     for ranked in diagnosis.ranking.iter().take(5) {
         println!("  {:<24} ΔBIC {:8.1}", ranked.candidate.id, -ranked.bic);
     }

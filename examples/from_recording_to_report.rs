@@ -13,7 +13,7 @@ use amigo_ident::experiment::{
 use amigo_ident::identify::PredictionError;
 use amigo_ident::model::Model;
 use amigo_ident::recording::DriveUnit;
-use amigo_ident::report::render;
+use amigo_ident::report::{render, sentence};
 use amigo_ident::robot::Robot;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let comparison = compare(&plan, &fits(&plan))?;
     let study = study(&plan, diagnose(&plan, comparison)?)?;
     let diagnosis = study.diagnosis.as_ref().ok_or("the options ask for a diagnosis")?;
-    println!("{:?}: {}", diagnosis.verdict, diagnosis.sentence);
+    println!("{:?}: {}", diagnosis.verdict, sentence(diagnosis));
     std::fs::write("report.html", render(&study)?.html)?;
     Ok(())
 }

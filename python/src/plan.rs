@@ -85,7 +85,7 @@ impl Plan {
         match made.into_iter().next() {
             Some(MethodFit { fit: Ok(fit), seconds }) => Ok(Fit { fit, seconds }),
             Some(MethodFit { fit: Err(reason), .. }) => {
-                Err(failed(&experiment::RunError::NoFit { reasons: reason.to_string() }))
+                Err(failed(&experiment::RunError::NoFit(vec![reason])))
             }
             None => Err(wrong("no method is given")),
         }

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use amigo_ident::experiment::{self, FittedModels, Overlay};
+use amigo_ident::report::results;
 use amigo_ident::report::{figure_to_svg, render};
-use amigo_ident::study::results;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use crate::math::trapezoid;
 use crate::recording::{LocalMotion, Recording, slopes};
 use crate::robot::State;
 use crate::simulate::{Dynamics, Hold, Input, SimulateError};
@@ -162,15 +163,9 @@ pub(crate) fn start_of(motion: &LocalMotion) -> State {
 /// Source: paper, section 4. Infinite where the simulation diverged.
 #[must_use]
 pub fn ise(recording: &Recording, states: &[State]) -> [f64; 2] {
-    let t = recording.t();
     [0, 1].map(|i| {
         let square = |k: usize| (recording.omega()[k][i] - states[k].omega[i]).powi(2);
-        let mut sum = 0.0;
-        for piece in recording.pieces() {
-            for k in piece.start + 1..piece.end {
-                sum += 0.5 * (t[k] - t[k - 1]) * (square(k - 1) + square(k));
-            }
-        }
+        let sum = trapezoid(recording.t(), recording.pieces(), square);
         if sum.is_nan() { f64::INFINITY } else { sum }
     })
 }

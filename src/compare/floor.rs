@@ -8,6 +8,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 use super::error::{Acting, WINDOW, start_of, windows_of};
+use crate::math::trapezoid;
 use crate::recording::{LocalMotion, Recording};
 use crate::robot::State;
 use crate::simulate::{BETWEEN_ROWS, Dynamics, Hold, SimulateError, every_other};
@@ -284,8 +285,7 @@ impl<'a> Runs<'a> {
                 return 0.0;
             };
             let square = |k: usize| spread(&free[k], &plain[k], i);
-            let rows = self.recording.pieces().iter().flat_map(|p| p.start + 1..p.end);
-            rows.map(|k| 0.5 * (t[k] - t[k - 1]) * (square(k - 1) + square(k))).sum()
+            trapezoid(t, self.recording.pieces(), square)
         });
         let pairs = run.windows.iter().zip(&self.plain.windows);
         let sum: f64 = pairs.map(|(a, b)| spread(a, b, 0) + spread(a, b, 1)).sum();

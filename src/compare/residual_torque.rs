@@ -54,5 +54,5 @@ pub fn residual_torque(
 }
 
 pub(super) fn motion_of<'a>(model: &'a Model, t: f64, m: &LocalMotion) -> Motion<'a, f64> {
-    Motion { t, alpha: m.alpha, omega: m.omega, variance: [0.0; 4], robot: model.robot() }
+    Motion::at(t, m.alpha, m.omega, model.robot())
 }

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::effects::Motion;
 use crate::filter::{Columns, Instant, Likelihood, ProcessNoise};
 use crate::math::distribution::chi2_log_survival;
-use crate::math::{Information, eliminate, pseudo_inverse};
+use crate::math::{Information, eliminate, pseudo_inverse, quantile_of_sorted};
 use crate::model::{Model, ModelError};
 use crate::recording::Recording;
 
@@ -218,20 +218,13 @@ fn edges(variable: Variable, model: &Model, recordings: &[&Recording]) -> Vec<f6
     let mut values = Vec::new();
     for recording in recordings {
         for (k, m) in recording.local_motion().iter().enumerate().step_by(3) {
-            let x = Motion {
-                t: recording.t()[k] - recording.t()[0],
-                alpha: m.alpha,
-                omega: m.omega,
-                variance: [0.0; 4],
-                robot: model.robot(),
-            };
+            let x =
+                Motion::at(recording.t()[k] - recording.t()[0], m.alpha, m.omega, model.robot());
             values.push(variable.at(&x, &m.acceleration, &recording.torque()[k]));
         }
     }
     values.sort_by(f64::total_cmp);
-    (0..=BINS)
-        .map(|b| values[((values.len() - 1) as f64 * b as f64 / BINS as f64).round() as usize])
-        .collect()
+    (0..=BINS).map(|b| quantile_of_sorted(&values, b as f64 / BINS as f64)).collect()
 }
 
 struct Bins<'a> {

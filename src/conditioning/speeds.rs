@@ -13,12 +13,12 @@
 //! omega_k = (alpha_k - alpha_(k-m)) / (t_k - t_(k-m)) + e_k,   var e << var of the speeds' own noise
 //! ```
 
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::Vector2;
 
 use super::finding::{Channel, Finding, Kind};
 use super::signal::{changes, column, median_high, noise_variance, pieces, trimmed};
 use super::{Conditioned, Context, Settings};
-use crate::math::{cumulative_trapezoid, robust_deviation};
+use crate::math::{NormalEquations, cumulative_trapezoid, robust_deviation};
 
 /// Window \[s\] and its samples at least: motion changes within a few tenths of a second.
 const WINDOW: (f64, usize) = (0.1, 4);
@@ -232,21 +232,12 @@ fn solve(s: &Samples, way: &[f64], windows: &[(usize, usize)], lag: f64) -> Opti
     };
     let rows: Vec<(f64, f64, f64)> = windows.iter().filter_map(row).collect();
     let limit = 8.0 * robust_deviation(rows.iter().map(|(e, ..)| *e));
-    let used = || rows.iter().filter(|(e, ..)| limit <= 0.0 || e.abs() <= limit);
-    let (mut normal, mut right, mut squares, mut n) = (Matrix2::zeros(), Vector2::zeros(), 0.0, 0);
-    for (e, slope, way) in used() {
-        let x = Vector2::new(*slope, -way);
-        normal += x * x.transpose();
-        right += x * *e;
-        squares += e * e;
-        n += 1;
-    }
-    let inverse = normal.try_inverse()?;
-    let step = -(inverse * right);
-    let rest = squares - right.dot(&(inverse * right));
-    let variance = rest.max(0.0) / f64::from((n - 2).max(1));
-    let cost = (squares - right[1] * right[1] / normal[(1, 1)]) / f64::from(n.max(1));
-    Some(Step { cost, step: step[0], std_error: (variance * inverse[(0, 0)]).sqrt() })
+    let used = rows.iter().filter(|(e, ..)| limit <= 0.0 || e.abs() <= limit);
+    let sums = NormalEquations::of(used.map(|(e, slope, way)| (Vector2::new(*slope, -way), *e)));
+    let fit = sums.solve()?;
+    let of_g = sums.right[1] * sums.right[1] / sums.matrix[(1, 1)];
+    let cost = (sums.squares - of_g) / sums.rows.max(1) as f64;
+    Some(Step { cost, step: -fit.values[0], std_error: fit.std_error(0) })
 }
 
 /// Integral and speed at a time near sample `k`.

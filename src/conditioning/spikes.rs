@@ -11,13 +11,13 @@
 //! samples. A wheel cannot jump and return, so that of a sensor this is proof. An input can: there a
 //! sample is wrong if the wheel does not answer to it as it answers to the rest of the input.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 use super::finding::{Channel, Finding, Kind};
 use super::signal::{column, pieces, quantile};
 use super::{Conditioned, Context, Settings};
 use crate::math::noise::quantum;
-use crate::math::{cumulative_trapezoid, robust_deviation};
+use crate::math::{NormalEquations, cumulative_trapezoid, robust_deviation};
 use crate::recording::refreshed;
 
 /// See above.
@@ -174,21 +174,12 @@ pub(super) fn answer(t: &[f64], integral: &[f64], speed: &[f64], found: &[Spike]
     let near =
         |a: usize, b: usize| found.iter().any(|s| s.rows.end + 2 > a && s.rows.start < b + 2);
     let pairs = (0..t.len().saturating_sub(STRETCH)).step_by(STRETCH).map(|a| (a, a + STRETCH));
-    let (mut normal, mut right, mut squares, mut n) =
-        (Matrix3::zeros(), Vector3::zeros(), 0.0, 0.0_f64);
-    for (a, b) in pairs.filter(|(a, b)| !near(*a, *b)) {
+    let row = |(a, b): (usize, usize)| {
         let sign: f64 = (a..b).map(|k| (t[k + 1] - t[k]) * crate::math::sgn(speed[k])).sum();
-        let x = Vector3::new(integral[b] - integral[a], sign, t[b] - t[a]);
-        let y = speed[b] - speed[a];
-        normal += x * x.transpose();
-        right += x * y;
-        squares += y * y;
-        n += 1.0;
-    }
-    let Some(inverse) = normal.try_inverse() else { return (0.0, f64::INFINITY) };
-    let c = inverse * right;
-    let variance = (squares - right.dot(&c)).max(0.0) / (n - 3.0).max(1.0);
-    (c[0], (variance * inverse[(0, 0)]).sqrt())
+        (Vector3::new(integral[b] - integral[a], sign, t[b] - t[a]), speed[b] - speed[a])
+    };
+    let fit = NormalEquations::of(pairs.filter(|(a, b)| !near(*a, *b)).map(row)).solve();
+    fit.map_or((0.0, f64::INFINITY), |fit| (fit.values[0], fit.std_error(0)))
 }
 
 /// Rows of a stretch.

@@ -24,7 +24,7 @@ pub(super) fn coupling(
     robot: &Robot,
 ) -> Option<Coupling<f64>> {
     let (alpha, omega) = ([0.0; 2], [0.0; 2]);
-    effect.coupling(&Motion { t: 0.0, alpha, omega, variance: [0.0; 4], robot }, p)
+    effect.coupling(&Motion::at(0.0, alpha, omega, robot), p)
 }
 
 /// What drives the wheels of a recording, which no shape of a coupling changes.
@@ -91,7 +91,7 @@ fn acting(around: &Around, torque: [f64; 2], x: &Motion<f64>) -> [f64; 2] {
 
 fn instant<'a>(around: &'a Around, t: f64, m: &LocalMotion) -> Motion<'a, f64> {
     let (alpha, omega, robot) = (m.alpha, m.omega, around.model.robot());
-    Motion { t, alpha, omega, variance: [0.0; 4], robot }
+    Motion::at(t, alpha, omega, robot)
 }
 
 /// Two inertias on one axis.

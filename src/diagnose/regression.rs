@@ -228,7 +228,7 @@ impl<'a> Regression<'a> {
     fn motion<'b>(&'b self, smooth: &Smooth, k: usize) -> Motion<'b, f64> {
         let (m, t) = (&smooth.motion[k], smooth.recording.t());
         let (alpha, omega, robot) = (m.alpha, m.omega, self.model.robot());
-        Motion { t: t[k] - t[0], alpha, omega, variance: [0.0; 4], robot }
+        Motion::at(t[k] - t[0], alpha, omega, robot)
     }
 
     fn signs(&self, m: &LocalMotion) -> [f64; 4] {

@@ -23,8 +23,7 @@ pub fn scale_of(model: &Model, p: &[f64], recordings: &[&Recording]) -> Scale {
     };
     let largest =
         |value: &dyn Fn(&Recording) -> f64| recordings.iter().map(|r| value(r)).fold(0.0, f64::max);
-    let (alpha, omega, variance) = ([0.0; 2], [0.0; 2], [0.0; 4]);
-    let x = Motion { t: 0.0, alpha, omega, variance, robot: model.robot() };
+    let x = Motion::at(0.0, [0.0; 2], [0.0; 2], model.robot());
     let wheels = |r: &&Recording| r.drive_unit() == DriveUnit::NewtonMetre && !r.is_single_axis();
     let held = |e: usize| {
         let own = &model.parameters()[model.slots(e)];

@@ -344,8 +344,7 @@ fn typical(model: &Model, j: usize) -> f64 {
 /// The acceleration that a torque of one gives its wheel [1/(kg m²)], of a model at parameters `p`.
 #[must_use]
 pub fn mobility(model: &Model, p: &[f64]) -> f64 {
-    let (alpha, omega, variance) = ([0.0; 2], [0.0; 2], [0.0; 4]);
-    let x = Motion { t: 0.0, alpha, omega, variance, robot: model.robot() };
+    let x = Motion::at(0.0, [0.0; 2], [0.0; 2], model.robot());
     inverse_mass(&model.terms(&x, p).mass).map_or(0.0, |inverse| inverse[0])
 }
 

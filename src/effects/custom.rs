@@ -105,7 +105,7 @@ impl Custom {
         for k in 0..8 {
             let (a, b) = (1.3 + 0.7 * f64::from(k), 2.9 - 1.1 * f64::from(k));
             let (t, alpha, omega) = (a, [a, 0.4 * b], [b, 0.8 * a]);
-            let x = Motion { t, alpha, omega, variance: [0.0; 4], robot: &robot };
+            let x = Motion::at(t, alpha, omega, &robot);
             for j in (0..specs.len()).filter(|&j| linear(j)) {
                 let at = |size: f64| {
                     let value = |i: usize| match (i == j, linear(i)) {
@@ -278,7 +278,7 @@ mod tests {
 
     fn state<T: Real>(robot: &Robot, v: [T; 4]) -> Motion<'_, T> {
         let [a1, a2, w1, w2] = v;
-        Motion { t: 1.5.into(), alpha: [a1, a2], omega: [w1, w2], variance: [0.0; 4], robot }
+        Motion::at(1.5.into(), [a1, a2], [w1, w2], robot)
     }
 
     #[test]

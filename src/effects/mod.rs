@@ -17,7 +17,7 @@ pub use custom::{Custom, CustomDefinition, CustomError, QUANTITIES};
 pub use effect::{
     Change, DIFFERENTIATED, Effect, Jet, MOST_PARAMETERS, Own, Physics, SURELY, Tangent,
 };
-pub use motion::{DIRECTIONS, Motion, Terms, along};
+pub use motion::{DIRECTIONS, Motion, Terms, along, with_friction};
 pub use scale::{FAST, Scale, geometric};
 pub use text::{details, details_of, overview};
 pub use wave::{Cycle, Wave};

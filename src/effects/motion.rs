@@ -18,6 +18,15 @@ pub fn along<T: Real>(direction: usize, omega: &[T; 2]) -> T {
     }
 }
 
+/// Resisting torques on the wheels with those of dry friction of a level and a sign along each of the [`DIRECTIONS`]:
+/// `torque + Σ_j d_j level_j s_j` [N m].
+#[inline]
+#[must_use]
+pub fn with_friction([first, second]: [f64; 2], level: &[f64; 4], sign: &[f64; 4]) -> [f64; 2] {
+    let [f1, f2, turning, forward] = [0, 1, 2, 3].map(|j| level[j] * sign[j]);
+    [first + f1 + turning + forward, second + f2 - turning + forward]
+}
+
 /// The instant at which an effect is evaluated.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion<'a, T> {
@@ -32,6 +41,16 @@ pub struct Motion<'a, T> {
     pub variance: [f64; 4],
     /// The robot's construction data.
     pub robot: &'a Robot,
+}
+
+impl<'a, T> Motion<'a, T> {
+    /// A motion that is known: at time `t` \[s\], with the angles `alpha` \[rad\] and the speeds `omega` [rad/s] of the
+    /// wheels.
+    #[inline]
+    #[must_use]
+    pub fn at(t: T, alpha: [T; 2], omega: [T; 2], robot: &'a Robot) -> Self {
+        Self { t, alpha, omega, variance: [0.0; 4], robot }
+    }
 }
 
 impl<T: Real> Motion<'_, T> {
@@ -104,5 +123,17 @@ impl<T: Real> Terms<T> {
             }
         }
         out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_torque_of_friction_is_the_sum_along_the_directions() {
+        let (torque, level, sign) = ([0.5, -0.25], [1.0, 2.0, 4.0, 8.0], [1.0, -1.0, -0.5, 0.25]);
+        let along = |i: usize| (0..4).map(|j| DIRECTIONS[j][i] * level[j] * sign[j]).sum::<f64>();
+        assert_eq!(with_friction(torque, &level, &sign), [0.5 + along(0), -0.25 + along(1)]);
     }
 }

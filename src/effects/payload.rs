@@ -78,8 +78,7 @@ mod tests {
     fn a_load_on_the_axle_is_what_a_heavier_robot_built_that_way_has() {
         let robot = Robot::amigobot();
         let plain = &robot.construction;
-        let x =
-            Motion { t: 0.0, alpha: [0.0; 2], omega: [0.0; 2], variance: [0.0; 4], robot: &robot };
+        let x = Motion::at(0.0, [0.0; 2], [0.0; 2], &robot);
         let mass = Payload.terms(&x, &[0.7, 0.03, 0.0]).mass;
         // 0.7 kg more frame at l2, less the yaw inertia that it has there about the axle
         let yaw = 0.03 - 0.7 * plain.l2_m * plain.l2_m;

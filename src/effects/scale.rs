@@ -1,5 +1,7 @@
 //! The size of the signals of recordings: the unit in which shapes of effects are tried.
 
+use crate::math::quantile_of_sorted;
+
 /// Share of the rows whose speed lies below [`Scale::speed`].
 pub const FAST: f64 = 0.98;
 
@@ -37,8 +39,7 @@ impl Scale {
     /// The torque that a share of the rows stays below [N m].
     #[must_use]
     pub fn torque_quantile(&self, share: f64) -> f64 {
-        let last = self.torque.len().saturating_sub(1);
-        self.torque.get((share * last as f64).round() as usize).copied().unwrap_or(0.0)
+        quantile_of_sorted(&self.torque, share)
     }
 
     /// Root mean square input torque [N m].

@@ -88,7 +88,7 @@ mod tests {
     /// Torques at speeds of the wheels.
     fn torque(omega: [f64; 2], p: &[f64]) -> [f64; 2] {
         let robot = Robot::amigobot();
-        let x = Motion { t: 0.0, alpha: [0.0; 2], omega, variance: [0.0; 4], robot: &robot };
+        let x = Motion::at(0.0, [0.0; 2], omega, &robot);
         Effect::terms(&SlidingCaster, &x, p).torque
     }
 

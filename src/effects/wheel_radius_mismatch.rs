@@ -114,7 +114,7 @@ mod tests {
                     + rho[i] * ((a.a1 - iz) * dq[i] + a.a2 * dq[j] + a.a3 * q[j] * (q[j] - q[i]))
             })
         };
-        let x = Motion { t: 0.0, alpha: [0.0; 2], omega: w, variance: [0.0; 4], robot: &robot };
+        let x = Motion::at(0.0, [0.0; 2], w, &robot);
         let found = WheelRadiusMismatch.terms(&x, &[1.0, 0.0]).total_torque(&dw, &[0.0; 4]);
         let (up, down) = (exact(1e-5), exact(-1e-5));
         for i in 0..2 {

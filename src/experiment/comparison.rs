@@ -64,9 +64,7 @@ impl Comparison {
 /// If no method has a fit, or nothing can be simulated.
 pub fn compare(plan: &Plan, fits: &[MethodFit]) -> Result<Comparison, RunError> {
     let Some((reference, fit)) = reference(fits) else {
-        let reasons: Vec<String> =
-            fits.iter().filter_map(|f| Some(f.fit.as_ref().err()?.to_string())).collect();
-        return Err(RunError::NoFit { reasons: reasons.join("; ") });
+        return Err(RunError::NoFit(fits.iter().filter_map(|f| f.fit.clone().err()).collect()));
     };
     let dynamics = fit.dynamics.clone();
     let recordings = plan

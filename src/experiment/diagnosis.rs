@@ -63,7 +63,7 @@ pub(super) fn diagnose_with_progress(
         Err(e) => {
             let mut comparison = comparison;
             let reference = &mut comparison.methods[comparison.reference];
-            reference.notes.push(Note::NotDiagnosed(e.to_string()));
+            reference.notes.push(Note::NotDiagnosed(e));
             return Ok(comparison.into());
         }
     };

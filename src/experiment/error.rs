@@ -2,7 +2,7 @@
 
 use super::file::FileError;
 use crate::catalogue;
-use crate::identify::OptionError;
+use crate::identify::{IdentifyError, OptionError};
 use crate::io::IoError;
 use crate::model::ModelError;
 use crate::report::ReportError;
@@ -12,18 +12,19 @@ use crate::simulate::{GainError, SimulateError};
 /// Why an experiment has no study.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum RunError {
-    /// Every method failed.
-    #[error("no method has a fit: {reasons}")]
-    NoFit {
-        /// What each said.
-        reasons: String,
-    },
+    /// Every method failed, and why.
+    #[error("no method has a fit: {}", joined(.0))]
+    NoFit(Vec<IdentifyError>),
     /// The model cannot move.
     #[error(transparent)]
     Simulate(#[from] SimulateError),
     /// The model is not one.
     #[error(transparent)]
     Model(#[from] ModelError),
+}
+
+fn joined(reasons: &[IdentifyError]) -> String {
+    reasons.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
 }
 
 /// Why an experiment did not run.

@@ -15,7 +15,8 @@ use super::resolve::resolve;
 use super::run::run_in_stages;
 use super::stages::Stages;
 use crate::io::{ResultFolder, check_writable, exists, read_text, write_csv};
-use crate::study::{DiagnosisStudy, Invocation, Judged, Study, Version, results};
+use crate::report::{results, sentence};
+use crate::study::{Invocation, Judged, Study, Version};
 
 /// What became of an experiment.
 #[derive(Debug)]
@@ -312,7 +313,7 @@ fn checksum(study: &Study) -> String {
 /// What was found, without the figures that stand beside it in the index.
 fn finding(study: &Study) -> String {
     match (&study.diagnosis, study.reference_method()) {
-        (Some(diagnosis), _) => diagnosis.sentence.clone(),
+        (Some(diagnosis), _) => sentence(diagnosis),
         (None, Some(method)) => format!("Fitted by {}; no diagnosis.", method.name),
         (None, None) => verdict(study),
     }
@@ -329,11 +330,12 @@ fn verdict(study: &Study) -> String {
     let staircase = study.diagnosis.as_ref().map_or(&[][..], |d| &d.staircase);
     match (&study.diagnosis, staircase.first().zip(staircase.last())) {
         // error, floor and ratio of the sentence are those of the diagnosis' own fits
-        (Some(DiagnosisStudy { sentence, .. }), Some((first, last))) => {
+        (Some(diagnosis), Some((first, last))) => {
             let [before, after] = [first, last].map(|s| format!("{:.4}", s.window_rms_validation));
             let errors = if staircase.len() > 1 { format!("{before} to {after}") } else { after };
             format!(
-                "{sentence} 2 s simulation error {errors} rad/s, noise floor {floor:.4} rad/s ({judged})"
+                "{} 2 s simulation error {errors} rad/s, noise floor {floor:.4} rad/s ({judged})",
+                sentence(diagnosis)
             )
         }
         _ => format!(

@@ -6,7 +6,7 @@ use super::plan::Plan;
 use crate::diagnose::INPUT_SHIFT;
 use crate::identify::Estimate;
 use crate::model::{Model, ModelError};
-use crate::study::Study;
+use crate::study::{DiagnosisStudy, Study};
 
 /// A model with the values that were identified.
 #[derive(Clone, Debug)]
@@ -68,9 +68,11 @@ impl FittedModels {
         let Some(method) = study.reference_method() else { return Ok(None) };
         let given = FittedModel::new(plan, &[], &method.estimates, &method.name)?;
         let diagnosis = study.diagnosis.as_ref().filter(|d| !d.found.is_empty());
-        let found = diagnosis
-            .map(|d| FittedModel::new(plan, &d.found, &d.estimates, "diagnosis"))
-            .transpose()?;
+        let of = |d: &DiagnosisStudy| {
+            let estimates: Vec<_> = d.parameters.iter().map(|p| p.estimate.clone()).collect();
+            FittedModel::new(plan, &d.found, &estimates, "diagnosis")
+        };
+        let found = diagnosis.map(of).transpose()?;
         Ok(given.map(|given| Self { given, found: found.flatten() }))
     }
 

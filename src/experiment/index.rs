@@ -10,9 +10,9 @@ use super::execute::Outcome;
 use super::options::THUMBNAIL;
 use crate::io::{ResultFolder, exists, file_names, write_whole};
 use crate::report::block::{Block, Cell, Column, Table, Tone};
+use crate::report::title;
 use crate::report::{PageContent, SectionContent, format, page};
 use crate::study::Grade;
-use crate::verdict::title;
 
 /// Experiments with a thumbnail at most: each adds some 20 kB to the page.
 const PICTURED: usize = 30;

@@ -121,7 +121,7 @@ fn effect_torque(fitted: &FittedModel, e: usize, recording: &Recording) -> Vec<[
 fn at<'a>(fitted: &'a FittedModel, recording: &Recording, k: usize) -> Motion<'a, f64> {
     let LocalMotion { alpha, omega, .. } = recording.local_motion()[k];
     let t = recording.t()[k] - recording.t()[0];
-    Motion { t, alpha, omega, variance: [0.0; 4], robot: fitted.model.robot() }
+    Motion::at(t, alpha, omega, fitted.model.robot())
 }
 
 /// The torque that terms need at a measured motion; NaN where the direction of a friction is unknown.

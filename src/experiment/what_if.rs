@@ -5,7 +5,7 @@ use super::fitted::FittedModel;
 use super::models::Models;
 use super::plan::{Measured, Plan};
 use crate::diagnose::shifted;
-use crate::export::{Identified, javascript, reasons};
+use crate::export::{Identified, Obstacle, javascript};
 use crate::study::{DiagnosisStudy, Performance, Start, WhatIf};
 
 /// The model that the report ends with as a function; `None` if it is not physical.
@@ -32,7 +32,7 @@ pub(super) fn what_if(
     })
 }
 
-fn script(plan: &Plan, fitted: &FittedModel) -> Result<String, String> {
+fn script(plan: &Plan, fitted: &FittedModel) -> Result<String, Vec<Obstacle>> {
     let std_errors: Vec<f64> = fitted.estimates.iter().map(|e| e.std_error).collect();
     let units: Vec<String> = fitted.estimates.iter().map(|e| e.unit.clone()).collect();
     let identified = Identified {
@@ -46,7 +46,7 @@ fn script(plan: &Plan, fitted: &FittedModel) -> Result<String, String> {
         method: &fitted.method,
         missing: &[],
     };
-    javascript(&identified).map_err(|obstacles| reasons(&obstacles))
+    javascript(&identified)
 }
 
 fn input(measured: &Measured, shift: f64) -> Vec<[f64; 2]> {

@@ -151,7 +151,7 @@ fn curve(model: &Model, p: &[f64], direction: [f64; 2], operation: &Operation) -
             let angle = |k: u32| std::f64::consts::TAU * f64::from(k) / f64::from(ANGLES);
             let (turn, roll) = (robot.l1() / robot.r() * angle(k / ANGLES), angle(k % ANGLES));
             let alpha = [roll + turn, roll - turn];
-            let x = Motion { t: operation.time, alpha, omega, variance: [0.0; 4], robot };
+            let x = Motion::at(operation.time, alpha, omega, robot);
             let terms = model.terms(&x, p);
             let sign = std::array::from_fn(|j| sgn(along(j, &omega)));
             let torque = terms.total_torque(&[0.0; 2], &sign);

@@ -222,13 +222,7 @@ fn formula(model: &Model, p: &[f64], f: impl Fn(&Place) -> Vec<Symbol>) -> Formu
         let (place, p) = x.split_at(MOTION);
         let [t, alpha1, alpha2, omega1, omega2, u1, u2, phi1, phi2]: [Symbol; MOTION] =
             std::array::from_fn(|k| place[k]);
-        let motion = Motion {
-            t,
-            alpha: [alpha1, alpha2],
-            omega: [omega1, omega2],
-            variance: [0.0; 4],
-            robot: model.robot(),
-        };
+        let motion = Motion::at(t, [alpha1, alpha2], [omega1, omega2], model.robot());
         let body = BodyState { speed: [u1, u2], twist: [phi1, phi2] };
         f(&Place { model, motion, body, p })
     })
@@ -268,7 +262,7 @@ mod tests {
         [t, alpha1, alpha2, omega1, omega2, ..]: [f64; MOTION],
     ) -> Motion<'_, f64> {
         let (alpha, omega) = ([alpha1, alpha2], [omega1, omega2]);
-        Motion { t, alpha, omega, variance: [0.0; 4], robot: model.robot() }
+        Motion::at(t, alpha, omega, model.robot())
     }
 
     #[test]

@@ -70,13 +70,7 @@ impl<'a> Exact<'a> {
 
     /// Inverse of a mass matrix that varies.
     fn mobility(&self, sample: &Sample, mean: &Mean<4>) -> Result<[f64; 3], ModelError> {
-        let x = Motion {
-            t: sample.t,
-            alpha: [mean[0], mean[1]],
-            omega: [mean[2], mean[3]],
-            variance: [0.0; 4],
-            robot: self.model.robot(),
-        };
+        let x = Motion::at(sample.t, [mean[0], mean[1]], [mean[2], mean[3]], self.model.robot());
         inverse_mass(&self.model.terms(&x, self.p).mass)
     }
 }
@@ -172,7 +166,7 @@ impl Dynamics<4> for Exact<'_> {
 fn mass_slopes(model: &Model, p: &[f64]) -> Vec<(usize, Matrix2<f64>)> {
     let mut work = Linearisation::new(p.len());
     let (still, robot) = ([0.0; 2], model.robot());
-    let x = Motion { t: 0.0, alpha: still, omega: still, variance: [0.0; 4], robot };
+    let x = Motion::at(0.0, still, still, robot);
     slopes_of_mass(|a| {
         model.linearise(&x, p, a, &[0.0; 4], &mut work);
         work.by_parameter.clone()

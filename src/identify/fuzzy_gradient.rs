@@ -9,7 +9,8 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 use super::fuzzy::{
-    DIVERGED, Descent, Found, Fuzzy, Job, Limits, Penalty, Problem, Search, Start, continuation,
+    DIVERGED, Descent, Found, Fuzzy, Job, Limits, Penalty, Problem, Scaled, Search, Start,
+    continuation,
 };
 use super::{IdentifyError, MethodDescription, NoStart, Status};
 
@@ -92,10 +93,7 @@ struct Slope<'a> {
     job: &'a Job,
     problem: &'a Problem,
     penalty: Penalty<'a>,
-    start: &'a DVector<f64>,
-    free: Vec<usize>,
-    /// Cholesky factor that scales the consequents.
-    factor: DMatrix<f64>,
+    scaled: Scaled,
     /// Where it was evaluated last: the line search asks for cost and gradient one after the other.
     last: RefCell<Option<Evaluation>>,
 }
@@ -108,7 +106,7 @@ impl<'a> Slope<'a> {
         job: &'a Job,
         problem: &'a Problem,
         penalty: Penalty<'a>,
-        start: &'a DVector<f64>,
+        start: &DVector<f64>,
     ) -> Result<Self, IdentifyError> {
         let Some(normal) = problem.normal(start.as_slice(), false) else {
             return Err(job.no_start(NoStart::Emulator));
@@ -122,20 +120,12 @@ impl<'a> Slope<'a> {
         let Some(factor) = curvature.cholesky() else {
             return Err(job.no_start(NoStart::Sensitivities));
         };
-        let (factor, last) = (factor.l(), RefCell::default());
-        Ok(Self { job, problem, penalty, start, free, factor, last })
-    }
-
-    fn theta(&self, z: &DVector<f64>) -> DVector<f64> {
-        let mut step = z.clone();
-        self.factor.tr_solve_lower_triangular_mut(&mut step);
-        let mut theta = self.start.clone();
-        self.free.iter().zip(step.iter()).for_each(|(&j, step)| theta[j] += step);
-        theta
+        let scaled = Scaled { start: start.clone(), free, factor: factor.l() };
+        Ok(Self { job, problem, penalty, scaled, last: RefCell::default() })
     }
 
     fn descend(self, limits: Limits) -> Result<Descent, IdentifyError> {
-        let first = DVector::zeros(self.free.len());
+        let first = DVector::zeros(self.scaled.free.len());
         let refuse = |e: argmin::core::Error| self.job.no_start(NoStart::Optimiser(e.to_string()));
         let tolerance = (limits.tolerance * self.problem.noise_floor).max(1e-9);
         let solver = LBFGS::new(MoreThuenteLineSearch::new(), MEMORY)
@@ -150,7 +140,7 @@ impl<'a> Slope<'a> {
         let best = state.get_best_param().cloned().unwrap_or(first);
         let done = state.get_iter();
         let status = if done < most { Status::Converged } else { Status::IterationLimit };
-        Ok((self.theta(&best), done as usize, status))
+        Ok((self.scaled.theta(&best), done as usize, status))
     }
 
     /// Cost and gradient at z. The cost is always finite: the line search does not end on one that is not.
@@ -160,14 +150,14 @@ impl<'a> Slope<'a> {
         {
             return (*cost, gradient.clone());
         }
-        let theta = self.theta(z);
+        let theta = self.scaled.theta(z);
         let sound = theta.iter().all(|x| x.is_finite());
         let found = sound.then(|| self.problem.gradient(theta.as_slice())).flatten();
         let (cost, gradient) = match found {
             Some((ise, slope)) => {
                 self.job.journal.note(ise);
-                let mut slope = slope + self.penalty.slope(&theta, &self.free);
-                self.factor.solve_lower_triangular_mut(&mut slope);
+                let mut slope = slope + self.penalty.slope(&theta, &self.scaled.free);
+                self.scaled.factor.solve_lower_triangular_mut(&mut slope);
                 (ise + self.penalty.of(&theta), slope)
             }
             // uphill away from the start, along the way that diverges

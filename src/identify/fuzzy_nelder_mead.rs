@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
-use super::fuzzy::{Found, Fuzzy, Job, Search, Start};
+use super::fuzzy::{Found, Fuzzy, Job, Scaled, Search, Start};
 use super::{IdentifyError, MethodDescription, NoStart, Status};
 
 /// The simplex of Nelder and Mead over the consequents of the rules that the recordings reach, several
@@ -79,7 +79,8 @@ impl Search for Simplex {
         let Some(factor) = curvature.cholesky() else {
             return Err(job.no_start(NoStart::Rules));
         };
-        let simplex = Vertices { job, start, free, factor: factor.l(), vertices: vec![] };
+        let scaled = Scaled { start, free, factor: factor.l() };
+        let simplex = Vertices { job, scaled, vertices: vec![] };
         Ok(simplex.descend(self.edge, self.iterations))
     }
 }
@@ -87,24 +88,17 @@ impl Search for Simplex {
 /// Steps from the start in scaled coordinates, and their cost.
 type Vertex = (DVector<f64>, f64);
 
-/// The simplex over the consequents in `free`.
+/// The simplex over the free consequents.
 struct Vertices<'a> {
     job: &'a Job,
-    start: DVector<f64>,
-    free: Vec<usize>,
-    /// Cholesky factor that scales the consequents.
-    factor: DMatrix<f64>,
+    scaled: Scaled,
     /// From the best to the worst.
     vertices: Vec<Vertex>,
 }
 
 impl Vertices<'_> {
     fn theta(&self, z: &DVector<f64>) -> Vec<f64> {
-        let mut step = z.clone();
-        self.factor.tr_solve_lower_triangular_mut(&mut step);
-        let mut theta = self.start.as_slice().to_vec();
-        self.free.iter().zip(step.iter()).for_each(|(&j, step)| theta[j] += step);
-        theta
+        self.scaled.theta(z).data.into()
     }
 
     fn judged(&self, points: Vec<DVector<f64>>) -> Vec<Vertex> {
@@ -116,7 +110,7 @@ impl Vertices<'_> {
     }
 
     fn descend(mut self, edge: f64, iterations: usize) -> Found {
-        let n = self.free.len();
+        let n = self.scaled.free.len();
         let corner = |i: usize| DVector::from_fn(n, |j, _| if i == j { edge } else { 0.0 });
         self.vertices = self.judged((0..=n).map(corner).collect());
         let (mut rounds, mut status) = (0, Status::IterationLimit);
@@ -137,7 +131,7 @@ impl Vertices<'_> {
     fn round(&mut self, moves: usize) {
         let kept = self.vertices.len() - moves;
         let (best, last_kept) = (self.vertices[0].1, self.vertices[kept - 1].1);
-        let mut centre = DVector::zeros(self.free.len());
+        let mut centre = DVector::zeros(self.scaled.free.len());
         self.vertices[..kept].iter().for_each(|(z, _)| centre += z);
         centre /= kept as f64;
         let reflect = |(z, _): &Vertex| &centre * 2.0 - z;

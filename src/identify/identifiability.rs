@@ -115,8 +115,7 @@ pub(super) fn torque_of_each(
     let speed = train.iter().map(Recording::top_speed).fold(0.0, f64::max);
     let regressor = Regressor::new(model, values);
     let omega = [speed, -0.5 * speed];
-    let motion =
-        Motion { t: 0.0, alpha: [0.0; 2], omega, variance: [0.0; 4], robot: model.robot() };
+    let motion = Motion::at(0.0, [0.0; 2], omega, model.robot());
     let balance = regressor.at(&motion);
     let torque =
         |c: usize| balance.total_torque(c, &omega).iter().fold(0.0_f64, |m, v| m.max(v.abs()));

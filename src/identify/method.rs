@@ -7,10 +7,10 @@ use schemars::{JsonSchema, Schema};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-use super::{Fit, NoStart, Unsupported};
-use crate::model::{Model, ModelError};
-use crate::recording::{LongRecording, Recording, RowsError};
-use crate::simulate::{Hold, SimulateError};
+use super::{Fit, IdentifyError};
+use crate::model::Model;
+use crate::recording::{LongRecording, Recording};
+use crate::simulate::Hold;
 
 /// What is to be identified, from what.
 #[derive(Clone, Copy)]
@@ -61,64 +61,6 @@ pub struct OptionError {
     pub method: String,
     /// What is wrong, with what was expected.
     pub message: String,
-}
-
-/// How long the wheels move, in words.
-fn moving(seconds: f64) -> String {
-    if seconds > 0.0 {
-        format!(
-            "both wheels turn one way for {seconds:.2} s at most without a rest or a gap; record longer motion"
-        )
-    } else {
-        "the wheels stand still, or never both turn; record motion of both".into()
-    }
-}
-
-/// Why a method has no fit.
-#[derive(Clone, Debug, thiserror::Error)]
-pub enum IdentifyError {
-    /// Nothing is left after samples near rest and at ends were dropped.
-    #[error("{method}: {usable} usable samples are left of {samples}: {}", moving(*moving_s))]
-    TooFewSamples {
-        /// Name of the method, as in experiment files.
-        method: String,
-        /// Left.
-        usable: usize,
-        /// Recorded.
-        samples: usize,
-        /// Longest time in which both wheels move one way, without a rest or a gap \[s\].
-        moving_s: f64,
-    },
-    /// No finite cost at the start or anywhere near.
-    #[error("{method}: no start is found from which the model can be simulated: {reason}")]
-    NoStart {
-        /// Name of the method, as in experiment files.
-        method: String,
-        /// Why the last try failed.
-        reason: NoStart,
-    },
-    /// The method does not treat this model.
-    #[error("{method}: {reason}")]
-    Unsupported {
-        /// Name of the method, as in experiment files.
-        method: String,
-        /// What it cannot do, and what to use instead.
-        reason: Unsupported,
-    },
-    /// Rows that were there when the recording was checked cannot be read any more.
-    #[error("{method}: the rows cannot be read again: {reason}")]
-    Rows {
-        /// Name of the method, as in experiment files.
-        method: String,
-        /// Why.
-        reason: RowsError,
-    },
-    /// Simulation failed.
-    #[error(transparent)]
-    Simulate(#[from] SimulateError),
-    /// The model is not one.
-    #[error(transparent)]
-    Model(#[from] ModelError),
 }
 
 /// An identification method.

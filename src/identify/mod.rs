@@ -25,13 +25,13 @@ mod weak;
 pub use fit::{Estimate, Fit, Status, Trace, TraceAxis, TraceKind, Work};
 pub(crate) use identifiability::among_all;
 pub use method::{
-    Identifier, IdentifyError, MethodDescription, MethodOption, OptionError, Task, doc_text,
-    from_options, options_of, options_schema,
+    Identifier, MethodDescription, MethodOption, OptionError, Task, doc_text, from_options,
+    options_of, options_schema,
 };
 
 pub use note::{Note, PhysicalBound, SingleAxis, Unknown};
 pub use profile::DROP;
-pub use reason::{NoStart, Unsupported};
+pub use reason::{IdentifyError, NoStart, Unsupported};
 pub use text::{details, overview};
 
 use crate::catalogue;

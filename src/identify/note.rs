@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::IdentifyError;
 use crate::simulate::Structure;
 
 /// How a method counts one axis that is written down as two wheels: the filter measures it once, sums over
@@ -15,7 +16,7 @@ pub enum SingleAxis {
 }
 
 /// One thing that the reader of a fit must know; its [`Display`](fmt::Display) is the sentence.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub enum Note {
     /// A bound holds an estimate back.
     ActiveBound {
@@ -40,7 +41,7 @@ pub enum Note {
     /// One axis written down twice.
     SingleAxis(SingleAxis),
     /// The diagnosis of what the model lacks could not start from the fit, and why.
-    NotDiagnosed(String),
+    NotDiagnosed(IdentifyError),
     /// Descents from several starts.
     Descents {
         /// Those that end in the lowest minimum.

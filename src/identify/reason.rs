@@ -4,7 +4,67 @@ use clarabel::solver::SolverStatus;
 
 use crate::filter::FilterError;
 use crate::math::MathError;
+use crate::model::ModelError;
+use crate::recording::RowsError;
+use crate::simulate::SimulateError;
 
+/// Why a method has no fit.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum IdentifyError {
+    /// Nothing is left after samples near rest and at ends were dropped.
+    #[error("{method}: {usable} usable samples are left of {samples}: {}", moving(*moving_s))]
+    TooFewSamples {
+        /// Name of the method, as in experiment files.
+        method: String,
+        /// Left.
+        usable: usize,
+        /// Recorded.
+        samples: usize,
+        /// Longest time in which both wheels move one way, without a rest or a gap \[s\].
+        moving_s: f64,
+    },
+    /// No finite cost at the start or anywhere near.
+    #[error("{method}: no start is found from which the model can be simulated: {reason}")]
+    NoStart {
+        /// Name of the method, as in experiment files.
+        method: String,
+        /// Why the last try failed.
+        reason: NoStart,
+    },
+    /// The method does not treat this model.
+    #[error("{method}: {reason}")]
+    Unsupported {
+        /// Name of the method, as in experiment files.
+        method: String,
+        /// What it cannot do, and what to use instead.
+        reason: Unsupported,
+    },
+    /// Rows that were there when the recording was checked cannot be read any more.
+    #[error("{method}: the rows cannot be read again: {reason}")]
+    Rows {
+        /// Name of the method, as in experiment files.
+        method: String,
+        /// Why.
+        reason: RowsError,
+    },
+    /// Simulation failed.
+    #[error(transparent)]
+    Simulate(#[from] SimulateError),
+    /// The model is not one.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+}
+
+/// How long the wheels move, in words.
+fn moving(seconds: f64) -> String {
+    if seconds > 0.0 {
+        format!(
+            "both wheels turn one way for {seconds:.2} s at most without a rest or a gap; record longer motion"
+        )
+    } else {
+        "the wheels stand still, or never both turn; record motion of both".into()
+    }
+}
 /// Why no start is found from which the model can be simulated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoStart {

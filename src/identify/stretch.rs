@@ -261,13 +261,12 @@ impl Stretch<'_> {
         let mut groups = vec![vec![f64x4::ZERO; t.len()]; out.groups.len()];
         for k in 0..t.len() {
             let w = omega[k].as_array();
-            let motion = Motion {
-                t: t[k] - self.start,
-                alpha: self.alpha[rows.start + k],
-                omega: [w[0], w[1]],
-                variance: [0.0; 4],
-                robot: model.robot(),
-            };
+            let motion = Motion::at(
+                t[k] - self.start,
+                self.alpha[rows.start + k],
+                [w[0], w[1]],
+                model.robot(),
+            );
             let balance = regressor.at(&motion);
             let (before, after) = (k.saturating_sub(1), (k + 1).min(t.len() - 1));
             let slope = (omega[after] - omega[before]) * (1.0 / (t[after] - t[before]));

@@ -92,13 +92,7 @@ pub(super) fn motion_at<'a>(
     k: usize,
     omega: [f64; 2],
 ) -> Motion<'a, f64> {
-    Motion {
-        t: recording.t()[k] - recording.t()[0],
-        alpha: recording.alpha()[k],
-        omega,
-        variance: [0.0; 4],
-        robot: task.model.robot(),
-    }
+    Motion::at(recording.t()[k] - recording.t()[0], recording.alpha()[k], omega, task.model.robot())
 }
 
 /// Rows of the weak form, two a window (wheel 1, wheel 2), for given speeds and acting input.

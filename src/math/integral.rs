@@ -1,5 +1,7 @@
 //! Integrals of sampled signals.
 
+use std::ops::Range;
+
 /// The integral of a rate from the first sample to each, by the trapezoid rule: zero at the first. `rate` gives the
 /// rate at a sample.
 ///
@@ -16,6 +18,21 @@ pub fn cumulative_trapezoid(t: &[f64], rate: impl Fn(usize) -> f64) -> Vec<f64> 
         integral[k] = integral[k - 1] + 0.5 * (t[k] - t[k - 1]) * (rate(k) + rate(k - 1));
     }
     integral
+}
+
+/// The integral of a value over the `pieces` of a signal, by the trapezoid rule; what lies between them does not count.
+/// `value` gives the value at a sample.
+///
+/// # Examples
+/// ```
+/// use amigo_ident::math::trapezoid;
+/// let value = [0.0, 2.0, 4.0, 1.0, 1.0];
+/// assert_eq!(trapezoid(&[0.0, 1.0, 3.0, 9.0, 9.5], &[0..3, 3..5], |k| value[k]), 7.5);
+/// ```
+#[must_use]
+pub fn trapezoid(t: &[f64], pieces: &[Range<usize>], value: impl Fn(usize) -> f64) -> f64 {
+    let steps = pieces.iter().flat_map(|piece| piece.start + 1..piece.end);
+    steps.map(|k| 0.5 * (t[k] - t[k - 1]) * (value(k - 1) + value(k))).sum()
 }
 
 #[cfg(test)]

@@ -17,8 +17,26 @@ pub fn quantile(values: impl IntoIterator<Item = f64>, share: f64) -> f64 {
     if sample.is_empty() {
         return 0.0;
     }
-    let place = ((sample.len() - 1) as f64 * share).round() as usize;
+    let place = place(sample.len(), share);
     *sample.select_nth_unstable_by(place, f64::total_cmp).1
+}
+
+/// [`quantile`] of a sample in ascending order.
+///
+/// # Examples
+/// ```
+/// use amigo_ident::math::quantile_of_sorted;
+/// assert_eq!(quantile_of_sorted(&[1.0, 2.0, 3.0], 0.75), 3.0);
+/// assert_eq!(quantile_of_sorted(&[], 0.5), 0.0);
+/// ```
+#[must_use]
+pub fn quantile_of_sorted(sample: &[f64], share: f64) -> f64 {
+    sample.get(place(sample.len(), share)).copied().unwrap_or(0.0)
+}
+
+/// The place in ascending order that is nearest to a share of `count` values.
+fn place(count: usize, share: f64) -> usize {
+    (count.saturating_sub(1) as f64 * share).round() as usize
 }
 
 /// The median; of an even number the mean of the middle two; zero of nothing.

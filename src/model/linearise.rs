@@ -1,7 +1,7 @@
 //! Exact first derivatives of a model, and the dynamics solved from it.
 
 use super::{Model, ModelError, SpeedPolynomial, Variation, Variations};
-use crate::effects::{DIFFERENTIATED, Effect, Jet, Motion, Own, Tangent, Terms};
+use crate::effects::{DIFFERENTIATED, Effect, Jet, Motion, Own, Tangent, Terms, with_friction};
 use crate::math::{Dual, Real};
 
 /// Partial derivatives of a [`Jet`] before those of an effect's own parameters.
@@ -67,13 +67,6 @@ impl Compiled {
         }
         out
     }
-}
-
-/// A torque with that of dry friction of these levels and signs.
-#[inline]
-fn with_friction([first, second]: [f64; 2], level: &[f64; 4], s: &[f64; 4]) -> [f64; 2] {
-    let [f1, f2, turning, forward] = [0, 1, 2, 3].map(|j| level[j] * s[j]);
-    [first + f1 + (turning + forward), second + f2 + (forward - turning)]
 }
 
 impl Linearisation {

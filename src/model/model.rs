@@ -346,7 +346,7 @@ impl Model {
     fn couplings(&self) -> Vec<usize> {
         let (robot, p) = (&self.robot, self.initial());
         let (alpha, omega) = ([0.0; 2], [0.0; 2]);
-        let x = Motion { t: 0.0, alpha, omega, variance: [0.0; 4], robot };
+        let x = Motion::at(0.0, alpha, omega, robot);
         let is_one = |&e: &usize| self.effects[e].coupling(&x, &p[self.slots(e)]).is_some();
         (0..self.effects.len()).filter(is_one).collect()
     }

@@ -41,7 +41,7 @@ impl Variations {
         let formula = record(&[&PLACE, &typical[..]].concat(), |inputs| {
             let (x, p) = inputs.split_at(MOTION);
             let (alpha, omega) = ([x[1], x[2]], [x[3], x[4]]);
-            let motion = Motion { t: x[0], alpha, omega, variance: [0.0; 4], robot };
+            let motion = Motion::at(x[0], alpha, omega, robot);
             let terms = effect.terms_symbolic(&motion, p);
             [&terms.mass[..], &terms.torque, &terms.level].concat()
         });
@@ -98,7 +98,7 @@ mod tests {
             let at = |k: usize| {
                 let x = |n: usize| 3.0 * ((7 * k + n) as f64).sin();
                 let (alpha, omega) = ([x(1), x(2)], [x(3), x(4)]);
-                let motion = Motion { t: x(0), alpha, omega, variance: [0.0; 4], robot: &robot };
+                let motion = Motion::at(x(0), alpha, omega, &robot);
                 effect.terms(&motion, &p)
             };
             let same = |variation: Variation, part: &dyn Fn(&Terms<f64>) -> Vec<f64>| {

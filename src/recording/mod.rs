@@ -26,7 +26,7 @@ pub use long::{LongRecording, Rows, RowsError, Survey};
 pub use motion::LocalMotion;
 pub(crate) use noise::FEW_LEVELS;
 pub use noise::share_noise;
-pub use quality::{Finding, Gaps, Issue, Quality, Severity, StatedIssue, quality};
+pub use quality::{Finding, Gaps, Issue, Quality, Quantity, Severity, StatedIssue, quality};
 pub(crate) use quality::{
     View, Window, exchanged_input, exchanged_speeds, opposing_input, windows_of,
 };

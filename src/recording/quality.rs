@@ -11,7 +11,7 @@ mod motion;
 mod timing;
 mod window;
 
-pub use issue::{Issue, StatedIssue};
+pub use issue::{Issue, Quantity, StatedIssue};
 
 pub(crate) use consistency::{exchanged_input, exchanged_speeds, opposing_input};
 pub(crate) use window::{View, Window, windows_of};

@@ -16,12 +16,17 @@ mod png;
 mod polyline;
 mod raster;
 mod render;
+mod results;
 mod scale;
 pub mod section;
+mod verdict;
 pub mod what_if;
 
 pub use error::ReportError;
 pub use page::{Page, PageContent, Picture, SectionContent, page, render_page};
 pub use raster::{figure_to_png, figure_to_svg};
 pub use render::{Rendered, render, thumbnail};
+pub use results::{SCHEMA, results};
 pub use section::Section;
+pub(crate) use verdict::title;
+pub use verdict::{evidence, next_run, sentence};

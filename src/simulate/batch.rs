@@ -11,7 +11,7 @@ use super::input_line::InputLine;
 use super::stepper::{SPEED_LIMIT, Stepper, pieces_between};
 use super::{Hold, Input, SimulateError, simulate};
 use crate::effects::BASE;
-use crate::math::{Lanes, Mask, in_lanes, runge_kutta_step};
+use crate::math::{Lanes, Mask, in_lanes, runge_kutta_step, trapezoid};
 use crate::model::{Model, base};
 use crate::robot::{BaseParameters, State, centrifugal_torques};
 
@@ -84,7 +84,7 @@ fn ise(t: &[f64], measured: &[[f64; 2]], motion: &[State]) -> f64 {
         let e = [0, 1].map(|i| measured[k][i] - motion[k].omega[i]);
         e[0] * e[0] + e[1] * e[1]
     };
-    (1..t.len()).map(|k| 0.5 * (t[k] - t[k - 1]) * (square(k - 1) + square(k))).sum()
+    trapezoid(t, std::slice::from_ref(&(0..t.len())), square)
 }
 
 /// Up to [`TOGETHER`] simulations.

@@ -88,13 +88,7 @@ impl Dynamics for PhysicalDynamics {
         state: &State,
         torque: &[f64; 2],
     ) -> Result<[f64; 2], SimulateError> {
-        let x = Motion {
-            t,
-            alpha: state.alpha,
-            omega: state.omega,
-            variance: [0.0; 4],
-            robot: self.model.robot(),
-        };
+        let x = Motion::at(t, state.alpha, state.omega, self.model.robot());
         let terms = self.model.terms(&x, &self.p);
         Ok(contact(&terms, torque, &state.omega)?.acceleration)
     }

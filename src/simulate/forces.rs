@@ -107,7 +107,7 @@ struct Acting {
 impl<'m> Forces<'m> {
     pub(super) fn new(model: &'m Model, p: &'m [f64], t0: f64) -> Self {
         let robot = model.robot();
-        let x = Motion { t: 0.0, alpha: [0.0; 2], omega: [0.0; 2], variance: [0.0; 4], robot };
+        let x = Motion::at(0.0, [0.0; 2], [0.0; 2], robot);
         let places =
             || (0..model.effects().len()).map(|e| (&*model.effects()[e], &p[model.slots(e)]));
         let coupling = places().find(|(effect, p)| effect.coupling(&x, p).is_some());
@@ -131,13 +131,7 @@ impl<'m> Forces<'m> {
 
     #[inline]
     pub(super) fn motion(&self, t: f64, y: &Vector) -> Motion<'m, f64> {
-        Motion {
-            t: t - self.t0,
-            alpha: [y[0], y[1]],
-            omega: [y[2], y[3]],
-            variance: [0.0; 4],
-            robot: self.model.robot(),
-        }
+        Motion::at(t - self.t0, [y[0], y[1]], [y[2], y[3]], self.model.robot())
     }
 
     /// The fastest rate of a coupling [1/s], set by the lighter of rotor and body.
@@ -335,7 +329,7 @@ impl<'m> Forces<'m> {
         let at = |c: f64, alpha: &[f64; 2], omega: &[f64; 2]| {
             let t = instant(t, to, c);
             let (alpha, omega) = (*alpha, *omega);
-            (Motion { t: t - self.t0, alpha, omega, variance: [0.0; 4], robot }, input.at(t))
+            (Motion::at(t - self.t0, alpha, omega, robot), input.at(t))
         };
         let h = to - t;
         let ([a1, a2], [w1, w2]) = match self.freed(from) {

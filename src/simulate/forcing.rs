@@ -60,7 +60,7 @@ impl Forcing {
                 let zero = Jet::from(0.0);
                 let (t, alpha, omega) = (zero, [zero; 2], omega.map(Jet::from));
                 let robot = f.model.robot();
-                effect.terms_jet(&Motion { t, alpha, omega, variance: [0.0; 4], robot }, &own)
+                effect.terms_jet(&Motion::at(t, alpha, omega, robot), &own)
             };
             for (k, j) in slots.enumerate().take(DIFFERENTIATED) {
                 let part = |value: Jet| value.partial[STATES + k];

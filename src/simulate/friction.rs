@@ -1,6 +1,6 @@
 //! Dry friction at rest is set-valued: which directions stick and which slip is solved exactly.
 
-use crate::effects::{DIRECTIONS, Terms, along};
+use crate::effects::{DIRECTIONS, Terms, along, with_friction};
 use crate::math::sgn;
 use crate::model::{ModelError, solve_mass};
 
@@ -39,12 +39,7 @@ pub(super) fn perpendicular(j: usize) -> [f64; 2] {
 /// The torque of dry friction on each wheel, with the signs of a contact state.
 #[inline]
 pub(super) fn friction(level: &[f64; 4], sign: &[f64; 4]) -> [f64; 2] {
-    let mut sum = [0.0; 2];
-    for (j, d) in DIRECTIONS.iter().enumerate() {
-        let friction = level[j].max(0.0) * sign[j];
-        sum = [sum[0] + d[0] * friction, sum[1] + d[1] * friction];
-    }
-    sum
+    with_friction([0.0; 2], &level.map(|level| level.max(0.0)), sign)
 }
 
 /// `n (n·b)/(n' A n)`, or zero where nothing is free.

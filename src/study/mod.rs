@@ -1,21 +1,23 @@
 //! All results of one experiment: plain data, serialisable.
 //!
-//! A study holds no files and no models, only what was found; the report draws it and
-//! [`results`] turns it into the JSON that other programs read.
+//! A study holds no files, no models and no texts, only what was found; the report draws it and turns it into the JSON
+//! that other programs read.
 
+mod dependence;
+mod diagnosis;
 mod formula;
 mod grouped;
 mod invocation;
-mod json;
 mod judged;
 mod method;
 mod model;
 mod what_if;
 
+pub use dependence::{Dependence, is_most_of_it, is_plain, most_pointing};
+pub use diagnosis::{Advice, Candidate, DiagnosisStudy, Logging, Step, Verdict, Withheld};
 pub use formula::{Coefficient, FormulaStudy};
 pub use grouped::grouped;
 pub use invocation::{Invocation, shell_word};
-pub use json::{SCHEMA, results};
 pub use judged::Judged;
 pub use method::{FuzzyStudy, MethodStudy, Performance};
 pub use model::{
@@ -28,7 +30,6 @@ use serde::Serialize;
 use crate::compare::{Curve, Floor};
 use crate::conditioning::Finding;
 use crate::export::ModelFiles;
-use crate::identify::Estimate;
 use crate::recording::{self, DriveUnit, Measured, Noise, Regime, StatedIssue};
 
 /// What a recording is used for.
@@ -89,110 +90,6 @@ pub struct RecordingStudy {
     pub regimes: Vec<Regime>,
     /// Path of the axle's centre: x \[m\], y \[m\], heading \[rad\].
     pub path: Vec<[f64; 3]>,
-}
-
-/// An effect tried by the diagnosis.
-#[derive(Clone, Debug)]
-pub struct Candidate {
-    /// Id.
-    pub effect: String,
-    /// Posterior probability among the candidates.
-    pub probability: f64,
-    /// Effects indistinguishable from it by these data.
-    pub indistinguishable: Vec<String>,
-    /// Of the score test.
-    pub p_value: f64,
-    /// -ln of it, where it underflows.
-    pub log_significance: f64,
-    /// Log-evidence over the model without it.
-    pub evidence: f64,
-    /// Fall of the Bayesian information criterion.
-    pub delta_bic: f64,
-    /// Quality index on validation without it [rad^2/s].
-    pub ise_validation_before: f64,
-    /// Quality index with it added and all parameters fitted again [rad^2/s].
-    pub ise_validation_after: f64,
-    /// 2 s simulation error on validation without it [rad/s].
-    pub window_before: f64,
-    /// 2 s simulation error with it, likewise [rad/s].
-    pub window_after: f64,
-    /// Estimates of what it adds to the model.
-    pub parameters: Vec<Estimate>,
-    /// Root mean square torque of it [N m].
-    pub torque_rms: f64,
-    /// Evidence in words.
-    pub words: String,
-}
-
-/// The verdict of a diagnosis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Verdict {
-    /// Nothing is missing at the stated false-alarm rate.
-    ModelSufficient,
-    /// Effects of the catalogue are missing.
-    EffectsMissing,
-    /// An effect is likely, but not proven.
-    EffectLikely,
-    /// Something is missing that no candidate explains.
-    UnknownEffect,
-}
-
-impl Verdict {
-    /// As in `results.json`.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::ModelSufficient => "model_sufficient",
-            Self::EffectsMissing => "effects_missing",
-            Self::EffectLikely => "effect_likely",
-            Self::UnknownEffect => "unknown_effect",
-        }
-    }
-}
-
-/// The error of one model version: the model with one more effect.
-#[derive(Clone, Debug, Serialize)]
-pub struct Step {
-    /// Effect added; `None` for the first.
-    pub added: Option<String>,
-    /// Quality index on validation [rad^2/s].
-    pub ise_validation: f64,
-    /// 2 s simulation error on validation [rad/s].
-    pub window_rms_validation: f64,
-}
-
-/// What the diagnosis says.
-#[derive(Clone, Debug)]
-pub struct DiagnosisStudy {
-    /// Which of the four conclusions holds.
-    pub verdict: Verdict,
-    /// The verdict in one sentence.
-    pub sentence: String,
-    /// Effects found, first found first.
-    pub found: Vec<String>,
-    /// An effect that is likely, and stands beside what was found.
-    pub likely: Option<UnprovenEffect>,
-    /// Parameters of the last model: that of the experiment with all effects found.
-    pub estimates: Vec<Estimate>,
-    /// Candidates of the first step, best first.
-    pub ranking: Vec<Candidate>,
-    /// Error with each effect found.
-    pub staircase: Vec<Step>,
-    /// Share of what can be explained that is left.
-    pub unexplained_fraction: f64,
-    /// What to drive next, in words.
-    pub next_run: Option<String>,
-    /// The manoeuvre that distinguishes the best two, where one can.
-    pub proposal: Option<crate::diagnose::Proposal>,
-    /// Stated false-alarm rate.
-    pub false_alarm: f64,
-    /// The effects found, in words.
-    pub effects: Vec<FoundEffect>,
-    /// What the residual torque depends on as a formula, where that lowers the error.
-    pub formula: Option<FormulaStudy>,
-    /// Whether the columns do not determine the model, so that nothing else here holds.
-    pub is_undetermined: bool,
 }
 
 /// A version of the model that was run before: the error by the user's own versions.

@@ -1,5 +1,7 @@
 //! The last model of an experiment as a function, with the inputs and the states that it is simulated from.
 
+use crate::export::Obstacle;
+
 /// Where a simulation starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start {
@@ -14,8 +16,8 @@ pub struct Start {
 /// The last model of an experiment, to be simulated with other values of its parameters.
 #[derive(Clone, Debug)]
 pub struct WhatIf {
-    /// The function in JavaScript, as `model.js` holds it, or in words why there is none.
-    pub script: Result<String, String>,
+    /// The function in JavaScript, as `model.js` holds it, or the effects of which there is none.
+    pub script: Result<String, Vec<Obstacle>>,
     /// Input of every recording, shifted by the timing that the diagnosis fitted.
     pub inputs: Vec<Vec<[f64; 2]>>,
     /// Starts of the 2 s simulations of every recording.

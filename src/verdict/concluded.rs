@@ -1,10 +1,8 @@
 //! What a diagnosis concludes against the noise floor, and the verdict that it makes.
 
 use super::Basis;
-use super::dependence::{Dependence, is_plain};
-use super::next::{CHECK_COLUMNS, advice, propose, to_prove};
+use super::next::{advice, propose, to_prove};
 use super::ranking::{ranking, staircase};
-use super::sentence::{Logging, Statement, Withheld, sentence};
 use crate::compare::{Curve, Variable, WindowFloor};
 use crate::diagnose::{
     Conclusion, Diagnosis, Errors, Judge, Judgement, Ranked, Step, WindowFit, conclude, likely,
@@ -14,7 +12,8 @@ use crate::filter::{Likelihood, prepare};
 use crate::recording::Recording;
 use crate::simulate::{Hold, SimulateError};
 use crate::study::{
-    DiagnosisStudy, FormulaStudy, FoundEffect, UnprovenEffect, Verdict, parameters_of,
+    Advice, Dependence, DiagnosisStudy, FormulaStudy, FoundEffect, Logging, UnprovenEffect,
+    Verdict, Withheld, is_plain, parameters_of,
 };
 
 /// A diagnosis against the noise floor of the judged recordings.
@@ -84,7 +83,7 @@ impl<'a> Concluded<'a> {
     /// What the residual torque depends on by its `curves`, where the verdict states it: where something outside the
     /// catalogue is missing, and where more is missing than was found, by the error or by a variable that shows the
     /// larger part of it.
-    pub(super) fn dependence<'c>(&self, curves: &'c [Curve]) -> Option<Dependence<'c>> {
+    pub(super) fn dependence(&self, curves: &[Curve]) -> Option<Dependence> {
         let is_stated = match self.conclusion {
             _ if self.is_undetermined => false,
             Conclusion::Unknown => true,
@@ -106,44 +105,29 @@ impl<'a> Concluded<'a> {
     ) -> Result<DiagnosisStudy, SimulateError> {
         let Self { diagnosis, basis, judge, errors, .. } = self;
         let steps = if self.is_undetermined { &[][..] } else { &diagnosis.steps };
-        let likely = self.likely.map(unproven);
-        let withheld = self.withheld.map(|(ranked, why)| (unproven(ranked), why));
         let logging = self.logging();
-        let sentence = sentence(&Statement {
-            is_undetermined: self.is_undetermined,
-            conclusion: self.conclusion,
-            diagnosis,
-            errors: *errors,
-            likely: likely.as_ref(),
-            withheld: withheld.as_ref().map(|(effect, why)| (effect, *why)),
-            false_alarm: basis.false_alarm,
-            logging,
-            dependence,
-            formula: formula.as_ref(),
-            floor: self.floor,
-        });
         // where nothing is missing there is nothing to record
         let is_open =
             self.conclusion != Conclusion::Sufficient && !self.is_undetermined && formula.is_none();
         let proposal = is_open.then(|| propose(diagnosis, &self.likelihood, basis.seed)).flatten();
-        let next_run = match self.withheld {
-            _ if self.is_undetermined => Some(CHECK_COLUMNS.to_owned()),
-            Some((ranked, why)) => Some(to_prove(ranked, why == Withheld::BetweenRows)),
-            None if is_open => advice(diagnosis, self.likely, proposal.as_ref()),
-            None => None,
+        let next = match self.withheld {
+            _ if self.is_undetermined => vec![Advice::CheckColumns],
+            Some((ranked, why)) => vec![to_prove(ranked, why == Withheld::BetweenRows)],
+            None if is_open => advice(diagnosis, self.likely),
+            None => vec![],
         };
-        let is_likely = !self.is_undetermined && formula.is_none();
-        let estimates = parameters_of(diagnosis.last(), logging.unit);
         Ok(DiagnosisStudy {
             verdict: self.verdict(),
-            sentence,
+            errors: *errors,
             found: steps.iter().map(|step| step.id.clone()).collect(),
-            likely: likely.filter(|_| is_likely),
-            estimates: estimates.into_iter().map(|p| p.estimate).collect(),
-            ranking: ranking(diagnosis, judge, self.before, self.floor)?,
+            unproven: self.likely.map(unproven),
+            withheld: self.withheld.map(|(ranked, why)| (unproven(ranked), why)),
+            logging,
+            dependence,
+            parameters: parameters_of(diagnosis.last(), logging.unit),
+            ranking: ranking(diagnosis, judge, self.before)?,
             staircase: staircase(diagnosis, judge, self.before)?,
-            unexplained_fraction: errors.unexplained(),
-            next_run,
+            next,
             proposal,
             false_alarm: basis.false_alarm,
             effects: steps.iter().map(found_effect).collect(),

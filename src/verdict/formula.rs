@@ -3,14 +3,13 @@
 use rayon::prelude::*;
 
 use super::Basis;
-use super::dependence::most_pointing;
 use super::series::Formula;
 use crate::compare::{Curve, Unexplained, curves, residual_torque};
 use crate::diagnose::{Diagnosis, Judge, THRESHOLDS, WindowFit};
 use crate::effects::{CustomDefinition, ParameterKind, ParameterSpec};
 use crate::model::Model;
 use crate::recording::Recording;
-use crate::study::{Coefficient, FormulaStudy};
+use crate::study::{Coefficient, FormulaStudy, most_pointing};
 
 /// The formula of the curve that shows most of the residual torque, fitted in the model as given and beside what was
 /// found.

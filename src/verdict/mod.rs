@@ -1,16 +1,13 @@
-//! The verdict of a diagnosis: what is missing, with the errors that show it, in plain data and in words.
+//! The verdict of a diagnosis: what is missing, with the errors that show it, as plain data.
 
 mod concluded;
-mod dependence;
 mod formula;
 mod next;
 mod ranking;
-mod sentence;
 mod series;
 mod settled;
 
 pub(crate) use self::formula::{curves_of, residual_torques};
-pub(crate) use self::sentence::title;
 pub(crate) use self::settled::Settled;
 use crate::diagnose::{Diagnosis, Settings};
 use crate::recording::Recording;

@@ -1,15 +1,11 @@
 //! What to record next where the data leave two effects open.
 
-use super::sentence::title;
 use crate::diagnose::{Diagnosis, Limits, Proposal, Ranked, Rivals, next_run};
 use crate::effects::Description;
 use crate::filter::Likelihood;
 use crate::recording::Recording;
-use crate::report::format;
+use crate::study::Advice;
 
-/// What to do where the columns do not determine the model.
-pub(super) const CHECK_COLUMNS: &str = "Check in the experiment file that the columns are those of the wheels and of their input, and that the units are \
-     right: `experiment new` shows the ranges of all columns.";
 /// Floor that a proposed manoeuvre keeps to, a square of this side \[m\].
 const FLOOR: f64 = 2.0;
 /// Its length \[s\].
@@ -58,65 +54,42 @@ fn competing(diagnosis: &Diagnosis) -> Option<(&Ranked, &Ranked)> {
 }
 
 /// What to record so that an effect is proven; where the input `between_rows` could be the reason, faster.
-pub(super) fn to_prove(ranked: &Ranked, between_rows: bool) -> String {
+pub(super) fn to_prove(ranked: &Ranked, between_rows: bool) -> Advice {
     let effect = &ranked.candidate.effect;
     let Description { id, excitation, .. } = effect.description();
-    let faster = between_rows || effect.change().acts_between_rows();
-    let faster = if faster { ", at a higher rate" } else { "" };
-    format!("To prove {}, record{faster}: {excitation}.", title(&id))
+    Advice::Prove {
+        effect: id,
+        excitation,
+        faster: between_rows || effect.change().acts_between_rows(),
+    }
 }
 
-/// What to drive next, in words, where two effects are indistinguishable.
-pub(super) fn advice(
-    diagnosis: &Diagnosis,
-    likely: Option<&Ranked>,
-    proposal: Option<&Proposal>,
-) -> Option<String> {
-    let best = diagnosis.ranking.first()?;
+/// What to record where two effects are indistinguishable.
+pub(super) fn advice(diagnosis: &Diagnosis, likely: Option<&Ranked>) -> Vec<Advice> {
+    let Some(best) = diagnosis.ranking.first() else { return vec![] };
     let same = best.candidate.effect.description();
-    let mut out = Vec::new();
-    if let Some(likely) = likely {
-        out.push(to_prove(likely, false));
-    }
+    let mut out: Vec<Advice> = likely.iter().map(|likely| to_prove(likely, false)).collect();
     let found = diagnosis.steps.first();
     if !same.equivalent.is_empty() && found.is_some() {
-        out.push(format!(
-            "No recording of wheel speeds and torques distinguishes {} from {}: they are the same in \
-             the equations. A measurement of another kind is needed.",
-            title(&same.id),
-            same.equivalent.iter().map(|id| title(id)).collect::<Vec<_>>().join(" or ")
-        ));
+        out.push(Advice::Equivalent { effect: same.id.clone(), others: same.equivalent.clone() });
     }
     let rivals: Vec<String> = match found {
         Some(step) => step.equals.clone(),
         None => competing(diagnosis).map(|(_, r)| r.candidate.id.clone()).into_iter().collect(),
     };
-    for other in rivals.iter().filter(|e| !same.equivalent.contains(e)) {
-        let Some(rival) = diagnosis.ranking.iter().find(|r| r.candidate.id == *other) else {
+    for other in rivals.into_iter().filter(|e| !same.equivalent.contains(e)) {
+        let Some(rival) = diagnosis.ranking.iter().find(|r| r.candidate.id == other) else {
             continue;
         };
-        let description = rival.candidate.effect.description();
+        let effects = [same.id.clone(), other];
         if found.is_none() {
-            let (first, second) = (title(&same.id), title(other));
-            out.push(format!(
-                "Of the catalogue, {first} and {second} come closest, neither proven."
-            ));
+            out.push(Advice::Closest(effects.clone()));
         }
-        out.push(format!(
-            "To distinguish {} from {}, record: {}; and: {}.",
-            title(&same.id),
-            title(other),
-            same.excitation,
-            description.excitation
-        ));
+        let excitation = rival.candidate.effect.description().excitation;
+        out.push(Advice::Distinguish {
+            effects,
+            excitations: [same.excitation.clone(), excitation],
+        });
     }
-    if let Some(proposal) = proposal {
-        out.push(format!(
-            "A manoeuvre of {:.0} s that does it is written to next_run.csv (set-points) and \
-             next_run.toml (segments); driven once, it identifies the right one with a probability of {}.",
-            proposal.movement.duration(),
-            format::probability(proposal.probability)
-        ));
-    }
-    (!out.is_empty()).then(|| out.join(" "))
+    out
 }

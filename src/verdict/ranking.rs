@@ -29,7 +29,6 @@ pub(super) fn ranking(
     diagnosis: &Diagnosis,
     judge: &Judge,
     before: Judgement,
-    floor: f64,
 ) -> Result<Vec<Candidate>, SimulateError> {
     let probabilities = probabilities(&diagnosis.ranking);
     let best = diagnosis.ranking.first().map_or(0.0, |r| r.bic);
@@ -50,7 +49,7 @@ pub(super) fn ranking(
             } else {
                 ranked.candidate.effect.description().equivalent
             };
-            Ok(candidate(ranked, probability, equals, before, after, floor, judge))
+            Ok(candidate(ranked, probability, equals, before, after, judge))
         })
         .collect()
 }
@@ -61,7 +60,6 @@ fn candidate(
     indistinguishable: Vec<String>,
     before: Judgement,
     after: Option<Judgement>,
-    floor: f64,
     judge: &Judge,
 ) -> Candidate {
     Candidate {
@@ -72,13 +70,12 @@ fn candidate(
         log_significance: ranked.fall.map_or(0.0, |fall| -fall.p_value.ln()),
         evidence: -0.5 * ranked.bic,
         delta_bic: -ranked.bic,
-        ise_validation_before: before.ise,
-        ise_validation_after: after.map_or(f64::NAN, |j| j.ise),
-        window_before: before.window_rms,
-        window_after: after.map_or(f64::NAN, |j| j.window_rms),
+        before,
+        after,
+        by_regression: ranked.by_regression,
+        by_windows: ranked.by_windows,
         parameters: parameters(ranked, judge),
         torque_rms: ranked.torque_rms,
-        words: words(ranked, before, after, floor),
     }
 }
 
@@ -87,30 +84,4 @@ fn parameters(ranked: &Ranked, judge: &Judge) -> Vec<Estimate> {
     let Some(refit) = &ranked.refit else { return vec![] };
     let all = parameters_of(refit, judge.recordings[0].drive_unit());
     all.into_iter().filter(|p| p.effect == ranked.candidate.id).map(|p| p.estimate).collect()
-}
-
-/// Evidence in words.
-fn words(ranked: &Ranked, before: Judgement, after: Option<Judgement>, floor: f64) -> String {
-    let Some(after) = after else {
-        return format!(
-            "not refitted (likelihood ratio {:.0} by regression, {:.0} over the windows)",
-            ranked.by_regression, ranked.by_windows
-        );
-    };
-    let explainable = before.window_rms.powi(2) - floor * floor;
-    let gained = before.window_rms.powi(2) - after.window_rms.powi(2);
-    let share = if explainable > 0.02 * floor * floor {
-        format!(
-            "explains {:.0} % of what the model leaves above noise, ",
-            100.0 * (gained / explainable).clamp(0.0, 1.0)
-        )
-    } else {
-        String::new()
-    };
-    format!(
-        "{share}the 2 s simulation error {} from {:.4} to {:.4} rad/s (noise floor {floor:.4})",
-        if after.window_rms < before.window_rms { "falls" } else { "rises" },
-        before.window_rms,
-        after.window_rms
-    )
 }

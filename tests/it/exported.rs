@@ -235,7 +235,7 @@ pub(crate) fn prepared(model: &Exported, main: &str, text: &str) -> Folder {
 /// then are all the mass, and what acts on the body does not act on them.
 fn acceleration(model: &Model, p: &[f64], t: f64, state: &State, acting: &[f64; 2]) -> [f64; 2] {
     let (alpha, omega) = (state.alpha, state.omega);
-    let x = Motion { t, alpha, omega, variance: [0.0; 4], robot: model.robot() };
+    let x = Motion::at(t, alpha, omega, model.robot());
     let all = model.terms(&x, p);
     let Some(coupling) = model.coupling(&x, p) else {
         return contact(&all, acting, &omega).unwrap().acceleration;

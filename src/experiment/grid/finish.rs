@@ -16,7 +16,7 @@ use crate::experiment::options::{Done, RunOptions, THUMBNAIL};
 use crate::experiment::plan::Plan;
 use crate::experiment::shard::Shard;
 use crate::io::{Journal, ResultFolder, write_csv_table};
-use crate::study::SCHEMA;
+use crate::report::SCHEMA;
 
 /// Runs a grid and writes its folder.
 ///

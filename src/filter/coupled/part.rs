@@ -3,7 +3,7 @@
 use nalgebra::{Matrix2, SMatrix, SVector};
 
 use super::robot::{BODY, Coupled, STATES, TWIST};
-use crate::effects::{Coupling, DIRECTIONS};
+use crate::effects::{Coupling, with_friction};
 use crate::filter::correction::Mean;
 use crate::filter::friction::Friction;
 
@@ -47,12 +47,8 @@ impl Coupled<'_> {
         let on_body = [0, 1].map(|i| passed[i] - sides.body_torque[i]);
         let body_acceleration = sides.mobility * SVector::<f64, 2>::from(on_body);
         let body_acceleration = [body_acceleration[0], body_acceleration[1]];
-        let mut resisting = sides.wheel_torque;
+        let resisting = with_friction(sides.wheel_torque, &friction.level, &friction.sign);
         let stiff = friction.stiffness();
-        for (j, d) in DIRECTIONS.iter().enumerate() {
-            let dry = friction.level[j] * friction.sign[j];
-            (0..2).for_each(|i| resisting[i] += d[i] * dry);
-        }
         let mut wheel_acceleration = [0.0; 2];
         // the fast rows, those of (w1, w2, u1, u2), by all states
         let mut fast = SMatrix::<f64, 4, STATES>::zeros();

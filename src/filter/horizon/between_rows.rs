@@ -14,13 +14,12 @@ pub(super) fn crossing(prepared: &Prepared, model: &Model, p: &[f64]) -> Vec<[f6
     for piece in recording.pieces() {
         for k in piece.start + 1..piece.end {
             let (before, after) = (&motion[k - 1].omega, &motion[k].omega);
-            let x = Motion {
-                t: recording.t()[k] - recording.t()[0],
-                alpha: motion[k].alpha,
-                omega: *after,
-                variance: [0.0; 4],
-                robot: model.robot(),
-            };
+            let x = Motion::at(
+                recording.t()[k] - recording.t()[0],
+                motion[k].alpha,
+                *after,
+                model.robot(),
+            );
             let near = |j: usize| {
                 let (v, w) = (along(j, before), along(j, after));
                 v * w <= 0.0 || v.abs().min(w.abs()) < (w - v).abs()

@@ -8,6 +8,7 @@ mod pass;
 mod piece;
 mod problem;
 mod rows;
+mod scaled;
 mod sensitivity;
 mod settings;
 mod side_by_side;
@@ -15,6 +16,7 @@ mod side_by_side;
 pub use levenberg::{Descent, Limits, Penalty, continuation, levenberg_marquardt};
 pub use method::{Found, Fuzzy, Job, Search};
 pub use problem::{DIVERGED, Journal, Normal, Problem};
+pub use scaled::Scaled;
 pub use settings::{InputGain, NamedRange, Range, Settings, Start};
 
 #[cfg(test)]

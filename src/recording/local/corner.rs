@@ -2,8 +2,9 @@
 
 use std::ops::Range;
 
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::Vector4;
 
+use crate::math::{FewCoefficients, NormalEquations};
 use crate::recording::Recording;
 
 /// Standard errors within which two neighbourhoods agree.
@@ -48,13 +49,9 @@ impl Corner {
             let row = Vector4::new(1.0, tau, 0.5 * tau * tau, 0.5 * tau * tau.abs());
             (row, alpha[n][wheel] - alpha[k][wheel])
         };
-        let (mut normal, mut right) = (Matrix4::zeros(), Vector4::zeros());
-        for (row, moved) in rows.clone().map(at) {
-            normal += row * row.transpose();
-            right += row * moved;
-        }
-        let covariance = normal.try_inverse()?;
-        let c = covariance * right;
+        let FewCoefficients { values: c, covariance, .. } =
+            NormalEquations::of(rows.clone().map(at)).solve()?;
+        // from the rows: of the sums little would be left
         let residual = rows.map(at).map(|(row, moved)| (moved - row.dot(&c)).powi(2)).sum();
         Some(Self {
             alpha: alpha[k][wheel] + c[0],

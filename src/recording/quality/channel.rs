@@ -2,7 +2,7 @@
 
 use super::super::Recording;
 use super::super::noise::quantum;
-use super::{Finding, Issue, Severity, quantile};
+use super::{Finding, Issue, Quantity, Severity, quantile};
 
 /// A spike stands out of both neighbours by this many times the ordinary zigzag.
 const SPIKE: f64 = 8.0;
@@ -23,13 +23,13 @@ pub(super) fn findings(r: &Recording) -> Vec<Finding> {
         out.extend(limit(r, i));
         if r.measured().alpha {
             out.extend(jumps(r, i));
-            out.extend(spikes(r, "alpha", i, r.alpha()));
+            out.extend(spikes(r, Quantity::Angle, i, r.alpha()));
         }
         if r.measured().omega {
             out.extend(coarse_speed(r, i));
-            out.extend(spikes(r, "dalpha", i, r.omega()));
+            out.extend(spikes(r, Quantity::Speed, i, r.omega()));
         }
-        out.extend(spikes(r, "M", i, r.torque()));
+        out.extend(spikes(r, Quantity::Input, i, r.torque()));
     }
     out
 }
@@ -86,19 +86,19 @@ fn zigzag(w: &[[f64; 2]], i: usize) -> f64 {
     if before * after > 0.0 { before.abs().min(after.abs()) } else { 0.0 }
 }
 
-fn spikes(r: &Recording, channel: &'static str, i: usize, values: &[[f64; 2]]) -> Option<Finding> {
+fn spikes(r: &Recording, channel: Quantity, i: usize, values: &[[f64; 2]]) -> Option<Finding> {
     let sizes = || values.windows(3).map(|w| zigzag(w, i));
     let positive = || sizes().filter(|z| *z > 0.0);
     let range = quantile(values.iter().map(|v| v[i]), 0.99);
     let ordinary = quantile(positive(), 1.0 - RARE).max(quantum(values, i));
     let limit = (SPIKE * quantile(positive(), 0.5))
         .max(2.0 * ordinary)
-        .max(if channel == "M" { 0.15 } else { 0.05 } * range);
+        .max(if channel == Quantity::Input { 0.15 } else { 0.05 } * range);
     let found: Vec<usize> =
         sizes().enumerate().filter(|(_, z)| *z > limit).map(|(k, _)| k + 1).collect();
     let first = *found.first()?;
     let around = [first - 1, first, first + 1].map(|k| values[k][i]);
-    let severity = if channel == "M" { Severity::Note } else { Severity::Warning };
+    let severity = if channel == Quantity::Input { Severity::Note } else { Severity::Warning };
     let (count, t) = (found.len(), r.t()[first]);
     Some(Finding::new(severity, Issue::Spikes { channel, wheel: i, count, t, around }))
 }

@@ -17,6 +17,32 @@ pub(super) const SHORT: f64 = 4.0;
 /// Names of the wheels in findings.
 const WHEELS: [&str; 2] = ["wheel 1 (right)", "wheel 2 (left)"];
 
+/// What a channel of a wheel measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+pub enum Quantity {
+    /// Angle \[rad\].
+    #[serde(rename = "alpha")]
+    Angle,
+    /// Speed [rad/s].
+    #[serde(rename = "dalpha")]
+    Speed,
+    /// Torque, voltage or current of its motor.
+    #[serde(rename = "M")]
+    Input,
+}
+
+impl Quantity {
+    /// Name in files, without the number of the wheel.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Angle => "alpha",
+            Self::Speed => "dalpha",
+            Self::Input => "M",
+        }
+    }
+}
+
 /// A property of a recording that makes results worse, or that explains them, with counts `C` and other numbers `R`;
 /// wheels count from 0, the right one.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -69,8 +95,8 @@ pub enum Issue<C = usize, R = f64> {
     },
     /// Samples that stand out of both neighbours.
     Spikes {
-        /// Channel, without the number of the wheel.
-        channel: &'static str,
+        /// What the channel measures.
+        channel: Quantity,
         /// 0 (right) or 1 (left).
         wheel: usize,
         /// How many.
@@ -164,7 +190,8 @@ impl StatedIssue {
                 percent(share)
             ),
             Self::Spikes { channel, wheel, count, t, around: [before, first, after] } => format!(
-                "{channel}{} has {} (first at t = {t:.3} s: {first:.4} between {before:.4} and {after:.4})",
+                "{}{} has {} (first at t = {t:.3} s: {first:.4} between {before:.4} and {after:.4})",
+                channel.name(),
                 wheel + 1,
                 number(count, "spike"),
             ),
@@ -245,7 +272,7 @@ impl StatedIssue {
                  (torque saturation is an effect of the catalogue)"
             }
             // a wheel cannot jump; an input may be commanded to, and conditioning has asked the wheel
-            Self::Spikes { channel: "M", .. } => {
+            Self::Spikes { channel: Quantity::Input, .. } => {
                 "wrong samples, or commands as short as that; the motion of the wheel does not show which"
             }
             Self::Spikes { .. } => {

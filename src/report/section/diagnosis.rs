@@ -1,10 +1,10 @@
 //! Which effect is missing, and how sure that is.
 
 use super::{Depth, Section, words};
-use crate::diagnose::Proposal;
+use crate::diagnose::{Errors, Judgement, Proposal};
 use crate::report::block::{Block, Cell, Column, Table, Text, Tone};
 use crate::report::figure::{Axis, BarSeries, Bars, Figure, Layer, Panel, Role};
-use crate::report::format;
+use crate::report::{evidence, format, next_run};
 use crate::study::{Candidate, DiagnosisStudy, Study};
 
 /// Candidates by rank, with the evidence for each.
@@ -43,13 +43,13 @@ impl Section for Diagnosis {
         blocks.push(summary(diagnosis));
         if !diagnosis.ranking.is_empty() {
             blocks.push(Block::Heading("Evidence in words".to_owned()));
-            blocks.push(Block::List(evidence(diagnosis)));
+            blocks.push(Block::List(described(diagnosis)));
             blocks.push(table(study, &diagnosis.ranking).into());
             blocks.extend(ruled_out(&diagnosis.ranking));
         }
-        if let Some(next) = &diagnosis.next_run {
+        if let Some(next) = next_run(diagnosis) {
             blocks.push(Block::Heading("What to drive next".to_owned()));
-            blocks.push(Block::paragraph(next.as_str()));
+            blocks.push(Block::paragraph(next));
         }
         blocks.extend(diagnosis.proposal.as_ref().map(manoeuvre).map(Block::from));
         blocks
@@ -106,7 +106,7 @@ fn summary(diagnosis: &DiagnosisStudy) -> Block {
     } else {
         Text::from("Found, in this order: ").strong(words::list(&found)).plain(".")
     };
-    let left = diagnosis.unexplained_fraction;
+    let left = diagnosis.errors.unexplained();
     let text = if left.is_finite() {
         text.plain(format!(
             " Of the error above the noise floor, {} is left unexplained.",
@@ -128,13 +128,13 @@ fn by_probability(ranking: &[Candidate]) -> Vec<&Candidate> {
     sorted
 }
 
-fn evidence(diagnosis: &DiagnosisStudy) -> Vec<Text> {
+fn described(diagnosis: &DiagnosisStudy) -> Vec<Text> {
     let ranking = by_probability(&diagnosis.ranking).into_iter().enumerate().take(SHOWN);
     let likely = ranking.filter(|(place, c)| *place < DESCRIBED || c.probability > LIKELY);
-    likely.map(|(_, candidate)| describe(candidate)).collect()
+    likely.map(|(_, candidate)| describe(candidate, &diagnosis.errors)).collect()
 }
 
-fn describe(candidate: &Candidate) -> Text {
+fn describe(candidate: &Candidate, errors: &Errors) -> Text {
     let mut text = Text::default()
         .strong(words::effect(&candidate.effect))
         .plain(" (")
@@ -142,7 +142,7 @@ fn describe(candidate: &Candidate) -> Text {
         .plain(format!(
             "), probability {}: {}.",
             format::probability(candidate.probability),
-            candidate.words
+            evidence(candidate, errors)
         ));
     if !candidate.parameters.is_empty() {
         text = text.plain(format!(" {}.", words::list(&parameters(candidate))));
@@ -189,8 +189,8 @@ fn table(study: &Study, ranking: &[Candidate]) -> Table {
     let before = ranking.first().map_or(String::new(), |c| {
         format!(
             " Without any: 2 s simulation error {} rad/s, quality index {} rad²/s.",
-            format::digits(c.window_before, 3),
-            format::digits(c.ise_validation_before, 3)
+            format::digits(c.before.window_rms, 3),
+            format::digits(c.before.ise, 3)
         )
     });
     let caption = format!(
@@ -201,15 +201,17 @@ fn table(study: &Study, ranking: &[Candidate]) -> Table {
     let mut table = Table::new(caption, columns);
     for c in by_probability(ranking).into_iter().filter(|c| is_fitted(c)) {
         let digits = |v: f64| Cell::formatted(format::digits(v, 3), v);
-        let better = c.window_after < 0.99 * c.window_before;
-        let after = digits(c.window_after);
+        let after = |value: fn(&Judgement) -> f64| c.after.as_ref().map_or(f64::NAN, value);
+        let window_after = after(|j| j.window_rms);
+        let better = window_after < 0.99 * c.before.window_rms;
+        let window_after = digits(window_after);
         table.push(vec![
             Cell::text(words::effect(&c.effect)).noted(equivalents(c)),
             Cell::formatted(format::probability(c.probability), c.probability).bar(c.probability),
             Cell::p_value(c.p_value),
             digits(c.delta_bic),
-            if better { after.tone(Tone::Good) } else { after },
-            digits(c.ise_validation_after),
+            if better { window_after.tone(Tone::Good) } else { window_after },
+            digits(after(|j| j.ise)),
             Cell::formatted(format::significant(c.torque_rms, 2), c.torque_rms),
             Cell::text(parameters(c).join("; ")),
         ]);

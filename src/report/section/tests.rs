@@ -37,7 +37,9 @@ fn a_full_study_has_every_section_and_every_figure_is_drawn_once() {
         assert!(png.starts_with(b"\x89PNG"));
         assert!(String::from_utf8_lossy(svg).contains("<svg"));
     }
-    for word in ["Missing: turning_scrub.", "experiment add turning_scrub runs/bare.toml"] {
+    for word in
+        ["Missing: turning scrub (turning_scrub).", "experiment add turning_scrub runs/bare.toml"]
+    {
         assert!(rendered.html.contains(word), "{word}");
     }
     assert!(!rendered.html.contains("<b>full</b>"));

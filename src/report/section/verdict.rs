@@ -6,7 +6,7 @@ use crate::diagnose::THRESHOLDS;
 use crate::effects;
 use crate::identify::Status;
 use crate::report::block::{Block, Number, Text, Tone};
-use crate::report::format;
+use crate::report::{format, next_run, sentence};
 use crate::study::{self, Grade, Role, Study};
 
 /// What is missing, with the errors that show it and what to record next.
@@ -48,7 +48,7 @@ fn finding(study: &Study) -> Block {
         return Block::verdict(Tone::Bad, "No method has a fit, so nothing is judged.", detail);
     };
     let (tone, sentence) = match &study.diagnosis {
-        Some(diagnosis) => (tone(diagnosis.verdict), diagnosis.sentence.clone()),
+        Some(diagnosis) => (tone(diagnosis.verdict), sentence(diagnosis)),
         None => compared(study, study.error_of(model)),
     };
     Block::verdict(tone, sentence, causes(study))
@@ -262,7 +262,7 @@ fn next_step(study: &Study) -> Vec<Block> {
         blocks.push(Block::Paragraph(text));
         blocks.push(Block::Code(formula.toml.clone()));
     }
-    if let Some(next) = &diagnosis.next_run {
+    if let Some(next) = next_run(diagnosis) {
         blocks.push(Block::paragraph(Text::default().strong("Next recording. ").plain(next)));
     }
     blocks

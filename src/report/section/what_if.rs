@@ -2,6 +2,7 @@
 
 use super::words;
 use crate::effects;
+use crate::export::reasons;
 use crate::report::block::Block;
 use crate::report::figure::{Axis, Dash, Figure, Layer, Panel, Role};
 use crate::report::format;
@@ -22,8 +23,9 @@ pub(super) fn blocks(study: &Study, shown: &[usize]) -> Vec<Block> {
     let (Some(data), Some(model)) = (&study.what_if, study.last_model()) else { return vec![] };
     let script = match &data.script {
         Ok(script) => script.clone(),
-        Err(reason) => {
-            let text = format!("This model cannot be simulated on the page ({reason}).");
+        Err(obstacles) => {
+            let reasons = reasons(obstacles);
+            let text = format!("This model cannot be simulated on the page ({reasons}).");
             return vec![Block::paragraph(text)];
         }
     };
@@ -118,6 +120,7 @@ fn figure(study: &Study) -> Figure {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::export::Obstacle;
     use crate::identify::Estimate;
     use crate::report::section::tests::full;
     use crate::study::Start;
@@ -140,7 +143,7 @@ mod tests {
     }
 
     /// The full study with a function, or with the reason why there is none.
-    fn with(script: Result<String, String>) -> Study {
+    fn with(script: Result<String, Vec<Obstacle>>) -> Study {
         let study = full();
         let start = |row| Start { row, state: [0.0; 4], is_piece: row == 0 };
         let count = study.recordings.len();
@@ -152,7 +155,8 @@ mod tests {
 
     #[test]
     fn a_model_with_states_of_its_own_is_named_in_place_of_the_sliders() {
-        let blocks = blocks(&with(Err("wheel_slip: it has states".into())), &[0]);
+        let obstacle = Obstacle { effect: "wheel_slip".into(), reason: "it has states".into() };
+        let blocks = blocks(&with(Err(vec![obstacle])), &[0]);
         let [Block::Paragraph(text)] = &blocks[..] else { panic!("{blocks:?}") };
         assert!(format!("{text:?}").contains("wheel_slip"), "{text:?}");
     }

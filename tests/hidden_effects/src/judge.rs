@@ -161,7 +161,7 @@ fn said(study: &Study, rate: f64) -> Result<Said, String> {
         false_alarm: rate,
         found: diagnosis.found.clone(),
         verdict: verdict.as_str().unwrap_or_default().into(),
-        likely: diagnosis.likely.iter().map(|effect| effect.id.clone()).collect(),
+        likely: diagnosis.likely().into_iter().map(|effect| effect.id.clone()).collect(),
         versions: diagnosis
             .staircase
             .iter()
@@ -178,10 +178,9 @@ fn ratio(value: f64) -> f64 {
 /// What does not depend on the rate.
 fn describe(out: &mut Outcome, study: &Study, scenario: &Scenario) {
     if let Some(diagnosis) = &study.diagnosis {
-        let refitted = diagnosis
-            .ranking
-            .iter()
-            .filter(|c| c.window_after.is_finite() && c.delta_bic.is_finite());
+        let refitted = diagnosis.ranking.iter().filter(|c| {
+            c.after.is_some_and(|after| after.window_rms.is_finite()) && c.delta_bic.is_finite()
+        });
         out.ranking = refitted
             .map(|c| Look { effect: c.effect.clone(), p_value: c.p_value, delta_bic: c.delta_bic })
             .collect();

@@ -4,14 +4,15 @@ use crate::compare::{
     Acting, Curve, CurveBin, Failure, Floor, Horizon, Innovations, Mean, Variable, Whiteness,
     analysed,
 };
+use crate::diagnose::{Errors, Judgement};
 use crate::export::ModelFiles;
 use crate::identify::{
     Estimate, IdentifyError, NoStart, Note, Status, Trace, TraceAxis, TraceKind, Work,
 };
 use crate::recording::{DriveUnit, Finding, Issue, Measured, Noise, Regime, Severity};
 use crate::study::{
-    Candidate, DiagnosisStudy, FoundEffect, FuzzyStudy, Invocation, MethodStudy, ModelStudy,
-    ParameterStudy, Performance, RecordingStudy, Role, Step, Study, Verdict, Version,
+    Advice, Candidate, DiagnosisStudy, FoundEffect, FuzzyStudy, Invocation, Logging, MethodStudy,
+    ModelStudy, ParameterStudy, Performance, RecordingStudy, Role, Step, Study, Verdict, Version,
 };
 
 /// Samples of a recording.
@@ -171,13 +172,12 @@ fn candidate(effect: &str, probability: f64, window_after: f64) -> Candidate {
         log_significance: 900.0,
         evidence: 700.0 * probability,
         delta_bic: f64::NAN,
-        ise_validation_before: f64::INFINITY,
-        ise_validation_after: 0.1,
-        window_before: 0.4,
-        window_after,
+        before: Judgement { ise: f64::INFINITY, window_rms: 0.4 },
+        after: Some(Judgement { ise: 0.1, window_rms: window_after }),
+        by_regression: 22.0,
+        by_windows: 21.0,
         parameters: vec![Estimate::new("f_t", "N m".to_owned(), 0.02, f64::INFINITY)],
         torque_rms: 0.01,
-        words: "22 sigma".to_owned(),
     }
 }
 
@@ -188,18 +188,20 @@ fn diagnosis() -> DiagnosisStudy {
         window_rms_validation,
     };
     DiagnosisStudy {
-        likely: None,
-        estimates: vec![],
         verdict: Verdict::EffectsMissing,
-        sentence: "Missing: turning_scrub.".to_owned(),
+        errors: Errors { before: 0.16, after: f64::NAN, floor: 0.0025, most: 0.0025, speed: 100.0 },
+        unproven: None,
+        withheld: None,
+        logging: Logging { unit: DriveUnit::Volt, if_held: None, speeds_alone: false },
+        dependence: None,
+        parameters: vec![],
         found: vec!["turning_scrub".to_owned()],
         ranking: vec![
             candidate("turning_scrub", 1.0, 0.05),
             candidate("my_own_formula", 0.0, f64::NAN),
         ],
         staircase: vec![step(None, 0.4), step(Some("turning_scrub"), 0.05)],
-        unexplained_fraction: f64::NAN,
-        next_run: Some("Record a turn.".to_owned()),
+        next: vec![Advice::Closest(["turning_scrub".to_owned(), "yaw_viscous".to_owned()])],
         proposal: None,
         false_alarm: 0.05,
         effects: vec![FoundEffect {

@@ -1,14 +1,14 @@
 //! A formula of what the residual torque depends on, in words.
 
-use crate::diagnose::THRESHOLDS;
+use crate::diagnose::{Errors, THRESHOLDS};
 use crate::report::format;
 use crate::study::FormulaStudy;
 
 /// "A formula of it (heading_resistance) lowers the 2 s simulation error to 0.061 rad/s, 1.7 times the noise floor."
-pub(super) fn words(formula: &FormulaStudy, floor: f64) -> String {
+pub(super) fn words(formula: &FormulaStudy, errors: &Errors) -> String {
     let FormulaStudy { id, in_place, window_rms, .. } = formula;
     let place = if *in_place { " in place of what was found" } else { "" };
-    let over = match window_rms / floor {
+    let over = match window_rms / errors.floor.sqrt() {
         ratio if !ratio.is_finite() => String::new(),
         ratio if ratio <= THRESHOLDS.at_floor => ", the noise floor".to_owned(),
         ratio => format!(", {ratio:.1} times the noise floor"),
@@ -29,11 +29,15 @@ mod tests {
             window_rms,
             ..FormulaStudy::default()
         };
+        let (error, floor) = (0.1_f64.powi(2), 0.0358_f64.powi(2));
+        let errors = Errors { before: error, after: error, floor, most: floor, speed: 1e4 };
         assert_eq!(
-            words(&formula(0.0612, true), 0.0358),
+            words(&formula(0.0612, true), &errors),
             "A formula of it (heading_resistance) in place of what was found lowers the 2 s simulation error to \
              0.0612 rad/s, 1.7 times the noise floor."
         );
-        assert!(words(&formula(0.0412, false), 0.0358).ends_with("0.0412 rad/s, the noise floor."));
+        assert!(
+            words(&formula(0.0412, false), &errors).ends_with("0.0412 rad/s, the noise floor.")
+        );
     }
 }

@@ -2,9 +2,11 @@
 
 use serde_json::{Map, Value, json};
 
-use super::{DiagnosisStudy, MethodStudy, ModelStudy, Performance, Role, Study};
+use super::verdict::{evidence, next_run, sentence};
 use crate::conditioning::Finding;
+use crate::diagnose::Judgement;
 use crate::identify::{Estimate, Status};
+use crate::study::{DiagnosisStudy, MethodStudy, ModelStudy, Performance, Role, Study};
 
 /// Version of the layout of `results.json`.
 pub const SCHEMA: u32 = 1;
@@ -157,6 +159,7 @@ fn diagnosis(study: &Study, d: &DiagnosisStudy) -> Value {
         .ranking
         .iter()
         .map(|c| {
+            let after = |value: fn(&Judgement) -> f64| c.after.as_ref().map(value);
             json!({
                 "effect": c.effect,
                 "probability": c.probability,
@@ -165,27 +168,27 @@ fn diagnosis(study: &Study, d: &DiagnosisStudy) -> Value {
                 "log_significance": c.log_significance,
                 "evidence": c.evidence,
                 "delta_bic": c.delta_bic,
-                "ise_validation_before": c.ise_validation_before,
-                "ise_validation_after": c.ise_validation_after,
-                "window_rms_validation_before": c.window_before,
-                "window_rms_validation_after": c.window_after,
+                "ise_validation_before": c.before.ise,
+                "ise_validation_after": after(|j| j.ise),
+                "window_rms_validation_before": c.before.window_rms,
+                "window_rms_validation_after": after(|j| j.window_rms),
                 "torque_rms": c.torque_rms,
-                "words": c.words,
+                "words": evidence(c, &d.errors),
                 "parameters": c.parameters.iter().map(estimate).collect::<Vec<_>>(),
             })
         })
         .collect();
     json!({
         "verdict": d.verdict,
-        "sentence": d.sentence,
+        "sentence": sentence(d),
         "found": d.found,
-        "likely": d.likely.iter().map(|effect| &effect.id).collect::<Vec<_>>(),
-        "parameters": d.estimates.iter().map(estimate).collect::<Vec<_>>(),
+        "likely": d.likely().iter().map(|effect| &effect.id).collect::<Vec<_>>(),
+        "parameters": d.parameters.iter().map(|p| estimate(&p.estimate)).collect::<Vec<_>>(),
         "thresholds": crate::diagnose::THRESHOLDS,
         "ranking": ranking,
         "staircase": d.staircase,
-        "unexplained_fraction": d.unexplained_fraction,
-        "next_run": d.next_run,
+        "unexplained_fraction": d.errors.unexplained(),
+        "next_run": next_run(d),
         "next_movement": d.proposal,
         "false_alarm": d.false_alarm,
         "effects": d.effects,

@@ -1,62 +1,31 @@
-//! The verdict of a diagnosis as a text.
+//! The verdict of a diagnosis as a text, with the evidence of each candidate and what to record next.
 
 mod dependence;
 mod effects;
 mod error;
+mod evidence;
 mod formula;
-
-pub(super) use self::effects::Logging;
-pub(crate) use self::effects::title;
+mod next;
 
 use self::effects::{found, lowered, named, shifts_input, unproven};
-use super::dependence::Dependence;
-use crate::diagnose::{Conclusion, Diagnosis, Errors};
-use crate::study::{FormulaStudy, UnprovenEffect};
+use crate::study::{DiagnosisStudy, Verdict, Withheld};
 
-/// What a verdict states.
-pub(super) struct Statement<'a> {
-    /// Whether the columns do not determine the model; then nothing else is stated.
-    pub(super) is_undetermined: bool,
-    pub(super) conclusion: Conclusion,
-    /// What was found, first found first.
-    pub(super) diagnosis: &'a Diagnosis,
-    pub(super) errors: Errors,
-    pub(super) likely: Option<&'a UnprovenEffect>,
-    /// What lowers the held-out error without being accepted.
-    pub(super) withheld: Option<(&'a UnprovenEffect, Withheld)>,
-    /// The rate at which an effect is named where none is missing.
-    pub(super) false_alarm: f64,
-    pub(super) logging: Logging,
-    /// What the residual torque depends on, where that is stated.
-    pub(super) dependence: Option<Dependence<'a>>,
-    /// That as a formula, beside which no effect of the catalogue is likely.
-    pub(super) formula: Option<&'a FormulaStudy>,
-    /// Noise floor of the judged recordings under the last model [rad/s].
-    pub(super) floor: f64,
-}
-
-/// Why an effect that lowers the held-out error is not accepted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Withheld {
-    /// The 2 s simulation error rises.
-    Raises,
-    /// The sampling of the input leaves as much open.
-    BetweenRows,
-    /// Its size is within its uncertainty.
-    Small,
-}
+pub(crate) use self::effects::title;
+pub use self::evidence::evidence;
+pub use self::next::next_run;
 
 /// The text of a verdict: what is missing, with the error that is left; what is likely beside it; what the residual torque
 /// depends on, and a formula of that.
-pub(super) fn sentence(statement: &Statement) -> String {
-    if statement.is_undetermined {
+#[must_use]
+pub fn sentence(diagnosis: &DiagnosisStudy) -> String {
+    if diagnosis.is_undetermined {
         return UNDETERMINED.to_owned();
     }
-    let mut sentences = concluded(statement);
-    sentences.extend(likely_beside(statement));
-    let unit = statement.logging.unit;
-    sentences.extend(statement.dependence.iter().map(|on| dependence::words(on, unit)));
-    sentences.extend(statement.formula.map(|formula| formula::words(formula, statement.floor)));
+    let DiagnosisStudy { errors, logging, dependence, formula, .. } = diagnosis;
+    let mut sentences = concluded(diagnosis);
+    sentences.extend(likely_beside(diagnosis));
+    sentences.extend(dependence.iter().map(|on| dependence::words(on, logging.unit)));
+    sentences.extend(formula.iter().map(|formula| formula::words(formula, errors)));
     sentences.join(" ")
 }
 
@@ -65,15 +34,15 @@ const UNDETERMINED: &str = "These columns do not determine the model: the fit st
                             error is no measure of it.";
 
 /// What is missing, and the error that is left.
-fn concluded(stated: &Statement) -> Vec<String> {
-    let Statement { conclusion, diagnosis, errors, .. } = stated;
-    let error = error::words(errors, diagnosis.steps.len());
-    let likely = || stated.likely.map_or(String::new(), unproven);
+fn concluded(diagnosis: &DiagnosisStudy) -> Vec<String> {
+    let DiagnosisStudy { errors, effects, .. } = diagnosis;
+    let error = error::words(errors, effects.len());
+    let likely = || diagnosis.unproven.as_ref().map_or(String::new(), unproven);
     let unknown = "Something is missing that the catalogue does not explain.".to_owned();
-    match conclusion {
-        Conclusion::Sufficient => sufficient(stated, error),
-        Conclusion::Missing => {
-            let mut out = vec![format!("Missing: {}.", found(diagnosis, &stated.logging)), error];
+    match diagnosis.verdict {
+        Verdict::ModelSufficient => sufficient(diagnosis, error),
+        Verdict::EffectsMissing => {
+            let mut out = vec![format!("Missing: {}.", found(diagnosis)), error];
             // what was found explains the larger part of the error; what is left may be far above the floor all the same
             if errors.far_above_all() {
                 out.push("More is missing than was found.".to_owned());
@@ -81,18 +50,17 @@ fn concluded(stated: &Statement) -> Vec<String> {
             out
         }
         // so far above its floor something is missing, whatever it is
-        Conclusion::Likely if errors.far_above_all() => {
+        Verdict::EffectLikely if errors.far_above_all() => {
             let likely = format!("Something is missing. Likely, not proven: {}.", likely());
             vec![likely, error]
         }
-        Conclusion::Likely => vec![format!("Likely missing, not proven: {}.", likely()), error],
-        Conclusion::Unknown if diagnosis.steps.is_empty() => vec![unknown, error],
-        Conclusion::Unknown => {
-            let mut out =
-                vec![unknown, format!("Found: {}.", found(diagnosis, &stated.logging)), error];
+        Verdict::EffectLikely => vec![format!("Likely missing, not proven: {}.", likely()), error],
+        Verdict::UnknownEffect if effects.is_empty() => vec![unknown, error],
+        Verdict::UnknownEffect => {
+            let mut out = vec![unknown, format!("Found: {}.", found(diagnosis)), error];
             // what was found may take the place of something else; a shift of the input shows in when the wheels move,
             // and nothing else moves them earlier or later
-            if !diagnosis.steps.iter().all(|step| shifts_input(&step.id)) {
+            if !effects.iter().all(|effect| shifts_input(&effect.id)) {
                 let in_place =
                     "What was found may stand for a part of what is not in the catalogue.";
                 out.push(in_place.to_owned());
@@ -103,16 +71,16 @@ fn concluded(stated: &Statement) -> Vec<String> {
 }
 
 /// That nothing is missing, or nothing proven to be.
-fn sufficient(stated: &Statement, error: String) -> Vec<String> {
+fn sufficient(stated: &DiagnosisStudy, error: String) -> Vec<String> {
     let rate = format!("at a false-alarm rate of {:.0} %", 100.0 * stated.false_alarm);
     let none = format!("none of the effects of the catalogue is proven {rate}");
     let text = |text: &str| text.to_owned();
-    if let Some((effect, why)) = stated.withheld {
+    if let Some((effect, why)) = &stated.withheld {
         let with = format!(
             "With {} the held-out error falls by {}, but {}.",
             named(&effect.id),
             lowered(effect),
-            reason(why)
+            reason(*why)
         );
         return vec![text("Nothing is proven to be missing."), error, with];
     }
@@ -149,55 +117,47 @@ fn reason(why: Withheld) -> &'static str {
 }
 
 /// The effect that is likely beside what was found, or beside what the catalogue does not explain.
-fn likely_beside(stated: &Statement) -> Option<String> {
-    let beside = matches!(stated.conclusion, Conclusion::Missing | Conclusion::Unknown);
-    let likely = stated.likely.filter(|_| beside && stated.formula.is_none())?;
+fn likely_beside(stated: &DiagnosisStudy) -> Option<String> {
+    let beside = matches!(stated.verdict, Verdict::EffectsMissing | Verdict::UnknownEffect);
+    let likely = stated.likely().filter(|_| beside)?;
     Some(format!("Likely, not proven: {}.", unproven(likely)))
 }
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::DMatrix;
-
     use super::*;
-    use crate::diagnose::WindowFit;
-    use crate::model::Model;
+    use crate::diagnose::Errors;
     use crate::recording::DriveUnit;
-    use crate::robot::Robot;
-
-    fn nothing_found() -> Diagnosis {
-        let model = Model::base(Robot::amigobot());
-        let (p, free) = (model.initial(), model.parameters().len());
-        let covariance = DMatrix::identity(free, free);
-        let base = WindowFit { model, p, cost: 1.0, covariance, at_bound: vec![false; free] };
-        Diagnosis { base, ranking: vec![], steps: vec![], rest: vec![], validated: true }
-    }
+    use crate::study::{Dependence, FormulaStudy, Logging, UnprovenEffect};
 
     /// A model three times as far from the measurement as its noise floor, of which nothing was found.
-    fn unknown(diagnosis: &Diagnosis) -> Statement<'_> {
-        let logging = Logging { unit: DriveUnit::NewtonMetre, if_held: None, speeds_alone: false };
-        Statement {
-            is_undetermined: false,
-            conclusion: Conclusion::Unknown,
-            diagnosis,
+    fn unknown() -> DiagnosisStudy {
+        DiagnosisStudy {
+            verdict: Verdict::UnknownEffect,
             errors: Errors { before: 9.0, after: 9.0, floor: 1.0, most: 1.0, speed: 1e4 },
-            likely: None,
+            found: vec![],
+            unproven: None,
             withheld: None,
-            false_alarm: 0.05,
-            logging,
+            logging: Logging { unit: DriveUnit::NewtonMetre, if_held: None, speeds_alone: false },
             dependence: None,
+            parameters: vec![],
+            ranking: vec![],
+            staircase: vec![],
+            next: vec![],
+            proposal: None,
+            false_alarm: 0.05,
+            effects: vec![],
             formula: None,
-            floor: 1.0,
+            is_undetermined: false,
         }
     }
 
     #[test]
     fn a_verdict_states_its_parts_in_the_order_error_likely_effect_dependence_formula() {
-        let diagnosis = nothing_found();
         let likely = UnprovenEffect { id: "slope".into(), lowers: 0.117 };
         let depends = Dependence { shown: None, beside: None, tested: None, is_left: false };
         let stated =
-            Statement { likely: Some(&likely), dependence: Some(depends), ..unknown(&diagnosis) };
+            DiagnosisStudy { unproven: Some(likely), dependence: Some(depends), ..unknown() };
         let error = "Something is missing that the catalogue does not explain. The 2 s simulation error is 3.0 times \
                      the noise floor.";
         let beside =
@@ -209,27 +169,25 @@ mod tests {
             FormulaStudy { id: "pile".into(), window_rms: 1.04, ..FormulaStudy::default() };
         // beside the formula no effect of the catalogue is likely
         let lowers = "A formula of it (pile) lowers the 2 s simulation error to 1.04 rad/s, the noise floor.";
-        let stated = Statement { formula: Some(&formula), ..stated };
+        let stated = DiagnosisStudy { formula: Some(formula), ..stated };
         assert_eq!(sentence(&stated), format!("{error} {depends} {lowers}"));
     }
 
     #[test]
     fn columns_that_do_not_determine_the_model_make_no_effect_likely() {
-        let diagnosis = nothing_found();
         let likely = UnprovenEffect { id: "slope".into(), lowers: 0.117 };
-        let stated =
-            Statement { is_undetermined: true, likely: Some(&likely), ..unknown(&diagnosis) };
+        let stated = DiagnosisStudy { is_undetermined: true, unproven: Some(likely), ..unknown() };
         assert_eq!(sentence(&stated), UNDETERMINED);
+        assert_eq!(stated.likely(), None);
     }
 
     #[test]
     fn an_effect_that_is_withheld_is_named_with_the_reason() {
-        let diagnosis = nothing_found();
         let effect = UnprovenEffect { id: "wheel_slip".into(), lowers: 0.25 };
-        let stated = Statement {
-            conclusion: Conclusion::Sufficient,
-            withheld: Some((&effect, Withheld::Small)),
-            ..unknown(&diagnosis)
+        let stated = DiagnosisStudy {
+            verdict: Verdict::ModelSufficient,
+            withheld: Some((effect, Withheld::Small)),
+            ..unknown()
         };
         let text = sentence(&stated);
         assert!(text.starts_with("Nothing is proven to be missing. The 2 s"), "{text}");

@@ -3,12 +3,12 @@
 use crate::compare::{Acting, Curve};
 use crate::recording::DriveUnit;
 use crate::report::format;
-use crate::verdict::dependence::{Dependence, is_most_of_it};
+use crate::study::{Dependence, is_most_of_it};
 
 /// "The residual torque depends most on the heading (72 % of it, up to 0.31 N m)." `unit`: that of the input.
 pub(super) fn words(dependence: &Dependence, unit: DriveUnit) -> String {
-    let Dependence { shown, beside, tested, is_left } = *dependence;
-    let is_left = if is_left { " that is left" } else { "" };
+    let Dependence { shown, beside, tested, is_left } = dependence;
+    let is_left = if *is_left { " that is left" } else { "" };
     let on = |curve: &Curve| {
         let (variable, acting) = (curve.variable.words(), curve.acting.words());
         format!("the {variable}{acting} ({})", amount(curve, unit))
@@ -24,13 +24,13 @@ pub(super) fn words(dependence: &Dependence, unit: DriveUnit) -> String {
         }
         (None, None) => "The residual torque depends little on anything that was tried".to_owned(),
     };
-    let end = match (tested, shown.is_some_and(is_most_of_it)) {
+    let end = match (tested, shown.as_ref().is_some_and(is_most_of_it)) {
         (Some(_), _) | (None, true) => ".",
         (None, false) => {
             "; coloured noise of the recorded input and disturbances from outside look like this too."
         }
     };
-    let beside = beside.map_or(String::new(), |curve| {
+    let beside = beside.as_ref().map_or(String::new(), |curve| {
         format!(" Of speeds, place and time it depends most on {}.", on(curve))
     });
     depends + end + &beside

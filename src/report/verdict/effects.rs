@@ -1,32 +1,18 @@
 //! Effects in words: by name, with their sizes, and with what may be logging.
 
-use crate::diagnose::{Diagnosis, Step};
 use crate::effects::Change;
 use crate::identify::Estimate;
-use crate::recording::DriveUnit;
 use crate::report::format;
-use crate::study::{UnprovenEffect, parameters_of};
+use crate::study::{DiagnosisStudy, FoundEffect, Logging, UnprovenEffect};
 
 /// Parameters of an effect that a sentence gives.
 const SIZES: usize = 2;
 
-/// How inputs and speeds were recorded, as far as sizes of effects depend on it.
-#[derive(Clone, Copy)]
-pub(in crate::verdict) struct Logging {
-    /// Unit of the input.
-    pub(in crate::verdict) unit: DriveUnit,
-    /// How much less late the input is if it is held through the rows, which the model draws a line between \[s\]: half a
-    /// row; `None` where it is known to be held.
-    pub(in crate::verdict) if_held: Option<f64>,
-    /// Whether speeds were recorded without angles, whose sensor may then be late.
-    pub(in crate::verdict) speeds_alone: bool,
-}
-
 /// The effects found, each with its size and those that these data do not distinguish from it.
-pub(super) fn found(diagnosis: &Diagnosis, logging: &Logging) -> String {
-    let name = |step: &Step| {
-        let sized = sized(diagnosis, &step.id, logging.unit) + &by_logging(&step.id, logging);
-        match step.equals.as_slice() {
+pub(super) fn found(diagnosis: &DiagnosisStudy) -> String {
+    let name = |effect: &FoundEffect| {
+        let sized = sized(diagnosis, effect) + &by_logging(&effect.id, &diagnosis.logging);
+        match effect.indistinguishable.as_slice() {
             [] => sized,
             equals => {
                 let equals: Vec<String> = equals.iter().map(|id| title(id)).collect();
@@ -34,7 +20,7 @@ pub(super) fn found(diagnosis: &Diagnosis, logging: &Logging) -> String {
             }
         }
     };
-    diagnosis.steps.iter().map(name).collect::<Vec<_>>().join(", then ")
+    diagnosis.effects.iter().map(name).collect::<Vec<_>>().join(", then ")
 }
 
 /// "turning scrub (turning_scrub), which lowers the held-out error by 12 %".
@@ -65,17 +51,15 @@ pub(super) fn shifts_input(id: &str) -> bool {
 
 /// "turning scrub (turning_scrub), f_t = 0.0202 N m (95 %: 0.0198 to 0.0206)"; of many parameters the
 /// first two that are estimated.
-fn sized(diagnosis: &Diagnosis, id: &str, unit: DriveUnit) -> String {
-    let fit = diagnosis.last();
-    let sizes: Vec<String> = parameters_of(fit, unit)
-        .iter()
-        .filter(|p| p.effect == id && !p.estimate.fixed && p.estimate.std_error.is_finite())
+fn sized(diagnosis: &DiagnosisStudy, effect: &FoundEffect) -> String {
+    let FoundEffect { id, title, .. } = effect;
+    let parameters = diagnosis.parameters.iter();
+    let sizes: Vec<String> = parameters
+        .filter(|p| p.effect == *id && !p.estimate.fixed && p.estimate.std_error.is_finite())
         .take(SIZES)
         .map(|p| size(&p.estimate))
         .collect();
-    let effects = fit.model.effects().iter();
-    let description = effects.map(|e| e.description()).find(|d| d.id == id);
-    let name = description.map_or_else(|| title(id), |d| format::in_text(&d.title));
+    let name = format::in_text(title);
     match sizes.as_slice() {
         [] => format!("{name} ({id})"),
         sizes => format!("{name} ({id}), {}", sizes.join(", ")),

@@ -1,0 +1,52 @@
+//! What to do or to record next, in words.
+
+use super::effects::title;
+use crate::report::format;
+use crate::study::{Advice, DiagnosisStudy};
+
+/// What to do or to record next, with the manoeuvre that was written for it; `None` where there is nothing to record.
+#[must_use]
+pub fn next_run(diagnosis: &DiagnosisStudy) -> Option<String> {
+    let mut sentences: Vec<String> = diagnosis.next.iter().map(words).collect();
+    sentences.extend(diagnosis.proposal.iter().map(|proposal| {
+        format!(
+            "A manoeuvre of {:.0} s that does it is written to next_run.csv (set-points) and \
+             next_run.toml (segments); driven once, it identifies the right one with a probability of {}.",
+            proposal.movement.duration(),
+            format::probability(proposal.probability)
+        )
+    }));
+    (!sentences.is_empty()).then(|| sentences.join(" "))
+}
+
+fn words(advice: &Advice) -> String {
+    match advice {
+        Advice::CheckColumns => {
+            "Check in the experiment file that the columns are those of the wheels and of their input, and that the \
+             units are right: `experiment new` shows the ranges of all columns."
+                .to_owned()
+        }
+        Advice::Prove { effect, excitation, faster } => {
+            let faster = if *faster { ", at a higher rate" } else { "" };
+            format!("To prove {}, record{faster}: {excitation}.", title(effect))
+        }
+        Advice::Equivalent { effect, others } => format!(
+            "No recording of wheel speeds and torques distinguishes {} from {}: they are the same in \
+             the equations. A measurement of another kind is needed.",
+            title(effect),
+            others.iter().map(|id| title(id)).collect::<Vec<_>>().join(" or ")
+        ),
+        Advice::Closest([first, second]) => format!(
+            "Of the catalogue, {} and {} come closest, neither proven.",
+            title(first),
+            title(second)
+        ),
+        Advice::Distinguish { effects: [one, other], excitations: [shows_one, shows_other] } => {
+            format!(
+                "To distinguish {} from {}, record: {shows_one}; and: {shows_other}.",
+                title(one),
+                title(other)
+            )
+        }
+    }
+}
