@@ -2,9 +2,6 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::candidate::Candidate;
-use super::regression::{ColumnRoom, Regression};
-
 /// Information and score of a candidate's columns in each recording by itself, one recording after the other, where the
 /// parameters of the model have taken their part.
 pub(super) struct ByRecording {
@@ -39,28 +36,4 @@ pub(super) fn gain(information: &DMatrix<f64>, score: &DVector<f64>, p: &DVector
 pub(super) fn ratio(degrees: f64, before: f64, gain: f64) -> f64 {
     let after = (before - gain).max(1e-12 * before);
     degrees * (before / after).ln()
-}
-
-impl Regression<'_> {
-    /// What the low-passed torques of each recording say of a candidate's columns.
-    pub(super) fn by_recording(&self, candidate: &Candidate, room: &mut ColumnRoom) -> ByRecording {
-        let each = self.products_by_recording(candidate, room);
-        let count = candidate.columns();
-        let base = each.first().map_or(0, |products| products.beside.ncols() - 1);
-        let size = each.len() * count;
-        let mut among = DMatrix::zeros(size, size);
-        let mut beside = DMatrix::zeros(size, base + 1);
-        for (r, products) in each.into_iter().enumerate() {
-            among.view_mut((r * count, r * count), (count, count)).copy_from(&products.among);
-            beside.rows_mut(r * count, count).copy_from(&products.beside);
-        }
-        let by_base = beside.columns(0, base);
-        ByRecording {
-            information: among - by_base * by_base.transpose(),
-            // columns of a candidate stand on the side of the input, the base on that of the motion
-            score: -beside.column(base),
-            square: self.residual_square(),
-            degrees: self.degrees,
-        }
-    }
 }

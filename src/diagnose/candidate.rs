@@ -1,28 +1,24 @@
 //! Candidates: effects that may be missing, each with the torque columns that show it.
 
-mod size;
-
 use std::cell::OnceCell;
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
-pub(super) use self::size::column_size;
-use self::size::common_size;
 use super::joint::{Around, Forces, coupling, joint_signal};
 use super::signals::signals;
 use crate::effects::{
-    Change, Coupling, DIFFERENTIATED, Effect, MOST_PARAMETERS, Motion, Own, ParameterKind, Scale,
-    Wave, along,
+    Change, Coupling, DIFFERENTIATED, Effect, MOST_PARAMETERS, Motion, Own, ParameterKind, Wave,
+    along,
 };
 use crate::filter::{Instant, clarity};
 use crate::math::{Real, sgn};
-use crate::model::{Model, Variations};
+use crate::model::Model;
 use crate::recording::{LocalMotion, Recording};
 
 /// Speeds below this share of the top speed are smoothed over where an effect brings a friction
 /// direction of its own (the model has no filter variance for it).
-const REST: f64 = 0.004;
+pub(super) const REST: f64 = 0.004;
 
 /// An effect at one value of its shape, ready to ride along in a filter pass.
 #[derive(Clone)]
@@ -38,10 +34,11 @@ pub struct Candidate {
     /// How a column is computed.
     pub form: Form,
     /// Speed below which a friction direction of its own is smoothed [rad/s].
-    rest: f64,
+    pub(super) rest: f64,
     /// Whether the effect adds neither mass nor dry friction.
-    torque_alone: bool,
-    around: Arc<Around>,
+    pub(super) torque_alone: bool,
+    /// The model and its parameters, of which signals are made.
+    pub(super) around: Arc<Around>,
 }
 
 /// How the column of a candidate is computed.
@@ -53,103 +50,22 @@ pub enum Form {
     Signal(Arc<Vec<Vec<[f64; 2]>>>),
 }
 
-/// All candidates of a model at parameters `p`: registered effects and the user's `own` that it lacks
-/// (or those named) and that recordings of that `scale` could show, at every shape that is tried. Effects
-/// that are the same for any wheel recording appear once; formulas without a linear parameter are left
-/// out, and a second body where the model has one.
-#[must_use]
-pub fn candidates(
-    model: &Model,
-    p: &[f64],
-    named: &[String],
-    own: &[Arc<dyn Effect>],
-    recordings: &[&Recording],
-    scale: &Scale,
-) -> Vec<Candidate> {
-    let present = model.effect_ids();
-    let mut out: Vec<Candidate> = Vec::new();
-    let around = Arc::new(Around { model: model.clone(), p: p.to_vec() });
-    let forces = OnceCell::new();
-    let registered = crate::effects::all().into_iter().map(Arc::from);
-    for effect in registered.chain(own.iter().cloned()) {
-        let description = effect.description();
-        let id = description.id.clone();
-        let asked = named.is_empty() || named.contains(&id);
-        let equivalent =
-            description.equivalent.iter().any(|e| free(model, e) || out.iter().any(|c| c.id == *e));
-        let second_body = effect.change() == Change::TwoMass && model.is_coupled();
-        if !asked || present.contains(&id) || equivalent || second_body || !effect.admissible(scale)
-        {
-            continue;
-        }
-        let grid = grid(&id, &effect, scale, &around, recordings, &forces);
-        out.extend(grid.into_iter().filter(|c| c.columns() > 0));
-    }
-    if recordings.iter().all(|r| r.is_single_axis()) {
-        out.retain(|candidate| candidate.treats_wheels_alike(model, recordings[0]));
-        // turning effects do nothing here, and a slope of one heading is an offset
-        out.retain(|candidate| {
-            let sizes = common_size(candidate, model, recordings[0]);
-            let largest = sizes.iter().fold(0.0_f64, |a, b| a.max(*b));
-            sizes.iter().all(|size| *size > 1e-9 * largest)
-        });
-    }
-    out
-}
-
-/// Whether the model has an effect and estimates all of its parameters: one that is held leaves room for what
-/// would otherwise be the same.
-fn free(model: &Model, id: &str) -> bool {
-    let mut own = model.parameters().iter().filter(|p| p.effect == id).peekable();
-    own.peek().is_some() && own.all(|p| p.fixed.is_none())
-}
-
-/// The candidates of an effect, one a shape.
-fn grid(
-    id: &str,
-    effect: &Arc<dyn Effect>,
-    scale: &Scale,
-    around: &Arc<Around>,
-    recordings: &[&Recording],
-    forces: &OnceCell<Vec<Forces>>,
-) -> Vec<Candidate> {
-    let specs = effect.parameters();
-    let linear: Vec<usize> =
-        (0..specs.len()).filter(|&j| specs[j].kind == ParameterKind::Linear).collect();
-    let shapes: Vec<usize> = (0..specs.len()).filter(|j| !linear.contains(j)).collect();
-    let torque_alone = Variations::of(&**effect, around.model.robot()).is_torque_alone();
-    let within = |values: &Vec<f64>| {
-        let mut pairs = values.iter().zip(&shapes);
-        pairs.all(|(v, &j)| (specs[j].range.0..=specs[j].range.1).contains(v))
-    };
-    effect
-        .shapes(scale)
-        .into_iter()
-        .filter(within)
-        .map(|values| {
-            let mut p = vec![0.0; specs.len()];
-            shapes.iter().zip(values).for_each(|(&j, value)| p[j] = value);
-            let mut candidate = Candidate {
-                id: id.into(),
-                effect: effect.clone(),
-                p,
-                linear: linear.clone(),
-                form: Form::Instant,
-                rest: REST * scale.speed,
-                torque_alone,
-                around: around.clone(),
-            };
-            if effect.change() != Change::Torque {
-                candidate.form = Form::Signal(Arc::new(candidate.signals(recordings, forces)));
-            } else if let Some(first) = recordings.first() {
-                candidate.drop_absent(first);
-            }
-            candidate
-        })
-        .collect()
-}
-
 impl Candidate {
+    /// The candidate with its columns as `recordings` show them: with the signals of what changes the input or moves a
+    /// second body, without columns that are zero on this robot.
+    pub(super) fn seen_on(
+        mut self,
+        recordings: &[&Recording],
+        forces: &OnceCell<Vec<Forces>>,
+    ) -> Self {
+        if self.effect.change() != Change::Torque {
+            self.form = Form::Signal(Arc::new(self.signals(recordings, forces)));
+        } else if let Some(first) = recordings.first() {
+            self.drop_absent(first);
+        }
+        self
+    }
+
     /// The same candidate with its signals made for other recordings.
     #[must_use]
     pub fn for_recordings(&self, recordings: &[&Recording]) -> Self {
@@ -231,7 +147,7 @@ impl Candidate {
 
     /// Whether the effect can act the same on both wheels of a single axis: one column that does,
     /// or a column a wheel.
-    fn treats_wheels_alike(&self, model: &Model, recording: &Recording) -> bool {
+    pub(super) fn treats_wheels_alike(&self, model: &Model, recording: &Recording) -> bool {
         if self.columns() != 1 {
             return true;
         }
@@ -367,4 +283,28 @@ pub(super) fn still_instant<'a>(
         speed_variance: 0.0,
         input: recording.torque()[k],
     }
+}
+
+/// The effect of a candidate seen on the local motion of the recordings, for its size: root
+/// mean square of each column over them [N m per unit].
+#[must_use]
+pub(super) fn column_size(
+    candidate: &Candidate,
+    model: &Model,
+    recordings: &[&Recording],
+) -> Vec<f64> {
+    let mut sums = vec![0.0; candidate.columns()];
+    let mut count = 0.0;
+    let mut row = vec![[0.0; 2]; candidate.columns()];
+    for (r, recording) in recordings.iter().enumerate() {
+        for (k, m) in recording.local_motion().iter().enumerate().step_by(7) {
+            let at = still_instant(model, recording, k, m);
+            candidate.torque(r, &at, &mut row);
+            for (sum, torque) in sums.iter_mut().zip(&row) {
+                *sum += torque[0] * torque[0] + torque[1] * torque[1];
+            }
+            count += 2.0;
+        }
+    }
+    sums.iter().map(|s| (s / f64::max(count, 1.0)).sqrt().max(1e-12)).collect()
 }

@@ -3,33 +3,22 @@
 //! The torque that a model leaves unexplained on the smoothed motion is regressed on the columns of
 //! candidates, all of them low-passed alike and without a phase shift.
 
-mod products;
-
 use std::ops::Range;
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-pub use self::products::ColumnRoom;
-use self::products::Products;
-use super::by_recording::ratio;
-use super::candidate::Candidate;
+use super::by_recording::{ByRecording, ratio};
+use super::candidate::{Candidate, still_instant};
 use super::input_timing::shifted;
 use super::nonnegative;
 use crate::compare::{FilterRoom, REST, WIDTH, filter_together, filtered, smooth_motion};
 use crate::effects::{Motion, along};
-use crate::math::{FILLED, Real, least_squares};
+use crate::math::{FILLED, Real, add_products, least_squares};
 use crate::model::{Linearisation, Model};
 use crate::recording::{LocalMotion, Recording};
 
-/// Largest cut-off as a share of the sampling rate: beyond it derivatives by differences are wrong by
-/// more than a tenth.
-const RESOLVED: f64 = 0.1;
-/// Share of the rms torque that noise of the acceleration may reach behind the low-pass.
-const NOISE: f64 = 0.05;
-/// Cycles of the cut-off that the shortest recording must hold, so that a fit has something to stand on.
-const CYCLES: f64 = 20.0;
 /// Rows that are kept a cycle of the cut-off.
 const KEPT: f64 = 8.0;
 
@@ -88,27 +77,12 @@ pub struct Regression<'a> {
     pub degrees: f64,
 }
 
-/// Cut-off of the low-pass \[Hz\]: a tenth of the sampling rate, or lower where noise of the measured speeds
-/// would make more than 5 % of the rms torque out of the acceleration.
-///
-/// ```text
-/// var(dw/dt) = 8 π² σ² fc³/(3 fs)
-/// ```
-#[must_use]
-pub fn cutoff(recordings: &[&Recording], mobility: f64) -> f64 {
-    let one = |r: &&Recording| {
-        let rate = 1.0 / r.step();
-        let sum: f64 = r.torque().iter().flatten().map(|m| m * m).sum();
-        let rms = (sum / (2 * r.len()) as f64).sqrt();
-        let noise = r.noise().omega;
-        let sigma = noise[0].max(noise[1]).max(1e-9 * r.top_speed());
-        let allowed = NOISE * rms * mobility / sigma;
-        let fresh = r.fresh().iter().filter(|f| **f).count().max(1) as f64 / r.len() as f64;
-        let eight = 8.0 * std::f64::consts::PI.powi(2);
-        let by_noise = (allowed * allowed * 3.0 * rate * fresh / eight).cbrt();
-        by_noise.min(RESOLVED * rate * fresh).max(CYCLES / r.duration()).min(0.4 * rate)
-    };
-    recordings.iter().map(one).fold(f64::INFINITY, f64::min)
+/// Room for the columns of a candidate, to be used again for the next one.
+#[derive(Default)]
+pub struct ColumnRoom {
+    signals: Vec<Vec<[f64; 2]>>,
+    filter: FilterRoom,
+    rows: Vec<f64>,
 }
 
 impl<'a> Regression<'a> {
@@ -304,6 +278,101 @@ impl<'a> Regression<'a> {
         free.iter().zip(&values).for_each(|(&j, v)| p[j] += v);
         Some((p, values.as_slice()[base..].to_vec()))
     }
+
+    /// The products of a candidate's columns over all rows.
+    fn products(&self, candidate: &Candidate, room: &mut ColumnRoom) -> Products {
+        let (count, base) = (candidate.columns(), self.basis.ncols());
+        let none = Products {
+            among: DMatrix::zeros(count, count),
+            beside: DMatrix::zeros(count, base + 1),
+        };
+        self.products_by_recording(candidate, room).into_iter().fold(none, |sum, one| Products {
+            among: sum.among + one.among,
+            beside: sum.beside + one.beside,
+        })
+    }
+
+    /// The same over the rows of each recording.
+    fn products_by_recording(&self, candidate: &Candidate, room: &mut ColumnRoom) -> Vec<Products> {
+        let (count, base, beside) = (candidate.columns(), self.basis.ncols(), self.width);
+        let own = own_width(count);
+        let mut out = Vec::with_capacity(self.smoothed.recordings.len());
+        self.each_recording(candidate, room, |numbers, width, rows| {
+            let (mut by_own, mut by_beside) = (vec![0.0; count * own], vec![0.0; count * beside]);
+            let others = &self.beside[numbers.start * beside..numbers.end * beside];
+            add_products((rows, width), (others, beside), &mut by_beside);
+            add_products((rows, width), (rows, width), &mut by_own);
+            out.push(Products {
+                among: DMatrix::from_fn(count, count, |n, m| by_own[n * own + m]),
+                beside: DMatrix::from_fn(count, base + 1, |n, b| by_beside[n * beside + b]),
+            });
+        });
+        out
+    }
+
+    /// Calls `see` for every recording with the numbers of its rows and the columns of a candidate at them, low-passed:
+    /// so many numbers a row, filled up with zeros.
+    fn each_recording(
+        &self,
+        candidate: &Candidate,
+        room: &mut ColumnRoom,
+        mut see: impl FnMut(Range<usize>, usize, &[f64]),
+    ) {
+        let count = candidate.columns();
+        let width = own_width(count);
+        let ColumnRoom { signals, filter, rows } = room;
+        signals.resize_with(count.max(signals.len()), Vec::new);
+        let signals = &mut signals[..count];
+        for smooth in self.smoothed.recordings.iter() {
+            let r = smooth.recording;
+            signals.iter_mut().for_each(Vec::clear);
+            let at = |k: usize| still_instant(self.model, r, k, &smooth.motion[k]);
+            candidate.torque_at_rows(smooth.index, (0..r.len()).map(at), |torque| {
+                signals.iter_mut().zip(torque).for_each(|(signal, value)| signal.push(*value));
+            });
+            filter_together(r, self.smoothed.cutoff, signals, filter);
+            let numbers = self.numbers_of(smooth);
+            rows.clear();
+            rows.resize(numbers.len() * width, 0.0);
+            for (row, (_, k, i)) in rows.chunks_exact_mut(width).zip(self.rows_of(smooth)) {
+                row.iter_mut().zip(&*signals).for_each(|(out, signal)| *out = signal[k][i]);
+            }
+            see(numbers, width, rows);
+        }
+    }
+
+    /// What the low-passed torques of each recording say of a candidate's columns.
+    pub(super) fn by_recording(&self, candidate: &Candidate, room: &mut ColumnRoom) -> ByRecording {
+        let each = self.products_by_recording(candidate, room);
+        let count = candidate.columns();
+        let base = each.first().map_or(0, |products| products.beside.ncols() - 1);
+        let size = each.len() * count;
+        let mut among = DMatrix::zeros(size, size);
+        let mut beside = DMatrix::zeros(size, base + 1);
+        for (r, products) in each.into_iter().enumerate() {
+            among.view_mut((r * count, r * count), (count, count)).copy_from(&products.among);
+            beside.rows_mut(r * count, count).copy_from(&products.beside);
+        }
+        let by_base = beside.columns(0, base);
+        ByRecording {
+            information: among - by_base * by_base.transpose(),
+            // columns of a candidate stand on the side of the input, the base on that of the motion
+            score: -beside.column(base),
+            square: self.residual_square(),
+            degrees: self.degrees,
+        }
+    }
+}
+
+/// Products of a candidate's columns with each other, and with the basis and, in the last column, the residual torque.
+struct Products {
+    among: DMatrix<f64>,
+    beside: DMatrix<f64>,
+}
+
+/// Numbers a row of so many columns.
+fn own_width(count: usize) -> usize {
+    count.next_multiple_of(FILLED)
 }
 
 /// Share of a column that the base must leave for it to be looked at.

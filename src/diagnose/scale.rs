@@ -1,6 +1,6 @@
 //! The scale of recordings: the unit of every grid of shapes.
 
-use super::regression::cutoff;
+use super::cutoff::cutoff;
 use super::thresholds::THRESHOLDS;
 use super::windows::mobility;
 use crate::effects::{FAST, Motion, Scale, smallest_inertia};

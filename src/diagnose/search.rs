@@ -12,7 +12,8 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 pub use self::starts::{StartAngle, start_angles};
-use super::candidate::{Candidate, candidates};
+use super::candidate::Candidate;
+use super::candidates::candidates;
 use super::fit::{WindowFit, fit};
 use super::input_timing::{InputTiming, SYMBOL};
 use super::judge::Judge;

@@ -1,5 +1,6 @@
 //! The parts of the diagnosis against independent computations.
 
+mod differences;
 mod starts;
 mod timing;
 

@@ -193,6 +193,9 @@ fn diagnosis(study: &Study, d: &DiagnosisStudy) -> Value {
         "false_alarm": d.false_alarm,
         "effects": d.effects,
         "formula": d.formula,
+        "differs": d.differs.as_ref().map(|d| json!({
+            "recording": d.recording, "parameter": d.symbol, "share": d.share, "std_error": d.std_error,
+        })),
         "dependences": study.curves.iter().map(|c| json!({
             "variable": c.variable, "acting": c.acting, "log_significance": c.log_significance,
             "share_before": c.share_before, "share_after": c.share_after,

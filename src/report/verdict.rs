@@ -8,6 +8,8 @@ mod formula;
 mod next;
 
 use self::effects::{found, lowered, named, shifts_input, unproven};
+use crate::diagnose::Difference;
+use crate::report::format::percent;
 use crate::study::{DiagnosisStudy, Verdict, Withheld};
 
 pub(crate) use self::effects::title;
@@ -21,12 +23,25 @@ pub fn sentence(diagnosis: &DiagnosisStudy) -> String {
     if diagnosis.is_undetermined {
         return UNDETERMINED.to_owned();
     }
-    let DiagnosisStudy { errors, logging, dependence, formula, .. } = diagnosis;
+    let DiagnosisStudy { errors, logging, differs, dependence, formula, .. } = diagnosis;
     let mut sentences = concluded(diagnosis);
     sentences.extend(likely_beside(diagnosis));
+    sentences.extend(differs.iter().map(differs_words));
     sentences.extend(dependence.iter().map(|on| dependence::words(on, logging.unit)));
     sentences.extend(formula.iter().map(|formula| formula::words(formula, errors)));
     sentences.join(" ")
+}
+
+/// That the recordings do not agree, by the parameter that shows it most surely.
+fn differs_words(difference: &Difference) -> String {
+    let Difference { recording, symbol, share, std_error } = difference;
+    let side = if *share < 0.0 { "smaller" } else { "larger" };
+    format!(
+        "The recordings differ: {symbol} of {recording} is {} ± {} {side} than that of the others. If load, tyres or \
+         battery were changed in between, fit them separately.",
+        percent(share.abs()),
+        percent(*std_error)
+    )
 }
 
 /// What is said in place of a comparison with the noise floor.
@@ -139,6 +154,7 @@ mod tests {
             unproven: None,
             withheld: None,
             logging: Logging { unit: DriveUnit::NewtonMetre, if_held: None, speeds_alone: false },
+            differs: None,
             dependence: None,
             parameters: vec![],
             ranking: vec![],
@@ -171,6 +187,10 @@ mod tests {
         let lowers = "A formula of it (pile) lowers the 2 s simulation error to 1.04 rad/s, the noise floor.";
         let stated = DiagnosisStudy { formula: Some(formula), ..stated };
         assert_eq!(sentence(&stated), format!("{error} {depends} {lowers}"));
+        assert_eq!(stated.likely(), None);
+        // but a verdict that says "likely" names what is
+        let stated = DiagnosisStudy { verdict: Verdict::EffectLikely, ..stated };
+        assert_eq!(stated.likely().map(|likely| likely.id.as_str()), Some("slope"));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{Dependence, FormulaStudy, FoundEffect, ParameterStudy, UnprovenEffect};
-use crate::diagnose::{Errors, Judgement, Proposal};
+use crate::diagnose::{Difference, Errors, Judgement, Proposal};
 use crate::identify::Estimate;
 use crate::recording::DriveUnit;
 
@@ -91,6 +91,8 @@ pub struct DiagnosisStudy {
     pub withheld: Option<(UnprovenEffect, Withheld)>,
     /// How the recordings were logged.
     pub logging: Logging,
+    /// A parameter of the last model that differs between the recordings.
+    pub differs: Option<Difference>,
     /// What the residual torque depends on, where the verdict states it.
     pub dependence: Option<Dependence>,
     /// Parameters of the last model: that of the experiment with all effects found.
@@ -114,11 +116,12 @@ pub struct DiagnosisStudy {
 }
 
 impl DiagnosisStudy {
-    /// The effect that is likely. Beside a formula none of the catalogue is, and none where the columns do not
-    /// determine the model.
+    /// The effect that is likely: that of a verdict which says so, and otherwise one beside it. Beside a formula none of
+    /// the catalogue is, and none where the columns do not determine the model.
     #[must_use]
     pub fn likely(&self) -> Option<&UnprovenEffect> {
-        self.unproven.as_ref().filter(|_| self.formula.is_none() && !self.is_undetermined)
+        let open = self.formula.is_none() && !self.is_undetermined;
+        self.unproven.as_ref().filter(|_| open || self.verdict == Verdict::EffectLikely)
     }
 }
 

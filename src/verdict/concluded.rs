@@ -5,8 +5,8 @@ use super::next::{advice, propose, to_prove};
 use super::ranking::{ranking, staircase};
 use crate::compare::{Curve, Variable, WindowFloor};
 use crate::diagnose::{
-    Conclusion, Diagnosis, Errors, Judge, Judgement, Ranked, Step, WindowFit, conclude, likely,
-    withheld,
+    Conclusion, Diagnosis, Difference, Errors, Judge, Judgement, Ranked, Step, WindowFit, conclude,
+    difference, likely, withheld,
 };
 use crate::filter::{Likelihood, prepare};
 use crate::recording::Recording;
@@ -33,6 +33,8 @@ pub(super) struct Concluded<'a> {
     likely: Option<&'a Ranked>,
     /// What lowers the held-out error without being accepted, and why it is not.
     withheld: Option<(&'a Ranked, Withheld)>,
+    /// A parameter of the last model that differs between the recordings.
+    differs: Option<Difference>,
     /// The variable on which the residual torque of the last model depends significantly.
     depends_on: Option<Variable>,
 }
@@ -60,7 +62,14 @@ impl<'a> Concluded<'a> {
         let depends_on = left.map(|dependence| dependence.variable);
         let likely = likely(diagnosis, &errors);
         let leaves = likely.and_then(|ranked| ranked.fall).map(|fall| fall.ratio);
+        let all: Vec<&Recording> = basis.train.iter().chain(basis.validation).collect();
+        let differs = difference(diagnosis.last(), &all, basis.hold);
         let conclusion = conclude(diagnosis.steps.len(), &errors, leaves, depends_on.is_some());
+        // one model for recordings that differ lacks what was changed between them
+        let conclusion = match conclusion {
+            Conclusion::Sufficient if differs.is_some() => Conclusion::Unknown,
+            other => other,
+        };
         let withheld = withheld(diagnosis, basis.false_alarm)
             .filter(|_| conclusion == Conclusion::Sufficient)
             .and_then(|r| Some((r, reason(&judge, errors.after, r.refit.as_ref()?))));
@@ -76,6 +85,7 @@ impl<'a> Concluded<'a> {
             is_undetermined,
             likely,
             withheld,
+            differs,
             depends_on,
         })
     }
@@ -86,7 +96,7 @@ impl<'a> Concluded<'a> {
     pub(super) fn dependence(&self, curves: &[Curve]) -> Option<Dependence> {
         let is_stated = match self.conclusion {
             _ if self.is_undetermined => false,
-            Conclusion::Unknown => true,
+            Conclusion::Unknown => self.errors.above_floor(),
             Conclusion::Missing | Conclusion::Likely => {
                 self.errors.far_above_all() || is_plain(curves)
             }
@@ -123,6 +133,7 @@ impl<'a> Concluded<'a> {
             unproven: self.likely.map(unproven),
             withheld: self.withheld.map(|(ranked, why)| (unproven(ranked), why)),
             logging,
+            differs: self.differs.clone(),
             dependence,
             parameters: parameters_of(diagnosis.last(), logging.unit),
             ranking: ranking(diagnosis, judge, self.before)?,

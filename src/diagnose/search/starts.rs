@@ -5,7 +5,8 @@ use nalgebra::DVector;
 
 use super::{Data, Look, MANY, Search, Settings, held_in_time};
 use crate::diagnose::aligned::{Aligned, within_turn};
-use crate::diagnose::candidate::{Candidate, candidates};
+use crate::diagnose::candidate::Candidate;
+use crate::diagnose::candidates::candidates;
 use crate::diagnose::fit::{WindowFit, fit};
 use crate::diagnose::outcome::Ranked;
 use crate::diagnose::regression::ColumnRoom;

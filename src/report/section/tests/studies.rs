@@ -193,6 +193,7 @@ fn diagnosis() -> DiagnosisStudy {
         unproven: None,
         withheld: None,
         logging: Logging { unit: DriveUnit::Volt, if_held: None, speeds_alone: false },
+        differs: None,
         dependence: None,
         parameters: vec![],
         found: vec!["turning_scrub".to_owned()],
