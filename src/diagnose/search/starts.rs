@@ -23,8 +23,10 @@ use crate::simulate::Hold;
 
 /// Fits in turn with the shifts: the first shifts are to first order, beside parameters that the waves have bent.
 const REFINEMENTS: usize = 5;
-/// Standard error of a phase \[rad\] beyond which it is not known: a third of the half turn that it can be off by.
-const KNOWN: f64 = 1.0;
+/// Standard error of a phase \[rad\] beyond which it is not known: that of an amplitude of ten standard errors. Errors of
+/// windows are no independent values, and waves that are not there have phases of their own in each recording that fit
+/// them with six.
+const KNOWN: f64 = 0.1;
 /// Least phase \[rad\] that a recording is moved for: a twentieth of the wave stays if it is not.
 const LEAST: f64 = 0.05;
 
@@ -147,7 +149,7 @@ impl Search<'_> {
     fn waves(&self, base: WindowFit) -> Option<(WindowFit, Candidate, Aligned)> {
         let mut present = base;
         for round in 0..=self.settings.max_effects {
-            if self.is_at_floor(present.cost) {
+            if !self.is_above_floor(present.cost) {
                 return None;
             }
             let held = held_in_time(&present);
@@ -177,8 +179,9 @@ impl Search<'_> {
         None
     }
 
-    fn is_at_floor(&self, cost: f64) -> bool {
-        cost <= 0.5 * THRESHOLDS.at_floor.powi(2) * self.windows.values() as f64
+    /// Whether windows of that cost are missed by more than their noise: nearer to it phases would be fitted to noise.
+    fn is_above_floor(&self, cost: f64) -> bool {
+        cost > 0.5 * THRESHOLDS.above_floor.powi(2) * self.windows.values() as f64
     }
 
     /// Every candidate with waves, shape by shape, with phases. Orders of which many are tried are levelled as in
