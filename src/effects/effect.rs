@@ -230,6 +230,11 @@ pub trait Effect: Send + Sync {
     fn depends_on_heading(&self) -> bool;
     /// [`Physics::waves`].
     fn waves(&self, p: &[f64]) -> Vec<Wave>;
+    /// Whether its torque consists of waves of an angle.
+    fn has_waves(&self) -> bool {
+        let typical: Vec<f64> = self.parameters().iter().map(|spec| spec.typical).collect();
+        !self.waves(&typical).is_empty()
+    }
     /// [`Physics::change`].
     fn change(&self) -> Change;
     /// [`Physics::admissible`].

@@ -1,15 +1,13 @@
 //! What is settled from the training recordings before any method sees them: where shapes start, and when the
 //! recorded input acts.
 
-use std::sync::Arc;
-
 use super::plan::{Measured, Plan};
 use crate::conditioning::{Action, Channel, Finding, Kind, Settings};
 use crate::diagnose::{
     SpeedFilter, StartAngle, advanced, held_input, phases, shapes_placed, speed_filter,
     start_angles, timing, with_later_input,
 };
-use crate::effects::{Cycle, Effect};
+use crate::effects::Cycle;
 use crate::filter::noise_of_jumps;
 use crate::identify::{Task, start};
 use crate::model::base::{A1, A2};
@@ -95,11 +93,7 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
 /// Has the angles of all recordings start where those of one of them do, as far as torques that repeat with the angles
 /// show, and says so. Where neither the model nor a diagnosis has such torques it would change nothing.
 fn start_alike(plan: &mut Plan) {
-    let has_waves = |effect: &Arc<dyn Effect>| {
-        let typical: Vec<f64> = effect.parameters().iter().map(|spec| spec.typical).collect();
-        !effect.waves(&typical).is_empty()
-    };
-    if plan.diagnosis.is_none() && !plan.model.effects().iter().any(has_waves) {
+    if plan.diagnosis.is_none() && !plan.model.effects().iter().any(|e| e.has_waves()) {
         return;
     }
     let recordings: Vec<&Recording> = plan.recordings.iter().map(|m| &m.recording).collect();

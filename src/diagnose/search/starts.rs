@@ -59,7 +59,7 @@ impl StartAngle {
 
 /// Where the angles of each of `recordings` start, as far as torques that repeat with them say so: of all effects of
 /// the catalogue the one whose waves explain the error of `model` best if they have a phase of their own in each
-/// recording. Empty entries where a recording starts like the others; `None` where all do, where the model is at the
+/// recording. Empty entries where a recording starts like the others; `None` where all do, where the model is near the
 /// floor without, and where effects without waves explain the error.
 ///
 /// Effects with waves that the model has are taken out of it first, so that the starts are the same before and after
@@ -98,12 +98,10 @@ pub fn start_angles(
 fn without_waves(model: &Model) -> Option<Model> {
     let mut out = model.clone();
     for e in (0..model.effects().len()).rev() {
-        let parameters = &model.parameters()[model.slots(e)];
-        let typical: Vec<f64> = parameters.iter().map(|p| p.spec.typical).collect();
-        if model.effects()[e].waves(&typical).is_empty() {
+        if !model.effects()[e].has_waves() {
             continue;
         }
-        if parameters.iter().any(|p| p.fixed.is_some()) {
+        if model.parameters()[model.slots(e)].iter().any(|p| p.fixed.is_some()) {
             return None;
         }
         out = out.without(e);
