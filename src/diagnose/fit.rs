@@ -28,6 +28,16 @@ pub struct WindowFit {
     pub covariance: DMatrix<f64>,
     /// Lies a free parameter at a bound?
     pub at_bound: Vec<bool>,
+    /// Windows that it was fitted to.
+    pub windows: usize,
+}
+
+impl WindowFit {
+    /// Whether there are no more windows than free parameters, so that no covariance can be known.
+    #[must_use]
+    pub fn is_short(&self) -> bool {
+        self.windows <= self.model.free().len()
+    }
 }
 
 /// Fits the free parameters of `model` from `start` by Levenberg and Marquardt's method. `None` where the
@@ -90,7 +100,8 @@ pub(super) fn fit_within(
     let edge = |n: usize| minimum.x[n] <= lower[n] || minimum.x[n] >= upper[n];
     let mut at_bound = vec![false; p.len()];
     free.iter().enumerate().for_each(|(n, &j)| at_bound[j] = edge(n));
-    cost.is_finite().then_some(WindowFit { model: model.clone(), p, cost, covariance, at_bound })
+    let (model, windows) = (model.clone(), sums.len());
+    cost.is_finite().then_some(WindowFit { model, p, cost, covariance, at_bound, windows })
 }
 
 /// Covariance of the free parameters from the sums of the windows over them.

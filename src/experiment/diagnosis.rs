@@ -130,7 +130,7 @@ fn search(
     let train = plan.of(Role::Train);
     let model = with_held(plan, &train, comparison);
     let task = Task { model: &model, train: &train, hold: plan.hold, seed: plan.seed };
-    let starts = starts(plan, &task);
+    let starts = starts(plan, &task, comparison);
     let validation = plan.of(Role::Validation);
     let corrected_s = plan.timing.map_or(0.0, |t| t.correction_s);
     let data = Data { train: &train, validation: &validation, hold: plan.hold, corrected_s };
@@ -161,8 +161,9 @@ fn with_held(plan: &Plan, train: &[Recording], comparison: &Comparison) -> Model
 }
 
 /// Where the fits start: at the weak form, on recordings without their dead time first where that is longer
-/// than logging explains (it turns the inertias of quick steps round), and at the construction data.
-fn starts(plan: &Plan, task: &Task) -> Vec<Vec<f64>> {
+/// than logging explains (it turns the inertias of quick steps round), at the construction data, and at every physical
+/// estimate of the comparison: a fit of windows may end without dry friction from the others.
+fn starts(plan: &Plan, task: &Task, comparison: &Comparison) -> Vec<Vec<f64>> {
     let mut out = Vec::new();
     let late = plan.timing.map_or(0.0, |t| t.dead_time_s - t.correction_s);
     if late > task.train.iter().map(Recording::step).fold(0.0, f64::max) {
@@ -171,6 +172,10 @@ fn starts(plan: &Plan, task: &Task) -> Vec<Vec<f64>> {
     }
     out.extend(start::start(task, "diagnosis").ok());
     out.push(task.model.initial());
+    let count = task.model.parameters().len();
+    let estimated = comparison.methods.iter().map(|m| m.estimates.iter().map(|e| e.value));
+    let estimated = estimated.map(|values| values.collect::<Vec<f64>>());
+    out.extend(estimated.filter(|p| p.len() == count && p.iter().all(|v| v.is_finite())));
     out
 }
 

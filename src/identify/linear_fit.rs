@@ -44,11 +44,13 @@ pub(super) fn linear_fit(
         SingleAxis::CountedTwice,
         task.train,
     );
-    let mut notes = known.notes;
-    let is_unknown = |j: usize| known.covariance[(j, j)].is_infinite();
-    settle(&mut p, task, is_unknown(A1) || is_unknown(A2), &mut notes);
+    let (mut notes, mut covariance) = (known.notes, known.covariance);
+    let is_unknown = |j: usize| covariance[(j, j)].is_infinite();
+    if settle(&mut p, task, is_unknown(A1) || is_unknown(A2), &mut notes) == Settled::Contradicted {
+        [A1, A2].into_iter().for_each(|j| covariance[(j, j)] = f64::INFINITY);
+    }
     let unit = task.train[0].drive_unit();
-    let mut out = Fit::physical(method, task.model, p, known.covariance, unit);
+    let mut out = Fit::physical(method, task.model, p, covariance, unit);
     for (j, estimate) in out.estimates.iter_mut().enumerate() {
         estimate.fixed |= !linear.contains(&j);
     }
@@ -56,18 +58,36 @@ pub(super) fn linear_fit(
     Ok(out)
 }
 
+/// What the inertias of a fit needed for a robot that can move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Settled {
+    /// Nothing, or a choice among values that fit alike.
+    Kept,
+    /// Values that contradict the fitted ones.
+    Contradicted,
+}
+
 /// Where the data give `only_sum`, a1 + a2 or a1 - a2, takes of all that fit one that can move (a1 above
-/// |a2|); where they contradict it, says so.
-pub(super) fn settle(p: &mut [f64], task: &Task, only_sum: bool, notes: &mut Vec<Note>) {
+/// |a2|). Where the fitted values contradict that, as differences of wheels that hardly differ do, keeps their larger
+/// combination in the same way and says so; held values stay.
+pub(super) fn settle(
+    p: &mut [f64],
+    task: &Task,
+    only_sum: bool,
+    notes: &mut Vec<Note>,
+) -> Settled {
     let free = |j: usize| task.model.parameters()[j].fixed.is_none();
     if p[A1] > 1.05 * p[A2].abs() {
-        return;
+        return Settled::Kept;
     }
-    if only_sum && free(A1) && free(A2) {
+    let contradicted = !only_sum && !(p[A1] > p[A2].abs());
+    if contradicted {
+        notes.push(Note::MassNotPositive);
+    }
+    if (only_sum || contradicted) && free(A1) && free(A2) {
         let side = if p[A2] < 0.0 { -1.0 } else { 1.0 };
         let sum = p[A1] + side * p[A2];
         (p[A1], p[A2]) = (0.525 * sum, 0.475 * side * sum);
-    } else if !(p[A1] > p[A2].abs()) {
-        notes.push(Note::MassNotPositive);
     }
+    if contradicted { Settled::Contradicted } else { Settled::Kept }
 }

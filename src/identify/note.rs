@@ -204,8 +204,9 @@ impl fmt::Display for Note {
                 "What the model lacks was not searched for ({reason}); the fits stand without it."
             ),
             Self::MassNotPositive => f.write_str(
-                "a1 does not exceed |a2|: no mass matrix has these values, and they cannot be \
-                 simulated; use constrained_regression, or prediction_error.",
+                "The estimates of a1 and a2 were no mass matrix (a1 must exceed |a2|): their larger combination, \
+                 a1 + a2 or a1 - a2, was kept, and neither is identifiable; record: speeding up and braking, \
+                 straight and in pivots.",
             ),
             Self::CutOff(hz) => {
                 let hz: Vec<_> = hz.iter().map(|hz| format!("{hz:.2}")).collect();

@@ -8,7 +8,7 @@ use super::inverse_dynamics::{NOISE_SHARE, Regression};
 use super::sampling::at_least;
 use super::{
     Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task, from_options,
-    options_schema,
+    options_schema, start,
 };
 use crate::math::{MathError, least_squares, robust};
 use crate::recording::LongRecording;
@@ -135,6 +135,8 @@ impl TorqueRegression {
         let of = |values: DVector<f64>| {
             let mut p = p.clone();
             rows.linear().iter().zip(values.iter()).for_each(|(&j, value)| p[j] = *value);
+            // what the other pieces do not give must not keep the robot from moving
+            start::sound(rows.task.model, &mut p);
             p
         };
         Ok((fit, left_out.into_iter().map(of).collect()))

@@ -45,8 +45,8 @@ fn differs_words(difference: &Difference) -> String {
 }
 
 /// What is said in place of a comparison with the noise floor.
-const UNDETERMINED: &str = "These columns do not determine the model: the fit stalled, and a1 is not identifiable. Its \
-                            error is no measure of it.";
+const UNDETERMINED: &str = "These columns do not determine the model: a1 is not identifiable from them, and the \
+                            error of the fit is no measure of it.";
 
 /// What is missing, and the error that is left.
 fn concluded(diagnosis: &DiagnosisStudy) -> Vec<String> {
@@ -118,8 +118,8 @@ fn sufficient(stated: &DiagnosisStudy, error: String) -> Vec<String> {
     ]
 }
 
-fn reason(why: Withheld) -> &'static str {
-    match why {
+fn reason(why: Withheld) -> String {
+    let text = match why {
         Withheld::Raises => {
             "the 2 s simulation error rises with it, as that of a right model may where friction decides when a wheel \
              stops"
@@ -128,7 +128,15 @@ fn reason(why: Withheld) -> &'static str {
             "what the input does between its rows could be the reason as well; a recording at a higher rate decides"
         }
         Withheld::Small => "its size does not differ from zero by more than its uncertainty",
-    }
+        Withheld::Short { windows, parameters } => {
+            return format!(
+                "the training recordings are too short to prove it: {windows} windows of 1 s for {parameters} \
+                 parameters; record at least {} s",
+                2 * parameters
+            );
+        }
+    };
+    text.to_owned()
 }
 
 /// The effect that is likely beside what was found, or beside what the catalogue does not explain.

@@ -134,6 +134,13 @@ pub enum Withheld {
     BetweenRows,
     /// Its size is within its uncertainty.
     Small,
+    /// The recordings have no more windows than the model has parameters, so that no size has an uncertainty.
+    Short {
+        /// Windows of the training recordings.
+        windows: usize,
+        /// Parameters that are estimated.
+        parameters: usize,
+    },
 }
 
 /// How inputs and speeds were recorded, as far as sizes of effects depend on it.

@@ -1,7 +1,7 @@
 //! What the methods of an experiment found.
 
 use crate::identify::{Estimate, IdentifyError, Note, Status, Trace, Work};
-use crate::model::base::A1;
+use crate::model::base::{A1, A2, A4, A5};
 
 /// A method on one recording.
 #[derive(Clone, Debug, Default)]
@@ -88,6 +88,13 @@ impl MethodStudy {
         let a1 = self.estimates.get(A1);
         self.status == Some(Status::Stalled) && a1.is_some_and(|e| !e.identifiable && !e.fixed)
     }
+
+    /// Whether none of the inertias and dry frictions of the base model is identifiable, and none was given.
+    #[must_use]
+    pub fn identifies_nothing(&self) -> bool {
+        let of_base: Vec<_> = [A1, A2, A4, A5].iter().filter_map(|j| self.estimates.get(*j)).collect();
+        !of_base.is_empty() && of_base.iter().all(|e| !e.identifiable && !e.fixed)
+    }
 }
 
 /// A fuzzy Takagi-Sugeno pair as numbers to draw.
@@ -120,5 +127,19 @@ mod tests {
         // on runs straight ahead a1 + a2 is found, and a1 is not
         assert!(!fit(Status::Converged, f64::INFINITY).is_undetermined());
         assert!(!fit(Status::Stalled, 1.0).is_undetermined());
+    }
+
+    #[test]
+    fn a_fit_of_held_parameters_identifies_nothing() {
+        let of = |errors: [f64; 5]| {
+            let estimate = |(n, e): (usize, &f64)| {
+                Estimate::new(&format!("a{}", n + 1), "kg m^2".into(), 0.1, *e)
+            };
+            let estimates = errors.iter().enumerate().map(estimate).collect();
+            MethodStudy { estimates, ..MethodStudy::new("prediction_error", "", "", 0.0) }
+        };
+        let unknown = f64::INFINITY;
+        assert!(of([unknown, unknown, 1.0, unknown, unknown]).identifies_nothing());
+        assert!(!of([1.0, unknown, unknown, unknown, unknown]).identifies_nothing());
     }
 }

@@ -254,12 +254,16 @@ impl Study {
     }
 }
 
-/// Whether the columns of `recordings` do not determine the model that the `reference` method fitted, though the
-/// wheels turn against each other. On runs straight ahead, as those of a single axis, a1 + a2 is found and a1 is not.
+/// Whether the columns of `recordings` do not determine the model that the `reference` method fitted: though the wheels
+/// turn against each other the descent stalled without a1, or nothing of the base model is identifiable. On runs straight
+/// ahead, as those of a single axis, a1 + a2 is found and a1 is not; of a single axis sums alone are.
 #[must_use]
 pub fn is_undetermined(recordings: &[RecordingStudy], reference: Option<&MethodStudy>) -> bool {
-    let turns = turns(recordings.iter().flat_map(|r| &r.omega));
-    turns && reference.is_some_and(MethodStudy::is_undetermined)
+    let rows = || recordings.iter().flat_map(|r| &r.omega);
+    let is_single_axis = rows().all(|w| w[0] == w[1]);
+    reference.is_some_and(|method| {
+        turns(rows()) && method.is_undetermined() || !is_single_axis && method.identifies_nothing()
+    })
 }
 
 /// Whether wheels turn against each other, of whose speeds these are the rows.

@@ -177,6 +177,8 @@ fn reason(judge: &Judge, now: f64, fit: &WindowFit) -> Withheld {
     // one that cannot be simulated raises it too
     if !(with <= now) {
         Withheld::Raises
+    } else if fit.is_short() {
+        Withheld::Short { windows: fit.windows, parameters: fit.model.free().len() }
     } else if between || now - with < open.powi(2).min(with) {
         Withheld::BetweenRows
     } else {

@@ -133,7 +133,7 @@ mod tests {
         let j = model.index_of(symbol).unwrap();
         covariance[(j, j)] = variance;
         let at_bound = vec![false; p.len()];
-        WindowFit { model, p, cost: 1.0, covariance, at_bound }
+        WindowFit { model, p, cost: 1.0, covariance, at_bound, windows: 60 }
     }
 
     #[test]
