@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 use super::error::{Acting, WINDOW, start_of, windows_of};
+use super::input_noise::{noisier_input, normal, slowly_noisier_input};
 use crate::math::trapezoid;
 use crate::recording::{LocalMotion, Recording};
 use crate::robot::State;
@@ -42,9 +42,10 @@ pub struct WindowFloor {
 ///
 /// ```text
 /// floor = ∫ σ_w² dt + mean over 8 draws of ∫ (w(M, x0 + noise) - w(M, x0))² dt
-///         + max(N, n H + (1 - n) H/3)
+///         + max(N, n H + (1 - n) H/3) + S
 /// N = mean over 8 draws of ∫ (w(M + noise, x0) - w(M, x0))² dt
 /// H = mean over both phases of ∫ (w(every other row of M, x0) - w(M, x0))² dt
+/// S = mean over 8 draws of ∫ (w(M + slow noise, x0) - w(M, x0))² dt,   noise that goes on from row to row, where rests show it
 /// ```
 /// n: share of the variance of the input's jumps that is noise, which the robot does not follow. A step that it follows,
 /// at any time between two rows with equal chance, puts the line between them off by h² step²/12, mean square, and
@@ -73,13 +74,16 @@ fn floor(runs: &Runs, seed: u64) -> Result<Floor, SimulateError> {
     let jumps = runs.by_input_jumps(&mut rng)?;
     let start = runs.by_start_noise(&mut rng)?;
     let half = runs.by_every_other_row()?;
+    let slow = runs.by_slow_input_noise(&mut rng)?;
     let noise = recording.noise_of_jumps().powi(2);
     let share = noise + STEPS * (1.0 - noise);
     let input = |jumps: f64, half: f64| f64::max(noise * jumps, share * half);
     let covered: f64 = recording.pieces().iter().map(|p| length(recording, p)).sum();
     let speed = recording.noise().omega.map(|s| s * s);
-    let ise = [0, 1].map(|i| speed[i] * covered + start.ise[i] + input(jumps.ise[i], half.ise[i]));
-    let known = 0.5 * (speed[0] + speed[1]) + start.square;
+    let ise = [0, 1].map(|i| {
+        speed[i] * covered + start.ise[i] + slow.ise[i] + input(jumps.ise[i], half.ise[i])
+    });
+    let known = 0.5 * (speed[0] + speed[1]) + start.square + slow.square;
     let window_rms = (known + input(jumps.square, half.square)).sqrt();
     let window_most = (known + f64::max(noise * jumps.square, half.square)).sqrt();
     Ok(Floor { ise, window_rms, window_most })
@@ -248,6 +252,14 @@ impl<'a> Runs<'a> {
         self.mean(DRAWS, |_| self.run(&noisier_input(self.recording, sigma, rng), None))
     }
 
+    /// The mean over draws of noise of the input that goes on from row to row.
+    fn by_slow_input_noise(&self, rng: &mut ChaCha8Rng) -> Result<Apart, SimulateError> {
+        if self.recording.slow_input_noise().iter().all(|n| n.sigma == 0.0) {
+            return Ok(Apart::default());
+        }
+        self.mean(DRAWS, |_| self.run(&slowly_noisier_input(self.recording, rng), None))
+    }
+
     /// The mean over draws of noise of the starting states.
     fn by_start_noise(&self, rng: &mut ChaCha8Rng) -> Result<Apart, SimulateError> {
         self.mean(DRAWS, |_| self.run(self.recording.torque(), Some(rng)))
@@ -300,26 +312,6 @@ fn length(recording: &Recording, piece: &Range<usize>) -> f64 {
 fn spread(a: &State, b: &State, i: usize) -> f64 {
     let d = (a.omega[i] - b.omega[i]).powi(2);
     if d.is_finite() { d } else { 0.0 }
-}
-
-/// The recorded input with noise of the deviations `sigma` [N m] added, one draw a row and wheel.
-pub fn noisier_input(
-    recording: &Recording,
-    sigma: [f64; 2],
-    rng: &mut ChaCha8Rng,
-) -> Vec<[f64; 2]> {
-    let single = recording.is_single_axis();
-    let rows = recording.torque().iter().map(|m| {
-        // one axis written down twice has one noise
-        let first = normal(rng);
-        let second = if single { first } else { normal(rng) };
-        [m[0] + sigma[0] * first, m[1] + sigma[1] * second]
-    });
-    rows.collect()
-}
-
-fn normal(rng: &mut ChaCha8Rng) -> f64 {
-    StandardNormal.sample(rng)
 }
 
 /// Where a simulation starts, moved by noise of the speeds where `rng` draws it.

@@ -5,6 +5,7 @@ mod curves;
 mod error;
 mod floor;
 mod horizon;
+mod input_noise;
 mod low_pass;
 mod mean;
 mod regime;
@@ -17,10 +18,9 @@ pub use acting::Acting;
 pub use curves::{Curve, CurveBin, Unexplained, curves};
 pub use error::{Simulated, angle_rms, ise, simulate_recording, window_errors, window_rms};
 pub(crate) use error::{WINDOW, start_of};
-pub use floor::{
-    Floor, WindowFloor, between_rows, noise_floor, noisier_input, pooled_floor, unresolved,
-};
+pub use floor::{Floor, WindowFloor, between_rows, noise_floor, pooled_floor, unresolved};
 pub use horizon::{Horizon, fit_percent, horizons};
+pub use input_noise::noisier_input;
 pub use low_pass::{FilterRoom, filter_together, filtered, smooth_motion};
 pub use mean::{Mean, clustered_mean};
 pub(crate) use regime::{AT_FLOOR, REGIME_RATE};

@@ -247,6 +247,13 @@ pub enum Kind<C = usize, R = f64> {
         /// Its standard error.
         std_error: R,
     },
+    /// An input that fluctuates while the robot stands still, more slowly than white noise.
+    RestNoise {
+        /// Standard deviation, in the unit of the input.
+        sigma: R,
+        /// Correlation time \[s\].
+        time_s: R,
+    },
     /// Sensors that give a new value only every so often \[s\].
     Refresh {
         /// Time between new values \[s\].
@@ -328,6 +335,7 @@ impl Kind {
             Self::FewLevels { levels } => ("few_levels", levels as f64, "levels"),
             Self::Magnitude => ("magnitude", 1.0, "1"),
             Self::RestOffset { mean, .. } => ("rest_offset", mean, "input"),
+            Self::RestNoise { sigma, .. } => ("rest_noise", sigma, "input"),
             Self::Refresh { period_s } => ("refresh", period_s, "s"),
             Self::Quantum { step } => ("quantum", step, "SI"),
         }

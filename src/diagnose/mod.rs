@@ -14,7 +14,6 @@ mod input_timing;
 mod joint;
 mod judge;
 mod next_run;
-mod nonnegative;
 mod outcome;
 mod phases;
 mod regression;

@@ -12,10 +12,9 @@ use rayon::prelude::*;
 use super::by_recording::{ByRecording, ratio};
 use super::candidate::{Candidate, still_instant};
 use super::input_timing::shifted;
-use super::nonnegative;
 use crate::compare::{FilterRoom, REST, WIDTH, filter_together, filtered, smooth_motion};
 use crate::effects::{Motion, along};
-use crate::math::{FILLED, Real, add_products, least_squares};
+use crate::math::{FILLED, Real, add_products, least_squares, nonnegative};
 use crate::model::{Linearisation, Model};
 use crate::recording::{LocalMotion, Recording};
 
@@ -254,7 +253,7 @@ impl<'a> Regression<'a> {
         // columns of a candidate stand on the side of the input, the base on that of the motion
         let g = -beside.column(base);
         let bounded: Vec<bool> = (0..count).map(|n| candidate.not_negative(n)).collect();
-        let (solution, gain) = nonnegative::solve(&h, &g, &bounded);
+        let (solution, gain) = nonnegative(&h, &g, &bounded);
         (ratio(self.degrees, self.residual_square(), gain), solution)
     }
 

@@ -8,10 +8,9 @@ use nalgebra::{DMatrix, DVector};
 
 use super::by_recording::{ByRecording, ratio};
 use super::candidate::{Candidate, still_instant};
-use super::nonnegative;
 use super::windows::{Row, Windows, quadratic_of};
 use crate::effects::{Motion, Terms};
-use crate::math::{FILLED, add_products, eliminate};
+use crate::math::{FILLED, add_products, eliminate, nonnegative};
 use crate::model::{Model, inverse_mass, times};
 use crate::robot::State;
 
@@ -241,7 +240,7 @@ impl<'a> Screen<'a> {
             return none;
         }
         let bounded: Vec<bool> = (0..count).map(|n| candidate.not_negative(n)).collect();
-        let (estimate, gain) = nonnegative::solve(&information, &score, &bounded);
+        let (estimate, gain) = nonnegative(&information, &score, &bounded);
         (ratio(self.degrees, self.square, gain), estimate)
     }
 }

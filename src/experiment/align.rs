@@ -8,10 +8,10 @@ use crate::diagnose::{
     start_angles, timing, with_later_input,
 };
 use crate::effects::Cycle;
-use crate::filter::noise_of_jumps;
+use crate::filter::{noise_of_jumps, rest_noise};
 use crate::identify::{Task, start};
 use crate::model::base::{A1, A2};
-use crate::recording::{DriveUnit, Recording};
+use crate::recording::{DriveUnit, Recording, SlowNoise};
 use crate::simulate::Hold;
 use crate::study::Role;
 
@@ -80,6 +80,7 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
     let recordings: Vec<&Recording> = train.iter().collect();
     plan.timing = if own { None } else { timing(&plan.model, &start, &recordings, plan.hold) };
     plan.recordings.iter_mut().for_each(|m| m.recording.set_noise_of_jumps(share));
+    count_noise_at_rest(plan);
     if let Some(timing) = plan.timing.filter(|t| t.correction_s != 0.0) {
         for Measured { recording, .. } in &mut plan.recordings {
             *recording = with_later_input(recording, timing.correction_s);
@@ -87,6 +88,22 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
     }
     if asked.settings.starts {
         start_alike(plan);
+    }
+}
+
+/// Counts what the recorded inputs do while the robot stands still as noise of their sensors, and says so.
+fn count_noise_at_rest(plan: &mut Plan) {
+    let recordings: Vec<&Recording> = plan.recordings.iter().map(|m| &m.recording).collect();
+    let noise = rest_noise(&recordings);
+    let found = [0, 1].into_iter().filter(|&i| noise[i].sigma > 0.0).map(|i| {
+        let SlowNoise { sigma, time_s } = noise[i];
+        let kind = Kind::RestNoise { sigma, time_s };
+        Finding { channel: Channel::Input(i), kind, action: Action::Used }
+    });
+    let found: Vec<Finding> = found.collect();
+    for Measured { recording, conditioning, .. } in &mut plan.recordings {
+        recording.set_slow_input_noise(noise);
+        conditioning.extend(found.iter().copied());
     }
 }
 

@@ -19,6 +19,7 @@ mod noise_search;
 mod pass;
 mod prepare;
 mod push;
+mod rest_noise;
 mod standstill;
 mod step;
 mod totals;
@@ -30,6 +31,7 @@ pub use jumps::noise_of_jumps;
 pub use likelihood::{Likelihood, Maximum};
 pub use pass::{Columns, Innovation, Instant, NoColumns, Pass, PassSettings, filter_pass};
 pub use prepare::{Prepared, prepare};
+pub use rest_noise::rest_noise;
 pub use standstill::standstill;
 
 use crate::model::ModelError;

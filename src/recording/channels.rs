@@ -22,6 +22,19 @@ pub struct Measured {
     pub omega: bool,
 }
 
+/// Noise of a channel that goes on from row to row: first-order autoregressive.
+///
+/// ```text
+/// E n(t) n(t + s) = σ² exp(-|s|/τ)
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct SlowNoise {
+    /// Standard deviation σ [unit of the channel].
+    pub sigma: f64,
+    /// Correlation time τ \[s\].
+    pub time_s: f64,
+}
+
 /// Standard deviations of white noise, right wheel first.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Noise {

@@ -17,7 +17,7 @@ mod recording;
 mod refresh;
 mod regime;
 
-pub use channels::{Channels, Measured, Noise};
+pub use channels::{Channels, Measured, Noise, SlowNoise};
 pub(crate) use derived::{differentiate, slopes};
 pub use drive_unit::DriveUnit;
 pub use error::RecordingError;

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
-use super::channels::{Channels, Measured, Noise};
+use super::channels::{Channels, Measured, Noise, SlowNoise};
 use super::check::check;
 use super::derived::{integrate, slopes};
 use super::gaps::{median_step, pieces};
@@ -29,6 +29,8 @@ pub struct Recording {
     recorded_input_noise: Option<[f64; 2]>,
     /// Share of the jumps of the input from row to row that is noise.
     noise_of_jumps: f64,
+    /// Noise of the input that goes on from row to row, right wheel first.
+    slow_input_noise: [SlowNoise; 2],
     /// [`Recording::local_motion`], once it was asked for; copies share it.
     local_motion: Arc<OnceLock<Vec<LocalMotion>>>,
 }
@@ -80,6 +82,7 @@ impl Recording {
             most_noise,
             recorded_input_noise: None,
             noise_of_jumps: 1.0,
+            slow_input_noise: [SlowNoise::default(); 2],
             local_motion: Arc::default(),
         })
     }
@@ -224,6 +227,18 @@ impl Recording {
         self.noise_of_jumps
     }
 
+    /// The recorded input carries noise that goes on from row to row and that the robot does not feel.
+    pub fn set_slow_input_noise(&mut self, noise: [SlowNoise; 2]) {
+        self.slow_input_noise = noise;
+    }
+
+    /// Noise of the input that goes on from row to row, right wheel first; zero unless
+    /// [`Recording::set_slow_input_noise`] stated it.
+    #[must_use]
+    pub fn slow_input_noise(&self) -> [SlowNoise; 2] {
+        self.slow_input_noise
+    }
+
     pub(super) fn recorded_input_noise(&self) -> Option<[f64; 2]> {
         self.recorded_input_noise
     }
@@ -255,9 +270,8 @@ impl Recording {
             torque: self.torque[range].to_vec(),
         };
         let cut = Self::new(self.name.clone(), channels, self.drive_unit)?;
-        let (recorded_input_noise, noise_of_jumps) =
-            (self.recorded_input_noise, self.noise_of_jumps);
-        Ok(Self { recorded_input_noise, noise_of_jumps, ..cut })
+        let Self { recorded_input_noise, noise_of_jumps, slow_input_noise, .. } = *self;
+        Ok(Self { recorded_input_noise, noise_of_jumps, slow_input_noise, ..cut })
     }
 }
 

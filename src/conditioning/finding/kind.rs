@@ -76,6 +76,9 @@ impl<C: Copy, R: Copy> Kind<C, R> {
             Self::RestOffset { mean, std_error } => {
                 Kind::RestOffset { mean: real(mean), std_error: real(std_error) }
             }
+            Self::RestNoise { sigma, time_s } => {
+                Kind::RestNoise { sigma: real(sigma), time_s: real(time_s) }
+            }
             Self::Refresh { period_s } => Kind::Refresh { period_s: real(period_s) },
             Self::Quantum { step } => Kind::Quantum { step: real(step) },
         }

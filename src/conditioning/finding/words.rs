@@ -231,6 +231,13 @@ pub(super) fn words(
             format!("{name} is {mean:.5} ± {std_error:.5} while the robot stands before it starts"),
             format!("an offset of the sensor? `offset` of the column {name} takes it out"),
         ),
+        Kind::RestNoise { sigma, time_s } => (
+            format!(
+                "{name} fluctuates by {sigma:.5} (RMS) with a correlation time of {} while the robot stands still",
+                ms(time_s)
+            ),
+            "counted as noise of the sensor in the noise floor".into(),
+        ),
         Kind::Refresh { period_s } => (
             format!(
                 "the sensors give a new value every {}, the rows come more often",

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::math::Information;
+use super::Information;
 
 /// Directions of the scaled information below this share are left out.
 const WEAK: f64 = 1e-9;
@@ -15,7 +15,8 @@ const WEAK: f64 = 1e-9;
 /// ```
 /// Source: active set of Lawson and Hanson, Solving Least Squares Problems (1974), ch. 23, for columns that
 /// leave and do not come back.
-pub(super) fn solve(h: &DMatrix<f64>, g: &DVector<f64>, bounded: &[bool]) -> (Vec<f64>, f64) {
+#[must_use]
+pub fn nonnegative(h: &DMatrix<f64>, g: &DVector<f64>, bounded: &[bool]) -> (Vec<f64>, f64) {
     let count = g.len();
     let mut kept: Vec<usize> = (0..count).collect();
     while !kept.is_empty() {
@@ -49,11 +50,11 @@ mod tests {
         let h = DMatrix::from_row_slice(2, 2, &[2.0, 1.0, 1.0, 3.0]);
         let g = DVector::from_row_slice(&[-1.0, 2.0]);
         // H x = g has x = (-1, 1), gain 3; without the first x = (0, 2/3), gain 4/3
-        let (free, gain) = solve(&h, &g, &[false, false]);
+        let (free, gain) = nonnegative(&h, &g, &[false, false]);
         assert!((free[0] + 1.0).abs() < 1e-12 && (gain - 3.0).abs() < 1e-12);
-        let (x, gain) = solve(&h, &g, &[true, true]);
+        let (x, gain) = nonnegative(&h, &g, &[true, true]);
         assert_eq!(x[0], 0.0);
         assert!((x[1] - 2.0 / 3.0).abs() < 1e-12 && (gain - 4.0 / 3.0).abs() < 1e-12);
-        assert_eq!(solve(&h, &DVector::from_row_slice(&[-1.0, -2.0]), &[true, true]).1, 0.0);
+        assert_eq!(nonnegative(&h, &DVector::from_row_slice(&[-1.0, -2.0]), &[true, true]).1, 0.0);
     }
 }
