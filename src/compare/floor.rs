@@ -25,6 +25,8 @@ pub struct Floor {
     pub window_rms: f64,
     /// The same with the most that the input may have done between its rows.
     pub window_most: f64,
+    /// What slow noise of the input has in them, root mean square [rad/s].
+    pub window_slow: f64,
 }
 
 /// The error over windows of 2 s that the right model has, root mean square [rad/s].
@@ -34,6 +36,8 @@ pub struct WindowFloor {
     pub expected: f64,
     /// With the most that the input may have done between its rows.
     pub most: f64,
+    /// What slow noise of the input has in it.
+    pub slow: f64,
 }
 
 /// The error that remains for a perfect model: the noise of the measured speeds, what noise of the starting state
@@ -86,7 +90,7 @@ fn floor(runs: &Runs, seed: u64) -> Result<Floor, SimulateError> {
     let known = 0.5 * (speed[0] + speed[1]) + start.square + slow.square;
     let window_rms = (known + input(jumps.square, half.square)).sqrt();
     let window_most = (known + f64::max(noise * jumps.square, half.square)).sqrt();
-    Ok(Floor { ise, window_rms, window_most })
+    Ok(Floor { ise, window_rms, window_most, window_slow: slow.square.sqrt() })
 }
 
 /// Share of the squared error of every other row that the rows themselves leave, of steps between them.
@@ -149,7 +153,11 @@ pub fn pooled_floor(
     let of = |value: fn(&Floor) -> f64| {
         mean_over_rows(recordings, floors.iter().map(|f| value(f).powi(2))).sqrt()
     };
-    Ok(WindowFloor { expected: of(|f| f.window_rms), most: of(|f| f.window_most) })
+    Ok(WindowFloor {
+        expected: of(|f| f.window_rms),
+        most: of(|f| f.window_most),
+        slow: of(|f| f.window_slow),
+    })
 }
 
 /// Root of the mean over all rows of a mean square of each recording.

@@ -115,7 +115,8 @@ fn with_basis<T>(
 /// The noise floor of the judged recordings.
 fn floor_of(comparison: &Comparison) -> WindowFloor {
     let judged = comparison.judged();
-    WindowFloor { expected: judged.floor(), most: judged.floor_most() }
+    let (expected, most) = (judged.floor(), judged.floor_most());
+    WindowFloor { expected, most, slow: judged.floor_slow() }
 }
 
 fn dynamics(fit: &WindowFit) -> PhysicalDynamics {
@@ -199,5 +200,17 @@ mod tests {
         let block = |study: Option<crate::study::FormulaStudy>| study.map(|f| (f.id, f.toml));
         assert!(run.formula.is_some());
         assert_eq!(block(alone.formula), block(run.formula));
+    }
+
+    #[test]
+    fn a_diagnosis_starts_at_the_estimates_of_the_methods_too() {
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/experiments/outside_catalogue.toml");
+        let plan = load(file.as_ref(), &[]).unwrap();
+        let comparison = compare(&plan, &fits(&plan)).unwrap();
+        let train = plan.of(Role::Train);
+        let task = Task { model: &plan.model, train: &train, hold: plan.hold, seed: plan.seed };
+        let estimates = &comparison.reference_method().estimates;
+        let own: Vec<f64> = estimates.iter().map(|e| e.value).collect();
+        assert!(starts(&plan, &task, &comparison).contains(&own));
     }
 }

@@ -70,12 +70,7 @@ pub(super) enum Settled {
 /// Where the data give `only_sum`, a1 + a2 or a1 - a2, takes of all that fit one that can move (a1 above
 /// |a2|). Where the fitted values contradict that, as differences of wheels that hardly differ do, keeps their larger
 /// combination in the same way and says so; held values stay.
-pub(super) fn settle(
-    p: &mut [f64],
-    task: &Task,
-    only_sum: bool,
-    notes: &mut Vec<Note>,
-) -> Settled {
+pub(super) fn settle(p: &mut [f64], task: &Task, only_sum: bool, notes: &mut Vec<Note>) -> Settled {
     let free = |j: usize| task.model.parameters()[j].fixed.is_none();
     if p[A1] > 1.05 * p[A2].abs() {
         return Settled::Kept;
@@ -90,4 +85,30 @@ pub(super) fn settle(
         (p[A1], p[A2]) = (0.525 * sum, 0.475 * side * sum);
     }
     if contradicted { Settled::Contradicted } else { Settled::Kept }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Model;
+    use crate::robot::Robot;
+    use crate::simulate::Hold;
+
+    #[test]
+    fn inertias_that_no_robot_has_keep_their_larger_combination() {
+        let model = Model::base(Robot::amigobot());
+        let task = Task { model: &model, train: &[], hold: Hold::Linear, seed: 0 };
+        let mut notes = vec![];
+        // straight runs: a1 + a2 is known, and a1 - a2 came out negative
+        let mut p = model.initial();
+        (p[A1], p[A2]) = (0.012, 0.013);
+        assert_eq!(settle(&mut p, &task, false, &mut notes), Settled::Contradicted);
+        assert!((p[A1] + p[A2] - 0.025).abs() < 1e-15 && p[A1] > p[A2].abs(), "{p:?}");
+        assert_eq!(notes, [Note::MassNotPositive]);
+        // where the data leave a choice nothing is contradicted
+        (p[A1], p[A2]) = (0.0125, 0.0125);
+        assert_eq!(settle(&mut p, &task, true, &mut notes), Settled::Kept);
+        assert!((p[A1] + p[A2] - 0.025).abs() < 1e-15 && p[A1] > p[A2].abs(), "{p:?}");
+        assert_eq!(notes.len(), 1);
+    }
 }

@@ -106,6 +106,11 @@ fn sufficient(stated: &DiagnosisStudy, error: String) -> Vec<String> {
         let faster = text("A recording at the rate of the controller decides.");
         return vec![format!("Nothing is proven to be missing: {none}."), error, faster];
     }
+    if stated.errors.is_floor_slow() {
+        let slow = "Most of the noise floor is slow noise of the recorded input, which the rests of the robot show to a factor \
+                    of two at best; a recording with longer rests decides.";
+        return vec![format!("Nothing is proven to be missing: {none}."), error, text(slow)];
+    }
     // the floor is an estimate for white noise: coloured noise of the input reaches so far too
     vec![
         format!(
@@ -157,7 +162,14 @@ mod tests {
     fn unknown() -> DiagnosisStudy {
         DiagnosisStudy {
             verdict: Verdict::UnknownEffect,
-            errors: Errors { before: 9.0, after: 9.0, floor: 1.0, most: 1.0, speed: 1e4 },
+            errors: Errors {
+                before: 9.0,
+                after: 9.0,
+                floor: 1.0,
+                most: 1.0,
+                slow: 0.0,
+                speed: 1e4,
+            },
             found: vec![],
             unproven: None,
             withheld: None,
@@ -222,5 +234,28 @@ mod tests {
         let end = "the held-out error falls by 25 %, but its size does not differ from zero by more than its \
                    uncertainty.";
         assert!(text.ends_with(end), "{text}");
+    }
+
+    #[test]
+    fn recordings_with_fewer_windows_than_parameters_are_said_to_be_too_short() {
+        let effect = UnprovenEffect { id: "wheel_slip".into(), lowers: 0.25 };
+        let short = Withheld::Short { windows: 6, parameters: 8 };
+        let verdict = Verdict::ModelSufficient;
+        let text =
+            sentence(&DiagnosisStudy { verdict, withheld: Some((effect, short)), ..unknown() });
+        assert!(
+            text.ends_with("6 windows of 1 s for 8 parameters; record at least 16 s."),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn a_floor_of_slow_noise_is_said_to_be_known_roughly() {
+        let errors =
+            Errors { before: 4.0, after: 4.0, floor: 1.0, most: 1.0, slow: 0.8, speed: 1e4 };
+        let stated = DiagnosisStudy { verdict: Verdict::ModelSufficient, errors, ..unknown() };
+        let text = sentence(&stated);
+        assert!(text.contains("slow noise of the recorded input"), "{text}");
+        assert!(!text.contains("no dependence"), "{text}");
     }
 }

@@ -56,6 +56,12 @@ impl<'a> Judged<'a> {
         self.pooled(|r| self.0[r].floor.window_most)
     }
 
+    /// What slow noise of the input has in the noise floor, as [`Self::floor`] [rad/s].
+    #[must_use]
+    pub fn floor_slow(self) -> f64 {
+        self.pooled(|r| self.0[r].floor.window_slow)
+    }
+
     /// Summed quality index of a model, whose `performance` has one entry a recording of the experiment
     /// [rad^2/s]; not a number where it has none.
     #[must_use]

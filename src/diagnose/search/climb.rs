@@ -46,6 +46,7 @@ impl Search<'_> {
             after: square(last),
             floor: floor.expected.powi(2),
             most: floor.most.powi(2),
+            slow: floor.slow.powi(2),
             speed: 1.0,
         }
     }

@@ -30,7 +30,8 @@ mod tests {
             ..FormulaStudy::default()
         };
         let (error, floor) = (0.1_f64.powi(2), 0.0358_f64.powi(2));
-        let errors = Errors { before: error, after: error, floor, most: floor, speed: 1e4 };
+        let errors =
+            Errors { before: error, after: error, floor, most: floor, slow: 0.0, speed: 1e4 };
         assert_eq!(
             words(&formula(0.0612, true), &errors),
             "A formula of it (heading_resistance) in place of what was found lowers the 2 s simulation error to \

@@ -33,7 +33,7 @@ fn recording(role: Role) -> RecordingStudy {
         noise: Noise { alpha: [1e-3; 2], omega: [0.05; 2], torque: [0.005; 2] },
         conditioning: vec![],
         findings: vec![Finding { severity: Severity::Warning, issue: Issue::Still(1) }],
-        floor: Floor { ise: [0.01; 2], window_rms: 0.05, window_most: 0.05 },
+        floor: Floor { ise: [0.01; 2], window_rms: 0.05, window_most: 0.05, window_slow: 0.0 },
         alpha: t.iter().map(|t| [4.0 - 4.0 * t.cos(), 3.0 * t.sin()]).collect(),
         torque: omega.iter().map(|w| [0.1 * w[0], 0.1 * w[1]]).collect(),
         regimes: (0..SAMPLES).map(regime).collect(),
@@ -189,7 +189,14 @@ fn diagnosis() -> DiagnosisStudy {
     };
     DiagnosisStudy {
         verdict: Verdict::EffectsMissing,
-        errors: Errors { before: 0.16, after: f64::NAN, floor: 0.0025, most: 0.0025, speed: 100.0 },
+        errors: Errors {
+            before: 0.16,
+            after: f64::NAN,
+            floor: 0.0025,
+            most: 0.0025,
+            slow: 0.0,
+            speed: 100.0,
+        },
         unproven: None,
         withheld: None,
         logging: Logging { unit: DriveUnit::Volt, if_held: None, speeds_alone: false },
