@@ -23,7 +23,7 @@ use super::scale::scale_of;
 use super::screen::Screen;
 use super::thresholds::THRESHOLDS;
 use super::timing::EARLIEST;
-use super::windows::{Windows, mobility};
+use super::windows::Windows;
 use crate::effects::{Change, Effect, Scale};
 use crate::identify::IdentifyError;
 use crate::math::median_high;
@@ -130,13 +130,12 @@ impl<'a> Search<'a> {
     ) -> Result<Self, IdentifyError> {
         let train: Vec<&Recording> = data.train.iter().collect();
         let start = starts.first().cloned().unwrap_or_else(|| model.initial());
-        let mobility = mobility(model, &start);
         let scale = scale_of(model, &start, &train);
         let smoothed = Smoothed::new(&train, scale.bandwidth);
-        let windows = Windows::new(train, data.hold, mobility).sampled(model, &start);
+        let windows = Windows::weighted(train, data.hold, model, &start);
         let validation: Vec<&Recording> = data.validation.iter().collect();
         let held = (!validation.is_empty())
-            .then(|| Windows::new(validation, data.hold, mobility).sampled(model, &start));
+            .then(|| Windows::weighted(validation, data.hold, model, &start));
         let judged = if data.validation.is_empty() { data.train } else { data.validation };
         let judge = Judge::new(judged.to_vec(), data.hold);
         let corrected = data.corrected_s;

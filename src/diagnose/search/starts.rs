@@ -12,7 +12,7 @@ use crate::diagnose::outcome::Ranked;
 use crate::diagnose::regression::ColumnRoom;
 use crate::diagnose::screen::Screen;
 use crate::diagnose::thresholds::THRESHOLDS;
-use crate::diagnose::windows::{Windows, mobility};
+use crate::diagnose::windows::Windows;
 use crate::effects::{Cycle, Wave};
 use crate::identify::{Task, start};
 use crate::math::{distribution, median_high};
@@ -233,9 +233,8 @@ impl Search<'_> {
         moved: &[Recording],
     ) -> Option<(WindowFit, Aligned)> {
         let recordings: Vec<&Recording> = moved.iter().collect();
-        let mobility = mobility(&before.model, &before.p);
-        let windows = Windows::new(recordings, self.windows.hold, mobility);
-        let windows = windows.sampled(&before.model, &before.p);
+        let windows =
+            Windows::weighted(recordings, self.windows.hold, &before.model, &before.p);
         let found = fit(&windows, &before.model, &before.p, &self.scale)?;
         let first = found.p.len() - candidate.p.len();
         let mut at = candidate.clone();
