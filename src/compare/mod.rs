@@ -21,7 +21,7 @@ pub use floor::{
     Floor, WindowFloor, between_rows, noise_floor, noisier_input, pooled_floor, unresolved,
 };
 pub use horizon::{Horizon, fit_percent, horizons};
-pub use low_pass::{FilterRoom, filter_together, filtered, smooth_motion};
+pub use low_pass::{FilterBuffer, filter_together, filtered, smooth_motion};
 pub use mean::{Mean, clustered_mean};
 pub(crate) use regime::{AT_FLOOR, REGIME_RATE};
 pub use regime::{Failure, failures};

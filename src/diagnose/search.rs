@@ -18,7 +18,7 @@ use super::fit::{WindowFit, fit};
 use super::input_timing::{InputTiming, SYMBOL};
 use super::judge::Judge;
 use super::outcome::{Diagnosis, Ranked, Step};
-use super::regression::{ColumnRoom, Regression, Smoothed};
+use super::regression::{ColumnBuffer, Regression, Smoothed};
 use super::scale::scale_of;
 use super::screen::Screen;
 use super::thresholds::THRESHOLDS;
@@ -44,7 +44,7 @@ pub struct Settings {
     pub own: Vec<Arc<dyn Effect>>,
     /// Largest probability that an effect is named where none is missing.
     pub false_alarm: f64,
-    /// Most effects that are added.
+    /// Largest number of effects that are added.
     pub max_effects: usize,
     /// Called as candidates are fitted.
     pub progress: Option<Progress>,
@@ -244,10 +244,10 @@ impl<'a> Search<'a> {
         );
         let mut looked: Vec<Ranked> = all
             .into_par_iter()
-            .map_init(ColumnRoom::default, |room, candidate| {
+            .map_init(ColumnBuffer::default, |buffer, candidate| {
                 let (regression, screen) = &looks[usize::from(candidate.is_shift())];
                 let (by_regression, first) =
-                    regression.as_ref().map_or((0.0, vec![]), |r| r.ratio(&candidate, room));
+                    regression.as_ref().map_or((0.0, vec![]), |r| r.ratio(&candidate, buffer));
                 let (by_windows, second) =
                     screen.as_ref().map_or((0.0, vec![]), |s| s.ratio(&candidate));
                 let estimate = if by_windows > 0.0 { second } else { first };

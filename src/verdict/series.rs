@@ -6,8 +6,8 @@ use std::sync::Arc;
 use crate::compare::{Acting, Curve, Variable};
 use crate::diagnose::{WindowFit, Windows, fit, scale_of};
 use crate::effects::{Custom, CustomDefinition, ParameterSpec};
+use crate::math::round_significant;
 use crate::recording::{DriveUnit, Recording};
-use crate::report::format::round_significant;
 use crate::simulate::Hold;
 
 /// Largest coefficient in amplitudes of the curve: a series over a range with gaps may take more than the curve shows
