@@ -133,7 +133,7 @@ enum Command {
     Man,
     /// Write a completion script for a shell to standard output.
     Completions {
-        /// The shell.
+        /// Shell for which the script is written.
         shell: clap_complete::Shell,
     },
 }
