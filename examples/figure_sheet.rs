@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use amigo_ident::report::block::{Block, Cell, Column, Table, Text, Tone};
 use amigo_ident::report::figure::{
-    Axis, BarSeries, Bars, ColorMap, Dash, ErrorBar, Figure, HeatMap, Layer, Panel, Role,
+    Axis, BarSeries, Bars, ColorMap, ColourRole, Dash, ErrorBar, Figure, HeatMap, Layer, Panel,
 };
 use amigo_ident::report::{PageContent, SectionContent, figure_to_png, figure_to_svg, page};
 
@@ -44,10 +44,10 @@ fn time_series() -> Figure {
             .with(Layer::Shade {
                 ranges: vec![(2.0, 3.4), (6.0, 7.1)],
                 label: "turning".to_owned(),
-                role: Role::NoiseFloor,
+                role: ColourRole::NoiseFloor,
             })
-            .with(Layer::points(measured.collect(), "measured", Role::Measured))
-            .with(Layer::line(model.collect(), "model", Role::Model))
+            .with(Layer::points(measured.collect(), "measured", ColourRole::Measured))
+            .with(Layer::line(model.collect(), "model", ColourRole::Model))
     };
     let residual = (0..2401).map(|i| (time(i), 0.15 * noise(i) + 0.03 * speed(time(i), 1.0)));
     Figure::new("time-series", "The model follows both wheels within the noise except in turns")
@@ -62,9 +62,9 @@ fn time_series() -> Figure {
                     lower: vec![-0.1; 2],
                     upper: vec![0.1; 2],
                     label: "noise floor (95 %)".to_owned(),
-                    role: Role::NoiseFloor,
+                    role: ColourRole::NoiseFloor,
                 })
-                .with(Layer::line(residual.collect(), "", Role::Wheel1)),
+                .with(Layer::line(residual.collect(), "", ColourRole::Wheel1)),
         )
         .interactive()
 }
@@ -85,24 +85,26 @@ fn residuals() -> Figure {
         "What the model leaves over jumps at standstill: a friction term is missing",
     )
     .with_columns(2)
-    .with_panel(panel("Before").with(dots(Role::Wheel1, 1)).with(dots(Role::Wheel2, 2)).with(
-        Layer::Line {
-            points: curve,
-            label: "Coulomb".into(),
-            role: Role::Ink,
-            width: 1.8,
-            dash: Dash::Dashed,
-        },
-    ))
+    .with_panel(
+        panel("Before").with(dots(ColourRole::Wheel1, 1)).with(dots(ColourRole::Wheel2, 2)).with(
+            Layer::Line {
+                points: curve,
+                label: "Coulomb".into(),
+                role: ColourRole::Ink,
+                width: 1.8,
+                dash: Dash::Dashed,
+            },
+        ),
+    )
     .with_panel(
         panel("After")
-            .with(dots(Role::Wheel1, 1))
-            .with(Layer::hline(0.3, "3σ", Role::Highlight))
-            .with(Layer::vline(-2.0, "slip begins", Role::Ink))
+            .with(dots(ColourRole::Wheel1, 1))
+            .with(Layer::hline(0.3, "3σ", ColourRole::Highlight))
+            .with(Layer::vline(-2.0, "slip begins", ColourRole::Ink))
             .with(Layer::Text {
                 at: (3.5, 0.35),
                 text: "wheel 1 slips here".into(),
-                role: Role::Ink,
+                role: ColourRole::Ink,
             }),
     )
 }
@@ -113,14 +115,14 @@ fn convergence() -> Figure {
     let mut panel = Panel::new(Axis::linear("iteration", ""), Axis::log("cost", "rad²/s²"));
     for (n, (name, rate)) in lines.into_iter().enumerate() {
         let points = (0..80).map(|i| cost(i, rate)).collect();
-        panel = panel.with(Layer::line(points, name, Role::Series(n)));
+        panel = panel.with(Layer::line(points, name, ColourRole::Series(n)));
     }
     panel = panel.with(Layer::Band {
         x: (0..80).map(f64::from).collect(),
         lower: (0..80).map(|i| cost(i, 0.11).1 * 0.5).collect(),
         upper: (0..80).map(|i| cost(i, 0.11).1 * 2.0).collect(),
         label: "10 to 90 % of starts".into(),
-        role: Role::Series(2),
+        role: ColourRole::Series(2),
     });
     Figure::new("convergence", "Three solvers, one minimum").with_panel(panel)
 }
@@ -133,11 +135,11 @@ fn intervals() -> Figure {
         upper: if x > 450.0 { f64::INFINITY } else { 0.02 + 2.0 / x },
     });
     let panel = Panel::new(Axis::log("samples", ""), Axis::linear("a₄", "N m"))
-        .with(Layer::hline(0.02, "truth", Role::Ink))
+        .with(Layer::hline(0.02, "truth", ColourRole::Ink))
         .with(Layer::ErrorBars {
             points: points.collect(),
             label: "estimate with 95 % interval".into(),
-            role: Role::Measured,
+            role: ColourRole::Measured,
         });
     Figure::new("intervals", "The interval narrows with the square root of the record")
         .with_panel(panel)
@@ -153,7 +155,7 @@ fn evidence() -> Figure {
         "unequal wheel radii",
     ];
     let values = vec![412.0, 35.2, 18.4, 6.1, 1.2, -0.8];
-    let mut series = BarSeries::new("", Role::Series(0), values.clone());
+    let mut series = BarSeries::new("", ColourRole::Series(0), values.clone());
     series.text = values.iter().map(|v| amigo_ident::report::format::number(*v)).collect();
     series.intervals = values.iter().map(|v| (v - 8.0, v + 8.0)).collect();
     let bars = Bars {
@@ -166,7 +168,7 @@ fn evidence() -> Figure {
         .with_panel(
             Panel::new(Axis::linear("gain in log likelihood", ""), Axis::unlabelled())
                 .with(Layer::Bars(bars))
-                .with(Layer::vline(60.0, "detection limit", Role::Ink)),
+                .with(Layer::vline(60.0, "detection limit", ColourRole::Ink)),
         )
 }
 
@@ -175,7 +177,7 @@ fn groups() -> Figure {
     let series = |n: usize, name: &str| {
         let mut series = BarSeries::new(
             name,
-            Role::Series(n),
+            ColourRole::Series(n),
             (0..5).map(|i| 0.02 + 0.01 * ((i * (n + 2)) % 5) as f64).collect(),
         );
         series.intervals = series.values.iter().map(|v| (0.8 * v, 1.3 * v)).collect();
@@ -194,7 +196,7 @@ fn groups() -> Figure {
         categories: (0..24).map(|i| format!("candidate effect number {i}")).collect(),
         series: vec![BarSeries::new(
             "",
-            Role::Measured,
+            ColourRole::Measured,
             (0..24).map(|i| f64::from(i) - 7.0).collect(),
         )],
         highlight: Some(3),

@@ -2,13 +2,14 @@
 
 use amigo_ident::compare::Dependence;
 use amigo_ident::effects;
-use amigo_ident::report::figure::{Axis, Dash, Figure, Layer, Panel, Role, Size};
+use amigo_ident::report::figure::{Axis, ColourRole, Dash, Figure, Layer, Panel, Size};
 use amigo_ident::report::{ReportError, figure_to_png};
 
 use crate::cases::Case;
 use crate::work::Outcome;
 
-const WHEELS: [(&str, Role); 2] = [("wheel 1", Role::Wheel1), ("wheel 2", Role::Wheel2)];
+const WHEELS: [(&str, ColourRole); 2] =
+    [("wheel 1", ColourRole::Wheel1), ("wheel 2", ColourRole::Wheel2)];
 /// Samples of a window, 2 s at 100 Hz.
 const WINDOW: usize = 200;
 /// Width of a picture [px].
@@ -37,7 +38,12 @@ fn missing(dependence: &Dependence) -> Panel {
         Axis::linear(variable.words(), variable.unit("N m")),
         Axis::linear("residual torque", "N m"),
     )
-    .with(Layer::HLine { at: 0.0, label: String::new(), role: Role::Ink, dash: Dash::Solid });
+    .with(Layer::HLine {
+        at: 0.0,
+        label: String::new(),
+        role: ColourRole::Ink,
+        dash: Dash::Solid,
+    });
     for (i, (label, role)) in WHEELS.into_iter().enumerate() {
         let known = dependence.bins.iter().filter(|bin| bin.torque[i].is_finite());
         let rows: Vec<(f64, f64, f64)> =
@@ -90,11 +96,11 @@ fn excerpt(figure: Figure, outcome: &Outcome) -> Figure {
     let errors = Panel::new(Axis::linear("time", "s"), Axis::linear("error", "rad/s"));
     figure
         .with_subtitle("Measured speed, and measured minus simulated")
-        .with_panel(speed.with(Layer::line(measured, "", Role::Measured)))
+        .with_panel(speed.with(Layer::line(measured, "", ColourRole::Measured)))
         .with_panel(
             errors
-                .with(Layer::hline(0.0, "", Role::Ink))
-                .with(Layer::line(smooth(0), "without the effect", Role::Model))
-                .with(Layer::line(smooth(1), "with it", Role::NoiseFloor)),
+                .with(Layer::hline(0.0, "", ColourRole::Ink))
+                .with(Layer::line(smooth(0), "without the effect", ColourRole::Model))
+                .with(Layer::line(smooth(1), "with it", ColourRole::NoiseFloor)),
         )
 }

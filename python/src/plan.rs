@@ -42,7 +42,7 @@ impl Plan {
         let of = |role: Role, all: Vec<Py<Recording>>| {
             all.into_iter().map(move |r| {
                 let measured = r.get().measured.clone();
-                experiment::Measured { role, ..measured }
+                experiment::MeasuredRecording { role, ..measured }
             })
         };
         let recordings: Vec<_> =

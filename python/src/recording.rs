@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use amigo_ident::experiment::{ExperimentError, Measured, Reading, robot_of};
+use amigo_ident::experiment::{ExperimentError, MeasuredRecording, Reading, robot_of};
 use amigo_ident::recording::DriveUnit;
 use amigo_ident::robot::Robot;
 use amigo_ident::study::Role;
@@ -15,7 +15,7 @@ use crate::error::{internal, raise, table, wrong};
 /// A checked recording.
 #[pyclass(frozen)]
 pub(crate) struct Recording {
-    pub(crate) measured: Measured,
+    pub(crate) measured: MeasuredRecording,
 }
 
 fn unit(text: &str) -> PyResult<DriveUnit> {
@@ -67,7 +67,7 @@ impl Recording {
             let bytes = fetch.call1((&column,))?.downcast_into::<PyBytes>()?;
             values.push((column, array::values(bytes.as_bytes())?));
         }
-        let made: Result<Measured, ExperimentError> =
+        let made: Result<MeasuredRecording, ExperimentError> =
             py.allow_threads(|| reading.table(Role::Train, name, &values));
         Ok(Self { measured: made.map_err(|e| raise(&e))? })
     }

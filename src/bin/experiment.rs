@@ -26,10 +26,10 @@ struct Cli {
 
 #[derive(clap::Args)]
 struct Run {
-    /// Experiment files to run; or recordings, which are one experiment, as `new` would write it.
+    /// Experiment files to run, or recordings, which are run as one experiment with the settings that `new` writes.
     #[arg(value_name = "FILE.toml | RECORDING")]
     files: Vec<PathBuf>,
-    /// Of recordings: write the experiment file that is run.
+    /// With recordings: write the experiment file that is run.
     #[arg(short, long, value_name = "FILE.toml")]
     output: Option<PathBuf>,
     /// Folder that receives one result folder per experiment.
@@ -44,7 +44,7 @@ struct Run {
     /// Print nothing but errors.
     #[arg(long)]
     quiet: bool,
-    /// Keep the finished cells of an interrupted grid.
+    /// Resume an interrupted grid: keep its finished cells.
     #[arg(long)]
     resume: bool,
     /// Run only part I of N of the combinations of a grid; `experiment merge` joins the parts.
@@ -54,18 +54,19 @@ struct Run {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Run experiment files or recordings; the word may be left out.
+    /// Run experiment files or recordings (the default command).
     Run(Run),
-    /// Look at recordings and write a ready, commented experiment file.
+    /// Detect columns and units of recordings, and write a commented experiment file.
     New {
-        /// Recordings (CSV, Parquet, WPILOG, MCAP, MAT, SysId); the last of several becomes the validation recording.
+        /// Recordings (CSV, Parquet, WPILOG, MCAP, MAT, SysId). Of each kind of movement that was recorded twice or more, every
+        /// third is kept for validation.
         #[arg(required = true, value_name = "RECORDING")]
         recordings: Vec<PathBuf>,
         /// The file to write; the name of the first recording unless given.
         #[arg(short, long, value_name = "FILE.toml")]
         output: Option<PathBuf>,
     },
-    /// Add a physical effect to a file's model, run it, show the error before and after.
+    /// Add a physical effect to the model of a file, run it, and print the error before and after.
     Add {
         /// Id of the effect; `experiment effects` lists them.
         effect: String,
@@ -76,7 +77,7 @@ enum Command {
         #[arg(long, default_value = "reports", value_name = "DIR")]
         out: PathBuf,
     },
-    /// Write the results of the last run for other programs.
+    /// Export the results of the last run to other formats.
     Export {
         /// The experiment file.
         #[arg(value_name = "FILE.toml")]
@@ -107,7 +108,7 @@ enum Command {
         #[arg(long)]
         quiet: bool,
     },
-    /// Check files and recordings without fitting; say what would be done.
+    /// Check files and recordings without fitting, and show the settings.
     Check {
         /// Experiment files.
         #[arg(required = true, value_name = "FILE.toml")]
@@ -116,12 +117,12 @@ enum Command {
         #[arg(long, value_name = "KEY=VALUE")]
         set: Vec<String>,
     },
-    /// The catalogue of physical effects, or one of them in full.
+    /// List the physical effects, or describe one of them.
     Effects {
         /// Id of an effect.
         effect: Option<String>,
     },
-    /// The identification methods, or one of them in full.
+    /// List the identification methods, or describe one of them.
     Methods {
         /// Name of a method.
         method: Option<String>,
@@ -132,7 +133,7 @@ enum Command {
     Man,
     /// Write a completion script for a shell to standard output.
     Completions {
-        /// Whose syntax it has.
+        /// Shell for which the script is written.
         shell: clap_complete::Shell,
     },
 }
@@ -203,7 +204,7 @@ fn silence_the_parquet_reader() {
 }
 
 fn print(text: &str) -> ExitCode {
-    // a closed pipe (| head) is no error of ours
+    // a closed pipe (| head) is no error
     let _ = std::io::Write::write_all(&mut std::io::stdout(), printable(text).as_bytes());
     ExitCode::SUCCESS
 }
@@ -349,11 +350,11 @@ fn execute(plans: Vec<Plan>, run: &Run, options: &RunOptions) -> ExitCode {
     ExitCode::from(if failed > 0 { FAILED } else { 0 })
 }
 
-/// What Ctrl-C leaves, said before: the program then ends at once. Files have their names only when they are whole.
+/// Announces what an interruption by Ctrl-C keeps: files get their names only when they are complete.
 fn kept_on_interrupt(is_grid: bool, out: &Path) {
     let again = "experiments; run the files of the others again";
     let kept = if is_grid { "combinations; the same command runs the others" } else { again };
-    eprintln!("Ctrl-C keeps, in {}, finished {kept}", printable(&out.display().to_string()));
+    eprintln!("Ctrl-C keeps, in {}, the finished {kept}", printable(&out.display().to_string()));
 }
 
 /// A word in place of the first file that is no file, but nearly a command.
@@ -365,7 +366,7 @@ fn misspelt(files: &[PathBuf]) -> Option<String> {
     let near = nearest(word, commands.iter().map(String::as_str));
     let hint = near.map_or(String::new(), |n| format!("; did you mean `experiment {n}`?"));
     Some(format!(
-        "`{word}` is no command and no file{hint} (`experiment --help` lists the commands)"
+        "`{word}` is neither a command nor a file{hint} (`experiment --help` lists the commands)"
     ))
 }
 

@@ -27,16 +27,6 @@ impl Acting {
         }
     }
 
-    /// In words, behind the variable that it depends on.
-    #[must_use]
-    pub const fn words(self) -> &'static str {
-        match self {
-            Self::Torque => "",
-            Self::Resistance => ", as a resistance to the motion",
-            Self::Gain => ", as a share of the input",
-        }
-    }
-
     /// What the torque on a wheel of this speed [rad/s] and input [N m] is proportional to.
     pub(super) fn per(self, omega: f64, input: f64) -> f64 {
         match self {

@@ -29,10 +29,10 @@ pub fn filtered(r: &Recording, cutoff: f64, signal: &[[f64; 2]]) -> Vec<[f64; 2]
 /// Signals that pass the filter together: what each value waits for is its own past.
 const TOGETHER: usize = 4;
 
-/// Room for signals on their way through the filter, to be used again: it is so large that the system takes it
+/// Memory for signals on their way through the filter, to be used again: it is so large that the system takes it
 /// back and clears it at every turn.
 #[derive(Default)]
-pub struct FilterRoom {
+pub struct FilterBuffer {
     four: Vec<SVector<f64, 4>>,
     eight: Vec<SVector<f64, 8>>,
 }
@@ -42,14 +42,14 @@ pub fn filter_together(
     r: &Recording,
     cutoff: f64,
     signals: &mut [Vec<[f64; 2]>],
-    room: &mut FilterRoom,
+    buffer: &mut FilterBuffer,
 ) {
     let finite = signals.iter().flatten().flatten().all(|v| v.is_finite());
     for some in signals.chunks_mut(TOGETHER) {
         match some {
             _ if !finite => some.iter_mut().for_each(|s| *s = filtered(r, cutoff, s)),
-            [_] | [_, _] => filter_some(r, cutoff, some, &mut room.four),
-            _ => filter_some(r, cutoff, some, &mut room.eight),
+            [_] | [_, _] => filter_some(r, cutoff, some, &mut buffer.four),
+            _ => filter_some(r, cutoff, some, &mut buffer.eight),
         }
     }
 }
@@ -113,11 +113,11 @@ mod together {
         let channels =
             Channels { alpha: None, omega: Some(wave(1.0)), torque: wave(2.0), t: t.clone() };
         let r = Recording::new("waves", channels, DriveUnit::NewtonMetre).unwrap();
-        let mut room = FilterRoom::default();
+        let mut buffer = FilterBuffer::default();
         for count in 1..=7 {
             let signals: Vec<_> = (0..count).map(|n| wave(2.0 + f64::from(n))).collect();
             let mut together = signals.clone();
-            filter_together(&r, 8.0, &mut together, &mut room);
+            filter_together(&r, 8.0, &mut together, &mut buffer);
             for (signal, found) in signals.iter().zip(&together) {
                 assert_eq!(*found, filtered(&r, 8.0, signal));
             }

@@ -21,7 +21,7 @@ pub(crate) use error::{WINDOW, start_of};
 pub use floor::{Floor, WindowFloor, between_rows, noise_floor, pooled_floor, unresolved};
 pub use horizon::{Horizon, fit_percent, horizons};
 pub use input_noise::noisier_input;
-pub use low_pass::{FilterRoom, filter_together, filtered, smooth_motion};
+pub use low_pass::{FilterBuffer, filter_together, filtered, smooth_motion};
 pub use mean::{Mean, clustered_mean};
 pub(crate) use regime::{AT_FLOOR, REGIME_RATE};
 pub use regime::{Failure, failures};

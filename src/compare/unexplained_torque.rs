@@ -58,25 +58,6 @@ impl Variable {
         Self::Input2,
     ];
 
-    /// In words, for sentences.
-    #[must_use]
-    pub fn words(self) -> &'static str {
-        match self {
-            Self::Omega1 => "speed of wheel 1",
-            Self::Omega2 => "speed of wheel 2",
-            Self::Acceleration1 => "acceleration of wheel 1",
-            Self::Acceleration2 => "acceleration of wheel 2",
-            Self::ForwardSpeed => "forward speed",
-            Self::TurnRate => "turn rate",
-            Self::Heading => "heading",
-            Self::Alpha1 => "angle of wheel 1",
-            Self::Alpha2 => "angle of wheel 2",
-            Self::Time => "time",
-            Self::Input1 => "input of wheel 1",
-            Self::Input2 => "input of wheel 2",
-        }
-    }
-
     /// Whether it is an acceleration.
     #[must_use]
     pub(super) const fn is_acceleration(self) -> bool {

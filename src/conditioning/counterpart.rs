@@ -221,7 +221,10 @@ mod tests {
             let done = changed(|c| {
                 c.omega.iter_mut().flatten().for_each(|v| *v = v.map(|x| x * factor));
             });
-            crate::conditioning::sentences(&done.findings).join("\n")
+            crate::conditioning::stated(&done.findings)
+                .iter()
+                .map(ToString::to_string)
+                .collect::<String>()
         };
         assert!(
             said(30.0).contains("write scale = 0.0333 in dalpha1 and dalpha2"),

@@ -1,12 +1,9 @@
-//! What conditioning found: typed, with the words made in one place.
+//! What conditioning found, typed.
 
 mod kind;
 mod stated;
-mod words;
 
-use serde_json::{Value, json};
-
-pub use self::stated::{Stated, sentences, stated};
+pub use self::stated::{Stated, stated};
 
 /// Names of the wheels.
 pub(super) const WHEELS: [&str; 2] = ["right", "left"];
@@ -284,16 +281,6 @@ impl Finding {
         Self { channel, kind, action }
     }
 
-    /// As in `results.json`: `{ channel, finding, action, value, unit }`.
-    #[must_use]
-    pub fn json(&self) -> Value {
-        let (finding, value, unit) = self.kind.parts();
-        json!({
-            "channel": self.channel.name(), "finding": finding, "action": self.action.name(),
-            "value": value, "unit": unit, "words": self.to_string(),
-        })
-    }
-
     /// Whether the channels are no longer those of the file, or should not be used as they are.
     #[must_use]
     pub fn is_remarkable(&self) -> bool {
@@ -303,7 +290,7 @@ impl Finding {
 
 impl Kind {
     /// Name, value and unit in `results.json`.
-    fn parts(&self) -> (&'static str, f64, &'static str) {
+    pub(crate) fn parts(&self) -> (&'static str, f64, &'static str) {
         match *self {
             Self::MissingValues { rows, .. } => ("missing_values", rows as f64, "rows"),
             Self::SparseColumn { share } => ("sparse_column", share, "1"),
@@ -339,11 +326,5 @@ impl Kind {
             Self::Refresh { period_s } => ("refresh", period_s, "s"),
             Self::Quantum { step } => ("quantum", step, "SI"),
         }
-    }
-}
-
-impl std::fmt::Display for Finding {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        Stated::of(self).fmt(f)
     }
 }

@@ -36,7 +36,7 @@ mod wheels;
 
 pub use counts::{Encoder, Encoders, common_encoders};
 pub use error::ConditioningError;
-pub use finding::{Action, Channel, Finding, Kind, Stated, sentences, stated};
+pub use finding::{Action, Channel, Finding, Kind, Stated, stated};
 pub use settings::Settings;
 pub use speeds::{Lag, common_lag};
 

@@ -6,17 +6,17 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Settings {
-    /// Rows without a value, with a repeated or an earlier time are left out; a clock that was
-    /// restarted goes on behind a gap; times that scatter are made even, and recordings whose rows
-    /// stand at different phases of the controller's are brought to one.
+    /// Rows without a value, with a repeated or an earlier time are left out; after a restart of the clock
+    /// the rows continue behind a gap; scattered times are made even; recordings whose rows are at different
+    /// phases of the controller cycle are shifted to one phase.
     pub rows: bool,
-    /// Angles that wrap, or whose counter was reset, go on.
+    /// Angles that wrap, or whose counter was reset, are made continuous.
     pub unwrap: bool,
-    /// Isolated wrong samples are replaced by the line between their neighbours.
+    /// Isolated wrong samples are replaced by linear interpolation.
     pub spikes: bool,
     /// Speeds in another unit than the angles, by a known factor, are converted.
     pub units: bool,
-    /// A speed or an angle of the opposite sign is turned, and an input that acts against the motion.
+    /// The sign of a speed or angle that contradicts its counterpart, or of an input that acts against the motion, is reversed.
     pub signs: bool,
     /// Columns that belong to the other wheel are exchanged.
     pub exchanged: bool,

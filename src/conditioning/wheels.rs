@@ -7,7 +7,7 @@
 //! M = c1 dw/dt + c2 sgn(w) + c3 w
 //! ```
 //! or it acts against the acceleration (c1 five standard errors below zero) and takes energy out, which
-//! friction and inertia cannot give back.
+//! friction and inertia cannot return.
 
 use super::finding::{Channel, Finding, Kind};
 use super::input::speeds;

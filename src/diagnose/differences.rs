@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::fit::{WindowFit, fit};
 use super::input_timing::SYMBOL;
 use super::scale::scale_of;
-use super::windows::{Windows, mobility};
+use super::windows::Windows;
 use crate::math::distribution::t_survival;
 use crate::recording::Recording;
 use crate::simulate::Hold;
@@ -43,8 +43,7 @@ pub fn difference(common: &WindowFit, recordings: &[&Recording], hold: Hold) -> 
         return None;
     }
     let own = |recording: &&Recording| {
-        let windows = Windows::new(vec![*recording], hold, mobility(&common.model, &common.p));
-        let windows = windows.sampled(&common.model, &common.p);
+        let windows = Windows::weighted(vec![*recording], hold, &common.model, &common.p);
         let scale = scale_of(&common.model, &common.p, &[*recording]);
         let found = fit(&windows, &common.model, &common.p, &scale)?;
         Some((found, windows.windows.len()))

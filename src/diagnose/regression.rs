@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::by_recording::{ByRecording, ratio};
 use super::candidate::{Candidate, still_instant};
 use super::input_timing::shifted;
-use crate::compare::{FilterRoom, REST, WIDTH, filter_together, filtered, smooth_motion};
+use crate::compare::{FilterBuffer, REST, WIDTH, filter_together, filtered, smooth_motion};
 use crate::effects::{Motion, along};
 use crate::math::{FILLED, Real, add_products, least_squares, nonnegative};
 use crate::model::{Linearisation, Model};
@@ -76,11 +76,11 @@ pub struct Regression<'a> {
     pub degrees: f64,
 }
 
-/// Room for the columns of a candidate, to be used again for the next one.
+/// Memory for the columns of a candidate, to be used again for the next one.
 #[derive(Default)]
-pub struct ColumnRoom {
+pub struct ColumnBuffer {
     signals: Vec<Vec<[f64; 2]>>,
-    filter: FilterRoom,
+    filter: FilterBuffer,
     rows: Vec<f64>,
 }
 
@@ -177,7 +177,7 @@ impl<'a> Regression<'a> {
                     signals[n][k] = [0, 1].map(|i| work.by_parameter[j][i] - by[i]);
                 }
             }
-            filter_together(r, self.smoothed.cutoff, &mut signals, &mut FilterRoom::default());
+            filter_together(r, self.smoothed.cutoff, &mut signals, &mut FilterBuffer::default());
             for (row, k, i) in self.rows_of(smooth) {
                 (0..free.len()).for_each(|n| columns[(row, n)] = signals[n][k][i]);
                 residual[row] = signals[free.len()][k][i];
@@ -239,10 +239,10 @@ impl<'a> Regression<'a> {
     /// LR = n ln(RSS0/RSS1),   n = 2 fc T
     /// ```
     #[must_use]
-    pub fn ratio(&self, candidate: &Candidate, room: &mut ColumnRoom) -> (f64, Vec<f64>) {
+    pub fn ratio(&self, candidate: &Candidate, buffer: &mut ColumnBuffer) -> (f64, Vec<f64>) {
         let (count, base) = (candidate.columns(), self.basis.ncols());
         let none = (0.0, vec![0.0; count]);
-        let Products { among, beside } = self.products(candidate, room);
+        let Products { among, beside } = self.products(candidate, buffer);
         let before = beside.columns(0, base);
         // of an orthonormal basis the products of what it leaves are the differences of those
         let h = &among - before * before.transpose();
@@ -266,7 +266,7 @@ impl<'a> Regression<'a> {
         let base = self.base.ncols();
         let mut all = DMatrix::zeros(rows, base + count);
         all.columns_mut(0, base).copy_from(&self.base);
-        self.each_recording(candidate, &mut ColumnRoom::default(), |numbers, width, rows| {
+        self.each_recording(candidate, &mut ColumnBuffer::default(), |numbers, width, rows| {
             for (number, row) in numbers.zip(rows.chunks_exact(width)) {
                 (0..count).for_each(|n| all[(number, base + n)] = -row[n]);
             }
@@ -279,24 +279,28 @@ impl<'a> Regression<'a> {
     }
 
     /// The products of a candidate's columns over all rows.
-    fn products(&self, candidate: &Candidate, room: &mut ColumnRoom) -> Products {
+    fn products(&self, candidate: &Candidate, buffer: &mut ColumnBuffer) -> Products {
         let (count, base) = (candidate.columns(), self.basis.ncols());
         let none = Products {
             among: DMatrix::zeros(count, count),
             beside: DMatrix::zeros(count, base + 1),
         };
-        self.products_by_recording(candidate, room).into_iter().fold(none, |sum, one| Products {
+        self.products_by_recording(candidate, buffer).into_iter().fold(none, |sum, one| Products {
             among: sum.among + one.among,
             beside: sum.beside + one.beside,
         })
     }
 
     /// The same over the rows of each recording.
-    fn products_by_recording(&self, candidate: &Candidate, room: &mut ColumnRoom) -> Vec<Products> {
+    fn products_by_recording(
+        &self,
+        candidate: &Candidate,
+        buffer: &mut ColumnBuffer,
+    ) -> Vec<Products> {
         let (count, base, beside) = (candidate.columns(), self.basis.ncols(), self.width);
         let own = own_width(count);
         let mut out = Vec::with_capacity(self.smoothed.recordings.len());
-        self.each_recording(candidate, room, |numbers, width, rows| {
+        self.each_recording(candidate, buffer, |numbers, width, rows| {
             let (mut by_own, mut by_beside) = (vec![0.0; count * own], vec![0.0; count * beside]);
             let others = &self.beside[numbers.start * beside..numbers.end * beside];
             add_products((rows, width), (others, beside), &mut by_beside);
@@ -314,12 +318,12 @@ impl<'a> Regression<'a> {
     fn each_recording(
         &self,
         candidate: &Candidate,
-        room: &mut ColumnRoom,
+        buffer: &mut ColumnBuffer,
         mut see: impl FnMut(Range<usize>, usize, &[f64]),
     ) {
         let count = candidate.columns();
         let width = own_width(count);
-        let ColumnRoom { signals, filter, rows } = room;
+        let ColumnBuffer { signals, filter, rows } = buffer;
         signals.resize_with(count.max(signals.len()), Vec::new);
         let signals = &mut signals[..count];
         for smooth in self.smoothed.recordings.iter() {
@@ -341,8 +345,12 @@ impl<'a> Regression<'a> {
     }
 
     /// What the low-passed torques of each recording say of a candidate's columns.
-    pub(super) fn by_recording(&self, candidate: &Candidate, room: &mut ColumnRoom) -> ByRecording {
-        let each = self.products_by_recording(candidate, room);
+    pub(super) fn by_recording(
+        &self,
+        candidate: &Candidate,
+        buffer: &mut ColumnBuffer,
+    ) -> ByRecording {
+        let each = self.products_by_recording(candidate, buffer);
         let count = candidate.columns();
         let base = each.first().map_or(0, |products| products.beside.ncols() - 1);
         let size = each.len() * count;

@@ -18,12 +18,12 @@ use super::fit::{WindowFit, fit};
 use super::input_timing::{InputTiming, SYMBOL};
 use super::judge::Judge;
 use super::outcome::{Diagnosis, Ranked, Step};
-use super::regression::{ColumnRoom, Regression, Smoothed};
+use super::regression::{ColumnBuffer, Regression, Smoothed};
 use super::scale::scale_of;
 use super::screen::Screen;
 use super::thresholds::THRESHOLDS;
 use super::timing::EARLIEST;
-use super::windows::{Windows, mobility};
+use super::windows::Windows;
 use crate::effects::{Change, Effect, Scale};
 use crate::identify::IdentifyError;
 use crate::math::median_high;
@@ -44,7 +44,7 @@ pub struct Settings {
     pub own: Vec<Arc<dyn Effect>>,
     /// Largest probability that an effect is named where none is missing.
     pub false_alarm: f64,
-    /// Most effects that are added.
+    /// Largest number of effects that are added.
     pub max_effects: usize,
     /// Called as candidates are fitted.
     pub progress: Option<Progress>,
@@ -130,13 +130,12 @@ impl<'a> Search<'a> {
     ) -> Result<Self, IdentifyError> {
         let train: Vec<&Recording> = data.train.iter().collect();
         let start = starts.first().cloned().unwrap_or_else(|| model.initial());
-        let mobility = mobility(model, &start);
         let scale = scale_of(model, &start, &train);
         let smoothed = Smoothed::new(&train, scale.bandwidth);
-        let windows = Windows::new(train, data.hold, mobility).sampled(model, &start);
+        let windows = Windows::weighted(train, data.hold, model, &start);
         let validation: Vec<&Recording> = data.validation.iter().collect();
         let held = (!validation.is_empty())
-            .then(|| Windows::new(validation, data.hold, mobility).sampled(model, &start));
+            .then(|| Windows::weighted(validation, data.hold, model, &start));
         let judged = if data.validation.is_empty() { data.train } else { data.validation };
         let judge = Judge::new(judged.to_vec(), data.hold);
         let corrected = data.corrected_s;
@@ -245,10 +244,10 @@ impl<'a> Search<'a> {
         );
         let mut looked: Vec<Ranked> = all
             .into_par_iter()
-            .map_init(ColumnRoom::default, |room, candidate| {
+            .map_init(ColumnBuffer::default, |buffer, candidate| {
                 let (regression, screen) = &looks[usize::from(candidate.is_shift())];
                 let (by_regression, first) =
-                    regression.as_ref().map_or((0.0, vec![]), |r| r.ratio(&candidate, room));
+                    regression.as_ref().map_or((0.0, vec![]), |r| r.ratio(&candidate, buffer));
                 let (by_windows, second) =
                     screen.as_ref().map_or((0.0, vec![]), |s| s.ratio(&candidate));
                 let estimate = if by_windows > 0.0 { second } else { first };

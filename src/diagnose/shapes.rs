@@ -9,7 +9,7 @@ use super::input_timing::InputTiming;
 use super::scale::scale_of;
 use super::thresholds::THRESHOLDS;
 use super::timing::EARLIEST;
-use super::windows::{Windows, mobility};
+use super::windows::Windows;
 use crate::effects::{ParameterKind, Scale};
 use crate::identify::{Task, start};
 use crate::model::Model;
@@ -34,7 +34,7 @@ pub fn shapes_placed(model: &Model, train: &[Recording], hold: Hold) -> Model {
     };
     let recordings: Vec<&Recording> = train.iter().collect();
     let scale = scale_of(model, &p, &recordings);
-    let windows = Windows::new(recordings, hold, mobility(model, &p));
+    let windows = Windows::new(recordings, hold, model, &p);
     let every = windows.windows.len().div_ceil(MOST).max(1);
     let place = Place { windows: windows.only(|n| n % every == 0), train, hold, scale };
     open.into_iter().fold(model.clone(), |model, e| place.effect(model, e))

@@ -56,7 +56,7 @@ fn the_gradient_of_the_windows_is_that_of_their_cost() {
     for ids in [vec!["viscous_friction", "actuator_lag"], vec!["compliance"]] {
         let model = Model::with_effects(Robot::amigobot(), &ids).unwrap();
         let mut p = model.initial();
-        let windows = Windows::new(vec![&recording], Hold::Linear, mobility(&model, &p));
+        let windows = Windows::new(vec![&recording], Hold::Linear, &model, &p);
         p[0] *= 1.02;
         let free = model.free();
         let found = windows.quadratic(&model, &p, &free).unwrap();
@@ -86,7 +86,7 @@ fn a_fit_by_windows_is_at_the_true_values_within_its_errors() {
     let model = Model::base(Robot::amigobot());
     let all: Vec<&Recording> = recordings.iter().collect();
     let first = started(&model, &recordings);
-    let windows = Windows::new(all.clone(), Hold::Linear, mobility(&model, &first));
+    let windows = Windows::new(all.clone(), Hold::Linear, &model, &first);
     let fit = fit(&windows, &model, &first, &scale(&model, &first, &all)).unwrap();
     for (j, truth) in model.initial().iter().enumerate() {
         let error = fit.covariance[(j, j)].sqrt();
@@ -107,8 +107,8 @@ fn the_regression_finds_the_coefficient_and_the_timing_of_the_input() {
     let regression = Regression::new(&model, &first, &smoothed, scale.speed).unwrap();
     let named = ["viscous_friction".to_string()];
     let found = candidates(&model, &first, &named, &[], &all, &scale);
-    let (ratio, estimate) = regression.ratio(&found[0], &mut ColumnRoom::default());
-    // an effect of eight tenths of the friction at top speed is beyond doubt
+    let (ratio, estimate) = regression.ratio(&found[0], &mut ColumnBuffer::default());
+    // an effect of eight tenths of the friction at top speed is certain
     assert!(ratio > 50.0 && (estimate[0] - b).abs() < 0.1 * b, "{ratio} {estimate:?}");
 }
 
@@ -149,7 +149,7 @@ fn windows_that_hang_on_one_row_of_the_input_weigh_less() {
         torque: torque.clone(),
     };
     let recording = Recording::new("hangs", c, DriveUnit::NewtonMetre).unwrap();
-    let plain = Windows::new(vec![&recording], Hold::Linear, mobility(&model, &p));
+    let plain = Windows::new(vec![&recording], Hold::Linear, &model, &p);
     let sampled = plain.clone().sampled(&model, &p);
     assert_eq!(sampled.windows.len(), 2);
     let share = |n: usize| {
@@ -168,7 +168,7 @@ fn the_first_order_gain_of_a_small_torque_is_that_of_its_fit() {
     let all: Vec<&Recording> = recordings[..1].iter().collect();
     let first = started(&model, &recordings[..1]);
     let scale = scale(&model, &first, &all);
-    let windows = Windows::new(all.clone(), Hold::Linear, mobility(&model, &first));
+    let windows = Windows::new(all.clone(), Hold::Linear, &model, &first);
     let base = fit(&windows, &model, &first, &scale).unwrap();
     let screen = Screen::new(&model, &base.p, &windows, 1000.0).unwrap();
     let named = ["viscous_friction".to_string()];
@@ -224,7 +224,7 @@ fn both_folds_have_windows_where_the_logger_paused_for_more_than_a_third_of_the_
     let paused = Recording::new("paused", channels, DriveUnit::NewtonMetre).unwrap();
     let model = Model::base(Robot::amigobot());
     let p = model.initial();
-    let windows = Windows::new(vec![&paused], Hold::Linear, mobility(&model, &p));
+    let windows = Windows::new(vec![&paused], Hold::Linear, &model, &p);
     for fold in 0..2 {
         let part = windows.only(|n| windows.fold(n) == fold);
         assert!(part.windows.len() > 3, "{}", part.windows.len());

@@ -11,7 +11,7 @@ use super::input_timing::{InputTiming, SYMBOL};
 use super::regression::{Regression, Smoothed};
 use super::scale::scale_of;
 use super::thresholds::THRESHOLDS;
-use super::windows::{Windows, mobility};
+use super::windows::Windows;
 use crate::effects::Scale;
 use crate::model::Model;
 use crate::recording::Recording;
@@ -184,7 +184,7 @@ pub(super) fn over_windows<'a>(
     recordings: &[&'a Recording],
     hold: Hold,
 ) -> Windows<'a> {
-    let all = Windows::new(recordings.to_vec(), hold, mobility(model, p));
+    let all = Windows::new(recordings.to_vec(), hold, model, p);
     let every = all.windows.len().div_ceil(WINDOWS).max(1);
     all.only(|n| n % every == 0).sampled(model, p)
 }

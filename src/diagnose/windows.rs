@@ -47,10 +47,11 @@ pub struct Windows<'a> {
 }
 
 impl<'a> Windows<'a> {
-    /// Cuts `recordings` into windows of about 1 s. `mobility` is the acceleration that a torque of one
-    /// gives a wheel [1/(kg m²)]: how noise of the recorded input spreads into the simulated speed.
+    /// Cuts `recordings` into windows of about 1 s. The [`mobility`] of `model` at `p` decides how noise of the
+    /// recorded input spreads into the simulated speed.
     #[must_use]
-    pub fn new(recordings: Vec<&'a Recording>, hold: Hold, mobility: f64) -> Self {
+    pub fn new(recordings: Vec<&'a Recording>, hold: Hold, model: &Model, p: &[f64]) -> Self {
+        let mobility = mobility(model, p);
         let mut windows = Vec::new();
         for (r, recording) in recordings.iter().enumerate() {
             for piece in recording.pieces() {
@@ -74,6 +75,12 @@ impl<'a> Windows<'a> {
             })
             .unzip();
         Self { recordings, windows, hold, noise, growth }
+    }
+
+    /// [`Windows::new`] with the weights of [`Windows::sampled`], both of `model` at `p`.
+    #[must_use]
+    pub fn weighted(recordings: Vec<&'a Recording>, hold: Hold, model: &Model, p: &[f64]) -> Self {
+        Self::new(recordings, hold, model, p).sampled(model, p)
     }
 
     /// The same windows, in whose weights stands what else than noise `model` at `p` leaves. What the input between

@@ -1,4 +1,4 @@
-//! The input cannot give more than a certain torque.
+//! The torque of the motor is limited.
 
 use super::{Description, Energy, ParameterSpec, Physics, Scale};
 use crate::math::Real;

@@ -1,7 +1,7 @@
 //! What is settled from the training recordings before any method sees them: where shapes start, and when the
 //! recorded input acts.
 
-use super::plan::{Measured, Plan};
+use super::plan::{MeasuredRecording, Plan};
 use crate::conditioning::{Action, Channel, Finding, Kind, Settings};
 use crate::diagnose::{
     SpeedFilter, StartAngle, advanced, held_input, phases, shapes_placed, speed_filter,
@@ -82,7 +82,7 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
     plan.recordings.iter_mut().for_each(|m| m.recording.set_noise_of_jumps(share));
     count_noise_at_rest(plan);
     if let Some(timing) = plan.timing.filter(|t| t.correction_s != 0.0) {
-        for Measured { recording, .. } in &mut plan.recordings {
+        for MeasuredRecording { recording, .. } in &mut plan.recordings {
             *recording = with_later_input(recording, timing.correction_s);
         }
     }
@@ -176,7 +176,7 @@ fn unfiltered(plan: &mut Plan, start: &[f64], share: f64, correct: bool) -> Opti
 /// Moves the inputs of recordings that stand at different phases of the controller's rows to the mean of them, and says
 /// so.
 fn in_phase(plan: &mut Plan, start: &[f64], share: f64) {
-    let train = |m: &Measured| m.role == Role::Train;
+    let train = |m: &MeasuredRecording| m.role == Role::Train;
     let places: (Vec<usize>, Vec<usize>) =
         (0..plan.recordings.len()).partition(|&n| train(&plan.recordings[n]));
     let order: Vec<usize> = [&places.0[..], &places.1[..]].concat();

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::align::{self, Asked};
 use super::custom::{Own, add};
 use super::error::{ExperimentError, Meaning, words};
-use super::plan::{Measured, Plan, PlanOptions};
+use super::plan::{MeasuredRecording, Plan, PlanOptions};
 use super::remark::Remark;
 use super::robot_table::has_no_track;
 use crate::effects;
@@ -41,7 +41,7 @@ impl Plan {
     pub fn new(
         name: &str,
         model: Model,
-        recordings: Vec<Measured>,
+        recordings: Vec<MeasuredRecording>,
         options: PlanOptions,
     ) -> Result<Self, ExperimentError> {
         let own = own_effects(&model, &options);
@@ -57,7 +57,11 @@ fn own_effects(model: &Model, options: &PlanOptions) -> Vec<Own> {
     all.filter(|effect| effects::find(&effect.id()).is_none()).cloned().collect()
 }
 
-fn check(recordings: &[Measured], options: &PlanOptions, own: &[Own]) -> Result<(), Meaning> {
+fn check(
+    recordings: &[MeasuredRecording],
+    options: &PlanOptions,
+    own: &[Own],
+) -> Result<(), Meaning> {
     if !recordings.iter().any(|m| m.role == Role::Train) {
         return Err(words("no recording is there to train on".into()));
     }
@@ -101,7 +105,7 @@ pub(super) fn candidates_are_known(ids: &[String], own: &[Own]) -> Result<(), Me
 pub(super) fn assembled(
     name: &str,
     model: Model,
-    recordings: Vec<Measured>,
+    recordings: Vec<MeasuredRecording>,
     options: PlanOptions,
 ) -> Plan {
     let PlanOptions { title, methods, diagnosis, hold, gain, conditioning, robot_is_built, seed } =
@@ -153,14 +157,14 @@ mod tests {
     use crate::recording::DriveUnit;
     use crate::simulate::Hold;
 
-    fn recordings(train: &[&str], validation: &[&str]) -> Vec<Measured> {
+    fn recordings(train: &[&str], validation: &[&str]) -> Vec<MeasuredRecording> {
         let reading = Reading::new(Robot::amigobot(), DriveUnit::NewtonMetre);
         let file = |name: &&str| format!("recordings/simulated_3d/slope/{name}.csv");
         let of = |names: &[&str]| names.iter().map(file).collect::<Vec<_>>();
         reading.files(&of(train), &of(validation)).unwrap()
     }
 
-    fn refused(recordings: Vec<Measured>, options: PlanOptions) -> String {
+    fn refused(recordings: Vec<MeasuredRecording>, options: PlanOptions) -> String {
         let model = Model::base(Robot::amigobot());
         Plan::new("mine", model, recordings, options).err().expect("it is refused").to_string()
     }

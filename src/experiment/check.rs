@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::error::ExperimentError;
 use super::execute::load;
-use super::plan::{DiagnosisPlan, Measured, Plan};
+use super::plan::{DiagnosisPlan, MeasuredRecording, Plan};
 use crate::conditioning::{Stated, stated};
 use crate::recording::{Finding, Issue, StatedIssue};
 use crate::robot::Robot;
@@ -49,7 +49,7 @@ pub fn check(file: &Path, set: &[String]) -> Result<String, ExperimentError> {
     Ok(out)
 }
 
-fn recording(measured: &Measured, out: &mut String) {
+fn recording(measured: &MeasuredRecording, out: &mut String) {
     let r = &measured.recording;
     let _ = writeln!(
         out,
@@ -94,7 +94,7 @@ fn conditioning(plan: &Plan, out: &mut String) {
 }
 
 /// What the quality check notes; between the windows of a long recording nothing is missing.
-fn notes(measured: &Measured, robot: &Robot) -> Vec<StatedIssue> {
+fn notes(measured: &MeasuredRecording, robot: &Robot) -> Vec<StatedIssue> {
     let between = |f: &Finding| measured.long.is_some() && matches!(f.issue, Issue::Gaps(..));
     let notes = super::quality::notes(&measured.recording, robot).into_iter();
     notes.filter(|note| !between(note)).map(|note| note.issue.stated()).collect()

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::error::RunError;
 use super::fits::MethodFit;
-use super::plan::{Measured, MethodPlan, Plan};
+use super::plan::{MeasuredRecording, MethodPlan, Plan};
 use crate::compare::{Floor, angle_rms, ise, noise_floor, simulate_recording, window_rms};
 use crate::identify::{Fit, IdentifyError};
 use crate::recording::Recording;
@@ -50,7 +50,7 @@ impl Comparison {
     /// # Errors
     /// A model that cannot move.
     pub(super) fn under(self, plan: &Plan, model: &PhysicalDynamics) -> Result<Self, RunError> {
-        let under = |m: &Measured| noise_floor(model, &m.recording, plan.hold, plan.seed);
+        let under = |m: &MeasuredRecording| noise_floor(model, &m.recording, plan.hold, plan.seed);
         let floors: Vec<Floor> = plan.recordings.par_iter().map(under).collect::<Result<_, _>>()?;
         let with = |(r, floor): (RecordingStudy, Floor)| RecordingStudy { floor, ..r };
         let recordings = self.recordings.into_iter().zip(floors).map(with).collect();
@@ -98,7 +98,7 @@ fn reference(fits: &[MethodFit]) -> Option<(usize, &Fit)> {
 
 fn describe(
     plan: &Plan,
-    measured: &Measured,
+    measured: &MeasuredRecording,
     dynamics: &dyn Dynamics,
 ) -> Result<RecordingStudy, SimulateError> {
     let r = &measured.recording;
@@ -145,7 +145,7 @@ fn method_study(
         Err(reason) => return Ok(MethodStudy { failure: Some(reason.clone()), ..nothing }),
     };
     let fuzzy = fit.dynamics.fuzzy();
-    let on = |m: &Measured| performance(plan, &*fit.dynamics, &m.recording);
+    let on = |m: &MeasuredRecording| performance(plan, &*fit.dynamics, &m.recording);
     Ok(MethodStudy {
         status: Some(fit.status),
         work: fit.work,

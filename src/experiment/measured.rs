@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 use super::error::words;
 use super::error::{ExperimentError, Meaning};
 use super::file::RecordingsEntry;
-use super::plan::Measured;
+use super::plan::MeasuredRecording;
 use super::robot_table::UNKNOWN;
 use crate::conditioning::{
     Action, Channel, Context, Encoders, Finding, Kind, Lag, Settings, common_encoders, common_lag,
@@ -26,7 +26,7 @@ pub(super) fn read(
     entry: &RecordingsEntry,
     settings: &Settings,
     robot: &Robot,
-) -> Result<Vec<Measured>, Meaning> {
+) -> Result<Vec<MeasuredRecording>, Meaning> {
     if entry.hold_rows < 1000 {
         let found = entry.hold_rows;
         return Err(words(format!("recordings.hold_rows = {found} must be 1000 or more")));
@@ -54,7 +54,7 @@ pub(super) fn read(
 }
 
 /// What was found in each recording that is held whole.
-fn findings_of(measured: &[Measured]) -> impl Iterator<Item = &[Finding]> {
+fn findings_of(measured: &[MeasuredRecording]) -> impl Iterator<Item = &[Finding]> {
     measured.iter().filter(|m| m.long.is_none()).map(|m| m.conditioning.as_slice())
 }
 
@@ -106,7 +106,7 @@ impl Reading {
     ///
     /// # Errors
     /// What is wrong with the file or its values, with the place.
-    pub fn file(&self, role: Role, file: &Path) -> Result<Measured, ExperimentError> {
+    pub fn file(&self, role: Role, file: &Path) -> Result<MeasuredRecording, ExperimentError> {
         self.one(role, file).map_err(|e| e.of(&file.display().to_string()))
     }
 
@@ -119,25 +119,26 @@ impl Reading {
         &self,
         train: &[P],
         validation: &[P],
-    ) -> Result<Vec<Measured>, ExperimentError> {
+    ) -> Result<Vec<MeasuredRecording>, ExperimentError> {
         let train = train.iter().map(|file| (Role::Train, file));
         let all = train.chain(validation.iter().map(|file| (Role::Validation, file)));
         let all: Vec<_> = all.map(|(role, file)| (role, file.as_ref().to_path_buf())).collect();
         self.together(&all).map_err(|e| e.of("recordings"))
     }
 
-    fn together(&self, all: &[(Role, PathBuf)]) -> Result<Vec<Measured>, Meaning> {
+    fn together(&self, all: &[(Role, PathBuf)]) -> Result<Vec<MeasuredRecording>, Meaning> {
         let mut reading = self.clone();
         let mut measured = in_threads(all, |(role, file)| reading.one(*role, file))?;
-        let again =
-            |reading: &Self, measured: &mut [Measured], which: &dyn Fn(&[Finding]) -> bool| {
-                let of: Vec<usize> = (0..all.len())
-                    .filter(|&k| measured[k].long.is_none() && which(&measured[k].conditioning))
-                    .collect();
-                let read = in_threads(&of, |&k| reading.one(all[k].0, &all[k].1))?;
-                of.into_iter().zip(read).for_each(|(k, one)| measured[k] = one);
-                Ok::<_, Meaning>(())
-            };
+        let again = |reading: &Self,
+                     measured: &mut [MeasuredRecording],
+                     which: &dyn Fn(&[Finding]) -> bool| {
+            let of: Vec<usize> = (0..all.len())
+                .filter(|&k| measured[k].long.is_none() && which(&measured[k].conditioning))
+                .collect();
+            let read = in_threads(&of, |&k| reading.one(all[k].0, &all[k].1))?;
+            of.into_iter().zip(read).for_each(|(k, one)| measured[k] = one);
+            Ok::<_, Meaning>(())
+        };
         // what one recording of a log shows of its logger holds for all of them
         let shows = |findings: &[Finding]| common_encoders([findings].into_iter()).is_some();
         if let Some(encoders) = common_encoders(findings_of(&measured)) {
@@ -166,11 +167,11 @@ impl Reading {
         role: Role,
         name: &str,
         columns: &[(String, Vec<f64>)],
-    ) -> Result<Measured, ExperimentError> {
+    ) -> Result<MeasuredRecording, ExperimentError> {
         let raw = table_channels(name, columns, &self.columns)?;
         let (recording, conditioning) = self.conditioned(raw).map_err(|e| e.of(name))?;
         let findings = super::quality::findings(&recording, &self.robot);
-        Ok(Measured { role, recording, long: None, sha256: None, conditioning, findings })
+        Ok(MeasuredRecording { role, recording, long: None, sha256: None, conditioning, findings })
     }
 
     /// Which of the columns `names` of a table are read.
@@ -181,7 +182,7 @@ impl Reading {
         Ok(needed_columns(name, names, &self.columns)?)
     }
 
-    fn one(&self, role: Role, file: &Path) -> Result<Measured, Meaning> {
+    fn one(&self, role: Role, file: &Path) -> Result<MeasuredRecording, Meaning> {
         let long = read_long_recording(file, &self.columns, self.drive_unit, self.hold_rows)?;
         let (recording, long, sha256, conditioning) = match long {
             Some((windows, long, sha256)) => {
@@ -200,7 +201,7 @@ impl Reading {
             findings.insert(0, super::long::finding(&recording, long));
         }
         let sha256 = Some(sha256);
-        Ok(Measured { role, recording, long, sha256, conditioning, findings })
+        Ok(MeasuredRecording { role, recording, long, sha256, conditioning, findings })
     }
 
     fn conditioned(&self, mut raw: RawChannels) -> Result<(Recording, Vec<Finding>), Meaning> {

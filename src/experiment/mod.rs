@@ -58,7 +58,7 @@ pub use measured::Reading;
 pub use new_file::new_file;
 pub use options::{Done, RunOptions};
 pub use overlay::{Overlay, overlay};
-pub use plan::{DiagnosisPlan, InputSum, Measured, MethodPlan, Plan, PlanOptions};
+pub use plan::{DiagnosisPlan, InputSum, MeasuredRecording, MethodPlan, Plan, PlanOptions};
 pub use remark::{FixedMovement, Remark};
 pub use resolve::plan_of;
 pub use robot_table::robot_of;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::ExperimentError;
 use super::guess::{Guess, Written, file_text, guess};
-use crate::conditioning::{self, Channel, Context, Finding, Settings, condition, sentences};
+use crate::conditioning::{self, Channel, Context, Finding, Settings, condition, stated};
 use crate::io::{
     Column, ColumnMap, IoError, parts, preview, read_channels, stated_period, write_whole,
 };
@@ -208,7 +208,8 @@ fn seen(r: &Recording, findings: &[Finding], kind: Kind) -> Vec<String> {
         kind.words()
     )];
     let remarkable = findings.iter().copied().filter(Finding::is_remarkable);
-    out.extend(sentences(&remarkable.collect::<Vec<_>>()));
+    let remarkable = stated(&remarkable.collect::<Vec<_>>());
+    out.extend(remarkable.iter().map(ToString::to_string));
     out
 }
 

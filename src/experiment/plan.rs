@@ -10,7 +10,7 @@ pub use self::options::{DiagnosisPlan, MethodPlan, PlanOptions};
 use super::combinations::GridPlan;
 use super::custom::Own;
 use super::remark::Remark;
-pub use super::source::Measured;
+pub use super::source::MeasuredRecording;
 use crate::conditioning::{Stated, stated};
 use crate::diagnose::Timing;
 use crate::model::Model;
@@ -56,7 +56,7 @@ pub struct Plan {
     /// What a reader of the file would not expect of it.
     pub remarks: Vec<Remark>,
     /// Recordings; at least one to train on.
-    pub recordings: Vec<Measured>,
+    pub recordings: Vec<MeasuredRecording>,
     /// The input between samples.
     pub hold: Hold,
     /// When the recorded input acts, where the data show it.
@@ -79,7 +79,7 @@ pub struct Plan {
     pub grid: Option<GridPlan>,
 }
 
-impl Measured {
+impl MeasuredRecording {
     fn name(&self) -> &str {
         self.recording.name()
     }
@@ -102,7 +102,7 @@ impl Plan {
     /// recordings found.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        let corrected = |m: &Measured| {
+        let corrected = |m: &MeasuredRecording| {
             let remarkable = m.conditioning.iter().filter(|f| f.is_remarkable());
             stated(&remarkable.copied().collect::<Vec<_>>())
         };
@@ -113,7 +113,7 @@ impl Plan {
 
     /// The same without corrections.
     pub(super) fn remarks_and_findings(&self) -> Vec<String> {
-        let issues = |m: &Measured| m.findings.iter().map(|f| f.issue.stated()).collect();
+        let issues = |m: &MeasuredRecording| m.findings.iter().map(|f| f.issue.stated()).collect();
         let found = self.grouped(issues, StatedIssue::join);
         let found = found.into_iter().map(|(names, issue)| format!("{names}: {issue}"));
         self.remarks.iter().map(ToString::to_string).chain(found).collect()
@@ -122,10 +122,10 @@ impl Plan {
     /// What `of` finds in the recordings, each with the names of those in which it is found.
     pub(super) fn grouped<T>(
         &self,
-        of: impl Fn(&Measured) -> Vec<T>,
+        of: impl Fn(&MeasuredRecording) -> Vec<T>,
         join: impl Fn(&mut T, &T) -> bool,
     ) -> Vec<(String, T)> {
-        let named = |m| of(m).into_iter().map(|finding| (Measured::name(m), finding));
+        let named = |m| of(m).into_iter().map(|finding| (MeasuredRecording::name(m), finding));
         grouped(self.recordings.iter().flat_map(named), self.recordings.len(), join)
     }
 

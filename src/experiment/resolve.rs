@@ -12,7 +12,7 @@ use super::file::{
     CandidatesEntry, DiagnosisEntry, EmulatorEntry, ExperimentFile, FixedEntry, MovementEntry,
     NamedMovement, SimulationEntry,
 };
-use super::plan::{DiagnosisPlan, InputSum, Measured, MethodPlan, Plan, PlanOptions};
+use super::plan::{DiagnosisPlan, InputSum, MeasuredRecording, MethodPlan, Plan, PlanOptions};
 use super::robot_table::{is_built, robot};
 use super::source::Source;
 use crate::diagnose;
@@ -89,7 +89,7 @@ pub(super) fn resolve_with(
 pub fn plan_of(
     name: &str,
     keys: &Table,
-    recordings: Vec<Measured>,
+    recordings: Vec<MeasuredRecording>,
     hold: Hold,
 ) -> Result<Plan, ExperimentError> {
     let wrong = |message: String| ExperimentError::Meaning { file: name.into(), message };
@@ -306,7 +306,7 @@ fn made(entry: &SimulationEntry, own: &[Own], robot: &Robot) -> Result<Source, M
             )?;
             let findings = super::quality::findings(&recording, robot);
             let (long, sha256, conditioning) = (None, None, vec![]);
-            Ok(Measured { role, recording, long, sha256, conditioning, findings })
+            Ok(MeasuredRecording { role, recording, long, sha256, conditioning, findings })
         })
         .collect::<Result<Vec<_>, Meaning>>()?;
     let truth = truth.symbols().into_iter().zip(p).collect();

@@ -9,7 +9,7 @@ use crate::study::Role;
 
 /// A recording with its use and provenance.
 #[derive(Clone)]
-pub struct Measured {
+pub struct MeasuredRecording {
     /// Use.
     pub role: Role,
     /// The recording; windows of it, if it is too long to be held.
@@ -27,7 +27,7 @@ pub struct Measured {
 /// Recordings as they are before a model is there: of a file, or simulated.
 #[derive(Clone)]
 pub(super) struct Source {
-    pub(super) recordings: Vec<Measured>,
+    pub(super) recordings: Vec<MeasuredRecording>,
     /// The input between the rows, if it is said.
     pub(super) hold: Option<Hold>,
     pub(super) seed: u64,
@@ -37,7 +37,7 @@ pub(super) struct Source {
 
 impl Source {
     /// Recordings that are there already.
-    pub(super) fn given(recordings: Vec<Measured>) -> Self {
+    pub(super) fn given(recordings: Vec<MeasuredRecording>) -> Self {
         Self { recordings, hold: None, seed: 1, truth: vec![] }
     }
 }

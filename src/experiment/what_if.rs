@@ -3,10 +3,10 @@
 use super::comparison::Comparison;
 use super::fitted::FittedModel;
 use super::models::Models;
-use super::plan::{Measured, Plan};
+use super::plan::{MeasuredRecording, Plan};
 use crate::diagnose::shifted;
 use crate::export::{Identified, Obstacle, javascript};
-use crate::study::{DiagnosisStudy, Performance, Start, WhatIf};
+use crate::study::{DiagnosisStudy, Performance, Start, WhatIfStudy};
 
 /// The model that the report ends with as a function; `None` if it is not physical.
 pub(super) fn what_if(
@@ -14,7 +14,7 @@ pub(super) fn what_if(
     comparison: &Comparison,
     models: &Models,
     diagnosis: Option<&DiagnosisStudy>,
-) -> Option<WhatIf> {
+) -> Option<WhatIfStudy> {
     let last = models.last();
     let estimates: Vec<_> = last.parameters.iter().map(|p| p.estimate.clone()).collect();
     let found = match (&models.completed, diagnosis) {
@@ -25,7 +25,7 @@ pub(super) fn what_if(
         if diagnosis.is_some() { "diagnosis" } else { &comparison.reference_method().name };
     let fitted = FittedModel::new(plan, found, &estimates, method).ok()??;
     let performances = plan.recordings.iter().zip(&last.performance);
-    Some(WhatIf {
+    Some(WhatIfStudy {
         script: script(plan, &fitted),
         inputs: plan.recordings.iter().map(|m| input(m, fitted.input_shift_s)).collect(),
         starts: performances.map(|(m, p)| starts(m, p)).collect(),
@@ -49,7 +49,7 @@ fn script(plan: &Plan, fitted: &FittedModel) -> Result<String, Vec<Obstacle>> {
     javascript(&identified)
 }
 
-fn input(measured: &Measured, shift: f64) -> Vec<[f64; 2]> {
+fn input(measured: &MeasuredRecording, shift: f64) -> Vec<[f64; 2]> {
     let recording = &measured.recording;
     match shift {
         0.0 => recording.torque().to_vec(),
@@ -57,7 +57,7 @@ fn input(measured: &Measured, shift: f64) -> Vec<[f64; 2]> {
     }
 }
 
-fn starts(measured: &Measured, performance: &Performance) -> Vec<Start> {
+fn starts(measured: &MeasuredRecording, performance: &Performance) -> Vec<Start> {
     let pieces = measured.recording.pieces();
     let rows = performance.window_starts.iter().zip(&performance.window_states);
     let start = |(&row, &state): (&usize, &[f64; 4])| {

@@ -49,9 +49,9 @@ pub enum Loss {
     /// Least squares.
     #[default]
     Squares,
-    /// Its size.
+    /// Absolute value.
     L1,
-    /// Square near zero, size beyond 1.345 standard deviations.
+    /// Square near zero, absolute value beyond 1.345 standard deviations.
     Huber,
 }
 

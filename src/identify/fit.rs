@@ -51,7 +51,7 @@ impl Estimate {
         }
     }
 
-    /// The same with the 95 % interval of Student's t with so many degrees of freedom.
+    /// The same with the 95 % interval of Student's t with the given degrees of freedom.
     #[must_use]
     pub fn with_degrees(mut self, degrees: f64) -> Self {
         let t = if degrees.is_finite() {
@@ -207,7 +207,7 @@ impl Fit {
         }
     }
 
-    /// The same with intervals of Student's t with so many degrees of freedom.
+    /// The same with intervals of Student's t with the given degrees of freedom.
     #[must_use]
     pub fn with_degrees(mut self, degrees: f64) -> Self {
         let estimates = self.estimates.into_iter().map(|e| e.with_degrees(degrees));

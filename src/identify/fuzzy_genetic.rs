@@ -25,10 +25,10 @@ use super::{IdentifyError, MethodDescription, Status};
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Genetic {
-    /// Individuals.
+    /// Size of the population.
     #[schemars(range(min = 4))]
     pub population: usize,
-    /// How often the population is replaced.
+    /// Number of generations.
     pub generations: usize,
     /// Half the interval of every consequent, about the start [rad/s²].
     #[schemars(extend("exclusiveMinimum" = 0))]

@@ -31,7 +31,7 @@ use super::{IdentifyError, MethodDescription, NoStart, Status};
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct QuasiNewton {
-    /// Iterations at each gain, at the most.
+    /// Largest number of iterations at each gain.
     pub iterations: u64,
     /// Whether the gain is lowered step by step from 20 1/s (parallel structure).
     pub continuation: bool,

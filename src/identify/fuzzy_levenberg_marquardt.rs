@@ -23,7 +23,7 @@ use super::{IdentifyError, MethodDescription};
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct LevenbergMarquardt {
-    /// Steps at each gain, at the most.
+    /// Largest number of steps at each gain.
     pub iterations: usize,
     /// Whether the gain is lowered step by step from 20 1/s (parallel structure).
     pub continuation: bool,

@@ -26,7 +26,7 @@ pub struct LineSearch {
     /// Half the interval of every search, about the start [rad/s²].
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub reach: f64,
-    /// Length of a search, in evaluations at the most.
+    /// Largest number of evaluations of a search.
     pub evaluations: u64,
     /// Where it starts.
     pub start: Start,

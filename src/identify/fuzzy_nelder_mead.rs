@@ -25,7 +25,7 @@ use super::{IdentifyError, MethodDescription, NoStart, Status};
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Simplex {
-    /// Rounds at the most.
+    /// Largest number of rounds.
     pub iterations: usize,
     /// Edge of the first simplex: its square is what each edge adds to the ISE of an emulator held at the
     /// data [rad/√s].

@@ -36,7 +36,7 @@ pub struct InstrumentalVariable {
     /// Gain that holds the simulated speeds near the measured ones [1/s].
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub gain: f64,
-    /// Most simulations.
+    /// Largest number of simulations.
     pub iterations: usize,
 }
 

@@ -1,7 +1,5 @@
 //! What a fit says beside its numbers.
 
-use std::fmt;
-
 use super::IdentifyError;
 use crate::simulate::Structure;
 
@@ -15,7 +13,7 @@ pub enum SingleAxis {
     CountedTwice,
 }
 
-/// One thing that the reader of a fit must know; its [`Display`](fmt::Display) is the sentence.
+/// One thing that the reader of a fit must know; `report` makes the sentence of it.
 #[derive(Clone, Debug)]
 pub enum Note {
     /// A bound holds an estimate back.
@@ -147,26 +145,6 @@ pub enum PhysicalBound {
     PositiveMass,
 }
 
-/// As an inequality.
-impl fmt::Display for PhysicalBound {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self {
-            Self::Range { symbol, low } => write!(f, "{symbol} >= {low}"),
-            Self::Construction { symbol, value, is_lower } => {
-                let sign = if *is_lower { ">=" } else { "<=" };
-                write!(f, "{symbol} {sign} {value:.4e} (construction)")
-            }
-            Self::PositiveMass => f.write_str("a1 > |a2|"),
-        }
-    }
-}
-
-/// The motion that shows the parameters of an effect.
-fn to_record(effect: &str) -> String {
-    crate::effects::find(effect)
-        .map_or_else(|| "richer motion".into(), |e| e.description().excitation)
-}
-
 /// What the data do not give.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Unknown {
@@ -189,180 +167,4 @@ pub enum Unknown {
     },
     /// More, in combinations.
     Several(Vec<String>),
-}
-
-impl fmt::Display for Note {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self {
-            Self::ActiveBound { bound, unbounded } => {
-                let values: Vec<_> = unbounded.iter().map(|(s, v)| format!("{s} = {v:.4e}")).collect();
-                let values = values.join(", ");
-                write!(f, "The bound {bound} is active; the unbounded estimates are {values}.")
-            }
-            Self::NotDiagnosed(reason) => write!(
-                f,
-                "What the model lacks was not searched for ({reason}); the fits stand without it."
-            ),
-            Self::MassNotPositive => f.write_str(
-                "The estimates of a1 and a2 were no mass matrix (a1 must exceed |a2|): their larger combination, \
-                 a1 + a2 or a1 - a2, was kept, and neither is identifiable; record: speeding up and braking, \
-                 straight and in pivots.",
-            ),
-            Self::CutOff(hz) => {
-                let hz: Vec<_> = hz.iter().map(|hz| format!("{hz:.2}")).collect();
-                write!(f, "Cut-off of the filter: {} Hz.", hz.join(", "))
-            }
-            Self::Biased(by) => {
-                let by: Vec<_> = by.iter().map(|(s, v)| format!("{s} by about {v:+.2e}")).collect();
-                write!(
-                    f,
-                    "Noise of the speeds biases {}, more than the standard errors say: use \
-                     prediction_error, or a lower cut-off.",
-                    by.join(", ")
-                )
-            }
-            Self::Unknown { unknown, effect } => {
-                write!(f, "{unknown}; record: {}.", to_record(effect))
-            }
-            Self::SingleAxis(counted) => {
-                f.write_str(
-                    "Both wheels carry the same numbers: this is one axis, so only sums over the two \
-                     wheels are identifiable",
-                )?;
-                f.write_str(match counted {
-                    SingleAxis::CountedOnce => ".",
-                    SingleAxis::CountedTwice => {
-                        ", and their standard errors count the same data twice (multiply by 1.41)."
-                    }
-                })
-            }
-            Self::Descents { agreeing, of } => {
-                write!(f, "{agreeing} of {of} descents end in the lowest minimum that was found.")
-            }
-            Self::Misses(ratio) => write!(
-                f,
-                "The simulation misses the data by {ratio:.1} times the noise of the sensors: the \
-                 torques are noisy or an effect is missing, and these intervals are too narrow."
-            ),
-            Self::Horizon { seconds, chosen, error } => {
-                let meaning = if *seconds == 0.0 { " (maximum likelihood)" } else { "" };
-                let how = if *chosen {
-                    "chosen by the 2 s simulation error of held-out pieces"
-                } else {
-                    "as given; 2 s simulation error of held-out pieces"
-                };
-                write!(f, "Prediction horizon: {seconds} s{meaning}, {how}: {error:.3e} rad/s.")
-            }
-            Self::InputShift(late, error) => {
-                let way = if *late > 0.0 { "after" } else { "before" };
-                let (late, error) = (1e3 * late.abs(), 1e3 * error);
-                write!(f, "The input acts {late:.2} ± {error:.2} ms {way} it is recorded; accounted for.")
-            }
-            Self::BetterRegression { held_out, regression, filter } => {
-                let on = if *held_out { "held-out pieces" } else { "the training recordings" };
-                write!(
-                    f,
-                    "These are the values of torque_regression: its 2 s simulation error on {on} is \
-                     {regression:.3e}, that of the filter {filter:.3e}."
-                )
-            }
-            Self::Disagreement(values) => {
-                let values: Vec<_> = values.iter().map(|(s, v)| format!("{s} = {v:.4e}")).collect();
-                write!(
-                    f,
-                    "The error of the model is above the noise of the channels, and torque_regression gives {}: the \
-                     intervals are wide enough for both. An effect is missing, or noise of the input goes on from \
-                     row to row.",
-                    values.join(", ")
-                )
-            }
-            Self::NoProfile(symbol) => {
-                write!(f, "{symbol} has no profile: it is held, or the data do not give it.")
-            }
-            Self::Profile { symbol, unit, interval: (low, high), by_std_error } => write!(
-                f,
-                "Profile likelihood of {symbol}: 95 % interval {low:.6e} to {high:.6e} {unit} (by the \
-                 standard error {:.6e} to {:.6e}).",
-                by_std_error.0, by_std_error.1
-            ),
-            Self::BiasedByInput => f.write_str(
-                "The input is so noisy, or so rough, that it biases the inertias by more than can be \
-                 corrected; their intervals are too narrow.",
-            ),
-            Self::InputNoise { white, slow, time_constant, unit } => write!(
-                f,
-                "Noise of the input: {white:.3e} white, {slow:.3e} slow with a time constant of \
-                 {time_constant:.2} s (standard deviations, {unit})."
-            ),
-            Self::Emulator { fed, ise, floor } => {
-                match fed {
-                    Some((Structure::Parallel, gain)) => write!(f, "parallel structure, K = {gain} 1/s on the wheel speeds")?,
-                    Some((Structure::SerialParallel, gain)) => {
-                        write!(f, "serial-parallel structure, K = {gain} 1/s on the wheel speeds")?;
-                    }
-                    None => f.write_str("the same rules simulated freely (K = 0)")?,
-                }
-                match ise {
-                    None => f.write_str(": the in-sample ISE diverges"),
-                    Some(ise) if *floor > 0.0 => write!(
-                        f,
-                        ": the in-sample ISE is {ise:.4} rad^2/s, {:.2} times the noise floor",
-                        ise / floor
-                    ),
-                    Some(ise) => write!(f, ": the in-sample ISE is {ise:.4} rad^2/s"),
-                }
-            }
-            Self::ExcitedRules { count, of } => write!(
-                f,
-                "{count} of {of} rules were excited by the training recordings; speeds at which no \
-                 excited rule fires with at least 0.2 are extrapolation, and the output there is not \
-                 to be trusted"
-            ),
-            Self::ForwardOnly => f.write_str(
-                "below zero speed the inputs are clamped: backward driving is treated as standstill",
-            ),
-            Self::ReadInBlocks(rows) => write!(
-                f,
-                "All {rows} rows were read block by block; cut-off and speed near rest come from the \
-                 windows that are held."
-            ),
-            Self::FittedToWindows(windows) => write!(
-                f,
-                "Fitted to {windows} windows of recordings too long to be held: this method takes all \
-                 rows at once (more memory: hold_rows, under [recordings]), torque_regression reads \
-                 them all."
-            ),
-        }
-    }
-}
-
-impl fmt::Display for Unknown {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self {
-            Self::One(symbol) => write!(f, "{symbol} is not identifiable from these data"),
-            Self::Held(symbol, value) => {
-                write!(f, "{symbol} is not identifiable from these data and was held at ")?;
-                if *value == 0.0 { f.write_str("0") } else { write!(f, "{value:.6e}") }
-            }
-            Self::Two { first, second, weight, value, std_error } => {
-                let other = if (weight - 1.0).abs() < 1e-3 {
-                    format!("+ {second}")
-                } else if (weight + 1.0).abs() < 1e-3 {
-                    format!("- {second}")
-                } else {
-                    format!("{weight:+.4} {second}")
-                };
-                write!(
-                    f,
-                    "{first} and {second} are indistinguishable from these data; identifiable is {first} {other} = \
-                     {value:.6} ± {std_error:.2e}"
-                )
-            }
-            Self::Several(symbols) => write!(
-                f,
-                "Only combinations of {} are identifiable from these data, not each of them",
-                symbols.join(", ")
-            ),
-        }
-    }
 }

@@ -27,7 +27,7 @@ use crate::math::{clustered_covariance, eliminate, raise_errors};
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct OutputError {
-    /// Most steps.
+    /// Largest number of steps.
     pub iterations: usize,
     /// Descents, the first from the weak form, the others from the best of values scattered around
     /// it.

@@ -64,7 +64,7 @@ pub struct PredictionError {
     /// Time over which predictions are judged \[s\]: 0 is maximum likelihood, "auto" chooses on
     /// held-out pieces.
     pub horizon_s: Horizon,
-    /// Whether all noise is estimated along, a slow unknown torque among it, in place of a horizon.
+    /// Whether all noise levels, including that of a slow unknown torque, are estimated instead of using a horizon.
     pub slow_moment: bool,
     /// Symbols of the parameters whose profile likelihood is computed and drawn.
     pub profile: Vec<String>,
@@ -107,8 +107,8 @@ impl Identifier for PredictionError {
                        extended Kalman filter with a memory of `horizon_s`"
                     .into(),
             source: "Ljung, System Identification, 1999, ch. 7; Kristensen et al. 2004".into(),
-            use_when: "always, first: efficient where the model is right (noisy torques and noisy \
-                       speeds), simulates well where it is not, and its intervals hold"
+            use_when: "first, for any recording: efficient if the model is correct (noisy torques and noisy \
+                       speeds), simulates well if it is not; its intervals cover the true values"
                 .into(),
             avoid_when: "the robot hardly moves, or the sampling is slower than the motion".into(),
         }
@@ -282,7 +282,7 @@ fn note_of(chosen: &Candidate, horizon: &Horizon) -> Note {
     }
 }
 
-/// What to say of a shift in time that is there beyond doubt.
+/// The note on a significant shift in time.
 fn note_of_shift(task: &Task, solution: &Solution, spread: &Spread) -> Option<Note> {
     let i = solution.columns.iter().position(|&j| j == solution.p.len())?;
     let step = task.train[0].step();

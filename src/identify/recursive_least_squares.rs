@@ -27,7 +27,7 @@ pub struct RecursiveLeastSquares {
     /// Cut-off of the filter \[Hz\]; chosen from noise and motion unless given.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub cutoff_hz: Option<f64>,
-    /// Weight λ that an instant keeps at the next one.
+    /// Forgetting factor λ of a sample.
     #[schemars(range(max = 1.0), extend("exclusiveMinimum" = 0))]
     pub forgetting: f64,
 }

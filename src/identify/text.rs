@@ -22,8 +22,8 @@ pub fn details(name: &str) -> Option<String> {
     let (m, options) = (method.describe(), method.options());
     let mut out = format!("{}: {}\n\n  {}\n\n", m.name, m.title, m.equation);
     let _ = writeln!(out, "source      {}", m.source);
-    let _ = writeln!(out, "use when    {}", m.use_when);
-    let _ = writeln!(out, "avoid when  {}", m.avoid_when);
+    let _ = writeln!(out, "use         {}", m.use_when);
+    let _ = writeln!(out, "avoid if    {}", m.avoid_when);
     if method.intervals_cover() {
         out.push_str("intervals   cover the true value at their rate, at ordinary noise\n");
     }

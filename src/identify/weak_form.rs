@@ -73,9 +73,10 @@ impl Identifier for WeakForm {
             equation: "∫ψ M dt = Σ θ ∫(ψ torque - ψ' mass ω) dt by generalised least squares"
                 .into(),
             source: "Bortz, Messenger and Dukic 2023".into(),
-            use_when: "second, to confirm prediction_error: no acceleration, no start, no filter \
-                       to tune; its intervals hold"
-                .into(),
+            use_when:
+                "second, to confirm prediction_error: no acceleration, start values or filter \
+                       needed; its intervals cover the true values"
+                    .into(),
             avoid_when: "only angles are measured (it uses speeds); the robot reverses all the \
                          time, since windows that touch rest are dropped"
                 .into(),

@@ -6,9 +6,7 @@ use std::sync::Arc;
 use super::Variations;
 use super::base::{A1, A2, A3};
 use crate::catalogue::nearest;
-use crate::effects::{
-    self, BASE, Change, Coupling, Effect, Motion, ParameterKind, ParameterSpec, Terms,
-};
+use crate::effects::{self, BASE, Change, Effect, Motion, ParameterKind, ParameterSpec, Terms};
 use crate::robot::{BaseParameters, Robot};
 
 /// Why effects do not make a model.
@@ -307,15 +305,6 @@ impl Model {
             sum.add(&effect.terms(x, &p[slots.clone()]));
         }
         sum
-    }
-
-    /// The second mass behind the wheels, where an effect of the model has one.
-    #[must_use]
-    pub fn coupling(&self, x: &Motion<f64>, p: &[f64]) -> Option<Coupling<f64>> {
-        self.effects
-            .iter()
-            .zip(&self.slots)
-            .find_map(|(effect, slots)| effect.coupling(x, &p[slots.clone()]))
     }
 
     /// Whether an effect of the model moves its input in time, and so explains all of a time between input and motion.

@@ -1,4 +1,4 @@
-//! What is wrong with a recording, or could be better, in words and before anything is fitted.
+//! What is wrong with a recording, or could be better, before anything is fitted.
 //!
 //! All checks look at the recording alone (and, for units of length, at the wheel radius): timing,
 //! every channel by itself, the channels against each other, and what the driving excites.
@@ -12,6 +12,7 @@ mod timing;
 mod window;
 
 pub use issue::{Issue, Quantity, StatedIssue};
+pub(crate) use issue::{RatioUnit, SHORT, SLOW, UnitError, is_full_turn};
 
 pub(crate) use consistency::{exchanged_input, exchanged_speeds, opposing_input};
 pub(crate) use window::{View, Window, windows_of};
@@ -44,24 +45,6 @@ pub struct Finding {
 impl Finding {
     fn new(severity: Severity, issue: Issue) -> Self {
         Self { severity, issue }
-    }
-
-    /// What was seen.
-    #[must_use]
-    pub fn what(&self) -> String {
-        self.issue.stated().what()
-    }
-
-    /// What to do, or what follows from it.
-    #[must_use]
-    pub fn remedy(&self) -> String {
-        self.issue.stated().remedy()
-    }
-}
-
-impl std::fmt::Display for Finding {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        self.issue.stated().fmt(f)
     }
 }
 

@@ -2,7 +2,7 @@
 
 mod categories;
 
-pub use super::palette::Role;
+pub use super::palette::ColourRole;
 pub use categories::{BarSeries, Bars, ColorMap, HeatMap};
 
 /// One picture: a heading and panels, drawn to SVG, PNG or a page.
@@ -248,7 +248,7 @@ pub enum Layer {
         /// Legend entry.
         label: String,
         /// Meaning, hence colour.
-        role: Role,
+        role: ColourRole,
         /// Stroke width \[px\].
         width: f64,
         /// Dash pattern.
@@ -261,7 +261,7 @@ pub enum Layer {
         /// Legend entry.
         label: String,
         /// Meaning, hence colour.
-        role: Role,
+        role: ColourRole,
         /// Radius \[px\].
         radius: f64,
         /// Opacity, 0 to 1.
@@ -278,7 +278,7 @@ pub enum Layer {
         /// Legend entry.
         label: String,
         /// Meaning, hence colour.
-        role: Role,
+        role: ColourRole,
     },
     /// Bars over categories.
     Bars(Bars),
@@ -291,7 +291,7 @@ pub enum Layer {
         /// Legend entry.
         label: String,
         /// Meaning, hence colour.
-        role: Role,
+        role: ColourRole,
         /// Dash pattern.
         dash: Dash,
     },
@@ -302,7 +302,7 @@ pub enum Layer {
         /// Legend entry.
         label: String,
         /// Meaning, hence colour.
-        role: Role,
+        role: ColourRole,
         /// Dash pattern.
         dash: Dash,
     },
@@ -313,7 +313,7 @@ pub enum Layer {
         /// Legend entry.
         label: String,
         /// Meaning, hence colour.
-        role: Role,
+        role: ColourRole,
     },
     /// Values with whiskers; an infinite whisker runs to the edge.
     ErrorBars {
@@ -322,7 +322,7 @@ pub enum Layer {
         /// Legend entry.
         label: String,
         /// Meaning, hence colour.
-        role: Role,
+        role: ColourRole,
     },
     /// A remark at a place in the panel.
     Text {
@@ -331,23 +331,23 @@ pub enum Layer {
         /// The remark.
         text: String,
         /// Meaning, hence colour.
-        role: Role,
+        role: ColourRole,
     },
 }
 
 impl Layer {
     /// A solid line, 1.8 px.
-    pub fn line(points: Vec<(f64, f64)>, label: impl Into<String>, role: Role) -> Self {
+    pub fn line(points: Vec<(f64, f64)>, label: impl Into<String>, role: ColourRole) -> Self {
         Self::Line { points, label: label.into(), role, width: 1.8, dash: Dash::Solid }
     }
 
     /// Dots of 1.6 px radius, 45 % opaque: overlapping measurements darken.
-    pub fn points(points: Vec<(f64, f64)>, label: impl Into<String>, role: Role) -> Self {
+    pub fn points(points: Vec<(f64, f64)>, label: impl Into<String>, role: ColourRole) -> Self {
         Self::Points { points, label: label.into(), role, radius: 1.6, alpha: 0.45 }
     }
 
     /// A dashed horizontal reference line.
-    pub fn hline(at: f64, label: impl Into<String>, role: Role) -> Self {
+    pub fn hline(at: f64, label: impl Into<String>, role: ColourRole) -> Self {
         Self::HLine { at, label: label.into(), role, dash: Dash::Dashed }
     }
 
@@ -376,7 +376,7 @@ impl Layer {
     }
 
     /// A dashed vertical reference line.
-    pub fn vline(at: f64, label: impl Into<String>, role: Role) -> Self {
+    pub fn vline(at: f64, label: impl Into<String>, role: ColourRole) -> Self {
         Self::VLine { at, label: label.into(), role, dash: Dash::Dashed }
     }
 }

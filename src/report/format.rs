@@ -254,11 +254,6 @@ pub fn count(value: usize) -> String {
     text
 }
 
-/// The value rounded to the given significant digits (six where data are embedded in a page).
-pub fn round_significant(value: f64, digits: usize) -> f64 {
-    format!("{value:.*e}", digits.max(1) - 1).parse().unwrap_or(value)
-}
-
 /// Exponent of the leading digit after rounding; zero for zero, nothing for NaN and infinities.
 fn decimal_exponent(value: f64, digits: usize) -> Option<i32> {
     if !value.is_finite() {

@@ -21,6 +21,7 @@ mod scale;
 pub mod section;
 mod verdict;
 pub mod what_if;
+mod words;
 
 pub use error::ReportError;
 pub use page::{Page, PageContent, Picture, SectionContent, page, render_page};
@@ -29,4 +30,4 @@ pub use render::{Rendered, render, thumbnail};
 pub use results::{SCHEMA, results};
 pub use section::Section;
 pub(crate) use verdict::title;
-pub use verdict::{evidence, next_run, sentence};
+pub use verdict::{evidence, recommendation, sentence};

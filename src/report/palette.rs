@@ -74,7 +74,7 @@ pub const DARK_PARTNERS: [(Rgb, Rgb); 12] = [
 /// What a mark stands for; the palette chooses its colour, so that one meaning has one colour in
 /// every figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Role {
+pub enum ColourRole {
     /// A measured signal.
     Measured,
     /// What the model says: with what was found, where there is another one beside it.
@@ -95,7 +95,7 @@ pub enum Role {
     Series(usize),
 }
 
-impl Role {
+impl ColourRole {
     /// The colour on white paper.
     pub fn color(self) -> Rgb {
         const SERIES: [Rgb; 7] = [BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY, MUTED];
@@ -199,8 +199,16 @@ mod tests {
     #[test]
     fn every_role_has_a_dark_partner_and_marks_stand_out_on_it() {
         let dark_paper = DARK_PARTNERS[4].1;
-        let roles = [Role::Measured, Role::Model, Role::Wheel1, Role::Wheel2, Role::NoiseFloor];
-        for role in roles.into_iter().chain((0..9).map(Role::Series)).chain([Role::Highlight]) {
+        let roles = [
+            ColourRole::Measured,
+            ColourRole::Model,
+            ColourRole::Wheel1,
+            ColourRole::Wheel2,
+            ColourRole::NoiseFloor,
+        ];
+        for role in
+            roles.into_iter().chain((0..9).map(ColourRole::Series)).chain([ColourRole::Highlight])
+        {
             let partner = DARK_PARTNERS.iter().find(|(light, _)| *light == role.color());
             // WCAG 2.1 asks 3 for graphical objects
             assert!(contrast(partner.unwrap().1, dark_paper) > 3.0, "{role:?}");

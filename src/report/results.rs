@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use super::verdict::{evidence, next_run, sentence};
+use super::verdict::{evidence, recommendation, sentence};
 use crate::conditioning::Finding;
 use crate::diagnose::Judgement;
 use crate::identify::{Estimate, Status};
@@ -66,7 +66,7 @@ fn recordings(study: &Study) -> Vec<Value> {
                     "dalpha1": r.noise.omega[0], "dalpha2": r.noise.omega[1],
                     "M1": r.noise.torque[0], "M2": r.noise.torque[1],
                 },
-                "conditioning": r.conditioning.iter().map(Finding::json).collect::<Vec<_>>(),
+                "conditioning": r.conditioning.iter().map(conditioning).collect::<Vec<_>>(),
                 "findings": sentences(&r.findings),
                 "dead_time_s": study.timing.map(|t| json!({
                     "value": t.dead_time_s, "std_error": t.std_error_s, "corrected": t.correction_s,
@@ -74,6 +74,14 @@ fn recordings(study: &Study) -> Vec<Value> {
             })
         })
         .collect()
+}
+
+fn conditioning(finding: &Finding) -> Value {
+    let (name, value, unit) = finding.kind.parts();
+    json!({
+        "channel": finding.channel.name(), "finding": name, "action": finding.action.name(),
+        "value": value, "unit": unit, "words": finding.to_string(),
+    })
 }
 
 fn estimate(e: &Estimate) -> Value {
@@ -188,7 +196,7 @@ fn diagnosis(study: &Study, d: &DiagnosisStudy) -> Value {
         "ranking": ranking,
         "staircase": d.staircase,
         "unexplained_fraction": d.errors.unexplained(),
-        "next_run": next_run(d),
+        "next_run": recommendation(d),
         "next_movement": d.proposal,
         "false_alarm": d.false_alarm,
         "effects": d.effects,

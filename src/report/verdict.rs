@@ -14,7 +14,7 @@ use crate::study::{DiagnosisStudy, Verdict, Withheld};
 
 pub(crate) use self::effects::title;
 pub use self::evidence::evidence;
-pub use self::next::next_run;
+pub use self::next::recommendation;
 
 /// The text of a verdict: what is missing, with the error that is left; what is likely beside it; what the residual torque
 /// depends on, and a formula of that.
@@ -37,36 +37,36 @@ fn differs_words(difference: &Difference) -> String {
     let Difference { recording, symbol, share, std_error } = difference;
     let side = if *share < 0.0 { "smaller" } else { "larger" };
     format!(
-        "The recordings differ: {symbol} of {recording} is {} ± {} {side} than that of the others. If load, tyres or \
-         battery were changed in between, fit them separately.",
+        "The recordings differ: {symbol} of {recording} is {} ± {} {side} than in the others. If load, tyres or battery \
+         were changed between recordings, fit them separately.",
         percent(share.abs()),
         percent(*std_error)
     )
 }
 
 /// What is said in place of a comparison with the noise floor.
-const UNDETERMINED: &str = "These columns do not determine the model: a1 is not identifiable from them, and the \
-                            error of the fit is no measure of it.";
+const UNDETERMINED: &str = "The model cannot be determined from these columns: a1 is not identifiable. The \
+                            simulation error of such a fit does not measure its quality.";
 
 /// What is missing, and the error that is left.
 fn concluded(diagnosis: &DiagnosisStudy) -> Vec<String> {
     let DiagnosisStudy { errors, effects, .. } = diagnosis;
     let error = error::words(errors, effects.len());
     let likely = || diagnosis.unproven.as_ref().map_or(String::new(), unproven);
-    let unknown = "Something is missing that the catalogue does not explain.".to_owned();
+    let unknown = "An effect outside the catalogue is missing.".to_owned();
     match diagnosis.verdict {
         Verdict::ModelSufficient => sufficient(diagnosis, error),
         Verdict::EffectsMissing => {
             let mut out = vec![format!("Missing: {}.", found(diagnosis)), error];
             // what was found explains the larger part of the error; what is left may be far above the floor all the same
             if errors.far_above_all() {
-                out.push("More is missing than was found.".to_owned());
+                out.push("Further effects are missing.".to_owned());
             }
             out
         }
         // so far above its floor something is missing, whatever it is
         Verdict::EffectLikely if errors.far_above_all() => {
-            let likely = format!("Something is missing. Likely, not proven: {}.", likely());
+            let likely = format!("An effect is missing. Likely, but not proven: {}.", likely());
             vec![likely, error]
         }
         Verdict::EffectLikely => vec![format!("Likely missing, not proven: {}.", likely()), error],
@@ -76,8 +76,7 @@ fn concluded(diagnosis: &DiagnosisStudy) -> Vec<String> {
             // what was found may take the place of something else; a shift of the input shows in when the wheels move,
             // and nothing else moves them earlier or later
             if !effects.iter().all(|effect| shifts_input(&effect.id)) {
-                let in_place =
-                    "What was found may stand for a part of what is not in the catalogue.";
+                let in_place = "The effects found may approximate part of the missing one.";
                 out.push(in_place.to_owned());
             }
             out
@@ -103,7 +102,7 @@ fn sufficient(stated: &DiagnosisStudy, error: String) -> Vec<String> {
         return vec![format!("Nothing is missing: {none}."), error];
     }
     if !stated.errors.above_input() {
-        let faster = text("A recording at the rate of the controller decides.");
+        let faster = text("To decide, record at the rate of the controller.");
         return vec![format!("Nothing is proven to be missing: {none}."), error, faster];
     }
     if stated.errors.is_floor_slow() {
@@ -118,7 +117,7 @@ fn sufficient(stated: &DiagnosisStudy, error: String) -> Vec<String> {
         ),
         error,
         text(
-            "Coloured noise of the recorded input makes that much, and so does a disturbance from outside.",
+            "Coloured noise of the recorded input or an external disturbance can cause an error of this size.",
         ),
     ]
 }
@@ -126,13 +125,12 @@ fn sufficient(stated: &DiagnosisStudy, error: String) -> Vec<String> {
 fn reason(why: Withheld) -> String {
     let text = match why {
         Withheld::Raises => {
-            "the 2 s simulation error rises with it, as that of a right model may where friction decides when a wheel \
-             stops"
+            "the 2 s simulation error rises; a correct model can show this where friction determines when a wheel stops"
         }
         Withheld::BetweenRows => {
-            "what the input does between its rows could be the reason as well; a recording at a higher rate decides"
+            "the input between its rows could cause the same; record at a higher rate to decide"
         }
-        Withheld::Small => "its size does not differ from zero by more than its uncertainty",
+        Withheld::Small => "its size does not differ significantly from zero",
         Withheld::Short { windows, parameters } => {
             return format!(
                 "the training recordings are too short to prove it: {windows} windows of 1 s for {parameters} \
@@ -148,7 +146,7 @@ fn reason(why: Withheld) -> String {
 fn likely_beside(stated: &DiagnosisStudy) -> Option<String> {
     let beside = matches!(stated.verdict, Verdict::EffectsMissing | Verdict::UnknownEffect);
     let likely = stated.likely().filter(|_| beside)?;
-    Some(format!("Likely, not proven: {}.", unproven(likely)))
+    Some(format!("Likely, but not proven: {}.", unproven(likely)))
 }
 
 #[cfg(test)]
@@ -156,7 +154,7 @@ mod tests {
     use super::*;
     use crate::diagnose::Errors;
     use crate::recording::DriveUnit;
-    use crate::study::{Dependence, FormulaStudy, Logging, UnprovenEffect};
+    use crate::study::{DependenceStudy, FormulaStudy, Logging, UnprovenEffect};
 
     /// A model three times as far from the measurement as its noise floor, of which nothing was found.
     fn unknown() -> DiagnosisStudy {
@@ -191,20 +189,18 @@ mod tests {
     #[test]
     fn a_verdict_states_its_parts_in_the_order_error_likely_effect_dependence_formula() {
         let likely = UnprovenEffect { id: "slope".into(), lowers: 0.117 };
-        let depends = Dependence { shown: None, beside: None, tested: None, is_left: false };
+        let depends = DependenceStudy { shown: None, beside: None, tested: None, is_left: false };
         let stated =
             DiagnosisStudy { unproven: Some(likely), dependence: Some(depends), ..unknown() };
-        let error = "Something is missing that the catalogue does not explain. The 2 s simulation error is 3.0 times \
-                     the noise floor.";
-        let beside =
-            "Likely, not proven: inclined floor (slope), which lowers the held-out error by 12 %.";
-        let depends = "The residual torque depends little on anything that was tried; coloured noise of the recorded \
-                       input and disturbances from outside look like this too.";
+        let error = "An effect outside the catalogue is missing. The 2 s simulation error is 3.0 times the noise floor.";
+        let beside = "Likely, but not proven: inclined floor (slope), which lowers the held-out error by 12 %.";
+        let depends = "The residual torque does not depend clearly on any variable that was tried; coloured noise of the \
+                       recorded input and external disturbances look the same.";
         assert_eq!(sentence(&stated), format!("{error} {beside} {depends}"));
         let formula =
             FormulaStudy { id: "pile".into(), window_rms: 1.04, ..FormulaStudy::default() };
         // beside the formula no effect of the catalogue is likely
-        let lowers = "A formula of it (pile) lowers the 2 s simulation error to 1.04 rad/s, the noise floor.";
+        let lowers = "A formula for this dependence (pile) lowers the 2 s simulation error to 1.04 rad/s, the noise floor.";
         let stated = DiagnosisStudy { formula: Some(formula), ..stated };
         assert_eq!(sentence(&stated), format!("{error} {depends} {lowers}"));
         assert_eq!(stated.likely(), None);
@@ -231,8 +227,7 @@ mod tests {
         };
         let text = sentence(&stated);
         assert!(text.starts_with("Nothing is proven to be missing. The 2 s"), "{text}");
-        let end = "the held-out error falls by 25 %, but its size does not differ from zero by more than its \
-                   uncertainty.";
+        let end = "the held-out error falls by 25 %, but its size does not differ significantly from zero.";
         assert!(text.ends_with(end), "{text}");
     }
 

@@ -10,10 +10,10 @@ use crate::robot::{Robot, kinematics};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Segment {
-    /// Speed v_A wanted [m/s].
+    /// Set-point of the speed v_A [m/s].
     #[serde(default)]
     pub speed_m_s: f64,
-    /// Turn rate wanted, counter-clockwise positive [rad/s].
+    /// Set-point of the turn rate, counter-clockwise positive [rad/s].
     #[serde(default)]
     pub turn_rad_s: f64,
     /// Time to reach them from the segment before \[s\].

@@ -43,7 +43,7 @@ impl NoiseLevel {
 /// How a recording is made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recorder {
-    /// Rows a second \[Hz\].
+    /// Sampling rate \[Hz\].
     pub rate: f64,
     /// Steps a second of the robot's speed controller, between which the torques are held \[Hz\].
     pub control_rate: f64,

@@ -49,7 +49,7 @@ pub enum Defuzzification {
     WeightedSum,
 }
 
-/// What a rule concludes.
+/// Consequent of a rule.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
 )]
@@ -145,7 +145,7 @@ impl TakagiSugeno {
         self.range
     }
 
-    /// What a rule concludes.
+    /// Consequent of a rule.
     #[must_use]
     pub const fn consequents(&self) -> Consequents {
         self.consequents

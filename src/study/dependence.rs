@@ -5,7 +5,7 @@ use crate::diagnose::THRESHOLDS;
 
 /// What the residual torque of the last model depends on, as the curves of the report show it.
 #[derive(Clone, Debug)]
-pub struct Dependence {
+pub struct DependenceStudy {
     /// The curve that shows most of it, where it shows a part worth naming.
     pub shown: Option<Curve>,
     /// Where that is over what answers every disturbance: the one that shows most over anything else.
@@ -16,7 +16,7 @@ pub struct Dependence {
     pub is_left: bool,
 }
 
-impl Dependence {
+impl DependenceStudy {
     /// Of the `curves` of a residual torque that depends significantly on `tested`.
     #[must_use]
     pub fn of(curves: &[Curve], tested: Option<Variable>) -> Self {

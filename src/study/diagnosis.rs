@@ -2,14 +2,14 @@
 
 use serde::Serialize;
 
-use super::{Dependence, FormulaStudy, FoundEffect, ParameterStudy, UnprovenEffect};
+use super::{DependenceStudy, FormulaStudy, FoundEffect, ParameterStudy, UnprovenEffect};
 use crate::diagnose::{Difference, Errors, Judgement, Proposal};
 use crate::identify::Estimate;
 use crate::recording::DriveUnit;
 
 /// An effect tried by the diagnosis.
 #[derive(Clone, Debug)]
-pub struct Candidate {
+pub struct CandidateStudy {
     /// Id.
     pub effect: String,
     /// Posterior probability among the candidates.
@@ -67,7 +67,7 @@ impl Verdict {
 
 /// The error of one model version: the model with one more effect.
 #[derive(Clone, Debug, Serialize)]
-pub struct Step {
+pub struct StepStudy {
     /// Effect added; `None` for the first.
     pub added: Option<String>,
     /// Quality index on validation [rad^2/s].
@@ -94,13 +94,13 @@ pub struct DiagnosisStudy {
     /// A parameter of the last model that differs between the recordings.
     pub differs: Option<Difference>,
     /// What the residual torque depends on, where the verdict states it.
-    pub dependence: Option<Dependence>,
+    pub dependence: Option<DependenceStudy>,
     /// Parameters of the last model: that of the experiment with all effects found.
     pub parameters: Vec<ParameterStudy>,
     /// Candidates of the first step, best first.
-    pub ranking: Vec<Candidate>,
+    pub ranking: Vec<CandidateStudy>,
     /// Error with each effect found.
-    pub staircase: Vec<Step>,
+    pub staircase: Vec<StepStudy>,
     /// What to do or to record next.
     pub next: Vec<Advice>,
     /// The manoeuvre that distinguishes the best two, where one can.

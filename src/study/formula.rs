@@ -33,6 +33,6 @@ pub struct Coefficient {
     pub unit: String,
     /// Smallest and largest value.
     pub range: (f64, f64),
-    /// Value of ordinary size.
+    /// Typical value.
     pub typical: f64,
 }

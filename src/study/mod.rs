@@ -13,8 +13,10 @@ mod method;
 mod model;
 mod what_if;
 
-pub use dependence::{Dependence, is_most_of_it, is_plain, most_pointing};
-pub use diagnosis::{Advice, Candidate, DiagnosisStudy, Logging, Step, Verdict, Withheld};
+pub use dependence::{DependenceStudy, is_most_of_it, is_plain, most_pointing};
+pub use diagnosis::{
+    Advice, CandidateStudy, DiagnosisStudy, Logging, StepStudy, Verdict, Withheld,
+};
 pub use formula::{Coefficient, FormulaStudy};
 pub use grouped::grouped;
 pub use invocation::{Invocation, shell_word};
@@ -23,7 +25,7 @@ pub use method::{FuzzyStudy, MethodStudy, Performance};
 pub use model::{
     FAR_BELOW_FLOOR, FoundEffect, Grade, ModelStudy, ParameterStudy, UnprovenEffect, parameters_of,
 };
-pub use what_if::{Start, WhatIf};
+pub use what_if::{Start, WhatIfStudy};
 
 use serde::Serialize;
 
@@ -163,7 +165,7 @@ pub struct Study {
     /// The files that hold the identified model; `None` where no method found one.
     pub model_out: Option<ModelFiles>,
     /// The last model as a function that the page of the report runs; `None` without a physical fit.
-    pub what_if: Option<WhatIf>,
+    pub what_if: Option<WhatIfStudy>,
 }
 
 /// Least root mean square difference of the wheel speeds over that of their sum for runs that turn (taste).
@@ -174,16 +176,6 @@ impl Study {
     #[must_use]
     pub fn judged(&self) -> Vec<usize> {
         Judged::of(&self.recordings).numbers()
-    }
-
-    /// The role of the judged recordings in words.
-    #[must_use]
-    pub fn judged_words(&self) -> &'static str {
-        if Judged::of(&self.recordings).are_held_out() {
-            "validation"
-        } else {
-            "training (no validation recording is given)"
-        }
     }
 
     /// What the check of the recordings found, what differs in its numbers alone once, with the names of its

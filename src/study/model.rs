@@ -139,18 +139,6 @@ impl Grade {
             _ => Self::NotUsable,
         }
     }
-
-    /// The end of a sentence that begins with "The model is".
-    #[must_use]
-    pub fn words(self) -> &'static str {
-        match self {
-            Self::AtFloor => "at the noise floor",
-            Self::Near => "near the noise floor",
-            Self::Useful => "useful",
-            Self::Poor => "poor",
-            Self::NotUsable => "not usable",
-        }
-    }
 }
 
 #[cfg(test)]

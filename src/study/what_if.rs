@@ -15,7 +15,7 @@ pub struct Start {
 
 /// The last model of an experiment, to be simulated with other values of its parameters.
 #[derive(Clone, Debug)]
-pub struct WhatIf {
+pub struct WhatIfStudy {
     /// The function in JavaScript, as `model.js` holds it, or the effects of which there is none.
     pub script: Result<String, Vec<Obstacle>>,
     /// Input of every recording, shifted by the timing that the diagnosis fitted.

@@ -12,7 +12,7 @@ use crate::filter::{Likelihood, prepare};
 use crate::recording::Recording;
 use crate::simulate::{Hold, SimulateError};
 use crate::study::{
-    Advice, Dependence, DiagnosisStudy, FormulaStudy, FoundEffect, Logging, UnprovenEffect,
+    Advice, DependenceStudy, DiagnosisStudy, FormulaStudy, FoundEffect, Logging, UnprovenEffect,
     Verdict, Withheld, is_plain, parameters_of,
 };
 
@@ -93,7 +93,7 @@ impl<'a> Concluded<'a> {
     /// What the residual torque depends on by its `curves`, where the verdict states it: where something outside the
     /// catalogue is missing, and where more is missing than was found, by the error or by a variable that shows the
     /// larger part of it.
-    pub(super) fn dependence(&self, curves: &[Curve]) -> Option<Dependence> {
+    pub(super) fn dependence(&self, curves: &[Curve]) -> Option<DependenceStudy> {
         let is_stated = match self.conclusion {
             _ if self.is_undetermined => false,
             Conclusion::Unknown => self.errors.above_floor(),
@@ -102,7 +102,7 @@ impl<'a> Concluded<'a> {
             }
             Conclusion::Sufficient => false,
         };
-        is_stated.then(|| Dependence::of(curves, self.depends_on))
+        is_stated.then(|| DependenceStudy::of(curves, self.depends_on))
     }
 
     /// The verdict, with what the residual torque depends on where it states that, and with a `formula` of it, beside
@@ -110,7 +110,7 @@ impl<'a> Concluded<'a> {
     /// columns do not determine is no effect.
     pub(super) fn study(
         &self,
-        dependence: Option<Dependence>,
+        dependence: Option<DependenceStudy>,
         formula: Option<FormulaStudy>,
     ) -> Result<DiagnosisStudy, SimulateError> {
         let Self { diagnosis, basis, judge, errors, .. } = self;

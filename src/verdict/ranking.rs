@@ -3,7 +3,7 @@
 use crate::diagnose::{Diagnosis, Judge, Judgement, Ranked, THRESHOLDS, probabilities};
 use crate::identify::Estimate;
 use crate::simulate::SimulateError;
-use crate::study::{Candidate, Step, parameters_of};
+use crate::study::{CandidateStudy, StepStudy, parameters_of};
 
 /// Candidates whose error on the judged recordings is simulated.
 const JUDGED: usize = 8;
@@ -12,8 +12,8 @@ pub(super) fn staircase(
     diagnosis: &Diagnosis,
     judge: &Judge,
     before: Judgement,
-) -> Result<Vec<Step>, SimulateError> {
-    let step = |added: Option<String>, j: Judgement| Step {
+) -> Result<Vec<StepStudy>, SimulateError> {
+    let step = |added: Option<String>, j: Judgement| StepStudy {
         added,
         ise_validation: j.ise,
         window_rms_validation: j.window_rms,
@@ -29,7 +29,7 @@ pub(super) fn ranking(
     diagnosis: &Diagnosis,
     judge: &Judge,
     before: Judgement,
-) -> Result<Vec<Candidate>, SimulateError> {
+) -> Result<Vec<CandidateStudy>, SimulateError> {
     let probabilities = probabilities(&diagnosis.ranking);
     let best = diagnosis.ranking.first().map_or(0.0, |r| r.bic);
     diagnosis
@@ -61,8 +61,8 @@ fn candidate(
     before: Judgement,
     after: Option<Judgement>,
     judge: &Judge,
-) -> Candidate {
-    Candidate {
+) -> CandidateStudy {
+    CandidateStudy {
         effect: ranked.candidate.id.clone(),
         probability,
         indistinguishable,

@@ -4,10 +4,10 @@ use std::fmt::Write;
 use std::sync::Arc;
 
 use crate::compare::{Acting, Curve, Variable};
-use crate::diagnose::{WindowFit, Windows, fit, mobility, scale_of};
+use crate::diagnose::{WindowFit, Windows, fit, scale_of};
 use crate::effects::{Custom, CustomDefinition, ParameterSpec};
+use crate::math::round_significant;
 use crate::recording::{DriveUnit, Recording};
-use crate::report::format::round_significant;
 use crate::simulate::Hold;
 
 /// Largest coefficient in amplitudes of the curve: a series over a range with gaps may take more than the curve shows
@@ -104,7 +104,7 @@ impl Formula {
         let effect = Custom::new(&self.id, self.definition.clone()).ok()?;
         let train: Vec<&Recording> = train.iter().collect();
         let scale = scale_of(model, p, &train);
-        let windows = Windows::new(train, hold, mobility(model, p)).sampled(model, p);
+        let windows = Windows::weighted(train, hold, model, p);
         let with = model.add_effect(Arc::new(effect)).ok()?;
         let start: Vec<f64> =
             p.iter().copied().chain(self.definition.parameters.iter().map(|_| 0.0)).collect();

@@ -237,7 +237,8 @@ fn acceleration(model: &Model, p: &[f64], t: f64, state: &State, acting: &[f64; 
     let (alpha, omega) = (state.alpha, state.omega);
     let x = Motion::at(t, alpha, omega, model.robot());
     let all = model.terms(&x, p);
-    let Some(coupling) = model.coupling(&x, p) else {
+    let of = |e: usize| model.effects()[e].coupling(&x, &p[model.slots(e)]);
+    let Some(coupling) = model.coupling_effect().and_then(of) else {
         return contact(&all, acting, &omega).unwrap().acceleration;
     };
     let rotor = coupling.rotor_within(&all.mass);

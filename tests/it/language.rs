@@ -8,7 +8,7 @@ use amigo_ident::{effects, identify};
 use crate::prose::prose;
 
 /// Phrases that are refused, in lower case, and what is written instead. Words count as a whole.
-const REFUSED: [(&str, &str); 51] = [
+const REFUSED: [(&str, &str); 61] = [
     ("missing moment", "residual torque"),
     ("missing moments", "residual torques"),
     ("motor moment", "motor torque"),
@@ -60,6 +60,16 @@ const REFUSED: [(&str, &str); 51] = [
     ("this data cannot tell", "indistinguishable from these data"),
     ("drive unit", "unit of the input"),
     ("asleep", "negligible"),
+    ("way of the robot", "robot path"),
+    ("takes all out", "is efficient"),
+    ("fall of bic", "ΔBIC"),
+    ("explains all but", "removes … of the error above the noise floor"),
+    ("so many degrees of freedom", "the degrees of freedom listed"),
+    ("by itself and starts from", "uses its own fit (initial error …)"),
+    ("cannot give", "… is not identifiable"),
+    ("beyond doubt", "significant"),
+    ("speaks of", "mentions"),
+    ("learned the hard way", "…"),
 ];
 
 /// Words of persons, which methods, effects and parameters are not.

@@ -20,8 +20,8 @@ const ORDER: [&str; 16] = [
     "compare",
     "diagnose",
     "study",
-    "report",
     "verdict",
+    "report",
     "experiment",
 ];
 

@@ -214,7 +214,10 @@ fn the_readme_counts_the_healthy_sets_of_the_benchmark() {
     let start = format!("Of {sets} healthy sets of the benchmark (");
     let (_, behind) = readme.split_once(&start).unwrap_or_else(|| panic!("README: {start}"));
     let said = behind.split_once(") ").unwrap().1;
-    assert!(said.starts_with(&format!("{word} were said to miss something")), "{sets}: {said}");
+    assert!(
+        said.starts_with(&format!("{word} were reported with a missing effect")),
+        "{sets}: {said}"
+    );
 }
 
 /// What the benchmark of the estimators wrote.

@@ -1,17 +1,17 @@
 //! Findings as they are printed: what several channels or recordings share once, with the ranges of its numbers.
 
-use std::fmt;
-
-use super::words::words;
 use super::{Action, Channel, Finding, Kind};
 use crate::math::{Span, Spans};
 
 /// What one or several findings say.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stated {
-    channels: Vec<Channel>,
-    kind: Kind<Span<usize>, Span<f64>>,
-    action: Action,
+    /// The channels of which the same was found.
+    pub(crate) channels: Vec<Channel>,
+    /// What was found, with the ranges of its numbers.
+    pub(crate) kind: Kind<Span<usize>, Span<f64>>,
+    /// What was done.
+    pub(crate) action: Action,
 }
 
 impl Stated {
@@ -32,32 +32,6 @@ impl Stated {
         }
         is_like
     }
-
-    /// Its channels, as the subject of a sentence.
-    fn subject(&self) -> String {
-        let names: Vec<String> = self.channels.iter().map(|c| c.name()).collect();
-        match &names[..] {
-            [rest @ .., last] if !rest.is_empty() => {
-                format!("each of {} and {last}", rest.join(", "))
-            }
-            names => names.concat(),
-        }
-    }
-}
-
-/// In a sentence.
-impl fmt::Display for Stated {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Some(channel) = self.channels.first() else { return Ok(()) };
-        let (what, done) = words(&self.subject(), self.kind, *channel);
-        match self.action {
-            Action::Corrected(key) => {
-                write!(f, "{what}; {done} ([conditioning] {key} = false leaves it)")
-            }
-            Action::Used => write!(f, "{what}; {done}"),
-            Action::Noted => write!(f, "{what}; left as recorded"),
-        }
-    }
 }
 
 /// The findings of a recording, those that say the same of several channels as one.
@@ -72,12 +46,6 @@ pub fn stated(findings: &[Finding]) -> Vec<Stated> {
         }
     }
     out
-}
-
-/// The findings of a recording in words, those that say the same of several channels in one sentence.
-#[must_use]
-pub fn sentences(findings: &[Finding]) -> Vec<String> {
-    stated(findings).iter().map(ToString::to_string).collect()
 }
 
 #[cfg(test)]
@@ -119,8 +87,12 @@ mod tests {
     #[test]
     fn channels_of_which_the_same_is_said_share_a_sentence() {
         let quantum = |i| finding(Channel::Speed(i), Kind::Quantum { step: 0.5 });
-        let said = sentences(&[quantum(0), finding(Channel::Input(0), Kind::Sign), quantum(1)]);
+        let said = stated(&[quantum(0), finding(Channel::Input(0), Kind::Sign), quantum(1)]);
         assert_eq!(said.len(), 2);
-        assert!(said[0].starts_with("each of dalpha1 and dalpha2 comes in steps of 0.500000"));
+        assert!(
+            said[0]
+                .to_string()
+                .starts_with("each of dalpha1 and dalpha2 is quantised in steps of 0.500000")
+        );
     }
 }

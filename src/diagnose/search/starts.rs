@@ -9,10 +9,10 @@ use crate::diagnose::candidate::Candidate;
 use crate::diagnose::candidates::candidates;
 use crate::diagnose::fit::{WindowFit, fit};
 use crate::diagnose::outcome::Ranked;
-use crate::diagnose::regression::ColumnRoom;
+use crate::diagnose::regression::ColumnBuffer;
 use crate::diagnose::screen::Screen;
 use crate::diagnose::thresholds::THRESHOLDS;
-use crate::diagnose::windows::{Windows, mobility};
+use crate::diagnose::windows::Windows;
 use crate::effects::{Cycle, Wave};
 use crate::identify::{Task, start};
 use crate::math::{distribution, median_high};
@@ -185,7 +185,7 @@ impl Search<'_> {
     /// Every candidate with waves, shape by shape, with phases. Orders of which many are tried are levelled as in
     /// [`Search::level_grids`].
     fn phased<'c>(&self, look: &Look, all: &'c [Candidate]) -> Vec<Phased<'c>> {
-        let mut room = ColumnRoom::default();
+        let mut buffer = ColumnBuffer::default();
         let mut out: Vec<Phased> = Vec::new();
         let mut ids: Vec<&str> = all.iter().map(|c| c.id.as_str()).collect();
         ids.dedup();
@@ -193,7 +193,7 @@ impl Search<'_> {
             let own = all.iter().filter(|c| c.id == id && !c.waves().is_empty());
             let own: Vec<(&Candidate, Aligned)> = own
                 .filter_map(|c| {
-                    let by_torque = look.0.as_ref().map(|r| r.by_recording(c, &mut room));
+                    let by_torque = look.0.as_ref().map(|r| r.by_recording(c, &mut buffer));
                     let by_windows = look.1.as_ref().map(|s| s.by_recording(c));
                     let looks = by_torque.into_iter().chain(by_windows).collect();
                     let none = DVector::zeros(c.columns());
@@ -233,9 +233,7 @@ impl Search<'_> {
         moved: &[Recording],
     ) -> Option<(WindowFit, Aligned)> {
         let recordings: Vec<&Recording> = moved.iter().collect();
-        let mobility = mobility(&before.model, &before.p);
-        let windows = Windows::new(recordings, self.windows.hold, mobility);
-        let windows = windows.sampled(&before.model, &before.p);
+        let windows = Windows::weighted(recordings, self.windows.hold, &before.model, &before.p);
         let found = fit(&windows, &before.model, &before.p, &self.scale)?;
         let first = found.p.len() - candidate.p.len();
         let mut at = candidate.clone();

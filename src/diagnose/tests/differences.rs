@@ -20,7 +20,7 @@ fn a_load_in_one_recording_is_named_with_its_share_and_recordings_of_one_robot_a
     let of = |recordings: &[&Recording]| {
         let owned: Vec<Recording> = recordings.iter().map(|r| (*r).clone()).collect();
         let first = started(&model, &owned);
-        let windows = Windows::new(recordings.to_vec(), Hold::Linear, mobility(&model, &first));
+        let windows = Windows::new(recordings.to_vec(), Hold::Linear, &model, &first);
         let common = fit(&windows, &model, &first, &scale(&model, &first, recordings)).unwrap();
         difference(&common, recordings, Hold::Linear)
     };

@@ -15,7 +15,7 @@ pub struct ColumnEntry {
     /// Name in the file.
     #[serde(default)]
     pub name: String,
-    /// Unit in the file; that of the header, or of the contract, unless given.
+    /// Unit in the file; that of the header, or the SI unit, unless given.
     pub unit: Option<String>,
     /// Factor on the value, for example a gear ratio or -1; 1 unless given.
     pub scale: Option<f64>,
@@ -41,7 +41,7 @@ pub struct ColumnEntry {
     pub times: Option<String>,
     /// Column that says the direction of a magnitude, for example `dirL` beside `pwmL` (speeds and inputs only).
     pub sign: Option<String>,
-    /// What the column `sign` holds where the value is negative, as text; a negative number unless given.
+    /// Text in the column `sign` that marks a negative value; a negative number unless given.
     pub backward: Option<String>,
 }
 

@@ -95,7 +95,7 @@ pub(in crate::experiment) struct WrongKey {
 #[derive(Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Range {
-    /// How many whole numbers, from `from` (1 unless given) on.
+    /// Number of integers, starting at `from` (1 unless given).
     #[schemars(range(min = 1, max = MOST_CELLS))]
     count: Option<usize>,
     /// First value.
@@ -104,7 +104,7 @@ pub(super) struct Range {
     /// Last value.
     #[schemars(with = "Option<f64>")]
     to: Option<Value>,
-    /// How many values, from the first to the last.
+    /// Number of values, from the first to the last.
     #[schemars(range(min = 2, max = MOST_CELLS))]
     steps: Option<usize>,
     /// Equal ratios instead of equal steps.

@@ -44,7 +44,7 @@ pub(super) fn robot(generator: &mut SchemaGenerator) -> Schema {
     let needed = table["required"].take();
     table["properties"]["preset"] = json!({
         "type": "string", "oneOf": preset,
-        "description": "A robot by name; construction data that are written replace its own.",
+        "description": "A robot by name; construction data given here replace those of the preset.",
     });
     if let Some(map) = table.as_object_mut() {
         map.remove("required");
@@ -171,7 +171,7 @@ fn method(method: &dyn identify::Identifier) -> Value {
     let mut keys = Map::new();
     keys.insert("name".into(), json!({ "const": said.name, "description": said.title }));
     keys.extend(typed["properties"].as_object().cloned().unwrap_or_default());
-    json!({ "title": said.title, "description": format!("Use when {}.", said.use_when),
+    json!({ "title": said.title, "description": format!("Use: {}.", said.use_when),
             "type": "object", "properties": keys, "required": ["name"],
             "additionalProperties": false })
 }
@@ -189,6 +189,6 @@ pub(super) fn grid(generator: &mut SchemaGenerator) -> Schema {
     schema(json!({
         "type": "object", "properties": keys, "patternProperties": { dotted: axis },
         "additionalProperties": false, "minProperties": 1,
-        "description": "Keys over whose combinations the experiment is repeated.",
+        "description": "The experiment is repeated over all combinations of these keys.",
     }))
 }

@@ -23,7 +23,7 @@ pub struct ExperimentFile {
     pub robot: Option<Table>,
     /// Measured data.
     pub recordings: Option<RecordingsEntry>,
-    /// What sensors and loggers did to the recordings and is corrected; all of it unless switched off.
+    /// Corrections of faults by sensors and loggers; each is on unless switched off.
     pub conditioning: Settings,
     /// Synthetic data.
     pub simulation: Option<SimulationEntry>,
@@ -34,9 +34,9 @@ pub struct ExperimentFile {
     pub method: Vec<Table>,
     /// Emulator of eq. (19).
     pub emulator: EmulatorEntry,
-    /// The search for what is missing; none unless the table is there.
+    /// The search for missing effects; omitted without this table.
     pub diagnosis: Option<DiagnosisEntry>,
-    /// Keys over whose combinations the experiment is repeated.
+    /// The experiment is repeated over all combinations of these keys.
     #[schemars(schema_with = "super::key_schema::grid")]
     pub grid: Option<Table>,
 }
@@ -48,17 +48,17 @@ pub struct RecordingsEntry {
     /// Files to fit.
     #[schemars(length(min = 1))]
     pub train: Vec<String>,
-    /// Files to judge on.
+    /// Files for validation.
     #[serde(default)]
     pub validation: Vec<String>,
-    /// Where column names or units differ from the contract.
+    /// Columns whose names or units differ from the usual ones.
     #[serde(default, deserialize_with = "columns")]
     #[schemars(schema_with = "super::key_schema::columns")]
     pub columns: BTreeMap<String, ColumnEntry>,
     /// Unit of the input.
     #[serde(default)]
     pub drive_unit: DriveUnit,
-    /// The input between samples; without it a line, and `check` says where the motion speaks for a held input.
+    /// The input between samples; linear unless given, and `check` reports if the motion fits a held input better.
     #[serde(default)]
     pub hold: Option<Hold>,
     /// Rows up to which a recording is held in memory. Of a longer one (CSV, Parquet) windows are
@@ -88,12 +88,12 @@ pub struct SimulationEntry {
     /// Recordings to fit.
     #[schemars(range(min = 1))]
     pub train: usize,
-    /// Recordings to judge on.
+    /// Recordings for validation.
     pub validation: usize,
-    /// Rows a second \[Hz\].
+    /// Sampling rate \[Hz\].
     #[schemars(range(min = 1.0, max = 1e5))]
     pub rate_hz: f64,
-    /// Steps a second of the robot's controller \[Hz\].
+    /// Rate of the robot's controller \[Hz\].
     #[schemars(range(min = 1.0, max = 1e5))]
     pub control_rate_hz: f64,
     /// Length of a rich movement \[s\].
@@ -102,7 +102,7 @@ pub struct SimulationEntry {
     /// Largest wheel speed of a rich movement [rad/s].
     #[schemars(range(min = 0.1, max = 1e4))]
     pub top_speed_rad_s: f64,
-    /// Steps a turn of the encoder.
+    /// Counts of the encoder per turn.
     #[schemars(range(min = 1.0))]
     pub encoder_ticks: Option<f64>,
     /// True values of base parameters that differ from the construction.
@@ -142,7 +142,7 @@ impl Default for SimulationEntry {
 pub enum MovementEntry {
     /// `paper` or `rich`.
     Named(NamedMovement),
-    /// Written out, one after the other.
+    /// Segments in their order.
     Segments(Vec<Segment>),
 }
 
@@ -163,7 +163,7 @@ pub struct ModelEntry {
     /// Effects added to the base.
     #[schemars(schema_with = "super::key_schema::effects")]
     pub effects: Vec<String>,
-    /// Parameters held at a value or at the construction's.
+    /// Parameters held at a value, or at that of the construction data.
     #[schemars(schema_with = "super::key_schema::fixed")]
     pub fixed: BTreeMap<String, FixedEntry>,
     /// Effects written as formulas.
@@ -192,7 +192,7 @@ pub enum ConstructionWord {
 #[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CustomEntry {
-    /// Name by which `[model] effects` and `[simulation] hidden` call it.
+    /// Id by which `[model] effects` and `[simulation] hidden` refer to it.
     pub id: String,
     /// Resisting torque on wheel 1 [N m].
     pub torque1: String,
@@ -213,7 +213,7 @@ pub struct CustomParameter {
     pub unit: String,
     /// Smallest and largest value.
     pub range: (f64, f64),
-    /// Value of ordinary size.
+    /// Typical value.
     pub typical: f64,
     /// Whether it shapes the torque instead of scaling it.
     pub shape: bool,
@@ -247,11 +247,12 @@ pub struct DiagnosisEntry {
     /// Stated false-alarm rate.
     #[schemars(extend("exclusiveMinimum" = 0.0, "exclusiveMaximum" = 1.0))]
     pub false_alarm: f64,
-    /// Most effects that are added.
+    /// Largest number of effects that are added.
     #[schemars(range(min = 1))]
     pub max_effects: usize,
-    /// Whether a slow unknown torque (up to 1 s) is noise. `false` for a bench whose input is known
-    /// well: constant and slow effects show better, and coloured noise raises alarms.
+    /// Whether a slow unknown torque (up to 1 s) is treated as noise. `false` for a test bench with an
+    /// accurately known input: constant and slow effects are detected better, but coloured noise causes false
+    /// alarms.
     pub slow_moment: bool,
 }
 

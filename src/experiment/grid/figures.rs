@@ -5,7 +5,7 @@ use super::summary::{FEWEST_COVERED, Summary, conditions};
 use crate::experiment::combinations::GridPlan;
 use crate::math::distribution::chi2_quantile;
 use crate::report::block::Block;
-use crate::report::figure::{Axis, Dash, Figure, Layer, Panel, Role};
+use crate::report::figure::{Axis, ColourRole, Dash, Figure, Layer, Panel};
 use crate::report::format;
 
 /// A point of a curve: place, value, lower and upper edge of its 95 % interval.
@@ -161,7 +161,7 @@ fn figure(
             panel = with_curve(panel, &points, name, n);
         }
         if let Some(target) = &quantity.target {
-            panel = panel.with(Layer::hline(target.at, target.label, Role::Ink));
+            panel = panel.with(Layer::hline(target.at, target.label, ColourRole::Ink));
         }
         out = out.with_panel(panel);
     }
@@ -182,12 +182,12 @@ fn chance(x: &[f64], (low, high): (f64, f64)) -> Layer {
     let mut x = x.to_vec();
     x.sort_by(f64::total_cmp);
     let (lower, upper) = (vec![low; x.len()], vec![high; x.len()]);
-    Layer::Band { x, lower, upper, label: "by chance (95 %)".into(), role: Role::NoiseFloor }
+    Layer::Band { x, lower, upper, label: "by chance (95 %)".into(), role: ColourRole::NoiseFloor }
 }
 
 /// Adds the n-th curve: its colour, and its dashes for those who see no colour.
 fn with_curve(mut panel: Panel, points: &[Point], name: &str, n: usize) -> Panel {
-    let role = Role::Series(n);
+    let role = ColourRole::Series(n);
     let dash = [Dash::Solid, Dash::Dashed, Dash::Dotted][n % 3];
     let edges: Option<Vec<(f64, f64)>> = points.iter().map(|p| p.2).collect();
     if let Some(edges) = edges {

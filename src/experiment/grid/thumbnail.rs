@@ -2,7 +2,7 @@
 
 use super::competitors::Competitor;
 use super::curves::MOST_SERIES;
-use crate::report::figure::{Axis, Figure, Layer, Panel, Role, Size};
+use crate::report::figure::{Axis, ColourRole, Figure, Layer, Panel, Size};
 use crate::report::{ReportError, figure_to_png};
 
 /// Dots of a competitor at most: more cover each other at this size.
@@ -17,7 +17,7 @@ pub(super) fn thumbnail(competitors: &[Competitor]) -> Result<Option<Vec<u8>>, R
         return Ok(None);
     }
     let panel = Panel::new(Axis::linear("run", ""), Axis::linear("error over floor", ""))
-        .with(Layer::hline(1.0, "", Role::NoiseFloor));
+        .with(Layer::hline(1.0, "", ColourRole::NoiseFloor));
     let dots = competitors.iter().take(MOST_SERIES).enumerate().map(|(n, one)| dots(one, n));
     let mut figure = Figure::new("thumbnail", "").with_panel(dots.fold(panel, Panel::with));
     figure.size = Size { width: 240.0, height: Some(130.0) };
@@ -31,7 +31,7 @@ fn dots(competitor: &Competitor, n: usize) -> Layer {
     Layer::Points {
         points: points.filter(|(_, ratio)| ratio.is_finite()).collect(),
         label: String::new(),
-        role: Role::Series(n),
+        role: ColourRole::Series(n),
         radius: 2.0,
         alpha: 0.8,
     }

@@ -70,9 +70,9 @@ pub struct Settings {
     /// Speeds over which they are spread: "data" (measured speeds and a tenth beyond), "paper" (0
     /// to 30 rad/s) or [low, high] in rad/s; beyond, the output is that of the edge.
     pub range: Range,
-    /// What a rule concludes.
+    /// Consequent of a rule.
     pub consequents: Consequents,
-    /// How rules are weighed.
+    /// Weighting of the rules.
     pub defuzzification: Defuzzification,
     /// Speeds at which fhat is evaluated, eq. (19): simulated (parallel) or measured.
     pub structure: Structure,

@@ -89,9 +89,9 @@ pub enum ExpressionError {
 }
 
 impl ExpressionError {
-    /// The bytes of the formula the error speaks of; empty at the end of the formula.
-    #[must_use]
-    pub fn span(&self) -> Range<usize> {
+    /// The bytes of the formula at which the error was found; empty at the end of the formula.
+    #[cfg(test)]
+    pub(super) fn span(&self) -> Range<usize> {
         match self {
             Self::UnexpectedCharacter { span, .. }
             | Self::UnexpectedToken { span, .. }

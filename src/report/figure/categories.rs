@@ -1,6 +1,6 @@
 //! Layers over names instead of numbers: bars and heat maps.
 
-use super::Role;
+use super::ColourRole;
 
 /// Bars over categories from top to bottom, so that long names fit; one bar per series and category.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,7 +19,7 @@ pub struct BarSeries {
     /// Legend entry.
     pub label: String,
     /// Meaning, hence colour.
-    pub role: Role,
+    pub role: ColourRole,
     /// One value per category; missing ones are left out.
     pub values: Vec<f64>,
     /// Whiskers (lower, upper) per category; empty for none.
@@ -30,7 +30,7 @@ pub struct BarSeries {
 
 impl BarSeries {
     /// A series without whiskers and text.
-    pub fn new(label: impl Into<String>, role: Role, values: Vec<f64>) -> Self {
+    pub fn new(label: impl Into<String>, role: ColourRole, values: Vec<f64>) -> Self {
         Self { label: label.into(), role, values, intervals: Vec::new(), text: Vec::new() }
     }
 }

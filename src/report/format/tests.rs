@@ -75,6 +75,4 @@ fn units_prefixes_and_counts() {
     assert_eq!(count(1_234_567), "1\u{2009}234\u{2009}567");
     assert_eq!(fixed(-0.001, 2), "0.00");
     assert_eq!(superscript(-120), "⁻¹²⁰");
-    assert_eq!(round_significant(1.234_567_89, 6), 1.234_57);
-    assert!(round_significant(f64::NAN, 6).is_nan());
 }

@@ -3,10 +3,10 @@
 use serde::Serialize;
 
 use super::column::Column;
+use crate::math::round_significant;
 use crate::report::ReportError;
 use crate::report::figure::{Axis, AxisScale, Dash, Figure, Layer};
-use crate::report::format::round_significant;
-use crate::report::palette::Role;
+use crate::report::palette::ColourRole;
 use crate::report::plot::{BAND_ALPHA, SHADE_ALPHA, panel_ranges};
 use crate::report::polyline::{Point, decimate, runs};
 
@@ -162,13 +162,13 @@ fn layer(
     let round = |values: Vec<f64>| -> Column {
         Column(values.into_iter().map(|v| round_within(v, y_range, Y_DIGITS)).collect())
     };
-    let base = |kind: &'static str, label: &str, role: Role| LayerData {
+    let base = |kind: &'static str, label: &str, role: ColourRole| LayerData {
         kind,
         label: label.to_owned(),
         color: role.css_variable(),
         version: match role {
-            Role::Given => Some("given"),
-            Role::Model => Some("model"),
+            ColourRole::Given => Some("given"),
+            ColourRole::Model => Some("model"),
             _ => None,
         },
         ..LayerData::default()
@@ -244,7 +244,7 @@ fn layer(
             ..base("text", "", *role)
         },
         // never on an interactive figure: see Figure::is_interactive
-        Layer::Bars(_) | Layer::HeatMap(_) => base("text", "", Role::Ink),
+        Layer::Bars(_) | Layer::HeatMap(_) => base("text", "", ColourRole::Ink),
     }
 }
 

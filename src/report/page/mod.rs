@@ -18,7 +18,9 @@ use super::ReportError;
 use super::block::Block;
 use super::figure::Figure;
 use super::fonts::{FAMILY, REGULAR, SEMI_BOLD};
-use super::palette::{AXIS, DARK_PARTNERS, GRID, INK, MUTED, Rgb, Role, SURFACE, css_variable};
+use super::palette::{
+    AXIS, ColourRole, DARK_PARTNERS, GRID, INK, MUTED, Rgb, SURFACE, css_variable,
+};
 use super::raster::figure_to_both;
 
 const INTERACTIVE: &str = concat!(
@@ -42,7 +44,7 @@ pub struct PageContent {
     pub subtitle: String,
     /// The sections, in order.
     pub sections: Vec<SectionContent>,
-    /// Names of the two models whose curves the reader can switch, that of [`Role::Given`] first; empty for
+    /// Names of the two models whose curves the reader can switch, that of [`ColourRole::Given`] first; empty for
     /// none.
     pub versions: Vec<String>,
     /// Closing remarks; line breaks are kept.
@@ -309,7 +311,7 @@ fn colors() -> String {
         named("axis", AXIS),
         named("grid", GRID),
         named("paper", SURFACE),
-        named("link", Role::Measured.color()),
+        named("link", ColourRole::Measured.color()),
         "--good:#00734F;--notice:#8F5F00;--bad:#B23C00;--tint:#F4F6F8;--track:#D5E6F3;".to_owned(),
     ];
     let dark = "--good:#3CCB9F;--notice:#F2B52C;--bad:#FF8A4A;--tint:#1F252D;--track:#1F3F5A;";

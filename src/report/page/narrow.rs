@@ -29,11 +29,11 @@ fn narrowed(figure: &Figure) -> Figure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::figure::{Axis, Layer, Panel, Role};
+    use crate::report::figure::{Axis, ColourRole, Layer, Panel};
 
     #[test]
     fn a_phone_gets_its_panels_below_each_other_at_the_size_of_text_that_others_have() {
-        let line = Layer::line(vec![(0.0, 0.0), (1.0, 2.0)], "y", Role::Model);
+        let line = Layer::line(vec![(0.0, 0.0), (1.0, 2.0)], "y", ColourRole::Model);
         let panel = || Panel::new(Axis::linear("x", ""), Axis::linear("y", "")).with(line.clone());
         let mut figure =
             Figure::new("two", "Two").with_panel(panel()).with_panel(panel()).with_columns(2);

@@ -18,7 +18,7 @@ fn with_blocks(blocks: Vec<Block>) -> PageContent {
 fn series(id: &str) -> Figure {
     let points = (0..50_000).map(|i| (f64::from(i) * 1e-3, (f64::from(i) * 0.01).sin()));
     let panel = Panel::new(Axis::linear("</script>", "s"), Axis::linear("y", ""))
-        .with(Layer::line(points.collect(), "</script><b>", Role::Model));
+        .with(Layer::line(points.collect(), "</script><b>", ColourRole::Model));
     Figure::new(id, "<img onerror=1>").with_panel(panel).interactive()
 }
 
@@ -113,20 +113,20 @@ fn figures_are_drawn_once_named_apart_and_returned() {
 fn embedded_data_are_valid_json_with_gaps_as_null() {
     let points = vec![(0.0, 1.0), (1.0, f64::NAN), (2.0, 3.0), (3.0, f64::INFINITY)];
     let panel = Panel::new(Axis::linear("t", "s"), Axis::linear("y", ""))
-        .with(Layer::line(points.clone(), "a", Role::Model))
-        .with(Layer::points(points, "b", Role::Measured))
-        .with(Layer::hline(f64::NAN, "c", Role::Ink))
+        .with(Layer::line(points.clone(), "a", ColourRole::Model))
+        .with(Layer::points(points, "b", ColourRole::Measured))
+        .with(Layer::hline(f64::NAN, "c", ColourRole::Ink))
         .with(Layer::Shade {
             ranges: vec![(1.0, f64::INFINITY)],
             label: String::new(),
-            role: Role::NoiseFloor,
+            role: ColourRole::NoiseFloor,
         })
         .with(Layer::Band {
             x: vec![0.0, 1.0],
             lower: vec![f64::NEG_INFINITY, f64::NAN],
             upper: vec![2.0, 2.0],
             label: String::new(),
-            role: Role::NoiseFloor,
+            role: ColourRole::NoiseFloor,
         });
     let text = data::json(&data::of(&Figure::new("f", "").with_panel(panel)), "f").unwrap();
     let json: serde_json::Value = serde_json::from_str(&text).unwrap();

@@ -2,7 +2,7 @@
 
 use crate::report::ReportError;
 use crate::report::figure::{Bars, Panel};
-use crate::report::palette::{AXIS, INK, Role, SURFACE};
+use crate::report::palette::{AXIS, ColourRole, INK, SURFACE};
 use crate::report::polyline::Rect;
 
 use super::canvas::Canvas;
@@ -22,7 +22,7 @@ pub(super) fn draw(canvas: &Canvas<'_>, bars: &Bars, frame: &Frame) -> Result<()
     for (s, series) in bars.series.iter().enumerate() {
         for (i, value) in series.values.iter().enumerate().take(bars.categories.len()) {
             let place = place(bars, frame, s, i);
-            let role = if bars.highlight == Some(i) { Role::Highlight } else { series.role };
+            let role = if bars.highlight == Some(i) { ColourRole::Highlight } else { series.role };
             bar(canvas, frame, &place, *value, role)?;
             whisker(canvas, frame, &place, series.intervals.get(i).copied())?;
         }
@@ -70,7 +70,7 @@ fn bar(
     frame: &Frame,
     place: &Place,
     value: f64,
-    role: Role,
+    role: ColourRole,
 ) -> Result<(), ReportError> {
     if value.is_nan() {
         return Ok(());

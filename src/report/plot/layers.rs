@@ -2,7 +2,7 @@
 
 use crate::report::ReportError;
 use crate::report::figure::{Dash, ErrorBar, Layer};
-use crate::report::palette::{Rgb, Role, SURFACE};
+use crate::report::palette::{ColourRole, Rgb, SURFACE};
 use crate::report::polyline::{Point, Rect, clip_line, clip_polygon, decimate, runs, thin_dots};
 
 use super::canvas::Canvas;
@@ -101,7 +101,7 @@ fn band(
     canvas: &Canvas<'_>,
     (x, lower, upper): (&[f64], &[f64], &[f64]),
     frame: &Frame,
-    role: Role,
+    role: ColourRole,
 ) -> Result<(), ReportError> {
     // an edge that a logarithmic axis cannot show lies below it
     let edge = |v: f64| {
@@ -156,7 +156,7 @@ fn remark(
     at: Point,
     text: &str,
     frame: &Frame,
-    role: Role,
+    role: ColourRole,
 ) -> Result<(), ReportError> {
     let (x, y) = frame.at(at);
     if !frame.rect.contains((x, y)) {

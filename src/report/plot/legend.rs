@@ -2,7 +2,7 @@
 
 use crate::report::ReportError;
 use crate::report::figure::{Dash, Layer, Panel};
-use crate::report::palette::Role;
+use crate::report::palette::ColourRole;
 use crate::report::polyline::Rect;
 
 use super::canvas::Canvas;
@@ -31,7 +31,7 @@ pub(super) enum Sample {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Entry {
     pub(super) label: String,
-    pub(super) role: Role,
+    pub(super) role: ColourRole,
     pub(super) sample: Sample,
 }
 
@@ -84,7 +84,7 @@ impl Entry {
 /// The entries of a panel, each once.
 pub(super) fn entries(panel: &Panel) -> Vec<Entry> {
     let mut entries: Vec<Entry> = Vec::new();
-    let mut add = |label: &str, role: Role, sample: Sample| {
+    let mut add = |label: &str, role: ColourRole, sample: Sample| {
         let entry = Entry { label: label.to_owned(), role, sample };
         if !label.is_empty() && !entries.contains(&entry) {
             entries.push(entry);
@@ -112,7 +112,7 @@ pub(super) fn entries(panel: &Panel) -> Vec<Entry> {
                     add(&series.label, series.role, Sample::Patch(1.0));
                 }
             }
-            Layer::HeatMap(map) => add(&colour_scale::label(map), Role::Ink, Sample::None),
+            Layer::HeatMap(map) => add(&colour_scale::label(map), ColourRole::Ink, Sample::None),
             Layer::Text { .. } => {}
         }
     }

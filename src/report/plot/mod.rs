@@ -242,11 +242,11 @@ fn stretch(figure: &Figure, heights: &mut [f64], around: &[(f64, f64)], outside:
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::figure::{Axis, Layer, Panel, Role};
+    use crate::report::figure::{Axis, ColourRole, Layer, Panel};
 
     #[test]
     fn the_legend_of_several_columns_stands_once_above_all_panels() {
-        let line = Layer::line(vec![(0.0, 0.0), (1.0, 1.0)], "curve", Role::Model);
+        let line = Layer::line(vec![(0.0, 0.0), (1.0, 1.0)], "curve", ColourRole::Model);
         let panel = || Panel::new(Axis::linear("x", ""), Axis::linear("y", "")).with(line.clone());
         let one = Figure::new("f", "").with_panel(panel()).with_panel(panel());
         let two = one.clone().with_columns(2);

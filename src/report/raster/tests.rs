@@ -1,6 +1,6 @@
 use super::*;
 use crate::report::figure::{
-    Axis, BarSeries, Bars, ColorMap, Dash, ErrorBar, HeatMap, Layer, Panel, Role, Size,
+    Axis, BarSeries, Bars, ColorMap, ColourRole, Dash, ErrorBar, HeatMap, Layer, Panel, Size,
 };
 use crate::report::page::{PageContent, SectionContent, render_page};
 
@@ -28,38 +28,38 @@ fn layers(points: &[(f64, f64)]) -> Vec<Layer> {
     let (x, y): (Vec<f64>, Vec<f64>) = points.iter().copied().unzip();
     let bar = |p: &(f64, f64)| ErrorBar { x: p.0, y: p.1, lower: p.1 - 1.0, upper: f64::INFINITY };
     vec![
-        Layer::line(points.to_vec(), "line", Role::Model),
+        Layer::line(points.to_vec(), "line", ColourRole::Model),
         Layer::Line {
             points: points.iter().take(50).copied().collect(),
             label: "<dots> & \"more\"\u{0}\u{7}".into(),
-            role: Role::Ink,
+            role: ColourRole::Ink,
             width: 1.0,
             dash: Dash::Dotted,
         },
-        Layer::points(points.to_vec(), "points", Role::Measured),
+        Layer::points(points.to_vec(), "points", ColourRole::Measured),
         Layer::Band {
             upper: y.iter().map(|v| v + 1.0).collect(),
             lower: y.clone(),
             x: x.clone(),
             label: "band".into(),
-            role: Role::NoiseFloor,
+            role: ColourRole::NoiseFloor,
         },
-        Layer::hline(y.first().copied().unwrap_or(f64::NAN), "h", Role::Highlight),
-        Layer::vline(x.first().copied().unwrap_or(f64::NAN), "v", Role::Wheel1),
+        Layer::hline(y.first().copied().unwrap_or(f64::NAN), "h", ColourRole::Highlight),
+        Layer::vline(x.first().copied().unwrap_or(f64::NAN), "v", ColourRole::Wheel1),
         Layer::Shade {
             ranges: points.iter().take(50).copied().collect(),
             label: "shade".into(),
-            role: Role::Wheel2,
+            role: ColourRole::Wheel2,
         },
         Layer::ErrorBars {
             points: points.iter().take(50).map(bar).collect(),
             label: "bars".into(),
-            role: Role::Series(9),
+            role: ColourRole::Series(9),
         },
         Layer::Text {
             at: points.first().copied().unwrap_or((f64::NAN, 0.0)),
             text: "here".into(),
-            role: Role::Ink,
+            role: ColourRole::Ink,
         },
     ]
 }
@@ -90,7 +90,7 @@ fn named_figure(name: &str, values: &[f64], axis: Axis) -> Figure {
     let names: Vec<String> = (0..values.len())
         .map(|i| format!("effect {i} with a name beyond all room & reason"))
         .collect();
-    let mut series = BarSeries::new("gain", Role::Series(0), values.to_vec());
+    let mut series = BarSeries::new("gain", ColourRole::Series(0), values.to_vec());
     series.intervals = values.iter().map(|v| (v - 1.0, v * 2.0)).collect();
     series.text = values.iter().map(|v| format!("{v:.3e}")).collect();
     let bars = Bars { categories: names.clone(), series: vec![series], highlight: Some(99) };
@@ -141,7 +141,7 @@ fn a_png_has_two_pixels_per_css_pixel_and_repeats_to_the_byte() {
         Panel::new(Axis::linear("t", "s"), Axis::linear("y", "")).with(Layer::line(
             vec![(0.0, 0.0), (1.0, 1.0)],
             "",
-            Role::Model,
+            ColourRole::Model,
         )),
     );
     figure.size = Size { width: 500.0, height: Some(400.0) };
@@ -174,7 +174,7 @@ fn the_picture_shows_the_line_where_the_data_are() {
     let panel = Panel::new(Axis::linear("", ""), y).with(Layer::Line {
         points,
         label: String::new(),
-        role: Role::Model,
+        role: ColourRole::Model,
         width: 4.0,
         dash: Dash::Solid,
     });
@@ -196,10 +196,10 @@ fn a_map_widens_one_range_until_a_unit_is_as_long_in_x_as_in_y() {
     let square = vec![(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0)];
     let panel = Panel::new(Axis::linear("x", "m"), Axis::linear("y", "m"))
         .with_equal_units()
-        .with(Layer::line(square, "", Role::Model));
+        .with(Layer::line(square, "", ColourRole::Model));
     let svg = draw(&Figure::new("map", "").with_panel(panel), Purpose::Inline).unwrap();
     // the line is the only mark in the model's colour
-    let line = svg.lines().find(|l| l.contains(&Role::Model.color().hex())).unwrap();
+    let line = svg.lines().find(|l| l.contains(&ColourRole::Model.color().hex())).unwrap();
     let points = line.split("points=\"").nth(1).unwrap().split('"').next().unwrap();
     let numbers: Vec<f64> =
         points.split([',', ' ']).filter_map(|number| number.parse().ok()).collect();
@@ -215,7 +215,7 @@ fn a_drawing_says_in_words_what_it_shows_and_is_as_wide_on_paper_as_its_picture(
     let panel = Panel::new(Axis::linear("x", "m"), Axis::linear("y", "m")).with(Layer::line(
         vec![(0.0, 0.0), (1.0, 1.0)],
         "",
-        Role::Model,
+        ColourRole::Model,
     ));
     let figure = Figure::new("f", "Error < floor").with_caption("Of <b>.").with_panel(panel);
     let svg = figure_to_svg(&figure).unwrap();

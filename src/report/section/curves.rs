@@ -2,7 +2,7 @@
 
 use crate::math::median_high;
 use crate::recording::{Regime, is_gap};
-use crate::report::figure::{Layer, Role};
+use crate::report::figure::{ColourRole, Layer};
 use crate::study::{MethodStudy, Performance, RecordingStudy, Study};
 
 /// A simulated speed beyond this many times the fastest measured one is not drawn: a model that
@@ -105,7 +105,7 @@ pub(super) fn failing(study: &Study, recording: &RecordingStudy) -> Option<Layer
     let failing: Vec<Regime> = failures.filter(|f| f.significant).map(|f| f.regime).collect();
     let ranges = ranges(recording, |r| failing.contains(&r));
     let label = "regimes where the model as given fails".to_owned();
-    (!ranges.is_empty()).then_some(Layer::Shade { ranges, label, role: Role::Highlight })
+    (!ranges.is_empty()).then_some(Layer::Shade { ranges, label, role: ColourRole::Highlight })
 }
 
 /// Where 95 % of the noise of a measured speed lies.
@@ -117,7 +117,7 @@ pub(super) fn noise_band(recording: &RecordingStudy, i: usize) -> Layer {
         lower: vec![-half; 2],
         upper: vec![half; 2],
         label: "95 % measurement-noise band".to_owned(),
-        role: Role::NoiseFloor,
+        role: ColourRole::NoiseFloor,
     }
 }
 

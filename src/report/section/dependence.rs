@@ -4,7 +4,7 @@ use super::{Section, words};
 use crate::compare::{Acting, Curve, CurveBin, Mean};
 use crate::diagnose::THRESHOLDS;
 use crate::report::block::{Block, Cell, Column, Table};
-use crate::report::figure::{Axis, Dash, ErrorBar, Figure, Layer, Panel, Role};
+use crate::report::figure::{Axis, ColourRole, Dash, ErrorBar, Figure, Layer, Panel};
 use crate::report::format;
 use crate::study::Study;
 
@@ -25,9 +25,9 @@ impl Section for Dependence {
     }
 
     fn how_to_read(&self) -> &'static str {
-        "The residual torque is what would have to be added to the model to explain the recorded input: a \
-         slope over speed is viscous friction, a step at zero is dry friction, a wave over the heading is a \
-         slope of the floor, and as a resistance the pile of a carpet."
+        "The residual torque is the torque that the model lacks to explain the recorded input: a line over speed is \
+         viscous friction, a step at zero is dry friction, a wave over the heading is an inclined floor or, as a \
+         resistance, the pile of a carpet."
     }
 
     fn blocks(&self, study: &Study) -> Vec<Block> {
@@ -120,8 +120,12 @@ fn caption(study: &Study) -> String {
 fn panel(study: &Study, curve: &Curve, i: usize) -> Panel {
     let unit = study.drive_unit.symbol();
     let variable = curve.variable;
-    let zero =
-        Layer::HLine { at: 0.0, label: String::new(), role: Role::NoiseFloor, dash: Dash::Solid };
+    let zero = Layer::HLine {
+        at: 0.0,
+        label: String::new(),
+        role: ColourRole::NoiseFloor,
+        dash: Dash::Solid,
+    };
     let mut x = Axis::linear(variable.words(), variable.unit(unit));
     if let (Some(first), Some(last)) = (curve.bins.first(), curve.bins.last()) {
         let room = 0.04 * (last.at - first.at);
@@ -139,10 +143,10 @@ fn panel(study: &Study, curve: &Curve, i: usize) -> Panel {
         let points =
             joined(curve, |bin| bin.before[i].value - bin.after.map_or(0.0, |a| a[i].value));
         let label = words::found(study);
-        let (role, dash) = (Role::Highlight, Dash::Solid);
+        let (role, dash) = (ColourRole::Highlight, Dash::Solid);
         panel = panel.with(Layer::Line { points, label, role, width: 2.4, dash });
     }
-    let role = if is_after { Role::Given } else { Role::Model };
+    let role = if is_after { ColourRole::Given } else { ColourRole::Model };
     let points = joined(curve, |bin| bin.before[i].value);
     let dash = Dash::Dotted;
     panel = panel
@@ -150,7 +154,7 @@ fn panel(study: &Study, curve: &Curve, i: usize) -> Panel {
         .with(bars(curve, |bin| Some(bin.before[i]), words::given(study), role));
     if is_after {
         let after = |bin: &CurveBin| bin.after.map(|a| a[i]);
-        let (label, role) = (words::added(study), Role::Model);
+        let (label, role) = (words::added(study), ColourRole::Model);
         panel = panel.with(bars(curve, after, label, role));
     }
     panel
@@ -172,7 +176,7 @@ fn bars(
     curve: &Curve,
     mean: impl Fn(&CurveBin) -> Option<Mean>,
     label: String,
-    role: Role,
+    role: ColourRole,
 ) -> Layer {
     let bar = |bin: &CurveBin| {
         let Mean { value, std_error, .. } = mean(bin)?;

@@ -3,9 +3,9 @@
 use super::{Depth, Section, words};
 use crate::diagnose::{Errors, Judgement, Proposal};
 use crate::report::block::{Block, Cell, Column, Table, Text, Tone};
-use crate::report::figure::{Axis, BarSeries, Bars, Figure, Layer, Panel, Role};
-use crate::report::{evidence, format, next_run};
-use crate::study::{Candidate, DiagnosisStudy, Study};
+use crate::report::figure::{Axis, BarSeries, Bars, ColourRole, Figure, Layer, Panel};
+use crate::report::{evidence, format, recommendation};
+use crate::study::{CandidateStudy, DiagnosisStudy, Study};
 
 /// Candidates by rank, with the evidence for each.
 #[derive(Default)]
@@ -47,7 +47,7 @@ impl Section for Diagnosis {
             blocks.push(table(study, &diagnosis.ranking).into());
             blocks.extend(ruled_out(&diagnosis.ranking));
         }
-        if let Some(next) = next_run(diagnosis) {
+        if let Some(next) = recommendation(diagnosis) {
             blocks.push(Block::Heading("What to drive next".to_owned()));
             blocks.push(Block::paragraph(next));
         }
@@ -57,7 +57,7 @@ impl Section for Diagnosis {
 }
 
 fn ranking_figure(diagnosis: &DiagnosisStudy) -> Option<Figure> {
-    let mut shown: Vec<&Candidate> =
+    let mut shown: Vec<&CandidateStudy> =
         diagnosis.ranking.iter().filter(|c| c.evidence.is_finite()).collect();
     // the one accepted first may not be the one that was screened first
     shown.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
@@ -66,7 +66,7 @@ fn ranking_figure(diagnosis: &DiagnosisStudy) -> Option<Figure> {
     let accepted = diagnosis.found.first();
     let place = accepted.and_then(|id| shown.iter().position(|c| c.effect == *id));
     let values: Vec<f64> = shown.iter().map(|c| c.evidence).collect();
-    let mut series = BarSeries::new("", Role::Measured, values);
+    let mut series = BarSeries::new("", ColourRole::Measured, values);
     series.text = shown.iter().map(|c| format::probability(c.probability)).collect();
     let bars = Bars {
         categories: shown.iter().map(|c| words::effect(&c.effect)).collect(),
@@ -109,21 +109,21 @@ fn summary(diagnosis: &DiagnosisStudy) -> Block {
     let left = diagnosis.errors.unexplained();
     let text = if left.is_finite() {
         text.plain(format!(
-            " Of the error above the noise floor, {} is left unexplained.",
+            " {} of the error above the noise floor remains unexplained.",
             format::percent(left)
         ))
     } else {
         text
     };
     Block::Paragraph(text.plain(format!(
-        " Where nothing is missing, an effect may be found in at most {} of experiments (false alarms).",
+        " If nothing is missing, an effect is found in at most {} of experiments (false alarms).",
         format::percent(diagnosis.false_alarm)
     )))
 }
 
 /// Candidates, the most probable first; equally probable ones as they were screened.
-fn by_probability(ranking: &[Candidate]) -> Vec<&Candidate> {
-    let mut sorted: Vec<&Candidate> = ranking.iter().collect();
+fn by_probability(ranking: &[CandidateStudy]) -> Vec<&CandidateStudy> {
+    let mut sorted: Vec<&CandidateStudy> = ranking.iter().collect();
     sorted.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     sorted
 }
@@ -134,7 +134,7 @@ fn described(diagnosis: &DiagnosisStudy) -> Vec<Text> {
     likely.map(|(_, candidate)| describe(candidate, &diagnosis.errors)).collect()
 }
 
-fn describe(candidate: &Candidate, errors: &Errors) -> Text {
+fn describe(candidate: &CandidateStudy, errors: &Errors) -> Text {
     let mut text = Text::default()
         .strong(words::effect(&candidate.effect))
         .plain(" (")
@@ -157,7 +157,7 @@ fn describe(candidate: &Candidate, errors: &Errors) -> Text {
 }
 
 /// "f_t = 0.02010 ± 0.00020 N m", which breaks before the unit alone.
-fn parameters(candidate: &Candidate) -> Vec<String> {
+fn parameters(candidate: &CandidateStudy) -> Vec<String> {
     candidate
         .parameters
         .iter()
@@ -175,7 +175,7 @@ fn parameters(candidate: &Candidate) -> Vec<String> {
         .collect()
 }
 
-fn table(study: &Study, ranking: &[Candidate]) -> Table {
+fn table(study: &Study, ranking: &[CandidateStudy]) -> Table {
     let columns = vec![
         Column::text("Effect"),
         Column::number("Probability", ""),
@@ -195,7 +195,7 @@ fn table(study: &Study, ranking: &[Candidate]) -> Table {
     });
     let caption = format!(
         "The candidates that were fitted, best first, each added by itself; errors with it on {} data, green where \
-         they are lower than without by 1 % at least.{before}",
+         they are at least 1 % lower than without it.{before}",
         study.judged_words()
     );
     let mut table = Table::new(caption, columns);
@@ -220,18 +220,18 @@ fn table(study: &Study, ranking: &[Candidate]) -> Table {
 }
 
 /// "or back-EMF": what these data do not distinguish from a candidate; empty for nothing.
-fn equivalents(candidate: &Candidate) -> String {
+fn equivalents(candidate: &CandidateStudy) -> String {
     let others = candidate.indistinguishable.iter().map(|id| words::effect_in_text(id));
     let others: Vec<String> = others.collect();
     if others.is_empty() { String::new() } else { format!("or {}", others.join(" or ")) }
 }
 
-fn is_fitted(candidate: &Candidate) -> bool {
+fn is_fitted(candidate: &CandidateStudy) -> bool {
     candidate.delta_bic.is_finite()
 }
 
 /// The candidates that the screening put last, in a sentence.
-fn ruled_out(ranking: &[Candidate]) -> Option<Block> {
+fn ruled_out(ranking: &[CandidateStudy]) -> Option<Block> {
     let names: Vec<String> = ranking
         .iter()
         .filter(|c| !is_fitted(c))

@@ -5,7 +5,7 @@ mod rules;
 use super::curves;
 use super::{Depth, Section, words};
 use crate::report::block::{Block, Text};
-use crate::report::figure::{Axis, Dash, Figure, Layer, Panel, Role};
+use crate::report::figure::{Axis, ColourRole, Dash, Figure, Layer, Panel};
 use crate::report::format;
 use crate::study::{MethodStudy, Performance, RecordingStudy, Study};
 
@@ -27,7 +27,7 @@ impl Section for Emulator {
     }
 
     fn how_to_read(&self) -> &'static str {
-        "The emulator runs beside the robot and is drawn to the measurement by the gain K, so its \
+        "The emulator runs beside the robot and is corrected towards the measurement by the gain K, so its \
          error is small where K is large, whatever the model; with K = 0 it is a pure simulation."
     }
 
@@ -149,22 +149,26 @@ impl<'a> Run<'a> {
         // one legend for all panels
         let name = |name: &'static str| if state == 0 { name } else { "" };
         Panel::new(Axis::linear("time", "s"), Axis::linear(SYMBOLS[state], UNITS[state]))
-            .with(Layer::points(real, name("measured"), Role::Measured))
-            .with(line(emulated, name("emulator"), 1.6, Role::Model))
+            .with(Layer::points(real, name("measured"), ColourRole::Measured))
+            .with(line(emulated, name("emulator"), 1.6, ColourRole::Model))
     }
 
     fn error(&self, state: usize) -> Panel {
         let near = self.near(state);
         let error = self.over_time(|k| self.measured(k, state) - near[k]);
-        let role = if state.is_multiple_of(2) { Role::Wheel1 } else { Role::Wheel2 };
+        let role = if state.is_multiple_of(2) { ColourRole::Wheel1 } else { ColourRole::Wheel2 };
         let axis = Axis::linear(format!("error of {}", SYMBOLS[state]), UNITS[state]);
-        let zero =
-            Layer::HLine { at: 0.0, label: String::new(), role: Role::Ink, dash: Dash::Solid };
+        let zero = Layer::HLine {
+            at: 0.0,
+            label: String::new(),
+            role: ColourRole::Ink,
+            dash: Dash::Solid,
+        };
         Panel::new(Axis::linear("time", "s"), axis).with(line(error, "", 1.0, role)).with(zero)
     }
 }
 
-fn line(points: Vec<(f64, f64)>, label: &str, width: f64, role: Role) -> Layer {
+fn line(points: Vec<(f64, f64)>, label: &str, width: f64, role: ColourRole) -> Layer {
     let (points, label) = (curves::broken_at_gaps(points), label.to_owned());
     Layer::Line { points, label, role, width, dash: Dash::Solid }
 }

@@ -30,8 +30,7 @@ impl Section for Estimates {
     }
 
     fn how_to_read(&self) -> &'static str {
-        "An estimate is worth its interval: the data are compatible with every value inside the \
-         95 % interval, if the model is right."
+        words::INTERVALS
     }
 
     fn blocks(&self, study: &Study) -> Vec<Block> {

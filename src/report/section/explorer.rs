@@ -3,7 +3,7 @@
 use super::curves::{self, broken_at_gaps, simulated, wheel};
 use super::{Depth, Section, listed, what_if, words};
 use crate::report::block::{Block, Track};
-use crate::report::figure::{Axis, Dash, Figure, Layer, Panel, Role};
+use crate::report::figure::{Axis, ColourRole, Dash, Figure, Layer, Panel};
 use crate::report::format;
 use crate::study::{ModelStudy, Performance, RecordingStudy, Study};
 
@@ -30,8 +30,8 @@ impl Section for Explorer {
     }
 
     fn how_to_read(&self) -> &'static str {
-        "Where the residual torque stands out, the path shows what the robot was doing: the cursor on the curves \
-         moves the robot, and the slider moves both."
+        "The path shows what the robot was doing where the residual torque is large: the cursor on the curves moves the \
+         robot, and the slider moves both."
     }
 
     fn blocks(&self, study: &Study) -> Vec<Block> {
@@ -85,13 +85,13 @@ struct Seen<'a> {
 
 impl<'a> Seen<'a> {
     /// The models with their names and roles.
-    fn models(&self) -> Vec<(&'a ModelStudy, String, Role)> {
+    fn models(&self) -> Vec<(&'a ModelStudy, String, ColourRole)> {
         match (&self.study.given, &self.study.completed) {
             (Some(given), Some(completed)) => vec![
-                (given, words::given(self.study), Role::Given),
-                (completed, words::added(self.study), Role::Model),
+                (given, words::given(self.study), ColourRole::Given),
+                (completed, words::added(self.study), ColourRole::Model),
             ],
-            (Some(given), None) => vec![(given, words::given(self.study), Role::Model)],
+            (Some(given), None) => vec![(given, words::given(self.study), ColourRole::Model)],
             (None, _) => vec![],
         }
     }
@@ -120,7 +120,7 @@ impl<'a> Seen<'a> {
     fn speeds(&self, i: usize) -> Panel {
         let measured = wheel(&self.recording.t, &self.recording.omega, i);
         let mut layers =
-            vec![line(self.thin(measured), "measured".to_owned(), Role::Measured, 2.6)];
+            vec![line(self.thin(measured), "measured".to_owned(), ColourRole::Measured, 2.6)];
         for (model, name, role) in self.models() {
             let Some(p) = model.performance.get(self.index) else { continue };
             let points = self.broken(simulated(self.recording, &p.windows, i), p);
@@ -130,7 +130,7 @@ impl<'a> Seen<'a> {
     }
 
     fn input(&self) -> Panel {
-        let roles = [Role::Wheel1, Role::Wheel2];
+        let roles = [ColourRole::Wheel1, ColourRole::Wheel2];
         let of = |i: usize| {
             let points = self.thin(wheel(&self.recording.t, &self.recording.torque, i));
             line(points, format!("{} {}", words::INPUT[i], words::WHEELS[i]), roles[i], 1.2)
@@ -177,7 +177,7 @@ impl<'a> Seen<'a> {
     }
 }
 
-fn line(points: Vec<(f64, f64)>, label: String, role: Role, width: f64) -> Layer {
+fn line(points: Vec<(f64, f64)>, label: String, role: ColourRole, width: f64) -> Layer {
     let points = broken_at_gaps(points);
     Layer::Line { points, label, role, width, dash: Dash::Solid }
 }

@@ -20,8 +20,8 @@ impl Section for Fit {
     }
 
     fn how_to_read(&self) -> &'static str {
-        "The free simulation starts once and is driven by the recorded input alone, so errors add \
-         up; the 2 s simulations start anew from the measured motion and show the model itself."
+        "The free simulation starts once and is driven by the recorded input alone, so errors \
+         accumulate; the 2 s simulations restart from the measured motion and show the error of the model itself."
     }
 
     fn blocks(&self, study: &Study) -> Vec<Block> {

@@ -4,7 +4,7 @@ use super::estimates::{figures as traces, truth};
 use super::{Depth, Section, words};
 use crate::identify::Status;
 use crate::report::block::{Block, Cell, Column, Table, Text, Tone};
-use crate::report::figure::{Axis, BarSeries, Bars, Figure, Layer, Panel, Role as Color};
+use crate::report::figure::{Axis, BarSeries, Bars, ColourRole, Figure, Layer, Panel};
 use crate::report::format;
 use crate::study::{MethodStudy, Performance, Role, Study};
 
@@ -207,7 +207,7 @@ fn figure(study: &Study) -> Option<Figure> {
         return None;
     }
     let values: Vec<f64> = fitted.iter().map(|m| m.1).collect();
-    let mut series = BarSeries::new("", Color::Model, values.clone());
+    let mut series = BarSeries::new("", ColourRole::Model, values.clone());
     series.text = values.iter().map(|v| format::digits(*v, 3)).collect();
     let bars = Bars {
         categories: fitted.iter().map(|m| words::method(study, m.0)).collect(),
@@ -221,7 +221,7 @@ fn figure(study: &Study) -> Option<Figure> {
     );
     let panel = Panel::new(Axis::linear("2 s simulation error", "rad/s"), Axis::unlabelled())
         .with(Layer::Bars(bars))
-        .with(Layer::vline(study.judged_floor(), "noise floor", Color::Ink));
+        .with(Layer::vline(study.judged_floor(), "noise floor", ColourRole::Ink));
     let figure = Figure::new("methods", title)
         .with_subtitle(format!("{}, on {} data", fitted_by(study), study.judged_words()))
         .with_caption("Root mean square error of both wheel speeds over windows of 2 s.")

@@ -2,7 +2,7 @@
 
 use super::curves::{self, broken_at_gaps, residual, simulated, wheel};
 use super::words;
-use crate::report::figure::{Axis, Dash, Figure, Layer, Panel, Role, Size};
+use crate::report::figure::{Axis, ColourRole, Dash, Figure, Layer, Panel, Size};
 use crate::report::format;
 use crate::study::{ModelStudy, Performance, RecordingStudy, Study};
 
@@ -31,20 +31,20 @@ impl<'a> Overlay<'a> {
     }
 
     /// The models with their names and looks, the last on top.
-    fn models(&self) -> Vec<(&'a Performance, String, Role, Dash)> {
+    fn models(&self) -> Vec<(&'a Performance, String, ColourRole, Dash)> {
         let error = |p: &Performance| format::digits(p.window_rms, 3);
         let name = words::given(self.study);
         let mut out = Vec::new();
         match self.completed {
             None => {
                 let label = format!("{name}: {} rad/s", error(self.given));
-                out.push((self.given, label, Role::Model, Dash::Solid));
+                out.push((self.given, label, ColourRole::Model, Dash::Solid));
             }
             Some(completed) => {
                 let label = format!("{name}: {} rad/s", error(self.given));
-                out.push((self.given, label, Role::Given, Dash::Dashed));
+                out.push((self.given, label, ColourRole::Given, Dash::Dashed));
                 let label = format!("{}: {} rad/s", words::added(self.study), error(completed));
-                out.push((completed, label, Role::Model, Dash::Solid));
+                out.push((completed, label, ColourRole::Model, Dash::Solid));
             }
         }
         out
@@ -168,7 +168,7 @@ impl<'a> Overlay<'a> {
         let mut panel = Panel::new(x, y).with(Layer::Line {
             points: broken_at_gaps(measured),
             label: "measured".to_owned(),
-            role: Role::Measured,
+            role: ColourRole::Measured,
             width: 3.2,
             dash: Dash::Solid,
         });
@@ -177,7 +177,7 @@ impl<'a> Overlay<'a> {
             let points = self.broken(simulated(self.recording, rows, i), performance, rows);
             let points = broken_at_gaps(points);
             shown.extend(points.iter().filter(inside));
-            let width = if role == Role::Given { 1.6 } else { 1.4 };
+            let width = if role == ColourRole::Given { 1.6 } else { 1.4 };
             panel = panel.with(Layer::Line { points, label, role, width, dash });
         }
         panel.y.range = spread(&shown);
@@ -194,7 +194,7 @@ impl<'a> Overlay<'a> {
         for (performance, label, role, _) in self.models() {
             let points = residual(self.recording, &performance.windows, i);
             let points = broken_at_gaps(self.broken(points, performance, &performance.windows));
-            let width = if role == Role::Given { 0.9 } else { 1.1 };
+            let width = if role == ColourRole::Given { 0.9 } else { 1.1 };
             panel = panel.with(Layer::Line { points, label, role, width, dash: Dash::Solid });
         }
         if i > 0 {

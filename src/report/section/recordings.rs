@@ -74,10 +74,10 @@ impl Section for Recordings {
     }
 }
 
-/// What sensors and loggers did to the recordings; without a table where they did nothing.
+/// Faults of sensors and loggers that conditioning found; no table without any.
 fn conditioning(study: &Study, shown: &[usize]) -> Option<Block> {
     let columns = vec![Column::text("Recording"), Column::text("Action"), Column::text("Finding")];
-    let title = "What sensors and loggers did to the signals, and what was done about it.";
+    let title = "Faults of sensors and loggers in the signals, and their correction.";
     let mut table = Table::new(title, columns);
     let mut any = false;
     for &r in shown {

@@ -3,7 +3,7 @@
 use super::{Section, words};
 use crate::compare::Whiteness;
 use crate::report::block::Block;
-use crate::report::figure::{Axis, Dash, Figure, Layer, Panel, Role};
+use crate::report::figure::{Axis, ColourRole, Dash, Figure, Layer, Panel};
 use crate::report::format;
 use crate::study::{ModelStudy, Study};
 
@@ -21,7 +21,7 @@ impl Section for Residuals {
     }
 
     fn how_to_read(&self) -> &'static str {
-        "Where model and noise are right, prediction errors are white and do not depend on the input: all but \
+        "If model and noise are correct, prediction errors are white and independent of the input: all but \
          one in a hundred of the correlations lie within the bounds, the histogram follows the normal density, \
          and the spectrum is flat."
     }
@@ -100,10 +100,10 @@ fn figure(study: &Study, given: &Whiteness, completed: Option<&Whiteness>) -> Fi
         .with_height(470.0);
     let models = match completed {
         Some(completed) => vec![
-            (given, words::given(study), Role::Given),
-            (completed, words::added(study), Role::Model),
+            (given, words::given(study), ColourRole::Given),
+            (completed, words::added(study), ColourRole::Model),
         ],
-        None => vec![(given, words::given(study), Role::Model)],
+        None => vec![(given, words::given(study), ColourRole::Model)],
     };
     figure.panels = vec![
         correlation(
@@ -130,7 +130,7 @@ fn rms(w: &Whiteness) -> String {
     w.mean_square.map(|m| format::digits(m.sqrt(), 2)).join(" / ")
 }
 
-type Models<'a> = [(&'a Whiteness, String, Role)];
+type Models<'a> = [(&'a Whiteness, String, ColourRole)];
 
 /// One curve a wheel and model.
 fn lines(models: &Models<'_>, points: impl Fn(&Whiteness, usize) -> Vec<(f64, f64)>) -> Vec<Layer> {
@@ -167,7 +167,7 @@ fn correlation(
         lower: vec![-half; 2],
         upper: vec![half; 2],
         label: "99 %".to_owned(),
-        role: Role::NoiseFloor,
+        role: ColourRole::NoiseFloor,
     };
     let mut panel = Panel::new(Axis::linear(x, "s"), Axis::linear(y, "")).with(band);
     panel.layers.extend(curves);
@@ -183,7 +183,7 @@ fn histogram(models: &Models<'_>) -> Panel {
     let normal = |x: f64| (-0.5 * x * x).exp() / std::f64::consts::TAU.sqrt();
     let points = (0..=80).map(|n| -4.0 + 0.1 * f64::from(n)).map(|x| (x, normal(x))).collect();
     let label = "normal density".to_owned();
-    let (role, dash) = (Role::NoiseFloor, Dash::Solid);
+    let (role, dash) = (ColourRole::NoiseFloor, Dash::Solid);
     let mut panel = Panel::new(
         Axis::linear("error over predicted std. deviation", ""),
         Axis::linear("density", ""),
@@ -201,7 +201,7 @@ fn spectrum(models: &Models<'_>) -> Panel {
     let mut panel = Panel::new(x, Axis::log("spectrum over white noise", "")).with(Layer::hline(
         1.0,
         "white noise as assumed",
-        Role::NoiseFloor,
+        ColourRole::NoiseFloor,
     ));
     panel.layers.extend(curves);
     panel

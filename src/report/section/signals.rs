@@ -4,7 +4,7 @@ use super::curves::{self, broken_at_gaps, wheel};
 use super::overlay::LINK;
 use super::{Depth, Section, words};
 use crate::report::block::Block;
-use crate::report::figure::{Axis, Dash, Figure, Layer, Panel, Role, Size};
+use crate::report::figure::{Axis, ColourRole, Dash, Figure, Layer, Panel, Size};
 use crate::report::format;
 use crate::study::{RecordingStudy, Study};
 
@@ -26,8 +26,7 @@ impl Section for Signals {
     }
 
     fn how_to_read(&self) -> &'static str {
-        "Input and speeds as the fit sees them, after conditioning, and the path that follows from the wheel \
-         angles."
+        "Input and speeds as used in the fit, after conditioning, and the path computed from the wheel angles."
     }
 
     fn blocks(&self, study: &Study) -> Vec<Block> {
@@ -50,14 +49,14 @@ fn time() -> Axis {
     Axis::linear("time", "s")
 }
 
-fn line(points: Vec<(f64, f64)>, label: &str, role: Role, width: f64) -> Layer {
+fn line(points: Vec<(f64, f64)>, label: &str, role: ColourRole, width: f64) -> Layer {
     let points = broken_at_gaps(points);
     Layer::Line { points, label: label.to_owned(), role, width, dash: Dash::Solid }
 }
 
 /// The recorded input: Fig. 3 of the paper.
 fn input(study: &Study, recording: &RecordingStudy) -> Figure {
-    let roles = [Role::Wheel1, Role::Wheel2];
+    let roles = [ColourRole::Wheel1, ColourRole::Wheel2];
     let mut panel = Panel::new(time(), Axis::linear("input", study.drive_unit.symbol()));
     for i in 0..2 {
         let label = format!("{} {}", words::INPUT[i], words::WHEELS[i]);
@@ -75,7 +74,7 @@ fn input(study: &Study, recording: &RecordingStudy) -> Figure {
 
 /// The measured speeds: Fig. 4 of the paper.
 fn velocity(study: &Study, recording: &RecordingStudy) -> Figure {
-    let roles = [Role::Wheel1, Role::Wheel2];
+    let roles = [ColourRole::Wheel1, ColourRole::Wheel2];
     let mut panel = Panel::new(time(), Axis::linear("wheel speed", "rad/s"));
     panel.layers.extend(curves::failing(study, recording));
     for i in 0..2 {
@@ -105,13 +104,17 @@ fn path(study: &Study, recording: &RecordingStudy, windows: &[[f64; 2]]) -> Figu
     let (some, many) = (above(2.0, 4.0), above(4.0, f64::INFINITY));
     let marked = some.len() + many.len();
     let marks = [
-        dots(some, "error 2 to 4 times the floor", Role::Highlight, 1.6),
-        dots(many, "more than 4 times", Role::Model, 2.6),
-        dots(vec![all[0]], "start", Role::Ink, 4.5),
+        dots(some, "error 2 to 4 times the floor", ColourRole::Highlight, 1.6),
+        dots(many, "more than 4 times", ColourRole::Model, 2.6),
+        dots(vec![all[0]], "start", ColourRole::Ink, 4.5),
     ];
     let size = map_size(&all);
     let panel = Panel::new(Axis::linear("x", "m"), Axis::linear("y", "m")).with_equal_units().with(
-        Layer::line(curves::broken_where_rows_miss(&recording.t, &all), "path", Role::NoiseFloor),
+        Layer::line(
+            curves::broken_where_rows_miss(&recording.t, &all),
+            "path",
+            ColourRole::NoiseFloor,
+        ),
     );
     // what does not occur is not in the legend
     let occurs =
@@ -139,7 +142,7 @@ fn over_floor(recording: &RecordingStudy, windows: &[[f64; 2]], rows: usize) -> 
     smoothed(&errors, recording.rate_hz)
 }
 
-fn dots(points: Vec<(f64, f64)>, label: &str, role: Role, radius: f64) -> Layer {
+fn dots(points: Vec<(f64, f64)>, label: &str, role: ColourRole, radius: f64) -> Layer {
     Layer::Points { points, label: label.to_owned(), role, radius, alpha: 1.0 }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Section, words};
 use crate::report::block::{Block, Cell, Column, Table};
-use crate::report::figure::{Axis, BarSeries, Bars, Figure, Layer, Panel, Role};
+use crate::report::figure::{Axis, BarSeries, Bars, ColourRole, Figure, Layer, Panel};
 use crate::report::format;
 use crate::study::Study;
 
@@ -21,7 +21,7 @@ impl Section for Staircase {
 
     fn how_to_read(&self) -> &'static str {
         "Each bar is the error of a model with one more effect; the dashed line is the error that \
-         noise alone would cause, and no model gets below it other than by chance."
+         noise alone would cause, below which a model gets only by chance."
     }
 
     fn blocks(&self, study: &Study) -> Vec<Block> {
@@ -92,7 +92,7 @@ fn show(study: &Study, id: &str, lead: &str, stairs: &[Stair]) -> Vec<Block> {
 fn figure(study: &Study, id: &str, lead: &str, stairs: &[Stair]) -> Figure {
     let floor = stairs.last().map_or(f64::NAN, |stair| stair.floor);
     let errors: Vec<f64> = stairs.iter().map(|stair| stair.error).collect();
-    let mut series = BarSeries::new("", Role::Model, errors.clone());
+    let mut series = BarSeries::new("", ColourRole::Model, errors.clone());
     series.text = errors.iter().map(|v| format::digits(*v, 3)).collect();
     let bars = Bars {
         categories: stairs.iter().map(|stair| stair.name.clone()).collect(),
@@ -118,7 +118,7 @@ fn figure(study: &Study, id: &str, lead: &str, stairs: &[Stair]) -> Figure {
     };
     let panel = Panel::new(Axis::linear("2 s simulation error", "rad/s"), Axis::unlabelled())
         .with(Layer::Bars(bars))
-        .with(Layer::vline(floor, "noise floor", Role::Ink));
+        .with(Layer::vline(floor, "noise floor", ColourRole::Ink));
     Figure::new(id, title)
         .with_subtitle(lead)
         .with_caption(format!(
@@ -130,7 +130,7 @@ fn figure(study: &Study, id: &str, lead: &str, stairs: &[Stair]) -> Figure {
 
 fn table(study: &Study, lead: &str, stairs: &[Stair]) -> Table {
     let caption = format!(
-        "{lead}. What is left: mean square 2 s simulation error above the noise floor, as a share of that \
+        "{lead}. Remaining: mean square 2 s simulation error above the noise floor, as a share of that \
          of the first model; the quality index is that of the free simulation. On {} data.",
         study.judged_words()
     );
@@ -138,7 +138,7 @@ fn table(study: &Study, lead: &str, stairs: &[Stair]) -> Table {
         Column::text("Model"),
         Column::number("2 s simulation error", "rad/s"),
         Column::number("Over noise floor", "×"),
-        Column::number("What is left", ""),
+        Column::number("Remaining", ""),
         Column::number("Quality index", "rad²/s"),
     ];
     let mut table = Table::new(caption, columns);

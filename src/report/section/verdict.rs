@@ -6,7 +6,7 @@ use crate::diagnose::THRESHOLDS;
 use crate::effects;
 use crate::identify::Status;
 use crate::report::block::{Block, Number, Text, Tone};
-use crate::report::{format, next_run, sentence};
+use crate::report::{format, recommendation, sentence};
 use crate::study::{self, Grade, Role, Study};
 
 /// What is missing, with the errors that show it and what to record next.
@@ -28,7 +28,7 @@ impl Section for Verdict {
 
     fn how_to_read(&self) -> &'static str {
         "The noise floor is the error that a perfect model would still have, because speeds and \
-         inputs are measured with noise; what lies above it is the model's."
+         inputs are measured with noise; only the error above it is due to the model."
     }
 
     fn blocks(&self, study: &Study) -> Vec<Block> {
@@ -45,7 +45,7 @@ fn finding(study: &Study) -> Block {
     let Some(model) = study.last_model() else {
         let reasons = study.methods.iter().filter_map(|m| Some(m.failure.as_ref()?.to_string()));
         let detail = reasons.collect::<Vec<_>>().join(" ");
-        return Block::verdict(Tone::Bad, "No method has a fit, so nothing is judged.", detail);
+        return Block::verdict(Tone::Bad, "No method has a fit, so there is no verdict.", detail);
     };
     let (tone, sentence) = match &study.diagnosis {
         Some(diagnosis) => (tone(diagnosis.verdict), sentence(diagnosis)),
@@ -88,10 +88,10 @@ fn numbers(study: &Study) -> Option<Block> {
     let share = format::percent(error / study.top_speed());
     let (holds, meaning) = match error < study::FAR_BELOW_FLOOR * floor {
         true => (
-            "at most: it holds all that the input may do between its rows",
-            "its error is less than noise and sampling may make",
+            "an upper bound that includes the input between its rows",
+            "its error is below the bound from noise and sampling",
         ),
-        false => ("what noise alone leaves", means(grade)),
+        false => ("the error due to noise alone", means(grade)),
     };
     let judged = format!("on {} data; {holds}", study.judged_words());
     let is = match &study.completed {
@@ -114,8 +114,8 @@ fn numbers(study: &Study) -> Option<Block> {
 /// What a grade means.
 fn means(grade: Grade) -> &'static str {
     match grade {
-        Grade::AtFloor => "these recordings cannot show a better one",
-        Grade::Near => "what is left is small against noise or speed",
+        Grade::AtFloor => "these recordings cannot reveal a better one",
+        Grade::Near => "the remaining error is small compared with noise or speed",
         Grade::Useful => "its error is within 5 % of the top speed",
         Grade::Poor => "its error is within 20 % of the top speed",
         Grade::NotUsable => "its error is above 20 % of the top speed",
@@ -151,7 +151,7 @@ fn compared(study: &Study, error: f64) -> (Tone, String) {
     }
     if places.is_empty() {
         let sentence = format!(
-            "The error is {times} times the noise floor, but no regime of driving stands out."
+            "The error is {times} times the noise floor, but no driving regime stands out."
         );
         return (Tone::Notice, sentence);
     }
@@ -177,8 +177,8 @@ fn cautions(study: &Study) -> Vec<Block> {
         notice(
             "No validation recording is given: the model is judged on the data it was fitted to."
                 .to_owned(),
-            "A model with enough parameters follows its training data, right or wrong. Name a \
-             recording under `validation`.",
+            "A model with enough parameters fits its training data whether it is correct or not. Name a recording under \
+             `validation`.",
         );
     }
     // with a diagnosis the verdict rests on fits of its own
@@ -239,7 +239,7 @@ fn next_step(study: &Study) -> Vec<Block> {
     if let Some(first) = diagnosis.found.first().filter(|_| !in_place) {
         let text = Text::from("Next step: add ")
             .plain(words::effect_in_text(first))
-            .plain(" to the model and see whether the error falls on data that were not fitted");
+            .plain(" to the model and check that the error falls on data that were not fitted");
         let text = match study.invocation.has_file() {
             true => add_command(study, first, text.plain(": ")),
             false => text,
@@ -250,19 +250,19 @@ fn next_step(study: &Study) -> Vec<Block> {
         let text = match study.invocation.has_file() {
             true => {
                 let text = Text::from(
-                    "To try the formula, write it into the experiment file and run it: the diagnosis judges it \
-                     beside the catalogue. ",
+                    "To try the formula, copy it into the experiment file and run it again: the diagnosis then tests it \
+                     together with the catalogue. ",
                 );
-                add_command(study, &formula.id, text).plain(" puts it into the model.")
+                add_command(study, &formula.id, text).plain(" adds it to the model.")
             }
             false => Text::from(
-                "To try the formula, add it to the model as an effect of your own; as one of an experiment file it is:",
+                "To try the formula, add it to the model as an effect of your own; in an experiment file:",
             ),
         };
         blocks.push(Block::Paragraph(text));
         blocks.push(Block::Code(formula.toml.clone()));
     }
-    if let Some(next) = next_run(diagnosis) {
+    if let Some(next) = recommendation(diagnosis) {
         blocks.push(Block::paragraph(Text::default().strong("Next recording. ").plain(next)));
     }
     blocks

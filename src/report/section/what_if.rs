@@ -4,7 +4,7 @@ use super::words;
 use crate::effects;
 use crate::export::reasons;
 use crate::report::block::Block;
-use crate::report::figure::{Axis, Dash, Figure, Layer, Panel, Role};
+use crate::report::figure::{Axis, ColourRole, Dash, Figure, Layer, Panel};
 use crate::report::format;
 use crate::report::what_if::{Driven, Slider, WhatIf};
 use crate::study::{ParameterStudy, Study};
@@ -86,7 +86,7 @@ fn driven(study: &Study, index: usize, most: usize) -> Option<Driven> {
 
 /// The panels, whose points the page computes; no layer follows the switch between the models of the report.
 fn figure(study: &Study) -> Figure {
-    let line = |label: &str, role: Role, width: f64, dash: Dash| Layer::Line {
+    let line = |label: &str, role: ColourRole, width: f64, dash: Dash| Layer::Line {
         points: vec![(0.0, 0.0), (1.0, 1.0)],
         label: label.to_owned(),
         role,
@@ -105,9 +105,9 @@ fn figure(study: &Study) -> Figure {
         let mut panel =
             Panel::new(Axis::linear("time", "s"), Axis::linear(words::OMEGA[i], "rad/s"));
         panel.layers = vec![
-            line("measured", Role::Measured, 2.6, Dash::Solid),
-            line(&identified, Role::Series(6), 1.0, Dash::Dashed),
-            line("with these values", Role::Series(3), 1.6, Dash::Solid),
+            line("measured", ColourRole::Measured, 2.6, Dash::Solid),
+            line(&identified, ColourRole::Series(6), 1.0, Dash::Dashed),
+            line("with these values", ColourRole::Series(3), 1.6, Dash::Solid),
         ];
         if i > 0 {
             panel.layers.iter_mut().for_each(Layer::unlabel);
@@ -149,7 +149,7 @@ mod tests {
         let count = study.recordings.len();
         let inputs = study.recordings.iter().map(|r| r.torque.clone()).collect();
         let starts = vec![vec![start(0), start(200)]; count];
-        let what_if = Some(crate::study::WhatIf { script, inputs, starts });
+        let what_if = Some(crate::study::WhatIfStudy { script, inputs, starts });
         Study { what_if, ..study }
     }
 

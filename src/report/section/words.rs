@@ -11,6 +11,9 @@ use crate::study::{MethodStudy, Study};
 pub(super) const WHEELS: [&str; 2] = ["right wheel (1)", "left wheel (2)"];
 /// The same without its number, for narrow cells and sentences.
 pub(super) const SIDES: [&str; 2] = ["right", "left"];
+/// How to read estimates with their intervals.
+pub(super) const INTERVALS: &str =
+    "The data are compatible with every value inside the 95 % interval, if the model is correct.";
 /// Symbols of the wheel speeds.
 pub(super) const OMEGA: [&str; 2] = ["ω₁", "ω₂"];
 /// Symbols of the inputs.
@@ -66,15 +69,15 @@ pub(super) fn out_of_range(estimate: &Estimate) -> Option<String> {
     let (near, side) = if estimate.value < low { (low, "below") } else { (high, "above") };
     let far = (estimate.value - near).abs() > 2.0 * estimate.std_error;
     let cause = if far {
-        "another effect that the model lacks is in its place"
+        "it compensates for another effect that the model lacks"
     } else {
-        "within its error it is the value of an effect that is not there"
+        "the difference is within its uncertainty, so the effect may be absent"
     };
     let id = effect.id();
     let base = effects::BASE.contains(&id.as_str());
-    let remedy = if base { String::new() } else { format!("; take {id} out of the model") };
+    let remedy = if base { String::new() } else { format!("; remove {id} from the model") };
     Some(format!(
-        "{} = {} lies {side} {}, where it makes no sense: {cause}{remedy}",
+        "{} = {} is {side} {}, outside its physical range: {cause}{remedy}",
         estimate.symbol,
         format::with_unit(estimate.value, &unit(&estimate.unit)),
         if near == 0.0 { "0".to_owned() } else { format::with_unit(near, &unit(&estimate.unit)) },
@@ -159,8 +162,8 @@ mod tests {
         };
         assert_eq!(of(0.01, 0.001), "");
         let absent = of(-1e-4, 1e-4);
-        assert!(absent.starts_with("f_t = −1 × 10⁻⁴ N m lies below 0, where"), "{absent}");
-        assert!(absent.contains("not there; take turning_scrub out"), "{absent}");
+        assert!(absent.starts_with("f_t = −1 × 10⁻⁴ N m is below 0, outside"), "{absent}");
+        assert!(absent.contains("may be absent; remove turning_scrub from"), "{absent}");
         assert!(of(-0.01, 1e-3).contains("another effect that the model lacks"));
     }
 

@@ -3,44 +3,46 @@
 use crate::compare::{Acting, Curve};
 use crate::recording::DriveUnit;
 use crate::report::format;
-use crate::study::{Dependence, is_most_of_it};
+use crate::study::{DependenceStudy, is_most_of_it};
 
 /// "The residual torque depends most on the heading (72 % of it, up to 0.31 N m)." `unit`: that of the input.
-pub(super) fn words(dependence: &Dependence, unit: DriveUnit) -> String {
-    let Dependence { shown, beside, tested, is_left } = dependence;
-    let is_left = if *is_left { " that is left" } else { "" };
+pub(super) fn words(dependence: &DependenceStudy, unit: DriveUnit) -> String {
+    let DependenceStudy { shown, beside, tested, is_left } = dependence;
+    let residual = if *is_left { "remaining residual torque" } else { "residual torque" };
     let on = |curve: &Curve| {
         let (variable, acting) = (curve.variable.words(), curve.acting.words());
         format!("the {variable}{acting} ({})", amount(curve, unit))
     };
     let depends = match (shown, tested) {
         (Some(curve), _) if curve.variable.answers() => format!(
-            "The residual torque{is_left} follows {}, as it does under a controller whatever disturbs the robot",
+            "The {residual} varies most with {}; under feedback control it does so for any disturbance",
             on(curve)
         ),
-        (Some(curve), _) => format!("The residual torque{is_left} depends most on {}", on(curve)),
+        (Some(curve), _) => format!("The {residual} depends most on {}", on(curve)),
         (None, Some(variable)) => {
             format!("The residual torque depends on the {}", variable.words())
         }
-        (None, None) => "The residual torque depends little on anything that was tried".to_owned(),
+        (None, None) => {
+            "The residual torque does not depend clearly on any variable that was tried".to_owned()
+        }
     };
     let end = match (tested, shown.as_ref().is_some_and(is_most_of_it)) {
         (Some(_), _) | (None, true) => ".",
         (None, false) => {
-            "; coloured noise of the recorded input and disturbances from outside look like this too."
+            "; coloured noise of the recorded input and external disturbances look the same."
         }
     };
     let beside = beside.as_ref().map_or(String::new(), |curve| {
-        format!(" Of speeds, place and time it depends most on {}.", on(curve))
+        format!(" Among speeds, angles and time, it depends most on {}.", on(curve))
     });
     depends + end + &beside
 }
 
-/// "72 % of it, up to 0.31 N m"; as a share of the input "up to 31 % of that".
+/// "72 % of it, up to 0.31 N m"; in proportion to the input "up to 31 % of the input".
 fn amount(curve: &Curve, unit: DriveUnit) -> String {
     let largest = curve.largest_left();
     let most = match curve.acting {
-        Acting::Gain => format!("up to {} of that", format::percent(largest)),
+        Acting::Gain => format!("up to {} of the input", format::percent(largest)),
         _ => format!("up to {} {}", format::significant(largest, 2), unit.symbol()),
     };
     // after effects were found the share is one of the residual torque before
@@ -56,7 +58,7 @@ mod tests {
     use crate::compare::{CurveBin, Mean, Variable};
 
     fn of(curves: &[Curve], tested: Option<Variable>) -> String {
-        words(&Dependence::of(curves, tested), DriveUnit::NewtonMetre)
+        words(&DependenceStudy::of(curves, tested), DriveUnit::NewtonMetre)
     }
 
     fn curve(variable: Variable, before: f64, after: Option<f64>) -> Curve {
@@ -79,16 +81,16 @@ mod tests {
         let words = of(&given, Some(Variable::TurnRate));
         assert_eq!(
             words,
-            "The residual torque follows the input of wheel 1 (72 % of it, up to 0.31 N m), as it does under a \
-             controller whatever disturbs the robot. Of speeds, place and time it depends most on the time (10 % of \
-             it, up to 0.31 N m)."
+            "The residual torque varies most with the input of wheel 1 (72 % of it, up to 0.31 N m); under feedback \
+             control it does so for any disturbance. Among speeds, angles and time, it depends most on the time (10 % \
+             of it, up to 0.31 N m)."
         );
         let left =
             [curve(Variable::TurnRate, 0.7, Some(0.0)), curve(Variable::Time, 0.1, Some(0.05))];
         let words = of(&left, Some(Variable::TurnRate));
         assert_eq!(
             words,
-            "The residual torque that is left depends most on the time (up to 0.31 N m)."
+            "The remaining residual torque depends most on the time (up to 0.31 N m)."
         );
     }
 
@@ -102,17 +104,20 @@ mod tests {
              0.31 N m)."
         );
         let fading = of(&[acting(Variable::Time, Acting::Gain)], None);
-        assert!(
-            fading.ends_with("the time, as a share of the input (80 % of it, up to 31 % of that).")
-        );
+        assert!(fading.ends_with(
+            "the time, in proportion to the input (80 % of it, up to 31 % of the input)."
+        ));
     }
 
     #[test]
     fn what_is_not_significant_beside_coloured_noise_says_so() {
         let given = [curve(Variable::Input1, 0.32, None)];
         let words = of(&given, None);
-        assert!(words.contains("whatever disturbs the robot; coloured noise"), "{words}");
+        assert!(words.contains("for any disturbance; coloured noise"), "{words}");
         let nothing = of(&[curve(Variable::Time, 0.001, None)], None);
-        assert!(nothing.starts_with("The residual torque depends little on anything"), "{nothing}");
+        assert!(
+            nothing.starts_with("The residual torque does not depend clearly on any variable"),
+            "{nothing}"
+        );
     }
 }

@@ -74,10 +74,10 @@ fn by_logging(id: &str, logging: &Logging) -> String {
     }
     let held = logging.if_held.map_or_else(String::new, |time| {
         let time = format::digits(time, 2);
-        format!(", {time} s of it if the input is held through its rows")
+        format!(", of which {time} s come from sampling if the input is held between its rows")
     });
     let sensor = match logging.speeds_alone {
-        true => ", unless the sensor of the speeds is late, which angles would show",
+        true => ", unless the speed sensor is late (recorded angles would show which)",
         false => "",
     };
     held + sensor

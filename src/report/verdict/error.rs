@@ -12,17 +12,17 @@ pub(super) fn words(errors: &Errors, found: usize) -> String {
     }
     let with = match found {
         0 => "The",
-        1 => "With it the",
-        _ => "With them the",
+        1 => "With it, the",
+        _ => "With them, the",
     };
     match (found, ratio <= THRESHOLDS.at_floor) {
         (_, true) if ratio < FAR_BELOW_FLOOR => format!(
-            "{with} 2 s simulation error is {ratio:.2} of the noise floor, which holds all that the input may do \
-             between its rows."
+            "{with} 2 s simulation error is {ratio:.2} times the noise floor, which is an upper bound here: it includes the \
+             largest error that the input between its rows can cause."
         ),
         (1.., true) if errors.was_at_floor() => format!(
-            "What is missing matters little in this motion: the 2 s simulation error is at the noise floor as it \
-             was before, and falls by {}.",
+            "{} influence on this motion is small: the 2 s simulation error was at the noise floor before and falls by {}.",
+            if found == 1 { "Its" } else { "Their" },
             format::percent(errors.fall())
         ),
         (_, true) => format!("{with} 2 s simulation error is at the noise floor."),
@@ -44,10 +44,10 @@ pub(super) fn words(errors: &Errors, found: usize) -> String {
 fn in_perspective(errors: &Errors) -> String {
     match errors.ratio() > THRESHOLDS.above_floor && !errors.above_floor() {
         true => {
-            format!(", beyond which it is {} of the top speed", format::percent(errors.excess()))
+            format!("; the excess is {} of the top speed", format::percent(errors.excess()))
         }
         false if !errors.above_input() => {
-            ", as much as the input may make between its rows".to_owned()
+            ", no more than the input between its rows can cause".to_owned()
         }
         false => String::new(),
     }

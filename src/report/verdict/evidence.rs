@@ -1,13 +1,13 @@
 //! The evidence for a candidate, in words.
 
 use crate::diagnose::Errors;
-use crate::study::Candidate;
+use crate::study::CandidateStudy;
 
-/// "explains 92 % of what the model leaves above noise, the 2 s simulation error falls from …"; of a candidate whose errors
+/// "removes 92 % of the error above the noise floor, the 2 s simulation error falls from …"; of a candidate whose errors
 /// are not known, the likelihood ratios of the screening. `errors`: those of the diagnosis.
 #[must_use]
-pub fn evidence(candidate: &Candidate, errors: &Errors) -> String {
-    let Candidate { before, after: Some(after), .. } = candidate else {
+pub fn evidence(candidate: &CandidateStudy, errors: &Errors) -> String {
+    let CandidateStudy { before, after: Some(after), .. } = candidate else {
         return format!(
             "not refitted (likelihood ratio {:.0} by regression, {:.0} over the windows)",
             candidate.by_regression, candidate.by_windows
@@ -17,7 +17,7 @@ pub fn evidence(candidate: &Candidate, errors: &Errors) -> String {
     let gained = before.window_rms.powi(2) - after.window_rms.powi(2);
     let share = if explainable > 0.02 * errors.floor {
         format!(
-            "explains {:.0} % of what the model leaves above noise, ",
+            "removes {:.0} % of the error above the noise floor, ",
             100.0 * (gained / explainable).clamp(0.0, 1.0)
         )
     } else {

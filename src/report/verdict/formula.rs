@@ -4,17 +4,20 @@ use crate::diagnose::{Errors, THRESHOLDS};
 use crate::report::format;
 use crate::study::FormulaStudy;
 
-/// "A formula of it (heading_resistance) lowers the 2 s simulation error to 0.061 rad/s, 1.7 times the noise floor."
+/// "A formula for this dependence (heading_resistance) lowers the 2 s simulation error to 0.061 rad/s, 1.7 times the
+/// noise floor."
 pub(super) fn words(formula: &FormulaStudy, errors: &Errors) -> String {
     let FormulaStudy { id, in_place, window_rms, .. } = formula;
-    let place = if *in_place { " in place of what was found" } else { "" };
+    let place = if *in_place { ", in place of the effects found," } else { "" };
     let over = match window_rms / errors.floor.sqrt() {
         ratio if !ratio.is_finite() => String::new(),
         ratio if ratio <= THRESHOLDS.at_floor => ", the noise floor".to_owned(),
         ratio => format!(", {ratio:.1} times the noise floor"),
     };
     let error = format::significant(*window_rms, 3);
-    format!("A formula of it ({id}){place} lowers the 2 s simulation error to {error} rad/s{over}.")
+    format!(
+        "A formula for this dependence ({id}){place} lowers the 2 s simulation error to {error} rad/s{over}."
+    )
 }
 
 #[cfg(test)]
@@ -34,8 +37,8 @@ mod tests {
             Errors { before: error, after: error, floor, most: floor, slow: 0.0, speed: 1e4 };
         assert_eq!(
             words(&formula(0.0612, true), &errors),
-            "A formula of it (heading_resistance) in place of what was found lowers the 2 s simulation error to \
-             0.0612 rad/s, 1.7 times the noise floor."
+            "A formula for this dependence (heading_resistance), in place of the effects found, lowers the 2 s \
+             simulation error to 0.0612 rad/s, 1.7 times the noise floor."
         );
         assert!(
             words(&formula(0.0412, false), &errors).ends_with("0.0412 rad/s, the noise floor.")

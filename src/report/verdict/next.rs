@@ -6,12 +6,12 @@ use crate::study::{Advice, DiagnosisStudy};
 
 /// What to do or to record next, with the manoeuvre that was written for it; `None` where there is nothing to record.
 #[must_use]
-pub fn next_run(diagnosis: &DiagnosisStudy) -> Option<String> {
+pub fn recommendation(diagnosis: &DiagnosisStudy) -> Option<String> {
     let mut sentences: Vec<String> = diagnosis.next.iter().map(words).collect();
     sentences.extend(diagnosis.proposal.iter().map(|proposal| {
         format!(
-            "A manoeuvre of {:.0} s that does it is written to next_run.csv (set-points) and \
-             next_run.toml (segments); driven once, it identifies the right one with a probability of {}.",
+            "A suitable manoeuvre of {:.0} s is in next_run.csv (set-points) and next_run.toml (segments); one run of it \
+             identifies the right effect with a probability of {}.",
             proposal.movement.duration(),
             format::probability(proposal.probability)
         )
@@ -31,13 +31,13 @@ fn words(advice: &Advice) -> String {
             format!("To prove {}, record{faster}: {excitation}.", title(effect))
         }
         Advice::Equivalent { effect, others } => format!(
-            "No recording of wheel speeds and torques distinguishes {} from {}: they are the same in \
-             the equations. A measurement of another kind is needed.",
+            "No recording of wheel speeds and torques distinguishes {} from {}: their equations are \
+             the same. A measurement of another kind is needed.",
             title(effect),
             others.iter().map(|id| title(id)).collect::<Vec<_>>().join(" or ")
         ),
         Advice::Closest([first, second]) => format!(
-            "Of the catalogue, {} and {} come closest, neither proven.",
+            "The closest effects of the catalogue are {} and {}; neither is proven.",
             title(first),
             title(second)
         ),

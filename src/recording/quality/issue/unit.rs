@@ -7,7 +7,7 @@ const TOLERANCE: f64 = 0.03;
 
 /// The unit of a column that makes a ratio.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Unit {
+pub(crate) enum RatioUnit {
     /// None is wrong.
     Right,
     /// Of the speed.
@@ -22,56 +22,32 @@ enum Unit {
 
 /// Which unit and which sign are wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct UnitError {
+pub(crate) struct UnitError {
     /// `None` where the ratio is the factor of no unit.
-    unit: Option<Unit>,
-    opposite: bool,
+    pub(crate) unit: Option<RatioUnit>,
+    /// Whether the sign of one of the two is wrong.
+    pub(crate) opposite: bool,
 }
 
 impl UnitError {
     /// Of a ratio of speed to slope of the angle on wheels of a radius \[m\].
-    pub(super) fn of(ratio: f64, radius: f64) -> Self {
+    pub(crate) fn of(ratio: f64, radius: f64) -> Self {
         let (degrees, minute) = (180.0 / PI, 60.0 / TAU);
         let known = [
-            (1.0, Unit::Right),
-            (minute, Unit::Speed("rpm")),
-            (degrees, Unit::DegreesPerSecond),
-            (1.0 / TAU, Unit::Speed("rev/s")),
-            (radius, Unit::Speed("m/s")),
-            (1.0 / degrees, Unit::Angle("deg")),
-            (TAU, Unit::Angle("rev")),
-            (1.0 / radius, Unit::Angle("m")),
-            (1e3, Unit::Time("ms")),
-            (1e6, Unit::Time("us")),
-            (1e9, Unit::Time("ns")),
+            (1.0, RatioUnit::Right),
+            (minute, RatioUnit::Speed("rpm")),
+            (degrees, RatioUnit::DegreesPerSecond),
+            (1.0 / TAU, RatioUnit::Speed("rev/s")),
+            (radius, RatioUnit::Speed("m/s")),
+            (1.0 / degrees, RatioUnit::Angle("deg")),
+            (TAU, RatioUnit::Angle("rev")),
+            (1.0 / radius, RatioUnit::Angle("m")),
+            (1e3, RatioUnit::Time("ms")),
+            (1e6, RatioUnit::Time("us")),
+            (1e9, RatioUnit::Time("ns")),
         ];
         let is_near = |factor: f64| (ratio.abs() / factor - 1.0).abs() < TOLERANCE;
         let unit = known.into_iter().find(|(factor, _)| is_near(*factor)).map(|(_, unit)| unit);
         Self { unit, opposite: ratio < 0.0 }
-    }
-
-    /// What is wrong in the columns of a wheel, and the remedy.
-    pub(super) fn words(self, wheel: usize) -> String {
-        let (speed, angle) = (format!("dalpha{}", wheel + 1), format!("alpha{}", wheel + 1));
-        let sign = self.opposite.then(|| {
-            format!(
-                "the sign of one of them is wrong (forward is positive for both wheels): scale = -1 on {speed} or {angle}"
-            )
-        });
-        let state = |words: String| Some(format!("{words}; say so in `columns`"));
-        let unit = match self.unit {
-            Some(Unit::Right) => None,
-            Some(Unit::Speed(unit)) => state(format!("{speed} is in {unit}")),
-            Some(Unit::DegreesPerSecond) => {
-                state(format!("{speed} is in deg/s, or t in a wrong unit"))
-            }
-            Some(Unit::Angle(unit)) => state(format!("{angle} is in {unit}")),
-            Some(Unit::Time(unit)) => state(format!("t is in {unit}")),
-            None => Some(
-                "a unit, a gear ratio or the counts per turn are wrong; correct it with unit or scale in `columns`"
-                    .into(),
-            ),
-        };
-        [sign, unit].into_iter().flatten().collect::<Vec<_>>().join(", and ")
     }
 }

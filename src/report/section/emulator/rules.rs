@@ -1,7 +1,7 @@
 //! The fuzzy system as pictures: memberships, rules, surface.
 
 use super::super::words;
-use crate::report::figure::{Axis, ColorMap, Figure, HeatMap, Layer, Panel, Role};
+use crate::report::figure::{Axis, ColorMap, ColourRole, Figure, HeatMap, Layer, Panel};
 use crate::report::format;
 use crate::study::{FuzzyStudy, Study};
 
@@ -30,7 +30,8 @@ fn memberships(study: &Study, system: &FuzzyStudy) -> Option<Figure> {
         );
         for (n, curve) in system.memberships[i].iter().enumerate() {
             let points = system.grid[i].iter().copied().zip(curve.iter().copied()).collect();
-            panel = panel.with(Layer::line(points, format!("set {}", n + 1), Role::Series(n)));
+            panel =
+                panel.with(Layer::line(points, format!("set {}", n + 1), ColourRole::Series(n)));
         }
         if !panel.layers.is_empty() {
             figure.panels.push(panel);

@@ -3,7 +3,7 @@
 use super::super::words;
 use super::truth;
 use crate::identify::Estimate;
-use crate::report::figure::{Axis, BarSeries, Bars, Figure, Layer, Panel, Role};
+use crate::report::figure::{Axis, BarSeries, Bars, ColourRole, Figure, Layer, Panel};
 use crate::report::format;
 use crate::study::{MethodStudy, Study};
 
@@ -71,7 +71,7 @@ fn panel(study: &Study, physical: &[&MethodStudy], reference: &Estimate) -> Opti
         });
     }
     let reach = if reach > 0.0 { 1.1 * reach } else { 1.0 };
-    let series = BarSeries { intervals, text, ..BarSeries::new("", Role::Measured, values) };
+    let series = BarSeries { intervals, text, ..BarSeries::new("", ColourRole::Measured, values) };
     let bars = Bars { categories, series: vec![series], highlight: None };
     let x = Axis::linear("deviation", "%").with_range(-reach, reach);
     let title = format!(
@@ -81,6 +81,6 @@ fn panel(study: &Study, physical: &[&MethodStudy], reference: &Estimate) -> Opti
         format::number(centre),
         words::unit(&reference.unit)
     );
-    let zero = Layer::vline(0.0, "", Role::Ink);
+    let zero = Layer::vline(0.0, "", ColourRole::Ink);
     Some(Panel::new(x, Axis::unlabelled()).with_title(title).with(Layer::Bars(bars)).with(zero))
 }

@@ -3,7 +3,7 @@
 use super::super::words;
 use super::truth;
 use crate::identify::{DROP, Trace, TraceAxis, TraceKind};
-use crate::report::figure::{Axis, Dash, Figure, Layer, Panel, Role};
+use crate::report::figure::{Axis, ColourRole, Dash, Figure, Layer, Panel};
 use crate::study::{MethodStudy, Study};
 
 /// A curve of a trace.
@@ -70,8 +70,8 @@ fn words_of(kind: &TraceKind) -> (&'static str, &'static str) {
 
 fn of_profile(x: Axis, points: Points) -> Panel {
     let y = Axis::linear("log-likelihood below its maximum", "").with_range(-5.0, 0.2);
-    let limit = Layer::hline(-DROP, "95 %", Role::Ink);
-    Panel::new(x, y).with(limit).with(Layer::line(points, "", Role::Model))
+    let limit = Layer::hline(-DROP, "95 %", ColourRole::Ink);
+    Panel::new(x, y).with(limit).with(Layer::line(points, "", ColourRole::Model))
 }
 
 fn of_cost(x: Axis, points: Points) -> Panel {
@@ -100,13 +100,13 @@ fn of_estimate(
     };
     let last = points.iter().rev().map(|p| p.1).find(|v| v.is_finite());
     let label = if known.is_some() { "true value" } else { "last value" };
-    let mark = known.or(last).map(|at| Layer::hline(at, label, Role::Ink));
+    let mark = known.or(last).map(|at| Layer::hline(at, label, ColourRole::Ink));
     mark.into_iter().fold(Panel::new(x, y), Panel::with).with(line(points))
 }
 
 fn line(points: Points) -> Layer {
     let label = String::new();
-    Layer::Line { points, label, role: Role::Model, width: 1.4, dash: Dash::Solid }
+    Layer::Line { points, label, role: ColourRole::Model, width: 1.4, dash: Dash::Solid }
 }
 
 /// The range of the later four fifths, with the true value and some room around.

@@ -11,8 +11,9 @@ use crate::identify::{
 };
 use crate::recording::{DriveUnit, Finding, Issue, Measured, Noise, Regime, Severity};
 use crate::study::{
-    Advice, Candidate, DiagnosisStudy, FoundEffect, FuzzyStudy, Invocation, Logging, MethodStudy,
-    ModelStudy, ParameterStudy, Performance, RecordingStudy, Role, Step, Study, Verdict, Version,
+    Advice, CandidateStudy, DiagnosisStudy, FoundEffect, FuzzyStudy, Invocation, Logging,
+    MethodStudy, ModelStudy, ParameterStudy, Performance, RecordingStudy, Role, StepStudy, Study,
+    Verdict, Version,
 };
 
 /// Samples of a recording.
@@ -163,8 +164,8 @@ fn model(recordings: &[RecordingStudy], error: f64, effects: &[&str]) -> ModelSt
     }
 }
 
-fn candidate(effect: &str, probability: f64, window_after: f64) -> Candidate {
-    Candidate {
+fn candidate(effect: &str, probability: f64, window_after: f64) -> CandidateStudy {
+    CandidateStudy {
         effect: effect.to_owned(),
         probability,
         indistinguishable: vec!["back_emf".to_owned()],
@@ -182,7 +183,7 @@ fn candidate(effect: &str, probability: f64, window_after: f64) -> Candidate {
 }
 
 fn diagnosis() -> DiagnosisStudy {
-    let step = |added: Option<&str>, window_rms_validation| Step {
+    let step = |added: Option<&str>, window_rms_validation| StepStudy {
         added: added.map(str::to_owned),
         ise_validation: f64::INFINITY,
         window_rms_validation,

@@ -1,6 +1,8 @@
-//! The words of findings.
+//! The sentences of what conditioning found.
 
-use super::{Channel, Kind};
+use std::fmt;
+
+use crate::conditioning::{Action, Channel, Finding, Kind, Stated};
 use crate::math::Span;
 
 /// The factor of a gear that a ratio of speed to slope of the angle may be, and the columns whose values it turns into
@@ -15,11 +17,7 @@ fn gear_scale(ratio: Span<f64>) -> String {
 }
 
 /// What was found, and what is done about it unless it is switched off.
-pub(super) fn words(
-    name: &str,
-    kind: Kind<Span<usize>, Span<f64>>,
-    channel: Channel,
-) -> (String, String) {
+fn words(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> (String, String) {
     let ms = |s: Span<f64>| format!("{:.2} ms", s.map(|s| 1e3 * s));
     let degrees = |angle: Span<f64>| format!("{:.1}", angle.map(f64::to_degrees));
     let percent = |share: Span<f64>| share.map(|share| 100.0 * share);
@@ -34,15 +32,15 @@ pub(super) fn words(
         ),
         Kind::SparseColumn { share } => (
             format!("{name} has a new value in {:.1} % of the rows", percent(share)),
-            "the line between its values stands for it".into(),
+            "interpolated linearly between its values".into(),
         ),
         Kind::HeldColumn { share } => (
             format!("{name} has a value in {:.1} % of the rows", percent(share)),
-            "it holds until the next".into(),
+            "each value is held until the next".into(),
         ),
         Kind::OwnRows { share } => (
             format!("{name} has a new value in {:.1} % of the rows", percent(share)),
-            "the recording has these rows; the others serve their own columns".into(),
+            "the recording uses these rows; the others only fill their own columns".into(),
         ),
         Kind::TimeRows { rows, first } => (
             format!(
@@ -53,50 +51,50 @@ pub(super) fn words(
         ),
         Kind::Jitter { share } => (
             format!(
-                "the times of the rows scatter by {:.0} % of a row about even times, on which the sensors move more \
-                 smoothly",
+                "the time stamps scatter by {:.0} % of the sampling interval about even times, at which the motion is \
+                 smoother",
                 percent(share)
             ),
-            "the rows stand on the even times".into(),
+            "the rows are moved to the even times".into(),
         ),
         Kind::ClockWrap { count, row, period_s } => (
             format!(
-                "the time goes back {} by {period_s} s (first: row {row}), the period of a timer",
+                "the time jumps back {} by {period_s} s (first: row {row}), the period of a timer",
                 one(count, "time")
             ),
-            "a timer that wrapped: the time goes on".into(),
+            "treated as a timer overflow: the time continues".into(),
         ),
         Kind::ClockRestart { count, row, back_s } => (
             format!(
-                "the time goes back {} and on from there (first: by {back_s:.3} s at row {row})",
+                "the time jumps back {} and continues from there (first: by {back_s:.3} s at row {row})",
                 one(count, "time")
             ),
-            "a restarted clock: what follows stands behind a gap".into(),
+            "treated as a restarted clock: the rows that follow begin after a gap".into(),
         ),
         Kind::CoarseClock { tick_s, rows } => (
             format!(
-                "the time goes on in steps of {} s, each with {rows:.1} rows",
+                "the time advances in steps of {} s, each with {rows:.1} rows",
                 tick_s.map(|s| (1e6 * s).round() / 1e6)
             ),
-            "a coarse clock: the rows are spread evenly over its steps".into(),
+            "treated as a coarse clock: the rows are spread evenly over its steps".into(),
         ),
         Kind::Stale { rows, first } => (
             format!(
-                "{rows} rows repeat the last sample of the sensors although the wheels move, and later ones make up for \
-                 it (first: row {first})"
+                "{rows} rows repeat the last sample of the sensors although the wheels move; the next new sample \
+                 contains the missing motion (first: row {first})"
             ),
-            "the samples that came late stand in their place".into(),
+            "replaced by the samples that came late".into(),
         ),
         Kind::Wrapped { period_rad, turns } => {
             (format!("{name} wraps at {period_rad:.6} rad, {turns} times"), "unwrapped".into())
         }
         Kind::Reset { row, step_rad } => (
             format!("{name} jumps by {step_rad:+.4} rad at row {row} and stays there"),
-            "a reset counter: what follows is shifted back".into(),
+            "treated as a counter reset: the rest is shifted back".into(),
         ),
         Kind::Spikes { count, first, largest } => (
             format!(
-                "{name} has {} (first: row {first}; the largest stands out by {})",
+                "{name} has {} (first: row {first}; the largest deviates by {})",
                 one(count, "isolated wrong sample"),
                 largest.written(|v| if v.abs() < 1e6 {
                     format!("{v:.4}")
@@ -104,7 +102,7 @@ pub(super) fn words(
                     format!("{v:e}")
                 })
             ),
-            "replaced by the line between the neighbours".into(),
+            "replaced by linear interpolation".into(),
         ),
         Kind::Unit { factor, unit } => {
             let other =
@@ -126,7 +124,7 @@ pub(super) fn words(
         }
         Kind::Gear { ratio } => (
             format!(
-                "{name} is {ratio:.4} times the slope of its counterpart, which is the factor of no unit: of a gear between \
+                "{name} is {ratio:.4} times the slope of its counterpart, which is not the factor of a unit; for a gear between \
                  motor and wheel write {}",
                 gear_scale(ratio)
             ),
@@ -134,22 +132,22 @@ pub(super) fn words(
         ),
         Kind::Sign => (
             format!("{name} has the opposite sign of its counterpart and of the input"),
-            "turned".into(),
+            "sign reversed".into(),
         ),
         Kind::Opposing if matches!(channel, Channel::Input(_)) => {
-            (format!("{name} acts against the motion of its wheel"), "turned".into())
+            (format!("{name} acts against the motion of its wheel"), "sign reversed".into())
         }
         Kind::Opposing => (
-            format!("{name} counts against its input and, nearly always, against the other wheel"),
-            "turned".into(),
+            format!("{name} runs opposite to its input and, nearly always, to the other wheel"),
+            "sign reversed".into(),
         ),
         Kind::Exchanged => (
-            format!("{name} belongs to the other wheel: it follows the motion of that one"),
+            format!("{name} belongs to the other wheel, whose motion it follows"),
             "exchanged".into(),
         ),
         Kind::Lag { lag_s, std_error_s } => (
             format!("{name} lags the angle by {} ± {}", ms(lag_s), ms(std_error_s)),
-            "advanced by that".into(),
+            "advanced by this time".into(),
         ),
         Kind::Filtered { lag_s, std_error_s } => (
             format!(
@@ -157,52 +155,52 @@ pub(super) fn words(
                 ms(lag_s),
                 ms(std_error_s)
             ),
-            "left out: speeds are those of the angles".into(),
+            "not used: the speeds are computed from the angles".into(),
         ),
         Kind::LowPass { time_s, std_error_s, or_late } => (
             format!(
-                "{name} is the speed behind a low-pass of {} ± {}: friction of the wheels acts as late as their input{}",
+                "{name} is low-pass filtered with a time constant of {} ± {}: friction appears as late as the input{}",
                 ms(time_s),
                 ms(std_error_s),
                 if or_late {
-                    " (a late actuator explains the motion hardly worse; angles would show which it is)"
+                    " (a late actuator fits the motion almost as well; recorded angles would show which it is)"
                 } else {
                     ""
                 }
             ),
-            "the speed before it".into(),
+            "the speed before the filter is used".into(),
         ),
         Kind::HeldInput => (
             format!(
-                "{name} keeps its value until the next row: the motion follows that better than a line"
+                "{name} is held between the rows: the motion follows a held input better than a linear one"
             ),
-            "simulated so (hold = \"linear\" draws a line between the rows)".into(),
+            "simulated as held (hold = \"linear\" interpolates between the rows)".into(),
         ),
         Kind::Phase { shift_s, std_error_s } => (
             format!(
-                "{name} acts {} ± {} {} than in the mean of the recordings: the rows stand at another phase of the \
-                 controller's",
+                "{name} acts {} ± {} {} than in the mean of the recordings: its rows are at another phase of the \
+                 controller cycle",
                 ms(shift_s.map(f64::abs)),
                 ms(std_error_s),
                 if shift_s.low() > 0.0 { "later" } else { "earlier" }
             ),
-            "moved by that".into(),
+            "shifted by this time".into(),
         ),
         Kind::StartHeading { angle_rad, std_error_rad } => (
             format!(
-                "the heading starts {} ± {} degrees from that of another recording, as a torque that repeats with it says",
+                "the heading starts {} ± {} degrees from that of another recording, estimated from a torque that repeats with it",
                 degrees(angle_rad),
                 degrees(std_error_rad)
             ),
-            "the angles start there".into(),
+            "the angles are shifted".into(),
         ),
         Kind::StartAngle { angle_rad, std_error_rad } => (
             format!(
-                "{name} starts {} ± {} degrees from where another recording has it, as a torque that repeats with it says",
+                "{name} starts {} ± {} degrees from its value in another recording, estimated from a torque that repeats with it",
                 degrees(angle_rad),
                 degrees(std_error_rad)
             ),
-            "starts there".into(),
+            "shifted".into(),
         ),
         Kind::Differences { samples, lag_s } => (
             format!(
@@ -210,18 +208,18 @@ pub(super) fn words(
                 one(samples, "sample"),
                 ms(lag_s)
             ),
-            "left out: it holds nothing beside the angle".into(),
+            "not used: it has no information beyond the angle".into(),
         ),
         Kind::Counts { step_rad, rows } => (
             format!(
-                "{name} is made of the counts of an encoder over {}, one count of {step_rad:.6} rad",
+                "{name} is computed from encoder counts over {}, one count is {step_rad:.6} rad",
                 one(rows, "row")
             ),
-            "the angle that they add up to stands for it".into(),
+            "replaced by the angle that the counts add up to".into(),
         ),
         Kind::FewLevels { levels } => (
             format!("{name} has {} only", one(levels, "level")),
-            "taken as a command without noise".into(),
+            "treated as a command without noise".into(),
         ),
         Kind::Magnitude => (
             format!("{name} never changes its sign although its wheel is driven both ways"),
@@ -229,7 +227,7 @@ pub(super) fn words(
         ),
         Kind::RestOffset { mean, std_error } => (
             format!("{name} is {mean:.5} ± {std_error:.5} while the robot stands before it starts"),
-            format!("an offset of the sensor? `offset` of the column {name} takes it out"),
+            format!("possibly an offset of the sensor: `offset` of the column {name} removes it"),
         ),
         Kind::RestNoise { sigma, time_s } => (
             format!(
@@ -240,14 +238,46 @@ pub(super) fn words(
         ),
         Kind::Refresh { period_s } => (
             format!(
-                "the sensors give a new value every {}, the rows come more often",
+                "the sensors give a new value every {}, less often than the rows",
                 ms(period_s)
             ),
-            "rows that repeat a value do not count as measurements".into(),
+            "rows that repeat a value are not counted as measurements".into(),
         ),
         Kind::Quantum { step } => (
-            format!("{name} comes in steps of {step:.6}"),
-            "counted as noise of step/sqrt(12)".into(),
+            format!("{name} is quantised in steps of {step:.6}"),
+            "modelled as noise of step/sqrt(12)".into(),
         ),
+    }
+}
+
+/// Channels as the subject of a sentence.
+fn subject(channels: &[Channel]) -> String {
+    let names: Vec<String> = channels.iter().map(|c| c.name()).collect();
+    match &names[..] {
+        [rest @ .., last] if !rest.is_empty() => {
+            format!("each of {} and {last}", rest.join(", "))
+        }
+        names => names.concat(),
+    }
+}
+
+/// In a sentence.
+impl fmt::Display for Stated {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(channel) = self.channels.first() else { return Ok(()) };
+        let (what, done) = words(&subject(&self.channels), self.kind, *channel);
+        match self.action {
+            Action::Corrected(key) => {
+                write!(f, "{what}; {done} ([conditioning] {key} = false switches this off)")
+            }
+            Action::Used => write!(f, "{what}; {done}"),
+            Action::Noted => write!(f, "{what}; left as recorded"),
+        }
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        Stated::of(self).fmt(f)
     }
 }
