@@ -40,6 +40,16 @@ pub struct WindowFloor {
     pub slow: f64,
 }
 
+impl WindowFloor {
+    /// Whether slow noise of the input makes the larger part of the squared error: the floor is then known to a factor of
+    /// two at best, since such noise is seen while the robot rests, for some of its correlation times, and tests that count
+    /// rows or windows as independent do not hold.
+    #[must_use]
+    pub fn is_slow(&self) -> bool {
+        2.0 * self.slow.powi(2) > self.expected.powi(2)
+    }
+}
+
 /// The error that remains for a perfect model: the noise of the measured speeds, what noise of the starting state
 /// does to a simulation, and what noise of the recorded torques (from differences) does, or what the input does
 /// between its rows, which nobody recorded.

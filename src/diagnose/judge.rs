@@ -106,7 +106,7 @@ impl Judge {
             after: error(diagnosis.last())?,
             floor: floor.expected.powi(2),
             most: floor.most.powi(2),
-            slow: floor.slow.powi(2),
+            slow_floor: floor.is_slow(),
             speed: self.top_speed().powi(2),
         })
     }

@@ -30,8 +30,8 @@ pub struct Errors {
     pub floor: f64,
     /// Of the noise floor with the most that the input may have done between its rows.
     pub most: f64,
-    /// Of what slow noise of the input has in the noise floor.
-    pub slow: f64,
+    /// Whether slow noise of the input makes the noise floor ([`crate::compare::WindowFloor::is_slow`]).
+    pub slow_floor: bool,
     /// Square of the top speed of the wheels.
     pub speed: f64,
 }
@@ -109,14 +109,6 @@ impl Errors {
         self.excess() <= THRESHOLDS.useful
     }
 
-    /// Whether slow noise of the input makes the larger part of the noise floor, which is then known to a factor of two at
-    /// best: it is seen while the robot rests, for some of its correlation times. Tests that count rows as independent hold
-    /// for no such noise.
-    #[must_use]
-    pub fn is_floor_slow(&self) -> bool {
-        2.0 * self.slow > self.floor
-    }
-
     /// Whether the last model is above all that the input may have done between its rows. An error that is not a
     /// number is.
     #[must_use]
@@ -170,7 +162,7 @@ pub fn conclude(found: usize, errors: &Errors, likely: Option<f64>, structure: b
         Some(ratio) if explained(errors.after * ratio * ratio) => Conclusion::Likely,
         _ if errors.above_floor()
             && errors.above_input()
-            && (structure && !errors.is_floor_slow() || errors.far_above_floor()) =>
+            && (structure && !errors.slow_floor || errors.far_above_floor()) =>
         {
             Conclusion::Unknown
         }
@@ -215,7 +207,7 @@ mod tests {
     }
 
     fn errors(before: f64, after: f64) -> Errors {
-        Errors { before, after, floor: 1.0, most: 1.0, slow: 0.0, speed: 1e4 }
+        Errors { before, after, floor: 1.0, most: 1.0, slow_floor: false, speed: 1e4 }
     }
 
     #[test]
@@ -266,9 +258,12 @@ mod tests {
 
     #[test]
     fn under_slow_noise_of_the_input_structure_is_no_evidence() {
-        let slow = Errors { slow: 0.8, ..errors(4.0, 4.0) };
+        let slow = Errors { slow_floor: true, ..errors(4.0, 4.0) };
         assert_eq!(conclude(0, &slow, None, true), Conclusion::Sufficient);
-        assert_eq!(conclude(0, &Errors { slow: 0.3, ..slow }, None, true), Conclusion::Unknown);
+        assert_eq!(
+            conclude(0, &Errors { slow_floor: false, ..slow }, None, true),
+            Conclusion::Unknown
+        );
         assert_eq!(conclude(0, &Errors { after: 16.0, ..slow }, None, true), Conclusion::Unknown);
     }
 

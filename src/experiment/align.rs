@@ -101,7 +101,7 @@ fn count_noise_at_rest(plan: &mut Plan) {
         Finding { channel: Channel::Input(i), kind, action: Action::Used }
     });
     let found: Vec<Finding> = found.collect();
-    for Measured { recording, conditioning, .. } in &mut plan.recordings {
+    for MeasuredRecording { recording, conditioning, .. } in &mut plan.recordings {
         recording.set_slow_input_noise(noise);
         conditioning.extend(found.iter().copied());
     }

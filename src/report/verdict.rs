@@ -105,7 +105,7 @@ fn sufficient(stated: &DiagnosisStudy, error: String) -> Vec<String> {
         let faster = text("To decide, record at the rate of the controller.");
         return vec![format!("Nothing is proven to be missing: {none}."), error, faster];
     }
-    if stated.errors.is_floor_slow() {
+    if stated.errors.slow_floor {
         let slow = "Most of the noise floor is slow noise of the recorded input, which the rests of the robot show to a factor \
                     of two at best; a recording with longer rests decides.";
         return vec![format!("Nothing is proven to be missing: {none}."), error, text(slow)];
@@ -165,7 +165,7 @@ mod tests {
                 after: 9.0,
                 floor: 1.0,
                 most: 1.0,
-                slow: 0.0,
+                slow_floor: false,
                 speed: 1e4,
             },
             found: vec![],
@@ -247,7 +247,7 @@ mod tests {
     #[test]
     fn a_floor_of_slow_noise_is_said_to_be_known_roughly() {
         let errors =
-            Errors { before: 4.0, after: 4.0, floor: 1.0, most: 1.0, slow: 0.8, speed: 1e4 };
+            Errors { before: 4.0, after: 4.0, floor: 1.0, most: 1.0, slow_floor: true, speed: 1e4 };
         let stated = DiagnosisStudy { verdict: Verdict::ModelSufficient, errors, ..unknown() };
         let text = sentence(&stated);
         assert!(text.contains("slow noise of the recorded input"), "{text}");

@@ -46,7 +46,7 @@ impl Search<'_> {
             after: square(last),
             floor: floor.expected.powi(2),
             most: floor.most.powi(2),
-            slow: floor.slow.powi(2),
+            slow_floor: floor.is_slow(),
             speed: 1.0,
         }
     }

@@ -81,16 +81,17 @@ impl Search<'_> {
     /// ```
     /// The bound is Markov's inequality for a likelihood ratio whose models were fitted to other data. A wheel in
     /// a window of 2 s counts as one value, since its errors there move together; those of the two wheels have
-    /// noise of their own.
+    /// noise of their own. Under slow noise of the input they do not, and the floor is not known well enough.
     fn explained(&self, before: &HeldOut, after: &HeldOut) -> f64 {
         let (from, to) = (before.shown, after.shown);
         if self.held.is_none() || to >= from {
             return 1.0;
         }
-        let floor = self.judge.floor(&after.fit.model, &after.fit.p).expected;
-        if to > THRESHOLDS.likely_above_floor * floor {
+        let floor = self.judge.floor(&after.fit.model, &after.fit.p);
+        if floor.is_slow() || to > THRESHOLDS.likely_above_floor * floor.expected {
             return 1.0;
         }
+        let floor = floor.expected;
         (-0.5 * self.judge.values() * (from.powi(2) - to.powi(2)) / floor.powi(2)).exp()
     }
 

@@ -33,8 +33,14 @@ mod tests {
             ..FormulaStudy::default()
         };
         let (error, floor) = (0.1_f64.powi(2), 0.0358_f64.powi(2));
-        let errors =
-            Errors { before: error, after: error, floor, most: floor, slow: 0.0, speed: 1e4 };
+        let errors = Errors {
+            before: error,
+            after: error,
+            floor,
+            most: floor,
+            slow_floor: false,
+            speed: 1e4,
+        };
         assert_eq!(
             words(&formula(0.0612, true), &errors),
             "A formula for this dependence (heading_resistance), in place of the effects found, lowers the 2 s \
