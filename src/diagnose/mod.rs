@@ -40,7 +40,7 @@ pub use judge::{Judge, Judgement};
 pub use next_run::{Limits, Proposal, Rivals, next_run};
 pub use outcome::{Diagnosis, Ranked, Step};
 pub use phases::{Phase, phases};
-pub use regression::{ColumnBuffer, Regression, Smoothed};
+pub use regression::{Buffers, Regression, Smoothed};
 pub use scale::scale_of;
 pub use screen::Screen;
 pub use search::{Data, Progress, Settings, StartAngle, diagnose, start_angles};

@@ -78,7 +78,7 @@ pub struct Regression<'a> {
 
 /// Memory for the columns of a candidate, to be used again for the next one.
 #[derive(Default)]
-pub struct ColumnBuffer {
+pub struct Buffers {
     signals: Vec<Vec<[f64; 2]>>,
     filter: FilterBuffer,
     rows: Vec<f64>,
@@ -239,10 +239,10 @@ impl<'a> Regression<'a> {
     /// LR = n ln(RSS0/RSS1),   n = 2 fc T
     /// ```
     #[must_use]
-    pub fn ratio(&self, candidate: &Candidate, buffer: &mut ColumnBuffer) -> (f64, Vec<f64>) {
+    pub fn ratio(&self, candidate: &Candidate, memory: &mut Buffers) -> (f64, Vec<f64>) {
         let (count, base) = (candidate.columns(), self.basis.ncols());
         let none = (0.0, vec![0.0; count]);
-        let Products { among, beside } = self.products(candidate, buffer);
+        let Products { among, beside } = self.products(candidate, memory);
         let before = beside.columns(0, base);
         // of an orthonormal basis the products of what it leaves are the differences of those
         let h = &among - before * before.transpose();
@@ -266,7 +266,7 @@ impl<'a> Regression<'a> {
         let base = self.base.ncols();
         let mut all = DMatrix::zeros(rows, base + count);
         all.columns_mut(0, base).copy_from(&self.base);
-        self.each_recording(candidate, &mut ColumnBuffer::default(), |numbers, width, rows| {
+        self.each_recording(candidate, &mut Buffers::default(), |numbers, width, rows| {
             for (number, row) in numbers.zip(rows.chunks_exact(width)) {
                 (0..count).for_each(|n| all[(number, base + n)] = -row[n]);
             }
@@ -279,28 +279,24 @@ impl<'a> Regression<'a> {
     }
 
     /// The products of a candidate's columns over all rows.
-    fn products(&self, candidate: &Candidate, buffer: &mut ColumnBuffer) -> Products {
+    fn products(&self, candidate: &Candidate, memory: &mut Buffers) -> Products {
         let (count, base) = (candidate.columns(), self.basis.ncols());
         let none = Products {
             among: DMatrix::zeros(count, count),
             beside: DMatrix::zeros(count, base + 1),
         };
-        self.products_by_recording(candidate, buffer).into_iter().fold(none, |sum, one| Products {
+        self.products_by_recording(candidate, memory).into_iter().fold(none, |sum, one| Products {
             among: sum.among + one.among,
             beside: sum.beside + one.beside,
         })
     }
 
     /// The same over the rows of each recording.
-    fn products_by_recording(
-        &self,
-        candidate: &Candidate,
-        buffer: &mut ColumnBuffer,
-    ) -> Vec<Products> {
+    fn products_by_recording(&self, candidate: &Candidate, memory: &mut Buffers) -> Vec<Products> {
         let (count, base, beside) = (candidate.columns(), self.basis.ncols(), self.width);
         let own = own_width(count);
         let mut out = Vec::with_capacity(self.smoothed.recordings.len());
-        self.each_recording(candidate, buffer, |numbers, width, rows| {
+        self.each_recording(candidate, memory, |numbers, width, rows| {
             let (mut by_own, mut by_beside) = (vec![0.0; count * own], vec![0.0; count * beside]);
             let others = &self.beside[numbers.start * beside..numbers.end * beside];
             add_products((rows, width), (others, beside), &mut by_beside);
@@ -318,12 +314,12 @@ impl<'a> Regression<'a> {
     fn each_recording(
         &self,
         candidate: &Candidate,
-        buffer: &mut ColumnBuffer,
+        memory: &mut Buffers,
         mut see: impl FnMut(Range<usize>, usize, &[f64]),
     ) {
         let count = candidate.columns();
         let width = own_width(count);
-        let ColumnBuffer { signals, filter, rows } = buffer;
+        let Buffers { signals, filter, rows } = memory;
         signals.resize_with(count.max(signals.len()), Vec::new);
         let signals = &mut signals[..count];
         for smooth in self.smoothed.recordings.iter() {
@@ -345,12 +341,8 @@ impl<'a> Regression<'a> {
     }
 
     /// What the low-passed torques of each recording say of a candidate's columns.
-    pub(super) fn by_recording(
-        &self,
-        candidate: &Candidate,
-        buffer: &mut ColumnBuffer,
-    ) -> ByRecording {
-        let each = self.products_by_recording(candidate, buffer);
+    pub(super) fn by_recording(&self, candidate: &Candidate, memory: &mut Buffers) -> ByRecording {
+        let each = self.products_by_recording(candidate, memory);
         let count = candidate.columns();
         let base = each.first().map_or(0, |products| products.beside.ncols() - 1);
         let size = each.len() * count;

@@ -18,7 +18,7 @@ use super::fit::{WindowFit, fit};
 use super::input_timing::{InputTiming, SYMBOL};
 use super::judge::Judge;
 use super::outcome::{Diagnosis, Ranked, Step};
-use super::regression::{ColumnBuffer, Regression, Smoothed};
+use super::regression::{Buffers, Regression, Smoothed};
 use super::scale::scale_of;
 use super::screen::Screen;
 use super::thresholds::THRESHOLDS;
@@ -244,7 +244,7 @@ impl<'a> Search<'a> {
         );
         let mut looked: Vec<Ranked> = all
             .into_par_iter()
-            .map_init(ColumnBuffer::default, |buffer, candidate| {
+            .map_init(Buffers::default, |buffer, candidate| {
                 let (regression, screen) = &looks[usize::from(candidate.is_shift())];
                 let (by_regression, first) =
                     regression.as_ref().map_or((0.0, vec![]), |r| r.ratio(&candidate, buffer));

@@ -107,7 +107,7 @@ fn the_regression_finds_the_coefficient_and_the_timing_of_the_input() {
     let regression = Regression::new(&model, &first, &smoothed, scale.speed).unwrap();
     let named = ["viscous_friction".to_string()];
     let found = candidates(&model, &first, &named, &[], &all, &scale);
-    let (ratio, estimate) = regression.ratio(&found[0], &mut ColumnBuffer::default());
+    let (ratio, estimate) = regression.ratio(&found[0], &mut Buffers::default());
     // an effect of eight tenths of the friction at top speed is certain
     assert!(ratio > 50.0 && (estimate[0] - b).abs() < 0.1 * b, "{ratio} {estimate:?}");
 }

@@ -23,8 +23,12 @@ fn a_duplicate_row_a_blank_cell_and_a_wrong_stamp_cost_a_row_each_and_are_said()
     lines[300] = lines[300].replacen("2.99", "0.0", 1);
     let folder = Folder::new();
     folder.write("run.csv", lines.join("\n")).write("e.toml", on("run.csv"));
-    let words =
-        ["1 row without a number", "row 200", "2 rows whose time", "rows = false switches this off"];
+    let words = [
+        "1 row without a number",
+        "row 200",
+        "2 rows whose time",
+        "rows = false switches this off",
+    ];
     folder.run(&["check", "e.toml"]).says(0, &words);
     folder.run(&["e.toml"]).says(0, &["left out"]);
     assert_eq!(folder.results("reports/e")["recordings"][0]["samples"], 597);

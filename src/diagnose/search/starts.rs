@@ -9,7 +9,7 @@ use crate::diagnose::candidate::Candidate;
 use crate::diagnose::candidates::candidates;
 use crate::diagnose::fit::{WindowFit, fit};
 use crate::diagnose::outcome::Ranked;
-use crate::diagnose::regression::ColumnBuffer;
+use crate::diagnose::regression::Buffers;
 use crate::diagnose::screen::Screen;
 use crate::diagnose::thresholds::THRESHOLDS;
 use crate::diagnose::windows::Windows;
@@ -185,7 +185,7 @@ impl Search<'_> {
     /// Every candidate with waves, shape by shape, with phases. Orders of which many are tried are levelled as in
     /// [`Search::level_grids`].
     fn phased<'c>(&self, look: &Look, all: &'c [Candidate]) -> Vec<Phased<'c>> {
-        let mut buffer = ColumnBuffer::default();
+        let mut buffer = Buffers::default();
         let mut out: Vec<Phased> = Vec::new();
         let mut ids: Vec<&str> = all.iter().map(|c| c.id.as_str()).collect();
         ids.dedup();
