@@ -212,6 +212,14 @@ pub(super) fn words(
             ),
             "left out: it holds nothing beside the angle".into(),
         ),
+        Kind::OfAngle { share } => (
+            format!(
+                "{name} was computed from the angle: a filter of it leaves {:.1} % of the noise that \
+                 an own sensor would leave at least",
+                percent(share)
+            ),
+            "left out: it holds nothing beside the angle".into(),
+        ),
         Kind::Counts { step_rad, rows } => (
             format!(
                 "{name} is made of the counts of an encoder over {}, one count of {step_rad:.6} rad",
