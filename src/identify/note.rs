@@ -62,6 +62,8 @@ pub enum Note {
     },
     /// The input acts later than recorded by this and its standard error \[s\]; negative: earlier.
     InputShift(f64, f64),
+    /// The motion is later than the recorded input by a time \[s\], with its standard error, that the model does not have.
+    Late(f64, f64),
     /// `torque_regression` simulates better, and its values are taken.
     BetterRegression {
         /// Whether on held-out pieces, or on the training recordings themselves.
@@ -257,6 +259,13 @@ impl fmt::Display for Note {
                 let (late, error) = (1e3 * late.abs(), 1e3 * error);
                 write!(f, "The input acts {late:.2} ± {error:.2} ms {way} it is recorded; accounted for.")
             }
+            Self::Late(late, error) => write!(
+                f,
+                "The motion follows the input {:.1} ± {:.1} ms later than it is recorded; the model of this fit has no \
+                 such time.",
+                1e3 * late,
+                1e3 * error
+            ),
             Self::BetterRegression { held_out, regression, filter } => {
                 let on = if *held_out { "held-out pieces" } else { "the training recordings" };
                 write!(
