@@ -14,7 +14,7 @@ pub fn say_on_interrupt(plans: &[Plan], out: &Path) {
         std::thread::spawn(move || {
             if signals.forever().next().is_some() {
                 use std::io::Write as _;
-                // a terminal that is gone hears nothing
+                // the terminal may be gone
                 let _ = writeln!(std::io::stderr(), "{words}");
                 std::process::exit(INTERRUPTED);
             }

@@ -43,7 +43,7 @@ pub fn dead_time(timing: &Timing, step: f64) -> String {
     if dead_time_s.abs() > INTERVAL * std_error_s {
         return format!("{value}, left in: it may stand for something else that the model lacks");
     }
-    format!("{value}, not told from none")
+    format!("{value}, not distinguished from none")
 }
 
 /// The effects that move the input in time.
@@ -68,6 +68,6 @@ mod tests {
         assert!(of(0.0038, 0.0038).ends_with("3.8 ms of it by logging and taken out"));
         assert!(of(0.0038, 0.0).contains("left in: it may stand for something else"));
         assert!(of(-0.0038, 0.0).contains("left in"));
-        assert!(of(0.0002, 0.0).ends_with("not told from none"));
+        assert!(of(0.0002, 0.0).ends_with("not distinguished from none"));
     }
 }
