@@ -170,12 +170,15 @@ fn forward_and_backward(mut values: Vec<f64>, keep: f64) -> Vec<f64> {
     values
 }
 
+/// Speeds of a wheel's angles.
+type Made<'a> = &'a dyn Fn(&[f64]) -> Vec<f64>;
+
 #[test]
 fn speeds_that_any_filter_made_of_the_angles_are_left_out() {
     let central = [-0.5, 0.0, 0.5];
     // of second order over seven samples (Savitzky and Golay, Anal. Chem. 36, 1964, table III)
     let savitzky_golay = [-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0].map(|j| j / 28.0);
-    let made: [&dyn Fn(&[f64]) -> Vec<f64>; 3] =
+    let made: [Made; 3] =
         [&|alpha| filtered(alpha, &central), &|alpha| filtered(alpha, &savitzky_golay), &|alpha| {
             forward_and_backward(filtered(alpha, &central), 0.7)
         }];
