@@ -2,7 +2,7 @@
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 use std::io::IsTerminal;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use amigo_ident::catalogue::nearest;
@@ -334,10 +334,7 @@ fn with_threads(jobs: Option<usize>) -> Result<(), String> {
 
 fn execute(plans: Vec<Plan>, run: &Run, options: &RunOptions) -> ExitCode {
     warn(&plans, run.quiet);
-    let is_grid = plans.iter().any(|plan| plan.grid.is_some());
-    if options.progress && (is_grid || plans.len() > 1) {
-        kept_on_interrupt(is_grid, &options.out);
-    }
+    experiment::say_on_interrupt(&plans, &options.out);
     let outcomes: Vec<Outcome> =
         plans.into_par_iter().map(|plan| experiment::execute(plan, options)).collect();
     let index = run.shard.is_none().then(|| experiment::write_index(&outcomes, &options.out));
@@ -347,13 +344,6 @@ fn execute(plans: Vec<Plan>, run: &Run, options: &RunOptions) -> ExitCode {
     }
     let failed = outcomes.iter().filter(|o| o.result.is_err()).count();
     ExitCode::from(if failed > 0 { FAILED } else { 0 })
-}
-
-/// Announces what an interruption by Ctrl-C keeps: files get their names only when they are complete.
-fn kept_on_interrupt(is_grid: bool, out: &Path) {
-    let again = "experiments; run the files of the others again";
-    let kept = if is_grid { "combinations; the same command runs the others" } else { again };
-    eprintln!("Ctrl-C keeps, in {}, the finished {kept}", printable(&out.display().to_string()));
 }
 
 /// A word in place of the first file that is no file, but nearly a command.

@@ -223,6 +223,12 @@ pub enum Kind<C = usize, R = f64> {
         /// Lag \[s\].
         lag_s: R,
     },
+    /// Speeds that were computed from the angles by a filter, which leaves so much of the noise that passes
+    /// it; the angles alone are used.
+    OfAngle {
+        /// Share of that noise, as a deviation \[1\].
+        share: R,
+    },
     /// Speeds without angles that an encoder's counts make; what these add up to is used.
     Counts {
         /// One count \[rad\].
@@ -318,6 +324,7 @@ impl Kind {
             Self::StartHeading { angle_rad, .. } => ("start_heading", angle_rad, "rad"),
             Self::StartAngle { angle_rad, .. } => ("start_angle", angle_rad, "rad"),
             Self::Differences { lag_s, .. } => ("differences_of_angle", lag_s, "s"),
+            Self::OfAngle { share } => ("computed_from_angle", share, "1"),
             Self::Counts { step_rad, .. } => ("counts", step_rad, "rad"),
             Self::FewLevels { levels } => ("few_levels", levels as f64, "levels"),
             Self::Magnitude => ("magnitude", 1.0, "1"),

@@ -7,7 +7,7 @@
 //! angles     wrapped at a turn or a power of two of counts | reset
 //! samples    late in a row that repeats the last one
 //! channels   isolated wrong samples
-//! speeds     counts of an encoder | in another unit | of another sign | late | differences of the angles
+//! speeds     counts of an encoder | in another unit | of another sign | late | computed from the angles
 //! input      sampled more slowly than the sensors | against the motion | of a few levels | a magnitude without sign | not zero at rest
 //! sensors    that never move, refresh more slowly than the rows, or are coarse
 //! ```
@@ -38,7 +38,7 @@ pub use counts::{Encoder, Encoders, common_encoders};
 pub use error::ConditioningError;
 pub use finding::{Action, Channel, Finding, Kind, Stated, stated};
 pub use settings::Settings;
-pub use speeds::{Lag, common_lag};
+pub use speeds::{Lag, common_lag, common_share};
 
 use crate::recording::Channels;
 
@@ -61,6 +61,9 @@ pub struct Context {
     /// What other recordings of the same log say of the speeds: for a recording that is too short or
     /// too slow to show it by itself.
     pub speed_lag: Option<Lag>,
+    /// What other recordings of the same log leave of speeds that were computed from their angles, as a
+    /// share of the angle's noise ([`common_share`]); `None` where none shows that.
+    pub speeds_of_angles: Option<f64>,
     /// What the recordings of the same log together say of the encoder behind speeds without angles.
     pub encoders: Encoders,
 }

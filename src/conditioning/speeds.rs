@@ -12,9 +12,13 @@
 //! ```text
 //! omega_k = (alpha_k - alpha_(k-m)) / (t_k - t_(k-m)) + e_k,   var e << var of the speeds' own noise
 //! ```
+//! So do those that any other linear filter made of them (`of_angle.rs`).
+
+mod of_angle;
 
 use nalgebra::Vector2;
 
+pub use self::of_angle::common_share;
 use super::finding::{Channel, Finding, Kind};
 use super::signal::{changes, column, median_high, noise_variance, pieces, trimmed};
 use super::{Conditioned, Context, Settings};
@@ -92,6 +96,10 @@ pub(super) fn timing(work: &mut Conditioned, settings: &Settings, context: &Cont
         leave_out(work, settings, Kind::Differences { samples: a, lag_s });
         return;
     }
+    if let Some(share) = full_rate.then(|| computed(&samples, context.speeds_of_angles)).flatten() {
+        leave_out(work, settings, Kind::OfAngle { share });
+        return;
+    }
     let lags: Vec<Lag> = samples.iter().filter_map(lag).collect();
     let (own, step) = (pooled(&lags), samples[0].step);
     let Some(lag) = own.filter(|l| l.is_sure(step)).or_else(|| shared(own, context.speed_lag))
@@ -132,6 +140,17 @@ fn shared(own: Option<Lag>, others: Option<Lag>) -> Option<Lag> {
         })
     };
     others.filter(agrees)
+}
+
+/// What is left of speeds that were computed from the angles of both wheels, as a share of the angle's
+/// noise; that of other recordings where these do not show it and do not contradict it.
+fn computed(samples: &[Samples], others: Option<f64>) -> Option<f64> {
+    let left: Vec<_> = samples.iter().map(of_angle::left).collect();
+    let shown: Vec<_> = left.iter().flatten().filter(|l| l.is_computed()).collect();
+    if shown.len() == samples.len() {
+        return shown.iter().map(|l| l.share()).max_by(f64::total_cmp);
+    }
+    others.filter(|_| !left.iter().flatten().any(|l| l.is_measured()))
 }
 
 fn leave_out(work: &mut Conditioned, settings: &Settings, kind: Kind) {

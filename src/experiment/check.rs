@@ -8,6 +8,7 @@ use super::execute::load;
 use super::plan::{DiagnosisPlan, MeasuredRecording, Plan};
 use crate::conditioning::{Stated, stated};
 use crate::recording::{Finding, Issue, StatedIssue};
+use crate::report::dead_time;
 use crate::robot::Robot;
 
 /// Validates a file and its recordings and says what would be done.
@@ -83,13 +84,7 @@ fn conditioning(plan: &Plan, out: &mut String) {
         let _ = writeln!(out, "  signal      {names}: {found}");
     }
     if let Some(timing) = plan.timing {
-        let [value, error, corrected] =
-            [timing.dead_time_s, timing.std_error_s, timing.correction_s].map(|v| 1e3 * v);
-        let _ = writeln!(
-            out,
-            "  dead time   {value:.1} ± {error:.1} ms from input to motion, {corrected:.1} ms of it by logging \
-             and taken out"
-        );
+        let _ = writeln!(out, "  dead time   {}", dead_time(&timing, plan.step()));
     }
 }
 

@@ -8,6 +8,7 @@ use super::error::ExperimentError;
 use super::file::ExperimentFile;
 use super::grid;
 use super::options::{Done, RunOptions, THUMBNAIL};
+use super::origin::{not_of_another, origin};
 use super::plan::Plan;
 use super::remark::Remark;
 use super::remarks::remarks;
@@ -46,7 +47,8 @@ pub fn load_all(
         files.iter().partition(|f| is_toml(f));
     if !recordings.is_empty() {
         let recordings: Vec<PathBuf> = recordings.into_iter().cloned().collect();
-        match load_recordings(&recordings, &options.set) {
+        let of_its_own = |plan: Plan| not_of_another(&plan, &options.out).map(|()| plan);
+        match load_recordings(&recordings, &options.set).and_then(of_its_own) {
             Ok(plan) => plans.push(plan),
             Err(e) => errors.push(e),
         }
@@ -190,6 +192,7 @@ const USUAL_OUT: &str = "reports";
 pub fn write(plan: &Plan, study: Study, out: &Path) -> Result<Done, ExperimentError> {
     let mut folder = ResultFolder::new(out, &plan.name);
     let (versions, comparable) = versions(folder.earlier("versions.json").as_deref(), &study);
+    let root = out.to_path_buf();
     let out = (out != Path::new(USUAL_OUT)).then(|| out.display().to_string());
     let invocation = Invocation { out, ..study.invocation };
     let study = Study { versions: comparable, invocation, ..study };
@@ -216,7 +219,7 @@ pub fn write(plan: &Plan, study: Study, out: &Path) -> Result<Done, ExperimentEr
     folder.add("versions.json", serde_json::to_string_pretty(&versions).unwrap_or_default());
     folder.add("report.html", rendered.html);
     let mut results = results(&study);
-    results["file"] = plan.source.display().to_string().into();
+    results["file"] = origin(plan, &root).into();
     results["finding"] = finding(&study).into();
     let results = serde_json::to_string_pretty(&results).unwrap_or_default();
     folder.add("results.json", results);
@@ -230,24 +233,6 @@ pub fn write(plan: &Plan, study: Study, out: &Path) -> Result<Done, ExperimentEr
         error: study.given.as_ref().map_or(f64::NAN, |given| study.error_of(given)),
         floor: study.judged_floor(),
     })
-}
-
-/// Refuses to write over the results of another experiment file that has the same name.
-fn not_of_another(plan: &Plan, out: &Path) -> Result<(), ExperimentError> {
-    let earlier = ResultFolder::new(out, &plan.name).earlier("results.json");
-    let earlier: Option<serde_json::Value> = earlier.and_then(|t| serde_json::from_str(&t).ok());
-    let Some(file) = earlier.as_ref().and_then(|r| r["file"].as_str()) else { return Ok(()) };
-    let other = Path::new(file);
-    // a file that was moved or removed is no other one
-    if other == plan.source || !exists(other) {
-        return Ok(());
-    }
-    let message = format!(
-        "its result folder `{}` holds the results of {file}; rename one of the files, or choose another \
-         folder with --out",
-        plan.name
-    );
-    Err(ExperimentError::Meaning { file: plan.source.display().to_string(), message })
 }
 
 /// The manoeuvre as segments and as set-points at 100 Hz.

@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::long::counted;
 use super::plan::{MethodPlan, Plan};
 use super::stages::Stages;
-use crate::identify::{Fit, IdentifyError, Task};
+use crate::identify::{Fit, IdentifyError, Note, Task};
 use crate::recording::{LongRecording, Recording};
 use crate::study::Role;
 
@@ -44,6 +44,9 @@ fn fit(
     let task = Task { model: &plan.model, train, hold: plan.hold, seed: plan.seed };
     let long: Vec<Option<&LongRecording>> = long.iter().map(Option::as_ref).collect();
     let start = Instant::now();
-    let fit = super::long::identify(&*method.method, &task, &long);
+    let mut fit = super::long::identify(&*method.method, &task, &long);
+    if let (Ok(fit), Some(t)) = (&mut fit, plan.late()) {
+        fit.notes.push(Note::Late(t.dead_time_s, t.std_error_s));
+    }
     MethodFit { fit, seconds: start.elapsed().as_secs_f64() }
 }

@@ -11,7 +11,7 @@ use super::plan::MeasuredRecording;
 use super::robot_table::UNKNOWN;
 use crate::conditioning::{
     Action, Channel, Context, Encoders, Finding, Kind, Lag, Settings, common_encoders, common_lag,
-    condition,
+    common_share, condition,
 };
 use crate::io::{
     ColumnMap, RawChannels, needed_columns, read_channels, read_long_recording, table_channels,
@@ -73,6 +73,8 @@ pub struct Reading {
     pub robot: Robot,
     /// What the recordings of the log together say of the speeds.
     pub speed_lag: Option<Lag>,
+    /// What they together say of speeds that were computed from the angles.
+    pub speeds_of_angles: Option<f64>,
     /// What they together say of the encoder behind speeds without angles.
     pub encoders: Encoders,
 }
@@ -85,8 +87,17 @@ impl Reading {
         let radius = (robot.name != UNKNOWN).then(|| robot.r());
         let columns = ColumnMap::new(drive_unit, radius);
         let (conditioning, hold_rows) = (Settings::default(), super::file::hold_rows());
-        let (speed_lag, encoders) = (None, Encoders::Unknown);
-        Self { columns, drive_unit, hold_rows, conditioning, robot, speed_lag, encoders }
+        let (speed_lag, speeds_of_angles, encoders) = (None, None, Encoders::Unknown);
+        Self {
+            columns,
+            drive_unit,
+            hold_rows,
+            conditioning,
+            robot,
+            speed_lag,
+            speeds_of_angles,
+            encoders,
+        }
     }
 
     /// The same with columns of other names or units, written as `recordings.columns` of a file.
@@ -150,9 +161,13 @@ impl Reading {
             }
         }
         reading.speed_lag = common_lag(findings_of(&measured));
-        if reading.speed_lag.is_some() {
-            let lags = |findings: &[Finding]| common_lag([findings].into_iter()).is_some();
-            again(&reading, &mut measured, &|findings| !lags(findings))?;
+        reading.speeds_of_angles = common_share(findings_of(&measured));
+        if reading.speed_lag.is_some() || reading.speeds_of_angles.is_some() {
+            let shows = |findings: &[Finding]| {
+                common_lag([findings].into_iter()).is_some()
+                    || common_share([findings].into_iter()).is_some()
+            };
+            again(&reading, &mut measured, &|findings| !shows(findings))?;
         }
         share_noise(&mut measured.iter_mut().map(|m| &mut m.recording).collect::<Vec<_>>());
         Ok(measured)
@@ -207,8 +222,13 @@ impl Reading {
     fn conditioned(&self, mut raw: RawChannels) -> Result<(Recording, Vec<Finding>), Meaning> {
         let commanded = self.drive_unit == DriveUnit::Volt;
         let wheel_radius = (self.robot.name != UNKNOWN).then(|| self.robot.r());
-        let context =
-            Context { wheel_radius, commanded, speed_lag: self.speed_lag, encoders: self.encoders };
+        let context = Context {
+            wheel_radius,
+            commanded,
+            speed_lag: self.speed_lag,
+            speeds_of_angles: self.speeds_of_angles,
+            encoders: self.encoders,
+        };
         let channels = std::mem::take(&mut raw.channels);
         let done = condition(channels, &self.conditioning, &context)
             .map_err(|e| words(format!("{}: {e}", raw.name)))?;

@@ -15,6 +15,7 @@ use crate::conditioning::{Stated, stated};
 use crate::diagnose::Timing;
 use crate::model::Model;
 use crate::recording::{DriveUnit, LongRecording, Recording, StatedIssue};
+use crate::report::{dead_time, is_late};
 use crate::simulate::{Gain, Hold};
 use crate::study::{Role, grouped};
 
@@ -108,7 +109,20 @@ impl Plan {
         };
         let said = self.grouped(corrected, Stated::join);
         let said = said.into_iter().map(|(names, corrected)| format!("{names}: {corrected}"));
-        said.chain(self.remarks_and_findings()).collect()
+        // a diagnosis says it as an effect
+        let late = self.late().filter(|_| self.diagnosis.is_none());
+        let late = late.map(|t| format!("dead time {}", dead_time(&t, self.step())));
+        said.chain(self.remarks_and_findings()).chain(late).collect()
+    }
+
+    /// The dead time, where it is more than logging explains and the model has none.
+    pub(super) fn late(&self) -> Option<Timing> {
+        self.timing.filter(|timing| is_late(timing, self.step()))
+    }
+
+    /// The longest time from row to row of its recordings \[s\].
+    pub(super) fn step(&self) -> f64 {
+        self.recordings.iter().map(|m| m.recording.step()).fold(0.0, f64::max)
     }
 
     /// The same without corrections.

@@ -60,6 +60,8 @@ pub enum Note {
     },
     /// The input acts later than recorded by this and its standard error \[s\]; negative: earlier.
     InputShift(f64, f64),
+    /// The motion is later than the recorded input by a time \[s\], with its standard error, that the model does not have.
+    Late(f64, f64),
     /// `torque_regression` simulates better, and its values are taken.
     BetterRegression {
         /// Whether on held-out pieces, or on the training recordings themselves.

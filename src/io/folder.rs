@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io::{ErrorKind, Read, Write};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::time::Duration;
 
 use sha2::{Digest, Sha256};
@@ -13,6 +13,24 @@ use super::IoError;
 #[must_use]
 pub fn exists(path: &Path) -> bool {
     path.is_file()
+}
+
+/// A path without symbolic links and steps back, as far as it is there; from the current folder where it is relative.
+#[must_use]
+pub fn resolved(path: &Path) -> PathBuf {
+    let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    let known = whole.ancestors().find_map(|p| Some((p, p.canonicalize().ok()?)));
+    let Some((there, known)) = known else { return whole };
+    whole.strip_prefix(there).map_or(known.clone(), |rest| known.join(rest).components().collect())
+}
+
+/// The path of a file from a folder, neither of which need be there.
+#[must_use]
+pub fn path_from(folder: &Path, file: &Path) -> PathBuf {
+    let (folder, file) = (resolved(folder), resolved(file));
+    let common = folder.components().zip(file.components()).take_while(|(a, b)| a == b).count();
+    let up = folder.components().skip(common).map(|_| Component::ParentDir);
+    up.chain(file.components().skip(common)).collect()
 }
 
 /// The text of a file.
@@ -266,6 +284,23 @@ mod tests {
         let mut names = file_names(path);
         names.sort();
         names
+    }
+
+    #[test]
+    fn a_path_from_a_folder_leads_back_to_the_file() {
+        let root = tempfile::tempdir().unwrap();
+        fs::create_dir(root.path().join("a")).unwrap();
+        fs::write(root.path().join("a/run.toml"), "").unwrap();
+        let [folder, file] = ["out/run", "a/run.toml"].map(|p| root.path().join(p));
+        let path = path_from(&folder, &file);
+        assert_eq!(path, Path::new("../../a/run.toml"));
+        // the folder is made later
+        fs::create_dir_all(&folder).unwrap();
+        assert_eq!(resolved(&folder.join(path)), file.canonicalize().unwrap());
+        assert_eq!(
+            path_from(Path::new("reports/x"), Path::new("x.toml")),
+            Path::new("../../x.toml")
+        );
     }
 
     #[test]

@@ -33,8 +33,8 @@ pub use columns::{Column, ColumnMap, contract_units};
 pub use csv::is_owner;
 pub use error::IoError;
 pub use folder::{
-    ResultFolder, check_writable, exists, file_names, make_folder, read_text, sha256, sha256_text,
-    write_whole,
+    ResultFolder, check_writable, exists, file_names, make_folder, path_from, read_text, resolved,
+    sha256, sha256_text, write_whole,
 };
 pub use in_memory::{needed_columns, table_channels};
 pub use journal::Journal;

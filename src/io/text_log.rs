@@ -6,6 +6,7 @@
 //! names stand in the line above, if need be behind a line of units or a comment sign (as `savetxt` of
 //! numpy writes them); without any they are `column1`, `column2`, ….
 
+mod blocks;
 mod can;
 mod dataflash;
 mod decode;
@@ -46,8 +47,9 @@ const PLAIN: [char; 3] = [';', '\t', ','];
 type Form = (fn(&[&str]) -> bool, fn(&str) -> Columns);
 
 /// Forms of text that are known by their lines, before any other.
-const FORMS: [Form; 6] = [
+const FORMS: [Form; 7] = [
     (yaml::is_one, yaml::columns),
+    (blocks::is_one, blocks::columns),
     (octave::is_one, octave::columns),
     (dataflash::is_one, dataflash::columns),
     (influx::is_one, influx::columns),

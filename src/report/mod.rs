@@ -5,6 +5,7 @@
 //! is a pure function to strings and bytes: writing files is another module's work.
 
 pub mod block;
+mod dead_time;
 mod error;
 pub mod figure;
 mod fonts;
@@ -23,6 +24,7 @@ mod verdict;
 pub mod what_if;
 mod words;
 
+pub use dead_time::{dead_time, is_late};
 pub use error::ReportError;
 pub use page::{Page, PageContent, Picture, SectionContent, page, render_page};
 pub use raster::{figure_to_png, figure_to_svg};

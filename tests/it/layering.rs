@@ -26,7 +26,7 @@ const ORDER: [&str; 16] = [
 ];
 
 /// External crates and the only places that may name them.
-const FENCES: [(&str, &[&str]); 8] = [
+const FENCES: [(&str, &[&str]); 9] = [
     ("polars", &["src/io/"]),
     ("mcap", &["src/io/"]),
     ("flate2", &["src/io/"]),
@@ -35,6 +35,7 @@ const FENCES: [(&str, &[&str]); 8] = [
     ("argmin", &["src/identify/", "src/math/"]),
     ("clarabel", &["src/identify/", "src/math/"]),
     ("clap", &["src/bin/"]),
+    ("signal_hook", &["src/experiment/interrupt.rs"]),
 ];
 
 fn module(name: &str) -> Option<&str> {
@@ -159,8 +160,8 @@ const STAGES: [(&str, &[&str]); 9] = [
     ("from fits to a comparison", &["fuzzy_study", "comparison"]),
     ("from a comparison to a diagnosis", &["diagnosis"]),
     ("from a diagnosis to a study", &["models", "model_out", "what_if", "run"]),
-    ("from a study to files", &["overlay", "estimates", "shard", "options", "grid"]),
-    ("commands", &["execute", "check", "export", "index", "loop_commands"]),
+    ("from a study to files", &["overlay", "estimates", "shard", "options", "origin", "grid"]),
+    ("commands", &["execute", "check", "export", "index", "interrupt", "loop_commands"]),
 ];
 
 #[test]

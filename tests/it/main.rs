@@ -16,6 +16,7 @@ mod grades;
 mod hidden_effects;
 mod imports;
 mod index;
+mod kept;
 mod language;
 mod layering;
 mod log_styles;

@@ -51,9 +51,14 @@ impl Folder {
 
     /// Runs the program here.
     pub(crate) fn run(&self, arguments: &[&str]) -> Ran {
+        self.run_in("", arguments)
+    }
+
+    /// Runs the program in a folder of this one.
+    pub(crate) fn run_in(&self, inner: &str, arguments: &[&str]) -> Ran {
         let output = Command::new(env!("CARGO_BIN_EXE_experiment"))
             .args(arguments)
-            .current_dir(self.0.path())
+            .current_dir(self.0.path().join(inner))
             .env("NO_COLOR", "1")
             .output()
             .unwrap();

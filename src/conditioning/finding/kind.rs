@@ -68,6 +68,7 @@ impl<C: Copy, R: Copy> Kind<C, R> {
             Self::Differences { samples, lag_s } => {
                 Kind::Differences { samples: whole(samples), lag_s: real(lag_s) }
             }
+            Self::OfAngle { share } => Kind::OfAngle { share: real(share) },
             Self::Counts { step_rad, rows } => {
                 Kind::Counts { step_rad: real(step_rad), rows: whole(rows) }
             }

@@ -132,3 +132,104 @@ fn a_recording_too_short_to_show_its_lag_takes_that_of_the_others() {
     let sound = condition(late(0.0, 0.02, 5), &Settings::default(), &context).unwrap();
     assert_eq!(lag_of(&sound.findings), None);
 }
+
+/// Channels whose angles have white noise of 1e-4 rad, and speeds made of them, or measured, by `of`.
+fn noisy(of: impl Fn(&[f64], &mut dyn FnMut() -> f64) -> Vec<f64>) -> Channels {
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(7);
+    let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+    let t: Vec<f64> = (0..4000).map(|k| H * f64::from(k)).collect();
+    let wheel =
+        [0, 1].map(|i| t.iter().map(|t| angle(*t)[i] + 1e-4 * normal()).collect::<Vec<f64>>());
+    let speeds = wheel.each_ref().map(|alpha| of(alpha, &mut normal));
+    let both = |v: &[Vec<f64>; 2]| (0..t.len()).map(|k| [v[0][k], v[1][k]]).collect::<Vec<_>>();
+    let (alpha, omega) = (Some(both(&wheel)), Some(both(&speeds)));
+    let torque = t.iter().map(|t| speed(*t)).collect();
+    Channels { t, alpha, omega, torque }
+}
+
+/// A symmetric or other filter of the slope of the angle; `taps` from `-taps.len()/2` on, copies at the ends.
+fn filtered(alpha: &[f64], taps: &[f64]) -> Vec<f64> {
+    let at = |k: isize| alpha[k.clamp(0, alpha.len() as isize - 1) as usize];
+    let sum = |k: usize| {
+        let from = k as isize - (taps.len() / 2) as isize;
+        taps.iter().enumerate().map(|(j, tap)| tap * at(from + j as isize)).sum::<f64>() / H
+    };
+    (0..alpha.len()).map(sum).collect()
+}
+
+/// Runs a low-pass of first order forward and backward.
+fn forward_and_backward(mut values: Vec<f64>, keep: f64) -> Vec<f64> {
+    for _ in 0..2 {
+        let mut last = values[0];
+        for v in &mut values {
+            last = keep * last + (1.0 - keep) * *v;
+            *v = last;
+        }
+        values.reverse();
+    }
+    values
+}
+
+/// Speeds of a wheel's angles.
+type Made<'a> = &'a dyn Fn(&[f64]) -> Vec<f64>;
+
+#[test]
+fn speeds_that_any_filter_made_of_the_angles_are_left_out() {
+    let central = [-0.5, 0.0, 0.5];
+    // of second order over seven samples (Savitzky and Golay, Anal. Chem. 36, 1964, table III)
+    let savitzky_golay = [-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0].map(|j| j / 28.0);
+    let made: [Made; 3] =
+        [&|alpha| filtered(alpha, &central), &|alpha| filtered(alpha, &savitzky_golay), &|alpha| {
+            forward_and_backward(filtered(alpha, &central), 0.7)
+        }];
+    for (n, of) in made.iter().enumerate() {
+        let recorded = noisy(|alpha, _| of(alpha));
+        let done = done(recorded.clone());
+        let kind = done.findings[0].kind;
+        assert!(matches!(kind, Kind::OfAngle { share } if share < 0.01), "{n}: {kind:?}");
+        assert!(done.channels.omega.is_none());
+        let off = Settings { speeds: false, ..Settings::default() };
+        let kept = condition(recorded.clone(), &off, &Context::default()).unwrap();
+        assert!(kept.channels.omega == recorded.omega, "the key leaves them");
+        // also where they were printed with few digits
+        let mut printed = recorded;
+        let digits = |w: f64| (w / 5e-4).round() * 5e-4;
+        printed.omega.iter_mut().flatten().for_each(|w| *w = w.map(digits));
+        assert!(self::done(printed).channels.omega.is_none(), "{n}");
+    }
+}
+
+#[test]
+fn a_tachometer_is_none_of_them_however_exact_it_is() {
+    for noise in [0.0, 1e-5, 1e-3, 0.02] {
+        let exact = |i: usize| (0..4000).map(move |k| speed(H * f64::from(k))[i]);
+        let mut channels = noisy(|_, normal| {
+            let w = exact(0).map(|w| w + noise * normal());
+            w.collect()
+        });
+        let right: Vec<f64> = channels.omega.iter().flatten().map(|w| w[0]).collect();
+        let rows = right.iter().zip(exact(1)).map(|(w, left)| [*w, left]);
+        channels.omega = Some(rows.collect());
+        let before = channels.omega.clone();
+        let done = done(channels);
+        assert!(done.channels.omega == before, "{noise}: {:?}", done.findings);
+    }
+}
+
+#[test]
+fn a_recording_that_cannot_show_it_follows_the_others_of_its_log() {
+    let make = || noisy(|alpha, _| filtered(alpha, &[-0.5, 0.0, 0.5]));
+    let shown = common_share([done(make()).findings.as_slice()].into_iter());
+    let context = Context { speeds_of_angles: shown, ..Context::default() };
+    let of = |channels| condition(channels, &Settings::default(), &context).unwrap();
+    // angles that a filter has smoothed show no noise
+    let mut smooth = make();
+    let angles = smooth.alpha.clone().unwrap();
+    let wheels =
+        [0, 1].map(|i| forward_and_backward(forward_and_backward(column(&angles, i), 0.7), 0.7));
+    smooth.alpha = Some((0..angles.len()).map(|k| [wheels[0][k], wheels[1][k]]).collect());
+    let speeds = wheels.each_ref().map(|w| filtered(w, &[-0.5, 0.0, 0.5]));
+    smooth.omega = Some((0..angles.len()).map(|k| [speeds[0][k], speeds[1][k]]).collect());
+    assert!(shown.is_some() && of(smooth).channels.omega.is_none());
+    assert!(of(late(0.0, 0.02, 5)).channels.omega.is_some(), "a tachometer contradicts");
+}

@@ -13,6 +13,7 @@ use super::{page, table, thumbnail};
 use crate::experiment::combinations::GridPlan;
 use crate::experiment::error::ExperimentError;
 use crate::experiment::options::{Done, RunOptions, THUMBNAIL};
+use crate::experiment::origin::origin;
 use crate::experiment::plan::Plan;
 use crate::experiment::shard::Shard;
 use crate::io::{Journal, ResultFolder, write_csv_table};
@@ -157,6 +158,7 @@ fn write(
         cells,
         &summaries,
         (&verdict, best.as_ref()),
+        origin(plan, &options.out),
     ));
     folder.add("results.json", results.unwrap_or_default());
     let path = folder.write()?;
@@ -169,6 +171,7 @@ struct Results<'a, F: Iterator<Item = Value> + Clone, S: Iterator<Item = Value> 
     schema: u32,
     experiment: &'a str,
     title: &'a str,
+    file: String,
     program: Value,
     grid: Vec<Value>,
     cells: usize,
@@ -193,6 +196,7 @@ fn results<'a>(
     cells: &'a [Cell],
     summaries: &'a [Summary],
     (finding, best): (&'a str, Option<&Best>),
+    file: String,
 ) -> impl Serialize + use<'a> {
     let axes = grid.axes.iter();
     let axes = axes.map(|a| json!({ "key": a.name, "path": a.key, "values": a.values }));
@@ -204,6 +208,7 @@ fn results<'a>(
         schema: SCHEMA,
         experiment: &plan.name,
         title: &plan.title,
+        file,
         program: json!({ "name": env!("CARGO_PKG_NAME"), "version": env!("CARGO_PKG_VERSION") }),
         grid: axes.collect(),
         cells: cells.len(),

@@ -14,6 +14,7 @@ mod mirrored;
 mod model_key;
 mod motors;
 mod names;
+mod numbers;
 mod open_inputs;
 mod pairs;
 mod relations;
@@ -51,6 +52,7 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
     let owners = labels::owners(columns);
     // a column without a number is none
     all.retain(|c| c.column.values.iter().any(|v| v.is_finite()));
+    numbers::look(&mut all);
     unknown_sides::look(&mut all);
     let mut pairs = Pairs::new(&all);
     let mut angles = pairs.of(Quantity::Angle, ANGLES);

@@ -44,7 +44,31 @@ pub(in crate::io) fn lists(path: &Path, layout: &Layout) -> Result<Option<Column
             columns.push((name.clone(), texts[k].iter().map(number).collect()));
         }
     }
+    if let Some(words) = words {
+        name_elements(&mut columns, &words);
+    }
     Ok(Some(columns))
+}
+
+/// Gives columns that are the elements of a list, `position_0`, `position_1`, the names of the joints, where there are as
+/// many.
+fn name_elements(columns: &mut Columns, joints: &[String]) {
+    let parted = |name: &str| -> Option<(String, usize)> {
+        let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
+        let number = name[stem.len()..].parse().ok()?;
+        Some((stem.strip_suffix(['_', '.'])?.to_string(), number))
+    };
+    let places: Vec<_> = columns.iter().map(|(name, _)| parted(name)).collect();
+    let is_whole = |list: &str| {
+        let of = places.iter().flatten().filter(|(stem, _)| stem == list);
+        let numbers: std::collections::BTreeSet<usize> = of.map(|(_, number)| *number).collect();
+        numbers.iter().copied().eq(0..joints.len())
+    };
+    for (column, place) in columns.iter_mut().zip(&places) {
+        if let Some((list, number)) = place.as_ref().filter(|(list, _)| is_whole(list)) {
+            column.0 = format!("{}.{list}", joints[*number]);
+        }
+    }
 }
 
 /// The elements of a cell that is a list of numbers or of words in quotes; a time in brackets is none.
@@ -92,6 +116,17 @@ fn of_cells(name: &str, cells: &[String], joints: Option<&[String]>) -> Columns 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn columns_of_elements_have_the_names_of_a_list_of_as_many_words() {
+        let row = |k: i32| format!("0.{k},\"['left', 'right']\",1.{k},2,3,7,8,9\n");
+        let names = "t,name,position_0,position_1,k_0,effort_0,effort_1,effort_2\n";
+        let found = read(&(names.to_string() + &(0..5).map(row).collect::<String>())).unwrap();
+        let names: Vec<&str> = found.iter().map(|(name, _)| name.as_str()).collect();
+        let others = ["k_0", "effort_0", "effort_1", "effort_2"];
+        assert_eq!(names[..3], ["t", "left.position", "right.position"]);
+        assert_eq!(names[3..], others);
+    }
 
     fn read(text: &str) -> Option<Columns> {
         let folder = tempfile::tempdir().unwrap();

@@ -2,7 +2,7 @@
 
 use super::{Depth, Section, listed};
 use crate::report::block::{Block, Cell, Column, Table, Text};
-use crate::report::format;
+use crate::report::{dead_time, format};
 use crate::study::{RecordingStudy, Study};
 
 /// What was read, conditioned and found by the quality check.
@@ -52,6 +52,10 @@ impl Section for Recordings {
             listed::left_out(study).into_iter().map(Block::paragraph).collect();
         blocks.push(table.into());
         blocks.extend(conditioning(study, &shown));
+        let rows = study.recordings.iter().map(|r| 1.0 / r.rate_hz);
+        let step = rows.fold(0.0, f64::max);
+        let timing = study.timing.map(|t| format!("Dead time: {}.", dead_time(&t, step)));
+        blocks.extend(timing.map(Block::paragraph));
         let groups = study.findings();
         let remarks = groups.len();
         let findings: Vec<Text> = groups

@@ -210,6 +210,14 @@ fn words(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> (S
             ),
             "not used: it has no information beyond the angle".into(),
         ),
+        Kind::OfAngle { share } => (
+            format!(
+                "{name} was computed from the angle: a filter of it leaves {:.1} % of the noise that \
+                 an own sensor would leave at least",
+                percent(share)
+            ),
+            "left out: it holds nothing beside the angle".into(),
+        ),
         Kind::Counts { step_rad, rows } => (
             format!(
                 "{name} is computed from encoder counts over {}, one count is {step_rad:.6} rad",

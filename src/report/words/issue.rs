@@ -98,7 +98,10 @@ impl StatedIssue {
                 return format!("record at least {SHORT:.0} s, better 20 s; or check the unit of t");
             }
             Self::Slow(_) => {
-                return format!("record at {SLOW:.0} Hz or more; or check the unit of t");
+                return format!(
+                    "what input and motion do between two rows is not in the log, so inertias are uncertain beyond \
+                     their intervals: record at {SLOW:.0} Hz or more; or check the unit of t"
+                );
             }
             Self::Gaps(_, short) => {
                 return format!(

@@ -92,6 +92,13 @@ impl fmt::Display for Note {
                 let (late, error) = (1e3 * late.abs(), 1e3 * error);
                 write!(f, "The input acts {late:.2} ± {error:.2} ms {way} it is recorded; accounted for.")
             }
+            Self::Late(late, error) => write!(
+                f,
+                "The motion follows the input {:.1} ± {:.1} ms later than it is recorded; the model of this fit has no \
+                 such time.",
+                1e3 * late,
+                1e3 * error
+            ),
             Self::BetterRegression { held_out, regression, filter } => {
                 let on = if *held_out { "held-out pieces" } else { "the training recordings" };
                 write!(

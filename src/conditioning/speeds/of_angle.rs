@@ -1,0 +1,92 @@
+//! Speeds that were computed from the recorded angles by a linear filter, also by one that looks ahead:
+//! central differences, Savitzky-Golay, a difference of angles that were filtered forward and backward.
+//!
+//! ```text
+//! omega_k = sum_j b_j (alpha_(k+j+1) - alpha_(k+j)) + e_k,   j = -m..m-1      (b by least squares)
+//!         = sum_j c_j alpha_(k+j) + e_k,                     c_j = b_(j-1) - b_j
+//! ```
+//! The angle's white noise of variance s^2 passes such a filter with s^2 sum c_j^2. A sensor of its own
+//! does not share that noise, so that e holds at least that much, however exact it is and whatever b is;
+//! a speed that was computed from these angles leaves rounding and the ends of the filter.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::super::signal::{noise_variance, trimmed};
+use super::{Finding, Kind, Samples};
+use crate::math::noise::fourth_difference_correlation;
+
+/// Samples to either side that a filter is looked for in: one of a tenth of the Nyquist frequency, of
+/// second order and run both ways, has decayed to a thousandth there.
+const HALF: usize = 32;
+/// Rows that are looked at, at most: some fifty a coefficient, which then follow chance by 1 %.
+const ROWS: usize = 3000;
+/// Rows a coefficient, at least.
+const FEWEST: usize = 20;
+/// Part of the passed noise, as a deviation, that computed speeds may leave: an own sensor leaves at
+/// least all of it.
+const LEFT: f64 = 0.25;
+/// Correlation of neighbouring fourth differences of the angle below which they show its noise: -0.8 for
+/// white noise, up to 1 for motion or a filter, which here make a ninth of them at most.
+const WHITE: f64 = -0.6;
+
+/// What a filter of the angle leaves of a speed.
+#[derive(Clone, Copy)]
+pub(super) struct Left {
+    /// As a share of the noise of the angle that passes the filter, both as deviations.
+    share: f64,
+    /// Whether filters of full length were looked for.
+    whole: bool,
+}
+
+impl Left {
+    pub(super) fn is_computed(self) -> bool {
+        self.share < LEFT
+    }
+
+    /// Whether it says that the speed is none of these.
+    pub(super) fn is_measured(self) -> bool {
+        self.whole && !self.is_computed()
+    }
+
+    pub(super) fn share(self) -> f64 {
+        self.share
+    }
+}
+
+/// The largest share in which one of several recordings shows that its speeds are computed.
+pub fn common_share<'a>(recordings: impl Iterator<Item = &'a [Finding]>) -> Option<f64> {
+    let shown = recordings.flatten().filter_map(|f| match f.kind {
+        Kind::OfAngle { share } => Some(share),
+        _ => None,
+    });
+    shown.max_by(f64::total_cmp)
+}
+
+/// What the best filter leaves of a wheel's speed; `None` where the angle does not show its noise, or
+/// there are too few rows.
+pub(super) fn left(s: &Samples) -> Option<Left> {
+    let runs: Vec<Vec<f64>> = s.pieces.iter().map(|p| s.alpha[p.clone()].to_vec()).collect();
+    if fourth_difference_correlation(&runs)? > WHITE {
+        return None;
+    }
+    let half = HALF.min(s.t.len() / (2 * FEWEST));
+    let inside = s.pieces.iter().flat_map(|p| p.start + half..p.end.saturating_sub(half));
+    let inside: Vec<usize> = inside.collect();
+    let rows: Vec<usize> =
+        inside.iter().copied().step_by(inside.len().div_ceil(ROWS).max(1)).collect();
+    if half == 0 || rows.len() < FEWEST * 2 * half {
+        return None;
+    }
+    let step = |k: usize, j: usize| s.alpha[k + j + 1 - half] - s.alpha[k + j - half];
+    let x = DMatrix::from_fn(rows.len(), 2 * half, |row, j| step(rows[row], j));
+    let y = DVector::from_fn(rows.len(), |row, _| s.omega[rows[row]]);
+    let b = x.tr_mul(&x).cholesky()?.solve(&x.tr_mul(&y));
+    let errors = y - &x * &b;
+    let freedom = rows.len() as f64 / (rows.len() - 2 * half) as f64;
+    let left = freedom * trimmed(errors.iter().map(|e| e * e).collect());
+    let at = |j: usize| b.get(j).copied().unwrap_or(0.0);
+    let before = |j: usize| j.checked_sub(1).map_or(0.0, at);
+    let gain: f64 = (0..=2 * half).map(|j| (before(j) - at(j)).powi(2)).sum();
+    let passed = gain * noise_variance(&s.alpha);
+    (passed > 0.0).then(|| Left { share: (left / passed).sqrt(), whole: half == HALF })
+}
