@@ -186,6 +186,10 @@ pub trait Effect: Send + Sync {
     fn terms(&self, x: &Motion<f64>, p: &[f64]) -> Terms<f64>;
     /// The torque of [`Physics::terms`] alone, for the inner loop of simulations.
     fn torque(&self, x: &Motion<f64>, p: &[f64]) -> [f64; 2];
+    /// The mass matrix of [`Physics::terms`] alone.
+    fn mass(&self, x: &Motion<f64>, p: &[f64]) -> [f64; 3];
+    /// The levels of dry friction of [`Physics::terms`] alone.
+    fn level(&self, x: &Motion<f64>, p: &[f64]) -> [f64; 4];
     /// [`Physics::terms`] with derivatives.
     fn terms_jet(&self, x: &Motion<Jet>, p: &[Jet]) -> Terms<Jet>;
     /// [`Physics::terms`] with derivatives by the own parameters alone.
@@ -268,6 +272,12 @@ impl<P: Physics> Effect for P {
     }
     fn torque(&self, x: &Motion<f64>, p: &[f64]) -> [f64; 2] {
         Physics::terms(self, x, p).torque
+    }
+    fn mass(&self, x: &Motion<f64>, p: &[f64]) -> [f64; 3] {
+        Physics::terms(self, x, p).mass
+    }
+    fn level(&self, x: &Motion<f64>, p: &[f64]) -> [f64; 4] {
+        Physics::terms(self, x, p).level
     }
     fn terms_jet(&self, x: &Motion<Jet>, p: &[Jet]) -> Terms<Jet> {
         Physics::terms(self, x, p)

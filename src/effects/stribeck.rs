@@ -14,6 +14,9 @@ const WIDE: f64 = 6.0;
 
 /// The mean of exp(-(w/ws)^2) over N(w, variance).
 fn mean_of_bell<T: Real>(w: T, variance: f64, ws: T) -> T {
+    if variance == 0.0 {
+        return (-(w / ws).squared()).exp();
+    }
     let q = ws.squared();
     let width = q + 2.0 * variance;
     (q / width).sqrt() * (-w.squared() / width).exp()
@@ -117,8 +120,10 @@ impl Physics for Stribeck {
         let bell = p[3].round() - 1.0;
         let level = |i: usize| {
             let (w, variance) = (x.omega[i], x.variance[2 + i]);
-            let fall = bell * mean_of_bell(w, variance, p[1])
-                + (T::from(1.0) - bell) * mean_of_exponential(w, variance, p[1]);
+            let fall = bell.choose(
+                || mean_of_bell(w, variance, p[1]),
+                || mean_of_exponential(w, variance, p[1]),
+            );
             let own = if i == 0 { p[0] + p[2] } else { p[0] - p[2] };
             own * fall
         };

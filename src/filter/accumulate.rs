@@ -15,11 +15,10 @@ pub struct Information {
     columns: usize,
     /// Numbers of a gathered row: of a short one derivatives and innovation, filled up.
     width: usize,
+    /// Rows over the standard deviation of their innovation.
     rows: Vec<f64>,
     /// How many rows are gathered.
     count: usize,
-    /// The derivatives over the variance, of short rows.
-    scaled: Vec<f64>,
     /// Products of short rows: of column c with the derivatives and the innovation from place `c width` on.
     sums: Vec<f64>,
     matrix: DMatrix<f64>,
@@ -34,14 +33,12 @@ impl Information {
     pub fn new(columns: usize) -> Self {
         let short = columns <= SHORT;
         let width = if short { (columns + 1).next_multiple_of(FILLED) } else { columns };
-        let of_short = |size: usize| if short { size } else { 0 };
         Self {
             columns,
             width,
             rows: vec![0.0; if columns > 0 { BLOCK * width } else { 0 }],
-            scaled: vec![0.0; of_short(BLOCK * columns)],
             count: 0,
-            sums: vec![0.0; of_short(columns * width)],
+            sums: vec![0.0; if short { columns * width } else { 0 }],
             matrix: DMatrix::zeros(columns, columns),
             score: DVector::zeros(columns),
             recent: DVector::zeros(columns),
@@ -56,19 +53,30 @@ impl Information {
 
     /// Adds one innovation `e` of variance `s`, whose derivatives stand in [`Information::next_row`].
     pub fn add(&mut self, e: f64, s: f64) {
-        if self.columns == 0 {
-            return;
+        if self.columns > 0 {
+            let weight = 1.0 / s.sqrt();
+            let row = &mut self.rows[self.count * self.width..][..self.width];
+            row.iter_mut().for_each(|v| *v *= weight);
+            self.gather(e * weight);
         }
+    }
+
+    /// Adds one innovation over its standard deviation, whose derivatives are `psi` times `weight`.
+    pub fn add_row(&mut self, psi: &[f64], weight: f64, e: f64) {
+        if self.columns > 0 {
+            let row = self.next_row().iter_mut();
+            row.zip(psi).for_each(|(out, psi)| *out = weight * psi);
+            self.gather(e);
+        }
+    }
+
+    /// Counts the next row, whose innovation over its standard deviation is `e`.
+    fn gather(&mut self, e: f64) {
         let row = &mut self.rows[self.count * self.width..][..self.width];
         if self.columns <= SHORT {
-            let share = 1.0 / s;
-            let scaled = &mut self.scaled[self.count * self.columns..][..self.columns];
-            scaled.iter_mut().zip(&*row).for_each(|(scaled, v)| *scaled = v * share);
             row[self.columns] = e;
         } else {
-            let (scaled, weight) = (e / s, 1.0 / s.sqrt());
-            self.recent.iter_mut().zip(&*row).for_each(|(g, v)| *g += v * scaled);
-            row.iter_mut().for_each(|v| *v *= weight);
+            self.recent.iter_mut().zip(&*row).for_each(|(g, v)| *g += v * e);
         }
         self.count += 1;
         if self.count == BLOCK {
@@ -82,8 +90,7 @@ impl Information {
         }
         let rows = &self.rows[..self.count * self.width];
         if self.columns <= SHORT {
-            let scaled = &self.scaled[..self.count * self.columns];
-            add_products((scaled, self.columns), (rows, self.width), &mut self.sums);
+            add_products((rows, self.width), (rows, self.width), &mut self.sums);
         } else {
             let rows = nalgebra::DMatrixView::from_slice(rows, self.columns, self.count);
             self.matrix.gemm(1.0, &rows, &rows.transpose(), 1.0);

@@ -200,9 +200,7 @@ impl<'a> Problem<'a> {
                 }
                 for i in (0..4).filter(|&i| weight[i] > 0.0) {
                     cost += 0.5 * residual[i] * residual[i];
-                    let psi = sums.next_row().iter_mut().zip(&derivatives[i * stride..]);
-                    psi.for_each(|(out, psi)| *out = weight[i] * psi);
-                    sums.add(residual[i], 1.0);
+                    sums.add_row(&derivatives[i * stride..], weight[i], residual[i]);
                 }
             })
             .ok()?;

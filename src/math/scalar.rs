@@ -114,6 +114,12 @@ pub trait Real:
         let (a, b) = (self.value(), other.value());
         if b > a || b.is_nan() { other } else { self }
     }
+    /// `one` where `self` is one, `zero` where it is zero, their mean with that weight in between:
+    /// `self one + (1 - self) zero`. A choice that is made evaluates what was chosen alone.
+    #[must_use]
+    fn choose(self, one: impl FnOnce() -> Self, zero: impl FnOnce() -> Self) -> Self {
+        self * one() + (Self::from(1.0) - self) * zero()
+    }
     /// `self` to a power that may vary.
     #[must_use]
     fn pow(self, power: Self) -> Self {
@@ -160,6 +166,14 @@ impl Real for f64 {
     #[inline]
     fn chain(self, value: f64, _derivative: f64) -> Self {
         value
+    }
+    #[inline]
+    fn choose(self, one: impl FnOnce() -> Self, zero: impl FnOnce() -> Self) -> Self {
+        match self {
+            1.0 => one(),
+            0.0 => zero(),
+            _ => self * one() + (1.0 - self) * zero(),
+        }
     }
 }
 
@@ -224,6 +238,15 @@ impl<const N: usize> Real for Dual<N> {
     #[inline]
     fn chain(self, value: f64, derivative: f64) -> Self {
         Self { value, partial: self.partial.map(|d| derivative * d) }
+    }
+    #[inline]
+    fn choose(self, one: impl FnOnce() -> Self, zero: impl FnOnce() -> Self) -> Self {
+        // a choice that moves needs both for its derivative
+        match self.value {
+            1.0 if self.partial == [0.0; N] => one(),
+            0.0 if self.partial == [0.0; N] => zero(),
+            _ => self * one() + (Self::from(1.0) - self) * zero(),
+        }
     }
 }
 
@@ -322,6 +345,20 @@ mod tests {
             + (x + 2.0).ln()
             + x.powf(1.5)
             - y
+    }
+
+    #[test]
+    fn a_choice_is_the_mean_with_its_weight_and_evaluates_what_was_chosen_alone() {
+        let (x, y) = (Dual::<2>::variable(0.7, 0), Dual::<2>::constant(-0.4));
+        for share in [0.0, 0.3, 1.0_f64] {
+            assert_eq!(share.choose(|| 0.7, || -0.4), share * 0.7 + (1.0 - share) * -0.4);
+            for moving in [Dual::constant(share), Dual::variable(share, 1)] {
+                let mean = moving * x + (Dual::constant(1.0) - moving) * y;
+                assert_eq!(moving.choose(|| x, || y), mean);
+            }
+        }
+        let never = || -> f64 { unreachable!("it was not chosen") };
+        assert_eq!((1.0_f64.choose(|| 0.7, never), 0.0_f64.choose(never, || -0.4)), (0.7, -0.4));
     }
 
     #[test]

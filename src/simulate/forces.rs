@@ -4,11 +4,10 @@ use std::convert::Infallible;
 
 use super::friction::{Contact, along_freedom, contact, friction};
 use super::input_line::InputLine;
+use super::sum::Sum;
 use crate::effects::{BodyState, Effect, Motion, Terms};
 use crate::math::{runge_kutta_from, runge_kutta_motion};
-use crate::model::{
-    Model, ModelError, SpeedPolynomial, Variation, Variations, inverse_mass, solve_mass, times,
-};
+use crate::model::{Model, ModelError, SpeedPolynomial, inverse_mass, solve_mass, times};
 
 /// alpha1, alpha2, omega1, omega2, and behind a coupling: body speeds u1, u2, twists phi1, phi2.
 pub(super) type Vector = [f64; 8];
@@ -23,51 +22,6 @@ pub(super) struct Departure {
     pub(super) rate: Vector,
     /// What resists on each wheel throughout the step [N m], where levels do not vary.
     pub(super) resisting: [f64; 2],
-}
-
-/// Effects added up: what is the same at every instant is there already, and what is a polynomial of
-/// the speeds is one polynomial.
-pub(super) struct Sum<'m> {
-    pub(super) constant: Terms<f64>,
-    /// Less its constant, which is part of the above.
-    by_speed: SpeedPolynomial,
-    pub(super) varying: Vec<(&'m dyn Effect, &'m [f64])>,
-}
-
-impl<'m> Sum<'m> {
-    fn new(
-        model: &'m Model,
-        p: &'m [f64],
-        x: &Motion<f64>,
-        part: impl Fn(&dyn Effect) -> bool,
-    ) -> Self {
-        let mut sum =
-            Self { constant: Terms::zero(), by_speed: SpeedPolynomial::default(), varying: vec![] };
-        for (e, effect) in model.effects().iter().enumerate().filter(|(_, e)| part(&***e)) {
-            let (p, variations) = (&p[model.slots(e)], model.variations(e));
-            if variations.is_quadratic() {
-                let torque = |omega| effect.torque(&Motion { omega, ..*x }, p);
-                sum.by_speed.add(&SpeedPolynomial::through(torque));
-            } else if variations.vary() {
-                sum.varying.push((&**effect, p));
-                continue;
-            }
-            sum.constant.add(&effect.terms(x, p));
-        }
-        sum.by_speed.take_constant();
-        sum
-    }
-
-    #[inline]
-    pub(super) fn at(&self, x: &Motion<f64>) -> Terms<f64> {
-        let mut terms = self.constant;
-        let by_speed = self.by_speed.rest(x.omega);
-        terms.torque = [terms.torque[0] + by_speed[0], terms.torque[1] + by_speed[1]];
-        for (effect, p) in &self.varying {
-            terms.add(&effect.terms(x, p));
-        }
-        terms
-    }
 }
 
 /// A wheel counts as held without a closer look if what holds it is below its level by this share.
@@ -115,15 +69,9 @@ impl<'m> Forces<'m> {
         let wheel = Sum::new(model, p, &x, |e| !of_body(e));
         let behind =
             coupling.map(|coupling| Behind { coupling, body: Sum::new(model, p, &x, of_body) });
-        let varies = |variation: fn(&Variations) -> Variation| {
-            (0..model.effects().len())
-                .any(|e| variation(&model.variations(e)) > Variation::Constant)
-        };
-        let steady = behind.is_none() && !varies(|variations| variations.mass);
-        let everywhere = wheel.at(&x);
-        let inverse = if steady { inverse_mass(&everywhere.mass).ok() } else { None };
-        let level = everywhere.level;
-        let rough = varies(|variations| variations.level);
+        let steady = behind.is_none() && wheel.has_constant_mass();
+        let inverse = if steady { inverse_mass(&wheel.constant.mass).ok() } else { None };
+        let (level, rough) = (wheel.level(&x), !wheel.has_constant_levels());
         let negative = inverse.unwrap_or([0.0; 3]).map(|i| -i);
         let by_speed = wheel.by_speed.mapped(|torque| times(&negative, torque));
         Self { model, p, t0, wheel, behind, inverse, by_speed, rough, level }
@@ -192,12 +140,9 @@ impl<'m> Forces<'m> {
         torque: [f64; 2],
         resisting: &[f64; 2],
     ) -> [f64; 2] {
-        let mut b = self.remaining_by_speed(x.omega, torque, resisting);
-        for (effect, p) in &self.wheel.varying {
-            let torque = effect.torque(x, p);
-            b = [b[0] - torque[0], b[1] - torque[1]];
-        }
-        b
+        let b = self.remaining_by_speed(x.omega, torque, resisting);
+        let varying = self.wheel.varying_torque(x);
+        [b[0] - varying[0], b[1] - varying[1]]
     }
 
     /// [`Forces::remaining`] where every torque that varies is in the polynomial of the speeds.
@@ -333,7 +278,7 @@ impl<'m> Forces<'m> {
         };
         let h = to - t;
         let ([a1, a2], [w1, w2]) = match self.freed(from) {
-            Some(mobility) if self.wheel.varying.is_empty() => {
+            Some(mobility) if self.wheel.is_polynomial() => {
                 let Ok(end) = runge_kutta_motion(&alpha, &omega, &first, h, |c, _, omega| {
                     let torque = input.at(instant(t, to, c));
                     let left = self.remaining_by_speed(*omega, torque, &from.resisting);

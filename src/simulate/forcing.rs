@@ -9,8 +9,9 @@ use crate::effects::{DIFFERENTIATED, DIRECTIONS, Jet, Motion};
 use crate::math::{Dual, Lanes};
 use crate::model::{SpeedPolynomial, times};
 
-/// Quantities beside the constant: w1, w2, w1 (w1 - w2), w2 (w1 - w2), w1 w2, and the two accelerations.
-const QUANTITIES: usize = 7;
+/// Quantities beside the constant: w1, w2, w1 (w1 - w2), w2 (w1 - w2), w1 w2, and the two accelerations; filled up to a
+/// power of two, so that a place among them needs neither a branch nor a division.
+const QUANTITIES: usize = 8;
 /// Partial derivatives of a [`Jet`] before those of an effect's own parameters.
 const STATES: usize = 4;
 
@@ -42,13 +43,13 @@ pub(super) type Quantities = [f64; QUANTITIES];
 /// What acts at one instant: speeds, their products, accelerations.
 pub(super) fn quantities([w1, w2]: [f64; 2], a: [f64; 2]) -> [f64; QUANTITIES] {
     let turn = w1 - w2;
-    [w1, w2, w1 * turn, w2 * turn, w1 * w2, a[0], a[1]]
+    [w1, w2, w1 * turn, w2 * turn, w1 * w2, a[0], a[1], 0.0]
 }
 
 impl Forcing {
     /// `None` where an effect is anything else, or the mass matrix has no inverse.
     pub(super) fn new(f: &Forces) -> Option<Self> {
-        let inverse = f.inverse.filter(|_| f.wheel.varying.is_empty())?;
+        let inverse = f.inverse.filter(|_| f.wheel.is_polynomial() && !f.rough)?;
         let mut groups = vec![Group::default(); (f.p.len() + 4).div_ceil(LANES)];
         for (e, effect) in f.model.effects().iter().enumerate() {
             let slots = f.model.slots(e);

@@ -6,7 +6,7 @@ use std::convert::Infallible;
 use super::forces::{Departure, Forces, Vector};
 use super::friction::{Contact, friction};
 use super::input_line::InputLine;
-use crate::effects::along;
+use crate::effects::{Motion, along};
 use crate::math::{runge_kutta_motion, sgn};
 use crate::model::times;
 
@@ -52,12 +52,19 @@ impl Forces<'_> {
     pub(super) fn glide(&self, from: f64, to: f64, y: &Vector, input: &InputLine) -> Option<Glide> {
         let inverse = self.inverse.as_ref()?;
         if self.rough {
-            let sign = signs(&self.wheel.at(&self.motion(from, y)).level, y)?;
-            return self.slide(from, to, y, input, sign, |t, y, torque| {
-                let terms = self.wheel.at(&self.motion(t, y));
-                let friction = friction(&terms.level, &sign);
-                let left = |i: usize| torque[i] - terms.torque[i] - friction[i];
-                times(inverse, &[left(0), left(1)])
+            let start = self.motion(from, y);
+            let level = self.wheel.level(&start);
+            let sign = signs(&level, y)?;
+            let under = |x: &Motion<f64>, torque: [f64; 2], level: &[f64; 4]| {
+                let friction = friction(level, &sign);
+                let resting = self.wheel.constant.torque;
+                let resisting = [resting[0] + friction[0], resting[1] + friction[1]];
+                times(inverse, &self.remaining(x, torque, &resisting))
+            };
+            let first = under(&start, input.at(from), &level);
+            return self.slide(from, to, y, input, (sign, first), |t, y, torque| {
+                let x = self.motion(t, y);
+                under(&x, torque, &self.wheel.level(&x))
             });
         }
         if y[2] == 0.0 && y[3] == 0.0 {
@@ -65,14 +72,18 @@ impl Forces<'_> {
         }
         let sign = signs(&self.level, y)?;
         let resisting = self.resisting(&sign);
-        if self.wheel.varying.is_empty() {
-            return self.slide(from, to, y, input, sign, |_, y, torque| {
+        if self.wheel.is_polynomial() {
+            let at = |_: f64, y: &Vector, torque: [f64; 2]| {
                 self.acceleration_at([y[2], y[3]], torque, &resisting)
-            });
+            };
+            let first = at(from, y, input.at(from));
+            return self.slide(from, to, y, input, (sign, first), at);
         }
-        self.slide(from, to, y, input, sign, |t, y, torque| {
+        let at = |t: f64, y: &Vector, torque: [f64; 2]| {
             times(inverse, &self.remaining(&self.motion(t, y), torque, &resisting))
-        })
+        };
+        let first = at(from, y, input.at(from));
+        self.slide(from, to, y, input, (sign, first), at)
     }
 
     /// Acceleration where every torque that varies is in the polynomial of the speeds.
@@ -103,6 +114,7 @@ impl Forces<'_> {
         Some(Glide { sign: None, first: [0.0; 2], end: [y[0], y[1], 0.0, 0.0] })
     }
 
+    /// A step of sliding wheels with these signs of friction, whose acceleration at the start is known.
     #[inline]
     fn slide(
         &self,
@@ -110,12 +122,11 @@ impl Forces<'_> {
         to: f64,
         y: &Vector,
         input: &InputLine,
-        sign: [f64; 4],
+        (sign, first): ([f64; 4], [f64; 2]),
         acceleration: impl Fn(f64, &Vector, [f64; 2]) -> [f64; 2],
     ) -> Option<Glide> {
         let h = to - from;
         let [a1, a2, w1, w2, ..] = *y;
-        let first = acceleration(from, y, input.at(from));
         let rate = |c: f64, [a1, a2]: &[f64; 2], [w1, w2]: &[f64; 2]| {
             let t = if c < 1.0 { from + c * h } else { to };
             let y = [*a1, *a2, *w1, *w2, *w1, *w2, 0.0, 0.0];

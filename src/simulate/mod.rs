@@ -17,6 +17,7 @@ mod recorder;
 mod sensitivity;
 mod simulation;
 mod stepper;
+mod sum;
 mod takagi_sugeno;
 mod variation;
 mod walk;

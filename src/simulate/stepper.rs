@@ -126,7 +126,8 @@ impl<'m> Stepper<'m> {
         let mut start = self.forces.depart(from, &self.y, input)?;
         for event in 0.. {
             let whole = self.forces.step(&start, to, input)?;
-            if event >= MANY_EVENTS || !(self.excess(&start, to, &whole, input)? > 0.0) {
+            let beyond = self.excess(&start, to, &whole, input)?;
+            if event >= MANY_EVENTS || !(beyond > 0.0) {
                 observer.smooth(&self.forces, &start, to, &whole, input);
                 self.y = whole;
                 if event >= MANY_EVENTS {
@@ -134,7 +135,7 @@ impl<'m> Stepper<'m> {
                 }
                 return Ok(());
             }
-            let t = start.t + self.locate(&start, to, input)?;
+            let t = start.t + self.locate(&start, (to, beyond), input)?;
             let after = self.forces.step(&start, t, input)?;
             observer.smooth(&self.forces, &start, t, &after, input);
             self.y = after;
@@ -172,15 +173,23 @@ impl<'m> Stepper<'m> {
         Ok(rates.fold(f64::MIN_POSITIVE, f64::max))
     }
 
-    /// The shortest step after which [`Stepper::excess`] is positive, to 1e-12 of the whole.
-    fn locate(&self, start: &Departure, to: f64, input: &InputLine) -> Result<f64, SimulateError> {
+    /// The shortest step after which [`Stepper::excess`] is positive, to 1e-12 of the whole, behind which it is `beyond`.
+    fn locate(
+        &self,
+        start: &Departure,
+        (to, beyond): (f64, f64),
+        input: &InputLine,
+    ) -> Result<f64, SimulateError> {
         let excess = |step| {
             let t = start.t + step;
             let y = self.forces.step(start, t, input)?;
             self.excess(start, t, &y, input)
         };
         let h = to - start.t;
-        if start.freedom.is_some() { onset(h, excess) } else { crossing(h, excess) }
+        if start.freedom.is_some() {
+            return onset(h, beyond, excess);
+        }
+        crossing(h, [fastest_backward(&start.y, &start.contact), beyond], excess)
     }
 
     /// Sets directions that have passed through zero exactly to rest, and returns which they are.

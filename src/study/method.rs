@@ -92,7 +92,8 @@ impl MethodStudy {
     /// Whether none of the inertias and dry frictions of the base model is identifiable, and none was given.
     #[must_use]
     pub fn identifies_nothing(&self) -> bool {
-        let of_base: Vec<_> = [A1, A2, A4, A5].iter().filter_map(|j| self.estimates.get(*j)).collect();
+        let of_base: Vec<_> =
+            [A1, A2, A4, A5].iter().filter_map(|j| self.estimates.get(*j)).collect();
         !of_base.is_empty() && of_base.iter().all(|e| !e.identifiable && !e.fixed)
     }
 }
