@@ -8,7 +8,7 @@ mod words;
 use self::factor::{many, multiplied, take_multiple, take_power_of_ten};
 pub(super) use self::said::{Named, Quantity, Side};
 use self::unit::{bracketed, split_unit, unit, unit_behind, unit_in_front};
-use self::words::{BATTERY, OTHERS, STEPS, SYSTEM, WEAK, is_quantity, take_quantity};
+use self::words::{BATTERY, OTHERS, STEPS, SYSTEM, WEAK, is_of_wheel, is_quantity, take_quantity};
 pub(super) use self::words::{MEASURED, WISHED, is_place, leaves_angle_open, leaves_speed_open};
 use crate::io::{WheelSide, side, words};
 
@@ -148,6 +148,19 @@ fn take_side(words: &mut Vec<String>) -> Option<Side> {
         words[k] = if word.starts_with('f') { "front" } else { "rear" }.into();
         return side(&word[1..]);
     }
+    // before a quantity: `rspeed`, `leftvel`
+    let before = |w: &String| {
+        let bare = |sides: &[&str], least: usize| {
+            let bare = sides.iter().find_map(|side| w.strip_prefix(side));
+            bare.is_some_and(|bare| bare.len() >= least && is_of_wheel(bare))
+        };
+        !is_quantity(w) && (bare(&["right", "left"], 1) || bare(&["r", "l"], 3))
+    };
+    if let Some(k) = words.iter().position(before) {
+        let long = ["right", "left"].iter().find(|side| words[k].starts_with(**side));
+        let rest = words[k].split_off(long.map_or(1, |side| side.len()));
+        return side(&std::mem::replace(&mut words[k], rest));
+    }
     // glued to a quantity: `taur`, `encl`
     let glued = |w: &String| {
         let bare = w.strip_suffix(['r', 'l']).filter(|_| w.len() > 3);
@@ -189,6 +202,10 @@ mod tests {
             ("sec", Some(Time), None, Some("s")),
             ("header.stamp.nanosec", Some(Nanoseconds), None, None),
             ("wR", Some(Speed), Some(Right), None),
+            ("Rspeed", Some(Speed), Some(Right), None),
+            ("lvolt", Some(Voltage), Some(Left), Some("V")),
+            ("rightspeed", Some(Speed), Some(Right), None),
+            ("Lpwm", Some(Voltage), Some(Left), None),
             ("vel_right [rpm]", Some(Speed), Some(Right), Some("rpm")),
             ("left_vel", Some(Speed), Some(Left), None),
             ("curR", Some(Current), Some(Right), None),

@@ -85,7 +85,15 @@ impl fmt::Display for Note {
                 } else {
                     "as given; 2 s simulation error of held-out pieces"
                 };
-                write!(f, "Prediction horizon: {seconds} s{meaning}, {how}: {error:.3e} rad/s.")
+                if error.is_finite() {
+                    write!(f, "Prediction horizon: {seconds} s{meaning}, {how}: {error:.3e} rad/s.")
+                } else {
+                    write!(
+                        f,
+                        "Prediction horizon: {seconds} s{meaning}; simulations of held-out pieces diverge, so that \
+                         horizons could not be compared."
+                    )
+                }
             }
             Self::InputShift(late, error) => {
                 let way = if *late > 0.0 { "after" } else { "before" };

@@ -305,6 +305,12 @@ pub(super) fn take_quantity(words: &mut Vec<String>) -> Option<(Quantity, String
     None
 }
 
+/// Whether a word says a quantity of a wheel, and no time.
+pub(super) fn is_of_wheel(word: &str) -> bool {
+    let is_time = |q: Quantity| matches!(q, Quantity::Time | Quantity::Nanoseconds);
+    QUANTITIES.iter().any(|(quantity, groups)| !is_time(*quantity) && is_among(groups, word))
+}
+
 /// Whether a word says a quantity.
 pub(super) fn is_quantity(word: &str) -> bool {
     QUANTITIES.iter().any(|(_, groups)| is_among(groups, word))
