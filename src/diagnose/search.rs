@@ -46,13 +46,24 @@ pub struct Settings {
     pub false_alarm: f64,
     /// Largest number of effects that are added.
     pub max_effects: usize,
+    /// Estimates of the model as given by other methods, one value a parameter. A fit from one of them takes the place of
+    /// those from the starts where it leaves less than half of their squared error: another minimum, and not the same one
+    /// a little lower.
+    pub estimates: Vec<Vec<f64>>,
     /// Called as candidates are fitted.
     pub progress: Option<Progress>,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { candidates: vec![], own: vec![], false_alarm: 0.05, max_effects: 3, progress: None }
+        Self {
+            candidates: vec![],
+            own: vec![],
+            false_alarm: 0.05,
+            max_effects: 3,
+            estimates: vec![],
+            progress: None,
+        }
     }
 }
 
@@ -171,12 +182,21 @@ impl<'a> Search<'a> {
             true => model.clone(),
             false => model.add_effect(Arc::new(InputTiming { limits: self.range }))?,
         };
-        let fits = starts.iter().filter_map(|start| {
-            let mut start = start.clone();
-            start.resize(timed.parameters().len(), 0.0);
-            fit(&self.windows, &timed, &start, &self.scale)
-        });
-        fits.min_by(|a, b| a.cost.total_cmp(&b.cost)).ok_or_else(|| IdentifyError::NoStart {
+        let lowest = |starts: &[Vec<f64>]| {
+            let fits = starts.iter().filter_map(|start| {
+                let mut start = start.clone();
+                start.resize(timed.parameters().len(), 0.0);
+                fit(&self.windows, &timed, &start, &self.scale)
+            });
+            fits.min_by(|a, b| a.cost.total_cmp(&b.cost))
+        };
+        let base = match (lowest(starts), lowest(&self.settings.estimates)) {
+            (Some(first), Some(other)) if other.cost < THRESHOLDS.most_left * first.cost => {
+                Some(other)
+            }
+            (first, other) => first.or(other),
+        };
+        base.ok_or_else(|| IdentifyError::NoStart {
             method: "diagnosis".into(),
             reason: crate::identify::NoStart::Windows,
         })

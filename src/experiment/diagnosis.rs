@@ -9,7 +9,7 @@ use crate::identify::{IdentifyError, Note, Task, start};
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::PhysicalDynamics;
-use crate::study::{DiagnosisStudy, Role, is_undetermined};
+use crate::study::{DiagnosisStudy, MethodStudy, Role, is_undetermined};
 use crate::verdict::{Basis, Settled};
 
 /// A comparison with its diagnosis, where the plan asks for one.
@@ -131,11 +131,12 @@ fn search(
     let train = plan.of(Role::Train);
     let model = with_held(plan, &train, comparison);
     let task = Task { model: &model, train: &train, hold: plan.hold, seed: plan.seed };
-    let starts = starts(plan, &task, comparison);
+    let starts = starts(plan, &task);
+    let settings = Settings { estimates: estimates(&model, comparison), ..settings.clone() };
     let validation = plan.of(Role::Validation);
     let corrected_s = plan.timing.map_or(0.0, |t| t.correction_s);
     let data = Data { train: &train, validation: &validation, hold: plan.hold, corrected_s };
-    crate::diagnose::diagnose(&model, &starts, &data, settings)
+    crate::diagnose::diagnose(&model, &starts, &data, &settings)
 }
 
 /// Whether the preferred fit stalled where a1 is not identifiable, though wheels turn against each other.
@@ -162,9 +163,8 @@ fn with_held(plan: &Plan, train: &[Recording], comparison: &Comparison) -> Model
 }
 
 /// Where the fits start: at the weak form, on recordings without their dead time first where that is longer
-/// than logging explains (it turns the inertias of quick steps round), at the construction data, and at every physical
-/// estimate of the comparison: a fit of windows may end without dry friction from the others.
-fn starts(plan: &Plan, task: &Task, comparison: &Comparison) -> Vec<Vec<f64>> {
+/// than logging explains (it turns the inertias of quick steps round), and at the construction data.
+fn starts(plan: &Plan, task: &Task) -> Vec<Vec<f64>> {
     let mut out = Vec::new();
     let late = plan.timing.map_or(0.0, |t| t.dead_time_s - t.correction_s);
     if late > task.train.iter().map(Recording::step).fold(0.0, f64::max) {
@@ -173,11 +173,16 @@ fn starts(plan: &Plan, task: &Task, comparison: &Comparison) -> Vec<Vec<f64>> {
     }
     out.extend(start::start(task, "diagnosis").ok());
     out.push(task.model.initial());
-    let count = task.model.parameters().len();
-    let estimated = comparison.methods.iter().map(|m| m.estimates.iter().map(|e| e.value));
-    let estimated = estimated.map(|values| values.collect::<Vec<f64>>());
-    out.extend(estimated.filter(|p| p.len() == count && p.iter().all(|v| v.is_finite())));
     out
+}
+
+/// The physical estimates of a comparison: a fit of windows may end without dry friction from all starts.
+fn estimates(model: &Model, comparison: &Comparison) -> Vec<Vec<f64>> {
+    let of = |m: &MethodStudy| m.estimates.iter().map(|e| e.value).collect::<Vec<f64>>();
+    let is_whole = |p: &Vec<f64>| {
+        p.len() == model.parameters().len() && p.iter().all(|value| value.is_finite())
+    };
+    comparison.methods.iter().map(of).filter(is_whole).collect()
 }
 
 #[cfg(test)]
@@ -203,14 +208,12 @@ mod tests {
     }
 
     #[test]
-    fn a_diagnosis_starts_at_the_estimates_of_the_methods_too() {
+    fn the_estimates_of_the_methods_are_starts_of_a_diagnosis() {
         let file = concat!(env!("CARGO_MANIFEST_DIR"), "/experiments/outside_catalogue.toml");
         let plan = load(file.as_ref(), &[]).unwrap();
         let comparison = compare(&plan, &fits(&plan)).unwrap();
-        let train = plan.of(Role::Train);
-        let task = Task { model: &plan.model, train: &train, hold: plan.hold, seed: plan.seed };
-        let estimates = &comparison.reference_method().estimates;
-        let own: Vec<f64> = estimates.iter().map(|e| e.value).collect();
-        assert!(starts(&plan, &task, &comparison).contains(&own));
+        let own = &comparison.reference_method().estimates;
+        let own: Vec<f64> = own.iter().map(|e| e.value).collect();
+        assert!(estimates(&plan.model, &comparison).contains(&own));
     }
 }

@@ -248,7 +248,13 @@ fn diagnosis(file: &ExperimentFile, own: &[Own]) -> Result<Option<DiagnosisPlan>
     candidates_are_known(&candidates, own)?;
     let DiagnosisEntry { false_alarm, max_effects, slow_moment, .. } = *entry;
     let own = own.to_vec();
-    let settings = diagnose::Settings { candidates, own, false_alarm, max_effects, progress: None };
+    let settings = diagnose::Settings {
+        candidates,
+        own,
+        false_alarm,
+        max_effects,
+        ..diagnose::Settings::default()
+    };
     Ok(Some(DiagnosisPlan { settings, slow_moment }))
 }
 

@@ -148,7 +148,7 @@ mod tests {
             let mut slow = sigma * normal();
             let mut next = |k: usize| {
                 slow = keeps * slow + (1.0 - keeps * keeps).sqrt() * sigma * normal();
-                let commanded = if n % 3 == 0 { command(0.01 * k as f64) } else { 0.0 };
+                let commanded = if n.is_multiple_of(3) { command(0.01 * k as f64) } else { 0.0 };
                 slow + 0.003 * normal() + commanded
             };
             (0..100).map(&mut next).collect()
