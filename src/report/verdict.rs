@@ -106,8 +106,8 @@ fn sufficient(stated: &DiagnosisStudy, error: String) -> Vec<String> {
         return vec![format!("Nothing is proven to be missing: {none}."), error, faster];
     }
     if stated.errors.slow_floor {
-        let slow = "Most of the noise floor is slow noise of the recorded input, which the rests of the robot show to a factor \
-                    of two at best; a recording with longer rests decides.";
+        let slow = "Most of the noise floor is slow noise of the recorded input, which was estimated while the robot rests \
+                    and is known to within a factor of two at best. To decide, record longer rests.";
         return vec![format!("Nothing is proven to be missing: {none}."), error, text(slow)];
     }
     // the floor is an estimate for white noise: coloured noise of the input reaches so far too
