@@ -190,7 +190,11 @@ impl<'a> Search<'a> {
             });
             fits.min_by(|a, b| a.cost.total_cmp(&b.cost))
         };
-        let base = match (lowest(starts), lowest(&self.settings.estimates)) {
+        let first = lowest(starts);
+        // from the noise floor no other minimum leads further down
+        let is_open = first.as_ref().is_none_or(|fit| self.is_unexplained(fit));
+        let other = is_open.then(|| lowest(&self.settings.estimates)).flatten();
+        let base = match (first, other) {
             (Some(first), Some(other)) if other.cost < THRESHOLDS.most_left * first.cost => {
                 Some(other)
             }

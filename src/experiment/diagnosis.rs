@@ -7,9 +7,10 @@ use crate::compare::{Curve, WindowFloor};
 use crate::diagnose::{Data, Diagnosis, Progress, Settings, WindowFit, with_later_input};
 use crate::identify::{IdentifyError, Note, Task, start};
 use crate::model::Model;
+use crate::model::base::{A1, A2};
 use crate::recording::Recording;
 use crate::simulate::PhysicalDynamics;
-use crate::study::{DiagnosisStudy, MethodStudy, Role, is_undetermined};
+use crate::study::{DiagnosisStudy, MethodStudy, Role};
 use crate::verdict::{Basis, Settled};
 
 /// A comparison with its diagnosis, where the plan asks for one.
@@ -108,7 +109,7 @@ fn with_basis<T>(
         false_alarm: asked.settings.false_alarm,
         slow_moment: asked.slow_moment,
         seed: plan.seed,
-        is_stalled: stalled_without_inertia(comparison),
+        is_stalled: comparison.reference_method().is_undetermined(),
     })
 }
 
@@ -139,24 +140,25 @@ fn search(
     crate::diagnose::diagnose(&model, &starts, &data, &settings)
 }
 
-/// Whether the preferred fit stalled where a1 is not identifiable, though wheels turn against each other.
-fn stalled_without_inertia(comparison: &Comparison) -> bool {
-    is_undetermined(&comparison.recordings, Some(comparison.reference_method()))
-}
-
 /// The model with what the data do not identify held where the preferred fit holds it: a fit that is free to
 /// move what no recording shows simulates others worse than the model as it was given. Of a single axis only
 /// sums are known, and nothing of one wheel is held.
 fn with_held(plan: &Plan, train: &[Recording], comparison: &Comparison) -> Model {
     let mut model = plan.model.clone();
     // where a descent went astray and stalled tells nothing of the data
-    if train.iter().all(Recording::is_single_axis) || stalled_without_inertia(comparison) {
+    if train.iter().all(Recording::is_single_axis)
+        || comparison.reference_method().is_undetermined()
+    {
         return model;
     }
     let estimates = &comparison.reference_method().estimates;
     // a fit of which nothing is known holds nothing
     let some = estimates.iter().any(|e| e.identifiable);
-    for e in estimates.iter().filter(|e| some && !e.identifiable) {
+    let is_open = |j: usize| estimates.get(j).is_some_and(|e| !e.identifiable);
+    // of a1 and a2 the sum or the difference is known, which a1 alone can take
+    let of_pair = |j: usize| j == A1 && is_open(A2);
+    let open = (0..estimates.len()).filter(|j| some && is_open(*j) && !of_pair(*j));
+    for e in open.map(|j| &estimates[j]) {
         model = model.fix(&e.symbol, e.value).unwrap_or(model);
     }
     model

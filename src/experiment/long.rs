@@ -29,14 +29,14 @@ pub(super) fn identify(
 ) -> Result<Fit, IdentifyError> {
     let some: Vec<&LongRecording> = long.iter().copied().flatten().collect();
     if some.is_empty() {
-        return method.identify(task);
+        return crate::identify::identify(method, task);
     }
     let rows: usize = some.iter().map(|long| long.samples).sum();
     let (mut fit, note) = match method.identify_long(task, long) {
         Some(fit) => (fit?, Note::ReadInBlocks(rows)),
         None => {
             let windows: usize = some.iter().map(|long| long.windows).sum();
-            (method.identify(task)?, Note::FittedToWindows(windows))
+            (crate::identify::identify(method, task)?, Note::FittedToWindows(windows))
         }
     };
     fit.notes.push(note);

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::identifiability::identified;
+use super::start::with_positive_mass;
 use super::{Fit, IdentifyError, Note, SingleAxis, Task};
 use crate::model::base::{A1, A2};
 
@@ -46,7 +47,7 @@ pub(super) fn linear_fit(
     );
     let (mut notes, mut covariance) = (known.notes, known.covariance);
     let is_unknown = |j: usize| covariance[(j, j)].is_infinite();
-    if settle(&mut p, task, is_unknown(A1) || is_unknown(A2), &mut notes) == Settled::Contradicted {
+    if settle(&mut p, task, is_unknown(A1) || is_unknown(A2), &mut notes) {
         [A1, A2].into_iter().for_each(|j| covariance[(j, j)] = f64::INFINITY);
     }
     let unit = task.train[0].drive_unit();
@@ -58,33 +59,19 @@ pub(super) fn linear_fit(
     Ok(out)
 }
 
-/// What the inertias of a fit needed for a robot that can move.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Settled {
-    /// Nothing, or a choice among values that fit alike.
-    Kept,
-    /// Values that contradict the fitted ones.
-    Contradicted,
-}
-
 /// Where the data give `only_sum`, a1 + a2 or a1 - a2, takes of all that fit one that can move (a1 above
 /// |a2|). Where the fitted values contradict that, as differences of wheels that hardly differ do, keeps their larger
-/// combination in the same way and says so; held values stay.
-pub(super) fn settle(p: &mut [f64], task: &Task, only_sum: bool, notes: &mut Vec<Note>) -> Settled {
-    let free = |j: usize| task.model.parameters()[j].fixed.is_none();
-    if p[A1] > 1.05 * p[A2].abs() {
-        return Settled::Kept;
-    }
+/// combination in the same way and says so; held values stay. Whether values were replaced that contradict it.
+pub(super) fn settle(p: &mut [f64], task: &Task, only_sum: bool, notes: &mut Vec<Note>) -> bool {
     let contradicted = !only_sum && !(p[A1] > p[A2].abs());
     if contradicted {
         notes.push(Note::MassNotPositive);
     }
-    if (only_sum || contradicted) && free(A1) && free(A2) {
-        let side = if p[A2] < 0.0 { -1.0 } else { 1.0 };
-        let sum = p[A1] + side * p[A2];
-        (p[A1], p[A2]) = (0.525 * sum, 0.475 * side * sum);
+    let fitted = [p[A1], p[A2]];
+    if only_sum || contradicted {
+        with_positive_mass(task.model, p);
     }
-    if contradicted { Settled::Contradicted } else { Settled::Kept }
+    contradicted && [p[A1], p[A2]] != fitted
 }
 
 #[cfg(test)]
@@ -102,13 +89,18 @@ mod tests {
         // straight runs: a1 + a2 is known, and a1 - a2 came out negative
         let mut p = model.initial();
         (p[A1], p[A2]) = (0.012, 0.013);
-        assert_eq!(settle(&mut p, &task, false, &mut notes), Settled::Contradicted);
+        assert!(settle(&mut p, &task, false, &mut notes));
         assert!((p[A1] + p[A2] - 0.025).abs() < 1e-15 && p[A1] > p[A2].abs(), "{p:?}");
         assert!(matches!(notes[..], [Note::MassNotPositive]));
         // where the data leave a choice nothing is contradicted
         (p[A1], p[A2]) = (0.0125, 0.0125);
-        assert_eq!(settle(&mut p, &task, true, &mut notes), Settled::Kept);
+        assert!(!settle(&mut p, &task, true, &mut notes));
         assert!((p[A1] + p[A2] - 0.025).abs() < 1e-15 && p[A1] > p[A2].abs(), "{p:?}");
         assert_eq!(notes.len(), 1);
+        // what the user holds is not moved, and not called unknown
+        let held = model.fix("a1", 0.01).unwrap().fix("a2", 0.02).unwrap();
+        (p[A1], p[A2]) = (0.01, 0.02);
+        assert!(!settle(&mut p, &Task { model: &held, ..task }, false, &mut notes));
+        assert_eq!((p[A1], p[A2]), (0.01, 0.02));
     }
 }

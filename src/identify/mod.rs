@@ -10,6 +10,7 @@ mod inverse_dynamics;
 mod linear_fit;
 mod method;
 mod note;
+mod open_loop;
 mod profile;
 mod reason;
 mod regressor;
@@ -20,6 +21,7 @@ pub mod start;
 mod streamed;
 mod stretch;
 mod text;
+mod unexcited;
 mod weak;
 
 pub use fit::{Estimate, Fit, Status, Trace, TraceAxis, TraceKind, Work};
@@ -33,6 +35,7 @@ pub use note::{Note, PhysicalBound, SingleAxis, Unknown};
 pub use profile::DROP;
 pub use reason::{IdentifyError, NoStart, Unsupported};
 pub use text::{details, overview};
+pub use unexcited::identify;
 
 use crate::catalogue;
 

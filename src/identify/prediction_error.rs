@@ -7,7 +7,6 @@ mod held;
 mod held_shapes;
 mod interval;
 mod likelihood;
-mod open_loop;
 mod rival;
 
 use nalgebra::DMatrix;
@@ -15,20 +14,22 @@ use serde::{Deserialize, Serialize};
 
 use super::identifiability::identified;
 use super::inverse_dynamics::Regression;
+use super::open_loop::{OpenLoop, mean};
 use super::profile::{Profile, profile};
 use super::torque_regression::TorqueRegression;
+use super::unexcited::with_combination;
 use super::{
     Estimate, Fit, Identifier, IdentifyError, MethodDescription, NoStart, Note, OptionError,
     SingleAxis, Task, from_options, options_schema, start,
 };
 use crate::filter::{HorizonFilter, Prepared, Reading, pieces, prepare};
 use crate::model::Model;
+use crate::model::base::{A1, A2};
 use crate::recording::Recording;
-use choice::{Candidate, HORIZONS, SAFE, choose, mean};
+use choice::{Candidate, HORIZONS, SAFE, choose};
 use descent::{Solution, descend};
 use held::Held;
 use interval::{Spread, of_scores, spread};
-use open_loop::OpenLoop;
 
 /// Prediction error of a filter whose memory is a horizon.
 ///
@@ -270,7 +271,9 @@ fn physical(
     fit.status = solution.status;
     fit.work.iterations = solution.iterations;
     fit.work.evaluations = solution.evaluations;
-    fit
+    // a1 has then taken what is known of both
+    let inertia = held.places.contains(&A2) && fit.estimates[A1].identifiable;
+    if inertia { with_combination(fit, task.model, 1.0, &[]) } else { fit }
 }
 
 /// What to say of the horizon.

@@ -81,16 +81,22 @@ pub fn start(task: &Task, method: &str) -> Result<Vec<f64>, IdentifyError> {
 /// Makes a start from which the model can move, as its effects state it ([`crate::effects::Physics::start`]); fixed
 /// values stay.
 pub(super) fn sound(model: &Model, p: &mut [f64]) {
-    let free: Vec<bool> = model.parameters().iter().map(|q| q.fixed.is_none()).collect();
-    let mut moved = p.to_vec();
-    for (e, effect) in model.effects().iter().enumerate() {
-        effect.start(&mut moved[model.slots(e)], &free[model.slots(e)]);
-    }
-    for (value, (moved, free)) in p.iter_mut().zip(moved.into_iter().zip(free)) {
-        if free {
-            *value = moved;
-        }
-    }
+    (0..model.effects().len()).for_each(|e| sound_effect(model, e, p));
+}
+
+/// The same for the inertias alone, which are those of the first effect: a1 above |a2|.
+pub(super) fn with_positive_mass(model: &Model, p: &mut [f64]) {
+    sound_effect(model, 0, p);
+}
+
+fn sound_effect(model: &Model, e: usize, p: &mut [f64]) {
+    let slots = model.slots(e);
+    let free: Vec<bool> =
+        model.parameters()[slots.clone()].iter().map(|q| q.fixed.is_none()).collect();
+    let mut moved = p[slots.clone()].to_vec();
+    model.effects()[e].start(&mut moved, &free);
+    let values = p[slots].iter_mut().zip(moved).zip(free);
+    values.filter(|(_, free)| *free).for_each(|((value, moved), _)| *value = moved);
 }
 
 /// The covariance of all parameters from the information of all: fixed ones have none, and those

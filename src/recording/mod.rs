@@ -28,8 +28,8 @@ pub(crate) use noise::FEW_LEVELS;
 pub use noise::share_noise;
 pub use quality::{Finding, Gaps, Issue, Quality, Quantity, Severity, StatedIssue, quality};
 pub(crate) use quality::{
-    RatioUnit, SHORT, SLOW, UnitError, View, Window, exchanged_input, exchanged_speeds,
-    is_full_turn, opposing_input, windows_of,
+    Lacking, RatioUnit, SHORT, SLOW, UnitError, View, Window, exchanged_input, exchanged_speeds,
+    is_full_turn, lacking, opposing_input, windows_of,
 };
 pub use recording::Recording;
 pub(crate) use refresh::REGULAR;

@@ -15,6 +15,7 @@ pub use issue::{Issue, Quantity, StatedIssue};
 pub(crate) use issue::{RatioUnit, SHORT, SLOW, UnitError, is_full_turn};
 
 pub(crate) use consistency::{exchanged_input, exchanged_speeds, opposing_input};
+pub(crate) use excitation::{Lacking, lacking};
 pub(crate) use window::{View, Window, windows_of};
 
 use super::Recording;

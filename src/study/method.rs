@@ -1,6 +1,6 @@
 //! What the methods of an experiment found.
 
-use crate::identify::{Estimate, IdentifyError, Note, Status, Trace, Work};
+use crate::identify::{Estimate, IdentifyError, Note, Status, Trace, Unknown, Work};
 use crate::model::base::{A1, A2, A4, A5};
 
 /// A method on one recording.
@@ -81,20 +81,27 @@ impl MethodStudy {
         }
     }
 
-    /// Whether the columns do not determine the model: the descent stalled, and a1 is not identifiable. Such a fit
-    /// may simulate well, as one with a huge inertia does where a column that hardly moves is taken for a speed.
+    /// Whether the columns do not determine the model: the descent stalled without any inertia, or nothing of the base
+    /// model is identifiable. Such a fit may simulate well, as one with a huge inertia does where a column that hardly
+    /// moves is taken for a speed.
     #[must_use]
     pub fn is_undetermined(&self) -> bool {
-        let a1 = self.estimates.get(A1);
-        self.status == Some(Status::Stalled) && a1.is_some_and(|e| !e.identifiable && !e.fixed)
+        let is_open = |j: usize| self.estimates.get(j).is_some_and(|e| !e.identifiable && !e.fixed);
+        let stalled = self.status == Some(Status::Stalled) && is_open(A1);
+        let nothing = [A1, A2, A4, A5].into_iter().all(is_open);
+        (stalled || nothing) && !self.gives_combination()
     }
 
-    /// Whether none of the inertias and dry frictions of the base model is identifiable, and none was given.
-    #[must_use]
-    pub fn identifies_nothing(&self) -> bool {
-        let of_base: Vec<_> =
-            [A1, A2, A4, A5].iter().filter_map(|j| self.estimates.get(*j)).collect();
-        !of_base.is_empty() && of_base.iter().all(|e| !e.identifiable && !e.fixed)
+    /// Whether a combination of the inertias is identifiable, as on runs straight ahead, or sums over both wheels are,
+    /// as of a single axis.
+    fn gives_combination(&self) -> bool {
+        self.notes.iter().any(|note| match note {
+            Note::Unknown { unknown: Unknown::Two { first, second, .. }, .. } => {
+                [first, second] == ["a1", "a2"]
+            }
+            Note::SingleAxis(_) => true,
+            _ => false,
+        })
     }
 }
 
@@ -124,10 +131,15 @@ mod tests {
             estimates: vec![Estimate::new("a1", "kg m^2".into(), 9e16, std_error)],
             ..MethodStudy::new("output_error", "", "", 0.0)
         };
-        assert!(fit(Status::Stalled, f64::INFINITY).is_undetermined());
-        // on runs straight ahead a1 + a2 is found, and a1 is not
+        let stalled = fit(Status::Stalled, f64::INFINITY);
+        assert!(stalled.is_undetermined());
         assert!(!fit(Status::Converged, f64::INFINITY).is_undetermined());
         assert!(!fit(Status::Stalled, 1.0).is_undetermined());
+        // on runs straight ahead a1 + a2 is found, and a1 is not
+        let [first, second] = ["a1", "a2"].map(String::from);
+        let unknown = Unknown::Two { first, second, weight: 1.0, value: 0.03, std_error: 1e-4 };
+        let notes = vec![Note::Unknown { unknown, effect: "inertia".into() }];
+        assert!(!MethodStudy { notes, ..stalled }.is_undetermined());
     }
 
     #[test]
@@ -140,7 +152,7 @@ mod tests {
             MethodStudy { estimates, ..MethodStudy::new("prediction_error", "", "", 0.0) }
         };
         let unknown = f64::INFINITY;
-        assert!(of([unknown, unknown, 1.0, unknown, unknown]).identifies_nothing());
-        assert!(!of([1.0, unknown, unknown, unknown, unknown]).identifies_nothing());
+        assert!(of([unknown, unknown, 1.0, unknown, unknown]).is_undetermined());
+        assert!(!of([1.0, unknown, unknown, unknown, unknown]).is_undetermined());
     }
 }

@@ -168,9 +168,6 @@ pub struct Study {
     pub what_if: Option<WhatIfStudy>,
 }
 
-/// Least root mean square difference of the wheel speeds over that of their sum for runs that turn (taste).
-const TURNS: f64 = 0.1;
-
 impl Study {
     /// The recordings on which errors are judged: validation, or train where there is none.
     #[must_use]
@@ -235,7 +232,7 @@ impl Study {
     pub fn is_undetermined(&self) -> bool {
         match &self.diagnosis {
             Some(diagnosis) => diagnosis.is_undetermined,
-            None => is_undetermined(&self.recordings, self.reference_method()),
+            None => self.reference_method().is_some_and(MethodStudy::is_undetermined),
         }
     }
 
@@ -243,40 +240,5 @@ impl Study {
     #[must_use]
     pub fn reference_method(&self) -> Option<&MethodStudy> {
         self.methods.get(self.reference?)
-    }
-}
-
-/// Whether the columns of `recordings` do not determine the model that the `reference` method fitted: though the wheels
-/// turn against each other the descent stalled without a1, or nothing of the base model is identifiable. On runs straight
-/// ahead, as those of a single axis, a1 + a2 is found and a1 is not; of a single axis sums alone are.
-#[must_use]
-pub fn is_undetermined(recordings: &[RecordingStudy], reference: Option<&MethodStudy>) -> bool {
-    let rows = || recordings.iter().flat_map(|r| &r.omega);
-    let is_single_axis = rows().all(|w| w[0] == w[1]);
-    reference.is_some_and(|method| {
-        turns(rows()) && method.is_undetermined() || !is_single_axis && method.identifies_nothing()
-    })
-}
-
-/// Whether wheels turn against each other, of whose speeds these are the rows.
-fn turns<'a>(rows: impl Iterator<Item = &'a [f64; 2]>) -> bool {
-    let add =
-        |(d, s): (f64, f64), w: &[f64; 2]| (d + (w[0] - w[1]).powi(2), s + (w[0] + w[1]).powi(2));
-    let (difference, sum) = rows.fold((0.0, 0.0), add);
-    difference > TURNS * TURNS * sum
-}
-
-#[cfg(test)]
-mod tests {
-    use super::turns;
-
-    #[test]
-    fn an_axis_written_down_twice_does_not_turn() {
-        let axis: Vec<[f64; 2]> = (0..100).map(|k| [f64::from(k).sin(); 2]).collect();
-        assert!(!turns(axis.iter()));
-        let straight: Vec<[f64; 2]> = axis.iter().map(|w| [w[0] + 0.02, w[1] - 0.02]).collect();
-        assert!(!turns(straight.iter()));
-        let curve: Vec<[f64; 2]> = axis.iter().map(|w| [w[0], 0.7 * w[1]]).collect();
-        assert!(turns(curve.iter()));
     }
 }

@@ -269,7 +269,8 @@ impl Search<'_> {
     /// rms_before² - rms_after² >= min(rms_unresolved², rms_after²)
     /// ```
     /// Whatever the sampling makes is still there with an effect that is real: it is no more than what that leaves. An
-    /// effect that stood in for it would have to take the larger part.
+    /// effect that stood in for it would have to take the larger part. A shift, which acts in the few windows in which
+    /// the input changes, needs no more than the share that is worth it, and behind it at the floor none.
     fn falling(&self, fits: &[&WindowFit], shown: &[f64]) -> usize {
         let Some(last) = fits.last() else { return 0 };
         let open = self.judge.unresolved(&last.model, &last.p);
@@ -277,15 +278,17 @@ impl Search<'_> {
             let (before, after) = (shown[n - 1], shown[*n]);
             let (fit, next) = (fits[n - 1], fits[*n]);
             let between = between_rows(next) > between_rows(fit);
-            // what the sampling leaves open of a time is half a row, which a shift exceeds
-            let later = is_later(fit, next);
             let open = match between {
                 true => self.judge.between_rows(&fit.model, &fit.p),
                 false => open.min(after),
             };
-            // an error that was infinite may fall to any other
-            let enough =
-                later || before.is_infinite() || before.powi(2) - after.powi(2) >= open.powi(2);
+            let share = 1.0 - (after / before).powi(2);
+            let enough = match is_later(fit, next) {
+                // what the sampling leaves open of a time is half a row, which a shift exceeds
+                true => share >= THRESHOLDS.least_fall || !self.is_unexplained(next),
+                // an error that was infinite may fall to any other
+                false => before.is_infinite() || before.powi(2) - after.powi(2) >= open.powi(2),
+            };
             after <= before && enough
         };
         (1..shown.len()).take_while(falls).count()

@@ -3,9 +3,10 @@
 use nalgebra::DVector;
 
 use super::descent::{Solution, chosen, descend, descend_from, part};
-use super::open_loop::OpenLoop;
 use crate::effects::ParameterKind;
 use crate::filter::HorizonFilter;
+use crate::identify::open_loop::{OpenLoop, clearly_smaller, mean};
+use crate::identify::start::sound;
 use crate::math::Information;
 use crate::model::{Model, Parameter};
 
@@ -15,9 +16,6 @@ pub(super) const HORIZONS: [f64; 6] = [0.0, 0.05, 0.1, 0.2, 0.35, 0.7];
 /// The first of them where noise of the input biases those before \[s\]: over it the motion that
 /// the input makes outgrows what its noise does, as T against the root of T.
 pub(super) const SAFE: f64 = 0.2;
-/// Paired standard errors by which another one must be better than the first: one, the usual
-/// rule of cross-validation (Breiman et al. 1984, section 3.4.3).
-const STANDARD_ERRORS: f64 = 1.0;
 
 /// A solution with its errors on held-out pieces.
 pub(super) struct Candidate {
@@ -33,7 +31,8 @@ impl Candidate {
     }
 }
 
-/// Parameters without each piece in turn, by one step from those of all.
+/// Parameters without each piece in turn, by one step from those of all; what the other pieces do not give keeps no robot
+/// from moving.
 ///
 /// ```text
 /// θ_b = θ - (H - H_b)⁻¹ g_b
@@ -45,29 +44,11 @@ fn left_out(model: &Model, solution: &Solution) -> Vec<Vec<f64>> {
             let sums = &solution.sums[b];
             let others = &all - chosen(&sums.information, &solution.columns);
             let back: DVector<f64> = -part(&sums.score, &solution.columns);
-            solution.moved(model, &Information::new(&others).solve(&back)).0
+            let mut p = solution.moved(model, &Information::new(&others).solve(&back)).0;
+            sound(model, &mut p);
+            p
         })
         .collect()
-}
-
-/// Mean of some errors.
-pub(super) fn mean(errors: &[f64]) -> f64 {
-    errors.iter().sum::<f64>() / errors.len().max(1) as f64
-}
-
-/// Whether errors are smaller than others by more than a paired standard error; anything finite is
-/// smaller than what is not.
-pub(super) fn clearly_smaller(errors: &[f64], than: &[f64]) -> bool {
-    if !mean(than).is_finite() {
-        return mean(errors).is_finite();
-    }
-    let gains: Vec<f64> = than.iter().zip(errors).map(|(a, b)| a - b).collect();
-    let n = gains.len() as f64;
-    let gain = mean(&gains);
-    let square: f64 = gains.iter().map(|g| (g - gain).powi(2)).sum();
-    let error = (square / (n * (n - 1.0).max(1.0))).sqrt();
-    // a single piece gives no estimate of the error
-    gain > STANDARD_ERRORS * error && n > 1.0
 }
 
 /// The parameters `p`, with shapes that lie at the edge of their range where they started: a delay of zero has no
@@ -109,20 +90,4 @@ pub(super) fn choose(
     let mut out = found.swap_remove(if better { best } else { 0 });
     out.solution.evaluations = evaluations;
     Some(out)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_gain_counts_beyond_one_paired_standard_error() {
-        // gains 1, 1, 1, 5: mean 2, standard error sqrt(12/(4·3)) = 1
-        let than = [5.0, 6.0, 7.0, 8.0];
-        assert!(clearly_smaller(&[4.0, 5.0, 6.0, 3.0], &than));
-        // gains 0, 0, 0, 4: mean 1, standard error 1
-        assert!(!clearly_smaller(&[5.0, 6.0, 7.0, 4.0], &than));
-        assert!(clearly_smaller(&[9.0; 4], &[1.0, f64::INFINITY, 1.0, 1.0]));
-        assert!(!clearly_smaller(&[f64::INFINITY; 4], &[f64::INFINITY; 4]));
-    }
 }

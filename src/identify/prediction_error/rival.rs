@@ -1,10 +1,10 @@
 //! The guard: where a plain regression simulates held-out pieces better, it is taken.
 
-use super::choice::{Candidate, clearly_smaller, mean};
+use super::choice::Candidate;
 use super::disagreement::with_disagreement;
 use super::held_shapes::{shaped, with_shapes_of};
-use super::open_loop::OpenLoop;
 use crate::identify::inverse_dynamics::Regression;
+use crate::identify::open_loop::{OpenLoop, clearly_smaller, mean};
 use crate::identify::torque_regression::TorqueRegression;
 use crate::identify::{Fit, Note, Task};
 
@@ -20,8 +20,9 @@ const FAILS: f64 = 1.5;
 /// error on held-out pieces is smaller by one percent, and its logarithm by more than a paired standard error: most pieces
 /// must agree, not the few with the largest errors, unless the fit fails on those. A fit that fails
 /// on the very pieces that it was made from (both have the same parameters, so that neither fits
-/// better by having more) is not taken whatever is left out: a kind of motion that was driven once
-/// cannot be predicted from the others. Where the model `errs` by more than noise, the intervals of a fit that is
+/// better by having more) is not taken whatever is left out. A kind of motion that was driven once cannot be predicted
+/// from the others: where the regression errs by one half more on what was left out than with all pieces, only the errors
+/// with all pieces are compared. Where the model `errs` by more than noise, the intervals of a fit that is
 /// kept hold the disagreement of the two.
 pub(super) fn better(
     (task, rows): (&Task, Option<Regression>),
@@ -43,7 +44,8 @@ pub(super) fn better(
     let logs = |errors: &[f64]| errors.iter().map(|e| e.ln()).collect::<Vec<f64>>();
     let fails = mean(&chosen.held_out).sqrt() > FAILS * mean(&errors).sqrt();
     let clear = fails || clearly_smaller(&logs(&errors), &logs(&chosen.held_out));
-    if !other.is_finite() || !(fails_in_sample || (matters && clear)) {
+    let is_predictable = mean(&errors).sqrt() <= FAILS * other;
+    if !other.is_finite() || !(fails_in_sample || (matters && clear && is_predictable)) {
         return if errs { with_disagreement(fit, &rival) } else { fit };
     }
     with_shapes_of(&fit, &mut rival, &regressed);

@@ -1,7 +1,7 @@
 //! What the driving excites: without turns, reversals or motion some parameters stay unknown.
 
 use super::super::Recording;
-use super::window::Window;
+use super::window::{Window, windows};
 use super::{Finding, Issue, Severity, quantile};
 
 /// Speed below which a wheel counts as standing, over the top speed \[1\].
@@ -13,10 +13,52 @@ const TURNING: f64 = 0.15;
 /// Share of standstill that is worth a word, and one that is a waste.
 const STANDSTILL: (f64, f64) = (0.3, 0.6);
 
-pub(super) fn findings(r: &Recording, windows: &[Window]) -> Vec<Finding> {
+/// A kind of movement that recordings lack.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Lacking {
+    /// Turns: the robot drives straight only.
+    Turns,
+    /// Travel: the robot turns on the spot only.
+    Travel,
+}
+
+/// The kind of movement that recordings of two wheels lack together, if one.
+pub(crate) fn lacking(recordings: &[Recording]) -> Option<Lacking> {
+    if recordings.iter().all(Recording::is_single_axis) {
+        return None;
+    }
+    let each: Vec<Vec<Window>> = recordings.iter().map(windows).collect();
+    let moving: Vec<&Window> = each.iter().flat_map(|windows| moving(windows)).collect();
+    lacking_in(&moving)
+}
+
+/// The windows in which a wheel moves.
+fn moving(windows: &[Window]) -> Vec<&Window> {
     let top = quantile(windows.iter().flat_map(|w| w.speed), 0.99);
-    let fastest = |w: &Window| w.speed[0].abs().max(w.speed[1].abs());
-    let moving: Vec<&Window> = windows.iter().filter(|w| fastest(w) > STANDING * top).collect();
+    windows.iter().filter(|w| fastest(w) > STANDING * top).collect()
+}
+
+/// Speed of the faster wheel [rad/s].
+fn fastest(w: &Window) -> f64 {
+    w.speed[0].abs().max(w.speed[1].abs())
+}
+
+fn lacking_in(moving: &[&Window]) -> Option<Lacking> {
+    if moving.is_empty() {
+        return None;
+    }
+    let is_absent = |part: &dyn Fn(&Window) -> f64| {
+        let found = moving.iter().filter(|w| part(w).abs() > TURNING * fastest(w));
+        (found.count() as f64) < ABSENT * moving.len() as f64
+    };
+    if is_absent(&|w| w.speed[0] - w.speed[1]) {
+        return Some(Lacking::Turns);
+    }
+    is_absent(&|w| w.speed[0] + w.speed[1]).then_some(Lacking::Travel)
+}
+
+pub(super) fn findings(r: &Recording, windows: &[Window]) -> Vec<Finding> {
+    let moving = moving(windows);
     if moving.is_empty() {
         return vec![]; // both wheels are reported as never moving
     }
@@ -35,19 +77,11 @@ fn kinds(r: &Recording, moving: &[&Window]) -> Option<Finding> {
     if r.is_single_axis() {
         return Some(Finding::new(Severity::Note, Issue::OneAxis));
     }
-    let share = |part: &dyn Fn(&Window) -> f64| {
-        let found = moving
-            .iter()
-            .filter(|w| part(w).abs() > TURNING * w.speed[0].abs().max(w.speed[1].abs()));
-        found.count() as f64 / moving.len() as f64
+    let issue = match lacking_in(moving)? {
+        Lacking::Turns => Issue::StraightOnly,
+        Lacking::Travel => Issue::SpotOnly,
     };
-    if share(&|w| w.speed[0] - w.speed[1]) < ABSENT {
-        return Some(Finding::new(Severity::Warning, Issue::StraightOnly));
-    }
-    if share(&|w| w.speed[0] + w.speed[1]) < ABSENT {
-        return Some(Finding::new(Severity::Warning, Issue::SpotOnly));
-    }
-    None
+    Some(Finding::new(Severity::Warning, issue))
 }
 
 fn one_way(moving: &[&Window], i: usize) -> Option<Finding> {

@@ -15,6 +15,10 @@ const WINDOW: f64 = 2.0;
 /// Rows before a window that effects on the input look back at \[s\].
 const BEFORE: f64 = 2.0;
 
+/// Paired standard errors by which another one must be better than the first: one, the usual
+/// rule of cross-validation (Breiman et al. 1984, section 3.4.3).
+const STANDARD_ERRORS: f64 = 1.0;
+
 /// Windows of recordings, by pieces.
 pub(super) struct OpenLoop<'a> {
     pub(super) train: &'a [Recording],
@@ -94,4 +98,40 @@ fn start(motion: &LocalMotion) -> State {
         if w * w < 4.0 * motion.omega_variance[i] { 0.0 } else { w }
     });
     State { alpha: motion.alpha, omega }
+}
+
+/// Mean of some errors.
+pub(super) fn mean(errors: &[f64]) -> f64 {
+    errors.iter().sum::<f64>() / errors.len().max(1) as f64
+}
+
+/// Whether errors are smaller than others by more than a paired standard error; anything finite is
+/// smaller than what is not.
+pub(super) fn clearly_smaller(errors: &[f64], than: &[f64]) -> bool {
+    if !mean(than).is_finite() {
+        return mean(errors).is_finite();
+    }
+    let gains: Vec<f64> = than.iter().zip(errors).map(|(a, b)| a - b).collect();
+    let n = gains.len() as f64;
+    let gain = mean(&gains);
+    let square: f64 = gains.iter().map(|g| (g - gain).powi(2)).sum();
+    let error = (square / (n * (n - 1.0).max(1.0))).sqrt();
+    // a single piece gives no estimate of the error
+    gain > STANDARD_ERRORS * error && n > 1.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gain_counts_beyond_one_paired_standard_error() {
+        // gains 1, 1, 1, 5: mean 2, standard error sqrt(12/(4·3)) = 1
+        let than = [5.0, 6.0, 7.0, 8.0];
+        assert!(clearly_smaller(&[4.0, 5.0, 6.0, 3.0], &than));
+        // gains 0, 0, 0, 4: mean 1, standard error 1
+        assert!(!clearly_smaller(&[5.0, 6.0, 7.0, 4.0], &than));
+        assert!(clearly_smaller(&[9.0; 4], &[1.0, f64::INFINITY, 1.0, 1.0]));
+        assert!(!clearly_smaller(&[f64::INFINITY; 4], &[f64::INFINITY; 4]));
+    }
 }

@@ -1,0 +1,186 @@
+//! Base parameters that the movement of the recordings leaves open, held alike for every method.
+
+use super::open_loop::{OpenLoop, clearly_smaller};
+use super::start::start;
+use super::torque_regression::TorqueRegression;
+use super::{Estimate, Fit, Identifier, IdentifyError, Note, Task, Unknown};
+use crate::filter::pieces;
+use crate::model::Model;
+use crate::model::base::{A1, A2, A3};
+use crate::recording::{Lacking, Recording, lacking};
+
+/// Fits `method` to a task with the base parameters held that the movement does not excite.
+///
+/// ```text
+/// straight only:     a1 + a2 is estimated; a2 and a3 are held
+/// on the spot only:  a1 - a2 is estimated; a2 is held
+/// ```
+/// A robot that is driven straight veers a little, since its wheels are not quite alike. A model without that difference
+/// takes the veer for that of its inertias, with a small standard error. They are held where the recordings hardly
+/// turn, unless a regression with them free simulates pieces that it has not seen better by more than one paired
+/// standard error. Held values keep the ratio to the estimated combination that they have where the model starts.
+///
+/// # Errors
+/// As [`Identifier::identify`].
+pub fn identify(method: &dyn Identifier, task: &Task) -> Result<Fit, IdentifyError> {
+    let unexcited = if method.fits_emulator() { None } else { Unexcited::of(task) };
+    let Some(unexcited) = unexcited else { return method.identify(task) };
+    let fit = method.identify(&Task { model: &unexcited.model, ..*task })?;
+    let Unexcited { model, sign, places } = &unexcited;
+    Ok(with_combination(fit, model, *sign, &places[1..]))
+}
+
+/// A model with what no movement excites held.
+struct Unexcited {
+    model: Model,
+    /// The sign of a2 in the combination that is known.
+    sign: f64,
+    /// Places of the parameters that are held, a2 first.
+    places: Vec<usize>,
+}
+
+impl Unexcited {
+    /// `None` where the movement excites all, where the inertias are given, and where the data show them nevertheless.
+    fn of(task: &Task) -> Option<Self> {
+        let (sign, places) = match lacking(task.train)? {
+            Lacking::Turns => (1.0, vec![A2, A3]),
+            Lacking::Travel => (-1.0, vec![A2]),
+        };
+        let parameters = task.model.parameters();
+        let is_free = |j: &usize| parameters[*j].fixed.is_none();
+        let places: Vec<usize> = places.into_iter().filter(is_free).collect();
+        if !(is_free(&A1) && places.first() == Some(&A2)) {
+            return None;
+        }
+        let (initial, found) = (task.model.initial(), start(task, "start").ok()?);
+        let combined = |p: &[f64]| p[A1] + sign * p[A2];
+        let ratio = combined(&found) / combined(&initial);
+        let hold = |model: Model, &j: &usize| {
+            model.fix(&parameters[j].spec.symbol, ratio * initial[j]).ok()
+        };
+        let model = places.iter().try_fold(task.model.clone(), hold)?;
+        let shown = shows_more(task, &Task { model: &model, ..*task });
+        (!shown).then_some(Self { model, sign, places })
+    }
+}
+
+/// The fit with a1, a2 and what else was held at `places` marked as not identifiable, and with the combination
+/// a1 + `sign` a2 that is known.
+pub(super) fn with_combination(mut fit: Fit, model: &Model, sign: f64, places: &[usize]) -> Fit {
+    let [a1, a2] = [A1, A2].map(|j| fit.estimates[j].clone());
+    let unknown = Unknown::Two {
+        first: a1.symbol,
+        second: a2.symbol,
+        weight: sign,
+        value: a1.value + sign * a2.value,
+        std_error: a1.std_error,
+    };
+    let mut notes = vec![(unknown, A2)];
+    for &j in places {
+        let held = &fit.estimates[j];
+        notes.push((Unknown::Held(held.symbol.clone(), held.value), j));
+    }
+    let effect = |j: usize| model.parameters()[j].effect.clone();
+    let notes = notes.into_iter().map(|(unknown, j)| Note::Unknown { unknown, effect: effect(j) });
+    fit.notes.splice(0..0, notes.collect::<Vec<_>>());
+    for &j in [A1, A2].iter().chain(places) {
+        let known = &fit.estimates[j];
+        let unit = known.unit.clone();
+        fit.estimates[j] = Estimate::new(&known.symbol, unit, known.value, f64::INFINITY);
+        fit.covariance.iter_mut().for_each(|c| c[(j, j)] = f64::INFINITY);
+    }
+    fit
+}
+
+/// Whether a regression of torques with the parameters of `free` simulates pieces that it has not seen clearly better than
+/// one with those of `held`.
+fn shows_more(free: &Task, held: &Task) -> bool {
+    let recordings: Vec<&Recording> = free.train.iter().collect();
+    let open = OpenLoop { train: free.train, hold: free.hold, pieces: pieces(&recordings) };
+    let errors = |task: &Task| {
+        let method = TorqueRegression::default();
+        let (_, left_out) = method.left_out(&method.rows(task).ok()?, &open.pieces).ok()?;
+        Some(open.errors(task.model, &left_out))
+    };
+    matches!((errors(free), errors(held)), (Some(free), Some(held)) if clearly_smaller(&free, &held))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identify::find;
+    use crate::recording::{Channels, DriveUnit};
+    use crate::robot::{Robot, State};
+    use crate::simulate::{Hold, Input, Movement, NoiseLevel, Recorder, Segment, record, simulate};
+
+    /// Both wheels of an AmigoBot driven by the same torque, with more viscous friction on the right one: it veers.
+    fn veering() -> (Model, Recording) {
+        let model = Model::with_effects(Robot::amigobot(), &["viscous_friction_1"]).unwrap();
+        let mut p = model.initial();
+        *p.last_mut().unwrap() = 2e-4;
+        let t: Vec<f64> = (0..3000).map(|k| 0.01 * f64::from(k)).collect();
+        let level = |t: f64| [0.25, 0.16, -0.22, -0.15][(t / 1.5) as usize % 4];
+        let torque: Vec<[f64; 2]> = t.iter().map(|t| [level(*t); 2]).collect();
+        let input = Input { t: &t, torque: &torque, hold: Hold::Constant };
+        let rest = State { alpha: [0.0; 2], omega: [0.0; 2] };
+        let states = simulate(&model, &p, &input, rest).unwrap();
+        let channels = Channels {
+            t: t.clone(),
+            alpha: Some(states.iter().map(|s| s.alpha).collect()),
+            omega: Some(states.iter().map(|s| s.omega).collect()),
+            torque,
+        };
+        let recording = Recording::new("veer", channels, DriveUnit::NewtonMetre).unwrap();
+        (Model::base(Robot::amigobot()), recording)
+    }
+
+    #[test]
+    fn runs_that_veer_give_the_sum_of_the_inertias_alone() {
+        let (model, recording) = veering();
+        let train = [recording];
+        assert_eq!(lacking(&train), Some(Lacking::Turns));
+        let truth = model.initial();
+        let task = Task { model: &model, train: &train, hold: Hold::Constant, seed: 0 };
+        for name in ["prediction_error", "torque_regression", "output_error"] {
+            let fit = identify(&*find(name).unwrap(), &task).unwrap();
+            assert!(fit.estimates[..3].iter().all(|e| !e.identifiable && !e.fixed), "{name}");
+            assert!(fit.estimates[3..].iter().all(|e| e.identifiable), "{name}");
+            let said = fit.notes.iter().find_map(|note| match note {
+                Note::Unknown { unknown: Unknown::Two { value, .. }, .. } => Some(*value),
+                _ => None,
+            });
+            // the friction that the model lacks makes a few percent of the torque
+            let sum = said.unwrap() / (truth[A1] + truth[A2]);
+            assert!((sum - 1.0).abs() < 0.05, "{name} {sum}");
+            let ratio = fit.estimates[A2].value / fit.estimates[A1].value;
+            assert!((ratio - truth[A2] / truth[A1]).abs() < 0.01, "{name} {ratio}");
+        }
+    }
+
+    #[test]
+    fn gentle_curves_that_show_the_inertia_of_turning_hold_nothing() {
+        let model = Model::base(Robot::amigobot());
+        let noise = NoiseLevel { dalpha: 0.01, alpha: 1e-4, torque: 1e-3 };
+        let recorder = Recorder { rate: 100.0, control_rate: 1000.0, noise, ticks: None, seed: 3 };
+        let turns = [0.1, -0.1, 0.1, -0.08, 0.1, -0.1, 0.1, -0.1];
+        let segment = |(n, turn_rad_s): (usize, f64)| {
+            let speed_m_s = if n % 2 == 0 { 0.4 } else { 0.3 };
+            Segment { speed_m_s, turn_rad_s, blend_s: 0.4, hold_s: 1.6 }
+        };
+        let movement = Movement { segments: turns.into_iter().enumerate().map(segment).collect() };
+        let train = [record("curves", &model, &model.initial(), &movement, &recorder).unwrap()];
+        assert_eq!(lacking(&train), Some(Lacking::Turns));
+        let task = Task { model: &model, train: &train, hold: Hold::Linear, seed: 0 };
+        let fit = identify(&*find("prediction_error").unwrap(), &task).unwrap();
+        assert!(fit.estimates.iter().all(|e| e.identifiable), "{:?}", fit.notes);
+    }
+
+    #[test]
+    fn inertias_that_are_given_are_left_to_the_method() {
+        let (model, recording) = veering();
+        let train = [recording];
+        let given = model.fix("a2", -2e-3).unwrap();
+        let task = Task { model: &given, train: &train, hold: Hold::Constant, seed: 0 };
+        assert!(Unexcited::of(&task).is_none());
+    }
+}
