@@ -74,9 +74,10 @@ mod tests {
             return; // not present here
         };
         // four straight runs, four on the spot, two of these shorter than 4 s
-        let kinds = ["straight only", "straight only", "straight only", "straight only", "lasts"];
-        for (text, kind) in tank.iter().zip(kinds.into_iter().chain(["lasts", "spot", "spot"])) {
-            assert!(text.contains(kind) && text.lines().count() == 1, "{text}");
+        let kinds = ["straight only"; 4].into_iter().chain(["on the spot"; 4]);
+        for (text, kind) in tank.iter().zip(kinds) {
+            let lines = 1 + usize::from(text.contains("lasts"));
+            assert!(text.contains(kind) && text.lines().count() == lines, "{text}");
         }
         let bot = said("regbot_2016", &[], DriveUnit::NewtonMetre).unwrap();
         // a true one: 38.2, 33.5, 38.2 rad/s within three milliseconds

@@ -17,6 +17,8 @@ pub enum Block {
         tone: Tone,
         /// The finding.
         sentence: String,
+        /// What else is found; empty for none.
+        rest: String,
         /// What it rests on; empty for none.
         detail: String,
     },
@@ -71,7 +73,19 @@ impl Block {
 
     /// A finding.
     pub fn verdict(tone: Tone, sentence: impl Into<String>, detail: impl Into<String>) -> Self {
-        Self::Verdict { tone, sentence: sentence.into(), detail: detail.into() }
+        Self::findings(tone, [sentence.into()], detail)
+    }
+
+    /// Findings, the most important first.
+    pub fn findings(
+        tone: Tone,
+        sentences: impl IntoIterator<Item = String>,
+        detail: impl Into<String>,
+    ) -> Self {
+        let mut sentences = sentences.into_iter();
+        let sentence = sentences.next().unwrap_or_default();
+        let rest = sentences.collect::<Vec<_>>().join(" ");
+        Self::Verdict { tone, sentence, rest, detail: detail.into() }
     }
 
     /// The figures in it, in the order of the page.

@@ -16,12 +16,18 @@ pub(crate) use self::effects::title;
 pub use self::evidence::evidence;
 pub use self::next::recommendation;
 
-/// The text of a verdict: what is missing, with the error that is left; what is likely beside it; what the residual torque
-/// depends on, and a formula of that.
+/// The text of a verdict, its [`sentences`] one behind the other.
 #[must_use]
 pub fn sentence(diagnosis: &DiagnosisStudy) -> String {
+    sentences(diagnosis).join(" ")
+}
+
+/// The sentences of a verdict: what is missing, with the error that is left; what is likely beside it; what the residual
+/// torque depends on, and a formula of that.
+#[must_use]
+pub(super) fn sentences(diagnosis: &DiagnosisStudy) -> Vec<String> {
     if diagnosis.is_undetermined {
-        return UNDETERMINED.to_owned();
+        return vec![UNDETERMINED.to_owned()];
     }
     let DiagnosisStudy { errors, logging, differs, dependence, formula, .. } = diagnosis;
     let mut sentences = concluded(diagnosis);
@@ -29,7 +35,7 @@ pub fn sentence(diagnosis: &DiagnosisStudy) -> String {
     sentences.extend(differs.iter().map(differs_words));
     sentences.extend(dependence.iter().map(|on| dependence::words(on, logging.unit)));
     sentences.extend(formula.iter().map(|formula| formula::words(formula, errors)));
-    sentences.join(" ")
+    sentences
 }
 
 /// That the recordings do not agree, by the parameter that shows it most surely.

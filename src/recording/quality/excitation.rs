@@ -6,10 +6,9 @@ use super::{Finding, Issue, Severity, quantile};
 
 /// Speed below which a wheel counts as standing, over the top speed \[1\].
 const STANDING: f64 = 0.03;
-/// Share of the moving windows below which a kind of motion counts as absent.
-const ABSENT: f64 = 0.03;
-/// Difference (sum) of the wheel speeds over the larger one, above which a robot turns (travels).
-const TURNING: f64 = 0.15;
+/// Root mean square difference (sum) of the wheel speeds over that of the sum (difference) below which turns (travel)
+/// count as absent: wheels that are not quite alike make a few percent (taste).
+const ABSENT: f64 = 0.1;
 /// Share of standstill that is worth a word, and one that is a waste.
 const STANDSTILL: (f64, f64) = (0.3, 0.6);
 
@@ -43,18 +42,20 @@ fn fastest(w: &Window) -> f64 {
     w.speed[0].abs().max(w.speed[1].abs())
 }
 
+/// What is absent: less than a hundredth of the squares of the other kind.
+///
+/// ```text
+/// turns:  Σ (ω1 - ω2)² < ABSENT² Σ (ω1 + ω2)²      travel:  Σ (ω1 + ω2)² < ABSENT² Σ (ω1 - ω2)²
+/// ```
 fn lacking_in(moving: &[&Window]) -> Option<Lacking> {
-    if moving.is_empty() {
-        return None;
-    }
-    let is_absent = |part: &dyn Fn(&Window) -> f64| {
-        let found = moving.iter().filter(|w| part(w).abs() > TURNING * fastest(w));
-        (found.count() as f64) < ABSENT * moving.len() as f64
+    let square = |sign: f64| -> f64 {
+        moving.iter().map(|w| (w.speed[0] + sign * w.speed[1]).powi(2)).sum()
     };
-    if is_absent(&|w| w.speed[0] - w.speed[1]) {
+    let (travel, turns) = (square(1.0), square(-1.0));
+    if turns < ABSENT * ABSENT * travel {
         return Some(Lacking::Turns);
     }
-    is_absent(&|w| w.speed[0] + w.speed[1]).then_some(Lacking::Travel)
+    (travel < ABSENT * ABSENT * turns).then_some(Lacking::Travel)
 }
 
 pub(super) fn findings(r: &Recording, windows: &[Window]) -> Vec<Finding> {

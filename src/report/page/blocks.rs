@@ -35,7 +35,9 @@ impl<'a> Writer<'a> {
         match block {
             Block::Heading(heading) => html! { h3 { (heading) } },
             Block::Paragraph(paragraph) => html! { p { (text(paragraph)) } },
-            Block::Verdict { tone, sentence, detail } => verdict(*tone, sentence, detail),
+            Block::Verdict { tone, sentence, rest, detail } => {
+                verdict(*tone, [sentence, rest, detail])
+            }
             Block::Numbers(all) => numbers(all),
             Block::Table(shown) => {
                 self.tables += 1;
@@ -80,7 +82,7 @@ fn text(text: &Text) -> Markup {
     }
 }
 
-fn verdict(tone: Tone, sentence: &str, detail: &str) -> Markup {
+fn verdict(tone: Tone, [sentence, rest, detail]: [&str; 3]) -> Markup {
     let word = match tone {
         Tone::Good => "✓",
         Tone::Neutral => "",
@@ -93,6 +95,7 @@ fn verdict(tone: Tone, sentence: &str, detail: &str) -> Markup {
                 @if !word.is_empty() { span.word aria-hidden="true" { (word) } }
                 (sentence)
             }
+            @if !rest.is_empty() { p.rest { (rest) } }
             @if !detail.is_empty() { p.detail { (detail) } }
         }
     }

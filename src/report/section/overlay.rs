@@ -60,10 +60,10 @@ impl<'a> Overlay<'a> {
             None => "Measured and simulated".to_owned(),
         };
         let whole = last - first < STRETCH - 1e-6 || self.recording.duration_s <= STRETCH;
-        let place = match (whole, self.completed) {
-            (true, _) => "",
-            (false, Some(_)) => ", where the error of the model as given is largest",
-            (false, None) => ", where the error is largest",
+        let of_given = if self.completed.is_some() { " of the model as given" } else { "" };
+        let place = match whole {
+            true => String::new(),
+            false => format!(", the {STRETCH:.0} s with the largest error{of_given}"),
         };
         let figure = Figure::new("overlay", title)
             .with_subtitle(format!("{} ({}){place}", self.recording.file, self.used()))

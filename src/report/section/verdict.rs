@@ -6,7 +6,8 @@ use crate::diagnose::THRESHOLDS;
 use crate::effects;
 use crate::identify::Status;
 use crate::report::block::{Block, Number, Text, Tone};
-use crate::report::{format, recommendation, sentence};
+use crate::report::verdict::sentences;
+use crate::report::{format, recommendation};
 use crate::study::{self, Grade, Role, Study};
 
 /// What is missing, with the errors that show it and what to record next.
@@ -47,11 +48,14 @@ fn finding(study: &Study) -> Block {
         let detail = reasons.collect::<Vec<_>>().join(" ");
         return Block::verdict(Tone::Bad, "No method has a fit, so there is no verdict.", detail);
     };
-    let (tone, sentence) = match &study.diagnosis {
-        Some(diagnosis) => (tone(diagnosis.verdict), sentence(diagnosis)),
-        None => compared(study, study.error_of(model)),
+    let (tone, sentences) = match &study.diagnosis {
+        Some(diagnosis) => (tone(diagnosis.verdict), sentences(diagnosis)),
+        None => {
+            let (tone, sentence) = compared(study, study.error_of(model));
+            (tone, vec![sentence])
+        }
     };
-    Block::verdict(tone, sentence, causes(study))
+    Block::findings(tone, sentences, causes(study))
 }
 
 /// What the effects found are in the robot.

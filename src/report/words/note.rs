@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::identify::{Note, PhysicalBound, SingleAxis, Unknown};
+use crate::report::format::digits;
 use crate::simulate::Structure;
 
 /// As an inequality.
@@ -12,7 +13,7 @@ impl fmt::Display for PhysicalBound {
             Self::Range { symbol, low } => write!(f, "{symbol} >= {low}"),
             Self::Construction { symbol, value, is_lower } => {
                 let sign = if *is_lower { ">=" } else { "<=" };
-                write!(f, "{symbol} {sign} {value:.4e} (construction)")
+                write!(f, "{symbol} {sign} {} (construction)", digits(*value, 4))
             }
             Self::PositiveMass => f.write_str("a1 > |a2|"),
         }
@@ -29,7 +30,7 @@ impl fmt::Display for Note {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Self::ActiveBound { bound, unbounded } => {
-                let values: Vec<_> = unbounded.iter().map(|(s, v)| format!("{s} = {v:.4e}")).collect();
+                let values: Vec<_> = unbounded.iter().map(|(s, v)| format!("{s} = {}", digits(*v, 4))).collect();
                 let values = values.join(", ");
                 write!(f, "The bound {bound} is active; the unbounded estimates are {values}.")
             }
@@ -86,7 +87,8 @@ impl fmt::Display for Note {
                     "as given; 2 s simulation error of held-out pieces"
                 };
                 if error.is_finite() {
-                    write!(f, "Prediction horizon: {seconds} s{meaning}, {how}: {error:.3e} rad/s.")
+                    let error = digits(*error, 3);
+                    write!(f, "Prediction horizon: {seconds} s{meaning}, {how}: {error} rad/s.")
                 } else {
                     write!(
                         f,
@@ -112,11 +114,13 @@ impl fmt::Display for Note {
                 write!(
                     f,
                     "These are the values of torque_regression: its 2 s simulation error on {on} is \
-                     {regression:.3e}, that of the filter {filter:.3e}."
+                     {} rad/s, that of the filter {}.",
+                    digits(*regression, 3),
+                    if filter.is_finite() { digits(*filter, 3) } else { "infinite".into() }
                 )
             }
             Self::Disagreement(values) => {
-                let values: Vec<_> = values.iter().map(|(s, v)| format!("{s} = {v:.4e}")).collect();
+                let values: Vec<_> = values.iter().map(|(s, v)| format!("{s} = {}", digits(*v, 4))).collect();
                 write!(
                     f,
                     "The error of the model is above the noise of the channels, and torque_regression gives {}: the \
@@ -130,9 +134,11 @@ impl fmt::Display for Note {
             }
             Self::Profile { symbol, unit, interval: (low, high), by_std_error } => write!(
                 f,
-                "Profile likelihood of {symbol}: 95 % interval {low:.6e} to {high:.6e} {unit} (by the \
-                 standard error {:.6e} to {:.6e}).",
-                by_std_error.0, by_std_error.1
+                "Profile likelihood of {symbol}: 95 % interval {} to {} {unit} (by the standard error {} to {}).",
+                digits(*low, 5),
+                digits(*high, 5),
+                digits(by_std_error.0, 5),
+                digits(by_std_error.1, 5)
             ),
             Self::BiasedByInput => f.write_str(
                 "The input is so noisy, or so rough, that it biases the inertias by more than can be \
@@ -140,8 +146,10 @@ impl fmt::Display for Note {
             ),
             Self::InputNoise { white, slow, time_constant, unit } => write!(
                 f,
-                "Noise of the input: {white:.3e} white, {slow:.3e} slow with a time constant of \
-                 {time_constant:.2} s (standard deviations, {unit})."
+                "Noise of the input: {} white, {} slow with a time constant of {time_constant:.2} s (standard \
+                 deviations, {unit}).",
+                digits(*white, 3),
+                digits(*slow, 3)
             ),
             Self::Emulator { fed, ise, floor } => {
                 match fed {
@@ -190,7 +198,7 @@ impl fmt::Display for Unknown {
             Self::One(symbol) => write!(f, "{symbol} is not identifiable from these data"),
             Self::Held(symbol, value) => {
                 write!(f, "{symbol} is not identifiable from these data and was held at ")?;
-                if *value == 0.0 { f.write_str("0") } else { write!(f, "{value:.6e}") }
+                f.write_str(&digits(*value, 4))
             }
             Self::Two { first, second, weight, value, std_error } => {
                 let other = if (weight - 1.0).abs() < 1e-3 {
@@ -203,7 +211,9 @@ impl fmt::Display for Unknown {
                 write!(
                     f,
                     "{first} and {second} are indistinguishable from these data; identifiable is {first} {other} = \
-                     {value:.6} ± {std_error:.2e}"
+                     {} ± {}",
+                    digits(*value, 4),
+                    digits(*std_error, 2)
                 )
             }
             Self::Several(symbols) => write!(
