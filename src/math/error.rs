@@ -27,7 +27,7 @@ pub enum MathError {
     /// There are too few samples for the method.
     #[error("{method} got {found} samples, needs at least {required}; use a longer recording")]
     TooFewSamples {
-        /// The method.
+        /// Method that requires them.
         method: &'static str,
         /// The number of samples given.
         found: usize,

@@ -1,16 +1,16 @@
-//! What the driving excites: without turns, reversals or motion some parameters stay unknown.
+//! Checks of the excitation: without turns, reversals or motion some parameters are not identifiable.
 
 use super::super::Recording;
 use super::window::Window;
 use super::{Finding, Issue, Severity, quantile};
 
-/// Speed below which a wheel counts as standing, over the top speed \[1\].
+/// Ratio of speed to top speed below which a wheel is at rest \[1\].
 const STANDING: f64 = 0.03;
 /// Share of the moving windows below which a kind of motion counts as absent.
 const ABSENT: f64 = 0.03;
-/// Difference (sum) of the wheel speeds over the larger one, above which a robot turns (travels).
+/// Difference (sum) of the wheel speeds relative to the larger one, above which a robot turns (travels).
 const TURNING: f64 = 0.15;
-/// Share of standstill that is worth a word, and one that is a waste.
+/// Share of standstill that gives a note, and share that gives a warning.
 const STANDSTILL: (f64, f64) = (0.3, 0.6);
 
 pub(super) fn findings(r: &Recording, windows: &[Window]) -> Vec<Finding> {
