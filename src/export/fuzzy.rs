@@ -6,7 +6,7 @@ use crate::math::{Formula, Symbol, record};
 use crate::recording::DriveUnit;
 use crate::simulate::{FuzzyDynamics, Hold};
 
-/// A fuzzy system and where it comes from.
+/// A fuzzy system and its origin.
 #[derive(Clone, Copy, Debug)]
 pub struct FuzzyIdentified<'a> {
     /// The system.
@@ -19,7 +19,7 @@ pub struct FuzzyIdentified<'a> {
     pub hold: Hold,
     /// Name of the experiment.
     pub experiment: &'a str,
-    /// The method that found it.
+    /// The method that fitted it.
     pub method: &'a str,
 }
 
@@ -102,7 +102,7 @@ mod tests {
                 place[3..5].copy_from_slice(&w);
                 let (found, [f1, f2]) = (traced.terms.evaluate(&place), fuzzy.system.output(&w));
                 assert_eq!(found[..3], [1.0, 0.0, 1.0]);
-                // the other implementation sums in another order
+                // the other implementation sums in a different order
                 assert!((found[3] + f1).abs() < 1e-12 && (found[4] + f2).abs() < 1e-12);
             }
             let acting = traced.input.evaluate(&[0.0, 0.0, 0.2, -0.1]);

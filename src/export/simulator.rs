@@ -6,37 +6,37 @@ use super::body::Body;
 use super::document::Identified;
 use super::mechanics::{LeftOut, Mechanics};
 
-/// A robot written for a simulator.
+/// A robot in the format of a simulator.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Simulator {
     /// Files as name and text.
     pub files: Vec<(String, String)>,
     /// Effects that the format does not express.
     pub left_out: Vec<LeftOut>,
-    /// What else a reader must know.
+    /// Further remarks for the user.
     pub notes: Vec<String>,
 }
 
 /// Standard gravity [m/s^2].
 const GRAVITY: f64 = 9.806_65;
 
-/// Time constant \[s\] and damping ratio of contacts and dry friction: twice the step, the stiffest that MuJoCo
-/// takes. At its defaults wheels creep where they should stick, by 0.03 rad/s rms on the AmigoBot; at these values
-/// by 0.002.
+/// Time constant \[s\] and damping ratio of contacts and dry friction: twice the step, the stiffest value
+/// that MuJoCo allows. With its defaults wheels creep instead of sticking, by 0.03 rad/s RMS on the AmigoBot;
+/// with these values by 0.002.
 const STIFF: &str = "0.002 1";
-/// Impedance of the same: near that of hard constraints.
+/// Impedance of contacts and dry friction: close to that of hard constraints.
 const CLOSE: &str = "0.99 0.999 0.001";
 
-/// Difference of the place where the weight acts from the centre of mass that is written, in half tracks, that is worth
-/// a word (taste): a twentieth of the weight's driving torque.
+/// Difference between the point where the weight acts and the exported centre of mass, in half tracks, above
+/// which it is mentioned (taste): a twentieth of the driving torque of the weight.
 const SAME_LEVER: f64 = 0.05;
 
-/// `robot.xml`: MJCF with a chassis that slides and yaws, wheels that roll on the floor, and a motor a wheel
-/// whose control is the recorded input.
+/// `robot.xml`: MJCF with a chassis that slides and yaws, wheels that roll on the floor, and one motor per
+/// wheel whose control is the recorded input.
 ///
-/// Dry friction is `frictionloss` of the wheel joints, along turning and forward of fixed tendons; damping
-/// likewise; inertia of wheels and rotors is `armature`; a lag is the filter of the actuators; an inclined floor
-/// turns gravity. Time-dependent effects are written as they are at `t` \[s\].
+/// Dry friction is `frictionloss` of the wheel joints, and of fixed tendons for turning and forward motion;
+/// damping likewise; the inertia of wheels and rotors is `armature`; a lag is the filter of the actuators; an
+/// inclined floor rotates gravity. Time-dependent effects are evaluated at `t` \[s\].
 #[must_use]
 pub fn mjcf(it: &Identified, t: f64) -> Simulator {
     let body = Body::new(&Mechanics::of(it.model, it.values, t), it.model.robot(), it.drive_unit);
@@ -116,7 +116,7 @@ pub fn mjcf(it: &Identified, t: f64) -> Simulator {
     Simulator { files: vec![("robot.xml".into(), out)], left_out, notes: body.notes }
 }
 
-/// Friction and damping along turning and forward: fixed tendons whose speed is w1 - w2 and w1 + w2.
+/// Friction and damping of turning and forward motion: fixed tendons with the speeds w1 - w2 and w1 + w2.
 fn tendons(m: &Mechanics) -> String {
     let mut out = String::new();
     let cross = m.damping[1];
@@ -135,7 +135,7 @@ fn tendons(m: &Mechanics) -> String {
     if out.is_empty() { out } else { format!("  <tendon>\n{out}  </tendon>\n") }
 }
 
-/// A motor a wheel: gain, bias, limit and lag of the recorded input.
+/// One motor per wheel: gain, bias, limit and lag of the recorded input.
 fn actuators(body: &Body) -> String {
     let m = &body.mechanics;
     let mut out = String::from("  <actuator>\n");
@@ -169,8 +169,8 @@ fn actuators(body: &Body) -> String {
 
 /// `robot.urdf` and `robot.sdf`: links with masses and inertias, wheels with damping and friction.
 ///
-/// Neither has an armature, so that rotors are in the inertia of the wheels; nor friction along turning and
-/// forward, lags, gains or limits.
+/// Neither format has an armature, so rotor inertias are included in the inertia of the wheels; friction of
+/// turning and forward motion, lags, gains and limits are not supported.
 #[must_use]
 pub fn urdf_sdf(it: &Identified, t: f64) -> Simulator {
     let body = Body::new(&Mechanics::of(it.model, it.values, t), it.model.robot(), it.drive_unit);
@@ -205,11 +205,11 @@ pub fn urdf_sdf(it: &Identified, t: f64) -> Simulator {
     Simulator { files, left_out, notes: body.notes }
 }
 
-/// Yaw inertia of chassis and wheels: the wheels' own, half of that about the axle (a flat disc), is taken
-/// from the chassis as far as it has that much.
+/// Yaw inertia of chassis and wheels: that of the wheels, half of their axial inertia (a flat disc), is
+/// subtracted from the chassis if it is large enough.
 fn split_yaw(body: &Body) -> (f64, [f64; 2]) {
     let share = (0.45 * body.yaw / (body.wheel[0] + body.wheel[1])).min(0.5);
-    // below half the inertia about the axle no body has that shape, and physics engines refuse it
+    // a diametral inertia below half the axial one is not physical, and physics engines refuse it
     let across = body.wheel.map(|w| 0.5 * w);
     (body.yaw - share * (body.wheel[0] + body.wheel[1]), across)
 }
@@ -282,7 +282,7 @@ fn sdf(it: &Identified, body: &Body, left_out: &[LeftOut]) -> String {
     out + "  </model>\n</sdf>\n"
 }
 
-/// What a reader must know, as a comment.
+/// The remarks as a comment.
 fn comment(it: &Identified, body: &Body, left_out: &[LeftOut]) -> String {
     let mut lines = vec![
         format!("Identified robot \"{}\": experiment {}, {}.", it.model.robot().name, it.experiment, it.method),
@@ -292,7 +292,7 @@ fn comment(it: &Identified, body: &Body, left_out: &[LeftOut]) -> String {
     ];
     lines.extend(body.notes.iter().map(|note| format!("Note: {note}.")));
     lines.extend(left_out.iter().map(|l| format!("Not expressed: {}: {}.", l.effect, l.reason)));
-    // no comment may hold two hyphens
+    // XML comments must not contain two hyphens
     let text = lines.join("\n    ").replace("--", "- -");
     format!("  <!-- {text} -->\n")
 }

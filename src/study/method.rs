@@ -1,4 +1,4 @@
-//! What the methods of an experiment found.
+//! Results of the methods of an experiment.
 
 use crate::identify::{Estimate, IdentifyError, Note, Status, Trace, Work};
 use crate::model::base::{A1, A2, A4, A5};
@@ -29,12 +29,12 @@ pub struct Performance {
     pub emulator: Vec<[f64; 4]>,
 }
 
-/// What a method found, or why it found nothing.
+/// Result of a method, or the reason of its failure.
 #[derive(Clone, Debug)]
 pub struct MethodStudy {
     /// Name in the experiment file.
     pub name: String,
-    /// In words.
+    /// Title of the method.
     pub title: String,
     /// Options that differ from the defaults, as written.
     pub options: String,
@@ -50,18 +50,18 @@ pub struct MethodStudy {
     pub estimates: Vec<Estimate>,
     /// Correlations between the parameters, row by row; empty where there are none.
     pub correlations: Vec<Vec<f64>>,
-    /// What the reader of the fit must know.
+    /// Notes on the fit.
     pub notes: Vec<Note>,
     /// Curves.
     pub traces: Vec<Trace>,
-    /// One per recording of the experiment.
+    /// Performance on each recording of the experiment.
     pub performance: Vec<Performance>,
-    /// The fuzzy system, where the method fits one.
+    /// The fuzzy system, if the method fits one.
     pub fuzzy: Option<FuzzyStudy>,
 }
 
 impl MethodStudy {
-    /// A method of which nothing is known but what it is called and how long it took \[s\].
+    /// A method without results, with its name, title, options and wall time \[s\].
     #[must_use]
     pub fn new(name: &str, title: &str, options: &str, seconds: f64) -> Self {
         Self {
@@ -81,15 +81,16 @@ impl MethodStudy {
         }
     }
 
-    /// Whether the columns do not determine the model: the descent stalled, and a1 is not identifiable. Such a fit
-    /// may simulate well, as one with a huge inertia does where a column that hardly moves is taken for a speed.
+    /// Whether the columns do not determine the model: the descent stalled, and a1 is not identifiable. The
+    /// simulation error of such a fit may still be small, for example with a huge inertia if a nearly
+    /// constant column is used as a speed.
     #[must_use]
     pub fn is_undetermined(&self) -> bool {
         let a1 = self.estimates.get(A1);
         self.status == Some(Status::Stalled) && a1.is_some_and(|e| !e.identifiable && !e.fixed)
     }
 
-    /// Whether none of the inertias and dry frictions of the base model is identifiable, and none was given.
+    /// Whether none of the inertias and dry frictions of the base model is identifiable, and none was fixed.
     #[must_use]
     pub fn identifies_nothing(&self) -> bool {
         let of_base: Vec<_> =
@@ -98,10 +99,10 @@ impl MethodStudy {
     }
 }
 
-/// A fuzzy Takagi-Sugeno pair as numbers to draw.
+/// A fuzzy Takagi-Sugeno pair, sampled for figures.
 #[derive(Clone, Debug)]
 pub struct FuzzyStudy {
-    /// Speeds at which memberships are drawn, per input [rad/s].
+    /// Speeds at which membership functions are evaluated, per input [rad/s].
     pub grid: [Vec<f64>; 2],
     /// Membership functions per input on that grid.
     pub memberships: [Vec<Vec<f64>>; 2],
@@ -125,7 +126,7 @@ mod tests {
             ..MethodStudy::new("output_error", "", "", 0.0)
         };
         assert!(fit(Status::Stalled, f64::INFINITY).is_undetermined());
-        // on runs straight ahead a1 + a2 is found, and a1 is not
+        // on straight runs a1 + a2 is identifiable, and a1 is not
         assert!(!fit(Status::Converged, f64::INFINITY).is_undetermined());
         assert!(!fit(Status::Stalled, 1.0).is_undetermined());
     }
