@@ -1,4 +1,4 @@
-//! What the residual torque depends on, before and after what was found: which points to the missing effect.
+//! Dependence of the residual torque on variables, without and with the effects found.
 
 use super::{Section, words};
 use crate::compare::{Acting, Curve, CurveBin, Mean};
@@ -8,11 +8,11 @@ use crate::report::figure::{Axis, ColourRole, Dash, ErrorBar, Figure, Layer, Pan
 use crate::report::format;
 use crate::study::Study;
 
-/// What the residual torque depends on.
+/// Section "What the residual torque depends on".
 #[derive(Default)]
 pub struct Dependence;
 
-/// Variables drawn, those that explain most first.
+/// Number of variables drawn, those that explain most first.
 const DRAWN: usize = 3;
 
 impl Section for Dependence {
@@ -72,8 +72,8 @@ fn figure(study: &Study) -> Figure {
     figure
 }
 
-/// The variables that explain most of the model as given, the last in favour of the one that explains most of what
-/// is left, where it is none of them.
+/// The variables that explain most for the model as given; the last is replaced by the one that explains most
+/// of the remaining residual torque, if not among them.
 fn drawn(study: &Study) -> Vec<&Curve> {
     let mut drawn: Vec<&Curve> = study.curves.iter().take(DRAWN).collect();
     let left = |c: &Curve| c.share_after.unwrap_or(0.0);
@@ -116,7 +116,7 @@ fn caption(study: &Study) -> String {
     )
 }
 
-/// The residual torque of a wheel over a variable: before, after, and what was found.
+/// The residual torque of a wheel over a variable: without and with the effects found, and their torque.
 fn panel(study: &Study, curve: &Curve, i: usize) -> Panel {
     let unit = study.drive_unit.symbol();
     let variable = curve.variable;
@@ -160,7 +160,7 @@ fn panel(study: &Study, curve: &Curve, i: usize) -> Panel {
     panel
 }
 
-/// A line through the bins, broken where there are no data between two.
+/// A line through the bins, interrupted at gaps in the data.
 fn joined(curve: &Curve, value: impl Fn(&CurveBin) -> f64) -> Vec<(f64, f64)> {
     let mut out = Vec::new();
     for bin in &curve.bins {

@@ -1,10 +1,10 @@
-//! What is needed to repeat the run.
+//! Data required to repeat the run.
 
 use super::{Depth, Section, listed, words};
 use crate::report::block::{Block, Cell, Column, Table, Text};
 use crate::study::Study;
 
-/// What is needed to repeat the run: version, seed, checksums, the experiment file.
+/// Data required to repeat the run: version, seed, checksums, the experiment file.
 #[derive(Default)]
 pub struct Provenance;
 

@@ -1,4 +1,4 @@
-//! In which regimes of driving the model fails.
+//! The driving regimes in which the model fails.
 
 use super::{Section, words};
 use crate::compare::Failure;
@@ -77,7 +77,7 @@ fn title(study: &Study, models: &[(String, &[Failure])]) -> String {
     }
 }
 
-/// What is said where the residual torque is significant in no regime: that is no proof of a small error.
+/// Remark if the residual torque is significant in no regime, which does not prove a small error.
 fn left(failures: &[Failure]) -> String {
     let ratios = failures.iter().filter(|f| f.ratio_to_noise.is_finite());
     let largest = ratios.max_by(|a, b| a.ratio_to_noise.total_cmp(&b.ratio_to_noise));

@@ -1,4 +1,4 @@
-//! Residual analysis: what the one-step prediction errors of the model still hold.
+//! Residual analysis of the one-step prediction errors.
 
 use super::{Section, words};
 use crate::compare::Whiteness;
@@ -34,7 +34,7 @@ impl Section for Residuals {
     }
 }
 
-/// The largest correlation, of the errors with each other or with the inputs.
+/// The largest correlation, of the errors with themselves or with the inputs.
 fn largest(w: &Whiteness) -> f64 {
     let all = (0..2).flat_map(|i| w.auto[i][1..].iter().chain(&w.cross[i]));
     all.fold(0.0, |most: f64, r| most.max(r.abs()))
@@ -45,7 +45,7 @@ fn widest_bound(w: &Whiteness) -> f64 {
     w.auto_bound.iter().chain(&w.cross_bound).fold(0.0, |most: f64, b| most.max(*b))
 }
 
-/// Correlations outside their bounds, and how many there are.
+/// Number of correlations outside their bounds, and of all.
 fn outside(w: &Whiteness) -> (usize, usize) {
     let (mut count, mut all) = (0, 0);
     for i in 0..2 {

@@ -1,4 +1,4 @@
-//! The error as effects are added, down to the noise floor.
+//! The error as effects are added, compared with the noise floor.
 
 use super::{Section, words};
 use crate::report::block::{Block, Cell, Column, Table};
@@ -66,7 +66,7 @@ impl Section for Staircase {
     }
 }
 
-/// One model and its error on the judged recordings.
+/// One model version and its error on the judged recordings.
 struct Stair {
     name: String,
     /// Over windows [rad/s].

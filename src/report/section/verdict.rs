@@ -1,4 +1,4 @@
-//! What comes out, in one sentence, and what to do next.
+//! The verdict in one sentence, and the recommended next step.
 
 use super::overlay::Overlay;
 use super::{Depth, Section, words};
@@ -9,7 +9,7 @@ use crate::report::block::{Block, Number, Text, Tone};
 use crate::report::{format, recommendation, sentence};
 use crate::study::{self, Grade, Role, Study};
 
-/// What is missing, with the errors that show it and what to record next.
+/// The missing effects, with the errors as evidence and the recommended next recording.
 #[derive(Default)]
 pub struct Verdict;
 
@@ -54,14 +54,14 @@ fn finding(study: &Study) -> Block {
     Block::verdict(tone, sentence, causes(study))
 }
 
-/// What the effects found are in the robot.
+/// Physical causes of the effects found.
 fn causes(study: &Study) -> String {
     let effects = study.diagnosis.iter().flat_map(|d| &d.effects);
     let with_cause = effects.filter(|e| !e.cause.is_empty());
     with_cause.map(|e| format!("{}: {}.", e.title, e.cause)).collect::<Vec<_>>().join(" ")
 }
 
-/// Error, floor, ratio and grade, all of the fit that the verdict is about.
+/// Error, floor, ratio and grade of the fit on which the verdict is based.
 fn numbers(study: &Study) -> Option<Block> {
     let (model, grade) = study.last_model().zip(study.grade())?;
     let (error, floor) = (study.error_of(model), study.judged_floor());
@@ -111,7 +111,7 @@ fn numbers(study: &Study) -> Option<Block> {
     ]))
 }
 
-/// What a grade means.
+/// Meaning of a grade.
 fn means(grade: Grade) -> &'static str {
     match grade {
         Grade::AtFloor => "these recordings cannot reveal a better one",
@@ -130,7 +130,7 @@ fn tone(verdict: study::Verdict) -> Tone {
     }
 }
 
-/// The verdict where no diagnosis was asked for: the error against its floor, and where.
+/// The verdict without a diagnosis: the error compared with its floor, and the regimes.
 fn compared(study: &Study, error: f64) -> (Tone, String) {
     let ratio = error / study.judged_floor();
     if !ratio.is_finite() {
@@ -167,7 +167,7 @@ fn compared(study: &Study, error: f64) -> (Tone, String) {
     )
 }
 
-/// What a reader must know before relying on the verdict.
+/// Cautions for the use of the verdict.
 fn cautions(study: &Study) -> Vec<Block> {
     let mut blocks = Vec::new();
     let mut notice = |sentence: String, detail: &str| {
@@ -181,7 +181,7 @@ fn cautions(study: &Study) -> Vec<Block> {
              `validation`.",
         );
     }
-    // with a diagnosis the verdict rests on fits of its own
+    // with a diagnosis the verdict is based on its own fits
     if let Some(method) = study.reference_method().filter(|_| study.diagnosis.is_none()) {
         if method.failure.is_some() || method.status != Some(Status::Converged) {
             let sentence = format!(
@@ -268,7 +268,7 @@ fn next_step(study: &Study) -> Vec<Block> {
     blocks
 }
 
-/// How to have effects tried.
+/// How to run a diagnosis.
 fn to_diagnose(study: &Study) -> Text {
     let text = Text::from("Next step: to learn whether an effect is missing, and which, ");
     if !study.invocation.has_file() {
@@ -282,7 +282,7 @@ fn to_diagnose(study: &Study) -> Text {
     text.plain(".")
 }
 
-/// The command that adds an effect, behind the one that writes the experiment file where there is none yet.
+/// The command that adds an effect, preceded by the one that writes the experiment file if there is none yet.
 fn add_command(study: &Study, effect: &str, text: Text) -> Text {
     let text = match study.invocation.new_file() {
         Some(command) => text.code(command).plain(", then "),

@@ -1,12 +1,12 @@
-//! The sentences of what conditioning found.
+//! Sentences on the findings of conditioning.
 
 use std::fmt;
 
 use crate::conditioning::{Action, Channel, Finding, Kind, Stated};
 use crate::math::Span;
 
-/// The factor of a gear that a ratio of speed to slope of the angle may be, and the columns whose values it turns into
-/// those of the wheel: those of the faster shaft.
+/// Possible gear ratio for a ratio of speed to derivative of the angle, and the columns that it converts to
+/// those of the wheel, i.e. the columns of the faster shaft.
 fn gear_scale(ratio: Span<f64>) -> String {
     let (key, scale) = if ratio.low() > 1.0 {
         ("dalpha", ratio.map(|ratio| 1.0 / ratio))
@@ -16,7 +16,7 @@ fn gear_scale(ratio: Span<f64>) -> String {
     format!("scale = {scale:.4} in {key}1 and {key}2")
 }
 
-/// What was found, and what is done about it unless it is switched off.
+/// The finding, and its correction unless it is disabled.
 fn words(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> (String, String) {
     let ms = |s: Span<f64>| format!("{:.2} ms", s.map(|s| 1e3 * s));
     let degrees = |angle: Span<f64>| format!("{:.1}", angle.map(f64::to_degrees));
@@ -107,7 +107,7 @@ fn words(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> (S
         Kind::Unit { factor, unit } => {
             let other =
                 if matches!(channel, Channel::Speed(_)) { "the slope of" } else { "that of" };
-            // a length as well as a gear may be any number
+            // a length, like a gear, may have any value
             let or = if matches!(unit, "m" | "m/s") {
                 format!(
                     " (or a gear of {:.4} lies between motor and wheel: write {})",
