@@ -1,4 +1,4 @@
-//! `experiment add`: how a user goes on.
+//! `experiment add`.
 
 use std::path::Path;
 
@@ -9,11 +9,11 @@ use super::index::write_index;
 use super::options::RunOptions;
 use crate::io::{check_writable, read_text, write_whole};
 
-/// Adds an effect to a file's model, keeping its comments and layout, runs it, and says the error
-/// before and after.
+/// Adds an effect to the model of a file, keeping comments and layout, runs it, and reports the error before
+/// and after.
 ///
 /// # Errors
-/// An unknown effect, one that is there already, or a run that fails; the file is then unchanged.
+/// An unknown effect, one that is already in the model, or a run that fails; the file is then unchanged.
 pub fn add_effect(effect: &str, file: &Path, out: &Path) -> Result<String, ExperimentError> {
     check_writable(out)?;
     let text = read_text(file)?;
@@ -61,7 +61,7 @@ pub fn add_effect(effect: &str, file: &Path, out: &Path) -> Result<String, Exper
     ))
 }
 
-/// What adding an effect did to the error.
+/// The change of the error by the added effect.
 fn change(effect: &str, before: f64, after: f64) -> String {
     let percent = 100.0 * (after - before) / before;
     if percent < -LEAST {
@@ -75,7 +75,7 @@ fn change(effect: &str, before: f64, after: f64) -> String {
     }
 }
 
-/// Changes of the error below this say nothing [%].
+/// Smallest relevant change of the error [%].
 const LEAST: f64 = 0.5;
 
 #[cfg(test)]
