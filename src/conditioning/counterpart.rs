@@ -20,7 +20,7 @@ const FEWEST: usize = 10;
 /// as close.
 const CLOSE: f64 = 0.03;
 
-/// What is converted, and its words.
+/// The channel that is converted, and its name.
 #[derive(Clone, Copy, PartialEq)]
 enum Target {
     Speed,
@@ -121,7 +121,7 @@ fn gear(work: &mut Conditioned, ratio: f64) {
     }
 }
 
-/// Ratios of speed to slope of the angle, and what they mean.
+/// Ratios of speed to derivative of the angle, and their interpretation.
 fn known(context: &Context) -> Vec<(f64, &'static str, Target)> {
     let degree = PI / 180.0;
     let mut known = vec![

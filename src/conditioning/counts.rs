@@ -45,10 +45,10 @@ pub struct Encoder {
     pub rows: usize,
 }
 
-/// What the recordings of a log together say of the encoder behind their speeds.
+/// Properties of the encoder behind speeds, determined from the recordings of a log together.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Encoders {
-    /// Nothing yet: each recording shows it by itself.
+    /// Not determined: each recording is analysed separately.
     #[default]
     Unknown,
     /// Speeds are counts of these encoders, of the right and of the left wheel.
@@ -57,7 +57,7 @@ pub enum Encoders {
     None,
 }
 
-/// The encoders that the findings of the first recording which shows them tell.
+/// The encoder according to the findings of the first recording that has any.
 #[must_use]
 pub fn common_encoders<'a>(
     mut recordings: impl Iterator<Item = &'a [Finding]>,

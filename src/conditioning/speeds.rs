@@ -279,7 +279,8 @@ fn pooled(lags: &[Lag]) -> Option<Lag> {
     (!lags.is_empty()).then_some(Lag { value, std_error })
 }
 
-/// Whether the angle says the speed as exactly as its own channel does, over no longer than this is late.
+/// Whether the angle determines the speed as accurately as its own channel, over a time no longer than the
+/// delay.
 fn angles_suffice(s: &Samples, lag: f64) -> bool {
     let (angle, speed) = (noise_variance(&s.alpha).sqrt(), noise_variance(&s.omega).sqrt());
     angle * 2.0_f64.sqrt() / lag.abs() < EXACT * speed

@@ -25,7 +25,7 @@ pub(super) const REST: f64 = 0.004;
 pub struct Candidate {
     /// Id of the effect.
     pub id: String,
-    /// What is added to the model.
+    /// The effect that is added to the model.
     pub effect: Arc<dyn Effect>,
     /// Its parameters: shapes at their grid value, linear ones at zero.
     pub p: Vec<f64>,

@@ -100,7 +100,7 @@ fn grid(
         .collect()
 }
 
-/// What the two wheels have in common of each column of a candidate: largest value [N m per unit].
+/// The common part of each column of a candidate on the two wheels: largest value [N m per unit].
 fn common_size(candidate: &Candidate, model: &Model, recording: &Recording) -> Vec<f64> {
     let mut largest = vec![0.0_f64; candidate.columns()];
     let mut row = vec![[0.0; 2]; candidate.columns()];

@@ -17,7 +17,7 @@ const TOLERANCE: f64 = 1e-4;
 /// A model fitted by the error of its windows.
 #[derive(Clone)]
 pub struct WindowFit {
-    /// What was fitted, with what was held.
+    /// The fitted model, including fixed parameters.
     pub model: Model,
     /// One value a parameter.
     pub p: Vec<f64>,

@@ -71,14 +71,14 @@ pub(super) fn shifts(model: &Model) -> impl DoubleEndedIterator<Item = usize> {
 /// An acting input, and its derivatives by every parameter; those by parameters without one are empty.
 type Derivatives = (Vec<[f64; 2]>, Vec<Vec<[f64; 2]>>);
 
-/// The acting input of a recording, and its derivatives by every parameter as
-/// [`Model::input_derivatives`] gives them, but by a delay as means over the time of a row.
+/// The acting input of a recording, and its derivatives with respect to every parameter like
+/// [`Model::input_derivatives`], except that those with respect to a delay are means over a row.
 ///
 /// ```text
 /// dM/dT = (M(t - T - h/2) - M(t - T + h/2))/h
 /// ```
-/// A command that steps between two rows has slopes within one row alone: delayed by other than whole rows
-/// of uneven length, its samples may see none of them, and a descent would stop there.
+/// The derivative of a command with a step between two rows is non-zero only within this row: for delays that
+/// are not whole rows of non-uniform length, the samples may miss it, and a descent would stop.
 pub(super) fn input_derivatives(model: &Model, recording: &Recording, p: &[f64]) -> Derivatives {
     let (torque, half) = (recording.torque(), 0.5 * recording.step());
     let (acting, mut derivatives) = model.input_derivatives_of(recording, torque, p);

@@ -50,15 +50,15 @@ impl Forces {
     }
 }
 
-/// What a two-mass drivetrain changes as seen from the rigid robot: the torque that would make
-/// that one accelerate as the wheels of the jointed one do, less the torque that acts [N m].
+/// The effect of a two-mass drivetrain expressed as a torque on the rigid robot: the torque that would give
+/// the rigid robot the acceleration of the wheels, minus the acting torque [N m].
 ///
 /// ```text
 /// J_r dw/dt = F - k φ - c (w - u),  (J - J_r) du/dt = k φ + c (w - u),  dφ/dt = w - u
 /// signal = J dw/dt - F,   F = M - friction
 /// ```
-/// for the common and the opposite motion of the wheels (J = m ± m12 of the mass matrix). The
-/// centrifugal part is left out: this finds candidates, their refit is exact.
+/// for the common and the opposite motion of the wheels (J = m ± m12 of the mass matrix). The centrifugal
+/// part is neglected: this is used only to find candidates; their refit is exact.
 pub(super) fn joint_signal(
     coupling: Coupling<f64>,
     forces: &Forces,

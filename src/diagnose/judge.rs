@@ -31,7 +31,7 @@ pub struct Judge {
 }
 
 impl Judge {
-    /// Prepares `recordings` for judging models under inputs held as `hold` says.
+    /// Prepares `recordings` for the evaluation of models with this `hold` of the input.
     #[must_use]
     pub fn new(recordings: Vec<Recording>, hold: Hold) -> Self {
         Self { recordings, hold }

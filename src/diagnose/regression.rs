@@ -244,22 +244,22 @@ impl<'a> Regression<'a> {
         let none = (0.0, vec![0.0; count]);
         let Products { among, beside } = self.products(candidate, memory);
         let before = beside.columns(0, base);
-        // of an orthonormal basis the products of what it leaves are the differences of those
+        // in an orthonormal basis, products of residuals are differences of products
         let h = &among - before * before.transpose();
         let left = |n: usize| h[(n, n)].max(0.0).sqrt();
         if !(0..count).all(|n| left(n) > COLLINEAR * among[(n, n)].sqrt()) {
             return none;
         }
-        // columns of a candidate stand on the side of the input, the base on that of the motion
+        // columns of a candidate are on the side of the input, those of the base on that of the motion
         let g = -beside.column(base);
         let bounded: Vec<bool> = (0..count).map(|n| candidate.not_negative(n)).collect();
         let (solution, gain) = nonnegative(&h, &g, &bounded);
         (ratio(self.degrees, self.residual_square(), gain), solution)
     }
 
-    /// Where a fit with the candidate starts: the free parameters of the model and the linear ones of the
-    /// candidate that explain the input torque together. It has no sticking, on which a simulation from
-    /// a wrong start may hang.
+    /// Initial values of a fit with the candidate: the free parameters of the model and the linear ones of
+    /// the candidate that together explain the input torque. The regression has no stiction, which can trap a
+    /// simulation that starts from wrong values.
     #[must_use]
     pub fn start(&self, candidate: &Candidate) -> Option<(Vec<f64>, Vec<f64>)> {
         let (rows, count) = (self.rows.len(), candidate.columns());
@@ -340,7 +340,7 @@ impl<'a> Regression<'a> {
         }
     }
 
-    /// What the low-passed torques of each recording say of a candidate's columns.
+    /// Information of the low-passed torques of each recording on a candidate's columns.
     pub(super) fn by_recording(&self, candidate: &Candidate, memory: &mut Buffers) -> ByRecording {
         let each = self.products_by_recording(candidate, memory);
         let count = candidate.columns();
@@ -355,7 +355,7 @@ impl<'a> Regression<'a> {
         let by_base = beside.columns(0, base);
         ByRecording {
             information: among - by_base * by_base.transpose(),
-            // columns of a candidate stand on the side of the input, the base on that of the motion
+            // columns of a candidate are on the side of the input, those of the base on that of the motion
             score: -beside.column(base),
             square: self.residual_square(),
             degrees: self.degrees,

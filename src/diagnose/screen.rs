@@ -55,7 +55,7 @@ impl Rows {
             {
                 lasts &= !row.still[i];
                 let w = weight[k][i];
-                // a row of no weight counts for nothing, whatever stands in it
+                // a row with zero weight is not used, whatever its values
                 if w == 0.0 {
                     continue;
                 }
@@ -137,7 +137,7 @@ impl<'a> Screen<'a> {
                 }
                 let mut among = vec![0.0; own * beside];
                 add_products(columns, (&heavy, beside), &mut among);
-                // what a constant of the window explains
+                // the part explained by a constant of the window
                 let constant = |c: usize| rows.share[i] * by_row[c * width + base + 1];
                 let mean = &rows.mean[i];
                 for c in 0..own {
@@ -210,7 +210,7 @@ impl<'a> Screen<'a> {
         (h, g)
     }
 
-    /// What the windows of each recording say of a candidate's columns by themselves.
+    /// Information of the windows of each recording on a candidate's columns.
     pub(super) fn by_recording(&self, candidate: &Candidate) -> ByRecording {
         let recordings = 0..self.windows.recordings.len();
         let all: Vec<Products> =

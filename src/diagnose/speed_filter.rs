@@ -83,7 +83,7 @@ pub fn advanced(recording: &Recording, time: f64) -> Recording {
     recording.with_omega(rows.map(|(w, s)| [0, 1].map(|i| w[i] + time * s[i])).collect())
 }
 
-/// What noise of the recorded input makes of squared innovations.
+/// Contribution of noise of the recorded input to squared innovations.
 enum Noise {
     Kept,
     Removed,

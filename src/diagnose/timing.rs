@@ -1,8 +1,8 @@
-//! When the recorded input acts: one signed shift against the motion.
+//! The time shift between recorded input and motion.
 //!
-//! A logger that averages the input over a row, holds it, or differences an encoder moves the input
-//! against the motion by up to half a row. That is timing, not physics; what is later than that is a delay
-//! of the actuator.
+//! A logger that averages the input over a row, holds it, or differentiates an encoder shifts the input
+//! against the motion by up to half a row. This is timing, not physics; a longer delay is a property of the
+//! actuator.
 
 use std::sync::Arc;
 

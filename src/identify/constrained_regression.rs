@@ -35,7 +35,7 @@ pub struct ConstrainedRegression {
     pub cutoff_hz: Option<f64>,
     /// Loss of a residual.
     pub loss: Loss,
-    /// Largest relative distance of a1..a5 from their values by construction; none unless given.
+    /// Largest relative distance of a1..a5 from their construction values; unlimited unless given.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub within_construction: Option<f64>,
 }

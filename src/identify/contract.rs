@@ -1,4 +1,4 @@
-//! What every physical method promises, tested over the whole list.
+//! Contract tests of every physical method.
 
 use super::{Fit, Identifier, IdentifyError, Note, Task, TraceKind, all, find};
 use crate::model::Model;

@@ -1,4 +1,4 @@
-//! What a method found.
+//! Result of a method.
 
 use std::sync::Arc;
 
@@ -99,7 +99,7 @@ impl From<MinimumStatus> for Status {
     }
 }
 
-/// What a fit cost.
+/// Computational work of a fit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Work {
     /// Iterations of the method.
@@ -108,7 +108,7 @@ pub struct Work {
     pub evaluations: usize,
 }
 
-/// What the curves of a trace show.
+/// Kind of the curves of a trace.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub enum TraceKind {
     /// Estimates of the parameters of these symbols, each in its own unit; one curve a symbol.
@@ -153,7 +153,7 @@ pub struct Trace {
 pub struct Fit {
     /// Name of the method.
     pub method: String,
-    /// What was identified, able to move.
+    /// The identified dynamics.
     pub dynamics: Arc<dyn Dynamics>,
     /// One estimate a parameter of the physical model; empty for others.
     pub estimates: Vec<Estimate>,
@@ -164,7 +164,7 @@ pub struct Fit {
     pub status: Status,
     /// What it cost.
     pub work: Work,
-    /// What the reader must know: what is not identifiable, which bound is active.
+    /// Notes for the reader: parameters that are not identifiable, active bounds, …
     pub notes: Vec<Note>,
     /// Curves for drawing.
     pub traces: Vec<Trace>,

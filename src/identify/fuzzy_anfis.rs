@@ -1,4 +1,4 @@
-//! Fuzzy emulator whose membership functions learn too.
+//! Fuzzy emulator with adapted membership functions.
 
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};

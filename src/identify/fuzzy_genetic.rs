@@ -33,7 +33,7 @@ pub struct Genetic {
     /// Half the interval of every consequent, about the start [rad/s²].
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub reach: f64,
-    /// Where the first individual is.
+    /// Initial value of the first individual.
     pub start: Start,
 }
 

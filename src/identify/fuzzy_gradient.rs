@@ -35,7 +35,7 @@ pub struct QuasiNewton {
     pub iterations: u64,
     /// Whether the gain is lowered step by step from 20 1/s (parallel structure).
     pub continuation: bool,
-    /// Where it starts without continuation.
+    /// Initial values without continuation.
     pub start: Start,
 }
 
@@ -47,7 +47,7 @@ impl Default for QuasiNewton {
 
 /// Fall of the cost in a step below which it has converged, relative to the noise floor.
 const TOLERANCE: f64 = 5e-4;
-/// Steps that the approximation of the curvature remembers.
+/// Number of steps stored for the approximation of the curvature.
 const MEMORY: usize = 12;
 
 /// The method: this search with the options of all fuzzy methods.

@@ -27,7 +27,7 @@ pub struct LevenbergMarquardt {
     pub iterations: usize,
     /// Whether the gain is lowered step by step from 20 1/s (parallel structure).
     pub continuation: bool,
-    /// Where it starts without continuation.
+    /// Initial values without continuation.
     pub start: Start,
 }
 
@@ -37,8 +37,8 @@ impl Default for LevenbergMarquardt {
     }
 }
 
-/// Relative fall of the cost below which it has converged: a thousandth of what the noise of a recording
-/// does to the ISE.
+/// Relative decrease of the cost at convergence: a thousandth of the effect of a recording's noise on the
+/// ISE.
 const TOLERANCE: f64 = 1e-4;
 
 /// The method: this search with the options of all fuzzy methods.

@@ -28,7 +28,7 @@ pub struct LineSearch {
     pub reach: f64,
     /// Largest number of evaluations of a search.
     pub evaluations: u64,
-    /// Where it starts.
+    /// Initial values.
     pub start: Start,
 }
 

@@ -27,11 +27,11 @@ use super::{IdentifyError, MethodDescription, NoStart, Status};
 pub struct Simplex {
     /// Largest number of rounds.
     pub iterations: usize,
-    /// Edge of the first simplex: its square is what each edge adds to the ISE of an emulator held at the
-    /// data [rad/√s].
+    /// Edge of the first simplex: its square is the increase of the ISE, by each edge, for an emulator in the
+    /// serial-parallel structure [rad/√s].
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub edge: f64,
-    /// Where it starts.
+    /// Initial values.
     pub start: Start,
 }
 

@@ -1,4 +1,4 @@
-//! What a method is: a name, options, and a way from a task to a fit.
+//! Interface of a method: a name, options, and the fit of a task.
 
 use std::fmt::Write as _;
 
@@ -12,7 +12,7 @@ use crate::model::Model;
 use crate::recording::{LongRecording, Recording};
 use crate::simulate::Hold;
 
-/// What is to be identified, from what.
+/// The model to be identified, and the data.
 #[derive(Clone, Copy)]
 pub struct Task<'a> {
     /// The model; its fixed parameters stay.
@@ -25,7 +25,7 @@ pub struct Task<'a> {
     pub seed: u64,
 }
 
-/// What the catalogue prints of a method.
+/// Catalogue entry of a method.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct MethodDescription {
     /// Name in experiment files.
@@ -59,7 +59,7 @@ pub struct MethodOption {
 pub struct OptionError {
     /// Name of the method, as in experiment files.
     pub method: String,
-    /// What is wrong, with what was expected.
+    /// The error, and the expected value.
     pub message: String,
 }
 

@@ -5,14 +5,14 @@ use std::path::Path;
 use super::IoError;
 use super::error::shown;
 
-/// What is wrong inside a binary file, before the file is known.
+/// An error in the content of a binary file, without its name.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Damage {
     /// Where: a byte, an entry, a message.
     pub(super) place: String,
-    /// What had to stand there.
+    /// Expected content.
     pub(super) expected: String,
-    /// What stands there.
+    /// Content found.
     pub(super) found: String,
 }
 

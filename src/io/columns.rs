@@ -34,13 +34,13 @@ pub struct Column {
     pub nanoseconds: Option<String>,
     /// Whether the column holds the step from row to row, and the time is the sum of the steps.
     pub sum: bool,
-    /// Time between two rows \[s\] of a recording without a column of the time; stands alone.
+    /// Sampling period \[s\] of a recording without a time column; not combined with other keys.
     pub period: Option<f64>,
     /// Columns that are added to the value: the torques or currents of the other motors of a side.
     pub plus: Vec<String>,
     /// Column that multiplies the value; 1 without one.
     pub times: Option<String>,
-    /// Column that says the direction of a magnitude.
+    /// Column with the direction of a magnitude.
     pub sign: Option<String>,
     /// What that column holds where the value is negative; a negative number unless given.
     pub backward: Option<String>,
@@ -49,7 +49,7 @@ pub struct Column {
 }
 
 impl Column {
-    /// A column of that name whose values are as the contract wants them.
+    /// A column with this name and values in standard units.
     #[must_use]
     pub fn new(name: impl Into<String>) -> Self {
         Self {
@@ -71,7 +71,7 @@ impl Column {
     }
 }
 
-/// Where each quantity of the contract stands in a file.
+/// Column of each quantity in a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColumnMap {
     columns: BTreeMap<&'static str, Column>,
@@ -98,10 +98,10 @@ impl ColumnMap {
         Self { drive_unit, wheel_radius, ..Self::default() }
     }
 
-    /// Says where a quantity stands: `scale` multiplies the value.
+    /// Sets the column of a quantity: `scale` multiplies the value.
     ///
     /// # Errors
-    /// Keys that are no column of the contract, and unknown units.
+    /// Unknown quantities and unknown units.
     pub fn set(
         &mut self,
         key: &str,
@@ -112,11 +112,11 @@ impl ColumnMap {
         self.put(key, Column { unit: unit.map(Into::into), scale, ..Column::new(name) })
     }
 
-    /// Says where a quantity stands and how it is written.
+    /// Sets the column of a quantity with its conversion.
     ///
     /// # Errors
-    /// Keys that are no column of the contract, unknown units, units that need a number which is
-    /// not there, and factors that are zero or not finite.
+    /// Unknown quantities, unknown units, units that require a number which is
+    /// missing, and factors that are zero or not finite.
     pub fn put(&mut self, key: &str, column: Column) -> Result<(), IoError> {
         let contract = CONTRACT.into_iter().find(|c| *c == key).ok_or_else(|| {
             let near = nearest(key, CONTRACT).map(Into::into);

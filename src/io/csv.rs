@@ -1,4 +1,4 @@
-//! Tables of text: separators, decimal commas, comments, and where a wrong cell stands.
+//! Text tables: separators, decimal commas, comments, and the place of an invalid cell.
 
 mod blocks;
 mod by_cell;
@@ -31,7 +31,7 @@ use super::IoError;
 use super::columns::is_unit;
 use super::error::{caught, format_error, shown};
 
-/// What the first lines of a file say about it.
+/// Layout of a file according to its first lines.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Layout {
     /// Names of the columns, in order.
@@ -44,7 +44,7 @@ pub(super) struct Layout {
     units: usize,
     /// How numbers are written.
     style: Style,
-    /// Units that stand in the cells of columns, as MATLAB writes `0.01 sec`; empty where cells are bare numbers.
+    /// Units in the cells of columns, as written by MATLAB (`0.01 sec`); empty for bare numbers.
     in_cells: Vec<String>,
     /// Places of columns whose words are directions, and the word for backward.
     pub(super) directions: Vec<(usize, String)>,
@@ -70,7 +70,7 @@ impl Layout {
     }
 }
 
-/// A header, with whatever stands above it, is looked for in this many bytes.
+/// The header must be within this many bytes.
 const HEAD: u64 = 1 << 20;
 
 /// Reads the header, and how numbers are written in the rows below it.
@@ -228,12 +228,12 @@ fn is_row(line: &[u8]) -> bool {
     !line.is_empty() && !line.starts_with(b"#") && !is_separator(line)
 }
 
-/// Whether a line tells Excel the separator: `sep=;`.
+/// Whether a line declares the separator for Excel: `sep=;`.
 pub(super) fn is_separator(line: &[u8]) -> bool {
     matches!(line.strip_prefix(b"sep="), Some([_]))
 }
 
-/// The wanted columns as numbers.
+/// The required columns as numbers.
 pub(super) fn read(path: &Path, layout: &Layout, names: &[String]) -> Result<DataFrame, IoError> {
     let schema: Schema = names.iter().map(|n| (n.as_str().into(), DataType::Float64)).collect();
     let fast = options(layout, false)

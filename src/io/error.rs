@@ -1,4 +1,4 @@
-//! What is wrong with a file, in words.
+//! Errors of files, with their messages.
 
 use std::io::ErrorKind;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -8,10 +8,10 @@ use polars::prelude::{PolarsError, PolarsResult};
 
 use crate::recording::RecordingError;
 
-/// What is wrong with a file.
+/// An error of a file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum IoError {
-    /// The system says no.
+    /// An error of the operating system.
     #[error("{file}: {reason}")]
     System {
         /// As the user named it.
@@ -96,17 +96,17 @@ pub enum IoError {
         line: Option<usize>,
         /// Name in the file.
         column: String,
-        /// What stands there.
+        /// The text found.
         text: String,
     },
-    /// Not the format that its name says.
+    /// The content does not have the format of the file name.
     #[error("{file} cannot be read as {format}: {reason}")]
     Format {
         /// As the user named it.
         file: String,
         /// Its name.
         format: String,
-        /// What the reader says.
+        /// Message of the reader.
         reason: String,
     },
     /// A unit that is not known for the quantity.
@@ -130,7 +130,7 @@ pub enum IoError {
         column: String,
         /// As written.
         unit: String,
-        /// What is missing.
+        /// The missing value.
         need: String,
     },
     /// A unit in the header that is not known for the quantity.
@@ -142,7 +142,7 @@ pub enum IoError {
         file: String,
         /// Its name in the header.
         column: String,
-        /// What stands in the brackets.
+        /// The text in the brackets.
         unit: String,
         /// Unit of the contract.
         si: &'static str,
@@ -166,7 +166,7 @@ pub enum IoError {
     Sum {
         /// Contract column.
         column: String,
-        /// What is wrong, and the remedy.
+        /// The error, and the remedy.
         reason: String,
     },
     /// A direction of what has none, or what says it without a column.
@@ -248,9 +248,9 @@ pub enum IoError {
         format: &'static str,
         /// Byte, entry or message.
         place: String,
-        /// What had to stand there.
+        /// Expected content.
         expected: String,
-        /// What stands there.
+        /// Content found.
         found: String,
     },
     /// A file of a known format without anything to use.
@@ -260,12 +260,12 @@ pub enum IoError {
         file: String,
         /// WPILOG, MCAP or MAT.
         format: &'static str,
-        /// What is looked for.
+        /// The required content.
         needed: String,
-        /// What is there.
+        /// The existing content.
         found: String,
     },
-    /// A name that says another format than the content.
+    /// The extension of the name contradicts the content.
     #[error("{file} is in another format than its name says; rename it to end in .{extension}")]
     OtherFormat {
         /// As the user named it.
@@ -285,7 +285,7 @@ pub enum IoError {
         /// The one that gives the rows.
         early: String,
     },
-    /// Vectors that cannot stand side by side.
+    /// Vectors of different lengths.
     #[error(
         "{file}: `{column}` has {length} values and `{other}` has {others}; name columns of the same length"
     )]
@@ -349,7 +349,7 @@ pub(super) fn caught<T>(read: impl FnOnce() -> PolarsResult<T>) -> PolarsResult<
     catch_unwind(AssertUnwindSafe(read)).map_err(damaged)?
 }
 
-/// What polars says of a file, in one line.
+/// The error message of polars for a file, in one line.
 pub(super) fn format_error(path: &Path, format: &str, e: &PolarsError) -> IoError {
     let reason = e.to_string();
     let reason = reason.lines().next().unwrap_or_default().to_string();
@@ -376,7 +376,7 @@ impl IoError {
         self
     }
 
-    /// A file that holds nothing of what is needed.
+    /// A file without any of the required content.
     pub(super) fn nothing(path: &Path, format: &'static str, needed: &str, found: &str) -> Self {
         let found = shortened(found);
         Self::Nothing { file: shown(path), format, needed: needed.into(), found }

@@ -62,7 +62,7 @@ fn table(
     guarded(path, || times::in_seconds(reader.with_slice(rows).finish()?, &times))
 }
 
-/// How many rows it says it has.
+/// Number of rows according to the footer.
 pub(super) fn rows(path: &Path) -> Result<usize, IoError> {
     let file = checked(path, &[])?;
     guarded(path, || ParquetReader::new(file).num_rows())
@@ -84,7 +84,7 @@ pub(super) fn read_rows(
     table(path, file, names, Some((from, count)))
 }
 
-/// What polars says of a file that may be damaged.
+/// Calls polars on a file that may be damaged, and returns panics as errors.
 fn guarded<T>(path: &Path, read: impl FnOnce() -> PolarsResult<T>) -> Result<T, IoError> {
     caught(read).map_err(|e| format_error(path, FORMAT, &e))
 }
@@ -134,7 +134,7 @@ fn part(file: &mut File, from: u64, length: u64) -> std::io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// A value of the compact protocol, as far as it is looked at.
+/// A value of the compact protocol, as far as it is needed.
 #[derive(Debug)]
 enum Value<'a> {
     Whole(i64),

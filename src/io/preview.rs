@@ -1,4 +1,4 @@
-//! A look at all columns of a file, whatever they hold.
+//! Preview of all columns of a file.
 
 use std::path::Path;
 

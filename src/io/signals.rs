@@ -1,4 +1,4 @@
-//! Signals that are stamped each by itself, and the rows made of them.
+//! Signals with separate time stamps, and their combination into rows.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -8,7 +8,7 @@ use polars::prelude::{DataFrame, NamedFrom, Series};
 use super::IoError;
 use super::error::{format_error, shown};
 
-/// Numbers with time stamps of their own.
+/// A signal with its own time stamps.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Signal {
     name: String,

@@ -9,13 +9,13 @@ use super::signals::Signals;
 pub(super) struct WholeFormat {
     /// Extension of its files.
     pub(super) extension: &'static str,
-    /// First bytes of its files; empty where they do not tell.
+    /// First bytes of its files; empty if they are not characteristic.
     pub(super) magic: &'static [u8],
     /// Reads a file.
     pub(super) read: fn(&Path) -> Result<Content, IoError>,
 }
 
-/// What a file holds.
+/// Content of a file.
 pub(super) enum Content {
     /// Named columns of equal length.
     Columns(Vec<(String, Vec<f64>)>),

@@ -99,7 +99,7 @@ const UNSPACED: &[&str] = &[
     "指令",
 ];
 
-/// The side that a word of a name says.
+/// The side named by a word.
 #[must_use]
 pub fn side(word: &str) -> Option<WheelSide> {
     if RIGHT.contains(&word) {

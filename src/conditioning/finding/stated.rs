@@ -3,14 +3,14 @@
 use super::{Action, Channel, Finding, Kind};
 use crate::math::{Span, Spans};
 
-/// What one or several findings say.
+/// Statement of one or several findings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stated {
     /// The channels of which the same was found.
     pub(crate) channels: Vec<Channel>,
     /// What was found, with the ranges of its numbers.
     pub(crate) kind: Kind<Span<usize>, Span<f64>>,
-    /// What was done.
+    /// Correction.
     pub(crate) action: Action,
 }
 

@@ -18,7 +18,7 @@ impl Search<'_> {
         let mut climbed = self.climb(base, self.rank(base, true));
         let is_unexplained = |steps: &[Step]| self.is_unexplained(last_of(base, steps));
         let mut unexplained = is_unexplained(&climbed.0);
-        // nothing is said to be unknown before every effect of the catalogue has been simulated
+        // before the verdict "unknown" every effect of the catalogue must have been simulated
         if unexplained && let Some(ranking) = self.with_second_bodies(base, &climbed.1[0]) {
             let again = self.climb(base, ranking);
             let error = |steps: &[Step]| self.shown(last_of(base, steps));

@@ -42,9 +42,9 @@ impl Search<'_> {
         }
     }
 
-    /// Of the candidates that training windows do not set apart puts the one first whose held-out error is
-    /// lowest. Far above the noise: what is left is no noise, and a criterion that takes
-    /// it for independent values is far too certain.
+    /// Among the candidates that training windows do not distinguish, ranks first the one with the lowest
+    /// held-out error. This applies far above the noise, where the remaining errors are not independent
+    /// values and the criterion is far too certain.
     fn choose_alike(&self, ranked: &mut [Ranked]) {
         let Some(first) = ranked.first().filter(|r| r.refit.is_some()) else { return };
         let near = |r: &Ranked| r.bic_windows - first.bic_windows < self.open_share(first, r);

@@ -23,9 +23,9 @@ use crate::simulate::Hold;
 
 /// Fits in turn with the shifts: the first shifts are to first order, beside parameters that the waves have bent.
 const REFINEMENTS: usize = 5;
-/// Standard error of a phase \[rad\] beyond which it is not known: that of an amplitude of ten standard errors. Errors of
-/// windows are no independent values, and waves that are not there have phases of their own in each recording that fit
-/// them with six.
+/// Standard error of a phase \[rad\] above which it is undetermined: that of an amplitude of ten standard
+/// errors. Errors of windows are not independent, and for periodic torques that are absent, separate phases
+/// in each recording fit with six.
 const KNOWN: f64 = 0.1;
 /// Least phase \[rad\] that a recording is moved for: a twentieth of the wave stays if it is not.
 const LEAST: f64 = 0.05;
@@ -57,13 +57,13 @@ impl StartAngle {
     }
 }
 
-/// Where the angles of each of `recordings` start, as far as torques that repeat with them say so: of all effects of
-/// the catalogue the one whose waves explain the error of `model` best if they have a phase of their own in each
-/// recording. Empty entries where a recording starts like the others; `None` where all do, where the model is near the
-/// floor without, and where effects without waves explain the error.
+/// Initial angles of each of `recordings`, as far as torques periodic in them determine these: from the
+/// effect of the catalogue whose periodic torques explain the error of `model` best with separate phases in
+/// each recording. Entries are empty if a recording starts like the others; `None` if all do, if the model is
+/// near the floor without them, and if other effects explain the error.
 ///
-/// Effects with waves that the model has are taken out of it first, so that the starts are the same before and after
-/// one is added; where a parameter of theirs is held at a value, the angles are taken as they are.
+/// Periodic effects that are already in the model are removed first, so that the result is the same before
+/// and after one is added; if one of their parameters is fixed, the angles are not changed.
 #[must_use]
 pub fn start_angles(
     model: &Model,

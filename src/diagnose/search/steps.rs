@@ -20,7 +20,7 @@ struct HeldOut<'a> {
     errors: Option<Vec<Errors>>,
     /// The error that is shown [rad/s].
     shown: f64,
-    /// [`Search::probability_of_logging`], which costs a fit, once it was asked.
+    /// [`Search::probability_of_logging`], which requires a fit, computed on first use.
     by_logging: OnceLock<f64>,
 }
 
@@ -61,7 +61,7 @@ impl Search<'_> {
             &windows.contrast(from, to),
         );
         let fall = Fall { later: is_later(before.fit, after.fit), ..fall };
-        // the others are asked where they alone decide
+        // the others are evaluated only if the decision depends on them
         if self.passes(&fall) || !self.passes(&Fall { p_value: 0.0, ..fall }) {
             return fall;
         }
@@ -71,17 +71,18 @@ impl Search<'_> {
         Fall { p_value: fall.p_value.min(likelihood).min(shift), ..fall }
     }
 
-    /// Probability of held-out data as much likelier under the second fit, if the first were right; one unless
-    /// the second lies at the noise floor, so that noise is all that is left. An effect that acts in a few windows
-    /// (a warm-up, a limit that is seldom reached) lowers the error by far there and nowhere else, and a mean over
-    /// all windows has a large error.
+    /// Bound of the p-value from the likelihood ratio of the held-out data; one unless the second fit is at
+    /// the noise floor, so that only noise remains. An effect that acts in a few windows only (a warm-up, a
+    /// limit that is seldom reached) lowers the error there by a large amount, but the mean over all windows
+    /// has a large standard error.
     ///
     /// ```text
     /// p <= L(before)/L(after) = exp(-values (rms_before^2 - rms_after^2)/(2 floor^2))
     /// ```
-    /// The bound is Markov's inequality for a likelihood ratio whose models were fitted to other data. A wheel in
-    /// a window of 2 s counts as one value, since its errors there move together; those of the two wheels have
-    /// noise of their own. Under slow noise of the input they do not, and the floor is not known well enough.
+    /// The bound is Markov's inequality for the likelihood ratio of models that were fitted to other data.
+    /// Each wheel counts as one value per window of 2 s, because its errors within a window are correlated;
+    /// the noise of the two wheels is independent. With slow noise of the input this does not hold, and the
+    /// floor is too uncertain.
     fn explained(&self, before: &HeldOut, after: &HeldOut) -> f64 {
         let (from, to) = (before.shown, after.shown);
         if self.held.is_none() || to >= from {

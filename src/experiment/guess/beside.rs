@@ -1,4 +1,4 @@
-//! What other columns say of a name that could be two things.
+//! Interpretation of ambiguous names from other columns.
 
 use super::guessed::Candidate;
 use super::names::{Named, Quantity, Side, WISHED};

@@ -9,14 +9,14 @@ use super::values::{largest, values_of, whole};
 use crate::io::PreviewColumn;
 use crate::recording::DriveUnit;
 
-/// Words of a command that say that it is a share of the battery's voltage, and those of one that may be.
+/// Words of a command that denote a share of the battery voltage, and ambiguous ones.
 const SHARES: [&str; 5] = ["duty", "pwm", "power", "pwr", "throttle"];
 const PERHAPS: [&str; 3] = ["motor", "mot", "output"];
 /// Full scales of controllers: a share, percent, 7 and 8 bits, of Pololu, per mille, 10, 12 and 15 bits.
 const FULL: [f64; 9] = [1.0, 100.0, 127.0, 255.0, 400.0, 1000.0, 1023.0, 4095.0, 32767.0];
 /// Full scale of the PWM that most boards have: 8 bits.
 const PWM: f64 = 255.0;
-/// A pulse of a servo, and the one at which it stands [us].
+/// Pulse width of a servo, and its neutral value [us].
 const PULSE: (f64, f64, f64) = (900.0, 1500.0, 2100.0);
 /// Less is rather a PWM value than a voltage in millivolts.
 const LEAST_MILLIVOLTS: f64 = 1000.0;
@@ -167,18 +167,18 @@ fn millivolts<'a>(inputs: &mut [&mut Guessed], of: impl Fn(&str) -> &'a [f64]) -
     None
 }
 
-/// Whether a name says that it is a share of the battery's voltage.
+/// Whether a name denotes a share of the battery voltage.
 pub(super) fn is_share_word(name: &str) -> bool {
     has_one(&SHARES, name)
 }
 
-/// Whether one of the words stands in a name.
+/// Whether one of the words is in a name.
 fn has_one(words: &[&str], name: &str) -> bool {
     let name = name.to_lowercase();
     words.iter().any(|word| name.contains(word))
 }
 
-/// Whether a name says volts.
+/// Whether a name denotes volts.
 fn is_volt(name: &str) -> bool {
     name.to_lowercase().contains("volt") || named(name).unit == Some("V")
 }

@@ -1,4 +1,4 @@
-//! A wheel that counts the other way: its motor stands mirrored on the robot.
+//! A wheel with the opposite sign, because its motor is mounted mirrored.
 
 use super::guessed::{Guess, Guessed};
 use crate::experiment::remark::{Remark, mirrored_question};

@@ -1,10 +1,10 @@
-//! What columns without a telling name say of each other: a speed is the slope of its angle.
+//! Relations between columns without a clear name: a speed is the derivative of its angle.
 
 use super::guessed::Guess;
 use super::values::is_constant;
 use crate::io::PreviewColumn;
 
-/// Columns that are compared at most: all pairs are looked at.
+/// Largest number of columns that are compared in pairs.
 const MOST: usize = 40;
 /// Rows below which columns go with each other by chance, and sentences at most.
 const ROWS: usize = 30;

@@ -1,4 +1,4 @@
-//! Units of speeds that can only be asked for.
+//! Units of speeds that must be asked for.
 
 use std::f64::consts::{PI, TAU};
 

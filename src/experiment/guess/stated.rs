@@ -39,7 +39,7 @@ pub(super) fn look(guess: &mut Guess) {
     guess.questions.extend(questions);
 }
 
-/// What a share may be one of.
+/// Reference values of a share.
 const RATED: &str = " (a share of the rated value: 0.01 of it for 1 %, 0.001 for 0.1 %)";
 
 /// Unit of the program.

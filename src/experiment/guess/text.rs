@@ -13,15 +13,15 @@ use crate::recording::DriveUnit;
 /// Columns whose first values a question shows at most.
 const SHOWN: usize = 40;
 
-/// What a file is written from.
+/// Content of an experiment file to be written.
 pub(in crate::experiment) struct Written<'a> {
     /// Recordings with their use: whether they are of validation.
     pub(in crate::experiment) recordings: &'a [(PathBuf, bool)],
     /// Folder of the file.
     pub(in crate::experiment) folder: &'a Path,
-    /// What the columns are.
+    /// The detected columns.
     pub(in crate::experiment) guess: &'a Guess,
-    /// What was seen in the recordings, each a sentence.
+    /// Observations on the recordings, one sentence each.
     pub(in crate::experiment) said: &'a [String],
     /// All columns of the first recording.
     pub(in crate::experiment) columns: &'a [PreviewColumn],
@@ -55,7 +55,7 @@ impl Guess {
         columns(self).contains("\"?\"")
     }
 
-    /// The guesses in words.
+    /// Description of the detected columns.
     pub(in crate::experiment) fn words(&self) -> String {
         let mut out = String::from("guessed from names and values of the columns (check them):\n");
         for one in &self.columns {
@@ -163,7 +163,7 @@ pub(in crate::experiment) fn file_text(w: &Written) -> String {
     out
 }
 
-/// What must be said of the robot.
+/// Remark on the robot.
 const ROBOT: &str = "[robot]
 # Not in the log: which robot it was. The parameters a1 to a5 do not depend on it; the path, the heading
 # and speeds in m/s do. A preset, or the two lengths beside \"unknown\", gives them; until then they are left out.
@@ -235,7 +235,7 @@ fn short(value: f64) -> String {
     }
 }
 
-/// The keys of `columns`; what is still open stands as `"?"`.
+/// The keys of `columns`; open values are written as `"?"`.
 fn columns(guess: &Guess) -> String {
     let mut entries: Vec<String> = guess.columns.iter().filter(|c| says(c)).map(entry).collect();
     let there = |key: &str| guess.columns.iter().any(|c| c.key == key);
@@ -257,7 +257,7 @@ fn columns(guess: &Guess) -> String {
     format!("columns    = {{ {} }}   # guessed: check", entries.join(", "))
 }
 
-/// Whether the entry says more than the program would take anyway.
+/// Whether an entry differs from the defaults of the program.
 fn says(c: &Guessed) -> bool {
     let (name, evidence) = (c.name.clone(), c.evidence.clone());
     let (side_unsure, is_share) = (c.side_unsure, c.is_share);

@@ -1,4 +1,4 @@
-//! What the values of columns say: units of time, counts, milliamperes, and what has to be asked.
+//! Interpretation of the values of columns: time units, counts, milliamperes, and open questions.
 
 use super::electrical;
 use super::guessed::{Guess, Guessed};
@@ -102,7 +102,7 @@ pub(super) fn is_magnitude(
     driven && !input.iter().any(by_speed)
 }
 
-/// Adds the units that the values of the guessed columns show, with the evidence.
+/// Adds the units determined from the values of the detected columns, with the evidence.
 pub(super) fn units(columns: &[PreviewColumn], guess: &mut Guess) {
     let of = |name: &str| values_of(columns, name);
     for one in &mut guess.columns {
@@ -119,7 +119,8 @@ pub(super) fn units(columns: &[PreviewColumn], guess: &mut Guess) {
     }
 }
 
-/// Adds the questions that the values of the guessed columns raise; where no input was found the one that names columns.
+/// Adds the questions raised by the values of the detected columns; if no input was found, the question that
+/// lists columns.
 pub(super) fn questions(columns: &[PreviewColumn], guess: &mut Guess, input: Option<String>) {
     if let Some(controller) = electrical::mark(columns, guess) {
         guess.questions.push(controller);
@@ -201,7 +202,7 @@ fn no_step(name: &str) -> String {
     )
 }
 
-/// What is asked where no column was found to be the time.
+/// The question if no time column was found.
 fn no_time(period_open: bool) -> &'static str {
     if period_open {
         "what is the time between two rows [s]? No column rises steadily: if rows come at a fixed period, write \
@@ -335,7 +336,7 @@ fn angle(values: &[f64], one: &mut Guessed) {
     }
 }
 
-/// What is asked where no input was found; where no column is left there is none.
+/// The question if no input was found; empty if no column is left.
 fn no_input(columns: &[PreviewColumn], guess: &Guess) -> String {
     let is_used = |c: &&PreviewColumn| guess.columns.iter().any(|g| g.name == c.name);
     if columns.iter().filter(|c| !is_used(c)).all(|c| is_constant(&c.values)) {
@@ -354,7 +355,7 @@ fn no_input(columns: &[PreviewColumn], guess: &Guess) -> String {
 /// Whole numbers beyond this are rather milliamperes or counts of a converter than amperes.
 const WHOLE_AMPERES: f64 = 10.0;
 
-/// Asks for the unit of currents in whole numbers that nothing states.
+/// Asks for the unit of integer-valued currents that nothing determines.
 fn whole_currents(columns: &[PreviewColumn], guess: &mut Guess) {
     let top = |c: &Guessed| largest(values_of(columns, &c.name));
     let is_open = |c: &Guessed| {

@@ -17,7 +17,7 @@ pub struct Limits {
     pub tolerance: f64,
 }
 
-/// ISE(theta) + weight |theta - about|², what a descent minimises over [`Problem::free`].
+/// ISE(theta) + weight |theta - about|², the cost that is minimised over [`Problem::free`].
 #[derive(Clone, Copy, Debug)]
 pub struct Penalty<'a> {
     /// The reference.

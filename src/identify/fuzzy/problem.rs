@@ -15,7 +15,7 @@ use crate::robot::BaseParameters;
 use crate::robot::StateSpace;
 use crate::simulate::{FuzzyDynamics, Structure, TakagiSugeno};
 
-/// A cost that stands for "diverges": finite, since searches hang on infinities.
+/// Cost of a diverged simulation: finite, because infinities would stop searches.
 pub const DIVERGED: f64 = 1e9;
 
 /// Training recordings, a fuzzy system and the emulator of eq. (19) that joins them.

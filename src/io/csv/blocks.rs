@@ -28,11 +28,11 @@ pub(in crate::io) fn has_more_lines(path: &Path, limit: usize) -> Result<bool, I
     }
 }
 
-/// Reads the wanted columns on, block by block.
+/// Reads the required columns block by block.
 pub(in crate::io) struct Blocks<'a> {
     path: &'a Path,
     layout: &'a Layout,
-    /// Names and places of the wanted columns.
+    /// Names and indices of the required columns.
     wanted: Vec<(&'a str, usize)>,
     lines: BufReader<File>,
     text: Vec<u8>,

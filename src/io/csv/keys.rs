@@ -1,9 +1,9 @@
-//! Columns that say whose row it is: of a joint, a motor, a signal.
+//! Key columns of long-form tables: joint, motor or signal of each row.
 
 use super::{Style, value};
 use crate::io::words::{have_both_sides, side, words};
 
-/// The most joints of a robot that a log tells apart.
+/// Largest number of joints in a log.
 const JOINTS: usize = 16;
 /// The most motors that a column of numbers without a telling name counts.
 const COUNTED: usize = 4;
@@ -31,7 +31,7 @@ const OWNERS: [&str; 19] = [
     "canid",
     "side",
 ];
-/// Words of a column that says which part of an experiment a row is of, and never which wheel.
+/// Names of columns with the part of an experiment, which never identify a wheel.
 const PARTS: [&str; 16] = [
     "run",
     "test",
@@ -50,10 +50,10 @@ const PARTS: [&str; 16] = [
     "manoeuvre",
     "cycle",
 ];
-/// Names of a column whose quantity the label says.
+/// Names of a column whose quantity is given by the key.
 const VALUES: [&str; 4] = ["value", "_value", "val", "data"];
 
-/// Whether the label of a row says which quantity a column of that name holds.
+/// Whether the quantity of a column with that name is given by the key of a row.
 pub(super) fn is_value(name: &str) -> bool {
     VALUES.contains(&name.to_lowercase().as_str())
 }

@@ -8,7 +8,7 @@ use crate::io::IoError;
 /// Columns with their names.
 type Columns = Vec<(String, Vec<f64>)>;
 
-/// Rows that say whether cells hold lists.
+/// Number of rows from which lists in cells are detected.
 const LOOKED_AT: usize = 8;
 /// Elements of a list that are columns; longer ones are images and maps.
 const ELEMENTS: usize = 64;

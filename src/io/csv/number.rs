@@ -5,7 +5,7 @@ use super::style::Style;
 /// Words for a value that is not there.
 pub(in crate::io) const ABSENT: [&str; 6] = ["", "na", "n/a", "null", "none", "-"];
 
-/// A cell of data as a number; NaN where it says that there is none.
+/// A cell of data as a number; NaN for a missing value.
 pub(in crate::io) fn value(cell: &str, style: Style) -> Option<f64> {
     let bare = cell.trim().trim_matches('"').trim().to_lowercase();
     if ABSENT.contains(&bare.as_str()) {

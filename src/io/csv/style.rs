@@ -69,7 +69,7 @@ fn is_grouped(text: &str, sign: char, decimal: char) -> bool {
     is_first && others && count > 0 && are_digits(part)
 }
 
-/// What the cells of a column say.
+/// Number formats observed in a column.
 #[derive(Clone, Copy, Debug, Default)]
 struct Seen {
     /// Cells that are grouped, for certain or perhaps: `1.000` may be one.
@@ -80,7 +80,7 @@ struct Seen {
     long: usize,
 }
 
-/// What the cells of a text say of its numbers.
+/// Evidence for the number format of a text.
 #[derive(Clone, Debug, Default)]
 pub(in crate::io) struct Evidence {
     /// Cells whose point or comma can only be the decimal sign.
@@ -94,7 +94,7 @@ pub(in crate::io) struct Evidence {
 }
 
 impl Evidence {
-    /// Takes in the cell of a column; what is no number says nothing.
+    /// Adds the cell of a column; other text is ignored.
     pub(in crate::io) fn see(&mut self, place: usize, cell: &str) {
         let cell = cell.trim().trim_matches('"').trim();
         let is_part = |b: u8| b.is_ascii_digit() || b"+-.,eE".contains(&b);
@@ -124,7 +124,7 @@ impl Evidence {
         column.long += usize::from(digits > 3);
     }
 
-    /// Whether nothing that may follow changes the answer.
+    /// Whether further cells cannot change the result.
     fn is_settled(&self) -> bool {
         self.points > 0 && self.commas > 0
     }

@@ -10,7 +10,7 @@ use crate::io::IoError;
 /// Columns with their names.
 type Columns = Vec<(String, Vec<f64>)>;
 
-/// Rows that say whether a table has a row for each joint.
+/// Number of rows from which a long-form table is detected.
 const LOOKED_AT: usize = 64;
 
 /// The columns of a table that has a row for each joint, with the name or number of the joint in a column: `velocity` of

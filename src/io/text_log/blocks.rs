@@ -13,7 +13,7 @@ use super::lines::Columns;
 use super::record::collected;
 use crate::io::csv::{Style, value};
 
-/// Blocks that say whether a text consists of them.
+/// Number of blocks from which the format is detected.
 const BLOCKS: usize = 4;
 /// The field that names the block in which it stands.
 const NAME: &str = "name";

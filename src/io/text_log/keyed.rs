@@ -1,4 +1,4 @@
-//! Records of several motors or topics in turn: a word in each says whose it is.
+//! Records of several motors or topics in turn: one field of each record names it.
 
 use std::collections::HashMap;
 
@@ -8,7 +8,7 @@ use super::lines::Columns;
 use super::record::{Pairs, assigned_texts, collected, joined, pairs};
 use crate::io::csv::{Style, is_owner, is_part};
 
-/// Records that say whether a word does.
+/// Number of records from which this is detected.
 const LOOKED_AT: usize = 64;
 /// The most words that do.
 const OWNERS: usize = 16;

@@ -8,7 +8,7 @@ use super::record::{self, Pairs, qualified};
 use crate::io::columns::is_unit;
 use crate::io::csv::{Style, quantity, value, with_unit};
 
-/// Lines that say whether a text consists of such.
+/// Number of lines from which the format is detected.
 const LOOKED_AT: usize = 64;
 /// Lines of one kind that make a recording, and the most kinds of lines.
 const ROWS: usize = 5;
@@ -20,7 +20,7 @@ const SIDES: [&str; 6] = ["left", "right", "l", "r", "links", "rechts"];
 /// Levels of loggers.
 const LEVELS: [&str; 7] = ["TRACE", "DEBUG", "INFO", "NOTICE", "WARN", "WARNING", "ERROR"];
 
-/// What a line holds.
+/// Content of a line.
 #[derive(Debug, PartialEq)]
 pub(super) struct Line {
     /// The time that stands before the line.

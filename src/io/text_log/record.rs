@@ -19,7 +19,7 @@ type Assigned<'a> = (&'a str, f64, &'a str);
 /// Names and numbers of a record.
 pub(super) type Pairs = Vec<(String, f64)>;
 
-/// Lines that say whether a text is one of records.
+/// Number of lines from which the format is detected.
 const LOOKED_AT: usize = 40;
 /// Elements of an array that are columns; longer ones are images and maps.
 const ELEMENTS: usize = 64;

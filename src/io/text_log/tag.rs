@@ -1,11 +1,12 @@
-//! A word before the lines of a table that tells them apart from others of a console: `@D COLS t,enc`, `@D 0,12`.
+//! A tag at the start of the lines of a table that distinguishes them from other console lines: `@D COLS
+//! t,enc`, `@D 0,12`.
 
 use super::{PLAIN, ROWS, is_blank, table};
 use crate::io::csv::{Style, value};
 
 /// Part of the lines that begin with the word.
 const MOST: f64 = 0.9;
-/// Words before the names of a header that say that it is one.
+/// Words before the names that mark a header.
 const HEADERS: [&str; 7] = ["cols", "columns", "fields", "header", "names", "csv", "data"];
 
 /// The word and the space behind it that lines of a table begin with, where its header does as well.

@@ -6,7 +6,7 @@ use super::lines::Columns;
 use super::record::{Pairs, collected, joined};
 use crate::io::csv::with_unit;
 
-/// Lines that say whether a text consists of them.
+/// Number of lines from which the format is detected.
 const LOOKED_AT: usize = 40;
 
 /// Whether nearly all of the first lines are values of Teleplot.

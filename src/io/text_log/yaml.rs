@@ -4,7 +4,7 @@ use super::lines::Columns;
 use super::record::collected;
 use crate::io::csv::{Style, value};
 
-/// Messages that say whether a text consists of them.
+/// Number of messages from which the format is detected.
 const MESSAGES: usize = 2;
 /// Elements of a list that are columns; longer ones are images and maps.
 const ELEMENTS: usize = 64;
