@@ -33,7 +33,7 @@ impl Physics for FrictionWarmup {
             ParameterSpec::shape("tw", "time constant of warming up", "s", time, 10.0),
             ParameterSpec::linear(
                 "fwd",
-                "half of what wheel 1 has more of fw",
+                "half the difference of fw between wheels 1 and 2",
                 "N m",
                 (-1e3, 1e3),
                 0.0,

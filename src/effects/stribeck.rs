@@ -81,7 +81,7 @@ impl Physics for Stribeck {
             ParameterSpec::shape("ws", "Stribeck speed", "rad/s", width, 0.6),
             ParameterSpec::linear(
                 "fsd",
-                "half of what wheel 1 has more of fs",
+                "half the difference of fs between wheels 1 and 2",
                 "N m",
                 (-1e3, 1e3),
                 0.0,

@@ -55,7 +55,7 @@ impl Physics for WheelRadiusMismatch {
 
     fn parameters(&self) -> Vec<ParameterSpec> {
         let range = (-0.3, 0.3);
-        let deviation = "what eps is off by in the centrifugal torque";
+        let deviation = "deviation from eps in the centrifugal torque";
         vec![
             ParameterSpec::linear("eps", "relative difference of radius, halved", "", range, 0.02),
             ParameterSpec::linear("epd", deviation, "", (-1.0, 1.0), 0.0),

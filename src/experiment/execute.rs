@@ -90,7 +90,7 @@ fn is_toml(file: &Path) -> bool {
 pub fn load(file: &Path, set: &[String]) -> Result<Plan, ExperimentError> {
     if !is_toml(file) && exists(file) {
         let message = format!(
-            "is no experiment file (.toml). If it is a recording, `experiment {0}` runs it and `experiment new \
+            "is not an experiment file (.toml). If it is a recording, `experiment {0}` runs it and `experiment new \
              {0}` writes an experiment file",
             file.display()
         );
@@ -118,7 +118,7 @@ fn load_recordings(recordings: &[PathBuf], set: &[String]) -> Result<Plan, Exper
         return Err(ExperimentError::Meaning {
             file: typed(&recordings[0]),
             message: format!(
-                "the columns do not say all that is needed.\n{}Answer it in a file: {}",
+                "the columns do not determine everything that is needed.\n{}Answer it in a file: {}",
                 draft.words,
                 run.new_file().unwrap_or_default()
             ),

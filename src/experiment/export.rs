@@ -60,7 +60,7 @@ impl std::str::FromStr for ExportFormat {
     fn from_str(text: &str) -> Result<Self, String> {
         Self::ALL.into_iter().find(|f| f.name() == text).ok_or_else(|| {
             let known = Self::ALL.map(Self::name).join(", ");
-            format!("no format is called `{text}`; there are {known}")
+            format!("unknown format `{text}`; use one of {known}")
         })
     }
 }

@@ -88,9 +88,7 @@ fn table(rows: impl IntoIterator<Item = Vec<Cell>>) -> Table {
         Column::number("2 s simulation error", "rad/s"),
         Column::text("Found"),
     ];
-    let caption = "The experiments in this folder, each by its last run. Error over floor is that of the model with \
-                   what was found; of a grid that of the best method or setting. Overview: measured and simulated \
-                   speed; of a grid the error over floor of every run.";
+    let caption = "The last run of each experiment in this folder. Error over floor is that of the model with the effects found; for a grid that of the best method or setting. Overview: measured and simulated speed; for a grid the error over floor of every run.";
     let mut table = Table::new(caption, columns);
     rows.into_iter().for_each(|row| table.push(row));
     table

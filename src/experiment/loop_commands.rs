@@ -26,10 +26,11 @@ pub fn add_effect(effect: &str, file: &Path, out: &Path) -> Result<String, Exper
     let model = document.entry("model").or_insert_with(toml_edit::table);
     let effects = model
         .as_table_like_mut()
-        .ok_or_else(|| wrong("model is no table".into()))?
+        .ok_or_else(|| wrong("model is not a table".into()))?
         .entry("effects")
         .or_insert(toml_edit::value(toml_edit::Array::new()));
-    let effects = effects.as_array_mut().ok_or_else(|| wrong("model.effects is no list".into()))?;
+    let effects =
+        effects.as_array_mut().ok_or_else(|| wrong("model.effects is not a list".into()))?;
     effects.push(effect);
     let options = RunOptions {
         out: out.to_path_buf(),

@@ -118,7 +118,7 @@ fn with_parts(recordings: &[PathBuf]) -> Result<Vec<PathBuf>, IoError> {
 /// be read. The direction of the motion does not depend on counts per turn and radius; findings on angles do.
 fn look(path: &Path, guess: &Guess) -> Result<(Recording, Vec<Finding>), String> {
     if guess.period.is_none() && !guess.columns.iter().any(|c| c.key == "t" && !c.scale_open) {
-        return Err("the time between two rows is not known".into());
+        return Err("the sampling period is not known".into());
     }
     let is_scaled = !guess.columns.iter().any(|c| c.needs_per_turn() || c.is_in_metres());
     let mut columns = ColumnMap::new(guess.drive_unit, (!is_scaled).then_some(1.0));
@@ -187,9 +187,7 @@ fn ask_gear(guess: &mut Guess, ratio: f64) {
         return;
     }
     guess.questions.push(format!(
-        "the speeds are {ratio:.4} times the slope of the angles: does a gear lie between `{}`, of a motor, and `{}`, of its \
-         wheel? Then write scale = {scale:.6} in {key}1 and {key}2 (with \"-\" where it turns the direction); else correct the \
-         units",
+        "the speeds are {ratio:.4} times the derivative of the angles: is there a gear between `{}` (motor) and `{}` (wheel)? If so, write scale = {scale:.6} in {key}1 and {key}2 (with \"-\" if it reverses the direction); otherwise correct the units",
         fast.name, slow.name
     ));
     let wheels =

@@ -44,7 +44,7 @@ impl fmt::Display for FixedMovement {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Paper => "\"paper\", which is as long and as fast as the paper's",
-            Self::Segments => "written out in segments, which say how long and how fast they are",
+            Self::Segments => "given as segments, which define its duration and speed",
         })
     }
 }

@@ -38,8 +38,7 @@ pub(super) fn robot(table: Option<&Table>) -> Result<Robot, Meaning> {
     let missing: Vec<&str> = known.iter().copied().filter(is_missing).collect();
     if base.is_none() && !missing.is_empty() {
         return Err(words(format!(
-            "[robot]: {} not there; without a preset all construction data must be. Where they are not known, add \
-             preset = \"unknown\", or the preset of a robot like it, whose values stand for them",
+            "[robot]: {} missing; without a preset all construction data are required. If they are not known, add preset = \"unknown\", or the preset of a similar robot, whose values are then used",
             and(&missing)
         )));
     }

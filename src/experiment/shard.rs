@@ -24,7 +24,7 @@ pub struct Shard {
 
 /// A text that is not a part.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{text}` is no part of a grid; write I/N with 1 <= I <= N, for example 2/4")]
+#[error("`{text}` is not a part of a grid; write I/N with 1 <= I <= N, for example 2/4")]
 pub struct ShardError {
     /// The input that could not be parsed.
     pub text: String,

@@ -55,7 +55,7 @@ impl Body {
             let unit = drive_unit.symbol();
             let scale = 0.5 * r * r * mass / ((1.0 - WHEELS) * straight);
             notes.push(format!(
-                "the input is in {unit}, so torques are known up to a factor: {scale:.6} N m/{unit} follows from \
+                "the input is in {unit}, so torques are known only up to a factor: {scale:.6} N m/{unit} follows from \
                  the mass of {mass:.3} kg of the construction data and {:.0} % of the inertia in wheels and rotors",
                 100.0 * WHEELS
             ));

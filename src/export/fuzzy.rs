@@ -71,10 +71,10 @@ fn header(it: &FuzzyIdentified) -> Vec<String> {
         "    dw = f(w) + G M".into(),
         String::new(),
         format!("f: {} rules over w1 in {low1} to {high1} rad/s and w2 in {low2} to {high2} rad/s; beyond", system.rules()),
-        "these ranges the value at the edge. Outside of what the training data reached, f is".into(),
+        "these ranges the value at the edge. Outside the training data, f is".into(),
         "extrapolated. Wheel 1 is the right one; alpha [rad], w = omega [rad/s], M recorded torques".into(),
-        format!("[{}]. The mass is 1, the torque -f, and there is no dry friction: what friction", it.drive_unit.symbol()),
-        "does at rest is what the rules have learnt. The integrator is Runge-Kutta 4 at a fixed step".into(),
+        format!("[{}]. The mass is 1, the torque -f, and there is no dry friction: the friction", it.drive_unit.symbol()),
+        "at rest is approximated by the rules. The integrator is Runge-Kutta 4 at a fixed step".into(),
         "of at most 1 ms.".into(),
     ]
 }

@@ -48,7 +48,7 @@ pub fn mjcf(it: &Identified, t: f64) -> Simulator {
     if m.weight != [0.0; 2] && (m.lever - body.lever()).abs() > SAME_LEVER {
         left.push(LeftOut {
             effect: "turning by the weight".into(),
-            reason: "the weight acts at the centre of mass that the centrifugal constant gives, not where the slope has it",
+            reason: "the weight acts at the centre of mass given by the centrifugal constant, which differs from that of the slope",
         });
     }
     let left_out = body.left_out(left);
@@ -181,16 +181,16 @@ pub fn urdf_sdf(it: &Identified, t: f64) -> Simulator {
             left.push(LeftOut { effect: what.into(), reason });
         }
     };
-    lacks(m.friction[2] != 0.0, "friction of turning", "joints have friction of their own alone");
+    lacks(m.friction[2] != 0.0, "friction of turning", "joints support only their own friction");
     lacks(
         m.friction[3] != 0.0,
         "friction of driving forward",
-        "joints have friction of their own alone",
+        "joints support only their own friction",
     );
     lacks(
         m.damping[1] != 0.0,
         "damping between the wheels",
-        "joints have damping of their own alone",
+        "joints support only their own damping",
     );
     lacks(m.offset != [0.0; 2], "torque offset", "the format has no bias of actuators");
     lacks(m.weight != [0.0; 2], "inclined floor", "it belongs to the world and not to the robot");

@@ -145,7 +145,7 @@ fn obstacle(model: &Model, e: usize, p: &[f64]) -> Option<&'static str> {
     let between = span(model, p).is_some_and(|(first, last)| (first..last).contains(&e));
     if between && model.effects()[e].acts_on_input() {
         return Some(
-            "it acts on the input between a lag and a delay; put it before or behind both",
+            "it acts on the input between a lag and a delay; place it before or after both",
         );
     }
     if terms.read || input.read {

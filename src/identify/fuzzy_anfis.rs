@@ -56,9 +56,10 @@ impl Search for Anfis {
                        in turns"
                 .into(),
             source: "Jang 1993; Giergiel and Buratowski 2010, conclusion".into(),
-            use_when: "the membership functions cannot bend where friction does: few of them, or \
+            use_when:
+                "fixed membership functions cannot resolve the friction near rest: few of them, or \
                        the paper's range of 0 to 30 rad/s"
-                .into(),
+                    .into(),
             avoid_when: "36 rules over the range of the data already reach the noise floor".into(),
         }
     }

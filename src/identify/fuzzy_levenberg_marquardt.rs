@@ -55,10 +55,10 @@ impl Search for LevenbergMarquardt {
                        down to `gain`"
                 .into(),
             source: "Marquardt 1963; Giergiel and Buratowski 2010, eq. (19)".into(),
-            use_when: "a fuzzy emulator in the parallel structure is wanted: the lowest ISE of \
+            use_when: "a fuzzy emulator in the parallel structure is needed: the lowest ISE of \
                        all fuzzy methods, in well under a second for a run of 25 s"
                 .into(),
-            avoid_when: "parameters with a meaning are wanted, or motion outside the training data"
+            avoid_when: "physical parameters are needed, or motion outside the training data"
                 .into(),
         }
     }

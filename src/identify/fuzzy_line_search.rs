@@ -55,8 +55,7 @@ impl Search for LineSearch {
             source: "Giergiel and Buratowski 2010, section 3; Press et al. 2007, section 9.4"
                 .into(),
             use_when: "the paper's own procedure is to be repeated".into(),
-            avoid_when: "a low ISE is wanted: neighbouring rules depend on each other, so moving \
-                         one at a time creeps; fuzzy_levenberg_marquardt gets lower and faster"
+            avoid_when: "a low ISE is needed: neighbouring consequents are correlated, so a search along one at a time converges slowly; fuzzy_levenberg_marquardt reaches a lower ISE in less time"
                 .into(),
         }
     }

@@ -65,8 +65,7 @@ impl Identifier for TorqueRegression {
             source: "Gautier 1997; Janot, Vandanjon and Gautier 2014".into(),
             use_when: "a quick look, clean data, very long recordings; the literature's reference"
                 .into(),
-            avoid_when: "speeds are noisy: accelerations are attenuated, inertias come out too \
-                         small, the best cut-off depends on the noise, and its intervals do not \
+            avoid_when: "speeds are noisy: accelerations are attenuated, inertias are underestimated, the best cut-off depends on the noise, and its intervals do not \
                          cover that"
                 .into(),
         }

@@ -159,7 +159,7 @@ impl ColumnMap {
         } else if self.drive_unit == DriveUnit::Volt {
             "voltages do not add up: motors of one side have the same; leave `plus` out".into()
         } else if let Some(k) = twice {
-            format!("column `{}` stands there twice; name each once", all[k])
+            format!("column `{}` is listed twice; name each once", all[k])
         } else {
             return Ok(());
         };

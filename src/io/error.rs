@@ -70,7 +70,7 @@ pub enum IoError {
         file: String,
     },
     /// A column that is needed is not there.
-    #[error("{file}: there is no column `{column}`{}; the file has {present}. Say which it is in the experiment file: columns = {{ {} }}", near.as_ref().map_or(String::new(), |n| format!(" (did you mean `{n}`?)")), assigned(key))]
+    #[error("{file}: there is no column `{column}`{}; the file has {present}. Name it in the experiment file: columns = {{ {} }}", near.as_ref().map_or(String::new(), |n| format!(" (did you mean `{n}`?)")), assigned(key))]
     MissingColumn {
         /// As the user named it.
         file: String,
@@ -135,7 +135,7 @@ pub enum IoError {
     },
     /// A unit in the header that is not known for the quantity.
     #[error(
-        "{file}: the header says `{column}`, but `{unit}` is not known as its unit; give a unit that is known in the experiment file, and the factor to it as scale: columns = {{ {key} = {{ name = \"{column}\", unit = \"{si}\", scale = … }} }}"
+        "{file}: the header contains `{column}`, but `{unit}` is not a known unit; give a known unit in the experiment file, and the factor to it as scale: columns = {{ {key} = {{ name = \"{column}\", unit = \"{si}\", scale = … }} }}"
     )]
     HeaderUnit {
         /// As the user named it.
@@ -171,7 +171,7 @@ pub enum IoError {
     },
     /// A direction of what has none, or what says it without a column.
     #[error(
-        "column {column}: `sign` names the column with the direction of a speed or an input (dalpha1, dalpha2, M1, M2), and `backward` what that column holds where the value is negative: {{ name = \"pwmL\", sign = \"dirL\", backward = \"0\" }}"
+        "column {column}: `sign` names the column with the direction of a speed or an input (dalpha1, dalpha2, M1, M2), and `backward` its content for negative values: {{ name = \"pwmL\", sign = \"dirL\", backward = \"0\" }}"
     )]
     Direction {
         /// Contract column.
@@ -179,7 +179,7 @@ pub enum IoError {
     },
     /// A direction that is none of the two.
     #[error(
-        "{file}, row {row}: {key}.sign takes the direction from column `{column}`, which has no number there; name what it holds where the value is negative: backward = \"…\""
+        "{file}, row {row}: {key}.sign takes the direction from column `{column}`, which has no number there; name its content for negative values: backward = \"…\""
     )]
     NoDirection {
         /// As the user named it.
@@ -193,7 +193,7 @@ pub enum IoError {
     },
     /// A period of the rows that is none.
     #[error(
-        "columns.{column}: expected the time between two rows [s] above 0, as t = {{ period = 0.02 }}, found period = {period}; it stands in `t` alone, and in place of all other keys"
+        "columns.{column}: expected the sampling period [s] above 0, as t = {{ period = 0.02 }}, found period = {period}; it is allowed in `t` only, in place of all other keys"
     )]
     Period {
         /// Contract column.
@@ -203,7 +203,7 @@ pub enum IoError {
     },
     /// A key of `columns` that is no column of the contract.
     #[error(
-        "columns.{column} is no column of a recording{}; they are t, alpha1, alpha2, dalpha1, dalpha2, M1, M2", near.as_ref().map_or(String::new(), |n| format!(" (did you mean `{n}`?)"))
+        "columns.{column} is not a column of a recording{}; they are t, alpha1, alpha2, dalpha1, dalpha2, M1, M2", near.as_ref().map_or(String::new(), |n| format!(" (did you mean `{n}`?)"))
     )]
     UnknownColumn {
         /// As written.
@@ -239,7 +239,7 @@ pub enum IoError {
     },
     /// A binary file that breaks the rules of its format.
     #[error(
-        "{file} is damaged or no {format} file: {place}: expected {expected}, found {found}; copy it again from where it was recorded"
+        "{file} is damaged or not a {format} file: {place}: expected {expected}, found {found}; copy it again from where it was recorded"
     )]
     Damaged {
         /// As the user named it.
@@ -254,7 +254,7 @@ pub enum IoError {
         found: String,
     },
     /// A file of a known format without anything to use.
-    #[error("{file}: there are no {needed} in this {format} file; it holds: {found}")]
+    #[error("{file}: this {format} file contains no {needed}; it contains: {found}")]
     Nothing {
         /// As the user named it.
         file: String,
@@ -266,7 +266,7 @@ pub enum IoError {
         found: String,
     },
     /// The extension of the name contradicts the content.
-    #[error("{file} is in another format than its name says; rename it to end in .{extension}")]
+    #[error("{file} does not have the format of its name; rename it to end in .{extension}")]
     OtherFormat {
         /// As the user named it.
         file: String,

@@ -76,7 +76,7 @@ fn header(path: &Path, all: &[u8]) -> Result<bool, IoError> {
     match all.get(HEADER - 4..HEADER) {
         Some([0, 1, b'I', b'M']) => Ok(false),
         Some([1, 0, b'M', b'I']) => Ok(true),
-        _ => old("bytes 124 to 127 do not say level 5"),
+        _ => old("bytes 124 to 127 are not those of level 5"),
     }
 }
 

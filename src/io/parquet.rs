@@ -258,7 +258,7 @@ fn chunks(footer: &[u8], size: u64, names: &[String]) -> Result<Vec<Chunk>, Dama
         }
     }
     if grouped != rows {
-        let expected = format!("{rows} rows, as the footer says");
+        let expected = format!("{rows} rows, as stated in the footer");
         return Err(Damage::new("its groups of rows", expected, grouped.to_string()));
     }
     Ok(chunks)
@@ -303,7 +303,7 @@ impl Chunk {
                 Err(damage) => return Ok(Err(damage.of(&format!("column {}", self.column)))),
             }
         }
-        let expected = || format!("{} values, as the footer says", self.values);
+        let expected = || format!("{} values, as stated in the footer", self.values);
         let place = || format!("the pages of column {}", self.column);
         let sound = values == self.values;
         Ok(if sound { Ok(()) } else { Err(Damage::new(place(), expected(), values.to_string())) })

@@ -58,7 +58,7 @@ const FORMS: [Form; 7] = [
 ];
 
 /// What is said of frames of a bus.
-const FRAMES: &str = "its lines are frames of a CAN bus, whose bytes nobody decoded: decode them by the database of the \
+const FRAMES: &str = "its lines are raw frames of a CAN bus: decode them with the database of the \
                       motor controllers (cantools decode robot.dbc < candump.log), or log the decoded values";
 
 /// Where a table stands among the lines of a text.

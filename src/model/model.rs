@@ -21,7 +21,7 @@ pub enum ModelError {
         near: Option<String>,
     },
     /// The effect is in the model already.
-    #[error("the effect `{id}` stands in the model twice; remove one")]
+    #[error("the effect `{id}` is in the model twice; remove one")]
     Repeated {
         /// As written, the second time.
         id: String,

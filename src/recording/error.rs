@@ -43,7 +43,7 @@ pub enum RecordingError {
     },
     /// Finite, but beyond any physical value.
     #[error(
-        "{name}, row {row}: {column} is {value:e}; no robot goes beyond {limit:e} (a wrong column or unit? a broken logger? remove the row: gaps in time are allowed)"
+        "{name}, row {row}: {column} is {value:e}; values beyond {limit:e} are not physical (a wrong column or unit? a faulty logger? remove the row: gaps in time are allowed)"
     )]
     Beyond {
         /// Recording.
@@ -59,7 +59,7 @@ pub enum RecordingError {
     },
     /// Time steps that are too small or too large.
     #[error(
-        "{name}: t rises by {} s from row to row; expected {least:e} to {most} s. If its unit is another, say so: columns = {{ t = {{ name = \"t\", unit = \"ms\" }} }}", short(*step)
+        "{name}: t rises by {} s from row to row; expected {least:e} to {most} s. If its unit is another, declare it: columns = {{ t = {{ name = \"t\", unit = \"ms\" }} }}", short(*step)
     )]
     Step {
         /// Recording.

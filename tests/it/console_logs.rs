@@ -141,7 +141,7 @@ fn a_period_stands_for_a_time_that_was_not_recorded() {
     folder.run(&["new", "run.csv", "-o", "e.toml"]).says(0, &words);
     folder
         .run(&["check", "e.toml"])
-        .says(2, &["columns.t.period", "the time between two rows [s]"]);
+        .says(2, &["columns.t.period", "the sampling period [s]"]);
     for set in ["recordings.columns.t.period=0.01", "recordings.columns.t={ period = 0.01 }"] {
         folder.run(&["check", "e.toml", "--set", set]).says(0, &READ);
     }

@@ -164,14 +164,14 @@ fn full_key(name: &str) -> Result<String, String> {
                            methods run in every combination";
             return Err(message.into());
         }
-        return Err(format!("is no key of an experiment file{}", nearest(table, &TABLES)));
+        return Err(format!("is not a key of an experiment file{}", nearest(table, &TABLES)));
     }
     if SIMULATION_KEYS.contains(&name) {
         return Ok(format!("simulation.{name}"));
     }
     let near = nearest(name, &SIMULATION_KEYS);
     Err(format!(
-        "is no key of [simulation]{near}; keys of other tables are written with their table, for \
+        "is not a key of [simulation]{near}; keys of other tables are written with their table, for \
          example \"model.effects\""
     ))
 }
@@ -188,11 +188,11 @@ fn values(value: &Value) -> Result<Vec<Value>, String> {
         Value::Table(table) => {
             let range: Range = Value::Table(table.clone())
                 .try_into()
-                .map_err(|e: toml::de::Error| format!("is no range: {}", e.message()))?;
+                .map_err(|e: toml::de::Error| format!("is not a range: {}", e.message()))?;
             range.values()
         }
         other => Err(format!(
-            "= {other} is no list; write [{other}], {{ count = 100 }}, or {{ from = 0.1, to = 10, \
+            "= {other} is not a list; write [{other}], {{ count = 100 }}, or {{ from = 0.1, to = 10, \
              steps = 5, log = true }}"
         )),
     }
@@ -215,9 +215,11 @@ impl Range {
                 Ok((first..=last).map(Value::Integer).collect())
             }
             (None, Some(from), Some(to), Some(steps)) => self.spaced(from, to, steps),
-            _ => Err("is no range; write { count = 100 } with or without from, or { from = 0.1, \
+            _ => {
+                Err("is not a range; write { count = 100 } with or without from, or { from = 0.1, \
                       to = 10, steps = 5 } with or without log = true"
-                .into()),
+                    .into())
+            }
         }
     }
 

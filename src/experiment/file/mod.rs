@@ -113,7 +113,7 @@ pub(super) fn set_value(table: &mut Table, key: &str, value: Value) -> Result<()
             let named = (last != "period").then(|| ("name".to_string(), name.clone().into()));
             *next = Value::Table(named.into_iter().collect());
         }
-        place = next.as_table_mut().ok_or_else(|| format!("`{part}` of `{key}` is no table"))?;
+        place = next.as_table_mut().ok_or_else(|| format!("`{part}` of `{key}` is not a table"))?;
     }
     place.insert(last.to_string(), value);
     Ok(())

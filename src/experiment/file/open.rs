@@ -41,24 +41,22 @@ fn collect(key: &str, value: Option<&Value>, out: &mut Vec<String>) {
 fn wanted(key: &str) -> &'static str {
     match key.rsplit('.').next().unwrap_or_default() {
         "per_turn" => "the counts of the encoder per turn of the wheel (lines x 4 x gear)",
-        "unit" => "the unit of the column; the comments above say which fit",
+        "unit" => "the unit of the column; the comments above list the possibilities",
         "scale" if key.ends_with(".t.scale") => {
-            "the time between two rows [s], as the column counts rows"
+            "the sampling period [s], because the column counts rows"
         }
         "scale" => {
-            "the factor on the values, with its sign; the comments above say which may be meant"
+            "the factor on the values, with its sign; the comments above list the possibilities"
         }
         "sign" => {
-            "the name of the column with the direction, or leave `sign` out where the values have their signs"
+            "the name of the column with the direction, or remove `sign` if the values are signed"
         }
-        "backward" => {
-            "what the column of the direction holds where the value is negative, in quotes"
-        }
+        "backward" => "the content of the direction column for negative values, in quotes",
         "period" => {
-            "the time between two rows [s], or t = \"…\" with the name of the column that holds the time"
+            "the sampling period [s], or t = \"…\" with the name of the time column"
         }
         "r_m" => "the radius of the wheels [m]",
-        _ => "the name of a column of the recording; the comments above say which there are",
+        _ => "the name of a column of the recording; the comments above list them",
     }
 }
 

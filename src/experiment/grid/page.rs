@@ -43,7 +43,7 @@ pub(super) fn render(
     first.extend(caution(cells));
     first.extend(figures(grid, summaries));
     let sections = vec![
-        section("accuracy", "What the repetitions say", first),
+        section("accuracy", "Results of the repetitions", first),
         section(
             "summary",
             "Summary",
@@ -90,8 +90,8 @@ const MOST_ROWS: usize = 1000;
 
 const TABLE_WORDS: &str = "n estimates enter the means; failures are cells without a fit. RMSE is \
      about the true value. Coverage near 95 % means that the standard errors are right. Efficiency is \
-     the mean variance claimed by prediction_error in the same cells (a proxy of the Cramér-Rao \
-     bound; the smallest claimed variance where that method does not run) over the mean square \
+     the mean variance reported by prediction_error in the same cells (a proxy of the Cramér-Rao \
+     bound; the smallest reported variance where that method does not run) over the mean square \
      error: near 1 nothing is left to gain, and above 1 only by chance or by a claim too large.";
 
 /// A coverage with its 95 % interval; for few repetitions only the interval.
@@ -214,7 +214,7 @@ fn verdicts(grid: &GridPlan, cells: &[GridCell]) -> Vec<Block> {
     }
     let mut columns: Vec<Column> = axes.iter().map(|k| Column::text(&grid.axes[*k].name)).collect();
     columns.extend([Column::text("Verdict"), Column::text("Found"), Column::number("Times", "")]);
-    let mut table = Table::new("What the diagnosis said in each combination.", columns);
+    let mut table = Table::new("Verdict of the diagnosis in each combination.", columns);
     for (key, count) in counts.into_iter().take(MOST_ROWS) {
         let mut row: Vec<Cell> = key.into_iter().map(Cell::text).collect();
         row.push(Cell::count(count));
@@ -253,8 +253,7 @@ fn provenance(plan: &Plan) -> Vec<Block> {
     vec![
         Block::paragraph(
             Text::from(
-                "Every cell is in estimates.parquet. To repeat the run, save this file beside \
-                        its recordings and type ",
+                "Every cell is in estimates.parquet. To repeat the run, save this file next to its recordings and run ",
             )
             .code(file)
             .plain("; the numbers, but for wall times, are the same on any number of threads."),

@@ -29,7 +29,8 @@ pub(super) fn look(columns: &[PreviewColumn], guess: &mut Guess) {
     if exchanged {
         exchange(guess, of_input);
     }
-    let why = "its number says no side: the data show which input moves which wheel";
+    let why =
+        "its number does not state the side: assigned by the response of the wheels to the inputs";
     for one in guess.columns.iter_mut().filter(|c| c.side_unsure) {
         one.side_unsure = false;
         one.evidence.push(why.into());

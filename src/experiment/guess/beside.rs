@@ -119,7 +119,7 @@ fn present_values(all: &mut [Candidate]) -> Option<String> {
     let names: Vec<String> = names.map(|(c, _)| format!("`{}`", c.column.name)).collect();
     (!names.is_empty()).then(|| {
         format!(
-            "{} stand beside set-points of the same name: are they the present speeds (dalpha1, dalpha2), or electric \
+            "{} have set-points of the same name: are they the measured speeds (dalpha1, dalpha2), or electric \
              currents (M1, M2)?",
             names.join(", ")
         )

@@ -100,7 +100,8 @@ fn seconds_and_part(all: &[Candidate]) -> Option<Guessed> {
         let mut others = all.iter().filter(|c| whole(&c.column.values));
         let seconds = others.find(|c| goes_on(&c.column.values, &part.column.values))?;
         let name = &part.column.name;
-        let why = format!("it goes on by one where `{name}` falls back: seconds and their parts");
+        let why =
+            format!("it increases by one where `{name}` wraps: seconds and fractions of a second");
         let nanoseconds = Some(name.clone());
         Some(Guessed { nanoseconds, evidence: vec![why], ..guessed(seconds) })
     })
@@ -121,7 +122,7 @@ fn rising(all: &[Candidate]) -> Option<Guessed> {
             Some(Guessed { unit_open: is_place, ..found })
         }
         ([], [one, ..]) => {
-            let found = of(one, "it goes on by 1 from row to row: it counts rows");
+            let found = of(one, "it increases by 1 from row to row: it counts rows");
             Some(Guessed { scale_open: true, ..found })
         }
         _ => None,

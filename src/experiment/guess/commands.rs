@@ -60,7 +60,7 @@ pub(super) fn look(
         for one in &mut inputs {
             one.offset = Some(-PULSE.1);
             one.evidence.push(format!(
-                "{:.0} to {:.0} us: a pulse of a servo, which stands at {:.0}",
+                "{:.0} to {:.0} us: a servo pulse with the neutral position {:.0}",
                 PULSE.0, PULSE.2, PULSE.1
             ));
         }
@@ -88,24 +88,22 @@ pub(super) fn look(
             // what is added stands behind the factor
             one.offset = one.offset.map(|offset| offset * factor / full);
             let milli = if factor == 1.0 { "" } else { ", which is in mV" };
-            one.evidence.push(format!("{full} is the whole of the battery's voltage{milli}"));
+            one.evidence.push(format!("{full} is the full battery voltage{milli}"));
         }
         guess.questions.push(format!(
-            "`{name}` goes up to {reaches}: is {full} the whole voltage of `{}` ({})? Else write another \
-             scale in M1 and M2",
+            "`{name}` reaches {reaches}: is {full} the full voltage of `{}` ({})? Otherwise write another scale in M1 and M2",
             column.name,
             volts_of(column, factor)
         ));
     } else if rest.is_none() && is_volt_sized(top, &name, inputs.iter().map(|one| of(&one.name))) {
         guess.questions.push(format!(
-            "`{name}` goes up to {reaches}: volts, as they are taken? Of a share of the battery's voltage write the volts of \
-             one unit as scale in M1 and M2"
+            "`{name}` reaches {reaches}: is it in volts, as assumed? For a share of the battery voltage write the volts per unit as scale in M1 and M2"
         ));
     } else {
         guess.questions.push(format!(
-            "`{name}` is a share of the battery's voltage{}: with {full} for the whole of 12 V write \
-             scale = {:.5}{} in M1 and M2; until then a volt of the results is one unit of the command",
-            if rest.is_some() { String::new() } else { format!(" and goes up to {reaches}") },
+            "`{name}` is a share of the battery voltage{}: with {full} for the full 12 V write \
+             scale = {:.5}{} in M1 and M2; otherwise one volt of the results is one unit of the command",
+            if rest.is_some() { String::new() } else { format!(" and reaches {reaches}") },
             12.0 / full,
             // what is added stands behind the factor
             rest.map_or(String::new(), |rest| format!(", offset = {}", -rest * 12.0 / full)),
@@ -123,7 +121,7 @@ fn effort(columns: &[PreviewColumn], battery: &PreviewColumn, guess: &Guess) -> 
     };
     let first = inputs().next().filter(|_| inputs().all(is_open))?;
     Some(format!(
-        "`{}` lies within -1 and 1: a torque in N m, as it is taken, or a share of the battery's voltage? For a share write \
+        "the values of `{}` are between -1 and 1: a torque in N m, as assumed, or a share of the battery voltage? For a share write \
          times = \"{}\" in M1 and M2, drive_unit = \"V\", hold = \"constant\" below it, and {} under [model]",
         first.name,
         battery.name,
@@ -156,8 +154,7 @@ fn millivolts<'a>(inputs: &mut [&mut Guessed], of: impl Fn(&str) -> &'a [f64]) -
     if top < LEAST_MILLIVOLTS {
         let name = &inputs.first()?.name;
         return Some(format!(
-            "`{name}` goes up to {top:.0}, which are no volts: a share of the battery's voltage, or millivolts? Write the volts \
-             of one unit as scale in M1 and M2"
+            "`{name}` reaches {top:.0}, which cannot be volts: a share of the battery voltage, or millivolts? Write the volts per unit as scale in M1 and M2"
         ));
     }
     for one in inputs {

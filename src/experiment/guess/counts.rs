@@ -37,7 +37,7 @@ pub(super) fn per_turn(columns: &[PreviewColumn], guess: &mut Guess) {
             };
             if let Some((turns, unit)) = said.filter(|(turns, _)| COUNTS.contains(turns)) {
                 guess.columns[k].per_turn = Some(turns);
-                let why = format!("{turns} counts a turn, from the speed beside it");
+                let why = format!("{turns} counts per turn, from the speed column");
                 guess.columns[k].evidence.push(why);
                 let w = guess.columns.iter_mut().find(|c| c.key == w.key && unit != RADIANS);
                 if let Some(w) = w.filter(|w| w.unit.is_none()) {
@@ -91,11 +91,11 @@ fn unstated(ratio: f64) -> Option<(f64, &'static str)> {
 fn in_counts(speed: &mut Guessed, ratio: f64, row: Option<f64>) {
     if (ratio - 1.0).abs() < ALIKE {
         speed.unit = Some("ticks/s".into());
-        speed.evidence.push("the slope of the counts beside it: counts a second".into());
+        speed.evidence.push("the derivative of the counts: counts per second".into());
     } else if let Some(row) = row.filter(|row| (ratio * row - 1.0).abs() < ALIKE) {
         speed.unit = Some("ticks/s".into());
         speed.scale = Some((1e4 / row).round() / 1e4);
-        speed.evidence.push(format!("the steps of the counts beside it, in a row of {row:.4} s"));
+        speed.evidence.push(format!("the increments of the counts, in rows of {row:.4} s"));
     }
 }
 

@@ -132,7 +132,7 @@ impl Direction {
             // `R` may be right, unless the other word is forward
             let back = self.words.iter().find(|w| is(&BACK, w) && !is(&AHEAD, w))?;
             let other = self.words.iter().find(|w| *w != back)?;
-            let why = format!("`{}` says the direction: `{back}` is backward", self.name);
+            let why = format!("direction from `{}`: `{back}` is backward", self.name);
             return is(&AHEAD, other).then(|| (Some(back.clone()), why));
         }
         let values = distinct(&self.values);
@@ -143,7 +143,7 @@ impl Direction {
         let by = |back: &f64, why: &str| {
             Some((
                 Some(format!("{back}")),
-                format!("`{}` says the direction: {back} is backward{why}", self.name),
+                format!("direction from `{}`: {back} is backward{why}", self.name),
             ))
         };
         if let Some(speed) = speed {

@@ -39,7 +39,7 @@ pub(super) fn mark(columns: &[PreviewColumn], guess: &mut Guess) -> Option<Strin
         one.scale_open |= one.scale.is_none();
     }
     Some(format!(
-        "`{first}` beside `{}` and `{}` is that of the VESC firmware, which counts electrical turns: write 1/(pole pairs of \
+        "`{first}` with `{}` and `{}` is from the VESC firmware, which counts electrical turns: write 1/(pole pairs of \
          the motor x gear) as scale, 0.14 for 7 pole pairs without gear; 1 where the log holds turns of the wheel",
         known[0], known[1]
     ))

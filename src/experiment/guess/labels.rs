@@ -11,8 +11,7 @@ const MOTORS: usize = 4;
 pub(super) fn owners(columns: &[PreviewColumn]) -> Option<String> {
     let (column, words) = columns.iter().find_map(|c| Some((c, whose(c)?)))?;
     Some(format!(
-        "`{}` says whose row it is ({}): were the motors measured one after the other? The two wheels must be measured at \
-         the same time, in columns of their own",
+        "`{}` names the motor of each row ({}): were the motors measured one after the other? The two wheels must be measured at the same time, in separate columns",
         column.name,
         words.join(", ")
     ))
@@ -70,13 +69,13 @@ mod tests {
     fn rows_of_several_motors_are_said() {
         let log = [column("motor", &["M1", "M2"]), column("pwm", &[]), column("speed", &[])];
         let g = guess(&log);
-        assert!(g.questions.join("\n").contains("`motor` says whose row it is (M1, M2)"));
+        assert!(g.questions.join("\n").contains("`motor` names the motor of each row (M1, M2)"));
         assert!(!g.one_axis && g.columns.is_empty(), "{:?}", g.columns);
         let numbers = PreviewColumn {
             values: (0..100).map(|k| f64::from(1 + k / 50)).collect(),
             ..column("motor_id", &[])
         };
         let g = guess(&[numbers, column("pwm", &[]), column("rpm", &[])]);
-        assert!(g.questions.join("\n").contains("`motor_id` says whose row it is (1, 2)"));
+        assert!(g.questions.join("\n").contains("`motor_id` names the motor of each row (1, 2)"));
     }
 }

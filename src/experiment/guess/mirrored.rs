@@ -54,7 +54,7 @@ pub(super) fn look(columns: &[PreviewColumn], guess: &mut Guess) {
             let wheel = if sum > 0.0 { '2' } else { '1' };
             let (input, speed) = if wheel == '2' { (&input2, &w2) } else { (&input1, &w1) };
             let why = format!(
-                "mirrored: `{}` goes with the sum of the speeds and not with their difference",
+                "mirrored: `{}` is proportional to the sum of the speeds, not to their difference",
                 turning.name
             );
             turn(guess, wheel, drives(input, speed), &why);

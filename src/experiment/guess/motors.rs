@@ -103,7 +103,7 @@ pub(super) fn look(all: &[Candidate], columns: &[PreviewColumn], guess: &mut Gue
             one.evidence.push(format!("{names} on the same side: added up"));
         } else {
             questions.push(format!(
-                "{names} stand beside `{}` on one side, and not as many on the other: which motors drive each side? Write \
+                "one side has {names} in addition to `{}`, and the other not as many: which motors drive each side? Write \
                  their columns as plus = [\"…\"] in M1 and M2, which adds them to `name`",
                 one.name
             ));

@@ -20,7 +20,7 @@ fn beside() -> String {
 fn share_of(values: &[f64]) -> &'static str {
     let top = largest(values);
     if top > 0.0 && top < 1.001 {
-        "; it lies within -1 and 1: of a share of the battery's voltage write also scale = 12.0 for 12 V"
+        "; its values are between -1 and 1: for a share of the battery voltage also write scale = 12.0 for 12 V"
     } else {
         ""
     }

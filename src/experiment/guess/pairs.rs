@@ -60,7 +60,7 @@ impl<'a, 'b> Pairs<'a, 'b> {
         let is_motion = matches!(quantity, Quantity::Angle | Quantity::Speed);
         if is_motion && pair.0.named.wished && !is_exact(pair.0, keys) {
             self.questions.push(format!(
-                "{} are set-points by their names: which columns hold what was measured ({}, {})?",
+                "{} are set-points by their names: which columns contain the measured values ({}, {})?",
                 listed(&[pair.0, pair.1]),
                 keys[0],
                 keys[1]

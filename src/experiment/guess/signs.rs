@@ -57,8 +57,7 @@ pub(super) fn bounce(columns: &[PreviewColumn], guess: &mut Guess) {
         return;
     }
     guess.questions.push(format!(
-        "`{}` is never negative and {bounces} times rises from zero as steeply as it fell to it: a magnitude? Write as sign the column \
-         with the direction, or record signed values; where the wheels only turned forward leave sign out",
+        "`{}` is never negative and {bounces} times rises from zero as steeply as it fell to zero: is it a magnitude? Write the column with the direction as sign, or record signed values; if the wheels only turned forward, remove sign",
         speeds[0]
     ));
     for one in

@@ -106,11 +106,11 @@ fn angles(columns: &[PreviewColumn], guess: &mut Guess, is_joint: bool) {
     let both = speed(first.key).filter(|w| is_slope(first) && !is_stated(w) && w.name != w.key);
     let question = match both {
         Some(w) => format!(
-            "{range}, and `{}` is its slope: in rad and rad/s, rev and rev/s, deg and deg/s, or m and m/s? Write both as unit",
+            "{range}, and `{}` is its derivative: in rad and rad/s, rev and rev/s, deg and deg/s, or m and m/s? Write both as unit",
             w.name
         ),
         None => format!(
-            "{range}: an angle in rad, deg, rev or ticks, or a way in m, cm or mm? Write it as unit; of speeds \
+            "{range}: an angle in rad, deg, rev or ticks, or a distance in m, cm or mm? Write it as unit; for speeds \
              write dalpha1 and dalpha2 in place of alpha1 and alpha2"
         ),
     };

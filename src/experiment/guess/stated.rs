@@ -28,7 +28,7 @@ pub(super) fn look(guess: &mut Guess) {
         // both wheels in one question
         if !one.key.ends_with('2') {
             questions.push(format!(
-                "`{}` is in `{stated}`, which is no unit that is known for it: how many {si} is one of it{}? Write it as scale",
+                "`{}` is in `{stated}`, which is not a known unit for it: how many {si} is one of it{}? Write this factor as scale",
                 one.name,
                 if stated.contains('%') { RATED } else { "" }
             ));

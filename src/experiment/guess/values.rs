@@ -127,7 +127,7 @@ pub(super) fn questions(columns: &[PreviewColumn], guess: &mut Guess, input: Opt
     } else if guess.columns.iter().any(Guessed::is_electrical) {
         guess.questions.push(
             "erpm counts electrical turns: write 1/(pole pairs of the motor x gear) as scale, 0.14 for 7 pole pairs \
-             without gear; a tachometer beside it makes 6 steps an electrical turn: per_turn = 6 x pole pairs x gear"
+             without gear; a tachometer column has 6 counts per electrical turn: per_turn = 6 x pole pairs x gear"
                 .into(),
         );
         guess.columns.iter_mut().for_each(|c| {
@@ -186,8 +186,7 @@ fn time_question(guess: &Guess) -> Option<String> {
         Some(no_step(&time.name))
     } else if time.unit_open {
         Some(format!(
-            "`{}` is the only column that increases from row to row: is it the time? Then write its unit; of a position \
-             write the column of the time as name, or t = {{ period = 0.02 }} where rows come at a fixed period",
+            "`{}` is the only column that increases from row to row: is it the time? If so, write its unit; if it is a position, write the time column as name, or t = {{ period = 0.02 }} for a constant sampling period",
             time.name
         ))
     } else {
@@ -197,16 +196,13 @@ fn time_question(guess: &Guess) -> Option<String> {
 
 /// The question for the step of a column that counts rows.
 fn no_step(name: &str) -> String {
-    format!(
-        "`{name}` counts rows: what is the time between two of them [s]? Write it as scale of t"
-    )
+    format!("`{name}` counts rows: what is the sampling period [s]? Write it as scale of t")
 }
 
 /// The question if no time column was found.
 fn no_time(period_open: bool) -> &'static str {
     if period_open {
-        "what is the time between two rows [s]? No column rises steadily: if rows come at a fixed period, write \
-         t = { period = 0.02 }; else the name of the column that holds the time (t)"
+        "what is the sampling period [s]? No column increases steadily: if the period is constant, write t = { period = 0.02 }; otherwise the name of the time column (t)"
     } else {
         "which column holds the time (t)? If none does and rows come at a fixed period, write t = { period = 0.02 }"
     }
@@ -223,7 +219,7 @@ fn of_controller(values: &[f64], one: &mut Guessed) {
     } else if !name.contains("present_") || !whole(values) {
         return;
     } else if angle {
-        ("ticks", None, Some(4096.0), "a Dynamixel of series X has 4096 counts a turn")
+        ("ticks", None, Some(4096.0), "a Dynamixel of series X has 4096 counts per turn")
     } else if speed {
         ("rpm", Some(0.229), None, "a Dynamixel of series X counts speed in 0.229 rpm")
     } else if name.contains("current") {

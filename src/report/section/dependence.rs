@@ -90,15 +90,14 @@ fn drawn(study: &Study) -> Vec<&Curve> {
 fn caption(study: &Study) -> String {
     let line = match study.curves[0].share_after {
         Some(_) => {
-            " The line is what the effects found, with the other parameters fitted anew, add to the model."
+            " The line is the torque that the effects found, with all parameters fitted again, add to the model."
         }
         None => "",
     };
     let geometry = match study.track_is_known {
         true => "",
         false => {
-            " The track of the robot is not known: turn rate and heading are those of another track, so that their \
-             shape holds and their scale does not."
+            " The track of the robot is unknown: turn rate and heading are computed with another track, so the shape of the curves is valid, but not their scale."
         }
     };
     let acting = match study.curves.iter().all(|c| c.acting == Acting::Torque) {
@@ -110,7 +109,7 @@ fn caption(study: &Study) -> String {
         }
     };
     format!(
-        "Recorded input less what the model needs for the measured motion, behind a low-pass, in bins of a \
+        "Recorded input minus the torque that the model requires for the measured motion, after a low-pass, in bins of a \
          variable; rows near rest, where the direction of dry friction is not known, are left out. No line crosses a range without data.{line} Variables that \
          varied together in these recordings share their curves.{acting}{geometry}"
     )

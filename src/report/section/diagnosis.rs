@@ -32,7 +32,7 @@ impl Section for Diagnosis {
     }
 
     fn how_to_read(&self) -> &'static str {
-        "Every effect of the catalogue is added to the model by itself; the criterion (BIC) compares them \
+        "Each effect of the catalogue is added to the model separately; the criterion (BIC) compares them \
          on the training data, and an effect is found only if it lowers the error on data that were held out."
     }
 
@@ -88,7 +88,7 @@ fn ranking_figure(diagnosis: &DiagnosisStudy) -> Option<Figure> {
     let panel =
         Panel::new(Axis::linear("ΔBIC / 2", ""), Axis::unlabelled()).with(Layer::Bars(bars));
     let figure = Figure::new("ranking", title)
-        .with_subtitle("Each candidate added by itself; at the bars: probability among the candidates")
+        .with_subtitle("Each candidate added separately; labels: probability among the candidates")
         .with_caption(format!(
             "ΔBIC: by how much the Bayesian information criterion prefers the model with the candidate, on training \
              data; the best {} of {}. A difference of 3 in ΔBIC / 2 means odds of e³ = 20 to 1.",
@@ -194,8 +194,7 @@ fn table(study: &Study, ranking: &[CandidateStudy]) -> Table {
         )
     });
     let caption = format!(
-        "The candidates that were fitted, best first, each added by itself; errors with it on {} data, green where \
-         they are at least 1 % lower than without it.{before}",
+        "The fitted candidates, best first, each added separately; errors with it on {} data, green if at least 1 % lower than without it.{before}",
         study.judged_words()
     );
     let mut table = Table::new(caption, columns);

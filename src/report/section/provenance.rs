@@ -61,7 +61,7 @@ impl Section for Provenance {
             return blocks;
         }
         let repeat = if study.invocation.recordings.is_empty() {
-            Text::from("To repeat the run, save this file beside its recordings and type ")
+            Text::from("To repeat the run, save this file next to its recordings and run ")
                 .code(format!("experiment {}.toml", study.experiment))
         } else {
             Text::from("To repeat the run, type ").code(study.invocation.run())

@@ -66,7 +66,7 @@ impl Section for Recordings {
         if remarks == 0 {
             blocks.push(Block::paragraph("The check of the recordings found no issues."));
         } else {
-            blocks.push(Block::Heading("What the check of the recordings says".to_owned()));
+            blocks.push(Block::Heading("Findings of the quality check".to_owned()));
             if findings.len() < remarks {
                 let (here, all) = (findings.len(), remarks);
                 let sentence = format!("The first {here} of {all} remarks; results.json has all.");

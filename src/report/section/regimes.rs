@@ -25,7 +25,7 @@ impl Section for Regimes {
     fn how_to_read(&self) -> &'static str {
         "A ratio of 1 means that noise explains the error, but an error made in one regime is carried \
          into the next until the simulation of 2 s ends; a star marks where the mean residual torque is \
-         significant at 5 % after correction for looking at all regimes (Holm)."
+         significant at 5 % after correction for multiple tests (Holm)."
     }
 
     fn blocks(&self, study: &Study) -> Vec<Block> {

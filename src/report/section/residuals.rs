@@ -87,8 +87,7 @@ fn figure(study: &Study, given: &Whiteness, completed: Option<&Whiteness>) -> Fi
             study.judged_words()
         ))
         .with_caption(format!(
-            "Right wheel solid, left wheel dotted; shaded: 99 % bounds. White errors leave {expected:.0} of \
-             {all} correlations outside; here {outside_of}. Errors over one sample show noise and sampling of the \
+            "Right wheel solid, left wheel dotted; shaded: 99 % bounds. With white errors {expected:.0} of {all} correlations are expected outside; here {outside_of}. Errors over one sample show noise and sampling of the \
              input as correlation, which the noise floor of a simulation of 2 s contains: a model at its floor may \
              leave small ones. The noise of the filter is that which the channels show by themselves, \
              so that it cannot absorb what the model lacks. Errors are divided by the standard deviation that \

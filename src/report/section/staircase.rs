@@ -43,7 +43,7 @@ impl Section for Staircase {
             let lead = if stairs.len() > 1 {
                 "Effects found by the diagnosis, added one by one; every model fitted by the diagnosis"
             } else {
-                "The diagnosis, which fits by itself, adds no effect"
+                "The diagnosis, which uses its own fit, adds no effect"
             };
             blocks.extend(show(study, "staircase", lead, &stairs));
         }

@@ -199,7 +199,7 @@ fn cautions(study: &Study) -> Vec<Block> {
             .collect();
         if !unknown.is_empty() {
             let sentence = format!("Not identifiable from these data: {}.", words::list(&unknown));
-            notice(sentence, "See the parameters for what to record or to hold fixed.");
+            notice(sentence, "The section on parameters states what to record or to fix.");
         }
     }
     let failed: Vec<String> = study
@@ -272,7 +272,7 @@ fn next_step(study: &Study) -> Vec<Block> {
 fn to_diagnose(study: &Study) -> Text {
     let text = Text::from("Next step: to learn whether an effect is missing, and which, ");
     if !study.invocation.has_file() {
-        return text.plain("ask for a diagnosis.");
+        return text.plain("run a diagnosis.");
     }
     let text = text.plain("add ").code("[diagnosis]").plain(" to the experiment file");
     let text = match effects::most_common() {

@@ -57,9 +57,10 @@ fn points(trace: &Trace, curve: usize) -> Points {
 /// Title and caption of a trace.
 fn words_of(kind: &TraceKind) -> (&'static str, &'static str) {
     match kind {
-        TraceKind::Estimates(_) => {
-            ("Estimates", "Dashed lines mark the true value where it is known, else the last one.")
-        }
+        TraceKind::Estimates(_) => (
+            "Estimates",
+            "Dashed lines mark the true value if it is known, otherwise the last one.",
+        ),
         TraceKind::Cost => ("Cost", ""),
         TraceKind::Profile => (
             "Profile likelihood",
