@@ -132,6 +132,14 @@ pub(crate) fn csv(rows: &[Row]) -> String {
     text(rows, HEADER, ",", |x| format!("{x}"), "\n")
 }
 
+/// A short experiment on simulated recordings, of some ten milliseconds; tests add a `[grid]`.
+pub(crate) fn short(title: &str) -> String {
+    format!(
+        "title = \"{title}\"\n\n[simulation]\nnoise      = {{ dalpha = 0.05, alpha = 0.001, M = 0.005 }}\n\
+         train      = 1\nvalidation = 0\nduration_s = 4.0\n\n[[method]]\nname = \"torque_regression\"\n"
+    )
+}
+
 /// An experiment file on one recording.
 pub(crate) fn on(recording: &str) -> String {
     format!("[recordings]\ntrain = [{recording:?}]\n\n[[method]]\nname = \"prediction_error\"\n")
