@@ -39,6 +39,46 @@ pub struct Failure {
     pub significant: bool,
 }
 
+/// Sums over the rows of one regime and wheel.
+#[derive(Default)]
+struct Sums {
+    /// Squared errors over windows [rad^2/s^2].
+    square: f64,
+    /// Squared noise floors [rad^2/s^2].
+    expected: f64,
+    samples: usize,
+    /// Residual torques [N m], each with the number of its block of 1 s.
+    torques: Vec<(usize, f64)>,
+}
+
+impl Sums {
+    /// The error in the regime, with a t test of its mean residual torque; `None` if it has too few rows. `total`: summed
+    /// squared error of both wheels in all regimes.
+    fn failure(mut self, regime: Regime, wheel: usize, total: f64) -> Option<Failure> {
+        if self.samples < FEWEST {
+            return None;
+        }
+        self.torques.retain(|(_, torque)| torque.is_finite());
+        let mean = clustered_mean(&self.torques);
+        let t = mean.value.abs() / mean.std_error;
+        let p_value = match mean.blocks {
+            ..FEWEST_BLOCKS => 1.0,
+            blocks => 2.0 * t_survival(t, blocks as f64 - 1.0),
+        };
+        Some(Failure {
+            regime,
+            wheel: wheel + 1,
+            share_of_ise: self.square / total,
+            ratio_to_noise: (self.square / self.expected.max(1e-300)).sqrt(),
+            p_value: if p_value.is_finite() { p_value } else { 1.0 },
+            torque: mean.value,
+            std_error: mean.std_error,
+            samples: self.samples,
+            significant: false,
+        })
+    }
+}
+
 /// Regimes sorted by the ratio of error to noise. `regimes`, `torque` (the
 /// [`residual_torque()`](super::residual_torque())) and `errors` (over windows of 2 s [rad/s]) contain one
 /// list per recording with one value per row, `floors` the noise floors [rad/s].
@@ -64,38 +104,17 @@ pub fn failures(
     let mut out = Vec::new();
     for regime in Regime::ALL {
         for wheel in 0..2 {
-            let (mut sum, mut expected, mut samples) = (0.0, 0.0, 0);
-            let mut torques: Vec<(usize, f64)> = Vec::new();
+            let mut sums = Sums::default();
             for (r, recording) in recordings.iter().enumerate() {
                 let block = |k: usize| (r << 32) + recording.t()[k].max(0.0) as usize;
                 for k in (0..regimes[r].len()).filter(|k| regimes[r][*k] == regime) {
-                    sum += errors[r][k][wheel].powi(2);
-                    expected += floors[r] * floors[r];
-                    samples += 1;
-                    torques.push((block(k), torque[r][k][wheel]));
+                    sums.square += errors[r][k][wheel].powi(2);
+                    sums.expected += floors[r] * floors[r];
+                    sums.samples += 1;
+                    sums.torques.push((block(k), torque[r][k][wheel]));
                 }
             }
-            if samples < FEWEST {
-                continue;
-            }
-            torques.retain(|(_, torque)| torque.is_finite());
-            let mean = clustered_mean(&torques);
-            let t = mean.value.abs() / mean.std_error;
-            let p_value = match mean.blocks {
-                ..FEWEST_BLOCKS => 1.0,
-                blocks => 2.0 * t_survival(t, blocks as f64 - 1.0),
-            };
-            out.push(Failure {
-                regime,
-                wheel: wheel + 1,
-                share_of_ise: sum / total,
-                ratio_to_noise: (sum / expected.max(1e-300)).sqrt(),
-                p_value: if p_value.is_finite() { p_value } else { 1.0 },
-                torque: mean.value,
-                std_error: mean.std_error,
-                samples,
-                significant: false,
-            });
+            out.extend(sums.failure(regime, wheel, total));
         }
     }
     let p_values: Vec<f64> = out.iter().map(|f| f.p_value).collect();

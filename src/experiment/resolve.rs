@@ -35,7 +35,7 @@ fn source(
             let recordings = super::measured::read(path, entry, &file.conditioning, robot)?;
             Ok(Source { hold: entry.hold, ..Source::given(recordings) })
         }
-        (None, Some(entry)) => made(entry, own, robot),
+        (None, Some(entry)) => simulated(entry, own, robot),
         (None, None) => Ok(Source { hold: Some(Hold::Linear), ..Source::given(vec![]) }),
     }
 }
@@ -258,8 +258,15 @@ fn diagnosis(file: &ExperimentFile, own: &[Own]) -> Result<Option<DiagnosisPlan>
     Ok(Some(DiagnosisPlan { settings, slow_moment }))
 }
 
-/// Simulated recordings: a robot with base and hidden effects follows the movement.
-fn made(entry: &SimulationEntry, own: &[Own], robot: &Robot) -> Result<Source, Meaning> {
+/// The model and the true parameters of a simulated robot.
+///
+/// # Errors
+/// Unknown effects and parameters, and shape parameters out of range.
+fn simulated_robot(
+    entry: &SimulationEntry,
+    own: &[Own],
+    robot: &Robot,
+) -> Result<(Model, Vec<f64>), Meaning> {
     let mut truth = Model::base(robot.clone());
     for id in entry.hidden.keys() {
         truth = add(&truth, id, own)?;
@@ -290,6 +297,12 @@ fn made(entry: &SimulationEntry, own: &[Own], robot: &Robot) -> Result<Source, M
             p[j] = *value;
         }
     }
+    Ok((truth, p))
+}
+
+/// Simulated recordings: a robot with base and hidden effects follows the movement.
+fn simulated(entry: &SimulationEntry, own: &[Own], robot: &Robot) -> Result<Source, Meaning> {
+    let (truth, p) = simulated_robot(entry, own, robot)?;
     let count = entry.train + entry.validation;
     let recordings = (0..count)
         .into_par_iter()

@@ -26,22 +26,7 @@ pub(super) fn robot(table: Option<&Table>) -> Result<Robot, Meaning> {
     {
         return Ok(robot);
     }
-    let known: Vec<&str> = Construction::amigobot().values().map(|(key, _)| key).collect();
-    if let Some(unknown) = rest.keys().find(|k| !known.contains(&k.as_str())) {
-        let near = nearest(unknown, &known);
-        return Err(words(format!("[robot]: unknown key `{unknown}`{near}")));
-    }
-    if let Some((key, value)) = rest.iter().find(|(_, v)| !v.is_float() && !v.is_integer()) {
-        return Err(words(format!("[robot]: {key} = {value} must be a number")));
-    }
-    let is_missing = |key: &&str| !rest.contains_key(*key) && is_required(key);
-    let missing: Vec<&str> = known.iter().copied().filter(is_missing).collect();
-    if base.is_none() && !missing.is_empty() {
-        return Err(words(format!(
-            "[robot]: {} missing; without a preset all construction data are required. If they are not known, add preset = \"unknown\", or the preset of a similar robot, whose values are then used",
-            and(&missing)
-        )));
-    }
+    check_keys(&rest, base.is_some())?;
     // keys in the file replace those of the preset
     let mut values = Table::new();
     if let Some(robot) = &base {
@@ -63,6 +48,27 @@ pub(super) fn robot(table: Option<&Table>) -> Result<Robot, Meaning> {
         Some(_) => UNKNOWN.into(),
     };
     Ok(Robot::new(name, construction)?)
+}
+
+/// Checks that the construction data of a table are known keys with numbers, and complete unless a preset gives the others.
+fn check_keys(rest: &Table, has_preset: bool) -> Result<(), Meaning> {
+    let known: Vec<&str> = Construction::amigobot().values().map(|(key, _)| key).collect();
+    if let Some(unknown) = rest.keys().find(|k| !known.contains(&k.as_str())) {
+        let near = nearest(unknown, &known);
+        return Err(words(format!("[robot]: unknown key `{unknown}`{near}")));
+    }
+    if let Some((key, value)) = rest.iter().find(|(_, v)| !v.is_float() && !v.is_integer()) {
+        return Err(words(format!("[robot]: {key} = {value} must be a number")));
+    }
+    let is_missing = |key: &&str| !rest.contains_key(*key) && is_required(key);
+    let missing: Vec<&str> = known.iter().copied().filter(is_missing).collect();
+    if !has_preset && !missing.is_empty() {
+        return Err(words(format!(
+            "[robot]: {} missing; without a preset all construction data are required. If they are not known, add preset = \"unknown\", or the preset of a similar robot, whose values are then used",
+            and(&missing)
+        )));
+    }
+    Ok(())
 }
 
 /// Name of a robot with unknown construction; where a length is needed, that of the AmigoBot is used, and

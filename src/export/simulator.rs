@@ -41,6 +41,24 @@ const SAME_LEVER: f64 = 0.05;
 pub fn mjcf(it: &Identified, t: f64) -> Simulator {
     let body = Body::new(&Mechanics::of(it.model, it.values, t), it.model.robot(), it.drive_unit);
     let m = &body.mechanics;
+    let left_out = body.left_out(not_in_mjcf(&body));
+    let mut out = String::from("<mujoco model=\"robot\">\n");
+    out += &comment(it, &body, &left_out);
+    out += &options(&body);
+    out += "  <worldbody>\n    <geom name=\"floor\" type=\"plane\" size=\"50 50 1\" friction=\"3 0 0\" \
+            condim=\"3\"/>\n";
+    out += &chassis(&body);
+    out += &wheels(&body);
+    out += "    </body>\n  </worldbody>\n";
+    out += &tendons(m);
+    out += &actuators(&body);
+    out += "</mujoco>\n";
+    Simulator { files: vec![("robot.xml".into(), out)], left_out, notes: body.notes }
+}
+
+/// What MJCF cannot express of the mechanics.
+fn not_in_mjcf(body: &Body) -> Vec<LeftOut> {
+    let m = &body.mechanics;
     let mut left = Vec::new();
     if m.damping[0] < m.damping[1].abs() || m.damping[2] < m.damping[1].abs() {
         left.push(LeftOut { effect: "damping".into(), reason: "a negative damping of the wheels" });
@@ -51,9 +69,13 @@ pub fn mjcf(it: &Identified, t: f64) -> Simulator {
             reason: "the weight acts at the centre of mass given by the centrifugal constant, which differs from that of the slope",
         });
     }
-    let left_out = body.left_out(left);
-    let mut out = String::from("<mujoco model=\"robot\">\n");
-    out += &comment(it, &body, &left_out);
+    left
+}
+
+/// Integrator, gravity, turned by an inclined floor, and the stiffness of contacts and dry friction.
+fn options(body: &Body) -> String {
+    let m = &body.mechanics;
+    let mut out = String::new();
     let weight = [0, 1].map(|i| -2.0 * m.weight[i] / (body.r * body.mass));
     let vertical = -(GRAVITY * GRAVITY - weight[0].powi(2) - weight[1].powi(2)).max(0.0).sqrt();
     let _ = writeln!(
@@ -68,8 +90,12 @@ pub fn mjcf(it: &Identified, t: f64) -> Simulator {
          <tendon solreffriction=\"{STIFF}\" solimpfriction=\"{CLOSE}\"/>\n    \
          <geom solref=\"{STIFF}\" solimp=\"{CLOSE}\"/>\n  </default>"
     );
-    out += "  <worldbody>\n    <geom name=\"floor\" type=\"plane\" size=\"50 50 1\" friction=\"3 0 0\" \
-            condim=\"3\"/>\n";
+    out
+}
+
+/// The opening tag of the chassis, with its joints, inertia and shape.
+fn chassis(body: &Body) -> String {
+    let mut out = String::new();
     let _ = writeln!(out, "    <body name=\"chassis\" pos=\"0 0 {}\">", body.r);
     for (name, kind, axis) in [
         ("x", "slide", "1 0 0"),
@@ -92,6 +118,13 @@ pub fn mjcf(it: &Identified, t: f64) -> Simulator {
         0.8 * body.l1,
         0.5 * body.r
     );
+    out
+}
+
+/// The wheels with damping, dry friction and armature.
+fn wheels(body: &Body) -> String {
+    let m = &body.mechanics;
+    let mut out = String::new();
     let tiny = 1e-4 * body.wheel[0].min(body.wheel[1]);
     for (i, name, side) in [(0, "right", -1.0), (1, "left", 1.0)] {
         let damping = (m.damping[2 * i] - m.damping[1].abs()).max(0.0);
@@ -109,11 +142,7 @@ pub fn mjcf(it: &Identified, t: f64) -> Simulator {
             body.r
         );
     }
-    out += "    </body>\n  </worldbody>\n";
-    out += &tendons(m);
-    out += &actuators(&body);
-    out += "</mujoco>\n";
-    Simulator { files: vec![("robot.xml".into(), out)], left_out, notes: body.notes }
+    out
 }
 
 /// Friction and damping of turning and forward motion: fixed tendons with the speeds w1 - w2 and w1 + w2.

@@ -98,6 +98,34 @@ const IDLE: usize = 2;
 /// Relative ridge that keeps the factorisation positive definite along directions without curvature.
 const RIDGE: f64 = 1e-12;
 
+/// The damping of the next step, by Nielsen's rule.
+struct Damping {
+    value: f64,
+    /// Factor after the next rejection.
+    factor: f64,
+}
+
+impl Damping {
+    /// Whether the last step was accepted, or none was tried yet.
+    fn follows_success(&self) -> bool {
+        self.factor == FIRST_FACTOR
+    }
+
+    /// After an accepted step; `gain`: actual over predicted decrease of the cost.
+    fn accept(&mut self, gain: f64) {
+        let shrink = 1.0 - (2.0 * gain - 1.0).powi(3);
+        // a gain that is not a number comes from a step cut at a bound
+        self.value *= if shrink.is_nan() { 1.0 } else { shrink.clamp(1.0 / 3.0, 2.0) };
+        self.value = self.value.max(1e-15);
+        self.factor = FIRST_FACTOR;
+    }
+
+    fn reject(&mut self) {
+        self.value *= self.factor;
+        self.factor *= 2.0;
+    }
+}
+
 /// Minimises a cost by Levenberg and Marquardt's method within simple bounds.
 ///
 /// ```text
@@ -145,7 +173,7 @@ pub fn minimise(
     let mut x = project(start, options);
     let Some(mut here) = evaluate(&x).filter(usable) else { return no_start(&x, 1) };
     let (mut iterations, mut evaluations, mut idle) = (0, 1, 0);
-    let (mut damping, mut factor) = (options.initial_damping, FIRST_FACTOR);
+    let mut damping = Damping { value: options.initial_damping, factor: FIRST_FACTOR };
     let status = loop {
         let model = Model::at(&x, &here, options);
         if model.is_settled(&here, options) || idle >= IDLE {
@@ -157,20 +185,20 @@ pub fn minimise(
         if iterations == options.max_iterations {
             break MinimumStatus::MaxIterations;
         }
-        if damping > MAX_DAMPING {
+        if damping.value > MAX_DAMPING {
             break MinimumStatus::Stalled;
         }
-        let trial = model.step(damping).map(|d| project(&(&x + d), options));
+        let trial = model.step(damping.value).map(|d| project(&(&x + d), options));
         let promise = trial.as_ref().map(|trial| expected_decrease(&here, &(trial - &x)));
         let promises = promise.is_none_or(|promise| !(promise <= options.tolerance(here.cost)));
-        if iterations > 0 && factor > FIRST_FACTOR && !promises {
+        if iterations > 0 && !damping.follows_success() && !promises {
             // longer steps failed, and this one is negligible
             break if idle > 0 { MinimumStatus::Converged } else { MinimumStatus::Stalled };
         }
         let mut accepted = None;
         if let Some(trial) = trial.filter(|trial| *trial != x) {
             // after an accepted step the next one is seldom rejected, so derivatives are computed at once
-            let hopeful = factor == FIRST_FACTOR;
+            let hopeful = damping.follows_success();
             evaluations += 1;
             if hopeful || cost_only(&trial).is_some_and(|cost| cost < here.cost) {
                 evaluations += usize::from(!hopeful);
@@ -186,14 +214,9 @@ pub fn minimise(
             idle = if negligible { idle + 1 } else { 0 };
             (x, here) = (trial, there);
             iterations += 1;
-            let shrink = 1.0 - (2.0 * gain - 1.0).powi(3);
-            // a gain that is not a number comes from a step cut at a bound
-            damping *= if shrink.is_nan() { 1.0 } else { shrink.clamp(1.0 / 3.0, 2.0) };
-            damping = damping.max(1e-15);
-            factor = FIRST_FACTOR;
+            damping.accept(gain);
         } else {
-            damping *= factor;
-            factor *= 2.0;
+            damping.reject();
         }
     };
     let Quadratic { cost, gradient, hessian } = here;

@@ -139,26 +139,17 @@ fn figure(
         .with_how_to_read(quantity.how_to_read)
         .with_caption(format!("{}{}", quantity.caption, curves.words(grid)))
         .with_columns(columns(parameters.len()));
+    let repetitions = summaries.iter().map(|s| s.n).max().unwrap_or(0);
     for (parameter, unit) in parameters {
         let mut panel =
             Panel::new(x(), (quantity.axis)(&format::unit(unit))).with_title(*parameter);
-        let repetitions = summaries.iter().map(|s| s.n).max().unwrap_or(0);
         if let Some(target) = quantity.target.as_ref().filter(|_| repetitions > 0) {
             panel = panel.with(chance(&numbers, (target.chance)(repetitions)));
         }
         for (n, name) in names.iter().take(MOST_SERIES).enumerate() {
             let of = |s: &&Summary| s.parameter == *parameter && curves.has(grid, s, name);
-            let mut points: Vec<Point> = summaries
-                .iter()
-                .filter(|s| of(s) && s.n >= quantity.fewest)
-                .map(|s| {
-                    let interval = quantity.interval.map(|of| of(s));
-                    (numbers[s.places[along]], (quantity.value)(s), interval)
-                })
-                .filter(|p| p.1.is_finite())
-                .collect();
-            points.sort_by(|a, b| a.0.total_cmp(&b.0));
-            panel = with_curve(panel, &points, name, n);
+            let x = |s: &Summary| numbers[s.places[along]];
+            panel = with_curve(panel, &points(summaries.iter().filter(of), quantity, x), name, n);
         }
         if let Some(target) = &quantity.target {
             panel = panel.with(Layer::hline(target.at, target.label, ColourRole::Ink));
@@ -166,6 +157,21 @@ fn figure(
         out = out.with_panel(panel);
     }
     out
+}
+
+/// The points of a curve in the order of x, of summaries with enough repetitions.
+fn points<'a>(
+    summaries: impl Iterator<Item = &'a Summary>,
+    quantity: &Quantity,
+    x: impl Fn(&Summary) -> f64,
+) -> Vec<Point> {
+    let mut points: Vec<Point> = summaries
+        .filter(|s| s.n >= quantity.fewest)
+        .map(|s| (x(s), (quantity.value)(s), quantity.interval.map(|of| of(s))))
+        .filter(|p| p.1.is_finite())
+        .collect();
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    points
 }
 
 /// Number of columns for this number of panels.

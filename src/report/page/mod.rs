@@ -201,15 +201,7 @@ fn write(
             }
             body {
                 div.layout.single[is_single] {
-                    @if !is_single {
-                        nav aria-label="Sections" {
-                            ol {
-                                @for (section, id) in content.sections.iter().zip(&ids) {
-                                    li.folded[section.folded] { a href={ "#" (id) } { (section.title) } }
-                                }
-                            }
-                        }
-                    }
+                    @if !is_single { (navigation(content, &ids)) }
                     main {
                         header {
                             h1 { (content.title) }
@@ -217,17 +209,7 @@ fn write(
                         }
                         @for ((section, id), blocks) in content.sections.iter().zip(&ids).zip(&sections) {
                             section id=(id) {
-                                @if is_single {
-                                    (blocks)
-                                } @else if section.folded {
-                                    details.folded {
-                                        summary { h2 { (section.title) } }
-                                        (blocks)
-                                    }
-                                } @else {
-                                    h2 { (section.title) }
-                                    (blocks)
-                                }
+                                @if is_single { (blocks) } @else { (titled(section, blocks)) }
                             }
                             @if id == &ids[0] && content.versions.len() == 2 {
                                 (version_switch(&content.versions))
@@ -241,6 +223,34 @@ fn write(
         }
     }
     .into_string()
+}
+
+/// The table of contents.
+fn navigation(content: &PageContent, ids: &[String]) -> maud::Markup {
+    html! {
+        nav aria-label="Sections" {
+            ol {
+                @for (section, id) in content.sections.iter().zip(ids) {
+                    li.folded[section.folded] { a href={ "#" (id) } { (section.title) } }
+                }
+            }
+        }
+    }
+}
+
+/// The blocks of a section below its title.
+fn titled(section: &SectionContent, blocks: &maud::Markup) -> maud::Markup {
+    html! {
+        @if section.folded {
+            details.folded {
+                summary { h2 { (section.title) } }
+                (blocks)
+            }
+        } @else {
+            h2 { (section.title) }
+            (blocks)
+        }
+    }
 }
 
 /// Shows the curves of one model or of both; hidden without scripts.

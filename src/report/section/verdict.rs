@@ -7,7 +7,7 @@ use crate::effects;
 use crate::identify::Status;
 use crate::report::block::{Block, Number, Text, Tone};
 use crate::report::{format, recommendation, sentence};
-use crate::study::{self, Grade, Role, Study};
+use crate::study::{self, Grade, MethodStudy, Role, Study};
 
 /// The missing effects, with the errors as evidence and the recommended next recording.
 #[derive(Default)]
@@ -183,24 +183,7 @@ fn cautions(study: &Study) -> Vec<Block> {
     }
     // with a diagnosis the verdict is based on its own fits
     if let Some(method) = study.reference_method().filter(|_| study.diagnosis.is_none()) {
-        if method.failure.is_some() || method.status != Some(Status::Converged) {
-            let sentence = format!(
-                "The fit did not converge: {} {}.",
-                words::method(study, method),
-                words::status(method)
-            );
-            notice(sentence, "Take its numbers as provisional; another method may converge.");
-        }
-        let unknown: Vec<String> = method
-            .estimates
-            .iter()
-            .filter(|e| !e.identifiable && !e.fixed)
-            .map(|e| e.symbol.clone())
-            .collect();
-        if !unknown.is_empty() {
-            let sentence = format!("Not identifiable from these data: {}.", words::list(&unknown));
-            notice(sentence, "The section on parameters states what to record or to fix.");
-        }
+        fit_cautions(study, method, &mut notice);
     }
     let failed: Vec<String> = study
         .methods
@@ -226,6 +209,28 @@ fn cautions(study: &Study) -> Vec<Block> {
         notice(sentence, "See Recordings, below.");
     }
     blocks
+}
+
+/// Cautions for the use of a fit: no convergence, parameters that are not identifiable.
+fn fit_cautions(study: &Study, method: &MethodStudy, notice: &mut impl FnMut(String, &str)) {
+    if method.failure.is_some() || method.status != Some(Status::Converged) {
+        let sentence = format!(
+            "The fit did not converge: {} {}.",
+            words::method(study, method),
+            words::status(method)
+        );
+        notice(sentence, "Take its numbers as provisional; another method may converge.");
+    }
+    let unknown: Vec<String> = method
+        .estimates
+        .iter()
+        .filter(|e| !e.identifiable && !e.fixed)
+        .map(|e| e.symbol.clone())
+        .collect();
+    if !unknown.is_empty() {
+        let sentence = format!("Not identifiable from these data: {}.", words::list(&unknown));
+        notice(sentence, "The section on parameters states what to record or to fix.");
+    }
 }
 
 fn next_step(study: &Study) -> Vec<Block> {
