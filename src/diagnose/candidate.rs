@@ -20,7 +20,7 @@ use crate::recording::{LocalMotion, Recording};
 /// direction of its own (the model has no filter variance for it).
 pub(super) const REST: f64 = 0.004;
 
-/// An effect at one value of its shape, ready to ride along in a filter pass.
+/// An effect at one value of its shape parameter, prepared as a column of a filter pass.
 #[derive(Clone)]
 pub struct Candidate {
     /// Id of the effect.

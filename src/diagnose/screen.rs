@@ -1,7 +1,7 @@
 //! How much each candidate could take off the error of the windows, to first order.
 //!
 //! A torque column moves the simulated speed by its integral over the inertia; the errors of the windows
-//! are regressed on these integrals beside the derivatives of the simulation. It sees what is too fast for
+//! are regressed on these integrals beside the derivatives of the simulation. It detects what is too fast for
 //! a low-pass, at the full rate of the recording.
 
 use nalgebra::{DMatrix, DVector};

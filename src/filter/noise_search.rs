@@ -65,7 +65,7 @@ impl Likelihood<'_> {
 
     /// The most likely weight of the later input: the top of the parabola through three weights,
     /// between 0 and 1 (rows stamped half a sample early or late). A hold that the user states is
-    /// believed.
+    /// used without an estimate.
     fn later(&self, model: &Model, p: &[f64], noise: &ProcessNoise) -> f64 {
         let at = |later: f64| self.value(model, p, &ProcessNoise { later, ..*noise });
         let c = noise.later;

@@ -22,7 +22,7 @@ const BLOCK: f64 = 5.0;
 /// Standard deviations of its noise between which a bend of the input becomes a jump.
 const JUMP: (f64, f64) = (3.0, 5.0);
 
-/// Torque columns that ride along in a pass: anything whose coefficient is zero in the model.
+/// Additional torque columns of a pass, whose coefficients are zero in the model.
 pub trait Columns: Sync {
     /// How many.
     fn count(&self) -> usize;

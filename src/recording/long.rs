@@ -102,7 +102,7 @@ impl Survey {
             let number = (self.samples + from) / self.window.0;
             let rest = self.window.0 - (self.samples + from) % self.window.0;
             let to = (from + rest).min(block.t.len());
-            if self.wants(number) {
+            if self.is_kept(number) {
                 self.keep(number, &part(block, from..to));
             }
             from = to;
@@ -142,9 +142,9 @@ impl Survey {
     }
 
     /// Whether a window has the smallest hash of its group so far.
-    fn wants(&self, number: usize) -> bool {
-        let rival = self.kept.last().map(|(last, _)| *last);
-        rival.is_none_or(|last| {
+    fn is_kept(&self, number: usize) -> bool {
+        let latest = self.kept.last().map(|(last, _)| *last);
+        latest.is_none_or(|last| {
             last / self.group != number / self.group || hash(number) <= hash(last)
         })
     }

@@ -13,7 +13,7 @@ use crate::math::sgn;
 ///
 /// | symbol | here | meaning | unit |
 /// |---|---|---|---|
-/// | a1 | `a1` | inertia that a wheel sees when it alone accelerates | kg m² |
+/// | a1 | `a1` | effective inertia at a wheel that accelerates alone | kg m² |
 /// | a2 | `a2` | inertia that couples the wheels | kg m² |
 /// | a3 | `a3` | centrifugal coupling; positive if the centre of mass is behind the axle | kg m² |
 /// | a4 | `a4` | friction torque of wheel 1 | N m |

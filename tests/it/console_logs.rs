@@ -139,9 +139,7 @@ fn a_period_stands_for_a_time_that_was_not_recorded() {
     folder.write("run.csv", &text).write("bare.csv", log(line));
     let words = ["No column rises steadily", "t = { period = 0.02 }", "to be completed"];
     folder.run(&["new", "run.csv", "-o", "e.toml"]).says(0, &words);
-    folder
-        .run(&["check", "e.toml"])
-        .says(2, &["columns.t.period", "the sampling period [s]"]);
+    folder.run(&["check", "e.toml"]).says(2, &["columns.t.period", "the sampling period [s]"]);
     for set in ["recordings.columns.t.period=0.01", "recordings.columns.t={ period = 0.01 }"] {
         folder.run(&["check", "e.toml", "--set", set]).says(0, &READ);
     }

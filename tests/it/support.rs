@@ -7,7 +7,7 @@ use std::process::Command;
 /// A temporary folder in which the program runs.
 pub(crate) struct Folder(tempfile::TempDir);
 
-/// What a run of the program left.
+/// Result of a run of the program.
 pub(crate) struct Ran {
     pub(crate) code: i32,
     pub(crate) out: String,
@@ -15,7 +15,7 @@ pub(crate) struct Ran {
 }
 
 impl Ran {
-    /// Checks the exit code and that every word stands in the messages; no run may panic.
+    /// Checks the exit code and that the messages contain every word; no run may panic.
     pub(crate) fn says(&self, code: i32, words: &[&str]) -> &Self {
         let all = format!("{}{}", self.out, self.err);
         assert!(!all.contains("panicked"), "{all}");

@@ -52,9 +52,7 @@ fn wanted(key: &str) -> &'static str {
             "the name of the column with the direction, or remove `sign` if the values are signed"
         }
         "backward" => "the content of the direction column for negative values, in quotes",
-        "period" => {
-            "the sampling period [s], or t = \"…\" with the name of the time column"
-        }
+        "period" => "the sampling period [s], or t = \"…\" with the name of the time column",
         "r_m" => "the radius of the wheels [m]",
         _ => "the name of a column of the recording; the comments above list them",
     }

@@ -3,7 +3,7 @@
 use super::guessed::Candidate;
 use super::names::{Named, Quantity, Side, WISHED};
 
-/// Reads names anew that mean something else beside others, and gives what must be asked of them.
+/// Reads names anew that mean something else beside others, and returns the questions on them.
 ///
 /// ```text
 /// right_p, right_i, right_d      the terms of a controller, and i no current

@@ -27,7 +27,7 @@ const BACK: [&str; 13] = [
     "rw",
     "rwd",
 ];
-/// Part of the work of an input beyond which it drives its wheel the way that it is said to.
+/// Share of the work of an input above which it drives its wheel in the stated direction.
 const DRIVES: f64 = 0.2;
 
 /// A direction: its column, the wheel, and what it holds.

@@ -19,7 +19,7 @@ const MOTORS: [&str; 5] = ["motor", "wheel", "wheels", "drive", "mot"];
 /// What is written where several motors drive a side.
 const ADDED: &str = "; of several motors of a side one as name, and the others as plus = [\"…\"], which adds them up";
 
-/// Looks for pairs, and collects what must be asked of those that it does not take.
+/// Finds pairs, and collects the questions on those that are not used.
 pub(super) struct Pairs<'a, 'b> {
     all: &'a [Candidate<'b>],
     pub(super) questions: Vec<String>,
@@ -179,8 +179,8 @@ fn siblings<'a, 'b>(fits: &[&'a Candidate<'b>], pair: Two) -> Vec<&'a Candidate<
     fits.iter().filter(is_one).copied().collect()
 }
 
-/// Other numbered pairs of the same kind that are no variants of the first: of two arms and two wheels, nobody says
-/// which are the wheels.
+/// Other numbered pairs of the same kind that are not variants of the first: of two arms and two wheels, the log does not
+/// state which are the wheels.
 fn rivals<'a, 'b>(pairs: &[Two<'a, 'b>]) -> Vec<&'a Candidate<'b>> {
     let first = pairs[0].0;
     let alike = |c: &Candidate| {

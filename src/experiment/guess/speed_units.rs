@@ -16,7 +16,7 @@ const ALIKE: f64 = 0.1;
 /// Factor within which a speed follows its set-point.
 const SIMILAR: f64 = 2.0;
 
-/// Whether a speed is in a unit that nobody stated and that is none of SI.
+/// Whether a speed is in a unit that is not stated and is not an SI unit.
 pub(super) fn is_unknown(values: &[f64], one: &Guessed) -> bool {
     let is_stated = one.unit.is_some() || named(&one.name).unit.is_some();
     !is_stated && largest(values) * one.scale.unwrap_or(1.0).abs() > FAST

@@ -13,7 +13,7 @@ const UNITS: &str = "Y_Unit_Label";
 /// First words of a measurement file of LabVIEW.
 const LABVIEW: &str = "LabVIEW Measurement";
 
-/// The names of so many columns above the first row, and the line that they stand in; made-up ones without any.
+/// The names of `count` columns above the first row and the number of their line; generated names where there are none.
 /// Separators at the end of that line name nothing.
 pub(super) fn names(
     lines: &[&str],
