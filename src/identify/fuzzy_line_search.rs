@@ -1,4 +1,4 @@
-//! Fuzzy emulator as the paper fits it: one bounded search after the other.
+//! Fuzzy emulator fitted as in the paper, by one bounded search after the other.
 
 use serde::{Deserialize, Serialize};
 
@@ -97,7 +97,7 @@ struct Line<'a> {
 const CLOSE: f64 = 1e-4;
 
 impl Line<'_> {
-    /// The minimum within `bounds` and its cost, where that is below `cost`.
+    /// The minimum within `bounds` and its cost, if below `cost`.
     fn minimum(self, bounds: (f64, f64), evaluations: u64, cost: f64) -> Option<(f64, f64)> {
         let (mut low, mut high) = bounds;
         let (mut ends_known, mut best) = ((false, false), (self.theta[self.j], cost));
