@@ -63,7 +63,7 @@ pub enum IoError {
         /// As the user named it.
         file: String,
     },
-    /// A header and nothing below.
+    /// A header without rows.
     #[error("{file}: there is a header but no row of data below it")]
     HeaderOnly {
         /// As the user named it.

@@ -21,7 +21,7 @@ pub(super) enum Format {
     Whole(&'static WholeFormat),
 }
 
-/// Format, extension, first bytes where they say so.
+/// Format, extension, and first bytes if they identify the format.
 type Known = (Format, &'static str, &'static [u8]);
 
 const CSV: Known = (Format::Csv, "csv", b"");

@@ -28,7 +28,7 @@ const MATRIX: u32 = 14;
 const COMPRESSED: u32 = 15;
 /// Compressed variables of a file unfold to at most this much \[bytes\].
 const MOST_BYTES: usize = 1 << 30;
-/// Matrices with more columns are no recordings.
+/// Matrices with more columns are not recordings.
 const MOST_COLUMNS: usize = 64;
 
 /// A column with its name.

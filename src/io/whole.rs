@@ -1,11 +1,11 @@
-//! Formats whose files are read at once, one file each.
+//! Formats whose files are read as a whole.
 
 use std::path::Path;
 
 use super::IoError;
 use super::signals::Signals;
 
-/// A format that is known by its extension and first bytes and read at once.
+/// A format that is identified by its extension and first bytes and read as a whole.
 pub(super) struct WholeFormat {
     /// Extension of its files.
     pub(super) extension: &'static str,

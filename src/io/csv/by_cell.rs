@@ -1,4 +1,4 @@
-//! Plain CSV cell by cell: spaces, blank lines, and rows that are none.
+//! Plain CSV read cell by cell: tolerates spaces, blank lines, and lines that are not rows.
 
 use std::path::Path;
 
@@ -43,7 +43,7 @@ pub(super) fn read(path: &Path, layout: &Layout, names: &[String]) -> Result<Dat
     }
 }
 
-/// The wanted cells of a row, which has its number and its line, or what is wrong with it.
+/// The required cells of a row; row and line numbers are for error messages.
 fn parsed(
     path: &Path,
     layout: &Layout,

@@ -19,8 +19,8 @@ pub(in crate::io) fn number(cell: &str, style: Style) -> Option<f64> {
     style.number(cell.trim().trim_matches('"').trim())
 }
 
-/// A number and the unit that stands behind it, with a space between or without: `44.1rpm`, `0.01 sec`, `12%`. The
-/// unit of a bare number is empty.
+/// A number and the unit after it, with or without a space: `44.1rpm`, `0.01 sec`, `12%`. The unit of a bare
+/// number is empty.
 pub(in crate::io) fn quantity(text: &str) -> Option<(f64, &str)> {
     let text = text.trim().trim_matches('"').trim();
     if let Ok(number) = text.parse() {

@@ -1,4 +1,4 @@
-//! How the numbers of a text are written: the decimal sign, and what parts thousands.
+//! Number formats of a text: the decimal sign and the thousands separator.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader};
@@ -10,9 +10,9 @@ use crate::io::IoError;
 /// How the numbers of a text are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::io) enum Style {
-    /// Decimal points; a comma is no part of a number.
+    /// Decimal points; a comma is not part of a number.
     Point,
-    /// Decimal points or commas; thousands are not parted.
+    /// Decimal points or commas; no thousands separators.
     Either,
     /// Decimal commas, and points between thousands: `1.224,9`.
     PointedThousands,
@@ -20,11 +20,12 @@ pub(in crate::io) enum Style {
     CommaThousands,
 }
 
-/// Signs between thousands that are no decimal sign: apostrophes, and spaces at which a line does not break.
+/// Thousands separators that are not decimal signs: apostrophes and non-breaking spaces.
 const PARTED: [char; 4] = ['\'', '\u{2019}', '\u{a0}', '\u{202f}'];
 
 impl Style {
-    /// What a separator of columns leaves open: a comma that parts columns is no decimal sign.
+    /// The formats that a column separator allows: with commas between columns, a comma is not a decimal
+    /// sign.
     pub(in crate::io) fn of(separator: char) -> Self {
         if separator == ',' { Self::Point } else { Self::Either }
     }
@@ -76,7 +77,7 @@ struct Seen {
     grouped: usize,
     /// Whole numbers of up to three digits.
     short: usize,
-    /// Numbers of more digits without a group.
+    /// Number of numbers with more digits than a group and no separator.
     long: usize,
 }
 

@@ -15,7 +15,7 @@ use crate::io::csv::{Style, value};
 
 /// Number of blocks from which the format is detected.
 const BLOCKS: usize = 4;
-/// The field that names the block in which it stands.
+/// The field with the name of its block.
 const NAME: &str = "name";
 
 /// What a line is.

@@ -17,7 +17,7 @@ pub(super) fn is_raw(lines: &[&str]) -> bool {
     held.len() > 1 && held.iter().all(|line| is_frame(line) && !line.contains("::"))
 }
 
-/// Whether the frames have their signals behind `::`.
+/// Whether the frames have their signals after `::`.
 pub(super) fn is_one(lines: &[&str]) -> bool {
     let held = held(lines);
     held.len() > 1

@@ -21,7 +21,7 @@ pub(super) fn columns(text: &str) -> Columns {
     collected(joined(text.lines().filter_map(pairs)))
 }
 
-/// The time, where there is one, and the value: `>name:time:value§unit|flags`.
+/// The time, if given, and the value: `>name:time:value§unit|flags`.
 fn pairs(line: &str) -> Option<Pairs> {
     let line = line.trim().strip_prefix('>')?;
     let line = line.split('|').next()?;
