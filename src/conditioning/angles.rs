@@ -16,13 +16,13 @@ use super::signal::{column, median_high, pieces, quantile};
 use super::{Conditioned, Settings};
 use crate::math::noise::quantum;
 
-/// Rows to either side that say how the angle moves.
+/// Number of rows on either side from which the motion of the angle is estimated.
 const AROUND: usize = 4;
 /// A step is not motion if it is this many times the largest ordinary one around it: between two
 /// rows no wheel changes its increment by more than that increment itself, unless it is slower than
 /// the wrap can be distinguished from (half a period a row).
 const BEYOND: f64 = 10.0;
-/// Part of a period by which its steps may differ: the increment of the row is part of the step.
+/// Tolerance of a step as a share of the period: a step contains the motion of its row.
 const ALIKE: f64 = 0.02;
 
 pub(super) fn unwrap(work: &mut Conditioned, settings: &Settings) {
@@ -130,8 +130,8 @@ fn lasts(values: &[f64], (k, by): (usize, f64)) -> bool {
     (after - before - by).abs() < 0.5 * by.abs()
 }
 
-/// The period of which the steps are, if they are of one: a known one within two parts in a hundred,
-/// or one on which three steps and the range of the angle agree.
+/// The period of the steps, if they have one: a known one within 2 %, or one on which three steps and the
+/// range of the angle agree.
 fn period(values: &[f64], steps: &[(usize, f64)]) -> Option<f64> {
     let size = median_high(steps.iter().map(|(_, by)| by.abs()));
     let alike = |a: f64, b: f64| (a / b - 1.0).abs() < ALIKE;

@@ -109,7 +109,7 @@ fn units(work: &mut Conditioned, settings: &Settings, context: &Context, ratios:
 /// Gears between a motor and a wheel.
 const GEARS: std::ops::Range<f64> = 1.25..1000.0;
 
-/// Notes speeds and angles of different shafts: those of a motor, and those of the wheel behind its gear.
+/// Records that speeds and angles belong to different shafts: a motor and the wheel after its gear.
 fn gear(work: &mut Conditioned, ratio: f64) {
     if GEARS.contains(&ratio) || GEARS.contains(&(1.0 / ratio)) {
         let found = [0, 1].map(|i| Finding {

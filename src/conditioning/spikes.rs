@@ -24,7 +24,7 @@ use crate::recording::refreshed;
 const FAR: f64 = 18.0;
 /// Number of samples to either side for the usual deviation.
 const AROUND: usize = 12;
-/// More than this share of the samples is no longer isolated but how the channel is.
+/// Largest share of isolated wrong samples; more of them are a property of the channel.
 const ISOLATED: f64 = 0.01;
 /// Part of a wrong sample that its neighbours may differ from what it alone explains.
 const ALONE: f64 = 0.25;
@@ -126,8 +126,8 @@ fn spikes(t: &[f64], values: &[f64], samples: &[usize]) -> Vec<Spike> {
     if many { vec![] } else { found }
 }
 
-/// Whether a sample stands out alone: it then takes both lines that end in it half as far to the
-/// other side. A sharp turn of the motion itself does not.
+/// Whether a sample is a single outlier: the two lines that end in it then deviate by half as much to the
+/// other side. A sharp turn of the motion does not show this.
 fn is_alone(out: &[f64], k: usize) -> bool {
     let beside = [k.checked_sub(1), Some(k + 1)].into_iter().flatten().filter_map(|j| out.get(j));
     beside.into_iter().all(|z| (z + 0.5 * out[k]).abs() < ALONE * out[k].abs())

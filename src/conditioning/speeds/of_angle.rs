@@ -43,7 +43,7 @@ impl Left {
         self.share < LEFT
     }
 
-    /// Whether it says that the speed is none of these.
+    /// Whether the speed is measured and not computed from the angles.
     pub(super) fn is_measured(self) -> bool {
         self.whole && !self.is_computed()
     }

@@ -18,10 +18,10 @@ pub(super) fn look(all: &mut [Candidate]) -> Vec<String> {
     present_values(all).into_iter().collect()
 }
 
-/// Words of a name that is the output of a controller, where it says nothing else.
+/// Words of a name that is the output of a controller, if it contains no other quantity.
 const OUTPUTS: [&str; 9] = ["output", "out", "ctrl", "control", "drive", "pid", "vm", "u", "pwr"];
 
-/// Whether a name says a side and the output of a controller, and no more: `ctrl_r`, `output_left`.
+/// Whether a name contains only a side and the output of a controller: `ctrl_r`, `output_left`.
 pub(super) fn is_output(named: &Named) -> bool {
     let is_one = |w: &String| OUTPUTS.contains(&w.as_str()) || WISHED.contains(&w.as_str());
     let says = named.rest.iter().any(|w| OUTPUTS.contains(&w.as_str()));

@@ -25,8 +25,8 @@ const BATTERY_OF_MOST: f64 = 30.0;
 /// Voltages of batteries of robots \[V\].
 const BATTERIES: (f64, f64) = (2.0, 100.0);
 
-/// Completes inputs that are commands: the pulse at which a servo stands, the full scale, the battery's
-/// column; or asks for what is not there.
+/// Completes inputs that are commands: neutral pulse width of a servo, full scale, column of the battery; or
+/// adds the questions.
 pub(super) fn look(
     columns: &[PreviewColumn],
     battery: Option<(&PreviewColumn, Option<&str>)>,
@@ -111,7 +111,7 @@ pub(super) fn look(
     }
 }
 
-/// The question whether an effort within one is a torque or a share of the voltage of the battery beside it.
+/// The question whether an effort between -1 and 1 is a torque or a share of the battery voltage.
 fn effort(columns: &[PreviewColumn], battery: &PreviewColumn, guess: &Guess) -> Option<String> {
     let of =
         |name: &str| columns.iter().find(|c| c.name == name).map_or(0.0, |c| largest(&c.values));
@@ -136,7 +136,7 @@ pub(super) fn battery<'a>(
     found.iter().find(|(column, unit)| to_volts(column, *unit).is_some()).copied()
 }
 
-/// Whether numbers are rather volts than a share: fractions beyond one, by a name that says neither.
+/// Whether numbers are volts and not shares: fractions above one, with a name that states neither.
 fn is_volt_sized<'a>(top: f64, name: &str, mut inputs: impl Iterator<Item = &'a [f64]>) -> bool {
     !has_one(&SHARES, name)
         && top > 1.001
@@ -144,7 +144,8 @@ fn is_volt_sized<'a>(top: f64, name: &str, mut inputs: impl Iterator<Item = &'a 
         && inputs.any(|values| !whole(values))
 }
 
-/// Voltages beyond those of any battery are millivolts; of what would be no volt as such it is asked.
+/// Converts voltages above those of any battery from millivolts; adds a question where they would not be
+/// voltages either.
 fn millivolts<'a>(inputs: &mut [&mut Guessed], of: impl Fn(&str) -> &'a [f64]) -> Option<String> {
     let top = inputs.iter().map(|one| largest(of(&one.name))).fold(0.0, f64::max);
     let is_open = |one: &&mut Guessed| one.unit.is_none() && one.scale.is_none();
@@ -180,7 +181,7 @@ fn is_volt(name: &str) -> bool {
     name.to_lowercase().contains("volt") || named(name).unit == Some("V")
 }
 
-/// Whether the name of a column, in small letters, says percent in a word.
+/// Whether a column name in lower case contains a word for percent.
 pub(super) fn is_percent(name: &str) -> bool {
     ["percent", "pct"].iter().any(|word| name.contains(word))
 }

@@ -11,8 +11,8 @@ pub(super) fn are(columns: &[PreviewColumn], one: &Guessed) -> bool {
     whole(values) && largest(values) > COUNTED
 }
 
-/// Counts per turn where speeds in a known unit say them, or in the unit in which they are those of an encoder, else a
-/// question. Speeds that are the slope or the steps of the counts are in counts as well.
+/// Counts per turn, from speeds in a known unit, or from the unit in which the counts are those of a usual
+/// encoder, else a question. Speeds that are the slope or the steps of the counts are in counts as well.
 pub(super) fn per_turn(columns: &[PreviewColumn], guess: &mut Guess) {
     let known: Vec<Guessed> = guess.columns.clone();
     let of = |name: &str| values_of(columns, name);
@@ -82,7 +82,7 @@ fn stated(speed: &Guessed, ratio: f64) -> Option<(f64, &'static str)> {
     Some((encoder(turns).unwrap_or_else(|| turns.round()), unit))
 }
 
-/// Counts a turn that encoders have, and the unit of the speed that makes them so.
+/// Usual counts per turn of an encoder, and the unit of the speed for which they result.
 fn unstated(ratio: f64) -> Option<(f64, &'static str)> {
     UNITS.iter().find_map(|(unit, by_turn)| Some((encoder(ratio * by_turn)?, *unit)))
 }
@@ -99,7 +99,7 @@ fn in_counts(speed: &mut Guessed, ratio: f64, row: Option<f64>) {
     }
 }
 
-/// Counts passed over the integral of the speed as it stands, in counts per unit and second.
+/// Counts divided by the integral of the speed without conversion, in counts per unit and second.
 fn counts_by_speed(t: &[f64], time: &Guessed, counts: &[f64], speed: &[f64]) -> Option<f64> {
     let second = seconds(time);
     let rows = t.len().min(counts.len()).min(speed.len());

@@ -1,11 +1,11 @@
-//! Columns that hold the direction of a magnitude: `dirL` beside `pwmL`.
+//! Columns with the direction of a magnitude: `dirL` and `pwmL`.
 
 use super::guessed::{Guess, Guessed};
 use super::names::{Side, named};
 use super::values::{is_constant, is_never_negative, values_of};
 use crate::io::PreviewColumn;
 
-/// Words of a name that is that of a direction, and those that say which way a 1 is.
+/// Words for a direction, and those that state the direction of a 1.
 const DIRECTIONS: [&str; 6] = ["dir", "direction", "sign", "sgn", "richtung", "dirn"];
 const FORWARDS: [&str; 4] = ["fwd", "forward", "forwards", "vorwaerts"];
 const BACKWARDS: [&str; 6] = ["rev", "reverse", "reversed", "back", "backward", "backwards"];
@@ -53,7 +53,7 @@ impl Directions {
         pair.iter().all(|one| self.beside(one).is_some())
     }
 
-    /// The direction of a column: that of its wheel with the most words in common.
+    /// The direction of a column: the direction of its wheel with the most words in common.
     fn beside(&self, one: &Guessed) -> Option<&Direction> {
         let own = named(&one.name);
         let common = |d: &&Direction| d.rest.iter().filter(|w| own.rest.contains(w)).count();
@@ -66,7 +66,7 @@ impl Directions {
         self.0.iter().filter(is_of).max_by_key(rank)
     }
 
-    /// Gives magnitudes the columns of their directions, and what stands for backward or the question for it.
+    /// Adds to magnitudes the columns of their directions and the value for backward, or the question for it.
     pub(super) fn give(&self, columns: &[PreviewColumn], guess: &mut Guess) {
         let of = |name: &str| values_of(columns, name);
         let is_magnitude = |one: &Guessed| {
@@ -115,7 +115,7 @@ impl Direction {
         self.rest.iter().any(|w| list.contains(&w.as_str()))
     }
 
-    /// What it holds, each once.
+    /// The different values of the column.
     fn shown(&self) -> Vec<String> {
         if self.words.is_empty() {
             distinct(&self.values).iter().map(f64::to_string).collect()

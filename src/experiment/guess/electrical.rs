@@ -3,7 +3,7 @@
 use super::guessed::{Guess, Guessed};
 use crate::io::PreviewColumn;
 
-/// Names of the values that the firmware of VESC sends beside `rpm`, which counts electrical turns.
+/// Names of the values that the firmware of VESC sends together with `rpm`, which is the electrical speed.
 const VESC: [&str; 10] = [
     "avg_motor_current",
     "avg_input_current",
@@ -16,7 +16,7 @@ const VESC: [&str; 10] = [
     "watt_hours_charged",
     "current_motor",
 ];
-/// Of so many of them the firmware is known.
+/// Number of these names by which the firmware is identified.
 const KNOWN_BY: usize = 2;
 
 /// The question for speeds in rpm that are those of VESC, whose factor is open then.

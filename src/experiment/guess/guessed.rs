@@ -39,7 +39,7 @@ pub(in crate::experiment) struct Guessed {
     pub(in crate::experiment) backward: Option<String>,
     /// Whether the column of the direction must be asked for.
     pub(in crate::experiment) sign_open: bool,
-    /// Whether what stands for backward must be asked for.
+    /// Whether the value for backward must be asked for.
     pub(in crate::experiment) backward_open: bool,
     /// Whether the name does not determine the wheel.
     pub(in crate::experiment) side_unsure: bool,
@@ -60,7 +60,7 @@ pub(in crate::experiment) struct Guess {
     pub(in crate::experiment) one_axis: bool,
     /// Whether no column can be the time, so that the period is asked for.
     pub(in crate::experiment) period_open: bool,
-    /// Time between two rows \[s\] that the file states beside its columns.
+    /// Time between two rows \[s\] that the file states outside its columns.
     pub(in crate::experiment) period: Option<f64>,
 }
 

@@ -1,8 +1,8 @@
-//! Columns of words beside those of numbers.
+//! Columns of words, by which the motor of a row is identified.
 
 use crate::io::{PreviewColumn, is_owner};
 
-/// Names of a column of words that says whose row it is, beside those of a number of a motor.
+/// Names of columns of words that identify the motor of a row, in addition to those of columns of numbers.
 const OWNERS: [&str; 2] = ["joint_name", "name"];
 /// Motors at most, by numbers.
 const MOTORS: usize = 4;
@@ -31,7 +31,7 @@ pub(super) fn without_cells(columns: &[PreviewColumn]) -> Option<String> {
         .then(|| format!("the rows have no cells for {names}: the names before them are used"))
 }
 
-/// The words or numbers of the motors of a column that says whose row it is.
+/// The motors, as words or numbers, of a column that identifies the motor of a row.
 fn whose(column: &PreviewColumn) -> Option<Vec<String>> {
     let name = column.name.trim().to_lowercase();
     if column.words.len() > 1 && (is_owner(&name) || OWNERS.contains(&name.as_str())) {

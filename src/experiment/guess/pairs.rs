@@ -6,12 +6,12 @@ use super::shafts;
 use super::shares;
 use super::values::fits;
 
-/// Letters in which two names differ that are no motors: axes of space and of a motor's field, and the terms of a
-/// controller.
+/// Letters in which two names differ and that are not motors: axes of space and of a motor's field, and the
+/// terms of a controller.
 const NO_MOTORS: [&str; 7] = ["x", "y", "z", "d", "q", "p", "i"];
 /// Words of a name that is that of a wheel.
 const WHEELS: [&str; 4] = ["wheel", "wheels", "drive", "traction"];
-/// Words of the shaft behind a gear, which turns with the wheel.
+/// Words for the shaft after a gear, which turns with the wheel.
 const SHAFTS: [&str; 5] = ["output", "shaft", "gearbox", "load", "axle"];
 /// Words of the motor that is meant where one current is that of the battery.
 const MOTORS: [&str; 5] = ["motor", "wheel", "wheels", "drive", "mot"];
@@ -70,7 +70,7 @@ impl<'a, 'b> Pairs<'a, 'b> {
         Some(guessed(pair, keys))
     }
 
-    /// Two columns whose names say the side and nothing else.
+    /// Two columns whose names contain the side and nothing else.
     pub(super) fn bare(&self, keys: [&'static str; 2]) -> Option<[Guessed; 2]> {
         let says_no_more =
             |c: &Candidate| c.named.rest.iter().all(|w| MEASURED.contains(&w.as_str()));
@@ -149,7 +149,7 @@ fn is_numbered(c: &Candidate) -> bool {
     matches!(c.named.side, Some(Side::Numbered(_)))
 }
 
-/// Whether a name is that of a wheel, or of a motion behind the gear of its motor.
+/// Whether a name is that of a wheel, or of the shaft after the gear of its motor.
 fn is_of_wheel(c: &Candidate) -> bool {
     let moves = matches!(c.named.quantity, Some(Quantity::Angle | Quantity::Speed));
     has_word(c, &WHEELS) || moves && has_word(c, &SHAFTS)
@@ -159,7 +159,7 @@ fn has_word(c: &Candidate, words: &[&str]) -> bool {
     c.named.rest.iter().any(|w| words.contains(&w.as_str()))
 }
 
-/// The columns that go on with the numbers of a pair: the other wheels of four.
+/// The columns with the next numbers after a pair: the other wheels of four.
 fn siblings<'a, 'b>(fits: &[&'a Candidate<'b>], pair: Two) -> Vec<&'a Candidate<'b>> {
     let is_number = |word: &String| word.chars().all(|c| c.is_ascii_digit());
     let stem = |c: &Candidate| -> Option<Vec<String>> {

@@ -1,4 +1,4 @@
-//! The voltage of a motor beside the share of the battery's voltage that it is.
+//! The voltage of a motor in addition to the duty cycle.
 
 use super::commands::is_share_word;
 use super::guessed::Candidate;

@@ -64,7 +64,7 @@ pub(super) fn open(columns: &[PreviewColumn], guess: &mut Guess) {
     speeds.filter(|c| c.unit.is_none()).for_each(|c| c.unit_open = true);
 }
 
-/// The set-point that states the unit of a speed and goes up to about as much, and its unit.
+/// The set-point with a known unit and about the same maximum as a speed, and its unit.
 fn of_set_point(columns: &[PreviewColumn], top: f64) -> Option<(&str, &'static str)> {
     columns.iter().find_map(|column| {
         let name = named(&column.name);
@@ -143,7 +143,7 @@ fn is_effort(name: &str) -> bool {
     name.to_lowercase().contains("effort")
 }
 
-/// Whether a speed in rad/s is the slope of the angle beside it.
+/// Whether a speed in rad/s is the slope of the angle of the same wheel.
 fn agrees(columns: &[PreviewColumn], guess: &Guess, speed: &Guessed) -> bool {
     let found = |key: &str| {
         let one = guess.columns.iter().find(|c| c.key == key)?;

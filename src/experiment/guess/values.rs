@@ -13,7 +13,7 @@ const RATES: (f64, f64) = (2.0, 2e4);
 /// Slower logs of steps of an input \[Hz\], and the slowest where a name states seconds.
 const SLOWEST: f64 = 0.5;
 const STATED: f64 = 0.1;
-/// Less is no log \[s\].
+/// Shortest duration of a log \[s\].
 const SHORTEST: f64 = 4.0;
 /// Beyond this a stamp is that of a calendar \[s\]: the year 2001.
 const CALENDAR: f64 = 1e9;
@@ -179,7 +179,7 @@ impl Guess {
     }
 }
 
-/// The question of a column that was taken for the time and may be none.
+/// The question on a column that was used as the time and may be another quantity.
 fn time_question(guess: &Guess) -> Option<String> {
     let time = guess.columns.iter().find(|c| c.key == "t")?;
     if time.scale_open {
@@ -208,7 +208,7 @@ fn no_time(period_open: bool) -> &'static str {
     }
 }
 
-/// The unit of a controller whose names are known and say none.
+/// The unit of a controller whose column names are known and contain no unit.
 fn of_controller(values: &[f64], one: &mut Guessed) {
     let (angle, speed) = (one.key.starts_with("alpha"), one.key.starts_with("dalpha"));
     let name = one.name.to_lowercase();
@@ -322,7 +322,7 @@ pub(super) fn whole(values: &[f64]) -> bool {
     values.iter().all(|v| !v.is_finite() || v.fract() == 0.0)
 }
 
-/// Whole angles beyond this are no radians.
+/// Largest whole angle in radians; larger ones are in other units.
 pub(super) const COUNTED: f64 = 50.0;
 
 fn angle(values: &[f64], one: &mut Guessed) {
