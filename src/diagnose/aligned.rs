@@ -6,9 +6,9 @@ use super::by_recording::{ByRecording, gain, ratio};
 use crate::effects::Wave;
 use crate::math::Information;
 
-/// Rounds of amplitudes and phases in turn; each leaves a tenth or less of what was missing.
+/// Rounds of amplitudes and phases in turn; each leaves a tenth or less of the remaining error.
 const ROUNDS: usize = 20;
-/// Places of a turn where a phase is looked for; a descent goes on from the best.
+/// Number of phases in a turn at which the search starts; a descent continues from the best one.
 const PLACES: usize = 72;
 
 /// Waves with common amplitudes and a phase of their own in each recording.
@@ -99,8 +99,8 @@ impl Aligned {
         self.looks.iter().map(one).collect()
     }
 
-    /// Adds the shifts that recordings which were moved by these still need, as `again` found them; the largest of
-    /// them, in the wave's own angle \[rad\].
+    /// Adds the shifts of recordings that were moved by these shifts already, as found by `again`; returns
+    /// the largest of them in the angle of its wave \[rad\].
     pub(super) fn turn_by(&mut self, again: Self) -> f64 {
         let mut largest = 0.0_f64;
         let reference = &again.shifts[self.reference];

@@ -53,8 +53,8 @@ pub fn candidates(
     out
 }
 
-/// Whether the model has an effect and estimates all of its parameters: one that is held leaves room for what
-/// would otherwise be the same.
+/// Whether the model has an effect and estimates all of its parameters; with a held parameter, another
+/// candidate may differ from it.
 fn free(model: &Model, id: &str) -> bool {
     let mut own = model.parameters().iter().filter(|p| p.effect == id).peekable();
     own.peek().is_some() && own.all(|p| p.fixed.is_none())

@@ -13,7 +13,8 @@ use crate::simulate::Hold;
 /// Chance that any parameter of any recording differs so far where all are one: one log in a million, as for the other
 /// differences between recordings.
 const CHANCE: f64 = 1e-6;
-/// Least difference of a parameter that is stated, as a share of it (taste): less no second fit is worth.
+/// Smallest relative difference of a parameter that is reported (chosen by judgement): smaller ones do not
+/// justify a second fit.
 const LEAST: f64 = 0.1;
 
 /// A parameter of one recording that differs from that of the others.

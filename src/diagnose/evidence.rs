@@ -1,4 +1,4 @@
-//! Evidence for one of two models of which neither contains the other, from what each leaves in every window.
+//! Evidence between two non-nested models from their errors in every window.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

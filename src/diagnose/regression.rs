@@ -21,17 +21,17 @@ use crate::recording::{LocalMotion, Recording};
 /// Rows that are kept a cycle of the cut-off.
 const KEPT: f64 = 8.0;
 
-/// A recording behind the low-pass.
+/// A recording after the low-pass.
 struct Smooth<'a> {
     recording: &'a Recording,
     index: usize,
     /// Smoothed motion of every row.
     motion: Vec<LocalMotion>,
-    /// The recorded input behind the low-pass twice, as often as the torques it is compared with.
+    /// The recorded input, low-passed twice, as the torques with which it is compared.
     input: Vec<[f64; 2]>,
 }
 
-/// Recordings behind the low-pass, made once for every regression on them.
+/// Low-passed recordings, computed once for all regressions.
 #[derive(Clone)]
 pub struct Smoothed<'a> {
     /// Cut-off of the low-pass \[Hz\].
@@ -40,7 +40,7 @@ pub struct Smoothed<'a> {
 }
 
 impl<'a> Smoothed<'a> {
-    /// `recordings` behind a low-pass of that cut-off \[Hz\].
+    /// `recordings` low-passed at a cut-off frequency \[Hz\].
     #[must_use]
     pub fn new(recordings: &[&'a Recording], cutoff: f64) -> Self {
         let one = |(index, recording): (usize, &&'a Recording)| {
@@ -69,7 +69,7 @@ pub struct Regression<'a> {
     torque: DVector<f64>,
     /// Residual torque after the base [N m].
     residual: DVector<f64>,
-    /// The basis and behind it the residual torque, row by row, filled up to `width` numbers.
+    /// The basis and, after it, the residual torque, row by row, padded to `width` numbers.
     beside: Vec<f64>,
     width: usize,
     /// Independent values among the rows.
@@ -130,7 +130,7 @@ impl<'a> Regression<'a> {
         }
     }
 
-    /// Rows on which a wheel moves, thinned to what the low-pass leaves independent.
+    /// Rows on which a wheel moves, thinned to independent ones after the low-pass.
     fn choose_rows(&mut self) {
         let mut moving = 0.0;
         for (index, smooth) in self.smoothed.recordings.iter().enumerate() {
@@ -369,12 +369,12 @@ struct Products {
     beside: DMatrix<f64>,
 }
 
-/// Numbers a row of so many columns.
+/// Padded width of a row with `count` columns.
 fn own_width(count: usize) -> usize {
     count.next_multiple_of(FILLED)
 }
 
-/// Share of a column that the base must leave for it to be looked at.
+/// Smallest share of a column that is independent of the base, for it to be evaluated.
 const COLLINEAR: f64 = 1e-4;
 
 /// Orthonormal columns that span those of `columns`.

@@ -14,10 +14,10 @@ use crate::math::{FILLED, add_products, eliminate, nonnegative};
 use crate::model::{Model, inverse_mass, times};
 use crate::robot::State;
 
-/// Share of a column's information that the base must leave for it to be looked at.
+/// Smallest share of a column's information that is independent of the base, for it to be evaluated.
 const COLLINEAR: f64 = 1e-7;
 
-/// The errors of the windows with everything that candidates are regressed beside.
+/// The errors of the windows, with the regressors of the base model.
 pub struct Screen<'a> {
     model: &'a Model,
     windows: &'a Windows<'a>,
@@ -245,7 +245,7 @@ impl<'a> Screen<'a> {
     }
 }
 
-/// The accelerations that torques give wheels of which none or one rests.
+/// The accelerations due to torques on wheels of which none or one is at rest.
 struct Mobility {
     both: [f64; 3],
     alone: [f64; 2],

@@ -12,7 +12,7 @@ pub enum Conclusion {
     Sufficient,
     /// The effects found explain most of what was missing.
     Missing,
-    /// None is proven; one explains most of what is missing.
+    /// No effect is proven; one explains most of the missing part.
     Likely,
     /// Something is missing that no candidate explains.
     Unknown,
@@ -30,7 +30,7 @@ pub struct Errors {
     pub floor: f64,
     /// Of the noise floor with the most that the input may have done between its rows.
     pub most: f64,
-    /// Whether slow noise of the input makes the noise floor ([`crate::compare::WindowFloor::is_slow`]).
+    /// Whether slow noise of the input determines the noise floor ([`crate::compare::WindowFloor::is_slow`]).
     pub slow_floor: bool,
     /// Square of the top speed of the wheels.
     pub speed: f64,
@@ -103,7 +103,7 @@ impl Errors {
         self.far_above_floor() && self.above_input()
     }
 
-    /// Whether what the last model leaves beyond the floor is that of a useful model.
+    /// Whether the error beyond the floor is that of a useful model.
     #[must_use]
     pub fn useful(&self) -> bool {
         self.excess() <= THRESHOLDS.useful

@@ -17,13 +17,13 @@ pub struct Estimate {
     pub symbol: String,
     /// Unit, for the unit of the input of the recordings.
     pub unit: String,
-    /// Estimate, or the value at which it was held.
+    /// Estimate, or the value at which the parameter was held.
     pub value: f64,
     /// Standard error; infinite where the parameter is not identifiable, zero where it is fixed.
     pub std_error: f64,
     /// Covers the true value in 95 % of repetitions where the method's assumptions hold.
     pub interval: (f64, f64),
-    /// Whether the data can give it.
+    /// Whether the data determine the parameter.
     pub identifiable: bool,
     /// Held at its value instead of estimated.
     pub fixed: bool,
@@ -138,7 +138,7 @@ pub enum TraceAxis {
 /// Estimates or a cost over time, evaluations or a parameter, for drawing.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Trace {
-    /// What the curves show.
+    /// Quantity of the curves.
     pub kind: TraceKind,
     /// What they run along.
     pub axis: TraceAxis,
@@ -162,7 +162,7 @@ pub struct Fit {
     pub covariance: Option<DMatrix<f64>>,
     /// How it ended.
     pub status: Status,
-    /// What it cost.
+    /// Effort of the computation.
     pub work: Work,
     /// Notes for the reader: parameters that are not identifiable, active bounds, …
     pub notes: Vec<Note>,

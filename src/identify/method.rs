@@ -47,7 +47,7 @@ pub struct MethodDescription {
 pub struct MethodOption {
     /// Key in the `[[method]]` block.
     pub key: String,
-    /// Default, as written in an experiment file; `unset` where there is none.
+    /// Default, as written in an experiment file; `unset` without one.
     pub default: String,
     /// Meaning, with the values allowed.
     pub meaning: String,
@@ -71,7 +71,7 @@ pub trait Identifier: std::fmt::Debug + Send + Sync {
     /// The JSON schema of the options of its `[[method]]` block, from the type that reads them.
     fn schema(&self) -> Schema;
 
-    /// The options of its `[[method]]` block: what [`Self::schema`] says, for people.
+    /// The options of its `[[method]]` block, as text: from [`Self::schema`].
     fn options(&self) -> Vec<MethodOption> {
         options_of(&self.schema())
     }

@@ -41,8 +41,8 @@ impl Default for OutputError {
 }
 
 const NAME: &str = "output_error";
-/// A negligible decrease of the cost, in units of the effect of noise: 0.045 standard errors, most of which
-/// the last step removes.
+/// Negligible decrease of the cost, relative to the effect of noise: 0.045 standard errors, most of which the
+/// last step removes.
 const NEGLIGIBLE: f64 = 1e-3;
 /// Mean square of the normalised residuals below which they are noise of the sensors, itself known
 /// to a few percent.

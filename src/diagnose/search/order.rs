@@ -1,4 +1,4 @@
-//! The order of candidates: what they are ranked by, and which of those that are alike comes first.
+//! The ranking of candidates: its criterion, and the order of equivalent ones.
 
 use std::cmp::Ordering;
 
@@ -73,7 +73,7 @@ impl Search<'_> {
         r.refit.as_ref().is_some_and(|fit| self.is_far(fit.cost))
     }
 
-    /// Whether windows of that cost are missed by far more than their noise.
+    /// Whether a cost is far larger than noise explains.
     pub(super) fn is_far(&self, cost: f64) -> bool {
         cost > 0.5 * THRESHOLDS.far_above_floor.powi(2) * self.windows.values() as f64
     }

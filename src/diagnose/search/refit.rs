@@ -140,7 +140,7 @@ impl Search<'_> {
         squares.sum::<f64>().sqrt()
     }
 
-    /// The `count` starts of lowest cost.
+    /// The `count` starts with the lowest cost.
     fn lowest(&self, model: &Model, starts: Vec<Vec<f64>>, count: usize) -> Vec<Vec<f64>> {
         if starts.len() <= count {
             return starts;

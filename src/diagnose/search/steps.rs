@@ -1,4 +1,4 @@
-//! The steps that were tried: which of them held-out windows prove, and which of the effects stay.
+//! The tried steps: those that held-out windows prove, and the effects that remain.
 
 use std::sync::OnceLock;
 
@@ -18,7 +18,7 @@ struct HeldOut<'a> {
     fit: &'a WindowFit,
     /// The errors of the windows, where they can be simulated.
     errors: Option<Vec<Errors>>,
-    /// The error that is shown [rad/s].
+    /// The reported error [rad/s].
     shown: f64,
     /// [`Search::probability_of_logging`], which requires a fit, computed on first use.
     by_logging: OnceLock<f64>,
@@ -50,8 +50,8 @@ impl Search<'_> {
         Some(both.map(|(n, (first, second))| if fold(n) == 0 { first } else { second }).collect())
     }
 
-    /// The fall from one fit to another: by its mean over the windows, or by the likelihood where the second
-    /// explains all that the first leaves.
+    /// The fall from one fit to another: by its mean over the windows, or by the likelihood if the second fit
+    /// explains all of the error.
     fn fall(&self, before: &HeldOut, after: &HeldOut) -> Fall {
         let (Some(from), Some(to)) = (&before.errors, &after.errors) else { return Fall::NONE };
         let windows = self.held.as_ref().unwrap_or(&self.windows);
@@ -104,13 +104,14 @@ impl Search<'_> {
         }
     }
 
-    /// Whether the step and all steps up to it are proven by held-out windows, and its effect has a size.
+    /// Whether the step and all steps up to it are proven by held-out windows, and its effect differs from
+    /// zero.
     fn stands(&self, step: &Step) -> bool {
         self.passes(&step.last) && self.passes(&step.total) && has_size(step)
     }
 
-    /// The longest run of the steps that were tried whose last step and whose total are proven, and that never
-    /// raises the error that is shown.
+    /// The longest sequence of tried steps whose last step and whose total are proven, and which never raises
+    /// the reported error.
     pub(super) fn proven(&self, base: &WindowFit, tried: &[(Ranked, Vec<String>)]) -> Vec<Step> {
         // the held-out errors of the base alone, which cost fits, prove nothing
         if tried.is_empty() {
@@ -157,14 +158,15 @@ impl Search<'_> {
         (turned.len() == steps.len() && self.stands(turned.last()?)).then_some(turned)
     }
 
-    /// Root mean square error over windows of 2 s of the recordings that are shown; infinite where it
-    /// cannot be simulated.
+    /// Root mean square error over windows of 2 s of the recordings in the report; infinite if it cannot be
+    /// simulated.
     pub(super) fn shown(&self, fit: &WindowFit) -> f64 {
         let judged = self.judge.judge(&fit.model, &fit.p).map(|j| j.window_rms);
         judged.ok().filter(|rms| rms.is_finite()).unwrap_or(f64::INFINITY)
     }
 
-    /// Drops effects that later ones made needless: without it the criterion is lower, or its size may be zero by now.
+    /// Removes effects that later ones made unnecessary: the criterion is lower without them, or their size
+    /// may be zero.
     pub(super) fn pruned(&self, base: &WindowFit, steps: Vec<Step>) -> Vec<Step> {
         let given = base.model.effects().len();
         let Some(last) = steps.last() else { return steps };
@@ -292,7 +294,7 @@ impl Search<'_> {
         (1..shown.len()).take_while(falls).count()
     }
 
-    /// The held-out falls of the candidates that were refitted.
+    /// Adds the held-out falls to the refitted candidates.
     pub(super) fn with_falls(&self, before: &WindowFit, mut ranking: Vec<Ranked>) -> Vec<Ranked> {
         let refits: Vec<&WindowFit> = std::iter::once(before)
             .chain(ranking.iter().filter_map(|r| r.refit.as_ref()))
@@ -311,7 +313,7 @@ fn between_rows(fit: &WindowFit) -> usize {
     fit.model.effects().iter().filter(|effect| effect.change().acts_between_rows()).count()
 }
 
-/// Whether one fit has an effect that moves the input in time and the other does not.
+/// Whether one fit has an effect that delays the input and the other does not.
 fn is_later(before: &WindowFit, after: &WindowFit) -> bool {
     shifts(&after.model).count() > shifts(&before.model).count()
 }
