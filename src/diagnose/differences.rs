@@ -13,7 +13,7 @@ use crate::simulate::Hold;
 /// Chance that any parameter of any recording differs so far where all are one: one log in a million, as for the other
 /// differences between recordings.
 const CHANCE: f64 = 1e-6;
-/// Smallest relative difference of a parameter that is reported (chosen by judgement): smaller ones do not
+/// Smallest relative difference of a parameter that is reported (judgement): smaller ones do not
 /// justify a second fit.
 const LEAST: f64 = 0.1;
 

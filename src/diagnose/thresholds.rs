@@ -3,11 +3,11 @@
 use crate::compare::{AT_FLOOR, REGIME_RATE};
 use crate::effects::SURELY;
 
-/// Limits of the diagnosis. All are dimensionless. Those marked "taste" are choices of what is worth reporting; the
+/// Limits of the diagnosis. All are dimensionless. Those marked "judgement" are choices of what is worth reporting; the
 /// others follow from statistics, physics or measurements.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Thresholds {
-    /// Smallest reduction of the held-out error, as a share, by an effect that is named (taste: a smaller one is no
+    /// Smallest reduction of the held-out error, as a share, by an effect that is named (judgement: a smaller one is no
     /// better model in practice).
     pub least_fall: f64,
     /// The same without a validation recording, where the folds are parts of the same trajectory.
@@ -21,7 +21,7 @@ pub struct Thresholds {
     /// Ratio of error to noise floor above which something is missing even if the residual torque shows no
     /// structure: none of the tested spectra of input noise causes three times the floor.
     pub far_above_floor: f64,
-    /// Error above the floor that matters, as a share of the top speed (taste: 0.2 %).
+    /// Error above the floor that matters, as a share of the top speed (judgement: 0.2 %).
     pub excess: f64,
     /// Ratio of error to floor up to which a model, or a regime of driving, is at the floor; the floor itself is
     /// uncertain by about as much.
@@ -35,15 +35,15 @@ pub struct Thresholds {
     /// Smallest -ln p of the strongest dependence of the residual torque that counts as structure: a chance of one
     /// in ten million for a single test, so that about a hundred tests (bins and variables) cause no false alarm.
     pub structure: f64,
-    /// Smallest share of the residual torque that a variable must explain to be named (taste).
+    /// Smallest share of the residual torque that a variable must explain to be named (judgement).
     pub named_share: f64,
     /// Probability that any regime of driving is called significant if the model is correct.
     pub regime_rate: f64,
     /// Error as a share of the top speed below which a model is useful: a speed controller easily corrects what
-    /// such a feedforward leaves (taste).
+    /// such a feedforward leaves (judgement).
     pub useful: f64,
     /// Error as a share of the top speed below which a model is poor: above it even the sign of small accelerations
-    /// is not predicted (taste).
+    /// is not predicted (judgement).
     pub poor: f64,
     /// Ratio of error to floor above which a likely effect is mentioned.
     pub likely_above_floor: f64,
@@ -77,7 +77,7 @@ pub struct Thresholds {
     /// Number of standard errors within which a value is not distinguished from another one: a delay from zero or
     /// from a delay that logging explains, a parameter of an effect from zero (a chance of one in twenty).
     pub uncertain: f64,
-    /// Number of rows by which a named lag or delay must exceed the delay that logging explains (taste): with a
+    /// Number of rows by which a named lag or delay must exceed the delay that logging explains (judgement): with a
     /// precision of a hundredth of a row, the computing time of a controller alone exceeds it.
     pub least_shift: f64,
     /// Shift of the input, in rows, that each habit of logging explains: the mean over a row, a value held through

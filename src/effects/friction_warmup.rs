@@ -47,7 +47,7 @@ impl Physics for FrictionWarmup {
     }
 
     /// A transient shorter than two hundredths of a recording is an artefact of its start, and one of ten
-    /// times its length is not distinguishable from a constant and a line (taste).
+    /// times its length is not distinguishable from a constant and a line (judgement).
     fn limits(&self, scale: &Scale) -> Vec<(f64, f64)> {
         let mut limits: Vec<(f64, f64)> = self.parameters().iter().map(|s| s.range).collect();
         limits[1] = (0.02 * scale.duration, 10.0 * scale.duration);

@@ -6,7 +6,7 @@ use crate::math::Real;
 use crate::robot::Robot;
 
 /// Largest error of a3 over I from the construction data: half, because a3 is proportional to the distance of
-/// the centre of mass, which is seldom measured (taste).
+/// the centre of mass, which is seldom measured (judgement).
 const MOST_OFF: f64 = 0.5;
 
 /// Wheels of radius r1 = r (1 + eps) and r2 = r (1 - eps), to first order in eps.

@@ -74,7 +74,7 @@ pub struct Gains {
     pub left_out: Vec<LeftOut>,
 }
 
-/// Allowed error for LQR as a share of the top speed (Bryson's rule, taste).
+/// Allowed error for LQR as a share of the top speed (Bryson's rule, judgement).
 const ALLOWED: f64 = 0.1;
 /// Number of speeds for the line kS + kV w, from a tenth of the top speed.
 const SPEEDS: u32 = 19;

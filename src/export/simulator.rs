@@ -28,7 +28,7 @@ const STIFF: &str = "0.002 1";
 const CLOSE: &str = "0.99 0.999 0.001";
 
 /// Difference between the point where the weight acts and the exported centre of mass, in half tracks, above
-/// which it is mentioned (taste): a twentieth of the driving torque of the weight.
+/// which it is mentioned (judgement): a twentieth of the driving torque of the weight.
 const SAME_LEVER: f64 = 0.05;
 
 /// `robot.xml`: MJCF with a chassis that slides and yaws, wheels that roll on the floor, and one motor per

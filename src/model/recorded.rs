@@ -3,7 +3,7 @@
 use super::Model;
 use crate::recording::Recording;
 
-/// Ratio of wheel speed to top speed up to which a recording begins at rest (taste: after a step from rest
+/// Ratio of wheel speed to top speed up to which a recording begins at rest (judgement: after a step from rest
 /// the speed exceeds this within a few rows).
 const AT_REST: f64 = 0.02;
 

@@ -168,7 +168,7 @@ pub struct Study {
     pub what_if: Option<WhatIfStudy>,
 }
 
-/// Smallest ratio of the RMS difference of the wheel speeds to that of their sum for runs with turns (taste).
+/// Smallest ratio of the RMS difference of the wheel speeds to that of their sum for runs with turns (judgement).
 const TURNS: f64 = 0.1;
 
 impl Study {

@@ -11,7 +11,7 @@ use crate::recording::{DriveUnit, Recording};
 use crate::simulate::Hold;
 
 /// Largest coefficient relative to the amplitude of the curve: coefficients of a series over a range with
-/// gaps may exceed the values of the curve (taste: ten times).
+/// gaps may exceed the values of the curve (judgement: ten times).
 const RANGE: f64 = 10.0;
 
 /// A dependence of the residual torque on heading, wheel angle or time, as an effect of an experiment file.

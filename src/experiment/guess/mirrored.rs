@@ -21,7 +21,7 @@ const TURNING: [&str; 8] = [
 const SHOWN: f64 = 0.8;
 const CLEARER: f64 = 0.2;
 
-/// Part by which two speeds may differ and be the same, and of the rows in which they are (taste).
+/// Part by which two speeds may differ and be the same, and of the rows in which they are (judgement).
 const SAME: f64 = 0.15;
 const OFTEN: f64 = 0.25;
 

@@ -32,7 +32,7 @@ const BESIDE: usize = 3;
 /// rows.
 const STANDS: f64 = 0.06;
 const GAINS: f64 = 0.02;
-/// Largest ratio of the slopes, and smallest number of bounces of a magnitude (chosen by judgement).
+/// Largest ratio of the slopes, and smallest number of bounces of a magnitude (judgement).
 const ALIKE: f64 = 2.5;
 const BOUNCES: usize = 3;
 

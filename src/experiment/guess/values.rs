@@ -67,7 +67,7 @@ pub(super) fn is_constant(values: &[f64]) -> bool {
     held.all(|v| Some(v) == first)
 }
 
-/// Part of the way of a speed that is no turn back, but noise of a sensor at rest (taste).
+/// Part of the way of a speed that is no turn back, but noise of a sensor at rest (judgement).
 pub(super) const AT_REST: f64 = 0.05;
 
 /// The least and the largest of values, with zero among them.

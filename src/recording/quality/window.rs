@@ -58,7 +58,7 @@ pub(crate) fn windows_of(v: &View) -> Vec<Window> {
     if v.step.is_nan() || v.step <= 0.0 {
         return vec![];
     }
-    // the slope of a staircase with n steps is too small by 1/n²
+    // the slope of a signal quantised to n steps is too small by 1/n²
     let length = ((LENGTH / v.step).round() as usize).max(SAMPLES * v.refresh);
     let mut out = Vec::with_capacity(v.t.len() / length);
     for piece in v.pieces {

@@ -131,7 +131,7 @@ fn path(study: &Study, recording: &RecordingStudy, windows: &[[f64; 2]]) -> Figu
     figure
 }
 
-/// Ratio of the window error to the noise floor of the verdict, row by row, averaged over 0.2 s.
+/// Ratio of the 2 s simulation error to the noise floor of the verdict, row by row, averaged over 0.2 s.
 fn over_floor(recording: &RecordingStudy, windows: &[[f64; 2]], rows: usize) -> Vec<f64> {
     let floor = recording.floor.window_rms.max(1e-9);
     let error = |(w, simulated): (&[f64; 2], &[f64; 2])| {

@@ -12,9 +12,9 @@ use crate::study::{ParameterStudy, Study};
 /// Largest number of rows of all recordings together, which keeps the page below 3 MB.
 const ROWS: usize = 24_000;
 /// Longest simulated duration \[s\]: with a step of 1 ms the simulation follows a slider without delay
-/// (taste).
+/// (judgement).
 const SECONDS: f64 = 60.0;
-/// Range of a slider (taste): shares of the estimate, for the base model and for effects, which may be absent
+/// Range of a slider (judgement): shares of the estimate, for the base model and for effects, which may be absent
 /// or twice as large; and the smallest range in standard errors.
 const SHARES: [f64; 2] = [0.5, 1.0];
 const STD_ERRORS: f64 = 5.0;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-/// Largest relative deviation of a ratio from the factor of a unit (taste).
+/// Largest relative deviation of a ratio from the factor of a unit (judgement).
 const TOLERANCE: f64 = 0.03;
 
 /// The wrong unit that explains a ratio.
