@@ -1,5 +1,5 @@
-//! Draws one figure of every kind, and a page of all blocks, into the folder given as argument: the
-//! place to look at changes of the drawing code.
+//! Draws one figure of every kind, and a page of all blocks, into the folder given as argument, to
+//! inspect changes of the drawing code.
 
 use std::path::PathBuf;
 
@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// A repeatable wobble between −1 and 1.
+/// A reproducible disturbance between −1 and 1.
 fn noise(i: usize) -> f64 {
     let hash = (i as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(31);
     (hash.wrapping_mul(0xD1B5_4A32_D192_ED03) >> 11) as f64 / (1u64 << 52) as f64 - 1.0

@@ -1,7 +1,7 @@
 //! Every stage without an experiment file: recording, fit, comparison, diagnosis, verdict, report.
 //!
 //! `cargo run --release --example from_recording_to_report [FOLDER]` on `train_1.csv`, `train_2.csv` and
-//! `validation.csv` of a folder; writes `report.html` to the present one.
+//! `validation.csv` of a folder; writes `report.html` to the current folder.
 #![allow(clippy::print_stdout)]
 
 use std::path::Path;

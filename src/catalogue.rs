@@ -25,7 +25,7 @@ macro_rules! catalogue {
     };
 }
 
-/// Likeness (Jaro-Winkler) above which a known name may be what was meant (taste).
+/// Likeness (Jaro-Winkler) above which a known name may be what was meant (judgement).
 const LIKE: f64 = 0.75;
 
 /// The known name most like `name` in any case; `None` where none is like it.

@@ -7,7 +7,7 @@ nothing it leaves is damaged.
 After every kill each file that bears its final name must be whole, and a folder with a results.json
 must be complete and of one run: two experiments that differ in their title take turns, so a mixture
 of both would show. At the end a grid is killed in the same way and resumed until it is done; its
-summary must be that of a run that nobody disturbed. Linux, Python 3 without packages.
+summary must be that of an undisturbed run. Linux, Python 3 without packages.
 """
 
 import json

@@ -1,4 +1,4 @@
-//! Healthy recordings with their truth: made here, or read from a folder.
+//! Healthy recordings with their true parameters: simulated here, or read from a folder.
 
 use std::fs;
 use std::path::Path;
@@ -11,14 +11,14 @@ use amigo_ident::simulate::{Movement, NoiseLevel, Recorder, record};
 use amigo_ident::study::Role;
 use rayon::prelude::*;
 
-/// Recordings to fit and one held out.
+/// Number of recordings to fit; one more is held out.
 const RECORDINGS: u64 = 4;
 /// Length of a recording [s].
 const SECONDS: f64 = 20.0;
 /// Top speed of the wheels [rad/s].
 const TOP: f64 = 12.0;
 /// Noise of the recorded torque as a share of the Coulomb friction of a wheel, of the speeds
-/// [rad/s], of the angles [rad]: an ordinary robot.
+/// [rad/s], of the angles [rad], for a typical robot.
 const TORQUE_NOISE: f64 = 0.04;
 const SPEED_NOISE: f64 = 0.05;
 const ANGLE_NOISE: f64 = 1e-3;
@@ -33,7 +33,7 @@ pub(crate) struct Case {
     pub(crate) held_out: Recording,
 }
 
-/// So many sets of every preset, at 100 and 200 Hz in turn.
+/// `sets` sets of every preset, at 100 and 200 Hz in turn.
 pub(crate) fn of_presets(sets: u64) -> Vec<Case> {
     let places: Vec<(usize, u64)> =
         (0..presets().len()).flat_map(|n| (0..sets).map(move |seed| (n, seed))).collect();

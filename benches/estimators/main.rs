@@ -1,4 +1,4 @@
-//! How well the estimators do on healthy robots of every size: coverage of their 95 % intervals and
+//! Accuracy of the estimators on healthy robots of every size: coverage of their 95 % intervals and
 //! their 2 s simulation error beside that of the true parameters.
 //!
 //! ```text
@@ -6,7 +6,7 @@
 //! cargo bench --bench estimators -- worlds FOLDER [METHOD] [OPTIONS]    healthy cases of a folder as
 //!                                                     described in ../shared/worlds/README.md
 //! ```
-//! `--json FILE` behind either writes the line of all robots into a file, which the pages are compared with.
+//! `--json FILE` after either writes the row of all robots to a file, with which the pages are compared.
 //! Everything is seeded; results do not depend on the number of threads.
 #![allow(clippy::print_stdout)]
 
@@ -26,7 +26,7 @@ use rayon::prelude::*;
 use cases::Case;
 use table::{Figures, Row, print};
 
-/// Sets a preset where none are asked for.
+/// Default number of sets per preset.
 const SETS: u64 = 40;
 
 fn main() {
@@ -53,7 +53,7 @@ fn main() {
     }
 }
 
-/// Fits a case and compares with its truth.
+/// Fits a case and compares it with the true parameters.
 fn judge(case: &Case, method: &dyn Identifier) -> Row {
     let task = Task { model: &case.model, train: &case.train, hold: Hold::Linear, seed: 1 };
     let start = Instant::now();

@@ -1,17 +1,17 @@
-//! Tables of what was found, by robot.
+//! Tables of the results, by robot.
 
 use amigo_ident::identify::{Estimate, Fit};
 
 use super::cases::Case;
 
-/// A parameter: symbol, error in standard errors, whether the interval covers the true value, and whether it is known.
+/// A parameter: symbol, error in standard errors, whether the interval covers the true value, and whether it is held at a known value.
 type Found = (String, f64, bool, bool);
 
-/// What one case gave.
+/// Result of one case.
 pub(crate) struct Row {
     name: String,
     robot: String,
-    /// Of each parameter.
+    /// Results by parameter.
     found: Vec<Found>,
     /// Relative error of the first parameter.
     first: f64,
@@ -93,14 +93,14 @@ fn case(row: &Row) {
     println!("{head} {:+7.2} % {} {notes:?}", 100.0 * row.first, z.join(" "));
 }
 
-/// What is said of several sets.
+/// Summary of several sets.
 pub(crate) struct Figures {
     sets: usize,
     /// Share of the 95 % intervals that cover the true value, by parameter [%].
     covered: Vec<f64>,
     /// Root mean square error in standard errors, by parameter.
     size: Vec<f64>,
-    /// 2 s simulation error over that of the true parameters: mean, nine tenths, largest.
+    /// 2 s simulation error over that of the true parameters: mean, 90 % quantile, maximum.
     ratio: [f64; 3],
     seconds: f64,
 }

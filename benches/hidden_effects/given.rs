@@ -1,4 +1,4 @@
-//! Intervals of models that have what is hidden.
+//! Confidence intervals of models that contain the hidden effects.
 
 use hidden_effects::case::Case;
 use hidden_effects::hidden::EFFECTS;
@@ -6,7 +6,7 @@ use hidden_effects::judge::{BASE, Covered, Outcome};
 
 use super::tables::share;
 
-/// One case in a line: the parameters whose intervals miss, by how many standard errors.
+/// One case per line: the parameters whose intervals miss, and by how many standard errors.
 pub(crate) fn line(case: &Case, outcome: &Outcome) -> String {
     if let Some(reason) = &outcome.failure {
         return format!("{case} -> failed: {reason}");
@@ -17,7 +17,7 @@ pub(crate) fn line(case: &Case, outcome: &Outcome) -> String {
     format!("{case} -> missed: [{}], {:.1} s", missed.join(", "), outcome.seconds)
 }
 
-/// Coverage by effect: of a1..a5, of the effect's own parameters, and how wide both scatter.
+/// Coverage by effect: of a1..a5, of the effect's own parameters, and their scatter in standard errors.
 pub(crate) fn print(rows: &[(Case, Outcome)]) {
     println!("\n## Coverage of the 95 % intervals with the effect in the model\n");
     println!(

@@ -1,15 +1,15 @@
-//! Hidden-effect benchmark: recordings in which something is hidden, or nothing, and what the program says.
+//! Hidden-effect benchmark: the diagnosis of recordings with and without hidden effects.
 //!
 //! ```text
 //! cargo bench --bench hidden_effects -- [--what healthy,single,two,outside] [--robots presets,random:10]
 //!     [--simulator own,second] [--logs 100hz | all] [--effects ID,...] [--seeds N] [--from SEED] [--every K]
 //!     [--rates 0.01,0.05,0.2] [--jobs N] [--minutes M] [--json OUT] [--case ID,...] [--write DIR [--csv]] [--given]
 //! ```
-//! Every case has an id, `robot/simulator/log/effect/size/seed`, from which alone it is made:
+//! Every case is determined by its id, `robot/simulator/log/effect/size/seed`:
 //! `--case ID` runs it, `--write DIR` writes its recordings and an experiment file instead. With `--json`
-//! every outcome is a line of that file, and cases that stand in it already are not run again, so that a
-//! long run can be made in slices of `--minutes`. With `--given` the model has what is hidden, and the intervals of its
-//! parameters are judged in place of the diagnosis. Tables are those of all cases asked for that have an outcome.
+//! every outcome is a line of that file, and cases that it already contains are not run again, so that a
+//! long run can be made in slices of `--minutes`. With `--given` the model contains the hidden effects, and the intervals of its
+//! parameters are judged in place of the diagnosis. The tables cover all selected cases that have an outcome.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 mod given;
@@ -28,7 +28,7 @@ use hidden_effects::judge::{Outcome, estimate, judge};
 use hidden_effects::scenario::Scenario;
 use options::Options;
 
-/// Rate at which effects are searched where some are hidden: the program's default.
+/// False-alarm rate of cases with hidden effects: the program's default.
 const DEFAULT_RATE: f64 = 0.05;
 
 fn main() -> Result<(), String> {
@@ -61,7 +61,7 @@ fn read(path: &Path) -> Result<BTreeMap<String, Outcome>, String> {
     Ok(outcomes.map(|outcome| (outcome.case.clone(), outcome)).collect())
 }
 
-/// Runs the cases that have no outcome yet.
+/// Runs the cases without an outcome.
 fn run(
     options: &Options,
     done: BTreeMap<String, Outcome>,
@@ -102,7 +102,7 @@ fn run(
     Ok(done.into_iter().chain(fresh.into_iter().map(|o| (o.case.clone(), o))).collect())
 }
 
-/// Writes every case into a folder of its own, and what is hidden in them into `truth.json`.
+/// Writes every case into a folder of its own, and its hidden effects into `truth.json`.
 fn write(cases: &[Case], folder: &Path, csv: bool) -> Result<(), String> {
     let mut truth = serde_json::Map::new();
     for case in cases {

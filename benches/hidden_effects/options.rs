@@ -8,23 +8,23 @@ use hidden_effects::hidden::{EFFECTS, OUTSIDE};
 use hidden_effects::logger::{LOGS, Log};
 use hidden_effects::robots::Machine;
 
-/// What is asked for.
+/// Options of the command line.
 pub(crate) struct Options {
     /// Cases to run, in order.
     pub(crate) cases: Vec<Case>,
-    /// False-alarm rates of cases in which nothing is hidden.
+    /// False-alarm rates of cases without hidden effects.
     pub(crate) rates: Vec<f64>,
-    /// Whether the model is given what is hidden, and its parameters are estimated.
+    /// Whether the model is given the hidden effects, and its parameters are estimated.
     pub(crate) given: bool,
-    /// Cases at a time.
+    /// Number of cases at a time.
     pub(crate) jobs: usize,
-    /// File of all outcomes, one a line; cases in it are not run again.
+    /// File of all outcomes, one per line; cases in it are not run again.
     pub(crate) json: Option<PathBuf>,
-    /// Folder into which recordings and experiment files are written, in place of a run.
+    /// Folder to which recordings and experiment files are written, in place of a run.
     pub(crate) write: Option<PathBuf>,
-    /// Whether they are written as CSV.
+    /// Whether the recordings are written as CSV.
     pub(crate) csv: bool,
-    /// No case is begun after so many seconds.
+    /// Number of seconds after which no case is started.
     pub(crate) seconds: f64,
 }
 
@@ -83,7 +83,7 @@ fn robots() -> Result<Vec<String>, String> {
     Ok(out)
 }
 
-/// The cases of the options, seed by seed, so that a part of them covers all robots.
+/// The selected cases, seed by seed, so that a part of them covers all robots.
 fn cases() -> Result<Vec<Case>, String> {
     let robots = robots()?;
     let simulators: Vec<Simulator> = list("--simulator", "own,second")
@@ -119,7 +119,7 @@ fn cases() -> Result<Vec<Case>, String> {
     Ok(out.into_iter().step_by(every.max(1)).collect())
 }
 
-/// What is hidden in the cases of a seed, by `--what`.
+/// Hidden effects in the cases of a seed, by `--what`.
 fn hidden(seed: u64) -> Result<Vec<(Vec<String>, Size)>, String> {
     let mut out = Vec::new();
     let effects = list("--effects", &EFFECTS.join(","));

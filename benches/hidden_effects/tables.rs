@@ -10,7 +10,7 @@ use hidden_effects::scenario::DURATION;
 
 type Row = (Case, Outcome);
 
-/// One case in a line.
+/// One case per line.
 pub(crate) fn line(case: &Case, outcome: &Outcome) -> String {
     let Some(said) = outcome.said.last() else {
         return format!("{case} -> failed: {}", outcome.failure.as_deref().unwrap_or("?"));
@@ -46,7 +46,7 @@ pub(crate) fn print(rows: &[Row], rates: &[f64]) {
     staircases(&rows);
 }
 
-/// The simulators that made any of the cases, each with its rows.
+/// The simulators of the cases, each with its rows.
 fn by_simulator<'a>(rows: &[&'a Row]) -> Vec<(Simulator, Vec<&'a Row>)> {
     let of = |simulator| {
         let own = rows.iter().copied().filter(|(case, _)| case.simulator == simulator).collect();
@@ -56,7 +56,7 @@ fn by_simulator<'a>(rows: &[&'a Row]) -> Vec<(Simulator, Vec<&'a Row>)> {
     all.into_iter().filter(|(_, own): &(_, Vec<&Row>)| !own.is_empty()).collect()
 }
 
-/// Robots in the order of the cases, each with a group of rows; the last group is all.
+/// Robots in the order of the cases, each with a group of rows; the last group holds all.
 fn by_robot<'a>(rows: &[&'a Row]) -> Vec<(String, Vec<&'a Row>)> {
     let mut names: Vec<String> = Vec::new();
     for (case, _) in rows {
@@ -161,8 +161,8 @@ fn coverage_row(group: &[&Row]) -> String {
     cells.join(" | ")
 }
 
-/// Share of the p-values of healthy sets below a rate: every refitted candidate is a single look; the first of
-/// the ranking has been chosen, and its p-value is not a single look.
+/// Share of the p-values of healthy sets below a rate. The p-value of a refitted candidate is that of a single test; the first of
+/// the ranking has been selected, so that its p-value is not.
 fn calibration(rows: &[&Row], rates: &[f64]) {
     if rows.is_empty() {
         return;
@@ -191,7 +191,7 @@ fn calibration(rows: &[&Row], rates: &[f64]) {
     }
 }
 
-/// What is said at the program's default rate.
+/// Results at the program's default rate.
 fn default(outcome: &Outcome) -> Option<&Said> {
     outcome.at(super::DEFAULT_RATE)
 }
@@ -219,7 +219,7 @@ fn singles(rows: &[&Row]) {
     }
 }
 
-/// Named and exact, of a group.
+/// Counts of a group: effect named, and exactly the hidden effects named.
 fn pair(group: &[&Row]) -> String {
     let count = |good: fn(&Said, &[String]) -> bool| {
         let right = |(c, o): &&&Row| default(o).is_some_and(|s| good(s, &c.hidden));
@@ -284,7 +284,7 @@ fn outside(rows: &[&Row]) {
     }
 }
 
-/// Errors that rise with a version, and silence above the floor.
+/// Errors that rise with a version, and verdicts without an effect above the floor.
 fn staircases(rows: &[&Row]) {
     let hiding: Vec<&Row> = rows.iter().filter(|(c, _)| !c.hidden.is_empty()).copied().collect();
     let count = |rows: &[&Row], good: fn(&Said) -> bool| {

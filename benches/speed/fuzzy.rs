@@ -1,4 +1,4 @@
-//! The fuzzy emulators: a simulation, and every method over the paper's range and that of the data.
+//! The fuzzy emulators: a simulation, and every method over the paper's range and the range of the data.
 
 use super::*;
 use amigo_ident::identify::fuzzy::{Normal, Problem, Settings};

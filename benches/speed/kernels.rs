@@ -1,12 +1,12 @@
-//! Simulations in straight lines, the peers of the benchmark: as little as a computer can do for the same work.
+//! Straight-line code for the same simulations, as a reference for the least work that they need.
 
 use amigo_ident::recording::Recording;
 use nalgebra::{SMatrix, SVector};
 
 use super::BASE;
 
-/// Equation (14) in straight lines, by the semi-implicit rule (speeds first, angles from the new
-/// speeds), friction by its sign: as little as a simulation can do. Returns the ISE.
+/// Equation (14) as straight-line code, by the semi-implicit rule (speeds first, angles from the new
+/// speeds), with friction by the sign of the speed. Returns the ISE.
 pub(crate) fn kernel(p: &[f64], recording: &Recording) -> f64 {
     let [a1, a2, a3, a4, a5] = [p[0], p[1], p[2], p[3], p[4]];
     let inverse = 1.0 / (a1 * a1 - a2 * a2);
@@ -24,7 +24,7 @@ pub(crate) fn kernel(p: &[f64], recording: &Recording) -> f64 {
     sum + 1e-300 * (alpha[0] + alpha[1])
 }
 
-/// The same by Runge-Kutta 4 with the sign of the start of the step and no events.
+/// The same by Runge-Kutta 4 with the sign at the start of the step and no events.
 pub(crate) fn kernel_of_fourth_order(p: &[f64], recording: &Recording) -> f64 {
     let mut sum = 0.0;
     by_fourth_order(p, recording, |_, h, e| sum += h * (e[0] * e[0] + e[1] * e[1]));
@@ -96,8 +96,8 @@ fn between(c: f64, from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
     [from[0] + c * (to[0] - from[0]), from[1] + c * (to[1] - from[1])]
 }
 
-/// Output error of the speeds in straight lines: five steps of Gauss and Newton with forward differences
-/// of the Runge-Kutta kernel. Returns the sum of squares before the last.
+/// Output error of the speeds as straight-line code: five Gauss-Newton steps with forward differences
+/// of the Runge-Kutta kernel. Returns the sum of squares before the last step.
 pub(crate) fn output_error_by_differences(recording: &Recording) -> f64 {
     let mut p = BASE.initial();
     p.iter_mut().for_each(|a| *a *= 1.02);

@@ -1,4 +1,4 @@
-//! How fast it is, as ratios measured in one run on one thread.
+//! Speed, as ratios measured in one run on one thread.
 //!
 //! ```text
 //! cargo bench --bench speed               divan's figures, then the table of ratios
@@ -6,7 +6,7 @@
 //! cargo bench --bench speed -- emulators  the rows of the fuzzy methods alone
 //! cargo bench --bench speed -- simulation divan's figures of one group alone
 //! ```
-//! Ratios hold from machine to machine far better than times.
+//! Ratios vary less between machines than times.
 #![allow(clippy::print_stdout)]
 
 mod fuzzy;
@@ -28,7 +28,7 @@ use amigo_ident::simulate::{
 };
 use kernels::{kernel, kernel_of_eight, kernel_of_fourth_order, output_error_by_differences};
 
-/// Counts what benchmarks allocate.
+/// Counts the allocations of the benchmarks.
 #[global_allocator]
 static ALLOCATOR: divan::AllocProfiler = divan::AllocProfiler::system();
 
@@ -43,9 +43,9 @@ const ADDED: [&str; 8] = [
     "lateral_com",
     "stribeck",
 ];
-/// Vectors that are simulated together.
+/// Number of parameter vectors that are simulated together.
 const MANY: usize = 64;
-/// Noise of the filter passes: what the fit finds on such recordings.
+/// Noise of the filter passes, as a fit estimates it on such recordings.
 const NOISE: ProcessNoise = ProcessNoise { sigma_m: 0.005, sigma_d: 0.002, tau_d: 0.2, later: 0.5 };
 
 /// A recording at 200 Hz of the robot, or of one with `hidden` effects, under a 1 kHz controller.
@@ -177,7 +177,7 @@ mod length {
         bencher.bench(|| run_pass(&BASE, &likelihood, true));
     }
 
-    /// The column "max alloc" is the memory it needs beside the recording.
+    /// The column "max alloc" is the memory used in addition to the recording.
     #[divan::bench(args = [1_000, 10_000, 100_000, 1_000_000], sample_size = 1, max_time = 2)]
     fn torque_regression(bencher: divan::Bencher, samples: usize) {
         let recordings = [made(&[], samples as f64 / 200.0, 2)];
@@ -222,7 +222,7 @@ fn three(hidden: &[&str]) -> Vec<Recording> {
     (3..6).map(|seed| made(hidden, 60.0, seed)).collect()
 }
 
-/// What a diagnosis of the base model finds.
+/// Effects that a diagnosis of the base model finds.
 fn found(recordings: &[Recording]) -> Vec<String> {
     let task = Task { model: &BASE, train: recordings, hold: Hold::Linear, seed: 1 };
     let first = start::start(&task, "benchmark").expect("moving recordings");
@@ -231,8 +231,8 @@ fn found(recordings: &[Recording]) -> Vec<String> {
     diagnosis.expect("a fit").found()
 }
 
-/// Time of one run [s]: the shortest of those within 0.4 s, or the processor's own mean over them
-/// where that is less (what else the machine does lengthens every run of some milliseconds).
+/// Time of one run [s]: the shortest of those within 0.4 s, or the mean processor time over them
+/// where that is less (other processes lengthen every run of some milliseconds).
 fn best<T>(mut work: impl FnMut() -> T) -> f64 {
     let (mut shortest, mut total, mut runs) = (f64::INFINITY, 0.0, 0.0);
     let used = processor_time();
@@ -246,7 +246,7 @@ fn best<T>(mut work: impl FnMut() -> T) -> f64 {
     used.map_or(shortest, |used| shortest.min(used))
 }
 
-/// Time that this thread has run on a processor [s], where the system tells (Linux).
+/// Time that this thread has run on a processor [s], where the system reports it (Linux).
 fn processor_time() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
     text.split_whitespace().next()?.parse::<f64>().ok().map(|nanoseconds| 1e-9 * nanoseconds)
@@ -325,7 +325,7 @@ fn fuzzy_ratios() {
     fuzzy::ratios(best(|| kernel_of_fourth_order(black_box(&p), &RUN)) / steps);
 }
 
-/// Beside kernels of the same work.
+/// Ratios to kernels of the same work.
 fn of_peers() {
     let eight = with_effects(8);
     let p = eight.initial();
@@ -357,7 +357,7 @@ fn of_length() {
     }
 }
 
-/// As of a recording that is too long to be held.
+/// The computation for a recording that is too long to be held.
 fn fit_in_blocks(train: &[Recording]) -> f64 {
     let (samples, duration) = (train[0].len(), train[0].duration());
     let rows = Box::new(train[0].clone());

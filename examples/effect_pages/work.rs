@@ -19,7 +19,7 @@ use crate::cases::Case;
 pub(crate) const METHOD: &str = "prediction_error";
 /// Noise of the recordings, N2 of the benchmark.
 pub(crate) const NOISE: NoiseLevel = NoiseLevel { alpha: 1e-3, dalpha: 0.05, torque: 0.005 };
-/// Recordings to fit, and one more to judge by.
+/// Recordings to fit, and one held out.
 const TRAIN: u64 = 4;
 /// Length of a recording [s].
 const DURATION: f64 = 25.0;

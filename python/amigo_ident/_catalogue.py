@@ -10,7 +10,7 @@ from . import _native
 
 
 def effects() -> pl.DataFrame:
-    """The catalogue of physical effects, one row an effect.
+    """The catalogue of physical effects, one row per effect.
 
     Columns: ``id`` (as in ``effects=[...]``), ``title``, ``equation``, ``cause``, ``signature`` (how it shows
     in data), ``excitation`` (which driving makes it visible), ``equivalent`` (effects that are the same in the
@@ -34,7 +34,7 @@ def effects() -> pl.DataFrame:
 
 
 def methods() -> pl.DataFrame:
-    """The identification methods, one row a method.
+    """The identification methods, one row per method.
 
     Columns: ``name`` (as in ``method="..."``), ``title``, ``equation``, ``source``, ``use_when``,
     ``avoid_when``, ``options`` (list of structs: ``key``, ``default``, ``meaning``).

@@ -1,4 +1,4 @@
-"""Exceptions, with the words of the command line."""
+"""Exceptions, with the messages of the command line."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ class AmigoError(Exception):
 
 
 class InputError(AmigoError, ValueError):
-    """Wrong arguments, files or data; the message names the place, what was found and the remedy."""
+    """Wrong arguments, files or data; the message gives the place, the problem and the remedy."""
 
 
 class RunError(AmigoError, RuntimeError):

@@ -26,12 +26,12 @@ class Experiment:
 
     @property
     def name(self) -> str:
-        """The name of its result folder."""
+        """Name of its folder of results."""
         return self._plan.name
 
     @property
     def warnings(self) -> list[str]:
-        """What is odd about the file and its recordings, in sentences."""
+        """Warnings on the file and its recordings, in sentences."""
         return self._plan.warnings
 
     def run(self, out: str | os.PathLike[str] | None = None) -> Study:

@@ -27,12 +27,12 @@ class Fit:
         self._native = native
         self._settings = settings
         self._train = train
-        #: What is odd about recordings and settings, in sentences.
+        #: Warnings on recordings and settings, in sentences.
         self.warnings = warnings
 
     @property
     def method(self) -> str:
-        """The method that made it."""
+        """The identification method."""
         return self._native.method
 
     @property
@@ -42,7 +42,7 @@ class Fit:
 
     @property
     def notes(self) -> list[str]:
-        """What is not identifiable and which bound is active, in sentences."""
+        """Parameters that are not identifiable and bounds that are active, in sentences."""
         return self._native.notes
 
     @property
@@ -52,7 +52,7 @@ class Fit:
 
     @property
     def parameters(self) -> pl.DataFrame:
-        """One row a parameter: ``symbol``, ``value``, ``std_error``, ``low``, ``high`` (95 % interval),
+        """One row per parameter: ``symbol``, ``value``, ``std_error``, ``low``, ``high`` (95 % interval),
         ``unit``, ``identifiable``, ``fixed``. Empty for methods without physical parameters."""
         rows = [
             {

@@ -19,7 +19,7 @@ Columns = Mapping[str, Union[str, Mapping[str, Any]]]
 
 
 def _numbers(values: Any) -> npt.NDArray[np.float64]:
-    """Numbers; of dates [s] since the first one, of durations [s]."""
+    """The values as numbers: dates in seconds since the first one, durations in seconds."""
     if getattr(getattr(values, "dtype", None), "tz", None) is not None:  # dates of pandas with a time zone
         values = getattr(values, "dt", values).tz_convert(None)
     array = np.asarray(values)
@@ -139,7 +139,7 @@ class Recording:
 
     @property
     def name(self) -> str:
-        """Its name, that of the file."""
+        """Name: that of the file."""
         return self._native.name
 
     @property
@@ -154,7 +154,7 @@ class Recording:
 
     @property
     def samples(self) -> int:
-        """Rows."""
+        """Number of rows."""
         return self._native.samples
 
     @property
@@ -164,7 +164,7 @@ class Recording:
 
     @property
     def findings(self) -> list[str]:
-        """What was corrected, and what is odd, in sentences."""
+        """Corrections and warnings, in sentences."""
         return self._native.findings
 
     @property

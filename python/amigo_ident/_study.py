@@ -19,14 +19,14 @@ from ._settings import Effect, EffectLike, Settings, effect_list
 
 
 class Study:
-    """Everything that an experiment found."""
+    """All results of an experiment."""
 
     def __init__(self, native: _native.Study, plan: _native.Plan) -> None:
         self._native = native
         self._plan = plan
         #: The content of ``results.json``; its layout is that of the command line.
         self.results: dict[str, Any] = json.loads(native.results())
-        #: What is odd about recordings and settings, in sentences.
+        #: Warnings on recordings and settings, in sentences.
         self.warnings: list[str] = plan.warnings
 
     @property
@@ -38,13 +38,13 @@ class Study:
 
     @property
     def floor(self) -> float:
-        """The same error that noise alone would leave [rad/s]."""
+        """The same error if noise alone were left [rad/s]."""
         return self._native.error_and_floor[1]
 
     @property
     def methods(self) -> pl.DataFrame:
-        """One row a method: ``method``, ``status``, ``seconds`` [s], and 2 s simulation error
-        [rad/s] and ISE [rad²/s] on training and validation recordings (lists, one entry a recording)."""
+        """One row per method: ``method``, ``status``, ``seconds`` [s], and 2 s simulation error
+        [rad/s] and ISE [rad²/s] on training and validation recordings (lists, one entry per recording)."""
         rows = [
             {
                 "method": m["method"],
@@ -61,7 +61,7 @@ class Study:
 
     @property
     def parameters(self) -> pl.DataFrame:
-        """One row a method and parameter: ``method``, then as :attr:`Fit.parameters`."""
+        """One row per method and parameter: ``method``, then as :attr:`Fit.parameters`."""
         rows = [
             {"method": m["method"], **_parameter(p)}
             for m in self.results["methods"]
@@ -72,13 +72,13 @@ class Study:
 
     @property
     def recordings(self) -> pl.DataFrame:
-        """One row a recording: ``role``, ``file``, ``samples``, ``duration_s``."""
+        """One row per recording: ``role``, ``file``, ``samples``, ``duration_s``."""
         keys = ("role", "file", "samples", "duration_s")
         return pl.DataFrame([{k: r[k] for k in keys} for r in self.results["recordings"]])
 
     @property
     def failures(self) -> pl.DataFrame:
-        """Where the model fails: one row a regime of driving and wheel, as in ``results.json``."""
+        """Where the model fails: one row per driving regime and wheel, as in ``results.json``."""
         return pl.DataFrame(self.results["failures"])
 
     def overlay(self, recording: int | str | None = None) -> pl.DataFrame:
@@ -126,7 +126,7 @@ class Study:
 
 
 class Comparison(Study):
-    """A fit set against recordings that it was not fitted to."""
+    """A fit compared with recordings that it was not fitted to."""
 
 
 class Diagnosis(Study):
@@ -149,12 +149,12 @@ class Diagnosis(Study):
 
     @property
     def found(self) -> list[str]:
-        """Ids of the effects that are missing, first found first."""
+        """Ids of the missing effects, in the order in which they were found."""
         return list(self._found["found"])
 
     @property
     def likely(self) -> list[str]:
-        """Ids of effects that lower the held-out error without being proven."""
+        """Ids of effects that lower the held-out error without being significant."""
         return list(self._found["likely"])
 
     @property
@@ -164,8 +164,8 @@ class Diagnosis(Study):
 
     @property
     def formula(self) -> Effect | None:
-        """What the residual torque depends on as an effect, where something outside the catalogue is missing and a
-        formula of it explains most of that: ``diagnose(..., effects=[diagnosis.formula])`` has it in the model."""
+        """The dependence of the residual torque as an effect, where an effect outside the catalogue is missing and a
+        formula explains most of it: ``diagnose(..., effects=[diagnosis.formula])`` adds it to the model."""
         keys = self._found["formula"]
         if keys is None:
             return None
@@ -221,7 +221,7 @@ def _parameter(p: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def compare(fit: Fit, validation: RecordingLike | Iterable[RecordingLike]) -> Comparison:
-    """Simulates a fit on recordings that it was not fitted to and sets it against their noise floor.
+    """Simulates a fit on recordings that it was not fitted to and compares the error with their noise floor.
 
     :param validation: recordings, paths, or frames.
     """

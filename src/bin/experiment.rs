@@ -1,4 +1,4 @@
-//! The command line: reads arguments, calls the library, prints; nothing is computed here.
+//! The command line: parses arguments, calls the library and prints; it computes nothing.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 use std::io::IsTerminal;
@@ -183,14 +183,14 @@ fn main() -> ExitCode {
     }
 }
 
-/// Text for a terminal: names come from files, and a control character in one must not be obeyed.
+/// Text for a terminal: names come from files, and control characters in them must not be executed.
 fn printable(text: &str) -> String {
     let strange = |c: char| c.is_control() && c != '\n' && c != '\t';
     text.replace(strange, "\u{fffd}")
 }
 
-/// A damaged Parquet file can make its reader panic in threads of its own; the panic is caught and
-/// given as an error, so that its own message would only confuse.
+/// A damaged Parquet file can make its reader panic in its own threads; the panic is caught and returned as
+/// an error, so its own message is suppressed.
 fn silence_the_parquet_reader() {
     let usual = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
@@ -203,7 +203,7 @@ fn silence_the_parquet_reader() {
 }
 
 fn print(text: &str) -> ExitCode {
-    // a closed pipe (| head) is no error
+    // a closed pipe (| head) is not an error
     let _ = std::io::Write::write_all(&mut std::io::stdout(), printable(text).as_bytes());
     ExitCode::SUCCESS
 }
@@ -322,7 +322,7 @@ fn run(run: &Run) -> ExitCode {
     execute(plans, run, &options)
 }
 
-/// So many threads for everything that runs side by side.
+/// Limits the number of threads of all parallel computations.
 fn with_threads(jobs: Option<usize>) -> Result<(), String> {
     let pool = rayon::ThreadPoolBuilder::new();
     match jobs {
@@ -346,7 +346,7 @@ fn execute(plans: Vec<Plan>, run: &Run, options: &RunOptions) -> ExitCode {
     ExitCode::from(if failed > 0 { FAILED } else { 0 })
 }
 
-/// A word in place of the first file that is no file, but nearly a command.
+/// A command that was probably meant by a first argument that is not an existing file.
 fn misspelt(files: &[PathBuf]) -> Option<String> {
     let first = files.first().filter(|f| !f.exists() && f.extension().is_none())?;
     let word = first.to_str()?;
@@ -359,7 +359,7 @@ fn misspelt(files: &[PathBuf]) -> Option<String> {
     ))
 }
 
-/// What is odd about the files and their recordings.
+/// Prints warnings on the files and their recordings.
 fn warn(plans: &[Plan], quiet: bool) {
     for plan in plans.iter().filter(|_| !quiet) {
         for words in plan.warnings() {
@@ -368,7 +368,7 @@ fn warn(plans: &[Plan], quiet: bool) {
     }
 }
 
-/// One short verdict an experiment, and what failed.
+/// Prints one short verdict per experiment, and the failures.
 fn report(outcomes: &[Outcome], quiet: bool) {
     for outcome in outcomes {
         match &outcome.result {

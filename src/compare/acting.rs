@@ -1,22 +1,22 @@
-//! How a torque that the model lacks may act.
+//! How an unmodelled torque acts: as an independent torque, as a resistance or in proportion to the input.
 
 use super::unexplained_torque::Variable;
 
-/// How a torque that the model lacks may act on a wheel.
+/// How an unmodelled torque acts on a wheel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Acting {
-    /// As a torque of its own.
+    /// An independent torque.
     Torque,
-    /// Against the motion: the torque changes its sign with the speed of the wheel.
+    /// Resistance: the sign of the torque changes with that of the wheel speed.
     Resistance,
-    /// As a share of the input: the torque is proportional to it.
+    /// The torque is proportional to the input.
     Gain,
 }
 
 impl Acting {
-    /// How a torque may act that depends on `variable`. What depends on a speed, a turn rate or an input is seen over
-    /// them whatever its sign; what depends on the place or the time may change it with the direction of the motion.
+    /// The ways in which a torque that depends on `variable` may act. For speeds, turn rates and inputs a
+    /// change of sign is visible in the curve itself; for angles and time it is not.
     pub(super) const fn of(variable: Variable) -> &'static [Self] {
         match variable {
             Variable::Heading | Variable::Alpha1 | Variable::Alpha2 => {
@@ -27,7 +27,7 @@ impl Acting {
         }
     }
 
-    /// What the torque on a wheel of this speed [rad/s] and input [N m] is proportional to.
+    /// Factor of the torque on a wheel with this speed [rad/s] and input [N m]: 1, sgn ω or M.
     pub(super) fn per(self, omega: f64, input: f64) -> f64 {
         match self {
             Self::Torque => 1.0,

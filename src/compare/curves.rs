@@ -1,4 +1,4 @@
-//! The residual torque as a function of anything that it may depend on.
+//! The residual torque as a function of speeds, angles, accelerations, inputs and time.
 
 use super::acting::Acting;
 use super::low_pass::smooth_motion;
@@ -10,13 +10,13 @@ use crate::math::distribution::chi2_log_survival;
 use crate::model::Model;
 use crate::recording::Recording;
 
-/// Length of the blocks whose sums count as independent \[s\].
+/// Length of the blocks whose sums are treated as independent \[s\].
 const BLOCK: f64 = 1.0;
-/// Bins of a variable.
+/// Number of bins per variable.
 const BINS: usize = 12;
-/// A gap between neighbouring values longer than this share of their range has no bin across it.
+/// No bin crosses a gap between neighbouring values longer than this share of their range.
 const GAP: f64 = 0.08;
-/// Rows of a bin at least.
+/// Smallest number of rows in a bin.
 const FEWEST: usize = 10;
 
 /// The residual torque in one bin of a variable.
@@ -24,39 +24,41 @@ const FEWEST: usize = 10;
 pub struct CurveBin {
     /// Mean of the variable.
     pub at: f64,
-    /// Whether values lie without a gap between this bin and the one before it.
+    /// Whether there is no gap between this bin and the previous one.
     pub joined: bool,
-    /// Of the model as given, by wheel [N m; a share of the input where it acts so].
+    /// Residual torque of the model as given, by wheel [N m; a share of the input if it acts as a gain].
     pub before: [Mean; 2],
-    /// Of the model with what was found, by wheel [the same].
+    /// Residual torque of the model with the effects found, by wheel, in the same unit.
     pub after: Option<[Mean; 2]>,
 }
 
 /// How the residual torque depends on a variable.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Curve {
-    /// What stands on the abscissa.
+    /// Variable of the abscissa.
     pub variable: Variable,
-    /// What its bins hold.
+    /// How the torque of the bins acts.
     pub acting: Acting,
     /// Bins in order.
     pub bins: Vec<CurveBin>,
     /// Share of the mean square of the residual torque that the bins explain, of the model as given.
     pub share_before: f64,
-    /// The same of the model with what was found, as a share of the mean square of the model as given.
+    /// The same for the model with the effects found, as a share of the mean square of the model as given.
     pub share_after: Option<f64>,
     /// -ln of the p-value of the dependence of the model as given.
     pub log_significance: f64,
 }
 
 impl Curve {
-    /// The share that is left: of the model with what was found where something was, else of the model as given.
+    /// The remaining share: of the model with the effects found if there are any, otherwise of the model as
+    /// given.
     #[must_use]
     pub fn left(&self) -> f64 {
         self.share_after.unwrap_or(self.share_before)
     }
 
-    /// The largest mean of what is left, by its amount \[N m; a share of the input where it acts so\].
+    /// The largest absolute mean of the remaining residual torque \[N m; a share of the input if it acts as a
+    /// gain\].
     #[must_use]
     pub fn largest_left(&self) -> f64 {
         let means = self.bins.iter().flat_map(|b| b.after.unwrap_or(b.before));
@@ -72,37 +74,37 @@ struct Row {
     after: [f64; 2],
 }
 
-/// A model with its [`residual_torque()`] of every recording.
+/// A model with its [`residual_torque()`] for every recording.
 #[derive(Clone, Copy)]
 pub struct Unexplained<'a> {
-    /// The fitted model of which it is the residual.
+    /// The fitted model.
     pub model: &'a Model,
     /// Values of its parameters.
     pub p: &'a [f64],
-    /// Residual torque, a list a recording [N m].
+    /// Residual torque, one list per recording [N m].
     pub torque: &'a [Vec<[f64; 2]>],
 }
 
-/// The residual torque over every variable, the one that explains most first.
+/// The residual torque over every variable, sorted by the share that the variable explains.
 ///
-/// Bins hold equal counts.
+/// Bins contain equal numbers of rows.
 ///
 /// ```text
 /// share = 1 - (RSS₁/(n - k))/(RSS₀/n),   T = n ln(RSS₀/RSS₁) ~ χ²_k,   n = 2 fc T, k means
 /// ```
-/// n is the number of independent values behind a low-pass of cut-off fc over the time T that wheels move.
+/// n is the number of independent values after a low-pass with cut-off fc over the time T during which the wheels move.
 ///
-/// Over the heading, the angles and the time the residual torque r may act in another way than as a torque of its own;
-/// of each variable the curve stands that explains most ([`Acting`]):
+/// Over the heading, the wheel angles and time the residual torque r may also act as a resistance or a gain;
+/// for each variable the curve that explains most is returned ([`Acting`]):
 ///
 /// ```text
 /// r_i = c(x) φ_i,   φ_i = 1, sgn ω_i or M_i;   RSS₀ of the last two with one c for all x
 /// ```
 ///
-/// Noise of the speeds is in a measured acceleration and, times the inertia, in the residual torque with the opposite
-/// sign: over its own acceleration the residual torque of the right model falls. For the accelerations the speeds are
-/// therefore split into two of which the noises are independent; one gives the acceleration, the
-/// other the residual torque.
+/// Noise of the speeds enters a measured acceleration and, multiplied by the inertia, the residual torque
+/// with the opposite sign. Over its own acceleration the residual torque of a correct model would therefore
+/// fall. For the accelerations the speeds are split into two copies with independent noise; one gives the
+/// acceleration, the other the residual torque.
 #[must_use]
 pub fn curves(
     recordings: &[&Recording],
@@ -137,7 +139,7 @@ pub fn curves(
     out
 }
 
-/// The curve over a variable that explains most of what is left, by how the torque acts.
+/// The curve over a variable for the way of acting that explains most of the remaining residual torque.
 fn as_it_acts(rows: &[Row], v: usize, independent: f64, has_after: bool) -> Option<Curve> {
     let bins = binned(rows, v)?;
     let all = Acting::of(Variable::ALL[v]).iter();
@@ -145,10 +147,10 @@ fn as_it_acts(rows: &[Row], v: usize, independent: f64, has_after: bool) -> Opti
     all.reduce(|best, next| if next.left() > best.left() { next } else { best })
 }
 
-/// Rows in bins of a variable, and whether each bin follows the one before it without a gap.
+/// Rows in bins of a variable, and whether each bin follows the previous one without a gap.
 type Bins<'a> = Vec<(bool, Vec<&'a Row>)>;
 
-/// The rows in motion in bins of a variable; `None` where they are too few, or it does not vary.
+/// The rows in motion in bins of a variable; `None` if there are too few, or if the variable is constant.
 fn binned(rows: &[Row], v: usize) -> Option<Bins<'_>> {
     let moves = |r: &&Row| r.before.iter().any(|m| m.is_finite()) && r.values[v].is_finite();
     let mut order: Vec<&Row> = rows.iter().filter(moves).collect();
@@ -227,8 +229,8 @@ fn samples(bin: &[&Row], acting: Acting, i: usize, of: fn(&Row) -> [f64; 2]) -> 
     out
 }
 
-/// Rows in the order of a variable cut into bins of equal counts, none across a gap; whether each follows
-/// the one before without a gap.
+/// Rows sorted by a variable, divided into bins of equal counts that do not cross a gap; with each bin,
+/// whether it follows the previous one without a gap.
 fn cut<'a>(order: &[&'a Row], v: usize) -> Bins<'a> {
     let at = |n: usize| order[n].values[v];
     let (low, high) = (at(order.len() / 100), at(order.len() - 1 - order.len() / 100));
@@ -247,18 +249,18 @@ fn cut<'a>(order: &[&'a Row], v: usize) -> Bins<'a> {
     out
 }
 
-/// What the bins explain.
+/// Variance explained by the bins.
 struct Explained {
     /// Sum of the squares of all values.
     square: f64,
-    /// Share of it that the bins explain.
+    /// Share of it explained by the bins.
     share: f64,
     /// -ln p.
     log_significance: f64,
 }
 
-/// What the `means` of bins explain. Of what changes its sign with the motion or the input, the part that is the same in
-/// all bins depends on these and not on the variable, and is not counted.
+/// Variance explained by the `means` of the bins. For a resistance or a gain, the part common to all bins
+/// does not depend on the variable and is not counted.
 fn explained(
     bins: &[[Vec<Sample>; 2]],
     means: &[[Mean; 2]],

@@ -26,8 +26,7 @@ pub struct Simulated {
 /// Simulates a recording freely and over windows.
 ///
 /// # Errors
-/// A model that cannot move; a diverging simulation is no error but far away (NaN), since a bad
-/// model is a result.
+/// The mass matrix is not positive definite. A diverging simulation is not an error: its states are NaN.
 pub fn simulate_recording(
     dynamics: &dyn Dynamics,
     recording: &Recording,
@@ -48,7 +47,7 @@ pub fn simulate_recording(
     Ok(Simulated { free, windows, window_starts, window_states })
 }
 
-/// The windows of `length` \[s\] of a piece; a short rest joins the last one.
+/// The windows of `length` \[s\] of a piece; a short remainder is joined to the last one.
 pub(super) fn windows_of(
     recording: &Recording,
     piece: &Range<usize>,
@@ -87,8 +86,8 @@ impl<'a> Acting<'a> {
         Self { dynamics, recording, input }
     }
 
-    /// The motion in the rows of all windows, each from its own start, with speeds as the recording has them; not a
-    /// number where it diverges: a bad model is a result, not an error.
+    /// Simulated states in the rows of all windows, each from its own initial state, with speeds as the
+    /// recording defines them; NaN if the simulation diverges.
     pub(crate) fn simulate(
         &self,
         windows: &[(Range<usize>, State)],
@@ -108,9 +107,9 @@ impl<'a> Acting<'a> {
         Ok(out)
     }
 
-    /// Gives states at `rows` the speeds of the recording's own kind: where those are slopes of measured angles, they
-    /// differ from the measured ones by the slopes of the error of the angles. A speed that changes within a row is not
-    /// the slope around it.
+    /// Converts the speeds of the states at `rows` to those of the recording: if these are derivatives of
+    /// measured angles, the simulated speeds are the measured ones plus the derivative of the angle error. A
+    /// speed that changes within a row differs from the slope over the row.
     fn as_recorded(&self, rows: &Range<usize>, states: &mut [State]) {
         let r = self.recording;
         if r.measured().omega {
@@ -136,13 +135,13 @@ impl<'a> Acting<'a> {
         self.simulate(&windows.iter().map(from).collect::<Vec<_>>(), hold)
     }
 
-    /// Where a window starts.
+    /// Initial state of a window.
     fn start(&self, window: &Range<usize>) -> State {
         start_of(&self.recording.local_motion()[window.start])
     }
 }
 
-/// Where a simulation starts: the local motion.
+/// Initial state of a simulation: the local motion.
 #[must_use]
 pub(crate) fn start_of(motion: &LocalMotion) -> State {
     // a speed that its own error hides is rest: started at a tiny speed, dry friction would act
@@ -154,13 +153,13 @@ pub(crate) fn start_of(motion: &LocalMotion) -> State {
     State { alpha: motion.alpha, omega }
 }
 
-/// The paper's quality index per wheel, the integral of the squared wheel-speed error over the
-/// recording (trapezoid; gaps do not count) [rad^2/s^2 · s = rad^2/s].
+/// The paper's quality index per wheel, the integral of the squared wheel-speed error over the recording
+/// (trapezoidal rule; gaps are excluded) [rad^2/s^2 · s = rad^2/s].
 ///
 /// ```text
 /// ISE = int (e_w1^2 + e_w2^2) dt
 /// ```
-/// Source: paper, section 4. Infinite where the simulation diverged.
+/// Source: paper, section 4. Infinite if the simulation diverged.
 #[must_use]
 pub fn ise(recording: &Recording, states: &[State]) -> [f64; 2] {
     [0, 1].map(|i| {
@@ -190,7 +189,7 @@ pub fn window_rms(recording: &Recording, windows: &[State]) -> f64 {
     if mean.is_nan() { f64::INFINITY } else { mean.sqrt() }
 }
 
-/// Samples at the start of a recording that [`angle_rms`] leaves out.
+/// Number of initial samples that [`angle_rms`] excludes.
 const TRANSIENT: usize = 20;
 
 /// Root mean square error of the angles of a free simulation over both wheels, without the first 20 samples

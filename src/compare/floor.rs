@@ -1,4 +1,4 @@
-//! The noise floor: the error that the right model would still have.
+//! The noise floor: the error that remains for the correct model.
 
 use std::ops::Range;
 
@@ -13,65 +13,66 @@ use crate::recording::{LocalMotion, Recording};
 use crate::robot::State;
 use crate::simulate::{BETWEEN_ROWS, Dynamics, Hold, SimulateError, every_other};
 
-/// Draws of the noise.
+/// Number of noise realisations.
 const DRAWS: usize = 8;
 
-/// The error of the right model on one recording.
+/// The error of the correct model on one recording.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Floor {
     /// Of the free simulation, per wheel [rad^2/s].
     pub ise: [f64; 2],
     /// Of the windows, root mean square over both wheels [rad/s].
     pub window_rms: f64,
-    /// The same with the most that the input may have done between its rows.
+    /// The same with the largest possible effect of the unknown input between the rows.
     pub window_most: f64,
-    /// What slow noise of the input has in them, root mean square [rad/s].
+    /// Contribution of slow noise of the input, root mean square [rad/s].
     pub window_slow: f64,
 }
 
-/// The error over windows of 2 s that the right model has, root mean square [rad/s].
+/// The error of the correct model over windows of 2 s, root mean square [rad/s].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WindowFloor {
-    /// As it is expected.
+    /// Expected value.
     pub expected: f64,
-    /// With the most that the input may have done between its rows.
+    /// With the largest possible effect of the unknown input between the rows.
     pub most: f64,
-    /// What slow noise of the input has in it.
+    /// Contribution of slow noise of the input.
     pub slow: f64,
 }
 
 impl WindowFloor {
-    /// Whether slow noise of the input makes the larger part of the squared error: the floor is then known to a factor of
-    /// two at best, since such noise is seen while the robot rests, for some of its correlation times, and tests that count
-    /// rows or windows as independent do not hold.
+    /// Whether slow noise of the input causes the larger part of the squared error. The floor is then
+    /// uncertain by a factor of two or more, because such noise is estimated from rests that last only a few
+    /// of its correlation times, and tests that treat rows or windows as independent are not valid.
     #[must_use]
     pub fn is_slow(&self) -> bool {
         2.0 * self.slow.powi(2) > self.expected.powi(2)
     }
 }
 
-/// The error that remains for a perfect model: the noise of the measured speeds, what noise of the starting state
-/// does to a simulation, and what noise of the recorded torques (from differences) does, or what the input does
-/// between its rows, which nobody recorded.
+/// The error that remains for a perfect model. It has three contributions: noise of the measured speeds, the
+/// effect of noise in the initial state on a simulation, and the larger of the effects of input noise
+/// (estimated from differences) and of the unknown input between the rows.
 ///
 /// ```text
 /// floor = ∫ σ_w² dt + mean over 8 draws of ∫ (w(M, x0 + noise) - w(M, x0))² dt
 ///         + max(N, n H + (1 - n) H/3) + S
 /// N = mean over 8 draws of ∫ (w(M + noise, x0) - w(M, x0))² dt
 /// H = mean over both phases of ∫ (w(every other row of M, x0) - w(M, x0))² dt
-/// S = mean over 8 draws of ∫ (w(M + slow noise, x0) - w(M, x0))² dt,   noise that goes on from row to row, where rests show it
+/// S = mean over 8 draws of ∫ (w(M + slow noise, x0) - w(M, x0))² dt,   autocorrelated noise, estimated from rests
 /// ```
-/// n: share of the variance of the input's jumps that is noise, which the robot does not follow. A step that it follows,
-/// at any time between two rows with equal chance, puts the line between them off by h² step²/12, mean square, and
-/// leaving out every other row by h² step²/4: a third of what is seen there. Of a smooth input it is a ninth, and of
-/// changes within a row that come back all of it; which of them it is the rows do not show, and the most is H. An input
-/// that is held through its rows is known between them, and H is zero.
-/// Every other row of an input with independent noise differs from all of them by as much as that noise makes: the
-/// second has the first in it. `dynamics` stands for the right model; any model near it serves, since only the
-/// spread counts.
+/// n is the share of the variance of the input's differences that is noise, to which the robot does not
+/// respond. For a step of the input at a uniformly distributed time between two rows, linear interpolation
+/// has a mean square error of h² step²/12, and with every other row h² step²/4, so the error is a third of H.
+/// For a smooth input it is a ninth of H, and for changes within a row that return it is all of H. The rows
+/// do not determine which case applies; H is the upper bound. An input that is held between its rows is known
+/// there, and H is zero.
+/// For an input with independent noise, omitting every other row changes the simulation by as much as the
+/// noise does, so H includes N. `dynamics` represents the correct model; any similar model can be used,
+/// because only the differences of simulations enter.
 ///
 /// # Errors
-/// A model that cannot move.
+/// The mass matrix is not positive definite.
 pub fn noise_floor(
     dynamics: &dyn Dynamics,
     recording: &Recording,
@@ -81,7 +82,7 @@ pub fn noise_floor(
     floor(&Runs::new(dynamics, recording, hold, Reach::FreeAndWindows)?, seed)
 }
 
-/// [`noise_floor`] of the simulations that `runs` makes.
+/// [`noise_floor`] from the simulations of `runs`.
 fn floor(runs: &Runs, seed: u64) -> Result<Floor, SimulateError> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let recording = runs.recording;
@@ -103,15 +104,17 @@ fn floor(runs: &Runs, seed: u64) -> Result<Floor, SimulateError> {
     Ok(Floor { ise, window_rms, window_most, window_slow: slow.square.sqrt() })
 }
 
-/// Share of the squared error of every other row that the rows themselves leave, of steps between them.
+/// Ratio of the squared error of linear interpolation between all rows to that between every other row, for
+/// steps of the input.
 const STEPS: f64 = 1.0 / 3.0;
 
-/// Root mean square error over windows of 2 s [rad/s] that a right model has on recordings because the input
-/// between their rows is not known: a third of the difference that every other row makes, since a straight
-/// line errs as the square of the interval. A smaller change of the error holds no information on the robot.
+/// Root mean square error over windows of 2 s [rad/s] of a correct model on recordings, due to the unknown
+/// input between their rows: a third of the mean square difference that omitting every other row causes,
+/// because the error of linear interpolation is proportional to the square of the interval. A smaller change
+/// of the error contains no information on the robot.
 ///
 /// # Errors
-/// A model that cannot move.
+/// The mass matrix is not positive definite.
 pub fn unresolved(
     dynamics: &dyn Dynamics,
     recordings: &[Recording],
@@ -124,12 +127,11 @@ pub fn unresolved(
     Ok(pooled(recordings, square)? * BETWEEN_ROWS)
 }
 
-/// Root mean square difference over windows of 2 s [rad/s] that every other row of the input makes, less what
-/// noise of the recorded input has in it: rows left out move a sum of independent errors as much as the errors
-/// themselves do.
+/// Root mean square difference over windows of 2 s [rad/s] caused by omitting every other row of the input,
+/// minus the part that noise of the recorded input causes.
 ///
 /// # Errors
-/// A model that cannot move.
+/// The mass matrix is not positive definite.
 pub fn between_rows(
     dynamics: &dyn Dynamics,
     recordings: &[Recording],
@@ -144,10 +146,10 @@ pub fn between_rows(
     pooled(recordings, square)
 }
 
-/// The floor of [`noise_floor`] over windows of all recordings.
+/// [`noise_floor`] over the windows of all recordings.
 ///
 /// # Errors
-/// A model that cannot move.
+/// The mass matrix is not positive definite.
 pub fn pooled_floor(
     dynamics: &dyn Dynamics,
     recordings: &[Recording],
@@ -179,21 +181,21 @@ fn pooled(
     Ok(mean_over_rows(recordings, squares.into_iter()).sqrt())
 }
 
-/// The mean over all rows of a value of each recording.
+/// The mean of a value of each recording, weighted by its number of rows.
 fn mean_over_rows(recordings: &[Recording], values: impl Iterator<Item = f64>) -> f64 {
     let rows = || recordings.iter().map(|r| r.len() as f64);
     let sum: f64 = values.zip(rows()).map(|(value, rows)| rows * value).sum();
     sum / f64::max(rows().sum(), 1.0)
 }
 
-/// How a recording is simulated.
+/// Which simulations of a recording are computed.
 #[derive(Clone, Copy, PartialEq)]
 enum Reach {
     Windows,
     FreeAndWindows,
 }
 
-/// Simulations of a recording with an input or a start that differ from those recorded.
+/// Simulations of a recording with an input or an initial state that differ from the recorded ones.
 struct Runs<'a> {
     dynamics: &'a dyn Dynamics,
     recording: &'a Recording,
@@ -201,7 +203,7 @@ struct Runs<'a> {
     reach: Reach,
     /// Rows of the windows of 2 s.
     short: Vec<Range<usize>>,
-    /// The run as recorded.
+    /// The simulation with the recorded input and initial state.
     plain: Run,
 }
 
@@ -211,7 +213,7 @@ struct Run {
     windows: Vec<State>,
 }
 
-/// How far runs are from the one as recorded.
+/// Difference between simulations and the one with recorded input and initial state.
 #[derive(Clone, Copy, Default)]
 struct Apart {
     /// Of the free simulation, per wheel [rad^2/s].
@@ -264,13 +266,13 @@ impl<'a> Runs<'a> {
         acting.simulate(&windows, self.hold)
     }
 
-    /// The mean over draws of noise as large as the jumps of the recorded input.
+    /// The mean over realisations of input noise with the variance of the input's differences.
     fn by_input_jumps(&self, rng: &mut ChaCha8Rng) -> Result<Apart, SimulateError> {
         let sigma = self.recording.input_jumps();
         self.mean(DRAWS, |_| self.run(&noisier_input(self.recording, sigma, rng), None))
     }
 
-    /// The mean over draws of noise of the input that goes on from row to row.
+    /// The mean over realisations of slow (autocorrelated) input noise.
     fn by_slow_input_noise(&self, rng: &mut ChaCha8Rng) -> Result<Apart, SimulateError> {
         if self.recording.slow_input_noise().iter().all(|n| n.sigma == 0.0) {
             return Ok(Apart::default());
@@ -278,13 +280,13 @@ impl<'a> Runs<'a> {
         self.mean(DRAWS, |_| self.run(&slowly_noisier_input(self.recording, rng), None))
     }
 
-    /// The mean over draws of noise of the starting states.
+    /// The mean over realisations of noise in the initial state.
     fn by_start_noise(&self, rng: &mut ChaCha8Rng) -> Result<Apart, SimulateError> {
         self.mean(DRAWS, |_| self.run(self.recording.torque(), Some(rng)))
     }
 
-    /// The mean over both ways of leaving out every other row of the input: what is not known of it between its
-    /// rows; nothing of one that is held.
+    /// The mean over both ways of omitting every other row of the input: the effect of the unknown input
+    /// between the rows; zero for a held input.
     fn by_every_other_row(&self) -> Result<Apart, SimulateError> {
         if self.hold == Hold::Constant {
             return Ok(Apart::default());
@@ -332,7 +334,7 @@ fn spread(a: &State, b: &State, i: usize) -> f64 {
     if d.is_finite() { d } else { 0.0 }
 }
 
-/// Where a simulation starts, moved by noise of the speeds where `rng` draws it.
+/// Initial state of a simulation, with a realisation of the noise of the speeds if `rng` is given.
 fn start(local: &LocalMotion, rng: Option<&mut ChaCha8Rng>) -> State {
     let mut first = start_of(local);
     let Some(rng) = rng else { return first };

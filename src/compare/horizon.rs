@@ -1,16 +1,17 @@
-//! How the error of a model grows with the time that it is simulated without a correction.
+//! Growth of the simulation error with the time since the last correction.
 
 use super::error::{Acting, windows_of};
 use crate::recording::Recording;
 use crate::simulate::{Dynamics, Hold, SimulateError};
 
-/// Lengths of the simulations \[s\], before the free one.
+/// Lengths of the simulations \[s\]; the free simulation follows.
 const LENGTHS: [f64; 3] = [0.1, 0.5, 2.0];
 
 /// The error of a model over simulations of one length.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Horizon {
-    /// Time after which a simulation starts anew \[s\]; zero: a row (the filter's prediction); infinite: never.
+    /// Time after which a simulation is restarted \[s\]; zero: one row (prediction by the filter); infinite:
+    /// never.
     pub seconds: f64,
     /// Root mean square error of both wheel speeds [rad/s].
     pub rms: f64,
@@ -18,13 +19,12 @@ pub struct Horizon {
     pub fit_percent: [f64; 2],
 }
 
-/// The fit of a simulation in percent.
+/// The fit of a simulation in per cent.
 ///
 /// ```text
 /// fit = 100 (1 - ‖w - ŵ‖/‖w - mean(w)‖)
 /// ```
-/// Source: Ljung, System Identification, 1999 (MATLAB's `compare`). Negative where the mean would be a better
-/// simulation.
+/// Source: Ljung, System Identification, 1999 (MATLAB's `compare`). Negative if the mean would be a better simulation.
 ///
 /// ```
 /// use amigo_ident::compare::fit_percent;
@@ -44,10 +44,10 @@ pub fn fit_percent(measured_simulated: impl Iterator<Item = (f64, f64)> + Clone)
     100.0 * (1.0 - (error / spread).sqrt())
 }
 
-/// Error and fit over 0.1, 0.5 and 2 s and of the free simulation, over all recordings together.
+/// Error and fit over 0.1, 0.5 and 2 s and of the free simulation, pooled over all recordings.
 ///
 /// # Errors
-/// A model that cannot move; one that diverges has errors that are not numbers.
+/// The mass matrix is not positive definite. If the simulation diverges, the errors are NaN.
 pub fn horizons(
     dynamics: &dyn Dynamics,
     recordings: &[Recording],

@@ -1,11 +1,12 @@
-//! Recorded inputs with more noise.
+//! Recorded inputs with additional simulated noise.
 
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use crate::recording::{Recording, SlowNoise};
 
-/// The recorded input with noise of the deviations `sigma` [N m] added, one draw a row and wheel.
+/// The recorded input plus white noise with standard deviations `sigma` [N m], independent for each row and
+/// wheel.
 pub fn noisier_input(
     recording: &Recording,
     sigma: [f64; 2],
@@ -18,7 +19,7 @@ pub fn noisier_input(
     rows.collect()
 }
 
-/// The recorded input with as much of its slow noise added as it has ([`Recording::slow_input_noise`]).
+/// The recorded input plus a realisation of its slow noise ([`Recording::slow_input_noise`]).
 ///
 /// ```text
 /// n_k = ρ n_(k-1) + √(1 - ρ²) σ e_k,   ρ = exp(-(t_k - t_(k-1))/τ),   e ~ N(0, 1)
@@ -39,7 +40,7 @@ pub(super) fn slowly_noisier_input(recording: &Recording, rng: &mut ChaCha8Rng) 
     rows.collect()
 }
 
-/// A draw a wheel; one axis written down twice has one noise.
+/// One draw per wheel; for a single axis mapped to both wheels the same draw.
 fn draws(recording: &Recording, rng: &mut ChaCha8Rng) -> [f64; 2] {
     let first = normal(rng);
     [first, if recording.is_single_axis() { first } else { normal(rng) }]

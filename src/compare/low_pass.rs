@@ -1,4 +1,4 @@
-//! Signals of a recording behind a low-pass without phase shift.
+//! Zero-phase low-pass filtering of the signals of a recording.
 
 use nalgebra::{SVector, Vector2};
 
@@ -8,8 +8,8 @@ use crate::recording::{LocalMotion, Recording};
 /// Order of the low-pass; it is applied forwards and backwards.
 const ORDER: usize = 2;
 
-/// A signal of both wheels behind a low-pass of that cut-off \[Hz\], piece by piece; pieces that are too short
-/// stay as they are.
+/// Signals of both wheels after a low-pass with this cut-off \[Hz\], filtered piece by piece; pieces that are
+/// too short are not filtered.
 #[must_use]
 pub fn filtered(r: &Recording, cutoff: f64, signal: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut out = signal.to_vec();
@@ -26,18 +26,19 @@ pub fn filtered(r: &Recording, cutoff: f64, signal: &[[f64; 2]]) -> Vec<[f64; 2]
     out
 }
 
-/// Signals that pass the filter together: what each value waits for is its own past.
+/// Number of signals that are filtered simultaneously: each sample depends on the previous one, so that
+/// several signals use the processor better.
 const TOGETHER: usize = 4;
 
-/// Memory for signals on their way through the filter, to be used again: it is so large that the system takes it
-/// back and clears it at every turn.
+/// Reusable memory for signals in the filter. It is so large that the operating system would otherwise
+/// release and clear it in every call.
 #[derive(Default)]
 pub struct FilterBuffer {
     four: Vec<SVector<f64, 4>>,
     eight: Vec<SVector<f64, 8>>,
 }
 
-/// Replaces signals by what [`filtered`] makes of each, to the last bit.
+/// Replaces signals by the results of [`filtered`], identical to the last bit.
 pub fn filter_together(
     r: &Recording,
     cutoff: f64,
@@ -54,7 +55,7 @@ pub fn filter_together(
     }
 }
 
-/// At most `N`/2 finite signals behind the low-pass, piece by piece.
+/// Filters at most `N`/2 finite signals piece by piece.
 fn filter_some<const N: usize>(
     r: &Recording,
     cutoff: f64,
@@ -80,7 +81,7 @@ fn filter_some<const N: usize>(
     }
 }
 
-/// The motion behind the low-pass: angles and speeds filtered, accelerations by differences.
+/// The low-passed motion: angles and speeds filtered, accelerations by differences.
 #[must_use]
 pub fn smooth_motion(r: &Recording, cutoff: f64) -> Vec<LocalMotion> {
     let alpha = filtered(r, cutoff, &r.on_lines(r.alpha()));

@@ -1,17 +1,17 @@
-//! Means with the standard error of values that correlate within blocks.
+//! Means with standard errors for values that are correlated within blocks.
 
 /// A mean with its standard error.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Mean {
-    /// Mean; not a number without rows.
+    /// Mean; NaN without rows.
     pub value: f64,
     /// Standard error, from the sums over blocks of 1 s.
     pub std_error: f64,
-    /// Blocks of 1 s that fall into the bin.
+    /// Number of blocks of 1 s in the bin.
     pub blocks: usize,
 }
 
-/// Mean of values with the number of the block that each lies in, blocks in order.
+/// Mean of values, each with the number of its block, in the order of the blocks.
 ///
 /// ```text
 /// se² = B/(B - 1) Σ_b (Σ_k in b (x_k - mean))²/n²
@@ -22,14 +22,14 @@ pub fn clustered_mean(values: &[(usize, f64)]) -> Mean {
     clustered_factor(&values.iter().map(sample).collect::<Vec<_>>())
 }
 
-/// A value that may be proportional to another, and the number of the block that it lies in.
+/// A value y, its regressor x and the number of its block.
 #[derive(Clone, Copy)]
 pub(super) struct Sample {
     /// Number of its block.
     pub(super) block: usize,
-    /// What it may be proportional to.
+    /// Regressor x.
     pub(super) per: f64,
-    /// The value itself, in the unit of the mean times that of `per`.
+    /// Value y, in the unit of the factor times that of `per`.
     pub(super) value: f64,
 }
 

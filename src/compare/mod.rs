@@ -1,4 +1,4 @@
-//! Measured against simulated: the error, its floor, and where it exceeds the floor.
+//! Comparison of measurement and simulation: the error, the noise floor, and where the error exceeds it.
 
 mod acting;
 mod curves;

@@ -1,5 +1,4 @@
-//! The residual torque: what a fitted model leaves unexplained of the recorded input, as a function of time
-//! and of anything that it may depend on.
+//! The residual torque: the part of the recorded input that a fitted model does not explain.
 
 use super::low_pass::{filtered, smooth_motion};
 use crate::effects::{Motion, along};
@@ -7,19 +6,19 @@ use crate::math::Real;
 use crate::model::Model;
 use crate::recording::{LocalMotion, Recording};
 
-/// Speed, as a share of the top speed, below which a row counts as rest: the direction of dry friction is
-/// not known there behind the low-pass.
+/// Speed, as a share of the top speed, below which a row counts as rest: after the low-pass the direction of
+/// dry friction is unknown there.
 pub(crate) const REST: f64 = 0.016;
-/// Width over which the sign of a speed changes, as a share of the top speed.
+/// Width of the smoothed sign of a speed, as a share of the top speed.
 pub(crate) const WIDTH: f64 = 0.00125;
-/// Residual torque of a model at parameters `p` in every row of a recording [N m]; not a number where the
-/// wheel, or a direction of the body along which the model has dry friction, is near rest.
+/// Residual torque of a model with parameters `p` in every row of a recording [N m]; NaN if the wheel, or a
+/// direction of the body with dry friction in the model, is near rest.
 ///
 /// ```text
-/// r = LP(acting input) - LP(mass dω/dt + torque + dry friction),   on the motion behind the low-pass LP
+/// r = LP(acting input) - LP(mass dω/dt + torque + dry friction),   on the motion after the low-pass LP
 /// ```
-/// The low-pass of `cutoff` \[Hz\] is applied without a phase shift and to both sides alike. A second mass
-/// behind the wheels has no part in the balance.
+/// The zero-phase low-pass with cut-off `cutoff` \[Hz\] is applied to both sides. A second mass behind the
+/// wheels is not included in the balance.
 #[must_use]
 pub fn residual_torque(
     model: &Model,

@@ -1,4 +1,4 @@
-//! Two versions of a recording of which the noises are independent.
+//! Two copies of a recording with independent noise.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -11,8 +11,9 @@ use crate::recording::{Recording, differentiate};
 /// ```text
 /// y± = y ± e,   e ~ N(0, σ²),   σ the noise of y:   cov(y+, y-) = σ² - σ² = 0
 /// ```
-/// (data fission of a Gaussian variable: Leiner, Duan, Wasserman and Ramdas 2023). Speeds that follow from measured angles
-/// are those of the angles so treated; the angles themselves stay as they are. Noise that is not white is not split.
+/// (data fission of a Gaussian variable: Leiner, Duan, Wasserman and Ramdas 2023). If the speeds are computed
+/// from measured angles, the noise is added to the angles before the derivative; the angles themselves are
+/// unchanged. Noise that is not white is not split.
 #[must_use]
 pub(super) fn with_split_noise(recording: &Recording, seed: u64) -> [Recording; 2] {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);

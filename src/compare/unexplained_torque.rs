@@ -1,4 +1,4 @@
-//! The torque that the model lacks, as a function of anything: speed, heading, time.
+//! The unmodelled torque as a function of a variable, by a score test with the Kalman filter.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -9,7 +9,7 @@ use crate::math::{Information, eliminate, pseudo_inverse, quantile_of_sorted};
 use crate::model::{Model, ModelError};
 use crate::recording::Recording;
 
-/// What the residual torque may depend on.
+/// Variables on which the residual torque may depend.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Variable {
@@ -64,7 +64,8 @@ impl Variable {
         matches!(self, Self::Acceleration1 | Self::Acceleration2)
     }
 
-    /// Whether a controller makes it answer whatever disturbs the robot: the inputs, and with them the accelerations.
+    /// Whether feedback control makes the variable respond to every disturbance: inputs, and therefore
+    /// accelerations.
     #[must_use]
     pub const fn answers(self) -> bool {
         self.is_acceleration() || matches!(self, Self::Input1 | Self::Input2)
@@ -122,17 +123,17 @@ pub struct Bin {
 /// How the residual torque depends on a variable.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Dependence {
-    /// What stands on the abscissa.
+    /// Variable of the abscissa.
     pub variable: Variable,
     /// Bins in order.
     pub bins: Vec<Bin>,
-    /// Test statistic: chi-square with `rank` degrees of freedom where nothing is missing.
+    /// Test statistic: chi-square distributed with `rank` degrees of freedom if the model is complete.
     pub statistic: f64,
     /// Degrees of freedom.
     pub rank: usize,
     /// -ln of the p-value.
     pub log_significance: f64,
-    /// Root mean square of the curve over bins and wheels, its own noise taken off [N m].
+    /// Root mean square of the curve over bins and wheels, minus its own noise [N m].
     pub size: f64,
 }
 
@@ -143,14 +144,13 @@ pub struct UnexplainedTorque {
     pub dependences: Vec<Dependence>,
 }
 
-/// Bins of a variable.
+/// Number of bins per variable.
 const BINS: usize = 12;
-/// Directions of the binned information below this share are left out.
+/// Directions of the binned information with less than this share are discarded.
 const WEAK: f64 = 1e-4;
 
-/// The residual torque over every variable, by a score test: indicator columns of each bin ride
-/// along in one filter pass at the fitted parameters, and what the parameters could still take up
-/// is projected out.
+/// The residual torque over every variable, by a score test: an indicator column for each bin is propagated
+/// in one filter pass at the fitted parameters, and the part that the parameters can absorb is projected out.
 ///
 /// ```text
 /// I = H_JJ - H_JB H_BB⁻¹ H_BJ,  s = g_J - H_JB H_BB⁻¹ g_B,  T = s' I⁺ s ~ χ²(rank I)
@@ -158,7 +158,7 @@ const WEAK: f64 = 1e-4;
 /// ```
 ///
 /// # Errors
-/// If the model has no acceleration.
+/// The mass matrix is not positive definite.
 pub fn unexplained_torque(
     model: &Model,
     p: &[f64],
@@ -171,8 +171,8 @@ pub fn unexplained_torque(
     let all: Vec<&dyn Columns> = recordings.iter().map(|_| &columns as &dyn Columns).collect();
     let (h, g) = likelihood.totals(model, p, noise, &all)?;
     let base = model.free();
-    // the tests keep the slow unknown torque, which would absorb most of what the curves are to
-    // show; the curves do without it, at the white noise that then fits
+    // the tests include the slow unknown torque, which would absorb most of the curves; the curves are
+    // computed without it, at the white noise that then fits
     let white = Likelihood { slow_moment: false, ..likelihood.clone() };
     let flat = ProcessNoise { sigma_d: 0.0, ..*noise };
     let (flat, _) = white.noise(model, p, &flat);
@@ -194,7 +194,7 @@ pub fn unexplained_torque(
     Ok(UnexplainedTorque { dependences })
 }
 
-/// Edges that give every bin about as many samples, from the 1 % to the 99 % point.
+/// Bin edges at equal counts, from the 1 % to the 99 % quantile.
 fn edges(variable: Variable, model: &Model, recordings: &[&Recording]) -> Vec<f64> {
     let mut values = Vec::new();
     for recording in recordings {
@@ -247,8 +247,8 @@ fn size(bins: &[Bin]) -> f64 {
     f64::max(sum / f64::max(count, 1.0), 0.0).sqrt()
 }
 
-/// The curve of the residual torque: all bins of a variable together, by the pseudo-inverse (what
-/// the parameters can take up has no part in it).
+/// The curve of the residual torque: all bins of a variable jointly, by the pseudo-inverse, without the part
+/// that the parameters can absorb.
 fn curve(
     edges: &[f64],
     h: &DMatrix<f64>,
@@ -284,15 +284,15 @@ fn curve(
         .collect()
 }
 
-/// `T = s' I⁺ s` and the rank of I; directions below 1e-4 of the largest, after scaling to unit
-/// diagonal, are left out.
+/// `T = s' I⁺ s` and the rank of I; directions below 1e-4 of the largest, after scaling to unit diagonal, are
+/// discarded.
 #[must_use]
 pub fn score_statistic(information: &DMatrix<f64>, score: &DVector<f64>) -> (f64, usize) {
     let known = Information::truncated(information, WEAK);
     (known.statistic(score), known.rank())
 }
 
-/// -ln P(χ²_k > T), accurate however far in the tail.
+/// -ln P(χ²_k > T), accurate in the far tail.
 #[must_use]
 pub fn log_significance(statistic: f64, rank: usize) -> f64 {
     if rank == 0 { 0.0 } else { -chi2_log_survival(statistic, rank as f64) }

@@ -1,4 +1,4 @@
-//! Residual analysis: what the one-step prediction errors of a model still hold.
+//! Residual analysis of the one-step prediction errors (innovations).
 
 use super::horizon::{Horizon, summary};
 use crate::filter::{Likelihood, prepare};
@@ -9,18 +9,18 @@ use crate::simulate::Hold;
 
 /// Lags of the correlations \[rows\].
 const LAGS: usize = 25;
-/// Probability of the bounds.
+/// Confidence level of the bounds.
 const LEVEL: f64 = 0.99;
 /// Bins of the histogram, from -4 to 4 standard deviations.
 const BINS: usize = 32;
 const REACH: f64 = 4.0;
-/// Rows of a segment of the spectrum.
+/// Rows per segment of the spectrum.
 const SEGMENT: usize = 128;
 
-/// The innovations of one wheel in unbroken order, with its input.
+/// The innovations of one wheel in sequence, with its input.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Innovations {
-    /// Innovations over their predicted standard deviation, one list a stretch without a gap.
+    /// Innovations divided by their predicted standard deviation, one list per stretch without a gap.
     pub scaled: Vec<Vec<f64>>,
     /// Input of the same rows [N m].
     pub input: Vec<Vec<f64>>,
@@ -35,29 +35,30 @@ pub struct Whiteness {
     pub step_s: f64,
     /// Autocorrelation at lags of 0, 1, … rows, by wheel.
     pub auto: [Vec<f64>; 2],
-    /// Cross-correlation with the input of the same wheel; the middle is lag 0, to the right the innovation
-    /// is later.
+    /// Cross-correlation with the input of the same wheel; the middle is lag 0, at positive lags the
+    /// innovation is later.
     pub cross: [Vec<f64>; 2],
     /// 99 % bound of the autocorrelation of white innovations.
     pub auto_bound: [f64; 2],
-    /// 99 % bound of the cross-correlation of innovations that do not depend on the input.
+    /// 99 % bound of the cross-correlation of innovations that are independent of the input.
     pub cross_bound: [f64; 2],
-    /// Density of the innovations over their predicted standard deviation, in equal bins from -4 to 4.
+    /// Density of the scaled innovations in equal bins from -4 to 4 standard deviations.
     pub density: [Vec<f64>; 2],
     /// Frequencies of the spectrum \[Hz\].
     pub frequency_hz: Vec<f64>,
-    /// Spectrum of the scaled innovations over that of white ones of the same variance.
+    /// Spectrum of the scaled innovations relative to white noise of the same variance.
     pub spectrum: [Vec<f64>; 2],
-    /// Mean square of the scaled innovations: one where the noise is as assumed.
+    /// Mean square of the scaled innovations: one if the noise is as assumed.
     pub mean_square: [f64; 2],
-    /// Error and fit of the prediction over one row; `None` where angles are predicted.
+    /// Error and fit of the prediction over one row; `None` if angles are predicted.
     pub one_row: Option<Horizon>,
 }
 
-/// Residual analysis of a model at `p` on recordings, with the noise that the channels show.
+/// Residual analysis of a model with parameters `p` on recordings, with noise levels computed from the
+/// channels.
 ///
 /// # Errors
-/// If the mass matrix is not positive definite.
+/// The mass matrix is not positive definite.
 pub fn whiteness(
     model: &Model,
     p: &[f64],
@@ -98,7 +99,7 @@ fn fresh(r: &Recording) -> f64 {
     r.fresh().iter().filter(|f| **f).count().max(1) as f64
 }
 
-/// The tests of innovations that are there already, `step` seconds apart.
+/// Tests of given innovations with sampling interval `step` \[s\].
 #[must_use]
 pub fn analysed(wheels: &[Innovations; 2], step: f64) -> Whiteness {
     let auto = [0, 1].map(|i| -> Vec<f64> {
@@ -136,7 +137,7 @@ pub fn analysed(wheels: &[Innovations; 2], step: f64) -> Whiteness {
     }
 }
 
-/// Correlation of `b`, `lag` rows later, with `a`, over stretches; means taken out.
+/// Correlation of `a` with `b` at a delay of `lag` rows, over stretches, with means removed.
 ///
 /// ```text
 /// r(lag) = Σ a(k) b(k + lag)/sqrt(Σ a² Σ b²)

@@ -10,7 +10,7 @@
 //! a command      the last sample: it holds until the next
 //! ```
 //! Between the samples of a measured input it is unknown, and more rows would claim so. A sensor with less than
-//! half as many samples is held too: lines between few samples would be counted as measurements that nobody made.
+//! half as many samples is held too: lines between few samples would be counted as measurements that do not exist.
 
 use super::cells::{column, columns, keep, put};
 use super::finding::{Channel, Finding, Kind};

@@ -16,13 +16,13 @@ use super::signal::{column, median_high, pieces, quantile};
 use super::{Conditioned, Settings};
 use crate::math::noise::quantum;
 
-/// Rows to either side that say how the angle moves.
+/// Number of rows on either side from which the motion of the angle is estimated.
 const AROUND: usize = 4;
 /// A step is not motion if it is this many times the largest ordinary one around it: between two
 /// rows no wheel changes its increment by more than that increment itself, unless it is slower than
 /// the wrap can be distinguished from (half a period a row).
 const BEYOND: f64 = 10.0;
-/// Part of a period by which its steps may differ: the increment of the row is part of the step.
+/// Tolerance of a step as a share of the period: a step contains the motion of its row.
 const ALIKE: f64 = 0.02;
 
 pub(super) fn unwrap(work: &mut Conditioned, settings: &Settings) {
@@ -61,9 +61,9 @@ pub(super) fn unwrap(work: &mut Conditioned, settings: &Settings) {
     }
 }
 
-/// Takes the left angle to the period of the right one at the start. Which turn a wheel is in is not known of an
-/// angle that wraps, and the heading is counted from their difference: just below a turn and just above zero
-/// they stand alike.
+/// Shifts the left angle to the period of the right one at the start. For an angle that wraps, the turn of
+/// each wheel is unknown, and the heading is computed from their difference: angles just below one turn and
+/// just above zero must be treated alike.
 fn start_alike(alpha: &mut [[f64; 2]], period: f64) {
     let Some([right, left]) = alpha.first().copied() else { return };
     let turns = ((right - left) / period).round();
@@ -93,7 +93,7 @@ fn steps(values: &[f64], pieces: &[std::ops::Range<usize>]) -> Vec<(usize, f64)>
     out
 }
 
-/// What no motion reaches from row to row; nothing is known of a wheel that hardly moves.
+/// The angle that no motion reaches from row to row; `None` for a wheel that hardly moves.
 fn far(increments: &[f64]) -> f64 {
     let ordinary = quantile(increments.iter().map(|d| d.abs()), 0.98);
     if ordinary > 0.0 { BEYOND * ordinary } else { f64::INFINITY }
@@ -103,7 +103,7 @@ fn range(values: &[f64]) -> f64 {
     quantile(values.iter().copied(), 1.0) - quantile(values.iter().copied(), 0.0)
 }
 
-/// What the steps are, and by how much each is taken back.
+/// Interpretation of the steps, and the amount by which each is corrected.
 fn explained(values: &[f64], steps: &[(usize, f64)]) -> (Vec<Kind>, Vec<(usize, f64)>) {
     if let Some(period) = period(values, steps) {
         let turns = |by: f64| (by / period).round();
@@ -130,8 +130,8 @@ fn lasts(values: &[f64], (k, by): (usize, f64)) -> bool {
     (after - before - by).abs() < 0.5 * by.abs()
 }
 
-/// The period of which the steps are, if they are of one: a known one within two parts in a hundred,
-/// or one on which three steps and the range of the angle agree.
+/// The period of the steps, if they have one: a known one within 2 %, or one on which three steps and the
+/// range of the angle agree.
 fn period(values: &[f64], steps: &[(usize, f64)]) -> Option<f64> {
     let size = median_high(steps.iter().map(|(_, by)| by.abs()));
     let alike = |a: f64, b: f64| (a / b - 1.0).abs() < ALIKE;

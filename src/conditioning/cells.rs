@@ -1,4 +1,4 @@
-//! The channels as columns of a table: each by itself, and with fewer rows.
+//! The channels as columns of a table.
 
 use super::finding::Channel;
 use crate::recording::Channels;

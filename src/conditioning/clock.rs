@@ -154,7 +154,7 @@ mod tests {
         let found = done(stamped(&times, 1e-9));
         assert_eq!(found.channels.t.len(), 200);
         assert!(matches!(found.findings[0].kind, Kind::TimeRows { rows: 200, .. }));
-        // no time at all: nothing is made of it, and the check of the recording says so
+        // no time at all: nothing is changed, and the check of the recording reports it
         let mut channels = stamped(&times, 1.0);
         channels.t = vec![1.718e9; 400];
         assert_eq!(done(channels.clone()).channels.t, channels.t);

@@ -20,7 +20,7 @@ const FEWEST: usize = 10;
 /// as close.
 const CLOSE: f64 = 0.03;
 
-/// What is converted, and its words.
+/// The channel that is converted, and its name.
 #[derive(Clone, Copy, PartialEq)]
 enum Target {
     Speed,
@@ -109,7 +109,7 @@ fn units(work: &mut Conditioned, settings: &Settings, context: &Context, ratios:
 /// Gears between a motor and a wheel.
 const GEARS: std::ops::Range<f64> = 1.25..1000.0;
 
-/// Notes speeds and angles of different shafts: those of a motor, and those of the wheel behind its gear.
+/// Records that speeds and angles belong to different shafts: a motor and the wheel after its gear.
 fn gear(work: &mut Conditioned, ratio: f64) {
     if GEARS.contains(&ratio) || GEARS.contains(&(1.0 / ratio)) {
         let found = [0, 1].map(|i| Finding {
@@ -121,7 +121,7 @@ fn gear(work: &mut Conditioned, ratio: f64) {
     }
 }
 
-/// Ratios of speed to slope of the angle, and what they mean.
+/// Ratios of speed to derivative of the angle, and their interpretation.
 fn known(context: &Context) -> Vec<(f64, &'static str, Target)> {
     let degree = PI / 180.0;
     let mut known = vec![

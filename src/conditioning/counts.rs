@@ -24,8 +24,8 @@ use super::{Conditioned, Context, Settings};
 const FEWEST: usize = 100;
 /// Different numbers of counts a row at least.
 const LEVELS: usize = 4;
-/// Root mean square distance from whole counts, in counts: 0.29 for speeds that are none, while stamps and speeds with
-/// four digits leave a hundredth.
+/// Largest root mean square distance from whole counts, in counts: 0.29 for other speeds, 0.01 for counts
+/// written with four digits.
 const OFF: f64 = 0.05;
 /// Ratio of the variances above that is nearer to that of counts, 1, than to that of rounded speeds, 2, by their logarithms.
 const TAKEN_BACK: f64 = 1.414;
@@ -36,7 +36,7 @@ const MOST: u32 = 8;
 /// Rows over which drivers take means.
 const ROWS: usize = 8;
 
-/// The encoder behind speeds.
+/// The encoder from which speeds were computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Encoder {
     /// One count \[rad\].
@@ -45,10 +45,10 @@ pub struct Encoder {
     pub rows: usize,
 }
 
-/// What the recordings of a log together say of the encoder behind their speeds.
+/// The encoders from which speeds were computed, determined from all recordings of a log.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Encoders {
-    /// Nothing yet: each recording shows it by itself.
+    /// Not determined: each recording is analysed separately.
     #[default]
     Unknown,
     /// Speeds are counts of these encoders, of the right and of the left wheel.
@@ -57,7 +57,7 @@ pub enum Encoders {
     None,
 }
 
-/// The encoders that the findings of the first recording which shows them tell.
+/// The encoder according to the findings of the first recording that has any.
 #[must_use]
 pub fn common_encoders<'a>(
     mut recordings: impl Iterator<Item = &'a [Finding]>,
@@ -147,7 +147,7 @@ fn sizes(ways: &[f64]) -> Vec<f64> {
     sizes
 }
 
-/// The counts of which speeds are made that were divided by `steps`; `None` where they are none.
+/// The counts of speeds that were divided by `steps`; `None` for other speeds.
 fn counts(omega: &[f64], steps: &[f64]) -> Option<Counts> {
     let ways = ways(omega, steps);
     let sizes = sizes(&ways);

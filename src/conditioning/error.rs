@@ -5,7 +5,7 @@
 pub enum ConditioningError {
     /// A sensor that never moves while its wheel is driven and the other moves.
     #[error(
-        "the {wheel} wheel never moves (its angle and speed stay at {value} in all {rows} rows) although its input is as large as that of the other wheel: its encoder is dead or its column is the wrong one. Name another column for it; on runs straight ahead the columns of the other wheel may stand for both, and then a1 + a2 and the friction are found; [conditioning] refuse = false keeps it"
+        "the {wheel} wheel never moves (its angle and speed stay at {value} in all {rows} rows) although its input is as large as that of the other wheel: its encoder is dead or its column is the wrong one. Name another column for it; on runs straight ahead the columns of the other wheel may be used for both, and then a1 + a2 and the friction are found; [conditioning] refuse = false keeps it"
     )]
     Dead {
         /// Right or left.

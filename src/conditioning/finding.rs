@@ -37,7 +37,7 @@ impl Channel {
     }
 }
 
-/// What was done about a finding.
+/// Correction of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
     /// Corrected, unless this key of `[conditioning]` is false.
@@ -60,7 +60,8 @@ impl Action {
     }
 }
 
-/// What was found, with counts `C` and other numbers `R`. Rows count from 1, the first row of data.
+/// A finding with counts of type `C` and other numbers of type `R`. Rows are counted from 1, the first row of
+/// data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind<C = usize, R = f64> {
     /// Rows in which a column has no number; left out.
@@ -92,7 +93,7 @@ pub enum Kind<C = usize, R = f64> {
         /// The first of them.
         first: C,
     },
-    /// Stamps scatter about even times, on which the motion is smoother; the rows stand there.
+    /// Time stamps with jitter; the motion is smoother at equidistant times, which are used.
     Jitter {
         /// Root mean square of the scatter, as a share of a row.
         share: R,
@@ -106,7 +107,7 @@ pub enum Kind<C = usize, R = f64> {
         /// Its period \[s\].
         period_s: R,
     },
-    /// The clock went back \[s\] and on from there: the rows go on behind a gap.
+    /// The clock was set back by this time \[s\]; the rows continue after a gap.
     ClockRestart {
         /// How often.
         count: C,
@@ -115,7 +116,7 @@ pub enum Kind<C = usize, R = f64> {
         /// By how much \[s\].
         back_s: R,
     },
-    /// A clock that stands still over so many rows and goes on by so many seconds.
+    /// A clock that is constant for a number of rows and then advances by a number of seconds.
     CoarseClock {
         /// Its tick \[s\].
         tick_s: R,
@@ -143,7 +144,7 @@ pub enum Kind<C = usize, R = f64> {
         /// Size of the jump \[rad\].
         step_rad: R,
     },
-    /// Speeds without angles behind a low-pass of their sensor, as the motion says that they make.
+    /// Speeds without angles after a low-pass of their sensor, as determined from the motion.
     LowPass {
         /// Its time constant \[s\].
         time_s: R,
@@ -152,16 +153,16 @@ pub enum Kind<C = usize, R = f64> {
         /// Whether a late actuator explains them hardly worse.
         or_late: bool,
     },
-    /// An input that keeps its value until the next row, as the motion says that it makes.
+    /// An input that is held until the next row, as determined from the motion.
     HeldInput,
-    /// An input that acts so much later than in the mean of the recordings, as the motion says that they make.
+    /// Shift of the input relative to the mean of the recordings, as determined from the motion.
     Phase {
         /// Time \[s\].
         shift_s: R,
         /// Standard error of that \[s\].
         std_error_s: R,
     },
-    /// A heading that starts so much later than in the other recordings, as the motion says that they make.
+    /// Shift of the initial heading relative to the other recordings, as determined from the motion.
     StartHeading {
         /// Angle \[rad\].
         angle_rad: R,
@@ -184,7 +185,7 @@ pub enum Kind<C = usize, R = f64> {
         /// The largest one, from the line between its neighbours.
         largest: R,
     },
-    /// A channel that is this many times what the other one says.
+    /// Ratio of a channel to the corresponding one.
     Unit {
         /// Ratio of speed to slope of the angle.
         factor: R,
@@ -243,14 +244,14 @@ pub enum Kind<C = usize, R = f64> {
     },
     /// An input without sign, though the wheel turns both ways.
     Magnitude,
-    /// An input that is not zero while the robot stands before it starts.
+    /// A non-zero input while the robot is at rest before it starts.
     RestOffset {
         /// Mean at rest, in the unit of the input.
         mean: R,
         /// Its standard error.
         std_error: R,
     },
-    /// An input that fluctuates while the robot stands still, more slowly than white noise.
+    /// An input that fluctuates more slowly than white noise while the robot is at rest.
     RestNoise {
         /// Standard deviation, in the unit of the input.
         sigma: R,
@@ -276,7 +277,7 @@ pub struct Finding {
     pub channel: Channel,
     /// What.
     pub kind: Kind,
-    /// What was done.
+    /// Correction.
     pub action: Action,
 }
 

@@ -22,7 +22,7 @@ use crate::recording::refreshed;
 
 /// Between held and not.
 const BETWEEN: f64 = 0.5;
-/// Standard errors by which an answer must lie beyond that.
+/// Number of standard errors for a significant response.
 const SURE: f64 = 4.0;
 /// Part of the rows in which both inputs must be new together, or not.
 const TOGETHER: f64 = 0.95;

@@ -7,11 +7,11 @@ use super::{Conditioned, Context, Settings};
 
 /// Part of the fastest speed from which on a wheel turns one way.
 const MOVING: f64 = 0.2;
-/// Rows and part of all rows that a direction must have.
+/// Smallest number and share of the rows in each direction.
 const BOTH_WAYS: (usize, f64) = (20, 0.02);
-/// Rest before the start is looked at from so many rows on.
+/// Smallest number of rows at rest before the start.
 const AT_REST: usize = 20;
-/// An offset is at most this part of the input's range: beyond, the robot is held by something.
+/// Largest offset as a share of the input's range; above it an external force holds the robot.
 const OFFSET: f64 = 0.1;
 
 /// Inputs of a few levels: their jumps are commands and no noise.
@@ -83,11 +83,12 @@ pub(super) fn speeds(work: &Conditioned) -> Option<Vec<[f64; 2]>> {
     Some((0..alpha.len()).map(slope).collect())
 }
 
-/// Standard deviations of a sensor at rest within which its values say that the wheel still rests.
+/// Number of standard deviations within which a sensor at rest stays.
 const STILL: f64 = 5.0;
 
-/// Rows before the wheels first move: those in which no sensor changes, or changes by no more than its noise in the
-/// first of them. Of noisy ones the last quarter stays out: the input begins before the motion stands out of the noise.
+/// Rows before the wheels first move: those in which no sensor changes, or changes by no more than its noise.
+/// With noisy sensors the last quarter is left out, since the input begins before the motion exceeds the
+/// noise.
 fn rows_at_rest(work: &Conditioned) -> usize {
     let c = &work.channels;
     let count = c.t.len();

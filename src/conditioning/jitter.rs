@@ -8,7 +8,7 @@ use super::rows::is_increasing;
 use super::signal::{median_high, pieces};
 use super::{Conditioned, Settings};
 
-/// Scatter of the stamps, as a share of a row, below which they are left alone (taste).
+/// Scatter of the stamps, as a share of a row, below which they are left alone (judgement).
 const LITTLE: f64 = 0.01;
 /// Scatter beyond which a row cannot be distinguished from the next, and the share of rows that may have more.
 const HALF: f64 = 0.5;

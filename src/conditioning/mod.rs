@@ -1,5 +1,5 @@
-//! What sensors and loggers do to a signal, separated from what the robot does: a pure function from
-//! the channels of a file to channels that agree with each other, and a list of what was found.
+//! Corrections of the effects of sensors and loggers, separated from the dynamics of the robot: a pure
+//! function from the channels of a file to consistent channels and a list of findings.
 //!
 //! ```text
 //! rows       without a value | of a repeated or backward time | of a restarted clock | of a coarse clock | whose stamps scatter
@@ -11,8 +11,8 @@
 //! input      sampled more slowly than the sensors | against the motion | of a few levels | a magnitude without sign | not zero at rest
 //! sensors    that never move, refresh more slowly than the rows, or are coarse
 //! ```
-//! Each finding says what was done: corrected (with the key of `[conditioning]` that leaves it as it
-//! was), used as noise or timing, only noted, or refused. Healthy channels pass unchanged, bit by bit.
+//! Each finding states its treatment: corrected (with the key of `[conditioning]` that disables this),
+//! treated as noise or timing, only reported, or refused. Channels without faults are unchanged, bit by bit.
 
 mod align;
 mod angles;
@@ -42,29 +42,29 @@ pub use speeds::{Lag, common_lag, common_share};
 
 use crate::recording::Channels;
 
-/// Channels that agree with each other, and what was found on the way.
+/// Consistent channels, with the findings.
 #[derive(Clone, Debug)]
 pub struct Conditioned {
     /// The channels, corrected where the findings say so.
     pub channels: Channels,
-    /// What was found, in the order of the steps.
+    /// The findings, in the order of the steps.
     pub findings: Vec<Finding>,
 }
 
-/// What is known beside the channels.
+/// Information in addition to the channels.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Context {
-    /// Radius of the wheels \[m\], which tells metres from radians.
+    /// Radius of the wheels \[m\], which distinguishes metres from radians.
     pub wheel_radius: Option<f64>,
     /// Whether the input is a command (a voltage) and not measured.
     pub commanded: bool,
-    /// What other recordings of the same log say of the speeds: for a recording that is too short or
-    /// too slow to show it by itself.
+    /// Delay of the speeds from other recordings of the same log, for a recording that is too short or too
+    /// slow to determine it.
     pub speed_lag: Option<Lag>,
     /// What other recordings of the same log leave of speeds that were computed from their angles, as a
     /// share of the angle's noise ([`common_share`]); `None` where none shows that.
     pub speeds_of_angles: Option<f64>,
-    /// What the recordings of the same log together say of the encoder behind speeds without angles.
+    /// The encoder behind speeds without angles, from all recordings of the same log.
     pub encoders: Encoders,
 }
 

@@ -30,7 +30,7 @@ pub(super) fn still(work: &Conditioned, settings: &Settings) -> Result<(), Condi
     Ok(())
 }
 
-/// Says how slowly the sensors refresh, and in which steps they come.
+/// Reports the refresh interval of the sensors, and their quantisation steps.
 pub(super) fn refresh(work: &mut Conditioned) {
     let c = &work.channels;
     let fresh = refreshed(c);

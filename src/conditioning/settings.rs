@@ -10,7 +10,7 @@ pub struct Settings {
     /// the rows continue behind a gap; scattered times are made even; recordings whose rows are at different
     /// phases of the controller cycle are shifted to one phase.
     pub rows: bool,
-    /// Angles that wrap, or whose counter was reset, are made continuous.
+    /// Angles that wrap, or whose counter was reset, become continuous.
     pub unwrap: bool,
     /// Isolated wrong samples are replaced by linear interpolation.
     pub spikes: bool,

@@ -28,7 +28,8 @@ pub(super) fn noise_variance(values: &[f64]) -> f64 {
     white_noise_variance(&[values.to_vec()], BLOCK, 1, |_| true).unwrap_or(f64::NAN)
 }
 
-/// Samples of a block: short against a run, so that starts and steps touch few blocks (taste).
+/// Samples per block: few compared with a run, so that starts and steps affect few blocks (chosen by
+/// judgement).
 const BLOCK: usize = 36;
 
 /// Mean of the smallest 95 % of squares over what that is for a normal variable of variance one: jumps

@@ -30,8 +30,8 @@ const WINDOW: (f64, usize) = (0.1, 4);
 const LONGEST: (f64, f64) = (0.25, 10.0);
 /// Standard errors from which on a lag is one: 1 in 2 million for noise of normal distribution.
 const SURE: f64 = 5.0;
-/// Part of a sample below which a lag is none: 1/sqrt(12), the standard deviation of an instant
-/// anywhere in its row, which is all that a row says of when its channels were read.
+/// Share of a sample below which a lag is not significant: 1/sqrt(12), the standard deviation of an unknown
+/// sampling instant within a row.
 const SMALL: f64 = 0.289;
 /// Longest difference of angles that is looked for \[samples\].
 const SPAN: usize = 16;
@@ -279,7 +279,8 @@ fn pooled(lags: &[Lag]) -> Option<Lag> {
     (!lags.is_empty()).then_some(Lag { value, std_error })
 }
 
-/// Whether the angle says the speed as exactly as its own channel does, over no longer than this is late.
+/// Whether the angle determines the speed as accurately as its own channel, over a time no longer than the
+/// delay.
 fn angles_suffice(s: &Samples, lag: f64) -> bool {
     let (angle, speed) = (noise_variance(&s.alpha).sqrt(), noise_variance(&s.omega).sqrt());
     angle * 2.0_f64.sqrt() / lag.abs() < EXACT * speed

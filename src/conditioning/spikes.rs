@@ -22,16 +22,16 @@ use crate::recording::refreshed;
 
 /// See above.
 const FAR: f64 = 18.0;
-/// Samples to either side that say what is usual.
+/// Number of samples to either side for the usual deviation.
 const AROUND: usize = 12;
-/// More than this share of the samples is no longer isolated but how the channel is.
+/// Largest share of isolated wrong samples; more of them are a property of the channel.
 const ISOLATED: f64 = 0.01;
 /// Part of a wrong sample that its neighbours may differ from what it alone explains.
 const ALONE: f64 = 0.25;
-/// Standard errors by which an answer must be there, or be missing.
+/// Number of standard errors for a significant response, or its absence.
 const SURE: f64 = 4.0;
 
-/// A wrong sample: its rows, what it should be, and by how much it stands out.
+/// An outlier: its rows, the correct value, and its deviation.
 #[derive(Clone, Debug)]
 pub(super) struct Spike {
     rows: std::ops::Range<usize>,
@@ -126,22 +126,22 @@ fn spikes(t: &[f64], values: &[f64], samples: &[usize]) -> Vec<Spike> {
     if many { vec![] } else { found }
 }
 
-/// Whether a sample stands out alone: it then takes both lines that end in it half as far to the
-/// other side. A sharp turn of the motion itself does not.
+/// Whether a sample is a single outlier: the two lines that end in it then deviate by half as much to the
+/// other side. A sharp turn of the motion does not show this.
 fn is_alone(out: &[f64], k: usize) -> bool {
     let beside = [k.checked_sub(1), Some(k + 1)].into_iter().flatten().filter_map(|j| out.get(j));
     beside.into_iter().all(|z| (z + 0.5 * out[k]).abs() < ALONE * out[k].abs())
 }
 
-/// The samples of the input that the wheel did not feel.
+/// The samples of the input without a response of the wheel.
 ///
 /// ```text
 /// r_k = 3 (w_(k+1) - w_(k-1)) - (w_(k+3) - w_(k-3))     which a change that goes on leaves at zero
 /// x_k = the same of the input's integral;   r = c x + e
 /// ```
-/// c of the samples in question, at a delay of up to ten rows, is compared with the answer of the robot
-/// to its input over stretches of the recording without them. Where a wheel stops or turns round its
-/// friction absorbs any pulse, so that no spike is reported there.
+/// c for the samples in question, at a delay of up to ten rows, is compared with the response of the robot to
+/// its input over stretches of the recording without them. If a wheel stops or reverses, its friction absorbs
+/// any pulse, so no spike is reported there.
 fn unfelt(work: &Conditioned, input: &[f64], found: Vec<Spike>, i: usize) -> Vec<Spike> {
     let (t, Some(speed)) = (&work.channels.t, super::input::speeds(work)) else { return vec![] };
     let speed = column(&speed, i);
@@ -184,7 +184,7 @@ pub(super) fn answer(t: &[f64], integral: &[f64], speed: &[f64], found: &[Spike]
 
 /// Rows of a stretch.
 const STRETCH: usize = 10;
-/// Rows by which a wheel may answer later.
+/// Largest delay of the response of a wheel in rows.
 const DELAY: usize = 10;
 /// Part of the fastest speed below which a wheel may be stopping, and rows around a pulse in which it
 /// must be faster.

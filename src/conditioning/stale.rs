@@ -21,17 +21,16 @@ use super::signal::{column, median_high, pieces};
 use super::{Conditioned, Settings};
 use crate::math::noise::grid;
 
-/// Quanta of a row's motion from which on a row that repeats both angles is no rounding, by which the motion of a row
-/// goes up or down by one.
+/// Motion of a row in quanta above which equal angles in two rows are not due to rounding.
 const QUANTA: f64 = 4.0;
 /// Rows to either side whose digits are those of a row.
 const NEAR: usize = 50;
 /// Rows to either side whose motion is usual.
 const AROUND: usize = 4;
-/// Usual motions of a row that the rows beside a stale one make at least: half way between a wheel that goes on and one
-/// that comes to rest.
+/// Smallest motion of the rows next to a stale one, in usual motions: half way between a wheel that keeps
+/// moving and one that comes to rest.
 const SLOWEST: f64 = 0.5;
-/// Usual motions of a row that a row which skips a sample makes: two, and nearer to them than to one or three.
+/// Motion of a row that skips a sample, in usual motions: nearer to two than to one or three.
 const SKIPPED: Range<f64> = 1.5..2.5;
 /// Stale rows from which on a log has them: clocks that drift against each other meet more than once, while a row that
 /// looks so alone is a coarse encoder or a slip.
@@ -54,14 +53,14 @@ pub(super) fn rows(work: &mut Conditioned, settings: &Settings) {
     }
 }
 
-/// Late rows, and the row behind them that is in time; none where the recording or a piece of it ends.
+/// Late rows and the first row after them that is in time; `None` at the end of the recording or of a part.
 struct Late {
     rows: Range<usize>,
     until_end: bool,
 }
 
-/// Moves the samples of late rows forward by one; the last of them is the middle of its neighbours, or goes on as
-/// those before it.
+/// Moves the samples of late rows forward by one; the last one is the mean of its neighbours, or is
+/// extrapolated.
 fn advance(values: &mut [[f64; 2]], late: &Late) {
     let Range { start, end } = late.rows;
     let last = end - 1;

@@ -6,7 +6,7 @@
 //! ```text
 //! M = c1 dw/dt + c2 sgn(w) + c3 w
 //! ```
-//! or it acts against the acceleration (c1 five standard errors below zero) and takes energy out, which
+//! or it acts against the acceleration (c1 five standard errors below zero) and dissipates energy, which
 //! friction and inertia cannot return.
 
 use super::finding::{Channel, Finding, Kind};
@@ -18,7 +18,7 @@ use crate::recording::{
 };
 
 /// Share of the windows in which the wheels turn against each other beyond which a wheel counts mirrored:
-/// nobody but a test of turning drives so.
+/// only a turning test is driven like that.
 const MIRRORED: f64 = 2.0 / 3.0;
 
 /// Gives speeds or angles back to the wheel that they follow.

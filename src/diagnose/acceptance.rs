@@ -17,8 +17,8 @@ pub struct Fall {
     pub ratio: f64,
     /// Held-out windows on which both errors rest.
     pub windows: usize,
-    /// Whether the effect moves the input in time: how large it is is a time then. It matters to a controller, and the
-    /// error of a simulation shows little of it.
+    /// Whether the effect delays the input, so that its size is a time. A controller depends on it, although
+    /// the simulation error hardly changes.
     pub later: bool,
 }
 
@@ -26,8 +26,8 @@ impl Fall {
     /// No windows to judge on.
     pub const NONE: Self = Self { p_value: 1.0, share: 0.0, ratio: 1.0, windows: 0, later: false };
 
-    /// Whether it is significant at `rate`, at least `least` where the effect does not move the input in time, and no
-    /// rise of the root mean square.
+    /// Whether the fall is significant at `rate`, at least `least` unless the effect delays the input, and
+    /// the root mean square does not rise.
     #[must_use]
     pub fn passes(&self, rate: f64, least: f64) -> bool {
         self.p_value < rate && (self.later || self.share >= least) && self.ratio <= 1.0

@@ -6,9 +6,9 @@ use super::by_recording::{ByRecording, gain, ratio};
 use crate::effects::Wave;
 use crate::math::Information;
 
-/// Rounds of amplitudes and phases in turn; each leaves a tenth or less of what was missing.
+/// Rounds of amplitudes and phases in turn; each leaves a tenth or less of the remaining error.
 const ROUNDS: usize = 20;
-/// Places of a turn where a phase is looked for; a descent goes on from the best.
+/// Number of phases in a turn at which the search starts; a descent continues from the best one.
 const PLACES: usize = 72;
 
 /// Waves with common amplitudes and a phase of their own in each recording.
@@ -27,7 +27,7 @@ pub(super) struct Aligned {
     pub(super) shifts: Vec<Vec<f64>>,
     /// Standard errors of the shifts \[rad\].
     pub(super) std_errors: Vec<Vec<f64>>,
-    /// The recording from which the others are shifted: the one that says most about the columns.
+    /// The reference recording: the one with the most information on the columns.
     pub(super) reference: usize,
     looks: Vec<ByRecording>,
     information: DMatrix<f64>,
@@ -35,8 +35,8 @@ pub(super) struct Aligned {
 }
 
 impl Aligned {
-    /// The best phases of columns that the model has at `present` already, as every look sees them. `None` where no
-    /// recording carries them all.
+    /// The best phases of columns that are already in the model at `present`, from all criteria of the
+    /// screening. `None` if no recording contains all of them.
     pub(super) fn new(
         mut looks: Vec<ByRecording>,
         waves: Vec<Wave>,
@@ -87,7 +87,7 @@ impl Aligned {
         self.ratios_of(&(self.turns(&self.shifts) * &self.p))
     }
 
-    /// The same with one phase for all recordings, at parameters of its own.
+    /// The same with a common phase for all recordings, at its own parameters.
     pub(super) fn ratios_in_common(&self) -> Vec<f64> {
         let turns = self.turns(&vec![vec![0.0; self.waves.len()]; self.shifts.len()]);
         let p = self.best_parameters(&turns);
@@ -99,8 +99,8 @@ impl Aligned {
         self.looks.iter().map(one).collect()
     }
 
-    /// Adds the shifts that recordings which were moved by these still need, as `again` found them; the largest of
-    /// them, in the wave's own angle \[rad\].
+    /// Adds the shifts of recordings that were moved by these shifts already, as found by `again`; returns
+    /// the largest of them in the angle of its wave \[rad\].
     pub(super) fn turn_by(&mut self, again: Self) -> f64 {
         let mut largest = 0.0_f64;
         let reference = &again.shifts[self.reference];
@@ -148,7 +148,7 @@ impl Aligned {
         Information::new(&information).solve(&turns.tr_mul(&self.score))
     }
 
-    /// What is gained with one shift at another value, in units of the variance.
+    /// The gain with one shift at another value, in units of the variance.
     fn gain_with(&self, r: usize, w: usize, shift: f64) -> f64 {
         let mut shifts = self.shifts.clone();
         shifts[r][w] = shift;

@@ -1,9 +1,9 @@
-//! What each recording says of a candidate by itself.
+//! Information on a candidate in each recording.
 
 use nalgebra::{DMatrix, DVector};
 
-/// Information and score of a candidate's columns in each recording by itself, one recording after the other, where the
-/// parameters of the model have taken their part.
+/// Information and score of a candidate's columns in each recording separately, after the parameters of the
+/// model are eliminated.
 pub(super) struct ByRecording {
     /// Information of the columns of all recordings.
     pub(super) information: DMatrix<f64>,

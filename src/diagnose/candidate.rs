@@ -1,4 +1,4 @@
-//! Candidates: effects that may be missing, each with the torque columns that show it.
+//! Candidates: effects that may be missing, with their torque columns.
 
 use std::cell::OnceCell;
 use std::sync::Arc;
@@ -20,12 +20,12 @@ use crate::recording::{LocalMotion, Recording};
 /// direction of its own (the model has no filter variance for it).
 pub(super) const REST: f64 = 0.004;
 
-/// An effect at one value of its shape, ready to ride along in a filter pass.
+/// An effect at one value of its shape parameter, prepared as a column of a filter pass.
 #[derive(Clone)]
 pub struct Candidate {
     /// Id of the effect.
     pub id: String,
-    /// What is added to the model.
+    /// The effect that is added to the model.
     pub effect: Arc<dyn Effect>,
     /// Its parameters: shapes at their grid value, linear ones at zero.
     pub p: Vec<f64>,
@@ -37,14 +37,14 @@ pub struct Candidate {
     pub(super) rest: f64,
     /// Whether the effect adds neither mass nor dry friction.
     pub(super) torque_alone: bool,
-    /// The model and its parameters, of which signals are made.
+    /// The model and its parameters, from which the signals are computed.
     pub(super) around: Arc<Around>,
 }
 
 /// How the column of a candidate is computed.
 #[derive(Clone)]
 pub enum Form {
-    /// From the instant: what the effect adds to the torque balance.
+    /// The torque of the effect at an instant, from the motion at that instant.
     Instant,
     /// A change of the recorded input, one signal a recording, per unit of the input parameter.
     Signal(Arc<Vec<Vec<[f64; 2]>>>),
@@ -66,7 +66,7 @@ impl Candidate {
         self
     }
 
-    /// The same candidate with its signals made for other recordings.
+    /// The same candidate with its signals for other recordings.
     #[must_use]
     pub fn for_recordings(&self, recordings: &[&Recording]) -> Self {
         let form = match self.form {
@@ -76,8 +76,8 @@ impl Candidate {
         Self { form, ..self.clone() }
     }
 
-    /// Leaves out columns that are zero whatever this robot does, where others are not: a term times a3 where the
-    /// centre of mass is on the axle. Two motions in general position decide, one forward and one back.
+    /// Leaves out columns that are zero for this robot where others are not: a term times a3 if the centre of
+    /// mass is on the axle. Evaluated at two motions in general position, one forward and one backward.
     fn drop_absent(&mut self, recording: &Recording) {
         let top = recording.top_speed();
         let around = self.around.clone();
@@ -101,7 +101,7 @@ impl Candidate {
         }
     }
 
-    /// Parameters that an estimate has to find: shapes, and linear ones that move this robot.
+    /// Number of parameters to be estimated: shapes, and linear parameters that affect this robot.
     pub(super) fn parameters(&self) -> usize {
         let shape = |s: &&crate::effects::ParameterSpec| s.kind == ParameterKind::Shape;
         self.effect.parameters().iter().filter(shape).count() + self.linear.len()
@@ -117,8 +117,8 @@ impl Candidate {
         specs.iter().filter(|s| s.kind == ParameterKind::Shape).all(|s| s.whole)
     }
 
-    /// The waves that the columns consist of, with the columns in the place of the parameters; empty where the torque
-    /// is none.
+    /// The waves of the columns, with column indices in the place of parameters; empty for torques that are
+    /// not waves.
     pub(super) fn waves(&self) -> Vec<Wave> {
         let column = |j: usize| self.linear.iter().position(|&linear| linear == j);
         let of_columns = |wave: Wave| {
@@ -127,7 +127,7 @@ impl Candidate {
         self.effect.waves(&self.p).into_iter().filter_map(of_columns).collect()
     }
 
-    /// Whether the effect moves the input in time, and does nothing else.
+    /// Whether the effect only delays the input.
     pub(super) fn is_shift(&self) -> bool {
         self.effect.change() == Change::TimeShift
     }

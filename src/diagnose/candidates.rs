@@ -53,8 +53,8 @@ pub fn candidates(
     out
 }
 
-/// Whether the model has an effect and estimates all of its parameters: one that is held leaves room for what
-/// would otherwise be the same.
+/// Whether the model has an effect and estimates all of its parameters; with a held parameter, another
+/// candidate may differ from it.
 fn free(model: &Model, id: &str) -> bool {
     let mut own = model.parameters().iter().filter(|p| p.effect == id).peekable();
     own.peek().is_some() && own.all(|p| p.fixed.is_none())
@@ -100,7 +100,7 @@ fn grid(
         .collect()
 }
 
-/// What the two wheels have in common of each column of a candidate: largest value [N m per unit].
+/// The common part of each column of a candidate on the two wheels: largest value [N m per unit].
 fn common_size(candidate: &Candidate, model: &Model, recording: &Recording) -> Vec<f64> {
     let mut largest = vec![0.0_f64; candidate.columns()];
     let mut row = vec![[0.0; 2]; candidate.columns()];

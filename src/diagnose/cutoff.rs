@@ -5,9 +5,10 @@ use crate::recording::Recording;
 /// Largest cut-off as a share of the sampling rate: beyond it derivatives by differences are wrong by
 /// more than a tenth.
 const RESOLVED: f64 = 0.1;
-/// Share of the rms torque that noise of the acceleration may reach behind the low-pass.
+/// Largest rms torque due to noise of the acceleration after the low-pass, as a share of the rms torque.
 const NOISE: f64 = 0.05;
-/// Cycles of the cut-off that the shortest recording must hold, so that a fit has something to stand on.
+/// Smallest number of periods of the cut-off frequency in the shortest recording, so that the fit is well
+/// conditioned.
 const CYCLES: f64 = 20.0;
 
 /// Cut-off of the low-pass \[Hz\]: a tenth of the sampling rate, or lower where noise of the measured speeds

@@ -13,7 +13,8 @@ use crate::simulate::Hold;
 /// Chance that any parameter of any recording differs so far where all are one: one log in a million, as for the other
 /// differences between recordings.
 const CHANCE: f64 = 1e-6;
-/// Least difference of a parameter that is stated, as a share of it (taste): less no second fit is worth.
+/// Smallest relative difference of a parameter that is reported (judgement): smaller ones do not
+/// justify a second fit.
 const LEAST: f64 = 0.1;
 
 /// A parameter of one recording that differs from that of the others.
@@ -29,14 +30,14 @@ pub struct Difference {
     pub std_error: f64,
 }
 
-/// The parameter that differs most surely between one of the `recordings` and the others, each fitted by itself from
-/// `common` on. `None` where all may be one.
+/// The parameter that differs most significantly between one of the `recordings` and the others, each fitted
+/// separately from `common` on. `None` if no difference is significant.
 ///
 /// ```text
 /// t = (p_r - p̄)/sqrt(var p_r + var p̄),   p̄: mean of the other recordings, weighted by their variances
 /// ```
-/// with as many degrees of freedom as the shortest of them has windows beyond its parameters, and a chance of
-/// 1e-6 for all parameters and recordings together.
+/// The degrees of freedom are the number of windows minus parameters of the shortest of them; the
+/// significance level is 1e-6 for all parameters and recordings together.
 #[must_use]
 pub fn difference(common: &WindowFit, recordings: &[&Recording], hold: Hold) -> Option<Difference> {
     if recordings.len() < 2 {

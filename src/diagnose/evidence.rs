@@ -1,4 +1,4 @@
-//! Evidence for one of two models of which neither contains the other, from what each leaves in every window.
+//! Evidence between two non-nested models from their errors in every window.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -8,7 +8,7 @@ use super::windows::Windows;
 use crate::compare::noisier_input;
 use crate::recording::Recording;
 
-/// Pairs of draws of the noise: what they leave of its effect on a sum over all rows is below a hundredth of it.
+/// Pairs of noise realisations: the remaining sampling error of a sum over all rows is below one per cent.
 const DRAWS: usize = 4;
 
 /// Evidence for the second of two models from what each leaves in every window.
@@ -25,13 +25,14 @@ pub(super) fn evidence(one: &[f64], other: &[f64]) -> f64 {
     if square > 0.0 { sum * sum / (square * m / (m - 1.0)) } else { 0.0 }
 }
 
-/// Squared innovations of a fit in every window, without what noise of the recorded input makes of them.
+/// Squared innovations of a fit in every window, minus the contribution of noise of the recorded input.
 pub(super) fn noiseless(windows: &Windows, fit: &WindowFit) -> Option<Vec<f64>> {
     without_noise(windows, |w| Some(w.innovations(&w.errors(&fit.model, &fit.p)?)))
 }
 
-/// The `squares` of every window, less what noise of the recorded input makes of them: by as much as it raises
-/// them once more when it is added again, in pairs of opposite sign so that what is linear in it cancels.
+/// The `squares` of every window minus the contribution of noise of the recorded input, which is estimated as
+/// the increase when the same amount of noise is added again, in pairs of opposite sign so that linear terms
+/// cancel.
 ///
 /// Source: Cook and Stefanski, J. Am. Stat. Assoc. 89 (1994), simulation and extrapolation.
 pub(super) fn without_noise(

@@ -10,14 +10,14 @@ use crate::model::Model;
 
 /// Most Levenberg-Marquardt steps: fits that need more sit on a ridge on which the error no longer falls.
 const STEPS: usize = 20;
-/// A relative fall of the cost that no longer matters: among a thousand independent values it moves the
-/// criterion by a tenth.
+/// Negligible relative decrease of the cost: with a thousand independent values it changes the criterion by
+/// 0.1.
 const TOLERANCE: f64 = 1e-4;
 
 /// A model fitted by the error of its windows.
 #[derive(Clone)]
 pub struct WindowFit {
-    /// What was fitted, with what was held.
+    /// The fitted model, including fixed parameters.
     pub model: Model,
     /// One value a parameter.
     pub p: Vec<f64>,
@@ -33,7 +33,7 @@ pub struct WindowFit {
 }
 
 impl WindowFit {
-    /// Whether there are no more windows than free parameters, so that no covariance can be known.
+    /// Whether there are no more windows than free parameters, so that no covariance can be computed.
     #[must_use]
     pub fn is_short(&self) -> bool {
         self.windows <= self.model.free().len()
@@ -53,7 +53,7 @@ pub fn fit(windows: &Windows, model: &Model, start: &[f64], scale: &Scale) -> Op
     fit_within(windows, model, start, scale, 0.0)
 }
 
-/// [`fit`] that ends where the cost falls by less than `negligible`.
+/// [`fit`] that ends when the cost decreases by less than `negligible`.
 #[must_use]
 pub(super) fn fit_within(
     windows: &Windows,

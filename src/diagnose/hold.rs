@@ -1,4 +1,4 @@
-//! What the recorded input does between its rows.
+//! The input between its rows: held or interpolated.
 
 use super::evidence::{evidence, noiseless};
 use super::scale::scale_of;
@@ -8,16 +8,16 @@ use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::Hold;
 
-/// Whether the input is held through a row, as a controller at the rate of the log does, or runs on to the next row:
-/// the model at `p` is fitted with either, each with the time of the input, and the line between the rows stands
-/// unless the windows speak against it with odds of twenty to one. Where the model misses more than noise it does not
-/// decide.
+/// Whether the input is held through a row, as by a controller at the rate of the log, or varies linearly to
+/// the next row: the model at `p` is fitted with both, each with its own time of the input. Linear
+/// interpolation is kept unless the windows contradict it with odds of twenty to one. If the error of the
+/// model is larger than noise, there is no decision.
 ///
-/// A line between the rows smooths the noise of the recorded input; what noise makes of the errors is therefore taken
-/// out of both.
+/// Linear interpolation reduces the noise of the recorded input; therefore the contribution of noise to the
+/// errors is subtracted in both cases.
 ///
-/// The parameters that were fitted to the held input, where it is held: those from a balance of the torques may be far
-/// from them, as long as the input stands at the wrong time.
+/// Returns the parameters fitted with the held input, if it is held: those from a torque balance may be far
+/// from them as long as the input has the wrong time.
 #[must_use]
 pub fn held_input(model: &Model, p: &[f64], recordings: &[&Recording]) -> Option<Vec<f64>> {
     let scale = scale_of(model, p, recordings);

@@ -5,7 +5,7 @@ use crate::math::Real;
 use crate::model::Model;
 use crate::recording::Recording;
 
-/// Id of the nuisance in models of the diagnosis; it is no effect of the catalogue.
+/// Id of the nuisance effect in models of the diagnosis; it is not an effect of the catalogue.
 pub(super) const ID: &str = "input_timing";
 /// Symbol of its parameter, the shift of the input \[s\], among the estimates of a diagnosis.
 pub const SYMBOL: &str = "input_shift";
@@ -61,7 +61,7 @@ impl Physics for InputTiming {
     }
 }
 
-/// Places of the effects of a model that move its input in time, without the nuisance.
+/// Indices of the effects of a model that delay its input, without the nuisance effect.
 pub(super) fn shifts(model: &Model) -> impl DoubleEndedIterator<Item = usize> {
     let effects = model.effects();
     let is_one = |e: &usize| effects[*e].change() == Change::TimeShift && effects[*e].id() != ID;
@@ -71,14 +71,14 @@ pub(super) fn shifts(model: &Model) -> impl DoubleEndedIterator<Item = usize> {
 /// An acting input, and its derivatives by every parameter; those by parameters without one are empty.
 type Derivatives = (Vec<[f64; 2]>, Vec<Vec<[f64; 2]>>);
 
-/// The acting input of a recording, and its derivatives by every parameter as
-/// [`Model::input_derivatives`] gives them, but by a delay as means over the time of a row.
+/// The acting input of a recording, and its derivatives with respect to every parameter like
+/// [`Model::input_derivatives`], except that those with respect to a delay are means over a row.
 ///
 /// ```text
 /// dM/dT = (M(t - T - h/2) - M(t - T + h/2))/h
 /// ```
-/// A command that steps between two rows has slopes within one row alone: delayed by other than whole rows
-/// of uneven length, its samples may see none of them, and a descent would stop there.
+/// The derivative of a command with a step between two rows is non-zero only within this row: for delays that
+/// are not whole rows of non-uniform length, the samples may miss it, and a descent would stop.
 pub(super) fn input_derivatives(model: &Model, recording: &Recording, p: &[f64]) -> Derivatives {
     let (torque, half) = (recording.torque(), 0.5 * recording.step());
     let (acting, mut derivatives) = model.input_derivatives_of(recording, torque, p);
@@ -95,7 +95,7 @@ pub(super) fn input_derivatives(model: &Model, recording: &Recording, p: &[f64])
     (acting, derivatives)
 }
 
-/// A signal `shift` seconds later, by cubic interpolation between its rows; its ends are held.
+/// A signal delayed by `shift` seconds, by cubic interpolation between its rows; the end values are held.
 pub(super) fn later<T: Real>(t: &[f64], m: &[[T; 2]], shift: T) -> Vec<[T; 2]> {
     let last = t.len() - 1;
     if last == 0 {
@@ -142,8 +142,8 @@ pub fn with_later_input(recording: &Recording, shift: f64) -> Recording {
     recording.with_interpolated_torque(shifted(recording, recording.torque(), shift))
 }
 
-/// A signal of a recording `shift` seconds later, by cubic interpolation between its rows; the ends of every
-/// piece are held.
+/// A signal of a recording delayed by `shift` seconds, by cubic interpolation between its rows; the end
+/// values of every piece are held.
 #[must_use]
 pub fn shifted(recording: &Recording, signal: &[[f64; 2]], shift: f64) -> Vec<[f64; 2]> {
     let pieces = recording.pieces().iter();

@@ -17,7 +17,7 @@ pub(super) struct Around {
     pub(super) p: Vec<f64>,
 }
 
-/// The coupling that an effect makes at its parameters `p`, where it makes one.
+/// The coupling of an effect at its parameters `p`, if it has one.
 pub(super) fn coupling(
     effect: &Arc<dyn Effect>,
     p: &[f64],
@@ -29,7 +29,7 @@ pub(super) fn coupling(
 
 /// What drives the wheels of a recording, which no shape of a coupling changes.
 pub(super) struct Forces {
-    /// The input less what resists, of the common and the opposite motion [N m].
+    /// Input minus resistance, of the common and the opposite motion [N m].
     modes: Vec<[f64; 2]>,
     /// Mass matrix of the rigid robot [kg m^2].
     mass: [f64; 3],
@@ -50,15 +50,15 @@ impl Forces {
     }
 }
 
-/// What a two-mass drivetrain changes as seen from the rigid robot: the torque that would make
-/// that one accelerate as the wheels of the jointed one do, less the torque that acts [N m].
+/// The effect of a two-mass drivetrain expressed as a torque on the rigid robot: the torque that would give
+/// the rigid robot the acceleration of the wheels, minus the acting torque [N m].
 ///
 /// ```text
 /// J_r dw/dt = F - k φ - c (w - u),  (J - J_r) du/dt = k φ + c (w - u),  dφ/dt = w - u
 /// signal = J dw/dt - F,   F = M - friction
 /// ```
-/// for the common and the opposite motion of the wheels (J = m ± m12 of the mass matrix). The
-/// centrifugal part is left out: this finds candidates, their refit is exact.
+/// for the common and the opposite motion of the wheels (J = m ± m12 of the mass matrix). The centrifugal
+/// part is neglected: this is used only to find candidates; their refit is exact.
 pub(super) fn joint_signal(
     coupling: Coupling<f64>,
     forces: &Forces,
@@ -81,7 +81,7 @@ pub(super) fn joint_signal(
     out
 }
 
-/// The torques less what resists, at a smooth motion [N m].
+/// Torques minus resistance, at a smooth motion [N m].
 fn acting(around: &Around, torque: [f64; 2], x: &Motion<f64>) -> [f64; 2] {
     let terms = around.model.terms(x, &around.p);
     let sign = [0, 1, 2, 3].map(|j| sgn(along(j, &x.omega)));

@@ -31,7 +31,7 @@ pub struct Judge {
 }
 
 impl Judge {
-    /// Prepares `recordings` for judging models under inputs held as `hold` says.
+    /// Prepares `recordings` for the evaluation of models with this `hold` of the input.
     #[must_use]
     pub fn new(recordings: Vec<Recording>, hold: Hold) -> Self {
         Self { recordings, hold }
@@ -83,8 +83,8 @@ impl Judge {
         unresolved(&dynamics, &self.recordings, self.hold).unwrap_or(0.0)
     }
 
-    /// Root mean square error over windows that the motion of the input between its rows may make [rad/s]; zero
-    /// where the model cannot be simulated.
+    /// Root mean square error over windows that the unknown input between the rows may cause [rad/s]; zero if
+    /// the model cannot be simulated.
     #[must_use]
     pub fn between_rows(&self, model: &Model, p: &[f64]) -> f64 {
         let dynamics = PhysicalDynamics { model: model.clone(), p: p.to_vec() };

@@ -1,4 +1,4 @@
-//! The next run: the manoeuvre that would distinguish two effects, and how probably it would.
+//! The next recording: the manoeuvre that distinguishes two effects, and the probability of success.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -16,7 +16,7 @@ use crate::recording::Recording;
 use crate::robot::kinematics;
 use crate::simulate::{Movement, NoiseLevel, Recorder, Segment, record};
 
-/// What a manoeuvre may not exceed.
+/// Limits of a manoeuvre.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Limits {
     /// Largest wheel speed [rad/s].
@@ -30,12 +30,12 @@ pub struct Limits {
     pub duration: f64,
 }
 
-/// A manoeuvre with what it would decide.
+/// A proposed manoeuvre and its expected result.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Proposal {
     /// The manoeuvre.
     pub movement: Movement,
-    /// Expected probability of naming the right one of the two afterwards.
+    /// Expected probability of naming the correct one of the two after this recording.
     pub probability: f64,
     /// Statistic that the smaller of the two directions would reach (chi-square, one degree).
     pub discrimination: f64,
@@ -139,7 +139,7 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Discrimination, lowered where the manoeuvre leaves the limits; zero where it cannot run.
+    /// Discrimination, reduced if the manoeuvre exceeds the limits; zero if it cannot be simulated.
     fn value(&self, movement: &Movement) -> f64 {
         let rate = (1.0 / self.like.recording.step()).min(CONTROL_RATE);
         let recorder = Recorder {
@@ -226,7 +226,7 @@ fn mutate(
         }
         segments.push(s);
     }
-    // the length stays what was asked for
+    // the duration is unchanged
     let movement = Movement { segments };
     let factor = limits.duration / movement.duration();
     let stretch =

@@ -1,4 +1,4 @@
-//! What the search found: candidates in their order, and the model after every step.
+//! Result of the search: the ranked candidates, and the model after every step.
 
 use super::acceptance::Fall;
 use super::candidate::Candidate;
@@ -22,13 +22,14 @@ pub struct Ranked {
     /// Bayesian information criterion of both, over the model without the effect (negative: it is better
     /// with it).
     pub screened: f64,
-    /// Fit of the model with it, for the first of the screening; `None` where there is no valid one.
+    /// Fit of the model with the effect, for the first candidates of the screening; `None` without a valid
+    /// fit.
     pub refit: Option<WindowFit>,
     /// Bayesian information criterion of the refit by the windows alone.
     pub bic_windows: f64,
     /// What candidates are ranked by: criterion of regression and windows together.
     pub bic: f64,
-    /// Fall of the held-out error, for those that were refitted.
+    /// Fall of the held-out error, for refitted candidates.
     pub fall: Option<Fall>,
 }
 
@@ -47,7 +48,7 @@ pub struct Step {
     pub equals: Vec<String>,
 }
 
-/// Everything that the forward search found.
+/// Result of the forward search.
 #[derive(Clone)]
 pub struct Diagnosis {
     /// The model as given, fitted.
@@ -58,7 +59,8 @@ pub struct Diagnosis {
     pub steps: Vec<Step>,
     /// Candidates after the last accepted step, best first.
     pub rest: Vec<Ranked>,
-    /// Whether held-out means validation recordings (else cross-validation of the training recordings).
+    /// Whether the held-out windows are those of validation recordings (else cross-validation on the training
+    /// recordings).
     pub validated: bool,
 }
 
@@ -69,7 +71,7 @@ impl Diagnosis {
         self.steps.last().map_or(&self.base, |step| &step.fit)
     }
 
-    /// Ids of the effects found, first found first.
+    /// Ids of the effects found, in the order in which they were found.
     #[must_use]
     pub fn found(&self) -> Vec<String> {
         self.steps.iter().map(|step| step.id.clone()).collect()

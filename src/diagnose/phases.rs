@@ -1,4 +1,4 @@
-//! Recordings of a logger that was started anew for each: its rows stand at another phase of the controller's.
+//! Recordings of a logger that was restarted for each: the phase between log and controller differs.
 
 use super::fit::fit;
 use super::input_timing::{SYMBOL, with_later_input};
@@ -13,7 +13,7 @@ use crate::simulate::{Hold, PhysicalDynamics};
 
 /// Standard errors by which the time of one recording differs from that of the others: one log in a million by chance.
 const SURE: f64 = 5.0;
-/// Rows by which times differ at least (taste): less moves a motion by less than half a row of a held input is worth.
+/// Smallest difference of times, in rows, that is corrected (judgement).
 const LEAST: f64 = 0.1;
 /// Rows by which phases differ at most.
 const MOST: f64 = 1.0;
@@ -29,13 +29,14 @@ pub struct Phase {
     pub std_error_s: f64,
 }
 
-/// The phases of `recordings`, of which the first `train` ones are fitted with a model at `p`. `None` where all have
-/// one, and where the model still fails beside them: what it lacks may look like a phase.
+/// The phases of `recordings`, the first `train` of which are fitted with a model at `p`. `None` if all
+/// phases are equal, or if the error of the model is still large with them, because a missing effect may look
+/// like a phase.
 ///
 /// ```text
 /// T_i: time of the input of recording i with the parameters of all,   phase = T_i - mean of T over training
 /// ```
-/// A time is a matter of the log, not of the robot, so that a recording for validation has its own as well.
+/// The time is a property of the log, not of the robot, so a validation recording has its own.
 #[must_use]
 pub fn phases(
     model: &Model,

@@ -21,17 +21,17 @@ use crate::recording::{LocalMotion, Recording};
 /// Rows that are kept a cycle of the cut-off.
 const KEPT: f64 = 8.0;
 
-/// A recording behind the low-pass.
+/// A recording after the low-pass.
 struct Smooth<'a> {
     recording: &'a Recording,
     index: usize,
     /// Smoothed motion of every row.
     motion: Vec<LocalMotion>,
-    /// The recorded input behind the low-pass twice, as often as the torques it is compared with.
+    /// The recorded input, low-passed twice, as the torques with which it is compared.
     input: Vec<[f64; 2]>,
 }
 
-/// Recordings behind the low-pass, made once for every regression on them.
+/// Low-passed recordings, computed once for all regressions.
 #[derive(Clone)]
 pub struct Smoothed<'a> {
     /// Cut-off of the low-pass \[Hz\].
@@ -40,7 +40,7 @@ pub struct Smoothed<'a> {
 }
 
 impl<'a> Smoothed<'a> {
-    /// `recordings` behind a low-pass of that cut-off \[Hz\].
+    /// `recordings` low-passed at a cut-off frequency \[Hz\].
     #[must_use]
     pub fn new(recordings: &[&'a Recording], cutoff: f64) -> Self {
         let one = |(index, recording): (usize, &&'a Recording)| {
@@ -69,7 +69,7 @@ pub struct Regression<'a> {
     torque: DVector<f64>,
     /// Residual torque after the base [N m].
     residual: DVector<f64>,
-    /// The basis and behind it the residual torque, row by row, filled up to `width` numbers.
+    /// The basis and, after it, the residual torque, row by row, padded to `width` numbers.
     beside: Vec<f64>,
     width: usize,
     /// Independent values among the rows.
@@ -130,7 +130,7 @@ impl<'a> Regression<'a> {
         }
     }
 
-    /// Rows on which a wheel moves, thinned to what the low-pass leaves independent.
+    /// Rows on which a wheel moves, thinned to independent ones after the low-pass.
     fn choose_rows(&mut self) {
         let mut moving = 0.0;
         for (index, smooth) in self.smoothed.recordings.iter().enumerate() {
@@ -244,22 +244,22 @@ impl<'a> Regression<'a> {
         let none = (0.0, vec![0.0; count]);
         let Products { among, beside } = self.products(candidate, memory);
         let before = beside.columns(0, base);
-        // of an orthonormal basis the products of what it leaves are the differences of those
+        // in an orthonormal basis, products of residuals are differences of products
         let h = &among - before * before.transpose();
         let left = |n: usize| h[(n, n)].max(0.0).sqrt();
         if !(0..count).all(|n| left(n) > COLLINEAR * among[(n, n)].sqrt()) {
             return none;
         }
-        // columns of a candidate stand on the side of the input, the base on that of the motion
+        // columns of a candidate are on the side of the input, those of the base on that of the motion
         let g = -beside.column(base);
         let bounded: Vec<bool> = (0..count).map(|n| candidate.not_negative(n)).collect();
         let (solution, gain) = nonnegative(&h, &g, &bounded);
         (ratio(self.degrees, self.residual_square(), gain), solution)
     }
 
-    /// Where a fit with the candidate starts: the free parameters of the model and the linear ones of the
-    /// candidate that explain the input torque together. It has no sticking, on which a simulation from
-    /// a wrong start may hang.
+    /// Initial values of a fit with the candidate: the free parameters of the model and the linear ones of
+    /// the candidate that together explain the input torque. The regression has no stiction, which can trap a
+    /// simulation that starts from wrong values.
     #[must_use]
     pub fn start(&self, candidate: &Candidate) -> Option<(Vec<f64>, Vec<f64>)> {
         let (rows, count) = (self.rows.len(), candidate.columns());
@@ -340,7 +340,7 @@ impl<'a> Regression<'a> {
         }
     }
 
-    /// What the low-passed torques of each recording say of a candidate's columns.
+    /// Information of the low-passed torques of each recording on a candidate's columns.
     pub(super) fn by_recording(&self, candidate: &Candidate, memory: &mut Buffers) -> ByRecording {
         let each = self.products_by_recording(candidate, memory);
         let count = candidate.columns();
@@ -355,7 +355,7 @@ impl<'a> Regression<'a> {
         let by_base = beside.columns(0, base);
         ByRecording {
             information: among - by_base * by_base.transpose(),
-            // columns of a candidate stand on the side of the input, the base on that of the motion
+            // columns of a candidate are on the side of the input, those of the base on that of the motion
             score: -beside.column(base),
             square: self.residual_square(),
             degrees: self.degrees,
@@ -369,12 +369,12 @@ struct Products {
     beside: DMatrix<f64>,
 }
 
-/// Numbers a row of so many columns.
+/// Padded width of a row with `count` columns.
 fn own_width(count: usize) -> usize {
     count.next_multiple_of(FILLED)
 }
 
-/// Share of a column that the base must leave for it to be looked at.
+/// Smallest share of a column that is independent of the base, for it to be evaluated.
 const COLLINEAR: f64 = 1e-4;
 
 /// Orthonormal columns that span those of `columns`.

@@ -7,7 +7,7 @@ use crate::effects::{FAST, Motion, Scale, smallest_inertia};
 use crate::model::Model;
 use crate::recording::{DriveUnit, Recording};
 
-/// The size of the signals of `recordings` as seen by a model at `p`, and the bandwidth that their noise leaves it.
+/// Scales of the signals of `recordings` for a model at `p`, and the bandwidth that their noise allows.
 #[must_use]
 pub fn scale_of(model: &Model, p: &[f64], recordings: &[&Recording]) -> Scale {
     let mut torque: Vec<f64> =

@@ -1,7 +1,7 @@
 //! How much each candidate could take off the error of the windows, to first order.
 //!
 //! A torque column moves the simulated speed by its integral over the inertia; the errors of the windows
-//! are regressed on these integrals beside the derivatives of the simulation. It sees what is too fast for
+//! are regressed on these integrals beside the derivatives of the simulation. It detects what is too fast for
 //! a low-pass, at the full rate of the recording.
 
 use nalgebra::{DMatrix, DVector};
@@ -14,10 +14,10 @@ use crate::math::{FILLED, add_products, eliminate, nonnegative};
 use crate::model::{Model, inverse_mass, times};
 use crate::robot::State;
 
-/// Share of a column's information that the base must leave for it to be looked at.
+/// Smallest share of a column's information that is independent of the base, for it to be evaluated.
 const COLLINEAR: f64 = 1e-7;
 
-/// The errors of the windows with everything that candidates are regressed beside.
+/// The errors of the windows, with the regressors of the base model.
 pub struct Screen<'a> {
     model: &'a Model,
     windows: &'a Windows<'a>,
@@ -55,7 +55,7 @@ impl Rows {
             {
                 lasts &= !row.still[i];
                 let w = weight[k][i];
-                // a row of no weight counts for nothing, whatever stands in it
+                // a row with zero weight is not used, whatever its values
                 if w == 0.0 {
                     continue;
                 }
@@ -137,7 +137,7 @@ impl<'a> Screen<'a> {
                 }
                 let mut among = vec![0.0; own * beside];
                 add_products(columns, (&heavy, beside), &mut among);
-                // what a constant of the window explains
+                // the part explained by a constant of the window
                 let constant = |c: usize| rows.share[i] * by_row[c * width + base + 1];
                 let mean = &rows.mean[i];
                 for c in 0..own {
@@ -210,7 +210,7 @@ impl<'a> Screen<'a> {
         (h, g)
     }
 
-    /// What the windows of each recording say of a candidate's columns by themselves.
+    /// Information of the windows of each recording on a candidate's columns.
     pub(super) fn by_recording(&self, candidate: &Candidate) -> ByRecording {
         let recordings = 0..self.windows.recordings.len();
         let all: Vec<Products> =
@@ -245,7 +245,7 @@ impl<'a> Screen<'a> {
     }
 }
 
-/// The accelerations that torques give wheels of which none or one rests.
+/// The accelerations due to torques on wheels of which none or one is at rest.
 struct Mobility {
     both: [f64; 3],
     alone: [f64; 2],

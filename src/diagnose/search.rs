@@ -31,11 +31,11 @@ use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::Hold;
 
-/// Called with how many candidates of a round are fitted, and how many are fitted in it. Rounds follow each other;
-/// how many there will be depends on what they find.
+/// Called with the number of candidates fitted so far in a round, and their total. The number of rounds
+/// depends on the result.
 pub type Progress = Arc<dyn Fn(usize, usize) + Send + Sync>;
 
-/// What the diagnosis is asked.
+/// Settings of the diagnosis.
 #[derive(Clone)]
 pub struct Settings {
     /// Ids of the candidates; empty: all.
@@ -76,15 +76,15 @@ pub struct Data<'a> {
     pub validation: &'a [Recording],
     /// The input between the rows.
     pub hold: Hold,
-    /// How much later than recorded the input stands already, [`super::timing`] \[s\].
+    /// Shift of the input that is already applied, [`super::timing`] \[s\].
     pub corrected_s: f64,
 }
 
-/// Searches the effects that are missing from `model`: screen, refit, add the best, and again; the longest
-/// run of steps that the held-out error proves is the answer.
+/// Searches for the effects that are missing from `model`: screening, refits, addition of the best effect,
+/// repeated. The result is the longest sequence of steps that is proven by the held-out error.
 ///
-/// A step is proven if the held-out error falls by it and by all steps so far, each significantly at
-/// `settings.false_alarm` and by a share that is worth it, and if no step raises the error that is shown.
+/// A step is proven if it and all steps up to it together each reduce the held-out error significantly at
+/// `settings.false_alarm` and by a relevant share, and if no step raises the reported error.
 ///
 /// # Errors
 /// If the model as given cannot be simulated from any start.
@@ -98,10 +98,11 @@ pub fn diagnose(
     let base = search.base(model, starts)?;
     let (steps, rankings) = search.climb_from_best(&base);
     let ranking = search.with_falls(&base, rankings[0].clone());
-    // what is left was ranked beside the steps that were tried, which others may have replaced
+    // the remaining candidates were ranked together with the steps that were tried, which others may have
+    // replaced
     let tried = |s: &Step| rankings[..steps.len()].iter().any(|r| r[0].candidate.id == s.id);
     let rest = match steps.last() {
-        // beside no effect the first ranking is what is left
+        // without effects the first ranking is that of the remaining candidates
         None => ranking.clone(),
         Some(last) => {
             let rest = match rankings.get(steps.len()) {
@@ -128,7 +129,7 @@ struct Search<'a> {
     scale: Scale,
     /// Shifts of the input that logging explains \[s\].
     range: (f64, f64),
-    /// How much later than recorded the input stands already \[s\].
+    /// Shift of the input that is already applied \[s\].
     corrected: f64,
 }
 
@@ -232,16 +233,17 @@ impl<'a> Search<'a> {
         (by_torque, Screen::new(model, p, &self.windows, self.degrees))
     }
 
-    /// The places of the candidates that are refitted, and of those that are where none of the first explains the
-    /// larger part of an error far above the noise: an effect with a second body, whose fit costs that of ten
-    /// others, and of which the screening sees little where the effect bends the base fit; beside a second body, where
-    /// every fit costs as much, those that come next in the screening.
+    /// The indices of the candidates to be refitted, and of those to be refitted if none of the first
+    /// explains the larger part of an error far above the noise: effects with a second body, whose fit is ten
+    /// times as expensive and to which the screening is insensitive if the base fit has absorbed them; if the
+    /// model already has a second body, where every fit is as expensive, those that follow in the screening.
     fn wanted(&self, present: &WindowFit, ranked: &[Ranked]) -> (Vec<usize>, Vec<usize>) {
         let coupled = present.model.is_coupled();
         let count = if coupled { THRESHOLDS.refitted_coupled } else { THRESHOLDS.refitted };
         let lead = ranked.first().map_or(0.0, |r| r.screened.min(0.0));
         let chosen = |n: usize, r: &Ranked| {
-            // what the first order sees badly is always tried, unless the regression rules it out
+            // candidates that the first-order screening cannot assess are always refitted, unless the
+            // regression rules them out
             let blind = r.candidate.effect.several_starts() && !is_two_mass(r);
             let open = self.bic(&r.candidate, r.by_regression) < THRESHOLDS.ruled_out;
             let behind = is_two_mass(r) && r.screened > THRESHOLDS.far_behind * lead;
@@ -353,7 +355,7 @@ fn is_two_mass(r: &Ranked) -> bool {
     r.candidate.effect.change() == Change::TwoMass
 }
 
-/// The two looks of the screening at what a model leaves.
+/// The two criteria of the screening for the residuals of a model.
 type Look<'a> = (Option<Regression<'a>>, Option<Screen<'a>>);
 
 /// The model of a fit with the time of its input held.

@@ -79,7 +79,7 @@ impl Place<'_> {
         })
     }
 
-    /// The cost of a model where the weak form starts it, with the time of the input free.
+    /// The cost of a model at the weak-form estimate, with the time of the input free.
     fn start(&self, model: &Model) -> Option<(f64, Model, Vec<f64>)> {
         let mut p = weak_form(model, self.train, self.hold)?;
         let timed = self.timed(model);
@@ -97,7 +97,7 @@ impl Place<'_> {
     }
 }
 
-/// The model with the shapes of effect number `e`, in their order, starting at `values`; held ones stay.
+/// The model with the shapes of effect number `e` starting at `values`, in their order; held shapes stay.
 fn at(model: &Model, e: usize, values: &[f64]) -> Model {
     let shape = |&j: &usize| model.parameters()[j].spec.kind == ParameterKind::Shape;
     let places = model.slots(e).filter(shape).zip(values);

@@ -1,4 +1,4 @@
-//! Speeds behind a low-pass of their sensor, distinguished from an actuator that follows late.
+//! Low-passes of speed sensors, distinguished from actuator lags.
 
 use super::evidence::{evidence, noiseless, without_noise};
 use super::fit::fit;
@@ -83,7 +83,7 @@ pub fn advanced(recording: &Recording, time: f64) -> Recording {
     recording.with_omega(rows.map(|(w, s)| [0, 1].map(|i| w[i] + time * s[i])).collect())
 }
 
-/// What noise of the recorded input makes of squared innovations.
+/// Contribution of noise of the recorded input to squared innovations.
 enum Noise {
     Kept,
     Removed,
@@ -141,7 +141,7 @@ impl Search<'_, '_> {
         timed(self.model, self.p, 0.0, &recordings, self.hold, self.scale)
     }
 
-    /// Squared innovations of the recorded speeds in every window, by a model that is fitted before the low-pass.
+    /// Squared innovations of the recorded speeds in every window, with a model fitted before the low-pass.
     fn left(&self, time: f64, noise: Noise) -> Option<Vec<f64>> {
         let before = self.before(time);
         let Timed { windows, fit, .. } = self.fitted(&before)?;

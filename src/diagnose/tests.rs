@@ -324,7 +324,7 @@ fn an_effect_is_found_where_sampling_might_err_by_more_than_the_model_does() {
         let [a, c] = [1, 4].map(|seed| under_steps(&hidden, &p, seed));
         let (train, validation) = ([a], [c]);
         let first = started(&base, &train);
-        // as if nobody knew that it is held
+        // as if the hold were not known
         let hold = Hold::Linear;
         let data = Data { train: &train, validation: &validation, hold, corrected_s: 0.0 };
         let found = diagnose(&base, &[first], &data, &settings).unwrap();

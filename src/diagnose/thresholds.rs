@@ -3,88 +3,91 @@
 use crate::compare::{AT_FLOOR, REGIME_RATE};
 use crate::effects::SURELY;
 
-/// Limits of the diagnosis. All are dimensionless; those marked "taste" say what is worth a reader's
-/// attention, the others follow from statistics or physics.
+/// Limits of the diagnosis. All are dimensionless. Those marked "judgement" are choices of what is worth reporting; the
+/// others follow from statistics, physics or measurements.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Thresholds {
-    /// Least fall of the held-out error of an effect that is named, as a share (taste: a smaller one no
-    /// reader would call a better model).
+    /// Smallest reduction of the held-out error, as a share, by an effect that is named (judgement: a smaller one is no
+    /// better model in practice).
     pub least_fall: f64,
-    /// The same without a validation recording: folds share the statistics of one trajectory.
+    /// The same without a validation recording, where the folds are parts of the same trajectory.
     pub least_fall_crossed: f64,
-    /// Share of the false-alarm rate that is asked of cross-validation, for the same reason.
+    /// Factor on the false-alarm rate in cross-validation, for the same reason.
     pub crossed_rate: f64,
-    /// Error over the noise floor beyond which something is missing, and a shift in time may stand in for it. The
-    /// floor is an estimate: of healthy sets one in a hundred lies above (prototype measurement on 110 sets of other
-    /// simulators).
+    /// Ratio of error to noise floor above which something is missing, and above which a shift in time is not
+    /// removed because it may compensate for another effect. The floor is an estimate: one healthy set in a hundred
+    /// lies above (prototype measurement on 110 sets of other simulators).
     pub above_floor: f64,
-    /// Error over the noise floor beyond which something is missing whether the residual torque shows structure or
-    /// not: no colour of the input noise that was tried makes three times the floor.
+    /// Ratio of error to noise floor above which something is missing even if the residual torque shows no
+    /// structure: none of the tested spectra of input noise causes three times the floor.
     pub far_above_floor: f64,
-    /// Error beyond the floor that matters, as a share of the top speed (taste: 0.2 %).
+    /// Error above the floor that matters, as a share of the top speed (judgement: 0.2 %).
     pub excess: f64,
-    /// Error over the floor up to which a model, or a regime of driving, is at the floor, which is known to about as
-    /// much.
+    /// Ratio of error to floor up to which a model, or a regime of driving, is at the floor; the floor itself is
+    /// uncertain by about as much.
     pub at_floor: f64,
-    /// Squared error above the floor, as a share of the floor, below which nothing is left to explain: 2 % of the
-    /// error, less than any floor is known to.
+    /// Squared error above the squared floor, as a share of the latter, below which nothing remains to be
+    /// explained: 2 % of the error, less than the uncertainty of the floor.
     pub nothing_left: f64,
-    /// Share of the error above the floor that effects may leave and still explain it: the larger part is explained.
+    /// Largest share of the error above the floor that may remain if effects are to explain it: they explain at
+    /// least half.
     pub unexplained: f64,
-    /// Least -ln p of the strongest dependence of the residual torque that counts as structure: one in ten million
-    /// for one look, so that some hundred bins and variables do not make one.
+    /// Smallest -ln p of the strongest dependence of the residual torque that counts as structure: a chance of one
+    /// in ten million for a single test, so that about a hundred tests (bins and variables) cause no false alarm.
     pub structure: f64,
-    /// Share of the residual torque from which on the variable that it depends on is named (taste).
+    /// Smallest share of the residual torque that a variable must explain to be named (judgement).
     pub named_share: f64,
-    /// Chance that any regime of driving is called significant where the model is right.
+    /// Probability that any regime of driving is called significant if the model is correct.
     pub regime_rate: f64,
-    /// Error as a share of the top speed below which a model is useful: what feedforward leaves to a speed
-    /// controller without trouble (taste).
+    /// Error as a share of the top speed below which a model is useful: a speed controller easily corrects what
+    /// such a feedforward leaves (judgement).
     pub useful: f64,
-    /// The same below which a model is poor: beyond it the sign of small accelerations is not predicted (taste).
+    /// Error as a share of the top speed below which a model is poor: above it even the sign of small accelerations
+    /// is not predicted (judgement).
     pub poor: f64,
-    /// Error over the floor beyond which a likely effect is mentioned.
+    /// Ratio of error to floor above which a likely effect is mentioned.
     pub likely_above_floor: f64,
-    /// Least fall of the held-out error of a likely effect.
+    /// Smallest reduction of the held-out error by a likely effect.
     pub likely_fall: f64,
-    /// Bayesian information criterion below which evidence counts as strong (Kass and Raftery 1995: 6 to 10).
+    /// Reduction of the Bayesian information criterion (BIC) above which evidence is strong (Kass and Raftery 1995:
+    /// 6 to 10).
     pub strong: f64,
-    /// Bayesian information criterion above which the regression rules an effect out.
+    /// Increase of the BIC of the regression above which it rules an effect out.
     pub ruled_out: f64,
-    /// Difference of the criterion below which two effects are not distinguishable (odds of 20 to 1).
+    /// Difference of BIC below which two effects are not distinguishable (odds of 20 to 1).
     pub alike: f64,
-    /// The same as a share of the criterion itself, where errors are far above the noise (they are no independent
-    /// values, which the criterion counts).
+    /// The same as a share of the BIC itself, for errors far above the noise, which are not independent as the
+    /// criterion assumes.
     pub alike_share: f64,
-    /// Share of what the first refit gains that decides nothing: others stop where their steps gain less.
+    /// Share of the gain of the first refit that is negligible: other refits stop when their steps gain less.
     pub negligible_share: f64,
-    /// Candidates that are refitted at each step, those that come first in the screening.
+    /// Number of candidates, the first of the screening, that are refitted at each step.
     pub refitted: usize,
-    /// The same where the model has a second body, whose derivatives cost a simulation each.
+    /// The same if the model has a second body, for which every derivative requires a simulation.
     pub refitted_coupled: usize,
-    /// Share of the criterion of the screening's best below which an effect with a second body is not refitted:
-    /// to first order it explains too little to come first.
+    /// Share of the best criterion of the screening below which an effect with a second body is not refitted: to
+    /// first order it explains too little.
     pub far_behind: f64,
-    /// Share of the squared error that the best refit may leave before effects with a second body are fitted
-    /// though they are far behind, and that a low-pass of the sensors may leave and be one: the larger part is then
-    /// unexplained, or explained.
+    /// Share of the squared error that may remain after the best refit; above it, effects with a second body are
+    /// fitted even if the screening ranked them last. A low-pass of the speed sensors is also accepted only if it
+    /// leaves less than this share.
     pub most_left: f64,
-    /// Starts of an effect with several that are followed to their minimum.
+    /// Number of starts of an effect with several starts that are followed to a minimum.
     pub followed: usize,
-    /// Standard errors within which a value may still be another: a delay none, or one that logging explains, the
-    /// parameter of an effect zero (a chance of one in twenty).
+    /// Number of standard errors within which a value is not distinguished from another one: a delay from zero or
+    /// from a delay that logging explains, a parameter of an effect from zero (a chance of one in twenty).
     pub uncertain: f64,
-    /// Rows by which a lag or delay that is named exceeds what logging explains (taste): what is known to a hundredth
-    /// of a row exceeds it by what a controller takes for its work.
+    /// Number of rows by which a named lag or delay must exceed the delay that logging explains (judgement): with a
+    /// precision of a hundredth of a row, the computing time of a controller alone exceeds it.
     pub least_shift: f64,
-    /// Shift of the input that each habit of logging explains, in rows: the mean over a row, a value that is held
-    /// through it, and a difference of angles all lie half a row off. Beside angles a difference is found and corrected;
-    /// a shift of speeds that were recorded alone may be both.
+    /// Shift of the input, in rows, that each habit of logging explains: the mean over a row, a value held through
+    /// it, and a difference of angles are each half a row late. Beside measured angles a difference is detected and
+    /// corrected; the shift of speeds recorded alone may contain both.
     pub logging: f64,
-    /// Fewest held-out windows on which a fall of the error can be tested.
+    /// Smallest number of held-out windows on which a reduction of the error can be tested.
     pub fewest_windows: usize,
-    /// Other effects of a step that are tried in its place once several are found (cost: a fit for each effect
-    /// behind it).
+    /// Number of other effects of a step that are tried in its place if several effects are found (cost: one fit
+    /// for each later effect).
     pub exchanged: usize,
 }
 

@@ -1,8 +1,8 @@
-//! When the recorded input acts: one signed shift against the motion.
+//! The time shift between recorded input and motion.
 //!
-//! A logger that averages the input over a row, holds it, or differences an encoder moves the input
-//! against the motion by up to half a row. That is timing, not physics; what is later than that is a delay
-//! of the actuator.
+//! A logger that averages the input over a row, holds it, or differentiates an encoder shifts the input
+//! against the motion by up to half a row. This is timing, not physics; a longer delay is a property of the
+//! actuator.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::{BETWEEN_ROWS, Hold};
 
-/// What the interpolation of the input between its rows leaves in the time, in rows.
+/// Error of the time due to interpolation of the input between its rows, in rows.
 const INTERPOLATION: f64 = 0.02;
 /// Range of the search, in rows, and its resolution.
 pub(super) const EARLIEST: f64 = -1.5;
@@ -32,9 +32,9 @@ const WINDOWS: usize = 120;
 pub struct Timing {
     /// Time from the recorded input to the motion, dead time of actuator and sensors together \[s\].
     pub dead_time_s: f64,
-    /// Its standard error \[s\], with what the interpolation between the rows leaves.
+    /// Its standard error \[s\], including the interpolation between the rows.
     pub std_error_s: f64,
-    /// The part of it that logging explains and that is taken out of the recordings \[s\].
+    /// The part that logging explains and that is removed from the recordings \[s\].
     pub correction_s: f64,
 }
 
@@ -95,10 +95,10 @@ fn by_balance(regression: &Regression, step: f64) -> Option<(f64, f64)> {
 /// A shift by simulation.
 #[derive(Clone, Copy)]
 struct ShiftFit {
-    /// The shift and its standard error \[s\]; `None` where it leaves its range.
+    /// The shift and its standard error \[s\]; `None` outside its range.
     shift: Option<(f64, f64)>,
-    /// Error of the windows over what noise makes of them. Where it is above the floor the model lacks something
-    /// else, and the shift may stand in for that.
+    /// Ratio of the error of the windows to its value under noise. Above the floor the model lacks another
+    /// effect, which the shift may compensate.
     error: f64,
 }
 
@@ -147,7 +147,7 @@ impl Timed<'_> {
         fit.p[j] - error > logging
     }
 
-    /// Error of the windows over what noise makes of them.
+    /// Ratio of the error of the windows to its value under noise.
     pub(super) fn error(&self) -> f64 {
         (self.fit.cost / (0.5 * self.windows.values() as f64)).sqrt()
     }
@@ -189,7 +189,7 @@ pub(super) fn over_windows<'a>(
     all.only(|n| n % every == 0).sampled(model, p)
 }
 
-/// How far one step of Gauss and Newton moves parameter `j` of a fit on other windows.
+/// Change of parameter `j` of a fit by one Gauss-Newton step on other windows.
 fn step_of(windows: &Windows, fit: &WindowFit, j: usize) -> Option<f64> {
     let free = fit.model.free();
     let quadratic = windows.quadratic(&fit.model, &fit.p, &free)?;

@@ -5,14 +5,14 @@ use super::outcome::{Diagnosis, Ranked};
 use super::thresholds::THRESHOLDS;
 use crate::compare::{Dependence, UnexplainedTorque};
 
-/// What the diagnosis concludes.
+/// Conclusion of the diagnosis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Conclusion {
-    /// The error is at the noise floor, or what is above it does not matter.
+    /// The error is at the noise floor, or negligible above it.
     Sufficient,
     /// The effects found explain most of what was missing.
     Missing,
-    /// None is proven; one explains most of what is missing.
+    /// No effect is proven; one explains most of the missing part.
     Likely,
     /// Something is missing that no candidate explains.
     Unknown,
@@ -30,7 +30,7 @@ pub struct Errors {
     pub floor: f64,
     /// Of the noise floor with the most that the input may have done between its rows.
     pub most: f64,
-    /// Whether slow noise of the input makes the noise floor ([`crate::compare::WindowFloor::is_slow`]).
+    /// Whether slow noise of the input determines the noise floor ([`crate::compare::WindowFloor::is_slow`]).
     pub slow_floor: bool,
     /// Square of the top speed of the wheels.
     pub speed: f64,
@@ -68,7 +68,7 @@ impl Errors {
         (self.before / self.floor).sqrt() <= THRESHOLDS.at_floor
     }
 
-    /// Fall of the root mean square error by what was found, as a share.
+    /// Reduction of the RMS error by the effects found, as a share.
     #[must_use]
     pub fn fall(&self) -> f64 {
         1.0 - (self.after / self.before).sqrt()
@@ -77,7 +77,7 @@ impl Errors {
     /// Root mean square error of the last model beyond the noise floor, as a share of the top speed of the wheels.
     #[must_use]
     pub fn excess(&self) -> f64 {
-        // what is not a number stays so
+        // NaN is kept
         let beyond = self.after - self.floor;
         if beyond < 0.0 { 0.0 } else { (beyond / self.speed).sqrt() }
     }
@@ -92,7 +92,7 @@ impl Errors {
     /// Whether the last model is above the floor by something that matters. An error that is not a number is.
     #[must_use]
     pub fn above_floor(&self) -> bool {
-        // what is not a number fails every comparison
+        // NaN fails every comparison
         let small = self.ratio() <= THRESHOLDS.above_floor || self.excess() <= THRESHOLDS.excess;
         !small
     }
@@ -103,7 +103,7 @@ impl Errors {
         self.far_above_floor() && self.above_input()
     }
 
-    /// Whether what the last model leaves beyond the floor is that of a useful model.
+    /// Whether the error beyond the floor is that of a useful model.
     #[must_use]
     pub fn useful(&self) -> bool {
         self.excess() <= THRESHOLDS.useful
@@ -117,7 +117,7 @@ impl Errors {
     }
 }
 
-/// The strongest dependence that counts as structure, a significant one; whether it matters the error says.
+/// The strongest significant dependence that counts as structure; the error decides whether it matters.
 #[must_use]
 pub fn structure(left: &UnexplainedTorque) -> Option<&Dependence> {
     left.dependences.iter().find(|d| d.log_significance > THRESHOLDS.structure)
@@ -144,14 +144,14 @@ pub fn withheld(diagnosis: &Diagnosis, rate: f64) -> Option<&Ranked> {
     (diagnosis.validated && strong && best.fall.as_ref().is_some_and(falls)).then_some(best)
 }
 
-/// Concludes from the number of effects found, the errors, and the share of the squared error that a likely
-/// effect would leave (1 without one).
+/// Concludes from the number of effects found, the errors, and the share of the squared error that would
+/// remain with a likely effect (1 without one).
 ///
-/// Where the error is above the floor, what was found or is likely must explain the larger part of it, and with what
-/// was found the model must be useful; else something unknown is missing, if the residual torque shows `structure` or
-/// the error is far above the floor, which is itself an estimate, and if nothing that the input may have done between its
-/// rows makes it. Where slow noise of the input makes the floor, structure is no evidence: the test of it takes rows for
-/// independent.
+/// If the error is above the floor, the effects found or likely must explain the larger part of it, and the
+/// model with the effects found must be useful. Otherwise something unknown is missing, if the residual
+/// torque shows `structure` or the error is far above the floor, which is itself an estimate, and if the
+/// unknown input between the rows cannot cause it. If slow noise of the input dominates the floor, structure
+/// is no evidence, because its test treats rows as independent.
 #[must_use]
 pub fn conclude(found: usize, errors: &Errors, likely: Option<f64>, structure: bool) -> Conclusion {
     let explained = |after: f64| errors.left(after) <= THRESHOLDS.unexplained;
@@ -179,7 +179,7 @@ pub fn conclude(found: usize, errors: &Errors, likely: Option<f64>, structure: b
 /// Source: Kass and Raftery, J. Am. Stat. Assoc. 90 (1995).
 #[must_use]
 pub fn probabilities(ranking: &[Ranked]) -> Vec<f64> {
-    // one that simulation refutes is no likelier than none, whatever the balance of the torques says
+    // a candidate that simulation refutes is not more likely than none, whatever the torque balance indicates
     let bic = |r: &Ranked| if r.bic_windows < 0.0 { r.bic } else { r.bic.max(0.0) };
     let ranks: Vec<f64> = ranking.iter().map(|r| -0.5 * bic(r)).collect();
     let largest = ranks.iter().copied().fold(0.0, f64::max);

@@ -26,9 +26,9 @@ use crate::recording::Recording;
 use crate::robot::State;
 use crate::simulate::{ActingInput, Asked, BETWEEN_ROWS, Hold, LANES, every_other, follow_part};
 
-/// Largest growth of the variance of a speed over a window, in variances of the sensor: noise of the input is
-/// an estimate, and a recording that seems to have much of it must not lose its say where the model is wrong
-/// by more than either.
+/// Largest growth of the variance of a speed over a window, in variances of the sensor: the noise of the
+/// input is an estimate, and a recording with apparently much of it must not lose its weight if the error of
+/// the model is larger than both.
 const MOST_GROWTH: f64 = 8.0;
 
 /// Recordings cut into windows.
@@ -83,11 +83,12 @@ impl<'a> Windows<'a> {
         Self::new(recordings, hold, model, p).sampled(model, p)
     }
 
-    /// The same windows, in whose weights stands what else than noise `model` at `p` leaves. What the input between
-    /// its rows may do there: a third of what every other row changes, nothing of one that is held. A window in which a
-    /// wheel comes to rest or breaks away a row earlier or later has errors far above noise whatever the parameters,
-    /// and would decide all of them. And the model's own errors: where they are larger than noise, a recording whose
-    /// sensors are quieter says no more than the others, and all windows count alike.
+    /// The same windows, with weights that include errors of `model` at `p` other than noise. First, the
+    /// unknown input between the rows: a third of the change by omitting every other row, zero for a held
+    /// input. A window in which a wheel comes to rest or breaks away a row earlier or later has errors far
+    /// above noise for any parameters, and would otherwise dominate the fit. Second, errors of the model: if
+    /// they are larger than noise, all windows have the same weight, also those of recordings with less
+    /// noise.
     ///
     /// ```text
     /// weight × (σ_r²/σ²) (σ² + m²)/(σ_r² + m² + d²/9)

@@ -42,7 +42,7 @@ impl Physics for ActuatorDelay {
         true
     }
 
-    /// From a fraction of a sample to what a slow bus or a soft current loop takes.
+    /// From a fraction of a sample to the delay of a slow bus or a slow current loop.
     fn shapes(&self, scale: &Scale) -> Vec<Vec<f64>> {
         let longest = 0.15_f64.max(4.0 * scale.step);
         geometric(0.25 * scale.step, longest, 6).into_iter().map(|time| vec![time]).collect()

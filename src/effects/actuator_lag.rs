@@ -3,7 +3,7 @@
 use super::{Change, Description, Energy, ParameterSpec, Physics, Scale, geometric};
 use crate::math::Real;
 
-/// First-order lag of the input, exact for a torque that runs straight between samples.
+/// First-order lag of the input, exact for a piecewise linear torque.
 ///
 /// ```text
 /// tau dM/dt + M = M_recorded,   M(start) = M_recorded(start)
@@ -11,13 +11,13 @@ use crate::math::Real;
 /// e = exp(-h/tau),  s = (1 - e) tau/h,  h = t[k+1] - t[k]
 /// ```
 /// Derived here: solution of the linear equation over one step with a linear right-hand side
-/// (first-order hold). Steps may differ in length.
+/// (first-order hold). The steps may differ in length.
 ///
-/// Deviation: the simulation takes the lagged torque, too, as straight between the samples.
+/// Deviation: the simulation also interpolates the lagged torque linearly between the samples.
 #[derive(Clone, Debug, Default)]
 pub struct ActuatorLag;
 
-/// Steps of more time constants than this leave nothing of the earlier torque (e^-40 = 4e-18).
+/// Number of time constants after which the earlier torque is negligible (e^-40 = 4e-18).
 const FORGOTTEN: f64 = 40.0;
 
 impl Physics for ActuatorLag {
@@ -43,7 +43,7 @@ impl Physics for ActuatorLag {
         Change::TimeShift
     }
 
-    /// From a fraction of a sample to what a slow bus or a soft current loop takes.
+    /// From a fraction of a sample to the time constant of a slow bus or a slow current loop.
     fn shapes(&self, scale: &Scale) -> Vec<Vec<f64>> {
         let longest = 0.3_f64.max(4.0 * scale.step);
         geometric(0.25 * scale.step, longest, 6).into_iter().map(|time| vec![time]).collect()
@@ -74,7 +74,7 @@ impl Physics for ActuatorLag {
     }
 }
 
-/// `[e, s]` of the docs of [`ActuatorLag`]; continued through tau = 0.
+/// `[e, s]` of [`ActuatorLag`], continuous at tau = 0.
 fn decay<T: Real>(tau: T, step: f64) -> [T; 2] {
     if tau.value() * FORGOTTEN <= step {
         return [T::from(0.0), tau / step];

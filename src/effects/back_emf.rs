@@ -1,19 +1,19 @@
-//! Back-EMF of the motor left in the recorded torque.
+//! Back-EMF of the motor that is contained in the recorded torque.
 
 use super::{Description, Energy, Motion, ParameterSpec, Physics, Terms};
 use crate::math::Real;
 use crate::recording::DriveUnit;
 
-/// The recorded torque exceeds the real one by k_e w: it was computed from the motor voltage
-/// without the back-EMF.
+/// The recorded torque exceeds the real one by k_e w: it was computed from the motor voltage without the
+/// back-EMF.
 ///
 /// ```text
 /// k_e w1   on wheel 1
 /// k_e w2   on wheel 2
 /// ```
 /// Source: DC motor without inductance, M = n k (U - k n w)/R for gear ratio n and motor
-/// constant k, so that k_e = n^2 k^2/R when n k U/R is what was recorded. The same columns as
-/// viscous friction: no recording of the wheels can tell the two apart.
+/// constant k, so that k_e = n^2 k^2/R if n k U/R was recorded. The same regressors as
+/// viscous friction: no recording of the wheels can distinguish the two.
 #[derive(Clone, Debug, Default)]
 pub struct BackEmf;
 
@@ -37,7 +37,7 @@ impl Physics for BackEmf {
         vec![ParameterSpec::linear("k_e", "back-EMF constant", "N m s/rad", (0.0, 1e3), 0.003)]
     }
 
-    /// A voltage is resisted by the back-EMF whatever else is in the model.
+    /// With an input in volts, back-EMF is part of every model.
     fn belongs_to(&self, input: DriveUnit) -> bool {
         input == DriveUnit::Volt
     }

@@ -3,14 +3,14 @@
 use super::{Description, Energy, ParameterSpec, Physics, Scale, geometric};
 use crate::math::Real;
 
-/// Small torques do not reach the wheel, larger ones arrive diminished.
+/// Dead zone of the input: small torques do not reach the wheel, larger ones are reduced.
 ///
 /// ```text
 /// M = sgn(M_recorded) max(|M_recorded| - d, 0)   on each wheel
 ///   = M_recorded - clip(M_recorded, -d, d)
 /// ```
-/// Source: the usual quasi-static dead zone, which stands for a gear play whose width in angle is
-/// crossed at once.
+/// Source: the usual quasi-static dead zone, an approximation of gear backlash that is
+/// traversed instantaneously.
 ///
 /// Deviation: the hysteresis of real backlash (the angle of the play) is not modelled.
 #[derive(Clone, Debug, Default)]

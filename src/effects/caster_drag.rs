@@ -8,11 +8,11 @@ use crate::math::Real;
 /// ```text
 /// f_c sgn(v_A)   on wheel 1 and on wheel 2      (set-valued while v_A = 0)
 /// ```
-/// Derived here: a force F against v_A = r/2 (w1 + w2) takes the power F |v_A|, so f_c = F r/2
+/// Derived here: a force F against v_A = r/2 (w1 + w2) dissipates the power F |v_A|, so f_c = F r/2
 /// (for the caster of the paper F = N3 f3/r3).
 ///
-/// Deviation: a caster off the axle drags along its own velocity (v_A, -l5 β_dot); here only the
-/// forward part acts, the rest is close to `turning_scrub`.
+/// Deviation: the friction of a caster away from the axle opposes its own velocity (v_A, -l5 β_dot);
+/// here only the forward component is modelled, the other is similar to `turning_scrub`.
 #[derive(Clone, Debug, Default)]
 pub struct CasterDrag;
 

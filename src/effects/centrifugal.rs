@@ -1,4 +1,4 @@
-//! The centre of mass off the axle: forces that turn with the robot.
+//! Centre of mass off the axle: centrifugal torques.
 
 use super::{Description, Energy, Motion, ParameterSpec, Physics, Scale, Terms};
 use crate::math::Real;
@@ -31,7 +31,7 @@ impl Physics for Centrifugal {
         vec![ParameterSpec::linear("a3", "centrifugal constant", "kg m^2", (-1e4, 1e4), 3e-4)]
     }
 
-    /// No robot has a3 above a1: a3/a1 <= r l2/(l1² + l2²) <= r/(2 l1).
+    /// a3 does not exceed a1: a3/a1 <= r l2/(l1² + l2²) <= r/(2 l1).
     fn limits(&self, scale: &Scale) -> Vec<(f64, f64)> {
         vec![(-scale.inertia, scale.inertia)]
     }

@@ -21,7 +21,7 @@ use crate::robot::Robot;
 #[derive(Clone, Debug, Default)]
 pub struct Compliance;
 
-/// Damping ratio from which the damping is searched.
+/// Damping ratio at which the search for the damping starts.
 const DAMPING: f64 = 0.2;
 
 impl Physics for Compliance {
@@ -50,7 +50,7 @@ impl Physics for Compliance {
         Change::TwoMass
     }
 
-    /// Undamped frequencies around what the sensors resolve, for three splits of the inertia.
+    /// Undamped frequencies around the bandwidth of the sensors, for three divisions of the inertia.
     fn shapes(&self, scale: &Scale) -> Vec<Vec<f64>> {
         let mut out = Vec::new();
         for share in [0.2, 0.45, 0.7] {
@@ -65,9 +65,9 @@ impl Physics for Compliance {
         out
     }
 
-    /// Frequencies up to half the sampling rate, damping up to the critical one of the stiffest spring, and
-    /// splits that leave either side a tenth of the inertia: beyond that the wheels move as those of the
-    /// rigid robot.
+    /// Frequencies up to half the sampling rate, damping up to critical damping of the stiffest spring, and
+    /// divisions of the inertia with at least a tenth on either side: beyond these limits the wheels move
+    /// like those of the rigid robot.
     fn limits(&self, scale: &Scale) -> Vec<(f64, f64)> {
         let reduced = 0.25 * scale.inertia;
         let nyquist = std::f64::consts::PI / scale.step;
@@ -76,7 +76,7 @@ impl Physics for Compliance {
         vec![spring, damper, (0.1 * scale.inertia, 0.85 * scale.inertia)]
     }
 
-    /// A spring that may be none leaves a damper, which is wheel slip.
+    /// Without a significant stiffness only a damper remains, which is wheel slip.
     fn is_itself(&self, p: &[f64], errors: &[f64], _robot: &Robot) -> bool {
         p[0] > SURELY * errors[0]
     }

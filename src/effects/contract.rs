@@ -1,4 +1,4 @@
-//! The contract that every registered effect keeps.
+//! Contract tests for every registered effect.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -17,8 +17,8 @@ fn motion<'a>(robot: &'a Robot, rng: &mut ChaCha8Rng) -> Motion<'a, f64> {
     Motion { t: rng.random_range(0.0..30.0), alpha, omega, variance, robot }
 }
 
-/// Parameters within their ranges: up to three times the typical size, of either sign where the
-/// range allows it.
+/// Parameters within their ranges: up to three times the typical value, of either sign if the range includes
+/// both.
 fn parameters(effect: &dyn Effect, rng: &mut ChaCha8Rng) -> Vec<f64> {
     let draw = |spec: ParameterSpec| {
         let (low, high) = spec.range;
@@ -38,12 +38,12 @@ fn each(times: usize, check: impl Fn(&dyn Effect, &str, &Robot, &mut ChaCha8Rng)
     }
 }
 
-/// All seven kinds of numbers of [`Terms`] in a row.
+/// The entries of [`Terms`] as one list.
 fn flat<T: Copy>(terms: &Terms<T>) -> Vec<T> {
     [&terms.mass[..], &terms.torque, &terms.level].concat()
 }
 
-/// Uneven samples with torques of both signs.
+/// Non-uniform samples with torques of both signs.
 fn recorded(rng: &mut ChaCha8Rng) -> (Vec<f64>, Vec<[f64; 2]>) {
     let mut t = vec![0.3_f64];
     (1..200).for_each(|k| t.push(t[k - 1] + rng.random_range(0.004..0.02)));
@@ -73,7 +73,7 @@ fn ids_are_file_names_and_unique_and_the_texts_are_complete() {
     }
 }
 
-/// Ids that experiment files may rely on; an effect that is added need not be here.
+/// Ids on which experiment files may rely; a new effect need not be listed here.
 const CONTRACT: [&str; 29] = [
     "inertia",
     "centrifugal",
@@ -140,7 +140,7 @@ fn the_energy_role_holds() {
             Energy::DoesNoWork => {
                 assert!(power.abs() <= tiny && terms.level == [0.0; 4], "{id} does work");
             }
-            // what is stored comes back when the motion runs backward: even in the speeds
+            // stored energy is returned if the motion runs backward: the power is even in the speeds
             Energy::Stores => {
                 let back = Motion { omega: [-w1, -w2], ..x };
                 assert_eq!(terms, effect.terms(&back, &p), "{id} keeps energy");
@@ -187,7 +187,7 @@ fn linear_parameters_enter_linearly() {
     });
 }
 
-/// Step of a central difference and how far it may be off: truncation h^2, rounding eps/h.
+/// Step of a central difference and its tolerance: truncation h^2, rounding eps/h.
 fn near(x: f64) -> f64 {
     1e-6 * x.abs().max(1e-3)
 }
@@ -265,8 +265,7 @@ fn the_partials_of_the_input_equal_central_differences() {
     });
 }
 
-/// The effect and parameters of the mirror image of the robot; `None` where the catalogue has
-/// the effect on wheel 1 alone.
+/// The effect and parameters for the mirrored robot; `None` if the effect exists for wheel 1 only.
 fn mirrored(id: &str, p: &[f64]) -> Option<(String, Vec<f64>)> {
     let (id, p) = match id {
         "coulomb_friction" | "coulomb_asymmetry" | "torque_offset" | "viscous_asymmetry" => {
@@ -339,7 +338,7 @@ fn forward_dynamics_undo_inverse_dynamics() {
     });
 }
 
-/// Five seconds of starts, stops and reversals.
+/// Five seconds with starts, stops and reversals.
 fn lively() -> (Vec<f64>, Vec<[f64; 2]>) {
     let t: Vec<f64> = (0..501).map(|k| 0.01 * f64::from(k)).collect();
     let m = t
@@ -365,7 +364,7 @@ fn an_effect_of_typical_size_shows_in_the_motion() {
             .zip(&base)
             .flat_map(|(u, v)| [0, 1].map(|i| (u.omega[i] - v.omega[i]).powi(2)).into_iter());
         let rms = (differences.sum::<f64>() / (2.0 * t.len() as f64)).sqrt();
-        // between what an encoder of 0.02 rad/s sees over 1000 samples and a ruined run
+        // between the resolution of an encoder of 0.02 rad/s over 1000 samples and a diverged simulation
         assert!(rms > 1e-3 && rms < 5.0, "{id}: {rms} rad/s");
     }
 }
@@ -377,7 +376,7 @@ fn sensitivities_of_every_effect_equal_differences_of_the_motion() {
     let start = State { alpha: [0.3, -0.1], omega: [3.0, 2.0] };
     for id in CONTRACT.iter().filter(|id| !["wheel_slip", "compliance"].contains(id)) {
         let (model, mut p) = with(id);
-        // a delay of whole samples is a kink of the input: go off the grid
+        // a delay of whole samples is not differentiable: choose another value
         p.iter_mut().skip(5).for_each(|v| *v *= 0.93);
         let (_, exact) = simulate_with_sensitivities(&model, &p, &input, start).unwrap();
         for j in 0..p.len() {

@@ -3,7 +3,7 @@
 use super::{Description, Energy, Motion, ParameterSpec, Physics, Terms};
 use crate::math::Real;
 
-/// Coulomb friction with another level forward than backward.
+/// Coulomb friction with different levels forward and backward.
 ///
 /// ```text
 /// level of wheel 1:  a4 + c1 forward, a4 - c1 backward
@@ -11,7 +11,7 @@ use crate::math::Real;
 /// ```
 /// Derived here: (a4 + c1 sgn(w1)) sgn(w1) = a4 sgn(w1) + c1 for a moving wheel, and a wheel at
 /// rest breaks away at a4 + c1 forward and -(a4 - c1) backward, which is the interval [-a4, a4]
-/// shifted by c1. So the asymmetry is the constant torque c1, at rest too: exactly the columns of
+/// shifted by c1. So the asymmetry is the constant torque c1, also at rest: the same regressors as
 /// `torque_offset`.
 #[derive(Clone, Debug, Default)]
 pub struct CoulombAsymmetry;
@@ -38,7 +38,7 @@ impl Physics for CoulombAsymmetry {
         ]
     }
 
-    /// Alone it is a constant torque; only together with levels above |c1|, |c2| it dissipates.
+    /// Alone it is a constant torque; it is dissipative only together with levels above |c1|, |c2|.
     fn energy(&self) -> Energy {
         Energy::Supplies
     }

@@ -3,14 +3,14 @@
 use super::{Description, Energy, Motion, ParameterSpec, Physics, Scale, Terms};
 use crate::math::Real;
 
-/// Coulomb (dry) friction, one level a wheel; at rest it takes any value up to the level.
+/// Coulomb (dry) friction, one level per wheel; at rest it takes any value up to the level.
 ///
 /// ```text
 /// a4 sgn(w1)   on wheel 1
 /// a5 sgn(w2)   on wheel 2
 /// ```
-/// Source: paper, eq. (14). Deviation: at w = 0 the paper's sgn(0) = 0 lets a wheel creep under
-/// any torque; here friction at rest holds up to its level.
+/// Source: paper, eq. (14). Deviation: with sgn(0) = 0 of the paper a wheel at rest would creep under
+/// any torque; here friction at rest balances torques up to its level.
 #[derive(Clone, Debug, Default)]
 pub struct CoulombFriction;
 
@@ -36,12 +36,12 @@ impl Physics for CoulombFriction {
         ]
     }
 
-    /// A friction above every recorded torque would never let the wheel start.
+    /// With friction above every recorded torque the wheel would never start.
     fn limits(&self, scale: &Scale) -> Vec<(f64, f64)> {
         vec![(0.0, scale.torque_quantile(1.0)); 2]
     }
 
-    /// Friction that drives has no rest from which a simulation could start.
+    /// A simulation cannot start from rest with negative friction.
     fn start(&self, p: &mut [f64], _free: &[bool]) {
         p.iter_mut().for_each(|level| *level = level.max(0.0));
     }

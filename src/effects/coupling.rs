@@ -1,15 +1,15 @@
-//! A two-mass drivetrain: what joins the measured wheels to the rest of the robot.
+//! A two-mass drivetrain: the coupling between the measured wheels and the rest of the robot.
 
 use super::{Motion, Terms};
 use crate::math::Real;
 
-/// A two-mass drivetrain: the wheel (rotor) of inertia `rotor` is joined to the rest
-/// of the robot by a spring and a damper, which adds two speeds and two twists to the state.
+/// A two-mass drivetrain: the wheel (rotor) of inertia `rotor` is connected to the rest of the robot by a
+/// spring and a damper, which adds two speeds and two twists to the state.
 ///
-/// Effects that store energy or do no work act on the body, at its own speeds and angles; all
-/// others act on the measured wheel. The body has the mass matrix of the model less `rotor` on
-/// the diagonal. That is positive definite only if `rotor` is below the smallest eigenvalue of
-/// the mass matrix (a1 - |a2| in the base model), so a simulation takes at most [`MOST_OF_INERTIA`] of it.
+/// Effects that store energy or do no work act on the body, at its own speeds and angles; all others act on
+/// the measured wheel. The body has the mass matrix of the model minus `rotor` on the diagonal. This is
+/// positive definite only if `rotor` is below the smallest eigenvalue of the mass matrix (a1 - |a2| in the
+/// base model), so a simulation limits it to the share [`MOST_OF_INERTIA`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coupling<T> {
     /// Inertia on the measured side, part of a1 [kg m^2].
@@ -20,7 +20,7 @@ pub struct Coupling<T> {
     pub damping: T,
 }
 
-/// The part of the state that a second body adds, one number a wheel.
+/// The additional state of a second body, one number per wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyState<T> {
     /// Speeds u that the wheels would have if the coupling were rigid [rad/s].
@@ -29,19 +29,19 @@ pub struct BodyState<T> {
     pub twist: [T; 2],
 }
 
-/// Largest share of the inertia on the measured side of a [`Coupling`]: the rest moves fifty times as fast, and
-/// no recording shows it.
+/// Largest share of the inertia on the measured side of a [`Coupling`]: the rest then moves at a rate fifty
+/// times higher, which recordings do not resolve.
 pub const MOST_OF_INERTIA: f64 = 0.98;
 
 impl<T: Real> Coupling<T> {
-    /// The rotor that is taken: at most [`MOST_OF_INERTIA`] of the smallest eigenvalue of the robot's
-    /// mass matrix (m11, m12, m22) [kg m^2].
+    /// The rotor inertia, limited to [`MOST_OF_INERTIA`] of the smallest eigenvalue of the robot's mass
+    /// matrix (m11, m12, m22) [kg m^2].
     #[must_use]
     pub fn rotor_within(&self, mass: &[T; 3]) -> T {
         self.rotor.min(smallest_inertia(mass) * MOST_OF_INERTIA)
     }
 
-    /// The torque that each wheel passes on to the body, `kt phi + dt (w - u)` [N m]; `omega` [rad/s].
+    /// The torque transmitted by each wheel to the body, `kt phi + dt (w - u)` [N m]; `omega` [rad/s].
     #[must_use]
     pub fn passed(&self, omega: &[T; 2], body: &BodyState<T>) -> [T; 2] {
         let torque =
@@ -49,15 +49,16 @@ impl<T: Real> Coupling<T> {
         [torque(0), torque(1)]
     }
 
-    /// Moves the rotors from the body, whose terms hold the mass of the whole robot, to the wheels.
+    /// Moves the rotor inertias from the body, whose terms contain the mass of the whole robot, to the
+    /// wheels.
     pub fn separate(&self, wheel: &mut Terms<T>, body: &mut Terms<T>) {
         let rotor = self.rotor_within(&body.mass);
         wheel.mass = [rotor, T::from(0.0), rotor];
         body.mass = [body.mass[0] - rotor, body.mass[1], body.mass[2] - rotor];
     }
 
-    /// The fastest rate of the coupling [1/s], set by the lighter of rotor and body; `mass` is that of the whole
-    /// robot (m11, m12, m22) [kg m^2].
+    /// The fastest rate of the coupling [1/s], determined by the lighter of rotor and body; `mass` is that of
+    /// the whole robot (m11, m12, m22) [kg m^2].
     #[must_use]
     pub fn fastest_rate(&self, mass: &[T; 3]) -> T {
         let (rotor, smallest) = (self.rotor_within(mass), smallest_inertia(mass));
@@ -68,7 +69,7 @@ impl<T: Real> Coupling<T> {
 }
 
 impl<'r, T: Real> Motion<'r, T> {
-    /// The motion of a second body as its effects see it.
+    /// The motion of the second body, at which its effects are evaluated.
     #[must_use]
     pub fn of_body(&self, body: &BodyState<T>) -> Motion<'r, T> {
         let alpha = [self.alpha[0] - body.twist[0], self.alpha[1] - body.twist[1]];

@@ -1,4 +1,4 @@
-//! An effect written as a formula by the user.
+//! An effect defined by a formula of the user.
 
 mod error;
 
@@ -11,23 +11,23 @@ use crate::math::Real;
 use crate::math::expression::{Bound, parse};
 use crate::robot::Robot;
 
-/// The quantities that a formula may name, before the parameters.
+/// The quantities available in a formula, in addition to the parameters.
 pub const QUANTITIES: [&str; 10] =
     ["t", "w1", "w2", "w", "alpha1", "alpha2", "alpha", "v", "beta_dot", "beta"];
 
-/// Names and quantities together.
+/// Largest number of quantities and parameters.
 const MOST_NAMES: usize = QUANTITIES.len() + DIFFERENTIATED;
 
-/// A custom effect as it is written down.
+/// Definition of a custom effect.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CustomDefinition {
     /// Resisting torque on wheel 1 [N m] as a formula in the [`QUANTITIES`] and the parameters.
     pub torque1: String,
-    /// The same for wheel 2; without it wheel 2 is the mirror image of wheel 1.
+    /// The same for wheel 2; if absent, wheel 2 is the mirror image of wheel 1.
     pub torque2: Option<String>,
     /// At most four parameters.
     pub parameters: Vec<ParameterSpec>,
-    /// The physical cause in words; may be empty.
+    /// The physical cause; may be empty.
     pub description: String,
 }
 
@@ -73,11 +73,11 @@ pub struct Custom {
 }
 
 impl Custom {
-    /// Reads and checks a definition.
+    /// Parses and checks a definition.
     ///
     /// # Errors
-    /// An id or symbol that is taken or not a name, more than four parameters, a range without
-    /// width, a formula that cannot be read, or a linear parameter that is not.
+    /// An id or symbol that is already used or not a name, more than four parameters, a range without width,
+    /// an invalid formula, or a linear parameter in which the formula is not linear.
     pub fn new(id: &str, definition: CustomDefinition) -> Result<Self, CustomError> {
         check_id(id)?;
         check_parameters(id, &definition.parameters)?;
@@ -97,7 +97,8 @@ impl Custom {
         Ok(effect)
     }
 
-    /// Doubles each linear parameter in turn, with the other linear ones zero, at a few states.
+    /// Checks linearity: doubles each linear parameter in turn, with the other linear ones zero, at several
+    /// states.
     fn check_linear(&self) -> Result<(), CustomError> {
         let robot = Robot::amigobot();
         let specs = &self.definition.parameters;
@@ -121,7 +122,7 @@ impl Custom {
                     let tiny = 1e-9 * one[i].abs();
                     zero[i].abs() <= tiny && (two[i] - 2.0 * one[i]).abs() <= tiny
                 });
-                // outside the domain of a formula (a root of a negative number) nothing is said
+                // values outside the domain of a formula (a root of a negative number) are not compared
                 if !proportional && one.iter().chain(&two).all(|v| v.is_finite()) {
                     let symbol = specs[j].symbol.clone();
                     return Err(CustomError::NotLinear { id: self.id.clone(), symbol });
@@ -243,7 +244,7 @@ impl Physics for Custom {
         self.definition.parameters.clone()
     }
 
-    /// A formula may do anything.
+    /// Nothing can be guaranteed for a formula.
     fn energy(&self) -> Energy {
         Energy::Supplies
     }

@@ -1,4 +1,4 @@
-//! The two faces of an effect: what its author writes, and what the program sees.
+//! Effects: the trait that an author implements, and the object-safe trait that the program uses.
 
 use super::{
     Coupling, Description, Energy, Motion, ParameterKind, ParameterSpec, Scale, Terms, Wave,
@@ -7,62 +7,62 @@ use crate::math::{Dual, Real, Symbol};
 use crate::recording::DriveUnit;
 use crate::robot::Robot;
 
-/// A dual number with eight partial derivatives: effects see their instant with the partials
-/// (alpha1, alpha2, omega1, omega2, own parameters 0..4).
+/// A dual number with eight partial derivatives, with respect to (alpha1, alpha2, omega1, omega2, own
+/// parameters 0..4).
 pub type Jet = Dual<8>;
 
-/// Parameters of an effect that a [`Jet`] has room for.
+/// Number of parameters of an effect that a [`Jet`] can differentiate.
 pub const DIFFERENTIATED: usize = 4;
 
-/// A dual number with the partial derivatives by parameters alone, as many as an effect has.
+/// A dual number with the partial derivatives with respect to the parameters of an effect only.
 pub type Own = Dual<DIFFERENTIATED>;
 
-/// A dual number with the derivative by one parameter.
+/// A dual number with the derivative with respect to one parameter.
 pub type Tangent = Dual<1>;
 
-/// Most parameters of an effect: those that are differentiated, and behind them one whole number
-/// (an order), which has no derivative.
+/// Largest number of parameters of an effect: those that are differentiated, and one integer (an order),
+/// which has no derivative.
 pub const MOST_PARAMETERS: usize = DIFFERENTIATED + 1;
 
-/// Which part of the robot an effect changes.
+/// Which part of the equation of motion an effect changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Change {
     /// It adds mass, torque or friction.
     Torque,
-    /// It changes the size of the input torque.
+    /// It changes the magnitude of the input torque.
     Input,
-    /// It moves the input torque in time.
+    /// It shifts the input torque in time.
     TimeShift,
-    /// It puts a second body behind the measured wheels.
+    /// It adds a second body behind the measured wheels.
     TwoMass,
 }
 
 impl Change {
-    /// Whether it may take the place of what the input does between the rows of a log: a second body moves there, and a
-    /// size of the input takes back what the rows make of its peaks.
+    /// Whether it can compensate for the unknown input between the rows of a log: a second body moves between
+    /// the rows, and an effect on the magnitude of the input can compensate for interpolated peaks.
     #[must_use]
     pub const fn acts_between_rows(self) -> bool {
         matches!(self, Self::TwoMass | Self::Input)
     }
 }
 
-/// Standard errors by which a parameter differs from a value for certain (95 %).
+/// Number of standard errors by which a parameter differs significantly from a value (95 %).
 pub const SURELY: f64 = 1.96;
 
-/// Factors on the typical value of a shape of which nothing else is known.
+/// Factors on the typical value of a shape parameter, if no scale is known.
 const FACTORS: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
 
-/// What the author of an effect writes, once, over any scalar, with at most [`MOST_PARAMETERS`].
+/// Definition of an effect, generic over the scalar, with at most [`MOST_PARAMETERS`] parameters.
 ///
-/// Everything has a default of "nothing", so an effect states only what it does.
+/// Every method has a default without effect, so an implementation contains only what applies.
 pub trait Physics: Send + Sync + 'static {
-    /// Names, equation and signature for the catalogue.
+    /// Names, equation and appearance for the catalogue.
     fn description(&self) -> Description;
 
-    /// Its parameters, in the order in which `p` holds them.
+    /// Its parameters, in the order of `p`.
     fn parameters(&self) -> Vec<ParameterSpec>;
 
-    /// Its energy role.
+    /// How it treats mechanical energy.
     fn energy(&self) -> Energy;
 
     /// Contribution to mass, torque and dry friction at one instant.
@@ -70,13 +70,13 @@ pub trait Physics: Send + Sync + 'static {
         Terms::zero()
     }
 
-    /// Turns the recorded input into the one that acts, for the whole run:
-    /// `t` \[s\] and `m` [N m] have one row a sample. `None`: unchanged.
+    /// Computes the acting input from the recorded one for the whole run: `t` \[s\] and `m` [N m] have one
+    /// row per sample. `None`: unchanged.
     fn input<T: Real>(&self, _t: &[f64], _m: &[[T; 2]], _p: &[T]) -> Option<Vec<[T; 2]>> {
         None
     }
 
-    /// The second mass behind the measured wheel, where the effect has one.
+    /// The second mass behind the measured wheel, if the effect has one.
     fn coupling<T: Real>(&self, _x: &Motion<T>, _p: &[T]) -> Option<Coupling<T>> {
         None
     }
@@ -86,40 +86,40 @@ pub trait Physics: Send + Sync + 'static {
         false
     }
 
-    /// Whether the input acts later and is otherwise the same, so that no shift of the rows can be distinguished from it.
+    /// Whether the input is only delayed, so that the effect is indistinguishable from a shift of the rows.
     fn is_delay(&self) -> bool {
         false
     }
 
-    /// Whether most robots have it.
+    /// Whether it occurs on most robots.
     fn is_common(&self) -> bool {
         false
     }
 
-    /// Whether its torque varies with the heading of the robot, which needs the track.
+    /// Whether its torque depends on the heading of the robot, which requires the track.
     fn depends_on_heading(&self) -> bool {
         false
     }
 
-    /// The waves that its torque consists of at shapes `p`; empty where the torque is no wave of an angle. An angle
-    /// that starts anew in each recording shifts them.
+    /// The harmonic components of its torque at shapes `p`; empty if the torque is not periodic in an angle.
+    /// They are shifted if an angle starts at another value in each recording.
     fn waves(&self, _p: &[f64]) -> Vec<Wave> {
         vec![]
     }
 
-    /// What it changes, where that is not the input ([`Physics::acts_on_input`]) or the torque.
+    /// Which part of the equation it changes, if not the input ([`Physics::acts_on_input`]) or the torque.
     fn change(&self) -> Change {
         if self.acts_on_input() { Change::Input } else { Change::Torque }
     }
 
-    /// Whether recordings of that scale could show it at all; a second body needs what
-    /// [`Scale::two_bodies`] says.
+    /// Whether recordings of this scale can contain information on it; a second body requires
+    /// [`Scale::two_bodies`].
     fn admissible(&self, scale: &Scale) -> bool {
         self.change() != Change::TwoMass || scale.two_bodies
     }
 
-    /// Values of its shape parameters that are worth trying on recordings of that scale, each entry one
-    /// value a shape parameter in their order; one empty entry where it has none.
+    /// Values of its shape parameters to be tried on recordings of this scale, each entry one value per shape
+    /// parameter; a single empty entry if there are none.
     fn shapes(&self, _scale: &Scale) -> Vec<Vec<f64>> {
         let parameters = self.parameters();
         let typical: Vec<f64> = parameters
@@ -136,8 +136,8 @@ pub trait Physics: Send + Sync + 'static {
         FACTORS.map(with).to_vec()
     }
 
-    /// Whether a fit has to start from every one of its shapes, since one does not lead to the others, as
-    /// those of a second body do not.
+    /// Whether a fit must be started from each of its shapes, because the cost has several minima, as for a
+    /// second body.
     fn several_starts(&self) -> bool {
         self.change() == Change::TwoMass
     }
@@ -147,9 +147,9 @@ pub trait Physics: Send + Sync + 'static {
         self.parameters().iter().map(|s| s.range).collect()
     }
 
-    /// Moves values of its parameters to where a fit can start: shapes into their ranges. Linear ones may have
-    /// either sign, so that an effect that is not there scatters around zero. Values that are not `free` stay
-    /// whatever is written.
+    /// Moves parameter values to where a fit can start: shapes into their ranges. Linear parameters may have
+    /// either sign, so that the estimates of an absent effect are distributed around zero. Values that are
+    /// not `free` stay unchanged.
     fn start(&self, p: &mut [f64], _free: &[bool]) {
         for (value, spec) in p.iter_mut().zip(self.parameters()) {
             if spec.kind == ParameterKind::Shape {
@@ -158,33 +158,33 @@ pub trait Physics: Send + Sync + 'static {
         }
     }
 
-    /// Whether every model of a robot has it whose input was recorded in this unit.
+    /// Whether it is part of every model whose input was recorded in this unit.
     fn belongs_to(&self, _input: DriveUnit) -> bool {
         false
     }
 
-    /// Whether parameters within their limits are together what the effect means; if not, an estimate has
-    /// taken up something else; `robot` is that of the model.
+    /// Whether parameters within their limits together describe this effect; otherwise the estimate has
+    /// absorbed something else. `robot` is that of the model.
     fn is_itself(&self, _p: &[f64], _errors: &[f64], _robot: &Robot) -> bool {
         true
     }
 }
 
-/// An effect as the program sees it: [`Physics`] without its type parameters.
+/// Object-safe interface of an effect: [`Physics`] without its type parameters.
 pub trait Effect: Send + Sync {
-    /// Names, equation and signature.
+    /// Names, equation and appearance.
     fn description(&self) -> Description;
     /// The id used in experiment files.
     fn id(&self) -> String {
         self.description().id
     }
-    /// What is fixed about its parameters, in the order of their slots.
+    /// Specification of its parameters, in their order.
     fn parameters(&self) -> Vec<ParameterSpec>;
-    /// Its energy role.
+    /// How it treats mechanical energy.
     fn energy(&self) -> Energy;
-    /// [`Physics::terms`] with plain numbers.
+    /// [`Physics::terms`] with `f64`.
     fn terms(&self, x: &Motion<f64>, p: &[f64]) -> Terms<f64>;
-    /// The torque of [`Physics::terms`] alone, for the inner loop of simulations.
+    /// The torque of [`Physics::terms`] only, for the inner loop of simulations.
     fn torque(&self, x: &Motion<f64>, p: &[f64]) -> [f64; 2];
     /// The mass matrix of [`Physics::terms`] alone.
     fn mass(&self, x: &Motion<f64>, p: &[f64]) -> [f64; 3];
@@ -192,7 +192,7 @@ pub trait Effect: Send + Sync {
     fn level(&self, x: &Motion<f64>, p: &[f64]) -> [f64; 4];
     /// [`Physics::terms`] with derivatives.
     fn terms_jet(&self, x: &Motion<Jet>, p: &[Jet]) -> Terms<Jet>;
-    /// [`Physics::terms`] with derivatives by the own parameters alone.
+    /// [`Physics::terms`] with derivatives with respect to its own parameters only.
     fn terms_own(&self, x: &Motion<Own>, p: &[Own]) -> Terms<Own>;
     /// The torque of [`Effect::terms_own`] alone.
     fn torque_own(&self, x: &Motion<Own>, p: &[Own]) -> [Own; 2];
@@ -200,11 +200,11 @@ pub trait Effect: Send + Sync {
     fn torque_jet(&self, x: &Motion<Jet>, p: &[Jet]) -> [Jet; 2];
     /// [`Physics::terms`] with symbols, which record the formula.
     fn terms_symbolic(&self, x: &Motion<Symbol>, p: &[Symbol]) -> Terms<Symbol>;
-    /// [`Physics::input`] with plain numbers.
+    /// [`Physics::input`] with `f64`.
     fn input(&self, t: &[f64], m: &[[f64; 2]], p: &[f64]) -> Option<Vec<[f64; 2]>>;
     /// [`Physics::input`] with derivatives.
     fn input_own(&self, t: &[f64], m: &[[Own; 2]], p: &[Own]) -> Option<Vec<[Own; 2]>>;
-    /// [`Physics::input`] with the derivative by one parameter.
+    /// [`Physics::input`] with the derivative with respect to one parameter.
     fn input_tangent(
         &self,
         t: &[f64],
@@ -218,7 +218,7 @@ pub trait Effect: Send + Sync {
         m: &[[Symbol; 2]],
         p: &[Symbol],
     ) -> Option<Vec<[Symbol; 2]>>;
-    /// [`Physics::coupling`] with plain numbers.
+    /// [`Physics::coupling`] with `f64`.
     fn coupling(&self, x: &Motion<f64>, p: &[f64]) -> Option<Coupling<f64>>;
     /// [`Physics::coupling`] with derivatives.
     fn coupling_jet(&self, x: &Motion<Jet>, p: &[Jet]) -> Option<Coupling<Jet>>;
@@ -234,7 +234,7 @@ pub trait Effect: Send + Sync {
     fn depends_on_heading(&self) -> bool;
     /// [`Physics::waves`].
     fn waves(&self, p: &[f64]) -> Vec<Wave>;
-    /// Whether its torque consists of waves of an angle.
+    /// Whether its torque has components that are periodic in an angle.
     fn has_waves(&self) -> bool {
         let typical: Vec<f64> = self.parameters().iter().map(|spec| spec.typical).collect();
         !self.waves(&typical).is_empty()

@@ -1,4 +1,4 @@
-//! Friction that falls while the robot warms up.
+//! Friction that decreases while the robot warms up.
 
 use super::{Description, Energy, Motion, ParameterSpec, Physics, Scale, Terms, geometric};
 use crate::math::Real;
@@ -33,7 +33,7 @@ impl Physics for FrictionWarmup {
             ParameterSpec::shape("tw", "time constant of warming up", "s", time, 10.0),
             ParameterSpec::linear(
                 "fwd",
-                "half of what wheel 1 has more of fw",
+                "half the difference of fw between wheels 1 and 2",
                 "N m",
                 (-1e3, 1e3),
                 0.0,
@@ -41,13 +41,13 @@ impl Physics for FrictionWarmup {
         ]
     }
 
-    /// From a start that is over at once to a drift over the whole recording.
+    /// From a transient at the start to a drift over the whole recording.
     fn shapes(&self, scale: &Scale) -> Vec<Vec<f64>> {
         geometric(0.07, 1.3, 5).into_iter().map(|share| vec![share * scale.duration]).collect()
     }
 
-    /// What is over in the first two hundredths of a recording is a transient of its start, and what lasts ten times as
-    /// long as the recording is a constant and a line (taste).
+    /// A transient shorter than two hundredths of a recording is an artefact of its start, and one of ten
+    /// times its length is not distinguishable from a constant and a line (judgement).
     fn limits(&self, scale: &Scale) -> Vec<(f64, f64)> {
         let mut limits: Vec<(f64, f64)> = self.parameters().iter().map(|s| s.range).collect();
         limits[1] = (0.02 * scale.duration, 10.0 * scale.duration);

@@ -33,8 +33,8 @@ impl Physics for Inertia {
         ]
     }
 
-    /// a1 above |a2|, so that every motion has kinetic energy. Straight driving gives a1 + a2 alone, pivots a1 - a2:
-    /// that of the two which is larger stays where both may move.
+    /// Keeps a1 above |a2|, so that every motion has positive kinetic energy. Straight driving identifies
+    /// only a1 + a2, pivots a1 - a2: the larger of the two is kept if both are free.
     fn start(&self, p: &mut [f64], free: &[bool]) {
         if p[0] > 1.05 * p[1].abs() {
             return;

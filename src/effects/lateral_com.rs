@@ -3,7 +3,7 @@
 use super::{Description, Energy, Motion, ParameterSpec, Physics, Terms};
 use crate::math::Real;
 
-/// A centre of mass to the side of the centre line: the wheels carry unequal inertias.
+/// A centre of mass to the side of the centre line: the wheels have unequal inertias.
 ///
 /// ```text
 /// m dw1    on wheel 1
@@ -11,7 +11,7 @@ use crate::math::Real;
 /// ```
 /// Derived here: S moves along the heading at v_A + e β_dot, so the kinetic energy has the term
 /// m4 e v_A β_dot = m4 e r^2/(4 l1) (w1^2 - w2^2). No velocity term follows from e: the torque
-/// about A of the inertia force at S has only e dv_A/dt beyond the base model. The e^2 in the yaw
+/// about A of the inertial force at S has only e dv_A/dt in addition to the base model. The e^2 in the yaw
 /// inertia is part of a1 and a2.
 #[derive(Clone, Debug, Default)]
 pub struct LateralCom;

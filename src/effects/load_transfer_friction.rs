@@ -1,19 +1,19 @@
-//! Friction that follows the load, which moves outward in fast curves.
+//! Friction proportional to the wheel load, which is transferred outward in fast curves.
 
 use super::{Description, Energy, Motion, ParameterSpec, Physics, Terms};
 use crate::math::Real;
 
-/// Coulomb levels that follow the wheel loads in curves.
+/// Coulomb friction levels that depend on the wheel loads in curves.
 ///
 /// ```text
 /// level of wheel 1:  + cl (w1^2 - w2^2)
 /// level of wheel 2:  - cl (w1^2 - w2^2)
 /// cl = f m h r^2/(8 l1^2),   h height of the centre of mass, f arm of rolling friction
 /// ```
-/// Derived here: the force m v_A β_dot = m r^2/(4 l1) (w1^2 - w2^2) at height h moves the load
-/// m h v_A β_dot/(2 l1) from the inner to the outer wheel. The power taken,
-/// cl (w1^2 - w2^2)(|w1| - |w2|), is never negative. One level may be negative alone; with the
-/// base it is above zero as long as the wheel stays on the floor.
+/// Derived here: the force m v_A β_dot = m r^2/(4 l1) (w1^2 - w2^2) at height h transfers the load
+/// m h v_A β_dot/(2 l1) from the inner to the outer wheel. The dissipated power,
+/// cl (w1^2 - w2^2)(|w1| - |w2|), is never negative. A single level may be negative; with the
+/// base level it is positive as long as the wheel stays on the floor.
 #[derive(Clone, Debug, Default)]
 pub struct LoadTransferFriction;
 

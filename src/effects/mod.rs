@@ -1,8 +1,8 @@
-//! One physical effect per file, and the list.
+//! One physical effect per file, and the catalogue.
 //!
 //! A model is a sum of effects: `mass(x; p) dω + torque(x; p) + dry friction = input(M; p)`.
-//! An author writes [`Physics`] once, over any [`Real`](crate::math::Real); the program sees the object-safe
-//! [`Effect`], which evaluates it with plain numbers or with exact derivatives.
+//! An author implements [`Physics`], generic over [`Real`](crate::math::Real); the program uses the object-safe
+//! [`Effect`], which evaluates it with `f64` or with exact derivatives.
 
 mod coupling;
 mod custom;
@@ -25,21 +25,21 @@ pub use wave::{Cycle, Wave};
 use crate::catalogue;
 use crate::recording::DriveUnit;
 
-/// How an effect treats mechanical energy; every registered effect is tested against its claim.
+/// How an effect treats mechanical energy; every registered effect is tested for this.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub enum Energy {
     /// Stores and returns it (inertia, gravity, springs).
     Stores,
     /// The torque is perpendicular to the motion.
     DoesNoWork,
-    /// Takes energy out, never puts any in, for parameters within their ranges.
+    /// Dissipates energy for parameters within their ranges.
     Dissipates,
-    /// May put energy in or changes what the input delivers (offset, gain, ripple).
+    /// May supply energy, or changes the power of the input (offset, gain, ripple).
     Supplies,
 }
 
 impl Energy {
-    /// Whether such an effect acts on the body where a [`Coupling`] separates it from the wheels.
+    /// Whether such an effect acts on the body if a [`Coupling`] separates it from the wheels.
     #[must_use]
     pub fn of_the_body(self) -> bool {
         matches!(self, Self::Stores | Self::DoesNoWork)
@@ -51,31 +51,31 @@ impl Energy {
 pub enum ParameterKind {
     /// The torque is proportional to it, so least squares applies.
     Linear,
-    /// It shapes the torque (a width, a time constant, a threshold).
+    /// It enters nonlinearly (a width, a time constant, a threshold).
     Shape,
 }
 
-/// What is fixed about a parameter of an effect.
+/// Specification of a parameter of an effect.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct ParameterSpec {
     /// Symbol, unique over the catalogue.
     pub symbol: String,
-    /// What it means, in a few words.
+    /// Its meaning in a few words.
     pub meaning: String,
-    /// SI unit for torques in N m; `N m` in it is replaced when the input is in V or A.
+    /// SI unit for torques in N m; `N m` is replaced if the input is in V or A.
     pub unit: String,
-    /// Smallest and largest value that make sense physically.
+    /// Smallest and largest physically reasonable value.
     pub range: (f64, f64),
-    /// A value of ordinary size on a robot like the AmigoBot: where a search starts.
+    /// Typical value for a robot like the AmigoBot, used as initial value.
     pub typical: f64,
     /// Linear or shape.
     pub kind: ParameterKind,
-    /// Whether it is a whole number, which a descent does not change.
+    /// Whether it is an integer, which is not changed by descent.
     pub whole: bool,
 }
 
 impl ParameterSpec {
-    /// A parameter that the torque is proportional to.
+    /// A parameter in which the torque is linear.
     #[must_use]
     pub fn linear(
         symbol: &str,
@@ -95,35 +95,35 @@ impl ParameterSpec {
         }
     }
 
-    /// A parameter that shapes the torque.
+    /// A shape parameter of the torque.
     #[must_use]
     pub fn shape(symbol: &str, meaning: &str, unit: &str, range: (f64, f64), typical: f64) -> Self {
         Self { kind: ParameterKind::Shape, ..Self::linear(symbol, meaning, unit, range, typical) }
     }
 
-    /// A shape that is a whole number: an order, an exponent.
+    /// An integer shape parameter: an order, an exponent.
     #[must_use]
     pub fn whole(symbol: &str, meaning: &str, range: (f64, f64), typical: f64) -> Self {
         Self { whole: true, ..Self::shape(symbol, meaning, "", range, typical) }
     }
 }
 
-/// What the catalogue prints of an effect.
+/// Catalogue entry of an effect.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Description {
     /// The id used in experiment files.
     pub id: String,
     /// Its name in words.
     pub title: String,
-    /// What it adds to the equation of motion, in plain text.
+    /// Its contribution to the equation of motion, as plain text.
     pub equation: String,
     /// The physical cause.
     pub cause: String,
-    /// How it shows in measured data.
+    /// How it appears in measured data.
     pub signature: String,
-    /// Which driving makes it visible.
+    /// Motion that excites it.
     pub excitation: String,
-    /// Ids of effects that no wheel recording can tell from this one.
+    /// Ids of effects that no wheel recording can distinguish from this one.
     pub equivalent: Vec<String>,
 }
 
@@ -171,7 +171,7 @@ pub fn belonging_to(input: DriveUnit) -> Vec<String> {
     all().iter().filter(|effect| effect.belongs_to(input)).map(|effect| effect.id()).collect()
 }
 
-/// Id of the effect beyond the base model that most robots have: what to try where nothing is known.
+/// Id of the most common effect beyond the base model, suggested if nothing is known.
 #[must_use]
 pub fn most_common() -> Option<String> {
     all().iter().find(|effect| effect.is_common()).map(|effect| effect.id())

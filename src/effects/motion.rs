@@ -1,4 +1,4 @@
-//! What an effect sees of the robot's motion, and what it answers.
+//! The motion at which effects are evaluated, and the terms that they return.
 
 use crate::math::Real;
 use crate::robot::{Robot, kinematics};
@@ -18,8 +18,8 @@ pub fn along<T: Real>(direction: usize, omega: &[T; 2]) -> T {
     }
 }
 
-/// Resisting torques on the wheels with those of dry friction of a level and a sign along each of the [`DIRECTIONS`]:
-/// `torque + Σ_j d_j level_j s_j` [N m].
+/// Resisting torques on the wheels plus dry friction with levels and signs along the [`DIRECTIONS`]: `torque
+/// + Σ_j d_j level_j s_j` [N m].
 #[inline]
 #[must_use]
 pub fn with_friction([first, second]: [f64; 2], level: &[f64; 4], sign: &[f64; 4]) -> [f64; 2] {
@@ -36,16 +36,16 @@ pub struct Motion<'a, T> {
     pub alpha: [T; 2],
     /// Wheel speeds [rad/s].
     pub omega: [T; 2],
-    /// Variance of (alpha1, alpha2, omega1, omega2) where the motion is an estimate: a filter
-    /// asks for the mean of a kinked or fast function over it. Zero in simulation.
+    /// Variance of (alpha1, alpha2, omega1, omega2) if the motion is an estimate: a filter requires the mean
+    /// of a non-smooth or fast function over it. Zero in simulation.
     pub variance: [f64; 4],
-    /// The robot's construction data.
+    /// Construction data of the robot.
     pub robot: &'a Robot,
 }
 
 impl<'a, T> Motion<'a, T> {
-    /// A motion that is known: at time `t` \[s\], with the angles `alpha` \[rad\] and the speeds `omega` [rad/s] of the
-    /// wheels.
+    /// An exactly known motion: at time `t` \[s\], with the angles `alpha` \[rad\] and the speeds `omega`
+    /// [rad/s] of the wheels.
     #[inline]
     #[must_use]
     pub fn at(t: T, alpha: [T; 2], omega: [T; 2], robot: &'a Robot) -> Self {
@@ -73,15 +73,14 @@ impl<T: Real> Motion<'_, T> {
     }
 }
 
-/// What effects add to the equation of motion
-/// `mass dω + torque + Σ_j d_j level_j sgn(d_j·ω) = M`.
+/// Contributions of effects to the equation of motion `mass dω + torque + Σ_j d_j level_j sgn(d_j·ω) = M`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Terms<T> {
     /// Symmetric mass matrix as (m11, m12, m22) [kg m^2].
     pub mass: [T; 3],
     /// Resisting torque on each wheel [N m].
     pub torque: [T; 2],
-    /// Dry-friction level along each of the [`DIRECTIONS`], not negative [N m].
+    /// Dry-friction level along each of the [`DIRECTIONS`], non-negative [N m].
     pub level: [T; 4],
 }
 
@@ -106,8 +105,8 @@ impl<T: Real> Terms<T> {
         }
     }
 
-    /// The torque these terms need at acceleration `a` [rad/s^2] when dry friction acts with
-    /// signs `s`: `mass a + torque + Σ_j d_j level_j s_j` [N m].
+    /// The torque required for acceleration `a` [rad/s^2] if dry friction acts with signs `s`: `mass a +
+    /// torque + Σ_j d_j level_j s_j` [N m].
     #[must_use]
     pub fn total_torque(&self, a: &[f64; 2], s: &[f64; 4]) -> [T; 2] {
         let [m11, m12, m22] = self.mass;
@@ -115,7 +114,7 @@ impl<T: Real> Terms<T> {
             [m11 * a[0] + m12 * a[1] + self.torque[0], m12 * a[0] + m22 * a[1] + self.torque[1]];
         for (j, d) in DIRECTIONS.iter().enumerate() {
             for i in 0..2 {
-                // most directions have no friction, and the derivatives of nothing cost as much
+                // most directions have no friction; this saves their derivatives
                 let share = d[i] * s[j];
                 if share != 0.0 {
                     out[i] += self.level[j] * share;

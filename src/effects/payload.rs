@@ -3,17 +3,16 @@
 use super::{Description, Energy, Motion, ParameterSpec, Physics, Scale, Terms};
 use crate::math::Real;
 
-/// A load: extra mass, extra yaw inertia about the middle of the axle, and a centre of mass of its own.
+/// A load: extra mass, extra yaw inertia about the middle of the axle, and its centre of mass.
 ///
 /// ```text
 /// mass matrix  + r^2/4 mp (1 1; 1 1) + r^2/(4 l1^2) ip (1 -1; -1 1)
 /// a3           + r^3/(4 l1^2) sp,   sp = mp times its distance behind the axle
 /// ```
-/// Derived here from the kinetic energy mp v_A^2/2 + ip β_dot^2/2 and from a3 = r^3 m4 l2/(4 l1^2). It is
-/// another a1, a2 and a3 and can be distinguished from them only where these are held at their construction
-/// values.
+/// Derived here from the kinetic energy mp v_A^2/2 + ip β_dot^2/2 and from a3 = r^3 m4 l2/(4 l1^2). It changes
+/// a1, a2 and a3, and is identifiable only if these are fixed at their construction values.
 ///
-/// Deviation: what it adds to the Coulomb levels is left to a4 and a5.
+/// Deviation: its effect on the Coulomb friction is part of a4 and a5.
 #[derive(Clone, Debug, Default)]
 pub struct Payload;
 

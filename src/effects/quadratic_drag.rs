@@ -1,4 +1,4 @@
-//! Resistance in proportion to the square of the speed.
+//! Resistance proportional to the square of the speed.
 
 use super::{Description, Energy, Motion, ParameterSpec, Physics, Terms};
 use crate::math::Real;

@@ -1,42 +1,42 @@
-//! The size of the signals of recordings: the unit in which shapes of effects are tried.
+//! Scales of the signals of recordings, in whose units shape parameters are tried.
 
 use crate::math::quantile_of_sorted;
 
-/// Share of the rows whose speed lies below [`Scale::speed`].
+/// Share of the rows with speeds below [`Scale::speed`].
 pub const FAST: f64 = 0.98;
 
-/// The size of the signals that an effect is looked for in.
+/// Scales of the signals of recordings.
 ///
-/// Every effect gives the shapes worth trying as multiples of these ([`super::Physics::shapes`]), so that
-/// a robot of 100 g and one of 100 kg are treated alike.
+/// Every effect gives its shape parameters as multiples of these ([`super::Physics::shapes`]), so that a
+/// robot of 100 g and one of 100 kg are treated alike.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scale {
-    /// Wheel speed that 98 % of the rows stay below [rad/s].
+    /// Wheel speed that 98 % of the rows do not exceed [rad/s].
     pub speed: f64,
     /// Longest median time step \[s\].
     pub step: f64,
-    /// Shift of the input against the motion that logging explains at most \[s\].
+    /// Largest shift between input and motion that logging explains \[s\].
     pub logging: f64,
     /// Longest recording \[s\].
     pub duration: f64,
-    /// Largest angle that a wheel goes through \[rad\].
+    /// Largest range of a wheel angle \[rad\].
     pub angle: f64,
-    /// Share of the moving rows in which a wheel runs against its main direction.
+    /// Share of the moving rows in which a wheel turns against its main direction.
     pub backward: f64,
     /// Absolute input torques of both wheels, ascending [N m].
     pub torque: Vec<f64>,
     /// Smaller eigenvalue of the mass matrix [kg m^2].
     pub inertia: f64,
-    /// Cut-off of the motion that the sensors resolve \[Hz\].
+    /// Cut-off up to which the sensors resolve the motion \[Hz\].
     pub bandwidth: f64,
-    /// Whether an inertia (a1, a2) or a3 is held at a value, such as that of the construction.
+    /// Whether an inertia (a1, a2) or a3 is fixed, for example at its construction value.
     pub inertia_held: bool,
-    /// Whether two wheels were measured, with inputs in N m: what a second body needs.
+    /// Whether two wheels were measured with inputs in N m, as a second body requires.
     pub two_bodies: bool,
 }
 
 impl Scale {
-    /// The torque that a share of the rows stays below [N m].
+    /// Quantile of the absolute input torque [N m].
     #[must_use]
     pub fn torque_quantile(&self, share: f64) -> f64 {
         quantile_of_sorted(&self.torque, share)
@@ -50,7 +50,7 @@ impl Scale {
     }
 }
 
-/// `count` values from `first` to `last` at equal ratios.
+/// `count` values from `first` to `last` in geometric progression.
 #[must_use]
 pub fn geometric(first: f64, last: f64, count: usize) -> Vec<f64> {
     let ratio = last / first;

@@ -5,28 +5,29 @@ use std::f64::consts::FRAC_PI_2;
 use super::{Description, Energy, Motion, ParameterSpec, Physics, Scale, Terms};
 use crate::math::Real;
 
-/// Wheel speed below which the friction falls to zero instead of changing its direction at once [rad/s]: a few
-/// millimetres a second at the rim of common wheels.
+/// Wheel speed below which the friction decreases to zero instead of changing its direction abruptly [rad/s]:
+/// a few millimetres per second at the rim of common wheels.
 const SLOW: f64 = 0.05;
-/// Distances from the axle over half the track that a search tries, and their limits: below and above it is close to
-/// `caster_drag` and `turning_scrub`.
+/// Distances from the axle relative to half the track at which a search starts, and their limits: outside it
+/// resembles `caster_drag` and `turning_scrub`.
 const RATIOS: [f64; 5] = [0.35, 0.6, 1.0, 1.6, 2.6];
 const LIMITS: (f64, f64) = (0.2, 4.0);
 
-/// Coulomb friction of a ball or skid that slides over the floor at a distance d from the axle, against its own velocity.
+/// Coulomb friction of a ball or skid that slides over the floor at a distance d from the axle, opposite to
+/// its own velocity.
 ///
 /// ```text
 /// f_k (x + d_k² y)/s  on wheel 1,   f_k (x - d_k² y)/s  on wheel 2
 /// x = w1 + w2,   y = w1 - w2,   s = sqrt(x² + d_k² y²),   d_k = d/l1
 /// ```
-/// Derived here: the contact moves at (v_A, d β_dot) = r/2 (x, d_k y), so that a force F against it takes the power
-/// F r/2 s, and f_k = F r/2. Driving straight it is `caster_drag`, turning on the spot `turning_scrub`; in a curve the force
-/// has one direction, and both of these would be too much.
+/// Derived here: the contact moves at (v_A, d β_dot) = r/2 (x, d_k y), so a force F opposite to it dissipates the power
+/// F r/2 s, and f_k = F r/2. Driving straight it equals `caster_drag`, turning on the spot `turning_scrub`; in a curve
+/// there is a single force with one direction, which is smaller than the sum of both.
 ///
-/// Where the speeds are estimates with variance P, s² is larger by π/2 (1 + d_k²) P, which gives the slope of the mean at
-/// rest for either direction alone.
+/// For estimated speeds with variance P, s² is increased by π/2 (1 + d_k²) P, which gives the slope of the
+/// mean at rest for either direction alone.
 ///
-/// Deviation: it holds nothing at rest, where the wheels' own friction does.
+/// Deviation: no stiction; at rest only the friction of the wheels acts.
 #[derive(Clone, Debug, Default)]
 pub struct SlidingCaster;
 

@@ -3,7 +3,7 @@
 use super::{Cycle, Description, Energy, Motion, ParameterSpec, Physics, Scale, Terms, Wave};
 use crate::math::Real;
 
-/// Weight on an inclined floor: a torque that turns with the heading.
+/// Weight on an inclined floor: a torque that varies with the heading.
 ///
 /// ```text
 /// G (cos(β - β_u) (1, 1) + k_g sin(β - β_u) (1, -1)),   g_c = G cos β_u,  g_s = G sin β_u
@@ -12,18 +12,18 @@ use crate::math::Real;
 /// ```
 /// Derived here: the height of the centre of mass along the uphill direction u is
 /// u·(A - l (cos β, sin β)) with l = l2 m4/m behind the axle (the wheels' mass sits on it). Its
-/// rate times m g sin(inclination) is the power the wheels need; with v_A = r/2 (w1 + w2) and
+/// rate times m g sin(inclination) is the required power; with v_A = r/2 (w1 + w2) and
 /// β_dot = r/(2 l1) (w1 - w2) the factors of w1 and w2 are the torques above.
 ///
-/// k_g is how far the centre of mass lies behind the axle, in half tracks. It is a parameter, since
-/// the mass and its centre are what users of a robot know least, and a3 gives it only together
-/// with the mass. The heading comes from the wheel angles; where these start is absorbed by β_u.
+/// k_g is the distance of the centre of mass behind the axle in half tracks. It is a parameter because the
+/// mass and its centre are the least known data of a robot, and a3 determines it only together with the mass.
+/// The heading is computed from the wheel angles; its initial value is absorbed by β_u.
 #[derive(Clone, Debug, Default)]
 pub struct Slope;
 
-/// Values of k_g that are tried: a centre of mass half-way between the axle and a point a half track
-/// ahead of it or behind, and on it. What lies between differs from the nearest by a quarter of the
-/// driving torque at most, and a fit goes on from there.
+/// Values of k_g that are tried: a centre of mass on the axle, and half a half track ahead of and behind it.
+/// For values in between the torque differs from the nearest by at most a quarter, and a fit converges from
+/// there.
 const LEVERS: [f64; 3] = [-0.5, 0.0, 0.5];
 
 impl Physics for Slope {

@@ -1,4 +1,4 @@
-//! Static friction above kinetic friction.
+//! Stribeck effect: static friction above kinetic friction.
 
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
@@ -6,10 +6,11 @@ use super::{Description, Energy, Motion, ParameterSpec, Physics, Scale, Terms, g
 use crate::math::Real;
 use crate::robot::Robot;
 
-/// Exponents of the fall.
+/// Exponents of the Stribeck curve.
 const EXPONENTS: [f64; 2] = [1.0, 2.0];
-/// Standard deviation of the speed over the Stribeck speed beyond which the fall is a peak within it: the mean
-/// is then right to 3/WIDE^4, and the exact form below it loses exp(WIDE^2/2) units in the last place.
+/// Ratio of the standard deviation of the speed to the Stribeck speed above which the curve is a narrow peak
+/// within the distribution: the approximation of the mean is then accurate to 3/WIDE^4, whereas the exact
+/// form below loses exp(WIDE^2/2) units in the last place.
 const WIDE: f64 = 6.0;
 
 /// The mean of exp(-(w/ws)^2) over N(w, variance).
@@ -41,16 +42,16 @@ fn mean_of_exponential<T: Real>(w: T, variance: f64, ws: T) -> T {
     rise * (right + (w / ws).exp() * below(-w - share))
 }
 
-/// Dry friction that is higher at rest and falls with speed (Stribeck curve).
+/// Dry friction that is higher at rest and decreases with speed (Stribeck curve).
 ///
 /// ```text
 /// level of wheel i:  + (fs ± fsd) exp(-(|w_i|/ws)^fse),   + on wheel 1, - on wheel 2
 /// ```
 /// Source: Bo and Pavelescu (1982), as in Armstrong-Hélouvry, Dupont, Canudas de Wit, Automatica 30
-/// (1994), eq. (4), with the exponents in use: fse = 1 (Tustin 1947) and fse = 2 (a bell). The static
-/// level of wheel 1 is a4 + fs + fsd, the kinetic one a4.
+/// (1994), eq. (4), with the exponents in use: fse = 1 (Tustin 1947) and fse = 2 (Gaussian). The static
+/// level of wheel 1 is a4 + fs + fsd, the kinetic level a4.
 ///
-/// Where the speed is an estimate with variance P = s^2 the level is the mean over N(w, P), with
+/// For an estimated speed with variance P = s^2 the level is the mean over N(w, P), with
 /// q = ws^2 and Φ the normal distribution:
 ///
 /// ```text
@@ -80,7 +81,7 @@ impl Physics for Stribeck {
             ParameterSpec::shape("ws", "Stribeck speed", "rad/s", width, 0.6),
             ParameterSpec::linear(
                 "fsd",
-                "half of what wheel 1 has more of fs",
+                "half the difference of fs between wheels 1 and 2",
                 "N m",
                 (-1e3, 1e3),
                 0.0,
@@ -89,21 +90,21 @@ impl Physics for Stribeck {
         ]
     }
 
-    /// From where friction is far from resolved to where it falls over the whole range of speeds.
+    /// From a Stribeck speed far below the resolution to one that covers the whole range of speeds.
     fn shapes(&self, scale: &Scale) -> Vec<Vec<f64>> {
         let speeds = geometric(0.03, 0.7, 6).into_iter().map(|share| share * scale.speed);
         speeds.flat_map(|speed| EXPONENTS.map(|exponent| vec![speed, exponent])).collect()
     }
 
-    /// A fall that is slower than the speeds that were driven has no end: it is friction that depends on
-    /// the speed otherwise.
+    /// The Stribeck speed is limited to the range of speeds: a slower decrease is another dependence of the
+    /// friction on speed.
     fn limits(&self, scale: &Scale) -> Vec<(f64, f64)> {
         let mut limits: Vec<(f64, f64)> = self.parameters().iter().map(|s| s.range).collect();
         limits[1].1 = scale.speed;
         limits
     }
 
-    /// Static friction is above the kinetic one on either wheel.
+    /// Static friction is above kinetic friction on both wheels.
     fn is_itself(&self, p: &[f64], _errors: &[f64], _robot: &Robot) -> bool {
         p[2].abs() <= p[0]
     }

@@ -1,4 +1,4 @@
-//! The catalogue in words, as `experiment effects` prints it.
+//! Text of the catalogue for `experiment effects`.
 
 use std::fmt::Write;
 
@@ -23,7 +23,7 @@ pub fn overview() -> String {
     })
 }
 
-/// All about one registered effect; `None` if there is none of that id.
+/// The description of one registered effect; `None` if the id is unknown.
 ///
 /// # Examples
 /// ```
@@ -36,7 +36,7 @@ pub fn details(id: &str) -> Option<String> {
     find(id).map(|effect| details_of(effect.as_ref()))
 }
 
-/// All about an effect, registered or custom.
+/// The description of an effect, registered or custom.
 #[must_use]
 pub fn details_of(effect: &dyn Effect) -> String {
     let d = effect.description();
@@ -60,10 +60,10 @@ pub fn details_of(effect: &dyn Effect) -> String {
 
 const fn energy(role: Energy) -> &'static str {
     match role {
-        Energy::Stores => "stored and given back",
+        Energy::Stores => "stored and returned",
         Energy::DoesNoWork => "no work is done",
-        Energy::Dissipates => "taken out",
-        Energy::Supplies => "may be put in",
+        Energy::Dissipates => "dissipated",
+        Energy::Supplies => "may be supplied",
     }
 }
 
@@ -125,7 +125,7 @@ equation    k_e w1 on wheel 1, k_e w2 on wheel 2
 cause       the torque was recorded as if proportional to the motor voltage
 in data     as viscous friction: residual torque in proportion to wheel speed
 excitation  different steady speeds; only a measured motor current distinguishes it from viscous friction
-energy      taken out
+energy      dissipated
 same as     viscous_friction (in recordings of the wheels)
 
 parameters

@@ -1,16 +1,16 @@
-//! A wrong gain of one torque.
+//! Gain error of one torque.
 
 use super::{Description, Energy, ParameterSpec, Physics};
 use crate::math::Real;
 
-/// The torque recorded for wheel 1 is wrong by a factor.
+/// The recorded torque of wheel 1 has a gain error.
 ///
 /// ```text
 /// M1 = (1 + g) M1_recorded,   M2 = M2_recorded
 /// ```
-/// Source: definition. A factor common to both wheels cannot be seen: it scales a1..a5 together.
-/// So the gain of wheel 1 stands relative to that of wheel 2, and a wrong factor on wheel 2 shows
-/// here with the opposite sign and scaled a1..a5.
+/// Source: definition. A factor common to both wheels is not identifiable: it scales a1..a5 together.
+/// The gain of wheel 1 is therefore relative to that of wheel 2; a gain error of wheel 2 gives
+/// the opposite sign and scaled a1..a5.
 #[derive(Clone, Debug, Default)]
 pub struct TorqueGain;
 

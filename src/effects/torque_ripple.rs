@@ -1,21 +1,21 @@
-//! Cogging: a torque that repeats several times a turn.
+//! Cogging: a torque that is periodic in the wheel angle.
 
 use super::wave::wheel_waves;
 use super::{Description, Energy, Motion, ParameterSpec, Physics, Scale, Terms, Wave};
 use crate::math::Real;
 
-/// A torque that repeats n times per turn of the wheel, with its own phase on each wheel.
+/// A torque with n periods per turn of the wheel, with separate phases on the two wheels.
 ///
 /// ```text
 /// rs1 sin(n alpha1) + rc1 cos(n alpha1)   on wheel 1
 /// rs2 sin(n alpha2) + rc2 cos(n alpha2)   on wheel 2
 /// ```
-/// Amplitude sqrt(rs^2 + rc^2), phase atan2(rc, rs). The order n is a whole number from 2 up: it
-/// is rounded, stands behind the four amplitudes and has no derivative. Order 1 is
+/// Amplitude sqrt(rs^2 + rc^2), phase atan2(rc, rs). The order n is an integer of at least 2: it
+/// is rounded, follows the four amplitudes and has no derivative. Order 1 is
 /// `wheel_eccentricity`.
 ///
-/// Source: Fourier series of cogging and commutation ripple. Where an angle is an estimate with
-/// variance P the mean over N(alpha, P) is taken: the factor exp(-n^2 P/2).
+/// Source: Fourier series of cogging and commutation ripple. For an estimated angle with
+/// variance P the mean over N(alpha, P) is used: the factor exp(-n^2 P/2).
 #[derive(Clone, Debug, Default)]
 pub struct TorqueRipple;
 
@@ -45,8 +45,9 @@ impl Physics for TorqueRipple {
         ]
     }
 
-    /// Orders of which a whole wave was driven, and of which rows at a quarter of the top speed see both halves:
-    /// a wave moves a slow wheel most, and in between the simulation follows the angle.
+    /// Orders of which at least one full period was driven, and whose half periods are resolved by the rows
+    /// at a quarter of the top speed: a wheel at low speed is affected most, and the simulation interpolates
+    /// the angle.
     fn shapes(&self, scale: &Scale) -> Vec<Vec<f64>> {
         let resolved = |n: f64| n * 0.25 * scale.speed * scale.step < std::f64::consts::PI;
         let driven = |n: f64| n * scale.angle >= std::f64::consts::TAU;

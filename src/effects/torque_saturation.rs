@@ -1,9 +1,9 @@
-//! The torque of the motor is limited.
+//! Saturation of the motor torque.
 
 use super::{Description, Energy, ParameterSpec, Physics, Scale};
 use crate::math::Real;
 
-/// The real torque is clipped where the recorded one is not.
+/// The real torque is limited, the recorded one is not.
 ///
 /// ```text
 /// M = min(max(M_recorded, -limit), limit)   on each wheel
@@ -29,7 +29,7 @@ impl Physics for TorqueSaturation {
         vec![ParameterSpec::shape("limit", "largest torque", "N m", (1e-6, 1e6), 0.3)]
     }
 
-    /// Limits that clip from half of the rows to the largest torques alone, and one that clips none yet.
+    /// Limits from the median of the torques to the largest torques, and one that is not reached.
     fn shapes(&self, scale: &Scale) -> Vec<Vec<f64>> {
         let quantiles = [0.5, 0.65, 0.8, 0.9, 0.95, 0.98, 0.994];
         quantiles.into_iter().map(|share| vec![scale.torque_quantile(share)]).collect()

@@ -9,7 +9,7 @@ use crate::math::Real;
 /// f_t sgn(β_dot)    on wheel 1
 /// -f_t sgn(β_dot)   on wheel 2      (set-valued while the robot does not turn)
 /// ```
-/// Derived here: a scrub torque T opposing β_dot = r/(2 l1) (w1 - w2) takes the power T |β_dot|,
+/// Derived here: a scrub torque T opposing β_dot = r/(2 l1) (w1 - w2) dissipates the power T |β_dot|,
 /// so f_t = T r/(2 l1).
 #[derive(Clone, Debug, Default)]
 pub struct TurningScrub;

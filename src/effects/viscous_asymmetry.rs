@@ -16,7 +16,8 @@ use crate::math::Real;
 #[derive(Clone, Debug, Default)]
 pub struct ViscousAsymmetry;
 
-/// Least share of the moving rows in the rarer direction: fewer do not tell one constant from the other.
+/// Smallest share of the moving rows in the less frequent direction: with fewer rows the two constants are
+/// not distinguishable.
 const BOTH_WAYS: f64 = 0.05;
 
 impl Physics for ViscousAsymmetry {
@@ -50,7 +51,7 @@ impl Physics for ViscousAsymmetry {
         scale.backward > BOTH_WAYS
     }
 
-    /// Backward it drives the wheel; only together with a viscous constant above |ba| it dissipates.
+    /// Backward it drives the wheel; it is dissipative only together with a viscous constant above |ba|.
     fn energy(&self) -> Energy {
         Energy::Supplies
     }

@@ -1,4 +1,4 @@
-//! Friction in proportion to speed.
+//! Viscous friction: friction proportional to the speed.
 
 use super::{Description, Energy, Motion, ParameterSpec, Physics, Terms};
 use crate::math::Real;
@@ -29,7 +29,7 @@ impl Physics for ViscousFriction {
         vec![ParameterSpec::linear("b", "viscous constant", "N m s/rad", (0.0, 1e3), 0.003)]
     }
 
-    /// Every bearing and gear has some.
+    /// All bearings and gears have viscous friction.
     fn is_common(&self) -> bool {
         true
     }

@@ -1,4 +1,4 @@
-//! Friction in proportion to speed on wheel 1 alone.
+//! Viscous friction on wheel 1 only.
 
 use super::{Description, Energy, Motion, ParameterSpec, Physics, Terms};
 use crate::math::Real;

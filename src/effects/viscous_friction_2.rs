@@ -1,4 +1,4 @@
-//! Friction in proportion to speed on wheel 2 alone.
+//! Viscous friction on wheel 2 only.
 
 use super::{Description, Energy, Motion, ParameterSpec, Physics, Terms};
 use crate::math::Real;

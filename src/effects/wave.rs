@@ -1,6 +1,6 @@
-//! Torques that repeat with an angle: what they do where the angle starts elsewhere.
+//! Torques that are periodic in an angle, and their transformation for another initial angle.
 
-/// The angle that a periodic torque repeats with.
+/// The angle in which a torque is periodic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cycle {
     /// The heading of the robot.
@@ -9,23 +9,23 @@ pub enum Cycle {
     Wheel(usize),
 }
 
-/// A sine and a cosine of an angle among the torques of an effect: where the angle starts and where the wave does
-/// are one.
+/// A sine and a cosine component of the torque of an effect. A shift of the initial angle is equivalent to a
+/// rotation of the two amplitudes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wave {
     /// The angle.
     pub of: Cycle,
-    /// Waves a turn of it.
+    /// Number of periods per turn.
     pub order: f64,
-    /// Place of the amplitude of the sine among the parameters of the effect.
+    /// Index of the sine amplitude among the parameters of the effect.
     pub sine: usize,
-    /// Place of that of the cosine.
+    /// Index of the cosine amplitude.
     pub cosine: usize,
 }
 
 impl Wave {
-    /// The parameters `p` of the effect with which the wave is where it was although its angle starts `later` \[rad\]
-    /// in the recording.
+    /// Transforms the parameters `p` of the effect so that the torque is unchanged if the angle starts
+    /// `later` \[rad\] in the recording.
     ///
     /// ```text
     /// s sin(n (φ + δ)) + c cos(n (φ + δ)) = s' sin(n φ) + c' cos(n φ)

@@ -1,4 +1,4 @@
-//! A torque that repeats once per turn of the wheel.
+//! A torque with one period per turn of the wheel.
 
 use super::torque_ripple::periodic;
 use super::wave::wheel_waves;
@@ -44,7 +44,7 @@ impl Physics for WheelEccentricity {
         ]
     }
 
-    /// A wave of which less than a period was driven cannot be distinguished from an offset.
+    /// With less than one period driven, the torque cannot be distinguished from an offset.
     fn admissible(&self, scale: &Scale) -> bool {
         scale.angle >= std::f64::consts::TAU
     }

@@ -5,8 +5,8 @@ use super::{Description, Energy, Motion, ParameterSpec, Physics, Terms};
 use crate::math::Real;
 use crate::robot::Robot;
 
-/// Share by which a3 over I of construction may be off: half, since a3 grows with the distance of the centre of
-/// mass, which is seldom measured (taste).
+/// Largest error of a3 over I from the construction data: half, because a3 is proportional to the distance of
+/// the centre of mass, which is seldom measured (judgement).
 const MOST_OFF: f64 = 0.5;
 
 /// Wheels of radius r1 = r (1 + eps) and r2 = r (1 - eps), to first order in eps.
@@ -55,16 +55,16 @@ impl Physics for WheelRadiusMismatch {
 
     fn parameters(&self) -> Vec<ParameterSpec> {
         let range = (-0.3, 0.3);
-        let deviation = "what eps is off by in the centrifugal torque";
+        let deviation = "deviation from eps in the centrifugal torque";
         vec![
             ParameterSpec::linear("eps", "relative difference of radius, halved", "", range, 0.02),
             ParameterSpec::linear("epd", deviation, "", (-1.0, 1.0), 0.0),
         ]
     }
 
-    /// Both torques speak of one difference of radius, as far as the recordings say: where the centrifugal torque
-    /// is small, its part is off by anything. Where I is all of a1, which a wheel has a share of, the masses may say less
-    /// than the centrifugal torque does.
+    /// Both torques must be consistent with one difference of radius, within their uncertainty: if the
+    /// centrifugal torque is small, its part is not determined. If I is all of a1, which includes the inertia
+    /// of the wheel, the inertial part may be smaller than the centrifugal part.
     fn is_itself(&self, p: &[f64], errors: &[f64], robot: &Robot) -> bool {
         let less = robot.estimated.is_some() && p[0] * p[1] >= 0.0;
         less || p[1].abs() - SURELY * errors[1] <= MOST_OFF * p[0].abs()

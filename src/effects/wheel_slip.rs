@@ -1,22 +1,22 @@
-//! Wheels that slip lengthwise under traction.
+//! Longitudinal slip of the wheels under traction.
 
 use super::{
     Change, Coupling, Description, Energy, Motion, ParameterSpec, Physics, Scale, geometric,
 };
 use crate::math::Real;
 
-/// Longitudinal slip in proportion to traction.
+/// Longitudinal slip proportional to traction.
 ///
 /// ```text
 /// jw dw_i + friction = M_i - cs (w_i - u_i)
 /// body (a1 - jw, a2, a3) at u = cs (w - u)
 /// ```
-/// u_i is the speed that wheel i would have without slip, cs the slip stiffness at the wheel
-/// (force per slip speed times r^2), jw the inertia of wheel and gear: what the body keeps of a1 is a small
-/// difference, which construction data do not give well enough.
+/// u_i is the speed that wheel i would have without slip, cs the slip stiffness at the wheel (force per slip
+/// speed times r^2), jw the inertia of wheel and gear. jw is estimated because the remainder a1 - jw is a
+/// small difference, for which construction data are not accurate enough.
 ///
 /// Source: linear creep law of a rolling tyre (small slip at one speed); two-inertia form derived
-/// here. The simulation keeps jw below the robot's smallest inertia where the two disagree.
+/// here. The simulation limits jw to less than the smallest inertia of the robot.
 #[derive(Clone, Debug, Default)]
 pub struct WheelSlip;
 
@@ -46,7 +46,7 @@ impl Physics for WheelSlip {
         Change::TwoMass
     }
 
-    /// Slip that dies away within a tenth of what the sensors resolve up to several times that.
+    /// Slip with time constants from a tenth of the resolution of the sensors to several times that.
     fn shapes(&self, scale: &Scale) -> Vec<Vec<f64>> {
         let mut out = Vec::new();
         for share in [0.2, 0.5, 0.8] {
@@ -57,8 +57,9 @@ impl Physics for WheelSlip {
         out
     }
 
-    /// Slip that has died away within half a row cannot be distinguished from none. A wheel with its gear may have nearly
-    /// all of the inertia, and more than a fit without slip saw: the robot behind the slip moves less.
+    /// Slip with a time constant below half a row cannot be distinguished from none. A wheel with its gear
+    /// may have nearly all of the inertia, and more than a fit without slip estimates, because the robot
+    /// behind the slip moves less.
     fn limits(&self, scale: &Scale) -> Vec<(f64, f64)> {
         let reduced = 0.25 * scale.inertia;
         let stiffness = (1e-2 * reduced / scale.duration, 2.0 * reduced / scale.step);

@@ -1,4 +1,4 @@
-//! Yaw resistance in proportion to the turn rate.
+//! Yaw resistance proportional to the turn rate.
 
 use super::{Description, Energy, Motion, ParameterSpec, Physics, Terms};
 use crate::math::Real;

@@ -1,5 +1,5 @@
-//! What is settled from the training recordings before any method sees them: where shapes start, and when the
-//! recorded input acts.
+//! Preparation of the training recordings before identification: initial values of shape parameters, and the
+//! time of the recorded input.
 
 use super::plan::{MeasuredRecording, Plan};
 use crate::conditioning::{Action, Channel, Finding, Kind, Settings};
@@ -15,16 +15,16 @@ use crate::recording::{DriveUnit, Recording, SlowNoise};
 use crate::simulate::Hold;
 use crate::study::Role;
 
-/// Sets where fits of the model's shapes start; recordings that are read block by block leave them at their
-/// typical values.
+/// Sets the initial values of the model's shape parameters; for recordings that are read block by block they
+/// keep their typical values.
 pub(super) fn place(plan: &mut Plan) {
     if plan.recordings.iter().all(|m| m.long.is_none()) {
         plan.model = shapes_placed(&plan.model, &plan.of(Role::Train), plan.hold);
     }
 }
 
-/// Has effects whose equations hold inertias of the robot take those that the training recordings show without them,
-/// where no construction is known in the unit of the input.
+/// For effects whose equations contain inertias of the robot, sets these to values estimated from the
+/// training recordings without the effects, if the construction is not known in the unit of the input.
 pub(super) fn weigh(plan: &mut Plan, is_built: bool) {
     let torques =
         plan.recordings.iter().all(|m| m.recording.drive_unit() == DriveUnit::NewtonMetre);
@@ -37,19 +37,19 @@ pub(super) fn weigh(plan: &mut Plan, is_built: bool) {
     }
 }
 
-/// What the file leaves to the data.
+/// Settings that the file may leave to be determined from the data.
 #[derive(Clone, Copy)]
 pub(super) struct Asked {
-    /// The input between the rows, where the file says it.
+    /// The input between the rows, if specified in the file.
     pub(super) hold: Option<Hold>,
-    /// What is corrected.
+    /// Enabled corrections.
     pub(super) settings: Settings,
 }
 
-/// Takes out of the recordings what the logger did to them as far as the motion shows it: a low-pass of the speeds,
-/// when the input acts, and how much of its jumps from row to row is noise; every stage sees recordings that agree. The
-/// time that all recordings have in common, and the low-pass, which looks like one, are left to a model that has a time
-/// shift of its own.
+/// Corrects the effects of the logger on the recordings as far as the motion reveals them: a low-pass of the
+/// speeds, the time of the input, and the share of noise in its differences from row to row. The dead time
+/// that is common to all recordings, and the low-pass, which resembles one, are left to a model that has a
+/// time shift itself.
 pub(super) fn align(plan: &mut Plan, asked: &Asked) {
     if plan.recordings.iter().any(|m| m.long.is_some()) {
         return;
@@ -70,7 +70,7 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
         plan.recordings.iter_mut().for_each(|m| m.conditioning.extend([0, 1].map(held)));
         plan.hold = Hold::Constant;
         start = fitted;
-        // what a line between the rows took for noise
+        // the share of noise that was assumed for linear interpolation
         share = share_of_noise(plan, &start);
     }
     if asked.settings.rows {
@@ -91,7 +91,7 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
     }
 }
 
-/// Counts what the recorded inputs do while the robot stands still as noise of their sensors, and says so.
+/// Treats fluctuations of the recorded inputs at rest as noise of their sensors, and reports this.
 fn count_noise_at_rest(plan: &mut Plan) {
     let recordings: Vec<&Recording> = plan.recordings.iter().map(|m| &m.recording).collect();
     let noise = rest_noise(&recordings);
@@ -107,8 +107,9 @@ fn count_noise_at_rest(plan: &mut Plan) {
     }
 }
 
-/// Has the angles of all recordings start where those of one of them do, as far as torques that repeat with the angles
-/// show, and says so. Where neither the model nor a diagnosis has such torques it would change nothing.
+/// Matches the initial angles of all recordings to those of one of them, as far as torques periodic in the
+/// angles determine them, and reports this. Without such torques in the model or in a diagnosis this would
+/// have no effect.
 fn start_alike(plan: &mut Plan) {
     if plan.diagnosis.is_none() && !plan.model.effects().iter().any(|e| e.has_waves()) {
         return;
@@ -130,33 +131,34 @@ fn start_alike(plan: &mut Plan) {
             m.recording = m.recording.with_later_angles(start.of_wheels(plan.model.robot()));
         }
     }
-    // shapes of such torques were placed on angles that contradict each other
+    // the initial values of these torques were determined with inconsistent angles
     place(plan);
 }
 
-/// Parameters by the balance of the torques over the training recordings.
+/// Parameters from the torque balance over the training recordings.
 fn balanced(plan: &Plan) -> Option<Vec<f64>> {
     let train = plan.of(Role::Train);
     let task = Task { model: &plan.model, train: &train, hold: plan.hold, seed: plan.seed };
     start::start(&task, "timing").ok()
 }
 
-/// Share of the input's jumps that is noise of the training recordings, as the model at `start` allows it.
+/// Share of noise in the differences of the input over the training recordings, for the model at `start`.
 fn share_of_noise(plan: &Plan, start: &[f64]) -> f64 {
     let train = plan.of(Role::Train);
     let recordings: Vec<&Recording> = train.iter().collect();
     noise_of_jumps(&plan.model, start, &recordings, plan.hold)
 }
 
-/// The training recordings with that share: what a low-pass or a line makes of noise is compared.
+/// The training recordings with this share, so that the effects of a low-pass and of interpolation on noise
+/// can be compared.
 fn train_with_noise(plan: &Plan, share: f64) -> Vec<Recording> {
     let mut train = plan.of(Role::Train);
     train.iter_mut().for_each(|r| r.set_noise_of_jumps(share));
     train
 }
 
-/// Replaces speeds behind a low-pass of their sensor by those before it, where `correct`, and says so; the parameters
-/// of the recordings as they are then, `None` where they stay.
+/// Replaces speeds after a low-pass of their sensor by those before it, if `correct`, and reports this.
+/// Returns the parameters for the changed recordings, or `None` if they are unchanged.
 fn unfiltered(plan: &mut Plan, start: &[f64], share: f64, correct: bool) -> Option<Vec<f64>> {
     let train = train_with_noise(plan, share);
     let recordings: Vec<&Recording> = train.iter().collect();
@@ -173,8 +175,8 @@ fn unfiltered(plan: &mut Plan, start: &[f64], share: f64, correct: bool) -> Opti
     correct.then(|| balanced(plan).unwrap_or_else(|| start.to_vec()))
 }
 
-/// Moves the inputs of recordings that stand at different phases of the controller's rows to the mean of them, and says
-/// so.
+/// Shifts the inputs of recordings with different phases between controller and log to their mean, and
+/// reports this.
 fn in_phase(plan: &mut Plan, start: &[f64], share: f64) {
     let train = |m: &MeasuredRecording| m.role == Role::Train;
     let places: (Vec<usize>, Vec<usize>) =
@@ -196,7 +198,7 @@ fn in_phase(plan: &mut Plan, start: &[f64], share: f64) {
     }
 }
 
-/// The parameters under an input that is held between the rows, where the motion shows one.
+/// The parameters for an input that is held between the rows, if the motion indicates this.
 fn fitted_to_held(plan: &Plan, start: &[f64], share: f64) -> Option<Vec<f64>> {
     let train = train_with_noise(plan, share);
     let recordings: Vec<&Recording> = train.iter().collect();

@@ -1,4 +1,4 @@
-//! A plan from a model, recordings and what is asked of them.
+//! A plan from a model, recordings and options.
 
 use std::path::PathBuf;
 
@@ -15,13 +15,13 @@ use crate::simulate::Gain;
 use crate::study::Role;
 
 impl Plan {
-    /// The experiment that fits `model` to the training recordings and judges it on those for validation. `name` is that
-    /// of the result folder. As for an experiment file, the time of the input and what the motion shows of the logger are
-    /// settled before any method sees the recordings.
+    /// The experiment that fits `model` to the training recordings and evaluates it on the validation
+    /// recordings. `name` is the name of the result folder. As for an experiment file, the time of the input
+    /// and the effects of the logger are determined before identification.
     ///
     /// # Errors
-    /// No training recording, none with an input, no method, recordings with different units of the input, candidates that
-    /// are no effect.
+    /// No training recording, none with an input, no method, recordings with different units of the input, unknown
+    /// candidates.
     ///
     /// # Examples
     /// ```
@@ -50,7 +50,7 @@ impl Plan {
     }
 }
 
-/// Effects beside the catalogue: those of the model, and those that the diagnosis tries.
+/// User-defined effects: those of the model, and those of the diagnosis.
 fn own_effects(model: &Model, options: &PlanOptions) -> Vec<Own> {
     let tried = options.diagnosis.iter().flat_map(|asked| &asked.settings.own);
     let all = model.effects().iter().chain(tried);
@@ -91,17 +91,17 @@ fn check(
         .map_or(Ok(()), |asked| candidates_are_known(&asked.settings.candidates, own))
 }
 
-/// Whether every candidate is an effect of the catalogue or of `own`.
+/// Checks that every candidate is an effect of the catalogue or of `own`.
 ///
 /// # Errors
-/// One that is not, with the one that was meant.
+/// An unknown candidate, with the most similar id.
 pub(super) fn candidates_are_known(ids: &[String], own: &[Own]) -> Result<(), Meaning> {
     let base = Model::base(Robot::amigobot());
-    // the model's own message names the effect that was meant
+    // the error of the model names the most similar effect
     ids.iter().try_for_each(|id| add(&base, id, own).map(drop).map_err(Meaning::from))
 }
 
-/// The plan without an experiment file, and without effects beside the catalogue.
+/// The plan without an experiment file and without user-defined effects.
 pub(super) fn assembled(
     name: &str,
     model: Model,
@@ -143,7 +143,7 @@ pub(super) fn assembled(
     plan
 }
 
-/// Ids of the effects of the catalogue that need the track of the robot.
+/// Ids of the effects of the catalogue that require the track of the robot.
 fn of_heading() -> Vec<String> {
     effects::all().iter().filter(|e| e.depends_on_heading()).map(|e| e.id()).collect()
 }

@@ -1,4 +1,4 @@
-//! `experiment check`: what a file would do, without doing it.
+//! `experiment check`: the settings of a file and the quality of its recordings, without fitting.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -11,10 +11,10 @@ use crate::recording::{Finding, Issue, StatedIssue};
 use crate::report::dead_time;
 use crate::robot::Robot;
 
-/// Validates a file and its recordings and says what would be done.
+/// Validates a file and its recordings and describes the experiment.
 ///
 /// # Errors
-/// Whatever is wrong with file or recordings.
+/// Errors in the file or its recordings.
 pub fn check(file: &Path, set: &[String]) -> Result<String, ExperimentError> {
     let plan = load(file, set)?;
     let mut out = String::new();
@@ -78,7 +78,7 @@ fn diagnosis(DiagnosisPlan { settings, .. }: &DiagnosisPlan) -> String {
     format!("{named}, false-alarm rate {} %", 100.0 * settings.false_alarm)
 }
 
-/// What conditioning found, in groups of recordings, and the dead time.
+/// Findings of conditioning, grouped by recordings, and the dead time.
 fn conditioning(plan: &Plan, out: &mut String) {
     for (names, found) in plan.grouped(|m| stated(&m.conditioning), Stated::join) {
         let _ = writeln!(out, "  signal      {names}: {found}");
@@ -88,7 +88,7 @@ fn conditioning(plan: &Plan, out: &mut String) {
     }
 }
 
-/// What the quality check notes; between the windows of a long recording nothing is missing.
+/// Findings of the quality check; the gaps between the windows of a long recording are not reported.
 fn notes(measured: &MeasuredRecording, robot: &Robot) -> Vec<StatedIssue> {
     let between = |f: &Finding| measured.long.is_some() && matches!(f.issue, Issue::Gaps(..));
     let notes = super::quality::notes(&measured.recording, robot).into_iter();

@@ -1,4 +1,4 @@
-//! What a grid varies, and how its combinations are counted.
+//! The axes of a grid and the numbering of its combinations.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -11,12 +11,12 @@ use super::source::Source;
 /// The combinations of a grid.
 #[derive(Clone)]
 pub struct GridPlan {
-    /// What varies, the last one fastest.
+    /// The axes; the last one varies fastest.
     pub axes: Vec<GridAxis>,
     /// The experiment file without its grid.
     pub(super) table: Table,
     pub(super) path: PathBuf,
-    /// The recordings, where all combinations have the same.
+    /// The recordings, if all combinations have the same.
     pub(super) source: Option<Arc<Source>>,
 }
 
@@ -27,7 +27,7 @@ impl GridPlan {
         self.axes.iter().map(|axis| axis.values.len()).product()
     }
 
-    /// The place of a cell on every axis; the last one varies fastest.
+    /// The index of a cell on every axis; the last one varies fastest.
     #[must_use]
     pub fn places(&self, cell: usize) -> Vec<usize> {
         let mut rest = cell;
@@ -45,7 +45,7 @@ impl GridPlan {
         places
     }
 
-    /// What varies, in words: `noise_scale (5) × seed (100)`.
+    /// Description of the axes: `noise_scale (5) × seed (100)`.
     #[must_use]
     pub fn words(&self) -> String {
         let axes = self.axes.iter().map(|a| format!("{} ({})", a.name, a.values.len()));

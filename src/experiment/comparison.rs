@@ -1,4 +1,4 @@
-//! The fits of a plan's methods set against its recordings.
+//! Comparison of the fits of a plan with its recordings.
 
 use std::sync::Arc;
 
@@ -15,19 +15,19 @@ use crate::robot::{State, kinematics};
 use crate::simulate::{Dynamics, PhysicalDynamics, SimulateError, Structure, emulate};
 use crate::study::{Judged, MethodStudy, Performance, RecordingStudy};
 
-/// Methods in the order in which their fit is preferred for the detailed comparison.
+/// Methods in order of preference for the detailed comparison.
 const PREFERRED: [&str; 4] = ["prediction_error", "weak_form", "output_error", "torque_regression"];
 
 /// The fits of a plan's methods with their errors on its recordings.
 #[derive(Clone)]
 pub struct Comparison {
-    /// One a recording of the plan; the noise floor is that of the model that the errors belong to.
+    /// One entry per recording of the plan; the noise floor is that of the model to which the errors belong.
     pub recordings: Vec<RecordingStudy>,
-    /// One a method of the plan.
+    /// One entry per method of the plan.
     pub methods: Vec<MethodStudy>,
     /// The method whose fit is shown in detail.
     pub reference: usize,
-    /// What it fitted.
+    /// The fitted dynamics.
     pub(super) dynamics: Arc<dyn Dynamics>,
 }
 
@@ -44,11 +44,10 @@ impl Comparison {
         Judged::of(&self.recordings)
     }
 
-    /// The same with the noise floor of another model: noise of the input moves a model that lacks something by
-    /// another amount.
+    /// The same with the noise floor of another model: the effect of input noise depends on the model.
     ///
     /// # Errors
-    /// A model that cannot move.
+    /// The mass matrix is not positive definite.
     pub(super) fn under(self, plan: &Plan, model: &PhysicalDynamics) -> Result<Self, RunError> {
         let under = |m: &MeasuredRecording| noise_floor(model, &m.recording, plan.hold, plan.seed);
         let floors: Vec<Floor> = plan.recordings.par_iter().map(under).collect::<Result<_, _>>()?;
@@ -58,7 +57,7 @@ impl Comparison {
     }
 }
 
-/// Sets the fits of a plan's methods, one a method, against its recordings: errors and noise floor.
+/// Compares the fits, one per method of the plan, with its recordings: errors and noise floor.
 ///
 /// # Errors
 /// If no method has a fit, or nothing can be simulated.
@@ -77,7 +76,7 @@ pub fn compare(plan: &Plan, fits: &[MethodFit]) -> Result<Comparison, RunError> 
         .par_iter()
         .zip(fits)
         .map(|(method, MethodFit { fit, seconds })| {
-            // a fit that cannot be simulated is a row with its reason, like one that does not exist
+            // a fit that cannot be simulated is reported like a failed one, with the reason
             method_study(plan, method, fit, *seconds)
                 .or_else(|e| method_study(plan, method, &Err(e.into()), *seconds))
         })
@@ -85,7 +84,7 @@ pub fn compare(plan: &Plan, fits: &[MethodFit]) -> Result<Comparison, RunError> 
     Ok(Comparison { recordings, methods, reference, dynamics })
 }
 
-/// The fit that is shown in detail: the preferred physical one, else the first there is.
+/// The fit that is shown in detail: the preferred physical one, otherwise the first.
 fn reference(fits: &[MethodFit]) -> Option<(usize, &Fit)> {
     let made = || fits.iter().enumerate().filter_map(|(n, f)| Some((n, f.fit.as_ref().ok()?)));
     let physical = |fit: &Fit| fit.dynamics.physical().is_some();
@@ -123,7 +122,7 @@ fn describe(
     })
 }
 
-/// The path of the robot, where its lengths are known.
+/// The path of the robot, if its geometry is known.
 fn path(plan: &Plan, r: &Recording) -> Vec<[f64; 3]> {
     let robot = plan.model.robot();
     if super::robot_table::has_no_track(robot) {

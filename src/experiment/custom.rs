@@ -1,4 +1,4 @@
-//! Effects written as formulas in the experiment file.
+//! Effects defined by formulas in the experiment file.
 
 use std::sync::Arc;
 
@@ -6,18 +6,18 @@ use super::file::CustomEntry;
 use crate::effects::{Custom, CustomDefinition, Effect, ParameterSpec};
 use crate::model::{Model, ModelError};
 
-/// An effect of the file.
+/// An effect defined in the file.
 pub(super) type Own = Arc<dyn Effect>;
 
 /// The effects of all `[[model.custom]]` blocks.
 ///
 /// # Errors
-/// In words, what is wrong with a formula or its parameters.
+/// Errors in a formula or its parameters, as text.
 pub(super) fn effects(entries: &[CustomEntry]) -> Result<Vec<Own>, String> {
     entries.iter().map(effect).collect()
 }
 
-/// The model with one more effect, of the file's `own` or of the catalogue.
+/// The model with one more effect, from `own` or from the catalogue.
 ///
 /// # Errors
 /// An effect that is in neither, or in the model already.

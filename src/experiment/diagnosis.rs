@@ -13,15 +13,15 @@ use crate::simulate::PhysicalDynamics;
 use crate::study::{DiagnosisStudy, MethodStudy, Role};
 use crate::verdict::{Basis, Settled};
 
-/// A comparison with its diagnosis, where the plan asks for one.
+/// A comparison with its diagnosis, if requested.
 pub struct Diagnosed {
-    /// The comparison; with a diagnosis, the noise floor is that of the model with what was found.
+    /// The comparison; with a diagnosis, the noise floor is that of the model with the effects found.
     pub comparison: Comparison,
     pub(super) settled: Option<Settled>,
 }
 
 impl Diagnosed {
-    /// The verdict, that of the [study](super::study()); `None` where no diagnosis was asked for.
+    /// The verdict, that of the [study](super::study()); `None` without a diagnosis.
     ///
     /// # Errors
     /// A model that cannot be simulated.
@@ -39,7 +39,7 @@ impl From<Comparison> for Diagnosed {
     }
 }
 
-/// Searches what is missing in the model of a plan, where the plan asks for it.
+/// Searches for missing effects in the model of a plan, if requested.
 ///
 /// # Errors
 /// If the model cannot be fitted or simulated.
@@ -60,7 +60,7 @@ pub(super) fn diagnose_with_progress(
     let settings = Settings { progress, ..asked.settings.clone() };
     let diagnosis = match search(plan, &settings, &comparison) {
         Ok(diagnosis) => diagnosis,
-        // the fits stand without it
+        // the fits are valid without it
         Err(e) => {
             let mut comparison = comparison;
             let reference = &mut comparison.methods[comparison.reference];
@@ -78,7 +78,7 @@ pub(super) fn diagnose_with_progress(
     Ok(Diagnosed { comparison, settled: Some(settled) })
 }
 
-/// The verdict of a diagnosis beside the `curves` of the residual torque; `None` where none was asked for.
+/// The verdict of a diagnosis with the `curves` of the residual torque; `None` without a diagnosis.
 ///
 /// # Errors
 /// A model that cannot be simulated.
@@ -95,7 +95,7 @@ pub(super) fn verdict(
     Ok(Some(verdict))
 }
 
-/// Does something with what the verdict on a plan rests on.
+/// Calls a function with the basis of the verdict for a plan.
 fn with_basis<T>(
     plan: &Plan,
     asked: &DiagnosisPlan,
@@ -140,19 +140,19 @@ fn search(
     crate::diagnose::diagnose(&model, &starts, &data, &settings)
 }
 
-/// The model with what the data do not identify held where the preferred fit holds it: a fit that is free to
-/// move what no recording shows simulates others worse than the model as it was given. Of a single axis only
-/// sums are known, and nothing of one wheel is held.
+/// The model with unidentifiable parameters fixed at the values of the preferred fit: if parameters are free
+/// that the recordings do not determine, simulations of other recordings are worse than with the model as
+/// given. For a single axis only sums of parameters are identifiable, and no parameter of one wheel is fixed.
 fn with_held(plan: &Plan, train: &[Recording], comparison: &Comparison) -> Model {
     let mut model = plan.model.clone();
-    // where a descent went astray and stalled tells nothing of the data
+    // a descent that stalled far from a minimum contains no information on identifiability
     if train.iter().all(Recording::is_single_axis)
         || comparison.reference_method().is_undetermined()
     {
         return model;
     }
     let estimates = &comparison.reference_method().estimates;
-    // a fit of which nothing is known holds nothing
+    // a fit without any identifiable parameter fixes nothing
     let some = estimates.iter().any(|e| e.identifiable);
     let is_open = |j: usize| estimates.get(j).is_some_and(|e| !e.identifiable);
     // of a1 and a2 the sum or the difference is known, which a1 alone can take
@@ -164,8 +164,8 @@ fn with_held(plan: &Plan, train: &[Recording], comparison: &Comparison) -> Model
     model
 }
 
-/// Where the fits start: at the weak form, on recordings without their dead time first where that is longer
-/// than logging explains (it turns the inertias of quick steps round), and at the construction data.
+/// Initial values of the fits: from the weak form, after removing a dead time that exceeds what logging
+/// explains (it can invert the sign of inertias in fast steps), and from the construction data.
 fn starts(plan: &Plan, task: &Task) -> Vec<Vec<f64>> {
     let mut out = Vec::new();
     let late = plan.timing.map_or(0.0, |t| t.dead_time_s - t.correction_s);
@@ -178,7 +178,8 @@ fn starts(plan: &Plan, task: &Task) -> Vec<Vec<f64>> {
     out
 }
 
-/// The physical estimates of a comparison: a fit of windows may end without dry friction from all starts.
+/// The physical estimates of a comparison as further initial values: a fit of windows may end without dry
+/// friction from all other starts.
 fn estimates(model: &Model, comparison: &Comparison) -> Vec<Vec<f64>> {
     let of = |m: &MethodStudy| m.estimates.iter().map(|e| e.value).collect::<Vec<f64>>();
     let is_whole = |p: &Vec<f64>| {

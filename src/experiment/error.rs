@@ -1,4 +1,4 @@
-//! Why an experiment did not run.
+//! Errors of experiments.
 
 use super::file::FileError;
 use crate::catalogue;
@@ -9,16 +9,16 @@ use crate::report::ReportError;
 use crate::robot::RobotError;
 use crate::simulate::{GainError, SimulateError};
 
-/// Why an experiment has no study.
+/// Why an experiment has no results.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum RunError {
-    /// Every method failed, and why.
+    /// Every method failed; with the reasons.
     #[error("no method has a fit: {}", joined(.0))]
     NoFit(Vec<IdentifyError>),
-    /// The model cannot move.
+    /// The mass matrix is not positive definite, or the motion diverges.
     #[error(transparent)]
     Simulate(#[from] SimulateError),
-    /// The model is not one.
+    /// The model is not valid.
     #[error(transparent)]
     Model(#[from] ModelError),
 }
@@ -36,12 +36,12 @@ pub enum ExperimentError {
     /// A file on disk.
     #[error(transparent)]
     Io(#[from] IoError),
-    /// A value of the experiment file, found when it was used.
+    /// A wrong value in the experiment file, found when it was used.
     #[error("{file}: {message}")]
     Meaning {
-        /// Experiment file, or what stands for it.
+        /// Experiment file, or its substitute.
         file: String,
-        /// Place, found, expected, remedy.
+        /// Place, value, expected value and remedy.
         message: String,
     },
     /// Running failed.
@@ -53,14 +53,14 @@ pub enum ExperimentError {
 }
 
 impl ExperimentError {
-    /// Whether usage, file or data are wrong (exit code 2) and not the run (exit code 1).
+    /// Whether usage, file or data are wrong (exit code 2), as opposed to the run (exit code 1).
     #[must_use]
     pub fn is_wrong_input(&self) -> bool {
         matches!(self, Self::File(_) | Self::Io(_) | Self::Meaning { .. })
     }
 }
 
-/// What can be wrong with the meaning of a file; the file's name is added.
+/// Errors in the content of a file, without the name of the file.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum Meaning {
     #[error(transparent)]
@@ -80,8 +80,8 @@ pub(super) enum Meaning {
 }
 
 impl Meaning {
-    /// The same with the name of the experiment file, or of what stands for it; a file on disk is named
-    /// already.
+    /// The same with the name of the experiment file or its substitute; errors of files on disk already
+    /// contain their name.
     pub(super) fn of(self, file: &str) -> ExperimentError {
         match self {
             Self::Io(e) => e.into(),
@@ -90,12 +90,12 @@ impl Meaning {
     }
 }
 
-/// What is wrong with a file, in words.
+/// An error in a file as text.
 pub(super) fn words(message: String) -> Meaning {
     Meaning::Words(message)
 }
 
-/// What an unknown name may have meant, as the end of a sentence.
+/// The most similar known name, as the end of a sentence.
 pub(super) fn nearest(name: &str, known: &[&str]) -> String {
     catalogue::nearest(name, known.iter().copied())
         .map_or(String::new(), |near| format!("; did you mean `{near}`?"))

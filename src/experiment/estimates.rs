@@ -6,7 +6,7 @@ use crate::study::Study;
 /// The estimates of a study as a table.
 ///
 /// # Errors
-/// If the table cannot be made.
+/// If the table cannot be written.
 pub(super) fn parquet(study: &Study) -> Result<Vec<u8>, IoError> {
     let (mut method, mut parameter, mut unit, mut status) = (vec![], vec![], vec![], vec![]);
     let (mut value, mut std_error, mut low, mut high) = (vec![], vec![], vec![], vec![]);

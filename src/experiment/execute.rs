@@ -19,21 +19,21 @@ use crate::io::{ResultFolder, check_writable, exists, read_text, write_csv};
 use crate::report::{results, sentence};
 use crate::study::{Invocation, Judged, Study, Version};
 
-/// What became of an experiment.
+/// Result of an experiment.
 #[derive(Debug)]
 pub struct Outcome {
     /// Name of its folder.
     pub name: String,
     /// Heading.
     pub title: String,
-    /// The result or why there is none.
+    /// The result, or the reason of the failure.
     pub result: Result<Done, ExperimentError>,
 }
 
-/// Loads and checks every file before anything runs.
+/// Loads and checks all files before any of them is run.
 ///
 /// # Errors
-/// All that is wrong, one entry a file.
+/// All errors, one entry per file.
 pub fn load_all(
     files: &[PathBuf],
     options: &RunOptions,
@@ -86,11 +86,11 @@ fn is_toml(file: &Path) -> bool {
 /// Loads one file with its recordings.
 ///
 /// # Errors
-/// Whatever is wrong with file or recordings.
+/// Errors in the file or its recordings.
 pub fn load(file: &Path, set: &[String]) -> Result<Plan, ExperimentError> {
     if !is_toml(file) && exists(file) {
         let message = format!(
-            "is no experiment file (.toml). If it is a recording, `experiment {0}` runs it and `experiment new \
+            "is not an experiment file (.toml). If it is a recording, `experiment {0}` runs it and `experiment new \
              {0}` writes an experiment file",
             file.display()
         );
@@ -118,7 +118,7 @@ fn load_recordings(recordings: &[PathBuf], set: &[String]) -> Result<Plan, Exper
         return Err(ExperimentError::Meaning {
             file: typed(&recordings[0]),
             message: format!(
-                "the columns do not say all that is needed.\n{}Answer it in a file: {}",
+                "the columns do not determine everything that is needed.\n{}Answer it in a file: {}",
                 draft.words,
                 run.new_file().unwrap_or_default()
             ),
@@ -148,13 +148,13 @@ fn load_text(file: &Path, text: String, set: &[String]) -> Result<Plan, Experime
     Ok(plan)
 }
 
-/// Runs a plan and writes its folder.
+/// Runs a plan and writes its result folder.
 pub fn execute(plan: Plan, options: &RunOptions) -> Outcome {
     let (name, title) = (plan.name.clone(), plan.title.clone());
     Outcome { name, title, result: finish(&plan, options) }
 }
 
-/// Joins the parts of a grid, which [`execute`] left with a shard, and writes its folder.
+/// Merges the parts of a grid that were run by [`execute`] with a shard, and writes its result folder.
 pub fn merge(plan: Plan, options: &RunOptions) -> Outcome {
     let result = match &plan.grid {
         Some(grid) => grid::merge(&plan, grid, options),
@@ -167,7 +167,7 @@ pub fn merge(plan: Plan, options: &RunOptions) -> Outcome {
 }
 
 fn finish(plan: &Plan, options: &RunOptions) -> Result<Done, ExperimentError> {
-    // said before the fit and not after it
+    // an unwritable folder is reported before the fit
     check_writable(&options.out.join(&plan.name))?;
     if let Some(grid) = &plan.grid {
         return match options.shard {
@@ -181,7 +181,7 @@ fn finish(plan: &Plan, options: &RunOptions) -> Result<Done, ExperimentError> {
     write(plan, study, &options.out)
 }
 
-/// The folder of the results unless another one is named.
+/// The default folder of the results.
 const USUAL_OUT: &str = "reports";
 
 /// Writes the result folder of a study under `out`: report, figures, `results.json`, the identified
@@ -258,11 +258,11 @@ fn next_run_files(plan: &Plan, proposal: &crate::diagnose::Proposal) -> (String,
     (toml, csv)
 }
 
-/// Versions of the model that are kept at most, on whatever data.
+/// Largest number of versions of the model that are kept, for all data.
 const VERSIONS: usize = 100;
 
-/// Earlier versions of the model with this one at the end, one entry per data and set of effects: all that are
-/// kept, and those on the same data. Errors on other recordings, or on other noise, are not comparable.
+/// Earlier versions of the model followed by this one, one entry per data and set of effects: all that are
+/// kept, and those on the same data. Errors on other recordings, or with other noise, are not comparable.
 fn versions(earlier: Option<&str>, study: &Study) -> (Vec<Version>, Vec<Version>) {
     let mut versions: Vec<Version> =
         earlier.and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default();
@@ -283,7 +283,7 @@ fn versions(earlier: Option<&str>, study: &Study) -> (Vec<Version>, Vec<Version>
     (versions, comparable)
 }
 
-/// SHA-256 of what the model is fitted to and judged on: role, time and channels of every recording.
+/// SHA-256 of the data for fitting and validation: role, time and channels of every recording.
 fn checksum(study: &Study) -> String {
     let mut hash = Sha256::new();
     for r in &study.recordings {
@@ -295,7 +295,7 @@ fn checksum(study: &Study) -> String {
     hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// What was found, without the figures that stand beside it in the index.
+/// The effects found, without the figures that the index shows separately.
 fn finding(study: &Study) -> String {
     match (&study.diagnosis, study.reference_method()) {
         (Some(diagnosis), _) => sentence(diagnosis),
@@ -304,7 +304,7 @@ fn finding(study: &Study) -> String {
     }
 }
 
-/// The short verdict that the command prints.
+/// The short verdict printed by the command.
 fn verdict(study: &Study) -> String {
     let Some(method) = study.reference_method() else {
         return "no method has a fit".into();
@@ -314,7 +314,7 @@ fn verdict(study: &Study) -> String {
     let judged = study.judged_words();
     let staircase = study.diagnosis.as_ref().map_or(&[][..], |d| &d.staircase);
     match (&study.diagnosis, staircase.first().zip(staircase.last())) {
-        // error, floor and ratio of the sentence are those of the diagnosis' own fits
+        // error, floor and ratio are those of the fits of the diagnosis
         (Some(diagnosis), Some((first, last))) => {
             let [before, after] = [first, last].map(|s| format!("{:.4}", s.window_rms_validation));
             let errors = if staircase.len() > 1 { format!("{before} to {after}") } else { after };

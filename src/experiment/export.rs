@@ -18,7 +18,7 @@ use crate::io::{
 };
 use crate::recording::Recording;
 
-/// What `experiment export` writes.
+/// A format of `experiment export`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ExportFormat {
     /// Measured and simulated motion of each recording as CSV.
@@ -60,13 +60,13 @@ impl std::str::FromStr for ExportFormat {
     fn from_str(text: &str) -> Result<Self, String> {
         Self::ALL.into_iter().find(|f| f.name() == text).ok_or_else(|| {
             let known = Self::ALL.map(Self::name).join(", ");
-            format!("no format is called `{text}`; there are {known}")
+            format!("unknown format `{text}`; use one of {known}")
         })
     }
 }
 
-/// Writes the results of the last run of an experiment into the folder `export` of its result folder;
-/// says what was written.
+/// Writes the results of the last run of an experiment into the folder `export` of its result folder; returns
+/// a description.
 ///
 /// # Errors
 /// A file that was not run, or was changed since; a file that cannot be written.
@@ -112,10 +112,10 @@ struct Robot<'a> {
     operation: Operation,
 }
 
-/// Time between the commands of a robot's controller, that of WPILib \[s\].
+/// Sampling period of the robot's controller, that of WPILib \[s\].
 const PERIOD: f64 = 0.02;
 
-/// Shifts of the input below this are not worth a word \[s\].
+/// Shifts of the input below this are not mentioned \[s\].
 const SHIFT: f64 = 1e-3;
 
 impl<'a> Robot<'a> {
@@ -139,7 +139,7 @@ impl<'a> Robot<'a> {
         }
     }
 
-    /// Files of a format, and what it does not express.
+    /// Files of a format, and effects that it does not express.
     fn written(&self, plan: &Plan, format: ExportFormat) -> (Vec<(String, String)>, Vec<String>) {
         let it = Identified {
             model: &self.fitted.model,
@@ -179,7 +179,7 @@ impl<'a> Robot<'a> {
     }
 }
 
-/// Which model it is.
+/// Which of the models it is.
 fn words(models: &FittedModels) -> String {
     match &models.found {
         Some(found) => format!(
@@ -214,7 +214,7 @@ fn overlays(
     Ok(files)
 }
 
-/// The name of a recording without its ending, as part of a file's name.
+/// The name of a recording without its extension, as part of a file name.
 fn stem(recording: &str) -> String {
     let path = Path::new(recording);
     let stem = path.file_stem().map_or(recording.into(), |s| s.to_string_lossy());
@@ -237,7 +237,7 @@ fn table(overlay: &Overlay, format: ExportFormat, path: &Path) -> Result<Vec<u8>
     })
 }
 
-/// The models of the last run of a plan, from `model.json` and `results.json` of its folder.
+/// The models of the last run of a plan, from `model.json` and `results.json` in its folder.
 fn last_run(plan: &Plan, out: &Path) -> Result<FittedModels, ExperimentError> {
     let folder = ResultFolder::new(out, &plan.name);
     let shown = plan.source.display().to_string();
@@ -279,7 +279,7 @@ fn last_run(plan: &Plan, out: &Path) -> Result<FittedModels, ExperimentError> {
     Ok(FittedModels { given, found })
 }
 
-/// What was changed since the run that wrote these `results` into a folder, in words.
+/// Changes since the run that wrote these `results`, as text.
 fn changed_since(plan: &Plan, folder: &ResultFolder, results: &Value) -> Option<String> {
     if folder.earlier("experiment.toml").is_some_and(|text| text != plan.file) {
         let words = "was changed since its last run (or is read with another --set); run it again";
@@ -292,7 +292,7 @@ fn changed_since(plan: &Plan, folder: &ResultFolder, results: &Value) -> Option<
     Some(format!("{name} was changed since the last run; run it again"))
 }
 
-/// The entries of a list; none of what is no list.
+/// The entries of a list; empty for other values.
 fn listed(value: &Value) -> impl Iterator<Item = &Value> {
     value.as_array().into_iter().flatten()
 }

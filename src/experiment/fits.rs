@@ -9,22 +9,22 @@ use crate::identify::{Fit, IdentifyError, Note, Task};
 use crate::recording::{LongRecording, Recording};
 use crate::study::Role;
 
-/// What a method made of the training recordings.
+/// Result of a method on the training recordings.
 #[derive(Clone)]
 pub struct MethodFit {
-    /// The fit, or why there is none.
+    /// The fit, or the reason of the failure.
     pub fit: Result<Fit, IdentifyError>,
     /// Wall time \[s\].
     pub seconds: f64,
 }
 
-/// Fits every method of a plan to its training recordings; one entry a method, in their order.
+/// Fits every method of a plan to its training recordings; one entry per method, in order.
 #[must_use]
 pub fn fits(plan: &Plan) -> Vec<MethodFit> {
     fits_in_stages(plan, &Stages::hidden())
 }
 
-/// The same, with a stage for every method.
+/// The same, with progress shown for every method.
 pub(super) fn fits_in_stages(plan: &Plan, stages: &Stages) -> Vec<MethodFit> {
     let (train, count) = (plan.of(Role::Train), plan.methods.len());
     let fitted = |(n, method): (usize, &MethodPlan)| {

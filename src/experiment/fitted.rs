@@ -1,5 +1,5 @@
-//! The models that an experiment ended with: the one that was asked for, and the one with the effects
-//! that the diagnosis found.
+//! The final models of an experiment: the one of the file, and the one with the effects found by the
+//! diagnosis.
 
 use super::custom::add;
 use super::plan::Plan;
@@ -8,24 +8,24 @@ use crate::identify::Estimate;
 use crate::model::{Model, ModelError};
 use crate::study::{DiagnosisStudy, Study};
 
-/// A model with the values that were identified.
+/// A model with its identified values.
 #[derive(Clone, Debug)]
 pub struct FittedModel {
-    /// Effects with what is fixed of their parameters.
+    /// The model, including fixed parameters.
     pub model: Model,
-    /// One estimate a parameter, in the order of the model.
+    /// One estimate per parameter, in the order of the model.
     pub estimates: Vec<Estimate>,
-    /// The recorded input acts so much later than recorded, within what logging explains \[s\].
+    /// Shift of the input that logging explains: the input acts this much later than recorded \[s\].
     pub input_shift_s: f64,
-    /// The method that found the values.
+    /// The method that estimated the values.
     pub method: String,
 }
 
 impl FittedModel {
-    /// Of the model of a plan with `added` effects; `None` if a parameter has no estimate.
+    /// The model of a plan with `added` effects; `None` if a parameter has no estimate.
     ///
     /// # Errors
-    /// Effects that neither the catalogue nor the plan has.
+    /// Effects that are neither in the catalogue nor in the plan.
     pub(super) fn new(
         plan: &Plan,
         added: &[String],
@@ -43,27 +43,27 @@ impl FittedModel {
         Ok(found.map(|estimates| Self { model, estimates, input_shift_s: shift, method }))
     }
 
-    /// One value a parameter.
+    /// One value per parameter.
     #[must_use]
     pub fn values(&self) -> Vec<f64> {
         self.estimates.iter().map(|e| e.value).collect()
     }
 }
 
-/// The models of a finished experiment.
+/// The models of a completed experiment.
 #[derive(Clone, Debug)]
 pub struct FittedModels {
-    /// The model that was asked for, fitted by the reference method.
+    /// The model of the file, fitted by the reference method.
     pub given: FittedModel,
-    /// The model with the effects that the diagnosis found, if it found any.
+    /// The model with the effects found by the diagnosis, if any.
     pub found: Option<FittedModel>,
 }
 
 impl FittedModels {
-    /// The models of a study of `plan`; `None` where no method identified a physical model.
+    /// The models of a study of `plan`; `None` if no method identified a physical model.
     ///
     /// # Errors
-    /// Effects that neither the catalogue nor the plan has.
+    /// Effects that are neither in the catalogue nor in the plan.
     pub fn of(plan: &Plan, study: &Study) -> Result<Option<Self>, ModelError> {
         let Some(method) = study.reference_method() else { return Ok(None) };
         let given = FittedModel::new(plan, &[], &method.estimates, &method.name)?;
@@ -76,7 +76,7 @@ impl FittedModels {
         Ok(given.map(|given| Self { given, found: found.flatten() }))
     }
 
-    /// The model with all that is known.
+    /// The most complete model.
     #[must_use]
     pub fn last(&self) -> &FittedModel {
         self.found.as_ref().unwrap_or(&self.given)

@@ -1,4 +1,4 @@
-//! A fuzzy system as numbers to draw.
+//! A fuzzy system, sampled for figures.
 
 use super::plan::Plan;
 use crate::export::{FuzzyIdentified, fuzzy_files};
@@ -8,7 +8,8 @@ use crate::study::FuzzyStudy;
 /// Points of a grid of speeds.
 const POINTS: usize = 61;
 
-/// Memberships, rules and output surface of a system that `method` fitted, and the system as a function.
+/// Membership functions, rules and output surface of a system fitted by `method`, and the system as a
+/// function.
 pub(super) fn fuzzy_study(plan: &Plan, method: &str, dynamics: &FuzzyDynamics) -> FuzzyStudy {
     let system = &dynamics.system;
     let range = system.range();

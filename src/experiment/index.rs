@@ -1,4 +1,4 @@
-//! `index.html`: the experiments of a folder side by side.
+//! `index.html`: overview of the experiments of a folder.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -14,10 +14,10 @@ use crate::report::title;
 use crate::report::{PageContent, SectionContent, format, page};
 use crate::study::Grade;
 
-/// Experiments with a thumbnail at most: each adds some 20 kB to the page.
+/// Largest number of experiments with a thumbnail: each adds about 20 kB to the page.
 const PICTURED: usize = 30;
 
-/// What the index says of an experiment, as its `results.json` holds it.
+/// Entry of an experiment in the index, as in its `results.json`.
 #[derive(Deserialize)]
 struct Listed {
     title: String,
@@ -27,7 +27,7 @@ struct Listed {
     model_as_given: Option<Errors>,
     model_completed: Option<Errors>,
     diagnosis: Option<Found>,
-    /// Of a grid: the method or setting with the smallest error.
+    /// For a grid: the method or setting with the smallest error.
     best: Option<Best>,
 }
 
@@ -45,7 +45,7 @@ struct Found {
 #[derive(Deserialize)]
 struct Best {
     grade: Option<Grade>,
-    /// Of how many runs of what.
+    /// Number of runs, and of what.
     runs: String,
     #[serde(flatten)]
     errors: Errors,
@@ -88,9 +88,7 @@ fn table(rows: impl IntoIterator<Item = Vec<Cell>>) -> Table {
         Column::number("2 s simulation error", "rad/s"),
         Column::text("Found"),
     ];
-    let caption = "The experiments in this folder, each by its last run. Error over floor is that of the model with \
-                   what was found; of a grid that of the best method or setting. Overview: measured and simulated \
-                   speed; of a grid the error over floor of every run.";
+    let caption = "The last run of each experiment in this folder. Error over floor is that of the model with the effects found; for a grid that of the best method or setting. Overview: measured and simulated speed; for a grid the error over floor of every run.";
     let mut table = Table::new(caption, columns);
     rows.into_iter().for_each(|row| table.push(row));
     table

@@ -1,12 +1,13 @@
-//! What Ctrl-C leaves, said when it comes.
+//! Message on Ctrl-C.
 
 use std::path::Path;
 
 use super::plan::Plan;
 
-/// From now on Ctrl-C says what the runs of `plans` leave in the folder `out` and ends the program, with the exit code of
-/// a command that was interrupted. Nothing else is to be done: files have their names only when they are whole, and lines
-/// of a journal are written at once. Where the system has no signals, it ends without words.
+/// After this call, Ctrl-C prints which results of `plans` are kept in the folder `out` and ends the program
+/// with the exit code of an interrupted command. No other action is needed: files are renamed only when they
+/// are complete, and lines of a journal are written at once. On systems without signals the program ends
+/// without a message.
 pub fn say_on_interrupt(plans: &[Plan], out: &Path) {
     let words = words(plans, out);
     #[cfg(unix)]
@@ -14,7 +15,7 @@ pub fn say_on_interrupt(plans: &[Plan], out: &Path) {
         std::thread::spawn(move || {
             if signals.forever().next().is_some() {
                 use std::io::Write as _;
-                // the terminal may be gone
+                // the terminal may be closed
                 let _ = writeln!(std::io::stderr(), "{words}");
                 std::process::exit(INTERRUPTED);
             }
@@ -24,7 +25,7 @@ pub fn say_on_interrupt(plans: &[Plan], out: &Path) {
     drop(words);
 }
 
-/// Exit code of shells for a command that Ctrl-C ended: 128 and the number of the signal.
+/// Exit code of shells for a command ended by Ctrl-C: 128 plus the number of the signal.
 #[cfg(unix)]
 const INTERRUPTED: i32 = 128 + signal_hook::consts::SIGINT;
 

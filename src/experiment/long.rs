@@ -1,4 +1,4 @@
-//! Recordings of which only windows are held: what is said of them, and which methods read all.
+//! Recordings of which only windows are in memory: the remark on them, and methods that read all rows.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
@@ -9,7 +9,7 @@ use crate::recording::{
     Channels, Finding, Issue, LongRecording, Recording, Rows, RowsError, Severity,
 };
 
-/// What the check of the recordings says.
+/// The issue reported by the quality check.
 pub(super) fn finding(windows: &Recording, long: &LongRecording) -> Finding {
     let rows = windows.len() / long.windows.max(1);
     let issue = Issue::Windows {
@@ -21,7 +21,7 @@ pub(super) fn finding(windows: &Recording, long: &LongRecording) -> Finding {
     Finding { severity: Severity::Warning, issue }
 }
 
-/// The fit from every row, where the method can; else from the windows. Says which.
+/// The fit to every row, if the method supports this; otherwise to the windows. A note states which.
 pub(super) fn identify(
     method: &dyn Identifier,
     task: &Task,
@@ -46,7 +46,7 @@ pub(super) fn identify(
 /// The rows of a long recording, counted while they are read.
 struct Counted {
     long: Arc<LongRecording>,
-    /// Rows that were read of all recordings, and how many there are.
+    /// Number of rows read so far, and of all rows, over all recordings.
     read: Arc<AtomicUsize>,
     all: usize,
     progress: Progress,
@@ -66,7 +66,7 @@ impl Rows for Counted {
     }
 }
 
-/// The same recordings; `progress` is called with the rows that were read of all of them.
+/// The same recordings; `progress` is called with the number of rows read so far in all of them.
 pub(super) fn counted(
     long: &[Option<Arc<LongRecording>>],
     progress: &Progress,

@@ -1,4 +1,4 @@
-//! `experiment add`: how a user goes on.
+//! `experiment add`.
 
 use std::path::Path;
 
@@ -9,11 +9,11 @@ use super::index::write_index;
 use super::options::RunOptions;
 use crate::io::{check_writable, read_text, write_whole};
 
-/// Adds an effect to a file's model, keeping its comments and layout, runs it, and says the error
-/// before and after.
+/// Adds an effect to the model of a file, keeping comments and layout, runs it, and reports the error before
+/// and after.
 ///
 /// # Errors
-/// An unknown effect, one that is there already, or a run that fails; the file is then unchanged.
+/// An unknown effect, one that is already in the model, or a run that fails; the file is then unchanged.
 pub fn add_effect(effect: &str, file: &Path, out: &Path) -> Result<String, ExperimentError> {
     check_writable(out)?;
     let text = read_text(file)?;
@@ -26,10 +26,11 @@ pub fn add_effect(effect: &str, file: &Path, out: &Path) -> Result<String, Exper
     let model = document.entry("model").or_insert_with(toml_edit::table);
     let effects = model
         .as_table_like_mut()
-        .ok_or_else(|| wrong("model is no table".into()))?
+        .ok_or_else(|| wrong("model is not a table".into()))?
         .entry("effects")
         .or_insert(toml_edit::value(toml_edit::Array::new()));
-    let effects = effects.as_array_mut().ok_or_else(|| wrong("model.effects is no list".into()))?;
+    let effects =
+        effects.as_array_mut().ok_or_else(|| wrong("model.effects is not a list".into()))?;
     effects.push(effect);
     let options = RunOptions {
         out: out.to_path_buf(),
@@ -61,7 +62,7 @@ pub fn add_effect(effect: &str, file: &Path, out: &Path) -> Result<String, Exper
     ))
 }
 
-/// What adding an effect did to the error.
+/// The change of the error by the added effect.
 fn change(effect: &str, before: f64, after: f64) -> String {
     let percent = 100.0 * (after - before) / before;
     if percent < -LEAST {
@@ -75,7 +76,7 @@ fn change(effect: &str, before: f64, after: f64) -> String {
     }
 }
 
-/// Changes of the error below this say nothing [%].
+/// Smallest relevant change of the error [%].
 const LEAST: f64 = 0.5;
 
 #[cfg(test)]

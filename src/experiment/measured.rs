@@ -53,35 +53,34 @@ pub(super) fn read(
     Ok(measured)
 }
 
-/// What was found in each recording that is held whole.
+/// The findings of each recording that is kept completely in memory.
 fn findings_of(measured: &[MeasuredRecording]) -> impl Iterator<Item = &[Finding]> {
     measured.iter().filter(|m| m.long.is_none()).map(|m| m.conditioning.as_slice())
 }
 
-/// How recordings are read, conditioned and checked: what `[recordings]` and `[conditioning]` say.
+/// Settings for reading, conditioning and checking recordings: those of `[recordings]` and `[conditioning]`.
 #[derive(Clone, Debug)]
 pub struct Reading {
-    /// Where each quantity stands, and in which unit.
+    /// Column and unit of each quantity.
     pub columns: ColumnMap,
     /// Unit of the input.
     pub drive_unit: DriveUnit,
-    /// Rows up to which a recording is held in memory; of a longer file windows are held.
+    /// Largest number of rows of a recording in memory; of a longer file only windows are kept.
     pub hold_rows: usize,
-    /// What may be corrected.
+    /// Enabled corrections.
     pub conditioning: Settings,
     /// The robot, for wheel radius and quality check.
     pub robot: Robot,
-    /// What the recordings of the log together say of the speeds.
+    /// Delay of the speeds, determined from the recordings of the log together.
     pub speed_lag: Option<Lag>,
-    /// What they together say of speeds that were computed from the angles.
+    /// Whether speeds were computed from the angles, determined from the recordings together.
     pub speeds_of_angles: Option<f64>,
-    /// What they together say of the encoder behind speeds without angles.
+    /// The encoder behind speeds without angles, determined from the recordings together.
     pub encoders: Encoders,
 }
 
 impl Reading {
-    /// Recordings of a robot whose columns have the names and units of the contract; everything is
-    /// corrected that can be.
+    /// Settings for recordings with standard column names and units; all corrections are enabled.
     #[must_use]
     pub fn new(robot: Robot, drive_unit: DriveUnit) -> Self {
         let radius = (robot.name != UNKNOWN).then(|| robot.r());
@@ -100,10 +99,10 @@ impl Reading {
         }
     }
 
-    /// The same with columns of other names or units, written as `recordings.columns` of a file.
+    /// The same with columns of other names or units, in the form of `recordings.columns` of a file.
     ///
     /// # Errors
-    /// Keys that are no quantity of the contract, unknown units.
+    /// Keys that are not a quantity, unknown units.
     pub fn with_columns(mut self, table: &toml::Table) -> Result<Self, ExperimentError> {
         let entries = super::file::column_entries(table);
         let entries = entries.map_err(|e| words(e).of("columns"))?;
@@ -113,19 +112,20 @@ impl Reading {
         Ok(self)
     }
 
-    /// The recording of a file, conditioned and checked; windows of it where it is too long to be held.
+    /// The recording of a file, conditioned and checked; windows of it if it is too long for memory.
     ///
     /// # Errors
-    /// What is wrong with the file or its values, with the place.
+    /// Errors in the file or its values, with the place.
     pub fn file(&self, role: Role, file: &Path) -> Result<MeasuredRecording, ExperimentError> {
         self.one(role, file).map_err(|e| e.of(&file.display().to_string()))
     }
 
-    /// The recordings of files of one robot and logger, read as those of an experiment file: what one of them shows of its
-    /// encoders or of a lag of its speeds holds for all, and short ones have the sensors of long ones.
+    /// The recordings of files of one robot and logger, read like those of an experiment file: properties of
+    /// encoders or a delay of the speeds found in one recording apply to all, and short ones have the sensor
+    /// noise of long ones.
     ///
     /// # Errors
-    /// What is wrong with a file or its values, with the place.
+    /// Errors in a file or its values, with the place.
     pub fn files<P: AsRef<Path>>(
         &self,
         train: &[P],
@@ -150,7 +150,7 @@ impl Reading {
             of.into_iter().zip(read).for_each(|(k, one)| measured[k] = one);
             Ok::<_, Meaning>(())
         };
-        // what one recording of a log shows of its logger holds for all of them
+        // properties of the logger found in one recording of a log apply to all
         let shows = |findings: &[Finding]| common_encoders([findings].into_iter()).is_some();
         if let Some(encoders) = common_encoders(findings_of(&measured)) {
             reading.encoders = Encoders::Known(encoders);
@@ -176,7 +176,7 @@ impl Reading {
     /// The recording of a table in memory that has the columns [`Self::needed`], conditioned and checked.
     ///
     /// # Errors
-    /// Missing columns, and what is wrong with their values.
+    /// Missing columns, and errors in their values.
     pub fn table(
         &self,
         role: Role,
@@ -189,10 +189,10 @@ impl Reading {
         Ok(MeasuredRecording { role, recording, long: None, sha256: None, conditioning, findings })
     }
 
-    /// Which of the columns `names` of a table are read.
+    /// The required columns among the `names` of a table.
     ///
     /// # Errors
-    /// A quantity that is not there, with the names that are.
+    /// A missing quantity, with the existing names.
     pub fn needed(&self, name: &str, names: &[String]) -> Result<Vec<String>, ExperimentError> {
         Ok(needed_columns(name, names, &self.columns)?)
     }
@@ -237,16 +237,16 @@ impl Reading {
     }
 }
 
-/// What was left out of a recording that is read block by block.
+/// The rows omitted from a recording that is read block by block.
 fn long_rows(long: &LongRecording) -> Vec<Finding> {
     let (rows, first) = long.rows.left_out();
     let (kind, action) = (Kind::TimeRows { rows, first }, Action::Corrected("rows"));
     if rows == 0 { vec![] } else { vec![Finding { channel: Channel::Time, kind, action }] }
 }
 
-/// Does the same with every item in threads of its own, in their order; the first error in that
-/// order. Not in those of rayon: a thread of rayon that waits for polars, which has its own, begins
-/// the next item meanwhile, and the one after, until files and stack are used up.
+/// Processes every item in separate threads, in order; returns the first error in that order. Threads of
+/// rayon are not suitable: while a thread of rayon waits for polars, which has its own threads, it starts the
+/// next item, until files and stack are exhausted.
 fn in_threads<T: Sync, R: Send>(
     items: &[T],
     work: impl Fn(&T) -> Result<R, Meaning> + Sync,
@@ -269,7 +269,7 @@ fn in_threads<T: Sync, R: Send>(
         let joined = threads.into_iter().map(|thread| thread.join());
         joined.flat_map(|done| done.unwrap_or_else(|e| std::panic::resume_unwind(e))).collect()
     });
-    // items are taken in order, so that all before the first error are done
+    // items are taken in order, so all before the first error are complete
     done.sort_by_key(|(k, _)| *k);
     done.into_iter().map(|(_, result)| result).collect()
 }

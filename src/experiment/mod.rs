@@ -1,4 +1,4 @@
-//! Runs the stages of an experiment; the only module that sees all.
+//! Runs the stages of an experiment; the only module that depends on all others.
 
 mod align;
 mod assemble;

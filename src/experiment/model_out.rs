@@ -5,7 +5,7 @@ use super::plan::Plan;
 use crate::export::{Identified, ModelFiles, files};
 use crate::study::DiagnosisStudy;
 
-/// What is written of the reference fit: the best physical one, or a fuzzy system where no fit is physical.
+/// Files of the reference fit: the best physical one, or a fuzzy system if no fit is physical.
 pub(super) fn model_out(
     plan: &Plan,
     comparison: &Comparison,

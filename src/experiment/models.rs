@@ -1,4 +1,4 @@
-//! The fits that the report is about: the model as given and the model with what was found.
+//! The fits on which the report is based: the model as given and the model with the effects found.
 
 use rayon::prelude::*;
 
@@ -16,18 +16,18 @@ use crate::simulate::{Dynamics, PhysicalDynamics};
 use crate::study::{MethodStudy, ModelStudy, ParameterStudy, Performance, parameters_of};
 use crate::verdict::{curves_of, residual_torques};
 
-/// The fits that the report is about.
+/// The fits on which the report is based.
 pub(super) struct Models {
     /// The model as given.
     pub(super) given: ModelStudy,
-    /// The model with the effects that the diagnosis found; `None` where there are none.
+    /// The model with the effects found by the diagnosis; `None` if there are none.
     pub(super) completed: Option<ModelStudy>,
-    /// How the residual torque of both depends on anything, over all recordings.
+    /// Residual torque of both models over the variables, for all recordings.
     pub(super) curves: Vec<Curve>,
 }
 
 impl Models {
-    /// The model with all that is known.
+    /// The most complete model.
     pub(super) fn last(&self) -> &ModelStudy {
         self.completed.as_ref().unwrap_or(&self.given)
     }
@@ -51,7 +51,7 @@ pub(super) fn of_reference(plan: &Plan, comparison: &Comparison) -> Result<Model
     Ok(Models { given, completed: None, curves })
 }
 
-/// The models of a diagnosis, so that verdict, errors and figures are of one fit.
+/// The models of a diagnosis, so that verdict, errors and figures belong to one fit.
 ///
 /// # Errors
 /// A model that cannot be simulated.
@@ -88,7 +88,7 @@ fn of_method(model: &Model, method: &MethodStudy) -> Vec<ParameterStudy> {
     known.filter_map(with).collect()
 }
 
-/// What the models of one experiment are judged on.
+/// Data on which the models of an experiment are evaluated.
 struct Stage<'a> {
     plan: &'a Plan,
     comparison: &'a Comparison,
@@ -106,7 +106,8 @@ impl<'a> Stage<'a> {
         cutoff(&self.recordings, mobility(model, p))
     }
 
-    /// A physical model at values of its parameters; it has the effects that were `found` beside those of the plan.
+    /// A physical model with parameter values; it contains the effects `found` in addition to those of the
+    /// plan.
     fn physical(
         &self,
         (model, p): (&Model, &[f64]),
@@ -129,13 +130,14 @@ impl<'a> Stage<'a> {
         })
     }
 
-    /// What can be said of any dynamics.
+    /// Results that are available for any dynamics.
     fn other(&self, dynamics: &dyn Dynamics) -> Result<ModelStudy, RunError> {
         let (performance, horizons) = self.simulated(dynamics)?;
         Ok(ModelStudy { performance, horizons, ..ModelStudy::default() })
     }
 
-    /// The errors on every recording, and those of the judged ones over simulations of several lengths.
+    /// The errors on every recording, and those of the judged recordings over simulations of different
+    /// lengths.
     fn simulated(
         &self,
         dynamics: &dyn Dynamics,

@@ -1,4 +1,4 @@
-//! `experiment new`: recordings to a commented experiment file.
+//! `experiment new`: from recordings to a commented experiment file.
 
 use std::path::{Path, PathBuf};
 
@@ -11,18 +11,17 @@ use crate::io::{
 use crate::recording::{DriveUnit, Recording};
 use crate::study::shell_word;
 
-/// The file beside an experiment file by which an editor checks it: what `experiment schema` prints.
+/// The schema file next to an experiment file, as printed by `experiment schema`.
 const SCHEMA: &str = "experiment.schema.json";
-/// Part of the larger of two mean speeds below which the other counts as zero: straight, or turning on
-/// the spot.
+/// Ratio of the two mean speeds below which the smaller one counts as zero: straight, or turning on the spot.
 const ONE_WAY: f64 = 0.15;
-/// Time over which angles are compared \[s\].
+/// Time interval over which angles are compared \[s\].
 const PASSED: f64 = 0.25;
 
-/// Looks at recordings and writes a commented experiment file.
+/// Analyses recordings and writes a commented experiment file.
 ///
 /// # Errors
-/// Recordings that cannot be read, and a file that is there already.
+/// Recordings that cannot be read, and a file that already exists.
 pub fn new_file(recordings: &[PathBuf], output: Option<&Path>) -> Result<String, ExperimentError> {
     let first = &recordings[0];
     let output = output.map_or_else(|| first.with_extension("toml"), Path::to_path_buf);
@@ -44,16 +43,16 @@ pub fn new_file(recordings: &[PathBuf], output: Option<&Path>) -> Result<String,
     Ok(format!("wrote {file}\n{}{next}\n", draft.words))
 }
 
-/// A file that is not written yet.
+/// A file that has not been written yet.
 pub(super) struct Draft {
     pub(super) text: String,
-    /// What was guessed, in words.
+    /// Description of the detected columns.
     pub(super) words: String,
-    /// Whether something in it must be filled in or changed before it can run.
+    /// Whether it contains values that must be filled in or changed before it can be run.
     pub(super) is_open: bool,
 }
 
-/// The experiment file of recordings, for a file in that folder.
+/// The experiment file of recordings, for a file in this folder.
 ///
 /// # Errors
 /// Recordings that cannot be read.
@@ -101,7 +100,7 @@ pub(super) fn draft(recordings: &[PathBuf], folder: &Path) -> Result<Draft, Expe
     Ok(Draft { is_open: text.contains("\"?\"") || unread.is_some(), text, words: guess.words() })
 }
 
-/// The recordings, each test of a SysId file as one of its own.
+/// The recordings, with each test of a SysId file as a separate one.
 fn with_parts(recordings: &[PathBuf]) -> Result<Vec<PathBuf>, IoError> {
     let mut out = Vec::new();
     for path in recordings {
@@ -115,11 +114,11 @@ fn with_parts(recordings: &[PathBuf]) -> Result<Vec<PathBuf>, IoError> {
     Ok(out)
 }
 
-/// A recording as the guess reads it, and what conditioning says; or why it cannot be read. Which way it
-/// moves does not depend on counts per turn and radius; what conditioning says of angles does.
+/// A recording read with the guessed columns, and the findings of conditioning; or the reason why it cannot
+/// be read. The direction of the motion does not depend on counts per turn and radius; findings on angles do.
 fn look(path: &Path, guess: &Guess) -> Result<(Recording, Vec<Finding>), String> {
     if guess.period.is_none() && !guess.columns.iter().any(|c| c.key == "t" && !c.scale_open) {
-        return Err("the time between two rows is not known".into());
+        return Err("the sampling period is not known".into());
     }
     let is_scaled = !guess.columns.iter().any(|c| c.needs_per_turn() || c.is_in_metres());
     let mut columns = ColumnMap::new(guess.drive_unit, (!is_scaled).then_some(1.0));
@@ -154,7 +153,7 @@ fn look(path: &Path, guess: &Guess) -> Result<(Recording, Vec<Finding>), String>
     Ok((recording, if is_scaled { done.findings } else { vec![] }))
 }
 
-/// Units that speeds and angles show of each other go into the file.
+/// Enters units determined by comparing speeds and angles into the file.
 fn take_units(guess: &mut Guess, findings: &[Finding]) {
     for finding in findings {
         if let Finding {
@@ -168,7 +167,7 @@ fn take_units(guess: &mut Guess, findings: &[Finding]) {
         let conditioning::Kind::Unit { unit, .. } = finding.kind else { continue };
         let key = finding.channel.name();
         let open = guess.columns.iter_mut().find(|c| c.key == key && c.unit.is_none());
-        // half a turn has no unit in files; conditioning converts it
+        // files have no unit for half a turn; conditioning converts it
         if let Some(one) = open.filter(|_| unit != "half-turns") {
             let answered = one.asks_unit();
             guess.questions.retain(|question| !question.starts_with(&answered));
@@ -178,7 +177,7 @@ fn take_units(guess: &mut Guess, findings: &[Finding]) {
     }
 }
 
-/// Asks for the gear between the shafts of speeds and angles, and opens the factor of the faster one.
+/// Asks for the gear ratio between the shafts of speeds and angles, and opens the factor of the faster one.
 fn ask_gear(guess: &mut Guess, ratio: f64) {
     let (key, other, scale) =
         if ratio > 1.0 { ("dalpha", "alpha", 1.0 / ratio) } else { ("alpha", "dalpha", ratio) };
@@ -188,9 +187,7 @@ fn ask_gear(guess: &mut Guess, ratio: f64) {
         return;
     }
     guess.questions.push(format!(
-        "the speeds are {ratio:.4} times the slope of the angles: does a gear lie between `{}`, of a motor, and `{}`, of its \
-         wheel? Then write scale = {scale:.6} in {key}1 and {key}2 (with \"-\" where it turns the direction); else correct the \
-         units",
+        "the speeds are {ratio:.4} times the derivative of the angles: is there a gear between `{}` (motor) and `{}` (wheel)? If so, write scale = {scale:.6} in {key}1 and {key}2 (with \"-\" if it reverses the direction); otherwise correct the units",
         fast.name, slow.name
     ));
     let wheels =
@@ -222,8 +219,8 @@ enum Kind {
 }
 
 impl Kind {
-    /// By the angles that the wheels pass in a quarter of a second, in which the steps of an encoder are
-    /// small: equal ones are straight, opposite ones turning on the spot.
+    /// Classified by the angles of the wheels over a quarter of a second, in which the steps of an encoder
+    /// are small: equal angles are straight driving, opposite ones turning on the spot.
     fn of(r: &Recording) -> Self {
         let rows = ((PASSED / r.step()).round() as usize).clamp(1, r.len() - 1);
         let size = |sign: f64| -> f64 {
@@ -249,8 +246,8 @@ impl Kind {
     }
 }
 
-/// Which recordings are kept for validation, and what must be said of that: of each kind of movement
-/// every third, the last of it first, so that no kind is judged that was not fitted.
+/// The recordings kept for validation, with a remark if needed: of each kind of movement every third, counted
+/// from the last, so that no kind of movement is used for validation without training.
 fn split(kinds: &[Option<Kind>]) -> (Vec<bool>, Vec<String>) {
     let mut validation = vec![false; kinds.len()];
     let mut said = Vec::new();
@@ -275,7 +272,7 @@ fn split(kinds: &[Option<Kind>]) -> (Vec<bool>, Vec<String>) {
     (validation, said)
 }
 
-/// Words in a comment, which a line break in them would end.
+/// Text for a comment, without line breaks.
 fn in_a_line(text: &str) -> String {
     text.replace(char::is_control, "\u{fffd}")
 }
@@ -295,7 +292,7 @@ mod tests {
         assert!(split(&[s, t]).1[2].contains("no recording is left"));
     }
 
-    /// The draft for a log of these rows, of wheels that turn both ways.
+    /// The draft for a log with these rows, with wheels that turn in both directions.
     fn drafted(name: &str, header: &str, row: impl Fn(f64) -> String, rows: u32) -> Draft {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(name);

@@ -1,17 +1,17 @@
-//! How experiments are run, and what is said when one is done.
+//! Options and results of runs.
 
 use std::path::PathBuf;
 
 use super::shard::Shard;
 
-/// How experiments are run.
+/// Options of a run.
 #[derive(Clone, Debug)]
 pub struct RunOptions {
     /// Folder of the result folders.
     pub out: PathBuf,
     /// Overrides, `key=value`.
     pub set: Vec<String>,
-    /// Keep finished cells of an interrupted grid.
+    /// Keep the completed cells of an interrupted grid.
     pub resume: bool,
     /// Run only this part of the combinations of a grid.
     pub shard: Option<Shard>,
@@ -19,24 +19,24 @@ pub struct RunOptions {
     pub progress: bool,
 }
 
-/// Name of the picture in a result folder that lists of experiments show.
+/// Name of the thumbnail in a result folder.
 pub(super) const THUMBNAIL: &str = "thumbnail.png";
 
-/// A finished experiment.
+/// A completed experiment.
 #[derive(Clone, Debug)]
 pub struct Done {
     /// Its verdict in a sentence, with the errors.
     pub verdict: String,
-    /// Path of its report; of its journal, if it is a part of a grid.
+    /// Path of its report, or of its journal for a part of a grid.
     pub report: PathBuf,
-    /// 2 s simulation error of the model as given on the judged recordings [rad/s]; not a number for a grid.
+    /// 2 s simulation error of the model as given on the judged recordings [rad/s]; NaN for a grid.
     pub error: f64,
     /// Its noise floor [rad/s].
     pub floor: f64,
 }
 
 impl Done {
-    /// Of a grid, which has no model of its own.
+    /// Result of a grid, which has no model.
     pub(super) fn of_grid(verdict: String, report: PathBuf) -> Self {
         Self { verdict, report, error: f64::NAN, floor: f64::NAN }
     }

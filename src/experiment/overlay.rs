@@ -1,4 +1,4 @@
-//! Measured and simulated motion side by side, with the torque that the model does not explain.
+//! Measured and simulated motion, with the residual torque.
 
 use super::fitted::{FittedModel, FittedModels};
 use crate::compare::simulate_recording;
@@ -36,10 +36,10 @@ pub struct Overlay {
     pub columns: Vec<(String, Vec<f64>)>,
 }
 
-/// The overlay of a recording, as the plan has it, and the models of an experiment.
+/// The overlay of a recording of the plan and the models of an experiment.
 ///
 /// # Errors
-/// A model that cannot move.
+/// The mass matrix is not positive definite.
 pub fn overlay(
     recording: &Recording,
     hold: Hold,
@@ -94,7 +94,7 @@ impl Table {
     }
 }
 
-/// What the acting input has left after mass, torques and friction.
+/// The acting input minus inertial, resisting and friction torques.
 fn residual_torque(fitted: &FittedModel, recording: &Recording) -> Vec<[f64; 2]> {
     let p = fitted.values();
     let acting = fitted.model.input_of(recording, recording.torque(), &p);
@@ -105,7 +105,7 @@ fn residual_torque(fitted: &FittedModel, recording: &Recording) -> Vec<[f64; 2]>
     recording.local_motion().iter().enumerate().map(row).collect()
 }
 
-/// What effect number `e` takes from the input: its torque, and what it changes of the input.
+/// The resisting torque of effect number `e`, including its change of the input.
 fn effect_torque(fitted: &FittedModel, e: usize, recording: &Recording) -> Vec<[f64; 2]> {
     let (effect, p) = (&fitted.model.effects()[e], fitted.values());
     let p = &p[fitted.model.slots(e)];
@@ -124,13 +124,13 @@ fn at<'a>(fitted: &'a FittedModel, recording: &Recording, k: usize) -> Motion<'a
     Motion::at(t, alpha, omega, fitted.model.robot())
 }
 
-/// The torque that terms need at a measured motion; NaN where the direction of a friction is unknown.
+/// The torque required by the terms at a measured motion; NaN if the direction of a friction is unknown.
 fn needed(terms: &Terms<f64>, m: &LocalMotion) -> [f64; 2] {
     let sign = |j: usize| {
         let speed = along(j, &m.omega);
         let [v1, v2] = m.omega_variance;
         let variance = [v1, v2, v1 + v2, v1 + v2][j];
-        // within two standard deviations of zero the sign is noise
+        // within two standard deviations of zero the sign is undetermined
         if terms.level[j] > 0.0 && speed * speed <= 4.0 * variance { f64::NAN } else { sgn(speed) }
     };
     terms.total_torque(&m.acceleration, &std::array::from_fn(sign))

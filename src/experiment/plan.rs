@@ -1,4 +1,4 @@
-//! An experiment ready to run: everything resolved, nothing left to look up.
+//! An experiment ready to run, with all names resolved.
 
 mod options;
 
@@ -44,39 +44,39 @@ pub struct Plan {
     pub file: String,
     /// Its path; empty where there is none.
     pub source: PathBuf,
-    /// The recordings of a run without an experiment file, as typed; then there is nothing at `source`.
+    /// The recordings of a run without an experiment file, as typed; `source` then does not exist.
     pub typed: Vec<PathBuf>,
-    /// Whether it is said which robot it is; else the model's stands in for it.
+    /// Whether the robot is specified; otherwise that of the model is a substitute.
     pub robot_is_given: bool,
     /// Model to fit.
     pub model: Model,
-    /// Effects beside the catalogue, in the model or not: formulas of the file, effects of the user.
+    /// User-defined effects, in the model or not: formulas of the file, effects added by the library.
     pub own: Vec<Own>,
     /// Inputs that are the sum of several columns.
     pub sums: Vec<InputSum>,
-    /// What a reader of the file would not expect of it.
+    /// Remarks on settings with unexpected consequences.
     pub remarks: Vec<Remark>,
-    /// Recordings; at least one to train on.
+    /// Recordings, at least one for training.
     pub recordings: Vec<MeasuredRecording>,
     /// The input between samples.
     pub hold: Hold,
-    /// When the recorded input acts, where the data show it.
+    /// Shift in time between input and motion, if determined.
     pub timing: Option<Timing>,
     /// Methods to compare.
     pub methods: Vec<MethodPlan>,
     /// Gain of the emulator.
     pub gain: Gain,
-    /// Whether the emulator is asked for, by `[emulator]` or a method that fits one.
+    /// Whether the emulator is requested, by `[emulator]` or by a method that fits one.
     pub emulated: bool,
     /// Whether the paper's movement is simulated.
     pub of_paper: bool,
     /// Diagnosis, if asked for.
     pub diagnosis: Option<DiagnosisPlan>,
-    /// Seed of everything random.
+    /// Seed of all random numbers.
     pub seed: u64,
     /// True parameters of synthetic data.
     pub truth: Vec<(String, f64)>,
-    /// The combinations over which it is repeated; the rest is then that of the first one.
+    /// The combinations of a grid; the other fields are then those of the first one.
     pub grid: Option<GridPlan>,
 }
 
@@ -99,8 +99,7 @@ impl MeasuredRecording {
 }
 
 impl Plan {
-    /// What to say before it runs: remarks on the file, corrections, and what the check of the
-    /// recordings found.
+    /// Warnings before a run: remarks on the file, corrections, and findings of the quality check.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let corrected = |m: &MeasuredRecording| {
@@ -109,13 +108,13 @@ impl Plan {
         };
         let said = self.grouped(corrected, Stated::join);
         let said = said.into_iter().map(|(names, corrected)| format!("{names}: {corrected}"));
-        // a diagnosis says it as an effect
+        // a diagnosis reports it as an effect
         let late = self.late().filter(|_| self.diagnosis.is_none());
         let late = late.map(|t| format!("dead time {}", dead_time(&t, self.step())));
         said.chain(self.remarks_and_findings()).chain(late).collect()
     }
 
-    /// The dead time, where it is more than logging explains and the model has none.
+    /// The dead time, if it exceeds what logging explains and the model has none.
     pub(super) fn late(&self) -> Option<Timing> {
         self.timing.filter(|timing| is_late(timing, self.step()))
     }
@@ -133,7 +132,7 @@ impl Plan {
         self.remarks.iter().map(ToString::to_string).chain(found).collect()
     }
 
-    /// What `of` finds in the recordings, each with the names of those in which it is found.
+    /// Findings of `of` in the recordings, each with the names of these.
     pub(super) fn grouped<T>(
         &self,
         of: impl Fn(&MeasuredRecording) -> Vec<T>,
@@ -155,14 +154,14 @@ impl Plan {
         self.recordings.iter().filter(|m| m.role == role).map(|m| m.recording.clone()).collect()
     }
 
-    /// Of each training recording all rows, if it is too long to be held.
+    /// For each training recording all rows, if it is too long for memory.
     #[must_use]
     pub fn long(&self) -> Vec<Option<Arc<LongRecording>>> {
         let train = self.recordings.iter().filter(|m| m.role == Role::Train);
         train.map(|m| m.long.clone()).collect()
     }
 
-    /// The recordings on which errors are judged: validation, or train where there is none.
+    /// The recordings on which errors are judged: validation, or training if there is none.
     #[must_use]
     pub fn judged(&self) -> Vec<Recording> {
         let validation = self.of(Role::Validation);

@@ -1,20 +1,20 @@
-//! Findings of the quality check, by how much they matter.
+//! Findings of the quality check, by severity.
 
 use crate::recording::{Finding, Recording, Severity, quality};
 use crate::robot::Robot;
 
-/// The warnings and problems of a recording, worst first.
+/// The warnings and problems of a recording, the most severe first.
 pub(super) fn findings(recording: &Recording, robot: &Robot) -> Vec<Finding> {
     quality(recording, robot).at_least(Severity::Warning).copied().collect()
 }
 
-/// What else is worth knowing of a recording.
+/// The notes on a recording.
 pub(super) fn notes(recording: &Recording, robot: &Robot) -> Vec<Finding> {
     let notes = quality(recording, robot).findings.into_iter();
     notes.filter(|f| f.severity == Severity::Note).collect()
 }
 
-/// Whether no recording has any input: then all parameters are only known up to a common factor.
+/// Whether no recording has any input, so that the parameters are identifiable only up to a common factor.
 pub(super) fn without_input<'a>(mut recordings: impl Iterator<Item = &'a Recording>) -> bool {
     recordings.all(|r| r.torque().iter().all(|m| *m == [0.0; 2]))
 }
@@ -27,13 +27,13 @@ mod tests {
     use crate::io::{ColumnMap, read_recording};
     use crate::recording::DriveUnit;
 
-    /// Measured recordings that cannot be part of the project; `None` where they are absent.
+    /// Measured recordings that are not part of the repository; `None` if they are absent.
     fn recordings(folder: &str) -> Option<Vec<PathBuf>> {
         let folder =
             Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/recordings").join(folder);
         let mut files: Vec<PathBuf> =
             std::fs::read_dir(folder).ok()?.map(|e| e.unwrap().path()).collect();
-        // the second day of FRC 7028 has the logger's own columns
+        // the second day of FRC 7028 has other column names
         let second_day = |f: &PathBuf| {
             f.file_name().is_some_and(|name| name.to_string_lossy().starts_with("0317"))
         };

@@ -1,42 +1,42 @@
-//! What a reader of an experiment file would not expect of it, and the words for it.
+//! Remarks on settings of an experiment file with unexpected consequences.
 
 use std::fmt;
 
-/// Something to say of a file or its recordings before they are used.
+/// A remark on a file or its recordings.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Remark {
-    /// What the columns of recordings without an experiment file were read as, in the words of `experiment new`.
+    /// Interpretation of the columns of recordings without an experiment file, as text of `experiment new`.
     Columns(String),
     /// Keys of `[simulation]` that the movement does not use.
     Unused {
         /// Without the name of the table.
         keys: Vec<&'static str>,
-        /// What it has of its own.
+        /// The movement that has its own length and speed.
         movement: FixedMovement,
     },
-    /// Fuzzy methods that are fitted at another gain than they are judged at.
+    /// Fuzzy methods that are fitted with another gain than they are evaluated with.
     OtherGain {
         /// Their names.
         methods: Vec<String>,
     },
     /// The track of the robot is not known.
     NoTrack {
-        /// Ids of the effects that are measured with the track of another robot.
+        /// Ids of the effects that are computed with the track of another robot.
         effects: Vec<String>,
     },
-    /// The wheels turn against each other nearly always.
+    /// The wheels nearly always turn in opposite directions.
     Opposed {
-        /// In this part of the rows \[1\].
+        /// Share of these rows \[1\].
         share: f64,
     },
 }
 
-/// A movement that has its own length and speed.
+/// A movement with its own length and speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FixedMovement {
-    /// That of the paper.
+    /// The movement of the paper.
     Paper,
-    /// Written out piece by piece in the file.
+    /// A list of segments in the file.
     Segments,
 }
 
@@ -44,7 +44,7 @@ impl fmt::Display for FixedMovement {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Paper => "\"paper\", which is as long and as fast as the paper's",
-            Self::Segments => "written out in segments, which say how long and how fast they are",
+            Self::Segments => "given as segments, which define its duration and speed",
         })
     }
 }
@@ -84,8 +84,8 @@ impl fmt::Display for Remark {
     }
 }
 
-/// The question whether one wheel counts the other way, of the share of the rows in which the wheels turn against
-/// each other.
+/// The question whether one wheel has the opposite sign, for this share of rows in which the wheels turn in
+/// opposite directions.
 pub(super) fn mirrored_question(share: f64) -> String {
     format!(
         "the wheels turn against each other in {:.0} % of the rows: did the robot turn on the spot, or is a motor \

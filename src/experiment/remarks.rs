@@ -1,16 +1,15 @@
-//! Keys of an experiment file that are right by themselves and do not do what they seem to.
+//! Keys of an experiment file that are valid but have unexpected consequences.
 
 use toml::{Table, Value};
 
 use super::remark::{FixedMovement, Remark};
 
-/// What a reader of the file would not expect of it. `table` holds its keys as they are written, since a key that
-/// was left out is no surprise.
+/// Remarks on a file. `table` contains only the keys that are written in it, because defaults need no remark.
 pub(super) fn remarks(table: &Table) -> Vec<Remark> {
     [unused_length(table), other_gain(table)].into_iter().flatten().collect()
 }
 
-/// Length and top speed are those of a rich movement alone.
+/// Length and top speed apply only to rich movements.
 fn unused_length(table: &Table) -> Option<Remark> {
     let simulation = table.get("simulation")?.as_table()?;
     let movement = match simulation.get("movement")? {
@@ -31,7 +30,7 @@ fn unused_length(table: &Table) -> Option<Remark> {
     (!keys.is_empty()).then_some(Remark::Unused { keys, movement })
 }
 
-/// A fuzzy method is fitted in an emulator, with a gain of its own where the file's has none.
+/// A fuzzy method is fitted in an emulator, with its own gain if the file specifies none.
 fn other_gain(table: &Table) -> Option<Remark> {
     let emulator = table.get("emulator").and_then(Value::as_table);
     let positive = |v: &Value| v.as_float().or(v.as_integer().map(|k| k as f64)) > Some(0.0);
@@ -49,13 +48,13 @@ fn other_gain(table: &Table) -> Option<Remark> {
     (!methods.is_empty()).then_some(Remark::OtherGain { methods })
 }
 
-/// Share of the rows with wheels that turn against each other beyond which it is asked whether a motor is
-/// mounted mirrored: nobody but a test of turning drives so.
+/// Share of the rows with wheels turning in opposite directions above which a mirrored motor is suspected:
+/// otherwise this occurs only in tests of turning.
 const OPPOSED: f64 = 2.0 / 3.0;
-/// Share of the top speed below which a wheel rests.
+/// Share of the top speed below which a wheel is at rest.
 const RESTS: f64 = 0.05;
 
-/// The share of these rows of speeds in which the wheels turn against each other, where that is nearly always.
+/// The share of these rows of speeds in which the wheels turn in opposite directions, if nearly always.
 pub(super) fn opposed(rows: &[[f64; 2]]) -> Option<f64> {
     let top = |i: usize| rows.iter().map(|w| w[i].abs()).fold(0.0, f64::max);
     let tops = [top(0), top(1)];

@@ -1,4 +1,4 @@
-//! From an experiment file to a plan: presets, effects, methods and recordings looked up.
+//! From an experiment file to a plan: looks up presets, effects, methods and recordings.
 
 use std::path::Path;
 
@@ -35,15 +35,15 @@ fn source(
             let recordings = super::measured::read(path, entry, &file.conditioning, robot)?;
             Ok(Source { hold: entry.hold, ..Source::given(recordings) })
         }
-        (None, Some(entry)) => made(entry, own, robot),
+        (None, Some(entry)) => simulated(entry, own, robot),
         (None, None) => Ok(Source { hold: Some(Hold::Linear), ..Source::given(vec![]) }),
     }
 }
 
-/// Resolves a file at `path` (recordings are relative to it) whose text is `text`.
+/// Resolves a file at `path` (recordings are relative to it) with this `text`.
 ///
 /// # Errors
-/// Whatever names something that is not there.
+/// Names that do not exist.
 pub(super) fn resolve(
     path: &Path,
     text: &str,
@@ -52,8 +52,8 @@ pub(super) fn resolve(
     resolve_with(path, text, file, &mut None)
 }
 
-/// The same with the recordings of an earlier experiment that has the same ones, and of which they were kept; else they
-/// are read, and kept.
+/// The same with the cached recordings of an earlier experiment with the same recordings; otherwise they are
+/// read and cached.
 pub(super) fn resolve_with(
     path: &Path,
     text: &str,
@@ -67,11 +67,11 @@ pub(super) fn resolve_with(
     plan(path, text, file, read).map_err(|e| e.of(&path.display().to_string()))
 }
 
-/// The experiment that a file with these `keys` would describe, on recordings that are read already.
-/// `name` stands for the file's; `[recordings]` and `[simulation]` have no place among the keys.
+/// The experiment described by a file with these `keys`, on recordings that are already read.
+/// `name` replaces that of the file; `[recordings]` and `[simulation]` are not allowed among the keys.
 ///
 /// # Errors
-/// Whatever is wrong with the keys.
+/// Errors in the keys.
 ///
 /// # Examples
 /// ```
@@ -151,7 +151,7 @@ fn sums(file: &ExperimentFile) -> Vec<InputSum> {
     .collect()
 }
 
-/// The heading; one that is left empty, as in a new file, counts as none.
+/// The title; an empty one, as in a new file, is ignored.
 fn title(file: &ExperimentFile) -> Option<String> {
     file.title.clone().filter(|title| !title.trim().is_empty())
 }
@@ -183,8 +183,8 @@ fn model(file: &ExperimentFile, own: &[Own], robot: &Robot) -> Result<Model, Mea
     Ok(model)
 }
 
-/// The methods of the file. A fuzzy method that states no gain of its own is fitted in the emulator
-/// that the file states, if that has one.
+/// The methods of the file. A fuzzy method without a gain of its own is fitted with the gain of `[emulator]`,
+/// if specified.
 fn methods(tables: &[Table], emulator: Option<f64>) -> Result<Vec<MethodPlan>, Meaning> {
     if tables.is_empty() {
         return Ok(MethodPlan::defaults());
@@ -230,7 +230,7 @@ fn is_of_paper(entry: &SimulationEntry) -> bool {
     entry.movement == MovementEntry::Named(NamedMovement::Paper)
 }
 
-/// The gain that the file states, if any.
+/// The gain of the file, if specified.
 fn gain(file: &ExperimentFile) -> Result<Option<Gain>, Meaning> {
     let EmulatorEntry { gain, poles, matrix } = file.emulator;
     let by_poles = || poles.map(|[a, b]| Gain::from_poles(a, b));
@@ -258,8 +258,15 @@ fn diagnosis(file: &ExperimentFile, own: &[Own]) -> Result<Option<DiagnosisPlan>
     Ok(Some(DiagnosisPlan { settings, slow_moment }))
 }
 
-/// Simulated recordings: a robot with base and hidden effects follows the movement.
-fn made(entry: &SimulationEntry, own: &[Own], robot: &Robot) -> Result<Source, Meaning> {
+/// The model and the true parameters of a simulated robot.
+///
+/// # Errors
+/// Unknown effects and parameters, and shape parameters out of range.
+fn simulated_robot(
+    entry: &SimulationEntry,
+    own: &[Own],
+    robot: &Robot,
+) -> Result<(Model, Vec<f64>), Meaning> {
     let mut truth = Model::base(robot.clone());
     for id in entry.hidden.keys() {
         truth = add(&truth, id, own)?;
@@ -290,6 +297,12 @@ fn made(entry: &SimulationEntry, own: &[Own], robot: &Robot) -> Result<Source, M
             p[j] = *value;
         }
     }
+    Ok((truth, p))
+}
+
+/// Simulated recordings: a robot with base and hidden effects follows the movement.
+fn simulated(entry: &SimulationEntry, own: &[Own], robot: &Robot) -> Result<Source, Meaning> {
+    let (truth, p) = simulated_robot(entry, own, robot)?;
     let count = entry.train + entry.validation;
     let recordings = (0..count)
         .into_par_iter()

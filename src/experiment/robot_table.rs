@@ -26,24 +26,8 @@ pub(super) fn robot(table: Option<&Table>) -> Result<Robot, Meaning> {
     {
         return Ok(robot);
     }
-    let known: Vec<&str> = Construction::amigobot().values().map(|(key, _)| key).collect();
-    if let Some(unknown) = rest.keys().find(|k| !known.contains(&k.as_str())) {
-        let near = nearest(unknown, &known);
-        return Err(words(format!("[robot]: unknown key `{unknown}`{near}")));
-    }
-    if let Some((key, value)) = rest.iter().find(|(_, v)| !v.is_float() && !v.is_integer()) {
-        return Err(words(format!("[robot]: {key} = {value} must be a number")));
-    }
-    let is_missing = |key: &&str| !rest.contains_key(*key) && is_required(key);
-    let missing: Vec<&str> = known.iter().copied().filter(is_missing).collect();
-    if base.is_none() && !missing.is_empty() {
-        return Err(words(format!(
-            "[robot]: {} not there; without a preset all construction data must be. Where they are not known, add \
-             preset = \"unknown\", or the preset of a robot like it, whose values stand for them",
-            and(&missing)
-        )));
-    }
-    // keys that are written replace those of the preset
+    check_keys(&rest, base.is_some())?;
+    // keys in the file replace those of the preset
     let mut values = Table::new();
     if let Some(robot) = &base {
         for (key, value) in robot.construction.values() {
@@ -59,27 +43,48 @@ pub(super) fn robot(table: Option<&Table>) -> Result<Robot, Meaning> {
         None => "custom".into(),
         Some(r) if r.name != UNKNOWN => format!("{} (changed)", r.name),
         Some(_) if given("r_m") && given("l1_m") => "custom".into(),
-        // with the radius metres can be read, without the track there is still no path
+        // with the radius, metres can be converted; without the track there is no path
         Some(_) if given("r_m") => UNKNOWN_TRACK.into(),
         Some(_) => UNKNOWN.into(),
     };
     Ok(Robot::new(name, construction)?)
 }
 
-/// The name of a robot whose construction nobody gave; lengths of the AmigoBot stand in where one is
-/// needed, and what would show them is left out.
+/// Checks that the construction data of a table are known keys with numbers, and complete unless a preset gives the others.
+fn check_keys(rest: &Table, has_preset: bool) -> Result<(), Meaning> {
+    let known: Vec<&str> = Construction::amigobot().values().map(|(key, _)| key).collect();
+    if let Some(unknown) = rest.keys().find(|k| !known.contains(&k.as_str())) {
+        let near = nearest(unknown, &known);
+        return Err(words(format!("[robot]: unknown key `{unknown}`{near}")));
+    }
+    if let Some((key, value)) = rest.iter().find(|(_, v)| !v.is_float() && !v.is_integer()) {
+        return Err(words(format!("[robot]: {key} = {value} must be a number")));
+    }
+    let is_missing = |key: &&str| !rest.contains_key(*key) && is_required(key);
+    let missing: Vec<&str> = known.iter().copied().filter(is_missing).collect();
+    if !has_preset && !missing.is_empty() {
+        return Err(words(format!(
+            "[robot]: {} missing; without a preset all construction data are required. If they are not known, add preset = \"unknown\", or the preset of a similar robot, whose values are then used",
+            and(&missing)
+        )));
+    }
+    Ok(())
+}
+
+/// Name of a robot with unknown construction; where a length is needed, that of the AmigoBot is used, and
+/// results that depend on it are omitted.
 pub(super) const UNKNOWN: &str = "unknown";
 
-/// The same where the radius of the wheels is given.
+/// The same if the radius of the wheels is known.
 const UNKNOWN_TRACK: &str = "unknown (with its wheel radius)";
 
-/// Whether the track of a robot is not known, and so neither its heading nor its path.
+/// Whether the track of a robot is unknown, and therefore its heading and path.
 pub(super) fn has_no_track(robot: &Robot) -> bool {
     robot.name == UNKNOWN || robot.name == UNKNOWN_TRACK
 }
 
-/// Whether masses and inertias are those of the robot: of a preset, or all written. Without a table the robot is that
-/// of the paper.
+/// Whether masses and inertias are those of the robot: from a preset, or all specified. Without a table the
+/// robot is that of the paper.
 pub(super) fn is_built(table: Option<&Table>) -> bool {
     let Some(table) = table else { return true };
     let unknown = table.get("preset").is_some_and(|preset| preset.as_str() == Some(UNKNOWN));
@@ -87,7 +92,7 @@ pub(super) fn is_built(table: Option<&Table>) -> bool {
     !unknown || Construction::amigobot().values().all(|(key, _)| written(key))
 }
 
-/// Whether construction data cannot do without a key; those of the caster may be left out.
+/// Whether a key of the construction data is required; those of the caster are optional.
 fn is_required(key: &str) -> bool {
     let whole = Construction::amigobot();
     let others = whole.values().filter(|(k, _)| *k != key);
@@ -96,7 +101,7 @@ fn is_required(key: &str) -> bool {
     others.try_into::<Construction>().is_err()
 }
 
-/// Keys in words: `a, b and c are`.
+/// Keys as the subject of a sentence: `a, b and c are`.
 fn and(keys: &[&str]) -> String {
     match keys {
         [one] => format!("{one} is"),

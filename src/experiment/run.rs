@@ -20,7 +20,7 @@ pub fn run(plan: &Plan) -> Result<Study, RunError> {
     run_in_stages(plan, &Stages::hidden())
 }
 
-/// The same, with its `stages` shown.
+/// The same, with progress shown by `stages`.
 ///
 /// # Errors
 /// If no method has a fit, or nothing can be simulated.
@@ -35,7 +35,7 @@ pub(super) fn run_in_stages(plan: &Plan, stages: &Stages) -> Result<Study, RunEr
     study(plan, diagnose_with_progress(plan, comparison, Some(progress))?)
 }
 
-/// All results of a plan: its comparison and its diagnosis with the models that they are about.
+/// All results of a plan: its comparison and its diagnosis, with the models on which they are based.
 ///
 /// # Errors
 /// A model that cannot be simulated.
@@ -80,7 +80,7 @@ pub fn study(plan: &Plan, diagnosed: Diagnosed) -> Result<Study, RunError> {
     })
 }
 
-/// The experiment on the command line, by paths from the current folder.
+/// The command line of the experiment, with paths relative to the current folder.
 fn invocation(plan: &Plan) -> Invocation {
     let here = std::env::current_dir().unwrap_or_default();
     let file = plan.source.strip_prefix(here).unwrap_or(&plan.source);

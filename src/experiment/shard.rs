@@ -1,4 +1,4 @@
-//! A grid on several machines: each runs a part of the combinations and keeps its own journal.
+//! A grid on several machines: each runs a part of the combinations and writes a separate journal.
 
 use std::fmt;
 use std::path::Path;
@@ -22,16 +22,16 @@ pub struct Shard {
     number: usize,
 }
 
-/// A text that names no part.
+/// A text that is not a part.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{text}` is no part of a grid; write I/N with 1 <= I <= N, for example 2/4")]
+#[error("`{text}` is not a part of a grid; write I/N with 1 <= I <= N, for example 2/4")]
 pub struct ShardError {
-    /// What was typed.
+    /// The input that could not be parsed.
     pub text: String,
 }
 
 impl Shard {
-    /// All parts of a grid that is cut into `of`.
+    /// All parts of a grid that is divided into `of`.
     pub(super) fn all(of: usize) -> impl Iterator<Item = Self> {
         (1..=of).map(move |number| Self { of, number })
     }
@@ -63,7 +63,7 @@ impl Shard {
         (shard.file() == name).then_some(shard)
     }
 
-    /// The parts whose journals lie in a folder, sorted.
+    /// The parts with journals in a folder, sorted.
     pub(super) fn in_folder(folder: &Path) -> Vec<Self> {
         let names = file_names(folder);
         let mut out: Vec<Self> = names.iter().filter_map(|name| Self::from_file(name)).collect();

@@ -1,4 +1,4 @@
-//! What a single run is doing, on a terminal.
+//! Progress of a single run on a terminal.
 
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -7,10 +7,10 @@ use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::diagnose::Progress;
 
-/// The stages of a run, shown while they last.
+/// The stages of a run, shown while they are active.
 pub(super) struct Stages(Shown);
 
-/// What is shown, which those who count share.
+/// The progress shown, shared by its counters.
 #[derive(Clone)]
 struct Shown {
     bar: ProgressBar,
@@ -24,7 +24,7 @@ impl Stages {
         Self(Shown { bar, stage: Arc::default() })
     }
 
-    /// Shows nothing unless asked to, and nothing but on a terminal.
+    /// Shows nothing unless requested, and only on a terminal.
     pub(super) fn new(experiment: &str, shown: bool) -> Self {
         let stages = Self::hidden();
         if !shown {
@@ -41,7 +41,7 @@ impl Stages {
         stages
     }
 
-    /// A stage begins.
+    /// Begins a stage.
     pub(super) fn enter(&self, stage: &str) {
         self.0.bar.set_message(stage.to_owned());
         if let Ok(mut current) = self.0.stage.lock() {
@@ -49,14 +49,14 @@ impl Stages {
         }
     }
 
-    /// Shows how many `items` of the stage are done, with the time left for them, each time it is called.
+    /// Returns a function that shows the number of completed `items` of the stage and the remaining time.
     pub(super) fn counting(&self, items: &'static str) -> Progress {
         let shown = self.0.clone();
         let rate = Mutex::new(Rate::from(0, Instant::now()));
         Arc::new(move |done, total| {
             let (Ok(stage), Ok(mut rate)) = (shown.stage.lock(), rate.lock()) else { return };
             let left = rate.left(done, total, Instant::now());
-            // behind the last item comes what is not counted
+            // after the last item follows work that is not counted
             shown.bar.set_message(match done < total {
                 true => format!("{stage}, {done} of {total} {items}{}", words(left)),
                 false => stage.clone(),
@@ -71,9 +71,9 @@ impl Drop for Stages {
     }
 }
 
-/// Times left below this are not worth a word.
+/// Remaining times below this are not shown.
 const SHORT: Duration = Duration::from_secs(2);
-/// Items that must be done since the first before their rate is known.
+/// Number of items after the first that must be completed before the rate is known.
 const FEWEST: usize = 2;
 
 fn words(left: Option<Duration>) -> String {
@@ -81,7 +81,7 @@ fn words(left: Option<Duration>) -> String {
     left.map_or(String::new(), |left| format!(", {:#} left", HumanDuration(left)))
 }
 
-/// How fast items are done. The first of them is left out: what others need is made with it.
+/// Rate of completed items. The first is excluded, because it includes work common to all.
 struct Rate {
     first: usize,
     since: Instant,
@@ -93,7 +93,7 @@ impl Rate {
         Self { first, since, last: first }
     }
 
-    /// The time left for the other items of `total`, where the rate of those done is known.
+    /// The remaining time for the other items of `total`, if the rate is known.
     fn left(&mut self, done: usize, total: usize, now: Instant) -> Option<Duration> {
         if self.last == 0 || done < self.last {
             // another round
@@ -115,7 +115,7 @@ mod tests {
         let start = Instant::now();
         let after = |s: u64| start + Duration::from_secs(s);
         let mut rate = Rate::from(0, start);
-        // the first takes long, and the others need not
+        // the first item takes longer than the others
         assert_eq!(rate.left(1, 11, after(20)), None);
         assert_eq!(rate.left(2, 11, after(23)), None);
         assert_eq!(rate.left(3, 11, after(26)), Some(Duration::from_secs(24)));

@@ -8,7 +8,7 @@ use crate::diagnose::shifted;
 use crate::export::{Identified, Obstacle, javascript};
 use crate::study::{DiagnosisStudy, Performance, Start, WhatIfStudy};
 
-/// The model that the report ends with as a function; `None` if it is not physical.
+/// The last model of the report as a function; `None` if it is not physical.
 pub(super) fn what_if(
     plan: &Plan,
     comparison: &Comparison,

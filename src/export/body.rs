@@ -1,22 +1,22 @@
-//! A rigid robot with the identified mechanics: masses and inertias of chassis and wheels.
+//! A rigid body with the identified mechanics: masses and inertias of chassis and wheels.
 
 use super::mechanics::{LeftOut, Mechanics};
 use crate::recording::DriveUnit;
 use crate::robot::Robot;
 
-/// A chassis on two wheels whose equations of motion are the identified ones.
+/// A chassis on two wheels with the identified equations of motion.
 ///
 /// ```text
 /// m_ij    J_A = 4 l1²/r² (r² M/4 - m12),   wheel i: inertia m_ii + m12 - r² M/2 about its axle
 /// a3      M d = 4 l1² a3/r³,               d: centre of mass behind the axle
 /// ```
-/// Source: eq. (15) of the paper, solved for the body. The wheels alone do not tell the mass M: it is that of
-/// the construction data, as far as the identified inertias admit it.
+/// Source: eq. (15) of the paper, solved for the body. The mass M is not identifiable from wheel recordings: it is that of
+/// the construction data, limited by the identified inertias.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Body {
-    /// Newton metre per unit of the input: 1 for torques.
+    /// Newton metres per unit of the input: 1 for torques.
     pub(super) scale: f64,
-    /// Mass with wheels \[kg\].
+    /// Mass including the wheels \[kg\].
     pub(super) mass: f64,
     /// Mass of a wheel \[kg\].
     pub(super) wheel_mass: f64,
@@ -29,20 +29,20 @@ pub(super) struct Body {
     /// Radius of the wheels and half track \[m\].
     pub(super) r: f64,
     pub(super) l1: f64,
-    /// What was identified, scaled to N m where the input has another unit.
+    /// The identified mechanics, scaled to N m if the input has another unit.
     pub(super) mechanics: Mechanics,
-    /// What a reader must know, in sentences.
+    /// Remarks for the user, as sentences.
     pub(super) notes: Vec<String>,
 }
 
-/// Share of the straight-line inertia that wheels and rotors hold where nothing tells it: an input in volts or
-/// amperes gives all inertias up to a factor.
+/// Share of the straight-line inertia in wheels and rotors if it is not identifiable: an input in volts or
+/// amperes determines inertias only up to a factor.
 const WHEELS: f64 = 0.1;
-/// The same at least where the mass of the construction data leaves less.
+/// Smallest value of this share if the mass of the construction data leaves less.
 const LEAST: f64 = 0.02;
 
 impl Body {
-    /// The body of identified mechanics per unit of the input.
+    /// The body with the identified mechanics per unit of the input.
     pub(super) fn new(mechanics: &Mechanics, robot: &Robot, drive_unit: DriveUnit) -> Self {
         let (c, r, l1) = (&robot.construction, robot.r(), robot.l1());
         let mut notes = Vec::new();
@@ -55,7 +55,7 @@ impl Body {
             let unit = drive_unit.symbol();
             let scale = 0.5 * r * r * mass / ((1.0 - WHEELS) * straight);
             notes.push(format!(
-                "the input is in {unit}, so torques are known up to a factor: {scale:.6} N m/{unit} follows from \
+                "the input is in {unit}, so torques are known only up to a factor: {scale:.6} N m/{unit} follows from \
                  the mass of {mass:.3} kg of the construction data and {:.0} % of the inertia in wheels and rotors",
                 100.0 * WHEELS
             ));
@@ -92,12 +92,12 @@ impl Body {
         self.mass - 2.0 * self.wheel_mass
     }
 
-    /// Centre of mass of the whole robot behind the axle, in half tracks.
+    /// Distance of the robot's centre of mass behind the axle, in half tracks.
     pub(super) fn lever(&self) -> f64 {
         self.behind * self.chassis() / (self.mass * self.l1)
     }
 
-    /// What is not expressed: by the mechanics, and by the format.
+    /// Effects that neither the mechanics nor the format can express.
     pub(super) fn left_out(&self, by_format: Vec<LeftOut>) -> Vec<LeftOut> {
         self.mechanics.left_out.iter().cloned().chain(by_format).collect()
     }
@@ -131,7 +131,7 @@ mod tests {
         near(body.mass, c.m4_kg + 2.0 * c.m1_kg);
         near(body.wheel[0], c.iz1_kg_m2);
         near(body.behind, c.l2_m);
-        // the diametral inertia of the wheels turns with the chassis
+        // the diametral inertia of the wheels is part of the yaw inertia of the chassis
         near(body.yaw, c.iz4_kg_m2 + 2.0 * c.ix1_kg_m2);
         assert!(body.notes.is_empty());
     }

@@ -1,4 +1,4 @@
-//! The files: `model.json`, and the model as a function where it can be one.
+//! The exported files: `model.json`, and the model as a function if possible.
 
 use serde_json::{Value, json};
 
@@ -12,21 +12,21 @@ use crate::simulate::Hold;
 /// Version of the layout of `model.json`.
 pub const SCHEMA: u32 = 1;
 
-/// The equation of every model, in words.
+/// The equation of every model as text.
 const EQUATION: &str = "mass matrix (m11 m12; m12 m22) times the wheel accelerations + resisting \
                         torques + sum over the directions d = (1,0), (0,1), (1,-1), (1,1) of d \
                         level sgn(d . omega) = acting torques";
 
-/// A model with the values that were identified, and where they come from.
+/// A model with the identified values and their origin.
 #[derive(Clone, Copy, Debug)]
 pub struct Identified<'a> {
-    /// What was identified.
+    /// The identified model.
     pub model: &'a Model,
-    /// One value a parameter.
+    /// One value per parameter.
     pub values: &'a [f64],
-    /// One standard error a parameter; zero where it is fixed.
+    /// One standard error per parameter; zero if it is fixed.
     pub std_errors: &'a [f64],
-    /// One unit a parameter, for the input unit of the recordings.
+    /// One unit per parameter, for the input unit of the recordings.
     pub units: &'a [String],
     /// Unit of the recorded torques.
     pub drive_unit: DriveUnit,
@@ -34,23 +34,23 @@ pub struct Identified<'a> {
     pub hold: Hold,
     /// Name of the experiment.
     pub experiment: &'a str,
-    /// The method that found the values.
+    /// The method that estimated the values.
     pub method: &'a str,
-    /// Effects that the diagnosis found and the model does not have.
+    /// Effects found by the diagnosis that are not in the model.
     pub missing: &'a [String],
 }
 
-/// What is written of a model.
+/// Exported files of a model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModelFiles {
     /// Files as name and text, `model.json` first.
     pub files: Vec<(String, String)>,
-    /// Why there is no function, if so.
+    /// Why there is no function, if there is none.
     pub obstacles: Vec<Obstacle>,
 }
 
 impl ModelFiles {
-    /// The files in a sentence.
+    /// Description of the files in a sentence.
     #[must_use]
     pub fn words(&self) -> String {
         let names: Vec<&str> = self.files.iter().map(|(name, _)| name.as_str()).collect();
@@ -62,18 +62,18 @@ impl ModelFiles {
     }
 }
 
-/// Obstacles in words.
+/// The obstacles as text.
 #[must_use]
 pub fn reasons(obstacles: &[Obstacle]) -> String {
     let because = |o: &Obstacle| format!("{}: {}", o.effect, o.reason);
     obstacles.iter().map(because).collect::<Vec<_>>().join("; ")
 }
 
-/// Writes `model.json`, and `model.py`, `model.m`, `model.c`, `model.mo`, `model.js` where every effect can be
-/// written as a function of the present state.
+/// Writes `model.json`, and `model.py`, `model.m`, `model.c`, `model.mo`, `model.js` if every effect is a
+/// function of the present state.
 ///
 /// # Panics
-/// If values, errors or units do not have one entry a parameter.
+/// If values, errors or units do not have one entry per parameter.
 #[must_use]
 pub fn files(identified: &Identified) -> ModelFiles {
     let n = identified.model.parameters().len();
@@ -95,7 +95,7 @@ pub fn files(identified: &Identified) -> ModelFiles {
 /// The model as a function in JavaScript: the text of `model.js`.
 ///
 /// # Errors
-/// Every effect that is no function of the present state.
+/// Every effect that is not a function of the present state.
 pub fn javascript(identified: &Identified) -> Result<String, Vec<Obstacle>> {
     Ok(content(identified, &traced(identified)?).fill(&JAVASCRIPT))
 }
@@ -153,7 +153,7 @@ fn json(it: &Identified, functions: &[&str], obstacles: &[Obstacle]) -> Value {
     })
 }
 
-/// Names of the parameters in the functions: a prefix keeps them off the words of any language.
+/// Names of the parameters in the functions, with a prefix that avoids keywords of the languages.
 fn names<'a>(it: &'a Identified) -> impl Iterator<Item = String> + 'a {
     it.model.parameters().iter().map(|p| format!("p_{}", p.spec.symbol))
 }
@@ -173,7 +173,7 @@ fn constants(it: &Identified) -> Vec<Constant> {
     names(it).enumerate().map(constant).collect()
 }
 
-/// What a reader of a function must know.
+/// Header comment of a function.
 fn header(it: &Identified, traced: &Traced) -> Vec<String> {
     let mut lines = vec![
         format!("Identified model of the robot \"{}\".", it.model.robot().name),
@@ -209,30 +209,30 @@ fn header(it: &Identified, traced: &Traced) -> Vec<String> {
     lines
 }
 
-/// The state of a two-mass drivetrain, in words.
+/// Description of the state of a two-mass drivetrain.
 const TWO_MASS: [&str; 7] = [
     "",
     "Two-mass drivetrain: the state has eight numbers, y = (alpha1, alpha2, omega1, omega2, u1, u2, phi1,",
     "phi2), with the speeds u [rad/s] and twists phi [rad] of the body, body = (u1, u2, phi1, phi2) in the",
-    "formulas. terms holds what acts on the wheels, with the rotors as mass and the torque passed on to the",
-    "body; the rates of u and phi stand in the function after it. A simulation starts with u = w, phi = 0,",
-    "and acceleration is asked for in that state; rates takes any. Its step is at most half the time",
+    "formulas. terms contains the terms on the wheels, with the rotors as mass and the torque transmitted to the",
+    "body; the following function contains the rates of u and phi. A simulation starts with u = w, phi = 0,",
+    "and acceleration is evaluated in that state; rates accepts any. Its step is at most half the time",
     "constant of the coupling.",
 ];
 
-/// How rest is handled, in words.
+/// Description of the treatment of rest.
 const REST: [&str; 13] = [
     "",
     "Rest: a direction whose speed is exactly zero stays at rest while friction within its level",
-    "can hold it (which ones do is found by sweeps over the directions at rest), else it",
+    "can hold it (determined by sweeps over the directions at rest), otherwise it",
     "breaks away against friction. The integrator is Runge-Kutta 4 at a fixed step of at most",
-    "1 ms; signs and stuck directions are held over a step, a reversal inside it is placed by a",
-    "secant and set to zero speed there. What that costs: a breakaway is noticed at the next step,",
-    "up to 1 ms late, and a reversal is off by the square of the step.",
+    "1 ms; signs and stuck directions are constant over a step, a reversal inside it is located by a",
+    "secant and set to zero speed there. Accuracy: a breakaway is detected at the next step,",
+    "up to 1 ms late, and the error of a reversal is of second order in the step.",
     "",
-    "Lag and delay of the input, where there are any, act in the simulation; an acceleration is asked for at",
-    "one instant and takes its torques as held for long.",
+    "Lag and delay of the input, if any, act in the simulation; an acceleration is evaluated at",
+    "one instant, for torques that have been constant.",
     "",
-    "Written by the program from the same formulas that it fits; the equations stand in terms and",
+    "Generated from the formulas that the program fits; the equations are in terms and",
     "drive.",
 ];

@@ -1,4 +1,4 @@
-//! The frames of the languages with their places filled.
+//! Fills the templates of the languages.
 
 use super::language::{LANGUAGES, Language};
 use super::print::{Printed, number, print};
@@ -8,18 +8,18 @@ use crate::simulate::Hold;
 
 /// A constant of a function.
 pub(super) struct Constant {
-    /// As the formulas call it.
+    /// Name in the formulas.
     pub(super) name: String,
     pub(super) value: f64,
     /// Unit, uncertainty and meaning.
     pub(super) remark: String,
 }
 
-/// What a function says in any language.
+/// Content of an exported function, independent of the language.
 pub(super) struct Content<'a> {
     /// The formulas.
     pub(super) traced: &'a Traced,
-    /// Lines of comment.
+    /// Lines of the header comment.
     pub(super) header: Vec<String>,
     /// The parameters of the formulas, in their order.
     pub(super) constants: Vec<Constant>,
@@ -27,7 +27,7 @@ pub(super) struct Content<'a> {
     pub(super) hold: Hold,
 }
 
-/// Results of formulas of the state, as arrays and their sizes.
+/// Results of formulas of the state: arrays and their sizes.
 type Results = [(&'static str, usize)];
 const TERMS: [(&str, usize); 3] = [("mass", 3), ("torque", 2), ("level", 4)];
 const BODY: [(&str, usize); 1] = [("rate", 4)];
@@ -53,7 +53,7 @@ impl Content<'_> {
         let time = |parameter: Option<usize>| {
             parameter.map_or_else(|| number(0.0), |j| constants[j].name.clone())
         };
-        // rows that a delay takes in a language that keeps them: at steps of 1 ms
+        // rows of the buffer for a delay, at steps of 1 ms
         let delay_rows =
             traced.delay.map_or(0, |j| (constants[j].value / 1e-3 + 1e-9) as usize) + 2;
         let inline = [
@@ -122,7 +122,7 @@ impl Content<'_> {
     }
 }
 
-/// A frame with marks within lines, and marks that stand for several lines, replaced.
+/// A template with its placeholders, within lines and for several lines, replaced.
 fn filled(frame: &str, inline: &[(&str, &str)], blocks: &[(&str, Vec<String>)]) -> String {
     let mut out = String::new();
     for line in frame.lines() {
@@ -140,7 +140,7 @@ fn filled(frame: &str, inline: &[(&str, &str)], blocks: &[(&str, Vec<String>)]) 
     out
 }
 
-/// Text that stays within a comment of one line, in C too, where a backslash would go on.
+/// Text within a one-line comment; in C a backslash would continue the line.
 fn one_line(text: &str) -> String {
     text.replace(['\n', '\r', '\\'], " ")
 }

@@ -6,7 +6,7 @@ use crate::math::{Formula, Symbol, record};
 use crate::recording::DriveUnit;
 use crate::simulate::{FuzzyDynamics, Hold};
 
-/// A fuzzy system and where it comes from.
+/// A fuzzy system and its origin.
 #[derive(Clone, Copy, Debug)]
 pub struct FuzzyIdentified<'a> {
     /// The system.
@@ -19,7 +19,7 @@ pub struct FuzzyIdentified<'a> {
     pub hold: Hold,
     /// Name of the experiment.
     pub experiment: &'a str,
-    /// The method that found it.
+    /// The method that fitted it.
     pub method: &'a str,
 }
 
@@ -71,10 +71,10 @@ fn header(it: &FuzzyIdentified) -> Vec<String> {
         "    dw = f(w) + G M".into(),
         String::new(),
         format!("f: {} rules over w1 in {low1} to {high1} rad/s and w2 in {low2} to {high2} rad/s; beyond", system.rules()),
-        "these ranges the value at the edge. Outside of what the training data reached, f is".into(),
+        "these ranges the value at the edge. Outside the training data, f is".into(),
         "extrapolated. Wheel 1 is the right one; alpha [rad], w = omega [rad/s], M recorded torques".into(),
-        format!("[{}]. The mass is 1, the torque -f, and there is no dry friction: what friction", it.drive_unit.symbol()),
-        "does at rest is what the rules have learnt. The integrator is Runge-Kutta 4 at a fixed step".into(),
+        format!("[{}]. The mass is 1, the torque -f, and there is no dry friction: the friction", it.drive_unit.symbol()),
+        "at rest is approximated by the rules. The integrator is Runge-Kutta 4 at a fixed step".into(),
         "of at most 1 ms.".into(),
     ]
 }
@@ -102,7 +102,7 @@ mod tests {
                 place[3..5].copy_from_slice(&w);
                 let (found, [f1, f2]) = (traced.terms.evaluate(&place), fuzzy.system.output(&w));
                 assert_eq!(found[..3], [1.0, 0.0, 1.0]);
-                // the other implementation sums in another order
+                // the other implementation sums in a different order
                 assert!((found[3] + f1).abs() < 1e-12 && (found[4] + f2).abs() < 1e-12);
             }
             let acting = traced.input.evaluate(&[0.0, 0.0, 0.2, -0.1]);

@@ -1,5 +1,5 @@
-//! Gains of the identified robot: feed-forward in WPILib's terms, and a start for PI and LQR control of the
-//! speeds, with their margins.
+//! Gains for the identified robot: feedforward as defined by WPILib, and initial PI and LQR gains for speed
+//! control with their margins.
 
 use serde::Serialize;
 
@@ -9,8 +9,7 @@ use crate::effects::{Motion, along};
 use crate::math::sgn;
 use crate::model::Model;
 
-/// Input that holds a speed and an acceleration: `u = kS sgn(v) + kV v + kA dv/dt`, units of the input per
-/// m/s (rad/s for turning and wheels).
+/// Feedforward `u = kS sgn(v) + kV v + kA dv/dt`; units of the input per m/s (rad/s for turning and wheels).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Feedforward {
     /// Static friction \[input\].
@@ -24,20 +23,20 @@ pub struct Feedforward {
     pub ka: f64,
 }
 
-/// How the robot is driven, which decides on the gains of controllers.
+/// Operating conditions that determine the gains of controllers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Operation {
-    /// Speed that the wheels reach [rad/s].
+    /// Top speed of the wheels [rad/s].
     pub top_speed: f64,
     /// Largest input \[input\].
     pub largest_input: f64,
-    /// Time at which time-dependent effects are taken, the end of the recordings \[s\].
+    /// Time at which time-dependent effects are evaluated, the end of the recordings \[s\].
     pub time: f64,
-    /// Time between the controller's commands \[s\].
+    /// Sampling period of the controller \[s\].
     pub period: f64,
 }
 
-/// A PI controller of a speed, and the state feedback of LQR, with the margins of the loop.
+/// A PI speed controller, and LQR state feedback, with the margins of the loops.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Control {
     /// Proportional gain [input per speed].
@@ -48,11 +47,11 @@ pub struct Control {
     pub pi_margins: Margins,
     /// State feedback of a discrete LQR, compensated for the dead time [input per speed].
     pub lqr: f64,
-    /// Margins of its loop.
+    /// Margins of the LQR loop.
     pub lqr_margins: Margins,
 }
 
-/// Everything that a controller needs of the identified model.
+/// Gains and data for controllers of the identified model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gains {
     /// Of a wheel, driving straight, per rad/s of the wheel.
@@ -63,7 +62,7 @@ pub struct Gains {
     pub linear: Feedforward,
     /// Turning on the spot, per rad/s of the robot.
     pub angular: Feedforward,
-    /// Largest difference between the torque curve and its line kS + kV w, straight and turning \[input\].
+    /// Largest deviation of the torque curve from the line kS + kV w, straight and turning \[input\].
     pub line_error: [f64; 2],
     /// Dead time of the loop: identified lag and delay, and one period of the controller \[s\].
     pub dead_time: f64,
@@ -71,15 +70,15 @@ pub struct Gains {
     pub forward: Control,
     /// Control of the turn rate, per rad/s.
     pub turning: Control,
-    /// Effects that are not in the gains.
+    /// Effects that the gains do not include.
     pub left_out: Vec<LeftOut>,
 }
 
-/// Allowed error of LQR as a share of the top speed (Bryson's rule, taste).
+/// Allowed error for LQR as a share of the top speed (Bryson's rule, judgement).
 const ALLOWED: f64 = 0.1;
-/// Speeds of the line kS + kV w, from a tenth of the top speed up.
+/// Number of speeds for the line kS + kV w, from a tenth of the top speed.
 const SPEEDS: u32 = 19;
-/// Headings and wheel angles over which torques are averaged.
+/// Number of headings and wheel angles over which torques are averaged.
 const ANGLES: u32 = 16;
 
 impl Gains {
@@ -127,7 +126,8 @@ impl Gains {
     }
 }
 
-/// Effects that the line does not hold: those on the input and second masses. Torques of any shape are in it.
+/// Effects that the line does not include: those on the input and second masses. Torques of any shape are
+/// included.
 fn not_in_gains(left_out: Vec<LeftOut>, model: &Model) -> Vec<LeftOut> {
     let acts = |id: &str| {
         let effect = model.effects().iter().find(|e| e.id() == id);
@@ -140,8 +140,8 @@ fn coupled(model: &Model) -> String {
     model.coupling_effect().map_or(String::new(), |e| model.effects()[e].id())
 }
 
-/// Torque that holds the wheels at a speed w along `direction`, the mean of both wheels, forward less backward,
-/// averaged over headings and wheel angles: (w, u), w > 0.
+/// Torque at constant speed w along `direction`, the mean of both wheels, forward minus backward, averaged
+/// over headings and wheel angles: (w, u), w > 0.
 fn curve(model: &Model, p: &[f64], direction: [f64; 2], operation: &Operation) -> Vec<(f64, f64)> {
     let robot = model.robot();
     let holds = |w: f64| -> f64 {
@@ -163,7 +163,7 @@ fn curve(model: &Model, p: &[f64], direction: [f64; 2], operation: &Operation) -
     (0..SPEEDS).map(|k| (speed(k), 0.5 * (holds(speed(k)) - holds(-speed(k))))).collect()
 }
 
-/// The line kS + kV w through points (w, u), by least squares.
+/// Least-squares line kS + kV w through points (w, u).
 fn line(points: &[(f64, f64)]) -> (f64, f64) {
     let n = points.len() as f64;
     let mean = |of: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
@@ -189,7 +189,7 @@ fn control(f: &Feedforward, top: f64, operation: &Operation, theta: f64) -> Cont
     }
 }
 
-/// State feedback of the discrete regulator, moved over the dead time beyond half a period.
+/// State feedback of the discrete regulator, compensated for the dead time beyond half a period.
 ///
 /// ```text
 /// x+ = a x + b u,   P = q + a² P ρ/(ρ + b² P),   K = a b P/(ρ + b² P),   K (a - b K)^(θ/T)
@@ -255,8 +255,8 @@ mod tests {
         assert!(gains.wheel.kv > drag * 12.0);
     }
 
-    /// Speeds [rad/s] of both wheels under a PI controller with feed-forward of the friction, whose commands
-    /// come `dead_time` late.
+    /// Speeds [rad/s] of both wheels under a PI controller with friction feedforward, whose commands are
+    /// delayed by `dead_time`.
     fn closed_loop(
         model: &Model,
         p: &[f64],
@@ -295,14 +295,14 @@ mod tests {
         let (model, p) = robot(&["viscous_friction"]);
         let gains = Gains::of(&model, &p, &OPERATION);
         let control = gains.forward;
-        // SIMC with τc = θ: gain margin 3.1, phase margin 61 degrees where the integral time is kA/kV
+        // SIMC with τc = θ: gain margin 3.1, phase margin 61 degrees if the integral time is kA/kV
         assert!(
             control.pi_margins.gain > 2.5 && control.pi_margins.phase_deg > 45.0,
             "{control:?}"
         );
         let goal = 6.0;
         let deviation = |extra: f64| {
-            // half a period of the dead time is the hold of the command itself
+            // half a period of the dead time is due to the hold of the command itself
             let speeds = closed_loop(&model, &p, &control, 0.5 * OPERATION.period + extra, goal);
             speeds.iter().skip(6000).map(|w| (w - goal).abs()).fold(0.0, f64::max)
         };
@@ -317,7 +317,7 @@ mod tests {
     fn the_regulator_solves_the_riccati_equation() {
         let plant = Plant { ka: 0.6, kv: 0.2, dead_time: 1e-12 };
         let k = lqr(&plant, 0.06, &OPERATION);
-        // value iteration, an independent way to the same gain
+        // value iteration as an independent computation of the same gain
         let a = (-plant.kv / plant.ka * OPERATION.period).exp();
         let b = (1.0 - a) / plant.kv;
         let (q, rho) = (1.0 / 0.06_f64.powi(2), 1.0);

@@ -1,22 +1,22 @@
-//! The languages: how each spells an expression, and its frame.
+//! Languages of the exported functions: syntax of expressions, and template.
 
 use crate::math::expression::Unary;
 
 use super::print::Syntax;
 
-/// A language in which models are written.
+/// A language of exported models.
 pub(super) struct Language {
     /// Name of the file.
     pub(super) file: &'static str,
-    /// The file in that language with marked places.
+    /// The template of the file with placeholders.
     pub(super) frame: &'static str,
-    /// What starts a line of comment.
+    /// Start of a comment line.
     pub(super) comment: &'static str,
-    /// How formulas are spelt.
+    /// Syntax of expressions.
     pub(super) syntax: Syntax,
     /// A constant from name, value and remark.
     pub(super) constant: fn(&str, &str, &str) -> String,
-    /// The words of the language for false and true.
+    /// Literals of the language for false and true.
     pub(super) truth: [&'static str; 2],
 }
 
@@ -109,7 +109,7 @@ pub(super) const LANGUAGES: [Language; 5] = [
     JAVASCRIPT,
 ];
 
-/// JavaScript, which the page of the report runs too.
+/// JavaScript, which is also used by the page of the report.
 pub(super) const JAVASCRIPT: Language = Language {
     file: "model.js",
     frame: include_str!("frame/model.js"),
@@ -139,7 +139,7 @@ pub(super) const JAVASCRIPT: Language = Language {
     truth: ["false", "true"],
 };
 
-/// The spelling that most languages share.
+/// Function names common to most languages.
 fn plain(function: Unary) -> &'static str {
     match function {
         Unary::Negate => "-",

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-/// A speed that answers to an input: `kA dv/dt + kV v = u(t - θ)`.
+/// First-order dynamics of a speed with dead time: `kA dv/dt + kV v = u(t - θ)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Plant {
     pub(super) ka: f64,
@@ -10,16 +10,16 @@ pub(super) struct Plant {
     pub(super) dead_time: f64,
 }
 
-/// Margins of a loop; infinite where it never reaches the gain or the phase in question.
+/// Margins of a loop; infinite if it does not reach the gain or phase concerned.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Margins {
-    /// Factor on the gain at which the loop becomes unstable.
+    /// Gain margin, as a factor.
     pub gain: f64,
-    /// Phase left at unity gain \[degrees\].
+    /// Phase margin \[degrees\].
     pub phase_deg: f64,
-    /// Further dead time at which the loop becomes unstable \[s\].
+    /// Delay margin \[s\].
     pub delay_s: f64,
-    /// Frequency of unity gain [rad/s].
+    /// Crossover frequency (unity gain) [rad/s].
     pub crossover_rad_s: f64,
 }
 
@@ -28,7 +28,7 @@ pub struct Margins {
 /// ```text
 /// L(jω) = (kp + ki/(jω)) e^{-jωθ} / (kA jω + kV)
 /// ```
-/// Both the size and, above the crossover, the phase fall with ω, so that each crossing is found by halving.
+/// The magnitude and, above the crossover, the phase decrease with ω, so each crossing is found by bisection.
 pub(super) fn margins(plant: &Plant, kp: f64, ki: f64) -> Margins {
     let size = |w: f64| kp.hypot(ki / w) / (plant.ka * w).hypot(plant.kv);
     let phase = |w: f64| (-ki).atan2(kp * w) - (plant.ka * w).atan2(plant.kv) - w * plant.dead_time;
@@ -50,7 +50,7 @@ pub(super) fn margins(plant: &Plant, kp: f64, ki: f64) -> Margins {
     }
 }
 
-/// Where a falling function reaches a value, between two frequencies.
+/// Where a decreasing function reaches a value, between two frequencies.
 fn falls_to(f: &impl Fn(f64) -> f64, value: f64, low: f64, high: f64) -> f64 {
     let (mut low, mut high) = (low.ln(), high.ln());
     for _ in 0..200 {

@@ -1,4 +1,4 @@
-//! What of a model a rigid-body simulator can express: mass, damping, friction, weight, actuators.
+//! The part of a model that rigid-body simulators can express: mass, damping, friction, weight, actuators.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -6,10 +6,10 @@ use crate::effects::{Change, Effect, Motion};
 use crate::model::Model;
 use crate::robot::Robot;
 
-/// Numbers of a model that mean the same in any rigid-body simulator, per unit of the input.
+/// Parameters of a model with the same meaning in any rigid-body simulator, per unit of the input.
 ///
-/// Found by asking the effects, not by their names: an effect belongs here if its mass and friction levels
-/// are constant and its torque is a combination of the terms below at every motion that is tried.
+/// Determined by evaluating the effects, not by their names: an effect is included if its mass and friction
+/// levels are constant and its torque is a linear combination of the terms below at every motion tried.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mechanics {
     /// Mass matrix of the wheels (m11, m12, m22) [kg m^2].
@@ -20,11 +20,11 @@ pub struct Mechanics {
     pub damping: [f64; 3],
     /// Levels of dry friction along wheel 1, wheel 2, turning and forward [N m].
     pub friction: [f64; 4],
-    /// Constant torque that the actuators lack on each wheel [N m].
+    /// Constant torque to be subtracted from the actuators on each wheel [N m].
     pub offset: [f64; 2],
-    /// Torque of the weight on each wheel at headings 0 and 90 degrees [N m].
+    /// Torque due to weight on each wheel at headings 0 and 90 degrees [N m].
     pub weight: [f64; 2],
-    /// How far behind the axle the weight acts, in half tracks.
+    /// Distance behind the axle at which the weight acts, in half tracks.
     pub lever: f64,
     /// Factor between recorded and acting input on each wheel.
     pub gain: [f64; 2],
@@ -34,7 +34,7 @@ pub struct Mechanics {
     pub lag_s: f64,
     /// Pure delay of the input \[s\].
     pub delay_s: f64,
-    /// Effects that are not in these numbers, and why.
+    /// Effects that are not included, and the reasons.
     pub left_out: Vec<LeftOut>,
 }
 
@@ -43,19 +43,19 @@ pub struct Mechanics {
 pub struct LeftOut {
     /// Its id.
     pub effect: String,
-    /// Why.
+    /// Why it has none.
     pub reason: &'static str,
 }
 
-/// Torques of the two wheels at a motion, one column a term.
+/// Number of terms: torques of the two wheels at a motion.
 const TERMS: usize = 10;
 
-/// Error of a combination of the terms below which it is the effect, as a share of its largest torque:
+/// Residual of a linear combination, as a share of the largest torque, below which it represents the effect:
 /// rounding of a few dozen sums.
 const EXACT: f64 = 1e-9;
 
 impl Mechanics {
-    /// Of a model with parameter values `p`; time-dependent effects as they are at `t` \[s\].
+    /// Mechanics of a model with parameter values `p`; time-dependent effects are evaluated at `t` \[s\].
     #[must_use]
     pub fn of(model: &Model, p: &[f64], t: f64) -> Self {
         let mut out = Self {
@@ -132,7 +132,7 @@ impl Mechanics {
         Ok(())
     }
 
-    /// What an input effect does to a slow ramp and a step tells gain, limit, lag and delay.
+    /// Determines gain, limit, lag and delay from the response of an input effect to a slow ramp and a step.
     fn add_input(&mut self, effect: &dyn Effect, p: &[f64]) -> Result<(), &'static str> {
         let t: Vec<f64> = (0..=STEPS).map(|k| f64::from(k) * STEP).collect();
         let response = |size: f64, of: &dyn Fn(f64) -> f64| {
@@ -144,7 +144,7 @@ impl Mechanics {
             let late = t[t.len() - 1] - ramp[ramp.len() - 1][0];
             let step = response(1.0, &|t| f64::from(u8::from(t > 0.0)));
             let lag = |t: f64| 1.0 - (-t / late).exp();
-            // a step at the first row rises within it: half a row late
+            // a step at the first row rises within it, which is a delay of half a row
             let is_lag = late > 0.0
                 && t.iter().zip(&step).all(|(t, m)| (m[0] - lag(*t)).abs() < STEP / late);
             return match (is_lag, late >= 0.0) {
@@ -185,7 +185,7 @@ impl Mechanics {
 const STEP: f64 = 1e-3;
 const STEPS: u32 = 2000;
 
-/// Motions that tell the terms from each other: headings all round, both signs of both speeds.
+/// Motions at which the terms are distinguishable: headings all round, both signs of both speeds.
 fn places(robot: &Robot, t: f64) -> Vec<Motion<'_, f64>> {
     (0..24)
         .map(|k| {
@@ -198,8 +198,8 @@ fn places(robot: &Robot, t: f64) -> Vec<Motion<'_, f64>> {
         .collect()
 }
 
-/// How far behind the axle a weight acts that drives and turns the robot with these torques at headings 0 and 90
-/// degrees, in half tracks; `None` where no place is right for both headings.
+/// Distance behind the axle at which a weight acts that causes these driving and turning torques at headings
+/// 0 and 90 degrees, in half tracks; `None` if no single distance is consistent with both headings.
 fn lever(drives: [f64; 2], turns: [f64; 2]) -> Option<f64> {
     let square = drives[0] * drives[0] + drives[1] * drives[1];
     let lever = (turns[0] * drives[0] + turns[1] * drives[1]) / square.max(f64::MIN_POSITIVE);
@@ -208,8 +208,8 @@ fn lever(drives: [f64; 2], turns: [f64; 2]) -> Option<f64> {
     (left(0) && left(1)).then_some(lever)
 }
 
-/// The coefficients of (offset 1, offset 2, d11, d12, d22, a3, weight driving at 0 and 90 degrees, weight turning at
-/// 0 and 90 degrees) that make the torques, or `None`.
+/// The coefficients of (offset 1, offset 2, d11, d12, d22, a3, weight driving at 0 and 90 degrees, weight
+/// turning at 0 and 90 degrees) that reproduce the torques, or `None`.
 fn combination(places: &[Motion<'_, f64>], torque: &[f64]) -> Option<[f64; TERMS]> {
     let size = torque.iter().fold(0.0_f64, |a, m| a.max(m.abs()));
     if size == 0.0 {
@@ -219,12 +219,12 @@ fn combination(places: &[Motion<'_, f64>], torque: &[f64]) -> Option<[f64; TERMS
     let wanted = DVector::from_column_slice(torque);
     let found = columns.clone().svd(true, true).solve(&wanted, 1e-12).ok()?;
     let error = (&columns * &found - wanted).amax();
-    // what rounding alone makes of a term that is not there is none
+    // coefficients at the level of rounding are set to zero
     let real = |j: usize| found[j].abs() * columns.column(j).amax() > EXACT * size;
     (error <= EXACT * size).then(|| std::array::from_fn(|j| if real(j) { found[j] } else { 0.0 }))
 }
 
-/// The terms at a motion on wheel `i`.
+/// The terms for wheel `i` at a motion.
 fn at(x: &Motion<f64>, i: usize) -> [f64; TERMS] {
     let [w1, w2] = x.omega;
     let (sin, cos) = x.heading().sin_cos();

@@ -1,8 +1,8 @@
-//! The identified model outside the program: as data and as a function in five languages.
+//! Export of the identified model: as data and as a function in five languages.
 //!
-//! No equation is written twice. The effects run once with [`Symbol`](crate::math::Symbol)s, which
-//! records their formulas as a graph; each language prints that graph into a frame, a file in that
-//! language with marked places (`frame/`), which holds the treatment of rest and the integrator.
+//! No equation is written twice. The effects are evaluated once with [`Symbol`](crate::math::Symbol)s, which
+//! record their formulas as a graph; each language prints this graph into a template (`frame/`), which
+//! contains the treatment of rest and the integrator.
 
 mod body;
 mod document;

@@ -3,24 +3,24 @@
 use crate::math::expression::{Binary, Unary};
 use crate::math::{Formula, Node};
 
-/// Most operations in one expression; beyond them a temporary is made. Counted in operations, so
-/// that every language gets the same temporaries.
+/// Largest number of operations in one expression; beyond it a temporary variable is used. Counted in
+/// operations, so that every language has the same temporaries.
 const MOST_OPERATIONS: usize = 8;
 
-/// What differs between the languages in an expression or an assignment.
+/// Language-dependent syntax of expressions and assignments.
 #[derive(Clone, Copy)]
 pub(super) struct Syntax {
     /// Name of a function of one variable.
     pub(super) unary: fn(Unary) -> &'static str,
-    /// Names of the smaller, the larger and the power.
+    /// Names of minimum, maximum and power.
     pub(super) binary: [&'static str; 3],
-    /// A place in an array, counted from zero.
+    /// An array element, with indices from zero.
     pub(super) place: fn(&str, usize) -> String,
-    /// The statement that makes temporary number k, counted from zero.
+    /// The statement that assigns temporary number k, counted from zero.
     pub(super) temporary: fn(usize, &str) -> String,
-    /// How temporary number k is named.
+    /// Name of temporary number k.
     pub(super) name: fn(usize) -> String,
-    /// The statement that sets a place.
+    /// The statement that assigns an array element.
     pub(super) set: fn(&str, &str) -> String,
 }
 
@@ -28,11 +28,11 @@ pub(super) struct Syntax {
 pub(super) struct Printed {
     /// Statements, one a line, without indentation.
     pub(super) statements: Vec<String>,
-    /// How many temporaries they make.
+    /// Number of temporaries.
     pub(super) temporaries: usize,
 }
 
-/// Text of an expression, and how tightly it binds.
+/// Text of an expression, and its precedence.
 #[derive(Clone)]
 struct Text(String, Tightness);
 
@@ -44,18 +44,18 @@ enum Tightness {
 }
 
 impl Text {
-    /// In parentheses unless it binds at least as tightly as needed.
+    /// In parentheses unless its precedence is at least the required one.
     fn within(&self, needed: Tightness) -> String {
         if self.1 >= needed { self.0.clone() } else { format!("({})", self.0) }
     }
 }
 
-/// A number that every one of the languages reads back to the same bits.
+/// A number in a notation that all languages read back to the same bits.
 pub(super) fn number(value: f64) -> String {
     format!("{value:?}")
 }
 
-/// Prints a formula whose inputs have names and whose results go to places.
+/// Prints a formula with named inputs and results.
 pub(super) fn print(
     formula: &Formula,
     inputs: &[String],
@@ -101,7 +101,7 @@ fn expression(node: &Node, texts: &[Text], inputs: &[String], syntax: &Syntax) -
             Text(number(value), if negative { Tightness::Sum } else { Tightness::Whole })
         }
         Node::Input(k) => Text(inputs[k].clone(), Tightness::Whole),
-        // a sign stands in parentheses within all but the start of a sum: Modelica has no a * -b
+        // a sign needs parentheses except at the start of a sum: Modelica does not allow a * -b
         Node::Unary(Unary::Negate, a) => {
             Text(format!("-{}", texts[a].within(Tightness::Whole)), Tightness::Sum)
         }

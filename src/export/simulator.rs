@@ -6,40 +6,58 @@ use super::body::Body;
 use super::document::Identified;
 use super::mechanics::{LeftOut, Mechanics};
 
-/// A robot written for a simulator.
+/// A robot in the format of a simulator.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Simulator {
     /// Files as name and text.
     pub files: Vec<(String, String)>,
     /// Effects that the format does not express.
     pub left_out: Vec<LeftOut>,
-    /// What else a reader must know.
+    /// Further remarks for the user.
     pub notes: Vec<String>,
 }
 
 /// Standard gravity [m/s^2].
 const GRAVITY: f64 = 9.806_65;
 
-/// Time constant \[s\] and damping ratio of contacts and dry friction: twice the step, the stiffest that MuJoCo
-/// takes. At its defaults wheels creep where they should stick, by 0.03 rad/s rms on the AmigoBot; at these values
-/// by 0.002.
+/// Time constant \[s\] and damping ratio of contacts and dry friction: twice the step, the stiffest value
+/// that MuJoCo allows. With its defaults wheels creep instead of sticking, by 0.03 rad/s RMS on the AmigoBot;
+/// with these values by 0.002.
 const STIFF: &str = "0.002 1";
-/// Impedance of the same: near that of hard constraints.
+/// Impedance of contacts and dry friction: close to that of hard constraints.
 const CLOSE: &str = "0.99 0.999 0.001";
 
-/// Difference of the place where the weight acts from the centre of mass that is written, in half tracks, that is worth
-/// a word (taste): a twentieth of the weight's driving torque.
+/// Difference between the point where the weight acts and the exported centre of mass, in half tracks, above
+/// which it is mentioned (judgement): a twentieth of the driving torque of the weight.
 const SAME_LEVER: f64 = 0.05;
 
-/// `robot.xml`: MJCF with a chassis that slides and yaws, wheels that roll on the floor, and a motor a wheel
-/// whose control is the recorded input.
+/// `robot.xml`: MJCF with a chassis that slides and yaws, wheels that roll on the floor, and one motor per
+/// wheel whose control is the recorded input.
 ///
-/// Dry friction is `frictionloss` of the wheel joints, along turning and forward of fixed tendons; damping
-/// likewise; inertia of wheels and rotors is `armature`; a lag is the filter of the actuators; an inclined floor
-/// turns gravity. Time-dependent effects are written as they are at `t` \[s\].
+/// Dry friction is `frictionloss` of the wheel joints, and of fixed tendons for turning and forward motion;
+/// damping likewise; the inertia of wheels and rotors is `armature`; a lag is the filter of the actuators; an
+/// inclined floor rotates gravity. Time-dependent effects are evaluated at `t` \[s\].
 #[must_use]
 pub fn mjcf(it: &Identified, t: f64) -> Simulator {
     let body = Body::new(&Mechanics::of(it.model, it.values, t), it.model.robot(), it.drive_unit);
+    let m = &body.mechanics;
+    let left_out = body.left_out(not_in_mjcf(&body));
+    let mut out = String::from("<mujoco model=\"robot\">\n");
+    out += &comment(it, &body, &left_out);
+    out += &options(&body);
+    out += "  <worldbody>\n    <geom name=\"floor\" type=\"plane\" size=\"50 50 1\" friction=\"3 0 0\" \
+            condim=\"3\"/>\n";
+    out += &chassis(&body);
+    out += &wheels(&body);
+    out += "    </body>\n  </worldbody>\n";
+    out += &tendons(m);
+    out += &actuators(&body);
+    out += "</mujoco>\n";
+    Simulator { files: vec![("robot.xml".into(), out)], left_out, notes: body.notes }
+}
+
+/// What MJCF cannot express of the mechanics.
+fn not_in_mjcf(body: &Body) -> Vec<LeftOut> {
     let m = &body.mechanics;
     let mut left = Vec::new();
     if m.damping[0] < m.damping[1].abs() || m.damping[2] < m.damping[1].abs() {
@@ -48,12 +66,16 @@ pub fn mjcf(it: &Identified, t: f64) -> Simulator {
     if m.weight != [0.0; 2] && (m.lever - body.lever()).abs() > SAME_LEVER {
         left.push(LeftOut {
             effect: "turning by the weight".into(),
-            reason: "the weight acts at the centre of mass that the centrifugal constant gives, not where the slope has it",
+            reason: "the weight acts at the centre of mass given by the centrifugal constant, which differs from that of the slope",
         });
     }
-    let left_out = body.left_out(left);
-    let mut out = String::from("<mujoco model=\"robot\">\n");
-    out += &comment(it, &body, &left_out);
+    left
+}
+
+/// Integrator, gravity, turned by an inclined floor, and the stiffness of contacts and dry friction.
+fn options(body: &Body) -> String {
+    let m = &body.mechanics;
+    let mut out = String::new();
     let weight = [0, 1].map(|i| -2.0 * m.weight[i] / (body.r * body.mass));
     let vertical = -(GRAVITY * GRAVITY - weight[0].powi(2) - weight[1].powi(2)).max(0.0).sqrt();
     let _ = writeln!(
@@ -68,8 +90,12 @@ pub fn mjcf(it: &Identified, t: f64) -> Simulator {
          <tendon solreffriction=\"{STIFF}\" solimpfriction=\"{CLOSE}\"/>\n    \
          <geom solref=\"{STIFF}\" solimp=\"{CLOSE}\"/>\n  </default>"
     );
-    out += "  <worldbody>\n    <geom name=\"floor\" type=\"plane\" size=\"50 50 1\" friction=\"3 0 0\" \
-            condim=\"3\"/>\n";
+    out
+}
+
+/// The opening tag of the chassis, with its joints, inertia and shape.
+fn chassis(body: &Body) -> String {
+    let mut out = String::new();
     let _ = writeln!(out, "    <body name=\"chassis\" pos=\"0 0 {}\">", body.r);
     for (name, kind, axis) in [
         ("x", "slide", "1 0 0"),
@@ -92,6 +118,13 @@ pub fn mjcf(it: &Identified, t: f64) -> Simulator {
         0.8 * body.l1,
         0.5 * body.r
     );
+    out
+}
+
+/// The wheels with damping, dry friction and armature.
+fn wheels(body: &Body) -> String {
+    let m = &body.mechanics;
+    let mut out = String::new();
     let tiny = 1e-4 * body.wheel[0].min(body.wheel[1]);
     for (i, name, side) in [(0, "right", -1.0), (1, "left", 1.0)] {
         let damping = (m.damping[2 * i] - m.damping[1].abs()).max(0.0);
@@ -109,14 +142,10 @@ pub fn mjcf(it: &Identified, t: f64) -> Simulator {
             body.r
         );
     }
-    out += "    </body>\n  </worldbody>\n";
-    out += &tendons(m);
-    out += &actuators(&body);
-    out += "</mujoco>\n";
-    Simulator { files: vec![("robot.xml".into(), out)], left_out, notes: body.notes }
+    out
 }
 
-/// Friction and damping along turning and forward: fixed tendons whose speed is w1 - w2 and w1 + w2.
+/// Friction and damping of turning and forward motion: fixed tendons with the speeds w1 - w2 and w1 + w2.
 fn tendons(m: &Mechanics) -> String {
     let mut out = String::new();
     let cross = m.damping[1];
@@ -135,7 +164,7 @@ fn tendons(m: &Mechanics) -> String {
     if out.is_empty() { out } else { format!("  <tendon>\n{out}  </tendon>\n") }
 }
 
-/// A motor a wheel: gain, bias, limit and lag of the recorded input.
+/// One motor per wheel: gain, bias, limit and lag of the recorded input.
 fn actuators(body: &Body) -> String {
     let m = &body.mechanics;
     let mut out = String::from("  <actuator>\n");
@@ -169,8 +198,8 @@ fn actuators(body: &Body) -> String {
 
 /// `robot.urdf` and `robot.sdf`: links with masses and inertias, wheels with damping and friction.
 ///
-/// Neither has an armature, so that rotors are in the inertia of the wheels; nor friction along turning and
-/// forward, lags, gains or limits.
+/// Neither format has an armature, so rotor inertias are included in the inertia of the wheels; friction of
+/// turning and forward motion, lags, gains and limits are not supported.
 #[must_use]
 pub fn urdf_sdf(it: &Identified, t: f64) -> Simulator {
     let body = Body::new(&Mechanics::of(it.model, it.values, t), it.model.robot(), it.drive_unit);
@@ -181,16 +210,16 @@ pub fn urdf_sdf(it: &Identified, t: f64) -> Simulator {
             left.push(LeftOut { effect: what.into(), reason });
         }
     };
-    lacks(m.friction[2] != 0.0, "friction of turning", "joints have friction of their own alone");
+    lacks(m.friction[2] != 0.0, "friction of turning", "joints support only their own friction");
     lacks(
         m.friction[3] != 0.0,
         "friction of driving forward",
-        "joints have friction of their own alone",
+        "joints support only their own friction",
     );
     lacks(
         m.damping[1] != 0.0,
         "damping between the wheels",
-        "joints have damping of their own alone",
+        "joints support only their own damping",
     );
     lacks(m.offset != [0.0; 2], "torque offset", "the format has no bias of actuators");
     lacks(m.weight != [0.0; 2], "inclined floor", "it belongs to the world and not to the robot");
@@ -205,11 +234,11 @@ pub fn urdf_sdf(it: &Identified, t: f64) -> Simulator {
     Simulator { files, left_out, notes: body.notes }
 }
 
-/// Yaw inertia of chassis and wheels: the wheels' own, half of that about the axle (a flat disc), is taken
-/// from the chassis as far as it has that much.
+/// Yaw inertia of chassis and wheels: that of the wheels, half of their axial inertia (a flat disc), is
+/// subtracted from the chassis if it is large enough.
 fn split_yaw(body: &Body) -> (f64, [f64; 2]) {
     let share = (0.45 * body.yaw / (body.wheel[0] + body.wheel[1])).min(0.5);
-    // below half the inertia about the axle no body has that shape, and physics engines refuse it
+    // a diametral inertia below half the axial one is not physical, and physics engines refuse it
     let across = body.wheel.map(|w| 0.5 * w);
     (body.yaw - share * (body.wheel[0] + body.wheel[1]), across)
 }
@@ -282,7 +311,7 @@ fn sdf(it: &Identified, body: &Body, left_out: &[LeftOut]) -> String {
     out + "  </model>\n</sdf>\n"
 }
 
-/// What a reader must know, as a comment.
+/// The remarks as a comment.
 fn comment(it: &Identified, body: &Body, left_out: &[LeftOut]) -> String {
     let mut lines = vec![
         format!("Identified robot \"{}\": experiment {}, {}.", it.model.robot().name, it.experiment, it.method),
@@ -292,7 +321,7 @@ fn comment(it: &Identified, body: &Body, left_out: &[LeftOut]) -> String {
     ];
     lines.extend(body.notes.iter().map(|note| format!("Note: {note}.")));
     lines.extend(left_out.iter().map(|l| format!("Not expressed: {}: {}.", l.effect, l.reason)));
-    // no comment may hold two hyphens
+    // XML comments must not contain two hyphens
     let text = lines.join("\n    ").replace("--", "- -");
     format!("  <!-- {text} -->\n")
 }

@@ -4,39 +4,40 @@ use crate::effects::{BodyState, Change, Coupling, Effect, Motion, Terms};
 use crate::math::{Formula, Symbol, record};
 use crate::model::{Model, cramer};
 
-/// Inputs of [`Traced::terms`] before the parameters: t, alpha1, alpha2, omega1, omega2, and of a second body
-/// its speeds u1, u2 and twists phi1, phi2.
+/// Inputs of [`Traced::terms`] before the parameters: t, alpha1, alpha2, omega1, omega2, and for a second
+/// body its speeds u1, u2 and twists phi1, phi2.
 pub(super) const MOTION: usize = 9;
-/// Inputs of [`Traced::input`] before the parameters: M1, M2 of the sample before and of this one.
+/// Inputs of [`Traced::input`] before the parameters: M1, M2 of the previous and of the present sample.
 pub(super) const TORQUES: usize = 4;
-/// The place of recording; any would do, since only formulas without branches are taken.
+/// Values of the state at which formulas are recorded; arbitrary, because only formulas without branches are
+/// accepted.
 const PLACE: [f64; MOTION] = [0.7, 0.3, -0.4, 1.1, -0.6, 0.9, -0.5, 0.02, -0.03];
 const RECORDED: [f64; TORQUES] = [0.11, -0.07, 0.13, -0.09];
 
-/// Why a model cannot be written as a function of the present state.
+/// Why a model is not a function of the present state.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Obstacle {
-    /// Id of the effect that cannot be written.
+    /// Id of the effect.
     pub effect: String,
-    /// Why.
+    /// Why it is none.
     pub reason: String,
 }
 
 /// The formulas of a model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Traced {
-    /// From (t, alpha1, alpha2, omega1, omega2, u1, u2, phi1, phi2, parameters) to the mass matrix
-    /// (m11, m12, m22), the resisting torque on each wheel and the four levels of dry friction. In a two-mass
-    /// drivetrain the mass is that of the rotors, and the torque passed on to the body resists.
+    /// From (t, alpha1, alpha2, omega1, omega2, u1, u2, phi1, phi2, parameters) to the mass matrix (m11, m12,
+    /// m22), the resisting torque on each wheel and the four levels of dry friction. In a two-mass drivetrain
+    /// the mass is that of the rotors, and the torque transmitted to the body is a resisting torque.
     pub terms: Formula,
-    /// From the same to the rates (du1, du2, dphi1, dphi2) of the second body [rad/s^2, rad/s]; no results
+    /// From the same inputs to the rates (du1, du2, dphi1, dphi2) of the second body [rad/s^2, rad/s]; empty
     /// without one.
     pub body: Formula,
-    /// From the same to the fastest rate of the coupling [1/s]; zero without one.
+    /// From the same inputs to the fastest rate of the coupling [1/s]; zero without one.
     pub fastest: Formula,
-    /// From (M1, M2 of the sample before, M1, M2, parameters) to the torques that enter lag and delay.
+    /// From (M1, M2 of the previous sample, M1, M2, parameters) to the torques before lag and delay.
     pub input: Formula,
-    /// From the same, M as lag and delay pass it on, to the torques that act.
+    /// From the same inputs, with M after lag and delay, to the acting torques.
     pub behind: Formula,
     /// Number of the parameter that is the time constant of a first-order lag, if there is one.
     pub lag: Option<usize>,
@@ -47,8 +48,8 @@ pub struct Traced {
 /// Records the formulas of a model; `p` are the values of its parameters.
 ///
 /// # Errors
-/// Every effect that is neither a formula of the present state nor a lag or delay of the input: another memory
-/// of earlier torques, or a branch on a value.
+/// Every effect that is neither a function of the present state nor a lag or delay of the input: it depends
+/// on earlier torques in another way, or branches on a value.
 ///
 /// # Examples
 /// ```
@@ -77,7 +78,7 @@ pub fn trace(model: &Model, p: &[f64]) -> Result<Traced, Vec<Obstacle>> {
     let every: Vec<usize> = (0..model.effects().len()).collect();
     let memory = |kind: Memory| every.iter().copied().find(|&e| memory(model, e, p) == Some(kind));
     let (lag, delay) = (memory(Memory::Lag), memory(Memory::Delay));
-    // where lag and delay stand in the list of effects, the first and the last of them
+    // indices of the first and the last effect that is a lag or a delay
     let (from, to) = span(model, p).unwrap_or((every.len(), every.len()));
     let parameter = |e: usize| model.slots(e).start;
     Ok(Traced {
@@ -91,15 +92,15 @@ pub fn trace(model: &Model, p: &[f64]) -> Result<Traced, Vec<Obstacle>> {
     })
 }
 
-/// How an input effect remembers earlier torques.
+/// How an input effect depends on earlier torques.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Memory {
     Lag,
     Delay,
 }
 
-/// Whether effect number `e` is a lag or a delay whose one parameter is its time, by its answer to a ramp and
-/// a step.
+/// Whether effect number `e` is a lag or a delay whose only parameter is its time, from its response to a
+/// ramp and a step.
 fn memory(model: &Model, e: usize, p: &[f64]) -> Option<Memory> {
     let effect = &model.effects()[e];
     let own = &p[model.slots(e)];
@@ -113,22 +114,22 @@ fn memory(model: &Model, e: usize, p: &[f64]) -> Option<Memory> {
         effect.input(&t, &t.iter().map(|&t| [of(t); 2]).collect::<Vec<_>>(), own)
     };
     let (ramp, rise) = (answer(&|t| t)?, answer(&|t| f64::from(u8::from(t > 0.0)))?);
-    // after twenty time constants a lag follows a ramp late by its time, to 2e-9
+    // after twenty time constants a lag follows a ramp with a delay equal to its time constant, to 2e-9
     if (t[1000] - ramp[1000][0] - time).abs() > 1e-6 * step.max(time) {
         return None;
     }
-    // half a time constant after a step a lag has begun to rise, and a delay has not
+    // half a time constant after a step the output of a lag has begun to rise, that of a delay has not
     Some(if rise[25][0] > 0.1 { Memory::Lag } else { Memory::Delay })
 }
 
-/// Numbers of the first and the last effect that is a lag or a delay.
+/// Indices of the first and the last effect that is a lag or a delay.
 fn span(model: &Model, p: &[f64]) -> Option<(usize, usize)> {
     let mut remember = (0..model.effects().len()).filter(|&e| memory(model, e, p).is_some());
     let first = remember.next()?;
     Some((first, remember.next_back().unwrap_or(first)))
 }
 
-/// Why effect number `e` cannot be written, if so.
+/// Why effect number `e` cannot be exported, if it cannot.
 fn obstacle(model: &Model, e: usize, p: &[f64]) -> Option<&'static str> {
     let terms = formula(model, p, |x| {
         let coupling = x.coupling(e).map(|c| vec![c.rotor, c.stiffness, c.damping]);
@@ -144,7 +145,7 @@ fn obstacle(model: &Model, e: usize, p: &[f64]) -> Option<&'static str> {
     let between = span(model, p).is_some_and(|(first, last)| (first..last).contains(&e));
     if between && model.effects()[e].acts_on_input() {
         return Some(
-            "it acts on the input between a lag and a delay; put it before or behind both",
+            "it acts on the input between a lag and a delay; place it before or after both",
         );
     }
     if terms.read || input.read {
@@ -153,7 +154,7 @@ fn obstacle(model: &Model, e: usize, p: &[f64]) -> Option<&'static str> {
     None
 }
 
-/// A model at a place and parameters that are symbols.
+/// A model at an instant with symbolic state and parameters.
 struct Place<'a> {
     model: &'a Model,
     motion: Motion<'a, Symbol>,
@@ -161,7 +162,7 @@ struct Place<'a> {
     p: &'a [Symbol],
 }
 
-/// What acts on the wheels, and what a second body does.
+/// Terms on the wheels, and rates of a second body.
 struct Separated {
     wheel: Terms<Symbol>,
     body: Option<Body>,
@@ -169,7 +170,7 @@ struct Separated {
 
 /// A second body at one instant.
 struct Body {
-    /// Of its speeds and twists.
+    /// Rates of its speeds and twists.
     rates: [Symbol; 4],
     /// The fastest rate of the coupling.
     fastest: Symbol,
@@ -193,7 +194,7 @@ impl Place<'_> {
         sum
     }
 
-    /// The equations as the simulation has them: of the robot as a whole, or of wheels and a second body.
+    /// The equations of the simulation: of the robot as a whole, or of wheels and second body.
     fn separated(&self) -> Separated {
         let Some(coupling) = self.every().find_map(|e| self.coupling(e)) else {
             return Separated { wheel: self.sum(self.every(), &self.motion), body: None };
@@ -216,7 +217,7 @@ fn numbers(terms: &Terms<Symbol>) -> Vec<Symbol> {
     [&terms.mass[..], &terms.torque, &terms.level].concat()
 }
 
-/// Records a formula of the place.
+/// Records a formula at the given instant.
 fn formula(model: &Model, p: &[f64], f: impl Fn(&Place) -> Vec<Symbol>) -> Formula {
     record(&[&PLACE, p].concat(), |x| {
         let (place, p) = x.split_at(MOTION);
@@ -228,7 +229,7 @@ fn formula(model: &Model, p: &[f64], f: impl Fn(&Place) -> Vec<Symbol>) -> Formu
     })
 }
 
-/// Two samples go in, so that a memory of the first shows in the second.
+/// Two samples are given, so that a dependence on the first is visible in the second.
 fn input(model: &Model, effects: std::ops::Range<usize>, p: &[f64]) -> Formula {
     record(&[&RECORDED, p].concat(), |x| {
         let (m, p) = x.split_at(TORQUES);
@@ -249,7 +250,7 @@ mod tests {
     use crate::effects::all;
     use crate::robot::Robot;
 
-    /// A place far from others, number k.
+    /// Instant number k for tests, far from the others.
     fn place(k: u32) -> [f64; MOTION] {
         let at = |i: usize| 7.0 * (1.7 * f64::from(k) + 2.3 * i as f64).sin();
         let mut place = std::array::from_fn(at);

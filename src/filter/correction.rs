@@ -7,7 +7,7 @@ pub(super) type Mean<const N: usize> = SVector<f64, N>;
 /// Their covariance.
 pub(super) type Covariance<const N: usize> = SMatrix<f64, N, N>;
 
-/// Variance of a wheel that is known to stand still [rad^2/s^2].
+/// Variance of a wheel that is at rest [rad^2/s^2].
 pub(super) const STILL: f64 = 1e-10;
 
 /// Takes out what rounding made asymmetric.
@@ -25,7 +25,7 @@ pub(super) fn freeze<const N: usize>(covariance: &mut Covariance<N>, mean: &mut 
     covariance[(2 + i, 2 + i)] = STILL;
 }
 
-/// What a scalar measurement sees: two states with their weights.
+/// A scalar measurement: two states with their weights.
 pub(super) type Measurement = [(usize, f64); 2];
 
 /// One scalar measurement: returns innovation and its variance, corrects mean, covariance and

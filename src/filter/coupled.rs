@@ -163,7 +163,8 @@ impl<'a> Coupled<'a> {
 }
 
 impl Dynamics<STATES> for Coupled<'_> {
-    /// The body moves as the wheels do, within what the input can make of slip and twist.
+    /// The body starts with the speeds of the wheels, with a variance of slip and twist that the input can
+    /// cause.
     fn start(
         &mut self,
         input: &[f64; 2],

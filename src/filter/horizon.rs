@@ -75,7 +75,7 @@ pub(crate) struct HorizonFilter<'a> {
     pub(crate) alike: bool,
 }
 
-/// What a pass over a piece sums up.
+/// Sums over the rows of a piece.
 #[derive(Clone)]
 pub(crate) struct Sums {
     /// Measured values.
@@ -263,7 +263,7 @@ impl Run<'_> {
         for i in 0..2 {
             mean[i] = motion.alpha[i];
             mean[2 + i] = if self.prepared.still[k][i] { 0.0 } else { motion.omega[i] };
-            // a computed speed is trusted no more than a measured one at this horizon
+            // a computed speed has no smaller variance than a measured one at this horizon
             let memory = |c: usize| self.variance[c] - self.prepared.variance[c];
             let or = |c: usize, computed: f64| {
                 if self.prepared.used[c] { self.variance[c] } else { computed + memory(c) }

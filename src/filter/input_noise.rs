@@ -1,5 +1,5 @@
-//! What noise of the recorded input does to the score: it reaches the innovation and, through the
-//! acceleration, the derivatives by the inertias, so their product has a mean.
+//! Effect of noise of the recorded input on the score: it enters the innovation and, through the
+//! acceleration, the derivatives with respect to the inertias, so their product has a non-zero mean.
 
 use nalgebra::{DVector, Matrix2};
 

@@ -1,4 +1,4 @@
-//! Whether the jumps of an input from row to row are noise, by what the robot does.
+//! Whether the changes of an input from row to row are noise, determined from the motion.
 
 use super::{Likelihood, ProcessNoise, prepare};
 use crate::model::Model;
@@ -8,11 +8,12 @@ use crate::simulate::Hold;
 /// Log-likelihood by which another level of noise must be better [nats]: that of four standard errors.
 const SURE: f64 = 8.0;
 
-/// Share (0 to 1) of the standard deviation of the input's jumps, [`Recording::input_jumps`], that is noise: the most
-/// likely noise of the input for a model at `p` over that of its differences, where innovations refute the latter.
+/// Share (0 to 1) of the standard deviation of the input's differences, [`Recording::input_jumps`], that is
+/// noise: the most likely noise of the input for a model at `p` relative to that of its differences, if the
+/// innovations contradict the latter.
 ///
-/// A command that is held, and a controller that answers the steps of an encoder, jump from row to row as noise does, but
-/// the robot follows them. A model that lacks something makes the innovations larger and the share one.
+/// A held command, and a controller that responds to the counts of an encoder, change from row to row like
+/// noise, but the robot follows them. An incomplete model makes the innovations larger and the share one.
 #[must_use]
 pub fn noise_of_jumps(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -> f64 {
     let prepared = recordings.iter().map(|r| prepare(r)).collect();

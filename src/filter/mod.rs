@@ -50,7 +50,7 @@ pub enum FilterError {
     NotFinite,
 }
 
-/// Noise of the process: what the recorded input does not explain.
+/// Process noise: motion that the recorded input does not explain.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct ProcessNoise {
     /// White noise of the recorded input, one draw a sample [N m].

@@ -21,7 +21,7 @@ const LONGEST: f64 = 2.0;
 const RIDGE: f64 = 1e-6;
 /// Least factor of a variance in one step.
 const LEAST: f64 = 0.1;
-/// A step that gains or promises less is the last [nats].
+/// A step with a smaller gain, actual or predicted, is the last [nats].
 const GAIN: f64 = 0.05;
 /// Steps, at most.
 const STEPS: usize = 15;
@@ -65,7 +65,7 @@ impl Likelihood<'_> {
 
     /// The most likely weight of the later input: the top of the parabola through three weights,
     /// between 0 and 1 (rows stamped half a sample early or late). A hold that the user states is
-    /// believed.
+    /// used without an estimate.
     fn later(&self, model: &Model, p: &[f64], noise: &ProcessNoise) -> f64 {
         let at = |later: f64| self.value(model, p, &ProcessNoise { later, ..*noise });
         let c = noise.later;
@@ -195,7 +195,7 @@ impl<'a> NoiseSearch<'a> {
         self.likelihood.value(self.model, self.p, &self.noise_at(x))
     }
 
-    /// The next logarithms and the gain that the quadratic model promises.
+    /// The next logarithms and the gain predicted by the quadratic model.
     fn next(&self, x: &Vector3<f64>, slopes: &Slopes, damping: f64) -> (Vector3<f64>, f64) {
         let (g, information) = (&slopes.gradient, &slopes.information);
         let at_edge = |i: usize| {

@@ -22,7 +22,7 @@ const BLOCK: f64 = 5.0;
 /// Standard deviations of its noise between which a bend of the input becomes a jump.
 const JUMP: (f64, f64) = (3.0, 5.0);
 
-/// Torque columns that ride along in a pass: anything whose coefficient is zero in the model.
+/// Additional torque columns of a pass, whose coefficients are zero in the model.
 pub trait Columns: Sync {
     /// How many.
     fn count(&self) -> usize;
@@ -59,7 +59,7 @@ pub struct Instant<'a> {
     pub input: [f64; 2],
 }
 
-/// What a pass is run with.
+/// Settings of a pass.
 #[derive(Clone, Copy, Debug)]
 pub struct PassSettings {
     /// Process noise.
@@ -72,7 +72,7 @@ pub struct PassSettings {
     pub input_noise: bool,
 }
 
-/// What a pass gives.
+/// Result of a pass.
 #[derive(Clone, Debug)]
 pub struct Pass {
     /// Log-likelihood of the innovations.
@@ -81,7 +81,7 @@ pub struct Pass {
     pub information: DMatrix<f64>,
     /// Score of parameters and columns.
     pub score: DVector<f64>,
-    /// What noise of the recorded input adds to the score on average, where asked for.
+    /// Mean contribution of noise of the recorded input to the score, if requested.
     pub score_of_input_noise: DVector<f64>,
     /// Scores of blocks of 5 s.
     pub blocks: Vec<DVector<f64>>,
@@ -98,7 +98,7 @@ pub struct Innovation {
     pub channel: usize,
     /// Innovation [rad, rad/s].
     pub value: f64,
-    /// What the filter expects its square to be [rad², rad²/s²].
+    /// Its predicted variance [rad², rad²/s²].
     pub variance: f64,
 }
 
@@ -350,8 +350,8 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
         }
     }
 
-    /// One axis written down twice is measured once, by the mean of the wheels. Their difference,
-    /// always zero, holds them together and says nothing.
+    /// A single axis mapped to both wheels is measured once, by the mean of the wheels. Their difference,
+    /// which is always zero, keeps the wheel states together and contains no information.
     fn measure_axis(&mut self, k: usize, mean: &mut Mean<N>, covariance: &mut Covariance<N>) {
         let recording = self.prepared.recording;
         let (a, w) = (recording.alpha()[k], recording.omega()[k]);

@@ -6,9 +6,9 @@ use crate::recording::{Noise, Recording};
 /// What of a recording the filter needs and what does not change between passes.
 #[derive(Clone, Debug)]
 pub struct Prepared<'a> {
-    /// What was measured; the rest of this is read off it.
+    /// The recording, from which the other fields are computed.
     pub recording: &'a Recording,
-    /// Wheels that stand still.
+    /// Wheels at rest.
     pub still: Vec<[bool; 2]>,
     /// Variances of (alpha1, alpha2, omega1, omega2).
     pub variance: [f64; 4],
@@ -25,7 +25,7 @@ pub struct Prepared<'a> {
 pub fn prepare(recording: &Recording) -> Prepared<'_> {
     let noise = recording.noise();
     let measured = recording.measured();
-    // speeds that were made from the angles are no measurement of their own
+    // speeds computed from the angles are not an independent measurement
     let speeds = measured.omega && !(measured.alpha && recording.speeds_are_smoothed());
     // a channel without any visible noise still has rounding; nothing is known exactly
     let floor = |sigma: f64, scale: f64| (sigma * sigma).max((1e-6 * scale).powi(2));

@@ -21,7 +21,7 @@ pub(super) struct Push {
     pub(super) by_speed: Matrix2<f64>,
     /// Change of the speeds by a torque that lasts over the step.
     pub(super) by_torque: Matrix2<f64>,
-    /// What is left of a slow torque.
+    /// Remaining part of a slow torque.
     pub(super) decay: f64,
     /// The decay as it was computed last: length of the step over the time constant, and its exponential.
     known: (f64, f64),

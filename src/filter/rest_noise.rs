@@ -1,4 +1,4 @@
-//! Noise of the recorded input that goes on from row to row, as it shows while the robot stands still.
+//! Autocorrelated noise of the recorded input, estimated while the robot is at rest.
 
 use std::ops::Range;
 
@@ -25,16 +25,16 @@ const SURE: f64 = 8.0;
 /// Variance below which a lag shows nothing, as a share of the largest.
 const NOTHING: f64 = 1e-3;
 
-/// Noise of each wheel's recorded input beside what is white, from the rows in which both wheels stand still. The robot
-/// does not feel it there, and a controller does not answer: what the record shows is noise of the sensor, whatever
-/// disturbs the robot when it moves. Zero where it is not plain, or smaller than the white noise, and where the rests are
+/// Autocorrelated noise of each wheel's recorded input, from the rows in which both wheels are at rest. There
+/// it does not act on the robot, and the controller does not respond to disturbances: the fluctuations are
+/// noise of the sensor. Zero if it is not significant, or smaller than the white noise, and if the rests are
 /// too short.
 ///
 /// ```text
 /// D(s) = ½ median (M(t + s) - M(t))²/0.455 = σ_w² + σ² (1 - exp(-s/τ)) + c s²,   all ≥ 0
 /// ```
-/// c takes an input that grows while friction holds the robot; of steps the median sees nothing. Least squares of the
-/// relative errors, each weighted by the number of independent pairs.
+/// c describes an input that grows while friction holds the robot; the median is insensitive to steps. Least
+/// squares of the relative errors, each weighted by the number of independent pairs.
 ///
 /// Source: structure function (variogram), Matheron 1963; robust as in Cressie and Hawkins, Math. Geol. 12 (1980).
 #[must_use]
@@ -55,7 +55,7 @@ pub fn rest_noise(recordings: &[&Recording]) -> [SlowNoise; 2] {
     found.map(|(noise, _)| if is_plain { noise } else { SlowNoise::default() })
 }
 
-/// Runs of rows in which both wheels stand still.
+/// Runs of rows in which both wheels are at rest.
 fn rests(recording: &Recording) -> Vec<Range<usize>> {
     let noise = recording.noise();
     let still = standstill(recording, &noise.alpha, &noise.omega);

@@ -1,4 +1,4 @@
-//! Which samples stand still, seen by the encoder.
+//! Samples at rest, determined from the sensors.
 
 use crate::recording::Recording;
 

@@ -36,11 +36,11 @@ pub(super) struct Sample<'a> {
     pub(super) ends_by_parameter: &'a [Option<Ends>],
     /// Variance of the speed of the body that noise leaves whatever the process does [rad^2/s^2].
     pub(super) speed_variance: f64,
-    /// Wheels that stand still over the sample.
+    /// Wheels at rest during the sample.
     pub(super) still: [bool; 2],
 }
 
-/// What a prediction did, for the columns that ride along.
+/// Result of a prediction, for the columns that are propagated with it.
 pub(super) struct Predicted<const N: usize> {
     /// Linear map of a torque on the wheels to the state after the step.
     pub(super) gain: SMatrix<f64, N, 2>,
@@ -195,7 +195,7 @@ pub(super) fn move_parameters(
     by_column.iter_mut().zip(extra).for_each(|(column, torque)| carry(column, *torque));
 }
 
-/// The inverse mass matrix; a wheel that stands still does not move, the other one moves alone.
+/// The inverse mass matrix; if one wheel is at rest, only the other one moves.
 fn mobility(mass: &[f64; 3], still: [bool; 2]) -> Result<Matrix2<f64>, ModelError> {
     let [i11, i12, i22] = inverse_mass(mass)?;
     Ok(match still {

@@ -35,7 +35,7 @@ pub struct ConstrainedRegression {
     pub cutoff_hz: Option<f64>,
     /// Loss of a residual.
     pub loss: Loss,
-    /// Largest relative distance of a1..a5 from their values by construction; none unless given.
+    /// Largest relative distance of a1..a5 from their construction values; unlimited unless given.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub within_construction: Option<f64>,
 }
@@ -70,7 +70,7 @@ impl Identifier for ConstrainedRegression {
             title: "Regression within physical bounds (convex program)".into(),
             equation: "minimise Σ loss(M - Wθ) subject to a1 > |a2|, frictions >= 0".into(),
             source: "Sousa and Cortesão 2014; solver Clarabel (Goulart and Chen 2024)".into(),
-            use_when: "least squares gives values that no robot has; rows with wild torques (l1)"
+            use_when: "least squares gives values that are physically impossible; outliers in the torques (l1)"
                 .into(),
             avoid_when: "speeds are noisy (as torque_regression); its intervals are those without \
                          bounds and do not cover the bias by noise and filter"

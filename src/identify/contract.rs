@@ -1,4 +1,4 @@
-//! What every physical method promises, tested over the whole list.
+//! Contract tests of every physical method.
 
 use super::{Fit, Identifier, IdentifyError, Note, Task, TraceKind, all, find};
 use crate::model::Model;
@@ -222,7 +222,7 @@ fn recursion_without_forgetting_ends_at_ordinary_least_squares() {
     assert!((last[0] / whole.estimates[0].value - 1.0).abs() < 1e-3);
 }
 
-/// A recording whose input is what `change` makes of time, speeds and input.
+/// A recording with the input that `change` computes from time, speeds and input.
 fn changed(r: &Recording, change: impl Fn(usize, &[f64; 2], &[f64; 2]) -> [f64; 2]) -> Recording {
     let rows = r.omega().iter().zip(r.torque()).enumerate();
     r.with_torque(rows.map(|(k, (w, m))| change(k, w, m)).collect())

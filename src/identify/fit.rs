@@ -1,4 +1,4 @@
-//! What a method found.
+//! Result of a method.
 
 use std::sync::Arc;
 
@@ -17,13 +17,13 @@ pub struct Estimate {
     pub symbol: String,
     /// Unit, for the unit of the input of the recordings.
     pub unit: String,
-    /// Estimate, or the value at which it was held.
+    /// Estimate, or the value at which the parameter was held.
     pub value: f64,
     /// Standard error; infinite where the parameter is not identifiable, zero where it is fixed.
     pub std_error: f64,
     /// Covers the true value in 95 % of repetitions where the method's assumptions hold.
     pub interval: (f64, f64),
-    /// Whether the data can give it.
+    /// Whether the data determine the parameter.
     pub identifiable: bool,
     /// Held at its value instead of estimated.
     pub fixed: bool,
@@ -99,7 +99,7 @@ impl From<MinimumStatus> for Status {
     }
 }
 
-/// What a fit cost.
+/// Computational work of a fit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Work {
     /// Iterations of the method.
@@ -108,7 +108,7 @@ pub struct Work {
     pub evaluations: usize,
 }
 
-/// What the curves of a trace show.
+/// Kind of the curves of a trace.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub enum TraceKind {
     /// Estimates of the parameters of these symbols, each in its own unit; one curve a symbol.
@@ -138,7 +138,7 @@ pub enum TraceAxis {
 /// Estimates or a cost over time, evaluations or a parameter, for drawing.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Trace {
-    /// What the curves show.
+    /// Quantity of the curves.
     pub kind: TraceKind,
     /// What they run along.
     pub axis: TraceAxis,
@@ -153,7 +153,7 @@ pub struct Trace {
 pub struct Fit {
     /// Name of the method.
     pub method: String,
-    /// What was identified, able to move.
+    /// The identified dynamics.
     pub dynamics: Arc<dyn Dynamics>,
     /// One estimate a parameter of the physical model; empty for others.
     pub estimates: Vec<Estimate>,
@@ -162,9 +162,9 @@ pub struct Fit {
     pub covariance: Option<DMatrix<f64>>,
     /// How it ended.
     pub status: Status,
-    /// What it cost.
+    /// Effort of the computation.
     pub work: Work,
-    /// What the reader must know: what is not identifiable, which bound is active.
+    /// Notes for the reader: parameters that are not identifiable, active bounds, …
     pub notes: Vec<Note>,
     /// Curves for drawing.
     pub traces: Vec<Trace>,

@@ -1,4 +1,4 @@
-//! Fuzzy emulator whose membership functions learn too.
+//! Fuzzy emulator with adapted membership functions.
 
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
@@ -39,7 +39,7 @@ impl Default for Anfis {
 
 /// Step below which the premises have converged.
 const SMALLEST_STEP: f64 = 1e-4;
-/// Steps tried on the consequents in an epoch, at the most.
+/// Largest number of steps of the consequents per epoch.
 const INNER: usize = 6;
 
 /// The method: this search with the options of all fuzzy methods.
@@ -56,9 +56,10 @@ impl Search for Anfis {
                        in turns"
                 .into(),
             source: "Jang 1993; Giergiel and Buratowski 2010, conclusion".into(),
-            use_when: "the membership functions cannot bend where friction does: few of them, or \
+            use_when:
+                "fixed membership functions cannot resolve the friction near rest: few of them, or \
                        the paper's range of 0 to 30 rad/s"
-                .into(),
+                    .into(),
             avoid_when: "36 rules over the range of the data already reach the noise floor".into(),
         }
     }
@@ -86,7 +87,7 @@ struct Learner<'a> {
 }
 
 impl Learner<'_> {
-    /// Moves the premises of `problem` and the consequents here; epochs run, and how it ended.
+    /// Adapts the premises of `problem` and the consequents; returns the number of epochs and the status.
     fn learn(
         &mut self,
         problem: &mut Problem,
@@ -121,7 +122,7 @@ impl Learner<'_> {
         Ok((epochs, Status::IterationLimit))
     }
 
-    /// Unit vector down the gradient of the ISE in the scaled premises.
+    /// Unit vector of steepest descent of the ISE in the scaled premises.
     fn downhill(&self, problem: &Problem, scale: &[f64]) -> Option<Vec<f64>> {
         let normal = problem.normal(self.theta.as_slice(), true)?;
         self.journal.note(normal.cost);
@@ -142,7 +143,7 @@ impl Learner<'_> {
     }
 }
 
-/// The spacing that each premise is counted in [rad/s].
+/// Scale of each premise: the spacing of its membership functions [rad/s].
 fn spacings(problem: &Problem) -> Vec<f64> {
     let one = |i: usize| {
         let (low, high) = problem.system.range()[i];
@@ -152,7 +153,7 @@ fn spacings(problem: &Problem) -> Vec<f64> {
     [one(0), one(1)].concat()
 }
 
-/// Premises with centres in order and widths within bounds of the `first` ones.
+/// Premises with centres in order and widths within their bounds relative to `first`.
 fn sound(trial: &[f64], first: &[f64], problem: &Problem) -> Vec<f64> {
     let mut out = trial.to_vec();
     let mut from = 0;

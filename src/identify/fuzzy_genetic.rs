@@ -1,4 +1,4 @@
-//! Fuzzy emulator by a genetic algorithm.
+//! Fuzzy emulator fitted by a genetic algorithm.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -33,7 +33,7 @@ pub struct Genetic {
     /// Half the interval of every consequent, about the start [rad/s²].
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub reach: f64,
-    /// Where the first individual is.
+    /// Initial value of the first individual.
     pub start: Start,
 }
 
@@ -43,9 +43,9 @@ impl Default for Genetic {
     }
 }
 
-/// Individuals that survive as they are.
+/// Number of individuals that survive unchanged.
 const ELITE: usize = 2;
-/// How far beyond its parents a child may lie, relative to their distance.
+/// Distance beyond its parents at which a child may lie, relative to their distance.
 const BEYOND: f64 = 0.3;
 
 /// The method: this search with the options of all fuzzy methods.

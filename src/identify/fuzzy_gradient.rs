@@ -1,4 +1,4 @@
-//! Fuzzy emulator by a quasi-Newton method with the exact gradient.
+//! Fuzzy emulator fitted by a quasi-Newton method with the exact gradient.
 
 use std::cell::RefCell;
 
@@ -35,7 +35,7 @@ pub struct QuasiNewton {
     pub iterations: u64,
     /// Whether the gain is lowered step by step from 20 1/s (parallel structure).
     pub continuation: bool,
-    /// Where it starts without continuation.
+    /// Initial values without continuation.
     pub start: Start,
 }
 
@@ -45,9 +45,9 @@ impl Default for QuasiNewton {
     }
 }
 
-/// Fall of the cost in a step below which it has converged, relative to the noise floor.
+/// Decrease of the cost per step below which the search has converged, relative to the noise floor.
 const TOLERANCE: f64 = 5e-4;
-/// Steps that the approximation of the curvature remembers.
+/// Number of steps stored for the approximation of the curvature.
 const MEMORY: usize = 12;
 
 /// The method: this search with the options of all fuzzy methods.
@@ -88,13 +88,13 @@ impl Search for QuasiNewton {
     }
 }
 
-/// Cost and gradient over scaled steps z from the start.
+/// Cost and gradient as functions of the scaled step z from the start.
 struct Slope<'a> {
     job: &'a Job,
     problem: &'a Problem,
     penalty: Penalty<'a>,
     scaled: Scaled,
-    /// Where it was evaluated last: the line search asks for cost and gradient one after the other.
+    /// The last evaluation: the line search requests cost and gradient one after the other.
     last: RefCell<Option<Evaluation>>,
 }
 
@@ -143,7 +143,7 @@ impl<'a> Slope<'a> {
         Ok((self.scaled.theta(&best), done as usize, status))
     }
 
-    /// Cost and gradient at z. The cost is always finite: the line search does not end on one that is not.
+    /// Cost and gradient at z. The cost is always finite: the line search would not end otherwise.
     fn at(&self, z: &DVector<f64>) -> (f64, DVector<f64>) {
         if let Some((at, cost, gradient)) = &*self.last.borrow()
             && at == z
@@ -160,7 +160,7 @@ impl<'a> Slope<'a> {
                 self.scaled.factor.solve_lower_triangular_mut(&mut slope);
                 (ise + self.penalty.of(&theta), slope)
             }
-            // uphill away from the start, along the way that diverges
+            // a gradient that points away from the start, along the diverging direction
             None => {
                 self.job.journal.note(DIVERGED);
                 (DIVERGED, z * (DIVERGED / z.norm_squared().max(1.0)))

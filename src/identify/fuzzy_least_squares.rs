@@ -36,8 +36,7 @@ impl Search for LeastSquares {
             source: "Giergiel and Buratowski 2010, eq. (19), serial-parallel structure".into(),
             use_when: "as the start of every other fuzzy fit: exact and done in milliseconds"
                 .into(),
-            avoid_when: "the emulator is to run without the measured state: the rules were never \
-                         asked to; `structure` is ignored"
+            avoid_when: "the emulator runs without the measured state, for which the rules were not fitted; `structure` is ignored"
                 .into(),
         }
     }

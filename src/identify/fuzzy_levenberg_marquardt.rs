@@ -27,7 +27,7 @@ pub struct LevenbergMarquardt {
     pub iterations: usize,
     /// Whether the gain is lowered step by step from 20 1/s (parallel structure).
     pub continuation: bool,
-    /// Where it starts without continuation.
+    /// Initial values without continuation.
     pub start: Start,
 }
 
@@ -37,8 +37,8 @@ impl Default for LevenbergMarquardt {
     }
 }
 
-/// Relative fall of the cost below which it has converged: a thousandth of what the noise of a recording
-/// does to the ISE.
+/// Relative decrease of the cost at convergence: a thousandth of the effect of a recording's noise on the
+/// ISE.
 const TOLERANCE: f64 = 1e-4;
 
 /// The method: this search with the options of all fuzzy methods.
@@ -55,10 +55,10 @@ impl Search for LevenbergMarquardt {
                        down to `gain`"
                 .into(),
             source: "Marquardt 1963; Giergiel and Buratowski 2010, eq. (19)".into(),
-            use_when: "a fuzzy emulator in the parallel structure is wanted: the lowest ISE of \
+            use_when: "a fuzzy emulator in the parallel structure is needed: the lowest ISE of \
                        all fuzzy methods, in well under a second for a run of 25 s"
                 .into(),
-            avoid_when: "parameters with a meaning are wanted, or motion outside the training data"
+            avoid_when: "physical parameters are needed, or motion outside the training data"
                 .into(),
         }
     }

@@ -1,4 +1,4 @@
-//! Fuzzy emulator as the paper fits it: one bounded search after the other.
+//! Fuzzy emulator fitted as in the paper, by one bounded search after the other.
 
 use serde::{Deserialize, Serialize};
 
@@ -28,7 +28,7 @@ pub struct LineSearch {
     pub reach: f64,
     /// Largest number of evaluations of a search.
     pub evaluations: u64,
-    /// Where it starts.
+    /// Initial values.
     pub start: Start,
 }
 
@@ -55,8 +55,7 @@ impl Search for LineSearch {
             source: "Giergiel and Buratowski 2010, section 3; Press et al. 2007, section 9.4"
                 .into(),
             use_when: "the paper's own procedure is to be repeated".into(),
-            avoid_when: "a low ISE is wanted: neighbouring rules depend on each other, so moving \
-                         one at a time creeps; fuzzy_levenberg_marquardt gets lower and faster"
+            avoid_when: "a low ISE is needed: neighbouring consequents are correlated, so a search along one at a time converges slowly; fuzzy_levenberg_marquardt reaches a lower ISE in less time"
                 .into(),
         }
     }
@@ -98,7 +97,7 @@ struct Line<'a> {
 const CLOSE: f64 = 1e-4;
 
 impl Line<'_> {
-    /// The minimum within `bounds` and its cost, where that is below `cost`.
+    /// The minimum within `bounds` and its cost, if below `cost`.
     fn minimum(self, bounds: (f64, f64), evaluations: u64, cost: f64) -> Option<(f64, f64)> {
         let (mut low, mut high) = bounds;
         let (mut ends_known, mut best) = ((false, false), (self.theta[self.j], cost));

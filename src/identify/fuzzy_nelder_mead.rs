@@ -1,4 +1,4 @@
-//! Fuzzy emulator by the simplex of Nelder and Mead.
+//! Fuzzy emulator fitted by the simplex of Nelder and Mead.
 
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -27,11 +27,11 @@ use super::{IdentifyError, MethodDescription, NoStart, Status};
 pub struct Simplex {
     /// Largest number of rounds.
     pub iterations: usize,
-    /// Edge of the first simplex: its square is what each edge adds to the ISE of an emulator held at the
-    /// data [rad/√s].
+    /// Edge of the first simplex: its square is the increase of the ISE, by each edge, for an emulator in the
+    /// serial-parallel structure [rad/√s].
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub edge: f64,
-    /// Where it starts.
+    /// Initial values.
     pub start: Start,
 }
 
@@ -41,11 +41,11 @@ impl Default for Simplex {
     }
 }
 
-/// Vertices that move in a round at the most: those that the widest register simulates at once.
+/// Largest number of vertices that move in a round: as many as the widest registers simulate at once.
 const MOST_MOVES: usize = 8;
-/// Vertices to one that moves, at the least: of a simplex that moves at once little remains.
+/// Smallest number of vertices per vertex that moves, so that the shape of the simplex is kept.
 const KEPT: usize = 3;
-/// Share of the mean curvature that is added where the data leave directions open.
+/// Share of the mean curvature that is added to regularise directions that the data do not determine.
 const OPEN: f64 = 1e-2;
 /// Relative difference of the costs of the worst and the best vertex at which it has converged.
 const TOLERANCE: f64 = 1e-6;
@@ -88,7 +88,7 @@ impl Search for Simplex {
 /// Steps from the start in scaled coordinates, and their cost.
 type Vertex = (DVector<f64>, f64);
 
-/// The simplex over the free consequents.
+/// The simplex in the space of the free consequents.
 struct Vertices<'a> {
     job: &'a Job,
     scaled: Scaled,

@@ -1,4 +1,4 @@
-//! What is not identifiable from the data, in words, and what is in its place.
+//! Parameters that are not identifiable from the data, and the identifiable combinations.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -205,7 +205,7 @@ pub(super) fn inverse_where_known(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     Information::new(matrix).inverse()
 }
 
-/// What to say of a direction that the data do not give.
+/// The note on a direction that the data do not determine.
 fn note(
     model: &Model,
     values: &[f64],

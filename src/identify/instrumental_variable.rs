@@ -33,7 +33,7 @@ pub struct InstrumentalVariable {
     /// Cut-off of the filter \[Hz\]; chosen from noise and motion unless given.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub cutoff_hz: Option<f64>,
-    /// Gain that holds the simulated speeds near the measured ones [1/s].
+    /// Gain that corrects the simulated speeds towards the measured ones [1/s].
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub gain: f64,
     /// Largest number of simulations.

@@ -18,11 +18,12 @@ use crate::math::clustered_covariance;
 use crate::recording::Recording;
 use crate::simulate::every_other;
 
-/// Blocks within which residuals may be correlated \[s\]: as long as leaves enough of them.
+/// Length of the blocks within which residuals may be correlated \[s\]: the longest that leaves enough
+/// blocks.
 const BLOCK: (f64, f64) = (1.0, 5.0);
 const BLOCKS: f64 = 20.0;
-/// Noise let into the acceleration, as a share of its rms, by regressions that do not account for it: the
-/// attenuation of the inertias, its square, stays near the standard error.
+/// Noise of the acceleration as a share of its rms that regressions without errors-in-variables allow: the
+/// attenuation of the inertias, its square, is then about the standard error.
 pub(super) const NOISE_SHARE: f64 = 0.035;
 
 /// A piece of a recording with the rows that are used of it.
@@ -39,19 +40,19 @@ pub(super) struct Regression<'a> {
     pub(super) task: &'a Task<'a>,
     pub(super) regressor: Regressor<'a>,
     parts: Vec<Part>,
-    /// Rows of the data; more than rows of `x` where those stand for blocks of them.
+    /// Number of rows of the data; larger than that of `x` if its rows are blocks of them.
     pub(super) count: usize,
     /// Columns; directions in which there is nothing but noise are projected out.
     pub(super) x: DMatrix<f64>,
-    /// Torques less what does not depend on linear parameters [unit of the input].
+    /// Torques minus the part that does not depend on linear parameters [unit of the input].
     pub(super) y: DVector<f64>,
     /// Wheel of each row.
     pub(super) wheel: Vec<usize>,
     /// Block of each row.
     pub(super) block: Vec<usize>,
-    /// Time of each row \[s\], recordings one behind the other.
+    /// Time of each row \[s\], recordings one after the other.
     pub(super) time: Vec<f64>,
-    /// `Σ_rows cov(columns, y)` that the noise of the channels makes.
+    /// `Σ_rows cov(columns, y)` due to noise of the channels.
     pub(super) noise: DMatrix<f64>,
     /// The projection, where one was needed.
     pub(super) projection: Option<DMatrix<f64>>,
@@ -131,7 +132,7 @@ impl<'a> Regression<'a> {
         })
     }
 
-    /// Whether enough rows are left of so many samples.
+    /// Whether enough rows remain of `samples`.
     pub(super) fn check_count(&self, samples: usize, method: &str) -> Result<(), IdentifyError> {
         let usable = self.count;
         if usable <= 2 * self.regressor.width() + 2 {
@@ -171,7 +172,7 @@ impl<'a> Regression<'a> {
         }
     }
 
-    /// Columns and right-hand side at the chosen rows, made of another motion or input.
+    /// Columns and right-hand side at the selected rows, computed from another motion or input.
     pub(super) fn rows_of(&self, sources: &[Source]) -> (DMatrix<f64>, DVector<f64>) {
         let width = self.regressor.width();
         let mut x = DMatrix::zeros(self.wheel.len(), width);
@@ -333,7 +334,7 @@ impl<'a> Regression<'a> {
     }
 }
 
-/// Length of the blocks within which residuals may be correlated \[s\], in so many seconds of data.
+/// Length of the blocks within which residuals may be correlated \[s\], for `total` seconds of data.
 pub(super) fn block_length(total: f64) -> f64 {
     (total / BLOCKS).clamp(BLOCK.0, BLOCK.1)
 }

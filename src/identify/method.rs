@@ -1,4 +1,4 @@
-//! What a method is: a name, options, and a way from a task to a fit.
+//! Interface of a method: a name, options, and the fit of a task.
 
 use std::fmt::Write as _;
 
@@ -12,7 +12,7 @@ use crate::model::Model;
 use crate::recording::{LongRecording, Recording};
 use crate::simulate::Hold;
 
-/// What is to be identified, from what.
+/// The model to be identified, and the data.
 #[derive(Clone, Copy)]
 pub struct Task<'a> {
     /// The model; its fixed parameters stay.
@@ -25,7 +25,7 @@ pub struct Task<'a> {
     pub seed: u64,
 }
 
-/// What the catalogue prints of a method.
+/// Catalogue entry of a method.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct MethodDescription {
     /// Name in experiment files.
@@ -47,7 +47,7 @@ pub struct MethodDescription {
 pub struct MethodOption {
     /// Key in the `[[method]]` block.
     pub key: String,
-    /// Default, as written in an experiment file; `unset` where there is none.
+    /// Default, as written in an experiment file; `unset` without one.
     pub default: String,
     /// Meaning, with the values allowed.
     pub meaning: String,
@@ -59,7 +59,7 @@ pub struct MethodOption {
 pub struct OptionError {
     /// Name of the method, as in experiment files.
     pub method: String,
-    /// What is wrong, with what was expected.
+    /// The error, and the expected value.
     pub message: String,
 }
 
@@ -71,7 +71,7 @@ pub trait Identifier: std::fmt::Debug + Send + Sync {
     /// The JSON schema of the options of its `[[method]]` block, from the type that reads them.
     fn schema(&self) -> Schema;
 
-    /// The options of its `[[method]]` block: what [`Self::schema`] says, for people.
+    /// The options of its `[[method]]` block, as text: from [`Self::schema`].
     fn options(&self) -> Vec<MethodOption> {
         options_of(&self.schema())
     }

@@ -1,10 +1,10 @@
-//! What a fit says beside its numbers.
+//! Notes on a fit.
 
 use super::IdentifyError;
 use crate::simulate::Structure;
 
-/// How a method counts one axis that is written down as two wheels: the filter measures it once, sums over
-/// the rows of both wheels take it twice.
+/// Treatment of a single axis mapped to both wheels: the filter measures it once, sums over the rows of both
+/// wheels use it twice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SingleAxis {
     /// The standard errors are those of one axis.
@@ -13,10 +13,10 @@ pub enum SingleAxis {
     CountedTwice,
 }
 
-/// One thing that the reader of a fit must know; `report` makes the sentence of it.
+/// A note on a fit; its sentence is made in `report`.
 #[derive(Clone, Debug)]
 pub enum Note {
-    /// A bound holds an estimate back.
+    /// An active bound of an estimate.
     ActiveBound {
         /// Which one.
         bound: PhysicalBound,
@@ -29,16 +29,16 @@ pub enum Note {
     CutOff(Vec<f64>),
     /// Symbols and how far noise in the columns biases their values.
     Biased(Vec<(String, f64)>),
-    /// The data do not give a parameter, or several one by one.
+    /// One or several parameters are not identifiable.
     Unknown {
-        /// What is not known, and what is.
+        /// Which ones, and the identifiable combination.
         unknown: Unknown,
         /// Id of the effect of the first of them, which motion would show.
         effect: String,
     },
-    /// One axis written down twice.
+    /// A single axis mapped to both wheels.
     SingleAxis(SingleAxis),
-    /// The diagnosis of what the model lacks could not start from the fit, and why.
+    /// The diagnosis could not start from the fit, with the reason.
     NotDiagnosed(IdentifyError),
     /// Descents from several starts.
     Descents {
@@ -47,7 +47,7 @@ pub enum Note {
         /// All of them.
         of: usize,
     },
-    /// A free simulation misses the data by this many times the noise of the sensors.
+    /// Ratio of the error of a free simulation to the noise of the sensors.
     Misses(f64),
     /// The prediction horizon.
     Horizon {
@@ -58,11 +58,11 @@ pub enum Note {
         /// 2 s simulation error of held-out pieces [rad/s].
         error: f64,
     },
-    /// The input acts later than recorded by this and its standard error \[s\]; negative: earlier.
+    /// Time by which the input acts later than recorded, and its standard error \[s\]; negative: earlier.
     InputShift(f64, f64),
-    /// The motion is later than the recorded input by a time \[s\], with its standard error, that the model does not have.
+    /// Dead time between input and motion that is not in the model, with its standard error \[s\].
     Late(f64, f64),
-    /// `torque_regression` simulates better, and its values are taken.
+    /// `torque_regression` simulates better, and its values are used.
     BetterRegression {
         /// Whether on held-out pieces, or on the training recordings themselves.
         held_out: bool,
@@ -74,7 +74,7 @@ pub enum Note {
     /// Symbols and the values of `torque_regression`, from which the fit of a model with an error above noise
     /// differs by more than both standard errors.
     Disagreement(Vec<(String, f64)>),
-    /// A profile that was asked for does not exist.
+    /// A profile was requested for an unknown parameter.
     NoProfile(String),
     /// A profile likelihood.
     Profile {
@@ -120,7 +120,7 @@ pub enum Note {
     ForwardOnly,
     /// All rows of recordings too long to be held were read in blocks.
     ReadInBlocks(usize),
-    /// So many windows stand for recordings too long to be held.
+    /// Number of windows used for recordings too long for memory.
     FittedToWindows(usize),
 }
 
@@ -147,7 +147,7 @@ pub enum PhysicalBound {
     PositiveMass,
 }
 
-/// What the data do not give.
+/// Parameters that are not identifiable.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Unknown {
     /// One parameter.

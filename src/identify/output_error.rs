@@ -29,8 +29,7 @@ use crate::math::{clustered_covariance, eliminate, raise_errors};
 pub struct OutputError {
     /// Largest number of steps.
     pub iterations: usize,
-    /// Descents, the first from the weak form, the others from the best of values scattered around
-    /// it.
+    /// Number of descents, the first from the weak form, the others from the best of random values around it.
     #[schemars(range(min = 1))]
     pub starts: usize,
 }
@@ -42,8 +41,8 @@ impl Default for OutputError {
 }
 
 const NAME: &str = "output_error";
-/// A decrease of the cost that no longer matters, in units of what noise does to it: 0.045 of a
-/// standard error, of which the last step leaves next to nothing.
+/// Negligible decrease of the cost, relative to the effect of noise: 0.045 standard errors, most of which the
+/// last step removes.
 const NEGLIGIBLE: f64 = 1e-3;
 /// Mean square of the normalised residuals below which they are noise of the sensors, itself known
 /// to a few percent.

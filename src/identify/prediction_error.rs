@@ -62,12 +62,11 @@ use interval::{Spread, of_scores, spread};
 #[derive(Clone, Debug, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct PredictionError {
-    /// Time over which predictions are judged \[s\]: 0 is maximum likelihood, "auto" chooses on
-    /// held-out pieces.
+    /// Horizon of the predictions \[s\]: 0 is maximum likelihood, "auto" chooses by cross-validation.
     pub horizon_s: Horizon,
     /// Whether all noise levels, including that of a slow unknown torque, are estimated instead of using a horizon.
     pub slow_moment: bool,
-    /// Symbols of the parameters whose profile likelihood is computed and drawn.
+    /// Symbols of the parameters whose profile likelihood is computed and plotted.
     pub profile: Vec<String>,
 }
 
@@ -184,8 +183,8 @@ impl PredictionError {
     }
 }
 
-/// Mean square of the normalised innovations beyond which maximum likelihood has lost its claim: they are
-/// twice as large as noise makes them, so that most of what it fits is what the model lacks.
+/// Mean square of the normalised innovations above which maximum likelihood is not appropriate: they are
+/// twice as large as noise, so that errors of the model dominate.
 const MISFIT: f64 = 4.0;
 
 /// Horizons that are compared, the preferred one first.

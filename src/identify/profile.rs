@@ -10,7 +10,7 @@ const PLACES: [f64; 11] = [-4.0, -3.0, -2.4, -1.8, -0.9, 0.0, 0.9, 1.8, 2.4, 3.0
 /// Half of the chi-square quantile at 95 %, one degree of freedom.
 pub const DROP: f64 = 1.920_729;
 
-/// A profile and the 95 % interval that it gives.
+/// A profile and its 95 % interval.
 pub(super) struct Profile {
     /// The curve.
     pub(super) trace: Trace,

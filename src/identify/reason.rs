@@ -1,4 +1,4 @@
-//! Why a method has no fit, in words.
+//! Why a method has no fit, as typed errors.
 
 use clarabel::solver::SolverStatus;
 
@@ -36,7 +36,7 @@ pub enum IdentifyError {
     Unsupported {
         /// Name of the method, as in experiment files.
         method: String,
-        /// What it cannot do, and what to use instead.
+        /// The limitation, and an alternative.
         reason: Unsupported,
     },
     /// Rows that were there when the recording was checked cannot be read any more.
@@ -105,7 +105,7 @@ pub enum NoStart {
     Optimiser(String),
 }
 
-/// What a method cannot do, and what to use instead.
+/// A limitation of a method, and an alternative.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Unsupported {
     /// A regression has no column.

@@ -49,8 +49,8 @@ impl Identifier for RecursiveLeastSquares {
             title: "Recursive least squares".into(),
             equation: "R = λR + ww', b = λb + wM, θ = R⁻¹b, instant by instant".into(),
             source: "Ljung, System Identification, 1999, sec. 11.2".into(),
-            use_when: "to see whether parameters drift: warm-up, a load put on".into(),
-            avoid_when: "speeds are noisy (as torque_regression: inertias come out too small, \
+            use_when: "to detect parameters that vary with time: warm-up, a changed load".into(),
+            avoid_when: "speeds are noisy (as torque_regression: inertias are underestimated, \
                          which its intervals do not cover)"
                 .into(),
         }

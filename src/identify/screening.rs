@@ -1,4 +1,4 @@
-//! Which of many guesses are worth a descent.
+//! Selection of initial values for descents.
 
 use crate::model::Model;
 use crate::robot::State;

@@ -162,7 +162,7 @@ impl<'a> Problem<'a> {
         std::array::from_fn(|i| if prepared.used[i] { one_over(i) } else { 0.0 })
     }
 
-    /// Measured values less what is estimated.
+    /// Number of measured values minus number of estimated quantities.
     pub(super) fn degrees(&self) -> f64 {
         let channels = |r: usize| self.prepared[r].used.iter().filter(|used| **used).count();
         let samples: usize = self.pieces.iter().map(|(r, piece)| piece.len() * channels(*r)).sum();

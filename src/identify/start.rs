@@ -16,8 +16,8 @@ const HALF_WIDTHS: [f64; 4] = [0.25, 0.12, 0.06, 0.03];
 /// Directions of the regressor below this share of the largest stay out of a start: they would begin it far away.
 const WEAK: f64 = 1e-6;
 
-/// A first guess of all parameters: weak-form least squares for the linear ones with the shape
-/// parameters at their typical values, fixed ones as they are.
+/// Initial values of all parameters: weak-form least squares for the linear ones with the shape parameters at
+/// their typical values, fixed ones unchanged.
 ///
 /// # Errors
 /// If no usable window is left.

@@ -31,8 +31,8 @@ pub struct TorqueRegression {
     /// Cut-off of the filter \[Hz\]; chosen from noise and motion unless given.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub cutoff_hz: Option<f64>,
-    /// Speed below which a wheel counts as near rest [rad/s]: from noise and top speed unless
-    /// given; 0 keeps all samples, which is right where reversals are sharp and clean.
+    /// Speed below which a wheel counts as near rest [rad/s]: from noise and top speed unless given; 0 keeps
+    /// all samples, which suits sharp reversals with little noise.
     #[schemars(range(min = 0.0))]
     pub rest_rad_s: Option<f64>,
     /// How rows are weighted.
@@ -45,12 +45,12 @@ pub struct TorqueRegression {
 )]
 #[serde(rename_all = "snake_case")]
 pub enum Weighting {
-    /// All alike.
+    /// Equal weights.
     #[default]
     Ordinary,
     /// By the residual variance of their wheel.
     Weighted,
-    /// Huber's loss: large residuals count less.
+    /// Huber's loss: large residuals have less weight.
     Huber,
 }
 
@@ -65,8 +65,7 @@ impl Identifier for TorqueRegression {
             source: "Gautier 1997; Janot, Vandanjon and Gautier 2014".into(),
             use_when: "a quick look, clean data, very long recordings; the literature's reference"
                 .into(),
-            avoid_when: "speeds are noisy: accelerations are attenuated, inertias come out too \
-                         small, the best cut-off depends on the noise, and its intervals do not \
+            avoid_when: "speeds are noisy: accelerations are attenuated, inertias are underestimated, the best cut-off depends on the noise, and its intervals do not \
                          cover that"
                 .into(),
         }

@@ -47,7 +47,7 @@ impl Identifier for TotalLeastSquares {
             use_when: "as torque_regression, with noisy speeds: the inertias are not attenuated"
                 .into(),
             avoid_when:
-                "an effect is missing: its misfit is taken for noise; the intervals do not \
+                "an effect is missing: the error of the model is treated as noise; the intervals do not \
                          cover the bias of the filter"
                     .into(),
         }

@@ -34,7 +34,7 @@ use crate::recording::Recording;
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct WeakForm {
-    /// Half width of the test functions \[s\]; the most informative of 0.12, 0.24, 0.48 and 0.96 unless given.
+    /// Half width of the test functions \[s\]; default: the most informative of 0.12, 0.24, 0.48 and 0.96.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub half_width_s: Option<f64>,
     /// Whether rows are weighted by their covariance.

@@ -1,18 +1,18 @@
-//! Bytes read in order, with the place of each for messages; nothing here can read past the end.
+//! Sequential reading of bytes, with positions for error messages; reads past the end are errors.
 
 use std::path::Path;
 
 use super::IoError;
 use super::error::shown;
 
-/// What is wrong inside a binary file, before the file is known.
+/// An error in the content of a binary file, without its name.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Damage {
     /// Where: a byte, an entry, a message.
     pub(super) place: String,
-    /// What had to stand there.
+    /// Expected content.
     pub(super) expected: String,
-    /// What stands there.
+    /// Content found.
     pub(super) found: String,
 }
 
@@ -25,7 +25,7 @@ impl Damage {
         Self { place: place.into(), expected: expected.into(), found: found.into() }
     }
 
-    /// The same damage, seen from an entry or a message that has a name.
+    /// The same error within a named entry or message.
     pub(super) fn of(self, what: &str) -> Self {
         Self { place: format!("{}, {what}", self.place), ..self }
     }
@@ -36,7 +36,7 @@ impl Damage {
     }
 }
 
-/// A place in a file's bytes.
+/// A position in the bytes of a file.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bytes<'a> {
     all: &'a [u8],
@@ -66,7 +66,7 @@ impl<'a> Bytes<'a> {
         &self.all[self.at..]
     }
 
-    /// The next bytes; `what` they are is said where the file ends before.
+    /// The next `count` bytes; `what` names them in the error at the end of the file.
     pub(super) fn take(&mut self, count: usize, what: &str) -> Result<&'a [u8], Damage> {
         let (at, left) = (self.at, self.left());
         if count > left {
@@ -81,7 +81,7 @@ impl<'a> Bytes<'a> {
         Ok(&self.all[at..at + count])
     }
 
-    /// Moves on to a multiple of `size`, counted from the first byte, or to the end.
+    /// Advances to a multiple of `size`, counted from the first byte, or to the end.
     pub(super) fn align(&mut self, size: usize) {
         self.at = self.at.next_multiple_of(size).min(self.all.len());
     }
@@ -118,7 +118,7 @@ pub(super) enum Number {
 }
 
 impl Number {
-    /// Bytes that one takes.
+    /// Size of one value in bytes.
     pub(super) fn size(self) -> usize {
         match self {
             Self::Boolean => 1,

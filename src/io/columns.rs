@@ -1,4 +1,4 @@
-//! Which column of a file is which quantity, in which unit.
+//! The column and unit of each quantity in a file.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::{PI, TAU};
@@ -11,45 +11,46 @@ use crate::recording::DriveUnit;
 /// Names of the contract, in order.
 pub(super) const CONTRACT: [&str; 7] = ["t", "alpha1", "alpha2", "dalpha1", "dalpha2", "M1", "M2"];
 
-/// A column of a file and how its values are written.
+/// A column of a file and the conversion of its values.
 ///
 /// ```text
-/// value [SI] = factor of the unit * (scale * (value in the file + those of `plus`) + offset) * value of another column
+/// value [SI] = factor of the unit * (scale * (value in the file + values of `plus`) + offset) * value of `times`
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
     /// Name in the file.
     pub name: String,
-    /// Unit in the file; unless given, the one written behind the name in the header, else SI.
+    /// Unit in the file; default: the unit after the name in the header, else SI.
     pub unit: Option<String>,
-    /// Factor on the file's value, for example a gear ratio or -1.
+    /// Factor on the value in the file, for example a gear ratio or -1.
     pub scale: f64,
-    /// Added after the factor, in the unit of the file.
+    /// Offset added after the factor, in the unit of the file.
     pub offset: f64,
     /// Counts of the encoder per turn of the wheel, for the units `ticks` and `ticks/s`.
     pub per_turn: Option<f64>,
     /// Torque at the wheel per ampere [N m/A], for an input that was recorded as current.
     pub torque_constant: Option<f64>,
-    /// Column with the part of a second of a time in whole seconds: nanoseconds, unless its name states another.
+    /// Column with the fractional part of a time in whole seconds: nanoseconds, unless its name states
+    /// another unit.
     pub nanoseconds: Option<String>,
     /// Whether the column holds the step from row to row, and the time is the sum of the steps.
     pub sum: bool,
-    /// Time between two rows \[s\] of a recording without a column of the time; stands alone.
+    /// Sampling period \[s\] of a recording without a time column; not combined with other keys.
     pub period: Option<f64>,
-    /// Columns that are added to the value: the torques or currents of the other motors of a side.
+    /// Columns that are added to the value: the torques or currents of other motors on the same side.
     pub plus: Vec<String>,
-    /// Column that multiplies the value; 1 without one.
+    /// Column by which the value is multiplied.
     pub times: Option<String>,
-    /// Column that says the direction of a magnitude.
+    /// Column with the direction of a magnitude.
     pub sign: Option<String>,
-    /// What that column holds where the value is negative; a negative number unless given.
+    /// Text in that column where the value is negative; default: any negative number.
     pub backward: Option<String>,
     /// Whether the experiment file names it; a named column must be there.
     pub named: bool,
 }
 
 impl Column {
-    /// A column of that name whose values are as the contract wants them.
+    /// A column with this name and values in standard units.
     #[must_use]
     pub fn new(name: impl Into<String>) -> Self {
         Self {
@@ -71,7 +72,7 @@ impl Column {
     }
 }
 
-/// Where each quantity of the contract stands in a file.
+/// Column of each quantity in a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColumnMap {
     columns: BTreeMap<&'static str, Column>,
@@ -98,10 +99,10 @@ impl ColumnMap {
         Self { drive_unit, wheel_radius, ..Self::default() }
     }
 
-    /// Says where a quantity stands: `scale` multiplies the value.
+    /// Sets the column of a quantity: `scale` multiplies the value.
     ///
     /// # Errors
-    /// Keys that are no column of the contract, and unknown units.
+    /// Unknown quantities and unknown units.
     pub fn set(
         &mut self,
         key: &str,
@@ -112,11 +113,11 @@ impl ColumnMap {
         self.put(key, Column { unit: unit.map(Into::into), scale, ..Column::new(name) })
     }
 
-    /// Says where a quantity stands and how it is written.
+    /// Sets the column of a quantity with its conversion.
     ///
     /// # Errors
-    /// Keys that are no column of the contract, unknown units, units that need a number which is
-    /// not there, and factors that are zero or not finite.
+    /// Unknown quantities, unknown units, units that require a number which is
+    /// missing, and factors that are zero or not finite.
     pub fn put(&mut self, key: &str, column: Column) -> Result<(), IoError> {
         let contract = CONTRACT.into_iter().find(|c| *c == key).ok_or_else(|| {
             let near = nearest(key, CONTRACT).map(Into::into);
@@ -147,7 +148,8 @@ impl ColumnMap {
         Ok(())
     }
 
-    /// Refuses a sum of what does not add up: angles, speeds, voltages, a column twice.
+    /// Rejects sums of quantities that do not add up (angles, speeds, voltages), and columns that occur
+    /// twice.
     fn check_sum(&self, key: &str, column: &Column) -> Result<(), IoError> {
         let all: Vec<&String> = std::iter::once(&column.name).chain(&column.plus).collect();
         let twice = (1..all.len()).find(|k| all[..*k].contains(&all[*k]));
@@ -159,7 +161,7 @@ impl ColumnMap {
         } else if self.drive_unit == DriveUnit::Volt {
             "voltages do not add up: motors of one side have the same; leave `plus` out".into()
         } else if let Some(k) = twice {
-            format!("column `{}` stands there twice; name each once", all[k])
+            format!("column `{}` is listed twice; name each once", all[k])
         } else {
             return Ok(());
         };

@@ -1,4 +1,4 @@
-//! Tables of text: separators, decimal commas, comments, and where a wrong cell stands.
+//! Text tables: separators, decimal commas, comments, and the place of an invalid cell.
 
 mod blocks;
 mod by_cell;
@@ -31,27 +31,27 @@ use super::IoError;
 use super::columns::is_unit;
 use super::error::{caught, format_error, shown};
 
-/// What the first lines of a file say about it.
+/// Layout of a file according to its first lines.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Layout {
     /// Names of the columns, in order.
     pub(super) names: Vec<String>,
     separator: u8,
     decimal_comma: bool,
-    /// Lines above the header: blank ones and comments.
+    /// Number of lines above the header: blank lines and comments.
     above: usize,
-    /// Lines below the names up to that of their units; none without such a line.
+    /// Number of lines between the names and the end of the line of units; 0 without units.
     units: usize,
     /// How numbers are written.
     style: Style,
-    /// Units that stand in the cells of columns, as MATLAB writes `0.01 sec`; empty where cells are bare numbers.
+    /// Units in the cells of columns, as written by MATLAB (`0.01 sec`); empty for bare numbers.
     in_cells: Vec<String>,
-    /// Places of columns whose words are directions, and the word for backward.
+    /// Indices of the columns whose words are directions, and the word for backward.
     pub(super) directions: Vec<(usize, String)>,
 }
 
 impl Layout {
-    /// A cell of a column as a number, which stands in the unit of the column's cells.
+    /// A cell of a column as a number, in the unit of the cells of this column.
     fn value(&self, place: usize, cell: &str) -> Option<f64> {
         if let Some((_, back)) = self.directions.iter().find(|(at, _)| *at == place) {
             let cell = cell.trim().trim_matches('"').trim();
@@ -70,7 +70,7 @@ impl Layout {
     }
 }
 
-/// A header, with whatever stands above it, is looked for in this many bytes.
+/// Number of bytes within which the header must be.
 const HEAD: u64 = 1 << 20;
 
 /// Reads the header, and how numbers are written in the rows below it.
@@ -79,7 +79,7 @@ pub(super) fn layout(path: &Path) -> Result<Layout, IoError> {
     Ok(Layout { style: style::of_file(path, &layout)?, ..layout })
 }
 
-/// Lines below the names in which their units are looked for: a program writes types and the like beside them.
+/// Number of lines below the names in which units are searched; types and the like may come first.
 const BELOW: usize = 4;
 
 /// Reads the header: the first line that is neither blank nor a comment.
@@ -136,7 +136,7 @@ fn head(path: &Path) -> Result<Layout, IoError> {
     })
 }
 
-/// The units behind the numbers of a row, empty where there are none.
+/// The units after the numbers of a row; empty where there are none.
 fn units_in_cells(row: &[u8], separator: char) -> Vec<String> {
     let text = String::from_utf8_lossy(row);
     let unit = |cell: &String| {
@@ -146,7 +146,7 @@ fn units_in_cells(row: &[u8], separator: char) -> Vec<String> {
     split(text.trim_end_matches(['\r', '\n']), separator).iter().map(unit).collect()
 }
 
-/// A text in which no numbers were found, with its first line that is neither blank nor a comment.
+/// The error for a text without numbers, with its first line that is neither blank nor a comment.
 pub(super) fn not_understood(path: &Path) -> IoError {
     let lines = File::open(path).map(|file| BufReader::new(file.take(HEAD)).split(b'\n'));
     let mut lines = lines.into_iter().flatten().map_while(Result::ok).enumerate();
@@ -156,13 +156,12 @@ pub(super) fn not_understood(path: &Path) -> IoError {
     IoError::NotUnderstood { file: shown(path), line }
 }
 
-/// Whether cells without a number are units, at least half of them; a text among them may be a unit that is
-/// not known.
+/// Whether at least half of the cells without a number are units; other texts may be unknown units.
 pub(super) fn is_units(cells: &[String]) -> bool {
     2 * cells.iter().filter(|c| is_unit(bare(c))).count() > cells.len()
 }
 
-/// A unit without the brackets around it, or the word before it: `Units: deg/s`.
+/// A unit without brackets and without a word before it, as in `Units: deg/s`.
 fn bare(cell: &str) -> &str {
     let cell = cell.trim_matches(['[', ']', '(', ')']).trim();
     match cell.split_once(':') {
@@ -171,7 +170,8 @@ fn bare(cell: &str) -> &str {
     }
 }
 
-/// The units of so many columns below a header, and the lines without a number up to the first row of data.
+/// The units of `columns` columns below a header, and the number of lines without numbers above the first
+/// row.
 fn units_below(below: &[Vec<u8>], separator: char, columns: usize) -> Option<(usize, Vec<String>)> {
     let holds_number = |line: &Vec<u8>| {
         let text = String::from_utf8_lossy(line);
@@ -192,7 +192,7 @@ fn units_of(line: &[u8], separator: char) -> Option<Vec<String>> {
     (!data && is_units(&cells)).then_some(cells)
 }
 
-/// A name with its unit behind it, where there is one and the name has none yet.
+/// A name with its unit appended, if there is a unit and the name has none.
 pub(super) fn with_unit(name: &str, unit: &str) -> String {
     let unit = bare(unit);
     if unit.is_empty() || name.ends_with([']', ')']) {
@@ -228,12 +228,12 @@ fn is_row(line: &[u8]) -> bool {
     !line.is_empty() && !line.starts_with(b"#") && !is_separator(line)
 }
 
-/// Whether a line tells Excel the separator: `sep=;`.
+/// Whether a line declares the separator for Excel: `sep=;`.
 pub(super) fn is_separator(line: &[u8]) -> bool {
     matches!(line.strip_prefix(b"sep="), Some([_]))
 }
 
-/// The wanted columns as numbers.
+/// The required columns as numbers.
 pub(super) fn read(path: &Path, layout: &Layout, names: &[String]) -> Result<DataFrame, IoError> {
     let schema: Schema = names.iter().map(|n| (n.as_str().into(), DataType::Float64)).collect();
     let fast = options(layout, false)
@@ -250,24 +250,24 @@ pub(super) fn read(path: &Path, layout: &Layout, names: &[String]) -> Result<Dat
     by_cell::read(path, layout, names)
 }
 
-/// A column of text as it stands.
+/// A column of a text file without conversion.
 pub(super) struct TextColumn {
     pub(super) name: String,
-    /// Cells that are no numbers are NaN.
+    /// Values; NaN for cells that are not numbers.
     pub(super) values: Vec<f64>,
-    /// The words of a column of words, each once; none where there are many.
+    /// The different words of the column; empty if there are many.
     pub(super) words: Vec<String>,
     /// The first cells of a column without numbers.
     pub(super) texts: Vec<String>,
 }
 
-/// First cells of a column without numbers that are shown.
+/// Number of cells of a column without numbers that are shown.
 const SHOWN: usize = 3;
 
-/// Words of a column that has a few: states, directions, names of motors.
+/// Largest number of different words in a column of words: states, directions, names of motors.
 const WORDS: usize = 16;
 
-/// Every column.
+/// All columns.
 pub(super) fn all(path: &Path, layout: &Layout) -> Result<Vec<TextColumn>, IoError> {
     let columns = layout.names.iter().zip(by_place(path, layout)?);
     // a separator at the end of the header names nothing
@@ -285,7 +285,7 @@ pub(super) fn all(path: &Path, layout: &Layout) -> Result<Vec<TextColumn>, IoErr
     Ok(columns.enumerate().filter(|(_, column)| is_column(column)).map(column).collect())
 }
 
-/// The words of cells, where all of them are words and few differ.
+/// The different words of the cells, if all cells are words and few are different.
 fn words(cells: &[String], number: impl Fn(&String) -> Option<f64>) -> Vec<String> {
     let mut words: Vec<String> = vec![];
     for cell in cells {
@@ -299,7 +299,7 @@ fn words(cells: &[String], number: impl Fn(&String) -> Option<f64>) -> Vec<Strin
     if words.len() > WORDS { vec![] } else { words }
 }
 
-/// The cells of every column as they stand, spaces around them left out.
+/// The cells of every column, without spaces around them.
 fn by_place(path: &Path, layout: &Layout) -> Result<Vec<Vec<String>>, IoError> {
     let wrong = |e: PolarsError| format_error(path, "CSV", &e);
     let frame = finish(path, options(layout, true)).map_err(wrong)?;

@@ -1,4 +1,4 @@
-//! What is wrong with a file, in words.
+//! Errors of files, with their messages.
 
 use std::io::ErrorKind;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -8,10 +8,10 @@ use polars::prelude::{PolarsError, PolarsResult};
 
 use crate::recording::RecordingError;
 
-/// What is wrong with a file.
+/// An error of a file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum IoError {
-    /// The system says no.
+    /// An error of the operating system.
     #[error("{file}: {reason}")]
     System {
         /// As the user named it.
@@ -63,14 +63,14 @@ pub enum IoError {
         /// As the user named it.
         file: String,
     },
-    /// A header and nothing below.
+    /// A header without rows.
     #[error("{file}: there is a header but no row of data below it")]
     HeaderOnly {
         /// As the user named it.
         file: String,
     },
     /// A column that is needed is not there.
-    #[error("{file}: there is no column `{column}`{}; the file has {present}. Say which it is in the experiment file: columns = {{ {} }}", near.as_ref().map_or(String::new(), |n| format!(" (did you mean `{n}`?)")), assigned(key))]
+    #[error("{file}: there is no column `{column}`{}; the file has {present}. Name it in the experiment file: columns = {{ {} }}", near.as_ref().map_or(String::new(), |n| format!(" (did you mean `{n}`?)")), assigned(key))]
     MissingColumn {
         /// As the user named it.
         file: String,
@@ -96,17 +96,17 @@ pub enum IoError {
         line: Option<usize>,
         /// Name in the file.
         column: String,
-        /// What stands there.
+        /// The text found.
         text: String,
     },
-    /// Not the format that its name says.
+    /// The content does not have the format of the file name.
     #[error("{file} cannot be read as {format}: {reason}")]
     Format {
         /// As the user named it.
         file: String,
         /// Its name.
         format: String,
-        /// What the reader says.
+        /// Message of the reader.
         reason: String,
     },
     /// A unit that is not known for the quantity.
@@ -130,19 +130,19 @@ pub enum IoError {
         column: String,
         /// As written.
         unit: String,
-        /// What is missing.
+        /// The missing value.
         need: String,
     },
     /// A unit in the header that is not known for the quantity.
     #[error(
-        "{file}: the header says `{column}`, but `{unit}` is not known as its unit; give a unit that is known in the experiment file, and the factor to it as scale: columns = {{ {key} = {{ name = \"{column}\", unit = \"{si}\", scale = … }} }}"
+        "{file}: the header contains `{column}`, but `{unit}` is not a known unit; give a known unit in the experiment file, and the factor to it as scale: columns = {{ {key} = {{ name = \"{column}\", unit = \"{si}\", scale = … }} }}"
     )]
     HeaderUnit {
         /// As the user named it.
         file: String,
         /// Its name in the header.
         column: String,
-        /// What stands in the brackets.
+        /// The text in the brackets.
         unit: String,
         /// Unit of the contract.
         si: &'static str,
@@ -166,12 +166,12 @@ pub enum IoError {
     Sum {
         /// Contract column.
         column: String,
-        /// What is wrong, and the remedy.
+        /// The error, and the remedy.
         reason: String,
     },
     /// A direction of what has none, or what says it without a column.
     #[error(
-        "column {column}: `sign` names the column with the direction of a speed or an input (dalpha1, dalpha2, M1, M2), and `backward` what that column holds where the value is negative: {{ name = \"pwmL\", sign = \"dirL\", backward = \"0\" }}"
+        "column {column}: `sign` names the column with the direction of a speed or an input (dalpha1, dalpha2, M1, M2), and `backward` its content for negative values: {{ name = \"pwmL\", sign = \"dirL\", backward = \"0\" }}"
     )]
     Direction {
         /// Contract column.
@@ -179,7 +179,7 @@ pub enum IoError {
     },
     /// A direction that is none of the two.
     #[error(
-        "{file}, row {row}: {key}.sign takes the direction from column `{column}`, which has no number there; name what it holds where the value is negative: backward = \"…\""
+        "{file}, row {row}: {key}.sign takes the direction from column `{column}`, which has no number there; name its content for negative values: backward = \"…\""
     )]
     NoDirection {
         /// As the user named it.
@@ -193,7 +193,7 @@ pub enum IoError {
     },
     /// A period of the rows that is none.
     #[error(
-        "columns.{column}: expected the time between two rows [s] above 0, as t = {{ period = 0.02 }}, found period = {period}; it stands in `t` alone, and in place of all other keys"
+        "columns.{column}: expected the sampling period [s] above 0, as t = {{ period = 0.02 }}, found period = {period}; it is allowed in `t` only, in place of all other keys"
     )]
     Period {
         /// Contract column.
@@ -203,7 +203,7 @@ pub enum IoError {
     },
     /// A key of `columns` that is no column of the contract.
     #[error(
-        "columns.{column} is no column of a recording{}; they are t, alpha1, alpha2, dalpha1, dalpha2, M1, M2", near.as_ref().map_or(String::new(), |n| format!(" (did you mean `{n}`?)"))
+        "columns.{column} is not a column of a recording{}; they are t, alpha1, alpha2, dalpha1, dalpha2, M1, M2", near.as_ref().map_or(String::new(), |n| format!(" (did you mean `{n}`?)"))
     )]
     UnknownColumn {
         /// As written.
@@ -239,7 +239,7 @@ pub enum IoError {
     },
     /// A binary file that breaks the rules of its format.
     #[error(
-        "{file} is damaged or no {format} file: {place}: expected {expected}, found {found}; copy it again from where it was recorded"
+        "{file} is damaged or not a {format} file: {place}: expected {expected}, found {found}; copy it again from where it was recorded"
     )]
     Damaged {
         /// As the user named it.
@@ -248,25 +248,25 @@ pub enum IoError {
         format: &'static str,
         /// Byte, entry or message.
         place: String,
-        /// What had to stand there.
+        /// Expected content.
         expected: String,
-        /// What stands there.
+        /// Content found.
         found: String,
     },
     /// A file of a known format without anything to use.
-    #[error("{file}: there are no {needed} in this {format} file; it holds: {found}")]
+    #[error("{file}: this {format} file contains no {needed}; it contains: {found}")]
     Nothing {
         /// As the user named it.
         file: String,
         /// WPILOG, MCAP or MAT.
         format: &'static str,
-        /// What is looked for.
+        /// The required content.
         needed: String,
-        /// What is there.
+        /// The existing content.
         found: String,
     },
-    /// A name that says another format than the content.
-    #[error("{file} is in another format than its name says; rename it to end in .{extension}")]
+    /// The extension of the name contradicts the content.
+    #[error("{file} does not have the format of its name; rename it to end in .{extension}")]
     OtherFormat {
         /// As the user named it.
         file: String,
@@ -285,7 +285,7 @@ pub enum IoError {
         /// The one that gives the rows.
         early: String,
     },
-    /// Vectors that cannot stand side by side.
+    /// Vectors of different lengths.
     #[error(
         "{file}: `{column}` has {length} values and `{other}` has {others}; name columns of the same length"
     )]
@@ -349,7 +349,7 @@ pub(super) fn caught<T>(read: impl FnOnce() -> PolarsResult<T>) -> PolarsResult<
     catch_unwind(AssertUnwindSafe(read)).map_err(damaged)?
 }
 
-/// What polars says of a file, in one line.
+/// The error message of polars for a file, in one line.
 pub(super) fn format_error(path: &Path, format: &str, e: &PolarsError) -> IoError {
     let reason = e.to_string();
     let reason = reason.lines().next().unwrap_or_default().to_string();
@@ -376,7 +376,7 @@ impl IoError {
         self
     }
 
-    /// A file that holds nothing of what is needed.
+    /// A file without any of the required content.
     pub(super) fn nothing(path: &Path, format: &'static str, needed: &str, found: &str) -> Self {
         let found = shortened(found);
         Self::Nothing { file: shown(path), format, needed: needed.into(), found }

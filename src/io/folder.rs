@@ -145,9 +145,9 @@ pub fn check_writable(folder: &Path) -> Result<(), IoError> {
 const FUNCTIONS: [&str; 6] =
     ["model.json", "model.py", "model.m", "model.c", "model.mo", "model.js"];
 
-/// The file that says by its presence that a result folder is complete.
+/// The file whose presence marks a result folder as complete.
 const COMPLETE: &str = "results.json";
-/// How names begin of what is being written; what a killed run left begins so too.
+/// Prefix of incomplete files and folders, including those left by a killed run.
 const UNFINISHED: &str = ".unfinished-";
 /// Age beyond which no run is still at it.
 const ABANDONED: Duration = Duration::from_secs(3600);

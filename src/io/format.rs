@@ -1,4 +1,4 @@
-//! Which format a file is in: its name says so, and its first bytes must agree.
+//! File formats: determined by the extension, and checked by the first bytes.
 
 use std::fs::File;
 use std::io::Read;
@@ -21,7 +21,7 @@ pub(super) enum Format {
     Whole(&'static WholeFormat),
 }
 
-/// Format, extension, first bytes where they say so.
+/// Format, extension, and first bytes if they identify the format.
 type Known = (Format, &'static str, &'static [u8]);
 
 const CSV: Known = (Format::Csv, "csv", b"");
@@ -32,7 +32,7 @@ fn known() -> impl Iterator<Item = Known> {
     own.into_iter().chain(WHOLE.iter().map(|w| (Format::Whole(w), w.extension, w.magic)))
 }
 
-/// First bytes of what this program does not read, what it is, and what to do.
+/// First bytes of unsupported formats, their names, and remedies.
 const FOREIGN: [(&[u8], &str, &str); 3] = [
     (b"SQLite format 3\0", "a ROS 2 bag in SQLite", "convert it with `ros2 bag convert` to mcap"),
     (b"#ROSBAG V", "a ROS 1 bag", "convert it with `rosbags-convert` to a ROS 2 bag in mcap"),

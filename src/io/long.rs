@@ -64,7 +64,7 @@ fn has_more_rows(path: &Path, limit: usize) -> Result<bool, IoError> {
     }
 }
 
-/// A file with what is read of it.
+/// A file with the columns to be read.
 struct LongFile {
     path: PathBuf,
     columns: ColumnMap,

@@ -28,7 +28,7 @@ const MATRIX: u32 = 14;
 const COMPRESSED: u32 = 15;
 /// Compressed variables of a file unfold to at most this much \[bytes\].
 const MOST_BYTES: usize = 1 << 30;
-/// Matrices with more columns are no recordings.
+/// Matrices with more columns are not recordings.
 const MOST_COLUMNS: usize = 64;
 
 /// A column with its name.
@@ -76,7 +76,7 @@ fn header(path: &Path, all: &[u8]) -> Result<bool, IoError> {
     match all.get(HEADER - 4..HEADER) {
         Some([0, 1, b'I', b'M']) => Ok(false),
         Some([1, 0, b'M', b'I']) => Ok(true),
-        _ => old("bytes 124 to 127 do not say level 5"),
+        _ => old("bytes 124 to 127 are not those of level 5"),
     }
 }
 

@@ -37,7 +37,7 @@ const LARGEST_RECORD: usize = 256 << 20;
 /// Joint states in one file \[bytes\]; a compressed file can claim any number.
 const MOST_BYTES: usize = 1 << 30;
 
-/// What one topic said.
+/// Messages of one topic.
 #[derive(Default)]
 struct Topic {
     /// Header stamp and time of logging of each message [ns].
@@ -46,7 +46,7 @@ struct Topic {
     signals: Collector,
 }
 
-/// Joint states by topic, and what the other topics hold.
+/// Joint states by topic, and the message types of the other topics.
 #[derive(Default)]
 struct Bag {
     topics: BTreeMap<String, Topic>,

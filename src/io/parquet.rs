@@ -62,7 +62,7 @@ fn table(
     guarded(path, || times::in_seconds(reader.with_slice(rows).finish()?, &times))
 }
 
-/// How many rows it says it has.
+/// Number of rows according to the footer.
 pub(super) fn rows(path: &Path) -> Result<usize, IoError> {
     let file = checked(path, &[])?;
     guarded(path, || ParquetReader::new(file).num_rows())
@@ -84,7 +84,7 @@ pub(super) fn read_rows(
     table(path, file, names, Some((from, count)))
 }
 
-/// What polars says of a file that may be damaged.
+/// Calls polars on a file that may be damaged, and returns panics as errors.
 fn guarded<T>(path: &Path, read: impl FnOnce() -> PolarsResult<T>) -> Result<T, IoError> {
     caught(read).map_err(|e| format_error(path, FORMAT, &e))
 }
@@ -134,7 +134,7 @@ fn part(file: &mut File, from: u64, length: u64) -> std::io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// A value of the compact protocol, as far as it is looked at.
+/// A value of the compact protocol, as far as it is needed.
 #[derive(Debug)]
 enum Value<'a> {
     Whole(i64),
@@ -258,7 +258,7 @@ fn chunks(footer: &[u8], size: u64, names: &[String]) -> Result<Vec<Chunk>, Dama
         }
     }
     if grouped != rows {
-        let expected = format!("{rows} rows, as the footer says");
+        let expected = format!("{rows} rows, as stated in the footer");
         return Err(Damage::new("its groups of rows", expected, grouped.to_string()));
     }
     Ok(chunks)
@@ -303,7 +303,7 @@ impl Chunk {
                 Err(damage) => return Ok(Err(damage.of(&format!("column {}", self.column)))),
             }
         }
-        let expected = || format!("{} values, as the footer says", self.values);
+        let expected = || format!("{} values, as stated in the footer", self.values);
         let place = || format!("the pages of column {}", self.column);
         let sound = values == self.values;
         Ok(if sound { Ok(()) } else { Err(Damage::new(place(), expected(), values.to_string())) })

@@ -1,4 +1,4 @@
-//! A look at all columns of a file, whatever they hold.
+//! Preview of all columns of a file.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use super::error::format_error;
 use super::recording::{Source, headers};
 use super::{IoError, csv, parquet};
 
-/// A column with its values; NaN where a cell is no number.
+/// A column with its values; NaN for cells that are not numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PreviewColumn {
     /// Name in the file.

@@ -1,4 +1,4 @@
-//! Signals that are stamped each by itself, and the rows made of them.
+//! Signals with separate time stamps, and their combination into rows.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -8,7 +8,7 @@ use polars::prelude::{DataFrame, NamedFrom, Series};
 use super::IoError;
 use super::error::{format_error, shown};
 
-/// Numbers with time stamps of their own.
+/// A signal with its own time stamps.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Signal {
     name: String,
@@ -56,7 +56,7 @@ impl Collector {
         }
     }
 
-    /// The collected signals in the order of time, without those that never hold a number.
+    /// The collected signals in order of time, without those that contain no number.
     pub(super) fn finish(self, per_second: f64) -> Signals {
         let mut list = self.list;
         list.retain(|s| s.samples.iter().any(|(_, x)| !x.is_nan()));
@@ -85,7 +85,7 @@ impl Signals {
         std::iter::once(self.time.clone()).chain(names).collect()
     }
 
-    /// Every signal with its own values; the time is that of the busiest.
+    /// Every signal with its own values; the time is that of the signal with the most values.
     pub(super) fn all(self) -> Vec<(String, Vec<f64>)> {
         let busiest = self.list.iter().max_by_key(|s| s.samples.len());
         let stamps = busiest.map_or(vec![], |s| s.samples.iter().map(|(at, _)| *at).collect());

@@ -35,7 +35,7 @@ const MECHANISM: [&str; 4] = ["t", "voltage [V]", "position [rev]", "velocity [r
 /// A test with its rows.
 type Test = (String, Vec<Vec<f64>>);
 
-/// The columns of all tests, or of the one of that name.
+/// The columns of all tests, or of the test of that name.
 pub(super) fn read(path: &Path, part: Option<&str>) -> Result<Vec<(String, Vec<f64>)>, IoError> {
     let mut object = object(path)?;
     if let Some(part) = part {

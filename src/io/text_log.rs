@@ -34,11 +34,11 @@ use super::IoError;
 use super::csv::{Evidence, Style, may_be_keyed, quantity, unfolded, value};
 use super::error::shown;
 
-/// The table, with whatever stands above it, begins within this many bytes.
+/// Number of bytes within which the table, with everything above it, must begin.
 const HEAD: u64 = 1 << 16;
-/// Rows of the same number of cells that make a table: a preamble repeats itself less.
+/// Number of consecutive rows with equally many cells that make a table; a preamble is less regular.
 const ROWS: usize = 5;
-/// Rows that say whether a table has a row for each motor.
+/// Number of rows from which it is determined whether a table has a row for each motor.
 const LOOKED_AT: usize = 64;
 /// Those of plain CSV.
 const PLAIN: [char; 3] = [';', '\t', ','];
@@ -57,15 +57,15 @@ const FORMS: [Form; 7] = [
     (teleplot::is_one, teleplot::columns),
 ];
 
-/// What is said of frames of a bus.
-const FRAMES: &str = "its lines are frames of a CAN bus, whose bytes nobody decoded: decode them by the database of the \
+/// Error message for raw CAN frames.
+const FRAMES: &str = "its lines are raw frames of a CAN bus: decode them with the database of the \
                       motor controllers (cantools decode robot.dbc < candump.log), or log the decoded values";
 
-/// Where a table stands among the lines of a text.
+/// Position of a table among the lines of a text.
 #[derive(Debug)]
 struct Table {
     separator: char,
-    /// Line of the names, unless they are made up.
+    /// Line of the names; `None` if the names are generated.
     header: Option<usize>,
     names: Vec<String>,
     /// Cells before the first that has a name.
@@ -144,7 +144,7 @@ pub(super) fn json(path: &Path) -> Result<Option<Columns>, IoError> {
     Ok(record::is_one(&lines).then(|| keyed::columns(text.lines())))
 }
 
-/// Whether the names of a file are made up, because it has no header.
+/// Whether the names of a file are generated, because it has no header.
 pub(super) fn has_no_header(names: &[String]) -> bool {
     names.iter().enumerate().all(|(k, name)| *name == made_up(k))
 }
@@ -166,7 +166,7 @@ impl Table {
         evidence.style(self.separator)
     }
 
-    /// The columns of rows that are those of several motors in turn.
+    /// The columns of rows of several motors in turn.
     fn keyed(&self, text: &str, style: Style) -> Option<Columns> {
         let rows = || {
             let held =

@@ -1,21 +1,21 @@
-//! Formats whose files are read at once, one file each.
+//! Formats whose files are read as a whole.
 
 use std::path::Path;
 
 use super::IoError;
 use super::signals::Signals;
 
-/// A format that is known by its extension and first bytes and read at once.
+/// A format that is identified by its extension and first bytes and read as a whole.
 pub(super) struct WholeFormat {
     /// Extension of its files.
     pub(super) extension: &'static str,
-    /// First bytes of its files; empty where they do not tell.
+    /// First bytes of its files; empty if they are not characteristic.
     pub(super) magic: &'static [u8],
     /// Reads a file.
     pub(super) read: fn(&Path) -> Result<Content, IoError>,
 }
 
-/// What a file holds.
+/// Content of a file.
 pub(super) enum Content {
     /// Named columns of equal length.
     Columns(Vec<(String, Vec<f64>)>),

@@ -1,11 +1,11 @@
-//! Names of columns as words, and the words of the two sides.
+//! Words of column names, and the words for the two sides.
 
 /// A side of the robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WheelSide {
-    /// The right one, seen in the direction of travel.
+    /// The right side, in the direction of travel.
     Right,
-    /// The left one, seen in the direction of travel.
+    /// The left side, in the direction of travel.
     Left,
 }
 
@@ -99,7 +99,7 @@ const UNSPACED: &[&str] = &[
     "指令",
 ];
 
-/// The side that a word of a name says.
+/// The side named by a word.
 #[must_use]
 pub fn side(word: &str) -> Option<WheelSide> {
     if RIGHT.contains(&word) {
@@ -111,7 +111,7 @@ pub fn side(word: &str) -> Option<WheelSide> {
     }
 }
 
-/// The words that a name is made of, in lower case and without accents: `/input/LeftVelocity[0]` of input, left, velocity
+/// The words of a name, in lower case and without accents: `/input/LeftVelocity[0]` has input, left, velocity
 /// and 0.
 #[must_use]
 pub fn words(name: &str) -> Vec<String> {
@@ -144,7 +144,7 @@ pub fn words(name: &str) -> Vec<String> {
     out
 }
 
-/// The word of a language without spaces that letters begin with.
+/// The word of a language without spaces with which `letters` begins.
 fn unspaced(letters: &[char]) -> Option<&'static str> {
     let begins = |word: &&str| {
         word.chars().count() <= letters.len() && word.chars().zip(letters).all(|(a, b)| a == *b)
@@ -174,7 +174,7 @@ fn without_accent(c: char) -> char {
     }
 }
 
-/// Whether two of the names differ in their side alone: `rpm_l` and `rpm_r`, `encl` and `encr`.
+/// Whether two of the names differ only in their side: `rpm_l` and `rpm_r`, `encl` and `encr`.
 pub(super) fn have_both_sides(names: &[&str]) -> bool {
     let names: Vec<Vec<String>> = names.iter().map(|name| words(name)).collect();
     names.iter().any(|left| names.iter().any(|right| are_sides(left, right)))

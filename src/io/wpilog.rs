@@ -25,16 +25,16 @@ use super::bytes::{Bytes, Damage, Number};
 use super::signals::{Collector, Signals};
 use super::whole::{Content, WholeFormat};
 
-/// A missing end may be that of a record up to this size; a larger one is damage.
+/// Largest size of an incomplete last record; a larger missing end is damage.
 const CUT_OFF: usize = 1 << 20;
-/// Longer arrays are no sensors.
+/// Arrays with more elements are not sensor data.
 const MOST_ELEMENTS: usize = 64;
 
 /// An entry between its start and its finish.
 struct Entry {
     name: String,
     kind: Option<(Number, bool)>,
-    /// Where its elements are collected.
+    /// Indices of the columns in which its elements are collected.
     places: Vec<usize>,
 }
 
@@ -145,7 +145,7 @@ fn text(bytes: &mut Bytes, what: &str) -> Result<String, Damage> {
     Ok(String::from_utf8_lossy(bytes.take(length, what)?).into_owned())
 }
 
-/// The number that a type holds and whether it is an array; other types are no columns.
+/// The number type of an entry and whether it is an array; `None` for other types.
 fn number(kind: &str) -> Option<(Number, bool)> {
     let plain = kind.strip_suffix("[]");
     let number = match plain.unwrap_or(kind) {

@@ -11,13 +11,13 @@ use nalgebra::{DMatrix, DVector};
 #[derive(Debug, Clone, PartialEq)]
 pub struct BandedCholesky {
     band: usize,
-    /// Row after row, from `band` places left of the diagonal up to it.
+    /// Rows in sequence, each from `band` columns left of the diagonal to the diagonal.
     rows: Vec<f64>,
 }
 
 impl BandedCholesky {
-    /// Factorises the matrix with the entries `at(i, k)`, `i - band <= k <= i`; none if it is not
-    /// positive definite.
+    /// Factorises the matrix with the entries `at(i, k)`, `i - band <= k <= i`; `None` if it is not positive
+    /// definite.
     pub fn new(n: usize, band: usize, at: impl Fn(usize, usize) -> f64) -> Option<Self> {
         let stride = band + 1;
         let mut rows = vec![0.0; n * stride];
@@ -43,7 +43,7 @@ impl BandedCholesky {
         Some(Self { band, rows })
     }
 
-    /// Puts `V⁻¹ b` in the place of b: forward, then back substitution.
+    /// Replaces b by `V⁻¹ b`: forward, then back substitution.
     fn solve_in_place(&self, b: &mut [f64]) {
         let (band, stride) = (self.band, self.band + 1);
         for i in 0..b.len() {

@@ -69,7 +69,7 @@ pub fn clustered_covariance(
     sandwich(bread, scores.values()) * factor
 }
 
-/// Raises standard errors to those of `errors`, whose sign does not count; correlations stay.
+/// Raises standard errors to at least the absolute values of `errors`; correlations are unchanged.
 ///
 /// ```text
 /// C_ij <- C_ij s_i s_j,   s_i = max(1, |e_i| / sqrt C_ii), 1 where that is not finite

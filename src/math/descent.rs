@@ -1,12 +1,12 @@
-//! Damped Gauss-Newton for costs that come as value, gradient and curvature.
+//! Damped Gauss-Newton for costs given by value, gradient and curvature.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-/// A cost with its gradient and a positive semidefinite stand-in for its Hessian (`J'J` of a
+/// A cost with its gradient and a positive semidefinite approximation of its Hessian (`J'J` of a
 /// least-squares problem, the information matrix of a likelihood).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Quadratic {
-    /// Value of what is minimised.
+    /// Value of the cost.
     pub cost: f64,
     /// First derivatives of the cost.
     pub gradient: DVector<f64>,
@@ -17,7 +17,7 @@ pub struct Quadratic {
 /// Settings of [`minimise`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct MinimiseOptions {
-    /// Most accepted steps.
+    /// Maximum number of accepted steps.
     pub max_iterations: usize,
     /// Converged when the expected decrease, or the actual one of two steps in a row, falls below
     /// this share of the cost.
@@ -31,8 +31,8 @@ pub struct MinimiseOptions {
     pub upper: Option<DVector<f64>>,
     /// Damping of the first step, relative to the curvature.
     pub initial_damping: f64,
-    /// Whether a converged descent takes the undamped step that it found to be negligible, without
-    /// another evaluation: with a loose tolerance that is most of what is missing.
+    /// Whether a converged descent takes the undamped step that it found to be negligible, without another
+    /// evaluation: with a loose tolerance this removes most of the remaining error.
     pub last_step: bool,
 }
 
@@ -51,7 +51,7 @@ impl Default for MinimiseOptions {
 }
 
 impl MinimiseOptions {
-    /// A decrease of the cost that does not matter.
+    /// A negligible decrease of the cost.
     fn tolerance(&self, cost: f64) -> f64 {
         self.absolute_tolerance.max(self.relative_tolerance * cost.abs())
     }
@@ -64,27 +64,26 @@ pub enum MinimumStatus {
     Converged,
     /// The allowed number of steps was taken.
     MaxIterations,
-    /// No step, however short, lowered the cost: rounding, or gradient and cost disagree.
+    /// No step, however short, lowers the cost: rounding, or inconsistent gradient and cost.
     Stalled,
-    /// The cost could not be computed at the start, or start, bounds and gradient differ in
-    /// length; nothing was done.
+    /// The cost could not be computed at the start, or start, bounds and gradient differ in length.
     NoStart,
 }
 
-/// Where a minimisation ended, with the curvature there.
+/// Result of a minimisation, with the curvature at the minimum.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Minimum {
     /// The parameters.
     pub x: DVector<f64>,
-    /// Its value at `x`, the least that was reached.
+    /// Cost at `x`, the lowest that was reached.
     pub cost: f64,
-    /// First derivatives there; near zero where the descent converged.
+    /// Gradient at `x`; near zero if the descent converged.
     pub gradient: DVector<f64>,
     /// The curvature at `x`.
     pub hessian: DMatrix<f64>,
     /// Accepted steps.
     pub iterations: usize,
-    /// Computations of the cost, with derivatives or without.
+    /// Evaluations of the cost, with or without derivatives.
     pub evaluations: usize,
     /// How it ended.
     pub status: MinimumStatus,
@@ -92,12 +91,40 @@ pub struct Minimum {
 
 /// Relative damping above which no step can lower the cost.
 const MAX_DAMPING: f64 = 1e12;
-/// What a rejected step multiplies the damping by, twice as much with each in a row.
+/// Factor on the damping after a rejected step, doubled with each further rejection.
 const FIRST_FACTOR: f64 = 2.0;
-/// As many accepted steps in a row that lower the cost by nothing that matters end the descent.
+/// Number of consecutive accepted steps with a negligible decrease of the cost after which the descent ends.
 const IDLE: usize = 2;
-/// Keeps the factorisation going along directions without curvature.
+/// Relative ridge that keeps the factorisation positive definite along directions without curvature.
 const RIDGE: f64 = 1e-12;
+
+/// The damping of the next step, by Nielsen's rule.
+struct Damping {
+    value: f64,
+    /// Factor after the next rejection.
+    factor: f64,
+}
+
+impl Damping {
+    /// Whether the last step was accepted, or none was tried yet.
+    fn follows_success(&self) -> bool {
+        self.factor == FIRST_FACTOR
+    }
+
+    /// After an accepted step; `gain`: actual over predicted decrease of the cost.
+    fn accept(&mut self, gain: f64) {
+        let shrink = 1.0 - (2.0 * gain - 1.0).powi(3);
+        // a gain that is not a number comes from a step cut at a bound
+        self.value *= if shrink.is_nan() { 1.0 } else { shrink.clamp(1.0 / 3.0, 2.0) };
+        self.value = self.value.max(1e-15);
+        self.factor = FIRST_FACTOR;
+    }
+
+    fn reject(&mut self) {
+        self.value *= self.factor;
+        self.factor *= 2.0;
+    }
+}
 
 /// Minimises a cost by Levenberg and Marquardt's method within simple bounds.
 ///
@@ -146,7 +173,7 @@ pub fn minimise(
     let mut x = project(start, options);
     let Some(mut here) = evaluate(&x).filter(usable) else { return no_start(&x, 1) };
     let (mut iterations, mut evaluations, mut idle) = (0, 1, 0);
-    let (mut damping, mut factor) = (options.initial_damping, FIRST_FACTOR);
+    let mut damping = Damping { value: options.initial_damping, factor: FIRST_FACTOR };
     let status = loop {
         let model = Model::at(&x, &here, options);
         if model.is_settled(&here, options) || idle >= IDLE {
@@ -158,20 +185,20 @@ pub fn minimise(
         if iterations == options.max_iterations {
             break MinimumStatus::MaxIterations;
         }
-        if damping > MAX_DAMPING {
+        if damping.value > MAX_DAMPING {
             break MinimumStatus::Stalled;
         }
-        let trial = model.step(damping).map(|d| project(&(&x + d), options));
+        let trial = model.step(damping.value).map(|d| project(&(&x + d), options));
         let promise = trial.as_ref().map(|trial| expected_decrease(&here, &(trial - &x)));
         let promises = promise.is_none_or(|promise| !(promise <= options.tolerance(here.cost)));
-        if iterations > 0 && factor > FIRST_FACTOR && !promises {
-            // longer steps failed, and this one would not matter
+        if iterations > 0 && !damping.follows_success() && !promises {
+            // longer steps failed, and this one is negligible
             break if idle > 0 { MinimumStatus::Converged } else { MinimumStatus::Stalled };
         }
         let mut accepted = None;
         if let Some(trial) = trial.filter(|trial| *trial != x) {
-            // a step after one that was accepted seldom fails: the cost alone would be in vain
-            let hopeful = factor == FIRST_FACTOR;
+            // after an accepted step the next one is seldom rejected, so derivatives are computed at once
+            let hopeful = damping.follows_success();
             evaluations += 1;
             if hopeful || cost_only(&trial).is_some_and(|cost| cost < here.cost) {
                 evaluations += usize::from(!hopeful);
@@ -187,14 +214,9 @@ pub fn minimise(
             idle = if negligible { idle + 1 } else { 0 };
             (x, here) = (trial, there);
             iterations += 1;
-            let shrink = 1.0 - (2.0 * gain - 1.0).powi(3);
-            // a gain that is not a number comes from a step cut at a bound
-            damping *= if shrink.is_nan() { 1.0 } else { shrink.clamp(1.0 / 3.0, 2.0) };
-            damping = damping.max(1e-15);
-            factor = FIRST_FACTOR;
+            damping.accept(gain);
         } else {
-            damping *= factor;
-            factor *= 2.0;
+            damping.reject();
         }
     };
     let Quadratic { cost, gradient, hessian } = here;
@@ -247,7 +269,7 @@ impl Model {
         Cholesky::new(damped).map(|c| -c.solve(&self.gradient))
     }
 
-    /// Whether even the undamped step promises next to nothing.
+    /// Whether even the undamped step predicts a negligible decrease.
     fn is_settled(&self, q: &Quadratic, options: &MinimiseOptions) -> bool {
         if self.free.is_empty() {
             return true;

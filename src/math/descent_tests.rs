@@ -1,4 +1,4 @@
-//! The descent against SciPy and against what it promises.
+//! The descent against SciPy, and its status codes.
 
 use super::*;
 use crate::math::Information;

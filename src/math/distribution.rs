@@ -1,11 +1,11 @@
-//! Distributions that turn a statistic into a probability, and corrections for many tests.
+//! Distributions that convert a statistic into a probability, and corrections for multiple tests.
 //!
-//! A parameter outside its range gives NaN, as in R: the caller's statistic is then meaningless.
+//! A parameter outside its range gives NaN, as in R.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 use statrs::function::gamma::{gamma_ur, ln_gamma};
 
-/// Value that a standard normal variable stays below with probability `p` in (0, 1).
+/// Quantile of the standard normal distribution at probability `p` in (0, 1).
 ///
 /// # Examples
 /// ```
@@ -17,13 +17,13 @@ pub fn normal_quantile(p: f64) -> f64 {
     quantile(Normal::new(0.0, 1.0).ok(), p)
 }
 
-/// Probability that a standard normal variable stays below `x`.
+/// Cumulative standard normal distribution.
 #[must_use]
 pub fn normal_cdf(x: f64) -> f64 {
     0.5 * (1.0 + libm::erf(x / std::f64::consts::SQRT_2))
 }
 
-/// Value that a Student t variable stays below with probability `p`; `dof` > 0.
+/// Quantile of Student's t distribution at probability `p`; `dof` > 0.
 ///
 /// # Examples
 /// ```
@@ -41,7 +41,7 @@ pub fn t_survival(t: f64, dof: f64) -> f64 {
     StudentsT::new(0.0, 1.0, dof).map_or(f64::NAN, |d| d.sf(t))
 }
 
-/// Value that a chi-squared variable stays below with probability `p`; `dof` > 0.
+/// Quantile of the chi-squared distribution at probability `p`; `dof` > 0.
 #[must_use]
 pub fn chi2_quantile(p: f64, dof: f64) -> f64 {
     quantile(ChiSquared::new(dof).ok(), p)

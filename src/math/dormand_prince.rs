@@ -10,7 +10,7 @@ pub(crate) struct DormandPrince {
     pub(crate) relative: f64,
     /// Absolute error allowed per step, in the unit of the state.
     pub(crate) absolute: f64,
-    /// Most steps to be taken, rejected ones included.
+    /// Maximum number of steps, including rejected ones.
     pub(crate) max_steps: usize,
 }
 
@@ -29,7 +29,7 @@ impl Default for DormandPrince {
     }
 }
 
-/// A solution that can be asked at every time of its interval.
+/// A solution that can be evaluated at every time of its interval.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Trajectory<const N: usize> {
     steps: Vec<Step<N>>,
@@ -95,7 +95,7 @@ impl DormandPrince {
             if t >= end {
                 return Ok(Trajectory { steps, start, end, final_state: x });
             }
-            // stretch a step that would leave a sliver before the end
+            // lengthen a step that would leave a tiny remainder before the end
             let last = t + 1.01 * h >= end;
             let length = if last { end - t } else { h };
             if t + length <= t || !length.is_finite() {
@@ -152,7 +152,7 @@ impl<const N: usize> Trajectory<N> {
 
     /// First time after the start at which `event(t, x)` changes its sign, by bisection.
     ///
-    /// Two changes within one step are not seen.
+    /// Two sign changes within one step are not detected.
     #[must_use]
     pub(crate) fn first_crossing(&self, event: impl Fn(f64, &[f64; N]) -> f64) -> Option<f64> {
         let value = |t: f64| event(t, &self.at(t));

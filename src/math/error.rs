@@ -1,4 +1,4 @@
-//! What can be wrong with numbers handed to this module.
+//! Errors of numerical input.
 
 use thiserror::Error;
 
@@ -13,7 +13,7 @@ pub enum MathError {
         quantity: &'static str,
         /// Its number of rows.
         found: usize,
-        /// The number of rows wanted.
+        /// The required number of rows.
         expected: usize,
     },
     /// A value is NaN or infinite.
@@ -27,11 +27,11 @@ pub enum MathError {
     /// There are too few samples for the method.
     #[error("{method} got {found} samples, needs at least {required}; use a longer recording")]
     TooFewSamples {
-        /// The method that was asked for.
+        /// Method that requires them.
         method: &'static str,
         /// The number of samples given.
         found: usize,
-        /// The smallest number that works.
+        /// The smallest number that is sufficient.
         required: usize,
     },
     /// A setting lies outside its range.

@@ -1,4 +1,4 @@
-//! Formulas a user writes, such as `-c*exp(-(w/ws)^2)*tanh(w/0.1)`, with exact derivatives.
+//! User-defined formulas, such as `-c*exp(-(w/ws)^2)*tanh(w/0.1)`, with exact derivatives.
 
 mod error;
 mod parser;
@@ -77,7 +77,7 @@ pub(crate) enum Op {
     Power(f64),
 }
 
-/// A formula that was parsed but whose variables have no meaning yet.
+/// A parsed formula whose variables are not yet bound to values.
 ///
 /// The grammar, from loose to tight: `+ -`, `* /`, sign, `^` (from the right, `-x^2` is `-(x^2)`),
 /// then numbers, names, `pi`, parentheses and the functions sin cos tan exp ln sqrt abs sgn tanh
@@ -97,7 +97,7 @@ pub(crate) enum Op {
 pub struct Expression {
     source: String,
     ops: Vec<Op>,
-    /// Names in the order of their first appearance, each with its place there.
+    /// Names in the order of their first appearance, each with its byte range there.
     variables: Vec<(String, Range<usize>)>,
 }
 
@@ -117,8 +117,7 @@ impl Expression {
         self.variables.iter().map(|(name, _)| name.as_str()).collect()
     }
 
-    /// Gives every variable the slot of its name in `names`; names that do not appear are
-    /// allowed.
+    /// Assigns every variable the slot of its name in `names`; names that do not appear are allowed.
     ///
     /// # Errors
     /// If a variable is not among the names.

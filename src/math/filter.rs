@@ -4,17 +4,17 @@ use std::ops::{Add, Mul, Sub};
 
 use super::error::MathError;
 
-/// A value of a signal, or one of each of several signals side by side.
+/// A value of a signal, or one value of each of several signals in parallel.
 pub trait Sample: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<f64, Output = Self> {}
 
 impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f64, Output = T>> Sample for T {}
 
-/// How a signal goes on beyond its ends.
+/// Extension of a signal beyond its ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Extension {
-    /// Turned about the value at the end, `f(-t) = 2 f(0) - f(t)`: keeps value and slope.
+    /// Point reflection at the end, `f(-t) = 2 f(0) - f(t)`: keeps value and slope.
     Odd,
-    /// Mirrored, `f(-t) = f(t)`: the derivative of what is extended oddly.
+    /// Mirror reflection, `f(-t) = f(t)`: the derivative of a signal with odd extension.
     Even,
 }
 
@@ -28,8 +28,7 @@ pub struct Section {
 }
 
 impl Section {
-    /// Filters in place (transposed direct form II), starting as if the `first` value had stood
-    /// there for ever.
+    /// Filters in place (transposed direct form II), starting in the steady state of the `first` value.
     fn run<'s, T: Sample + 's>(&self, first: T, signal: impl Iterator<Item = &'s mut T>) {
         let ([b0, b1, b2], [a1, a2]) = (self.numerator, self.denominator);
         let steady = first * self.steady_gain();
@@ -138,8 +137,8 @@ pub fn filter_both_ways<T: Sample>(
     extended
 }
 
-/// [`filter_both_ways`] in place: of a signal of more than `edge` samples that stands behind room for as many, and
-/// before it.
+/// [`filter_both_ways`] in place, for a signal of more than `edge` samples with `edge` free places before and
+/// after it.
 pub(crate) fn filter_within<T: Sample>(
     sections: &[Section],
     signal: &mut [T],
@@ -157,7 +156,7 @@ pub(crate) fn filter_within<T: Sample>(
     }
 }
 
-/// Fills `edge` samples at each end with how the signal between them goes on.
+/// Fills `edge` samples at each end with the extension of the signal between them.
 fn extend<T: Sample>(signal: &mut [T], edge: usize, extension: Extension) {
     let beyond = |end: T, inside: T| match extension {
         Extension::Odd => end * 2.0 - inside,

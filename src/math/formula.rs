@@ -1,4 +1,4 @@
-//! A formula as a list of operations: evaluated, and asked what it depends on.
+//! A recorded formula: evaluation and analysis of its dependences.
 
 use super::expression::{Binary, Unary};
 
@@ -22,8 +22,8 @@ pub struct Formula {
     pub nodes: Vec<Node>,
     /// The nodes that are results.
     pub outputs: Vec<usize>,
-    /// Whether a value was read on the way (by a branch, or a function that has no node), so that
-    /// the formula may hold at the recorded place only.
+    /// Whether a value was read while recording (by a branch, or a function without a node), so that the
+    /// formula may be valid only at the recorded place.
     pub read: bool,
 }
 
@@ -46,7 +46,7 @@ impl Formula {
         self.outputs.iter().map(|&k| values[k]).collect()
     }
 
-    /// How many times each node is used: by nodes that the results need, and as a result.
+    /// How often each node is used: by nodes that the results depend on, and as a result.
     #[must_use]
     pub fn uses(&self) -> Vec<usize> {
         let mut uses = vec![0; self.nodes.len()];
@@ -73,7 +73,7 @@ impl Formula {
         self.outputs.iter().all(|&k| self.nodes[k] == Node::Constant(0.0))
     }
 
-    /// The largest degree of the results as polynomials of the inputs in `of`; `None` where one of them is no
+    /// The largest degree of the results as polynomials of the inputs in `of`; `None` if one of them is not a
     /// polynomial.
     #[must_use]
     pub fn degree(&self, of: std::ops::Range<usize>) -> Option<usize> {

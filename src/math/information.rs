@@ -36,7 +36,7 @@ pub struct Information {
     eigenvalues: Vec<f64>,
     /// Their vectors as columns.
     vectors: DMatrix<f64>,
-    /// How many of them carry information.
+    /// Number of eigenvalues above the tolerance.
     rank: usize,
 }
 
@@ -52,8 +52,8 @@ impl Information {
         out
     }
 
-    /// Decomposes an information matrix and drops the directions with less than this share of the
-    /// largest eigenvalue.
+    /// Decomposes an information matrix and discards directions with less than this share of the largest
+    /// eigenvalue.
     ///
     /// # Panics
     /// If the matrix is not square.
@@ -115,8 +115,8 @@ impl Information {
         &half * half.transpose()
     }
 
-    /// [`Information::inverse`] with an infinite variance for the parameters that take part in a
-    /// direction without information; the others keep theirs.
+    /// [`Information::inverse`] with an infinite variance for parameters with a component in a direction
+    /// without information; the others are unchanged.
     #[must_use]
     pub fn covariance(&self) -> DMatrix<f64> {
         with_unidentifiable(self.inverse(), &self.unidentifiable())
@@ -128,7 +128,7 @@ impl Information {
         self.vectors.columns_range(self.rank..).into_owned()
     }
 
-    /// Parameters with a part above 1e-3 in a direction without information.
+    /// Parameters with a component above 1e-3 in a direction without information.
     #[must_use]
     pub fn unidentifiable(&self) -> Vec<usize> {
         participants(&self.null_directions())
@@ -160,8 +160,8 @@ impl Information {
     }
 }
 
-/// Information and score of `own` parameters after the `nuisance` parameters are estimated too
-/// (Schur complement).
+/// Information and score of `own` parameters when the `nuisance` parameters are estimated too (Schur
+/// complement).
 ///
 /// ```text
 /// I = H_oo - H_on H_nn^-1 H_no,   s = g_o - H_on H_nn^-1 g_n

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-/// The integral of a rate from the first sample to each, by the trapezoid rule: zero at the first. `rate` gives the
-/// rate at a sample.
+/// The cumulative integral of a rate at each sample, by the trapezoidal rule; zero at the first. `rate`
+/// returns the rate at a sample.
 ///
 /// # Examples
 /// ```
@@ -20,8 +20,8 @@ pub fn cumulative_trapezoid(t: &[f64], rate: impl Fn(usize) -> f64) -> Vec<f64> 
     integral
 }
 
-/// The integral of a value over the `pieces` of a signal, by the trapezoid rule; what lies between them does not count.
-/// `value` gives the value at a sample.
+/// The integral of a value over the `pieces` of a signal, by the trapezoidal rule, without the intervals
+/// between them. `value` returns the value at a sample.
 ///
 /// # Examples
 /// ```

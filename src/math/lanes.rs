@@ -1,17 +1,17 @@
-//! Numbers side by side in the widest registers that the processor has, found at run time.
+//! SIMD vectors of the widest registers that the processor supports, selected at run time.
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
 use pulp::{Simd, WithSimd};
 
-/// Numbers side by side in a register of `S`: 8 with AVX-512, 4 with AVX2, 2 on ARM, 1 elsewhere.
+/// A SIMD vector in a register of `S`: 8 numbers with AVX-512, 4 with AVX2, 2 on ARM, 1 elsewhere.
 ///
-/// Sums and products are never fused, so that every number is the same to the last bit whatever stands
-/// beside it and however wide the register is.
+/// Sums and products are never fused, so that every number is the same to the last bit whatever the other
+/// lanes contain and however wide the register is.
 ///
-/// Functions that work on lanes are `#[inline(always)]` and have no closures in their loops: what is not
-/// inlined below [`WithSimd::with_simd`] is compiled without the wide instructions and passes its
-/// registers through memory.
+/// Functions that work on lanes are `#[inline(always)]` and have no closures in their loops: code that is not
+/// inlined below [`WithSimd::with_simd`] is compiled without the wide instructions and passes its registers
+/// through memory.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Lanes<S: Simd> {
     simd: S,
@@ -42,7 +42,7 @@ operator!(Sub, sub, sub_f64s);
 operator!(Mul, mul, mul_f64s);
 operator!(Div, div, div_f64s);
 
-/// For each place of a register, whether something holds.
+/// A condition for each lane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Mask<S: Simd> {
     simd: S,
@@ -50,20 +50,20 @@ pub(crate) struct Mask<S: Simd> {
 }
 
 impl<S: Simd> Mask<S> {
-    /// `inside` where it holds, else `outside`.
+    /// `inside` where the condition is true, otherwise `outside`.
     #[inline(always)]
     pub(crate) fn select(self, inside: Lanes<S>, outside: Lanes<S>) -> Lanes<S> {
         let numbers = self.simd.select_f64s(self.set, inside.numbers, outside.numbers);
         Lanes { simd: self.simd, numbers }
     }
 
-    /// Whether it holds anywhere.
+    /// Whether the condition is true in any lane.
     #[inline(always)]
     pub(crate) fn any(self) -> bool {
         self.simd.first_true_m64s(self.set) < Lanes::<S>::COUNT
     }
 
-    /// Whether it holds everywhere.
+    /// Whether the condition is true in all lanes.
     #[inline(always)]
     pub(crate) fn all(self) -> bool {
         let (zero, one) = (Lanes::splat(self.simd, 0.0), Lanes::splat(self.simd, 1.0));
@@ -104,13 +104,13 @@ impl<S: Simd> Lanes<S> {
     /// Numbers in a register.
     pub(crate) const COUNT: usize = size_of::<S::f64s>() / size_of::<f64>();
 
-    /// The same number everywhere.
+    /// The same number in all lanes.
     #[inline(always)]
     pub(crate) fn splat(simd: S, number: f64) -> Self {
         Self { simd, numbers: simd.splat_f64s(number) }
     }
 
-    /// The first numbers of a slice, one a place.
+    /// The first numbers of a slice, one per lane.
     #[inline(always)]
     pub(crate) fn load(simd: S, numbers: &[f64]) -> Self {
         // not a partial load, which is a call
@@ -118,34 +118,34 @@ impl<S: Simd> Lanes<S> {
         Self { simd, numbers: registers[0] }
     }
 
-    /// Writes the number of each place to the front of a slice.
+    /// Writes the lanes to the front of a slice.
     #[inline(always)]
     pub(crate) fn store(self, out: &mut [f64]) {
         let (registers, _) = S::as_mut_simd_f64s(&mut out[..Self::COUNT]);
         registers[0] = self.numbers;
     }
 
-    /// The larger of each number and `least`.
+    /// The maximum of each number and `least`.
     #[inline(always)]
     pub(crate) fn max(self, least: f64) -> Self {
         let numbers = self.simd.max_f64s(self.numbers, self.simd.splat_f64s(least));
         Self { simd: self.simd, numbers }
     }
 
-    /// The smaller of each number and `most`.
+    /// The minimum of each number and `most`.
     #[inline(always)]
     pub(crate) fn min(self, most: f64) -> Self {
         let numbers = self.simd.min_f64s(self.numbers, self.simd.splat_f64s(most));
         Self { simd: self.simd, numbers }
     }
 
-    /// One over each number.
+    /// Reciprocal of each number.
     #[inline(always)]
     pub(crate) fn recip(self) -> Self {
         Self::splat(self.simd, 1.0) / self
     }
 
-    /// The size of each number.
+    /// Absolute value of each number.
     #[inline(always)]
     pub(crate) fn abs(self) -> Self {
         Self { simd: self.simd, numbers: self.simd.abs_f64s(self.numbers) }
@@ -175,7 +175,7 @@ impl<S: Simd> Lanes<S> {
         let r = self.max(-LARGEST_EXPONENT).min(LARGEST_EXPONENT) * (1.0 / 128.0);
         let square = r * r;
         let fourth = square * square;
-        // in an order whose parts do not wait for each other
+        // in an order in which the operations are independent
         let first = (r * C[1] + C[0]) + square * (r * C[3] + C[2]);
         let second = (r * C[5] + C[4]) + square * (r * C[7] + C[6]);
         let third = (r * C[9] + C[8]) + square * (r * C[11] + C[10]);
@@ -188,7 +188,7 @@ impl<S: Simd> Lanes<S> {
     }
 }
 
-/// Does `work` with the widest registers of this processor.
+/// Runs `work` with the widest registers of this processor.
 pub(crate) fn in_lanes<W: WithSimd>(work: W) -> W::Output {
     pulp::Arch::new().dispatch(work)
 }

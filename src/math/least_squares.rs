@@ -1,4 +1,4 @@
-//! Weighted linear least squares that says what is not identifiable.
+//! Weighted linear least squares with a test of identifiability.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -15,8 +15,7 @@ pub const PARTICIPATION: f64 = 1e-3;
 /// The result of a linear least-squares fit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearFit {
-    /// Coefficients; of the many equally good ones in a deficient fit, the shortest (after column
-    /// scaling).
+    /// Coefficients; in a rank-deficient fit the minimum-norm solution (after column scaling).
     pub coefficients: DVector<f64>,
     /// Covariance of the coefficients; the diagonal is infinite for `unidentifiable` ones.
     pub covariance: DMatrix<f64>,
@@ -29,7 +28,7 @@ pub struct LinearFit {
     pub residual_variance: f64,
     /// Rows of positive weight minus `rank`.
     pub degrees_of_freedom: usize,
-    /// Number of directions in coefficient space the data determine.
+    /// Number of directions in coefficient space that the data determine.
     pub rank: usize,
     /// Largest over smallest singular value of the scaled design matrix; infinite if that is zero.
     pub condition: f64,
@@ -37,7 +36,7 @@ pub struct LinearFit {
     pub singular_values: Vec<f64>,
     /// Indices of the coefficients that take part in a null direction.
     pub unidentifiable: Vec<usize>,
-    /// One unit column per direction the data cannot see, in coefficients times column norm.
+    /// One unit column per direction that the data do not determine, in coefficients times column norm.
     pub null_directions: DMatrix<f64>,
     /// `(X' W X)^-1` (pseudo-inverse where deficient): covariance for unit residual variance.
     unit_covariance: DMatrix<f64>,

@@ -1,11 +1,11 @@
 //! Sums of logarithms.
 
-/// Range of a product whose logarithm is not taken yet: a factor more stays within the numbers.
+/// Range of a product before its logarithm is taken; one further factor does not overflow.
 const RANGE: std::ops::Range<f64> = 1e-150..1e150;
 
-/// A sum of logarithms of positive numbers, as that of their product: one logarithm for many of them.
+/// A sum of logarithms of positive numbers, computed from their product with one logarithm for many factors.
 ///
-/// A number that is not positive makes the sum minus infinity or not a number, as its own logarithm would.
+/// A number that is not positive makes the sum minus infinity or NaN, as its own logarithm would.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LogProduct {
     sum: f64,

@@ -1,4 +1,4 @@
-//! Numbers only: no robot, no file.
+//! Numerical methods, without reference to robots or files.
 
 mod banded;
 mod correlation;

@@ -1,4 +1,4 @@
-//! How noisy a sampled signal is, from the signal alone.
+//! Noise of a sampled signal, estimated from the signal alone.
 
 use super::distribution::chi2_quantile;
 use super::order::median;
@@ -7,7 +7,7 @@ use super::order::median;
 const GAIN: f64 = 70.0;
 /// Autocorrelation of fourth differences of white noise at lags 1 to 4.
 const CORRELATION: [f64; 4] = [-56.0 / 70.0, 28.0 / 70.0, -8.0 / 70.0, 1.0 / 70.0];
-/// Samples that a fourth difference takes.
+/// Number of samples in a fourth difference.
 const SPAN: usize = 5;
 /// A signal is quantised if this share of its neighbours are equal; continuous noise has none.
 const EQUAL_SHARE: f64 = 0.05;
@@ -23,14 +23,14 @@ const PRINTED: f64 = 0.02;
 /// sigma^2 = median_b s_b^2 / m,   m = median(chi2_n)/n,   n = B / (1 + 2 sum_j (1 - j/B) rho_j^2)
 /// ```
 ///
-/// A cubic vanishes in fourth differences, so smooth motion leaves nothing; the median over blocks
-/// is insensitive to starts and reversals, and m corrects its bias (-3 % of sigma² at 20 degrees of
-/// freedom). `runs` are stretches of equidistant samples without gaps, cut into blocks of `block`
-/// samples; a last block of at least `least` samples counts too. `keep` says whether a block of that
-/// variance takes part. None if no block does.
+/// Fourth differences of a cubic are zero, so smooth motion does not contribute; the median over blocks is
+/// insensitive to starts and reversals, and m corrects its bias (-3 % of sigma² at 20 degrees of freedom).
+/// `runs` are stretches of equidistant samples without gaps, divided into blocks of `block` samples; a last
+/// block of at least `least` samples is used too. `keep` decides from the variance of a block whether it is
+/// used. `None` if no block is used.
 ///
-/// Source: J. von Neumann et al., Ann. Math. Statist. 12 (1941) for differences; the median of
-/// blocks and its correction are derived here.
+/// Source: J. von Neumann et al., Ann. Math. Statist. 12 (1941) for differences; the median of blocks and its
+/// correction are derived here.
 pub fn white_noise_variance(
     runs: &[Vec<f64>],
     block: usize,
@@ -55,8 +55,8 @@ pub fn white_noise_variance(
     (!variances.is_empty()).then(|| median(variances) / bias)
 }
 
-/// Correlation of neighbouring fourth differences: -0.8 if the noise is white, larger if a logger
-/// has filtered the signal. None if nothing changes.
+/// Correlation of neighbouring fourth differences: -0.8 for white noise, larger if a logger has filtered the
+/// signal. `None` if the signal is constant.
 #[must_use]
 pub fn fourth_difference_correlation(runs: &[Vec<f64>]) -> Option<f64> {
     let (mut product, mut square) = (0.0, 0.0);
@@ -68,7 +68,7 @@ pub fn fourth_difference_correlation(runs: &[Vec<f64>]) -> Option<f64> {
     (square > 0.0).then(|| product / square)
 }
 
-/// The smallest change between neighbours that differ, or none if the signal is constant.
+/// The smallest non-zero change between neighbours, or `None` if the signal is constant.
 #[must_use]
 pub fn smallest_change(signal: &[f64]) -> Option<f64> {
     let changes = signal.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 0.0);
@@ -95,8 +95,8 @@ pub fn quantum(signal: &[f64]) -> Option<f64> {
     grid(signal).filter(|_| equal as f64 >= EQUAL_SHARE * signal.len() as f64)
 }
 
-/// The smallest change of a signal where 19 changes in 20 are whole multiples of it: the step of a quantised one that may
-/// move in every row.
+/// The smallest change of a signal if 19 of 20 changes are integer multiples of it: the step of a quantised
+/// signal, which may change in every row.
 pub(crate) fn grid(signal: &[f64]) -> Option<f64> {
     let step = smallest_change(signal)?;
     let multiple = |w: &[f64]| {
@@ -111,7 +111,7 @@ fn fourth_differences(v: &[f64]) -> Vec<f64> {
     v.windows(SPAN).map(|w| w[4] - 4.0 * w[3] + 6.0 * w[2] - 4.0 * w[1] + w[0]).collect()
 }
 
-/// What the median of so many block variances of `length` differences each is for unit variance.
+/// Median of this many block variances of `length` differences each, for unit variance.
 fn median_bias(length: f64, blocks: usize) -> f64 {
     if blocks < 3 {
         return 1.0; // the median of one or two is the mean, which has no bias

@@ -1,10 +1,10 @@
-//! Least squares in which some coefficients may not be negative.
+//! Least squares with non-negative coefficients.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::Information;
 
-/// Directions of the scaled information below this share are left out.
+/// Directions of the scaled information below this share are discarded.
 const WEAK: f64 = 1e-9;
 
 /// The coefficients that minimise `½ x'Hx - g'x` with `x_n >= 0` where `bounded[n]`, and twice the decrease

@@ -2,8 +2,8 @@
 
 use nalgebra::{SMatrix, SVector};
 
-/// The sums of a linear least-squares fit `y = x' b + e` with `N` coefficients, for fits of few well-conditioned columns in
-/// inner loops; [`super::least_squares::fit`] says what is not identifiable.
+/// The sums of a linear least-squares fit `y = x' b + e` with `N` coefficients, for few well-conditioned
+/// columns in inner loops; [`super::least_squares::fit`] also tests identifiability.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NormalEquations<const N: usize> {
     /// Σ x x'.
@@ -12,7 +12,7 @@ pub(crate) struct NormalEquations<const N: usize> {
     pub(crate) right: SVector<f64, N>,
     /// Σ y².
     pub(crate) squares: f64,
-    /// How many rows were added.
+    /// Number of rows.
     pub(crate) rows: usize,
 }
 
@@ -23,7 +23,8 @@ pub(crate) struct FewCoefficients<const N: usize> {
     pub(crate) values: SVector<f64, N>,
     /// (Σ x x')⁻¹: covariance of the coefficients for a residual variance of one.
     pub(crate) covariance: SMatrix<f64, N, N>,
-    /// s² = (Σ y² - b' Σ x y) / (rows - N), of one row beyond N at least. It cancels where the residuals are small against y.
+    /// s² = (Σ y² - b' Σ x y) / (rows - N), with at least N + 1 rows. Subject to cancellation if the
+    /// residuals are small against y.
     pub(crate) residual_variance: f64,
 }
 
@@ -49,7 +50,7 @@ impl<const N: usize> NormalEquations<N> {
         out
     }
 
-    /// The coefficients; `None` where the rows do not determine them.
+    /// The coefficients; `None` if the rows do not determine them.
     #[inline]
     pub(crate) fn solve(&self) -> Option<FewCoefficients<N>> {
         let covariance = self.matrix.try_inverse()?;

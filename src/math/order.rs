@@ -1,9 +1,9 @@
 //! Order statistics.
 
-/// Median of the size of a normal variable of standard deviation one, the upper quartile of the normal distribution.
+/// Median of the absolute value of a standard normal variable, the upper quartile of the normal distribution.
 const NORMAL_UPPER_QUARTILE: f64 = 0.674_489_750_196_081_7;
 
-/// The value of a sample below which a share of all lies, the nearest one in order; zero of nothing.
+/// The empirical quantile at `share`, rounded to the nearest sample; zero for an empty sample.
 ///
 /// # Examples
 /// ```
@@ -34,14 +34,12 @@ pub fn quantile_of_sorted(sample: &[f64], share: f64) -> f64 {
     sample.get(place(sample.len(), share)).copied().unwrap_or(0.0)
 }
 
-/// The place in ascending order that is nearest to a share of `count` values.
+/// Rank of the sample nearest to a share of `count` values.
 fn place(count: usize, share: f64) -> usize {
     (count.saturating_sub(1) as f64 * share).round() as usize
 }
 
-/// The median; of an even number the mean of the middle two; zero of nothing.
-///
-/// That of values which vary continuously: of two it is the mean, so that neither counts for more.
+/// The median; for an even number the mean of the middle two; zero for an empty sample.
 ///
 /// # Examples
 /// ```
@@ -62,21 +60,21 @@ pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     }
 }
 
-/// The high median: the value in the middle, of an even number the upper one; zero of nothing.
+/// The high median: the middle value, for an even number the larger of the two; zero for an empty sample.
 ///
-/// It is a value of the sample. A logger that alternates between steps of 10 and 20 ms has none of 15 ms, and a run
-/// of rows has a whole number of them.
+/// It is a value of the sample: for a logger that alternates between steps of 10 and 20 ms it is not 15 ms,
+/// and for run lengths it is an integer.
 #[must_use]
 pub fn median_high(values: impl IntoIterator<Item = f64>) -> f64 {
     quantile(values, 0.5)
 }
 
-/// Standard deviation of normal noise from its median absolute deviation from zero; zero of nothing.
+/// Standard deviation of normal noise from its median absolute deviation from zero; zero for an empty sample.
 ///
 /// ```text
 /// s = median |e| / 0.6745
 /// ```
-/// Half of the values may be anything without moving it far.
+/// Insensitive to outliers in less than half of the values.
 ///
 /// Source: P. J. Huber, E. M. Ronchetti, *Robust Statistics*, 2nd ed., 5.1.
 #[must_use]

@@ -1,18 +1,18 @@
-//! Sums of products of a few columns with many, in the widest registers.
+//! Sums of products of a few columns with many columns, in the widest registers.
 
 use pulp::{Simd, WithSimd};
 
 use super::lanes::{Lanes, in_lanes};
 
-/// Rows are filled up with zeros to a multiple of so many numbers, those of the widest register.
+/// Rows are padded with zeros to a multiple of this length, that of the widest register.
 pub(crate) const FILLED: usize = 8;
-/// Columns that are multiplied with a row at a time.
+/// Number of columns that are multiplied with a row at a time.
 const TOGETHER: usize = 4;
 
 /// Adds `Σ_k columns[k][c] rows[k][b]` to `sums[c][b]`, in the order of the rows.
 ///
-/// Row k of `columns` has `own` numbers, of which those count that have a row of `sums`, and row k of `rows`, as row c
-/// of `sums`, has `width`, a multiple of [`FILLED`].
+/// Row k of `columns` has `own` numbers, of which the first ones (as many as `sums` has rows) are used; row k
+/// of `rows`, like row c of `sums`, has `width` numbers, a multiple of [`FILLED`].
 pub(crate) fn add_products(
     (columns, own): (&[f64], usize),
     (rows, width): (&[f64], usize),
@@ -54,7 +54,7 @@ impl WithSimd for Products<'_> {
 }
 
 impl Products<'_> {
-    /// `N` columns with a register of each row from place `b` on.
+    /// Adds the products of `N` columns with one register of each row, from column `b` on.
     #[inline(always)]
     fn add<S: Simd, const N: usize>(&mut self, simd: S, b: usize) {
         let mut sums = [Lanes::splat(simd, 0.0); N];

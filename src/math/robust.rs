@@ -1,4 +1,4 @@
-//! Linear regression that a few wild samples cannot spoil.
+//! Linear regression that is robust to outliers.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -11,23 +11,23 @@ pub const HUBER_THRESHOLD: f64 = 1.345;
 
 const MAX_ITERATIONS: usize = 200;
 
-/// A Huber fit: the last reweighted least-squares fit and how it came about.
+/// Result of a Huber fit: the last reweighted least-squares fit and its convergence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RobustFit {
     /// The coefficients with the covariance of the M-estimator; `residual_variance` and the
     /// residuals are those of the reweighted problem.
     pub fit: LinearFit,
-    /// Weight each row ended with, in (0, 1]; below one: treated as wild.
+    /// Final weight of each row, in (0, 1]; below one for outliers.
     pub row_weights: DVector<f64>,
     /// Robust standard deviation of a row of weight one (median absolute residual / 0.6745).
     pub scale: f64,
     /// Reweighting steps taken.
     pub iterations: usize,
-    /// Whether the coefficients stopped moving.
+    /// Whether the coefficients converged.
     pub converged: bool,
 }
 
-/// Fits `y = X b + e` where some rows may be wild, by iteratively reweighted least squares.
+/// Fits `y = X b + e` with outliers in some rows, by iteratively reweighted least squares.
 ///
 /// ```text
 /// minimise sum rho(r_i/s),  rho'(u) = psi(u) = u if |u| <= c, else c sgn u;  s = median|r| / 0.6745
@@ -73,7 +73,7 @@ pub fn fit_huber(
     Ok(RobustFit { fit: current, row_weights, scale, iterations, converged })
 }
 
-/// Whether no identifiable coefficient moved by more than a millionth of its standard error.
+/// Whether no identifiable coefficient changed by more than a millionth of its standard error.
 fn settled(next: &LinearFit, current: &LinearFit) -> bool {
     (0..next.coefficients.len()).all(|i| {
         let step = (next.coefficients[i] - current.coefficients[i]).abs();

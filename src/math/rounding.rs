@@ -1,4 +1,4 @@
-//! Numbers of few digits.
+//! Rounding to significant digits.
 
 /// The value rounded to the given significant digits.
 #[must_use]

@@ -59,15 +59,15 @@ where
     Ok(along(x, h / 6.0, &sum))
 }
 
-/// One step of length `h` of the classical method for `x'' = rate(c, x, v)`, `v = x'`, from place `x` and speed `v`,
-/// where the acceleration `first` at the start is known: place and speed at its end.
+/// One step of length `h` of the classical method for `x'' = rate(c, x, v)`, `v = x'`, from position `x` and
+/// speed `v` with known initial acceleration `first`: position and speed at the end of the step.
 ///
 /// ```text
 /// v + h/6 (k1 + 2 k2 + 2 k3 + k4),   x + h (v + h/6 (k1 + k2 + k3))
 /// ```
 ///
-/// The same as [`runge_kutta_from`] of the places and speeds together, whose stages of the places are known
-/// beforehand: what does not depend on the place costs no stage of it.
+/// Equivalent to [`runge_kutta_from`] for positions and speeds together. The stages of the positions are
+/// known in advance, so an acceleration that does not depend on the position needs no position stages.
 ///
 /// # Errors
 /// The first error of `rate`.
@@ -96,7 +96,7 @@ where
     Ok((along(x, h, &along(v, sixth, &inner)), along(v, sixth, &all)))
 }
 
-/// `x + h k`, without a closure, which would not be compiled for the wide registers of its caller.
+/// `x + h k`, without a closure, which would not be compiled for the wide registers of the caller.
 #[inline(always)]
 fn along<const N: usize, T>(x: &[T; N], h: f64, k: &[T; N]) -> [T; N]
 where

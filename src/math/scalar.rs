@@ -1,8 +1,8 @@
-//! The scalar that physics is written in: `f64`, or a dual number that carries exact derivatives.
+//! The scalar type of physical effects: `f64`, or dual numbers with exact derivatives.
 
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-/// A real number, or one that carries derivatives; every physical effect is written over it once.
+/// A real number, optionally with derivatives; every physical effect is implemented once over this trait.
 ///
 /// `f64` gives values, [`Dual`] gives values and exact partial derivatives (forward-mode
 /// automatic differentiation).
@@ -29,7 +29,7 @@ pub trait Real:
     /// The value without derivatives.
     fn value(self) -> f64;
 
-    /// Applies a function whose value and first derivative at `self.value()` are given.
+    /// Applies a function with given value and first derivative at `self.value()`.
     #[must_use]
     fn chain(self, value: f64, derivative: f64) -> Self;
 
@@ -92,35 +92,35 @@ pub trait Real:
     fn squared(self) -> Self {
         self * self
     }
-    /// The [`sgn`]; it has no derivative.
+    /// The sign, [`sgn`]; its derivative is zero.
     #[must_use]
     fn sgn(self) -> Self {
         Self::from(sgn(self.value()))
     }
-    /// The nearest whole number; it has no derivative.
+    /// The nearest integer; its derivative is zero.
     #[must_use]
     fn round(self) -> Self {
         Self::from(self.value().round())
     }
-    /// The smaller of two; `self` where they are equal, NaN where one is.
+    /// The smaller of two; `self` if they are equal, NaN if either is NaN.
     #[must_use]
     fn min(self, other: Self) -> Self {
         let (a, b) = (self.value(), other.value());
         if b < a || b.is_nan() { other } else { self }
     }
-    /// The larger of two; `self` where they are equal, NaN where one is.
+    /// The larger of two; `self` if they are equal, NaN if either is NaN.
     #[must_use]
     fn max(self, other: Self) -> Self {
         let (a, b) = (self.value(), other.value());
         if b > a || b.is_nan() { other } else { self }
     }
-    /// `one` where `self` is one, `zero` where it is zero, their mean with that weight in between:
-    /// `self one + (1 - self) zero`. A choice that is made evaluates what was chosen alone.
+    /// `one` if `self` is one, `zero` if it is zero, and the weighted mean in between: `self one + (1 - self)
+    /// zero`. For 0 and 1 only the selected branch is evaluated.
     #[must_use]
     fn choose(self, one: impl FnOnce() -> Self, zero: impl FnOnce() -> Self) -> Self {
         self * one() + (Self::from(1.0) - self) * zero()
     }
-    /// `self` to a power that may vary.
+    /// `self` to a variable power.
     #[must_use]
     fn pow(self, power: Self) -> Self {
         let (a, p) = (self.value(), power.value());
@@ -190,7 +190,7 @@ impl Real for f64 {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dual<const N: usize> {
-    /// What a plain number would be.
+    /// Value without derivatives.
     pub value: f64,
     /// The partial derivatives with respect to the `N` variables.
     pub partial: [f64; N],

@@ -2,10 +2,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// More sweeps than any matrix has been seen to need (about ten).
+/// Upper bound of the number of sweeps (about ten are needed in practice).
 const MAX_SWEEPS: usize = 60;
 
-/// Singular value decomposition `A V = U S`, singular values falling.
+/// Singular value decomposition `A V = U S`, singular values in descending order.
 #[derive(Debug, Clone)]
 pub(crate) struct SingularValues {
     /// The columns of U, each times its singular value.
@@ -18,8 +18,8 @@ pub(crate) struct SingularValues {
 
 /// Decomposes a finite matrix with at least as many rows as columns.
 ///
-/// Rotations make the columns of `A V` orthogonal; small singular values keep their relative
-/// accuracy, which the rank decision needs and a bidiagonal method does not promise.
+/// Rotations make the columns of `A V` orthogonal. Unlike bidiagonal methods they keep the relative accuracy
+/// of small singular values, which the determination of the rank requires.
 ///
 /// Source: M. R. Hestenes, "Inversion of matrices by biorthogonalization", SIAM J. 6 (1958).
 pub(crate) fn singular_values(matrix: DMatrix<f64>) -> SingularValues {
@@ -47,10 +47,8 @@ pub(crate) fn singular_values(matrix: DMatrix<f64>) -> SingularValues {
     }
 }
 
-/// Pseudo-inverse of a matrix with at least as many rows as columns; singular values up to `least` count as zero. `None` where
-/// an entry is not finite.
-///
-/// The one of nalgebra iterates without an end on such a matrix.
+/// Pseudo-inverse of a matrix with at least as many rows as columns; singular values up to `least` count as
+/// zero. `None` if an entry is not finite, for which the pseudo-inverse of nalgebra does not terminate.
 pub(crate) fn pseudo_inverse(matrix: &DMatrix<f64>, least: f64) -> Option<DMatrix<f64>> {
     if !matrix.iter().all(|entry| entry.is_finite()) {
         return None;
@@ -61,7 +59,7 @@ pub(crate) fn pseudo_inverse(matrix: &DMatrix<f64>, least: f64) -> Option<DMatri
 }
 
 impl SingularValues {
-    /// Pseudo-inverse of the decomposed matrix of so many largest singular values.
+    /// Pseudo-inverse from this number of largest singular values.
     pub(crate) fn pseudo_inverse(&self, rank: usize) -> DMatrix<f64> {
         let squares = self.values[..rank].iter().map(|value| value * value);
         let squares = DVector::from_iterator(rank, squares);

@@ -1,8 +1,8 @@
-//! The range of a number over several statements that share their words.
+//! The range of a number over several statements with the same wording.
 
 use std::fmt::{self, Display};
 
-/// The smallest and the largest of some numbers; of one number it is both.
+/// The smallest and the largest of several numbers; both equal for a single number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span<T> {
     low: T,
@@ -10,7 +10,7 @@ pub struct Span<T> {
 }
 
 impl<T: Copy + PartialOrd> Span<T> {
-    /// Of one number.
+    /// The range of a single number.
     pub fn of(value: T) -> Self {
         Self { low: value, high: value }
     }
@@ -25,7 +25,7 @@ impl<T: Copy + PartialOrd> Span<T> {
         self.high
     }
 
-    /// Of the numbers of both.
+    /// The range that contains both.
     #[must_use]
     pub fn join(self, other: Self) -> Self {
         let low = if other.low < self.low { other.low } else { self.low };
@@ -33,12 +33,12 @@ impl<T: Copy + PartialOrd> Span<T> {
         Self { low, high }
     }
 
-    /// Of what a monotonic function makes of the numbers.
+    /// The range of a monotonic function of the numbers.
     pub fn map<U: Copy + PartialOrd>(self, f: impl Fn(T) -> U) -> Span<U> {
         Span::of(f(self.low)).join(Span::of(f(self.high)))
     }
 
-    /// Both ends as written by `text`, once where they read the same: "49.5", "49.5 to 50.2".
+    /// Both ends formatted by `text`, or one if their texts are equal: "49.5", "49.5 to 50.2".
     pub fn written(self, text: impl Fn(T) -> String) -> String {
         let (low, high) = (text(self.low), text(self.high));
         if low == high { low } else { format!("{low} to {high}") }
@@ -47,14 +47,14 @@ impl<T: Copy + PartialOrd> Span<T> {
 
 /// A statement whose numbers are ranges.
 pub(crate) trait Spans: Copy {
-    /// The same statement of other numbers.
+    /// The same statement with other numbers.
     fn with(
         self,
         whole: &mut dyn FnMut(Span<usize>) -> Span<usize>,
         real: &mut dyn FnMut(Span<f64>) -> Span<f64>,
     ) -> Self;
 
-    /// Both, of which the one is like the other, with the ranges of their numbers.
+    /// Two statements that differ only in numbers, combined with the ranges of these.
     fn joined(self, other: Self) -> Self {
         let (mut counts, mut reals) = (vec![], vec![]);
         let mut count = |count| {
@@ -74,7 +74,7 @@ pub(crate) trait Spans: Copy {
     }
 }
 
-/// Digits and sign as the format says, of both ends.
+/// Formats both ends with the given digits and sign.
 impl<T: Copy + PartialOrd + Display> Display for Span<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let text = |value: T| match (f.precision(), f.sign_plus()) {

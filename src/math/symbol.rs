@@ -11,7 +11,7 @@ thread_local! {
     static TAPE: RefCell<Formula> = RefCell::default();
 }
 
-/// Records what `f` does with symbols of the inputs, whose values are those at one place.
+/// Records the operations of `f` on symbols of the inputs, whose values are those at one place.
 ///
 /// # Examples
 /// ```
@@ -29,20 +29,20 @@ pub fn record(inputs: &[f64], f: impl FnOnce(&[Symbol]) -> Vec<Symbol>) -> Formu
     Formula { outputs, ..formula }
 }
 
-/// A number that remembers how it came about: every operation is written on a tape, so physics
-/// that is written over [`Real`] can be printed as a formula.
+/// A scalar that records its computation: every operation is written to a tape, so that physics written over
+/// [`Real`] can be printed as a formula.
 ///
-/// It carries its value at the place of recording. Reading that value marks the formula
-/// ([`Formula::read`]). Symbols have a meaning only within the [`record`] that made them.
+/// It also has the value at the place of recording. Reading this value marks the formula ([`Formula::read`]).
+/// Symbols are valid only within the call of [`record`] that created them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Symbol {
-    /// `None`: a constant that is not on the tape yet.
+    /// `None` for a constant that is not yet on the tape.
     node: Option<usize>,
     value: f64,
 }
 
 impl Symbol {
-    /// The number of an operation on the tape; one that is there already is not written again.
+    /// The index of an operation on the tape; an operation that already exists is not recorded again.
     fn push(node: Node, value: f64) -> Self {
         let place = TAPE.with_borrow_mut(|tape| {
             tape.nodes.iter().position(|n| *n == node).unwrap_or_else(|| {
@@ -139,7 +139,7 @@ impl Real for Symbol {
     }
 }
 
-// what adds nothing is left out: x + 0, 1 x, 0 x, x/1, x/x
+// neutral operations are omitted: x + 0, 1 x, 0 x, x/1, x/x
 impl Add for Symbol {
     type Output = Self;
     fn add(self, o: Self) -> Self {

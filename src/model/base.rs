@@ -1,10 +1,10 @@
-//! Places of the base parameters, which come first in the parameters of every model.
+//! Indices of the base parameters, which are the first parameters of every model.
 
 use crate::robot::BaseParameters;
 
-/// Own inertia of a wheel, a1 [kg m^2].
+/// Inertia of a wheel, a1 [kg m^2].
 pub const A1: usize = 0;
-/// Inertia that couples the wheels, a2 [kg m^2].
+/// Coupling inertia, a2 [kg m^2].
 pub const A2: usize = 1;
 /// Constant of the centrifugal torque, a3 [kg m^2].
 pub const A3: usize = 2;

@@ -1,10 +1,10 @@
-//! Exact first derivatives of a model, and the dynamics solved from it.
+//! Exact first derivatives of a model, and the solution of the torque balance for the accelerations.
 
 use super::{Model, ModelError, SpeedPolynomial, Variation, Variations};
 use crate::effects::{DIFFERENTIATED, Effect, Jet, Motion, Own, Tangent, Terms, with_friction};
 use crate::math::{Dual, Real};
 
-/// Partial derivatives of a [`Jet`] before those of an effect's own parameters.
+/// Number of partial derivatives of a [`Jet`] by the state; those by the parameters of an effect follow.
 const STATES: usize = 4;
 
 /// The torque balance `mass a + torque + Σ d_j level_j s_j` and its derivatives at one instant.
@@ -15,15 +15,15 @@ pub struct Linearisation {
     /// Derivatives of the two torques with respect to (alpha1, alpha2, omega1, omega2), at fixed
     /// acceleration and friction signs.
     pub by_state: [[f64; 4]; 2],
-    /// Derivatives of the two torques with respect to each parameter of the model (those that act
-    /// through the input have zero here).
+    /// Derivatives of the two torques with respect to each parameter of the model (zero for those that act
+    /// through the input).
     pub by_parameter: Vec<[f64; 2]>,
-    /// What each effect that varies as no polynomial of the speeds adds, with its own derivatives.
+    /// Terms of each effect that is not a polynomial of the speeds, with their derivatives.
     varying: Vec<(usize, Terms<Jet>)>,
-    /// Derivatives by the parameters of all others.
+    /// Derivatives with respect to the parameters of all other effects.
     compiled: Vec<(usize, Compiled)>,
-    /// The sum of what is the same at every instant, and of what is a polynomial of the speeds beside it; the
-    /// parameter values for which they stand here, and these with their derivatives.
+    /// Sum of the constant terms and of the polynomials of the speeds, with the parameter values for which
+    /// they were computed and the derivatives with respect to these.
     constant: Terms<f64>,
     by_speed: SpeedPolynomial,
     given: Vec<f64>,
@@ -32,8 +32,8 @@ pub struct Linearisation {
     omega: [f64; 2],
 }
 
-/// The derivative of the torque balance by a parameter where masses and levels are constant and torques
-/// polynomials of the speeds.
+/// The derivative of the torque balance with respect to a parameter of an effect with constant masses and
+/// levels and torques that are polynomials of the speeds.
 #[derive(Clone, Copy, Debug)]
 struct Compiled {
     mass: Option<[f64; 3]>,
@@ -70,7 +70,7 @@ impl Compiled {
 }
 
 impl Linearisation {
-    /// Room for the derivatives of a model with `parameters` parameters.
+    /// Allocates the derivatives of a model with `parameters` parameters.
     #[must_use]
     pub fn new(parameters: usize) -> Self {
         Self {
@@ -89,12 +89,12 @@ impl Linearisation {
 }
 
 impl Model {
-    /// Writes values and exact derivatives of the torque balance at acceleration `a` [rad/s^2]
-    /// and friction signs `s` (one for each of [`crate::effects::DIRECTIONS`]) into `out`, which
-    /// is made for this model: the inner loop of every estimator allocates nothing.
+    /// Writes values and exact derivatives of the torque balance at acceleration `a` [rad/s^2] and friction
+    /// signs `s` (one for each of [`crate::effects::DIRECTIONS`]) into `out`, which must have been allocated
+    /// for this model: inner loops do not allocate.
     ///
     /// # Panics
-    /// If `p` or `out` do not have one entry a parameter.
+    /// If `p` or `out` do not have one entry per parameter.
     pub fn linearise(
         &self,
         x: &Motion<f64>,
@@ -107,10 +107,10 @@ impl Model {
         self.differentiate(a, s, out);
     }
 
-    /// The first half of [`Model::linearise`]: every effect once, its values summed in `out.terms`.
-    /// A caller that chooses signs and acceleration by the values goes on with
-    /// [`Model::differentiate`], which may be repeated. Effects that are the same at every instant, or polynomials
-    /// of the speeds, are evaluated anew only where `p` is another than before.
+    /// The first half of [`Model::linearise`]: evaluates every effect once and sums the values in
+    /// `out.terms`. A caller that chooses signs and acceleration from the values continues with
+    /// [`Model::differentiate`], which may be called repeatedly. Constant effects and polynomials of the
+    /// speeds are evaluated again only if `p` has changed.
     pub fn evaluate(&self, x: &Motion<f64>, p: &[f64], out: &mut Linearisation) {
         if out.given != p {
             self.prepare(x, p, out);
@@ -140,7 +140,7 @@ impl Model {
         }
     }
 
-    /// What does not change with the motion: parameters with their derivatives, effects that are constant or
+    /// Terms that do not change with the motion: parameters with their derivatives, constant effects and
     /// polynomials of the speeds.
     fn prepare(&self, x: &Motion<f64>, p: &[f64], out: &mut Linearisation) {
         out.given.clear();
@@ -176,14 +176,14 @@ impl Model {
         out.by_speed.take_constant();
     }
 
-    /// The second half of [`Model::linearise`]: derivatives at acceleration `a` and signs `s` of
-    /// what [`Model::evaluate`] left in `out`.
+    /// The second half of [`Model::linearise`]: derivatives at acceleration `a` and signs `s` of the terms
+    /// that [`Model::evaluate`] wrote to `out`.
     pub fn differentiate(&self, a: &[f64; 2], s: &[f64; 4], out: &mut Linearisation) {
         self.differentiate_by_state(a, s, out);
         self.differentiate_by_parameter(a, s, out);
     }
 
-    /// [`Model::differentiate`] by the motion alone.
+    /// [`Model::differentiate`] with respect to the motion only.
     pub fn differentiate_by_state(&self, a: &[f64; 2], s: &[f64; 4], out: &mut Linearisation) {
         let [first, second] = out.by_speed.slope(out.omega);
         out.by_state = [[0.0, 0.0, first[0], first[1]], [0.0, 0.0, second[0], second[1]]];
@@ -196,7 +196,7 @@ impl Model {
         }
     }
 
-    /// [`Model::differentiate`] by the parameters alone.
+    /// [`Model::differentiate`] with respect to the parameters only.
     pub fn differentiate_by_parameter(&self, a: &[f64; 2], s: &[f64; 4], out: &mut Linearisation) {
         for (j, compiled) in &out.compiled {
             out.by_parameter[*j] = compiled.at(out.omega, a, s);
@@ -222,7 +222,7 @@ impl Model {
         let effects: Vec<usize> = (0..self.effects().len()).filter(of_input).collect();
         let acting: Vec<usize> = effects.iter().flat_map(|&e| self.slots(e)).collect();
         let mut input = None;
-        // by one or two of them it takes less to go once for each than once with room for all
+        // for one or two parameters, separate passes are faster than one pass with room for all
         if acting.len() <= 2 {
             for &j in &acting {
                 let m =
@@ -243,7 +243,8 @@ impl Model {
         (input.unwrap_or_else(|| recorded.to_vec()), derivatives)
     }
 
-    /// The acting input with its derivatives by the parameters `seen`, effect by effect as `act` says.
+    /// The acting input with its derivatives with respect to the parameters `seen`, applying the input
+    /// effects in turn by `act`.
     fn input_by<const N: usize>(
         &self,
         effects: &[usize],
@@ -319,7 +320,7 @@ pub fn solve_mass(mass: &[f64; 3], b: &[f64; 2]) -> Result<[f64; 2], ModelError>
     Ok(cramer(mass, b))
 }
 
-/// Inverse of a positive definite mass matrix as (i11, i12, i22): the accelerations that torques of one give.
+/// Inverse of a positive definite mass matrix as (i11, i12, i22): the accelerations due to unit torques.
 ///
 /// # Errors
 /// [`ModelError::MassNotPositive`].

@@ -1,4 +1,4 @@
-//! Effects added up: mass, torque, dry friction, input, and named bounded parameters.
+//! Models: the sum of effects (mass, torque, dry friction, input) and their named, bounded parameters.
 
 pub mod base;
 mod linearise;

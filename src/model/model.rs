@@ -9,7 +9,7 @@ use crate::catalogue::nearest;
 use crate::effects::{self, BASE, Change, Effect, Motion, ParameterKind, ParameterSpec, Terms};
 use crate::robot::{BaseParameters, Robot};
 
-/// Why effects do not make a model.
+/// Why effects cannot be combined into a model.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ModelError {
     /// No such effect in the catalogue.
@@ -21,12 +21,12 @@ pub enum ModelError {
         near: Option<String>,
     },
     /// The effect is in the model already.
-    #[error("the effect `{id}` stands in the model twice; remove one")]
+    #[error("the effect `{id}` is in the model twice; remove one")]
     Repeated {
         /// As written, the second time.
         id: String,
     },
-    /// Two effects that each make the drivetrain one of two masses.
+    /// Two effects that each add a second mass to the drivetrain.
     #[error(
         "the model has a two-mass drivetrain by `{present}` already, and `{added}` would be a \
          second one; the equations carry one two-mass drivetrain, so keep one of the two"
@@ -70,15 +70,15 @@ pub struct Parameter {
     pub effect: String,
     /// Symbol, meaning, unit, range.
     pub spec: ParameterSpec,
-    /// Held at this value instead of estimated.
+    /// Value at which the parameter is fixed; `None` if it is estimated.
     pub fixed: Option<f64>,
-    /// Where searches start, if not at the typical value.
+    /// Initial value for estimation, if not the typical value.
     #[serde(skip)]
     pub start: Option<f64>,
 }
 
-/// A robot and the effects that act on it; parameter vectors `p` hold one value a parameter, in
-/// the order of [`Model::parameters`], base first (a1..a5).
+/// A robot and the effects that act on it. Parameter vectors `p` contain one value per parameter, in the
+/// order of [`Model::parameters`], base parameters first (a1..a5).
 #[derive(Clone)]
 pub struct Model {
     robot: Robot,
@@ -140,8 +140,8 @@ impl Model {
     /// This model with one more effect, registered or custom.
     ///
     /// # Errors
-    /// If an effect of that id is in the model already, or both make it a two-mass drivetrain: the
-    /// state of simulator and filter has room for one.
+    /// The model already contains an effect with this id, or two effects with a second mass: the state of
+    /// simulator and filter allows only one.
     pub fn add_effect(&self, effect: Arc<dyn Effect>) -> Result<Self, ModelError> {
         if self.effects.iter().any(|present| present.id() == effect.id()) {
             return Err(ModelError::Repeated { id: effect.id() });
@@ -172,7 +172,7 @@ impl Model {
         self.effects.push(effect);
     }
 
-    /// This model without effect number `e`; parameters held at a value stay held.
+    /// This model without effect number `e`; fixed parameters stay fixed.
     #[must_use]
     pub fn without(&self, e: usize) -> Self {
         let mut model = Self::empty(self.robot.clone());
@@ -187,7 +187,7 @@ impl Model {
         model
     }
 
-    /// This model with a parameter held at a value.
+    /// This model with a fixed parameter.
     ///
     /// # Errors
     /// Unknown symbols.
@@ -198,7 +198,7 @@ impl Model {
         Ok(model)
     }
 
-    /// This model with searches for parameter number `j` starting at a value.
+    /// This model with an initial value for parameter number `j`.
     #[must_use]
     pub fn starting_at(&self, j: usize, value: f64) -> Self {
         let mut model = self.clone();
@@ -206,7 +206,7 @@ impl Model {
         model
     }
 
-    /// This model with a1..a3 of `p` for those that effects take from the robot ([`Robot::estimated`]).
+    /// This model with a1..a3 of `p` as the inertias that effects take from the robot ([`Robot::estimated`]).
     #[must_use]
     pub fn with_inertia_of(&self, p: &[f64]) -> Self {
         let mut model = self.clone();
@@ -215,7 +215,7 @@ impl Model {
         model
     }
 
-    /// The place of a parameter in `p`.
+    /// The index of a parameter in `p`.
     ///
     /// # Errors
     /// Unknown symbols.
@@ -225,7 +225,7 @@ impl Model {
         })
     }
 
-    /// Whose geometry and construction the effects use.
+    /// The robot whose geometry and construction data the effects use.
     #[must_use]
     pub fn robot(&self) -> &Robot {
         &self.robot
@@ -235,12 +235,12 @@ impl Model {
     pub fn effects(&self) -> &[Arc<dyn Effect>] {
         &self.effects
     }
-    /// Where the parameters of effect number `e` stand in `p`.
+    /// The indices in `p` of the parameters of effect number `e`.
     #[must_use]
     pub fn slots(&self, e: usize) -> Range<usize> {
         self.slots[e].clone()
     }
-    /// What the terms of effect number `e` depend on.
+    /// Which terms of effect number `e` vary, and with what.
     #[must_use]
     pub fn variations(&self, e: usize) -> Variations {
         self.variations[e]
@@ -265,14 +265,14 @@ impl Model {
     pub fn symbols(&self) -> Vec<String> {
         self.parameters.iter().map(|p| p.spec.symbol.clone()).collect()
     }
-    /// Places in `p` that are estimated by descents; whole numbers are chosen before.
+    /// Indices in `p` of the parameters that are estimated by descent; integers are chosen beforehand.
     #[must_use]
     pub fn free(&self) -> Vec<usize> {
         let free =
             |&j: &usize| self.parameters[j].fixed.is_none() && !self.parameters[j].spec.whole;
         (0..self.parameters.len()).filter(free).collect()
     }
-    /// Places in `p` that are estimated and enter linearly, as terms (not through the input).
+    /// Indices in `p` of the estimated parameters that enter linearly, through terms (not through the input).
     #[must_use]
     pub fn linear(&self) -> Vec<usize> {
         let of_input: Vec<bool> = (0..self.effects.len())
@@ -284,8 +284,8 @@ impl Model {
             .filter(|&j| self.parameters[j].spec.kind == ParameterKind::Linear && !of_input[j])
             .collect()
     }
-    /// A start for searches: fixed values, given starts, construction values for a1..a5, typical ones
-    /// elsewhere.
+    /// Initial values: fixed values, given initial values, construction values for a1..a5, typical values for
+    /// all others.
     #[must_use]
     pub fn initial(&self) -> Vec<f64> {
         let a = self.robot.construction.parameters();
@@ -307,31 +307,32 @@ impl Model {
         sum
     }
 
-    /// Whether an effect of the model moves its input in time, and so explains all of a time between input and motion.
+    /// Whether an effect of the model shifts the input in time, so that the dead time is part of the model.
     #[must_use]
     pub fn shifts_input(&self) -> bool {
         self.effects.iter().any(|effect| effect.change() == Change::TimeShift)
     }
 
-    /// Whether an effect of the model is a delay of the input, from which a shift of its rows cannot be told.
+    /// Whether an effect of the model is a delay of the input, which is indistinguishable from a shift of the
+    /// rows.
     #[must_use]
     pub fn delays_input(&self) -> bool {
         self.effects.iter().any(|effect| effect.is_delay())
     }
 
-    /// Whether an effect of the model makes it a two-mass drivetrain.
+    /// Whether the model has a two-mass drivetrain.
     #[must_use]
     pub fn is_coupled(&self) -> bool {
         self.coupling_effect().is_some()
     }
 
-    /// The number of the effect that makes it a two-mass drivetrain; no model has two.
+    /// The number of the effect that adds the second mass; a model has at most one.
     #[must_use]
     pub fn coupling_effect(&self) -> Option<usize> {
         self.couplings().first().copied()
     }
 
-    /// The numbers of all effects that make it a two-mass drivetrain.
+    /// The numbers of all effects that add a second mass.
     fn couplings(&self) -> Vec<usize> {
         let (robot, p) = (&self.robot, self.initial());
         let (alpha, omega) = ([0.0; 2], [0.0; 2]);
@@ -346,7 +347,7 @@ impl Model {
         self.effects.iter().any(|effect| effect.acts_on_input())
     }
 
-    /// The input that acts, from the recorded one: every input effect in turn.
+    /// The acting input, computed from the recorded input by all input effects in turn.
     #[must_use]
     pub fn input(&self, t: &[f64], recorded: &[[f64; 2]], p: &[f64]) -> Vec<[f64; 2]> {
         let mut m = recorded.to_vec();

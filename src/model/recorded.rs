@@ -1,21 +1,22 @@
-//! The acting input of a recording: what acted before its first row.
+//! The acting input of a recording, including the input before its first row.
 
 use super::Model;
 use crate::recording::Recording;
 
-/// Speed of the wheels over the top speed up to which a recording begins at rest (taste: a step from rest reaches more
-/// within few rows).
+/// Ratio of wheel speed to top speed up to which a recording begins at rest (judgement: after a step from rest
+/// the speed exceeds this within a few rows).
 const AT_REST: f64 = 0.02;
 
 impl Model {
-    /// As [`Model::input`], of an input at the rows of a recording. Before one that begins at rest there was none: a lag
-    /// or a delay would else act at its first row already, and a log that begins with a step shows how late it is.
+    /// [`Model::input`] for the rows of a recording. If the recording begins at rest, the input before it is
+    /// zero: otherwise a lag or a delay would be in steady state at the first row, although the response to
+    /// an initial step contains information on it.
     #[must_use]
     pub fn input_of(&self, recording: &Recording, input: &[[f64; 2]], p: &[f64]) -> Vec<[f64; 2]> {
         self.input_after(begins_at_rest(recording), recording.t(), input, p)
     }
 
-    /// As [`Model::input_derivatives`], of an input at the rows of a recording.
+    /// [`Model::input_derivatives`] for the rows of a recording.
     #[must_use]
     pub fn input_derivatives_of(
         &self,
@@ -26,7 +27,7 @@ impl Model {
         self.input_derivatives_after(begins_at_rest(recording), recording.t(), input, p)
     }
 
-    /// As [`Model::input`], with no input before the first row if the wheels stand still there.
+    /// [`Model::input`], with zero input before the first row if the wheels are at rest there.
     #[must_use]
     pub fn input_after(
         &self,
@@ -41,7 +42,7 @@ impl Model {
         }
     }
 
-    /// As [`Model::input_derivatives`], with no input before the first row if the wheels stand still there.
+    /// [`Model::input_derivatives`], with zero input before the first row if the wheels are at rest there.
     #[must_use]
     pub fn input_derivatives_after(
         &self,
@@ -59,7 +60,7 @@ impl Model {
         (acting, by_parameter)
     }
 
-    /// Times and input with a row without input before the first, where it matters.
+    /// Times and input with a preceding row of zero input, if it matters.
     fn with_row_before(
         &self,
         rest: bool,
@@ -74,7 +75,7 @@ impl Model {
     }
 }
 
-/// Whether the wheels stand still at the first row.
+/// Whether the wheels are at rest in the first row.
 fn begins_at_rest(recording: &Recording) -> bool {
     let slow = AT_REST * recording.top_speed();
     recording.omega().first().is_some_and(|w| w.iter().all(|w| w.abs() <= slow))

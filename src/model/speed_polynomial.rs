@@ -1,18 +1,19 @@
-//! Torques that are polynomials of the two wheel speeds: what most effects add up to.
+//! Torques that are second-degree polynomials of the two wheel speeds, as those of most effects are.
 
-/// A pair of polynomials of second degree in the wheel speeds, one a wheel: the factors of
-/// 1, w1, w2, w1 (w1 - w2), w2 (w1 - w2), w1 w2.
+/// A pair of second-degree polynomials in the wheel speeds, one per wheel: the coefficients of 1, w1, w2, w1
+/// (w1 - w2), w2 (w1 - w2), w1 w2.
 ///
-/// What needs a difference of speeds is exactly zero where they are equal, and both wheels are summed
-/// alike: a robot that is driven straight stays straight, which an unstable one would not with rounding.
+/// Terms with a difference of speeds are exactly zero for equal speeds, and both wheels are summed in the
+/// same order: a robot that is driven straight stays straight, whereas rounding errors would let an unstable
+/// one turn.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct SpeedPolynomial {
     pub(crate) factors: [[f64; 2]; 6],
 }
 
 impl SpeedPolynomial {
-    /// The polynomials that have the values of `value` [of speeds, rad/s], which must be such polynomials
-    /// themselves: six places determine them.
+    /// The polynomials through `value` [of speeds, rad/s], which must itself be a second-degree polynomial:
+    /// six points determine it.
     pub(crate) fn through(value: impl Fn([f64; 2]) -> [f64; 2]) -> Self {
         let places = [[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.0, 1.0]];
         let values = places.map(value);
@@ -38,7 +39,7 @@ impl SpeedPolynomial {
         }
     }
 
-    /// Takes the constant out.
+    /// Removes and returns the constant.
     pub(crate) fn take_constant(&mut self) -> [f64; 2] {
         std::mem::take(&mut self.factors[0])
     }
@@ -48,7 +49,7 @@ impl SpeedPolynomial {
         Self { factors: self.factors.each_ref().map(map) }
     }
 
-    /// The values at these speeds, less the constant.
+    /// The values at these speeds without the constant.
     #[inline]
     pub(crate) fn rest(&self, [w1, w2]: [f64; 2]) -> [f64; 2] {
         let [_, by_first, by_second, turn_first, turn_second, product] = &self.factors;
@@ -61,7 +62,7 @@ impl SpeedPolynomial {
         [one(0), one(1)]
     }
 
-    /// The derivatives by the two speeds, a row a wheel.
+    /// The derivatives with respect to the two speeds, one row per wheel.
     #[inline]
     pub(crate) fn slope(&self, [w1, w2]: [f64; 2]) -> [[f64; 2]; 2] {
         let [_, by_first, by_second, turn_first, turn_second, product] = &self.factors;

@@ -1,4 +1,4 @@
-//! Which terms of an effect change with the motion, read off its formula.
+//! Which terms of an effect depend on the motion, determined from its recorded formula.
 
 use crate::effects::{Effect, Motion};
 use crate::math::{Formula, record};
@@ -11,14 +11,14 @@ pub enum Variation {
     Absent,
     /// The same at every time, angle and speed.
     Constant,
-    /// A polynomial of second degree in the wheel speeds, and nothing else of the motion.
+    /// A second-degree polynomial in the wheel speeds only.
     Quadratic,
     /// Anything else.
     Varying,
 }
 
-/// The variations of an effect's terms. Known before any simulation, so that what is constant is
-/// evaluated once a parameter vector and what is absent never.
+/// How the terms of an effect vary. Known before a simulation, so that constant terms are evaluated once per
+/// parameter vector and absent terms never.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Variations {
     /// The mass matrix.
@@ -29,10 +29,10 @@ pub struct Variations {
     pub level: Variation,
 }
 
-/// Inputs that make up an instant: t, alpha1, alpha2, omega1, omega2.
+/// Number of inputs of an instant: t, alpha1, alpha2, omega1, omega2.
 const MOTION: usize = 5;
 const SPEEDS: std::ops::Range<usize> = 3..5;
-/// A place to record at; formulas that hold there only count as varying.
+/// Instant at which formulas are recorded; formulas that are valid only there count as varying.
 const PLACE: [f64; MOTION] = [0.7, 0.3, -0.4, 1.1, -0.6];
 
 impl Variations {
@@ -61,19 +61,19 @@ impl Variations {
         Self { mass: variation(0..3), torque: variation(3..5), level: variation(5..9) }
     }
 
-    /// Whether any term varies.
+    /// Whether any term varies with the motion.
     #[must_use]
     pub fn vary(&self) -> bool {
         self.most() > Variation::Constant
     }
 
-    /// Whether nothing varies but the torques, and these as a polynomial of second degree in the speeds.
+    /// Whether only the torques vary, as second-degree polynomials of the speeds.
     #[must_use]
     pub fn is_quadratic(&self) -> bool {
         self.torque == Variation::Quadratic && self.mass.max(self.level) <= Variation::Constant
     }
 
-    /// Whether nothing but torques is there.
+    /// Whether the effect has only torques.
     #[must_use]
     pub fn is_torque_alone(&self) -> bool {
         self.mass.max(self.level) == Variation::Absent

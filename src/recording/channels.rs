@@ -1,4 +1,4 @@
-//! What the channels of a recording are and how much noise they have.
+//! The channels of a recording and their noise levels.
 
 /// The columns of a recording before they are checked; row k of each belongs to `t[k]`.
 #[derive(Clone, Debug, Default)]
@@ -9,11 +9,11 @@ pub struct Channels {
     pub alpha: Option<Vec<[f64; 2]>>,
     /// Wheel speeds [rad/s]; `None` where not measured.
     pub omega: Option<Vec<[f64; 2]>>,
-    /// Input of each wheel, in the unit that [`super::DriveUnit`] says.
+    /// Input of each wheel, in the unit of [`super::DriveUnit`].
     pub torque: Vec<[f64; 2]>,
 }
 
-/// Which channels were measured and which were computed from the other.
+/// Which channels were measured and which were computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Measured {
     /// Angles were measured (else integrated from the speeds).
@@ -22,7 +22,7 @@ pub struct Measured {
     pub omega: bool,
 }
 
-/// Noise of a channel that goes on from row to row: first-order autoregressive.
+/// Autocorrelated noise of a channel: first-order autoregressive.
 ///
 /// ```text
 /// E n(t) n(t + s) = σ² exp(-|s|/τ)

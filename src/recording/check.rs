@@ -1,8 +1,8 @@
-//! Whether the rows of a recording are complete, finite and in the order of time.
+//! Checks that the rows of a recording are complete, finite and in order of time.
 
 use super::RecordingError;
 
-/// Fewest samples of a recording: fourth differences and a line need that many.
+/// Smallest number of samples of a recording, as required by fourth differences and a regression line.
 pub(super) const MINIMUM_SAMPLES: usize = 10;
 
 /// Refuses a recording that has too few rows, or rows that [`check_rows`] refuses.

@@ -1,4 +1,4 @@
-//! Angles from speeds and speeds from angles, where one of them was not recorded.
+//! Angles from speeds and speeds from angles, if one of them was not recorded.
 
 use std::ops::Range;
 
@@ -10,8 +10,8 @@ pub(super) fn integrate(t: &[f64], omega: &[[f64; 2]]) -> Vec<[f64; 2]> {
     right.into_iter().zip(left).map(|(right, left)| [right, left]).collect()
 }
 
-/// Speeds from angles of which some rows repeat a slow sensor: those of the rows that do not, held
-/// like the angles in between.
+/// Speeds from angles of a sensor that is slower than the rows: computed from the rows with new values, and
+/// held in between like the angles.
 pub(crate) fn slopes(
     t: &[f64],
     alpha: &[[f64; 2]],

@@ -1,6 +1,6 @@
-//! The unit in which the input was recorded.
+//! The unit of the recorded input.
 
-/// The unit of the input; inertias and frictions come out per that unit.
+/// The unit of the input; inertias and friction are estimated per that unit.
 #[derive(
     Clone,
     Copy,

@@ -1,19 +1,19 @@
-//! What is wrong with columns.
+//! Errors in the columns of a recording.
 
-/// Why columns do not make a recording. Rows count from 1, the first row of data.
+/// Why columns are not a valid recording. Rows are counted from 1, the first row of data.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RecordingError {
-    /// Too short to say anything.
+    /// Too few rows.
     #[error("{name}: {samples} samples; at least {needed} are needed to see a motion")]
     TooShort {
         /// Recording.
         name: String,
-        /// Rows that it has.
+        /// Number of rows.
         samples: usize,
-        /// Expected at least.
+        /// Smallest number of rows.
         needed: usize,
     },
-    /// Time stands still or goes backwards.
+    /// Time is constant or decreases.
     #[error(
         "{name}, row {row}: t = {t} s does not exceed {previous} s of the row before; sort the rows or remove the repeated one"
     )]
@@ -24,7 +24,7 @@ pub enum RecordingError {
         row: usize,
         /// Time of that row \[s\].
         t: f64,
-        /// Time of the row before \[s\].
+        /// Time of the previous row \[s\].
         previous: f64,
     },
     /// NaN or infinity.
@@ -36,39 +36,39 @@ pub enum RecordingError {
         name: String,
         /// Counted from 1.
         row: usize,
-        /// Column of the contract.
+        /// Column, by its standard name.
         column: String,
-        /// Rows that it has.
+        /// NaN or infinity, as found.
         value: f64,
     },
-    /// Finite, and more than any robot does.
+    /// Finite, but beyond any physical value.
     #[error(
-        "{name}, row {row}: {column} is {value:e}; no robot goes beyond {limit:e} (a wrong column or unit? a broken logger? remove the row: gaps in time are allowed)"
+        "{name}, row {row}: {column} is {value:e}; values beyond {limit:e} are not physical (a wrong column or unit? a faulty logger? remove the row: gaps in time are allowed)"
     )]
     Beyond {
         /// Recording.
         name: String,
         /// Counted from 1.
         row: usize,
-        /// Column of the contract.
+        /// Column, by its standard name.
         column: String,
-        /// Found, in the unit of the contract.
+        /// Value, in the standard unit.
         value: f64,
-        /// Largest size, or longest time after the first row.
+        /// Largest absolute value, or longest time after the first row.
         limit: f64,
     },
-    /// Rows too close or too far from each other in time.
+    /// Time steps that are too small or too large.
     #[error(
-        "{name}: t rises by {} s from row to row; expected {least:e} to {most} s. If its unit is another, say so: columns = {{ t = {{ name = \"t\", unit = \"ms\" }} }}", short(*step)
+        "{name}: t rises by {} s from row to row; expected {least:e} to {most} s. If its unit is another, declare it: columns = {{ t = {{ name = \"t\", unit = \"ms\" }} }}", short(*step)
     )]
     Step {
         /// Recording.
         name: String,
-        /// Found \[s\].
+        /// Median step \[s\].
         step: f64,
-        /// Expected at least \[s\].
+        /// Smallest allowed step \[s\].
         least: f64,
-        /// Expected at most \[s\].
+        /// Largest allowed step \[s\].
         most: f64,
     },
     /// Columns of different length.
@@ -78,9 +78,9 @@ pub enum RecordingError {
         name: String,
         /// Column group.
         column: String,
-        /// Rows that it has.
+        /// Number of rows.
         found: usize,
-        /// Rows of the time.
+        /// Number of rows of the time.
         expected: usize,
     },
     /// Neither angles nor speeds.
@@ -94,7 +94,7 @@ pub enum RecordingError {
 }
 
 impl RecordingError {
-    /// The row that is wrong, from 1, where it is one.
+    /// The row concerned, from 1, if any.
     #[must_use]
     pub fn row(&self) -> Option<usize> {
         match self {
@@ -106,7 +106,7 @@ impl RecordingError {
     }
 }
 
-/// A number of ordinary size as it is, others with an exponent.
+/// A number of ordinary magnitude in decimal notation, others with an exponent.
 fn short(x: f64) -> String {
     if (1e-3..1e6).contains(&x) { format!("{}", (x * 1e4).round() / 1e4) } else { format!("{x:e}") }
 }

@@ -1,12 +1,12 @@
-//! The step in time, and where rows are missing.
+//! The time step, and gaps.
 
 use std::ops::Range;
 
 use crate::math::quantile;
 
-/// A step in time of more than this many usual steps is a gap.
+/// A time step longer than this many usual steps is a gap.
 const GAP: f64 = 4.0;
-/// Share of the steps that are usual: a logger that stops after every eight rows has a rhythm and no gaps.
+/// Share of the steps that are usual: regular pauses, such as one after every eight rows, are not gaps.
 const USUAL: f64 = 0.95;
 
 /// Median step in time \[s\].
@@ -14,12 +14,12 @@ pub(super) fn median_step(t: &[f64]) -> f64 {
     crate::math::median_high(t.windows(2).map(|w| w[1] - w[0]))
 }
 
-/// Whether rows are missing between two, at that usual step.
+/// Whether rows are missing between two times, for this usual step.
 pub(crate) fn is_gap(before: f64, after: f64, step: f64) -> bool {
     after - before > GAP * step
 }
 
-/// Largest step of a logger that goes on \[s\]: the median, or more where longer ones return all the time.
+/// Usual step of a logger \[s\]: the median, or longer if longer steps occur regularly.
 fn usual_step(t: &[f64]) -> f64 {
     quantile(t.windows(2).map(|w| w[1] - w[0]), USUAL).max(median_step(t))
 }

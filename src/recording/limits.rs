@@ -1,19 +1,19 @@
-//! What no robot does: values that a wrong column, a wrong unit or a broken logger gives, and with
-//! which no method ends.
+//! Physical limits of the values of a recording. Values beyond them come from a wrong column, a wrong unit or
+//! a faulty logger, and prevent convergence of the methods.
 
 use super::RecordingError;
 
-/// Size of an angle, a speed or an input at most, in the units of the contract.
+/// Largest absolute value of an angle, a speed or an input, in standard units.
 const LARGEST: f64 = 1e9;
-/// Time after the first row at most \[s\].
+/// Longest time after the first row \[s\].
 const LONGEST: f64 = 1e9;
-/// Time between two rows at least \[s\].
+/// Shortest time between two rows \[s\].
 const SMALLEST_STEP: f64 = 1e-12;
-/// Time between two rows in the middle \[s\]: a million rows a second, and one a minute. A step that
-/// only looks like a wrong unit is a finding of the quality check; beyond this no fit ends.
+/// Range of the median time step \[s\]: a million rows per second to one per minute. A step that merely
+/// suggests a wrong unit is a finding of the quality check.
 const STEP: (f64, f64) = (1e-6, 60.0);
 
-/// Checks rows that are finite, and of which `step` is the time between two in the middle.
+/// Checks finite rows with median time step `step`.
 pub(super) fn check(
     name: &str,
     t: &[f64],

@@ -1,4 +1,4 @@
-//! Signals of sensors that refresh more slowly than the rows come, for filters.
+//! Linear interpolation of sensors that are slower than the rows, for filters.
 
 use std::borrow::Cow;
 
@@ -6,23 +6,24 @@ use super::Recording;
 use crate::math::median_high;
 
 impl Recording {
-    /// Rows for each new value of the sensors.
+    /// Number of rows per new value of the sensors.
     #[must_use]
     pub fn rows_per_refresh(&self) -> usize {
         let fresh = self.fresh().iter().filter(|fresh| **fresh).count().max(1);
         ((self.fresh().len() as f64 / fresh as f64).round() as usize).max(1)
     }
 
-    /// A measured signal of the wheels with the line between two new values in the rows between them, where the sensors
-    /// refresh more slowly than the rows come: what filters see, which the repeated values would make late by half a refresh.
+    /// A measured signal of the wheels, interpolated linearly between new values if the sensors are slower
+    /// than the rows. Filters use this signal, because repeated values would delay it by half a refresh
+    /// interval.
     #[must_use]
     pub fn on_lines<'a>(&self, signal: &'a [[f64; 2]]) -> Cow<'a, [[f64; 2]]> {
         on_lines(self, signal)
     }
 }
 
-/// A signal with the line between two new values in the rows between them; behind a standstill the line begins one refresh
-/// before the value that shows the motion.
+/// A signal, interpolated linearly between new values; after a standstill the line begins one refresh
+/// interval before the first value in motion.
 fn on_lines<'a>(r: &Recording, signal: &'a [[f64; 2]]) -> Cow<'a, [[f64; 2]]> {
     let fresh = r.fresh();
     if fresh.iter().all(|fresh| *fresh) {

@@ -1,4 +1,4 @@
-//! A smooth look at a recording without any model: the local motion around each sample.
+//! The local motion around each sample, by smoothing without a model.
 
 mod corner;
 
@@ -13,24 +13,25 @@ use super::{LocalMotion, Measured, Noise, Recording};
 const HALF_WIDTH: f64 = 0.06;
 const FEWEST: usize = 3;
 const MOST: usize = 30;
-/// Ratio of one neighbourhood to the next wider one.
+/// Ratio of the widths of successive neighbourhoods.
 const WIDER: f64 = 1.6;
 
 impl Recording {
-    /// The local motion around every sample: weighted least squares of
-    /// `alpha = c0 + c1 τ + ½ c2 τ²` and `omega = c1 + c2 τ` over at most ± 0.06 s (at least three
-    /// samples to either side, fewer at the ends of a piece), each channel weighted by its noise.
+    /// The local motion around every sample: weighted least squares of `alpha = c0 + c1 τ + ½ c2 τ²` and
+    /// `omega = c1 + c2 τ` over at most ± 0.06 s (at least three samples to either side, fewer at the ends of
+    /// a piece), each channel weighted by its noise.
     ///
-    /// Angle and speed come from the widest neighbourhood whose interval of two standard errors meets those
-    /// of all narrower ones, since friction breaks the parabola where a wheel reverses, and every row does where
-    /// the input is held for a slow one; the acceleration from the widest. The narrowest is the measured speed of the
-    /// row itself; of angles alone, parabolas to either side that differ in their curvature, and where those leave more
-    /// than noise the variance of the speed holds it.
+    /// Angle and speed are taken from the widest neighbourhood whose interval of two standard errors
+    /// intersects those of all narrower ones, because the parabola is not valid across reversals (friction)
+    /// or steps of a slowly held input; the acceleration is taken from the widest neighbourhood. The
+    /// narrowest is the measured speed of the row itself. For angles alone it is a pair of parabolas with
+    /// different curvature that meet at the row; if their residual exceeds the noise, it is included in the
+    /// variance of the speed.
     ///
     /// Source: intersection of confidence intervals, Goldenshluger and Nemirovski, Math. Methods Stat. 6
     /// (1997); Katkovnik, IEEE Trans. Signal Process. 47 (1999).
     ///
-    /// It is computed once; copies of the recording with another input share it.
+    /// Computed once; copies of the recording with another input share it.
     #[must_use]
     pub fn local_motion(&self) -> &[LocalMotion] {
         self.kept_motion().get_or_init(|| self.parabolas_of_all())
@@ -45,7 +46,7 @@ impl Recording {
         out
     }
 
-    /// [`Recording::local_motion`] around sample `k` alone.
+    /// [`Recording::local_motion`] for sample `k` only.
     #[must_use]
     pub fn local_motion_at(&self, k: usize) -> LocalMotion {
         let mut out = [LocalMotion::default()];
@@ -55,8 +56,8 @@ impl Recording {
         out[0]
     }
 
-    /// Variance of the speeds around sample `k` by its widest neighbourhood [rad^2/s^2], with the noise of the channels
-    /// as given; one of infinite noise is not looked at.
+    /// Variance of the speeds around sample `k` in the widest neighbourhood [rad^2/s^2], for the given noise
+    /// of the channels; a channel with infinite noise is not used.
     #[must_use]
     pub fn local_speed_variance(&self, k: usize, noise: &Noise) -> [f64; 2] {
         let Some(piece) = self.piece_of(k) else { return [0.0; 2] };
@@ -94,8 +95,8 @@ impl Recording {
         }
     }
 
-    /// Angle and speed of a wheel by the widest neighbourhood that agrees with all narrower ones, its
-    /// acceleration by the widest of all.
+    /// Angle and speed of a wheel from the widest neighbourhood that agrees with all narrower ones, its
+    /// acceleration from the widest of all.
     fn parabola(
         &self,
         piece: &Range<usize>,
@@ -135,19 +136,19 @@ impl Recording {
     }
 }
 
-/// Half width of the widest neighbourhood in rows, of which `refresh` come for each new value.
+/// Half width of the widest neighbourhood in rows, with `refresh` rows per new value.
 fn half_width(recording: &Recording, refresh: usize) -> usize {
     let step = recording.step() * refresh as f64;
     ((HALF_WIDTH / step).round() as usize).clamp(FEWEST, MOST) * refresh
 }
 
-/// Sums over a neighbourhood of a sample that grows to both sides: powers of the time τ since that sample, and
-/// their products with angle and speed of a wheel.
+/// Sums over a neighbourhood of a sample that grows to both sides: powers of the time τ relative to the
+/// sample, and their products with angle and speed of a wheel.
 struct Parabola<'a> {
     recording: &'a Recording,
     sample: usize,
     wheel: usize,
-    /// One over the variance of angle and speed; zero for a channel that was not measured.
+    /// Reciprocal of the variance of angle and speed; zero for a channel that was not measured.
     weight: [f64; 2],
     range: Range<usize>,
     /// Σ τ^j, j = 0..4.
@@ -174,7 +175,7 @@ impl<'a> Parabola<'a> {
         }
     }
 
-    /// The row itself, where its speed was measured.
+    /// The row itself, if its speed was measured.
     fn at_row(&self) -> Option<LocalMotion> {
         let (r, k, i) = (self.recording, self.sample, self.wheel);
         let [a, w] = self.weight;
@@ -197,11 +198,11 @@ impl<'a> Parabola<'a> {
         out
     }
 
-    /// Adds what a wider range has beside the present one.
+    /// Adds the rows of a wider range to the sums.
     fn widen(&mut self, to: Range<usize>) {
         for n in (to.start..self.range.start).chain(self.range.end..to.end) {
             let (r, k, i) = (self.recording, self.sample, self.wheel);
-            // a row that repeats the last value was not measured then
+            // a row that repeats the last value is not a measurement
             if !r.fresh()[n] {
                 continue;
             }
@@ -221,7 +222,7 @@ impl<'a> Parabola<'a> {
         self.range = to;
     }
 
-    /// Writes the motion of the wheel; the sample itself where the neighbourhood does not give it.
+    /// Writes the motion of the wheel; the sample itself if the neighbourhood does not determine it.
     ///
     /// ```text
     /// rows (1, τ, ½ τ²) of the angle and (0, 1, τ) of the speed
@@ -254,7 +255,7 @@ impl<'a> Parabola<'a> {
     }
 }
 
-/// Narrows the common interval by that of a fit; whether anything is left of it.
+/// Intersects the common interval with that of a fit; whether the intersection is not empty.
 fn meets(fit: &LocalMotion, i: usize, low: &mut f64, high: &mut f64) -> bool {
     let reach = AGREE * fit.omega_variance[i].sqrt();
     *low = low.max(fit.omega[i] - reach);

@@ -1,4 +1,4 @@
-//! Recordings too long to be held: windows of them, and a way to read all their rows again.
+//! Recordings too long for memory: selected windows, and repeated reading of all rows.
 
 use std::sync::Arc;
 
@@ -6,56 +6,56 @@ use super::check::{MINIMUM_SAMPLES, check_rows};
 use super::gaps::median_step;
 use super::{Channels, DriveUnit, Recording, RecordingError, limits};
 
-/// Rows of all windows together, about.
+/// Approximate number of rows of all windows together.
 const KEPT: usize = 200_000;
-/// Rows and seconds of a window at least.
+/// Smallest length of a window in rows and seconds.
 const WINDOW: (usize, f64) = (5_000, 10.0);
-/// Windows at most; there are at least half as many, if the recording has that many.
+/// Largest number of windows; at least half as many are kept, if the recording is long enough.
 const WINDOWS: (usize, usize) = (8, 40);
 
-/// Why rows that were read before cannot be read again.
+/// Why the rows cannot be read again.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error(transparent)]
 pub struct RowsError(Arc<dyn std::error::Error + Send + Sync>);
 
 impl RowsError {
-    /// With the error of the source of the rows.
+    /// Wraps the error of the source of the rows.
     pub fn new(source: impl std::error::Error + Send + Sync + 'static) -> Self {
         Self(Arc::new(source))
     }
 }
 
-/// The rows of a recording, as often as they are asked for.
+/// The rows of a recording, which can be read repeatedly.
 pub trait Rows: Send + Sync {
-    /// All rows in order, in blocks of any length; every block has the same columns. An error
-    /// ends them where they cannot be read.
+    /// All rows in order, in blocks of any length with equal columns. If reading fails, the last item is the
+    /// error.
     fn blocks(&self) -> Box<dyn Iterator<Item = Result<Channels, RowsError>> + '_>;
 
-    /// Rows that are left out because their time does not exceed that before: how many, and the
-    /// number of the first one, from 1.
+    /// Rows that are omitted because their time does not increase: their number, and the index of the first
+    /// one, from 1.
     fn left_out(&self) -> (usize, usize) {
         (0, 0)
     }
 }
 
-/// What is known of a recording of which only windows are held.
+/// Properties of a recording of which only windows are kept in memory.
 pub struct LongRecording {
-    /// Reads it.
+    /// Source of the rows.
     pub rows: Box<dyn Rows>,
     /// Number of rows.
     pub samples: usize,
     /// From the first to the last row \[s\].
     pub duration: f64,
-    /// Windows that are held.
+    /// Number of windows in memory.
     pub windows: usize,
 }
 
-/// Goes once through the rows of a long recording: checks each, and keeps windows spread over all of
-/// them without knowing beforehand how many there will be.
+/// Reads the rows of a long recording once: checks each, and keeps windows distributed over the whole
+/// recording, whose length need not be known in advance.
 ///
-/// The recording is a row of windows, these stand in groups, and of each group the one with the
-/// smallest hash is kept: at even distances all might fall into the same phase of a repeated
-/// manoeuvre. Where groups become too many, pairs of them become one.
+/// The recording is divided into windows, and these into groups; of each group the window with the smallest
+/// hash is kept, because equidistant windows might all have the same phase in a repeated manoeuvre. When the
+/// number of groups becomes too large, neighbouring groups are merged.
 pub struct Survey {
     name: String,
     drive_unit: DriveUnit,
@@ -64,16 +64,16 @@ pub struct Survey {
     span: (f64, f64),
     /// Median step of the first block \[s\].
     step: f64,
-    /// Rows of a window, and how many windows are kept at most.
+    /// Rows per window, and the largest number of windows.
     window: (usize, usize),
-    /// Windows of a group.
+    /// Windows per group.
     group: usize,
-    /// Windows with their number.
+    /// Windows with their numbers.
     kept: Vec<(usize, Channels)>,
 }
 
 impl Survey {
-    /// Of a recording of that name.
+    /// A survey of the recording with this name.
     #[must_use]
     pub fn new(name: impl Into<String>, drive_unit: DriveUnit) -> Self {
         Self {
@@ -88,10 +88,10 @@ impl Survey {
         }
     }
 
-    /// Checks the next rows and keeps what falls into a window.
+    /// Checks the next rows and keeps those that belong to a window.
     ///
     /// # Errors
-    /// As [`Recording::new`]; rows count from the first one of all.
+    /// As [`Recording::new`]; rows are counted from the first row of the recording.
     pub fn add(&mut self, block: &Channels) -> Result<(), RecordingError> {
         if self.samples == 0 {
             self.begin(block)?;
@@ -102,7 +102,7 @@ impl Survey {
             let number = (self.samples + from) / self.window.0;
             let rest = self.window.0 - (self.samples + from) % self.window.0;
             let to = (from + rest).min(block.t.len());
-            if self.wants(number) {
+            if self.is_kept(number) {
                 self.keep(number, &part(block, from..to));
             }
             from = to;
@@ -141,10 +141,10 @@ impl Survey {
         limits::check(&self.name, t, self.step, columns)
     }
 
-    /// Whether a window is the best of its group so far.
-    fn wants(&self, number: usize) -> bool {
-        let rival = self.kept.last().map(|(last, _)| *last);
-        rival.is_none_or(|last| {
+    /// Whether a window has the smallest hash of its group so far.
+    fn is_kept(&self, number: usize) -> bool {
+        let latest = self.kept.last().map(|(last, _)| *last);
+        latest.is_none_or(|last| {
             last / self.group != number / self.group || hash(number) <= hash(last)
         })
     }
@@ -160,7 +160,7 @@ impl Survey {
         if self.kept.len() > self.window.1 {
             self.group *= 2;
             let group = self.group;
-            // the earlier of two stays where it is, so the better one has to be there
+            // `dedup_by` keeps the earlier of two, so the one with the smaller hash is moved there
             self.kept.dedup_by(|later, earlier| {
                 let same = later.0 / group == earlier.0 / group;
                 if same && hash(later.0) < hash(earlier.0) {
@@ -171,7 +171,7 @@ impl Survey {
         }
     }
 
-    /// The windows as one recording with gaps, and what is known of the whole.
+    /// The windows as one recording with gaps, and the properties of the whole recording.
     ///
     /// # Errors
     /// As [`Recording::new`].
@@ -179,7 +179,7 @@ impl Survey {
         mut self,
         rows: Box<dyn Rows>,
     ) -> Result<(Recording, LongRecording), RecordingError> {
-        // half a window at the end says little
+        // a window that is less than half full is of little use
         let short = |(_, w): &(usize, Channels)| 2 * w.t.len() < self.window.0;
         if self.kept.len() > 1 && self.kept.last().is_some_and(short) {
             self.kept.pop();
@@ -194,7 +194,7 @@ impl Survey {
     }
 }
 
-/// A number without any pattern: the finaliser of MurmurHash3, which maps no two to the same one.
+/// A hash without regular patterns: the finaliser of MurmurHash3, which is a bijection.
 fn hash(number: usize) -> u64 {
     let mut h = number as u64 + 1;
     for factor in [0xff51_afd7_ed55_8ccd, 0xc4ce_b9fe_1a85_ec53] {
@@ -203,7 +203,7 @@ fn hash(number: usize) -> u64 {
     h ^ (h >> 33)
 }
 
-/// The error with its row counted from the first one of all.
+/// The error with its row counted from the first row of the recording.
 fn later(mut error: RecordingError, before: usize) -> RecordingError {
     match &mut error {
         RecordingError::TimeNotIncreasing { row, .. }
@@ -234,7 +234,7 @@ fn append(to: &mut Channels, rows: &Channels) {
     to.torque.extend(&rows.torque);
 }
 
-/// A recording that is held, as rows.
+/// A recording in memory as a source of rows.
 impl Rows for Recording {
     fn blocks(&self) -> Box<dyn Iterator<Item = Result<Channels, RowsError>> + '_> {
         const BLOCK: usize = 1 << 16;

@@ -1,4 +1,4 @@
-//! What was measured: checked once, never changed.
+//! Recordings: checked once, immutable afterwards.
 
 mod channels;
 mod check;

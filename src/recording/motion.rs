@@ -1,4 +1,4 @@
-//! What a recording shows of the motion around a row.
+//! The local motion around a row.
 
 /// Motion around one sample, from a parabola through the angles and speeds of its neighbours.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -9,7 +9,7 @@ pub struct LocalMotion {
     pub omega: [f64; 2],
     /// Wheel accelerations [rad/s^2].
     pub acceleration: [f64; 2],
-    /// Variance of the speeds that the noise of the channels leaves [rad^2/s^2].
+    /// Variance of the speeds due to the noise of the channels [rad^2/s^2].
     pub omega_variance: [f64; 2],
     /// Variance of the angles [rad^2].
     pub alpha_variance: [f64; 2],

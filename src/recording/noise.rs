@@ -1,18 +1,18 @@
-//! How noisy the channels of a recording are, from the recording alone.
+//! Noise of the channels of a recording, estimated from the recording alone.
 
 use super::{Noise, Recording};
 use crate::math::{median_high, noise};
 
-/// Length of a block over which one estimate is taken \[s\].
+/// Length of a block for one estimate \[s\].
 const BLOCK: f64 = 0.5;
-/// Fewest blocks over which the median is of the noise and not of the motion: a test of two seconds accelerates
-/// in most of them.
+/// Smallest number of blocks whose median is dominated by noise and not by motion: a test of two seconds
+/// accelerates in most of its blocks.
 const BLOCKS: f64 = 20.0;
-/// Fewest samples of a block.
+/// Smallest number of samples of a block.
 const SHORTEST: usize = 12;
 
-/// Gives recordings that are too short to show the noise of their sensors that of the longer ones, where it is
-/// less: the median of each channel over those of 10 s and more. All are by the same sensors.
+/// Replaces the noise levels of short recordings by those of the longer ones if the latter are lower: the
+/// median of each channel over recordings of 10 s and more. All recordings must be from the same sensors.
 pub fn share_noise(recordings: &mut [&mut Recording]) {
     let long = |r: &Recording| r.duration() >= BLOCKS * BLOCK;
     let noises: Vec<Noise> = recordings.iter().filter(|r| long(r)).map(|r| r.noise()).collect();
@@ -31,15 +31,15 @@ pub fn share_noise(recordings: &mut [&mut Recording]) {
 }
 
 impl Recording {
-    /// Noise of every channel from fourth differences, which remove any smooth motion.
+    /// Noise of every channel from fourth differences, which remove smooth motion.
     ///
     /// ```text
     /// sigma^2 = median over blocks of mean (∇⁴v)² / C(8,4) / m,   blocks of 0.5 s
     /// ```
     /// with m the bias of a median, [`noise::white_noise_variance`].
-    /// The median over blocks is immune to starts and reversals. A quantised channel has at least
-    /// the noise of its steps, q / sqrt(12). No channel has more than [`Recording::set_most_noise`] says, and an
-    /// input that was interpolated has that of its rows, less what of its jumps is no noise
+    /// The median over blocks is insensitive to starts and reversals. A quantised channel has at least the
+    /// noise of its steps, q / sqrt(12). The noise of a sensor is limited by [`Recording::set_most_noise`];
+    /// an interpolated input has the noise of its rows, without the part of its differences that is not noise
     /// ([`Recording::set_noise_of_jumps`]).
     #[must_use]
     pub fn noise(&self) -> Noise {
@@ -60,24 +60,25 @@ impl Recording {
         }
     }
 
-    /// Standard deviation of the jumps of the input from row to row [unit of the input], which are noise or the input itself.
+    /// Standard deviation of the differences of the input from row to row [unit of the input], which are
+    /// noise or changes of the input itself.
     #[must_use]
     pub fn input_jumps(&self) -> [f64; 2] {
         let jumps = || [0, 1].map(|i| self.channel_noise(self.torque(), i, false));
         self.recorded_input_noise().unwrap_or_else(jumps)
     }
 
-    /// `sensed`: rows that only repeat a slow sensor hold no information on its noise.
+    /// `sensed`: rows that only repeat a slow sensor contain no information on its noise.
     fn channel_noise(&self, values: &[[f64; 2]], i: usize, sensed: bool) -> f64 {
         let fresh = self.fresh().iter().filter(|f| **f).count().max(1);
         let step = if sensed { self.duration() / fresh as f64 } else { self.step() };
         let block = ((BLOCK / step) as usize).max(SHORTEST);
-        // blocks in which a coarse encoder does not move at all do not show its noise; an input
-        // that holds its value has none
+        // blocks without counts of a coarse encoder contain no information on its noise; a held input has
+        // none
         let keep = |variance: f64| variance > 0.0 || !sensed;
         let runs = self.runs(values, i, sensed);
         let rounding = |step: f64| step / 12.0_f64.sqrt();
-        // the steps of an input of few levels are commands, and no rounding
+        // the steps of an input with few levels are commands, not rounding
         let few = !sensed && is_of_few_levels(values, i);
         match noise::white_noise_variance(&runs, block, SHORTEST, keep) {
             Some(variance) if few => variance.sqrt(),
@@ -87,7 +88,7 @@ impl Recording {
         }
     }
 
-    /// One channel of every piece without gaps; of `sensed` ones the rows with a new reading.
+    /// One channel of every piece without gaps; for `sensed` channels only rows with a new reading.
     fn runs(&self, values: &[[f64; 2]], i: usize, sensed: bool) -> Vec<Vec<f64>> {
         let new = |&k: &usize| !sensed || self.fresh()[k];
         self.pieces()
@@ -96,8 +97,8 @@ impl Recording {
             .collect()
     }
 
-    /// Whether the speeds were smoothed by the logger, or computed from the angles: their fourth
-    /// differences are then not those of white noise, whose neighbours correlate by -0.8.
+    /// Whether the speeds were smoothed by the logger, or computed from the angles: the correlation of
+    /// neighbouring fourth differences is then not the -0.8 of white noise.
     #[must_use]
     pub fn speeds_are_smoothed(&self) -> bool {
         let runs: Vec<_> =
@@ -109,11 +110,11 @@ impl Recording {
 /// Correlation of neighbouring fourth differences above which speeds count as smoothed.
 const SMOOTH: f64 = -0.6;
 
-/// Levels up to which an input is a list of commands: rounding is white noise of q/sqrt(12) only where
-/// the signal crosses many levels (Widrow and Kollar, Quantization Noise, 2008).
+/// Number of levels up to which an input is a sequence of commands: rounding is white noise of q/sqrt(12)
+/// only if the signal crosses many levels (Widrow and Kollar, Quantization Noise, 2008).
 pub(crate) const FEW_LEVELS: usize = 16;
 
-/// Whether a channel takes no more than a few values.
+/// Whether a channel has only a few different values.
 fn is_of_few_levels(values: &[[f64; 2]], i: usize) -> bool {
     let mut levels: Vec<f64> = Vec::new();
     for v in values {

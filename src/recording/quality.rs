@@ -1,7 +1,7 @@
-//! What is wrong with a recording, or could be better, before anything is fitted.
+//! Quality check of a recording before any fit.
 //!
-//! All checks look at the recording alone (and, for units of length, at the wheel radius): timing,
-//! every channel by itself, the channels against each other, and what the driving excites.
+//! All checks use only the recording (and, for units of length, the wheel radius): timing, every channel
+//! separately, the channels against each other, and the excitation.
 
 mod channel;
 mod consistency;
@@ -22,24 +22,24 @@ use super::Recording;
 use crate::robot::Robot;
 use window::windows;
 
-/// How much a finding matters.
+/// Severity of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Severity {
-    /// Good to know; results are not worse for it.
+    /// For information; results are not affected.
     Note,
-    /// Results may be worse, or some parameters cannot be found.
+    /// Results may be less accurate, or some parameters may not be identifiable.
     Warning,
     /// Results will be wrong unless it is corrected.
     Problem,
 }
 
-/// Something that was noticed.
+/// A finding of the quality check.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Finding {
-    /// How much it matters.
+    /// How much it affects the results.
     pub severity: Severity,
-    /// What it is.
+    /// What was found.
     pub issue: Issue,
 }
 
@@ -52,27 +52,27 @@ impl Finding {
 /// Gaps in time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Gaps<C = usize, R = f64> {
-    /// How many.
+    /// Number of gaps.
     pub count: C,
-    /// The longest \[s\]; zero without any.
+    /// The longest \[s\]; zero if there are none.
     pub longest: R,
 }
 
-/// What the quality check says of a recording.
+/// Results of the quality check of a recording.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Quality {
-    /// Rows a second: one over the median step \[Hz\].
+    /// Sampling rate: reciprocal of the median step \[Hz\].
     pub rate_hz: f64,
     /// Standard deviation of the step outside gaps, over the median step \[1\].
     pub jitter: f64,
     /// Gaps in time.
     pub gaps: Gaps,
-    /// Everything noticed, the worst first.
+    /// All findings, the most severe first.
     pub findings: Vec<Finding>,
 }
 
 impl Quality {
-    /// The findings of at least a severity, the worst first.
+    /// The findings with at least this severity, the most severe first.
     pub fn at_least(&self, severity: Severity) -> impl Iterator<Item = &Finding> {
         self.findings.iter().filter(move |f| f.severity >= severity)
     }
@@ -100,12 +100,12 @@ pub fn quality(recording: &Recording, robot: &Robot) -> Quality {
     let windows = windows(recording);
     findings.extend(motion::findings(recording, &windows, robot));
     findings.extend(excitation::findings(recording, &windows));
-    // stable: within a severity in the order of the checks
+    // stable sort: within a severity in the order of the checks
     findings.sort_by_key(|f| std::cmp::Reverse(f.severity));
     Quality { rate_hz, jitter, gaps, findings }
 }
 
-/// The value below which a share of all absolute values lies; zero of none.
+/// The quantile of the absolute values at a share; zero for an empty sample.
 fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
     crate::math::quantile(values.map(f64::abs), share)
 }

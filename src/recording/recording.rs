@@ -9,7 +9,7 @@ use super::derived::{integrate, slopes};
 use super::gaps::{median_step, pieces};
 use super::{DriveUnit, LocalMotion, RecordingError};
 
-/// A checked recording: finite values, strictly increasing time, angles and speeds both there.
+/// A checked recording: finite values, strictly increasing time, both angles and speeds.
 #[derive(Clone, Debug)]
 pub struct Recording {
     name: String,
@@ -23,23 +23,23 @@ pub struct Recording {
     fresh: Vec<bool>,
     /// Median step in time \[s\].
     step: f64,
-    /// Most noise that the sensors have, as other recordings by them show.
+    /// Upper bound of the sensor noise, from other recordings of the same sensors.
     most_noise: Option<Noise>,
-    /// Noise of the input as it was recorded, where it has been interpolated since [unit of the input].
+    /// Noise of the input before interpolation, if it has been interpolated [unit of the input].
     recorded_input_noise: Option<[f64; 2]>,
-    /// Share of the jumps of the input from row to row that is noise.
+    /// Share of the differences of the input from row to row that is noise.
     noise_of_jumps: f64,
-    /// Noise of the input that goes on from row to row, right wheel first.
+    /// Autocorrelated noise of the input, right wheel first.
     slow_input_noise: [SlowNoise; 2],
-    /// [`Recording::local_motion`], once it was asked for; copies share it.
+    /// [`Recording::local_motion`], computed on first use; copies share it.
     local_motion: Arc<OnceLock<Vec<LocalMotion>>>,
 }
 
 impl Recording {
-    /// Checks the columns and completes the missing ones.
+    /// Checks the columns and computes the missing ones.
     ///
-    /// Missing angles are integrated from the speeds (trapezoid), missing speeds are the slope of
-    /// the parabola through three neighbouring angles; neither crosses a gap.
+    /// Missing angles are integrated from the speeds (trapezoidal rule), missing speeds are the slope of the
+    /// parabola through three neighbouring angles; neither crosses a gap.
     ///
     /// # Errors
     /// [`RecordingError`], with the row counted from 1.
@@ -112,7 +112,7 @@ impl Recording {
     pub fn torque(&self) -> &[[f64; 2]] {
         &self.torque
     }
-    /// What was measured and what was computed.
+    /// Which channels were measured.
     #[must_use]
     pub fn measured(&self) -> Measured {
         self.measured
@@ -137,26 +137,25 @@ impl Recording {
     pub fn pieces(&self) -> &[Range<usize>] {
         &self.pieces
     }
-    /// The piece that holds a row.
+    /// The piece that contains a row.
     #[must_use]
     pub fn piece_of(&self, row: usize) -> Option<&Range<usize>> {
         self.pieces.iter().find(|piece| piece.contains(&row))
     }
-    /// Whether both wheels carry the very same numbers: one axis written down twice. Nothing that
-    /// sets the wheels apart can then be known.
+    /// Whether both wheels have identical values: a single axis mapped to both wheels. Parameters that
+    /// describe differences of the wheels are then not identifiable.
     #[must_use]
     pub fn is_single_axis(&self) -> bool {
         let same = |rows: &[[f64; 2]]| rows.iter().all(|r| r[0] == r[1]);
         same(&self.alpha) && same(&self.omega) && same(&self.torque)
     }
-    /// Whether the sensors gave a new value at each sample: loggers that write faster than their
-    /// sensors refresh repeat the last one.
+    /// Whether the sensors gave a new value at each sample: loggers that are faster than their sensors repeat
+    /// the last value.
     #[must_use]
     pub fn fresh(&self) -> &[bool] {
         &self.fresh
     }
-    /// Wheel speed that the faster wheel exceeds in one sample of a hundred [rad/s]: the scale of
-    /// "slow" and "fast" for this recording.
+    /// The 99 % quantile of the speed of the faster wheel [rad/s]: the speed scale of this recording.
     #[must_use]
     pub fn top_speed(&self) -> f64 {
         let mut speeds: Vec<f64> = self.omega.iter().map(|w| w[0].abs().max(w[1].abs())).collect();
@@ -174,7 +173,7 @@ impl Recording {
         self.step
     }
 
-    /// The same recording with another input, as an effect on the input makes it.
+    /// The same recording with another input, for example after an effect on the input.
     ///
     /// # Panics
     /// If the length differs.
@@ -184,7 +183,7 @@ impl Recording {
         Self { torque, ..self.clone() }
     }
 
-    /// The same recording with other speeds; angles that were not measured follow them.
+    /// The same recording with other speeds; angles that were not measured are integrated from them.
     ///
     /// # Panics
     /// If the length differs.
@@ -196,7 +195,7 @@ impl Recording {
         Self { alpha, omega, local_motion: Arc::default(), ..self.clone() }
     }
 
-    /// The same recording with angles that start `later` \[rad\].
+    /// The same recording with angles shifted by `later` \[rad\].
     #[must_use]
     pub fn with_later_angles(&self, later: [f64; 2]) -> Self {
         let moved = |a: &[f64; 2]| [a[0] + later[0], a[1] + later[1]];
@@ -204,8 +203,8 @@ impl Recording {
         Self { alpha, local_motion: Arc::default(), ..self.clone() }
     }
 
-    /// The same recording with its input interpolated from that of its rows. Interpolation smooths noise between
-    /// neighbouring rows, not what is left of it after integration: its level stays that of the rows.
+    /// The same recording with its input interpolated between its rows. Interpolation reduces the differences
+    /// between neighbouring rows, but not the integrated noise, so the noise level is kept.
     ///
     /// # Panics
     /// If the length differs.
@@ -215,25 +214,25 @@ impl Recording {
         Self { recorded_input_noise, ..self.with_torque(torque) }
     }
 
-    /// Of the jumps of the input from row to row, [`Recording::input_jumps`], only the share `share` (0 to 1, of the
-    /// standard deviation) is noise.
+    /// Sets the share (0 to 1, of the standard deviation) of the differences of the input from row to row,
+    /// [`Recording::input_jumps`], that is noise.
     pub fn set_noise_of_jumps(&mut self, share: f64) {
         self.noise_of_jumps = share;
     }
 
-    /// Share of the standard deviation of the input's jumps that is noise.
+    /// Share of the standard deviation of the input's differences that is noise.
     #[must_use]
     pub fn noise_of_jumps(&self) -> f64 {
         self.noise_of_jumps
     }
 
-    /// The recorded input carries noise that goes on from row to row and that the robot does not feel.
+    /// Sets the autocorrelated noise of the recorded input that does not act on the robot.
     pub fn set_slow_input_noise(&mut self, noise: [SlowNoise; 2]) {
         self.slow_input_noise = noise;
     }
 
-    /// Noise of the input that goes on from row to row, right wheel first; zero unless
-    /// [`Recording::set_slow_input_noise`] stated it.
+    /// Autocorrelated noise of the input, right wheel first; zero unless set by
+    /// [`Recording::set_slow_input_noise`].
     #[must_use]
     pub fn slow_input_noise(&self) -> [SlowNoise; 2] {
         self.slow_input_noise
@@ -243,10 +242,10 @@ impl Recording {
         self.recorded_input_noise
     }
 
-    /// Its sensors have no more noise in angles and speeds than that.
+    /// Sets an upper bound for the noise of angles and speeds.
     pub fn set_most_noise(&mut self, noise: Noise) {
         self.most_noise = Some(noise);
-        // its neighbourhoods are as wide as the noise allows
+        // the neighbourhoods of the local motion depend on the noise
         self.local_motion = Arc::default();
     }
 
@@ -258,7 +257,7 @@ impl Recording {
         self.most_noise
     }
 
-    /// The samples of an index range as a recording of its own.
+    /// The samples of an index range as a separate recording.
     ///
     /// # Errors
     /// If fewer than ten samples remain.

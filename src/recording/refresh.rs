@@ -1,29 +1,28 @@
-//! Sensors that refresh more slowly than the logger writes.
+//! Sensors that are slower than the logger.
 
 use super::Channels;
 use crate::math::median_high;
 use crate::math::noise::quantum;
 
-/// Share of repeated rows, while moving, from which on the logger may repeat its sensors.
+/// Share of repeated rows during motion above which the sensors may be slower than the rows.
 const REPEATED: f64 = 0.4;
-/// Smallest steps that a slow sensor moves on between two new values, at least. A coarse one at full
-/// rate goes on by one step, now and then by two.
+/// Smallest change of a slow sensor between two new values, in quantisation steps. A coarse sensor at full
+/// rate changes by one step, occasionally by two.
 const STEPS: f64 = 2.5;
-/// Share of equal numbers of rows from one change to the next that is regular, of sensors and of clocks.
+/// Share of equal intervals between changes above which they are regular, for sensors and clocks.
 pub(crate) const REGULAR: f64 = 0.8;
-/// Ratio of large to small changes beyond which they are not all of one step.
+/// Ratio of large to small changes above which they are not all equal to one step.
 const VARIES: f64 = 1.02;
-/// Part of a step by which multiples of it differ: rounding of a logger, and far below the change of a
+/// Tolerance for multiples of a step, as a share of the step: rounding of a logger, far below a change of the
 /// speed.
 const EXACT: f64 = 0.01;
-/// A standstill is longer than this many refreshes.
+/// A standstill is longer than this many refresh intervals.
 const STANDSTILL: usize = 3;
 
-/// Which rows hold new values, from the measured channels. All do, unless the rows repeat the motion
-/// in more than 40 % of the samples in which a wheel moves, and go on by more than a step of the
-/// channel where they do not: then only rows that differ from the one before are new, and rows in the
-/// middle of a long standstill. A channel that is coarse at full rate repeats its rows too, but then
-/// it moves on by single steps.
+/// Rows with new values, from the measured channels. All rows are new, unless more than 40 % of the samples
+/// in motion repeat the previous one and the changes in between exceed one step of the channel; then only
+/// rows that differ from the previous one are new, and rows within a long standstill. A channel that is
+/// coarse at full rate also repeats its rows, but then changes by single steps.
 #[must_use]
 pub fn refreshed(channels: &Channels) -> Vec<bool> {
     let count = channels.t.len();
@@ -44,11 +43,12 @@ pub fn refreshed(channels: &Channels) -> Vec<bool> {
         .iter()
         .map(|same| {
             since = if *same { since + 1 } else { 0 };
-            // beyond a few refreshes it really stands still
+            // beyond a few refresh intervals it is a real standstill
             since % longest == 0
         })
         .collect();
-    // the value just before a change is as old as the refresh: it does not show when motion began
+    // the value before a change is as old as the refresh interval and does not determine when the motion
+    // began
     for k in (0..count).filter(|&k| !same[k]) {
         let before = k.saturating_sub(period - 1)..k;
         before.filter(|&j| same[j]).for_each(|j| fresh[j] = false);
@@ -56,7 +56,7 @@ pub fn refreshed(channels: &Channels) -> Vec<bool> {
     fresh
 }
 
-/// Rows between two changes that are not far apart: standstills are none.
+/// Rows between two changes that are close to each other, which excludes standstills.
 fn moving(channels: &Channels, same: &[bool]) -> Vec<bool> {
     let changes: Vec<usize> = (0..same.len()).filter(|&k| !same[k]).collect();
     let mut out = vec![false; channels.t.len()];
@@ -70,16 +70,16 @@ fn moving(channels: &Channels, same: &[bool]) -> Vec<bool> {
     out
 }
 
-/// Rows from one change to the next, in the middle.
+/// Median number of rows between changes.
 fn run(same: &[bool], moving: &[bool]) -> usize {
     let changes = (0..same.len()).filter(|&k| moving[k] && !same[k]).count();
     let rows = moving.iter().filter(|m| **m).count();
     (rows as f64 / changes.max(1) as f64).round() as usize
 }
 
-/// Whether the rows repeat because the steps of the channel are coarse. A coarse channel goes on by its
-/// smallest step, now and then by two; after how many rows depends on the speed. A slow one goes on by
-/// any amount, always after the same number of rows.
+/// Whether the rows repeat because the quantisation of the channel is coarse. A coarse channel changes by its
+/// smallest step, occasionally by two, after a number of rows that depends on the speed. A slow channel
+/// changes by any amount, always after the same number of rows.
 fn is_coarse(channels: &Channels, same: &[bool]) -> bool {
     let Some(rows) = channels.alpha.as_ref().or(channels.omega.as_ref()) else { return true };
     let wheels = [0, 1].map(|i| changes(rows, i));
@@ -87,7 +87,7 @@ fn is_coarse(channels: &Channels, same: &[bool]) -> bool {
         let at = |share: usize| c.get(c.len() * share / 100).copied();
         at(low).zip(at(high)).map_or(0.0, |(low, high)| high / low)
     };
-    // the smallest of the changes and no common divisor: a logger rounds
+    // the smallest change, not the greatest common divisor, because loggers round
     let steps = wheels.iter().map(|c| ratio(c, 2, 50)).fold(0.0, f64::max);
     let varies = wheels.iter().any(|c| ratio(c, 10, 90) > VARIES);
     steps < STEPS && in_steps(rows, &wheels) && !(varies && is_regular(same))
@@ -99,7 +99,8 @@ fn in_steps(rows: &[[f64; 2]], changes: &[Vec<f64>; 2]) -> bool {
         let values: Vec<f64> = rows.iter().map(|v| v[i]).collect();
         let (least, middle) =
             (changes[i][changes[i].len() * 2 / 100], changes[i][changes[i].len() / 2]);
-        // a divisor of the size of the changes, or of none that is that of the digits of the logger
+        // a divisor of the magnitude of the changes, or of any magnitude if it is that of the digits of the
+        // logger
         let step = quantum(&values).filter(|q| middle < STEPS * q).unwrap_or(least);
         let mut off: Vec<f64> =
             changes[i].iter().map(|c| (c / step - (c / step).round()).abs()).collect();
@@ -108,7 +109,7 @@ fn in_steps(rows: &[[f64; 2]], changes: &[Vec<f64>; 2]) -> bool {
     })
 }
 
-/// Sizes of the changes of a wheel, the smallest first.
+/// Absolute changes of a wheel, the smallest first.
 fn changes(rows: &[[f64; 2]], i: usize) -> Vec<f64> {
     let changes = rows.windows(2).map(|w| (w[1][i] - w[0][i]).abs());
     let mut changes: Vec<f64> = changes.filter(|d| *d > 0.0).collect();
@@ -116,7 +117,7 @@ fn changes(rows: &[[f64; 2]], i: usize) -> Vec<f64> {
     changes
 }
 
-/// Whether nearly all changes follow each other after the same number of rows.
+/// Whether nearly all changes occur at the same interval in rows.
 fn is_regular(same: &[bool]) -> bool {
     let changes: Vec<usize> = (0..same.len()).filter(|&k| !same[k]).collect();
     let mut runs: Vec<usize> = changes.windows(2).map(|w| w[1] - w[0]).collect();

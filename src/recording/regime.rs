@@ -1,19 +1,18 @@
-//! Regimes of driving: what the robot does at each sample.
+//! Driving regimes at each sample.
 
 use super::{LocalMotion, Recording};
 
-/// What the robot does at one sample.
+/// The driving regime at one sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Regime {
-    /// Both wheels stand still.
+    /// Both wheels are at rest.
     Standstill,
-    /// A wheel leaves rest, is about to, or comes to rest: slower than 1.5 rad/s and accelerating
-    /// or braking.
+    /// A wheel leaves rest, or comes to rest: slower than 1.5 rad/s and accelerating or braking.
     Starting,
-    /// As starting, while slowing down.
+    /// As starting, while decelerating.
     Stopping,
-    /// A wheel changes its direction while moving on.
+    /// A wheel reverses without stopping.
     Reversal,
     /// Turning on the spot to the left.
     PivotLeft,
@@ -27,17 +26,17 @@ pub enum Regime {
     CurveLeftBackward,
     /// Backward curve whose heading turns right.
     CurveRightBackward,
-    /// Straight forward, getting faster.
+    /// Straight forward, accelerating.
     StraightAccelerating,
     /// Straight forward at constant speed.
     StraightSteady,
-    /// Straight forward, getting slower.
+    /// Straight forward, braking.
     StraightBraking,
-    /// Straight backward, getting faster.
+    /// Straight backward, accelerating.
     BackwardAccelerating,
     /// Straight backward at constant speed.
     BackwardSteady,
-    /// Straight backward, getting slower.
+    /// Straight backward, braking.
     BackwardBraking,
 }
 
@@ -86,11 +85,11 @@ impl Regime {
     }
 }
 
-/// Slower is rest, as a share of the fastest wheel speed of the recording; on the AmigoBot
-/// (12 rad/s) the limits are 0.3 and 1.5 rad/s and 1.5 rad/s^2.
+/// Lower speeds are rest, as a share of the highest wheel speed of the recording; for the AmigoBot (12 rad/s)
+/// the limits are 0.3 and 1.5 rad/s and 1.5 rad/s^2.
 const REST: f64 = 0.025;
 const SLOW: f64 = 0.125;
-/// Constant speed: |dw| below this share of the fastest speed, per second.
+/// Constant speed: |dw| below this share of the highest speed, per second.
 const STEADY: f64 = 0.125;
 /// A pivot has |v| below this share of the turning speed, a straight |turning| below this of |v|.
 const PIVOT: f64 = 0.35;

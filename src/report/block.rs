@@ -1,4 +1,4 @@
-//! What a section of the report is made of. All text is plain: the page escapes it.
+//! The elements of which sections of the report consist. All text is plain: the page escapes it.
 
 use super::figure::Figure;
 use super::format;
@@ -11,42 +11,42 @@ pub enum Block {
     Heading(String),
     /// Running text.
     Paragraph(Text),
-    /// A finding in one sentence, with what it rests on.
+    /// A finding in one sentence, with its basis.
     Verdict {
         /// Good, doubtful or bad.
         tone: Tone,
         /// The finding.
         sentence: String,
-        /// What else is found; empty for none.
+        /// Further findings; may be empty.
         rest: String,
-        /// What it rests on; empty for none.
+        /// Basis of the finding; may be empty.
         detail: String,
     },
-    /// Numbers at a glance, side by side.
+    /// Key numbers, side by side.
     Numbers(Vec<Number>),
     /// Columns with units, rows of texts and numbers.
     Table(Table),
-    /// Drawn from its data, and interactive on the page where it may be.
+    /// A figure, interactive on the page if its data allow.
     Figure(Box<Figure>),
-    /// Blocks that are folded away until the reader opens them; not printed.
+    /// Blocks that are collapsed until the reader opens them; not printed.
     Folded {
-        /// What they are.
+        /// Title of the collapsed blocks.
         title: String,
-        /// What unfolds.
+        /// The collapsed blocks.
         blocks: Vec<Block>,
     },
-    /// A reading aid, folded away.
+    /// A reading aid, collapsed.
     HowToRead {
         /// The aid, in a sentence.
         aid: String,
-        /// The heading whose text of the guide follows; empty for none.
+        /// The heading of the guide whose text follows; empty for none.
         guide: String,
     },
-    /// Points, one a line.
+    /// List items, one per line.
     List(Vec<Text>),
     /// Verbatim text: commands, configuration.
     Code(String),
-    /// Recordings to look into, one at a time; not printed.
+    /// Recordings to explore, one at a time; not printed.
     Explorer(Vec<Track>),
     /// The same recordings simulated with other values of the parameters; not printed.
     WhatIf(Box<WhatIf>),
@@ -57,11 +57,11 @@ pub enum Block {
 pub struct Track {
     /// Its name in the list.
     pub name: String,
-    /// What is said of it below the list; empty for none.
+    /// Remark below the list; empty for none.
     pub note: String,
-    /// Its signals over time; panels and layers are alike in all tracks.
+    /// Signals over time; panels and layers are the same in all tracks.
     pub figure: Figure,
-    /// Where the robot is: time \[s\], x \[m\], y \[m\], heading \[rad\]; empty where that is not known.
+    /// Position of the robot: time \[s\], x \[m\], y \[m\], heading \[rad\]; empty if unknown.
     pub path: Vec<[f64; 4]>,
 }
 
@@ -98,7 +98,7 @@ impl Block {
         }
     }
 
-    /// Blocks that are folded away.
+    /// Collapsed blocks.
     pub fn folded(title: impl Into<String>, blocks: Vec<Self>) -> Self {
         Self::Folded { title: title.into(), blocks }
     }
@@ -131,15 +131,15 @@ pub struct Number {
     pub tone: Tone,
 }
 
-/// How a finding sounds; the page shows a colour and a word, never the colour alone.
+/// Severity of a finding; the page shows a colour and a word, never the colour alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Tone {
-    /// As it should be.
+    /// As expected.
     Good,
     /// Neither good nor bad.
     #[default]
     Neutral,
-    /// Read on before relying on it.
+    /// Needs attention before it is relied on.
     Notice,
     /// Something is wrong.
     Bad,
@@ -160,9 +160,9 @@ pub struct Text(pub Vec<Span>);
 pub enum Span {
     /// As it is.
     Plain(String),
-    /// Stressed.
+    /// Emphasised.
     Strong(String),
-    /// A name that can be typed: a key, a command, a file.
+    /// Text to be typed: a key, a command, a file name.
     Code(String),
 }
 
@@ -173,13 +173,13 @@ impl Text {
         self
     }
 
-    /// Adds stressed text.
+    /// Adds emphasised text.
     pub fn strong(mut self, text: impl Into<String>) -> Self {
         self.0.push(Span::Strong(text.into()));
         self
     }
 
-    /// Adds a name that can be typed.
+    /// Adds text to be typed.
     pub fn code(mut self, text: impl Into<String>) -> Self {
         self.0.push(Span::Code(text.into()));
         self
@@ -203,9 +203,9 @@ impl From<String> for Text {
 pub struct Table {
     /// What the table shows.
     pub caption: String,
-    /// Headings with units, and how their cells are written.
+    /// Headings with units, and alignment.
     pub columns: Vec<Column>,
-    /// The rows; short ones are filled with empty cells, surplus cells are left out.
+    /// The rows; missing cells are empty, surplus cells are ignored.
     pub rows: Vec<Vec<Cell>>,
 }
 
@@ -259,7 +259,7 @@ pub enum Align {
 pub struct Cell {
     /// What is shown.
     pub text: String,
-    /// What the column is sorted by; `None`: the text.
+    /// Sort key; `None`: the text.
     pub sort_by: Option<f64>,
     /// A second, smaller line; empty for none.
     pub note: String,
@@ -269,11 +269,11 @@ pub struct Cell {
     pub tone: Option<Tone>,
     /// Length of a bar behind the text, 0 to 1.
     pub bar: Option<f64>,
-    /// Address that the text leads to, relative to the page.
+    /// Link target, relative to the page.
     pub link: Option<String>,
     /// A picture (PNG) in place of text.
     pub picture: Option<Vec<u8>>,
-    /// Something that is typed or copied; long ones are broken anywhere.
+    /// Text to be typed or copied; long ones are broken anywhere.
     pub code: bool,
 }
 
@@ -300,7 +300,7 @@ impl Cell {
         Self { text: format::count(value), sort_by: Some(value as f64), ..Self::default() }
     }
 
-    /// A value with its standard error, digits by the error.
+    /// A value with its standard error, rounded according to the error.
     pub fn estimate(value: f64, std_error: f64) -> Self {
         let text = format::estimate(value, std_error);
         // what cannot be identified is sorted with the missing values
@@ -315,24 +315,24 @@ impl Cell {
         Self { text, sort_by: Some(p), ..Self::default() }
     }
 
-    /// A number written in the caller's own way and sorted by its value.
+    /// A number in a format of the caller, sorted by its value.
     pub fn formatted(text: impl Into<String>, value: f64) -> Self {
         Self { text: text.into(), sort_by: Some(value), ..Self::default() }
     }
 
-    /// Leads to an address relative to the page.
+    /// Links to an address relative to the page.
     pub fn link(mut self, address: impl Into<String>) -> Self {
         self.link = Some(address.into());
         self
     }
 
-    /// Shows the text as something that is typed or copied.
+    /// Marks the text as to be typed or copied.
     pub fn code(mut self) -> Self {
         self.code = true;
         self
     }
 
-    /// Stresses the cell.
+    /// Emphasises the cell.
     pub fn strong(mut self) -> Self {
         self.strong = true;
         self

@@ -1,13 +1,13 @@
-//! What a reader must know of the time between input and motion.
+//! Text on the dead time between input and motion.
 
 use crate::diagnose::Timing;
 use crate::effects::{self, Change};
 
-/// Standard errors on either side of an interval of 95 %.
+/// Number of standard errors for an interval of 95 %.
 const INTERVAL: f64 = 1.96;
 
-/// Whether the motion is late by more than a row of `step` \[s\], and nothing of it was taken out: half a row is what a logger
-/// explains that holds its input, another half one that differences an encoder.
+/// Whether the motion is delayed by more than a row of `step` \[s\] and no part of it was corrected: a logger
+/// that holds its input explains half a row, one that differentiates an encoder another half.
 #[must_use]
 pub fn is_late(timing: &Timing, step: f64) -> bool {
     timing.correction_s == 0.0 && earliest(timing) > step
@@ -18,7 +18,7 @@ fn earliest(timing: &Timing) -> f64 {
     timing.dead_time_s - INTERVAL * timing.std_error_s
 }
 
-/// The time from the input to the motion with its interval, and what became of it, in rows of `step` \[s\].
+/// The dead time between input and motion with its interval and its treatment, in rows of `step` \[s\].
 #[must_use]
 pub fn dead_time(timing: &Timing, step: f64) -> String {
     let ms = |seconds: f64| format!("{:.1}", 1e3 * seconds);
@@ -46,7 +46,7 @@ pub fn dead_time(timing: &Timing, step: f64) -> String {
     format!("{value}, not distinguished from none")
 }
 
-/// The effects that move the input in time.
+/// The effects that shift the input in time.
 fn shifting() -> Vec<String> {
     let all = effects::all();
     all.iter().filter(|e| e.change() == Change::TimeShift).map(|e| e.id()).collect()

@@ -1,14 +1,14 @@
-/// Why a figure or a page could not be made.
+/// Why a figure or a page could not be created.
 ///
-/// Missing, infinite and absurd data are no errors: they are left out of the picture.
+/// Missing, infinite and extreme data are not errors: they are omitted from the figure.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
-    /// The drawing library refused.
+    /// Error of the drawing library.
     #[error("figure `{figure}`: drawing failed: {cause}")]
     Draw {
         /// Id of the figure.
         figure: String,
-        /// What the library said.
+        /// Message of the library.
         cause: String,
     },
     /// An embedded font could not be read.
@@ -19,15 +19,15 @@ pub enum ReportError {
         /// Family name.
         family: &'static str,
     },
-    /// The drawing is no valid SVG.
+    /// The drawing is not valid SVG.
     #[error("figure `{figure}`: the drawing could not be read back")]
     Svg {
         /// Id of the figure.
         figure: String,
-        /// What the reader said.
+        /// Error of the SVG reader.
         source: resvg::usvg::Error,
     },
-    /// The picture could not be made from the drawing.
+    /// The picture could not be rendered from the drawing.
     #[error(
         "figure `{figure}`: no picture of {width} x {height} pixels could be made: {cause}; choose a smaller size"
     )]
@@ -46,7 +46,7 @@ pub enum ReportError {
     Data {
         /// Id of the figure.
         figure: String,
-        /// What the writer said.
+        /// Error of the JSON writer.
         source: serde_json::Error,
     },
 }

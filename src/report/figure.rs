@@ -1,4 +1,4 @@
-//! A figure as plain data: what is shown, not how it is drawn.
+//! A figure as plain data, independent of its rendering.
 
 mod categories;
 
@@ -10,29 +10,29 @@ pub use categories::{BarSeries, Bars, ColorMap, HeatMap};
 pub struct Figure {
     /// File stem and anchor; characters other than letters, digits, `-` and `_` are replaced.
     pub id: String,
-    /// What the reader should see, in one line.
+    /// Message of the figure in one line.
     pub title: String,
     /// Smaller grey line under the title: conditions, sample size.
     pub subtitle: String,
     /// Text under the figure on the page.
     pub caption: String,
-    /// How a newcomer reads this kind of figure; folded away on the page.
+    /// Reading aid for this kind of figure; collapsed on the page.
     pub how_to_read: String,
     /// The panels, row by row.
     pub panels: Vec<Panel>,
-    /// Panels side by side; the rest go below. Zero counts as one.
+    /// Number of panels side by side; the others are placed below. Zero counts as one.
     pub columns: usize,
-    /// All panels show the same x range, and only the lowest of a column carries tick labels.
+    /// All panels have the same x range, and only the lowest of a column has tick labels.
     pub shared_x: bool,
-    /// The page lets the reader zoom (panels of numbers only; bars and heat maps stay pictures).
+    /// Whether the page allows zooming (panels with numeric axes only; bars and heat maps are static).
     pub interactive: bool,
-    /// Figures of one name zoom together and share the cursor; empty: this one by itself.
+    /// Figures with the same link zoom together and share the cursor; empty: none.
     pub link: String,
     /// Width and height; the height may be left to the panels.
     pub size: Size,
 }
 
-/// Width of a figure that nothing else is asked of \[px\].
+/// Default width \[px\].
 pub const WIDTH: f64 = 820.0;
 
 /// Size of a figure in CSS pixels.
@@ -40,7 +40,7 @@ pub const WIDTH: f64 = 820.0;
 pub struct Size {
     /// Width \[px\].
     pub width: f64,
-    /// Height \[px\]; `None`: as the panels need.
+    /// Height \[px\]; `None`: determined by the panels.
     pub height: Option<f64>,
 }
 
@@ -92,7 +92,7 @@ impl Figure {
         self
     }
 
-    /// Sets the number of panels side by side; their x axes are then their own.
+    /// Sets the number of panels side by side; their x axes are then independent.
     pub fn with_columns(mut self, columns: usize) -> Self {
         self.columns = columns;
         self.shared_x = false;
@@ -125,21 +125,21 @@ impl Figure {
         if stem.is_empty() { "figure".to_owned() } else { stem.to_owned() }
     }
 
-    /// What it shows, in words for those who cannot see it.
+    /// Description for readers who cannot see the figure.
     pub fn description(&self) -> String {
         let mut parts = vec![self.subtitle.as_str(), self.caption.as_str()];
         parts.retain(|part| !part.is_empty());
         parts.join(". ")
     }
 
-    /// Whether the page can let the reader zoom: asked for, and every panel is made of numbers.
+    /// Whether zooming is requested and every panel has numeric axes.
     pub fn is_interactive(&self) -> bool {
         let numeric = |layer: &Layer| !matches!(layer, Layer::Bars(_) | Layer::HeatMap(_));
         self.interactive && self.panels.iter().all(|panel| panel.layers.iter().all(numeric))
     }
 }
 
-/// One pair of axes and what is drawn on them.
+/// One pair of axes and its layers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
     /// Heading of the panel; empty for none.
@@ -148,9 +148,9 @@ pub struct Panel {
     pub x: Axis,
     /// Vertical axis.
     pub y: Axis,
-    /// Drawn in this order, shades and bands first.
+    /// Layers in the order of drawing, shades and bands first.
     pub layers: Vec<Layer>,
-    /// A unit is as long in x as in y (maps); the range of one axis is widened to that end.
+    /// Equal scales in x and y (maps); the range of one axis is widened accordingly.
     pub equal_units: bool,
 }
 
@@ -166,7 +166,7 @@ impl Panel {
         self
     }
 
-    /// Draws a unit as long in x as in y.
+    /// Uses equal scales in x and y.
     pub fn with_equal_units(mut self) -> Self {
         self.equal_units = true;
         self
@@ -179,7 +179,7 @@ impl Panel {
     }
 }
 
-/// What an axis measures: label, unit, scale and range.
+/// Label, unit, scale and range of an axis.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Axis {
     /// What is shown.
@@ -188,7 +188,7 @@ pub struct Axis {
     pub unit: String,
     /// Linear or logarithmic.
     pub scale: AxisScale,
-    /// First and last value; `None`: as the data need.
+    /// First and last value; `None`: from the data.
     pub range: Option<(f64, f64)>,
 }
 
@@ -198,12 +198,12 @@ impl Axis {
         Self { label: label.into(), unit: unit.into(), ..Self::default() }
     }
 
-    /// A logarithmic axis; values that are not positive are left out.
+    /// A logarithmic axis; values that are not positive are omitted.
     pub fn log(label: impl Into<String>, unit: impl Into<String>) -> Self {
         Self { scale: AxisScale::Log, ..Self::linear(label, unit) }
     }
 
-    /// An axis of categories or one whose label says itself.
+    /// An axis of categories, or one without a label.
     pub fn unlabelled() -> Self {
         Self::default()
     }
@@ -215,7 +215,7 @@ impl Axis {
     }
 }
 
-/// How an axis maps values to places.
+/// Mapping of values to positions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum AxisScale {
     /// Equal steps for equal differences.
@@ -237,8 +237,8 @@ pub enum Dash {
     Dotted,
 }
 
-/// One thing drawn on a panel. Labels go to the legend; an empty label stays out of it. Values that
-/// are not finite break a line and leave out a point.
+/// One layer of a panel. Labels appear in the legend unless they are empty. Non-finite values interrupt a
+/// line and omit a point.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Layer {
     /// A polyline.
@@ -247,7 +247,7 @@ pub enum Layer {
         points: Vec<(f64, f64)>,
         /// Legend entry.
         label: String,
-        /// Meaning, hence colour.
+        /// Meaning, which determines the colour.
         role: ColourRole,
         /// Stroke width \[px\].
         width: f64,
@@ -306,7 +306,7 @@ pub enum Layer {
         /// Dash pattern.
         dash: Dash,
     },
-    /// Ranges of x laid in a pale colour: regimes.
+    /// Ranges of x with a pale background: regimes.
     Shade {
         /// Ranges (from, to).
         ranges: Vec<(f64, f64)>,
@@ -351,7 +351,7 @@ impl Layer {
         Self::HLine { at, label: label.into(), role, dash: Dash::Dashed }
     }
 
-    /// Takes it out of the legend.
+    /// Removes it from the legend.
     pub fn unlabel(&mut self) {
         match self {
             Self::Line { label, .. }
@@ -365,7 +365,7 @@ impl Layer {
         }
     }
 
-    /// Order of drawing: shades lie lowest, bands above them, remarks on top of everything.
+    /// Order of drawing: shades lowest, bands above them, remarks on top.
     pub(super) fn height(&self) -> u8 {
         match self {
             Self::Shade { .. } | Self::HeatMap(_) => 0,

@@ -1,9 +1,9 @@
-//! Every number a reader sees is written here: significant digits, U+2212 minus, powers of ten as
-//! superscripts, one word for "not identifiable".
+//! Formatting of all numbers in reports: significant digits, U+2212 minus, powers of ten as superscripts,
+//! "not identifiable".
 
-/// What stands where a value is missing (NaN).
+/// Text for a missing value (NaN).
 pub const MISSING: &str = "–";
-/// What stands where an estimate has no finite uncertainty.
+/// Text for an estimate without finite uncertainty.
 pub const NOT_IDENTIFIABLE: &str = "not identifiable";
 
 /// A number with four significant digits.
@@ -18,8 +18,8 @@ pub fn number(value: f64) -> String {
     significant(value, 4)
 }
 
-/// A number with the given significant digits; trailing zeros behind the point are dropped, and
-/// values below 10⁻³ or from 10⁵ on are written with a power of ten.
+/// A number with the given significant digits; trailing zeros after the decimal point are dropped, and values
+/// below 10⁻³ or from 10⁵ on are written with a power of ten.
 pub fn significant(value: f64, digits: usize) -> String {
     let Some(exponent) = decimal_exponent(value, digits) else {
         return special(value);
@@ -28,12 +28,11 @@ pub fn significant(value: f64, digits: usize) -> String {
         return scientific(value, digits);
     }
     let decimals = (digits as i32 - 1 - exponent).max(0) as usize;
-    // 12345 at four digits stays 12345: rounding digits in front of the point away would mislead
+    // 12345 with four digits stays 12345: rounding digits before the decimal point would mislead
     minus(trim_zeros(&format!("{value:.decimals$}")))
 }
 
-/// A number with the given significant digits, zeros at the end kept: figures that stand beside
-/// each other show how exact they are.
+/// A number with the given significant digits, keeping trailing zeros: adjacent figures show their precision.
 ///
 /// ```
 /// use amigo_ident::report::format::digits;
@@ -59,7 +58,7 @@ pub fn unit(unit: &str) -> String {
     unit.replace("^2", "²").replace("^3", "³").replace('*', "·")
 }
 
-/// A heading within a sentence: without its capital, save for people.
+/// A heading within a sentence: without its capital, except for names of persons.
 ///
 /// ```
 /// use amigo_ident::report::format::in_text;
@@ -80,8 +79,7 @@ pub fn capital(phrase: &str) -> String {
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// A sentence of the program with units and powers of ten as in print: `5.2e-4 rad^2/s` becomes
-/// `5.2 × 10⁻⁴ rad²/s`.
+/// A sentence with typographic units and powers of ten: `5.2e-4 rad^2/s` becomes `5.2 × 10⁻⁴ rad²/s`.
 pub fn sentence(text: &str) -> String {
     let word = |word: &str| {
         let bare = word.trim_end_matches([',', ';', '.', ')']);
@@ -204,7 +202,8 @@ pub fn pair(values: [f64; 2]) -> String {
     }
 }
 
-/// A share as percent with two significant digits: 0.0123 is "1.2 %"; less than a hundredth of a percent is no figure.
+/// A share in per cent with two significant digits: 0.0123 is "1.2 %"; values below a hundredth of a per cent are
+/// "< 0.01 %".
 pub fn percent(share: f64) -> String {
     if !share.is_finite() {
         return special(share);
@@ -225,7 +224,7 @@ pub fn with_unit(value: f64, unit: &str) -> String {
     format!("{} {unit}", number(value))
 }
 
-/// A probability as percent; never "100 %" nor "0 %", which nothing is.
+/// A probability in per cent, never "100 %" or "0 %".
 ///
 /// ```
 /// use amigo_ident::report::format::probability;
@@ -254,7 +253,7 @@ pub fn count(value: usize) -> String {
     text
 }
 
-/// Exponent of the leading digit after rounding; zero for zero, nothing for NaN and infinities.
+/// Exponent of the leading digit after rounding; zero for zero, `None` for NaN and infinities.
 fn decimal_exponent(value: f64, digits: usize) -> Option<i32> {
     if !value.is_finite() {
         return None;

@@ -1,4 +1,4 @@
-//! The one palette of every figure and page: the colour-blind-safe colours of Okabe and Ito.
+//! The palette of all figures and pages: the colour-blind-safe colours of Okabe and Ito.
 //!
 //! Source: M. Okabe, K. Ito, "Color Universal Design", 2008 (the eight colours); the diverging map
 //! follows ColorBrewer's RdBu, the sequential one its Blues (C. Brewer, 2003).
@@ -29,7 +29,7 @@ impl Rgb {
     }
 }
 
-/// Text and marks that carry the message.
+/// Text and important marks.
 pub const INK: Rgb = Rgb(0x1B, 0x20, 0x27);
 /// Subtitles, tick labels, legends.
 pub const MUTED: Rgb = Rgb(0x5A, 0x64, 0x72);
@@ -39,10 +39,9 @@ pub const AXIS: Rgb = Rgb(0x9A, 0xA3, 0xAF);
 pub const GRID: Rgb = Rgb(0xE4, 0xE7, 0xEB);
 /// The paper.
 pub const SURFACE: Rgb = Rgb(0xFF, 0xFF, 0xFF);
-/// Dark text on a heat-map cell; not [`INK`], so that a dark page, which inverts the ink, leaves
-/// text on coloured cells alone.
+/// Dark text on a heat-map cell; different from [`INK`], which a dark page inverts.
 pub const CELL_DARK: Rgb = Rgb(0x0B, 0x0E, 0x13);
-/// Light text on a heat-map cell; not [`SURFACE`], for the same reason.
+/// Light text on a heat-map cell; different from [`SURFACE`], which a dark page inverts.
 pub const CELL_LIGHT: Rgb = Rgb(0xFF, 0xFF, 0xFE);
 /// A cell without a value.
 pub const CELL_EMPTY: Rgb = Rgb(0xD9, 0xDD, 0xE3);
@@ -55,7 +54,7 @@ const ORANGE: Rgb = Rgb(0xE6, 0x9F, 0x00);
 const SKY: Rgb = Rgb(0x56, 0xB4, 0xE9);
 const GREY: Rgb = Rgb(0x8A, 0x92, 0x9E);
 
-/// Light colour and its partner on a dark page. The page's stylesheet swaps them.
+/// Light colours and their dark-mode partners, exchanged by the stylesheet of the page.
 pub const DARK_PARTNERS: [(Rgb, Rgb); 12] = [
     (INK, Rgb(0xE8, 0xEB, 0xF0)),
     (MUTED, Rgb(0xA3, 0xAD, 0xBB)),
@@ -71,27 +70,26 @@ pub const DARK_PARTNERS: [(Rgb, Rgb); 12] = [
     (GREY, Rgb(0x93, 0x9C, 0xA9)),
 ];
 
-/// What a mark stands for; the palette chooses its colour, so that one meaning has one colour in
-/// every figure.
+/// Meaning of a mark; the palette assigns one colour to each meaning in all figures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ColourRole {
     /// A measured signal.
     Measured,
-    /// What the model says: with what was found, where there is another one beside it.
+    /// The model; with the effects found, if the model as given is shown too.
     Model,
-    /// What the model as given says, beside the one with what was found.
+    /// The model as given, if shown together with the one with the effects found.
     Given,
     /// Wheel 1, the right one.
     Wheel1,
     /// Wheel 2, the left one.
     Wheel2,
-    /// What noise alone would do.
+    /// Level of the noise floor.
     NoiseFloor,
-    /// The one item the reader should look at.
+    /// The most important item.
     Highlight,
     /// Black ink: references and remarks.
     Ink,
-    /// The n-th of several equal series.
+    /// The n-th of several equivalent series.
     Series(usize),
 }
 

@@ -1,5 +1,5 @@
-//! Pictures as PNG with a palette: a figure has few colours and the shades between them, so that a
-//! byte for a pixel is enough and the file a third as large.
+//! PNG with a palette: a figure has few colours and shades, so one byte per pixel is sufficient and the file
+//! is a third as large.
 
 use std::collections::HashMap;
 
@@ -7,27 +7,27 @@ use png::{
     BitDepth, ColorType, DeflateCompression, Encoder, EncodingError, Filter, PixelDimensions, Unit,
 };
 
-/// Colours of a palette at most.
+/// Largest number of colours in a palette.
 const COLORS: usize = 256;
-/// Of these, how many go to the most frequent colours; the others to those farthest from all taken.
+/// Number of entries for the most frequent colours; the others are the colours farthest from all entries.
 const FREQUENT: usize = 192;
-/// Level of the compression: two thirds of the time of the usual 6, for files 6 % larger.
+/// Compression level: two thirds of the time of the default 6, with files 6 % larger.
 const LEVEL: u8 = 4;
 
 type Color = [u8; 3];
 
-/// Encodes an opaque picture of a resolution [1/in], given as four bytes a pixel. Up to 256 colours are kept as they are;
-/// of more, those that are not in the palette become the nearest that is.
+/// Encodes an opaque picture with a resolution [1/in], given as four bytes per pixel. Up to 256 colours are
+/// kept exactly; with more, colours outside the palette are replaced by the nearest in it.
 ///
 /// # Errors
-/// If the encoder refuses, which it does for a picture without pixels.
+/// If the encoder fails, as it does for a picture without pixels.
 pub(super) fn indexed(
     width: u32,
     height: u32,
     dpi: f64,
     rgba: &[u8],
 ) -> Result<Vec<u8>, EncodingError> {
-    // a drawing is made of long runs of one colour: its colours are looked up once a run
+    // a drawing consists of long runs of one colour: each run is looked up once
     let (pixels, _) = rgba.as_chunks::<4>();
     let color = |[r, g, b, _]: [u8; 4]| [r, g, b];
     let runs: Vec<(Color, usize)> =
@@ -37,7 +37,7 @@ pub(super) fn indexed(
         *counts.entry(*color).or_default() += length;
     }
     let mut colors: Vec<Color> = counts.keys().copied().collect();
-    // by the colour where counts are equal: the same picture gives the same file
+    // sorted by colour for equal counts, so that the same picture gives the same file
     colors.sort_by_key(|color| (std::cmp::Reverse(counts[color]), *color));
     let palette = palette(&colors);
     let places: HashMap<Color, u8> =

@@ -1,6 +1,6 @@
-//! Polylines before they are drawn: broken at missing values, thinned, dashed, clipped.
+//! Preparation of polylines: division at missing values, thinning, dashes, clipping.
 
-/// A place, in the units of the data or in pixels.
+/// A point, in the units of the data or in pixels.
 pub(super) type Point = (f64, f64);
 
 /// The stretches between missing values.
@@ -8,8 +8,8 @@ pub(super) fn runs(points: &[Point]) -> impl Iterator<Item = &[Point]> {
     points.split(|p| !(p.0.is_finite() && p.1.is_finite())).filter(|run| !run.is_empty())
 }
 
-/// Thins one run to about four points per column (first, lowest, highest, last), so that no peak is
-/// lost. Lines that turn back in x are thinned by leaving out every so many points.
+/// Thins one run to about four points per column (first, lowest, highest, last), so that no peak is lost.
+/// Lines that are not monotonic in x are thinned by omitting points regularly.
 pub(super) fn decimate(run: &[Point], columns: usize) -> Vec<Point> {
     let columns = columns.max(1);
     let limit = 4 * columns;
@@ -46,7 +46,7 @@ fn keep_extremes(bucket: &[Point], kept: &mut Vec<Point>) {
     }
 }
 
-/// Thins dots to at most one per square of the given side, keeping the first of each.
+/// Thins dots to at most one per square of this side, keeping the first of each.
 pub(super) fn thin_dots(dots: &[Point], side: f64) -> Vec<Point> {
     let mut taken = std::collections::HashSet::new();
     let square = |v: f64| (v / side).floor() as i64;
@@ -106,7 +106,7 @@ fn clip_segment(a: Point, b: Point, to: Rect) -> Option<(Point, Point)> {
         }
     }
     let at = |t: f64| (a.0 + t * dx, a.1 + t * dy);
-    // a corner inside is kept as it is, so that consecutive pieces join
+    // a corner inside is kept exactly, so that consecutive pieces join
     let from = if enter == 0.0 { a } else { at(enter) };
     let until = if leave == 1.0 { b } else { at(leave) };
     (enter <= leave).then_some((from, until))
@@ -136,7 +136,7 @@ pub(super) fn clip_polygon(polygon: &[Point], to: Rect) -> Vec<Point> {
     kept
 }
 
-/// Cuts a polyline into dashes: `pattern` holds the lengths of mark and gap.
+/// Divides a polyline into dashes: `pattern` contains the lengths of mark and gap.
 pub(super) fn dashes(line: &[Point], pattern: (f64, f64)) -> Vec<Vec<Point>> {
     let mut parts = Vec::new();
     let mut part = Vec::new();

@@ -1,4 +1,4 @@
-//! From the drawing to what a reader opens: SVG without fonts to miss, and PNG.
+//! Output formats of a drawing: SVG without fonts, and PNG.
 
 use std::cell::RefCell;
 use std::sync::{Arc, LazyLock};
@@ -13,38 +13,38 @@ use super::fonts::{REGULAR, SEMI_BOLD};
 use super::plot::{Purpose, draw, printable};
 use super::png::indexed;
 
-/// Resolution of a PNG: what journals ask of line art with shades [1/in].
+/// Resolution of a PNG as required by journals for line art with shades [1/in].
 const DPI: f64 = 300.0;
-/// Width of a sheet's text, two columns of a journal, which a figure of the usual width fills [in]: its
-/// text is then of 7.5 points.
+/// Text width of a page, two columns of a journal, which a figure of the default width fills [in]: its text
+/// is then 7.5 points high.
 const TEXT_WIDTH_IN: f64 = 7.16;
 /// CSS pixels to an inch of paper.
 const PIXELS_PER_IN: f64 = super::figure::WIDTH / TEXT_WIDTH_IN;
 /// Pixels of a PNG per CSS pixel.
 const RESOLUTION: f32 = (DPI / PIXELS_PER_IN) as f32;
 
-/// Bytes of a picture at most: 2 GB.
+/// Largest size of a picture: 2 GB.
 const LARGEST: usize = i32::MAX as usize;
 
 thread_local! {
-    /// The picture that is drawn: fresh pages of memory for each took a tenth of a run.
+    /// The picture buffer: new memory pages for each figure took a tenth of the time of a run.
     static SHEET: RefCell<Vec<u8>> = const { RefCell::new(Vec::new()) };
 }
 
-/// Draws a figure as SVG in which all text is paths, so that it looks the same everywhere; as wide on paper as
-/// its PNG, and with its title and caption as text for screen readers.
+/// Draws a figure as SVG with all text converted to paths, so that it does not depend on installed fonts; its
+/// size on paper is that of the PNG, and title and caption are included as text for screen readers.
 ///
 /// # Errors
-/// [`ReportError`] if a library refuses; missing, infinite or absurd values are no errors.
+/// [`ReportError`] if a library fails; missing, infinite or extreme values are not errors.
 pub fn figure_to_svg(figure: &Figure) -> Result<String, ReportError> {
     Ok(svg(figure, &tree(figure)?))
 }
 
-/// Draws a figure as PNG of 300 dpi; one of the usual width fills the text of a sheet.
+/// Draws a figure as PNG of 300 dpi; one of the default width fills the text width of a page.
 ///
 /// # Errors
-/// [`ReportError`] if a library refuses or the picture is too large for the memory; missing,
-/// infinite or absurd values are no errors.
+/// [`ReportError`] if a library fails or the picture is too large for the memory; missing,
+/// infinite or extreme values are not errors.
 pub fn figure_to_png(figure: &Figure) -> Result<Vec<u8>, ReportError> {
     png(figure, &tree(figure)?)
 }
@@ -73,7 +73,7 @@ fn svg(figure: &Figure, tree: &Tree) -> String {
     described(&tree.to_string(&options).replacen(&drawn, &paper, 1), figure)
 }
 
-/// A drawing that says in words what it shows.
+/// A drawing with a description for screen readers.
 pub(super) fn described(svg: &str, figure: &Figure) -> String {
     let Some((head, rest)) = svg.split_once("<svg ") else { return svg.to_owned() };
     let Some((attributes, drawing)) = rest.split_once('>') else { return svg.to_owned() };

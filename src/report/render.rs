@@ -1,4 +1,4 @@
-//! A study as a page and pictures.
+//! Renders a study as a page and figures.
 
 use rayon::prelude::*;
 
@@ -18,7 +18,7 @@ pub struct Rendered {
     pub figures: Vec<(String, Vec<u8>)>,
 }
 
-/// Draws a study: every registered section that has something to show, in order.
+/// Renders a study: every registered section with content, in order.
 ///
 /// # Errors
 /// If a figure cannot be drawn.
@@ -41,7 +41,7 @@ fn sections(study: &Study) -> Vec<SectionContent> {
         .map(|section| {
             let mut blocks = section.blocks(study);
             if !blocks.is_empty() {
-                // nothing stands before the finding and its figure
+                // nothing precedes the finding and its figure
                 let is_summary = section.depth() == section::Depth::Summary;
                 let place = if is_summary { blocks.len() } else { 0 };
                 let aid = section.how_to_read().to_owned();
@@ -59,7 +59,7 @@ fn sections(study: &Study) -> Vec<SectionContent> {
         .collect()
 }
 
-/// Measured and simulated speeds, small and without a legend, as PNG; `None` without a fit.
+/// Measured and simulated speeds as a small PNG without legend; `None` without a fit.
 ///
 /// # Errors
 /// If the figure cannot be drawn.
@@ -67,7 +67,7 @@ pub fn thumbnail(study: &Study) -> Result<Option<Vec<u8>>, ReportError> {
     section::thumbnail(study).map(|figure| figure_to_png(&figure)).transpose()
 }
 
-/// The two models whose curves the reader can switch.
+/// Names of the two models whose curves the reader can show or hide.
 fn versions(study: &Study) -> Vec<String> {
     match study.completed {
         Some(_) => vec!["the model as given".to_owned(), "with what was found".to_owned()],
@@ -85,10 +85,10 @@ fn subtitle(study: &Study) -> String {
     let program = format!("{} {}", env!("CARGO_PKG_NAME"), study.version);
     let mut parts = vec![study.experiment.clone(), study.robot.clone(), recordings, program];
     let is_synthetic = study.recordings.iter().all(|r| r.sha256.is_none());
-    // a name that says nothing: unknown, or the default beside measured data of some other machine
+    // a name without information: unknown, or the default with measured data of another machine
     let is_named = is_synthetic || study.robot_is_given;
     parts.retain(|part| part != "unknown" && (is_named || *part != study.robot));
-    // a seed that made nothing
+    // a seed that was not used
     if is_synthetic {
         parts.push(format!("seed {}", study.seed));
     }

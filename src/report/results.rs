@@ -1,4 +1,4 @@
-//! `results.json`: what other programs read. Its schema is fixed by the contract.
+//! `results.json`, for other programs. Its schema is fixed by the contract.
 
 use serde_json::{Map, Value, json};
 
@@ -44,7 +44,7 @@ pub fn results(study: &Study) -> Value {
     out
 }
 
-/// What is said by each of `said`.
+/// The sentences of a list of statements.
 fn sentences<T: ToString>(said: &[T]) -> Vec<String> {
     said.iter().map(ToString::to_string).collect()
 }
@@ -147,7 +147,7 @@ fn floor(study: &Study) -> Value {
     })
 }
 
-/// The fit that the verdict is about: its error, floor and ratio, parameters and residual analysis.
+/// The fit on which the verdict is based: its error, floor and ratio, parameters and residual analysis.
 fn model(study: &Study, m: &ModelStudy) -> Value {
     let (error, floor) = (study.error_of(m), study.judged_floor());
     json!({

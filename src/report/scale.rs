@@ -1,9 +1,9 @@
-//! From values to places along an axis, and the ticks between.
+//! Scale of an axis: from values to positions, and ticks.
 
 use super::figure::{Axis, AxisScale};
 use super::format;
 
-/// An axis with its range settled: finite, first before last, positive where logarithmic.
+/// The range of an axis: finite, first before last, positive if logarithmic.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Scale {
     pub(super) kind: AxisScale,
@@ -18,22 +18,22 @@ pub(super) struct Tick {
     pub(super) label: String,
 }
 
-/// The ticks of an axis and the power of ten taken out of their labels.
+/// The ticks of an axis and the common power of ten of their labels.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub(super) struct Ticks {
     pub(super) ticks: Vec<Tick>,
     pub(super) exponent: i32,
 }
 
-/// Beyond this, differences of values would overflow.
+/// Above this, differences of values would overflow.
 const LARGEST: f64 = 1e300;
 /// Below this share of their size, differences are rounding errors.
 const SMALLEST_SPAN: f64 = 1e-9;
-/// Decades shown at most: below lie zeros in disguise.
+/// Largest number of decades: smaller values are zero up to rounding.
 const MOST_DECADES: f64 = 24.0;
 
 impl Scale {
-    /// Settles the range: the axis's own, or that of the values widened by `padding` on both sides.
+    /// Determines the range: that of the axis, or that of the values widened by `padding` on both sides.
     pub(super) fn new(axis: &Axis, values: impl Iterator<Item = f64>, padding: f64) -> Self {
         let kind = axis.scale;
         let usable = |v: &f64| v.is_finite() && (kind == AxisScale::Linear || *v > 0.0);
@@ -64,7 +64,7 @@ impl Scale {
             let margin = padding * (high - low);
             (low - margin, high + margin)
         } else {
-            // one value only: stand it in the middle
+            // a single value is placed in the middle
             let margin = match kind {
                 AxisScale::Linear if size == 0.0 => 1.0,
                 AxisScale::Linear => 0.1 * size,
@@ -78,7 +78,7 @@ impl Scale {
         }
     }
 
-    /// Where a value stands: 0 at the first, 1 at the last; NaN where it cannot stand.
+    /// Relative position of a value: 0 at the first, 1 at the last; NaN if it has none.
     pub(super) fn share(&self, value: f64) -> f64 {
         match self.kind {
             AxisScale::Linear => (value - self.first) / (self.last - self.first),
@@ -89,7 +89,7 @@ impl Scale {
         }
     }
 
-    /// The union of two scales of one kind; of different kinds, the first.
+    /// The union of two scales of the same kind; otherwise the first.
     pub(super) fn union(self, other: Self) -> Self {
         if self.kind != other.kind {
             return self;
@@ -107,7 +107,7 @@ impl Scale {
             AxisScale::Log => (self.last / self.first).log10(),
             AxisScale::Linear => 0.0,
         };
-        // less than a doubling, or no whole decade: a logarithm reads like a straight scale
+        // with less than a factor of two, or no whole decade, a logarithmic scale is similar to a linear one
         if decades >= 1.0 { self.log_ticks(count) } else { self.linear_ticks(count) }
     }
 
@@ -139,7 +139,7 @@ impl Scale {
         let decades = to - from + 1;
         let stride = (f64::from(decades) / count.max(1.0)).ceil().max(1.0) as i32;
         let plain = from >= -3 && to <= 4;
-        // with few decades the ones between are labelled too
+        // with few decades intermediate ticks are labelled too
         let between = f64::from(decades) * 3.0 <= count + 1.0 || decades < 2;
         let mut ticks = Vec::new();
         for exponent in from - 1..=to {
@@ -168,7 +168,7 @@ impl Scale {
 }
 
 impl Ticks {
-    /// The axis label with its unit in square brackets and the power of ten taken out of the ticks.
+    /// The axis label with its unit in square brackets and the common power of ten of the ticks.
     pub(super) fn axis_label(&self, axis: &Axis) -> String {
         let power =
             if self.exponent == 0 { String::new() } else { format::power_of_ten(self.exponent) };

@@ -1,4 +1,4 @@
-//! The verdict of a diagnosis as a text, with the evidence of each candidate and what to record next.
+//! Text of the verdict of a diagnosis, with the evidence for each candidate and the recommended recording.
 
 mod dependence;
 mod effects;
@@ -16,14 +16,14 @@ pub(crate) use self::effects::title;
 pub use self::evidence::evidence;
 pub use self::next::recommendation;
 
-/// The text of a verdict, its [`sentences`] one behind the other.
+/// The text of a verdict: its [`sentences`], joined.
 #[must_use]
 pub fn sentence(diagnosis: &DiagnosisStudy) -> String {
     sentences(diagnosis).join(" ")
 }
 
-/// The sentences of a verdict: what is missing, with the error that is left; what is likely beside it; what the residual
-/// torque depends on, and a formula of that.
+/// The sentences of a verdict: the missing effects with the remaining error; likely further effects; the
+/// dependence of the residual torque, and a formula for it.
 #[must_use]
 pub(super) fn sentences(diagnosis: &DiagnosisStudy) -> Vec<String> {
     if diagnosis.is_undetermined {
@@ -38,7 +38,7 @@ pub(super) fn sentences(diagnosis: &DiagnosisStudy) -> Vec<String> {
     sentences
 }
 
-/// That the recordings do not agree, by the parameter that shows it most surely.
+/// States that the recordings differ, with the parameter that differs most significantly.
 fn differs_words(difference: &Difference) -> String {
     let Difference { recording, symbol, share, std_error } = difference;
     let side = if *share < 0.0 { "smaller" } else { "larger" };
@@ -50,11 +50,11 @@ fn differs_words(difference: &Difference) -> String {
     )
 }
 
-/// What is said in place of a comparison with the noise floor.
+/// Text in place of a comparison with the noise floor.
 const UNDETERMINED: &str = "The model cannot be determined from these columns: a1 is not identifiable. The \
                             simulation error of such a fit does not measure its quality.";
 
-/// What is missing, and the error that is left.
+/// The missing effects and the remaining error.
 fn concluded(diagnosis: &DiagnosisStudy) -> Vec<String> {
     let DiagnosisStudy { errors, effects, .. } = diagnosis;
     let error = error::words(errors, effects.len());
@@ -64,13 +64,14 @@ fn concluded(diagnosis: &DiagnosisStudy) -> Vec<String> {
         Verdict::ModelSufficient => sufficient(diagnosis, error),
         Verdict::EffectsMissing => {
             let mut out = vec![format!("Missing: {}.", found(diagnosis)), error];
-            // what was found explains the larger part of the error; what is left may be far above the floor all the same
+            // the effects found explain the larger part of the error; the remaining error may still be far
+            // above the floor
             if errors.far_above_all() {
                 out.push("Further effects are missing.".to_owned());
             }
             out
         }
-        // so far above its floor something is missing, whatever it is
+        // this far above the floor something is missing, even if it is not known
         Verdict::EffectLikely if errors.far_above_all() => {
             let likely = format!("An effect is missing. Likely, but not proven: {}.", likely());
             vec![likely, error]
@@ -79,8 +80,8 @@ fn concluded(diagnosis: &DiagnosisStudy) -> Vec<String> {
         Verdict::UnknownEffect if effects.is_empty() => vec![unknown, error],
         Verdict::UnknownEffect => {
             let mut out = vec![unknown, format!("Found: {}.", found(diagnosis)), error];
-            // what was found may take the place of something else; a shift of the input shows in when the wheels move,
-            // and nothing else moves them earlier or later
+            // the effects found may approximate another effect; a shift of the input is identified by the
+            // time of the motion, which no other effect changes
             if !effects.iter().all(|effect| shifts_input(&effect.id)) {
                 let in_place = "The effects found may approximate part of the missing one.";
                 out.push(in_place.to_owned());
@@ -90,7 +91,7 @@ fn concluded(diagnosis: &DiagnosisStudy) -> Vec<String> {
     }
 }
 
-/// That nothing is missing, or nothing proven to be.
+/// States that nothing is missing, or that nothing is proven to be missing.
 fn sufficient(stated: &DiagnosisStudy, error: String) -> Vec<String> {
     let rate = format!("at a false-alarm rate of {:.0} %", 100.0 * stated.false_alarm);
     let none = format!("none of the effects of the catalogue is proven {rate}");
@@ -116,7 +117,7 @@ fn sufficient(stated: &DiagnosisStudy, error: String) -> Vec<String> {
                     and is known to within a factor of two at best. To decide, record longer rests.";
         return vec![format!("Nothing is proven to be missing: {none}."), error, text(slow)];
     }
-    // the floor is an estimate for white noise: coloured noise of the input reaches so far too
+    // the floor assumes white noise: coloured noise of the input can cause such an error too
     vec![
         format!(
             "Nothing is proven to be missing: {none}, and no dependence of the residual torque is significant."
@@ -148,7 +149,8 @@ fn reason(why: Withheld) -> String {
     text.to_owned()
 }
 
-/// The effect that is likely beside what was found, or beside what the catalogue does not explain.
+/// The likely effect in addition to the effects found, or to a dependence that the catalogue does not
+/// explain.
 fn likely_beside(stated: &DiagnosisStudy) -> Option<String> {
     let beside = matches!(stated.verdict, Verdict::EffectsMissing | Verdict::UnknownEffect);
     let likely = stated.likely().filter(|_| beside)?;
@@ -205,12 +207,12 @@ mod tests {
         assert_eq!(sentence(&stated), format!("{error} {beside} {depends}"));
         let formula =
             FormulaStudy { id: "pile".into(), window_rms: 1.04, ..FormulaStudy::default() };
-        // beside the formula no effect of the catalogue is likely
+        // with the formula no effect of the catalogue is likely
         let lowers = "A formula for this dependence (pile) lowers the 2 s simulation error to 1.04 rad/s, the noise floor.";
         let stated = DiagnosisStudy { formula: Some(formula), ..stated };
         assert_eq!(sentence(&stated), format!("{error} {depends} {lowers}"));
         assert_eq!(stated.likely(), None);
-        // but a verdict that says "likely" names what is
+        // but a verdict "likely" names the effect
         let stated = DiagnosisStudy { verdict: Verdict::EffectLikely, ..stated };
         assert_eq!(stated.likely().map(|likely| likely.id.as_str()), Some("slope"));
     }

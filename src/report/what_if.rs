@@ -1,4 +1,4 @@
-//! A model that the reader simulates with other values of its parameters.
+//! Simulation of a model by the reader with other parameter values.
 
 use super::figure::Figure;
 use crate::study::Start;
@@ -6,13 +6,13 @@ use crate::study::Start;
 /// Recordings simulated on the page by a function in JavaScript.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WhatIf {
-    /// The function `model(changed)`, as `model.js` holds it.
+    /// The function `model(changed)`, as in `model.js`.
     pub script: String,
-    /// What the reader can change.
+    /// The parameters that can be changed.
     pub sliders: Vec<Slider>,
     /// In the order of the [`Explorer`](super::block::Block::Explorer) beside it.
     pub recordings: Vec<Driven>,
-    /// A panel per wheel with the layers "measured", "identified" and "with these values", without points.
+    /// One panel per wheel with the layers "measured", "identified" and "with these values", without points.
     pub figure: Figure,
 }
 
@@ -29,25 +29,25 @@ pub struct Slider {
     pub unit: String,
     /// Estimate, in the middle of the slider.
     pub value: f64,
-    /// From the middle to the upper end.
+    /// Distance from the middle to the upper end.
     pub half: f64,
-    /// Lower end in parts of `half`, -1 at least.
+    /// Lower end in units of `half`, at least -1.
     pub least: f64,
 }
 
 /// A recording to simulate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Driven {
-    /// What is simulated, in words.
+    /// Description of the recording.
     pub name: String,
     /// Time \[s\].
     pub t: Vec<f64>,
-    /// Torque or its stand-in, in the unit of the recordings.
+    /// Input, in the unit of the recordings.
     pub input: Vec<[f64; 2]>,
     /// Measured speeds [rad/s].
     pub omega: Vec<[f64; 2]>,
-    /// Where simulations start.
+    /// Initial states of the simulations.
     pub starts: Vec<Start>,
-    /// 2 s simulation error of the noise floor [rad/s]; not a number where only a part is simulated.
+    /// 2 s simulation error of the noise floor [rad/s]; NaN if only a part is simulated.
     pub floor: f64,
 }

@@ -4,15 +4,15 @@ use serde::{Deserialize, Serialize};
 
 use super::{BaseParameters, RobotError};
 
-/// What a two-wheel robot is built of; the field names are the keys of the experiment file.
+/// Construction data of a two-wheel robot; the field names are the keys of the experiment file.
 ///
-/// The two wheels are alike, so one wheel radius and one set of wheel inertias stand for both.
-/// The caster (index 3) is not in the equations of motion; its values may be left out of a file
-/// and are then 0. `l5_m` is needed by effects of the caster alone.
+/// The two wheels are alike, so one wheel radius and one set of wheel inertias are used for both.
+/// The caster (index 3) is not in the equations of motion; its values may be omitted in a file
+/// and are then 0. `l5_m` is needed only by effects of the caster.
 ///
 /// Source: the paper, Tables 1 and 2.
 ///
-/// Deviation: the tables list r1 = r2, Ix1 = Ix2 and Iz1 = Iz2 twice; here each stands once.
+/// Deviation: the tables list r1 = r2, Ix1 = Ix2 and Iz1 = Iz2 twice; here each is given once.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Construction {
     /// Half track: distance from A, the middle of the axle, to each wheel \[m\].
@@ -72,10 +72,11 @@ pub struct Construction {
     pub f3_m: f64,
 }
 
-/// Size of a construction datum at most, and its inverse at least where it is positive.
+/// Upper limit of the absolute value of a construction datum; the reciprocal is the lower limit of positive
+/// values.
 const LARGEST: f64 = 1e12;
 
-/// The values that a construction datum may take.
+/// Allowed range of a construction datum.
 #[derive(Clone, Copy)]
 enum Range {
     Positive,

@@ -13,7 +13,7 @@ use crate::math::sgn;
 ///
 /// | symbol | here | meaning | unit |
 /// |---|---|---|---|
-/// | a1 | `a1` | inertia that a wheel sees when it alone accelerates | kg m² |
+/// | a1 | `a1` | effective inertia at a wheel that accelerates alone | kg m² |
 /// | a2 | `a2` | inertia that couples the wheels | kg m² |
 /// | a3 | `a3` | centrifugal coupling; positive if the centre of mass is behind the axle | kg m² |
 /// | a4 | `a4` | friction torque of wheel 1 | N m |
@@ -58,7 +58,7 @@ impl BaseParameters {
         centrifugal_torques(self.a3, omega)
     }
 
-    /// Drive torques [M1, M2] [N m] that give wheel accelerations [rad/s²] in a state.
+    /// Input torques [M1, M2] [N m] for wheel accelerations [rad/s²] in a state (inverse dynamics).
     ///
     /// ```text
     /// M1 = a1 dw1 + a2 dw2 + a3 w2² - a3 w1 w2 + a4 sgn(w1)
@@ -87,8 +87,8 @@ impl BaseParameters {
     }
 }
 
-/// Centrifugal torques [N m] of the left side of eq. (14) for wheel speeds [rad/s], of one robot or of as many as `T`
-/// holds.
+/// Centrifugal torques [N m] on the left side of eq. (14) for wheel speeds [rad/s], for one robot or for the
+/// lanes of `T`.
 ///
 /// ```text
 /// c1 = a3 w2 (w2 - w1),  c2 = a3 w1 (w1 - w2)
@@ -101,7 +101,7 @@ where
     [a3 * w2 * (w2 - w1), a3 * w1 * (w1 - w2)]
 }
 
-/// What tests compare with: production simulates the sum of effects instead.
+/// Reference for tests; simulations use the sum of effects instead.
 #[cfg(test)]
 impl BaseParameters {
     /// Kinetic energy of the robot \[J\] for wheel speeds [rad/s] without slip.
@@ -114,10 +114,10 @@ impl BaseParameters {
         0.5 * self.a1 * (w1 * w1 + w2 * w2) + self.a2 * w1 * w2
     }
 
-    /// Wheel accelerations [dw1, dw2] [rad/s²] that drive torques [N m] give in a state.
+    /// Wheel accelerations [dw1, dw2] [rad/s²] for input torques [N m] in a state (forward dynamics).
     ///
-    /// Source: the paper, eq. (14) solved for the accelerations, with sgn(0) = 0: a wheel at rest
-    /// feels no friction here. A simulation needs friction that holds.
+    /// Source: the paper, eq. (14) solved for the accelerations, with sgn(0) = 0: no stiction, so it is not
+    /// suitable for simulation.
     pub(crate) fn forward(&self, state: &State, torque: [f64; 2]) -> [f64; 2] {
         let [c1, c2] = self.centrifugal(state.omega);
         let t1 = torque[0] - self.a4 * sgn(state.omega[0]) - c1;

@@ -1,4 +1,4 @@
-//! What can be wrong with the data of a robot.
+//! Errors in the data of a robot.
 
 use thiserror::Error;
 
@@ -10,14 +10,14 @@ pub enum RobotError {
     Value {
         /// Key of the experiment file, for example `l1_m`.
         key: &'static str,
-        /// What the key means, in words.
+        /// Meaning of the key.
         meaning: &'static str,
         /// Value found, in the unit of the key.
         found: f64,
-        /// Range that is allowed, in words.
+        /// Allowed range as text.
         expected: &'static str,
     },
-    /// The two wheels have different masses, which eq. (15) does not provide for.
+    /// The two wheels have different masses, which eq. (15) does not allow.
     #[error(
         "robot: m2_kg = {m2}, expected m1_kg = {m1}: the equations hold for equal wheels; give \
          both the mean mass and add the lateral centre of mass as an effect for the difference"

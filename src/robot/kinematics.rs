@@ -1,4 +1,4 @@
-//! Kinematics: what the wheels do to the frame, and back, without slip.
+//! Kinematics without slip: wheel speeds to the motion of the frame, and inverse.
 
 use super::Robot;
 use crate::math::Real;

@@ -34,7 +34,7 @@ use nalgebra::{Matrix2x5, Matrix5, Vector2, Vector5, matrix};
 use super::{Construction, State};
 use crate::math::{Dual, Real, sgn};
 
-/// Forces of the floor on one wheel, in the plane of contact.
+/// Contact forces between floor and wheel, in the plane of contact.
 ///
 /// Source: the paper, Fig. 2 and eq. (10).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -212,15 +212,15 @@ impl Motion {
     }
 }
 
-/// Drive torques [M1, M2] [N m] from the Maggi equations (4): the independent counterpart of
+/// Input torques [M1, M2] [N m] from the Maggi equations (4), independent of
 /// [`BaseParameters::inverse`](super::BaseParameters::inverse).
 ///
 /// ```text
 /// sum_j C_ij L_j - sum_j C_ij Q_j(M = 0) = M_i
 /// ```
 ///
-/// The contact forces may be anything: rolling without slip lets them do no work, so they drop
-/// out. So may the heading.
+/// The result does not depend on the contact forces, which do no work in rolling without slip, nor on the
+/// heading.
 fn inverse(
     c: &Construction,
     state: &State,

@@ -1,16 +1,16 @@
-//! Real robots by name, with the source of every figure.
+//! Presets of real robots, with the source of every figure.
 //!
 //! Geometry and mass are published for all of them. Inertias and friction are seldom published;
-//! where they are estimated the preset says how. A preset is a starting point and a source of
-//! l1, r and l2; what the data identify does not depend on the rest.
+//! where they are estimated the preset states how. A preset provides initial values and
+//! l1, r and l2; the identified parameters do not depend on the rest.
 
 use super::Construction;
 
 /// Standard acceleration of gravity [m/s²].
 const GRAVITY: f64 = 9.806_65;
 
-/// Friction arm over wheel radius where nothing was measured \[1\]: between a bare tyre (about
-/// 0.02) and the AmigoBot's geared wheel (0.2).
+/// Friction arm over wheel radius if no measurement exists \[1\]: between a bare tyre (about 0.02) and the
+/// geared wheel of the AmigoBot (0.2).
 const FRICTION_ARM: f64 = 0.1;
 
 /// A robot of the catalogue.
@@ -18,9 +18,9 @@ const FRICTION_ARM: f64 = 0.1;
 pub struct Preset {
     /// Name in the experiment file.
     pub name: &'static str,
-    /// Name for people.
+    /// Name in reports.
     pub title: &'static str,
-    /// Where the figures come from, and which are estimated.
+    /// Source of the figures, and which of them are estimated.
     pub source: &'static str,
     /// The figures.
     pub construction: Construction,

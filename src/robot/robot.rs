@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{BaseParameters, Construction, Preset, RobotError, preset};
 
-/// A two-wheel robot: its name and what it is built of.
+/// A two-wheel robot: its name and its construction data.
 ///
 /// # Examples
 /// ```
@@ -17,10 +17,10 @@ use super::{BaseParameters, Construction, Preset, RobotError, preset};
 pub struct Robot {
     /// Name, as reports print it.
     pub name: String,
-    /// What the robot is built of.
+    /// Construction data.
     pub construction: Construction,
-    /// a1..a3 as estimated, for effects whose equations have them, where the construction is not known or the input is
-    /// no torque; in the unit of the input times s².
+    /// Estimated a1..a3, for effects whose equations contain them, if the construction is unknown or the
+    /// input is not a torque; in the unit of the input times s².
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub estimated: Option<BaseParameters>,
 }
@@ -70,8 +70,8 @@ impl Robot {
         self.construction.parameters()
     }
 
-    /// What a wheel moves of the robot, I = a1 - Iz1, and a3, in the unit of the input times s²: of the construction, or
-    /// all of a1 and a3 as estimated, since nothing estimated holds Iz1 alone.
+    /// Inertia of the body at a wheel, I = a1 - Iz1, and a3, in the unit of the input times s²: from the
+    /// construction data, or a1 and a3 as estimated, because Iz1 alone cannot be estimated.
     #[must_use]
     pub fn inertia_at_wheel(&self) -> (f64, f64) {
         let built = || (self.parameters().a1 - self.construction.iz1_kg_m2, self.parameters().a3);

@@ -1,4 +1,4 @@
-//! The base model as the paper writes it for the emulator: x' = A x + B [f(x, a) + G(a) u].
+//! The base model in the form that the paper uses for the emulator: x' = A x + B [f(x, a) + G(a) u].
 
 use nalgebra::{Matrix2, Vector2};
 
@@ -86,7 +86,7 @@ mod tests {
     use proptest::prelude::*;
 
     impl StateSpace {
-        /// Matrix A of eq. (18) [1/s]: the angles change with the speeds.
+        /// Matrix A of eq. (18) [1/s]: the derivatives of the angles are the speeds.
         fn a() -> Matrix4<f64> {
             let mut a = Matrix4::zeros();
             a[(0, 2)] = 1.0;
@@ -102,7 +102,7 @@ mod tests {
             b
         }
 
-        /// Rate of change x' [rad/s, rad/s, rad/s², rad/s²] for drive torques [N m], eq. (17).
+        /// Rate of change x' [rad/s, rad/s, rad/s², rad/s²] for input torques [N m], eq. (17).
         fn derivative(&self, state: &State, torque: [f64; 2]) -> Vector4<f64> {
             let x = Vector4::new(state.alpha[0], state.alpha[1], state.omega[0], state.omega[1]);
             let u = Vector2::from(torque);

@@ -1,5 +1,5 @@
-//! Many parameter vectors over one input at once: simulations side by side in the lanes of the
-//! processor, each reduced to its ISE.
+//! Simulations with many parameter vectors and one input in the lanes of the processor; each is reduced to
+//! its ISE.
 
 use std::convert::Infallible;
 
@@ -15,29 +15,27 @@ use crate::math::{Lanes, Mask, in_lanes, runge_kutta_step, trapezoid};
 use crate::model::{Model, base};
 use crate::robot::{BaseParameters, State, centrifugal_torques};
 
-/// Simulations that go on together: two of the widest registers, since a step of one waits for itself most of
-/// the time.
+/// Number of simulations in parallel: two of the widest registers, because the operations of a single step
+/// depend on each other.
 const TOGETHER: usize = 16;
 /// ISE of free simulations with many parameter vectors over one input.
 ///
 /// ```text
 /// ISE_n = ∫ (w1 - w1(θ_n))² + (w2 - w2(θ_n))² dt     [rad²/s], trapezoid
 /// ```
-/// `measured` are wheel speeds [rad/s], one row a sample of `input`. Nothing of the trajectories
-/// is kept.
+/// `measured` are wheel speeds [rad/s], one row per sample of `input`. Trajectories are not stored.
 ///
-/// Of the base model (a1..a5) sixteen vectors at a time run through the steps of [`simulate`], in
-/// the widest registers of the processor. Sliding and sticking that last over a whole step are treated in the
-/// lanes; where a wheel stops, reverses or breaks away within a step, that lane alone takes the
-/// step by the scalar integrator. So the result is that of [`simulate`] to rounding, and the same to the
-/// last bit for every width of the registers. Models with further effects are simulated one vector after
-/// the other.
+/// For the base model (a1..a5) sixteen vectors at a time are integrated with the steps of [`simulate`] in the
+/// widest registers of the processor. Sliding or sticking throughout a step is computed in the lanes; if a
+/// wheel stops, reverses or breaks away within a step, that lane is integrated by the scalar integrator. The
+/// result therefore equals that of [`simulate`] to rounding, and is identical to the last bit for every width
+/// of the registers. Models with further effects are simulated sequentially.
 ///
 /// # Errors
 /// Each vector has its own result, with the errors of [`simulate`].
 ///
 /// # Panics
-/// If `measured` does not have one row a sample, or a vector not one value a parameter.
+/// If `measured` does not have one row per sample, or a vector not one value per parameter.
 ///
 /// # Examples
 /// ```
@@ -146,29 +144,28 @@ impl Part {
 /// A number in each lane for each wheel.
 type Wheels<S> = [Lanes<S>; 2];
 
-/// As many simulations of the base model as a register holds numbers.
+/// Simulations of the base model, one per lane of a register.
 struct Batch<'a, S: Simd> {
     simd: S,
     a2: Lanes<S>,
-    /// Inverse of the mass matrix (on the diagonal, beside it), and of a1 alone.
+    /// Inverse of the mass matrix (diagonal and off-diagonal entry), and reciprocal of a1.
     inverse: [Lanes<S>; 2],
     alone: Lanes<S>,
     a3: Lanes<S>,
-    /// Friction levels; not below zero.
+    /// Friction levels, non-negative.
     level: Wheels<S>,
     omega: Wheels<S>,
-    /// Lanes without a positive definite mass matrix: they are left to the scalar rule, which refuses them.
+    /// Lanes without a positive definite mass matrix, for which the scalar integrator returns the error.
     refused: Mask<S>,
-    /// ISE so far, and the squared error of the row before.
+    /// ISE so far, and the squared error of the previous row.
     sum: Lanes<S>,
     before: Lanes<S>,
-    /// One integrator a vector, for the steps that a lane cannot take.
+    /// One integrator per vector, for steps with a change of the contact state.
     scalar: Vec<Stepper<'a>>,
     failed: Vec<Option<SimulateError>>,
 }
 
-/// How the wheels move through a step: friction and the inverse of the mass matrix with the rows of wheels
-/// that stick taken out.
+/// Motion during a step: friction, and the inverse of the mass matrix without the rows of sticking wheels.
 struct Motion<S: Simd> {
     friction: Wheels<S>,
     stuck: [Mask<S>; 2],
@@ -184,7 +181,7 @@ impl<'a, S: Simd> Batch<'a, S> {
         input: &Input,
         start: State,
     ) -> Self {
-        // lanes that are left over repeat the last vector
+        // unused lanes repeat the last vector
         let lanes = |of: &dyn Fn(BaseParameters) -> f64| {
             let one = |lane: usize| of(base::of(&vectors[lane.min(vectors.len() - 1)]));
             Lanes::load(simd, &(0..Lanes::<S>::COUNT).map(one).collect::<Vec<f64>>())
@@ -207,7 +204,7 @@ impl<'a, S: Simd> Batch<'a, S> {
         }
     }
 
-    /// All lanes over one internal step.
+    /// One internal step of all lanes.
     #[inline(always)]
     fn advance(&mut self, part: &Part, input: &InputLine) {
         let before = self.omega;
@@ -220,7 +217,7 @@ impl<'a, S: Simd> Batch<'a, S> {
         }
     }
 
-    /// The lanes with a `flag` take the step by the scalar rule.
+    /// Integrates the lanes with a `flag` by the scalar integrator.
     #[inline(never)]
     fn one_by_one(&mut self, flag: Lanes<S>, part: &Part, input: &InputLine) {
         let (flags, omega) = (stored(flag), self.omega.map(stored));
@@ -229,7 +226,7 @@ impl<'a, S: Simd> Batch<'a, S> {
             if flags[lane] == 0.0 || self.failed[lane].is_some() {
                 continue;
             }
-            // nothing in the base model depends on the angles
+            // the base model does not depend on the angles
             scalar.place(State { alpha: [0.0; 2], omega: [first[lane], second[lane]] });
             match scalar.piece(part.from, part.to, input, &mut ()) {
                 Ok(()) => [first[lane], second[lane]] = scalar.state().omega,
@@ -239,12 +236,12 @@ impl<'a, S: Simd> Batch<'a, S> {
         self.omega = [Lanes::load(self.simd, &first), Lanes::load(self.simd, &second)];
     }
 
-    /// The errors of the row that was reached; lanes beyond the speed limit have failed.
+    /// Adds the errors of the present row; lanes beyond the speed limit have failed.
     #[inline(always)]
     fn add(&mut self, measured: &[f64; 2], from: f64, to: f64) {
         let limit = Lanes::splat(self.simd, SPEED_LIMIT);
         let [first, second] = self.omega;
-        // what is no number is not slow either
+        // NaN is not below the limit either
         let slow = first.abs().below(limit) & second.abs().below(limit);
         if !slow.all() {
             self.too_fast(to);
@@ -276,8 +273,7 @@ impl<'a, S: Simd> Batch<'a, S> {
         outcomes.map(|(failed, sum)| failed.map_or(Ok(sum), Err)).collect()
     }
 
-    /// One Runge-Kutta step of all lanes, and the lanes in which its contact state does not hold
-    /// throughout.
+    /// One Runge-Kutta step of all lanes, and the lanes in which the contact state changes during the step.
     #[inline(always)]
     fn step(&self, h: f64, [start, middle, end]: &[[f64; 2]; 3]) -> (Wheels<S>, Mask<S>) {
         let motion = self.motion();
@@ -286,7 +282,7 @@ impl<'a, S: Simd> Batch<'a, S> {
         let Ok(after) = runge_kutta_step(
             &w,
             h,
-            // or the closure is not compiled for wide registers
+            // a function without a closure, which would not be compiled for wide registers
             #[inline(always)]
             |c, w| {
                 let torque = inputs[(2.0 * c) as usize];
@@ -303,7 +299,7 @@ impl<'a, S: Simd> Batch<'a, S> {
         (after, event)
     }
 
-    /// Wheels that turn slide; those that do not, stick.
+    /// Moving wheels slide, wheels at rest stick.
     #[inline(always)]
     fn motion(&self) -> Motion<S> {
         let zero = Lanes::splat(self.simd, 0.0);
@@ -328,7 +324,7 @@ impl<'a, S: Simd> Batch<'a, S> {
         Motion { friction, stuck, any_stuck, mobility }
     }
 
-    /// What drives each wheel beside the inertia: torque less centrifugal torque and friction.
+    /// Sum of the torques on each wheel except inertia: input minus centrifugal torque and friction.
     #[inline(always)]
     fn force(&self, w: &Wheels<S>, torque: &[f64; 2], motion: &Motion<S>) -> Wheels<S> {
         let turning = centrifugal_torques(self.a3, *w);
@@ -342,8 +338,8 @@ impl<'a, S: Simd> Batch<'a, S> {
         [m11 * b[0] + m12 * b[1], m12 * b[0] + m22 * b[1]]
     }
 
-    /// Lanes in which a wheel that sticks is not clearly held, against the torque of the other one
-    /// through a2, or another one does not move.
+    /// Lanes in which a sticking wheel is not clearly held against the torque that the other wheel transmits
+    /// through a2, or another wheel is at rest.
     #[inline(always)]
     fn loose(&self, w: &Wheels<S>, torque: &[f64; 2], motion: &Motion<S>) -> Mask<S> {
         let b = self.force(w, torque, motion);
@@ -360,7 +356,7 @@ impl<'a, S: Simd> Batch<'a, S> {
     }
 }
 
-/// The number of each lane; zeros in the places that the register does not have.
+/// The number of each lane; zeros beyond the width of the register.
 fn stored<S: Simd>(lanes: Lanes<S>) -> [f64; TOGETHER] {
     let mut out = [0.0; TOGETHER];
     lanes.store(&mut out);

@@ -1,4 +1,4 @@
-//! Steps of the derivatives, a register of columns at a time.
+//! Integration steps of the sensitivities, one register of columns at a time.
 
 use std::convert::Infallible;
 
@@ -9,11 +9,11 @@ use super::forcing::{Forcing, LANES, Pair, Quantities};
 use crate::math::{Lanes, runge_kutta_motion, runge_kutta_step};
 use crate::model::times;
 
-/// Derivatives of (alpha1, alpha2, omega1, omega2) by [`LANES`] columns.
+/// Derivatives of (alpha1, alpha2, omega1, omega2) with respect to [`LANES`] columns.
 pub(super) type Group = [[f64; LANES]; 4];
 
-/// The variational equation at one instant, solved for the accelerations:
-/// `dω' = by_state · (dα, dω) + forcing`.
+/// The variational equation at one instant, solved for the accelerations: `dω' = by_state · (dα, dω) +
+/// forcing`.
 #[derive(Clone)]
 pub(super) struct Node {
     /// Acceleration and friction signs for which it was solved.
@@ -22,12 +22,12 @@ pub(super) struct Node {
     pub(super) forcing: Vec<Pair>,
 }
 
-/// Accelerations that differ by less than this share differ by rounding.
+/// Accelerations with a relative difference below this value differ by rounding.
 const ROUNDING: f64 = 1e-9;
 
 impl Node {
-    /// Derivatives of the accelerations by the columns of a register from place `r` of group `g` on, where those of the
-    /// speeds are `w`: what does not come from the angles.
+    /// Derivatives of the accelerations with respect to the columns of a register from lane `r` of group `g`
+    /// on, for derivatives `w` of the speeds, without the part due to the angles.
     #[inline(always)]
     fn rate<S: Simd>(&self, simd: S, (g, r): (usize, usize), w: &[Lanes<S>; 2]) -> [Lanes<S>; 2] {
         let ([first, second], forcing) = (&self.by_state, &self.forcing[g]);
@@ -37,7 +37,7 @@ impl Node {
         ]
     }
 
-    /// Whether it holds at the start of a step that begins where it was solved.
+    /// Whether it is valid at the start of a step that begins where it was solved.
     pub(super) fn holds(&self, from: &Departure) -> bool {
         let (a, sign) = self.place;
         let close = |i: usize| {
@@ -48,10 +48,11 @@ impl Node {
     }
 }
 
-/// A parameter, and the derivatives of the input by it at both ends of a sample.
+/// A parameter, and the derivatives of the input with respect to it at both ends of a sample.
 pub(super) type InputSlope = (usize, [[f64; 2]; 2]);
 
-/// A step of the first `columns` columns where nothing depends on the angles, which follow from the speeds.
+/// A step of the first `columns` columns if nothing depends on the angles, which are then integrated from the
+/// speeds.
 pub(super) struct Carry<'a> {
     pub(super) nodes: &'a mut [Node; 3],
     pub(super) groups: &'a mut [Group],
@@ -59,14 +60,16 @@ pub(super) struct Carry<'a> {
     pub(super) columns: usize,
 }
 
-/// The same where something does.
+/// The same if something depends on the angles.
 pub(super) struct Turn<'a>(pub(super) Carry<'a>);
 
-/// The same as [`Carry`] behind the nodes of sliding wheels, which are solved at these instants, the input at a share of the sample.
+/// The same as [`Carry`] after the nodes of sliding wheels, which are solved at these instants with the input
+/// at a share of the sample.
 pub(super) struct Slide<'a> {
     pub(super) forcing: &'a Forcing,
     pub(super) solved: &'a [Option<(Quantities, f64)>; 3],
-    /// Derivatives of the input by parameters at both ends of the sample, and the inverse of the mass matrix.
+    /// Derivatives of the input with respect to parameters at both ends of the sample, and the inverse of the
+    /// mass matrix.
     pub(super) input: (&'a [InputSlope], [f64; 3]),
     pub(super) carry: Carry<'a>,
 }
@@ -112,7 +115,7 @@ impl WithSimd for Carry<'_> {
                     &speeds,
                     &first,
                     self.h,
-                    // or the closure is not compiled for wide registers
+                    // a function without a closure, which would not be compiled for wide registers
                     #[inline(always)]
                     |c, _, w| {
                         let node = if c < 1.0 { &*middle } else { &*end };

@@ -1,4 +1,4 @@
-//! Anything that moves under an input: a physical model with values, or a fuzzy emulator.
+//! Dynamics under an input: a physical model with parameter values, or a fuzzy emulator.
 
 use std::ops::Range;
 
@@ -9,13 +9,13 @@ use crate::model::Model;
 use crate::recording::Recording;
 use crate::robot::State;
 
-/// What a method identified, able to move. Physics and fuzzy emulators alike.
+/// The identified dynamics, physical or fuzzy.
 pub trait Dynamics: Send + Sync {
-    /// Wheel acceleration [rad/s^2] at time `t` \[s\] since the start under the acting input [N m];
-    /// the right-hand side f + G u of eq. (17).
+    /// Wheel acceleration [rad/s^2] at time `t` \[s\] since the start under the acting input [N m]; the
+    /// right-hand side f + G u of eq. (17).
     ///
     /// # Errors
-    /// Where the dynamics has no acceleration.
+    /// The mass matrix is not positive definite.
     fn acceleration(
         &self,
         t: f64,
@@ -23,29 +23,30 @@ pub trait Dynamics: Send + Sync {
         torque: &[f64; 2],
     ) -> Result<[f64; 2], SimulateError>;
 
-    /// The acting input from the recorded one.
+    /// The acting input, computed from the recorded one.
     fn input(&self, t: &[f64], recorded: &[[f64; 2]]) -> Vec<[f64; 2]> {
         let _ = t;
         recorded.to_vec()
     }
 
-    /// The acting input from one at the rows of a recording, before which there may have been none.
+    /// The acting input at the rows of a recording, taking into account the input before the first row.
     fn input_of(&self, recording: &Recording, input: &[[f64; 2]]) -> Vec<[f64; 2]> {
         self.input(recording.t(), input)
     }
 
-    /// Free simulation from the recorded input, one state a sample.
+    /// Free simulation from the recorded input, one state per sample.
     ///
     /// # Errors
-    /// A diverging motion, or dynamics without acceleration.
+    /// The motion diverges, or the mass matrix is not positive definite.
     fn simulate(&self, input: &Input, start: State) -> Result<Vec<State>, SimulateError>;
 
-    /// Simulation of windows of an unbroken stretch of a recording, each from its own start: `input.torque` is the acting input
-    /// ([`Dynamics::input`] over the whole recording), and time counts from its first row. The body of a two-mass drivetrain,
-    /// which no sensor sees, keeps its slip and twist from a window to the next. States of a window that diverges are not numbers.
+    /// Simulation of windows of a stretch of a recording without gaps, each from its own initial state.
+    /// `input.torque` is the acting input ([`Dynamics::input`] over the whole recording), and time is
+    /// relative to its first row. The body of a two-mass drivetrain, which is not measured, keeps its slip
+    /// and twist from one window to the next. States of a window that diverges are NaN.
     ///
     /// # Errors
-    /// Dynamics without acceleration.
+    /// The mass matrix is not positive definite.
     fn simulate_windows(
         &self,
         input: &Input,
@@ -61,12 +62,12 @@ pub trait Dynamics: Send + Sync {
         windows.iter().map(one).collect()
     }
 
-    /// The physical model and its parameter values, where the dynamics is one.
+    /// The physical model and its parameter values, if the dynamics are physical.
     fn physical(&self) -> Option<(&Model, &[f64])> {
         None
     }
 
-    /// The fuzzy emulator, where the dynamics is one.
+    /// The fuzzy emulator, if the dynamics are fuzzy.
     fn fuzzy(&self) -> Option<&FuzzyDynamics> {
         None
     }
@@ -75,7 +76,7 @@ pub trait Dynamics: Send + Sync {
 /// A physical model with parameter values.
 #[derive(Clone, Debug)]
 pub struct PhysicalDynamics {
-    /// Whose equations of motion are solved.
+    /// Model whose equations of motion are solved.
     pub model: Model,
     /// One value a parameter.
     pub p: Vec<f64>,

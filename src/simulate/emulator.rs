@@ -10,10 +10,10 @@ use crate::robot::State;
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Gain(pub [[f64; 4]; 4]);
 
-/// Why a gain is refused.
+/// Why a gain matrix is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum GainError {
-    /// A - K has a pole that does not decay.
+    /// A - K has a pole with a real part that is not negative.
     #[error(
         "A - K is not strictly stable: a pole has real part {real:.4} 1/s; eq. (20) needs all below zero (K = 0 alone is allowed, as pure simulation)"
     )]
@@ -21,7 +21,7 @@ pub enum GainError {
         /// Largest real part [1/s].
         real: f64,
     },
-    /// An entry beyond what a step of 5 ms can follow, or none.
+    /// An entry that is not finite, or too large for a step of 5 ms.
     #[error("an entry of K is {entry:e}; expected sizes up to {most:e}")]
     TooLarge {
         /// Found.
@@ -45,8 +45,8 @@ impl Gain {
         gain
     }
 
-    /// The gain that puts the two poles of each wheel's error (angle, speed) at `poles` [1/s]
-    /// (negative): `[[-(s1+s2), 0], [s1 s2, 0]]` on the angle error of each wheel.
+    /// The gain for which the two error poles of each wheel (angle, speed) are `poles` [1/s] (negative):
+    /// `[[-(s1+s2), 0], [s1 s2, 0]]` on the angle error of each wheel.
     #[must_use]
     pub fn from_poles(s1: f64, s2: f64) -> Self {
         let mut gain = Self::ZERO;
@@ -68,8 +68,8 @@ impl Gain {
         poles.iter().map(|z| (z.re, z.im)).collect()
     }
 
-    /// Checks that A - K is strictly stable; poles at zero that belong to angles which the gain
-    /// leaves alone are accepted, since their error is the integral of a decaying one.
+    /// Checks that A - K is strictly stable; zero poles of angles without gain are accepted, because their
+    /// error is the integral of a decaying one.
     ///
     /// # Errors
     /// [`GainError::Unstable`].
@@ -91,20 +91,20 @@ impl Gain {
     }
 }
 
-/// Entries of K at most.
+/// Largest absolute value of the entries of K.
 const MOST_GAIN: f64 = 1e9;
 
-/// Runs the emulator over a recording: one state a sample, from the first measured one.
+/// Runs the emulator over a recording: one state per sample, from the first measured one.
 ///
 /// ```text
 /// xhat' = A xhat + B [fhat + G u] + K (x - xhat)      eq. (19)
 /// ```
 /// fhat + G u is `dynamics.acceleration` at xhat (parallel) or at the measured x
-/// (serial-parallel). x and u run in straight lines between samples; Runge-Kutta 4 with steps of
-/// at most 5 ms; the state starts anew behind a gap in time.
+/// (serial-parallel). x and u are interpolated linearly between samples; Runge-Kutta 4 with steps of at most
+/// 5 ms; the state is reset after a gap in time.
 ///
 /// # Errors
-/// A diverging motion.
+/// The motion diverges.
 pub fn emulate(
     dynamics: &dyn Dynamics,
     recording: &Recording,

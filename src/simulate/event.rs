@@ -1,14 +1,14 @@
 //! The instant within a step at which the contact state changes.
 
-/// Halvings of a step that locate an event to 1e-12 of it.
+/// Bisections that locate an event to 1e-12 of the step.
 const HALVINGS: i32 = 40;
 
-/// The shortest step of at most `h` after which `value` is positive, to 1e-12 of `h`, where it is
-/// zero before and grows from zero, up to `at_high` at `h`: what breaks away does so slowly at first.
+/// The shortest step of at most `h` after which `value` is positive, to 1e-12 of `h`, if it is zero at the
+/// start and grows from zero to `at_high` at `h`, as the acceleration does at breakaway.
 ///
-/// A straight line through the last two ends says where the growth began, and trials close on
-/// either side of that, a thousandth of what is left; where two of them in a row do not narrow the
-/// interval, it is halved.
+/// The zero of a straight line through the last two points estimates where the growth began; trials are made
+/// on either side of it, at a thousandth of the remaining interval. If two trials in a row do not narrow the
+/// interval, it is bisected.
 pub(super) fn onset<E>(
     h: f64,
     mut at_high: f64,
@@ -46,13 +46,13 @@ pub(super) fn onset<E>(
     Ok(high)
 }
 
-/// The shortest step of at most `h` after which `value` is positive, to 1e-12 of `h`; `ends` are its values at zero,
-/// where it is not positive, and at `h`, where it is.
+/// The shortest step of at most `h` after which `value` is positive, to 1e-12 of `h`; `ends` are its values
+/// at zero, where it is not positive, and at `h`, where it is positive.
 ///
-/// Inverse quadratic interpolation within a bracket (Brent, Algorithms for Minimization without Derivatives, 1973,
-/// ch. 4): a speed crosses zero almost in a straight line, so that two to four trials do what forty halvings would.
-/// Trials are made half of the resolution behind the root, so that the last of them is the answer. Where two in a row do
-/// not halve the bracket, it is halved.
+/// Inverse quadratic interpolation within a bracket (Brent, Algorithms for Minimization without Derivatives,
+/// 1973, ch. 4). A speed crosses zero almost linearly, so two to four trials replace forty bisections. Trials
+/// are made half of the resolution after the root, so that the last one is the result. If two in a row do not
+/// halve the bracket, it is bisected.
 pub(super) fn crossing<E>(
     h: f64,
     ends: [f64; 2],
@@ -67,7 +67,7 @@ pub(super) fn crossing<E>(
         if width <= resolved || high.1 <= slope * resolved {
             break;
         }
-        // starting from rest the value is zero at zero, which is no root to look for
+        // starting from rest the value is zero at zero, which is not the root wanted
         let trial = if low.1 < 0.0 && misses < 2 {
             let line = low.0 - low.1 / slope;
             let curve = third.map(|third| inverse_quadratic([low, high, third]));
@@ -86,8 +86,7 @@ pub(super) fn crossing<E>(
     Ok(high.0)
 }
 
-/// Where the parabola through three places and their values, the place over the value, is zero; no number where two
-/// values are equal.
+/// The zero of the inverse parabola through three points; NaN if two values are equal.
 fn inverse_quadratic([(a, at_a), (b, at_b), (c, at_c)]: [(f64, f64); 3]) -> f64 {
     let of_a = at_b * at_c / ((at_a - at_b) * (at_a - at_c));
     let of_b = at_a * at_c / ((at_b - at_a) * (at_b - at_c));
@@ -95,7 +94,7 @@ fn inverse_quadratic([(a, at_a), (b, at_b), (c, at_c)]: [(f64, f64); 3]) -> f64 
     a * of_a + b * of_b + c * of_c
 }
 
-/// A trial, or the middle where a step that diverges has left no number.
+/// A trial, or the midpoint if a diverging step has no value.
 fn within(trial: f64, low: f64, high: f64) -> f64 {
     if trial.is_finite() { trial } else { 0.5 * (low + high) }
 }

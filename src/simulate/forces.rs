@@ -1,4 +1,4 @@
-//! What acts on the wheels of a model with given parameters, and the rates that follow from it.
+//! Forces on the wheels of a model with given parameters, and the resulting rates.
 
 use std::convert::Infallible;
 
@@ -9,10 +9,10 @@ use crate::effects::{BodyState, Effect, Motion, Terms};
 use crate::math::{runge_kutta_from, runge_kutta_motion};
 use crate::model::{Model, ModelError, SpeedPolynomial, inverse_mass, solve_mass, times};
 
-/// alpha1, alpha2, omega1, omega2, and behind a coupling: body speeds u1, u2, twists phi1, phi2.
+/// alpha1, alpha2, omega1, omega2; for a two-mass drivetrain also body speeds u1, u2 and twists phi1, phi2.
 pub(super) type Vector = [f64; 8];
 
-/// Where a step starts: the state, how its directions slide or stick, and its rates.
+/// Start of a step: the state, its contact state, and its rates.
 pub(super) struct Departure {
     pub(super) t: f64,
     pub(super) y: Vector,
@@ -20,11 +20,11 @@ pub(super) struct Departure {
     /// [`Contact::freedom`] of `contact`.
     pub(super) freedom: Option<[f64; 2]>,
     pub(super) rate: Vector,
-    /// What resists on each wheel throughout the step [N m], where levels do not vary.
+    /// Resisting torque on each wheel throughout the step [N m], if levels are constant.
     pub(super) resisting: [f64; 2],
 }
 
-/// A wheel counts as held without a closer look if what holds it is below its level by this share.
+/// A wheel is held without further checks if the holding torque is below its level by this share.
 pub(super) const CLEARLY: f64 = 1.0 - 1e-9;
 
 /// A model with parameter values, ready to be integrated.
@@ -32,14 +32,14 @@ pub(super) struct Forces<'m> {
     pub(super) model: &'m Model,
     pub(super) p: &'m [f64],
     t0: f64,
-    /// All effects; with a two-mass drivetrain those on the wheels alone.
+    /// All effects; for a two-mass drivetrain those on the wheels only.
     pub(super) wheel: Sum<'m>,
     behind: Option<Behind<'m>>,
-    /// Inverse of a mass matrix that is the same at every instant.
+    /// Inverse of the mass matrix, if it is constant.
     pub(super) inverse: Option<[f64; 3]>,
-    /// What the polynomial of the speeds adds to the accelerations of a robot with such a matrix.
+    /// Contribution of the polynomial of the speeds to the accelerations, for a constant mass matrix.
     pub(super) by_speed: SpeedPolynomial,
-    /// Whether the level of a dry friction varies, and the levels if none does.
+    /// Whether a level of dry friction varies, and the levels if none does.
     pub(super) rough: bool,
     pub(super) level: [f64; 4],
 }
@@ -50,8 +50,8 @@ struct Behind<'m> {
     body: Sum<'m>,
 }
 
-/// What acts on the wheels at one instant; with a body behind them its terms and the torques
-/// that are passed on to it.
+/// Terms on the wheels at one instant; for a two-mass drivetrain also the terms of the body and the torques
+/// transmitted to it.
 struct Acting {
     terms: Terms<f64>,
     torque: [f64; 2],
@@ -82,7 +82,7 @@ impl<'m> Forces<'m> {
         Motion::at(t - self.t0, [y[0], y[1]], [y[2], y[3]], self.model.robot())
     }
 
-    /// The fastest rate of a coupling [1/s], set by the lighter of rotor and body.
+    /// The fastest rate of a coupling [1/s], determined by the lighter of rotor and body.
     pub(super) fn coupling_rate(&self, t: f64, y: &Vector) -> Option<f64> {
         let Behind { coupling: (effect, p), body } = self.behind.as_ref()?;
         let x = self.motion(t, y);
@@ -111,7 +111,7 @@ impl<'m> Forces<'m> {
         Acting { terms: wheel, torque, body: Some((body, passed)) }
     }
 
-    /// The state at `t` as the start of a step.
+    /// The start of a step from the state at `t`.
     pub(super) fn depart(
         &self,
         t: f64,
@@ -125,14 +125,14 @@ impl<'m> Forces<'m> {
         Ok(Departure { t, y: *y, freedom: contact.freedom(), contact, rate, resisting })
     }
 
-    /// What resists throughout a step with these signs, of what does not vary [N m].
+    /// The constant resisting torque throughout a step with these friction signs [N m].
     #[inline]
     pub(super) fn resisting(&self, sign: &[f64; 4]) -> [f64; 2] {
         let (torque, friction) = (self.wheel.constant.torque, friction(&self.level, sign));
         [torque[0] + friction[0], torque[1] + friction[1]]
     }
 
-    /// What is left of a torque to accelerate the wheels, where only torques vary.
+    /// The remaining torque that accelerates the wheels, if only torques vary.
     #[inline]
     pub(super) fn remaining(
         &self,
@@ -145,7 +145,7 @@ impl<'m> Forces<'m> {
         [b[0] - varying[0], b[1] - varying[1]]
     }
 
-    /// [`Forces::remaining`] where every torque that varies is in the polynomial of the speeds.
+    /// [`Forces::remaining`] if every varying torque is in the polynomial of the speeds.
     #[inline]
     fn remaining_by_speed(
         &self,
@@ -158,8 +158,9 @@ impl<'m> Forces<'m> {
         [left(0), left(1)]
     }
 
-    /// Whether the wheels that stick in the contact state of `from` clearly still do at `y`, of which no direction has
-    /// reversed. What is close to breaking away, and what needs more than a look, is for [`Forces::contact`].
+    /// Whether the wheels that stick in the contact state of `from` are clearly held at `y`, where no
+    /// direction has reversed. Cases close to breakaway and two-mass drivetrains are left to
+    /// [`Forces::contact`].
     #[inline]
     pub(super) fn clearly_held(
         &self,
@@ -177,7 +178,7 @@ impl<'m> Forces<'m> {
         let holds = |need: f64, level: f64| need.abs() < level * CLEARLY;
         match [stuck[0], stuck[1]] {
             [true, true] => holds(b[0], f1) && holds(b[1], f2),
-            // what the other wheel passes on by its acceleration
+            // the torque transmitted by the acceleration of the other wheel
             [true, false] => y[3] != 0.0 && holds(b[0] - m12 * b[1] / m22, f1),
             [false, true] => y[2] != 0.0 && holds(b[1] - m12 * b[0] / m11, f2),
             [false, false] => false,
@@ -206,7 +207,7 @@ impl<'m> Forces<'m> {
         self.constrained(&acting.terms, &acting.torque, from)
     }
 
-    /// The acceleration with the signs of `from`, along the one free direction where others stick.
+    /// The acceleration with the friction signs of `from`, along the one free direction if others stick.
     #[inline]
     pub(super) fn constrained(
         &self,
@@ -224,7 +225,7 @@ impl<'m> Forces<'m> {
         }
     }
 
-    /// Inverse of the mass matrix, along the one free direction where others stick.
+    /// Inverse of the mass matrix, along the one free direction if others stick.
     pub(super) fn mobility(
         &self,
         mass: &[f64; 3],
@@ -303,7 +304,8 @@ impl<'m> Forces<'m> {
         Ok([a1, a2, w1, w2, w1, w2, 0.0, 0.0])
     }
 
-    /// The accelerations by torques of one in the contact state of `from`, where neither masses nor levels vary.
+    /// The accelerations due to unit torques in the contact state of `from`, if neither masses nor levels
+    /// vary.
     #[inline]
     fn freed(&self, from: &Departure) -> Option<[f64; 3]> {
         let inverse = self.inverse.filter(|_| !self.rough)?;
@@ -327,7 +329,7 @@ fn with_body(y: &Vector, a: [f64; 2], acting: &Acting) -> Result<Vector, ModelEr
     Ok(rates)
 }
 
-/// The instant at share `c` of the way from `t` to `to`; at the end `to` itself, not rounded.
+/// The instant at share `c` of the interval from `t` to `to`; at the end exactly `to`.
 fn instant(t: f64, to: f64, c: f64) -> f64 {
     if c < 1.0 { t + c * (to - t) } else { to }
 }

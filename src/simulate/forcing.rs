@@ -1,6 +1,6 @@
-//! How every parameter pushes the wheels, compiled for wheels that slide: with a mass matrix that never
-//! changes and torques that are polynomials of the speeds, the derivatives of the accelerations by the
-//! parameters are sums of a few quantities with constant factors.
+//! Derivatives of the accelerations with respect to the parameters, compiled for sliding wheels: with a
+//! constant mass matrix and torques that are polynomials of the speeds, they are linear combinations of a few
+//! quantities with constant coefficients.
 
 use pulp::Simd;
 
@@ -9,21 +9,21 @@ use crate::effects::{DIFFERENTIATED, DIRECTIONS, Jet, Motion};
 use crate::math::{Dual, Lanes};
 use crate::model::{SpeedPolynomial, times};
 
-/// Quantities beside the constant: w1, w2, w1 (w1 - w2), w2 (w1 - w2), w1 w2, and the two accelerations; filled up to a
-/// power of two, so that a place among them needs neither a branch nor a division.
+/// Number of quantities beside the constant: w1, w2, w1 (w1 - w2), w2 (w1 - w2), w1 w2, and the two
+/// accelerations; padded to a power of two, so that indexing needs neither a branch nor a division.
 const QUANTITIES: usize = 8;
-/// Partial derivatives of a [`Jet`] before those of an effect's own parameters.
+/// Number of partial derivatives of a [`Jet`] by the state; those by the parameters of an effect follow.
 const STATES: usize = 4;
 
-/// Columns that stand together: the numbers of the widest register.
+/// Number of columns in a group: the lanes of the widest register.
 pub(crate) const LANES: usize = 8;
-/// The derivatives of both accelerations by as many parameters.
+/// The derivatives of both accelerations with respect to this many parameters.
 pub(super) type Pair = [[f64; LANES]; 2];
 
 /// The compiled derivatives.
 pub(super) struct Forcing {
     groups: Vec<Group>,
-    /// The friction signs for which the constants stand.
+    /// The friction signs for which the constants are valid.
     sign: [f64; 4],
 }
 
@@ -33,21 +33,21 @@ struct Group {
     constant: Pair,
     without_friction: Pair,
     by_sign: [Pair; 4],
-    /// Factors of the quantities that have any.
+    /// Coefficients of the quantities that are not zero.
     factors: Vec<(usize, Pair)>,
 }
 
 /// The quantities of one instant.
 pub(super) type Quantities = [f64; QUANTITIES];
 
-/// What acts at one instant: speeds, their products, accelerations.
+/// The quantities at one instant: speeds, their products, accelerations.
 pub(super) fn quantities([w1, w2]: [f64; 2], a: [f64; 2]) -> [f64; QUANTITIES] {
     let turn = w1 - w2;
     [w1, w2, w1 * turn, w2 * turn, w1 * w2, a[0], a[1], 0.0]
 }
 
 impl Forcing {
-    /// `None` where an effect is anything else, or the mass matrix has no inverse.
+    /// `None` if an effect has other terms, or the mass matrix is singular.
     pub(super) fn new(f: &Forces) -> Option<Self> {
         let inverse = f.inverse.filter(|_| f.wheel.is_polynomial() && !f.rough)?;
         let mut groups = vec![Group::default(); (f.p.len() + 4).div_ceil(LANES)];
@@ -90,7 +90,7 @@ impl Forcing {
         self
     }
 
-    /// Makes the constants those for these friction signs.
+    /// Updates the constants for these friction signs.
     #[inline]
     pub(super) fn turn(&mut self, sign: &[f64; 4]) {
         if *sign == self.sign {
@@ -107,7 +107,7 @@ impl Forcing {
         }
     }
 
-    /// Writes the derivatives by the first `columns` parameters, and what fills their registers up.
+    /// Writes the derivatives with respect to the first `columns` parameters, padded to whole registers.
     #[inline(always)]
     pub(super) fn write<S: Simd>(
         &self,
@@ -134,7 +134,7 @@ impl Forcing {
 }
 
 impl Group {
-    /// What a torque per unit of a quantity takes from the accelerations.
+    /// Sets the coefficients of a torque per unit of a quantity.
     fn set(&mut self, lane: usize, quantity: Option<usize>, taken: [f64; 2]) {
         if taken == [0.0; 2] {
             return;

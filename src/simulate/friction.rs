@@ -1,23 +1,23 @@
-//! Dry friction at rest is set-valued: which directions stick and which slip is solved exactly.
+//! Dry friction at rest is set-valued: sticking and slipping directions are determined exactly.
 
 use crate::effects::{DIRECTIONS, Terms, along, with_friction};
 use crate::math::sgn;
 use crate::model::{ModelError, solve_mass};
 
-/// How each of the four friction directions acts: sliding with a sign, or sticking.
+/// State of the four friction directions: sliding with a sign, or sticking.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// Sign of the friction in each of [`DIRECTIONS`]; zero where it sticks or has no level.
+    /// Sign of the friction in each of [`DIRECTIONS`]; zero if the direction sticks or has no level.
     pub sign: [f64; 4],
-    /// Directions that stick: the speed along them is zero and stays so.
+    /// Sticking directions: the speed along them is zero and stays zero.
     pub stuck: [bool; 4],
-    /// The acceleration that results [rad/s^2].
+    /// The resulting acceleration [rad/s^2].
     pub acceleration: [f64; 2],
 }
 
 impl Contact {
-    /// The one direction in which the wheels can still accelerate: `None` if all are free,
-    /// `Some([0, 0])` if none is.
+    /// The one direction in which the wheels can accelerate: `None` if all directions are free, `Some([0,
+    /// 0])` if none is.
     #[must_use]
     pub fn freedom(&self) -> Option<[f64; 2]> {
         let mut stuck = (0..4).filter(|&j| self.stuck[j]);
@@ -29,7 +29,7 @@ impl Contact {
     }
 }
 
-/// The direction along which the wheels move when direction `j` sticks.
+/// The direction of the remaining motion if direction `j` sticks.
 #[must_use]
 pub(super) fn perpendicular(j: usize) -> [f64; 2] {
     let [d1, d2] = DIRECTIONS[j];
@@ -42,7 +42,7 @@ pub(super) fn friction(level: &[f64; 4], sign: &[f64; 4]) -> [f64; 2] {
     with_friction([0.0; 2], &level.map(|level| level.max(0.0)), sign)
 }
 
-/// `n (n·b)/(n' A n)`, or zero where nothing is free.
+/// `n (n·b)/(n' A n)`, or zero if no direction is free.
 pub(super) fn along_freedom(mass: &[f64; 3], b: &[f64; 2], n: &[f64; 2]) -> [f64; 2] {
     let [m11, m12, m22] = *mass;
     let inertia = m11 * n[0] * n[0] + 2.0 * m12 * n[0] * n[1] + m22 * n[1] * n[1];
@@ -53,7 +53,7 @@ pub(super) fn along_freedom(mass: &[f64; 3], b: &[f64; 2], n: &[f64; 2]) -> [f64
     [n[0] * q, n[1] * q]
 }
 
-/// Which directions stick, which slip and how the wheels accelerate.
+/// Determines which directions stick, which slip, and the accelerations.
 ///
 /// ```text
 /// minimise over a:  1/2 a' A a - a' b + Σ_{j at rest} level_j |d_j·a|,
@@ -64,7 +64,7 @@ pub(super) fn along_freedom(mass: &[f64; 3], b: &[f64; 2], n: &[f64; 2]) -> [f64
 /// is strictly convex with kinks along lines through the origin, so its minimum is the best of
 /// the origin, the minimum along each kink, and the minimum in each sector.
 ///
-/// `terms` [kg m^2, N m], `torque` [N m], `omega` [rad/s]. A direction is at rest where the speed
+/// `terms` [kg m^2, N m], `torque` [N m], `omega` [rad/s]. A direction is at rest if the speed
 /// along it is exactly zero.
 ///
 /// # Errors

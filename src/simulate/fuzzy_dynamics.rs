@@ -8,19 +8,19 @@ use super::{Hold, Input, Rules, SimulateError, Structure, TakagiSugeno, WithRule
 use crate::math::runge_kutta_step;
 use crate::robot::State;
 
-/// A rule is trained where it fires with at least this strength in some sample.
+/// A rule is trained if its firing strength reaches this value in some sample.
 const EXCITED: f64 = 0.2;
 /// Longest step of the integrator \[s\].
 const LONGEST_STEP: f64 = 0.005;
-/// A wheel speed beyond which the motion has left all bounds [rad/s].
+/// Wheel speed above which the motion has diverged [rad/s].
 const LIMIT: f64 = 1e4;
 
-/// The two fuzzy systems in the place of f3 and f4 of eq. (18).
+/// The two fuzzy systems that replace f3 and f4 of eq. (18).
 ///
 /// ```text
 /// w' = f̂(w) + G u,   f̂ = [f31, f41]      eq. (17), (19) with K = 0
 /// ```
-/// There is no stick and slip in it: what friction does at rest is what the rules learnt.
+/// Without stick-slip: the friction at rest is approximated by the rules.
 ///
 /// Source: the paper, section 3, eq. (17), (19).
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]

@@ -1,5 +1,5 @@
-//! A step of wheels that slide from its beginning to its end, or that both stand, under a mass matrix
-//! that never changes: nearly every step of nearly every simulation.
+//! A step in which all wheels slide, or both are at rest, throughout, with a constant mass matrix: the most
+//! frequent kind of step.
 
 use std::convert::Infallible;
 
@@ -10,9 +10,9 @@ use crate::effects::{Motion, along};
 use crate::math::{runge_kutta_motion, sgn};
 use crate::model::times;
 
-/// A step that was taken.
+/// A completed step.
 pub(super) struct Glide {
-    /// Signs of friction; none where the wheels stand.
+    /// Friction signs; `None` if the wheels are at rest.
     sign: Option<[f64; 4]>,
     /// Acceleration at its start.
     first: [f64; 2],
@@ -21,7 +21,7 @@ pub(super) struct Glide {
 }
 
 impl Glide {
-    /// The state at its end; nothing is behind the wheels.
+    /// The state at its end, without a second mass.
     #[inline]
     pub(super) fn end(&self) -> Vector {
         let [a1, a2, w1, w2] = self.end;
@@ -30,7 +30,7 @@ impl Glide {
 }
 
 impl Forces<'_> {
-    /// The start of a step that was taken from `y` at `t`.
+    /// The start of a completed step from `y` at `t`.
     #[inline]
     pub(super) fn start_of(&self, glide: &Glide, t: f64, y: &Vector) -> Departure {
         let a = glide.first;
@@ -45,9 +45,8 @@ impl Forces<'_> {
         Departure { t, y: *y, contact, freedom, rate, resisting: self.resisting(&sign) }
     }
 
-    /// One classical Runge-Kutta step from `y` at `from` to `to` \[s\]; `None` where the
-    /// contact decides: a wheel rests while the other moves, breaks away or reverses, or the mass matrix
-    /// varies.
+    /// One classical Runge-Kutta step from `y` at `from` to `to` \[s\]; `None` if the contact must be solved
+    /// (one wheel rests while the other moves, breakaway, reversal) or the mass matrix varies.
     #[inline]
     pub(super) fn glide(&self, from: f64, to: f64, y: &Vector, input: &InputLine) -> Option<Glide> {
         let inverse = self.inverse.as_ref()?;
@@ -86,7 +85,7 @@ impl Forces<'_> {
         self.slide(from, to, y, input, (sign, first), at)
     }
 
-    /// Acceleration where every torque that varies is in the polynomial of the speeds.
+    /// Acceleration if every varying torque is in the polynomial of the speeds.
     #[inline]
     pub(super) fn acceleration_at(
         &self,
@@ -114,7 +113,7 @@ impl Forces<'_> {
         Some(Glide { sign: None, first: [0.0; 2], end: [y[0], y[1], 0.0, 0.0] })
     }
 
-    /// A step of sliding wheels with these signs of friction, whose acceleration at the start is known.
+    /// A step of sliding wheels with these friction signs and known initial acceleration.
     #[inline]
     fn slide(
         &self,
@@ -134,7 +133,7 @@ impl Forces<'_> {
         };
         let Ok((alpha, omega)) = runge_kutta_motion(&[a1, a2], &[w1, w2], &first, h, rate);
         let goes_on = |j: usize| sign[j] * along(j, &omega) >= 0.0;
-        // not a number is for the contact to refuse
+        // NaN is left to the contact solver, which returns the error
         let end = [alpha[0], alpha[1], omega[0], omega[1]];
         (goes_on(0) && goes_on(1) && goes_on(2) && goes_on(3)).then_some(Glide {
             sign: Some(sign),
@@ -144,7 +143,7 @@ impl Forces<'_> {
     }
 }
 
-/// The signs of friction of these levels; `None` where a direction that has one is at rest.
+/// The friction signs for these levels; `None` if a direction with friction is at rest.
 #[inline]
 fn signs(level: &[f64; 4], y: &Vector) -> Option<[f64; 4]> {
     let omega = [y[2], y[3]];

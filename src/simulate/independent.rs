@@ -1,6 +1,5 @@
-//! Simulation against an integrator that shares nothing with it: the equations typed from the
-//! paper, Dormand-Prince with events on its continuous extension, and the contact state found by
-//! trying all nine.
+//! Simulation against an independent integrator: the equations typed from the paper, Dormand-Prince with
+//! events on its continuous extension, and the contact state found by enumeration of all nine.
 
 use super::*;
 use crate::math::dormand_prince::DormandPrince;
@@ -13,11 +12,11 @@ struct Typed {
     b: f64,
 }
 
-/// What a wheel does: turns forward (1), backward (-1), or stands (0).
+/// Motion of a wheel: forward (1), backward (-1), or rest (0).
 type Mode = [f64; 2];
 
 impl Typed {
-    /// Torques less everything but inertia and dry friction, eq. (14).
+    /// Torques without inertia and dry friction, eq. (14).
     fn driving(&self, w: &[f64; 2], m: [f64; 2]) -> [f64; 2] {
         let [_, _, a3, _, _] = self.a;
         [
@@ -26,7 +25,7 @@ impl Typed {
         ]
     }
 
-    /// Accelerations where standing wheels are held, and the torque that holds each wheel.
+    /// Accelerations with resting wheels held, and the torque that holds each wheel.
     fn motion(&self, mode: &Mode, w: &[f64; 2], m: [f64; 2]) -> ([f64; 2], [f64; 2]) {
         let [a1, a2, _, a4, a5] = self.a;
         let q = self.driving(w, m);
@@ -43,7 +42,7 @@ impl Typed {
         (dw, [q[0] - a2 * dw[1], q[1] - a2 * dw[0]])
     }
 
-    /// The one contact state that contradicts neither friction nor motion.
+    /// The one contact state that is consistent with friction and motion.
     fn mode(&self, w: &[f64; 2], m: [f64; 2]) -> Mode {
         let choices =
             |i: usize| if w[i] == 0.0 { vec![0.0, 1.0, -1.0] } else { vec![w[i].signum()] };
@@ -64,7 +63,7 @@ impl Typed {
         panic!("no contact state fits speeds {w:?} and torques {m:?}");
     }
 
-    /// Speeds at the ends of intervals over which the torques run in straight lines.
+    /// Speeds at the ends of intervals with linearly varying torques.
     fn run(&self, knots: &[f64], torques: &[[f64; 2]]) -> Vec<[f64; 2]> {
         let solver = DormandPrince { relative: 1e-12, absolute: 1e-13, max_steps: 100_000 };
         let mut w = [0.0; 2];
@@ -76,7 +75,8 @@ impl Typed {
                 [0, 1].map(|i| torques[k - 1][i] + c * (torques[k][i] - torques[k - 1][i]))
             };
             while t < end {
-                // just behind an instant at which a limit is reached, to see which way it goes on
+                // shortly after the instant at which a limit is reached, to determine the direction of the
+                // motion
                 let mode = self.mode(&w, at(t + 1e-9));
                 let path = solver.solve(|t, w| self.motion(&mode, w, at(t)).0, t, end, w).unwrap();
                 let events = [0, 1].map(|i| {

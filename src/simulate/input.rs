@@ -1,9 +1,9 @@
-//! What a simulation is given, and why it may stop.
+//! Input of a simulation, and errors of simulations.
 
 use crate::model::ModelError;
 use crate::recording::{Recording, RecordingError};
 
-/// What the input does between two samples.
+/// The input between two samples.
 #[derive(
     Clone,
     Copy,
@@ -17,20 +17,20 @@ use crate::recording::{Recording, RecordingError};
 )]
 #[serde(rename_all = "snake_case")]
 pub enum Hold {
-    /// Runs in a straight line from sample to sample (first-order hold).
+    /// Linear interpolation between samples (first-order hold).
     #[default]
     Linear,
-    /// Keeps the value of the earlier sample (zero-order hold).
+    /// The value of the previous sample is held (zero-order hold).
     Constant,
 }
 
-/// Error of a straight line between the rows at the whole rate over what halving the rate changes: it falls
-/// as the square of the interval, so of a difference of 4 - 1 parts one is left.
+/// Ratio of the error of linear interpolation at the full rate to the change by halving the rate: the error
+/// is proportional to the square of the interval, so it is 1/(4 - 1) of the difference.
 pub const BETWEEN_ROWS: f64 = 1.0 / 3.0;
 
-/// A signal of a recording with every other row, the even (`phase` 0) or the odd ones, on the line between its
-/// neighbours. That serves an input that is held as well: holding the row before would make it late by half a row in the
-/// mean, which no shape of the input between the rows does.
+/// A signal of a recording with only the even (`phase` 0) or odd rows, the others replaced by linear
+/// interpolation between their neighbours. This is also used for a held input: holding the previous row would
+/// delay it by half a row on average.
 pub(crate) fn every_other(
     recording: &Recording,
     signal: &[[f64; 2]],
@@ -48,7 +48,7 @@ pub(crate) fn every_other(
     out
 }
 
-/// The input of a simulation: one row a sample.
+/// The input of a simulation: one row per sample.
 #[derive(Clone, Copy, Debug)]
 pub struct Input<'a> {
     /// Time \[s\], strictly increasing.
@@ -59,26 +59,26 @@ pub struct Input<'a> {
     pub hold: Hold,
 }
 
-/// Why a simulation stopped.
+/// Why a simulation failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SimulateError {
-    /// The model has no acceleration.
+    /// The mass matrix is not positive definite.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// What was simulated is no recording.
+    /// The simulated channels are not a valid recording.
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// The motion left all bounds.
+    /// The motion diverged.
     #[error("the simulated motion diverges at t = {t:.3} s (wheel speed above {limit:.0e} rad/s)")]
     Diverged {
-        /// When \[s\].
+        /// Time \[s\].
         t: f64,
-        /// Bound [rad/s].
+        /// Speed limit [rad/s].
         limit: f64,
     },
 }
 
-/// Where the nonlinear functions f3, f4 take their argument from.
+/// Argument of the nonlinear functions f3, f4 in the emulator.
 #[derive(
     Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
 )]

@@ -1,4 +1,5 @@
-//! Motion from a model: an integrator with exact stick and slip, and what is built on it.
+//! Simulation of models: an integrator with exact stick-slip transitions, movements, and simulated
+//! recordings.
 
 mod batch;
 mod carry;

@@ -1,4 +1,4 @@
-//! Movements: wheel speeds wanted over time, from segments joined without a jerk.
+//! Movements: reference wheel speeds over time, from smoothly joined segments.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::robot::{Robot, kinematics};
 
-/// A piece of a movement: blend into a speed and a turn rate, then hold them.
+/// A segment of a movement: a transition to a speed and a turn rate, which are then held.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Segment {
@@ -16,23 +16,23 @@ pub struct Segment {
     /// Set-point of the turn rate, counter-clockwise positive [rad/s].
     #[serde(default)]
     pub turn_rad_s: f64,
-    /// Time to reach them from the segment before \[s\].
+    /// Duration of the transition from the previous segment \[s\].
     #[schemars(range(min = 0.0))]
     pub blend_s: f64,
-    /// Time to hold them \[s\].
+    /// Duration of the hold \[s\].
     #[serde(default)]
     #[schemars(range(min = 0.0))]
     pub hold_s: f64,
 }
 
-/// A movement: segments from standstill.
+/// A movement: a sequence of segments from standstill.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Movement {
     /// The segments, in order.
     pub segments: Vec<Segment>,
 }
 
-/// Wheel speeds and accelerations wanted at one instant.
+/// Reference speeds and accelerations of the wheels at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reference {
     /// Speeds [rad/s].
@@ -42,10 +42,10 @@ pub struct Reference {
 }
 
 impl Movement {
-    /// The paper's movement (section 2): starting, driving straight, driving on a circular curve,
-    /// braking, at v_A = 0.2 m/s; one second of rest before and after.
+    /// The paper's movement (section 2): starting, driving straight, driving on a circular curve, braking, at
+    /// v_A = 0.2 m/s; one second of rest before and after.
     ///
-    /// The paper gives neither times nor the radius: straight for 6 s, then a circle of 0.5 m
+    /// The paper does not give the times and the radius; here: straight for 6 s, then a circle of 0.5 m
     /// radius for 10 s, 22 s in all.
     #[must_use]
     pub fn paper() -> Self {
@@ -66,8 +66,8 @@ impl Movement {
         }
     }
 
-    /// A movement that excites everything: random wheel speeds up to `top` [rad/s] in both
-    /// directions with straights, curves, pivots, reversals and rests, for `duration` \[s\].
+    /// A movement that excites all parameters: random wheel speeds up to `top` [rad/s] in both directions
+    /// with straights, curves, pivots, reversals and rests, for `duration` \[s\].
     #[must_use]
     pub fn rich(robot: &Robot, seed: u64, duration: f64, top: f64) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -105,13 +105,13 @@ impl Movement {
         Self { segments }
     }
 
-    /// From the first to the last segment \[s\].
+    /// Total duration of the segments \[s\].
     #[must_use]
     pub fn duration(&self) -> f64 {
         self.segments.iter().map(|s| s.blend_s + s.hold_s).sum()
     }
 
-    /// Wheel speeds and accelerations wanted at time `t` \[s\].
+    /// Reference speeds and accelerations of the wheels at time `t` \[s\].
     #[must_use]
     pub fn reference(&self, robot: &Robot, t: f64) -> Reference {
         let wheels = |s: &Segment| kinematics::wheel_speeds(robot, s.speed_m_s, s.turn_rad_s);

@@ -12,7 +12,7 @@ use crate::model::Model;
 use crate::recording::{Channels, DriveUnit, Recording, RecordingError};
 use crate::robot::State;
 
-/// Standard deviations of the noise that is added.
+/// Standard deviations of the added noise.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct NoiseLevel {
@@ -29,7 +29,7 @@ pub struct NoiseLevel {
 }
 
 impl NoiseLevel {
-    /// All three times `factor`.
+    /// All three multiplied by `factor`.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         Self {
@@ -40,35 +40,35 @@ impl NoiseLevel {
     }
 }
 
-/// How a recording is made.
+/// Settings of a simulated recording.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recorder {
     /// Sampling rate \[Hz\].
     pub rate: f64,
-    /// Steps a second of the robot's speed controller, between which the torques are held \[Hz\].
+    /// Rate of the speed controller of the robot, between whose steps the torques are held \[Hz\].
     pub control_rate: f64,
     /// Added noise.
     pub noise: NoiseLevel,
-    /// Steps a turn of the wheel encoder; `None`: angles are not quantised.
+    /// Counts per turn of the wheel encoder; `None`: angles are not quantised.
     pub ticks: Option<f64>,
     /// Seed of the noise.
     pub seed: u64,
 }
 
-/// Memory of the input effects that is looked back on \[s\]: lags and delays are far shorter.
+/// Time span of commands from which the acting input is computed \[s\]; lags and delays are far shorter.
 const MEMORY: f64 = 0.4;
 /// Bandwidth of the speed controller [1/s].
 const BANDWIDTH: f64 = 12.0;
 
-/// Follows `movement` with the robot `truth` (parameters `p`) under a speed controller and records
+/// Simulates the robot `truth` (parameters `p`) following `movement` under a speed controller, and records
 /// it.
 ///
-/// The controller has the base model with the construction's parameters: torques by inverse
-/// dynamics of the movement, eq. (14), plus a proportional-integral correction of the speeds, held
-/// between its steps. The torques recorded are those commanded.
+/// The controller uses the base model with the construction parameters: torques by inverse dynamics of the
+/// movement, eq. (14), plus proportional-integral feedback of the speeds, held between its steps. The
+/// recorded torques are the commanded ones.
 ///
 /// # Errors
-/// A truth that cannot move, or diverges.
+/// The mass matrix is not positive definite, or the motion diverges.
 pub fn record(
     name: &str,
     truth: &Model,
@@ -79,11 +79,11 @@ pub fn record(
     record_disturbed(name, truth, p, movement, recorder, &mut |_, _| [0.0; 2])
 }
 
-/// [`record`] where torques act on the wheels that are not recorded and that no effect of the
-/// model makes: `disturbance(t, state)` [N m], held between the controller's steps.
+/// [`record`] with additional torques on the wheels that are neither recorded nor part of the model:
+/// `disturbance(t, state)` [N m], held between the controller's steps.
 ///
 /// # Errors
-/// A truth that cannot move, or diverges.
+/// The mass matrix is not positive definite, or the motion diverges.
 pub fn record_disturbed(
     name: &str,
     truth: &Model,
@@ -130,14 +130,14 @@ pub fn record_disturbed(
     Ok(noisy(name, &rows, recorder)?)
 }
 
-/// The input that acts now: the input effects seen over the last part of the commands.
+/// The present acting input: the input effects applied to the last part of the commands.
 fn acting(truth: &Model, p: &[f64], t: &[f64], commands: &[[f64; 2]], step: f64) -> [f64; 2] {
     let last = commands.len() - 1;
     if !truth.acts_on_input() {
         return commands[last];
     }
     let from = commands.len().saturating_sub((MEMORY / step) as usize);
-    // a robot is recorded from rest
+    // recordings begin at rest
     truth.input_after(from == 0, &t[from..], &commands[from..], p)[last - from]
 }
 

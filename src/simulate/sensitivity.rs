@@ -1,5 +1,4 @@
-//! Simulation with exact sensitivities: how the motion changes with every parameter and with the
-//! initial state, in the same pass.
+//! Simulation with exact sensitivities to every parameter and to the initial state, in one pass.
 
 use super::stepper::Stepper;
 use super::variation::Variation;
@@ -12,7 +11,7 @@ use crate::robot::State;
 pub struct Sensitivities {
     /// Parameters of the model plus the four initial states (alpha1, alpha2, omega1, omega2).
     pub columns: usize,
-    /// Columns with the space of those that fill up the last lanes.
+    /// Columns including the padding to whole registers.
     stride: usize,
     /// `[k][i][j]` flattened: state i (alpha1, alpha2, omega1, omega2) at sample k by column j.
     values: Vec<f64>,
@@ -33,14 +32,14 @@ impl Sensitivities {
     }
 }
 
-/// Simulates as [`simulate`] and returns the exact derivatives of the motion.
+/// Simulates like [`simulate`] and returns the exact derivatives of the motion.
 ///
 /// ```text
 /// S' = f_x S + f_p           between events (Runge-Kutta 4 along the motion)
 /// S+ = S- + (f- - f+) dt/dp  where a speed d·ω reaches zero, dt/dp = -(d·S-)/(d·f-)
 /// ```
-/// Source: forward sensitivity analysis of hybrid systems (saltation matrix). The jump is what
-/// makes the derivative right through reversals and stops.
+/// Source: forward sensitivity analysis of hybrid systems (saltation matrix). The jump is
+/// required for exact derivatives through reversals and stops.
 /// Deviation: models with a two-mass drivetrain are differentiated by central differences.
 ///
 /// # Errors
@@ -62,12 +61,11 @@ pub fn simulate_with_sensitivities(
     Ok((motion, Sensitivities { columns, stride, values }))
 }
 
-/// What [`follow`] calls at every sample: with its number, the state, and the derivatives of
-/// (alpha1, alpha2, omega1, omega2), each a row of all columns filled up with zeros to a multiple
-/// of [`LANES`].
+/// Callback of [`follow`] at every sample: its number, the state, and the derivatives of (alpha1, alpha2,
+/// omega1, omega2), each a row of all columns padded with zeros to a multiple of [`LANES`].
 pub(crate) type Visit<'a> = &'a mut dyn FnMut(usize, &State, &[f64]);
 
-/// [`simulate_with_sensitivities`] for one who keeps only what he needs.
+/// [`simulate_with_sensitivities`] with a callback in place of stored results.
 ///
 /// # Errors
 /// As [`simulate`].
@@ -87,21 +85,21 @@ pub(crate) fn follow(
     follow_part(model, p, &acting, (0..t.len(), start), Asked::All, visit)
 }
 
-/// Columns that [`follow_part`] is asked for.
+/// Columns computed by [`follow_part`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Asked {
-    /// Those of the parameters and of the initial state.
+    /// Columns of the parameters and of the initial state.
     All,
-    /// Those of the parameters; what stands in the others is of no use.
+    /// Columns of the parameters only; the others are undefined.
     Parameters,
 }
 
-/// The input of a whole recording as the effects of a model change it.
+/// The input of a whole recording after the input effects of a model.
 #[derive(Clone, Copy)]
 pub(crate) struct ActingInput<'a> {
-    /// Time \[s\]; effects that depend on time count from the first row.
+    /// Time \[s\]; time-dependent effects are relative to the first row.
     pub(crate) t: &'a [f64],
-    /// The torque that acts [N m].
+    /// The acting torque [N m].
     pub(crate) acting: &'a [[f64; 2]],
     /// Its derivatives, [`Model::input_derivatives`].
     pub(crate) derivatives: &'a [Vec<[f64; 2]>],
@@ -109,8 +107,8 @@ pub(crate) struct ActingInput<'a> {
     pub(crate) hold: Hold,
 }
 
-/// [`follow`] over a range of rows alone, from a state at the first; rows are counted from it. The model
-/// must be without a second body.
+/// [`follow`] over a range of rows, from a state at the first of them; rows are counted from it. The model
+/// must not have a two-mass drivetrain.
 ///
 /// # Errors
 /// As [`simulate`].
@@ -146,7 +144,7 @@ pub(crate) fn follow_part(
     Ok(())
 }
 
-/// Central differences, for models whose internal states have no variational equation here.
+/// Central differences, for models with internal states that have no variational equation here.
 fn by_differences(
     model: &Model,
     p: &[f64],

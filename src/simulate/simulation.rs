@@ -7,14 +7,14 @@ use super::stepper::Stepper;
 use crate::model::Model;
 use crate::robot::State;
 
-/// Simulates the model from `start`; one state a sample of `input`, the first being `start`.
+/// Simulates the model from `start`; one state per sample of `input`, the first being `start`.
 ///
-/// Runge-Kutta 4 within a contact state (which directions slide and which stick), with the
-/// instants at which a wheel comes to rest, reverses or breaks away located inside the step.
-/// Time-dependent effects count time from the first sample.
+/// Runge-Kutta 4 within a contact state (sliding and sticking directions); the instants at which a wheel
+/// comes to rest, reverses or breaks away are located within the step. Time-dependent effects are relative to
+/// the first sample.
 ///
 /// # Errors
-/// A mass matrix that is not positive definite, or a diverging motion.
+/// The mass matrix is not positive definite, or the motion diverges.
 ///
 /// # Examples
 /// ```
@@ -24,7 +24,7 @@ use crate::robot::State;
 /// let torque = vec![[0.1, 0.1]; 101]; // below the friction of 0.125 N m
 /// let input = Input { t: &t, torque: &torque, hold: Hold::Linear };
 /// let motion = simulate(&model, &model.initial(), &input, State::default()).unwrap();
-/// assert_eq!(motion[100].omega, [0.0, 0.0]); // it does not creep
+/// assert_eq!(motion[100].omega, [0.0, 0.0]); // exact stiction, no creep
 /// ```
 pub fn simulate(
     model: &Model,
@@ -36,12 +36,13 @@ pub fn simulate(
     follow(&mut Stepper::new(model, p, input.t[0], start), &acting, &(0..input.t.len()), start)
 }
 
-/// Simulates windows of an unbroken stretch of a recording, each from its own start; effects count time from `origin` \[s\], and `input.torque` is
-/// the acting input. The body of a two-mass drivetrain keeps its slip and twist from a window to the next, so that no
-/// window needs a run-in of its own. States of a window that diverges are not numbers.
+/// Simulates windows of a stretch of a recording without gaps, each from its own initial state;
+/// time-dependent effects are relative to `origin` \[s\], and `input.torque` is the acting input. The body of
+/// a two-mass drivetrain keeps its slip and twist from one window to the next, so that windows need no
+/// transient phase. States of a window that diverges are NaN.
 ///
 /// # Errors
-/// A model that cannot move.
+/// The mass matrix is not positive definite.
 pub(crate) fn simulate_windows(
     model: &Model,
     p: &[f64],
@@ -52,7 +53,7 @@ pub(crate) fn simulate_windows(
     let mut out = Vec::with_capacity(windows.len());
     let mut before: Option<(usize, Stepper)> = None;
     for (rows, start) in windows {
-        // where the wheels are all there is, nothing of the window before matters
+        // without a second mass, the previous window has no influence
         let before_it = before.take().filter(|(end, _)| *end == rows.start && model.is_coupled());
         let mut stepper = match before_it {
             Some((_, stepper)) => with_wheels_at(stepper, input, rows.start, *start)?,
@@ -70,10 +71,10 @@ pub(crate) fn simulate_windows(
     Ok(out)
 }
 
-/// Where a simulation is that diverged.
+/// The state of a diverged simulation.
 pub(super) const NOWHERE: State = State { alpha: [f64::NAN; 2], omega: [f64::NAN; 2] };
 
-/// One row on, to the first of the next window, where the wheels are put to its start.
+/// Advances one row, to the first row of the next window, where the wheels are set to its initial state.
 fn with_wheels_at<'m>(
     mut stepper: Stepper<'m>,
     input: &Input,
@@ -85,7 +86,7 @@ fn with_wheels_at<'m>(
     Ok(stepper)
 }
 
-/// The states in the rows of a range, from its first.
+/// The states in the rows of a range, starting at its first row.
 fn follow(
     stepper: &mut Stepper,
     input: &Input,

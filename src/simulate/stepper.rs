@@ -1,4 +1,4 @@
-//! One sample forward: Runge-Kutta 4 in a fixed contact state, with events located inside.
+//! Integration over one sample: Runge-Kutta 4 in a fixed contact state, with events located within the step.
 
 use super::SimulateError;
 use super::event::{crossing, onset};
@@ -9,30 +9,30 @@ use crate::effects::along;
 use crate::model::Model;
 use crate::robot::State;
 
-/// Longest internal step \[s\]; the input is smooth between samples, so this only bounds the
-/// truncation error of Runge-Kutta for slow recordings.
+/// Longest internal step \[s\]; the input is smooth between samples, so this only limits the truncation error
+/// of Runge-Kutta for slow recordings.
 const LONGEST_STEP: f64 = 0.02;
-/// Largest product of internal step and fastest rate of a coupling that stays accurate, and that stays stable with
-/// room (Runge-Kutta 4: 2.8).
+/// Largest product of internal step and fastest rate of a coupling that is accurate, and stable with a margin
+/// (limit of Runge-Kutta 4: 2.8).
 const STIFF: f64 = 0.5;
 const STABLE: f64 = 1.5;
-/// Accurate steps of a row beyond which a coupling is faster than rows show: what it does between two of them has
-/// died away or averages out, and the steps need no more than to be stable.
+/// Number of accurate steps per row above which a coupling is faster than the rows can resolve: its
+/// transients decay between two rows, and the steps need only be stable.
 const RESOLVED: f64 = 10.0;
-/// A speed that no wheel reaches [rad/s].
+/// Wheel speed that indicates divergence [rad/s].
 pub(super) const SPEED_LIMIT: f64 = 1e6;
-/// Speeds along two directions that come to rest at the same event differ by less [rad/s]; an event
-/// is located to 1e-12 of a step.
+/// Directions whose speeds differ by less than this come to rest at the same event [rad/s]; an event is
+/// located to 1e-12 of a step.
 const TOGETHER: f64 = 1e-11;
-/// More events than this within one step are grazing contacts: the direction is then held.
+/// More events than this within one step are a grazing contact: the direction is then held.
 const MANY_EVENTS: usize = 24;
 
-/// Follows every step of the integration: nothing, or the sensitivities of the state.
+/// Observer of the integration steps: none, or the sensitivities of the state.
 pub(super) trait StepObserver {
     /// One smooth step from `from` to the state `end` at `to`.
     fn smooth(&mut self, f: &Forces, from: &Departure, to: f64, end: &Vector, input: &InputLine);
-    /// The contact changed to `after` where the speeds along the directions `arrived` reached zero;
-    /// `before` is the acceleration that led there.
+    /// The contact changed to `after` when the speeds along the directions `arrived` reached zero; `before`
+    /// is the acceleration before the event.
     fn event(&mut self, arrived: [bool; 4], before: &[f64; 2], after: &Contact);
 }
 
@@ -42,7 +42,7 @@ impl StepObserver for () {
     fn event(&mut self, _: [bool; 4], _: &[f64; 2], _: &Contact) {}
 }
 
-/// The integrator: a model with parameters, and the present state.
+/// The integrator: a model with parameters, and its present state.
 pub(super) struct Stepper<'m> {
     forces: Forces<'m>,
     y: Vector,
@@ -57,12 +57,12 @@ impl<'m> Stepper<'m> {
         &self.forces
     }
 
-    /// Puts the robot into another state.
+    /// Sets the state of the robot.
     pub(super) fn place(&mut self, state: State) {
         self.y = at_rest_within(state);
     }
 
-    /// Puts the wheels into another state; a body behind them keeps its slip and twist.
+    /// Sets the state of the wheels; a second mass keeps its slip and twist.
     pub(super) fn place_wheels(&mut self, state: State) {
         let y = &mut self.y;
         for i in 0..2 {
@@ -75,7 +75,7 @@ impl<'m> Stepper<'m> {
         State { alpha: [self.y[0], self.y[1]], omega: [self.y[2], self.y[3]] }
     }
 
-    /// From `from` to `to` \[s\], the input running straight from `start` to `end`.
+    /// Integrates from `from` to `to` \[s\], with the input varying linearly from `start` to `end`.
     pub(super) fn advance(
         &mut self,
         from: f64,
@@ -97,7 +97,7 @@ impl<'m> Stepper<'m> {
         }
     }
 
-    /// How many internal steps one sample takes.
+    /// Number of internal steps per sample.
     fn pieces(&self, from: f64, to: f64) -> usize {
         match self.forces.coupling_rate(from, &self.y) {
             None => pieces_between(from, to),
@@ -109,7 +109,7 @@ impl<'m> Stepper<'m> {
         }
     }
 
-    /// One internal step, cut at its events.
+    /// One internal step, divided at its events.
     pub(super) fn piece(
         &mut self,
         from: f64,
@@ -147,9 +147,9 @@ impl<'m> Stepper<'m> {
         Ok(())
     }
 
-    /// How far the state `y` at `t` is beyond the contact state of its start: the speed of a
-    /// sliding direction that has reversed [rad/s], or the acceleration of a sticking one that has
-    /// broken away [rad/s^2]. Not positive within the contact state.
+    /// Distance of the state `y` at `t` from the contact state at the start: the speed of a sliding direction
+    /// that has reversed [rad/s], or the acceleration of a sticking direction that has broken away [rad/s^2].
+    /// Not positive within the contact state.
     fn excess(
         &self,
         start: &Departure,
@@ -173,7 +173,8 @@ impl<'m> Stepper<'m> {
         Ok(rates.fold(f64::MIN_POSITIVE, f64::max))
     }
 
-    /// The shortest step after which [`Stepper::excess`] is positive, to 1e-12 of the whole, behind which it is `beyond`.
+    /// The shortest step after which [`Stepper::excess`] is positive, to 1e-12 of the whole; its value there
+    /// is `beyond`.
     fn locate(
         &self,
         start: &Departure,
@@ -192,11 +193,12 @@ impl<'m> Stepper<'m> {
         crossing(h, [fastest_backward(&start.y, &start.contact), beyond], excess)
     }
 
-    /// Sets directions that have passed through zero exactly to rest, and returns which they are.
+    /// Sets directions that have passed through zero exactly to rest, and returns them.
     fn rest(&mut self, c: &Contact, y: &Vector) -> [bool; 4] {
         let omega = [y[2], y[3]];
         let beyond = |j: usize, speed: f64| c.sign[j] * along(j, &omega) < speed;
-        // two that arrive together must not differ by rounding: their order would decide
+        // directions that arrive simultaneously must not differ by rounding, which would determine their
+        // order
         let together = if (0..4).any(|j| beyond(j, 0.0)) { TOGETHER } else { 0.0 };
         let arrived = |j: usize| c.sign[j] != 0.0 && beyond(j, together);
         let mut still = (0..4).filter(|&j| c.stuck[j] || arrived(j));
@@ -214,13 +216,13 @@ impl<'m> Stepper<'m> {
     }
 }
 
-/// A two-mass drivetrain starts with their speeds and without twist.
+/// Initial state of a two-mass drivetrain: body speeds equal to wheel speeds, no twist.
 fn at_rest_within(state: State) -> Vector {
     let (a, w) = (state.alpha, state.omega);
     [a[0], a[1], w[0], w[1], w[0], w[1], 0.0, 0.0]
 }
 
-/// How many internal steps a model without a two-mass drivetrain takes from `from` to `to` \[s\].
+/// Number of internal steps from `from` to `to` \[s\] for a model without a two-mass drivetrain.
 pub(super) fn pieces_between(from: f64, to: f64) -> usize {
     divided(to - from, LONGEST_STEP)
 }
@@ -232,8 +234,8 @@ fn divided(length: f64, longest: f64) -> usize {
     ((length / longest) - 1e-9).ceil().clamp(1.0, 1e4) as usize
 }
 
-/// The largest speed against the sign of its friction at `y` [rad/s]: positive where a sliding
-/// direction has reversed, minus infinity where none slides.
+/// The largest speed against the sign of its friction at `y` [rad/s]: positive if a sliding direction has
+/// reversed, minus infinity if none slides.
 fn fastest_backward(y: &Vector, c: &Contact) -> f64 {
     let omega = [y[2], y[3]];
     let sliding = (0..4).filter(|&j| c.sign[j] != 0.0);

@@ -1,4 +1,4 @@
-//! The effects of a model added up, as far as that can be done before the simulation.
+//! The sum of the effects of a model, with constant parts computed before the simulation.
 
 use crate::effects::{Effect, Motion, Terms};
 use crate::model::{Model, SpeedPolynomial, Variation};
@@ -6,11 +6,11 @@ use crate::model::{Model, SpeedPolynomial, Variation};
 /// An effect with the values of its parameters.
 type Placed<'m> = (&'m dyn Effect, &'m [f64]);
 
-/// Effects added up: what is the same at every instant is there already, and what is a polynomial of
-/// the speeds is one polynomial. What else varies is asked of the effects, and nothing but that.
+/// The sum of effects: constant terms are already added, polynomials of the speeds are combined into one, and
+/// only terms that vary in another way are evaluated at every instant.
 pub(super) struct Sum<'m> {
     pub(super) constant: Terms<f64>,
-    /// Less its constant, which is part of the above.
+    /// Without its constant, which is included in the terms above.
     pub(super) by_speed: SpeedPolynomial,
     masses: Vec<Placed<'m>>,
     torques: Vec<Placed<'m>>,
@@ -18,7 +18,7 @@ pub(super) struct Sum<'m> {
 }
 
 impl<'m> Sum<'m> {
-    /// Of the effects that are `part` of it; what is constant is evaluated at `x`, where nothing moves.
+    /// The sum of the effects selected by `part`; constant terms are evaluated at rest, `x`.
     pub(super) fn new(
         model: &'m Model,
         p: &'m [f64],
@@ -51,17 +51,17 @@ impl<'m> Sum<'m> {
         sum
     }
 
-    /// Whether the mass matrix is the same at every instant.
+    /// Whether the mass matrix is constant.
     pub(super) fn has_constant_mass(&self) -> bool {
         self.masses.is_empty()
     }
 
-    /// Whether the levels of dry friction are the same at every instant.
+    /// Whether the levels of dry friction are constant.
     pub(super) fn has_constant_levels(&self) -> bool {
         self.levels.is_empty()
     }
 
-    /// Whether every torque that varies is in the polynomial of the speeds.
+    /// Whether every varying torque is in the polynomial of the speeds.
     pub(super) fn is_polynomial(&self) -> bool {
         self.torques.is_empty()
     }
@@ -78,7 +78,7 @@ impl<'m> Sum<'m> {
         Terms { mass, torque, level: self.level(x) }
     }
 
-    /// The torques that are no polynomial of the speeds [N m].
+    /// The torques that are not polynomials of the speeds [N m].
     #[inline]
     pub(super) fn varying_torque(&self, x: &Motion<f64>) -> [f64; 2] {
         let mut torque = [0.0; 2];

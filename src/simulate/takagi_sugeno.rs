@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::math::Real;
 
-/// Most membership functions an input may have.
+/// Largest number of membership functions per input.
 pub const MOST_MEMBERSHIPS: usize = 16;
 
 /// A Gaussian membership function.
@@ -36,7 +36,7 @@ impl Gaussian {
     }
 }
 
-/// How the consequents of the rules become one number.
+/// Combination of the consequents of the rules.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
 )]
@@ -55,7 +55,7 @@ pub enum Defuzzification {
 )]
 #[serde(rename_all = "snake_case")]
 pub enum Consequents {
-    /// A number p0.
+    /// A constant p0.
     #[default]
     Constant,
     /// p0 + p1 (w1 - c1) + p2 (w2 - c2) about the centre (c1, c2) of the rule.
@@ -63,7 +63,7 @@ pub enum Consequents {
 }
 
 impl Consequents {
-    /// Numbers a rule holds for one output.
+    /// Number of coefficients of a rule for one output.
     #[must_use]
     pub const fn terms(self) -> usize {
         match self {
@@ -80,9 +80,9 @@ impl Consequents {
 /// strength     h_ij = mu_i(w1) nu_j(w2)
 /// f31 = Σ h_ij p_ij / Σ h_ij      (weighted average; without the division: weighted sum)
 /// ```
-/// Every membership function of the first input meets every one of the second: 6 and 6 make 36
+/// The rules are all combinations of the membership functions of both inputs: 6 and 6 make 36
 /// rules, numbered r = i m2 + j. The inputs are clamped to their ranges, so that outside (with the
-/// paper's range [0, 30] rad/s: below zero) the systems keep the value at the edge.
+/// paper's range [0, 30] rad/s: below zero) the outputs are those at the edge.
 ///
 /// Source: the paper, section 3, Fig. 6-11; Takagi and Sugeno, IEEE Trans. SMC 15 (1985).
 ///
@@ -145,13 +145,13 @@ impl TakagiSugeno {
         self.range
     }
 
-    /// Consequent of a rule.
+    /// Form of the consequents.
     #[must_use]
     pub const fn consequents(&self) -> Consequents {
         self.consequents
     }
 
-    /// How the rules are weighed.
+    /// Weighting of the rules.
     #[must_use]
     pub const fn defuzzification(&self) -> Defuzzification {
         self.defuzzification
@@ -163,20 +163,19 @@ impl TakagiSugeno {
         self.memberships[0].len() * self.memberships[1].len()
     }
 
-    /// The membership functions (i, j) that rule `rule` joins.
+    /// The membership functions (i, j) of rule `rule`.
     #[must_use]
     pub fn rule(&self, rule: usize) -> (usize, usize) {
         (rule / self.memberships[1].len(), rule % self.memberships[1].len())
     }
 
-    /// The rule of consequent `k` of an output, as the membership functions that it joins, and the term of
-    /// the rule.
+    /// The rule of consequent `k` of an output, as its membership functions (i, j), and the term of the rule.
     pub(crate) fn place(&self, k: usize) -> ((usize, usize), usize) {
         let terms = self.consequents.terms();
         (self.rule(k / terms), k % terms)
     }
 
-    /// Where rule `rule` fires most [rad/s].
+    /// Speeds at which rule `rule` has its maximum strength [rad/s].
     ///
     /// # Panics
     /// If there is no such rule.
@@ -240,8 +239,7 @@ impl TakagiSugeno {
         }
     }
 
-    /// Strength of every rule at wheel speeds `omega` [rad/s]; they add up to one in the weighted
-    /// average.
+    /// Strength of every rule at wheel speeds `omega` [rad/s]; in the weighted average they add up to one.
     #[must_use]
     pub fn firing(&self, omega: &[f64; 2]) -> Vec<f64> {
         let x = self.clamped(omega);
@@ -276,7 +274,7 @@ impl TakagiSugeno {
         })
     }
 
-    /// Strengths along one input at `x` within its range, normalised for the average.
+    /// Strengths along one input at `x` within its range, normalised for the weighted average.
     fn strengths<T: Real>(&self, input: usize, x: T) -> [T; MOST_MEMBERSHIPS] {
         let mut out = [T::from(0.0); MOST_MEMBERSHIPS];
         let own = &mut out[..self.memberships[input].len()];
@@ -292,7 +290,7 @@ impl TakagiSugeno {
         out
     }
 
-    /// Derivatives of [f31, f41] to the centres and widths, in the order of [`Self::premises`].
+    /// Derivatives of [f31, f41] with respect to the centres and widths, in the order of [`Self::premises`].
     #[must_use]
     pub fn premise_gradient(&self, omega: &[f64; 2]) -> Vec<[f64; 2]> {
         let x = self.clamped(omega);
@@ -305,7 +303,7 @@ impl TakagiSugeno {
             for i in 0..count {
                 let m = self.memberships[input][i];
                 let z = (x[input] - m.centre) / m.width;
-                // mean of the consequents and of their slopes along the rules that use m
+                // mean of the consequents and of their slopes over the rules that use m
                 let (mut row, mut slope) = ([0.0; 2], [0.0; 2]);
                 for k in 0..self.memberships[1 - input].len() {
                     let rule = if input == 0 { (i, k) } else { (k, i) };
@@ -328,13 +326,13 @@ impl TakagiSugeno {
         out
     }
 
-    /// Slope along an input of what a rule concludes for an output.
+    /// Slope of the consequent of a rule along an input.
     fn slope(&self, output: usize, (i, j): (usize, usize), input: usize) -> f64 {
         let own = self.consequent(output, i * self.memberships[1].len() + j);
         own.get(1 + input).copied().unwrap_or(0.0)
     }
 
-    /// What a rule concludes for an output at `x`.
+    /// Consequent of a rule for an output at `x`.
     fn concluded<T: Real>(&self, output: usize, (i, j): (usize, usize), x: &[T; 2]) -> T {
         let p = self.consequent(output, i * self.memberships[1].len() + j);
         let constant = T::from(p[0]);

@@ -1,4 +1,4 @@
-//! The variational equation along a simulated motion, all columns together.
+//! The variational equation along a simulated motion, for all columns together.
 
 use super::carry::{Carry, Group, InputSlope, Node, Slide, Turn};
 use super::forces::{Departure, Forces, Vector};
@@ -10,24 +10,25 @@ use crate::effects::{DIRECTIONS, along};
 use crate::math::in_lanes;
 use crate::model::{Linearisation, times};
 
-/// The sensitivities on their way. Their columns are the parameters, the initial speeds and the
-/// initial angles: where nothing depends on the angles, those of the angles stay as they are.
+/// The present sensitivities. Their columns are the parameters, the initial speeds and the initial angles: if
+/// nothing depends on the angles, those of the angles are constant.
 pub(super) struct Variation {
     pub(super) groups: Vec<Group>,
     parameters: usize,
-    /// Where the derivatives by the parameters could be compiled.
+    /// Compiled derivatives with respect to the parameters, if possible.
     forcing: Option<Forcing>,
-    /// Derivative of the input by each parameter at both ends of the sample, where there is one.
+    /// Derivative of the input with respect to each parameter that acts on it, at both ends of the sample.
     input: Vec<InputSlope>,
-    /// Whether they go on from where the last node was solved.
+    /// Whether the last node is still valid at the start of the next step.
     joined: bool,
-    /// Columns that are carried where nothing depends on the angles, and where something does: the others stay.
+    /// Number of columns to integrate if nothing depends on the angles, and if something does; the others are
+    /// constant.
     moving: usize,
     turning: usize,
     /// At the start, in the middle and at the end of a step.
     nodes: [Node; 3],
     middle: Linearisation,
-    /// What was evaluated at the end of the last step, and the state there.
+    /// Derivatives at the end of the last step, and the state there.
     end: Linearisation,
     at_end: Option<(f64, Vector)>,
 }
@@ -58,7 +59,7 @@ impl Variation {
         variation
     }
 
-    /// The four initial states by themselves.
+    /// Sets the derivatives of the four initial states with respect to themselves.
     fn identity(&mut self) {
         for i in 0..4 {
             let column = self.place(self.parameters + i);
@@ -66,7 +67,7 @@ impl Variation {
         }
     }
 
-    /// Where a column of (parameters, initial angles, initial speeds) is carried.
+    /// Internal position of a column of (parameters, initial angles, initial speeds).
     #[inline]
     fn place(&self, column: usize) -> usize {
         match column.checked_sub(self.parameters) {
@@ -75,7 +76,7 @@ impl Variation {
         }
     }
 
-    /// Derivatives count from here on; `acting` are those of the input at both ends of the sample.
+    /// Starts the derivatives anew; `acting` are those of the input at both ends of the sample.
     pub(super) fn restart(&mut self, acting: &[InputSlope]) {
         self.groups.fill(Group::default());
         self.identity();
@@ -84,7 +85,7 @@ impl Variation {
         self.joined = false;
     }
 
-    /// Derivatives of the four states by a column.
+    /// Derivatives of the four states with respect to a column.
     #[inline]
     pub(super) fn by(&self, column: usize) -> [f64; 4] {
         let column = self.place(column);
@@ -92,14 +93,14 @@ impl Variation {
         [0, 1, 2, 3].map(|i| group[i][column % LANES])
     }
 
-    /// Leaves the columns of the initial state, which nobody asks for, where they are.
+    /// Does not integrate the columns of the initial state.
     pub(super) fn without_start(mut self) -> Self {
         (self.moving, self.turning) = (self.parameters, self.parameters);
         self
     }
 
-    /// Takes over the derivatives of the input for the next sample. Where they go on from those of the last one, what
-    /// was solved at its end holds at the start of this one.
+    /// Sets the derivatives of the input for the next sample. If they are continuous with those of the last
+    /// one, the node at its end is valid at the start of this one.
     #[inline]
     pub(super) fn next_input(&mut self, next: impl Iterator<Item = InputSlope>) {
         let mut count = 0;
@@ -136,8 +137,8 @@ impl Variation {
         }
     }
 
-    /// Derivatives of the acceleration at `t`, where it is `a`, into a node, from what was
-    /// evaluated there: `self.middle` for that in the middle, `self.end` for the others.
+    /// Computes a node from the derivatives of the acceleration `a` at `t`, evaluated in `self.middle` for
+    /// the midpoint and in `self.end` for the ends.
     fn solve(
         &mut self,
         f: &Forces,
@@ -150,7 +151,7 @@ impl Variation {
         let node = &mut self.nodes[node];
         node.place = (a, from.contact.sign);
         f.model.differentiate(&a, &from.contact.sign, linear);
-        // a mass matrix that cannot be inverted was refused by the step of the state itself
+        // a singular mass matrix was already refused by the step of the state
         let mobility = f.mobility(&linear.terms.mass, from).unwrap_or([0.0; 3]);
         let solved = |b: [f64; 2]| times(&mobility, &[-b[0], -b[1]]);
         for k in 0..4 {
@@ -172,7 +173,7 @@ impl Variation {
         }
     }
 
-    /// A step of wheels that slide, with compiled derivatives.
+    /// A step of sliding wheels with compiled derivatives.
     #[inline]
     fn slide(&mut self, f: &Forces, from: &Departure, to: f64, end: &Vector, input: &InputLine) {
         let Self { forcing: Some(forcing), nodes, .. } = self else { return };
@@ -233,7 +234,7 @@ impl Variation {
     }
 }
 
-/// The state in the middle of a step from its ends and the rates there, by Hermite's cubic.
+/// The state at the midpoint of a step from its ends and the rates there, by Hermite's cubic.
 fn middle(h: f64, (y, rate): (&Vector, &Vector), (end, a): (&Vector, &[f64; 2])) -> Vector {
     let at = |i: usize, end_rate: f64| 0.5 * (y[i] + end[i]) + 0.125 * h * (rate[i] - end_rate);
     let (alpha, omega) = ([at(0, end[2]), at(1, end[3])], [at(2, a[0]), at(3, a[1])]);

@@ -1,4 +1,4 @@
-//! One sample at a time from any state, with the derivatives over it: what a filter needs.
+//! Single steps from given states, with their derivatives, as required by a filter.
 
 use super::SimulateError;
 use super::stepper::Stepper;
@@ -6,29 +6,29 @@ use super::variation::Variation;
 use crate::model::Model;
 use crate::robot::State;
 
-/// A model that moves sample by sample from states that are corrected in between.
+/// A model that is advanced sample by sample from states that are corrected in between.
 ///
-/// The derivatives are those of one sample: by the state at its start, and by the parameters with
-/// that state held. Models of a two-mass drivetrain have more state than this carries.
+/// The derivatives are those of one sample: with respect to the state at its start, and with respect to the
+/// parameters at this state. Models with a two-mass drivetrain have further states and are not supported.
 pub(crate) struct Walk<'m> {
     stepper: Stepper<'m>,
     variation: Variation,
     parameters: usize,
 }
 
-/// Input over a sample: at its start and at its end, straight between [N m].
+/// Input over a sample: at its start and at its end, linear in between [N m].
 pub(crate) type Ends = [[f64; 2]; 2];
 
 impl<'m> Walk<'m> {
-    /// Effects count time from zero.
+    /// Time-dependent effects are relative to time zero.
     pub(crate) fn new(model: &'m Model, p: &'m [f64]) -> Self {
         let stepper = Stepper::new(model, p, 0.0, State::default());
         let variation = Variation::new(stepper.forces());
         Self { stepper, variation, parameters: p.len() }
     }
 
-    /// The state at `to` \[s\] from the state at `from`; `acting` are those of the input's ends by parameters that
-    /// act through it.
+    /// The state at `to` \[s\] from the state at `from`; `acting` are the derivatives of the input at both
+    /// ends with respect to parameters that act on it.
     ///
     /// # Errors
     /// As [`super::simulate`].
@@ -45,18 +45,18 @@ impl<'m> Walk<'m> {
         Ok(self.stepper.state())
     }
 
-    /// Inverse of the mass matrix as (i11, i12, i22) where it is the same at every instant.
+    /// Inverse of the mass matrix as (i11, i12, i22), if it is constant.
     pub(crate) fn mobility(&self) -> Option<[f64; 3]> {
         self.stepper.forces().inverse
     }
 
-    /// Derivatives of (alpha1, alpha2, omega1, omega2) after the sample by parameter `j`.
+    /// Derivatives of (alpha1, alpha2, omega1, omega2) after the sample with respect to parameter `j`.
     #[inline]
     pub(crate) fn by_parameter(&self, j: usize) -> [f64; 4] {
         self.variation.by(j)
     }
 
-    /// The same by state `k` at the start of the sample.
+    /// The same with respect to state `k` at the start of the sample.
     #[inline]
     pub(crate) fn by_state(&self, k: usize) -> [f64; 4] {
         self.variation.by(self.parameters + k)

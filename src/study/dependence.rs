@@ -1,23 +1,24 @@
-//! What the residual torque depends on.
+//! Dependence of the residual torque on a variable.
 
 use crate::compare::{Curve, Variable};
 use crate::diagnose::THRESHOLDS;
 
-/// What the residual torque of the last model depends on, as the curves of the report show it.
+/// Dependence of the residual torque of the last model, as shown by the curves of the report.
 #[derive(Clone, Debug)]
 pub struct DependenceStudy {
-    /// The curve that shows most of it, where it shows a part worth naming.
+    /// The curve that explains most of the residual torque, if the share is worth naming.
     pub shown: Option<Curve>,
-    /// Where that is over what answers every disturbance: the one that shows most over anything else.
+    /// If its variable responds to every disturbance under feedback control: the curve that explains most
+    /// among the other variables.
     pub beside: Option<Curve>,
-    /// The variable on which it depends significantly beside noise that is coloured.
+    /// The variable on which it depends significantly, taking coloured noise into account.
     pub tested: Option<Variable>,
-    /// Whether it is what effects that were found leave.
+    /// Whether this is the residual torque that remains with the effects found.
     pub is_left: bool,
 }
 
 impl DependenceStudy {
-    /// Of the `curves` of a residual torque that depends significantly on `tested`.
+    /// Dependence from the `curves` of a residual torque that depends significantly on `tested`.
     #[must_use]
     pub fn of(curves: &[Curve], tested: Option<Variable>) -> Self {
         let shown = most_left(curves).filter(|curve| curve.left() >= THRESHOLDS.named_share);
@@ -28,8 +29,8 @@ impl DependenceStudy {
     }
 }
 
-/// The curve that shows most of the residual torque over anything but what answers every disturbance, where it shows a
-/// part worth naming.
+/// The curve that explains most of the residual torque among the variables that do not respond to every
+/// disturbance, if the share is worth naming.
 #[must_use]
 pub fn most_pointing(curves: &[Curve]) -> Option<&Curve> {
     let pointing = curves.iter().filter(|curve| !curve.variable.answers());
@@ -37,19 +38,19 @@ pub fn most_pointing(curves: &[Curve]) -> Option<&Curve> {
     most.filter(|curve| curve.left() >= THRESHOLDS.named_share)
 }
 
-/// Whether a single curve shows the larger part of the residual torque of the model as given.
+/// Whether a single curve explains more than half of the residual torque of the model as given.
 #[must_use]
 pub fn is_plain(curves: &[Curve]) -> bool {
     most_left(curves).is_some_and(is_most_of_it)
 }
 
-/// Whether a curve is the larger part of the residual torque of the model as given.
+/// Whether a curve explains more than half of the residual torque of the model as given.
 #[must_use]
 pub fn is_most_of_it(curve: &Curve) -> bool {
     curve.left() >= THRESHOLDS.unexplained
 }
 
-/// The curve that shows most of the residual torque that is left.
+/// The curve that explains most of the remaining residual torque.
 fn most_left(curves: &[Curve]) -> Option<&Curve> {
     curves.iter().max_by(|a, b| a.left().total_cmp(&b.left()))
 }

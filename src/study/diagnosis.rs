@@ -1,4 +1,4 @@
-//! What a diagnosis found, as plain data.
+//! Results of a diagnosis, as plain data.
 
 use serde::Serialize;
 
@@ -16,25 +16,26 @@ pub struct CandidateStudy {
     pub probability: f64,
     /// Effects indistinguishable from it by these data.
     pub indistinguishable: Vec<String>,
-    /// Of the score test.
+    /// p-value of the score test.
     pub p_value: f64,
-    /// -ln of it, where it underflows.
+    /// -ln of the p-value, which may underflow.
     pub log_significance: f64,
-    /// Log-evidence over the model without it.
+    /// Log-evidence relative to the model without it.
     pub evidence: f64,
-    /// Fall of the Bayesian information criterion.
+    /// Reduction of the Bayesian information criterion.
     pub delta_bic: f64,
     /// Errors on the judged recordings without it.
     pub before: Judgement,
-    /// Errors with it added and all parameters fitted again; `None` where it was not fitted, or is not among the first.
+    /// Errors with it added and all parameters fitted again; `None` if it was not fitted, or is not among the
+    /// first.
     pub after: Option<Judgement>,
     /// Likelihood ratio of the screening by regression.
     pub by_regression: f64,
     /// Likelihood ratio of the screening over the windows.
     pub by_windows: f64,
-    /// Estimates of what it adds to the model.
+    /// Estimates of its parameters.
     pub parameters: Vec<Estimate>,
-    /// Root mean square torque of it [N m].
+    /// Root mean square of its torque [N m].
     pub torque_rms: f64,
 }
 
@@ -48,12 +49,12 @@ pub enum Verdict {
     EffectsMissing,
     /// An effect is likely, but not proven.
     EffectLikely,
-    /// Something is missing that no candidate explains.
+    /// Something is missing that is not explained by any candidate.
     UnknownEffect,
 }
 
 impl Verdict {
-    /// As in `results.json`.
+    /// Name in `results.json`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -76,48 +77,49 @@ pub struct StepStudy {
     pub window_rms_validation: f64,
 }
 
-/// What the diagnosis says.
+/// Result of a diagnosis.
 #[derive(Clone, Debug)]
 pub struct DiagnosisStudy {
-    /// Which of the four conclusions holds.
+    /// The conclusion, of four kinds.
     pub verdict: Verdict,
-    /// Errors of the first and of the last model on the judged recordings, beside the noise floor of the last.
+    /// Errors of the first and of the last model on the judged recordings, and the noise floor of the last.
     pub errors: Errors,
-    /// Effects found, first found first.
+    /// Effects found, in the order in which they were found.
     pub found: Vec<String>,
-    /// An effect that lowers the held-out error beside what was found, without being proven.
+    /// An effect that lowers the held-out error in addition to those found, but is not proven.
     pub unproven: Option<UnprovenEffect>,
-    /// An effect that lowers the held-out error where nothing is proven to be missing, and why it is not accepted.
+    /// An effect that lowers the held-out error although nothing is proven to be missing, and the reason why
+    /// it is not accepted.
     pub withheld: Option<(UnprovenEffect, Withheld)>,
     /// How the recordings were logged.
     pub logging: Logging,
     /// A parameter of the last model that differs between the recordings.
     pub differs: Option<Difference>,
-    /// What the residual torque depends on, where the verdict states it.
+    /// Dependence of the residual torque, if the verdict states it.
     pub dependence: Option<DependenceStudy>,
     /// Parameters of the last model: that of the experiment with all effects found.
     pub parameters: Vec<ParameterStudy>,
-    /// Candidates of the first step, best first.
+    /// Candidates of the first step, in the order of their ranking.
     pub ranking: Vec<CandidateStudy>,
-    /// Error with each effect found.
+    /// Error after each effect found.
     pub staircase: Vec<StepStudy>,
-    /// What to do or to record next.
+    /// Recommended next steps.
     pub next: Vec<Advice>,
-    /// The manoeuvre that distinguishes the best two, where one can.
+    /// The manoeuvre that distinguishes the first two candidates, if there is one.
     pub proposal: Option<Proposal>,
     /// Stated false-alarm rate.
     pub false_alarm: f64,
     /// The effects found, with names and causes.
     pub effects: Vec<FoundEffect>,
-    /// What the residual torque depends on as a formula, where that lowers the error.
+    /// Formula for the residual torque, if it lowers the error.
     pub formula: Option<FormulaStudy>,
-    /// Whether the columns do not determine the model, so that nothing else here holds.
+    /// Whether the columns do not determine the model; then nothing else here is valid.
     pub is_undetermined: bool,
 }
 
 impl DiagnosisStudy {
-    /// The effect that is likely: that of a verdict which says so, and otherwise one beside it. Beside a formula none of
-    /// the catalogue is, and none where the columns do not determine the model.
+    /// The likely effect: that of the verdict, or an additional one. None if a formula describes the residual
+    /// torque, or if the columns do not determine the model.
     #[must_use]
     pub fn likely(&self) -> Option<&UnprovenEffect> {
         let open = self.formula.is_none() && !self.is_undetermined;
@@ -130,59 +132,59 @@ impl DiagnosisStudy {
 pub enum Withheld {
     /// The 2 s simulation error rises.
     Raises,
-    /// The sampling of the input leaves as much open.
+    /// The unknown input between the rows can cause the same reduction.
     BetweenRows,
-    /// Its size is within its uncertainty.
+    /// It does not differ significantly from zero.
     Small,
-    /// The recordings have no more windows than the model has parameters, so that no size has an uncertainty.
+    /// There are no more windows than parameters, so that no standard errors can be computed.
     Short {
-        /// Windows of the training recordings.
+        /// Number of windows of the training recordings.
         windows: usize,
-        /// Parameters that are estimated.
+        /// Number of estimated parameters.
         parameters: usize,
     },
 }
 
-/// How inputs and speeds were recorded, as far as sizes of effects depend on it.
+/// Properties of the log that affect the sizes of effects.
 #[derive(Clone, Copy, Debug)]
 pub struct Logging {
     /// Unit of the input.
     pub unit: DriveUnit,
-    /// How much less late the input is if it is held through the rows, which the model draws a line between \[s\]: half a
-    /// row; `None` where it is known to be held.
+    /// Reduction of the estimated delay if the input is held between the rows, where the model interpolates
+    /// linearly \[s\]: half a row; `None` if it is known to be held.
     pub if_held: Option<f64>,
-    /// Whether speeds were recorded without angles, whose sensor may then be late.
+    /// Whether speeds were recorded without angles, so that a delay of the speed sensor cannot be excluded.
     pub speeds_alone: bool,
 }
 
-/// A step towards what the data leave open. Effects are given by their ids, motions as the catalogue describes them.
+/// A recommended next step. Effects are given by their ids, motions as described in the catalogue.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Advice {
-    /// The columns do not determine the model: names and units of the columns are to be checked.
+    /// The columns do not determine the model: check names and units of the columns.
     CheckColumns,
-    /// A recording that would prove an effect.
+    /// A recording that can prove an effect.
     Prove {
-        /// That which is likely or withheld.
+        /// The likely or withheld effect.
         effect: String,
-        /// The motion that shows it.
+        /// The motion that excites it.
         excitation: String,
-        /// Whether the input must be recorded at a higher rate.
+        /// Whether the input should be recorded at a higher rate.
         faster: bool,
     },
-    /// Nothing recorded at the wheels distinguishes an effect from others.
+    /// An effect cannot be distinguished from others by recordings of the wheels.
     Equivalent {
-        /// That which was found first.
+        /// The effect that was found first.
         effect: String,
-        /// Those of the same equations.
+        /// The effects with the same equations.
         others: Vec<String>,
     },
-    /// The two effects that come closest where none is proven.
+    /// The two best candidates if none is proven.
     Closest([String; 2]),
-    /// A recording that would distinguish two effects.
+    /// A recording that can distinguish two effects.
     Distinguish {
-        /// The best candidate and one that these data do not distinguish from it.
+        /// The best candidate and one that is not distinguishable from it.
         effects: [String; 2],
-        /// The motion that shows each.
+        /// The motion that excites each.
         excitations: [String; 2],
     },
 }

@@ -1,16 +1,16 @@
-//! A dependence of the residual torque as an effect of the user's own.
+//! A formula for the residual torque, as a custom effect.
 
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-/// A formula over what the residual torque depends on, tried in the model. Its first five fields are those of a
+/// A formula for the residual torque, fitted in the model. Its first five fields are those of a
 /// `[[model.custom]]` block.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct FormulaStudy {
     /// Name of the effect.
     pub id: String,
-    /// What it is, in words.
+    /// Description in words.
     pub description: String,
     /// Resisting torque on wheel 1.
     pub torque1: String,
@@ -20,16 +20,16 @@ pub struct FormulaStudy {
     pub parameters: BTreeMap<String, Coefficient>,
     /// The block as text.
     pub toml: String,
-    /// Whether the model has it in place of what was found, not beside that.
+    /// Whether it replaces the effects found instead of being added to them.
     pub in_place: bool,
-    /// 2 s simulation error on the judged recordings of the model with it [rad/s].
+    /// 2 s simulation error on the judged recordings with it [rad/s].
     pub window_rms: f64,
 }
 
 /// A parameter of a formula.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Coefficient {
-    /// SI unit, with that of the input in place of N m.
+    /// SI unit, with the unit of the input in place of N m.
     pub unit: String,
     /// Smallest and largest value.
     pub range: (f64, f64),

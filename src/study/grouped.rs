@@ -1,12 +1,12 @@
-//! What recordings share, stated once with their names.
+//! Findings that are common to several recordings, grouped with the names of these.
 
-/// Recordings that a finding names at most.
+/// Largest number of recordings that a finding lists.
 const NAMED: usize = 20;
 
-/// Recordings, each with a finding on it, as findings, each with the names of its recordings:
-/// "a.csv", "a.csv and b.csv", "3 recordings (a.csv, b.csv, c.csv)", or "all 3 recordings" where
-/// there are `count` in all. In the order of the first ones. Findings become one where `join` widens the
-/// first by the second and answers true.
+/// Groups findings of recordings into findings with the names of their recordings: "a.csv", "a.csv and
+/// b.csv", "3 recordings (a.csv, b.csv, c.csv)", or "all 3 recordings" if there are `count` in total, in the
+/// order of first occurrence. Two findings are grouped if `join` widens the first by the second and returns
+/// true.
 ///
 /// ```
 /// use amigo_ident::recording::{Issue, StatedIssue};
@@ -29,7 +29,7 @@ pub fn grouped<'a, T>(
     let mut groups: Vec<(Vec<&str>, T)> = Vec::new();
     for (name, finding) in findings {
         match groups.iter_mut().find_map(|(names, all)| join(all, &finding).then_some(names)) {
-            // a recording on which the same is found twice is named once
+            // a recording with the same finding twice is named once
             Some(names) if names.last() == Some(&name) => {}
             Some(names) => names.push(name),
             None => groups.push((vec![name], finding)),

@@ -1,18 +1,18 @@
-//! How an experiment is named on the command line.
+//! The command line of an experiment.
 
-/// The experiment as the command line names it, for commands that a report quotes.
+/// The experiment in terms of the command line, for commands quoted in a report.
 #[derive(Clone, Debug, Default)]
 pub struct Invocation {
-    /// Its file, or the file that `experiment new` is to write; empty where the library runs it without one.
+    /// Its file, or the file to be written by `experiment new`; empty if the library runs it without one.
     pub file: String,
-    /// The recordings of a run without an experiment file; else empty.
+    /// The recordings of a run without an experiment file; otherwise empty.
     pub recordings: Vec<String>,
-    /// The folder of the results, unless it is the usual one.
+    /// The folder of the results, if not the default.
     pub out: Option<String>,
 }
 
 impl Invocation {
-    /// The command that writes the experiment file; `None` where there is one.
+    /// The command that writes the experiment file; `None` if there is one.
     #[must_use]
     pub fn new_file(&self) -> Option<String> {
         let recordings = (!self.recordings.is_empty()).then(|| words(&self.recordings))?;
@@ -56,7 +56,7 @@ fn words(all: &[String]) -> String {
     all.iter().map(|one| shell_word(one)).collect::<Vec<_>>().join(" ")
 }
 
-/// A word of a command, in quotes where a shell would split it.
+/// A word of a command, quoted if a shell would split it.
 #[must_use]
 pub fn shell_word(text: &str) -> String {
     let is_plain = |c: char| c.is_alphanumeric() || "_-./\\:+,=@%#".contains(c);

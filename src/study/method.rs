@@ -1,4 +1,4 @@
-//! What the methods of an experiment found.
+//! Results of the methods of an experiment.
 
 use crate::identify::{Estimate, IdentifyError, Note, Status, Trace, Unknown, Work};
 use crate::model::base::{A1, A2, A4, A5};
@@ -29,12 +29,12 @@ pub struct Performance {
     pub emulator: Vec<[f64; 4]>,
 }
 
-/// What a method found, or why it found nothing.
+/// Result of a method, or the reason of its failure.
 #[derive(Clone, Debug)]
 pub struct MethodStudy {
     /// Name in the experiment file.
     pub name: String,
-    /// In words.
+    /// Title of the method.
     pub title: String,
     /// Options that differ from the defaults, as written.
     pub options: String,
@@ -50,18 +50,18 @@ pub struct MethodStudy {
     pub estimates: Vec<Estimate>,
     /// Correlations between the parameters, row by row; empty where there are none.
     pub correlations: Vec<Vec<f64>>,
-    /// What the reader of the fit must know.
+    /// Notes on the fit.
     pub notes: Vec<Note>,
     /// Curves.
     pub traces: Vec<Trace>,
-    /// One per recording of the experiment.
+    /// Performance on each recording of the experiment.
     pub performance: Vec<Performance>,
-    /// The fuzzy system, where the method fits one.
+    /// The fuzzy system, if the method fits one.
     pub fuzzy: Option<FuzzyStudy>,
 }
 
 impl MethodStudy {
-    /// A method of which nothing is known but what it is called and how long it took \[s\].
+    /// A method without results, with its name, title, options and wall time \[s\].
     #[must_use]
     pub fn new(name: &str, title: &str, options: &str, seconds: f64) -> Self {
         Self {
@@ -81,9 +81,9 @@ impl MethodStudy {
         }
     }
 
-    /// Whether the columns do not determine the model: the descent stalled without any inertia, or nothing of the base
-    /// model is identifiable. Such a fit may simulate well, as one with a huge inertia does where a column that hardly
-    /// moves is taken for a speed.
+    /// Whether the columns do not determine the model: the descent stalled without an identifiable inertia, or no
+    /// parameter of the base model is identifiable. The simulation error of such a fit may still be small, for example
+    /// with a huge inertia if a nearly constant column is used as a speed.
     #[must_use]
     pub fn is_undetermined(&self) -> bool {
         let is_open = |j: usize| self.estimates.get(j).is_some_and(|e| !e.identifiable && !e.fixed);
@@ -92,8 +92,8 @@ impl MethodStudy {
         (stalled || nothing) && !self.gives_combination()
     }
 
-    /// Whether a combination of the inertias is identifiable, as on runs straight ahead, or sums over both wheels are,
-    /// as of a single axis.
+    /// Whether a combination of the inertias is identifiable, as on straight runs, or sums over both wheels, as for a
+    /// single axis.
     fn gives_combination(&self) -> bool {
         self.notes.iter().any(|note| match note {
             Note::Unknown { unknown: Unknown::Two { first, second, .. }, .. } => {
@@ -105,10 +105,10 @@ impl MethodStudy {
     }
 }
 
-/// A fuzzy Takagi-Sugeno pair as numbers to draw.
+/// A fuzzy Takagi-Sugeno pair, sampled for figures.
 #[derive(Clone, Debug)]
 pub struct FuzzyStudy {
-    /// Speeds at which memberships are drawn, per input [rad/s].
+    /// Speeds at which membership functions are evaluated, per input [rad/s].
     pub grid: [Vec<f64>; 2],
     /// Membership functions per input on that grid.
     pub memberships: [Vec<Vec<f64>>; 2],
@@ -135,7 +135,7 @@ mod tests {
         assert!(stalled.is_undetermined());
         assert!(!fit(Status::Converged, f64::INFINITY).is_undetermined());
         assert!(!fit(Status::Stalled, 1.0).is_undetermined());
-        // on runs straight ahead a1 + a2 is found, and a1 is not
+        // on straight runs a1 + a2 is identifiable, and a1 is not
         let [first, second] = ["a1", "a2"].map(String::from);
         let unknown = Unknown::Two { first, second, weight: 1.0, value: 0.03, std_error: 1e-4 };
         let notes = vec![Note::Unknown { unknown, effect: "inertia".into() }];

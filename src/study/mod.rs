@@ -1,7 +1,7 @@
 //! All results of one experiment: plain data, serialisable.
 //!
-//! A study holds no files, no models and no texts, only what was found; the report draws it and turns it into the JSON
-//! that other programs read.
+//! A study contains no files, models or texts, only results; the report renders it and converts it into the
+//! JSON for other programs.
 
 mod dependence;
 mod diagnosis;
@@ -34,18 +34,18 @@ use crate::conditioning::Finding;
 use crate::export::ModelFiles;
 use crate::recording::{self, DriveUnit, Measured, Noise, Regime, StatedIssue};
 
-/// What a recording is used for.
+/// Use of a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Role {
-    /// Parameters are fitted to it.
+    /// Parameters are estimated from it.
     Train,
-    /// The error is judged on it.
+    /// The error is computed on it.
     Validation,
 }
 
 impl Role {
-    /// As in results.
+    /// Name in results.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -55,7 +55,7 @@ impl Role {
     }
 }
 
-/// A recording of the experiment, with what was measured.
+/// A recording of the experiment.
 #[derive(Clone, Debug)]
 pub struct RecordingStudy {
     /// Its use.
@@ -64,7 +64,7 @@ pub struct RecordingStudy {
     pub file: String,
     /// SHA-256 of the file; `None` for synthetic data.
     pub sha256: Option<String>,
-    /// Rows, of a recording too long to be held those of its file.
+    /// Number of rows; for a recording too long for memory those of its file.
     pub samples: usize,
     /// First to last sample \[s\].
     pub duration_s: f64,
@@ -74,11 +74,11 @@ pub struct RecordingStudy {
     pub measured: Measured,
     /// Noise of the channels.
     pub noise: Noise,
-    /// What sensors and logger did to it, and what was done about it.
+    /// Findings of conditioning and their corrections.
     pub conditioning: Vec<Finding>,
-    /// What the quality check says, worst first.
+    /// Findings of the quality check, the most severe first.
     pub findings: Vec<recording::Finding>,
-    /// Error of the right model.
+    /// Error of the correct model.
     pub floor: Floor,
     /// Time \[s\].
     pub t: Vec<f64>,
@@ -94,12 +94,12 @@ pub struct RecordingStudy {
     pub path: Vec<[f64; 3]>,
 }
 
-/// A version of the model that was run before: the error by the user's own versions.
+/// A version of the model from an earlier run of the file.
 #[derive(Clone, Debug, PartialEq, Serialize, serde::Deserialize)]
 pub struct Version {
     /// Effects of the model beyond the base.
     pub effects: Vec<String>,
-    /// Checksum of the data that it was fitted to and judged on.
+    /// Checksum of the data on which it was fitted and judged.
     #[serde(default)]
     pub data: String,
     /// 2 s simulation error on the judged recordings [rad/s].
@@ -115,67 +115,67 @@ pub struct Version {
 pub struct Study {
     /// Name of the folder.
     pub experiment: String,
-    /// How the command line names it.
+    /// Its command line.
     pub invocation: Invocation,
-    /// Heading.
+    /// Title of the report.
     pub title: String,
     /// Version of the program.
     pub version: String,
-    /// Of everything random in the experiment.
+    /// Seed of all random numbers in the experiment.
     pub seed: u64,
     /// The experiment file as run.
     pub file: String,
-    /// Name of the preset, or what stands for it.
+    /// Name of the preset, or a substitute.
     pub robot: String,
-    /// Whether the experiment says which robot it is.
+    /// Whether the experiment specifies the robot.
     pub robot_is_given: bool,
-    /// Whether the track of the robot is known; that of another robot stands in where it is not.
+    /// Whether the track of the robot is known; otherwise that of another robot is used.
     pub track_is_known: bool,
     /// Effects of the model beyond the base.
     pub effects: Vec<String>,
     /// Unit of the input.
     pub drive_unit: DriveUnit,
-    /// What the methods were fitted to and judged on, in the order of the file.
+    /// Training and validation recordings, in the order of the file.
     pub recordings: Vec<RecordingStudy>,
-    /// One a `[[method]]` block, whether it found a fit or not.
+    /// One entry per `[[method]]` block, including failed ones.
     pub methods: Vec<MethodStudy>,
     /// The method whose fit is shown in detail.
     pub reference: Option<usize>,
     /// Gain K of the emulator on the wheel speeds [1/s].
     pub emulator_gain: f64,
-    /// The model as given: fitted by the diagnosis where there is one, else the reference fit. Verdict, error,
-    /// regimes, residual torque and figures are of this fit and of `completed`.
+    /// The model as given: fitted by the diagnosis if there is one, otherwise the reference fit. Verdict,
+    /// error, regimes, residual torque and figures are those of this fit and of `completed`.
     pub given: Option<ModelStudy>,
-    /// The model with the effects that the diagnosis found; `None` where there are none.
+    /// The model with the effects found by the diagnosis; `None` if there are none.
     pub completed: Option<ModelStudy>,
-    /// How the residual torque of both depends on anything, over all recordings.
+    /// Residual torque of both models over the variables, for all recordings.
     pub curves: Vec<Curve>,
-    /// Diagnosis, where asked for.
+    /// Diagnosis, if requested.
     pub diagnosis: Option<DiagnosisStudy>,
-    /// Whether the experiment asks for the emulator: `[emulator]` or a method that fits one.
+    /// Whether the experiment uses the emulator: `[emulator]` or a method that fits one.
     pub emulated: bool,
     /// Whether it is the paper's movement.
     pub of_paper: bool,
     /// Earlier versions of the model, oldest first, this one last.
     pub versions: Vec<Version>,
-    /// When the recorded input acts, where the data show it.
+    /// Shift in time between input and motion, if identifiable.
     pub timing: Option<crate::diagnose::Timing>,
     /// True parameters of synthetic data.
     pub truth: Vec<(String, f64)>,
-    /// The files that hold the identified model; `None` where no method found one.
+    /// The files of the exported model; `None` if no method identified one.
     pub model_out: Option<ModelFiles>,
-    /// The last model as a function that the page of the report runs; `None` without a physical fit.
+    /// The last model as a function for the page of the report; `None` without a physical fit.
     pub what_if: Option<WhatIfStudy>,
 }
 
 impl Study {
-    /// The recordings on which errors are judged: validation, or train where there is none.
+    /// The recordings on which errors are judged: validation, or training if there is none.
     #[must_use]
     pub fn judged(&self) -> Vec<usize> {
         Judged::of(&self.recordings).numbers()
     }
 
-    /// What the check of the recordings found, what differs in its numbers alone once, with the names of its
+    /// Findings of the quality check, with those that differ only in numbers combined, and the names of their
     /// recordings.
     #[must_use]
     pub fn findings(&self) -> Vec<(String, StatedIssue)> {
@@ -186,25 +186,25 @@ impl Study {
         grouped(found, self.recordings.len(), StatedIssue::join)
     }
 
-    /// Root mean square 2 s simulation error of a method over the judged recordings [rad/s].
+    /// RMS 2 s simulation error of a method over the judged recordings [rad/s].
     #[must_use]
     pub fn judged_window_rms(&self, method: &MethodStudy) -> f64 {
         Judged::of(&self.recordings).window_rms(&method.performance)
     }
 
-    /// Root mean square 2 s simulation error of the noise floor over the judged recordings [rad/s].
+    /// RMS 2 s simulation error of the noise floor over the judged recordings [rad/s].
     #[must_use]
     pub fn judged_floor(&self) -> f64 {
         Judged::of(&self.recordings).floor()
     }
 
-    /// The model that the report ends with: with what was found, or as given.
+    /// The last model of the report: with the effects found, or as given.
     #[must_use]
     pub fn last_model(&self) -> Option<&ModelStudy> {
         self.completed.as_ref().or(self.given.as_ref())
     }
 
-    /// Root mean square 2 s simulation error of a model over the judged recordings [rad/s].
+    /// RMS 2 s simulation error of a model over the judged recordings [rad/s].
     #[must_use]
     pub fn error_of(&self, model: &ModelStudy) -> f64 {
         Judged::of(&self.recordings).window_rms(&model.performance)
@@ -216,8 +216,8 @@ impl Study {
         Judged::of(&self.recordings).top_speed()
     }
 
-    /// How good the last model is; `None` without a fit. A model that the columns do not determine is not usable,
-    /// whatever its error.
+    /// Grade of the last model; `None` without a fit. If the columns do not determine the model, it is not
+    /// usable, whatever its error.
     #[must_use]
     pub fn grade(&self) -> Option<Grade> {
         let model = self.last_model()?;

@@ -1,4 +1,4 @@
-//! A fitted model on the recordings of an experiment, in detail, and how good that is in a word.
+//! A fitted model on the recordings of an experiment in detail, and its grade.
 
 use serde::{Deserialize, Serialize};
 
@@ -19,7 +19,7 @@ pub struct ParameterStudy {
     pub estimate: Estimate,
 }
 
-/// The parameters of a fit of the diagnosis on an input of that unit.
+/// The parameters of a fit of the diagnosis, in the units for this unit of the input.
 #[must_use]
 pub fn parameters_of(fit: &WindowFit, unit: DriveUnit) -> Vec<ParameterStudy> {
     let parameter = |(j, parameter): (usize, &crate::model::Parameter)| {
@@ -41,14 +41,14 @@ pub fn parameters_of(fit: &WindowFit, unit: DriveUnit) -> Vec<ParameterStudy> {
 pub struct ModelStudy {
     /// Effects beyond the base.
     pub effects: Vec<String>,
-    /// Of the base and of all effects, fixed ones too.
+    /// Parameters of the base and of all effects, including fixed ones.
     pub parameters: Vec<ParameterStudy>,
-    /// One per recording of the experiment; without emulators.
+    /// Performance on each recording of the experiment, without emulators.
     pub performance: Vec<Performance>,
-    /// Residual torque of every row of every recording [N m]; not a number near rest. Empty where the model is
-    /// no physical one.
+    /// Residual torque for every row of every recording [N m]; NaN near rest. Empty if the model is not
+    /// physical.
     pub residual_torque: Vec<Vec<[f64; 2]>>,
-    /// Regimes of driving, by how far the error of the judged recordings exceeds noise.
+    /// Regimes of driving, sorted by the ratio of the error of the judged recordings to noise.
     pub failures: Vec<Failure>,
     /// Error of the judged recordings over simulations of several lengths.
     pub horizons: Vec<Horizon>,
@@ -67,11 +67,11 @@ impl ModelStudy {
 /// An effect that the diagnosis accepted.
 #[derive(Clone, Debug, Serialize)]
 pub struct FoundEffect {
-    /// As in the catalogue.
+    /// Id in the catalogue.
     pub id: String,
     /// Its name in words.
     pub title: String,
-    /// What it is in the robot.
+    /// Physical cause.
     pub cause: String,
     /// Ids of the effects that these data do not distinguish from it.
     pub indistinguishable: Vec<String>,
@@ -80,19 +80,19 @@ pub struct FoundEffect {
 /// An effect that lowers the held-out error without being proven.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UnprovenEffect {
-    /// As in the catalogue.
+    /// Id in the catalogue.
     pub id: String,
-    /// Fall of the held-out error with it (root mean square over all windows), as a share.
+    /// Reduction of the held-out error with it (RMS over all windows), as a share.
     pub lowers: f64,
 }
 
-/// Error over the floor below which the floor is the most that noise and the input between its rows may make, and not
-/// what they do make: sets with noise alone lie between 0.6 and 1.7.
+/// Ratio of error to floor below which the floor is an upper bound of the effects of noise and of the input
+/// between its rows, not an estimate: for sets with noise alone the ratio is between 0.6 and 1.7.
 pub const FAR_BELOW_FLOOR: f64 = 0.5;
 
-/// How good a model is, in a word.
+/// Grade of a model.
 ///
-/// The first that applies, of the 2 s simulation error e on recordings that were not fitted, the noise floor
+/// The first that applies, with the 2 s simulation error e on recordings that were not fitted, the noise floor
 /// and the top speed of a wheel:
 ///
 /// | grade | condition |
@@ -101,19 +101,19 @@ pub const FAR_BELOW_FLOOR: f64 = 0.5;
 /// | near the floor | e ≤ 1.5 floor, or sqrt(e² - floor²) ≤ 0.2 % of the top speed |
 /// | useful | e ≤ 5 % of the top speed |
 /// | poor | e ≤ 20 % of the top speed |
-/// | not usable | beyond, or the simulation diverges |
+/// | not usable | otherwise, or the simulation diverges |
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Grade {
-    /// These recordings cannot show a better model.
+    /// These recordings cannot reveal a better model.
     AtFloor,
-    /// What is left is small against noise or speed.
+    /// The remaining error is small compared with noise or speed.
     Near,
-    /// Good enough to predict motion to a few percent.
+    /// Predicts the motion to a few per cent.
     Useful,
-    /// The course of the motion is right, its size is not.
+    /// Predicts the motion only qualitatively.
     Poor,
-    /// No prediction.
+    /// No useful prediction.
     NotUsable,
 }
 

@@ -1,22 +1,22 @@
-//! The last model of an experiment as a function, with the inputs and the states that it is simulated from.
+//! The last model of an experiment as a function, with inputs and initial states for simulations.
 
 use crate::export::Obstacle;
 
-/// Where a simulation starts.
+/// Start of a simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start {
     /// Row of the recording.
     pub row: usize,
-    /// State there (alpha1, alpha2, omega1, omega2) [rad, rad/s].
+    /// Initial state (alpha1, alpha2, omega1, omega2) [rad, rad/s].
     pub state: [f64; 4],
-    /// Whether a recording or its part behind a gap begins there: free simulations start there alone.
+    /// Whether a recording, or its part after a gap, begins there: free simulations start only there.
     pub is_piece: bool,
 }
 
-/// The last model of an experiment, to be simulated with other values of its parameters.
+/// The last model of an experiment, for simulation with other values of its parameters.
 #[derive(Clone, Debug)]
 pub struct WhatIfStudy {
-    /// The function in JavaScript, as `model.js` holds it, or the effects of which there is none.
+    /// The function in JavaScript, as in `model.js`, or the effects that prevent it.
     pub script: Result<String, Vec<Obstacle>>,
     /// Input of every recording, shifted by the timing that the diagnosis fitted.
     pub inputs: Vec<Vec<[f64; 2]>>,

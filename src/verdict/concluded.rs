@@ -1,4 +1,4 @@
-//! What a diagnosis concludes against the noise floor, and the verdict that it makes.
+//! Comparison of a diagnosis with the noise floor, and the resulting verdict.
 
 use super::Basis;
 use super::next::{advice, propose, to_prove};
@@ -16,7 +16,7 @@ use crate::study::{
     Verdict, Withheld, is_plain, parameters_of,
 };
 
-/// A diagnosis against the noise floor of the judged recordings.
+/// A diagnosis compared with the noise floor of the judged recordings.
 pub(super) struct Concluded<'a> {
     diagnosis: &'a Diagnosis,
     basis: &'a Basis<'a>,
@@ -28,10 +28,10 @@ pub(super) struct Concluded<'a> {
     /// Noise floor of the judged recordings under the last model [rad/s].
     pub(super) floor: f64,
     conclusion: Conclusion,
-    /// Whether the columns do not determine the model, so that nothing else holds.
+    /// Whether the columns do not determine the model; then nothing else is valid.
     is_undetermined: bool,
     likely: Option<&'a Ranked>,
-    /// What lowers the held-out error without being accepted, and why it is not.
+    /// The candidate that lowers the held-out error without being accepted, and the reason.
     withheld: Option<(&'a Ranked, Withheld)>,
     /// A parameter of the last model that differs between the recordings.
     differs: Option<Difference>,
@@ -40,7 +40,8 @@ pub(super) struct Concluded<'a> {
 }
 
 impl<'a> Concluded<'a> {
-    /// `floor`: that of the judged recordings under the last model, where it is known already.
+    /// Conclusion from a diagnosis; `floor`: that of the judged recordings under the last model, if already
+    /// known.
     pub(super) fn of(
         diagnosis: &'a Diagnosis,
         basis: &'a Basis,
@@ -65,7 +66,7 @@ impl<'a> Concluded<'a> {
         let all: Vec<&Recording> = basis.train.iter().chain(basis.validation).collect();
         let differs = difference(diagnosis.last(), &all, basis.hold);
         let conclusion = conclude(diagnosis.steps.len(), &errors, leaves, depends_on.is_some());
-        // one model for recordings that differ lacks what was changed between them
+        // a single model for recordings that differ does not contain the change between them
         let conclusion = match conclusion {
             Conclusion::Sufficient if differs.is_some() => Conclusion::Unknown,
             other => other,
@@ -90,9 +91,9 @@ impl<'a> Concluded<'a> {
         })
     }
 
-    /// What the residual torque depends on by its `curves`, where the verdict states it: where something outside the
-    /// catalogue is missing, and where more is missing than was found, by the error or by a variable that shows the
-    /// larger part of it.
+    /// Dependence of the residual torque according to its `curves`, if the verdict states it: if something
+    /// outside the catalogue is missing, or if more is missing than was found, according to the error or to a
+    /// variable that explains more than half of it.
     pub(super) fn dependence(&self, curves: &[Curve]) -> Option<DependenceStudy> {
         let is_stated = match self.conclusion {
             _ if self.is_undetermined => false,
@@ -105,9 +106,9 @@ impl<'a> Concluded<'a> {
         is_stated.then(|| DependenceStudy::of(curves, self.depends_on))
     }
 
-    /// The verdict, with what the residual torque depends on where it states that, and with a `formula` of it, beside
-    /// which no effect of the catalogue is likely and no recording is needed to decide. What a fit leaves that the
-    /// columns do not determine is no effect.
+    /// The verdict, with the dependence of the residual torque if it states this, and with a `formula` for
+    /// it; with a formula no effect of the catalogue is likely and no further recording is recommended.
+    /// Effects of a fit that the columns do not determine are not reported.
     pub(super) fn study(
         &self,
         dependence: Option<DependenceStudy>,
@@ -116,7 +117,7 @@ impl<'a> Concluded<'a> {
         let Self { diagnosis, basis, judge, errors, .. } = self;
         let steps = if self.is_undetermined { &[][..] } else { &diagnosis.steps };
         let logging = self.logging();
-        // where nothing is missing there is nothing to record
+        // if nothing is missing, no recording is recommended
         let is_open =
             self.conclusion != Conclusion::Sufficient && !self.is_undetermined && formula.is_none();
         let proposal = is_open.then(|| propose(diagnosis, &self.likelihood, basis.seed)).flatten();
@@ -168,13 +169,13 @@ impl<'a> Concluded<'a> {
     }
 }
 
-/// Why a fit that lowers the held-out error is not accepted; `now`: square of the error that is shown [rad^2/s^2].
+/// Why a fit that lowers the held-out error is not accepted; `now`: square of the reported error [rad^2/s^2].
 fn reason(judge: &Judge, now: f64, fit: &WindowFit) -> Withheld {
     let with =
         judge.judge(&fit.model, &fit.p).map_or(f64::INFINITY, |with| with.window_rms.powi(2));
     let open = judge.unresolved(&fit.model, &fit.p);
     let between = fit.model.effects().iter().any(|effect| effect.change().acts_between_rows());
-    // one that cannot be simulated raises it too
+    // a fit that cannot be simulated also raises it
     if !(with <= now) {
         Withheld::Raises
     } else if fit.is_short() {

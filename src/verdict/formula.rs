@@ -1,4 +1,4 @@
-//! What the residual torque depends on, tried as a formula.
+//! A formula for the residual torque, tried as an effect.
 
 use rayon::prelude::*;
 
@@ -11,19 +11,19 @@ use crate::model::Model;
 use crate::recording::Recording;
 use crate::study::{Coefficient, FormulaStudy, most_pointing};
 
-/// The formula of the curve that shows most of the residual torque, fitted in the model as given and beside what was
-/// found.
+/// The formula of the curve that explains most of the residual torque, fitted in the model as given and in
+/// the model with the effects found.
 pub(super) struct Trial {
     formula: Formula,
-    /// Whether it takes the place of what was found. It stands beside that where it holds it, or lowers the error
-    /// further by as much as is asked of any effect.
+    /// Whether it replaces the effects found. It is added to them if it does not make them redundant, or
+    /// lowers the error further by as much as is required of any effect.
     pub(super) in_place: bool,
-    /// Error on the judged recordings of the last model, and of the model with the formula [rad/s].
+    /// Errors on the judged recordings of the last model, and of the model with the formula [rad/s].
     errors: [f64; 2],
 }
 
 impl Trial {
-    /// `None` where no formula follows the curve, and where none can be simulated.
+    /// `None` if no formula describes the curve, or if none can be simulated.
     pub(super) fn of(curves: &[Curve], diagnosis: &Diagnosis, basis: &Basis) -> Option<Self> {
         let curve = most_pointing(curves)?;
         let formula = Formula::of(curve, basis.train[0].drive_unit())?;
@@ -50,13 +50,13 @@ impl Trial {
         Some(Self { formula, in_place, errors: [before, after] })
     }
 
-    /// Whether it explains the larger part of what the last model leaves above the noise floor [rad/s].
+    /// Whether it explains more than half of the error of the last model above the noise floor [rad/s].
     pub(super) fn explains(&self, floor: f64) -> bool {
         let [before, after] = self.errors.map(|error| error.powi(2) - floor.powi(2));
         after <= THRESHOLDS.unexplained * before
     }
 
-    /// The formula as an effect of an experiment file, with the error of the model that has it.
+    /// The formula as an effect of an experiment file, with the error of the model with it.
     pub(super) fn study(self) -> FormulaStudy {
         let [_, window_rms] = self.errors;
         FormulaStudy { in_place: self.in_place, window_rms, ..study_of(self.formula) }
@@ -81,7 +81,7 @@ fn study_of(formula: Formula) -> FormulaStudy {
     }
 }
 
-/// Residual torque of every recording behind a low-pass of cut-off `cutoff` [Hz].
+/// Residual torque of every recording after a low-pass with cut-off `cutoff` [Hz].
 pub(crate) fn residual_torques(
     model: &Model,
     p: &[f64],
@@ -91,8 +91,8 @@ pub(crate) fn residual_torques(
     recordings.par_iter().map(|r| residual_torque(model, p, r, cutoff)).collect()
 }
 
-/// How the residual torque of the model as given (`before`) depends on anything over `recordings`, and that of the model
-/// with what was found (`after`), both behind `cutoff` [Hz].
+/// Residual torque of the model as given (`before`) and of the model with the effects found (`after`) over
+/// the variables, for `recordings`, both after a low-pass with cut-off `cutoff` [Hz].
 pub(crate) fn curves_of(
     diagnosis: &Diagnosis,
     recordings: &[&Recording],
@@ -104,14 +104,15 @@ pub(crate) fn curves_of(
         Unexplained { model: &fit.model, p: &fit.p, torque }
     }
     let last = diagnosis.last();
-    // a second mass is no part of the torque balance
+    // a second mass is not part of the torque balance
     let after = after.filter(|_| !last.model.is_coupled()).map(|torque| of(last, torque));
     curves(recordings, cutoff, of(&diagnosis.base, before), after)
 }
 
-/// Whether a formula holds what was found, as a series in the heading holds a slope of the floor: a linear parameter that
-/// was identified is not beside it. What a linear parameter adds does not vanish with its size, so that something else
-/// adds the same; a shape is not identified where its effect is gone either (a limit that is no longer reached).
+/// Whether a formula makes the effects found redundant, as a series in the heading does for an inclined
+/// floor: a linear parameter that was identified is not identifiable together with it. This is tested for
+/// linear parameters only, because a shape parameter is also not identifiable if its effect has vanished (a
+/// limit that is no longer reached).
 fn holds(with_formula: &WindowFit, found: &WindowFit) -> bool {
     let is_known = |fit: &WindowFit, j: usize| fit.covariance[(j, j)].is_finite();
     let parameters = found.model.parameters().iter().enumerate();
@@ -125,7 +126,7 @@ mod tests {
     use crate::robot::Robot;
     use nalgebra::DMatrix;
 
-    /// A model with an effect, of which one parameter has a covariance.
+    /// A model with an effect, one parameter of which has a covariance.
     fn fit(effect: &str, symbol: &str, variance: f64) -> WindowFit {
         let model = Model::base(Robot::amigobot()).add(effect).unwrap();
         let p = model.initial();

@@ -14,28 +14,29 @@ use crate::recording::Recording;
 use crate::simulate::{Hold, SimulateError};
 use crate::study::DiagnosisStudy;
 
-/// What a verdict rests on beside the diagnosis.
+/// Data for a verdict in addition to the diagnosis.
 #[derive(Clone, Copy, Debug)]
 pub struct Basis<'a> {
-    /// The recordings that were fitted.
+    /// The training recordings.
     pub train: &'a [Recording],
-    /// The recordings that no model was fitted to; without any, errors are judged on those that were fitted.
+    /// The held-out recordings; if there are none, errors are computed on the training recordings.
     pub validation: &'a [Recording],
     /// The input between the rows.
     pub hold: Hold,
-    /// The false-alarm rate that the diagnosis was asked for.
+    /// The false-alarm rate of the diagnosis.
     pub false_alarm: f64,
     /// Whether the residual torque of the filter contains a slow disturbance.
     pub slow_moment: bool,
     /// Seed of the proposed manoeuvre.
     pub seed: u64,
-    /// Whether an estimate of the model as given stalled without an identifiable a1, though the wheels turn against each
-    /// other. Unless the diagnosis identifies a1, the columns do not determine the model then.
+    /// Whether an estimate of the model as given stalled without an identifiable a1, although the wheels turn
+    /// in opposite directions. Unless the diagnosis identifies a1, the columns then do not determine the
+    /// model.
     pub is_stalled: bool,
 }
 
 impl<'a> Basis<'a> {
-    /// Of a diagnosis with default settings.
+    /// Basis of a diagnosis with default settings.
     #[must_use]
     pub fn new(train: &'a [Recording], validation: &'a [Recording], hold: Hold) -> Self {
         let Settings { false_alarm, .. } = Settings::default();
@@ -43,18 +44,18 @@ impl<'a> Basis<'a> {
         Self { train, validation, hold, false_alarm, slow_moment, seed, is_stalled }
     }
 
-    /// The recordings whose error is judged.
+    /// The recordings on which errors are computed.
     fn judged(&self) -> &'a [Recording] {
         if self.validation.is_empty() { self.train } else { self.validation }
     }
 }
 
-/// The verdict of a diagnosis: errors of its first and its last model over the judged recordings against the
-/// noise floor, what the residual torque depends on, with a formula of that, and what to record next. Effects that only
-/// stand in for such a formula are not found.
+/// The verdict of a diagnosis: errors of its first and its last model on the judged recordings compared with
+/// the noise floor, the dependence of the residual torque, a formula for it, and recommended recordings.
+/// Effects that only approximate such a formula are removed.
 ///
 /// # Errors
-/// A model that cannot move, or diverges.
+/// The mass matrix is not positive definite, or the motion diverges.
 pub fn verdict(diagnosis: &Diagnosis, basis: &Basis) -> Result<DiagnosisStudy, SimulateError> {
     let settled = Settled::of(diagnosis.clone(), basis, None);
     let curves = settled.curves(basis);

@@ -1,4 +1,4 @@
-//! What to record next where the data leave two effects open.
+//! Recommended recordings if two effects are not distinguishable.
 
 use crate::diagnose::{Diagnosis, Limits, Proposal, Ranked, Rivals, next_run};
 use crate::effects::Description;
@@ -6,13 +6,13 @@ use crate::filter::Likelihood;
 use crate::recording::Recording;
 use crate::study::Advice;
 
-/// Floor that a proposed manoeuvre keeps to, a square of this side \[m\].
+/// Side of the square floor area for a proposed manoeuvre \[m\].
 const FLOOR: f64 = 2.0;
 /// Its length \[s\].
 const DURATION: f64 = 20.0;
 
-/// The manoeuvre that would distinguish the best candidate from the nearest one that is indistinguishable from it by
-/// these data.
+/// The manoeuvre that distinguishes the best candidate from the nearest one that is not distinguishable from
+/// it by these data.
 pub(super) fn propose(
     diagnosis: &Diagnosis,
     likelihood: &Likelihood,
@@ -38,7 +38,7 @@ pub(super) fn propose(
 }
 
 /// The two effects that a further recording should distinguish: the first that was found and one that is not
-/// distinguishable from it, or, where none was found, the first two that would lower the criterion.
+/// distinguishable from it; if none was found, the first two that would lower the criterion.
 fn competing(diagnosis: &Diagnosis) -> Option<(&Ranked, &Ranked)> {
     let best = diagnosis.ranking.first()?;
     let same = best.candidate.effect.description().equivalent;
@@ -53,7 +53,7 @@ fn competing(diagnosis: &Diagnosis) -> Option<(&Ranked, &Ranked)> {
     (good(best) && good(rival)).then_some((best, rival))
 }
 
-/// What to record so that an effect is proven; where the input `between_rows` could be the reason, faster.
+/// Recording that can prove an effect; at a higher rate if the unknown input `between_rows` may be the cause.
 pub(super) fn to_prove(ranked: &Ranked, between_rows: bool) -> Advice {
     let effect = &ranked.candidate.effect;
     let Description { id, excitation, .. } = effect.description();
@@ -64,7 +64,7 @@ pub(super) fn to_prove(ranked: &Ranked, between_rows: bool) -> Advice {
     }
 }
 
-/// What to record where two effects are indistinguishable.
+/// Recommended recording if two effects are not distinguishable.
 pub(super) fn advice(diagnosis: &Diagnosis, likely: Option<&Ranked>) -> Vec<Advice> {
     let Some(best) = diagnosis.ranking.first() else { return vec![] };
     let same = best.candidate.effect.description();

@@ -5,7 +5,7 @@ use crate::identify::Estimate;
 use crate::simulate::SimulateError;
 use crate::study::{CandidateStudy, StepStudy, parameters_of};
 
-/// Candidates whose error on the judged recordings is simulated.
+/// Number of candidates whose error on the judged recordings is simulated.
 const JUDGED: usize = 8;
 
 pub(super) fn staircase(

@@ -1,4 +1,4 @@
-//! What the residual torque depends on, as a formula that a model can have.
+//! A formula for the residual torque as a custom effect.
 
 use std::fmt::Write;
 use std::sync::Arc;
@@ -10,11 +10,11 @@ use crate::math::round_significant;
 use crate::recording::{DriveUnit, Recording};
 use crate::simulate::Hold;
 
-/// Largest coefficient in amplitudes of the curve: a series over a range with gaps may take more than the curve shows
-/// (taste: ten times).
+/// Largest coefficient relative to the amplitude of the curve: coefficients of a series over a range with
+/// gaps may exceed the values of the curve (judgement: ten times).
 const RANGE: f64 = 10.0;
 
-/// A dependence of the residual torque on the place or the time as an effect of an experiment file.
+/// A dependence of the residual torque on heading, wheel angle or time, as an effect of an experiment file.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Formula {
     /// Name of the effect.
@@ -24,9 +24,9 @@ pub(super) struct Formula {
 }
 
 impl Formula {
-    /// The series that follows a curve: two harmonics of the heading, one of the angle of each wheel, a parabola of the
-    /// time. `None` over what is no place or time, for which the catalogue stands, and for a share of the input, which
-    /// no formula has.
+    /// The series that approximates a curve: two harmonics of the heading, one of the angle of each wheel, a
+    /// parabola in time. `None` for other variables, which the catalogue covers, and for a torque
+    /// proportional to the input, which formulas cannot express.
     pub(super) fn of(curve: &Curve, unit: DriveUnit) -> Option<Self> {
         let (name, series) = match curve.variable {
             Variable::Heading => {
@@ -39,7 +39,7 @@ impl Formula {
                     .map(str::to_owned),
             ),
             Variable::Time => {
-                // in parts of the range, so that coefficients are torques
+                // relative to the range, so that coefficients are torques
                 let whole = round_significant(curve.bins.last()?.at, 2);
                 let parabola =
                     |a: &str, b: &str| format!("{a}*(t/{whole:?}) + {b}*(t/{whole:?})^2");
@@ -69,13 +69,13 @@ impl Formula {
         (size > 0.0).then_some(Self { id: format!("{name}_{kind}"), definition })
     }
 
-    /// As it stands in an experiment file.
+    /// The block of the experiment file.
     pub(super) fn toml(&self) -> String {
         let Self { id, definition } = self;
         let mut out = format!("[[model.custom]]\nid = \"{id}\"\n");
         let torque2 = definition.torque2.as_deref().unwrap_or_default();
         let CustomDefinition { torque1, description, .. } = definition;
-        // a string takes every write
+        // writing to a string does not fail
         let _ = writeln!(out, "description = \"{description}\"");
         let _ = writeln!(
             out,
@@ -92,8 +92,8 @@ impl Formula {
         out
     }
 
-    /// The model of `base` with this effect, fitted over the training recordings like any effect of the catalogue. `None`
-    /// where the model has an effect of that name, and where it cannot be simulated.
+    /// The model of `base` with this effect, fitted to the training recordings like any effect of the
+    /// catalogue. `None` if the model has an effect with this name, or if it cannot be simulated.
     pub(super) fn fitted(
         &self,
         base: &WindowFit,

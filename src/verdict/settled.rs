@@ -1,4 +1,4 @@
-//! From what the search found to the verdict.
+//! From the result of the search to the verdict.
 
 use super::Basis;
 use super::concluded::Concluded;
@@ -10,17 +10,17 @@ use crate::recording::Recording;
 use crate::simulate::SimulateError;
 use crate::study::DiagnosisStudy;
 
-/// A diagnosis without effects that only stand in for something outside the catalogue.
+/// A diagnosis without effects that only approximate something outside the catalogue.
 pub(crate) struct Settled {
     diagnosis: Diagnosis,
-    /// The formula of what the residual torque depends on, where it was tried already.
+    /// The formula for the residual torque, if already tried.
     trial: Option<Trial>,
 }
 
 impl Settled {
-    /// Takes back what was found where the model is far above the noise floor with it, and better with a formula of what
-    /// the residual torque depends on in its place. `floor`: that of the judged recordings under the model as given,
-    /// where it is known already.
+    /// Removes the effects found if the model with them is far above the noise floor, and a formula for the
+    /// residual torque in their place gives a better model. `floor`: that of the judged recordings under the
+    /// model as given, if already known.
     pub(crate) fn of(diagnosis: Diagnosis, basis: &Basis, floor: Option<WindowFloor>) -> Self {
         if diagnosis.steps.is_empty() {
             return Self { diagnosis, trial: None };
@@ -40,21 +40,21 @@ impl Settled {
         }
     }
 
-    /// What was found, without what only stands in.
+    /// The diagnosis without effects that only approximate a formula.
     pub(crate) fn diagnosis(&self) -> &Diagnosis {
         &self.diagnosis
     }
 
-    /// How the residual torque of its models depends on anything.
+    /// Residual torque of its models over the variables.
     pub(crate) fn curves(&self, basis: &Basis) -> Vec<Curve> {
         curves(&self.diagnosis, basis)
     }
 
-    /// The verdict beside the `curves` of the residual torque. `floor`: that of the judged recordings under the last
-    /// model, where it is known already.
+    /// The verdict, with the `curves` of the residual torque. `floor`: that of the judged recordings under
+    /// the last model, if already known.
     ///
     /// # Errors
-    /// A model that cannot move, or diverges.
+    /// The mass matrix is not positive definite, or the motion diverges.
     pub(crate) fn verdict(
         self,
         curves: &[Curve],
@@ -62,7 +62,8 @@ impl Settled {
         floor: Option<WindowFloor>,
     ) -> Result<DiagnosisStudy, SimulateError> {
         let Self { diagnosis, trial } = self;
-        // of a second mass no curve shows what is left: the torque balance does not have it
+        // for a second mass the curves do not show the remaining error, because the torque balance does not
+        // contain it
         let shows = diagnosis.steps.is_empty() || curves.iter().any(|c| c.share_after.is_some());
         let curves = if shows { curves } else { &[] };
         let is_undetermined = basis.is_stalled && !identifies_inertia(diagnosis.last());
@@ -75,7 +76,7 @@ impl Settled {
     }
 }
 
-/// How the residual torque of the model as given, and that of the model with what was found, depend on anything.
+/// Residual torque of the model as given, and of the model with the effects found, over the variables.
 fn curves(diagnosis: &Diagnosis, basis: &Basis) -> Vec<Curve> {
     let recordings: Vec<&Recording> = basis.train.iter().chain(basis.validation).collect();
     let (base, last) = (&diagnosis.base, diagnosis.last());
@@ -85,7 +86,7 @@ fn curves(diagnosis: &Diagnosis, basis: &Basis) -> Vec<Curve> {
     curves_of(diagnosis, &recordings, cutoff, &of(base), after.as_deref())
 }
 
-/// Whether a fit identifies a1: its 95 % interval holds positive values only.
+/// Whether a fit identifies a1: its 95 % interval contains only positive values.
 fn identifies_inertia(fit: &WindowFit) -> bool {
     fit.p[A1] > THRESHOLDS.uncertain * fit.covariance[(A1, A1)].sqrt()
 }

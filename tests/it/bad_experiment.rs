@@ -50,7 +50,7 @@ fn a_wrong_robot_is_named() {
         made("[robot]\npreset = \"amigobot\"\nm1_kgs = 3.0\n"),
         &["[robot]", "`m1_kgs`", "did you mean `m1_kg`?"],
     );
-    let all = ["[robot]", "l2_m", "iz4_kg_m2", "are not there", "preset = \"unknown\""];
+    let all = ["[robot]", "l2_m", "iz4_kg_m2", "are missing", "preset = \"unknown\""];
     file_refused(made("[robot]\nl1_m = 0.14\n"), &all);
     // what only the caster has may be left out
     let values = Robot::amigobot().construction;

@@ -295,7 +295,7 @@ fn a_duty_cycle_times_the_battery_is_a_voltage() {
     }
     let folder = Folder::new();
     folder.write("log.csv", log).write("plain.csv", csv(&rows));
-    folder.run(&["new", "log.csv"]).says(0, &["duty_r times battery_mV", "the whole voltage"]);
+    folder.run(&["new", "log.csv"]).says(0, &["duty_r times battery_mV", "the full voltage"]);
     folder.run(&["log.toml"]).says(0, &["log: "]);
     folder.write("plain.toml", folder.read("log.toml").replace("log.csv", "plain.csv"));
     let plain = folder.read("plain.toml");

@@ -137,11 +137,9 @@ fn a_period_stands_for_a_time_that_was_not_recorded() {
     let line = |_: usize, [_, w1, w2, m1, m2]: &Row| format!("{w1},{w2},{m1},{m2}");
     let text = format!("wR,wL,tauR,tauL\r\n{}", log(line));
     folder.write("run.csv", &text).write("bare.csv", log(line));
-    let words = ["No column rises steadily", "t = { period = 0.02 }", "to be completed"];
+    let words = ["No column increases steadily", "t = { period = 0.02 }", "to be completed"];
     folder.run(&["new", "run.csv", "-o", "e.toml"]).says(0, &words);
-    folder
-        .run(&["check", "e.toml"])
-        .says(2, &["columns.t.period", "the time between two rows [s]"]);
+    folder.run(&["check", "e.toml"]).says(2, &["columns.t.period", "the sampling period [s]"]);
     for set in ["recordings.columns.t.period=0.01", "recordings.columns.t={ period = 0.01 }"] {
         folder.run(&["check", "e.toml", "--set", set]).says(0, &READ);
     }
@@ -164,7 +162,7 @@ fn a_period_stands_for_a_time_that_was_not_recorded() {
     folder.write("e.toml", file("{ unit = \"s\" }"));
     folder.run(&["check", "e.toml"]).says(2, &["missing field `name`"]);
     folder.write("e.toml", file("{ period = 0.01 }").replace("\"wR\"", "{ period = 0.01 }"));
-    folder.run(&["check", "e.toml"]).says(2, &["columns.dalpha1", "it stands in `t` alone"]);
+    folder.run(&["check", "e.toml"]).says(2, &["columns.dalpha1", "it is allowed in `t` only"]);
 }
 
 #[test]

@@ -86,7 +86,7 @@ fn keys(value: &Value, place: &str, keys: &[&str]) {
 }
 
 fn each<'a>(value: &'a Value, place: &str) -> &'a Vec<Value> {
-    let list = value.as_array().unwrap_or_else(|| panic!("{place} is no list: {value}"));
+    let list = value.as_array().unwrap_or_else(|| panic!("{place} is not a list: {value}"));
     assert!(!list.is_empty(), "{place} is empty");
     list
 }

@@ -78,7 +78,7 @@ fn hidden_effects_are_named_on_other_robots_too() {
         "e_puck/second/100hz/turning_scrub/moderate/1",
         "pioneer_3dx/second/100hz/slope/moderate/1",
         "amigobot/second/100hz/turning_scrub+viscous_friction/moderate/1",
-        // simulated before anything is said to be unknown
+        // simulated before the verdict "unknown"
         "random_3/second/100hz/compliance/strong/5000",
         // acts in a few windows, and explains all that is left there
         "random_28/second/100hz/friction_warmup/strong/5000",

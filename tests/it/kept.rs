@@ -1,33 +1,16 @@
-//! What is there stays: results of other experiments, and the work of a run that is interrupted.
+//! Results of other experiments and completed work of an interrupted run are kept.
 
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use crate::support::Folder;
-
-/// A short experiment on simulated recordings.
-const SHORT: &str = r#"title = "TITLE"
-
-[simulation]
-noise      = { dalpha = 0.05, alpha = 0.001, M = 0.005 }
-train      = 1
-validation = 0
-duration_s = 4.0
-
-[[method]]
-name = "torque_regression"
-"#;
-
-fn titled(title: &str) -> String {
-    SHORT.replace("TITLE", title)
-}
+use crate::support::{Folder, short};
 
 #[test]
 fn experiments_of_one_name_do_not_take_each_others_place() {
     let folder = Folder::new();
     for day in ["monday", "tuesday"] {
         std::fs::create_dir(folder.path(day)).unwrap();
-        folder.write(&format!("{day}/run.toml"), titled(day));
+        folder.write(&format!("{day}/run.toml"), short(day));
     }
     folder.run(&["monday/run.toml"]).says(0, &[]);
     folder
@@ -38,14 +21,14 @@ fn experiments_of_one_name_do_not_take_each_others_place() {
     inside("tuesday").says(2, &["monday/run.toml"]);
     assert_eq!(folder.results("reports/run")["title"], "monday");
     // the same file again, edited and from elsewhere, is the same experiment
-    folder.write("monday/run.toml", titled("monday again"));
+    folder.write("monday/run.toml", short("monday again"));
     inside("monday").says(0, &[]);
     assert_eq!(folder.results("reports/run")["title"], "monday again");
     // one that is gone leaves its place
     std::fs::remove_file(folder.path("monday/run.toml")).unwrap();
     inside("tuesday").says(0, &[]);
     // and so do grids
-    let grid = titled("grid") + "\n[grid]\nnoise_scale = [0.5, 1.0]\n";
+    let grid = short("grid") + "\n[grid]\nnoise_scale = [0.5, 1.0]\n";
     folder.write("run.toml", grid);
     folder.run(&["run.toml"]).says(2, &["tuesday/run.toml"]);
     folder.run(&["run.toml", "--out", "grids"]).says(0, &[]);
@@ -55,7 +38,7 @@ fn experiments_of_one_name_do_not_take_each_others_place() {
 #[test]
 fn recordings_of_one_name_do_not_either_but_their_file_takes_their_place() {
     let folder = Folder::new();
-    folder.write("made.toml", titled("made").replace("duration_s = 4.0", "duration_s = 20.0"));
+    folder.write("made.toml", short("made").replace("duration_s = 4.0", "duration_s = 20.0"));
     folder.run(&["made.toml"]).says(0, &[]);
     let made = std::fs::read_dir(folder.path("reports/made")).unwrap().flatten();
     let csv = made.map(|e| e.path()).find(|p| p.extension().is_some_and(|e| e == "csv")).unwrap();
@@ -73,26 +56,17 @@ fn recordings_of_one_name_do_not_either_but_their_file_takes_their_place() {
 }
 
 /// Combinations of a second or so each on one thread.
-const GRID: &str = r#"title = "Grid"
-
-[simulation]
-noise      = { dalpha = 0.05, alpha = 0.001, M = 0.005 }
-train      = 2
-validation = 0
-duration_s = 20.0
-
-[[method]]
-name = "output_error"
-
-[grid]
-seed = { count = 10 }
-"#;
+fn slow_grid() -> String {
+    let alone = short("Grid").replace("train      = 1", "train      = 2");
+    let alone = alone.replace("duration_s = 4.0", "duration_s = 20.0");
+    alone.replace("torque_regression", "output_error") + "\n[grid]\nseed = { count = 10 }\n"
+}
 
 #[cfg(unix)]
 #[test]
 fn a_grid_that_is_interrupted_says_how_to_go_on_and_goes_on() {
     let folder = Folder::new();
-    folder.write("g.toml", GRID);
+    folder.write("g.toml", slow_grid());
     let journal = "reports/g/grid.journal.jsonl";
     let mut child = Command::new(env!("CARGO_BIN_EXE_experiment"))
         .args(["g.toml", "--jobs", "1"])

@@ -8,7 +8,7 @@ use amigo_ident::{effects, identify};
 use crate::prose::prose;
 
 /// Phrases that are refused, in lower case, and what is written instead. Words count as a whole.
-const REFUSED: [(&str, &str); 61] = [
+const REFUSED: [(&str, &str); 82] = [
     ("missing moment", "residual torque"),
     ("missing moments", "residual torques"),
     ("motor moment", "motor torque"),
@@ -70,10 +70,31 @@ const REFUSED: [(&str, &str); 61] = [
     ("beyond doubt", "significant"),
     ("speaks of", "mentions"),
     ("learned the hard way", "…"),
+    ("said to be", "is ..., is reported as ..."),
+    ("was said", "was reported"),
+    ("over again", "again, from the start"),
+    ("robot goes", "robot drives"),
+    ("ride along", "are computed in the same pass"),
+    ("taken for noise", "mistaken for noise"),
+    ("in vain", "without result"),
+    ("the cure", "the remedy"),
+    ("hidden here", "hidden effects"),
+    ("judge by", "held-out"),
+    ("what the channels show", "the noise of the channels"),
+    ("worth a word", "(leave out)"),
+    ("hangs on", "depends on"),
+    ("speak of", "mention"),
+    ("what a reader must know", "(leave out)"),
+    ("what is odd", "warnings"),
+    ("made-up", "generated"),
+    ("takes energy out", "dissipates energy"),
+    ("single look", "single test"),
+    ("single looks", "single tests"),
+    ("asked of", "requested from"),
 ];
 
 /// Words of persons, which methods, effects and parameters are not.
-const PERSONAL: [(&str, &str); 14] = [
+const PERSONAL: [(&str, &str); 21] = [
     ("know what", "cover, contain"),
     ("know it", "cover it"),
     ("does not know", "does not contain"),
@@ -88,6 +109,13 @@ const PERSONAL: [(&str, &str); 14] = [
     ("sleeps", "has no effect"),
     ("wakes", "has an effect"),
     ("honest", "right"),
+    ("nobody", "(passive)"),
+    ("remembers", "stores, depends on the history of"),
+    ("looks at", "evaluates"),
+    ("wants", "requires"),
+    ("gives way", "is replaced by"),
+    ("believed", "assumed"),
+    ("trusts", "uses"),
 ];
 
 /// Files and folders whose text is checked; code is not, nor are keys.

@@ -224,12 +224,13 @@ fn runs_one_after_the_other_are_no_wheels() {
     let one = |[t, w1, _, m1, _]: &Row| format!("{t:.3},{w1},{m1}\n");
     let folder = Folder::new();
     folder.write("run.csv", runs("t,omega,tau", "run", ["A", "B"], one));
-    folder.run(&["new", "run.csv", "-o", "e.toml"]).says(0, &["one axis stands for both wheels"]);
+    folder.run(&["new", "run.csv", "-o", "e.toml"]).says(0, &["one axis is used for both wheels"]);
     // of motors measured one after the other it is asked
     folder.write("motors.csv", runs("t,omega,tau", "motor", ["L", "R"], one));
-    folder
-        .run(&["new", "motors.csv", "-o", "m.toml"])
-        .says(0, &["`motor` says whose row it is (L, R): were the motors measured one after"]);
+    folder.run(&["new", "motors.csv", "-o", "m.toml"]).says(
+        0,
+        &["`motor` names the motor of each row (L, R): were the motors measured one after"],
+    );
 }
 
 #[test]

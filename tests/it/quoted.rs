@@ -193,14 +193,15 @@ fn the_guide_quotes_an_error_above_its_floor_as_the_program_finds_it() {
 /// and in how many an effect was named at a false-alarm rate of 5 %.
 fn healthy(page: &str) -> (u32, u32) {
     let number = |text: &str| text.trim().parse::<u32>().unwrap();
-    let table = page.split("Nothing hidden: ").nth(1).unwrap();
+    let table = page.split("No hidden effect: ").nth(1).unwrap();
     let all: Vec<&str> =
         table.lines().find(|line| line.starts_with("| all |")).unwrap().split('|').collect();
     let sets: u32 = all[4].split(',').map(number).sum();
     let named: u32 = all[5].split(',').map(|cell| number(cell.split('/').next().unwrap())).sum();
-    let more = table.split(" sets more)").next().unwrap().rsplit('(').next().unwrap();
+    let more = table.split("In another ").nth(1).unwrap().split(' ').next().unwrap();
     // each is named with the rates at which it was found
-    let below = table.split(" sets more)").nth(1).unwrap().split("and covers").next().unwrap();
+    let below =
+        table.split("In another ").nth(1).unwrap().split("intervals covered").next().unwrap();
     let found = below.matches("at every rate").count() + below.matches("at 0.05").count();
     (sets + number(more), named + found as u32)
 }

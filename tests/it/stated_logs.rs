@@ -64,6 +64,6 @@ fn a_command_within_one_is_asked_for_with_the_battery_and_the_back_emf() {
     let log = format!("t,omega_r,omega_l,cmd_r,cmd_l\n{rows}");
     let folder = Folder::new();
     folder.write("run.csv", &log);
-    let words = ["is `cmd_r` the input", "effects = [\"back_emf\"]", "within -1 and 1"];
+    let words = ["is `cmd_r` the input", "effects = [\"back_emf\"]", "between -1 and 1"];
     folder.run(&["new", "run.csv", "-o", "e.toml"]).says(0, &words);
 }

@@ -121,7 +121,7 @@ fn steps_in_place_of_times_are_summed() {
     let folder = Folder::new();
     folder.write("run.csv", format!("sample,wR,wL,tauR,tauL\n{log}"));
     folder.run(&["new", "run.csv", "-o", "e.toml"]).says(0, &["it counts rows", "to be completed"]);
-    folder.run(&["check", "e.toml"]).says(2, &["columns.t.scale", "the time between two rows [s]"]);
+    folder.run(&["check", "e.toml"]).says(2, &["columns.t.scale", "the sampling period [s]"]);
     folder
         .run(&["check", "e.toml", "--set", "recordings.columns.t.scale=0.01"])
         .says(0, &["600 samples", "100 Hz"]);

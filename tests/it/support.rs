@@ -7,7 +7,7 @@ use std::process::Command;
 /// A temporary folder in which the program runs.
 pub(crate) struct Folder(tempfile::TempDir);
 
-/// What a run of the program left.
+/// Result of a run of the program.
 pub(crate) struct Ran {
     pub(crate) code: i32,
     pub(crate) out: String,
@@ -15,7 +15,7 @@ pub(crate) struct Ran {
 }
 
 impl Ran {
-    /// Checks the exit code and that every word stands in the messages; no run may panic.
+    /// Checks the exit code and that the messages contain every word; no run may panic.
     pub(crate) fn says(&self, code: i32, words: &[&str]) -> &Self {
         let all = format!("{}{}", self.out, self.err);
         assert!(!all.contains("panicked"), "{all}");
@@ -130,6 +130,14 @@ pub(crate) const HEADER: &str = "t,dalpha1,dalpha2,M1,M2";
 /// Rows as plain CSV.
 pub(crate) fn csv(rows: &[Row]) -> String {
     text(rows, HEADER, ",", |x| format!("{x}"), "\n")
+}
+
+/// A short experiment on simulated recordings, of some ten milliseconds; tests add a `[grid]`.
+pub(crate) fn short(title: &str) -> String {
+    format!(
+        "title = \"{title}\"\n\n[simulation]\nnoise      = {{ dalpha = 0.05, alpha = 0.001, M = 0.005 }}\n\
+         train      = 1\nvalidation = 0\nduration_s = 4.0\n\n[[method]]\nname = \"torque_regression\"\n"
+    )
 }
 
 /// An experiment file on one recording.

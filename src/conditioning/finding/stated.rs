@@ -3,14 +3,14 @@
 use super::{Action, Channel, Finding, Kind};
 use crate::math::{Span, Spans};
 
-/// What one or several findings say.
+/// Statement of one or several findings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stated {
     /// The channels of which the same was found.
     pub(crate) channels: Vec<Channel>,
     /// What was found, with the ranges of its numbers.
     pub(crate) kind: Kind<Span<usize>, Span<f64>>,
-    /// What was done.
+    /// Correction.
     pub(crate) action: Action,
 }
 
@@ -21,8 +21,7 @@ impl Stated {
         Self { channels: vec![*channel], kind: kind.map(Span::of, Span::of), action: *action }
     }
 
-    /// Widens its numbers by those of another one, where that says the same of the same channels but for them; false
-    /// where it does not.
+    /// Extends its ranges by the numbers of another finding that is equal otherwise; returns whether it is.
     pub fn join(&mut self, other: &Self) -> bool {
         let is_like = self.channels == other.channels
             && self.action == other.action
@@ -34,7 +33,7 @@ impl Stated {
     }
 }
 
-/// The findings of a recording, those that say the same of several channels as one.
+/// The findings of a recording; equal findings on several channels are one.
 #[must_use]
 pub fn stated(findings: &[Finding]) -> Vec<Stated> {
     let mut out: Vec<Stated> = vec![];

@@ -18,7 +18,7 @@ use crate::math::noise::fourth_difference_correlation;
 /// Samples to either side that a filter is looked for in: one of a tenth of the Nyquist frequency, of
 /// second order and run both ways, has decayed to a thousandth there.
 const HALF: usize = 32;
-/// Rows that are looked at, at most: some fifty a coefficient, which then follow chance by 1 %.
+/// Largest number of rows: about fifty per coefficient, for a statistical error of 1 %.
 const ROWS: usize = 3000;
 /// Rows a coefficient, at least.
 const FEWEST: usize = 20;
@@ -29,7 +29,7 @@ const LEFT: f64 = 0.25;
 /// white noise, up to 1 for motion or a filter, which here make a ninth of them at most.
 const WHITE: f64 = -0.6;
 
-/// What a filter of the angle leaves of a speed.
+/// Residual of a speed after the best filter of the angle.
 #[derive(Clone, Copy)]
 pub(super) struct Left {
     /// As a share of the noise of the angle that passes the filter, both as deviations.
@@ -43,7 +43,7 @@ impl Left {
         self.share < LEFT
     }
 
-    /// Whether it says that the speed is none of these.
+    /// Whether the speed is measured and not computed from the angles.
     pub(super) fn is_measured(self) -> bool {
         self.whole && !self.is_computed()
     }
@@ -62,8 +62,8 @@ pub fn common_share<'a>(recordings: impl Iterator<Item = &'a [Finding]>) -> Opti
     shown.max_by(f64::total_cmp)
 }
 
-/// What the best filter leaves of a wheel's speed; `None` where the angle does not show its noise, or
-/// there are too few rows.
+/// Residual of a wheel's speed after the best filter; `None` if the noise of the angle cannot be determined,
+/// or if there are too few rows.
 pub(super) fn left(s: &Samples) -> Option<Left> {
     let runs: Vec<Vec<f64>> = s.pieces.iter().map(|p| s.alpha[p.clone()].to_vec()).collect();
     if fourth_difference_correlation(&runs)? > WHITE {

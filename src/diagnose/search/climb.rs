@@ -1,5 +1,5 @@
-//! The forward search: the best effect of a ranking, then the best beside it, and what to begin with instead where
-//! that ends unexplained.
+//! The forward search: the best effect of a ranking, then the best in addition to it, and other starts if the
+//! search ends unexplained.
 
 use super::order::equals;
 use super::{Search, is_two_mass};
@@ -8,7 +8,7 @@ use crate::diagnose::outcome::{Ranked, Step};
 use crate::diagnose::thresholds::THRESHOLDS;
 use crate::diagnose::verdict::Errors;
 
-/// The steps that held-out windows prove, and the rankings at each.
+/// The steps that held-out windows prove, and the ranking at each step.
 type Climbed = (Vec<Step>, Vec<Vec<Ranked>>);
 
 impl Search<'_> {
@@ -18,7 +18,7 @@ impl Search<'_> {
         let mut climbed = self.climb(base, self.rank(base, true));
         let is_unexplained = |steps: &[Step]| self.is_unexplained(last_of(base, steps));
         let mut unexplained = is_unexplained(&climbed.0);
-        // nothing is said to be unknown before every effect of the catalogue has been simulated
+        // before the verdict "unknown" every effect of the catalogue must have been simulated
         if unexplained && let Some(ranking) = self.with_second_bodies(base, &climbed.1[0]) {
             let again = self.climb(base, ranking);
             let error = |steps: &[Step]| self.shown(last_of(base, steps));
@@ -36,7 +36,7 @@ impl Search<'_> {
         climbed
     }
 
-    /// The errors that are shown, of the base and behind the last of `steps`.
+    /// The reported errors, of the base and after the last of `steps`.
     fn errors(&self, base: &WindowFit, steps: &[Step]) -> Errors {
         let last = last_of(base, steps);
         let square = |fit: &WindowFit| self.shown(fit).powi(2);
@@ -96,7 +96,7 @@ impl Search<'_> {
         })
     }
 
-    /// Whether a model leaves more than noise of the error that is shown.
+    /// Whether the reported error of a model is larger than noise explains.
     pub(super) fn is_unexplained(&self, fit: &WindowFit) -> bool {
         self.shown(fit) > THRESHOLDS.above_floor * self.judge.floor(&fit.model, &fit.p).expected
     }

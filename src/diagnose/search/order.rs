@@ -1,4 +1,4 @@
-//! The order of candidates: what they are ranked by, and which of those that are alike comes first.
+//! The ranking of candidates: its criterion, and the order of equivalent ones.
 
 use std::cmp::Ordering;
 
@@ -42,9 +42,9 @@ impl Search<'_> {
         }
     }
 
-    /// Of the candidates that training windows do not set apart puts the one first whose held-out error is
-    /// lowest. Far above the noise: what is left is no noise, and a criterion that takes
-    /// it for independent values is far too certain.
+    /// Among the candidates that training windows do not distinguish, ranks first the one with the lowest
+    /// held-out error. This applies far above the noise, where the remaining errors are not independent
+    /// values and the criterion is far too certain.
     fn choose_alike(&self, ranked: &mut [Ranked]) {
         let Some(first) = ranked.first().filter(|r| r.refit.is_some()) else { return };
         let near = |r: &Ranked| r.bic_windows - first.bic_windows < self.open_share(first, r);
@@ -73,7 +73,7 @@ impl Search<'_> {
         r.refit.as_ref().is_some_and(|fit| self.is_far(fit.cost))
     }
 
-    /// Whether windows of that cost are missed by far more than their noise.
+    /// Whether a cost is far larger than noise explains.
     pub(super) fn is_far(&self, cost: f64) -> bool {
         cost > 0.5 * THRESHOLDS.far_above_floor.powi(2) * self.windows.values() as f64
     }

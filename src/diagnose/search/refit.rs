@@ -65,13 +65,14 @@ impl Search<'_> {
         });
     }
 
-    /// Ratio of a shift of the input by its own uncertainty, zero for other effects.
+    /// Ratio of a shift of the input to its standard error, zero for other effects.
     ///
     /// ```text
     /// z² = ((T - T_l)/se)²,   T_l: what logging explains,   se from the scores of the windows
     /// ```
-    /// Near the floor the error of a window is mostly noise of the input that adds up until its end. That hides a shift,
-    /// which acts in the few rows in which the input changes, from the fall of the cost, but not from the scores.
+    /// Near the floor the error of a window is mostly integrated noise of the input. A shift acts in the few
+    /// rows in which the input changes; its effect on the cost is therefore hidden, but not its effect on the
+    /// scores.
     ///
     /// Source: Wald's test with the covariance of White, Econometrica 50 (1982).
     fn ratio_of_shift(&self, candidate: &Candidate, fit: &WindowFit) -> f64 {
@@ -139,7 +140,7 @@ impl Search<'_> {
         squares.sum::<f64>().sqrt()
     }
 
-    /// The `count` starts of lowest cost.
+    /// The `count` starts with the lowest cost.
     fn lowest(&self, model: &Model, starts: Vec<Vec<f64>>, count: usize) -> Vec<Vec<f64>> {
         if starts.len() <= count {
             return starts;

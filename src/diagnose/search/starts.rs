@@ -21,13 +21,15 @@ use crate::recording::Recording;
 use crate::robot::Robot;
 use crate::simulate::Hold;
 
-/// Fits in turn with the shifts: the first shifts are to first order, beside parameters that the waves have bent.
+/// Number of fits that alternate with shifts: the first shifts are of first order, with parameters that the
+/// waves have biased.
 const REFINEMENTS: usize = 5;
-/// Standard error of a phase \[rad\] beyond which it is not known: that of an amplitude of ten standard errors. Errors of
-/// windows are no independent values, and waves that are not there have phases of their own in each recording that fit
-/// them with six.
+/// Standard error of a phase \[rad\] above which it is undetermined: that of an amplitude of ten standard
+/// errors. Errors of windows are not independent, and for periodic torques that are absent, separate phases
+/// in each recording fit with six.
 const KNOWN: f64 = 0.1;
-/// Least phase \[rad\] that a recording is moved for: a twentieth of the wave stays if it is not.
+/// Smallest phase \[rad\] for which a recording is moved; without the move a twentieth of the wave would
+/// remain.
 const LEAST: f64 = 0.05;
 
 /// Where an angle of a recording starts against that of another.
@@ -57,13 +59,13 @@ impl StartAngle {
     }
 }
 
-/// Where the angles of each of `recordings` start, as far as torques that repeat with them say so: of all effects of
-/// the catalogue the one whose waves explain the error of `model` best if they have a phase of their own in each
-/// recording. Empty entries where a recording starts like the others; `None` where all do, where the model is near the
-/// floor without, and where effects without waves explain the error.
+/// Initial angles of each of `recordings`, as far as torques periodic in them determine these: from the
+/// effect of the catalogue whose periodic torques explain the error of `model` best with separate phases in
+/// each recording. Entries are empty if a recording starts like the others; `None` if all do, if the model is
+/// near the floor without them, and if other effects explain the error.
 ///
-/// Effects with waves that the model has are taken out of it first, so that the starts are the same before and after
-/// one is added; where a parameter of theirs is held at a value, the angles are taken as they are.
+/// Periodic effects that are already in the model are removed first, so that the result is the same before
+/// and after one is added; if one of their parameters is fixed, the angles are not changed.
 #[must_use]
 pub fn start_angles(
     model: &Model,
@@ -94,7 +96,7 @@ pub fn start_angles(
     Some((0..owned.len()).map(of).collect())
 }
 
-/// The model without its effects with waves; `None` where one of them is held at a value.
+/// The model without its wave effects; `None` if a parameter of one of them is held.
 fn without_waves(model: &Model) -> Option<Model> {
     let mut out = model.clone();
     for e in (0..model.effects().len()).rev() {
@@ -109,7 +111,7 @@ fn without_waves(model: &Model) -> Option<Model> {
     Some(out)
 }
 
-/// The starts of recording `r` that are known and worth moving it for.
+/// The start angles of recording `r` that are known and large enough to be corrected.
 fn known(found: &Aligned, r: usize) -> Vec<StartAngle> {
     let one = |(w, wave): (usize, &Wave)| {
         let (angle, std_error_rad) =
@@ -120,7 +122,7 @@ fn known(found: &Aligned, r: usize) -> Vec<StartAngle> {
     found.waves.iter().enumerate().filter_map(one).collect()
 }
 
-/// The recordings with their angles where the shifts have them start.
+/// The recordings with their angles moved to the found starts.
 fn moved(recordings: &[Recording], found: &Aligned, robot: &Robot) -> Vec<Recording> {
     let one = |(recording, shifts): (&Recording, &Vec<f64>)| {
         let each = found.waves.iter().zip(shifts);
@@ -132,7 +134,7 @@ fn moved(recordings: &[Recording], found: &Aligned, robot: &Robot) -> Vec<Record
     recordings.iter().zip(&found.shifts).map(one).collect()
 }
 
-/// The fit with the candidate added where the alignment has its columns, still to be fitted.
+/// The fit with the candidate added at the alignment, not yet refitted.
 fn added(present: &WindowFit, candidate: &Candidate, found: &Aligned) -> Option<WindowFit> {
     let model = present.model.add_effect(candidate.effect.clone()).ok()?;
     let mut own = candidate.p.clone();
@@ -177,7 +179,7 @@ impl Search<'_> {
         None
     }
 
-    /// Whether windows of that cost are missed by more than their noise: nearer to it phases would be fitted to noise.
+    /// Whether a cost is larger than noise explains; near the floor, phases would be fitted to noise.
     fn is_above_floor(&self, cost: f64) -> bool {
         cost > 0.5 * THRESHOLDS.above_floor.powi(2) * self.windows.values() as f64
     }

@@ -1,4 +1,4 @@
-//! The steps that were tried: which of them held-out windows prove, and which of the effects stay.
+//! The tried steps: those that held-out windows prove, and the effects that remain.
 
 use std::sync::OnceLock;
 
@@ -18,9 +18,9 @@ struct HeldOut<'a> {
     fit: &'a WindowFit,
     /// The errors of the windows, where they can be simulated.
     errors: Option<Vec<Errors>>,
-    /// The error that is shown [rad/s].
+    /// The reported error [rad/s].
     shown: f64,
-    /// [`Search::probability_of_logging`], which costs a fit, once it was asked.
+    /// [`Search::probability_of_logging`], which requires a fit, computed on first use.
     by_logging: OnceLock<f64>,
 }
 
@@ -50,8 +50,8 @@ impl Search<'_> {
         Some(both.map(|(n, (first, second))| if fold(n) == 0 { first } else { second }).collect())
     }
 
-    /// The fall from one fit to another: by its mean over the windows, or by the likelihood where the second
-    /// explains all that the first leaves.
+    /// The fall from one fit to another: by its mean over the windows, or by the likelihood if the second fit
+    /// explains all of the error.
     fn fall(&self, before: &HeldOut, after: &HeldOut) -> Fall {
         let (Some(from), Some(to)) = (&before.errors, &after.errors) else { return Fall::NONE };
         let windows = self.held.as_ref().unwrap_or(&self.windows);
@@ -61,7 +61,7 @@ impl Search<'_> {
             &windows.contrast(from, to),
         );
         let fall = Fall { later: is_later(before.fit, after.fit), ..fall };
-        // the others are asked where they alone decide
+        // the others are evaluated only if the decision depends on them
         if self.passes(&fall) || !self.passes(&Fall { p_value: 0.0, ..fall }) {
             return fall;
         }
@@ -71,17 +71,18 @@ impl Search<'_> {
         Fall { p_value: fall.p_value.min(likelihood).min(shift), ..fall }
     }
 
-    /// Probability of held-out data as much likelier under the second fit, if the first were right; one unless
-    /// the second lies at the noise floor, so that noise is all that is left. An effect that acts in a few windows
-    /// (a warm-up, a limit that is seldom reached) lowers the error by far there and nowhere else, and a mean over
-    /// all windows has a large error.
+    /// Bound of the p-value from the likelihood ratio of the held-out data; one unless the second fit is at
+    /// the noise floor, so that only noise remains. An effect that acts in a few windows only (a warm-up, a
+    /// limit that is seldom reached) lowers the error there by a large amount, but the mean over all windows
+    /// has a large standard error.
     ///
     /// ```text
     /// p <= L(before)/L(after) = exp(-values (rms_before^2 - rms_after^2)/(2 floor^2))
     /// ```
-    /// The bound is Markov's inequality for a likelihood ratio whose models were fitted to other data. A wheel in
-    /// a window of 2 s counts as one value, since its errors there move together; those of the two wheels have
-    /// noise of their own. Under slow noise of the input they do not, and the floor is not known well enough.
+    /// The bound is Markov's inequality for the likelihood ratio of models that were fitted to other data.
+    /// Each wheel counts as one value per window of 2 s, because its errors within a window are correlated;
+    /// the noise of the two wheels is independent. With slow noise of the input this does not hold, and the
+    /// floor is too uncertain.
     fn explained(&self, before: &HeldOut, after: &HeldOut) -> f64 {
         let (from, to) = (before.shown, after.shown);
         if self.held.is_none() || to >= from {
@@ -103,13 +104,14 @@ impl Search<'_> {
         }
     }
 
-    /// Whether the step and all steps up to it are proven by held-out windows, and its effect has a size.
+    /// Whether the step and all steps up to it are proven by held-out windows, and its effect differs from
+    /// zero.
     fn stands(&self, step: &Step) -> bool {
         self.passes(&step.last) && self.passes(&step.total) && has_size(step)
     }
 
-    /// The longest run of the steps that were tried whose last step and whose total are proven, and that never
-    /// raises the error that is shown.
+    /// The longest sequence of tried steps whose last step and whose total are proven, and which never raises
+    /// the reported error.
     pub(super) fn proven(&self, base: &WindowFit, tried: &[(Ranked, Vec<String>)]) -> Vec<Step> {
         // the held-out errors of the base alone, which cost fits, prove nothing
         if tried.is_empty() {
@@ -156,14 +158,15 @@ impl Search<'_> {
         (turned.len() == steps.len() && self.stands(turned.last()?)).then_some(turned)
     }
 
-    /// Root mean square error over windows of 2 s of the recordings that are shown; infinite where it
-    /// cannot be simulated.
+    /// Root mean square error over windows of 2 s of the recordings in the report; infinite if it cannot be
+    /// simulated.
     pub(super) fn shown(&self, fit: &WindowFit) -> f64 {
         let judged = self.judge.judge(&fit.model, &fit.p).map(|j| j.window_rms);
         judged.ok().filter(|rms| rms.is_finite()).unwrap_or(f64::INFINITY)
     }
 
-    /// Drops effects that later ones made needless: without it the criterion is lower, or its size may be zero by now.
+    /// Removes effects that later ones made unnecessary: the criterion is lower without them, or their size
+    /// may be zero.
     pub(super) fn pruned(&self, base: &WindowFit, steps: Vec<Step>) -> Vec<Step> {
         let given = base.model.effects().len();
         let Some(last) = steps.last() else { return steps };
@@ -294,7 +297,7 @@ impl Search<'_> {
         (1..shown.len()).take_while(falls).count()
     }
 
-    /// The held-out falls of the candidates that were refitted.
+    /// Adds the held-out falls to the refitted candidates.
     pub(super) fn with_falls(&self, before: &WindowFit, mut ranking: Vec<Ranked>) -> Vec<Ranked> {
         let refits: Vec<&WindowFit> = std::iter::once(before)
             .chain(ranking.iter().filter_map(|r| r.refit.as_ref()))
@@ -313,7 +316,7 @@ fn between_rows(fit: &WindowFit) -> usize {
     fit.model.effects().iter().filter(|effect| effect.change().acts_between_rows()).count()
 }
 
-/// Whether one fit has an effect that moves the input in time and the other does not.
+/// Whether one fit has an effect that delays the input and the other does not.
 fn is_later(before: &WindowFit, after: &WindowFit) -> bool {
     shifts(&after.model).count() > shifts(&before.model).count()
 }

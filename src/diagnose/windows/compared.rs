@@ -1,14 +1,14 @@
-//! What a window compares in a row: the speeds, or what the angles say of them.
+//! The quantity compared in a row of a window: the speeds, or mean speeds between angles.
 
 use super::window::Window;
 use crate::recording::Recording;
 use crate::robot::State;
 
-/// Goes through the rows of a window, measured beside simulated.
+/// Iterates over the rows of a window, measured and simulated.
 ///
-/// Speeds that were computed from angles are means over the rows around, which a robot that answers within a row
-/// does not have at the row itself. Such recordings are compared by the mean speed from each new angle to the next,
-/// which the simulated angles give as exactly:
+/// Speeds that were computed from angles are means over the neighbouring rows, which differ from the speed in
+/// the row if the robot responds within a row. Such recordings are compared by the mean speed between
+/// successive new angles, which is also exact for the simulated angles:
 ///
 /// ```text
 /// e_k = ((α_k - α_j) - (α̂_k - α̂_j))/(t_k - t_j),   j: the row of the angle before

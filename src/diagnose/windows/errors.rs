@@ -1,4 +1,4 @@
-//! The errors that a model leaves in windows, and sums of them.
+//! Errors of a model in windows, and sums of them.
 
 use rayon::prelude::*;
 
@@ -85,7 +85,7 @@ impl Windows<'_> {
         group.iter().zip(&states).map(one).collect()
     }
 
-    /// `Σ e²/s²` of every window, less what its start explains.
+    /// `Σ e²/s²` of every window, without the part that its start explains.
     #[must_use]
     pub fn squares(&self, model: &Model, p: &[f64]) -> Option<Vec<f64>> {
         Some(self.squares_of(&self.errors(model, p)?))

@@ -1,4 +1,4 @@
-//! Sums over the rows of a window, from which gradient and curvature of the cost are made.
+//! Sums over the rows of a window for gradient and curvature of the cost.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -8,7 +8,7 @@ use crate::math::{FILLED, add_products};
 /// Variance of a start that is known exactly.
 pub(super) const TINY: f64 = 1e-300;
 
-/// Sums of one window over its rows, wheel by wheel; what the start explains is out already.
+/// Sums of one window over its rows, for each wheel, without the part that the start explains.
 #[derive(Clone, Debug)]
 pub struct Sums {
     /// `Σ e² / s²`, e the error of a speed, s its standard deviation.
@@ -91,7 +91,7 @@ impl Accumulator {
         }
     }
 
-    /// Takes out what the start explains; `None` where a sum is not finite.
+    /// Removes the part that the start explains; `None` if a sum is not finite.
     pub(super) fn finish(self, variance: &[f64; 2]) -> Option<Sums> {
         let Self { columns, width, wheels } = self;
         let mut out = Sums::zero(columns);

@@ -5,8 +5,8 @@ use std::ops::Range;
 use crate::recording::Recording;
 use crate::robot::State;
 
-/// Length of a window \[s\]: long enough for friction and viscous effects to show, short enough that noise
-/// of the input does not drown them; the acceptance test uses the same.
+/// Length of a window \[s\]: long enough for friction and viscous effects, short enough that noise of the
+/// input does not dominate; the acceptance test uses the same.
 pub(super) const WINDOW: f64 = 1.0;
 /// Fewest rows of a window.
 const FEWEST: usize = 5;
@@ -26,7 +26,8 @@ pub struct Window {
     pub(super) share: [f64; 2],
 }
 
-/// The windows of a piece: equal parts of about 1 s, or of twice the fewest rows where those come slowly.
+/// The windows of a piece: equal parts of about 1 s, or longer at low rates, with at least twice the smallest
+/// number of rows.
 pub(super) fn cut(
     recording: &Recording,
     piece: &Range<usize>,

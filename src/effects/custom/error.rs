@@ -1,9 +1,9 @@
-//! Why a formula is no effect.
+//! Errors in the definition of a custom effect.
 
 use crate::effects::DIFFERENTIATED;
 use crate::math::ExpressionError;
 
-/// Why a definition does not make an effect.
+/// Why a definition is not a valid effect.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CustomError {
     /// The id is not a new name.
@@ -21,7 +21,7 @@ pub enum CustomError {
     Parameters {
         /// The effect.
         id: String,
-        /// How many were given.
+        /// Number of parameters.
         found: usize,
     },
     /// A symbol that cannot be used.
@@ -58,10 +58,10 @@ pub enum CustomError {
         id: String,
         /// `torque1` or `torque2`.
         key: &'static str,
-        /// What the reader of formulas says.
+        /// Error of the formula parser.
         source: Box<ExpressionError>,
     },
-    /// A parameter that is called linear but is not.
+    /// A parameter that is declared linear but is not.
     #[error(
         "the torque of the custom effect `{id}` is not proportional to its linear parameters \
          (see `{symbol}`); give it the kind \"shape\""

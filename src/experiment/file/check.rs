@@ -1,4 +1,4 @@
-//! Values of an experiment file that are of the right type and still make no sense.
+//! Checks of values of an experiment file that have the right type.
 
 use toml::Table;
 
@@ -7,15 +7,15 @@ use super::{
     MovementEntry, SimulationEntry,
 };
 
-/// Size of a parameter at most.
+/// Largest absolute value of a parameter.
 const LARGEST: f64 = 1e12;
-/// Standard deviation of noise, and factor on it, at most.
+/// Largest standard deviation of noise, and largest factor on it.
 const MOST_NOISE: f64 = 1e4;
-/// Speed [m/s] and turn rate [rad/s] of a segment at most.
+/// Largest speed [m/s] and turn rate [rad/s] of a segment.
 const MOST_SPEED: f64 = 1e3;
 
 impl ExperimentFile {
-    /// Values that are of the right type and still make no sense.
+    /// Checks values that have the right type but are out of range or inconsistent.
     pub(in crate::experiment) fn check(&self, file: &str) -> Result<(), FileError> {
         let wrong = |key: &str, message: String| FileError::Value {
             file: file.into(),
@@ -42,7 +42,7 @@ impl ExperimentFile {
         self.check_keys(file)
     }
 
-    /// The same for a file whose recordings come from elsewhere.
+    /// The same for a file whose recordings are given separately.
     pub(in crate::experiment) fn check_keys(&self, file: &str) -> Result<(), FileError> {
         let wrong = |key: &str, message: String| FileError::Value {
             file: file.into(),

@@ -1,4 +1,4 @@
-//! `[recordings] columns`: where a quantity stands in a recording, and in which unit.
+//! `[recordings] columns`: the column and unit of each quantity.
 
 use std::collections::BTreeMap;
 
@@ -8,16 +8,16 @@ use serde::{Deserialize, Deserializer};
 
 use crate::io::Column;
 
-/// A column of a file: its name, or name, unit and what the unit needs.
+/// A column of a file: its name, or a table with name, unit and conversion.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ColumnEntry {
     /// Name in the file.
     #[serde(default)]
     pub name: String,
-    /// Unit in the file; that of the header, or the SI unit, unless given.
+    /// Unit in the file; default: that of the header, otherwise the SI unit.
     pub unit: Option<String>,
-    /// Factor on the value, for example a gear ratio or -1; 1 unless given.
+    /// Factor on the value, for example a gear ratio or -1; default 1.
     pub scale: Option<f64>,
     /// Added after the factor, in the unit of the file.
     #[serde(default)]
@@ -26,22 +26,24 @@ pub struct ColumnEntry {
     pub per_turn: Option<f64>,
     /// Torque per ampere [N m/A], for an input that was recorded as current.
     pub torque_constant: Option<f64>,
-    /// Column with the part of a second of a time in whole seconds (`t` only): nanoseconds, unless its name states `usec` or `ms`.
+    /// Column with the fractional part of a time in whole seconds (`t` only): nanoseconds, unless its name
+    /// states `usec` or `ms`.
     pub nanoseconds: Option<String>,
-    /// Whether the column holds the step from row to row, and the time is the sum of the steps (`t` only).
+    /// Whether the column contains the time step from row to row, so that the time is its cumulative sum (`t`
+    /// only).
     #[serde(default)]
     pub sum: bool,
-    /// Time between two rows \[s\] of a recording without a column of the time (`t` only, in place of all other keys).
+    /// Sampling period \[s\] of a recording without a time column (`t` only, in place of all other keys).
     pub period: Option<f64>,
     /// Columns that are added to the value: the torques or currents of the other motors of a side (`M1` and `M2` only).
     #[serde(default)]
     pub plus: Vec<String>,
-    /// Column that multiplies the value, for example the voltage of the battery where the input is a
-    /// duty cycle (`M1` and `M2` only).
+    /// Column by which the value is multiplied, for example the battery voltage if the input is a duty cycle
+    /// (`M1` and `M2` only).
     pub times: Option<String>,
-    /// Column that says the direction of a magnitude, for example `dirL` beside `pwmL` (speeds and inputs only).
+    /// Column with the direction of a magnitude, for example `dirL` beside `pwmL` (speeds and inputs only).
     pub sign: Option<String>,
-    /// Text in the column `sign` that marks a negative value; a negative number unless given.
+    /// Text in the column `sign` that marks a negative value; default: any negative number.
     pub backward: Option<String>,
 }
 
@@ -65,8 +67,8 @@ impl From<ColumnEntry> for Column {
     }
 }
 
-/// `M1 = "tau_r"` or `M1 = { name = "tau_r", … }`; the errors of the table stay exact, which an
-/// untagged enumeration would hide.
+/// `M1 = "tau_r"` or `M1 = { name = "tau_r", … }`; unlike an untagged enumeration this keeps the exact errors
+/// of the table.
 pub(super) fn columns<'de, D: Deserializer<'de>>(
     d: D,
 ) -> Result<BTreeMap<String, ColumnEntry>, D::Error> {

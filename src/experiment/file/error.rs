@@ -1,9 +1,9 @@
-//! What is wrong with an experiment file.
+//! Errors in an experiment file.
 
-/// What is wrong with an experiment file.
+/// An error in an experiment file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FileError {
-    /// Not TOML, an unknown key or a wrong type; the message shows the line.
+    /// Invalid TOML, an unknown key or a wrong type; the message shows the line.
     #[error("{file}: {message}")]
     Syntax {
         /// Name of the experiment file, as typed.
@@ -19,14 +19,14 @@ pub enum FileError {
         /// What was expected.
         message: String,
     },
-    /// A value that makes no sense.
+    /// A value that is out of range or inconsistent.
     #[error("{file}: {key} {message}")]
     Value {
         /// Name of the experiment file, as typed.
         file: String,
         /// Dotted key.
         key: String,
-        /// What is wrong, what was expected.
+        /// The error, and the expected value.
         message: String,
     },
 }

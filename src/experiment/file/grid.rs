@@ -5,7 +5,7 @@ use toml::{Table, Value};
 
 use crate::catalogue;
 
-/// Keys of `[simulation]`, which may stand in `[grid]` without their table.
+/// Keys of `[simulation]`, which may be used in `[grid]` without the name of their table.
 pub(super) const SIMULATION_KEYS: [&str; 13] = [
     "movement",
     "hidden",
@@ -26,13 +26,13 @@ pub(super) const SIMULATION_KEYS: [&str; 13] = [
 pub(super) const TABLES: [&str; 6] =
     ["robot", "recordings", "simulation", "model", "emulator", "diagnosis"];
 
-/// Most combinations of a grid.
+/// Largest number of combinations of a grid.
 const MOST_CELLS: usize = 1_000_000;
 
 /// A key of the experiment file and the values it takes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GridAxis {
-    /// As written in `[grid]`: the name of its column.
+    /// Name in `[grid]`, which is also that of its column.
     pub name: String,
     /// Dotted key of the experiment file.
     pub key: String,
@@ -41,26 +41,26 @@ pub struct GridAxis {
 }
 
 impl GridAxis {
-    /// Whether it repeats the experiment with other noise and not with other conditions.
+    /// Whether it only repeats the experiment with other noise realisations.
     #[must_use]
     pub fn is_seed(&self) -> bool {
         self.key == "simulation.seed"
     }
 
-    /// Whether it changes the recordings, and not what is made of them.
+    /// Whether it changes only the recordings.
     #[must_use]
     pub fn is_data(&self) -> bool {
         self.key.starts_with("simulation.") || self.key.starts_with("recordings.")
     }
 
-    /// Its values as numbers, where all are.
+    /// Its values as numbers, if all are numeric.
     #[must_use]
     pub fn numbers(&self) -> Option<Vec<f64>> {
         self.values.iter().map(number).collect()
     }
 
-    /// Where its values stand on an axis, with the axis's label and unit: the values themselves,
-    /// or the noise of the speeds in a table of noises.
+    /// Positions of its values on an axis, with label and unit: the values themselves, or the speed noise in
+    /// a table of noise levels.
     #[must_use]
     pub fn scale(&self) -> Option<(Vec<f64>, String, &'static str)> {
         if let Some(numbers) = self.numbers() {
@@ -85,7 +85,7 @@ fn number(value: &Value) -> Option<f64> {
     value.as_float().or_else(|| value.as_integer().map(|i| i as f64))
 }
 
-/// A key of `[grid]` that is wrong, and why.
+/// An error in a key of `[grid]`.
 pub(in crate::experiment) struct WrongKey {
     pub(in crate::experiment) key: String,
     pub(in crate::experiment) message: String,
@@ -115,7 +115,7 @@ pub(super) struct Range {
 /// The axes of `[grid]`, in alphabetical order of their keys as written.
 ///
 /// # Errors
-/// A key that no experiment file has, and values that are neither a list nor a range.
+/// An unknown key, and values that are neither a list nor a range.
 pub(in crate::experiment) fn axes(grid: &Table) -> Result<Vec<GridAxis>, WrongKey> {
     let mut out: Vec<GridAxis> = Vec::new();
     for (name, values) in flat(grid, "") {
@@ -149,7 +149,7 @@ fn flat(table: &Table, before: &str) -> Vec<(String, Value)> {
     out
 }
 
-/// Whether a table holds axes and is not a range itself.
+/// Whether a table contains axes and is not itself a range.
 fn holds_axes(table: &Table) -> bool {
     !table.is_empty() && table.values().all(|v| v.is_array() || v.is_table())
 }
@@ -164,14 +164,14 @@ fn full_key(name: &str) -> Result<String, String> {
                            methods run in every combination";
             return Err(message.into());
         }
-        return Err(format!("is no key of an experiment file{}", nearest(table, &TABLES)));
+        return Err(format!("is not a key of an experiment file{}", nearest(table, &TABLES)));
     }
     if SIMULATION_KEYS.contains(&name) {
         return Ok(format!("simulation.{name}"));
     }
     let near = nearest(name, &SIMULATION_KEYS);
     Err(format!(
-        "is no key of [simulation]{near}; keys of other tables are written with their table, for \
+        "is not a key of [simulation]{near}; keys of other tables are written with their table, for \
          example \"model.effects\""
     ))
 }
@@ -188,11 +188,11 @@ fn values(value: &Value) -> Result<Vec<Value>, String> {
         Value::Table(table) => {
             let range: Range = Value::Table(table.clone())
                 .try_into()
-                .map_err(|e: toml::de::Error| format!("is no range: {}", e.message()))?;
+                .map_err(|e: toml::de::Error| format!("is not a range: {}", e.message()))?;
             range.values()
         }
         other => Err(format!(
-            "= {other} is no list; write [{other}], {{ count = 100 }}, or {{ from = 0.1, to = 10, \
+            "= {other} is not a list; write [{other}], {{ count = 100 }}, or {{ from = 0.1, to = 10, \
              steps = 5, log = true }}"
         )),
     }
@@ -215,13 +215,15 @@ impl Range {
                 Ok((first..=last).map(Value::Integer).collect())
             }
             (None, Some(from), Some(to), Some(steps)) => self.spaced(from, to, steps),
-            _ => Err("is no range; write { count = 100 } with or without from, or { from = 0.1, \
+            _ => {
+                Err("is not a range; write { count = 100 } with or without from, or { from = 0.1, \
                       to = 10, steps = 5 } with or without log = true"
-                .into()),
+                    .into())
+            }
         }
     }
 
-    /// From one end to the other in equal steps, or equal ratios. Whole numbers stay whole.
+    /// Equidistant values, or a geometric progression. Integers stay integers.
     fn spaced(&self, from: &Value, to: &Value, steps: usize) -> Result<Vec<Value>, String> {
         let end = |name: &str, value: &Value| {
             let finite = number(value).filter(|x| x.is_finite());

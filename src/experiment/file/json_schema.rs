@@ -1,5 +1,5 @@
-//! The experiment file as a JSON schema, with which editors complete and check it: generated from
-//! the types that read the file and from the catalogues, so that it cannot drift from either.
+//! The JSON schema of experiment files for editors, generated from the types that read the file and from the
+//! catalogues, so that they cannot differ.
 
 use schemars::generate::SchemaSettings;
 use serde_json::{Value, json};
@@ -10,8 +10,8 @@ use crate::identify::doc_text;
 
 /// The JSON schema (draft 7) of an experiment file, as text.
 ///
-/// It refuses nothing that the program reads, but for unusual spellings of units (`RPM`); what
-/// depends on the recordings, or on several keys at once, only the program can tell.
+/// It accepts every file that the program reads, except for unusual spellings of units (`RPM`); conditions on
+/// the recordings, or on several keys at once, are checked only by the program.
 ///
 /// # Examples
 /// ```
@@ -31,7 +31,7 @@ pub(super) fn schema_value() -> Value {
     without_null(&mut root);
     root["title"] = "Experiment file of amigo-ident".into();
     root["oneOf"] = json!([{ "required": ["recordings"] }, { "required": ["simulation"] }]);
-    // without effects written as formulas there are those of the catalogue only
+    // without custom effects only those of the catalogue are allowed
     let ids = json!({ "enum": added_ids() });
     let custom =
         json!({ "properties": { "model": { "required": ["custom"] } }, "required": ["model"] });
@@ -43,7 +43,7 @@ pub(super) fn schema_value() -> Value {
     root
 }
 
-/// TOML has no null: what may be left out is described by what it is when it is there.
+/// TOML has no null: an optional value is described by the type it has if present.
 fn without_null(value: &mut Value) {
     match value {
         Value::Object(map) => {

@@ -1,4 +1,5 @@
-//! JSON schemas of the keys whose names and values the catalogues of effects, methods, robots and units decide.
+//! JSON schemas of keys whose names and values depend on the catalogues of effects, methods, robots and
+//! units.
 
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde_json::{Map, Value, json};
@@ -14,7 +15,7 @@ fn schema(value: Value) -> Schema {
     Schema::try_from(value).unwrap_or_default()
 }
 
-/// A word of a list, with what it means.
+/// A value of a list with its meaning.
 fn words(list: impl IntoIterator<Item = (String, String)>) -> Value {
     let one = |(word, meaning)| json!({ "const": word, "description": meaning });
     list.into_iter().map(one).collect()
@@ -84,7 +85,7 @@ fn parameter_words(p: &ParameterSpec) -> String {
     format!("{} [{unit}], of the order of {}.", p.meaning, p.typical)
 }
 
-/// A true value of a simulated robot; shapes are held to their ranges.
+/// A true value of a simulated robot; shape parameters are limited to their ranges.
 fn true_value(p: &ParameterSpec) -> Value {
     let mut out = json!({ "type": "number", "description": parameter_words(p) });
     if p.kind == ParameterKind::Shape && p.range.0.is_finite() && p.range.1.is_finite() {
@@ -114,7 +115,7 @@ pub(super) fn hidden(_: &mut SchemaGenerator) -> Schema {
     }))
 }
 
-/// Parameters by symbol: those of the catalogue, and others, which custom effects may have.
+/// Parameters by symbol: those of the catalogue, and others for custom effects.
 fn by_symbol(description: &str, value: impl Fn(&ParameterSpec) -> Value, other: Value) -> Schema {
     let all = effects::all().into_iter().flat_map(|e| e.parameters());
     let known: Map<_, _> = all.map(|p| (p.symbol.clone(), value(&p))).collect();
@@ -141,7 +142,7 @@ pub(super) fn fixed(_: &mut SchemaGenerator) -> Schema {
     )
 }
 
-/// `[model] effects`: those of the catalogue are completed; ids of custom ones are free.
+/// `[model] effects`: ids of the catalogue are completed; ids of custom effects are arbitrary.
 pub(super) fn effects(_: &mut SchemaGenerator) -> Schema {
     schema(json!({
         "type": "array",

@@ -1,6 +1,6 @@
-//! The words of what TOML refuses, with the key that was meant.
+//! Error messages for invalid TOML, with the key that was probably meant.
 //!
-//! Which keys there are, the schema of the file says: serde's errors are sentences, and nothing is read off them.
+//! The keys are taken from the schema of the file; the text of serde's errors is not parsed.
 
 use serde_json::Value as Schema;
 use toml::{Table, Value};
@@ -9,14 +9,14 @@ use super::error::FileError;
 use super::json_schema::schema_value;
 use crate::catalogue::nearest;
 
-/// What is wrong with the text of a file: line, excerpt and the key that was meant.
+/// The error in the text of a file: line, excerpt and the key that was probably meant.
 pub(super) fn refused(file: &str, text: &str, error: &toml::de::Error) -> FileError {
     let (schema, table) = (schema_value(), toml::from_str(text).unwrap_or_default());
     let message = match error.span() {
         None => meant(&schema, &table, |_| true).unwrap_or_else(|| error.message().into()),
         Some(span) => {
             let place = text.get(span.clone()).unwrap_or_default().trim_matches(['"', '\'']);
-            // the place is the key, or the table in which it stands
+            // the place is the key, or the table that contains it
             let is_there = |key: &str| key == place || place.contains('=') && place.contains(key);
             let message = meant(&schema, &table, is_there);
             let message = message.unwrap_or_else(|| error.message().into());
@@ -27,7 +27,7 @@ pub(super) fn refused(file: &str, text: &str, error: &toml::de::Error) -> FileEr
     FileError::Syntax { file: file.into(), message: message.trim_end().into() }
 }
 
-/// What is wrong with a table of the file, at `place` in it.
+/// The error in a table of the file, at `place`.
 pub(super) fn refused_table(place: &[&str], table: &Table, error: &toml::de::Error) -> String {
     let schema = schema_value();
     let schema = place.iter().fold(&schema, |schema, key| &schema["properties"][key]);
@@ -42,8 +42,8 @@ fn line_of(text: &str, offset: usize) -> (usize, &str) {
     (number, text.lines().nth(number - 1).unwrap_or_default())
 }
 
-/// The first key of a table that its schema does not have and that `counts`, with the key that was meant; `None`
-/// where there is none, or none is like it.
+/// The first key of a table that is not in its schema and for which `counts` holds, with the most similar
+/// key; `None` if there is no such key, or none is similar.
 fn meant(schema: &Schema, table: &Table, counts: impl Fn(&str) -> bool) -> Option<String> {
     let mut found = vec![];
     unknown_keys(schema, table, &mut found);
@@ -52,13 +52,13 @@ fn meant(schema: &Schema, table: &Table, counts: impl Fn(&str) -> bool) -> Optio
     Some(format!("unknown key `{key}`; did you mean `{near}`?"))
 }
 
-/// Keys that the schema of their table does not have, with those that it has.
+/// Keys that are not in the schema of their table, with those that are.
 fn unknown_keys<'a>(
     schema: &'a Schema,
     table: &'a Table,
     found: &mut Vec<(&'a str, Vec<&'a str>)>,
 ) {
-    // of a block that may be one of many tables its own reader finds which
+    // for a block that may be one of several tables its own parser finds the error
     let [schema] =
         alternatives(schema).filter(|s| s["properties"].is_object()).collect::<Vec<_>>()[..]
     else {
@@ -91,7 +91,7 @@ fn below<'a>(schema: &'a Schema, value: &'a Value, found: &mut Vec<(&'a str, Vec
     }
 }
 
-/// A schema and those of which its value may be one.
+/// A schema and its alternatives.
 fn alternatives(schema: &Schema) -> impl Iterator<Item = &Schema> {
     let of = |word: &str| schema[word].as_array().into_iter().flatten();
     std::iter::once(schema).chain(of("anyOf")).chain(of("oneOf"))

@@ -1,4 +1,4 @@
-//! The experiment file: what users type, checked before anything runs.
+//! The experiment file, checked before anything is run.
 
 mod check;
 mod column;
@@ -27,12 +27,12 @@ use std::collections::BTreeMap;
 use toml::{Table, Value};
 
 impl ExperimentFile {
-    /// Reads the text of an experiment file. `name` stands in messages; `overrides` are
+    /// Parses the text of an experiment file. `name` is used in messages; `overrides` are
     /// `key=value` in TOML syntax with dotted keys, applied in order.
     ///
     /// # Errors
-    /// Unknown keys, wrong types and values out of range, with the line and, where close, the key
-    /// that was meant.
+    /// Unknown keys, wrong types and values out of range, with the line and, if one is similar, the key
+    /// that was probably meant.
     ///
     /// # Examples
     /// ```
@@ -48,7 +48,7 @@ impl ExperimentFile {
         let file = if overrides.is_empty() {
             typed()?
         } else {
-            // what is wrong in the text itself has a line
+            // errors in the text itself have a line number
             if open::refuse_open(name, &Self::table(name, text, &[])?).is_ok() {
                 let _: Self = typed()?;
             }
@@ -59,7 +59,7 @@ impl ExperimentFile {
         Ok(file)
     }
 
-    /// The keys and values of the text with the overrides applied, not checked.
+    /// The keys and values of the text with the overrides applied, unchecked.
     pub(super) fn table(name: &str, text: &str, overrides: &[String]) -> Result<Table, FileError> {
         let mut table = toml::from_str(text).map_err(|e| meant::refused(name, text, &e))?;
         for entry in overrides {
@@ -68,19 +68,19 @@ impl ExperimentFile {
         Ok(table)
     }
 
-    /// Reads keys and values; what is of the right type is not judged yet. The error is in words.
+    /// Parses keys and values without checking ranges. The error is text.
     pub(super) fn from_table(table: &Table) -> Result<Self, String> {
         Value::Table(table.clone()).try_into().map_err(|e| meant::refused_table(&[], table, &e))
     }
 }
 
-/// The entries of a table of columns alone, as `recordings.columns` has them; the error is in words.
+/// Parses the entries of a table of columns, as in `recordings.columns`; the error is text.
 pub(super) fn column_entries(table: &Table) -> Result<BTreeMap<String, ColumnEntry>, String> {
     column::columns(Value::Table(table.clone()))
         .map_err(|e| meant::refused_table(&["recordings", "columns"], table, &e))
 }
 
-/// Where a name stands for a table of that name.
+/// Table in which a name stands for a table with this name.
 const COLUMNS: &str = "recordings.columns.";
 
 /// Applies one `a.b.c=value`.
@@ -95,7 +95,8 @@ fn set(table: &mut Table, entry: &str) -> Result<(), FileError> {
     set_value(table, key.trim(), parsed["value"].clone()).map_err(wrong)
 }
 
-/// Puts a value at a dotted key, making tables on the way; a column that is its name becomes a table with it.
+/// Sets a value at a dotted key, creating tables as needed; a column given by its name becomes a table with
+/// this name.
 ///
 /// # Errors
 /// If a part of the key is not a table.
@@ -108,11 +109,11 @@ pub(super) fn set_value(table: &mut Table, key: &str, value: Value) -> Result<()
         if let Value::String(name) = &*next
             && key.starts_with(COLUMNS)
         {
-            // a period stands in place of a column
+            // a period replaces a column
             let named = (last != "period").then(|| ("name".to_string(), name.clone().into()));
             *next = Value::Table(named.into_iter().collect());
         }
-        place = next.as_table_mut().ok_or_else(|| format!("`{part}` of `{key}` is no table"))?;
+        place = next.as_table_mut().ok_or_else(|| format!("`{part}` of `{key}` is not a table"))?;
     }
     place.insert(last.to_string(), value);
     Ok(())

@@ -1,17 +1,17 @@
-//! What `experiment new` could not know: values that stand as `"?"`.
+//! Open questions of `experiment new`: values written as `"?"`.
 
 use toml::{Table, Value};
 
 use super::FileError;
 
-/// Refuses a file in which something is still open, with all that is.
+/// Refuses a file with open questions, listing all of them.
 pub(super) fn refuse_open(file: &str, table: &Table) -> Result<(), FileError> {
     let mut open = vec![];
     for (table, key) in [(table.get("recordings"), "recordings"), (table.get("robot"), "robot")] {
         collect(key, table, &mut open);
     }
     let Some(first) = open.first().cloned() else { return Ok(()) };
-    // keys that need the same in one sentence
+    // keys with the same question are combined in one sentence
     let mut groups: Vec<(&str, Vec<&str>)> = vec![];
     for key in &open {
         let wanted = wanted(key);
@@ -26,7 +26,7 @@ pub(super) fn refuse_open(file: &str, table: &Table) -> Result<(), FileError> {
     Err(FileError::Value { file: file.into(), key: first, message })
 }
 
-/// Dotted keys below one whose value is a question mark.
+/// Dotted keys below `key` with a question mark as value.
 fn collect(key: &str, value: Option<&Value>, out: &mut Vec<String>) {
     match value {
         Some(Value::String(text)) if text == "?" => out.push(key.into()),
@@ -37,28 +37,24 @@ fn collect(key: &str, value: Option<&Value>, out: &mut Vec<String>) {
     }
 }
 
-/// What is to be written in place of the question mark.
+/// The expected value in place of the question mark.
 fn wanted(key: &str) -> &'static str {
     match key.rsplit('.').next().unwrap_or_default() {
         "per_turn" => "the counts of the encoder per turn of the wheel (lines x 4 x gear)",
-        "unit" => "the unit of the column; the comments above say which fit",
+        "unit" => "the unit of the column; the comments above list the possibilities",
         "scale" if key.ends_with(".t.scale") => {
-            "the time between two rows [s], as the column counts rows"
+            "the sampling period [s], because the column counts rows"
         }
         "scale" => {
-            "the factor on the values, with its sign; the comments above say which may be meant"
+            "the factor on the values, with its sign; the comments above list the possibilities"
         }
         "sign" => {
-            "the name of the column with the direction, or leave `sign` out where the values have their signs"
+            "the name of the column with the direction, or remove `sign` if the values are signed"
         }
-        "backward" => {
-            "what the column of the direction holds where the value is negative, in quotes"
-        }
-        "period" => {
-            "the time between two rows [s], or t = \"…\" with the name of the column that holds the time"
-        }
+        "backward" => "the content of the direction column for negative values, in quotes",
+        "period" => "the sampling period [s], or t = \"…\" with the name of the time column",
         "r_m" => "the radius of the wheels [m]",
-        _ => "the name of a column of the recording; the comments above say which there are",
+        _ => "the name of a column of the recording; the comments above list them",
     }
 }
 

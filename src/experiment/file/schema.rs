@@ -16,25 +16,25 @@ use crate::verdict::Basis;
 #[derive(Clone, Debug, Default, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ExperimentFile {
-    /// Heading of the report.
+    /// Title of the report.
     pub title: Option<String>,
-    /// Preset or construction data; the AmigoBot unless given.
+    /// Preset or construction data; default: the AmigoBot.
     #[schemars(schema_with = "super::key_schema::robot")]
     pub robot: Option<Table>,
     /// Measured data.
     pub recordings: Option<RecordingsEntry>,
-    /// Corrections of faults by sensors and loggers; each is on unless switched off.
+    /// Corrections of faults of sensors and loggers; all are enabled by default.
     pub conditioning: Settings,
     /// Synthetic data.
     pub simulation: Option<SimulationEntry>,
-    /// Effects, held parameters and formulas.
+    /// Effects, fixed parameters and formulas.
     pub model: ModelEntry,
     /// Methods to compare.
     #[schemars(schema_with = "super::key_schema::methods")]
     pub method: Vec<Table>,
     /// Emulator of eq. (19).
     pub emulator: EmulatorEntry,
-    /// The search for missing effects; omitted without this table.
+    /// Search for missing effects; not run without this table.
     pub diagnosis: Option<DiagnosisEntry>,
     /// The experiment is repeated over all combinations of these keys.
     #[schemars(schema_with = "super::key_schema::grid")]
@@ -45,24 +45,24 @@ pub struct ExperimentFile {
 #[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RecordingsEntry {
-    /// Files to fit.
+    /// Training files.
     #[schemars(length(min = 1))]
     pub train: Vec<String>,
-    /// Files for validation.
+    /// Validation files.
     #[serde(default)]
     pub validation: Vec<String>,
-    /// Columns whose names or units differ from the usual ones.
+    /// Columns whose names or units differ from the standard ones.
     #[serde(default, deserialize_with = "columns")]
     #[schemars(schema_with = "super::key_schema::columns")]
     pub columns: BTreeMap<String, ColumnEntry>,
     /// Unit of the input.
     #[serde(default)]
     pub drive_unit: DriveUnit,
-    /// The input between samples; linear unless given, and `check` reports if the motion fits a held input better.
+    /// The input between samples; linear by default; `check` reports if the motion fits a held input better.
     #[serde(default)]
     pub hold: Option<Hold>,
-    /// Rows up to which a recording is held in memory. Of a longer one (CSV, Parquet) windows are
-    /// held; torque_regression reads every row of it, block by block.
+    /// Largest number of rows of a recording that is kept in memory. Of a longer one (CSV, Parquet) only
+    /// windows are kept; torque_regression reads every row of it, block by block.
     #[serde(default = "hold_rows")]
     #[schemars(range(min = 1000))]
     pub hold_rows: usize,
@@ -76,19 +76,19 @@ pub(in crate::experiment) fn hold_rows() -> usize {
 #[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SimulationEntry {
-    /// `paper`, `rich`, or segments written out.
+    /// `paper`, `rich`, or a list of segments.
     pub movement: MovementEntry,
-    /// Effects of the simulated robot that the model may lack: effect, then parameter = value.
+    /// Effects of the simulated robot that the model may not contain: effect, then parameter = value.
     #[schemars(schema_with = "super::key_schema::hidden")]
     pub hidden: BTreeMap<String, BTreeMap<String, f64>>,
     /// Standard deviations of the noise.
     pub noise: NoiseLevel,
     /// Seed of noise and rich movements.
     pub seed: u64,
-    /// Recordings to fit.
+    /// Number of training recordings.
     #[schemars(range(min = 1))]
     pub train: usize,
-    /// Recordings for validation.
+    /// Number of validation recordings.
     pub validation: usize,
     /// Sampling rate \[Hz\].
     #[schemars(range(min = 1.0, max = 1e5))]
@@ -133,7 +133,7 @@ impl Default for SimulationEntry {
     }
 }
 
-/// A movement by name, or written out.
+/// A movement by name, or as segments.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, schemars::JsonSchema)]
 #[serde(
     untagged,
@@ -150,9 +150,9 @@ pub enum MovementEntry {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum NamedMovement {
-    /// That of the paper: start, straight, circle, brake.
+    /// The movement of the paper: start, straight, circle, brake.
     Paper,
-    /// Random speeds and turn rates that excite every parameter.
+    /// Random speeds and turn rates that excite all parameters.
     Rich,
 }
 
@@ -163,10 +163,10 @@ pub struct ModelEntry {
     /// Effects added to the base.
     #[schemars(schema_with = "super::key_schema::effects")]
     pub effects: Vec<String>,
-    /// Parameters held at a value, or at that of the construction data.
+    /// Fixed parameters, at a value or at that of the construction data.
     #[schemars(schema_with = "super::key_schema::fixed")]
     pub fixed: BTreeMap<String, FixedEntry>,
-    /// Effects written as formulas.
+    /// Effects defined by formulas.
     pub custom: Vec<CustomEntry>,
 }
 
@@ -180,7 +180,7 @@ pub enum FixedEntry {
     Construction(ConstructionWord),
 }
 
-/// The word for the construction data.
+/// Keyword for the construction data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ConstructionWord {
@@ -196,11 +196,11 @@ pub struct CustomEntry {
     pub id: String,
     /// Resisting torque on wheel 1 [N m].
     pub torque1: String,
-    /// Resisting torque on wheel 2 [N m]; the same formula with the wheels exchanged unless given.
+    /// Resisting torque on wheel 2 [N m]; default: the same formula with the wheels exchanged.
     pub torque2: Option<String>,
     /// Parameters by symbol.
     pub parameters: BTreeMap<String, CustomParameter>,
-    /// What it is, for the report.
+    /// Description, for the report.
     #[serde(default)]
     pub description: String,
 }
@@ -209,13 +209,13 @@ pub struct CustomEntry {
 #[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct CustomParameter {
-    /// For tables and axes; the program does not convert it.
+    /// Unit in tables and on axes; not converted.
     pub unit: String,
     /// Smallest and largest value.
     pub range: (f64, f64),
     /// Typical value.
     pub typical: f64,
-    /// Whether it shapes the torque instead of scaling it.
+    /// Whether it is a shape parameter, in which the torque is not linear.
     pub shape: bool,
 }
 
@@ -244,10 +244,10 @@ pub struct EmulatorEntry {
 pub struct DiagnosisEntry {
     /// `"all"` or a list of ids.
     pub candidates: CandidatesEntry,
-    /// Stated false-alarm rate.
+    /// False-alarm rate.
     #[schemars(extend("exclusiveMinimum" = 0.0, "exclusiveMaximum" = 1.0))]
     pub false_alarm: f64,
-    /// Largest number of effects that are added.
+    /// Largest number of added effects.
     #[schemars(range(min = 1))]
     pub max_effects: usize,
     /// Whether a slow unknown torque (up to 1 s) is treated as noise. `false` for a test bench with an
@@ -275,7 +275,7 @@ pub enum CandidatesEntry {
     Some(#[schemars(schema_with = "super::key_schema::candidates")] Vec<String>),
 }
 
-/// The word for the whole catalogue.
+/// Keyword for the whole catalogue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum AllCandidates {

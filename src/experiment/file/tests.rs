@@ -1,4 +1,4 @@
-//! Experiment files that are right, and every way to get one wrong.
+//! Valid experiment files, and all kinds of invalid ones.
 
 use super::*;
 

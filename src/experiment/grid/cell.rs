@@ -1,4 +1,4 @@
-//! One combination: run, reduced to rows.
+//! One combination: run, and reduced to rows.
 
 use std::borrow::Cow;
 use std::time::Instant;
@@ -14,7 +14,7 @@ use crate::experiment::fits::fits;
 use crate::identify::{Estimate, Status};
 use crate::study::{Grade, MethodStudy, Role, Verdict};
 
-/// A number that is written exactly, also where it is not finite (JSON has no words for that).
+/// A number that is stored exactly, including non-finite values, which JSON does not support.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Exact(pub(super) f64);
 
@@ -33,7 +33,7 @@ impl<'de> Deserialize<'de> for Exact {
 
 const MISSING: Exact = Exact(f64::NAN);
 
-/// A method in a cell, once for every parameter; once without one where there are none.
+/// Result of a method in a cell, one row per parameter; a single row without a parameter if it has none.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Row {
     pub(super) method: Word,
@@ -55,7 +55,7 @@ pub(super) struct Row {
     pub(super) seconds: Exact,
 }
 
-/// How a method ended in a cell.
+/// Status of a method in a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum RowStatus {
@@ -87,7 +87,7 @@ impl Row {
     }
 }
 
-/// What the diagnosis of a cell concluded, or why there is none.
+/// Verdict of the diagnosis of a cell, or the reason of its failure.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum CellVerdict {
@@ -97,7 +97,7 @@ pub(super) enum CellVerdict {
 }
 
 impl CellVerdict {
-    /// As in `estimates.parquet`.
+    /// Name in `estimates.parquet`.
     pub(super) fn text(&self) -> Cow<'static, str> {
         match self {
             Self::Concluded(verdict) => verdict.name().into(),
@@ -106,18 +106,18 @@ impl CellVerdict {
     }
 }
 
-/// A finished combination: one line of the journal.
+/// A completed combination: one line of the journal.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Cell {
-    /// Hash of everything that the result depends on, cell included.
+    /// Hash of everything on which the result depends, including the cell.
     pub(super) key: String,
     /// Its number, from 0.
     pub(super) cell: usize,
-    /// Verdict of its diagnosis, where one is asked for.
+    /// Verdict of its diagnosis, if requested.
     pub(super) verdict: Option<CellVerdict>,
     /// Effects found, joined by `+`.
     pub(super) found: String,
-    /// Whether errors are on the training data, since no recording is held out.
+    /// Whether errors are computed on the training data, because no recording is held out.
     #[serde(default)]
     pub(super) on_training: bool,
     pub(super) rows: Vec<Row>,
@@ -130,7 +130,7 @@ impl Cell {
     }
 }
 
-/// Runs a cell. Whatever fails stands in its rows; `methods` are named there if nothing runs.
+/// Runs a cell. Failures are recorded in its rows; `methods` are the names used if nothing can be run.
 pub(super) fn run_cell(grid: &GridPlan, cell: usize, key: String, methods: &[&str]) -> Cell {
     let start = Instant::now();
     let failed = |reason: String| {
@@ -141,7 +141,7 @@ pub(super) fn run_cell(grid: &GridPlan, cell: usize, key: String, methods: &[&st
         Cell { key, cell, verdict: None, found: String::new(), on_training: false, rows: vec![] };
     let plan = match resolve_cell(grid, cell) {
         Ok(plan) => plan,
-        // without the file, which machines may keep in different places
+        // without the file name, which may differ between machines
         Err(e) => {
             let file = format!("{}: ", grid.path.display());
             let reason = e.to_string();

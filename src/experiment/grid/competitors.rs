@@ -1,4 +1,4 @@
-//! What competes in a grid: methods and settings, each with its runs on the same data.
+//! The alternatives compared in a grid: methods and settings, each with its runs on the same data.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use super::cell::Cell;
 use crate::experiment::combinations::GridPlan;
 use crate::study::Grade;
 
-/// A run of a competitor.
+/// A run of an alternative.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run {
     /// Number of its combination.
@@ -22,7 +22,7 @@ pub(super) struct Run {
 #[derive(Clone, Debug)]
 pub(super) struct Competitor {
     pub(super) name: String,
-    /// By the data (seed, noise and recordings), those on which every competitor has an error.
+    /// Runs by data (seed, noise and recordings), for those on which every alternative has an error.
     pub(super) runs: Vec<Run>,
 }
 
@@ -33,7 +33,8 @@ impl Competitor {
     }
 }
 
-/// The competitors, that of the smallest geometric mean of the error first; none where no data are common to all.
+/// The alternatives, that with the smallest geometric mean of the error first; empty if no data are common to
+/// all.
 pub(super) fn competitors(grid: &GridPlan, cells: &[Cell]) -> Vec<Competitor> {
     let all = by_data(grid, cells);
     let is_common = |data: &Vec<usize>| all.values().all(|runs| runs.contains_key(data));
@@ -67,7 +68,7 @@ fn by_data(grid: &GridPlan, cells: &[Cell]) -> BTreeMap<String, BTreeMap<Vec<usi
     out
 }
 
-/// The competitor with the smallest error, as a whole.
+/// The alternative with the smallest error, over all its runs.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Best {
     pub(super) name: String,
@@ -75,14 +76,14 @@ pub(super) struct Best {
     pub(super) error: f64,
     /// Geometric mean of their noise floors [rad/s].
     pub(super) floor: f64,
-    /// The grade that half of its runs reach.
+    /// The grade reached by half of its runs.
     pub(super) grade: Option<Grade>,
-    /// Runs of that grade, and all.
+    /// Number of runs with this grade, and of all runs.
     pub(super) runs: (usize, usize),
 }
 
 impl Best {
-    /// Of [`competitors`].
+    /// The first of [`competitors`].
     pub(super) fn of(competitors: &[Competitor]) -> Option<Self> {
         let best = competitors.first()?;
         let mut grades: Vec<Grade> = best.runs.iter().filter_map(|run| run.grade).collect();
@@ -98,7 +99,7 @@ impl Best {
         })
     }
 
-    /// Whose grade it is: of what, and of how many runs.
+    /// Description of what the grade refers to, with the number of runs.
     pub(super) fn words(&self) -> String {
         let (alike, all) = self.runs;
         format!("{}, {alike} of {all} runs", self.name)

@@ -1,25 +1,25 @@
-//! Which curves a figure of a grid shows, and what they are called.
+//! Selection and names of the curves in figures of a grid.
 
 use std::collections::BTreeSet;
 
 use super::summary::{Summary, conditions};
 use crate::experiment::combinations::GridPlan;
 
-/// Curves of one figure at most: as many as there are colours.
+/// Largest number of curves per figure: that of the colours.
 pub(super) const MOST_SERIES: usize = 7;
 
-/// A curve a method and value of the keys that vary; other keys are held.
+/// One curve per method and value of the varied keys; other keys are fixed.
 pub(super) struct Curves {
     pub(super) names: Vec<String>,
-    /// Places among the conditions of the keys that distinguish curves.
+    /// Indices, among the conditions, of the keys that distinguish curves.
     varied: Vec<usize>,
-    /// Places among the conditions of the keys that are held, each with the value.
+    /// Indices, among the conditions, of the keys that are fixed, each with the value.
     held: Vec<(usize, usize)>,
 }
 
 impl Curves {
-    /// Keys beside the one along the axis distinguish curves as long as there are colours for all, keys of the model
-    /// and the method before those of the data; the others are held at their middle value.
+    /// Keys other than that of the axis distinguish curves as long as there are enough colours, keys of the
+    /// model and the method before those of the data; the others are fixed at their middle value.
     pub(super) fn new(grid: &GridPlan, summaries: &[Summary], along: usize) -> Self {
         let axes = conditions(grid);
         let methods: BTreeSet<&str> = summaries.iter().map(|s| s.method.as_str()).collect();
@@ -48,7 +48,7 @@ impl Curves {
         out
     }
 
-    /// Whether a summary belongs to the curve of a name.
+    /// Whether a summary belongs to the curve with this name.
     pub(super) fn has(&self, grid: &GridPlan, s: &Summary, name: &str) -> bool {
         self.shows(s) && self.name(grid, s) == name
     }
@@ -57,14 +57,15 @@ impl Curves {
         self.held.iter().all(|(j, value)| s.places[*j] == *value)
     }
 
-    /// The method and the values of the keys that vary.
+    /// The method and the values of the varied keys.
     fn name(&self, grid: &GridPlan, s: &Summary) -> String {
         let axes = conditions(grid);
         let values = self.varied.iter().map(|j| grid.axes[axes[*j]].text(s.places[*j]));
         std::iter::once(s.method.clone()).chain(values).collect::<Vec<_>>().join(", ")
     }
 
-    /// What the names leave out: the keys that vary, the values of those that are held, and curves without a colour.
+    /// Information that the names omit: the varied keys, the values of fixed keys, and curves without a
+    /// colour.
     pub(super) fn words(&self, grid: &GridPlan) -> String {
         let axes = conditions(grid);
         let key = |j: usize| &grid.axes[axes[j]];

@@ -1,4 +1,4 @@
-//! RMSE and coverage against the first key of numbers, a curve per method.
+//! RMSE and coverage over the first numeric key, one curve per method.
 
 use super::curves::{Curves, MOST_SERIES};
 use super::summary::{FEWEST_COVERED, Summary, conditions};
@@ -8,13 +8,13 @@ use crate::report::block::Block;
 use crate::report::figure::{Axis, ColourRole, Dash, Figure, Layer, Panel};
 use crate::report::format;
 
-/// A point of a curve: place, value, lower and upper edge of its 95 % interval.
+/// A point of a curve: position, value, lower and upper end of its 95 % interval.
 type Point = (f64, f64, Option<(f64, f64)>);
 
 /// The 95 % interval of a quantity of the summary.
 type Interval = fn(&Summary) -> (f64, f64);
 
-/// What a figure shows of a summary.
+/// A quantity of a summary that is plotted.
 struct Quantity {
     id: &'static str,
     title: &'static str,
@@ -22,12 +22,12 @@ struct Quantity {
     /// What is drawn, in a sentence.
     caption: &'static str,
     value: fn(&Summary) -> f64,
-    /// 95 % interval of the value, where it is drawn around the curve.
+    /// 95 % interval of the value, if it is plotted.
     interval: Option<Interval>,
     axis: fn(&str) -> Axis,
-    /// What is to be reached: value, label, and where values fall by chance.
+    /// Target: value, label, and its range by chance.
     target: Option<Target>,
-    /// Repetitions below which it is not known well enough to be drawn.
+    /// Smallest number of repetitions for which it is plotted.
     fewest: usize,
 }
 
@@ -80,20 +80,20 @@ const QUANTITIES: [Quantity; 3] = [
     },
 ];
 
-/// 95 % of the values of chi-square(n)/n, upside down.
+/// 95 % interval of the reciprocal of chi-square(n)/n.
 fn efficiency_by_chance(n: usize) -> (f64, f64) {
     let n = n as f64;
     (n / chi2_quantile(0.975, n), n / chi2_quantile(0.025, n))
 }
 
-/// 95 % of the shares of n draws that succeed with probability 0.95 [%].
+/// 95 % interval of the share of successes in n draws with probability 0.95 [%].
 fn coverage_by_chance(n: usize) -> (f64, f64) {
     let reach = 1.96 * (0.95 * 0.05 / n as f64).sqrt();
     (100.0 * (0.95 - reach), 100.0 * (0.95 + reach).min(1.0))
 }
 
-/// The figures of a grid along its first key of at least two numbers, or else the first of at least
-/// two values, which are then numbered from 1; none without such a key.
+/// The figures of a grid over its first key with at least two numbers, otherwise the first with at least two
+/// values, which are then numbered from 1; empty without such a key.
 pub(super) fn figures(grid: &GridPlan, summaries: &[Summary]) -> Vec<Block> {
     let axes = conditions(grid);
     let several = |k: &usize| grid.axes[*k].values.len() > 1;
@@ -139,26 +139,17 @@ fn figure(
         .with_how_to_read(quantity.how_to_read)
         .with_caption(format!("{}{}", quantity.caption, curves.words(grid)))
         .with_columns(columns(parameters.len()));
+    let repetitions = summaries.iter().map(|s| s.n).max().unwrap_or(0);
     for (parameter, unit) in parameters {
         let mut panel =
             Panel::new(x(), (quantity.axis)(&format::unit(unit))).with_title(*parameter);
-        let repetitions = summaries.iter().map(|s| s.n).max().unwrap_or(0);
         if let Some(target) = quantity.target.as_ref().filter(|_| repetitions > 0) {
             panel = panel.with(chance(&numbers, (target.chance)(repetitions)));
         }
         for (n, name) in names.iter().take(MOST_SERIES).enumerate() {
             let of = |s: &&Summary| s.parameter == *parameter && curves.has(grid, s, name);
-            let mut points: Vec<Point> = summaries
-                .iter()
-                .filter(|s| of(s) && s.n >= quantity.fewest)
-                .map(|s| {
-                    let interval = quantity.interval.map(|of| of(s));
-                    (numbers[s.places[along]], (quantity.value)(s), interval)
-                })
-                .filter(|p| p.1.is_finite())
-                .collect();
-            points.sort_by(|a, b| a.0.total_cmp(&b.0));
-            panel = with_curve(panel, &points, name, n);
+            let x = |s: &Summary| numbers[s.places[along]];
+            panel = with_curve(panel, &points(summaries.iter().filter(of), quantity, x), name, n);
         }
         if let Some(target) = &quantity.target {
             panel = panel.with(Layer::hline(target.at, target.label, ColourRole::Ink));
@@ -168,7 +159,22 @@ fn figure(
     out
 }
 
-/// Columns of a figure of so many panels.
+/// The points of a curve in the order of x, of summaries with enough repetitions.
+fn points<'a>(
+    summaries: impl Iterator<Item = &'a Summary>,
+    quantity: &Quantity,
+    x: impl Fn(&Summary) -> f64,
+) -> Vec<Point> {
+    let mut points: Vec<Point> = summaries
+        .filter(|s| s.n >= quantity.fewest)
+        .map(|s| (x(s), (quantity.value)(s), quantity.interval.map(|of| of(s))))
+        .filter(|p| p.1.is_finite())
+        .collect();
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    points
+}
+
+/// Number of columns for this number of panels.
 fn columns(panels: usize) -> usize {
     match panels {
         0 | 1 => 1,
@@ -177,7 +183,7 @@ fn columns(panels: usize) -> usize {
     }
 }
 
-/// Where values fall by chance, over the width of the axis.
+/// Range by chance, over the width of the axis.
 fn chance(x: &[f64], (low, high): (f64, f64)) -> Layer {
     let mut x = x.to_vec();
     x.sort_by(f64::total_cmp);
@@ -185,7 +191,7 @@ fn chance(x: &[f64], (low, high): (f64, f64)) -> Layer {
     Layer::Band { x, lower, upper, label: "by chance (95 %)".into(), role: ColourRole::NoiseFloor }
 }
 
-/// Adds the n-th curve: its colour, and its dashes for those who see no colour.
+/// Adds the n-th curve: its colour, and its dashes for colour-blind readers.
 fn with_curve(mut panel: Panel, points: &[Point], name: &str, n: usize) -> Panel {
     let role = ColourRole::Series(n);
     let dash = [Dash::Solid, Dash::Dashed, Dash::Dotted][n % 3];

@@ -1,4 +1,4 @@
-//! A grid as a whole, a part of it, or its parts joined; and its result folder.
+//! A whole grid, a part of it, or its merged parts; and its result folder.
 
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
@@ -22,7 +22,7 @@ use crate::report::SCHEMA;
 /// Runs a grid and writes its folder.
 ///
 /// # Errors
-/// A folder that cannot be written and figures that cannot be drawn; cells do not fail.
+/// A folder that cannot be written and figures that cannot be drawn; failures of cells are not errors.
 pub(in crate::experiment) fn finish(
     plan: &Plan,
     grid: &GridPlan,
@@ -34,10 +34,10 @@ pub(in crate::experiment) fn finish(
     write(plan, grid, options, &cells)
 }
 
-/// Runs a part of a grid and leaves its journal for [`merge`].
+/// Runs a part of a grid and writes its journal for [`merge`].
 ///
 /// # Errors
-/// A folder that cannot be written; cells do not fail.
+/// A folder that cannot be written; failures of cells are not errors.
 pub(in crate::experiment) fn run_part(
     plan: &Plan,
     grid: &GridPlan,
@@ -57,11 +57,11 @@ pub(in crate::experiment) fn run_part(
     Ok(Done::of_grid(verdict, path))
 }
 
-/// Joins the parts of a grid and writes the folder that one run would have written. Parts of
-/// different cuts (1/2 and 2/4, 4/4) are joined as well, if they hold all combinations together.
+/// Merges the parts of a grid and writes the same folder as a single run. Parts of different divisions (1/2
+/// and 2/4, 4/4) can be merged if together they contain all combinations.
 ///
 /// # Errors
-/// Missing combinations, parts of another version, and what [`finish`] may meet.
+/// Missing combinations, parts of another version, and the errors of [`finish`].
 pub(in crate::experiment) fn merge(
     plan: &Plan,
     grid: &GridPlan,
@@ -94,7 +94,7 @@ pub(in crate::experiment) fn merge(
     write(plan, grid, options, &finished.cells())
 }
 
-/// What is missing, and the commands that run it.
+/// The missing combinations, and the commands that run them.
 fn missing_words(
     missing: &[usize],
     parts: &[Shard],
@@ -102,7 +102,7 @@ fn missing_words(
     options: &RunOptions,
 ) -> String {
     let all = grid.cells();
-    // the cut of which most parts are there
+    // the division with the most parts present
     let count = |of: usize| (parts.iter().filter(|part| part.of() == of).count(), of);
     let Some(of) = parts.iter().map(|part| part.of()).max_by_key(|of| count(*of)) else {
         let run = command("--shard I/N", grid, options);
@@ -128,7 +128,7 @@ fn missing_words(
     out + "\nand merge again"
 }
 
-/// Writes the folder of a grid from all its cells, which are sorted.
+/// Writes the folder of a grid from all its cells in order.
 fn write(
     plan: &Plan,
     grid: &GridPlan,
@@ -165,7 +165,7 @@ fn write(
     Ok(Done::of_grid(verdict, path.join("report.html")))
 }
 
-/// `results.json` of a grid. Its lists are made entry by entry while they are written.
+/// `results.json` of a grid. Its lists are serialised entry by entry.
 #[derive(Serialize)]
 struct Results<'a, F: Iterator<Item = Value> + Clone, S: Iterator<Item = Value> + Clone> {
     schema: u32,

@@ -1,9 +1,9 @@
 //! `[grid]`: an experiment repeated over all combinations of values of its keys.
 //!
 //! Keys are taken in alphabetical order of their names as written; combinations (cells) are counted
-//! with the last key varying fastest. A cell sets its values in the experiment file, makes or reads
+//! with the last key varying fastest. A cell sets its values in the experiment file, simulates or reads
 //! its recordings, runs the methods and keeps one [`cell::Row`] per method and parameter, no
-//! series. What is wrong with a key or a type is an error before anything runs; what goes wrong in
+//! time series. Errors in a key or a type are found before anything is run; a failure in
 //! a cell is a row with its reason.
 
 mod cell;

@@ -1,4 +1,4 @@
-//! The report of a grid: what the repetitions say, figures, tables, provenance.
+//! The report of a grid: summary, figures, tables, provenance.
 
 use super::cell::Cell as GridCell;
 use super::figures::figures;
@@ -15,7 +15,7 @@ pub(super) struct Rendered {
     pub(super) figures: Vec<(String, Vec<u8>)>,
 }
 
-/// Draws a grid.
+/// Renders the report of a grid.
 ///
 /// # Errors
 /// If a figure cannot be drawn.
@@ -43,7 +43,7 @@ pub(super) fn render(
     first.extend(caution(cells));
     first.extend(figures(grid, summaries));
     let sections = vec![
-        section("accuracy", "What the repetitions say", first),
+        section("accuracy", "Results of the repetitions", first),
         section(
             "summary",
             "Summary",
@@ -74,7 +74,7 @@ pub(super) fn render(
     Ok(Rendered { html: page.html, figures })
 }
 
-/// What a reader must know of the errors where recordings are not held out.
+/// Caution on the errors if no recordings are held out.
 fn caution(cells: &[GridCell]) -> Option<Block> {
     let on = judged_on(cells);
     let sentence = format!("The 2 s simulation errors are{on}, which the models were fitted to.");
@@ -83,18 +83,18 @@ fn caution(cells: &[GridCell]) -> Option<Block> {
     (!on.is_empty()).then(|| Block::verdict(Tone::Notice, sentence, detail))
 }
 
-/// Rows of a table that is not folded, and so printed, at most: two sheets.
+/// Largest number of rows of a table that is not collapsed, and therefore printed: two pages.
 const MOST_OPEN: usize = 60;
-/// Rows of a table at most: a page of more is too heavy to open.
+/// Largest number of rows of a table: larger pages open too slowly.
 const MOST_ROWS: usize = 1000;
 
 const TABLE_WORDS: &str = "n estimates enter the means; failures are cells without a fit. RMSE is \
      about the true value. Coverage near 95 % means that the standard errors are right. Efficiency is \
-     the mean variance claimed by prediction_error in the same cells (a proxy of the Cramér-Rao \
-     bound; the smallest claimed variance where that method does not run) over the mean square \
+     the mean variance reported by prediction_error in the same cells (a proxy of the Cramér-Rao \
+     bound; the smallest reported variance where that method does not run) over the mean square \
      error: near 1 nothing is left to gain, and above 1 only by chance or by a claim too large.";
 
-/// A coverage with its 95 % interval; of few repetitions the interval alone.
+/// A coverage with its 95 % interval; for few repetitions only the interval.
 fn coverage(s: &Summary) -> Cell {
     let (low, high) = s.coverage_interval();
     if !s.coverage.is_finite() {
@@ -112,7 +112,7 @@ fn interval(low: f64, high: f64) -> String {
     format!("{} to {} %", percent(low), percent(high))
 }
 
-/// Combinations, failures and, of enough repetitions, the coverage of every method.
+/// Number of combinations and failures and, with enough repetitions, the coverage of every method.
 pub(super) fn verdict(grid: &GridPlan, cells: &[GridCell], summaries: &[Summary]) -> String {
     let failed = cells.iter().filter(|c| c.failed()).count();
     let failed = if failed == 0 { "none".into() } else { failed.to_string() };
@@ -128,7 +128,7 @@ pub(super) fn verdict(grid: &GridPlan, cells: &[GridCell], summaries: &[Summary]
         let of = summaries.iter().filter(|s| s.method == method && s.coverage.is_finite());
         let (covered, n) =
             of.fold((0.0, 0.0), |(c, n), s| (c + s.coverage * s.n as f64, n + s.n as f64));
-        // the parameters of one run share its noise: runs are counted, not estimates
+        // the parameters of one run have the same noise: runs are counted, not estimates
         let has_fit = |c: &&GridCell| c.rows.iter().any(|r| *r.method == *method && !r.failed());
         let runs = cells.iter().filter(has_fit).count();
         let (low, high) = share_interval(covered / n, runs);
@@ -143,7 +143,7 @@ pub(super) fn verdict(grid: &GridPlan, cells: &[GridCell], summaries: &[Summary]
 
 type Count = (&'static str, fn(&Summary) -> usize);
 
-/// How many estimates there are, and how many are missing where any are.
+/// Number of estimates, and of missing ones if there are any.
 fn counts(summaries: &[Summary]) -> Vec<Count> {
     let all: [Count; 3] =
         [("n", |s| s.n), ("Failures", |s| s.failures), ("Not identifiable", |s| s.unidentifiable)];
@@ -166,7 +166,7 @@ fn table(grid: &GridPlan, summaries: &[Summary]) -> Block {
         "Every combination, method and parameter.".to_owned()
     };
     let caption = format!("{lead} Bias, RMSE and claimed error in the unit of the parameter.");
-    // a hundred repetitions give an error to 7 %: more digits would say nothing
+    // a hundred repetitions determine an error to 7 %, so three digits are sufficient
     let three = |v: f64| Cell::formatted(format::digits(v, 3), v);
     let mut table = Table::new(caption, columns);
     for s in summaries.iter().take(MOST_ROWS) {
@@ -195,7 +195,7 @@ fn table(grid: &GridPlan, summaries: &[Summary]) -> Block {
     table.into()
 }
 
-/// How often the diagnosis said what, per combination.
+/// Frequency of the verdicts of the diagnosis, per combination.
 fn verdicts(grid: &GridPlan, cells: &[GridCell]) -> Vec<Block> {
     let axes = conditions(grid);
     let mut counts: Vec<(Vec<String>, usize)> = Vec::new();
@@ -214,7 +214,7 @@ fn verdicts(grid: &GridPlan, cells: &[GridCell]) -> Vec<Block> {
     }
     let mut columns: Vec<Column> = axes.iter().map(|k| Column::text(&grid.axes[*k].name)).collect();
     columns.extend([Column::text("Verdict"), Column::text("Found"), Column::number("Times", "")]);
-    let mut table = Table::new("What the diagnosis said in each combination.", columns);
+    let mut table = Table::new("Verdict of the diagnosis in each combination.", columns);
     for (key, count) in counts.into_iter().take(MOST_ROWS) {
         let mut row: Vec<Cell> = key.into_iter().map(Cell::text).collect();
         row.push(Cell::count(count));
@@ -253,8 +253,7 @@ fn provenance(plan: &Plan) -> Vec<Block> {
     vec![
         Block::paragraph(
             Text::from(
-                "Every cell is in estimates.parquet. To repeat the run, save this file beside \
-                        its recordings and type ",
+                "Every cell is in estimates.parquet. To repeat the run, save this file next to its recordings and run ",
             )
             .code(file)
             .plain("; the numbers, but for wall times, are the same on any number of threads."),

@@ -1,4 +1,4 @@
-//! From `[grid]` to plans: of the whole grid, and of each of its combinations.
+//! From `[grid]` to plans: of the whole grid, and of each combination.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -12,11 +12,11 @@ use crate::experiment::plan::Plan;
 use crate::experiment::resolve::resolve_with;
 use crate::experiment::source::Source;
 
-/// Checks the grid of a file and resolves its first combination that makes sense; the plan is
-/// that of this combination, with the grid.
+/// Checks the grid of a file and resolves its first valid combination; the plan is that of this combination,
+/// with the grid.
 ///
 /// # Errors
-/// Wrong keys and types, and a file that makes no sense in any combination.
+/// Wrong keys and types, and a file that is not valid for any combination.
 pub(in crate::experiment) fn resolve_grid(
     path: &Path,
     text: &str,
@@ -42,7 +42,7 @@ pub(in crate::experiment) fn resolve_grid(
     Err(first.unwrap_or_else(|| wrong(path, "", "has no combination".into()).into()))
 }
 
-/// Whether recordings are read, conditioned or simulated with what stands at a key.
+/// Whether a key affects how recordings are read, conditioned or simulated.
 fn changes_source(key: &str) -> bool {
     let parts = ["recordings", "conditioning", "simulation", "robot", "model.custom"];
     parts
@@ -50,7 +50,7 @@ fn changes_source(key: &str) -> bool {
         .any(|part| key.strip_prefix(part).is_some_and(|r| r.is_empty() || r.starts_with('.')))
 }
 
-/// The axes of a grid, whose every value must be of the type of its key.
+/// The axes of a grid, with all values checked for the type of their key.
 fn checked_axes(path: &Path, table: &Table, grid: &Table) -> Result<Vec<GridAxis>, FileError> {
     let axes = axes(grid).map_err(|e| wrong(path, &e.key, e.message))?;
     for axis in &axes {
@@ -75,9 +75,9 @@ fn wrong(path: &Path, key: &str, message: String) -> FileError {
 /// The experiment of a cell.
 ///
 /// # Errors
-/// Values that make no sense.
+/// Inconsistent values.
 pub(super) fn resolve_cell(grid: &GridPlan, cell: usize) -> Result<Plan, ExperimentError> {
-    // each cell aligns its recordings with its own model
+    // recordings are aligned with the model of each cell
     resolve_from(grid, cell, &mut grid.source.as_deref().cloned())
 }
 

@@ -1,4 +1,4 @@
-//! Runs cells and keeps a journal of them.
+//! Runs cells and writes the journal.
 
 use std::fmt;
 use std::fmt::Write as _;
@@ -14,19 +14,19 @@ use crate::experiment::options::RunOptions;
 use crate::experiment::plan::Plan;
 use crate::io::{IoError, Journal, sha256_text};
 
-/// What a line of a journal is.
+/// Kind of a journal line.
 pub(super) enum Line {
-    /// A finished cell that was not known before.
+    /// A completed cell that is new.
     New,
-    /// A finished cell that is known already.
+    /// A completed cell that is already known.
     Known,
     /// A cell of another version of the experiment, its recordings or the program.
     Other,
-    /// No cell.
+    /// An invalid line.
     Broken,
 }
 
-/// The finished cells of a grid, without the keys, which only journals need.
+/// The completed cells of a grid, without the keys, which are needed only in journals.
 pub(super) struct Finished {
     base: String,
     words: Words,
@@ -44,7 +44,7 @@ impl Finished {
         }
     }
 
-    /// Takes the cell of a line of a journal.
+    /// Reads a line of a journal.
     pub(super) fn take(&mut self, line: &str) -> Line {
         let Ok(mut cell) = serde_json::from_str::<Cell>(line) else { return Line::Broken };
         if cell.cell >= self.known.len() || cell.key != self.key(cell.cell) {
@@ -62,10 +62,10 @@ impl Finished {
         self.known[cell]
     }
 
-    /// Runs those of the wanted cells that are not known, and writes them into a journal.
+    /// Runs the requested cells that are not known, and writes them to a journal.
     ///
     /// # Errors
-    /// A journal that cannot be written; cells do not fail.
+    /// A journal that cannot be written; failures of cells are not errors.
     fn run(
         &mut self,
         plan: &Plan,
@@ -84,7 +84,7 @@ impl Finished {
             bar.inc(1);
             Ok(done)
         };
-        // one by one: cells differ in length, and an interrupted run has then finished the first
+        // one at a time: cells differ in duration, and the first ones are complete after an interruption
         let cells = missing.par_iter().with_max_len(1).map(|cell| run(*cell));
         let cells = cells.collect::<Result<Vec<Cell>, IoError>>()?;
         bar.finish_and_clear();
@@ -109,10 +109,10 @@ impl Finished {
     }
 }
 
-/// The wanted cells: those of an earlier journal, where they are to be kept, and the others run.
+/// The requested cells: those in an earlier journal are kept if requested, the others are run.
 ///
 /// # Errors
-/// A journal that cannot be written; cells do not fail.
+/// A journal that cannot be written; failures of cells are not errors.
 pub(super) fn run_cells(
     plan: &Plan,
     grid: &GridPlan,
@@ -120,8 +120,8 @@ pub(super) fn run_cells(
     path: &Path,
     wanted: &[usize],
 ) -> Result<Vec<Cell>, IoError> {
-    // what an interrupted run of the same experiment has finished is kept; one that was complete is
-    // run again, unless it is asked for
+    // the completed cells of an interrupted run of the same experiment are kept; a complete run is repeated,
+    // unless `resume` is set
     let resume = options.resume || is_interrupted(plan, grid, path, wanted)?;
     let mut finished = Finished::new(plan, grid);
     let keep = |line: &str| resume && matches!(finished.take(line), Line::New);
@@ -130,7 +130,7 @@ pub(super) fn run_cells(
     Ok(finished.cells())
 }
 
-/// Whether a journal holds some of the wanted cells and not all.
+/// Whether a journal contains some of the requested cells but not all.
 fn is_interrupted(
     plan: &Plan,
     grid: &GridPlan,
@@ -145,7 +145,7 @@ fn is_interrupted(
     Ok(known > 0 && known < wanted.len())
 }
 
-/// What the results depend on, besides the number of the cell: program, file as run, recordings.
+/// Everything on which the results depend except the cell: program, file as run, recordings.
 fn base_key(plan: &Plan) -> String {
     let mut text = format!("{} {}\n", env!("CARGO_PKG_VERSION"), plan.file);
     for measured in &plan.recordings {
@@ -157,7 +157,7 @@ fn base_key(plan: &Plan) -> String {
 fn progress(cells: usize, finished: usize, shown: bool) -> ProgressBar {
     let target = if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
     let bar = ProgressBar::with_draw_target(Some(cells as u64), target);
-    // from the rate of this run: before its first combination there is none
+    // the rate of this run, which is unknown before its first combination
     let left = move |state: &ProgressState, out: &mut dyn fmt::Write| {
         if state.pos() > finished as u64 {
             let _ = write!(out, ", {:#} left", HumanDuration(state.eta()));

@@ -1,9 +1,9 @@
-//! Commands as a shell takes them.
+//! Quoting of shell commands.
 
 use crate::experiment::combinations::GridPlan;
 use crate::experiment::options::RunOptions;
 
-/// The command line that does `what` with the file of a grid, as for a shell.
+/// The command line for `what` with the file of a grid, quoted for a shell.
 pub(super) fn command(what: &str, grid: &GridPlan, options: &RunOptions) -> String {
     let out = quoted(&options.out.display().to_string());
     let set: String = options.set.iter().map(|s| format!(" --set {}", quoted(s))).collect();
@@ -11,7 +11,7 @@ pub(super) fn command(what: &str, grid: &GridPlan, options: &RunOptions) -> Stri
     format!("experiment {what} --out {out}{set} {file}")
 }
 
-/// A word as a shell takes it.
+/// A word, quoted if a shell requires it.
 fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "_-+./=,:@%".contains(c);
     if !word.is_empty() && word.chars().all(plain) {

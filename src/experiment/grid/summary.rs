@@ -1,5 +1,5 @@
-//! What repetitions say of a method: bias, RMSE, coverage and efficiency per combination of the
-//! keys that are not the seed.
+//! Statistics over the repetitions: bias, RMSE, coverage and efficiency of each method per combination of the
+//! keys other than the seed.
 
 use std::collections::{HashMap, HashSet};
 
@@ -11,37 +11,36 @@ use crate::experiment::combinations::GridPlan;
 use crate::io::{IoError, TableColumn, group_rows};
 use crate::math::distribution::{chi2_quantile, normal_quantile};
 
-/// Method whose claimed variance stands for the Cramér-Rao bound.
+/// Method whose reported variance is the proxy of the Cramér-Rao bound.
 const EFFICIENT: &str = "prediction_error";
 
-/// Repetitions below which a coverage is not said: of 20 right intervals 19 cover the true value, of fewer
-/// all or all but one do, whatever the coverage is between 85 and 100 %.
+/// Smallest number of repetitions for which a coverage is reported: of 20 correct intervals 19 cover the true
+/// value on average; of fewer, all or all but one do for any coverage between 85 and 100 %.
 pub(super) const FEWEST_COVERED: usize = 20;
 
 /// A method and a parameter over the repetitions of a combination.
 ///
 /// ```text
 /// bias       = mean(v - v0)                  RMSE = sqrt(mean((v - v0)^2))
-/// coverage   = share of 95 % intervals that hold v0
+/// coverage   = share of 95 % intervals that cover v0
 /// efficiency = mean(s^2) / RMSE^2
 /// ```
-/// with the estimate v and the truth v0. s is the standard error that `prediction_error` claims in
-/// the same cell, a proxy of the Cramér-Rao bound; where that method does not run, s is the
-/// smallest standard error that any method claims there. Estimates that are not identifiable
-/// (infinite standard error) are counted apart and enter none of the means; parameters held at a
-/// value have no coverage and no efficiency.
+/// with the estimate v and the true value v0. s is the standard error reported by `prediction_error` in the
+/// same cell, a proxy of the Cramér-Rao bound; if that method is not run, s is the smallest standard error
+/// reported by any method. Estimates that are not identifiable (infinite standard error) are counted
+/// separately and excluded from the means; fixed parameters have no coverage and no efficiency.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Summary {
-    /// Place on every axis that is not the seed, in the order of [`conditions`].
+    /// Index on every axis except the seed, in the order of [`conditions`].
     pub(super) places: Vec<usize>,
     pub(super) method: String,
     pub(super) parameter: String,
     pub(super) unit: String,
-    /// Estimates that enter the means.
+    /// Number of estimates in the means.
     pub(super) n: usize,
-    /// Cells in which the method failed.
+    /// Number of cells in which the method failed.
     pub(super) failures: usize,
-    /// Estimates with infinite standard error.
+    /// Number of estimates with infinite standard error.
     pub(super) unidentifiable: usize,
     pub(super) truth: f64,
     pub(super) bias: f64,
@@ -80,7 +79,7 @@ pub(super) fn share_interval(p: f64, n: usize) -> (f64, f64) {
     (centre - reach, centre + reach)
 }
 
-/// The axes that are not the seed.
+/// The axes except the seed.
 pub(super) fn conditions(grid: &GridPlan) -> Vec<usize> {
     (0..grid.axes.len()).filter(|k| !grid.axes[*k].is_seed()).collect()
 }
@@ -123,7 +122,7 @@ pub(super) fn summaries(grid: &GridPlan, cells: &[Cell]) -> Result<Vec<Summary>,
     for group in groups {
         let (cell, first) = rows[group[0]];
         let at = (condition[group[0]], &*first.method);
-        // failures stand with the parameters, where the method has any
+        // failures are counted with the parameters, if the method has any
         let failed = group.iter().all(|r| rows[*r].1.failed());
         if failed && ran.contains(&at) {
             continue;
@@ -135,7 +134,7 @@ pub(super) fn summaries(grid: &GridPlan, cells: &[Cell]) -> Result<Vec<Summary>,
     Ok(out)
 }
 
-/// Texts numbered as they come.
+/// Numbers texts in the order of their occurrence.
 #[derive(Default)]
 struct Numbers<'a>(HashMap<&'a str, usize>);
 
@@ -146,7 +145,7 @@ impl<'a> Numbers<'a> {
     }
 }
 
-/// The variance that stands for the bound of a parameter in a cell.
+/// The variance used as the bound of a parameter in a cell.
 fn bound(cell: &Cell, parameter: &str) -> Option<f64> {
     let claimed =
         |r: &&Row| *r.parameter == *parameter && r.std_error.0.is_finite() && r.std_error.0 > 0.0;

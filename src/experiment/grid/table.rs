@@ -25,16 +25,15 @@ use crate::experiment::combinations::GridPlan;
 use crate::experiment::file::GridAxis;
 use crate::io::{IoError, TableColumn, write_parquet_pieces};
 
-/// Names that a key of the grid cannot take for its column.
+/// Names that are not available for the column of a grid key.
 const TAKEN: [&str; 1] = ["truth"];
 
-/// The name of an axis as a column.
+/// The column name of an axis.
 pub(super) fn column_name(axis: &GridAxis) -> String {
     if TAKEN.contains(&axis.name.as_str()) { axis.key.clone() } else { axis.name.clone() }
 }
 
-/// Cells that become columns at a time: those of all at once would double the memory of a large
-/// grid.
+/// Number of cells converted to columns at a time: all at once would double the memory of a large grid.
 const PIECE: usize = 10_000;
 
 /// The table of cells, which are sorted, as Parquet.
@@ -47,11 +46,11 @@ pub(super) fn parquet(grid: &GridPlan, cells: &[Cell]) -> Result<Vec<u8>, IoErro
     write_parquet_pieces(Path::new("estimates.parquet"), pieces)
 }
 
-/// Some cells as columns.
+/// A group of cells as columns.
 fn columns(grid: &GridPlan, cells: &[Cell], diagnosed: bool) -> Vec<TableColumn> {
     let rows: Vec<(&Cell, &Row)> =
         cells.iter().flat_map(|cell| cell.rows.iter().map(move |row| (cell, row))).collect();
-    // one NaN for all: those of arithmetic carry a sign that a journal does not keep
+    // one NaN for all: NaN from arithmetic has a sign that a journal does not keep
     let plain = |x: f64| if x.is_nan() { f64::NAN } else { x };
     let number = |name: &str, value: &dyn Fn(&Row) -> f64| {
         TableColumn::Number(name.into(), rows.iter().map(|(_, row)| plain(value(row))).collect())

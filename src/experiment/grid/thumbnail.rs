@@ -1,14 +1,14 @@
-//! A grid at a glance, for a list of experiments.
+//! Thumbnail of a grid, for a list of experiments.
 
 use super::competitors::Competitor;
 use super::curves::MOST_SERIES;
 use crate::report::figure::{Axis, ColourRole, Figure, Layer, Panel, Size};
 use crate::report::{ReportError, figure_to_png};
 
-/// Dots of a competitor at most: more cover each other at this size.
+/// Largest number of dots per alternative: more would overlap at this size.
 const MOST_DOTS: usize = 120;
 
-/// Error over noise floor of the runs of every competitor, as PNG; `None` where there are no runs.
+/// Ratio of error to noise floor for the runs of every alternative, as PNG; `None` without runs.
 ///
 /// # Errors
 /// If the figure cannot be drawn.

@@ -1,16 +1,16 @@
-//! Which method or setting of a grid has the smallest error, as far as the repetitions distinguish them.
+//! The method or setting of a grid with the smallest error, as far as the repetitions distinguish them.
 
 use super::cell::{Cell, Row};
 use super::competitors::Competitor;
 use crate::math::distribution::t_quantile;
 use crate::report::format;
 
-/// Pairs below which nothing is said of a difference.
+/// Smallest number of pairs for a comparison.
 const FEWEST_PAIRS: usize = 3;
-/// Chance of naming a winner where all are alike.
+/// Probability of naming a best alternative if all are equal.
 const LEVEL: f64 = 0.05;
 
-/// The smallest 2 s simulation error, and what comes closest to it.
+/// The smallest 2 s simulation error, and the alternatives close to it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Winner {
     name: String,
@@ -20,11 +20,11 @@ pub(super) struct Winner {
     rivals: Vec<Rival>,
 }
 
-/// Another competitor on the same data.
+/// Another alternative on the same data.
 #[derive(Clone, Debug, PartialEq)]
 struct Rival {
     name: String,
-    /// Its error over that of the winner: mean and interval.
+    /// Ratio of its error to the smallest: mean and interval.
     ratio: f64,
     interval: (f64, f64),
     pairs: usize,
@@ -65,7 +65,7 @@ fn rival(name: &str, logs: &[f64], level: f64) -> Rival {
     Rival { name: name.to_owned(), ratio: mean.exp(), interval, pairs: logs.len() }
 }
 
-/// On which data the errors of a grid are, where it is not validation data alone.
+/// The data on which the errors of a grid were computed, if not only validation data.
 pub(super) fn judged_on(cells: &[Cell]) -> &'static str {
     // a cell without a fit has no error
     let with_errors = || cells.iter().filter(|cell| !cell.rows.iter().all(Row::failed));

@@ -1,4 +1,4 @@
-//! Texts that many rows share: a grid of a million rows has a handful of names.
+//! Texts shared by many rows: a grid of a million rows has only a few different names.
 
 use std::collections::HashSet;
 use std::ops::Deref;
@@ -42,12 +42,12 @@ impl<'de> Deserialize<'de> for Word {
     }
 }
 
-/// All words in use, each once.
+/// All texts in use, each once.
 #[derive(Default)]
 pub(super) struct Words(Mutex<HashSet<Word>>);
 
 impl Words {
-    /// Puts the shared copies in the place of words.
+    /// Replaces texts by the shared copies.
     pub(super) fn share<'a>(&self, words: impl Iterator<Item = &'a mut Word>) {
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         for word in words {

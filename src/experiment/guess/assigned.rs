@@ -1,4 +1,4 @@
-//! Numbered columns beside those that state their side: the data show which input moves which wheel.
+//! Numbered columns with other columns that state their side: the data show which input moves which wheel.
 
 use super::guessed::{Guess, Guessed};
 use super::values::{time, values_of};
@@ -29,7 +29,8 @@ pub(super) fn look(columns: &[PreviewColumn], guess: &mut Guess) {
     if exchanged {
         exchange(guess, of_input);
     }
-    let why = "its number says no side: the data show which input moves which wheel";
+    let why =
+        "its number does not state the side: assigned by the response of the wheels to the inputs";
     for one in guess.columns.iter_mut().filter(|c| c.side_unsure) {
         one.side_unsure = false;
         one.evidence.push(why.into());
@@ -57,7 +58,8 @@ fn exchange(guess: &mut Guess, of_input: bool) {
 /// The keys in the order in which they are written.
 const ORDER: [&str; 7] = ["t", "alpha1", "alpha2", "dalpha1", "dalpha2", "M1", "M2"];
 
-/// The columns as they stand, with the time in seconds; which input moves which wheel does not depend on other units.
+/// The columns without conversion, with the time in seconds; the assignment of inputs to wheels does not
+/// depend on other units.
 fn channels(columns: &[PreviewColumn], guess: &Guess) -> Option<Channels> {
     let of = |key: &str| {
         let one = guess.columns.iter().find(|c| c.key == key)?;

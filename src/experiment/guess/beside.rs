@@ -1,9 +1,9 @@
-//! What other columns say of a name that could be two things.
+//! Interpretation of ambiguous names from other columns.
 
 use super::guessed::Candidate;
 use super::names::{Named, Quantity, Side, WISHED};
 
-/// Reads names anew that mean something else beside others, and gives what must be asked of them.
+/// Reads names anew that mean something else beside others, and returns the questions on them.
 ///
 /// ```text
 /// right_p, right_i, right_d      the terms of a controller, and i no current
@@ -18,10 +18,10 @@ pub(super) fn look(all: &mut [Candidate]) -> Vec<String> {
     present_values(all).into_iter().collect()
 }
 
-/// Words of a name that is the output of a controller, where it says nothing else.
+/// Words of a name that is the output of a controller, if it contains no other quantity.
 const OUTPUTS: [&str; 9] = ["output", "out", "ctrl", "control", "drive", "pid", "vm", "u", "pwr"];
 
-/// Whether a name says a side and the output of a controller, and no more: `ctrl_r`, `output_left`.
+/// Whether a name contains only a side and the output of a controller: `ctrl_r`, `output_left`.
 pub(super) fn is_output(named: &Named) -> bool {
     let is_one = |w: &String| OUTPUTS.contains(&w.as_str()) || WISHED.contains(&w.as_str());
     let says = named.rest.iter().any(|w| OUTPUTS.contains(&w.as_str()));
@@ -119,7 +119,7 @@ fn present_values(all: &mut [Candidate]) -> Option<String> {
     let names: Vec<String> = names.map(|(c, _)| format!("`{}`", c.column.name)).collect();
     (!names.is_empty()).then(|| {
         format!(
-            "{} stand beside set-points of the same name: are they the present speeds (dalpha1, dalpha2), or electric \
+            "{} have set-points of the same name: are they the measured speeds (dalpha1, dalpha2), or electric \
              currents (M1, M2)?",
             names.join(", ")
         )

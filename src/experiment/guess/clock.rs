@@ -5,7 +5,7 @@ use super::names::Quantity;
 use super::values::{increases, largest, whole};
 use crate::io::part_of_second;
 
-/// Parts of a second come beyond this part of it, and never reach it.
+/// Share of a second that the fractional parts must exceed at least once; they never reach one.
 const HALF: f64 = 0.5;
 /// Part of the steps of whole seconds at which their fraction falls back: others are gaps in the log.
 const FALLS: f64 = 0.9;
@@ -39,8 +39,8 @@ fn guessed(c: &Candidate) -> Guessed {
     }
 }
 
-/// By the name, the fewest other words first; the seconds and nanoseconds of one stamp before all others, as that of
-/// the message goes before that of its arrival.
+/// The time by its name, that with the fewest other words first. The seconds and nanoseconds of one stamp
+/// come before all others, so that the stamp of the message comes before that of its arrival.
 fn named(all: &[Candidate]) -> Option<Guessed> {
     let rises = |c: &&Candidate| increases(&c.column.values);
     // a time in words that are not read is none
@@ -80,8 +80,8 @@ fn stem(name: &str) -> &str {
     &name[..name.rfind(|c: char| !c.is_alphanumeric()).map_or(0, |end| end + 1)]
 }
 
-/// Whole numbers below those of a second that fall back just where another column of whole numbers rises: the seconds. The
-/// name of the part says its unit, which else is that of nanoseconds.
+/// Whole numbers below those of a second that fall back exactly where another column of whole numbers
+/// increases: the seconds. The unit of the fractional part is given by its name; default: nanoseconds.
 fn seconds_and_part(all: &[Candidate]) -> Option<Guessed> {
     let is_part = |c: &&Candidate| {
         let values = &c.column.values;
@@ -100,13 +100,14 @@ fn seconds_and_part(all: &[Candidate]) -> Option<Guessed> {
         let mut others = all.iter().filter(|c| whole(&c.column.values));
         let seconds = others.find(|c| goes_on(&c.column.values, &part.column.values))?;
         let name = &part.column.name;
-        let why = format!("it goes on by one where `{name}` falls back: seconds and their parts");
+        let why =
+            format!("it increases by one where `{name}` wraps: seconds and fractions of a second");
         let nanoseconds = Some(name.clone());
         Some(Guessed { nanoseconds, evidence: vec![why], ..guessed(seconds) })
     })
 }
 
-/// The one column that increases from row to row; a count of the rows only where there is no other.
+/// The column that increases from row to row; a row counter only if there is no other.
 fn rising(all: &[Candidate]) -> Option<Guessed> {
     // counts of a wheel that turns one way rise as well
     let rising =
@@ -121,14 +122,14 @@ fn rising(all: &[Candidate]) -> Option<Guessed> {
             Some(Guessed { unit_open: is_place, ..found })
         }
         ([], [one, ..]) => {
-            let found = of(one, "it goes on by 1 from row to row: it counts rows");
+            let found = of(one, "it increases by 1 from row to row: it counts rows");
             Some(Guessed { scale_open: true, ..found })
         }
         _ => None,
     }
 }
 
-/// Whether a column goes on by exactly 1 from row to row.
+/// Whether a column increases by exactly 1 from row to row.
 fn counts_rows(values: &[f64]) -> bool {
     let held: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
     whole(&held) && held.len() > 2 && held.windows(2).all(|w| w[1] - w[0] == 1.0)

@@ -9,14 +9,14 @@ use super::values::{largest, values_of, whole};
 use crate::io::PreviewColumn;
 use crate::recording::DriveUnit;
 
-/// Words of a command that say that it is a share of the battery's voltage, and those of one that may be.
+/// Words of a command that denote a share of the battery voltage, and ambiguous ones.
 const SHARES: [&str; 5] = ["duty", "pwm", "power", "pwr", "throttle"];
 const PERHAPS: [&str; 3] = ["motor", "mot", "output"];
 /// Full scales of controllers: a share, percent, 7 and 8 bits, of Pololu, per mille, 10, 12 and 15 bits.
 const FULL: [f64; 9] = [1.0, 100.0, 127.0, 255.0, 400.0, 1000.0, 1023.0, 4095.0, 32767.0];
 /// Full scale of the PWM that most boards have: 8 bits.
 const PWM: f64 = 255.0;
-/// A pulse of a servo, and the one at which it stands [us].
+/// Pulse width of a servo, and its neutral value [us].
 const PULSE: (f64, f64, f64) = (900.0, 1500.0, 2100.0);
 /// Less is rather a PWM value than a voltage in millivolts.
 const LEAST_MILLIVOLTS: f64 = 1000.0;
@@ -25,8 +25,8 @@ const BATTERY_OF_MOST: f64 = 30.0;
 /// Voltages of batteries of robots \[V\].
 const BATTERIES: (f64, f64) = (2.0, 100.0);
 
-/// Completes inputs that are commands: the pulse at which a servo stands, the full scale, the battery's
-/// column; or asks for what is not there.
+/// Completes inputs that are commands: neutral pulse width of a servo, full scale, column of the battery; or
+/// adds the questions.
 pub(super) fn look(
     columns: &[PreviewColumn],
     battery: Option<(&PreviewColumn, Option<&str>)>,
@@ -60,7 +60,7 @@ pub(super) fn look(
         for one in &mut inputs {
             one.offset = Some(-PULSE.1);
             one.evidence.push(format!(
-                "{:.0} to {:.0} us: a pulse of a servo, which stands at {:.0}",
+                "{:.0} to {:.0} us: a servo pulse with the neutral position {:.0}",
                 PULSE.0, PULSE.2, PULSE.1
             ));
         }
@@ -88,24 +88,22 @@ pub(super) fn look(
             // what is added stands behind the factor
             one.offset = one.offset.map(|offset| offset * factor / full);
             let milli = if factor == 1.0 { "" } else { ", which is in mV" };
-            one.evidence.push(format!("{full} is the whole of the battery's voltage{milli}"));
+            one.evidence.push(format!("{full} is the full battery voltage{milli}"));
         }
         guess.questions.push(format!(
-            "`{name}` goes up to {reaches}: is {full} the whole voltage of `{}` ({})? Else write another \
-             scale in M1 and M2",
+            "`{name}` reaches {reaches}: is {full} the full voltage of `{}` ({})? Otherwise write another scale in M1 and M2",
             column.name,
             volts_of(column, factor)
         ));
     } else if rest.is_none() && is_volt_sized(top, &name, inputs.iter().map(|one| of(&one.name))) {
         guess.questions.push(format!(
-            "`{name}` goes up to {reaches}: volts, as they are taken? Of a share of the battery's voltage write the volts of \
-             one unit as scale in M1 and M2"
+            "`{name}` reaches {reaches}: is it in volts, as assumed? For a share of the battery voltage write the volts per unit as scale in M1 and M2"
         ));
     } else {
         guess.questions.push(format!(
-            "`{name}` is a share of the battery's voltage{}: with {full} for the whole of 12 V write \
-             scale = {:.5}{} in M1 and M2; until then a volt of the results is one unit of the command",
-            if rest.is_some() { String::new() } else { format!(" and goes up to {reaches}") },
+            "`{name}` is a share of the battery voltage{}: with {full} for the full 12 V write \
+             scale = {:.5}{} in M1 and M2; otherwise one volt of the results is one unit of the command",
+            if rest.is_some() { String::new() } else { format!(" and reaches {reaches}") },
             12.0 / full,
             // what is added stands behind the factor
             rest.map_or(String::new(), |rest| format!(", offset = {}", -rest * 12.0 / full)),
@@ -113,7 +111,7 @@ pub(super) fn look(
     }
 }
 
-/// The question whether an effort within one is a torque or a share of the voltage of the battery beside it.
+/// The question whether an effort between -1 and 1 is a torque or a share of the battery voltage.
 fn effort(columns: &[PreviewColumn], battery: &PreviewColumn, guess: &Guess) -> Option<String> {
     let of =
         |name: &str| columns.iter().find(|c| c.name == name).map_or(0.0, |c| largest(&c.values));
@@ -123,7 +121,7 @@ fn effort(columns: &[PreviewColumn], battery: &PreviewColumn, guess: &Guess) -> 
     };
     let first = inputs().next().filter(|_| inputs().all(is_open))?;
     Some(format!(
-        "`{}` lies within -1 and 1: a torque in N m, as it is taken, or a share of the battery's voltage? For a share write \
+        "the values of `{}` are between -1 and 1: a torque in N m, as assumed, or a share of the battery voltage? For a share write \
          times = \"{}\" in M1 and M2, drive_unit = \"V\", hold = \"constant\" below it, and {} under [model]",
         first.name,
         battery.name,
@@ -138,7 +136,7 @@ pub(super) fn battery<'a>(
     found.iter().find(|(column, unit)| to_volts(column, *unit).is_some()).copied()
 }
 
-/// Whether numbers are rather volts than a share: fractions beyond one, by a name that says neither.
+/// Whether numbers are volts and not shares: fractions above one, with a name that states neither.
 fn is_volt_sized<'a>(top: f64, name: &str, mut inputs: impl Iterator<Item = &'a [f64]>) -> bool {
     !has_one(&SHARES, name)
         && top > 1.001
@@ -146,7 +144,8 @@ fn is_volt_sized<'a>(top: f64, name: &str, mut inputs: impl Iterator<Item = &'a 
         && inputs.any(|values| !whole(values))
 }
 
-/// Voltages beyond those of any battery are millivolts; of what would be no volt as such it is asked.
+/// Converts voltages above those of any battery from millivolts; adds a question where they would not be
+/// voltages either.
 fn millivolts<'a>(inputs: &mut [&mut Guessed], of: impl Fn(&str) -> &'a [f64]) -> Option<String> {
     let top = inputs.iter().map(|one| largest(of(&one.name))).fold(0.0, f64::max);
     let is_open = |one: &&mut Guessed| one.unit.is_none() && one.scale.is_none();
@@ -156,8 +155,7 @@ fn millivolts<'a>(inputs: &mut [&mut Guessed], of: impl Fn(&str) -> &'a [f64]) -
     if top < LEAST_MILLIVOLTS {
         let name = &inputs.first()?.name;
         return Some(format!(
-            "`{name}` goes up to {top:.0}, which are no volts: a share of the battery's voltage, or millivolts? Write the volts \
-             of one unit as scale in M1 and M2"
+            "`{name}` reaches {top:.0}, which cannot be volts: a share of the battery voltage, or millivolts? Write the volts per unit as scale in M1 and M2"
         ));
     }
     for one in inputs {
@@ -167,23 +165,23 @@ fn millivolts<'a>(inputs: &mut [&mut Guessed], of: impl Fn(&str) -> &'a [f64]) -
     None
 }
 
-/// Whether a name says that it is a share of the battery's voltage.
+/// Whether a name denotes a share of the battery voltage.
 pub(super) fn is_share_word(name: &str) -> bool {
     has_one(&SHARES, name)
 }
 
-/// Whether one of the words stands in a name.
+/// Whether one of the words is in a name.
 fn has_one(words: &[&str], name: &str) -> bool {
     let name = name.to_lowercase();
     words.iter().any(|word| name.contains(word))
 }
 
-/// Whether a name says volts.
+/// Whether a name denotes volts.
 fn is_volt(name: &str) -> bool {
     name.to_lowercase().contains("volt") || named(name).unit == Some("V")
 }
 
-/// Whether the name of a column, in small letters, says percent in a word.
+/// Whether a column name in lower case contains a word for percent.
 pub(super) fn is_percent(name: &str) -> bool {
     ["percent", "pct"].iter().any(|word| name.contains(word))
 }

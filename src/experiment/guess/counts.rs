@@ -11,8 +11,8 @@ pub(super) fn are(columns: &[PreviewColumn], one: &Guessed) -> bool {
     whole(values) && largest(values) > COUNTED
 }
 
-/// Counts per turn where speeds in a known unit say them, or in the unit in which they are those of an encoder, else a
-/// question. Speeds that are the slope or the steps of the counts are in counts as well.
+/// Counts per turn, from speeds in a known unit, or from the unit in which the counts are those of a usual
+/// encoder, else a question. Speeds that are the slope or the steps of the counts are in counts as well.
 pub(super) fn per_turn(columns: &[PreviewColumn], guess: &mut Guess) {
     let known: Vec<Guessed> = guess.columns.clone();
     let of = |name: &str| values_of(columns, name);
@@ -37,7 +37,7 @@ pub(super) fn per_turn(columns: &[PreviewColumn], guess: &mut Guess) {
             };
             if let Some((turns, unit)) = said.filter(|(turns, _)| COUNTS.contains(turns)) {
                 guess.columns[k].per_turn = Some(turns);
-                let why = format!("{turns} counts a turn, from the speed beside it");
+                let why = format!("{turns} counts per turn, from the speed column");
                 guess.columns[k].evidence.push(why);
                 let w = guess.columns.iter_mut().find(|c| c.key == w.key && unit != RADIANS);
                 if let Some(w) = w.filter(|w| w.unit.is_none()) {
@@ -82,7 +82,7 @@ fn stated(speed: &Guessed, ratio: f64) -> Option<(f64, &'static str)> {
     Some((encoder(turns).unwrap_or_else(|| turns.round()), unit))
 }
 
-/// Counts a turn that encoders have, and the unit of the speed that makes them so.
+/// Usual counts per turn of an encoder, and the unit of the speed for which they result.
 fn unstated(ratio: f64) -> Option<(f64, &'static str)> {
     UNITS.iter().find_map(|(unit, by_turn)| Some((encoder(ratio * by_turn)?, *unit)))
 }
@@ -91,15 +91,15 @@ fn unstated(ratio: f64) -> Option<(f64, &'static str)> {
 fn in_counts(speed: &mut Guessed, ratio: f64, row: Option<f64>) {
     if (ratio - 1.0).abs() < ALIKE {
         speed.unit = Some("ticks/s".into());
-        speed.evidence.push("the slope of the counts beside it: counts a second".into());
+        speed.evidence.push("the derivative of the counts: counts per second".into());
     } else if let Some(row) = row.filter(|row| (ratio * row - 1.0).abs() < ALIKE) {
         speed.unit = Some("ticks/s".into());
         speed.scale = Some((1e4 / row).round() / 1e4);
-        speed.evidence.push(format!("the steps of the counts beside it, in a row of {row:.4} s"));
+        speed.evidence.push(format!("the increments of the counts, in rows of {row:.4} s"));
     }
 }
 
-/// Counts passed over the integral of the speed as it stands, in counts per unit and second.
+/// Counts divided by the integral of the speed without conversion, in counts per unit and second.
 fn counts_by_speed(t: &[f64], time: &Guessed, counts: &[f64], speed: &[f64]) -> Option<f64> {
     let second = seconds(time);
     let rows = t.len().min(counts.len()).min(speed.len());

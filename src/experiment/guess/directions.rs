@@ -1,11 +1,11 @@
-//! Columns that hold the direction of a magnitude: `dirL` beside `pwmL`.
+//! Columns with the direction of a magnitude: `dirL` and `pwmL`.
 
 use super::guessed::{Guess, Guessed};
 use super::names::{Side, named};
 use super::values::{is_constant, is_never_negative, values_of};
 use crate::io::PreviewColumn;
 
-/// Words of a name that is that of a direction, and those that say which way a 1 is.
+/// Words for a direction, and those that state the direction of a 1.
 const DIRECTIONS: [&str; 6] = ["dir", "direction", "sign", "sgn", "richtung", "dirn"];
 const FORWARDS: [&str; 4] = ["fwd", "forward", "forwards", "vorwaerts"];
 const BACKWARDS: [&str; 6] = ["rev", "reverse", "reversed", "back", "backward", "backwards"];
@@ -27,7 +27,7 @@ const BACK: [&str; 13] = [
     "rw",
     "rwd",
 ];
-/// Part of the work of an input beyond which it drives its wheel the way that it is said to.
+/// Share of the work of an input above which it drives its wheel in the stated direction.
 const DRIVES: f64 = 0.2;
 
 /// A direction: its column, the wheel, and what it holds.
@@ -53,7 +53,7 @@ impl Directions {
         pair.iter().all(|one| self.beside(one).is_some())
     }
 
-    /// The direction of a column: that of its wheel with the most words in common.
+    /// The direction of a column: the direction of its wheel with the most words in common.
     fn beside(&self, one: &Guessed) -> Option<&Direction> {
         let own = named(&one.name);
         let common = |d: &&Direction| d.rest.iter().filter(|w| own.rest.contains(w)).count();
@@ -66,7 +66,7 @@ impl Directions {
         self.0.iter().filter(is_of).max_by_key(rank)
     }
 
-    /// Gives magnitudes the columns of their directions, and what stands for backward or the question for it.
+    /// Adds to magnitudes the columns of their directions and the value for backward, or the question for it.
     pub(super) fn give(&self, columns: &[PreviewColumn], guess: &mut Guess) {
         let of = |name: &str| values_of(columns, name);
         let is_magnitude = |one: &Guessed| {
@@ -115,7 +115,7 @@ impl Direction {
         self.rest.iter().any(|w| list.contains(&w.as_str()))
     }
 
-    /// What it holds, each once.
+    /// The different values of the column.
     fn shown(&self) -> Vec<String> {
         if self.words.is_empty() {
             distinct(&self.values).iter().map(f64::to_string).collect()
@@ -132,7 +132,7 @@ impl Direction {
             // `R` may be right, unless the other word is forward
             let back = self.words.iter().find(|w| is(&BACK, w) && !is(&AHEAD, w))?;
             let other = self.words.iter().find(|w| *w != back)?;
-            let why = format!("`{}` says the direction: `{back}` is backward", self.name);
+            let why = format!("direction from `{}`: `{back}` is backward", self.name);
             return is(&AHEAD, other).then(|| (Some(back.clone()), why));
         }
         let values = distinct(&self.values);
@@ -143,7 +143,7 @@ impl Direction {
         let by = |back: &f64, why: &str| {
             Some((
                 Some(format!("{back}")),
-                format!("`{}` says the direction: {back} is backward{why}", self.name),
+                format!("direction from `{}`: {back} is backward{why}", self.name),
             ))
         };
         if let Some(speed) = speed {

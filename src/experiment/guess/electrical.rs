@@ -3,7 +3,7 @@
 use super::guessed::{Guess, Guessed};
 use crate::io::PreviewColumn;
 
-/// Names of the values that the firmware of VESC sends beside `rpm`, which counts electrical turns.
+/// Names of the values that the firmware of VESC sends together with `rpm`, which is the electrical speed.
 const VESC: [&str; 10] = [
     "avg_motor_current",
     "avg_input_current",
@@ -16,7 +16,7 @@ const VESC: [&str; 10] = [
     "watt_hours_charged",
     "current_motor",
 ];
-/// Of so many of them the firmware is known.
+/// Number of these names by which the firmware is identified.
 const KNOWN_BY: usize = 2;
 
 /// The question for speeds in rpm that are those of VESC, whose factor is open then.
@@ -39,7 +39,7 @@ pub(super) fn mark(columns: &[PreviewColumn], guess: &mut Guess) -> Option<Strin
         one.scale_open |= one.scale.is_none();
     }
     Some(format!(
-        "`{first}` beside `{}` and `{}` is that of the VESC firmware, which counts electrical turns: write 1/(pole pairs of \
+        "`{first}` with `{}` and `{}` is from the VESC firmware, which counts electrical turns: write 1/(pole pairs of \
          the motor x gear) as scale, 0.14 for 7 pole pairs without gear; 1 where the log holds turns of the wheel",
         known[0], known[1]
     ))

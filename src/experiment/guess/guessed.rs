@@ -1,4 +1,4 @@
-//! What is guessed of the columns of a log.
+//! Detected properties of the columns of a log.
 
 use super::names::Named;
 use crate::io::PreviewColumn;
@@ -34,20 +34,20 @@ pub(in crate::experiment) struct Guessed {
     pub(in crate::experiment) plus: Vec<String>,
     /// Column that multiplies the value.
     pub(in crate::experiment) times: Option<String>,
-    /// Column that says the direction, and what it holds where the value is negative.
+    /// Column with the direction, and its content for negative values.
     pub(in crate::experiment) sign: Option<String>,
     pub(in crate::experiment) backward: Option<String>,
     /// Whether the column of the direction must be asked for.
     pub(in crate::experiment) sign_open: bool,
-    /// Whether what stands for backward must be asked for.
+    /// Whether the value for backward must be asked for.
     pub(in crate::experiment) backward_open: bool,
-    /// Whether the name does not say which wheel it is.
+    /// Whether the name does not determine the wheel.
     pub(in crate::experiment) side_unsure: bool,
-    /// What the guess rests on, beside the name.
+    /// Evidence in addition to the name.
     pub(in crate::experiment) evidence: Vec<String>,
 }
 
-/// What the columns of a log seem to be.
+/// The detected columns of a log.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::experiment) struct Guess {
     /// The columns that were found.
@@ -56,15 +56,15 @@ pub(in crate::experiment) struct Guess {
     pub(in crate::experiment) drive_unit: DriveUnit,
     /// Questions that only the user can answer.
     pub(in crate::experiment) questions: Vec<String>,
-    /// Whether one axis stands for both wheels.
+    /// Whether one axis is used for both wheels.
     pub(in crate::experiment) one_axis: bool,
-    /// Whether no column can be the time, so that the period of the rows is asked for.
+    /// Whether no column can be the time, so that the period is asked for.
     pub(in crate::experiment) period_open: bool,
-    /// Time between two rows \[s\] that the file states beside its columns.
+    /// Time between two rows \[s\] that the file states outside its columns.
     pub(in crate::experiment) period: Option<f64>,
 }
 
-/// A column with what its name says.
+/// A column with the interpretation of its name.
 pub(super) struct Candidate<'a> {
     pub(super) column: &'a PreviewColumn,
     pub(super) named: Named,

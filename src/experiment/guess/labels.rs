@@ -1,8 +1,8 @@
-//! Columns of words beside those of numbers.
+//! Columns of words, by which the motor of a row is identified.
 
 use crate::io::{PreviewColumn, is_owner};
 
-/// Names of a column of words that says whose row it is, beside those of a number of a motor.
+/// Names of columns of words that identify the motor of a row, in addition to those of columns of numbers.
 const OWNERS: [&str; 2] = ["joint_name", "name"];
 /// Motors at most, by numbers.
 const MOTORS: usize = 4;
@@ -11,8 +11,7 @@ const MOTORS: usize = 4;
 pub(super) fn owners(columns: &[PreviewColumn]) -> Option<String> {
     let (column, words) = columns.iter().find_map(|c| Some((c, whose(c)?)))?;
     Some(format!(
-        "`{}` says whose row it is ({}): were the motors measured one after the other? The two wheels must be measured at \
-         the same time, in columns of their own",
+        "`{}` names the motor of each row ({}): were the motors measured one after the other? The two wheels must be measured at the same time, in separate columns",
         column.name,
         words.join(", ")
     ))
@@ -32,7 +31,7 @@ pub(super) fn without_cells(columns: &[PreviewColumn]) -> Option<String> {
         .then(|| format!("the rows have no cells for {names}: the names before them are used"))
 }
 
-/// The words or numbers of the motors of a column that says whose row it is.
+/// The motors, as words or numbers, of a column that identifies the motor of a row.
 fn whose(column: &PreviewColumn) -> Option<Vec<String>> {
     let name = column.name.trim().to_lowercase();
     if column.words.len() > 1 && (is_owner(&name) || OWNERS.contains(&name.as_str())) {
@@ -70,13 +69,13 @@ mod tests {
     fn rows_of_several_motors_are_said() {
         let log = [column("motor", &["M1", "M2"]), column("pwm", &[]), column("speed", &[])];
         let g = guess(&log);
-        assert!(g.questions.join("\n").contains("`motor` says whose row it is (M1, M2)"));
+        assert!(g.questions.join("\n").contains("`motor` names the motor of each row (M1, M2)"));
         assert!(!g.one_axis && g.columns.is_empty(), "{:?}", g.columns);
         let numbers = PreviewColumn {
             values: (0..100).map(|k| f64::from(1 + k / 50)).collect(),
             ..column("motor_id", &[])
         };
         let g = guess(&[numbers, column("pwm", &[]), column("rpm", &[])]);
-        assert!(g.questions.join("\n").contains("`motor_id` says whose row it is (1, 2)"));
+        assert!(g.questions.join("\n").contains("`motor_id` names the motor of each row (1, 2)"));
     }
 }

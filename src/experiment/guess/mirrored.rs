@@ -1,4 +1,4 @@
-//! A wheel that counts the other way: its motor stands mirrored on the robot.
+//! A wheel with the opposite sign, because its motor is mounted mirrored.
 
 use super::guessed::{Guess, Guessed};
 use crate::experiment::remark::{Remark, mirrored_question};
@@ -21,7 +21,7 @@ const TURNING: [&str; 8] = [
 const SHOWN: f64 = 0.8;
 const CLEARER: f64 = 0.2;
 
-/// Part by which two speeds may differ and be the same, and of the rows in which they are (taste).
+/// Part by which two speeds may differ and be the same, and of the rows in which they are (judgement).
 const SAME: f64 = 0.15;
 const OFTEN: f64 = 0.25;
 
@@ -54,7 +54,7 @@ pub(super) fn look(columns: &[PreviewColumn], guess: &mut Guess) {
             let wheel = if sum > 0.0 { '2' } else { '1' };
             let (input, speed) = if wheel == '2' { (&input2, &w2) } else { (&input1, &w1) };
             let why = format!(
-                "mirrored: `{}` goes with the sum of the speeds and not with their difference",
+                "mirrored: `{}` is proportional to the sum of the speeds, not to their difference",
                 turning.name
             );
             turn(guess, wheel, drives(input, speed), &why);

@@ -1,4 +1,4 @@
-//! Guesses which column of a log is what, from names and values, and says why.
+//! Determines the meaning of the columns of a log from names and values, with the evidence.
 
 mod assigned;
 mod beside;
@@ -118,7 +118,7 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
     out
 }
 
-/// One axis that stands for both wheels.
+/// One axis used for both wheels.
 struct Axis {
     angles: Option<[Guessed; 2]>,
     speeds: Option<[Guessed; 2]>,

@@ -26,10 +26,10 @@ const PLACES: [&str; 17] = [
     "secondary",
     "second",
 ];
-/// Words that one of two names has beside all those of the other.
+/// Words by which the name of a second motor on a side differs from that of the first.
 const OTHERS: [&str; 6] = ["follower", "follow", "slave", "secondary", "second", "2"];
-/// Difference of two wheels of a side beyond which they do not turn alike, as part of their motion: slip of a skid
-/// steered robot is less, the wheels of an omnidirectional drive differ by all of it.
+/// Difference of two wheels of one side, as a share of their motion, above which they do not turn together:
+/// the slip of a skid-steered robot is smaller, wheels of an omnidirectional drive differ more.
 const UNLIKE: f64 = 0.3;
 
 /// Whether two names are those of the same quantity of two motors of one side.
@@ -53,7 +53,7 @@ pub(super) fn are_of_one_side(a: &Named, b: &Named) -> bool {
     }
 }
 
-/// The other columns of the quantity and side of one that was found, without those that never change.
+/// The other columns of the same quantity and side, without those that never change.
 fn beside<'a>(all: &'a [Candidate], one: &Guessed) -> Vec<&'a Candidate<'a>> {
     let Some(own) = all.iter().find(|c| c.column.name == one.name) else { return vec![] };
     let is_beside = |c: &&Candidate| {
@@ -103,7 +103,7 @@ pub(super) fn look(all: &[Candidate], columns: &[PreviewColumn], guess: &mut Gue
             one.evidence.push(format!("{names} on the same side: added up"));
         } else {
             questions.push(format!(
-                "{names} stand beside `{}` on one side, and not as many on the other: which motors drive each side? Write \
+                "one side has {names} in addition to `{}`, and the other not as many: which motors drive each side? Write \
                  their columns as plus = [\"…\"] in M1 and M2, which adds them to `name`",
                 one.name
             ));
@@ -112,7 +112,7 @@ pub(super) fn look(all: &[Candidate], columns: &[PreviewColumn], guess: &mut Gue
     guess.questions.extend(questions);
 }
 
-/// Whether two columns differ by a small part of their size.
+/// Whether two columns differ by a small share of their size.
 fn is_alike(columns: &[PreviewColumn], one: &Guessed, other: &Candidate) -> bool {
     let pairs = values_of(columns, &one.name).iter().zip(&other.column.values);
     let (mut size, mut difference) = (0.0, 0.0);

@@ -1,4 +1,4 @@
-//! What the name of a column says: quantity, wheel, unit.
+//! Interpretation of a column name: quantity, wheel, unit.
 
 mod factor;
 mod said;
@@ -12,7 +12,7 @@ use self::words::{BATTERY, OTHERS, STEPS, SYSTEM, WEAK, is_of_wheel, is_quantity
 pub(super) use self::words::{MEASURED, WISHED, is_place, leaves_angle_open, leaves_speed_open};
 use crate::io::{WheelSide, side, words};
 
-/// What a name says.
+/// The interpretation of a name.
 pub(super) fn named(name: &str) -> Named {
     let (times, name) = multiplied(name);
     let (bare, bracket) = split_unit(name);

@@ -8,7 +8,7 @@ use super::{ANGLES, SPEEDS};
 use crate::io::PreviewColumn;
 use crate::recording::DriveUnit;
 
-/// What must be written beside the columns.
+/// The keys to be written together with the columns.
 fn beside() -> String {
     format!(
         "drive_unit as \"V\" of a voltage or PWM, with hold = \"constant\" below it and {} under [model]",
@@ -16,17 +16,17 @@ fn beside() -> String {
     )
 }
 
-/// What is said of values within one: a share, by its size.
+/// The text on values between -1 and 1: a share, by its size.
 fn share_of(values: &[f64]) -> &'static str {
     let top = largest(values);
     if top > 0.0 && top < 1.001 {
-        "; it lies within -1 and 1: of a share of the battery's voltage write also scale = 12.0 for 12 V"
+        "; its values are between -1 and 1: for a share of the battery voltage also write scale = 12.0 for 12 V"
     } else {
         ""
     }
 }
 
-/// Names the column or the pair that is left beside two wheels and may be the input; `None` where several or none may be.
+/// The question with the remaining column or pair that may be the input; `None` if there are several or none.
 pub(super) fn question(columns: &[PreviewColumn], guess: &Guess) -> Option<String> {
     let of = |key: &str| guess.columns.iter().find(|c| c.key == key).map(|c| &c.name);
     let are_wheels = |[right, left]: [&str; 2]| of(right).is_some() && of(right) != of(left);
@@ -62,7 +62,7 @@ fn shared(open: &[(&PreviewColumn, Named)]) -> Option<String> {
     })
 }
 
-/// The one pair of columns whose names differ in the side alone and say no motion.
+/// The only pair of columns whose names differ in the side alone and name no motion.
 fn pair(open: &[(&PreviewColumn, Named)]) -> Option<String> {
     let is_of = |n: &Named, side: Side| {
         n.side == Some(side)

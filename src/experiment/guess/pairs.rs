@@ -6,12 +6,12 @@ use super::shafts;
 use super::shares;
 use super::values::fits;
 
-/// Letters in which two names differ that are no motors: axes of space and of a motor's field, and the terms of a
-/// controller.
+/// Letters in which two names differ and that are not motors: axes of space and of a motor's field, and the
+/// terms of a controller.
 const NO_MOTORS: [&str; 7] = ["x", "y", "z", "d", "q", "p", "i"];
 /// Words of a name that is that of a wheel.
 const WHEELS: [&str; 4] = ["wheel", "wheels", "drive", "traction"];
-/// Words of the shaft behind a gear, which turns with the wheel.
+/// Words for the shaft after a gear, which turns with the wheel.
 const SHAFTS: [&str; 5] = ["output", "shaft", "gearbox", "load", "axle"];
 /// Words of the motor that is meant where one current is that of the battery.
 const MOTORS: [&str; 5] = ["motor", "wheel", "wheels", "drive", "mot"];
@@ -19,7 +19,7 @@ const MOTORS: [&str; 5] = ["motor", "wheel", "wheels", "drive", "mot"];
 /// What is written where several motors drive a side.
 const ADDED: &str = "; of several motors of a side one as name, and the others as plus = [\"…\"], which adds them up";
 
-/// Looks for pairs, and collects what must be asked of those that it does not take.
+/// Finds pairs, and collects the questions on those that are not used.
 pub(super) struct Pairs<'a, 'b> {
     all: &'a [Candidate<'b>],
     pub(super) questions: Vec<String>,
@@ -60,7 +60,7 @@ impl<'a, 'b> Pairs<'a, 'b> {
         let is_motion = matches!(quantity, Quantity::Angle | Quantity::Speed);
         if is_motion && pair.0.named.wished && !is_exact(pair.0, keys) {
             self.questions.push(format!(
-                "{} are set-points by their names: which columns hold what was measured ({}, {})?",
+                "{} are set-points by their names: which columns contain the measured values ({}, {})?",
                 listed(&[pair.0, pair.1]),
                 keys[0],
                 keys[1]
@@ -70,7 +70,7 @@ impl<'a, 'b> Pairs<'a, 'b> {
         Some(guessed(pair, keys))
     }
 
-    /// Two columns whose names say the side and nothing else.
+    /// Two columns whose names contain the side and nothing else.
     pub(super) fn bare(&self, keys: [&'static str; 2]) -> Option<[Guessed; 2]> {
         let says_no_more =
             |c: &Candidate| c.named.rest.iter().all(|w| MEASURED.contains(&w.as_str()));
@@ -149,7 +149,7 @@ fn is_numbered(c: &Candidate) -> bool {
     matches!(c.named.side, Some(Side::Numbered(_)))
 }
 
-/// Whether a name is that of a wheel, or of a motion behind the gear of its motor.
+/// Whether a name is that of a wheel, or of the shaft after the gear of its motor.
 fn is_of_wheel(c: &Candidate) -> bool {
     let moves = matches!(c.named.quantity, Some(Quantity::Angle | Quantity::Speed));
     has_word(c, &WHEELS) || moves && has_word(c, &SHAFTS)
@@ -159,7 +159,7 @@ fn has_word(c: &Candidate, words: &[&str]) -> bool {
     c.named.rest.iter().any(|w| words.contains(&w.as_str()))
 }
 
-/// The columns that go on with the numbers of a pair: the other wheels of four.
+/// The columns with the next numbers after a pair: the other wheels of four.
 fn siblings<'a, 'b>(fits: &[&'a Candidate<'b>], pair: Two) -> Vec<&'a Candidate<'b>> {
     let is_number = |word: &String| word.chars().all(|c| c.is_ascii_digit());
     let stem = |c: &Candidate| -> Option<Vec<String>> {
@@ -179,8 +179,8 @@ fn siblings<'a, 'b>(fits: &[&'a Candidate<'b>], pair: Two) -> Vec<&'a Candidate<
     fits.iter().filter(is_one).copied().collect()
 }
 
-/// Other numbered pairs of the same kind that are no variants of the first: of two arms and two wheels, nobody says
-/// which are the wheels.
+/// Other numbered pairs of the same kind that are not variants of the first: of two arms and two wheels, the log does not
+/// state which are the wheels.
 fn rivals<'a, 'b>(pairs: &[Two<'a, 'b>]) -> Vec<&'a Candidate<'b>> {
     let first = pairs[0].0;
     let alike = |c: &Candidate| {

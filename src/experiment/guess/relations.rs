@@ -1,10 +1,10 @@
-//! What columns without a telling name say of each other: a speed is the slope of its angle.
+//! Relations between columns without a clear name: a speed is the derivative of its angle.
 
 use super::guessed::Guess;
 use super::values::is_constant;
 use crate::io::PreviewColumn;
 
-/// Columns that are compared at most: all pairs are looked at.
+/// Largest number of columns that are compared in pairs.
 const MOST: usize = 40;
 /// Rows below which columns go with each other by chance, and sentences at most.
 const ROWS: usize = 30;
@@ -47,13 +47,13 @@ pub(super) fn hints(columns: &[PreviewColumn], guess: &Guess) -> Vec<String> {
     said.take(SAID).collect()
 }
 
-/// Whether a column may be that of a motion: one value that stays is a setting, and its integral goes with whatever
-/// counts the rows.
+/// Whether a column may be a motion: a single value is a setting, and its integral would correlate with any
+/// row counter.
 fn is_signal(column: &PreviewColumn, time: &PreviewColumn) -> bool {
     column.values.len() == time.values.len() && !is_constant(&column.values)
 }
 
-/// Whether the change of one column over windows goes with the integral of another.
+/// Whether the change of one column over windows correlates with the integral of another.
 fn is_slope(t: &[f64], angle: &[f64], speed: &[f64]) -> bool {
     let length = (t.len() / WINDOWS).max(4);
     let (mut xx, mut yy, mut xy) = (0.0, 0.0, 0.0);

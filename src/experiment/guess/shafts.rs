@@ -1,16 +1,17 @@
-//! Speeds of the motors beside those of the wheels behind their gears.
+//! Speeds of the motors in addition to those of the wheels after their gears.
 
 use super::guessed::Candidate;
 use super::names::Quantity;
 use super::values::largest;
 
-/// Part by which a speed may differ from another times the ratio of a gear (taste).
+/// Relative deviation allowed between a speed and another one times the ratio of a gear (chosen by
+/// judgement).
 const ALIKE: f64 = 0.03;
 /// Ratio beyond which two speeds are those of two shafts.
 const GEAR: f64 = 1.25;
 
-/// Whether the second of two measured speeds in one unit is that of the slower shaft, behind a gear: the first is the same
-/// number of times as fast in all rows.
+/// Whether the second of two measured speeds in one unit is that of a slower shaft after a gear: the ratio of
+/// the two is the same in all rows.
 pub(super) fn is_slower(first: &Candidate, second: &Candidate) -> bool {
     let of = |c: &Candidate| {
         (c.named.quantity, c.named.wished, c.named.unit, c.named.scale, c.named.side)

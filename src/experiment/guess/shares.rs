@@ -1,4 +1,4 @@
-//! The voltage of a motor beside the share of the battery's voltage that it is.
+//! The voltage of a motor in addition to the duty cycle.
 
 use super::commands::is_share_word;
 use super::guessed::Candidate;
@@ -7,7 +7,7 @@ use super::names::Quantity;
 /// Part of the square of a voltage that its share must explain: a battery sags.
 const EXPLAINED: f64 = 0.9;
 
-/// Whether the second of two inputs is in volts what the first is as a share of the battery's voltage.
+/// Whether the second of two inputs is the voltage of which the first is the share of the battery voltage.
 pub(super) fn is_volts_of(share: &Candidate, volts: &Candidate) -> bool {
     let is_input = |c: &Candidate| c.named.quantity == Some(Quantity::Voltage) && !c.named.battery;
     let says_volts = |c: &Candidate| c.named.unit == Some("V") || c.named.word.starts_with("volt");

@@ -5,8 +5,8 @@ use super::names::Quantity;
 use super::values::{AT_REST, extent, is_never_negative, values_of};
 use crate::io::PreviewColumn;
 
-/// The question of speeds that are never negative beside set-points that are: the wheels turned both ways, and only a
-/// log with signs shows it.
+/// The question on speeds that are never negative although their set-points are: the wheels turned both ways,
+/// and only a log with signs shows the direction.
 pub(super) fn lost(all: &[Candidate], columns: &[PreviewColumn], guess: &Guess) -> Option<String> {
     let of = |name: &str| values_of(columns, name);
     let mut speeds = guess.columns.iter().filter(|c| c.key.starts_with("dalpha")).peekable();
@@ -28,15 +28,16 @@ pub(super) fn lost(all: &[Candidate], columns: &[PreviewColumn], guess: &Guess) 
 
 /// Rows over which a speed is compared on either side of its lowest.
 const BESIDE: usize = 3;
-/// Part of the largest speed below which a wheel stands, and that it gains or loses in those rows.
+/// Share of the largest speed below which a wheel is at rest, and by which the speed must change in those
+/// rows.
 const STANDS: f64 = 0.06;
 const GAINS: f64 = 0.02;
-/// By how much the slopes may differ, and how often a speed bounces before it is a magnitude (taste).
+/// Largest ratio of the slopes, and smallest number of bounces of a magnitude (judgement).
 const ALIKE: f64 = 2.5;
 const BOUNCES: usize = 3;
 
-/// Opens the sign of speeds that are never negative and rise from zero as steeply as they fell to it, again and again: a wheel
-/// that turns back, without its sign. One that stops stands still, for friction holds it.
+/// Marks the sign of speeds as open that are never negative and repeatedly rise from zero as steeply as they
+/// fell to it: a wheel that reverses, without its sign. A wheel that stops is held by friction.
 pub(super) fn bounce(columns: &[PreviewColumn], guess: &mut Guess) {
     let of = |name: &str| values_of(columns, name);
     let is_magnitude = |name: &str| is_never_negative(of(name));
@@ -57,8 +58,7 @@ pub(super) fn bounce(columns: &[PreviewColumn], guess: &mut Guess) {
         return;
     }
     guess.questions.push(format!(
-        "`{}` is never negative and {bounces} times rises from zero as steeply as it fell to it: a magnitude? Write as sign the column \
-         with the direction, or record signed values; where the wheels only turned forward leave sign out",
+        "`{}` is never negative and {bounces} times rises from zero as steeply as it fell to zero: is it a magnitude? Write the column with the direction as sign, or record signed values; if the wheels only turned forward, remove sign",
         speeds[0]
     ));
     for one in

@@ -1,4 +1,4 @@
-//! Units of speeds that can only be asked for.
+//! Units of speeds that must be asked for.
 
 use std::f64::consts::{PI, TAU};
 
@@ -16,7 +16,7 @@ const ALIKE: f64 = 0.1;
 /// Factor within which a speed follows its set-point.
 const SIMILAR: f64 = 2.0;
 
-/// Whether a speed is in a unit that nobody stated and that is none of SI.
+/// Whether a speed is in a unit that is not stated and is not an SI unit.
 pub(super) fn is_unknown(values: &[f64], one: &Guessed) -> bool {
     let is_stated = one.unit.is_some() || named(&one.name).unit.is_some();
     !is_stated && largest(values) * one.scale.unwrap_or(1.0).abs() > FAST
@@ -64,7 +64,7 @@ pub(super) fn open(columns: &[PreviewColumn], guess: &mut Guess) {
     speeds.filter(|c| c.unit.is_none()).for_each(|c| c.unit_open = true);
 }
 
-/// The set-point that states the unit of a speed and goes up to about as much, and its unit.
+/// The set-point with a known unit and about the same maximum as a speed, and its unit.
 fn of_set_point(columns: &[PreviewColumn], top: f64) -> Option<(&str, &'static str)> {
     columns.iter().find_map(|column| {
         let name = named(&column.name);
@@ -106,11 +106,11 @@ fn angles(columns: &[PreviewColumn], guess: &mut Guess, is_joint: bool) {
     let both = speed(first.key).filter(|w| is_slope(first) && !is_stated(w) && w.name != w.key);
     let question = match both {
         Some(w) => format!(
-            "{range}, and `{}` is its slope: in rad and rad/s, rev and rev/s, deg and deg/s, or m and m/s? Write both as unit",
+            "{range}, and `{}` is its derivative: in rad and rad/s, rev and rev/s, deg and deg/s, or m and m/s? Write both as unit",
             w.name
         ),
         None => format!(
-            "{range}: an angle in rad, deg, rev or ticks, or a way in m, cm or mm? Write it as unit; of speeds \
+            "{range}: an angle in rad, deg, rev or ticks, or a distance in m, cm or mm? Write it as unit; for speeds \
              write dalpha1 and dalpha2 in place of alpha1 and alpha2"
         ),
     };
@@ -143,7 +143,7 @@ fn is_effort(name: &str) -> bool {
     name.to_lowercase().contains("effort")
 }
 
-/// Whether a speed in rad/s is the slope of the angle beside it.
+/// Whether a speed in rad/s is the slope of the angle of the same wheel.
 fn agrees(columns: &[PreviewColumn], guess: &Guess, speed: &Guessed) -> bool {
     let found = |key: &str| {
         let one = guess.columns.iter().find(|c| c.key == key)?;

@@ -28,7 +28,7 @@ pub(super) fn look(guess: &mut Guess) {
         // both wheels in one question
         if !one.key.ends_with('2') {
             questions.push(format!(
-                "`{}` is in `{stated}`, which is no unit that is known for it: how many {si} is one of it{}? Write it as scale",
+                "`{}` is in `{stated}`, which is not a known unit for it: how many {si} is one of it{}? Write this factor as scale",
                 one.name,
                 if stated.contains('%') { RATED } else { "" }
             ));
@@ -39,7 +39,7 @@ pub(super) fn look(guess: &mut Guess) {
     guess.questions.extend(questions);
 }
 
-/// What a share may be one of.
+/// Reference values of a share.
 const RATED: &str = " (a share of the rated value: 0.01 of it for 1 %, 0.001 for 0.1 %)";
 
 /// Unit of the program.

@@ -13,15 +13,15 @@ use crate::recording::DriveUnit;
 /// Columns whose first values a question shows at most.
 const SHOWN: usize = 40;
 
-/// What a file is written from.
+/// Content of an experiment file to be written.
 pub(in crate::experiment) struct Written<'a> {
     /// Recordings with their use: whether they are of validation.
     pub(in crate::experiment) recordings: &'a [(PathBuf, bool)],
     /// Folder of the file.
     pub(in crate::experiment) folder: &'a Path,
-    /// What the columns are.
+    /// The detected columns.
     pub(in crate::experiment) guess: &'a Guess,
-    /// What was seen in the recordings, each a sentence.
+    /// Observations on the recordings, one sentence each.
     pub(in crate::experiment) said: &'a [String],
     /// All columns of the first recording.
     pub(in crate::experiment) columns: &'a [PreviewColumn],
@@ -40,7 +40,7 @@ impl Guessed {
 
     /// How the question for its unit begins.
     pub(in crate::experiment) fn asks_unit(&self) -> String {
-        format!("`{}` goes", self.name)
+        format!("`{}` has values", self.name)
     }
 
     /// Whether lengths need the radius of the wheels.
@@ -55,7 +55,7 @@ impl Guess {
         columns(self).contains("\"?\"")
     }
 
-    /// The guesses in words.
+    /// Description of the detected columns.
     pub(in crate::experiment) fn words(&self) -> String {
         let mut out = String::from("guessed from names and values of the columns (check them):\n");
         for one in &self.columns {
@@ -78,7 +78,7 @@ impl Guess {
         if self.one_axis {
             let _ = writeln!(
                 out,
-                "  one axis stands for both wheels: only a1 + a2 and the friction show"
+                "  one axis is used for both wheels: only a1 + a2 and the friction are identifiable"
             );
         }
         for question in &self.questions {
@@ -105,7 +105,7 @@ impl Guess {
         let assumed = self.columns.iter().filter(is_assumed);
         let words: Vec<String> = assumed.map(|c| format!("{} in {}", c.key, unit(c.key))).collect();
         (!words.is_empty())
-            .then(|| format!("assumed, as nothing states a unit: {}", words.join(", ")))
+            .then(|| format!("assumed, because no unit is stated: {}", words.join(", ")))
     }
 }
 
@@ -119,9 +119,9 @@ pub(in crate::experiment) fn file_text(w: &Written) -> String {
     let hint = if w.recordings.iter().any(|(_, v)| *v) {
         ""
     } else {
-        "   # add one: errors are then judged on it"
+        "   # add one: errors are then computed on it"
     };
-    let mut out = String::from("# What was seen:\n");
+    let mut out = String::from("# Observations:\n");
     for line in w.said {
         let _ = writeln!(out, "#   {line}");
     }
@@ -145,7 +145,7 @@ pub(in crate::experiment) fn file_text(w: &Written) -> String {
     );
     let _ = write!(
         out,
-        "drive_unit = {:?}           # \"N m\", \"V\" or \"A\": parameters come out per that unit\n{}",
+        "drive_unit = {:?}           # \"N m\", \"V\" or \"A\": parameters are estimated per that unit\n{}",
         w.guess.drive_unit.symbol(),
         input_words(w.guess.drive_unit)
     );
@@ -163,10 +163,10 @@ pub(in crate::experiment) fn file_text(w: &Written) -> String {
     out
 }
 
-/// What must be said of the robot.
+/// Remark on the robot.
 const ROBOT: &str = "[robot]
-# Not in the log: which robot it was. The parameters a1 to a5 do not depend on it; the path, the heading
-# and speeds in m/s do. A preset, or the two lengths beside \"unknown\", gives them; until then they are left out.
+# The log does not contain the dimensions of the robot. The parameters a1 to a5 do not depend on them; the path,
+# the heading and speeds in m/s do. Give a preset, or the two lengths with \"unknown\"; otherwise these are omitted.
 preset = \"unknown\"            # amigobot, pioneer_3dx, turtlebot3_burger, e_puck, create_2, regbot, frc_tank_drive
 # l1_m = 0.15                 # half the distance between the wheels [m]
 ";
@@ -178,12 +178,12 @@ fn input_words(unit: DriveUnit) -> &'static str {
     match unit {
         DriveUnit::NewtonMetre => "",
         DriveUnit::Ampere => {
-            "# With the torque per ampere at the wheel (motor constant x gear) parameters come in SI units:\n\
+            "# With the torque per ampere at the wheel (motor constant x gear) parameters are in SI units:\n\
              # drive_unit = \"N m\" and torque_constant = 0.1 in M1 and M2 of columns\n"
         }
         DriveUnit::Volt => {
-            "hold       = \"constant\"      # a voltage is a command: it holds from row to row\n\
-             # The input is a voltage: back-EMF belongs to the model (kS = a4, kV = k_e, kA = a1 + a2, per radian)\n"
+            "hold       = \"constant\"      # a voltage is a command and is held from row to row\n\
+             # The input is a voltage: back-EMF is part of the model (kS = a4, kV = k_e, kA = a1 + a2, per radian)\n"
         }
     }
 }
@@ -192,7 +192,7 @@ fn questions(out: &mut String, w: &Written) {
     if w.guess.questions.is_empty() {
         return;
     }
-    out.push_str("#\n# To be answered:\n");
+    out.push_str("#\n# Open questions:\n");
     for question in &w.guess.questions {
         let _ = writeln!(out, "#   - {}", in_a_line(question));
     }
@@ -205,7 +205,7 @@ fn questions(out: &mut String, w: &Written) {
     if open.is_empty() {
         return;
     }
-    out.push_str("# Columns that are still open, with their first values and their range:\n");
+    out.push_str("# Unused columns, with their first values and their range:\n");
     for column in open.iter().take(SHOWN) {
         let first: Vec<String> = match &column.texts[..] {
             [] => column.values.iter().take(3).map(|v| short(*v)).collect(),
@@ -235,7 +235,7 @@ fn short(value: f64) -> String {
     }
 }
 
-/// The keys of `columns`; what is still open stands as `"?"`.
+/// The keys of `columns`; open values are written as `"?"`.
 fn columns(guess: &Guess) -> String {
     let mut entries: Vec<String> = guess.columns.iter().filter(|c| says(c)).map(entry).collect();
     let there = |key: &str| guess.columns.iter().any(|c| c.key == key);
@@ -257,7 +257,7 @@ fn columns(guess: &Guess) -> String {
     format!("columns    = {{ {} }}   # guessed: check", entries.join(", "))
 }
 
-/// Whether the entry says more than the program would take anyway.
+/// Whether an entry differs from the defaults of the program.
 fn says(c: &Guessed) -> bool {
     let (name, evidence) = (c.name.clone(), c.evidence.clone());
     let (side_unsure, is_share) = (c.side_unsure, c.is_share);

@@ -9,8 +9,8 @@ const OTHERS: [&str; 22] = [
     "filt", "avg", "mean", "max", "min", "old", "new", "est",
 ];
 
-/// Takes two words for those of the sides where names of a motion and of an input differ in them alone, and no name has a
-/// side that is known. Which is the right one is asked, as of motors A and B.
+/// Uses two words as those of the sides where names of a motion and of an input differ in them alone, and no
+/// name has a known side. Which word is the right side is asked, as for motors A and B.
 pub(super) fn look(all: &mut [Candidate]) {
     if all.iter().any(|c| c.named.side.is_some() && is_of(c, true)) {
         return;

@@ -1,4 +1,4 @@
-//! What the values of columns say: units of time, counts, milliamperes, and what has to be asked.
+//! Interpretation of the values of columns: time units, counts, milliamperes, and open questions.
 
 use super::electrical;
 use super::guessed::{Guess, Guessed};
@@ -13,7 +13,7 @@ const RATES: (f64, f64) = (2.0, 2e4);
 /// Slower logs of steps of an input \[Hz\], and the slowest where a name states seconds.
 const SLOWEST: f64 = 0.5;
 const STATED: f64 = 0.1;
-/// Less is no log \[s\].
+/// Shortest duration of a log \[s\].
 const SHORTEST: f64 = 4.0;
 /// Beyond this a stamp is that of a calendar \[s\]: the year 2001.
 const CALENDAR: f64 = 1e9;
@@ -67,7 +67,7 @@ pub(super) fn is_constant(values: &[f64]) -> bool {
     held.all(|v| Some(v) == first)
 }
 
-/// Part of the way of a speed that is no turn back, but noise of a sensor at rest (taste).
+/// Part of the way of a speed that is no turn back, but noise of a sensor at rest (judgement).
 pub(super) const AT_REST: f64 = 0.05;
 
 /// The least and the largest of values, with zero among them.
@@ -102,7 +102,7 @@ pub(super) fn is_magnitude(
     driven && !input.iter().any(by_speed)
 }
 
-/// Adds the units that the values of the guessed columns show, with the evidence.
+/// Adds the units determined from the values of the detected columns, with the evidence.
 pub(super) fn units(columns: &[PreviewColumn], guess: &mut Guess) {
     let of = |name: &str| values_of(columns, name);
     for one in &mut guess.columns {
@@ -119,14 +119,15 @@ pub(super) fn units(columns: &[PreviewColumn], guess: &mut Guess) {
     }
 }
 
-/// Adds the questions that the values of the guessed columns raise; where no input was found the one that names columns.
+/// Adds the questions raised by the values of the detected columns; if no input was found, the question that
+/// lists columns.
 pub(super) fn questions(columns: &[PreviewColumn], guess: &mut Guess, input: Option<String>) {
     if let Some(controller) = electrical::mark(columns, guess) {
         guess.questions.push(controller);
     } else if guess.columns.iter().any(Guessed::is_electrical) {
         guess.questions.push(
             "erpm counts electrical turns: write 1/(pole pairs of the motor x gear) as scale, 0.14 for 7 pole pairs \
-             without gear; a tachometer beside it makes 6 steps an electrical turn: per_turn = 6 x pole pairs x gear"
+             without gear; a tachometer column has 6 counts per electrical turn: per_turn = 6 x pole pairs x gear"
                 .into(),
         );
         guess.columns.iter_mut().for_each(|c| {
@@ -178,15 +179,14 @@ impl Guess {
     }
 }
 
-/// The question of a column that was taken for the time and may be none.
+/// The question on a column that was used as the time and may be another quantity.
 fn time_question(guess: &Guess) -> Option<String> {
     let time = guess.columns.iter().find(|c| c.key == "t")?;
     if time.scale_open {
         Some(no_step(&time.name))
     } else if time.unit_open {
         Some(format!(
-            "`{}` is the only column that increases from row to row: is it the time? Then write its unit; of a position \
-             write the column of the time as name, or t = {{ period = 0.02 }} where rows come at a fixed period",
+            "`{}` is the only column that increases from row to row: is it the time? If so, write its unit; if it is a position, write the time column as name, or t = {{ period = 0.02 }} for a constant sampling period",
             time.name
         ))
     } else {
@@ -196,22 +196,19 @@ fn time_question(guess: &Guess) -> Option<String> {
 
 /// The question for the step of a column that counts rows.
 fn no_step(name: &str) -> String {
-    format!(
-        "`{name}` counts rows: what is the time between two of them [s]? Write it as scale of t"
-    )
+    format!("`{name}` counts rows: what is the sampling period [s]? Write it as scale of t")
 }
 
-/// What is asked where no column was found to be the time.
+/// The question if no time column was found.
 fn no_time(period_open: bool) -> &'static str {
     if period_open {
-        "what is the time between two rows [s]? No column rises steadily: if rows come at a fixed period, write \
-         t = { period = 0.02 }; else the name of the column that holds the time (t)"
+        "what is the sampling period [s]? No column increases steadily: if the period is constant, write t = { period = 0.02 }; otherwise the name of the time column (t)"
     } else {
         "which column holds the time (t)? If none does and rows come at a fixed period, write t = { period = 0.02 }"
     }
 }
 
-/// The unit of a controller whose names are known and say none.
+/// The unit of a controller whose column names are known and contain no unit.
 fn of_controller(values: &[f64], one: &mut Guessed) {
     let (angle, speed) = (one.key.starts_with("alpha"), one.key.starts_with("dalpha"));
     let name = one.name.to_lowercase();
@@ -222,7 +219,7 @@ fn of_controller(values: &[f64], one: &mut Guessed) {
     } else if !name.contains("present_") || !whole(values) {
         return;
     } else if angle {
-        ("ticks", None, Some(4096.0), "a Dynamixel of series X has 4096 counts a turn")
+        ("ticks", None, Some(4096.0), "a Dynamixel of series X has 4096 counts per turn")
     } else if speed {
         ("rpm", Some(0.229), None, "a Dynamixel of series X counts speed in 0.229 rpm")
     } else if name.contains("current") {
@@ -325,7 +322,7 @@ pub(super) fn whole(values: &[f64]) -> bool {
     values.iter().all(|v| !v.is_finite() || v.fract() == 0.0)
 }
 
-/// Whole angles beyond this are no radians.
+/// Largest whole angle in radians; larger ones are in other units.
 pub(super) const COUNTED: f64 = 50.0;
 
 fn angle(values: &[f64], one: &mut Guessed) {
@@ -335,7 +332,7 @@ fn angle(values: &[f64], one: &mut Guessed) {
     }
 }
 
-/// What is asked where no input was found; where no column is left there is none.
+/// The question if no input was found; empty if no column is left.
 fn no_input(columns: &[PreviewColumn], guess: &Guess) -> String {
     let is_used = |c: &&PreviewColumn| guess.columns.iter().any(|g| g.name == c.name);
     if columns.iter().filter(|c| !is_used(c)).all(|c| is_constant(&c.values)) {
@@ -354,7 +351,7 @@ fn no_input(columns: &[PreviewColumn], guess: &Guess) -> String {
 /// Whole numbers beyond this are rather milliamperes or counts of a converter than amperes.
 const WHOLE_AMPERES: f64 = 10.0;
 
-/// Asks for the unit of currents in whole numbers that nothing states.
+/// Asks for the unit of integer-valued currents that nothing determines.
 fn whole_currents(columns: &[PreviewColumn], guess: &mut Guess) {
     let top = |c: &Guessed| largest(values_of(columns, &c.name));
     let is_open = |c: &Guessed| {

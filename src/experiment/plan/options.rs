@@ -1,4 +1,4 @@
-//! What is asked of an experiment.
+//! Options of an experiment.
 
 use crate::conditioning;
 use crate::diagnose::Settings;
@@ -6,35 +6,35 @@ use crate::identify::{self, Identifier};
 use crate::simulate::{Gain, Hold};
 use crate::verdict::Basis;
 
-/// Methods that are compared where none is named.
+/// Default methods.
 const DEFAULT_METHODS: [&str; 3] = ["prediction_error", "output_error", "torque_regression"];
 
 /// A method with its options.
 pub struct MethodPlan {
-    /// As in its `[[method]]` block.
+    /// Name in its `[[method]]` block.
     pub name: String,
-    /// In words.
+    /// Title of the method.
     pub title: String,
-    /// Options as written, for reports: they stand behind the name where it occurs twice.
+    /// Options as written, for reports, where they distinguish methods with the same name.
     pub options: String,
     /// The configured method.
     pub method: Box<dyn Identifier>,
 }
 
 impl MethodPlan {
-    /// A method with the options that it has.
+    /// A method with the given options.
     #[must_use]
     pub fn new(method: impl Identifier + 'static) -> Self {
         Self::boxed(Box::new(method), String::new())
     }
 
-    /// The same of a method that was looked up, with its `options` as written.
+    /// The same for a method found by its name, with its `options` as written.
     pub(in crate::experiment) fn boxed(method: Box<dyn Identifier>, options: String) -> Self {
         let description = method.describe();
         Self { name: description.name, title: description.title, options, method }
     }
 
-    /// The methods that are compared where none is named, with their default options.
+    /// The default methods, with default options.
     #[must_use]
     pub fn defaults() -> Vec<Self> {
         let found = DEFAULT_METHODS.iter().filter_map(|name| identify::find(name));
@@ -42,7 +42,7 @@ impl MethodPlan {
     }
 }
 
-/// What the diagnosis is asked.
+/// Settings of the diagnosis.
 pub struct DiagnosisPlan {
     /// Candidates, false-alarm rate and number of effects.
     pub settings: Settings,
@@ -64,25 +64,26 @@ impl Default for DiagnosisPlan {
     }
 }
 
-/// What is asked of an experiment beside its model and its recordings; the tables of an experiment file, typed.
+/// Options of an experiment in addition to its model and its recordings; the typed tables of an experiment
+/// file.
 pub struct PlanOptions {
-    /// Heading of the report; the name of the experiment unless given.
+    /// Title of the report; default: the name of the experiment.
     pub title: Option<String>,
     /// Methods to compare, at least one.
     pub methods: Vec<MethodPlan>,
-    /// Diagnosis, if asked for.
+    /// Diagnosis, if requested.
     pub diagnosis: Option<DiagnosisPlan>,
-    /// The input between the rows; without it a line, or held where the motion shows that.
+    /// The input between the rows; default: linear, or held if the motion indicates this.
     pub hold: Option<Hold>,
-    /// Gain of the emulator, if asked for.
+    /// Gain of the emulator, if requested.
     pub gain: Option<Gain>,
-    /// What logger and sensors did to the recordings that is corrected together: speeds behind a low-pass, inputs at
-    /// different phases of a row.
+    /// Corrections that use all recordings together: speeds after a low-pass, inputs with different phases
+    /// relative to the rows.
     pub conditioning: conditioning::Settings,
-    /// Whether masses and inertias of the model's robot are its own. Where they only stand in, effects whose equations
-    /// hold them take those that the training recordings show.
+    /// Whether masses and inertias of the model's robot are its own. Otherwise effects whose equations
+    /// contain them use values estimated from the training recordings.
     pub robot_is_built: bool,
-    /// Seed of everything random.
+    /// Seed of all random numbers.
     pub seed: u64,
 }
 

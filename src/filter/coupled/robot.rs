@@ -9,9 +9,9 @@ use crate::model::Model;
 
 /// The six states of the rigid robot, body speeds u1, u2, twists phi1, phi2.
 pub(super) const STATES: usize = 10;
-/// Where the body's speeds stand.
+/// Index of the speeds of the body.
 pub(super) const BODY: usize = 6;
-/// Where the twists stand.
+/// Index of the twists.
 pub(super) const TWIST: usize = 8;
 
 /// A robot of two inertias a wheel.

@@ -1,12 +1,12 @@
-//! What the log does not say of the input between its rows, as noise.
+//! Noise due to the unknown input between the rows.
 
 use crate::effects::{Motion, along};
 use crate::filter::friction::input_variance;
 use crate::filter::prepare::Prepared;
 use crate::model::Model;
 
-/// Friction that may reverse within a row, where the log does not say when: the smoothed speed
-/// along it changes sign, or is smaller than its change; and one row to either side.
+/// Friction that may reverse within a row at an unknown time: the smoothed speed along it changes its sign,
+/// or is smaller than its change; including one row to either side.
 pub(super) fn crossing(prepared: &Prepared, model: &Model, p: &[f64]) -> Vec<[f64; 4]> {
     let recording = prepared.recording;
     let motion = recording.local_motion();

@@ -5,9 +5,9 @@
 pub(crate) enum Reading {
     /// As recorded; derivatives by inertias along the smoothed input.
     Whole,
-    /// Every second row from its neighbours, the even ones or the odd ones, to see what the sampling of the input
-    /// does.
+    /// Every second row interpolated from its neighbours, the even or the odd ones, to determine the effect
+    /// of the sampling of the input.
     HalfRate(usize),
-    /// As recorded, derivatives too, to see what its noise does.
+    /// As recorded, also for the derivatives, to determine the effect of its noise.
     Noisy,
 }

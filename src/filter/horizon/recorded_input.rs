@@ -7,8 +7,8 @@ use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::{Ends, Hold, every_other};
 
-/// Half width of the average of the input in derivatives \[s\], and its fewest rows: what a wheel's
-/// speed controller does takes longer.
+/// Half width of the average of the input in derivatives \[s\], and its smallest number of rows: longer than
+/// the response of a wheel's speed controller.
 const SMOOTH: f64 = 0.06;
 const FEWEST: usize = 3;
 

@@ -1,4 +1,4 @@
-//! Long comparisons of the fuzzy methods, with the figures they gave.
+//! Long comparisons of the fuzzy methods, with their results.
 //!
 //! All on the paper's movement (22 s, 100 Hz) at noise level N2 (0.05 rad/s, 1e-3 rad, 5e-3 N m),
 //! noise floor 2 T sigma² = 0.110 rad²/s; times on two cores. `repeat` is the same movement with
@@ -47,8 +47,8 @@ fn line(name: &str, options: &str, gain: f64, seed: u64) -> f64 {
 /// | fuzzy_anfis | 0.109 (59) | 0.108 (0.117) | 0.107 (0.115) | 202, 0.9 |
 ///
 /// fuzzy_least_squares in its serial-parallel structure, all others in the parallel one.
-/// On the other movement every one of them fails (ISE 6 to 1000 at K = 1): rules know only the
-/// speeds they were shown.
+/// On the other movement all of them fail (ISE 6 to 1000 at K = 1): rules do not extrapolate beyond the
+/// speeds of the training data.
 #[test]
 #[ignore = "a measurement, about a minute"]
 fn levenberg_marquardt_reaches_the_lowest_ise_with_the_fewest_evaluations() {
@@ -100,8 +100,8 @@ fn rules_over_the_range_of_the_data_beat_those_over_the_papers_range() {
 
 /// Six recordings, K = 1: ISE 0.107 to 0.115 (0.97 to 1.04 times the floor), repeats 0.115 to 0.127 and
 /// one of 0.27. With the range of the data not widened it was 0.121 to 0.146 and one repeat of 4.4; with
-/// a tenth of the ridge one repeat of 2.2. At K = 0: 0.108 to 0.116, and one of six repeats runs away (870):
-/// rules have no stiction, so pure simulation does not hold at rest.
+/// a tenth of the ridge one repeat of 2.2. At K = 0: 0.108 to 0.116, and one of six repeats diverges (870):
+/// rules have no stiction, so pure simulation does not stay at rest.
 #[test]
 #[ignore = "a measurement, some seconds"]
 fn the_noise_floor_is_reached_on_every_recording() {

@@ -1,4 +1,4 @@
-//! From consequents to a fit.
+//! Makes a fit of consequents.
 
 use std::sync::Arc;
 
@@ -6,8 +6,8 @@ use super::{DIVERGED, Journal, Problem};
 use crate::identify::{Fit, Note, Status, Trace, TraceAxis, TraceKind, Work};
 use crate::simulate::Structure;
 
-/// The fit of a fuzzy method: no physical parameters, the emulator as dynamics, and notes on what
-/// the number it reached means.
+/// The fit of a fuzzy method: no physical parameters, the emulator as dynamics, and notes on the
+/// meaning of its ISE.
 #[must_use]
 pub(super) fn finish(
     method: &str,

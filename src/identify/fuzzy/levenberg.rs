@@ -8,19 +8,19 @@ use crate::identify::{IdentifyError, Status};
 use crate::math::{MinimiseOptions, Quadratic, minimise};
 use crate::simulate::Structure;
 
-/// Where a descent stops.
+/// Stopping criteria of a descent.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
-    /// Steps at the most.
+    /// Largest number of steps.
     pub iterations: usize,
-    /// Relative fall of the cost below which it has converged.
+    /// Relative decrease of the cost below which the descent has converged.
     pub tolerance: f64,
 }
 
-/// ISE(theta) + weight |theta - about|², what a descent minimises over [`Problem::free`].
+/// ISE(theta) + weight |theta - about|², the cost that is minimised over [`Problem::free`].
 #[derive(Clone, Copy, Debug)]
 pub struct Penalty<'a> {
-    /// The reference.
+    /// The reference consequents [rad/s²].
     pub about: &'a DVector<f64>,
     /// See [`Problem::penalty`].
     pub weight: f64,
@@ -33,7 +33,7 @@ impl Penalty<'_> {
         self.weight * (theta - self.about).norm_squared()
     }
 
-    /// Its derivatives by the consequents `free`.
+    /// Its derivatives with respect to the consequents `free`.
     #[must_use]
     pub fn slope(&self, theta: &DVector<f64>, free: &[usize]) -> DVector<f64> {
         let one = |k: usize| 2.0 * self.weight * (theta[free[k]] - self.about[free[k]]);
@@ -47,7 +47,7 @@ impl Penalty<'_> {
 /// gradient = -2 g + 2 weight (theta - about),   curvature = 2 H + 2 weight I
 /// ```
 ///
-/// Returns the consequents, the number of steps, and how it ended.
+/// Returns the consequents, the number of steps and the status.
 #[must_use]
 pub fn levenberg_marquardt(
     problem: &Problem,
@@ -93,16 +93,16 @@ pub fn levenberg_marquardt(
     (with(&minimum.x), minimum.iterations, minimum.status.into())
 }
 
-/// Gains through which the continuation goes [1/s].
+/// Gains of the continuation, in order [1/s].
 const LADDER: [f64; 8] = [20.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1];
-/// How much coarser the tolerance is at which an intermediate gain is left.
+/// Factor by which the tolerance at intermediate gains is larger.
 const COARSER: f64 = 30.0;
 
-/// Descents at gains of 20, 10, 5, ... 1/s down to that of `problem`, each from the consequents of the one
-/// before; the first from the closed form or the friction level, whichever costs less.
+/// Descents at gains of 20, 10, 5, ... 1/s down to that of `problem`, each from the consequents of the previous
+/// one; the first from the closed form or the friction level, whichever has the lower cost.
 ///
-/// A high gain holds the emulator at the data, where the cost is nearly quadratic. The
-/// serial-parallel structure is linear in the consequents and needs the last gain alone.
+/// With a high gain the emulator follows the data, and the cost is nearly quadratic. The
+/// serial-parallel structure is linear in the consequents and needs only the last gain.
 ///
 /// # Errors
 /// See [`Problem::closed_form`], and those of `descend`.
@@ -133,5 +133,5 @@ pub fn continuation(
     Ok((theta, iterations, status))
 }
 
-/// Consequents, steps, and how a descent ended.
+/// Consequents, number of steps, and status of a descent.
 pub type Descent = (DVector<f64>, usize, Status);

@@ -1,5 +1,5 @@
-//! The body that all fuzzy methods share: options, problem, journal and fit. A method adds how it
-//! searches for the consequents.
+//! Common implementation of the fuzzy methods: options, problem, journal and fit. A method adds its
+//! search for the consequents.
 
 use std::fmt::Debug;
 
@@ -17,14 +17,14 @@ use crate::identify::{
 };
 use crate::simulate::Structure;
 
-/// How one fuzzy method searches; the type holds its own options, with defaults and ranges.
+/// Search of one fuzzy method; the type holds its options, with defaults and ranges.
 pub trait Search:
     Clone + Debug + Default + Serialize + DeserializeOwned + JsonSchema + Send + Sync + 'static
 {
     /// Name in experiment files.
     const NAME: &'static str;
 
-    /// The structure, where the method has one only; `structure` is then no option.
+    /// The structure, if the method has only one; `structure` is then not an option.
     const STRUCTURE: Option<Structure> = None;
 
     /// Title, equation, source, when to use.
@@ -37,7 +37,7 @@ pub trait Search:
     fn search(&self, job: &mut Job) -> Result<Found, IdentifyError>;
 }
 
-/// What a search is given.
+/// Input of a search.
 pub struct Job {
     /// The cost.
     pub problem: Problem,
@@ -45,15 +45,15 @@ pub struct Job {
     pub level: DVector<f64>,
     /// Weight of the penalty on the distance from the friction level, relative to the mean square sensitivity.
     pub ridge: f64,
-    /// Seed of everything random.
+    /// Seed of all random numbers.
     pub seed: u64,
-    /// Where evaluations are noted.
+    /// Record of the evaluations.
     pub journal: Journal,
     method: &'static str,
 }
 
 impl Job {
-    /// The consequents where the search starts.
+    /// Initial consequents of the search [rad/s²].
     ///
     /// # Errors
     /// See [`Problem::closed_form`].
@@ -61,24 +61,24 @@ impl Job {
         start.of(&self.problem, &self.level, self.ridge, self.method)
     }
 
-    /// The error of a search that cannot begin.
+    /// The error of a search without initial consequents.
     #[must_use]
     pub fn no_start(&self, reason: NoStart) -> IdentifyError {
         IdentifyError::NoStart { method: self.method.into(), reason }
     }
 }
 
-/// Where a search ended.
+/// Result of a search.
 pub struct Found {
     /// Consequents [rad/s²].
     pub theta: Vec<f64>,
-    /// Steps, sweeps, generations or epochs.
+    /// Number of steps, sweeps, generations or epochs.
     pub iterations: usize,
-    /// How it ended.
+    /// Status of the search.
     pub status: Status,
 }
 
-/// A fuzzy method: the options that all share, and a search.
+/// A fuzzy method: the common options and a search.
 #[derive(Clone, Debug, Default)]
 pub struct Fuzzy<S> {
     /// Options of all fuzzy methods.
@@ -127,7 +127,7 @@ impl<S: Search> Identifier for Fuzzy<S> {
 /// Splits the options of a block into those shared by all fuzzy methods and the search's own.
 ///
 /// # Errors
-/// Unknown keys, wrong types and values out of range, in words.
+/// Unknown keys, wrong types and values out of range.
 fn split<S: Search>(options: &toml::Table) -> Result<(Settings, S), OptionError> {
     let (method, shared_keys) = (S::NAME, keys::<Settings>());
     let own_keys = keys::<S>();
@@ -166,7 +166,7 @@ fn schema_with<S: Search>() -> schemars::Schema {
     schema
 }
 
-/// The one option that a search may not have.
+/// The option that is left out for searches with one structure only.
 const STRUCTURE: &str = "structure";
 
 /// The properties of an options schema.

@@ -1,5 +1,5 @@
-//! What the fuzzy methods share: options, the cost with its derivatives, and how a fit is put
-//! together. The methods themselves are files of the module above.
+//! Common parts of the fuzzy methods: options, the cost with its derivatives, and the construction of a fit.
+//! The methods themselves are files of the module above.
 
 mod finish;
 mod levenberg;

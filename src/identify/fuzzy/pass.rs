@@ -1,5 +1,5 @@
-//! One run of the emulator over a piece of a recording: wheel speeds alone, Runge-Kutta 4, both wheels
-//! side by side in a register.
+//! One simulation of the emulator over a piece of a recording: wheel speeds only, Runge-Kutta 4, both wheels
+//! in one register.
 
 use std::convert::Infallible;
 
@@ -9,13 +9,13 @@ use super::piece::Piece;
 use crate::math::runge_kutta_step;
 use crate::simulate::{Rules, Structure, TakagiSugeno, WithRules};
 
-/// A wheel speed beyond which a trial has left all bounds [rad/s].
+/// Wheel speed beyond which a simulation has diverged [rad/s].
 pub(super) const LIMIT: f64 = 1e3;
 
-/// The emulator of eq. (19) around the rules.
+/// The emulator of eq. (19) with its rules.
 #[derive(Clone, Copy)]
 pub(super) struct Emulator {
-    /// Where the rules take their argument from.
+    /// Source of the rules' argument: simulated or measured speeds.
     pub(super) structure: Structure,
     /// K on both wheel speeds [1/s].
     pub(super) gain: f64,

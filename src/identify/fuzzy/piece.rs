@@ -1,4 +1,4 @@
-//! A stretch of a recording without a gap, as the emulators run through it.
+//! A part of a recording without a gap, with the data of a simulation.
 
 use crate::recording::Recording;
 use crate::simulate::Hold;
@@ -6,7 +6,7 @@ use crate::simulate::Hold;
 /// Longest step of the integrator in fitting \[s\].
 const LONGEST_STEP: f64 = 0.01;
 
-/// A stretch of a recording without a gap.
+/// A part of a recording without a gap.
 #[derive(Clone, Debug)]
 pub(super) struct Piece {
     pub(super) t: Vec<f64>,
@@ -19,11 +19,11 @@ pub(super) struct Piece {
     sigma: [f64; 2],
 }
 
-/// What acts over one interval between samples, in straight lines.
+/// Inputs over one interval between samples, interpolated linearly.
 pub(super) struct Interval {
-    /// Steps of the integrator.
+    /// Number of integration steps.
     pub(super) steps: usize,
-    /// Their length \[s\].
+    /// Step size \[s\].
     pub(super) h: f64,
     omega: [[f64; 2]; 2],
     input: [[f64; 2]; 2],

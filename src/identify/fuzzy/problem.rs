@@ -15,10 +15,10 @@ use crate::robot::BaseParameters;
 use crate::robot::StateSpace;
 use crate::simulate::{FuzzyDynamics, Structure, TakagiSugeno};
 
-/// A cost that stands for "diverges": finite, since searches hang on infinities.
+/// Cost of a diverged simulation [rad²/s]; finite, because searches end on infinite costs.
 pub const DIVERGED: f64 = 1e9;
 
-/// Training recordings, a fuzzy system and the emulator of eq. (19) that joins them.
+/// Training recordings, a fuzzy system and the emulator of eq. (19).
 ///
 /// ```text
 /// what' = fhat(what or w; theta) + G u + K (w - what)
@@ -33,22 +33,22 @@ pub struct Problem {
     pub system: TakagiSugeno,
     /// G of eq. (18).
     pub input_gain: [[f64; 2]; 2],
-    /// Where fhat takes its argument from.
+    /// Source of the argument of fhat.
     pub structure: Structure,
     /// K on both wheel speeds [1/s].
     pub gain: f64,
-    /// ISE that the noise of the measured speeds alone makes [rad²/s].
+    /// ISE due to the noise of the measured speeds alone [rad²/s].
     pub noise_floor: f64,
-    /// The consequents of one output by which derivatives are taken, and the same of the other.
+    /// Indices of the consequents with derivatives, of both outputs.
     free: Vec<usize>,
 }
 
-/// Strength that a rule must reach in some sample, for its consequents to be searched one by one.
+/// Smallest maximal strength of a rule whose consequents are searched one by one.
 const REACHED: f64 = 0.01;
-/// The same for derivatives to be taken by them: below it, the penalty on the distance from the friction level holds them.
+/// The same for derivatives. Consequents of weaker rules are determined by the penalty on the distance from the friction level.
 const FELT: f64 = 1e-3;
-/// Least gain at which the sensitivities are measured that the penalty is relative to [1/s], in the middle of
-/// those of the continuation. Towards none they would grow with the length of the recording.
+/// Smallest gain at which the sensitivities are computed that scale the penalty [1/s], in the middle of
+/// those of the continuation. Without a gain they would grow with the length of the recording.
 const LEAST_GAIN: f64 = 5.0;
 
 /// Cost, gradient and Gauss-Newton matrix: ISE(theta + d) ~ cost - 2 g'd + d'H d.
@@ -81,7 +81,7 @@ impl Problem {
         Self { pieces, system, input_gain, structure, gain, noise_floor, free }
     }
 
-    /// The same problem with derivatives by those consequents alone that the measured speeds reach.
+    /// The same problem with derivatives only with respect to the consequents that the measured speeds reach.
     #[must_use]
     pub fn over_reached(&self) -> Self {
         let mut free = self.stronger_than(FELT);
@@ -89,7 +89,7 @@ impl Problem {
         Self { free, ..self.clone() }
     }
 
-    /// The consequents by which derivatives are taken.
+    /// Indices of the consequents with derivatives, of both outputs together.
     #[must_use]
     pub fn free(&self) -> Vec<usize> {
         let other = self.free.iter().map(|k| k + self.consequents() / 2);

@@ -1,4 +1,4 @@
-//! Runs of many emulators over a piece of a recording, side by side in the lanes of the processor.
+//! Simulations of many emulators over a piece of a recording, in the SIMD lanes of the processor.
 
 use pulp::{Simd, WithSimd};
 
@@ -7,13 +7,13 @@ use super::piece::Piece;
 use crate::math::{Lanes, in_lanes};
 use crate::simulate::{Consequents, Rules, RulesSideBySide, Structure, TakagiSugeno, WithRules};
 
-/// Registers in flight: a step of one waits for itself most of the time.
+/// Number of registers processed alternately, because the steps of one depend on each other.
 const TOGETHER: usize = 2;
-/// Most emulators that run side by side, in the widest registers.
+/// Largest number of emulators simulated at once, with the widest registers.
 pub(super) const SIDE_BY_SIDE: usize = 8 * TOGETHER;
 
 /// ISE of one piece with each vector of consequents, `None` where the emulator diverges: that of
-/// [`pass`] but for rounding, and the same for every width of the registers.
+/// [`pass`] up to rounding, and identical for every width of the registers.
 pub(super) fn passes(
     system: &TakagiSugeno,
     thetas: &[Vec<f64>],

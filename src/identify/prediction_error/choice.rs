@@ -1,4 +1,4 @@
-//! Which horizon: the one whose fit simulates best what it has not seen.
+//! Choice of the horizon by the simulation error on held-out pieces.
 
 use nalgebra::DVector;
 

@@ -30,7 +30,7 @@ pub(super) struct Solution {
     pub(super) p: Vec<f64>,
     /// Rows by which the input acts early.
     pub(super) shift: f64,
-    /// Columns that were estimated; behind the parameters stands the shift.
+    /// Columns that were estimated; the shift follows the parameters.
     pub(super) columns: Vec<usize>,
     /// Of each piece.
     pub(super) sums: Vec<Sums>,
@@ -39,14 +39,14 @@ pub(super) struct Solution {
     pub(super) evaluations: usize,
 }
 
-/// A step of the estimated columns, and the decrease of the cost that it promises [nats].
+/// A step of the estimated columns, and its predicted decrease of the cost [nats].
 #[derive(Clone)]
 struct Towards {
     step: DVector<f64>,
     promise: f64,
 }
 
-/// The columns that are estimated: the free parameters, and behind all parameters the shift.
+/// The estimated columns: the free parameters and, after all parameters, the shift.
 fn estimated(filter: &HorizonFilter, model: &Model) -> Vec<usize> {
     let mut columns = model.free();
     if filter.hold == Hold::Linear && !model.delays_input() {
@@ -106,7 +106,7 @@ impl Solution {
         out
     }
 
-    /// How far the solution would move if the input were read in another way; to first order.
+    /// Change of the solution if the input were read differently, to first order.
     pub(super) fn moved_by(
         &self,
         filter: &HorizonFilter,
@@ -122,7 +122,7 @@ impl Solution {
         moved.iter().all(|v| v.is_finite()).then_some(moved)
     }
 
-    /// The step by the score, without the columns that it would move across a bound at which they stand.
+    /// The step by the score, without the columns that are at a bound and would cross it.
     fn towards(&self, model: &Model, damping: f64) -> Towards {
         let score = (0..self.sums.len())
             .fold(DVector::zeros(self.columns.len()), |sum, piece| sum + self.score_of(piece));

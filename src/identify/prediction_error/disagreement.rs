@@ -1,4 +1,4 @@
-//! Errors of an estimate that no scatter of its scores shows, from another method's estimate.
+//! Errors of an estimate that the scatter of its scores does not contain, from another method's estimate.
 
 use crate::identify::{Estimate, Fit, Note};
 

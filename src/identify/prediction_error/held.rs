@@ -1,4 +1,4 @@
-//! Parameters that the data do not identify stay where the model starts.
+//! Holds parameters that the data do not identify at the start values of the model.
 
 use nalgebra::DMatrix;
 
@@ -11,14 +11,15 @@ use crate::model::Model;
 use crate::model::base::{A1, A2};
 use crate::recording::Recording;
 
-/// Largest radius of gyration of a robot in half tracks: that of a rod nine tracks long. A stated taste.
+/// Largest radius of gyration of a robot in half tracks: that of a rod nine tracks long (chosen by
+/// judgement).
 const WIDEST: f64 = 5.0;
 
-/// A model with what the data do not identify held, and its maximum of the likelihood.
+/// A model with unidentified parameters held, and its maximum of the likelihood.
 pub(super) struct Held {
     pub(super) model: Model,
     pub(super) solution: Solution,
-    /// Places of the parameters that were held.
+    /// Indices of the held parameters.
     pub(super) places: Vec<usize>,
 }
 
@@ -46,7 +47,7 @@ impl Held {
         out
     }
 
-    /// Holds parameter `j` at `value` and descends from there; `None` where that is not possible.
+    /// Holds parameter `j` at `value` and descends from there; `None` if that is not possible.
     fn hold(&mut self, filter: &HorizonFilter, j: usize, value: f64) -> Option<()> {
         let symbol = self.model.parameters()[j].spec.symbol.clone();
         let model = self.model.fix(&symbol, value).ok()?;
@@ -110,7 +111,7 @@ impl Held {
         least.map(|(j, _)| j)
     }
 
-    /// What to say of them.
+    /// The notes on the held parameters.
     pub(super) fn notes(&self, task: &Task) -> Vec<Note> {
         let one = |&j: &usize| {
             let parameter = &task.model.parameters()[j];

@@ -1,14 +1,14 @@
-//! A regression that holds the shapes of the model where another fit has them.
+//! A regression with the shape parameters held at another fit's values.
 
 use crate::effects::ParameterKind;
 use crate::identify::torque_regression::TorqueRegression;
 use crate::identify::{Estimate, Fit, Identifier, Task};
 use crate::model::Model;
 
-/// Share of a shape by which it is moved to see what depends on it.
+/// Relative change of a shape by which derivatives are computed.
 const STEP: f64 = 0.01;
 
-/// Places of the parameters of shapes that are estimated, which a regression holds.
+/// Indices of the estimated shape parameters, which a regression holds.
 fn shapes(model: &Model) -> impl Iterator<Item = usize> {
     let is_shape = |j: &usize| model.parameters()[*j].spec.kind == ParameterKind::Shape;
     model.free().into_iter().filter(is_shape)
@@ -53,7 +53,7 @@ pub(super) fn with_shapes_of(fit: &Fit, regression: &mut Fit, task: &Task) {
     }
 }
 
-/// Adds to the error of an estimate what that of a shape makes of it.
+/// Adds the contribution of a shape's error to the error of an estimate.
 fn widen(estimate: &mut Estimate, slope: f64, shape: &Estimate) {
     let by = match shape.std_error.is_finite() {
         true => slope * shape.std_error,

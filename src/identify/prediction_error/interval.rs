@@ -1,4 +1,4 @@
-//! Covariance from the scores of blocks, which holds where the model or its noise is wrong.
+//! Covariance from the scores of blocks, valid where the model or its noise is wrong.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -36,7 +36,7 @@ pub(super) fn spread(solution: &Solution, filter: &HorizonFilter, model: &Model)
     out
 }
 
-/// The errors that the scores of blocks tell.
+/// The errors from the scores of blocks.
 pub(super) fn of_scores(solution: &Solution) -> Spread {
     let n = solution.columns.len();
     let inverse = inverse_where_known(&solution.information());

@@ -50,7 +50,7 @@ fn unusable(error: FilterError) -> IdentifyError {
     }
 }
 
-/// The fit at a maximum, less what noise of the input biases.
+/// The fit at a maximum, corrected for the bias by noise of the input.
 fn fit(task: &Task, maximum: &Maximum, bias: &[f64]) -> Fit {
     let known = identified(
         task.model,

@@ -16,7 +16,7 @@ const RIDGE: f64 = 1e-10;
 pub(super) struct Group {
     pub(super) x: DMatrix<f64>,
     pub(super) y: DVector<f64>,
-    /// What noise added once more changes of `x`.
+    /// The change of `x` by adding the same noise once more.
     pub(super) change: DMatrix<f64>,
     pub(super) windows: Vec<Window>,
     /// Derivatives of row `2 window + wheel` by the speeds, `[row][column][sample of window]`;

@@ -82,7 +82,7 @@ fn what_does_not_add_up_is_refused() {
     for (unit, key, plus, words) in [
         (DriveUnit::Volt, "M1", "b", "voltages do not add up"),
         (DriveUnit::NewtonMetre, "dalpha1", "b", "only torques and currents"),
-        (DriveUnit::NewtonMetre, "M1", "a", "`a` stands there twice"),
+        (DriveUnit::NewtonMetre, "M1", "a", "`a` is listed twice"),
     ] {
         let e = sum(unit, key, &[plus]).unwrap_err().to_string();
         assert!(e.contains(words) && e.contains(&format!("columns.{key}.plus")), "{e}");

@@ -11,7 +11,7 @@ use crate::io::IoError;
 use crate::io::error::shown;
 use crate::io::signals::frame;
 
-/// Whether a file has more than so many lines.
+/// Whether a file has more than `limit` lines.
 pub(in crate::io) fn has_more_lines(path: &Path, limit: usize) -> Result<bool, IoError> {
     let wrong = |e: std::io::Error| IoError::system(path, &e);
     let mut file = File::open(path).map_err(wrong)?;
@@ -28,19 +28,19 @@ pub(in crate::io) fn has_more_lines(path: &Path, limit: usize) -> Result<bool, I
     }
 }
 
-/// Reads the wanted columns on, block by block.
+/// Reads the required columns block by block.
 pub(in crate::io) struct Blocks<'a> {
     path: &'a Path,
     layout: &'a Layout,
-    /// Names and places of the wanted columns.
+    /// Names and indices of the required columns.
     wanted: Vec<(&'a str, usize)>,
     lines: BufReader<File>,
     text: Vec<u8>,
-    /// Lines so far.
+    /// Number of lines read.
     line: usize,
-    /// Lines of the header that are still to come: names, and units where they have a line.
+    /// Number of header lines still to be read: names, and units if they have a line.
     header: usize,
-    /// Rows so far.
+    /// Number of rows read.
     row: usize,
 }
 
@@ -58,7 +58,7 @@ impl<'a> Blocks<'a> {
         Ok(Self { path, layout, wanted, lines, text: vec![], line: 0, header, row: 0 })
     }
 
-    /// The next rows, so many at most; none at the end.
+    /// The next rows, at most `rows`; empty at the end.
     pub(in crate::io) fn next_rows(&mut self, rows: usize) -> Result<DataFrame, IoError> {
         let mut values = vec![Vec::with_capacity(rows); self.wanted.len()];
         while values.first().is_some_and(|v| v.len() < rows) && self.next_line()? {

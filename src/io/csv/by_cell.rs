@@ -1,4 +1,4 @@
-//! Plain CSV cell by cell: spaces, blank lines, and rows that are none.
+//! Plain CSV read cell by cell: tolerates spaces, blank lines, and lines that are not rows.
 
 use std::path::Path;
 
@@ -9,12 +9,12 @@ use crate::io::IoError;
 use crate::io::error::shown;
 use crate::io::signals::frame;
 
-/// Share of the rows that may be no row of the table: a console prints a word now and then, or runs two lines
-/// into one. With more the file is another one than its header says.
+/// Largest share of rows that are not rows of the table: occasional console output, or two lines in one.
+/// Above it the file does not match its header.
 const STRAY: f64 = 0.01;
 
-/// The wanted columns as numbers. A row with more cells than names, or with text where a number is needed, is one
-/// without values, up to [`STRAY`] of the rows.
+/// The required columns as numbers. A row with more cells than names, or with text in place of a number, is a
+/// row without values, up to the share [`STRAY`].
 pub(super) fn read(path: &Path, layout: &Layout, names: &[String]) -> Result<DataFrame, IoError> {
     // by place: the header may hold spaces around the names
     let place = |name: &String| layout.names.iter().position(|n| n == name).unwrap_or_default();
@@ -43,7 +43,7 @@ pub(super) fn read(path: &Path, layout: &Layout, names: &[String]) -> Result<Dat
     }
 }
 
-/// The wanted cells of a row, which has its number and its line, or what is wrong with it.
+/// The required cells of a row; row and line numbers are for error messages.
 fn parsed(
     path: &Path,
     layout: &Layout,

@@ -1,13 +1,13 @@
-//! Columns that say whose row it is: of a joint, a motor, a signal.
+//! Key columns of long-form tables: joint, motor or signal of each row.
 
 use super::{Style, value};
 use crate::io::words::{have_both_sides, side, words};
 
-/// The most joints of a robot that a log tells apart.
+/// Largest number of joints in a log.
 const JOINTS: usize = 16;
-/// The most motors that a column of numbers without a telling name counts.
+/// Largest number of motors that are counted by a column of numbers without a characteristic name.
 const COUNTED: usize = 4;
-/// Rows for each change of a label beside one that alternates; the state of a robot stays for longer.
+/// Largest number of rows per change of a second label; the state of a robot changes less often.
 const STAYS: usize = 8;
 /// Names of a column with the number of a motor.
 const OWNERS: [&str; 19] = [
@@ -31,7 +31,7 @@ const OWNERS: [&str; 19] = [
     "canid",
     "side",
 ];
-/// Words of a column that says which part of an experiment a row is of, and never which wheel.
+/// Names of columns with the part of an experiment, which never identify a wheel.
 const PARTS: [&str; 16] = [
     "run",
     "test",
@@ -50,10 +50,10 @@ const PARTS: [&str; 16] = [
     "manoeuvre",
     "cycle",
 ];
-/// Names of a column whose quantity the label says.
+/// Names of columns whose quantity is given by the key of the row.
 const VALUES: [&str; 4] = ["value", "_value", "val", "data"];
 
-/// Whether the label of a row says which quantity a column of that name holds.
+/// Whether a column with that name has the quantity that the key of the row gives.
 pub(super) fn is_value(name: &str) -> bool {
     VALUES.contains(&name.to_lowercase().as_str())
 }
@@ -70,7 +70,7 @@ pub(in crate::io) fn is_part(name: &str) -> bool {
     words(name).iter().any(|word| PARTS.contains(&word.as_str()))
 }
 
-/// The time: the first column that never falls and changes.
+/// The time: the first column that changes and never decreases.
 pub(super) fn time(head: &[Vec<String>], style: Style) -> Option<usize> {
     let rises = |cells: &Vec<String>| {
         let values: Option<Vec<f64>> = cells.iter().map(|c| value(c, style)).collect();
@@ -82,8 +82,8 @@ pub(super) fn time(head: &[Vec<String>], style: Style) -> Option<usize> {
     head.iter().position(rises)
 }
 
-/// Whether a column may say whose row it is: words, numbers under the name of a motor, or a few whole numbers that come
-/// in turn in rows of the same time.
+/// Whether a column may identify the motor of a row: words, numbers under the name of a motor, or a few whole
+/// numbers in turn in rows of the same time.
 pub(super) fn is_label(name: &str, cells: &[String], times: &[String], style: Style) -> bool {
     let number = |cell: &String| value(cell, style);
     // the direction of one wheel (`dirL`) is in words as well
@@ -108,7 +108,7 @@ pub(super) fn is_label(name: &str, cells: &[String], times: &[String], style: St
         && times.chunks(count).all(|cycle| cycle.iter().all(|t| *t == cycle[0]))
 }
 
-/// The columns that say whose row it is: those of rows in turn, else those of tables one below the other.
+/// The columns that identify the motor of a row: those of alternating rows, else those of consecutive tables.
 pub(super) fn labels(
     names: &[String],
     texts: &[Vec<String>],
@@ -133,8 +133,8 @@ pub(super) fn labels(
     one_below_the_other(texts, times, &found, is_long)
 }
 
-/// The labels of rows in turn: one that differs from the row before in at least half of the rows, and those that
-/// change now and then beside it.
+/// The labels of alternating rows: one that differs from the previous row in at least half of the rows, and
+/// those that change occasionally as well.
 fn alternating(head: &[Vec<String>], labels: &[usize]) -> Vec<usize> {
     let changes = |k: &usize| head[*k].windows(2).filter(|w| w[0] != w[1]).count();
     let steps = |k: &usize| head[*k].len().saturating_sub(1);
@@ -144,8 +144,8 @@ fn alternating(head: &[Vec<String>], labels: &[usize]) -> Vec<usize> {
     labels.iter().copied().filter(|k| STAYS * changes(k) >= steps(k)).collect()
 }
 
-/// The labels of tables one below the other: each change of a label begins at an earlier time. Where a clock starts anew
-/// with a table, the tables were measured one after the other, unless the label says which quantity it is of.
+/// The labels of consecutive tables: each change of a label begins at an earlier time. Where a clock restarts
+/// with a table, the tables were recorded one after the other, unless the label names a quantity.
 fn one_below_the_other(
     texts: &[Vec<String>],
     times: &[f64],
@@ -165,7 +165,8 @@ fn one_below_the_other(
     labels.iter().copied().filter(begins).collect()
 }
 
-/// Whether times begin nearer to zero than they last: those of a clock that was started for them.
+/// Whether the first time is nearer to zero than the duration, as with a clock that was started for this
+/// table.
 fn is_near_zero(times: &[f64]) -> bool {
     times.first().zip(times.last()).is_some_and(|(first, last)| *first <= last - first)
 }

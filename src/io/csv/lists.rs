@@ -1,4 +1,4 @@
-//! Tables whose cells hold lists, as tables of ROS messages have them: `"(0.1, 0.2)"`, `"[0.1 0.2]"`.
+//! Tables whose cells contain lists, as tables of ROS messages do: `"(0.1, 0.2)"`, `"[0.1 0.2]"`.
 
 use std::path::Path;
 
@@ -8,9 +8,9 @@ use crate::io::IoError;
 /// Columns with their names.
 type Columns = Vec<(String, Vec<f64>)>;
 
-/// Rows that say whether cells hold lists.
+/// Number of rows from which lists in cells are detected.
 const LOOKED_AT: usize = 8;
-/// Elements of a list that are columns; longer ones are images and maps.
+/// Largest number of elements of a list that become columns; longer lists are images and maps.
 const ELEMENTS: usize = 64;
 
 /// The columns of a table in which some cells hold lists: an element of a list is a column, `position[0]`, under the
@@ -71,7 +71,7 @@ fn name_elements(columns: &mut Columns, joints: &[String]) {
     }
 }
 
-/// The elements of a cell that is a list of numbers or of words in quotes; a time in brackets is none.
+/// The elements of a cell that is a list of numbers or of quoted words; a time in brackets is not a list.
 fn elements(cell: &str) -> Option<Vec<&str>> {
     // as Python prints the arrays of messages
     let cell = cell.trim();
@@ -96,7 +96,7 @@ fn joints(cell: &str) -> Option<Vec<String>> {
     (!words.is_empty() && words.iter().all(is_word)).then(|| words.iter().map(bare).collect())
 }
 
-/// The elements of the lists of a column, each a column of its own; none of lists of words.
+/// The elements of the lists of a column, one column per element; empty for lists of words.
 fn of_cells(name: &str, cells: &[String], joints: Option<&[String]>) -> Columns {
     let number = |cell: &String, j: usize| -> f64 {
         let list = elements(cell);

@@ -1,5 +1,5 @@
-//! Columns whose names have an index, with the name of the joint of that index in the cells of another column: the
-//! messages of `rostopic echo -p`, PlotJuggler and Foxglove.
+//! Columns with an index in their names, where another column contains the name of the joint of that index:
+//! the messages of `rostopic echo -p`, PlotJuggler and Foxglove.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -10,9 +10,9 @@ use crate::io::{IoError, is_owner, words};
 /// Rows in which the cells are the same.
 const LOOKED_AT: usize = 64;
 
-/// The name of a joint or motor, and the names of the columns that are its own.
+/// The name of a joint or motor, and the names of its columns.
 struct Owner {
-    /// What stands before the index: `field.` of `field.name0`, and the index; or all of `field.motors0.`.
+    /// The text before the index: `field.` of `field.name0`, and the index; or all of `field.motors0.`.
     before: String,
     index: Option<String>,
     label: String,
@@ -85,12 +85,12 @@ impl Owner {
     }
 }
 
-/// What stands before the last part of a path, and that part.
+/// The text before the last part of a path, and that part.
 fn last_part(name: &str) -> (&str, &str) {
     name.split_at(name.rfind(['.', '/']).map_or(0, |at| at + 1))
 }
 
-/// A name without the index behind it, and the index: `name0`, `name[0]`, `name_0`.
+/// A name without its trailing index, and the index: `name0`, `name[0]`, `name_0`.
 fn indexed(name: &str) -> (&str, Option<&str>) {
     let inner = name.strip_suffix(']').unwrap_or(name);
     let stem = inner.trim_end_matches(|c: char| c.is_ascii_digit());

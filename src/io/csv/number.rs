@@ -5,7 +5,7 @@ use super::style::Style;
 /// Words for a value that is not there.
 pub(in crate::io) const ABSENT: [&str; 6] = ["", "na", "n/a", "null", "none", "-"];
 
-/// A cell of data as a number; NaN where it says that there is none.
+/// A cell of data as a number; NaN for a missing value.
 pub(in crate::io) fn value(cell: &str, style: Style) -> Option<f64> {
     let bare = cell.trim().trim_matches('"').trim().to_lowercase();
     if ABSENT.contains(&bare.as_str()) {
@@ -19,8 +19,8 @@ pub(in crate::io) fn number(cell: &str, style: Style) -> Option<f64> {
     style.number(cell.trim().trim_matches('"').trim())
 }
 
-/// A number and the unit that stands behind it, with a space between or without: `44.1rpm`, `0.01 sec`, `12%`. The
-/// unit of a bare number is empty.
+/// A number and the unit after it, with or without a space: `44.1rpm`, `0.01 sec`, `12%`. The unit of a bare
+/// number is empty.
 pub(in crate::io) fn quantity(text: &str) -> Option<(f64, &str)> {
     let text = text.trim().trim_matches('"').trim();
     if let Ok(number) = text.parse() {

@@ -1,4 +1,4 @@
-//! How the numbers of a text are written: the decimal sign, and what parts thousands.
+//! Number formats of a text: the decimal sign and the thousands separator.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader};
@@ -10,9 +10,9 @@ use crate::io::IoError;
 /// How the numbers of a text are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::io) enum Style {
-    /// Decimal points; a comma is no part of a number.
+    /// Decimal points; a comma is not part of a number.
     Point,
-    /// Decimal points or commas; thousands are not parted.
+    /// Decimal points or commas; no thousands separators.
     Either,
     /// Decimal commas, and points between thousands: `1.224,9`.
     PointedThousands,
@@ -20,11 +20,12 @@ pub(in crate::io) enum Style {
     CommaThousands,
 }
 
-/// Signs between thousands that are no decimal sign: apostrophes, and spaces at which a line does not break.
+/// Thousands separators that are not decimal signs: apostrophes and non-breaking spaces.
 const PARTED: [char; 4] = ['\'', '\u{2019}', '\u{a0}', '\u{202f}'];
 
 impl Style {
-    /// What a separator of columns leaves open: a comma that parts columns is no decimal sign.
+    /// The formats that a column separator allows: with commas between columns, a comma is not a decimal
+    /// sign.
     pub(in crate::io) fn of(separator: char) -> Self {
         if separator == ',' { Self::Point } else { Self::Either }
     }
@@ -69,18 +70,18 @@ fn is_grouped(text: &str, sign: char, decimal: char) -> bool {
     is_first && others && count > 0 && are_digits(part)
 }
 
-/// What the cells of a column say.
+/// Number formats observed in a column.
 #[derive(Clone, Copy, Debug, Default)]
 struct Seen {
     /// Cells that are grouped, for certain or perhaps: `1.000` may be one.
     grouped: usize,
     /// Whole numbers of up to three digits.
     short: usize,
-    /// Numbers of more digits without a group.
+    /// Number of numbers with more digits than a group and no separator.
     long: usize,
 }
 
-/// What the cells of a text say of its numbers.
+/// Evidence for the number format of a text.
 #[derive(Clone, Debug, Default)]
 pub(in crate::io) struct Evidence {
     /// Cells whose point or comma can only be the decimal sign.
@@ -94,7 +95,7 @@ pub(in crate::io) struct Evidence {
 }
 
 impl Evidence {
-    /// Takes in the cell of a column; what is no number says nothing.
+    /// Adds the cell of a column; other text is ignored.
     pub(in crate::io) fn see(&mut self, place: usize, cell: &str) {
         let cell = cell.trim().trim_matches('"').trim();
         let is_part = |b: u8| b.is_ascii_digit() || b"+-.,eE".contains(&b);
@@ -124,7 +125,7 @@ impl Evidence {
         column.long += usize::from(digits > 3);
     }
 
-    /// Whether nothing that may follow changes the answer.
+    /// Whether further cells cannot change the result.
     fn is_settled(&self) -> bool {
         self.points > 0 && self.commas > 0
     }

@@ -10,7 +10,7 @@ use crate::io::IoError;
 /// Columns with their names.
 type Columns = Vec<(String, Vec<f64>)>;
 
-/// Rows that say whether a table has a row for each joint.
+/// Number of rows from which a long-form table is detected.
 const LOOKED_AT: usize = 64;
 
 /// The columns of a table that has a row for each joint, with the name or number of the joint in a column: `velocity` of
@@ -32,7 +32,7 @@ pub(in crate::io) fn unfold(path: &Path, layout: &Layout) -> Result<Option<Colum
     Ok(unfolded(&layout.names, &by_place(path, layout)?, layout.style))
 }
 
-/// Whether the first rows have a time, and a column that may say whose row it is.
+/// Whether the first rows have a time and a column that may identify the motor of a row.
 pub(in crate::io) fn may_be_keyed(names: &[String], rows: &[Vec<String>], style: Style) -> bool {
     let head: Vec<Vec<String>> = (0..names.len())
         .map(|k| rows.iter().map(|row| row.get(k).map_or("", |c| c.trim()).to_string()).collect())
@@ -98,7 +98,7 @@ impl<'a> Rows<'a> {
         Self { time: &names[time], keys, owner, quantities, style }
     }
 
-    /// A column for each quantity and key: rows of one time are one row, unless a key comes again.
+    /// A column for each quantity and key: rows with equal times become one row, unless a key occurs again.
     fn side_by_side(&self, times: &[f64]) -> Columns {
         let count = self.quantities.len();
         let mut names = vec![self.time.to_string()];
@@ -129,7 +129,7 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// The name of a quantity of a key; its unit stays behind it.
+/// The name of a quantity of a key, with its unit at the end.
 fn keyed(name: &str, key: &str) -> String {
     if is_value(name) {
         return key.into();

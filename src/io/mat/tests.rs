@@ -116,7 +116,7 @@ fn damage_is_named_with_byte_variable_and_what_was_expected() {
     let e = refused("x.mat", &whole[..whole.len() - 1]);
     assert!(e.contains("byte 136: expected 56 bytes of a variable, found 55 bytes"), "{e}");
     let e = refused("x.mat", &file(2, [3, 1], 1, &[1, 2, 3], false));
-    assert!(e.contains("no vectors of numbers") && e.contains("it holds: x (struct)"), "{e}");
+    assert!(e.contains("no vectors of numbers") && e.contains("it contains: x (struct)"), "{e}");
     assert!(e.contains("'-struct'"), "{e}");
 }
 

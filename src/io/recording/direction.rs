@@ -1,4 +1,4 @@
-//! Magnitudes with their direction in a column of its own: `pwmL` and `dirL`.
+//! Magnitudes with separate direction columns: `pwmL` and `dirL`.
 
 use std::path::Path;
 

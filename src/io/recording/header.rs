@@ -1,4 +1,4 @@
-//! What stands in brackets behind the name of a column.
+//! Units in brackets after the name of a column.
 
 use std::path::Path;
 

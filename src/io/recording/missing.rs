@@ -1,4 +1,4 @@
-//! What is said of a column that is not there.
+//! Message for a missing column.
 
 use std::path::Path;
 

@@ -13,9 +13,9 @@ use super::lines::Columns;
 use super::record::collected;
 use crate::io::csv::{Style, value};
 
-/// Blocks that say whether a text consists of them.
+/// Number of blocks from which the format is detected.
 const BLOCKS: usize = 4;
-/// The field that names the block in which it stands.
+/// The field with the name of its block.
 const NAME: &str = "name";
 
 /// What a line is.

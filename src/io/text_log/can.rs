@@ -4,20 +4,20 @@ use super::lines::Columns;
 use super::record::{Pairs, collected, joined};
 use crate::io::csv::{quantity, with_unit};
 
-/// Lines that say what a text is.
+/// Number of lines from which the format is detected.
 const LOOKED_AT: usize = 40;
 
 fn held<'a>(lines: &[&'a str]) -> Vec<&'a str> {
     lines.iter().filter(|line| !line.trim().is_empty()).take(LOOKED_AT).copied().collect()
 }
 
-/// Whether the lines are frames of bytes that nobody decoded: `(1718.25) can0 141#9C1F…`, `can0 141 [8] 9C 1F …`.
+/// Whether the lines are raw, undecoded frames: `(1718.25) can0 141#9C1F…`, `can0 141 [8] 9C 1F …`.
 pub(super) fn is_raw(lines: &[&str]) -> bool {
     let held = held(lines);
     held.len() > 1 && held.iter().all(|line| is_frame(line) && !line.contains("::"))
 }
 
-/// Whether the frames have their signals behind `::`.
+/// Whether the frames have their signals after `::`.
 pub(super) fn is_one(lines: &[&str]) -> bool {
     let held = held(lines);
     held.len() > 1

@@ -24,7 +24,7 @@ pub(super) fn is_one(lines: &[&str]) -> bool {
     })
 }
 
-/// A column for each name of each kind, `MOT.Volt`, beside the time of all of them in microseconds.
+/// A column for each name of each kind, `MOT.Volt`, and the common time in microseconds.
 pub(super) fn columns(text: &str) -> Columns {
     let mut kinds: HashMap<&str, Vec<&str>> = HashMap::new();
     let mut rows: Vec<Pairs> = vec![];
@@ -41,7 +41,7 @@ pub(super) fn columns(text: &str) -> Columns {
     collected(joined(rows.into_iter()))
 }
 
-/// The numbers of a line that begins with its time; of one without a time nothing.
+/// The numbers of a line that begins with its time; empty for a line without a time.
 fn row(kind: &str, names: &[&str], cells: &[&str]) -> Option<Pairs> {
     let (time, scale) = match *names.first()? {
         "TimeUS" => (cells.first()?.parse::<f64>().ok()?, 1.0),

@@ -6,14 +6,14 @@ use crate::io::csv::{ABSENT, Style, is_units, value, with_unit};
 
 /// Lines above the rows among which the names are looked for.
 const ABOVE: usize = 3;
-/// Lines in which the header of LabVIEW stands.
+/// Number of lines within which the header of LabVIEW must be.
 const PREAMBLE: usize = 60;
 /// First cell of the line of units of LabVIEW.
 const UNITS: &str = "Y_Unit_Label";
 /// First words of a measurement file of LabVIEW.
 const LABVIEW: &str = "LabVIEW Measurement";
 
-/// The names of so many columns above the first row, and the line that they stand in; made-up ones without any.
+/// The names of `count` columns above the first row and the number of their line; generated names where there are none.
 /// Separators at the end of that line name nothing.
 pub(super) fn names(
     lines: &[&str],
@@ -53,7 +53,7 @@ pub(super) fn names(
         .unwrap_or_else(|| (None, (0..count).map(made_up).collect()))
 }
 
-/// The lines above a table of so many columns.
+/// The lines above a table of `count` columns.
 struct Above<'a> {
     lines: &'a [&'a str],
     separator: char,
@@ -117,7 +117,7 @@ impl Above<'_> {
     }
 }
 
-/// What stands behind the bracket that opens a matrix of MATLAB, and its comment sign: `data = [ % t wl wr`.
+/// The text after the bracket that opens a matrix of MATLAB and after its comment sign: `data = [ % t wl wr`.
 fn within_bracket(line: &str) -> &str {
     let behind = line.split_once("= [").map(|(_, rest)| rest.trim_start());
     behind.filter(|rest| rest.starts_with('%')).unwrap_or(line)
@@ -146,7 +146,7 @@ fn is_attribute(cells: &[String]) -> bool {
         || is_same && (distinct < values.len() || are_numbers)
 }
 
-/// The names of a header of more columns than the rows below it have cells: those behind are empty.
+/// The names of a header with more columns than the rows below it; the last columns are empty.
 fn longer(
     lines: &[&str],
     first: usize,
@@ -178,7 +178,7 @@ fn labelled(row: &[String], names: &[String]) -> Option<Vec<String>> {
     Some(names.iter().map(unit).map(Option::unwrap_or_default).collect())
 }
 
-/// Whether a name comes again.
+/// Whether a name occurs more than once.
 fn is_repeated(names: &[String]) -> bool {
     names.iter().enumerate().any(|(k, name)| !name.is_empty() && names[..k].contains(name))
 }

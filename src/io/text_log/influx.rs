@@ -5,7 +5,7 @@
 use super::lines::Columns;
 use super::record::{Pairs, collected, joined};
 
-/// Lines that say whether a text is one of points.
+/// Number of lines from which the format is detected.
 const LOOKED_AT: usize = 40;
 
 /// A point: its series, that is the measurement and the values of its tags, its fields, and its time.

@@ -1,4 +1,4 @@
-//! Records of several motors or topics in turn: a word in each says whose it is.
+//! Records of several motors or topics in turn: one field of each record names it.
 
 use std::collections::HashMap;
 
@@ -8,12 +8,12 @@ use super::lines::Columns;
 use super::record::{Pairs, assigned_texts, collected, joined, pairs};
 use crate::io::csv::{Style, is_owner, is_part};
 
-/// Records that say whether a word does.
+/// Number of records from which this is detected.
 const LOOKED_AT: usize = 64;
 /// The most words that do.
 const OWNERS: usize = 16;
 
-/// The field that says whose each record is, and its word in each line.
+/// The field that identifies the motor of each record, and its word in each line.
 type Owners = (String, Vec<Option<String>>);
 
 /// The columns of records, in the order in which their names come up; NaN where a record lacks one.
@@ -48,7 +48,7 @@ fn keys(lines: &[&str]) -> Option<Owners> {
     Some((field, of_lines))
 }
 
-/// The words of a record by their names: a date is none.
+/// The words of a record with their names; dates are not words.
 fn words(line: &str) -> Vec<(String, String)> {
     let is_word = |name: &str, text: &str| {
         let is_number = text.parse::<i64>().is_ok();

@@ -8,7 +8,7 @@ use super::record::{self, Pairs, qualified};
 use crate::io::columns::is_unit;
 use crate::io::csv::{Style, quantity, value, with_unit};
 
-/// Lines that say whether a text consists of such.
+/// Number of lines from which the format is detected.
 const LOOKED_AT: usize = 64;
 /// Lines of one kind that make a recording, and the most kinds of lines.
 const ROWS: usize = 5;
@@ -20,10 +20,10 @@ const SIDES: [&str; 6] = ["left", "right", "l", "r", "links", "rechts"];
 /// Levels of loggers.
 const LEVELS: [&str; 7] = ["TRACE", "DEBUG", "INFO", "NOTICE", "WARN", "WARNING", "ERROR"];
 
-/// What a line holds.
+/// Content of a line.
 #[derive(Debug, PartialEq)]
 pub(super) struct Line {
-    /// The time that stands before the line.
+    /// The time before the line.
     before: Option<(String, f64)>,
     /// Words before the first label.
     head: String,
@@ -33,7 +33,7 @@ pub(super) struct Line {
     is_labelled: bool,
 }
 
-/// A number with the words before it and the unit behind it.
+/// A number with the words before it and the unit after it.
 struct Item<'a> {
     words: Vec<&'a str>,
     number: f64,
@@ -44,7 +44,7 @@ struct Item<'a> {
 enum Piece<'a> {
     Sign,
     Word(&'a str),
-    /// A number, with a word before it where both stand together, and its unit.
+    /// A number with a word directly before it, and its unit.
     Number(Option<&'a str>, f64, &'a str),
 }
 
@@ -252,7 +252,7 @@ fn share_words<'a>(items: &mut [Item<'a>]) {
     }
 }
 
-/// Words without a level of a logger and its name before them.
+/// Words without a logger's level and name before them.
 fn behind_level<'a, 'b>(words: &'b [&'a str]) -> &'b [&'a str] {
     let has_level = words.first().is_some_and(|word| LEVELS.contains(word));
     if has_level { words.get(2..).unwrap_or_default() } else { words }

@@ -2,13 +2,13 @@
 
 use crate::io::csv::{is_separator, split};
 
-/// Columns with their names; a cell without a number is NaN.
+/// Columns with their names; NaN for cells without a number.
 pub(in crate::io) type Columns = Vec<(String, Vec<f64>)>;
 
-/// What may part columns; those that occur in numbers and words come last.
+/// Possible column separators; those that occur in numbers and words come last.
 pub(super) const SEPARATORS: [char; 5] = [';', '\t', ',', '|', ' '];
 
-/// The name of a column without one.
+/// The generated name of a column.
 pub(super) fn made_up(k: usize) -> String {
     format!("column{}", k + 1)
 }
@@ -25,7 +25,7 @@ pub(super) fn is_comment(line: &str) -> bool {
     ["#", "%", "//"].iter().any(|sign| line.trim_start().starts_with(sign))
 }
 
-/// The cells of a line; several spaces part two columns as one does.
+/// The cells of a line; several spaces count as one separator.
 pub(super) fn cells(line: &str, separator: char) -> Vec<String> {
     if separator == ' ' {
         // rows of a matrix of MATLAB end so

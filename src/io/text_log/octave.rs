@@ -4,10 +4,10 @@
 
 use super::lines::Columns;
 
-/// The most columns of a matrix that are taken for signals.
+/// Largest number of columns of a matrix that are read as signals.
 const WIDTH: usize = 64;
 
-/// Whether the comments at the head are those of Octave.
+/// Whether the comments at the beginning are those of Octave.
 pub(super) fn is_one(lines: &[&str]) -> bool {
     let head: Vec<&&str> = lines.iter().take_while(|line| line.starts_with('#')).collect();
     let has = |key: &str| head.iter().any(|line| comment(line, key).is_some());
@@ -18,7 +18,7 @@ fn comment<'a>(line: &'a str, key: &str) -> Option<&'a str> {
     line.strip_prefix('#')?.trim_start().strip_prefix(key)?.strip_prefix(':').map(str::trim)
 }
 
-/// A vector under its name, a matrix as `name(:,1)`, `name(:,2)`, …; a range and a scalar are no signals.
+/// A vector under its name, a matrix as `name(:,1)`, `name(:,2)`, …; ranges and scalars are not signals.
 pub(super) fn columns(text: &str) -> Columns {
     let mut out: Columns = vec![];
     let mut name = "";

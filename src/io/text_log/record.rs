@@ -10,7 +10,7 @@ use super::stamp;
 use super::stamp::CLOCK;
 use crate::io::csv::{Style, quantity, value, with_unit};
 
-/// Labels of a line among which those that come again are distinguished; a line of more is not that of a robot.
+/// Largest number of labels of a line among which repeated ones are distinguished.
 const REPEATED: usize = 256;
 
 /// Name, number and unit.
@@ -19,11 +19,11 @@ type Assigned<'a> = (&'a str, f64, &'a str);
 /// Names and numbers of a record.
 pub(super) type Pairs = Vec<(String, f64)>;
 
-/// Lines that say whether a text is one of records.
+/// Number of lines from which the format is detected.
 const LOOKED_AT: usize = 40;
-/// Elements of an array that are columns; longer ones are images and maps.
+/// Largest number of elements of an array that become columns; longer arrays are images and maps.
 const ELEMENTS: usize = 64;
-/// Keys of an object in a list by which it is called.
+/// Keys that contain the name of an object in a list.
 const NAMES: [&str; 6] = ["name", "motor", "joint", "wheel", "side", "id"];
 
 /// Whether nearly all of the first lines behind a preamble are records; a console begins with words and half a line.
@@ -56,7 +56,7 @@ fn is_of_row(row: &[(String, f64)], next: &[(String, f64)]) -> bool {
         && next[same..].iter().all(|(name, _)| row.iter().all(|(other, _)| other != name))
 }
 
-/// Records side by side.
+/// One column per name, with NaN where a record lacks it.
 pub(super) fn collected(records: impl Iterator<Item = Pairs>) -> Columns {
     let mut columns: Columns = vec![];
     let mut places: HashMap<String, usize> = HashMap::new();
@@ -140,7 +140,7 @@ fn lists(path: &str, value: &Value, out: &mut Columns) {
     }
 }
 
-/// Names and numbers of a record; nothing of a line that is none.
+/// Names and numbers of a record; empty for other lines.
 pub(super) fn pairs(line: &str) -> Pairs {
     let line = line.trim();
     if line.starts_with('{') {
@@ -171,7 +171,7 @@ pub(super) fn pairs(line: &str) -> Pairs {
     before.into_iter().chain(named).collect()
 }
 
-/// Names and texts of `side=R`, `id: 1`, whatever they are.
+/// Names and texts of `side=R`, `id: 1`, of any kind.
 pub(super) fn assigned_texts(line: &str) -> Vec<(String, String)> {
     let glued = glued(line.trim().trim_matches(['{', '}']));
     let separators = |c: char| c.is_whitespace() || ",;|".contains(c);
@@ -184,7 +184,7 @@ pub(super) fn assigned_texts(line: &str) -> Vec<(String, String)> {
     glued.split(separators).filter_map(one).collect()
 }
 
-/// Names of the words of labels, each once: those that come again have the last word before that does not.
+/// The words of each label as a name. Repeated labels get the last unique word before them as a prefix: `L.u`, `R.u`.
 pub(super) fn qualified(labels: &[&[&str]]) -> Vec<String> {
     let once =
         |word: &str| labels.iter().flat_map(|l| l.iter()).filter(|w| **w == word).count() == 1;
@@ -209,7 +209,7 @@ pub(super) fn qualified(labels: &[&[&str]]) -> Vec<String> {
     names
 }
 
-/// What stands before a record: the time of arrival, or a number without a label; and the record.
+/// The time of arrival or a number without a label before a record, and the record.
 pub(super) fn before(line: &str) -> (Option<(String, f64)>, &str) {
     if let Some((clock, rest)) = stamp::parted(line) {
         return (Some((CLOCK.into(), clock)), rest);

@@ -2,11 +2,11 @@
 
 use crate::io::csv::{Style, duration, value};
 
-/// The name of its column.
+/// Name of its column.
 pub(super) const CLOCK: &str = "clock";
 
-/// The time \[s\] before an arrow, as the monitors of Arduino and PlatformIO write it, and what stands behind:
-/// `14:30:00.100 -> l: 3`.
+/// The time \[s\] before an arrow, as the serial monitors of Arduino and PlatformIO write it, and the rest of
+/// the line: `14:30:00.100 -> l: 3`.
 pub(super) fn before_arrow(line: &str) -> Option<(f64, &str)> {
     [" -> ", " > "].iter().find_map(|arrow| {
         let (clock, rest) = line.split_once(arrow)?;
@@ -52,7 +52,7 @@ pub(super) fn parted(line: &str) -> Option<(f64, &str)> {
     })
 }
 
-/// Whether nearly all lines have a time by this reading of them.
+/// Whether nearly all lines have a time according to `read`.
 pub(super) fn is_on(lines: &[&str], read: fn(&str) -> Option<(f64, &str)>) -> bool {
     let held = || lines.iter().filter(|line| !line.trim().is_empty());
     let stamped = held().filter(|line| read(line).is_some()).count();

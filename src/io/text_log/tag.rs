@@ -1,14 +1,15 @@
-//! A word before the lines of a table that tells them apart from others of a console: `@D COLS t,enc`, `@D 0,12`.
+//! A tag at the start of the lines of a table that distinguishes them from other console lines: `@D COLS
+//! t,enc`, `@D 0,12`.
 
 use super::{PLAIN, ROWS, is_blank, table};
 use crate::io::csv::{Style, value};
 
-/// Part of the lines that begin with the word.
+/// Share of the lines that must begin with the word.
 const MOST: f64 = 0.9;
-/// Words before the names of a header that say that it is one.
+/// Words before the names that mark a header.
 const HEADERS: [&str; 7] = ["cols", "columns", "fields", "header", "names", "csv", "data"];
 
-/// The word and the space behind it that lines of a table begin with, where its header does as well.
+/// The word, with its space, with which the lines of a table and its header begin.
 pub(super) fn of(lines: &[&str]) -> Option<String> {
     let held: Vec<&&str> = lines.iter().filter(|line| !is_blank(line)).collect();
     let last = held.last()?;
@@ -28,7 +29,7 @@ pub(super) fn of(lines: &[&str]) -> Option<String> {
     (found.header.is_some() && PLAIN.contains(&found.separator)).then_some(tag)
 }
 
-/// The lines that begin with a tag without it, and a header without the word that says that it is one.
+/// The lines that begin with a tag, without it, and the header without its marking word.
 pub(super) fn without(text: &str, tag: &str) -> String {
     let bare = |line: &str| -> Option<String> {
         let rest = line.strip_prefix(tag)?.trim_start();

@@ -6,7 +6,7 @@ use super::lines::Columns;
 use super::record::{Pairs, collected, joined};
 use crate::io::csv::with_unit;
 
-/// Lines that say whether a text consists of them.
+/// Number of lines from which the format is detected.
 const LOOKED_AT: usize = 40;
 
 /// Whether nearly all of the first lines are values of Teleplot.
@@ -21,7 +21,7 @@ pub(super) fn columns(text: &str) -> Columns {
     collected(joined(text.lines().filter_map(pairs)))
 }
 
-/// The time, where there is one, and the value: `>name:time:value§unit|flags`.
+/// The time, if given, and the value: `>name:time:value§unit|flags`.
 fn pairs(line: &str) -> Option<Pairs> {
     let line = line.trim().strip_prefix('>')?;
     let line = line.split('|').next()?;

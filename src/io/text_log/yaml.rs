@@ -4,17 +4,17 @@ use super::lines::Columns;
 use super::record::collected;
 use crate::io::csv::{Style, value};
 
-/// Messages that say whether a text consists of them.
+/// Number of messages from which the format is detected.
 const MESSAGES: usize = 2;
-/// Elements of a list that are columns; longer ones are images and maps.
+/// Largest number of elements of a list that become columns; longer lists are images and maps.
 const ELEMENTS: usize = 64;
-/// The list of words that names the elements of the lists beside it.
+/// The list of words that contains the names of the elements of the lists next to it.
 const NAMES: &str = "name";
 
 /// A value of a message by its path: `header.stamp.sec`, `position[0]`.
 type Value<'a> = (String, &'a str);
 
-/// Whether a text consists of messages: lines of `key:`, `key: value` and `- value`, parted by `---`.
+/// Whether a text consists of messages: lines of `key:`, `key: value` and `- value`, separated by `---`.
 pub(super) fn is_one(lines: &[&str]) -> bool {
     let ends: Vec<usize> = (0..lines.len()).filter(|k| is_end(lines[*k])).collect();
     ends.len() >= MESSAGES
@@ -28,7 +28,7 @@ fn is_end(line: &str) -> bool {
     line.trim_end() == "---"
 }
 
-/// The key of a line and what stands behind it.
+/// The key of a line and the text after it.
 fn key(line: &str) -> Option<(&str, &str)> {
     let (key, rest) = line.split_once(':')?;
     let is_key = !key.is_empty() && key.chars().all(|c| c.is_alphanumeric() || c == '_');
@@ -83,7 +83,7 @@ fn values<'a>(lines: &[&'a str]) -> Vec<Value<'a>> {
     out
 }
 
-/// The numbers of a message, elements under the names of the list beside them.
+/// The numbers of a message; elements have the names that the list next to them gives.
 fn numbers(values: &[Value]) -> Vec<(String, f64)> {
     let parted = |path: &str| -> Option<(String, usize)> {
         let (list, index) = path.strip_suffix(']')?.rsplit_once('[')?;

@@ -103,5 +103,5 @@ fn damage_is_named_with_byte_entry_and_what_was_expected() {
     let e = refused("x.wpilog", b"WPILOG\x00\x02\x00\x00\x00\x00");
     assert!(e.contains("byte 6: expected version 1, found version 2.0"), "{e}");
     let e = refused("x.wpilog", &printed());
-    assert!(e.contains("there are no entries of numbers in this WPILOG file"), "{e}");
+    assert!(e.contains("this WPILOG file contains no entries of numbers"), "{e}");
 }

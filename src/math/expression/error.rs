@@ -1,10 +1,10 @@
-//! What can be wrong with a formula.
+//! Errors in formulas.
 
 use std::ops::Range;
 
 use thiserror::Error;
 
-/// A formula that cannot be used; every variant holds the bytes that it is about.
+/// A formula that cannot be used; every variant contains the byte range concerned.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ExpressionError {
@@ -23,7 +23,7 @@ pub enum ExpressionError {
         span: Range<usize>,
         /// The piece, or `the end of the formula`.
         found: String,
-        /// What belongs there.
+        /// What is expected in its place.
         expected: &'static str,
     },
     /// A number that does not fit.
@@ -46,7 +46,7 @@ pub enum ExpressionError {
         /// All functions.
         known: Vec<String>,
     },
-    /// A variable that means nothing where the formula is used.
+    /// A variable that is not defined where the formula is used.
     #[error("byte {}: unknown variable `{name}`{}", span.start, hint(suggestion, known))]
     UnknownVariable {
         /// The bytes of the name where it first appears.

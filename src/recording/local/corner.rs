@@ -1,4 +1,4 @@
-//! Angles around a row at which the acceleration may change.
+//! Local motion from angles at a row where the acceleration may jump.
 
 use std::ops::Range;
 
@@ -7,18 +7,18 @@ use nalgebra::Vector4;
 use crate::math::{FewCoefficients, NormalEquations};
 use crate::recording::Recording;
 
-/// Standard errors within which two neighbourhoods agree.
+/// Number of standard errors within which two neighbourhoods agree.
 pub(super) const AGREE: f64 = 2.0;
-/// Rows to either side of a corner that are looked at.
+/// Number of rows to either side of a corner.
 const SIDE: usize = 2;
-/// Variance of the speed of a corner by what its neighbours leave, in units of the mean square residual over the
-/// square of the row: the residual of five rows with one degree of freedom is the fourth difference D = h² (Δ₁ + Δ₋₁)/2
-/// over √70, the speed is wrong by h (Δ₋₁ - Δ₁)/8, and changes Δ of the acceleration to either side are as likely alike
-/// as opposite. Derived here.
+/// Variance of the speed at a corner due to the residuals of its neighbours, in units of the mean square
+/// residual over the square of the time step: the residual of five rows with one degree of freedom is the
+/// fourth difference D = h² (Δ₁ + Δ₋₁)/2 divided by √70, the error of the speed is h (Δ₋₁ - Δ₁)/8, and equal
+/// and opposite changes Δ of the acceleration to either side are equally likely. Derived here.
 const OF_NEIGHBOURS: f64 = 70.0 / 16.0;
 
-/// The motion of a wheel by the angles of two rows to either side, where the acceleration changes at the row, as it does
-/// where the input steps.
+/// The motion of a wheel from the angles of two rows to either side, if the acceleration jumps at the row, as
+/// it does when the input steps.
 ///
 /// ```text
 /// alpha = c0 + c1 τ + ½ c2 τ² + ½ c3 τ |τ|
@@ -51,7 +51,7 @@ impl Corner {
         };
         let FewCoefficients { values: c, covariance, .. } =
             NormalEquations::of(rows.clone().map(at)).solve()?;
-        // from the rows: of the sums little would be left
+        // computed from the rows: the sums would lose too many digits
         let residual = rows.map(at).map(|(row, moved)| (moved - row.dot(&c)).powi(2)).sum();
         Some(Self {
             alpha: alpha[k][wheel] + c[0],
@@ -63,7 +63,7 @@ impl Corner {
     }
 }
 
-/// Rows of a piece up to `half` from sample `k`.
+/// Rows of a piece at a distance of at most `half` from sample `k`.
 pub(super) fn around(piece: &Range<usize>, k: usize, half: usize) -> Range<usize> {
     k.saturating_sub(half).max(piece.start)..(k + half + 1).min(piece.end)
 }
@@ -75,7 +75,7 @@ pub(super) struct Corners {
 }
 
 impl Corners {
-    /// Those of a wheel at `rows` of a piece, and those around them that tell how rough the motion is.
+    /// Corners of a wheel at `rows` of a piece, and those around them from which the roughness is estimated.
     pub(super) fn of(
         recording: &Recording,
         piece: &Range<usize>,
@@ -92,8 +92,8 @@ impl Corners {
         self.rows.get(k - self.first)?.as_ref()
     }
 
-    /// Variance of the speed at row `k` by changes of the acceleration at its neighbours [rad²/s²]; none where the
-    /// residuals around it are those of noise, of standard deviation `sigma` \[rad\].
+    /// Variance of the speed at row `k` due to changes of the acceleration at its neighbours [rad²/s²]; zero
+    /// if the residuals around it are consistent with noise of standard deviation `sigma` \[rad\].
     pub(super) fn roughness(&self, k: usize, sigma: f64) -> f64 {
         let beside =
             self.rows.iter().skip((k - self.first).saturating_sub(SIDE)).take(2 * SIDE + 1);

@@ -1,18 +1,18 @@
-//! Checks of every channel by itself: constant values, limits, spikes, jumps, coarse steps.
+//! Checks of every channel separately: constant values, limits, spikes, jumps, coarse steps.
 
 use super::super::Recording;
 use super::super::noise::quantum;
 use super::{Finding, Issue, Quantity, Severity, quantile};
 
-/// A spike stands out of both neighbours by this many times the ordinary zigzag.
+/// A spike deviates from both neighbours by this many times the ordinary deviation.
 const SPIKE: f64 = 8.0;
-/// Share of samples that are left out when the ordinary zigzag is measured.
+/// Share of the largest values excluded when the ordinary deviation is estimated.
 const RARE: f64 = 0.02;
-/// A jump of an angle is at least this large \[rad\].
+/// Smallest jump of an angle \[rad\].
 const JUMP: f64 = 0.3;
-/// A limit is reached in at least this many samples, and in this share of them.
+/// A limit is reached in at least this many samples and this share of them.
 const AT_LIMIT: (usize, f64) = (20, 0.005);
-/// Above this share at the extreme, the input is a command of constant size.
+/// Share of samples at the extreme above which the input is a command of constant magnitude.
 const CONSTANT_COMMAND: f64 = 0.4;
 
 pub(super) fn findings(r: &Recording) -> Vec<Finding> {
@@ -43,7 +43,7 @@ fn extremes(values: &[[f64; 2]], i: usize) -> (f64, f64) {
 fn still(r: &Recording, i: usize) -> Option<Finding> {
     let (low, high) = extremes(r.omega(), i);
     let top = quantile(r.omega().iter().flatten().copied(), 0.99);
-    // an encoder at rest may flicker by a step
+    // an encoder at rest may alternate between two counts
     let is_still = high.max(-low) <= 1e-3 * top || (low, high) == (0.0, 0.0);
     is_still.then(|| Finding::new(Severity::Warning, Issue::Still(i)))
 }
@@ -73,14 +73,14 @@ fn limit(r: &Recording, i: usize) -> Option<Finding> {
     Some(Finding::new(severity, issue))
 }
 
-/// Whether a channel is so coarse that every level is met often, the extreme ones too.
+/// Whether a channel is so coarse that every level occurs often, including the extreme ones.
 fn on_few_levels(r: &Recording, i: usize) -> bool {
     let step = quantum(r.torque(), i);
     let (low, high) = extremes(r.torque(), i);
     step > 0.0 && high - low < 40.0 * step
 }
 
-/// How far a sample stands out of both its neighbours, on the same side; zero where it does not.
+/// Deviation of a sample from both its neighbours, if in the same direction; otherwise zero.
 fn zigzag(w: &[[f64; 2]], i: usize) -> f64 {
     let (before, after) = (w[1][i] - w[0][i], w[1][i] - w[2][i]);
     if before * after > 0.0 { before.abs().min(after.abs()) } else { 0.0 }
@@ -122,7 +122,7 @@ fn jumps(r: &Recording, i: usize) -> Option<Finding> {
     Some(Finding::new(Severity::Problem, Issue::Jumps { wheel: i, count, t, size }))
 }
 
-/// Speeds in steps that are a visible part of the speed itself.
+/// Speeds with a quantisation step that is a considerable part of the speed.
 fn coarse_speed(r: &Recording, i: usize) -> Option<Finding> {
     let step = quantum(r.omega(), i);
     let top = quantile(r.omega().iter().map(|w| w[i]), 0.95);

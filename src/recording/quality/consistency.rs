@@ -1,4 +1,4 @@
-//! Whether the columns of the wheels belong together: speeds, angles and inputs of one wheel.
+//! Checks that the columns of a wheel belong together: speed, angle and input.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -6,16 +6,17 @@ use super::quantile;
 use super::window::Window;
 use crate::math::{correlation, fit, sgn};
 
-/// Fewest windows of motion that a check is based on.
+/// Smallest number of windows in motion for a check.
 pub(super) const FEWEST: usize = 10;
-/// Correlation that says "the same signal".
+/// Correlation above which two signals are the same.
 const SAME: f64 = 0.98;
-/// How many standard errors a fitted inertia must be below zero.
+/// Number of standard errors by which a fitted inertia must be negative.
 const SURE: f64 = 5.0;
-/// Share of an input that the other wheel leaves, of what its own leaves and of all, where they are exchanged.
+/// Unexplained share of an input when fitted to the other wheel, relative to the fit to its own wheel and to
+/// the total, below which the inputs are exchanged.
 const EXCHANGED: f64 = 0.3;
 
-/// Whether the speed of each wheel follows the angle of the other, and not its own.
+/// Whether the speed of each wheel matches the angle of the other wheel instead of its own.
 pub(crate) fn exchanged_speeds(windows: &[Window]) -> bool {
     let windows = smooth(windows);
     let follows =
@@ -25,7 +26,7 @@ pub(crate) fn exchanged_speeds(windows: &[Window]) -> bool {
     windows.len() >= FEWEST && crossed && !straight
 }
 
-/// Whether the input of each wheel moves the other one.
+/// Whether the input of each wheel drives the other one.
 pub(crate) fn exchanged_input(windows: &[Window]) -> bool {
     let crossed = |i: usize| -> Option<bool> {
         let (own, other) = (simple_fit(windows, i, i)?, simple_fit(windows, i, 1 - i)?);
@@ -34,25 +35,25 @@ pub(crate) fn exchanged_input(windows: &[Window]) -> bool {
     crossed(0) == Some(true) && crossed(1) == Some(true)
 }
 
-/// Whether an input acts against the acceleration and also takes energy out: its sign is wrong, since
-/// friction and inertia need it put in.
+/// Whether an input opposes the acceleration and has negative work: its sign is then wrong, because friction
+/// and inertia require positive work.
 pub(crate) fn opposing_input(windows: &[Window], i: usize) -> bool {
     let Some(fit) = simple_fit(windows, i, i) else { return false };
     let work: f64 = windows.iter().map(|w| w.torque[i] * w.speed[i]).sum();
     fit.inertia < -SURE * fit.std_error && work < 0.0
 }
 
-/// Windows without the jumps of an angle that wraps.
+/// Windows without jumps of a wrapped angle.
 fn smooth(windows: &[Window]) -> Vec<&Window> {
     let limit = 3.0 * quantile(windows.iter().flat_map(|w| w.angle_rate), 0.9);
     windows.iter().filter(|w| w.angle_rate.iter().all(|a| a.abs() <= limit)).collect()
 }
 
-/// `M = c1 dω + c2 sgn(ω) + c3 ω` of one wheel's input on one wheel's motion.
+/// Regression `M = c1 dω + c2 sgn(ω) + c3 ω` of the input of one wheel on the motion of one wheel.
 struct SimpleFit {
     inertia: f64,
     std_error: f64,
-    /// Share of the input that is not explained \[1\].
+    /// Unexplained share of the input \[1\].
     rest: f64,
 }
 

@@ -1,15 +1,15 @@
-//! What the driving excites: without turns, reversals or motion some parameters stay unknown.
+//! Checks of the excitation: without turns, reversals or motion some parameters are not identifiable.
 
 use super::super::Recording;
 use super::window::{Window, windows};
 use super::{Finding, Issue, Severity, quantile};
 
-/// Speed below which a wheel counts as standing, over the top speed \[1\].
+/// Ratio of speed to top speed below which a wheel is at rest \[1\].
 const STANDING: f64 = 0.03;
-/// Root mean square difference (sum) of the wheel speeds over that of the sum (difference) below which turns (travel)
-/// count as absent: wheels that are not quite alike make a few percent (taste).
+/// Ratio of the RMS difference (sum) of the wheel speeds to that of their sum (difference) below which turns (travel) are
+/// absent: small differences between the wheels amount to a few percent (judgement).
 const ABSENT: f64 = 0.1;
-/// Share of standstill that is worth a word, and one that is a waste.
+/// Share of standstill that gives a note, and share that gives a warning.
 const STANDSTILL: (f64, f64) = (0.3, 0.6);
 
 /// A kind of movement that recordings lack.

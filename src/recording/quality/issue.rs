@@ -1,4 +1,4 @@
-//! What the quality check may notice.
+//! Issues that the quality check may find.
 
 mod joined;
 mod unit;
@@ -10,12 +10,12 @@ use super::Gaps;
 use crate::math::Span;
 use crate::recording::DriveUnit;
 
-/// Slowest rate at which starts and stops are still resolved \[Hz\].
+/// Lowest rate that resolves starts and stops \[Hz\].
 pub(crate) const SLOW: f64 = 20.0;
-/// Shortest recording worth fitting \[s\]: two windows over which errors are judged.
+/// Shortest useful recording \[s\]: two windows of the simulation error.
 pub(crate) const SHORT: f64 = 4.0;
 
-/// What a channel of a wheel measures.
+/// Quantity measured by a channel of a wheel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub enum Quantity {
     /// Angle \[rad\].
@@ -41,8 +41,8 @@ impl Quantity {
     }
 }
 
-/// A property of a recording that makes results worse, or that explains them, with counts `C` and other numbers `R`;
-/// wheels count from 0, the right one.
+/// A property of a recording that degrades or explains results, with counts of type `C` and other numbers of
+/// type `R`; wheels are counted from 0, the right wheel.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Issue<C = usize, R = f64> {
@@ -50,22 +50,22 @@ pub enum Issue<C = usize, R = f64> {
     Windows {
         /// Rows of the file.
         rows: C,
-        /// How many windows.
+        /// Number of windows.
         windows: C,
         /// Length of each \[s\].
         length_s: R,
-        /// Share of the rows that the windows hold \[1\].
+        /// Share of the rows in the windows \[1\].
         share: R,
     },
-    /// The recording lasts only so long \[s\].
+    /// Short duration \[s\].
     Short(R),
     /// Sampling rate \[Hz\].
     Slow(R),
-    /// Standard deviation of the step in time, over the median step \[1\].
+    /// Standard deviation of the time step over its median \[1\].
     Uneven(R),
-    /// Gaps in time, with the number of pieces too short to judge an error on.
+    /// Gaps in time, with the number of pieces that are too short for an error.
     Gaps(Gaps<C, R>, C),
-    /// Share of the rows that repeat the sensors \[1\].
+    /// Share of the rows that repeat the previous sensor values \[1\].
     Repeats(R),
     /// A wheel never moves.
     Still(usize),
@@ -73,88 +73,88 @@ pub enum Issue<C = usize, R = f64> {
     ConstantInput {
         /// 0 (right) or 1 (left).
         wheel: usize,
-        /// Where it stays.
+        /// The constant [unit of the input].
         value: R,
-        /// Of the input.
+        /// Unit of the input.
         unit: DriveUnit,
     },
-    /// An input often stands exactly at its extreme.
+    /// An input is often exactly at its extreme value.
     AtLimit {
         /// 0 (right) or 1 (left).
         wheel: usize,
-        /// The extreme.
+        /// The extreme value.
         value: R,
-        /// Of the input.
+        /// Unit of the input.
         unit: DriveUnit,
         /// Share of the samples \[1\].
         share: R,
-        /// Whether it is so often there that it is a command of constant size.
+        /// Whether this is so frequent that it is a command of constant magnitude.
         is_command: bool,
     },
-    /// Samples that stand out of both neighbours.
+    /// Samples that deviate from both neighbours.
     Spikes {
         /// What the channel measures.
         channel: Quantity,
         /// 0 (right) or 1 (left).
         wheel: usize,
-        /// How many.
+        /// Number of spikes.
         count: C,
         /// Time of the first \[s\].
         t: R,
-        /// The first, between its neighbours.
+        /// The first spike between its neighbours.
         around: [R; 3],
     },
     /// Steps of an angle that no motion explains.
     Jumps {
         /// 0 (right) or 1 (left).
         wheel: usize,
-        /// How many.
+        /// Number of steps.
         count: C,
         /// Time of the first \[s\].
         t: R,
         /// Its size \[rad\].
         size: R,
     },
-    /// Speeds in steps of so many rad/s, a visible part of the speed itself.
+    /// Speeds of a wheel with a quantisation step [rad/s] that is a considerable part of the speed.
     CoarseSpeed(usize, R),
     /// Share of the time at a standstill \[1\].
     Standstill(R),
-    /// Both wheels carry the same numbers.
+    /// Both wheels have identical values.
     OneAxis,
     /// The robot drives straight only.
     StraightOnly,
     /// The robot turns on the spot only.
     SpotOnly,
-    /// A wheel turns one way only; forward if true.
+    /// A wheel turns in one direction only; `true`: forward.
     OneWay(usize, bool),
-    /// Wheel speeds that no robot reaches.
+    /// Wheel speeds above any realistic value.
     TooFast {
         /// The highest [rad/s].
         top: R,
         /// Radius of the wheels \[m\].
         radius: R,
     },
-    /// The speed of each wheel follows the angle of the other.
+    /// The speed of each wheel matches the angle of the other.
     ExchangedSpeeds,
-    /// A speed is not the slope of its angle.
+    /// A speed differs from the derivative of its angle.
     Ratio {
         /// 0 (right) or 1 (left).
         wheel: usize,
-        /// Speed over slope \[1\].
+        /// Ratio of speed to derivative of the angle \[1\].
         ratio: R,
         /// Radius of the wheels \[m\].
         radius: R,
     },
-    /// The input of each wheel moves the other.
+    /// The input of each wheel drives the other wheel.
     ExchangedInput,
-    /// The input of a wheel acts against its motion.
+    /// The input of a wheel opposes its motion.
     OpposingInput(usize),
 }
 
-/// What was noticed on one or several recordings, with the ranges of the numbers.
+/// An issue of one or several recordings, with the ranges of the numbers.
 pub type StatedIssue = Issue<Span<usize>, Span<f64>>;
 
-/// Whether steps of an angle \[rad\] are those of one that wraps at a turn.
+/// Whether steps of an angle \[rad\] are those of an angle wrapped at a full turn.
 pub(crate) fn is_full_turn(size: Span<f64>) -> bool {
     (size.low().abs() / TAU - 1.0).abs() < 0.05
 }

@@ -7,11 +7,11 @@ use super::{Finding, Issue, Severity, quantile};
 use crate::math::median_high;
 use crate::robot::Robot;
 
-/// Ratio of speed to slope of the angle that is still taken as one.
+/// Deviation from one of the ratio of speed to derivative of the angle that is tolerated.
 const RATIO: f64 = 0.05;
-/// Ratio beyond which results are wrong and not only inexact.
+/// Deviation above which results are wrong and not only inaccurate.
 const WRONG: f64 = 0.2;
-/// Fastest robot that is believed [m/s].
+/// Highest realistic speed of a robot [m/s].
 const FAST: f64 = 8.0;
 
 pub(super) fn findings(r: &Recording, windows: &[Window], robot: &Robot) -> Vec<Finding> {
@@ -48,7 +48,7 @@ fn speed_against_angle(windows: &[Window], robot: &Robot) -> Vec<Finding> {
     (0..2).filter_map(|i| ratio(windows, i, robot)).collect()
 }
 
-/// The speed over the slope of the angle, and what a ratio other than one means.
+/// Ratio of the speed to the derivative of the angle, and its interpretation.
 fn ratio(windows: &[Window], i: usize, robot: &Robot) -> Option<Finding> {
     let fast = 0.2 * quantile(windows.iter().map(|w| w.angle_rate[i]), 0.95);
     let ratios: Vec<f64> = windows

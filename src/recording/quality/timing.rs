@@ -4,9 +4,9 @@ use super::super::Recording;
 use super::issue::{SHORT, SLOW};
 use super::{Finding, Gaps, Issue, Severity};
 
-/// Jitter from which on even steps are not a good description \[1\].
+/// Jitter above which the sampling is non-uniform \[1\].
 const UNEVEN: f64 = 0.3;
-/// Shortest piece between gaps over which an error is judged \[s\].
+/// Shortest piece between gaps with a simulation error \[s\].
 const PIECE: f64 = 2.0;
 
 /// Rate \[Hz\], jitter \[1\] and gaps.
@@ -30,7 +30,7 @@ pub(super) fn findings(r: &Recording, jitter: f64, gaps: Gaps) -> Vec<Finding> {
     if r.duration() < SHORT {
         out.push(Finding::new(Severity::Warning, Issue::Short(r.duration())));
     }
-    // stamps of 50 ms are 20 Hz whatever their last digits
+    // steps of 50 ms are 20 Hz despite rounding of the time stamps
     if rate < SLOW * (1.0 - 1e-3) {
         out.push(Finding::new(Severity::Warning, Issue::Slow(rate)));
     }

@@ -1,4 +1,4 @@
-//! A recording as straight lines over short windows: what the checks of motion look at.
+//! A recording approximated by straight lines over short windows, for the checks of the motion.
 
 use std::ops::Range;
 
@@ -17,7 +17,7 @@ pub(crate) struct Window {
     pub(crate) torque: [f64; 2],
 }
 
-/// The channels that windows are made of.
+/// Channels from which windows are computed.
 pub(crate) struct View<'a> {
     /// Time \[s\].
     pub(crate) t: &'a [f64],
@@ -31,16 +31,16 @@ pub(crate) struct View<'a> {
     pub(crate) pieces: &'a [Range<usize>],
     /// Median step \[s\].
     pub(crate) step: f64,
-    /// Rows for each new value of the sensors.
+    /// Number of rows per new value of the sensors.
     pub(crate) refresh: usize,
 }
 
 /// Length of a window \[s\].
 const LENGTH: f64 = 0.1;
-/// Fewest new values of a window.
+/// Smallest number of new values in a window.
 const SAMPLES: usize = 8;
 
-/// The windows of all pieces, one behind the other.
+/// The windows of all pieces in sequence.
 pub(super) fn windows(r: &Recording) -> Vec<Window> {
     windows_of(&View {
         t: r.t(),
@@ -53,12 +53,12 @@ pub(super) fn windows(r: &Recording) -> Vec<Window> {
     })
 }
 
-/// The same of channels that are no recording yet; none where time does not go on from row to row.
+/// The same for channels that are not yet a recording; empty if the time does not increase.
 pub(crate) fn windows_of(v: &View) -> Vec<Window> {
     if v.step.is_nan() || v.step <= 0.0 {
         return vec![];
     }
-    // the slope of n steps of a stair is too small by 1/n²
+    // the slope of a signal quantised to n steps is too small by 1/n²
     let length = ((LENGTH / v.step).round() as usize).max(SAMPLES * v.refresh);
     let mut out = Vec::with_capacity(v.t.len() / length);
     for piece in v.pieces {
@@ -78,7 +78,7 @@ fn window(v: &View, range: Range<usize>) -> Window {
         |v: &[[f64; 2]]| [0, 1].map(|i| v.iter().map(|v| v[i]).sum::<f64>() / t.len() as f64);
     let square: f64 = t.iter().map(|t| (t - middle).powi(2)).sum();
     let slope = |v: &[[f64; 2]]| {
-        // from the first value, so that large angles lose no digits
+        // relative to the first value, so that large angles lose no digits
         [0, 1].map(|i| {
             t.iter().zip(v).map(|(t, x)| (t - middle) * (x[i] - v[0][i])).sum::<f64>() / square
         })

@@ -48,11 +48,11 @@ pub struct HeatMap {
     pub text: Vec<Vec<String>>,
     /// Which colours.
     pub colors: ColorMap,
-    /// What the colour shows.
+    /// Quantity shown by the colour.
     pub label: String,
     /// Its unit; empty for none.
     pub unit: String,
-    /// Values at the two ends of the colour bar; `None`: as the data need.
+    /// Values at the two ends of the colour bar; `None`: from the data.
     pub range: Option<(f64, f64)>,
 }
 

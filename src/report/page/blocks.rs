@@ -127,7 +127,8 @@ fn tone_name(tone: Tone) -> &'static str {
     }
 }
 
-/// A report is opened far from the project's folder: what the guide says of a section goes with it.
+/// The guide, whose section texts are included in the report, because a report may be opened on another
+/// computer.
 const GUIDE: &str = include_str!("../../../docs/guide.md");
 
 fn how_to_read(aid: &str, heading: &str) -> Markup {
@@ -146,16 +147,17 @@ fn how_to_read(aid: &str, heading: &str) -> Markup {
     }
 }
 
-/// What stands in the guide under a heading of the third level.
+/// Text of the guide under a heading of the third level.
 pub(super) fn guide(heading: &str) -> Option<String> {
     let (_, behind) = GUIDE.split_once(&format!("\n### {heading}\n"))?;
     let text = behind.split("\n#").next()?;
     Some(text.split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
-/// Columns from which on a phone shows every row as a block, with the heads of the columns beside the cells.
+/// Number of columns from which a phone shows every row as a block, with the column headings beside the
+/// cells.
 const LEAST_STACKED: usize = 4;
-/// Rows up to which it does: longer tables scroll sideways, and do not hold every head once a row.
+/// Largest number of rows for this layout: longer tables scroll sideways.
 const MOST_STACKED: usize = 100;
 
 fn table(table: &Table, number: usize) -> Markup {
@@ -204,7 +206,7 @@ fn cell(cell: &Cell, align: &str, label: Option<String>) -> Markup {
     let classes = [align, &tone, if cell.bar.is_some() { "bar" } else { "" }];
     let classes: Vec<&str> = classes.into_iter().filter(|class| !class.is_empty()).collect();
     let style = cell.bar.map(|length| format!("--length:{length:.4}"));
-    // an empty value marks a missing one; scripts read "Infinity", not "inf"
+    // an empty value is a missing one; scripts read "Infinity", not "inf"
     let value = cell.sort_by.map(|value| match value {
         v if v.is_nan() => String::new(),
         v if v.is_infinite() => format!("{}Infinity", if v < 0.0 { "-" } else { "" }),
@@ -224,7 +226,7 @@ fn cell(cell: &Cell, align: &str, label: Option<String>) -> Markup {
     }
 }
 
-/// A number is not broken before its power of ten, nor a value before its error.
+/// Prevents line breaks before a power of ten and between a value and its error.
 fn unbroken(text: &str) -> String {
     text.replace(" × 10", "\u{a0}×\u{a0}10").replace(" ± ", "\u{a0}±\u{a0}")
 }

@@ -1,19 +1,19 @@
-//! Columns of numbers as JSON, as short as they can be without losing a digit.
+//! Columns of numbers as JSON, as short as possible without loss of digits.
 
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 /// Decimals tried.
 const MOST_DECIMALS: i32 = 9;
-/// Whole numbers up to here are exact in a script.
+/// Integers up to this value are exact in JavaScript.
 const LARGEST: f64 = 9e15;
 
-/// Numbers that a script reads with `column`: as `{"d":4,"v":[12,1,-3]}`, the differences of whole multiples of
-/// 10⁻⁴, or as they are where that is not exact. What is not finite is `null`.
+/// Numbers for the script function `column`: as `{"d":4,"v":[12,1,-3]}`, the differences of integer multiples
+/// of 10⁻⁴, or unchanged if this is not exact. Non-finite numbers are `null`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Column(pub(super) Vec<f64>);
 
 impl Column {
-    /// The fewest decimals that give back every number, and their differences.
+    /// The smallest number of decimals that reproduces every number, and the differences.
     fn steps(&self) -> Option<(i32, Vec<Option<i64>>)> {
         let finite = || self.0.iter().copied().filter(|v| v.is_finite());
         let scaled = |v: f64, d: i32| (v * 10f64.powi(d)).round();

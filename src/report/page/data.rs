@@ -14,8 +14,9 @@ use crate::report::polyline::{Point, decimate, runs};
 const COLUMNS: usize = 1000;
 /// Dots shown at most.
 const DOTS: usize = 4000;
-/// Digits of the range of an axis that its values keep. A panel is 340 pixels high at most, so that values are right
-/// to a pixel where 30 of it lie one above the other; the x axis, which can be zoomed into further, keeps more.
+/// Digits of the range of an axis to which its values are rounded. A panel is at most 340 pixels high, so
+/// values are accurate to a pixel at a zoom factor of 30; the x axis, with higher zoom factors, has more
+/// digits.
 const Y_DIGITS: i32 = 4;
 const X_DIGITS: i32 = 5;
 /// Height of a panel, alone and among others \[px\].
@@ -54,7 +55,7 @@ struct LayerData {
     kind: &'static str,
     label: String,
     color: String,
-    /// Which of two models it shows.
+    /// Which of the two models it shows.
     #[serde(skip_serializing_if = "Option::is_none")]
     version: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -125,7 +126,7 @@ fn ordered(layers: &[Layer]) -> impl Iterator<Item = &Layer> {
     ordered.into_iter()
 }
 
-/// Where infinite edges and whiskers end: far beyond what can be zoomed to, yet a number.
+/// Finite substitute for infinite edges and whiskers, far outside the zoom range.
 fn far(axis: &Axis, range: (f64, f64)) -> (f64, f64) {
     match axis.scale {
         AxisScale::Log => (range.0 / 1e3, range.1 * 1e3),
@@ -136,7 +137,7 @@ fn far(axis: &Axis, range: (f64, f64)) -> (f64, f64) {
     }
 }
 
-/// Shaded ranges cut to the axis, which turns infinite ends into numbers.
+/// Shaded ranges limited to the axis, which makes infinite ends finite.
 fn within(ranges: &[(f64, f64)], (first, last): (f64, f64)) -> Vec<(f64, f64)> {
     let (low, high) = (first.min(last), first.max(last));
     let known = ranges.iter().filter(|(a, b)| !a.is_nan() && !b.is_nan());
@@ -248,7 +249,7 @@ fn layer(
     }
 }
 
-/// Each unbroken stretch thinned; a missing point between stretches keeps them apart.
+/// Thins each stretch without gaps; missing points between stretches are kept.
 fn thinned(points: &[Point]) -> Vec<Point> {
     let stretches = runs(points).count().max(1);
     let mut kept = Vec::new();
@@ -278,7 +279,7 @@ fn share(x: Vec<f64>, range: (f64, f64), xs: &mut Vec<Column>) -> usize {
     })
 }
 
-/// Rounded to so many digits of the range shown, and never finer than one digit more.
+/// Rounded to this number of digits of the range shown, but never finer than one digit more.
 fn round_within(value: f64, range: (f64, f64), digits: i32) -> f64 {
     let span = (range.1 - range.0).abs();
     let finest = digits as usize + 1;

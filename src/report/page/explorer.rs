@@ -8,7 +8,7 @@ use super::data::{self, FigureData};
 use crate::report::ReportError;
 use crate::report::block::{Block, Track};
 
-/// Parts of a second, a metre and a radian to which the path is kept: a millimetre is no pixel of a drawn path.
+/// Resolution of the path in fractions of a second, a metre and a radian: a millimetre is less than a pixel.
 const PATH_STEPS: f64 = 1e3;
 
 #[derive(Serialize)]
@@ -44,7 +44,7 @@ fn json(tracks: &[Track]) -> Result<String, ReportError> {
     data::json(&tracks.iter().map(TrackData::of).collect::<Vec<_>>(), "explorer")
 }
 
-/// Empty shells that the script fills; without scripts there is nothing to explore.
+/// Empty elements that are filled by the script; without scripts there is no explorer.
 pub(super) fn markup(tracks: &[Track], json: &str) -> Markup {
     html! {
         div.explorer hidden {

@@ -1,5 +1,5 @@
-//! Sections as one self-contained HTML file: nothing is loaded from anywhere, and a content
-//! security policy says so to the browser.
+//! Sections as one self-contained HTML file: nothing is loaded from elsewhere, as enforced by a content
+//! security policy.
 
 mod blocks;
 mod column;
@@ -35,7 +35,7 @@ const INTERACTIVE: &str = concat!(
 const SORT: &str = concat!(include_str!("sort.js"), include_str!("reading.js"));
 const STYLE: &str = include_str!("style.css");
 
-/// What a page says.
+/// Content of a page.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct PageContent {
     /// Heading and window title.
@@ -44,8 +44,8 @@ pub struct PageContent {
     pub subtitle: String,
     /// The sections, in order.
     pub sections: Vec<SectionContent>,
-    /// Names of the two models whose curves the reader can switch, that of [`ColourRole::Given`] first; empty for
-    /// none.
+    /// Names of the two models whose curves the reader can show or hide, that of [`ColourRole::Given`] first;
+    /// empty for none.
     pub versions: Vec<String>,
     /// Closing remarks; line breaks are kept.
     pub footer: String,
@@ -60,11 +60,11 @@ pub struct SectionContent {
     pub title: String,
     /// What it is made of.
     pub blocks: Vec<Block>,
-    /// Whether it is folded until the reader opens it; what is folded is not printed.
+    /// Whether it is collapsed until the reader opens it; collapsed sections are not printed.
     pub folded: bool,
 }
 
-/// A page and the pictures on it, each drawn once.
+/// A page and its figures, each drawn once.
 #[derive(Clone, Debug)]
 pub struct Page {
     /// The file.
@@ -97,15 +97,14 @@ impl Picture {
 struct Drawn<'a> {
     figure: &'a Figure,
     file_stem: String,
-    /// Drawings for a wide and a narrow screen that follow the page's colours; only where the figure stays a
-    /// picture.
+    /// Drawings for a wide and a narrow screen that follow the colours of the page; only for static figures.
     inline: Option<[String; 2]>,
     png: Vec<u8>,
     svg: String,
     data: Option<String>,
 }
 
-/// Data of blocks that scripts fill, each in the order of the page.
+/// Data of blocks that are filled by scripts, in the order of the page.
 struct PageData {
     explorers: Vec<String>,
     what_ifs: Vec<String>,
@@ -167,7 +166,7 @@ fn draw_figures(content: &PageContent) -> Result<Vec<Drawn<'_>>, ReportError> {
         .collect()
 }
 
-/// The name, numbered from 2 on where it is taken.
+/// The name, with a number from 2 on if it is already used.
 fn unique(name: String, is_free: impl Fn(&str) -> bool) -> String {
     if is_free(&name) {
         return name;
@@ -187,7 +186,7 @@ fn write(
     let mut writer = blocks::Writer::new(drawn, data);
     let sections: Vec<_> = content.sections.iter().map(|s| writer.blocks(&s.blocks)).collect();
     let style = format!("{}{}{STYLE}", font_faces(), colors());
-    // one section has no contents, and no heading beside that of the page
+    // a single section has neither a table of contents nor a heading
     let is_single = content.sections.len() == 1;
     html! {
         (DOCTYPE)
@@ -202,15 +201,7 @@ fn write(
             }
             body {
                 div.layout.single[is_single] {
-                    @if !is_single {
-                        nav aria-label="Sections" {
-                            ol {
-                                @for (section, id) in content.sections.iter().zip(&ids) {
-                                    li.folded[section.folded] { a href={ "#" (id) } { (section.title) } }
-                                }
-                            }
-                        }
-                    }
+                    @if !is_single { (navigation(content, &ids)) }
                     main {
                         header {
                             h1 { (content.title) }
@@ -218,17 +209,7 @@ fn write(
                         }
                         @for ((section, id), blocks) in content.sections.iter().zip(&ids).zip(&sections) {
                             section id=(id) {
-                                @if is_single {
-                                    (blocks)
-                                } @else if section.folded {
-                                    details.folded {
-                                        summary { h2 { (section.title) } }
-                                        (blocks)
-                                    }
-                                } @else {
-                                    h2 { (section.title) }
-                                    (blocks)
-                                }
+                                @if is_single { (blocks) } @else { (titled(section, blocks)) }
                             }
                             @if id == &ids[0] && content.versions.len() == 2 {
                                 (version_switch(&content.versions))
@@ -244,7 +225,35 @@ fn write(
     .into_string()
 }
 
-/// Shows the curves of one model or of both; hidden where no script runs.
+/// The table of contents.
+fn navigation(content: &PageContent, ids: &[String]) -> maud::Markup {
+    html! {
+        nav aria-label="Sections" {
+            ol {
+                @for (section, id) in content.sections.iter().zip(ids) {
+                    li.folded[section.folded] { a href={ "#" (id) } { (section.title) } }
+                }
+            }
+        }
+    }
+}
+
+/// The blocks of a section below its title.
+fn titled(section: &SectionContent, blocks: &maud::Markup) -> maud::Markup {
+    html! {
+        @if section.folded {
+            details.folded {
+                summary { h2 { (section.title) } }
+                (blocks)
+            }
+        } @else {
+            h2 { (section.title) }
+            (blocks)
+        }
+    }
+}
+
+/// Shows the curves of one model or of both; hidden without scripts.
 fn version_switch(names: &[String]) -> maud::Markup {
     let choices = [("both", "both"), ("given", &names[0]), ("model", &names[1])];
     html! {
@@ -260,7 +269,7 @@ fn version_switch(names: &[String]) -> maud::Markup {
     }
 }
 
-/// Anchors without spaces, unique on the page; figures have a prefix of their own.
+/// Anchors without spaces, unique on the page; figures have a separate prefix.
 fn section_ids(content: &PageContent) -> Vec<String> {
     let mut ids: Vec<String> = Vec::new();
     for section in &content.sections {
@@ -272,7 +281,7 @@ fn section_ids(content: &PageContent) -> Vec<String> {
     ids
 }
 
-/// Nothing is loaded; only our scripts run, named by their hashes.
+/// Nothing is loaded; only the scripts of the page run, identified by their hashes.
 fn policy(scripts: &[&str]) -> String {
     let hash = |script: &&str| format!("'sha256-{}'", BASE64.encode(Sha256::digest(script)));
     let hashes: Vec<String> = scripts.iter().map(hash).collect();
@@ -283,8 +292,8 @@ fn policy(scripts: &[&str]) -> String {
     )
 }
 
-/// The embedded typeface, without its combining accents: it carries no anchors for them, and a
-/// browser would set the dot of ω̇ beside the letter. Such letters come from the reader's system.
+/// The embedded typeface without its combining accents: it has no anchors for them, and a browser would place
+/// the dot of ω̇ beside the letter. These letters are taken from a system font.
 fn font_faces() -> String {
     let face = |bytes: &[u8], weight: &str| {
         format!(
@@ -296,8 +305,8 @@ fn font_faces() -> String {
     face(REGULAR, "400") + &face(SEMI_BOLD, "600 700")
 }
 
-/// The palette as custom properties, their partners in the dark, and the rules by which drawings
-/// follow them. On printed paper the light colours hold.
+/// The palette as custom properties with their dark-mode partners, and the rules by which drawings follow
+/// them. Printed pages use the light colours.
 fn colors() -> String {
     let declare = |dark: bool| -> String {
         let pick = |pair: &(Rgb, Rgb)| if dark { pair.1 } else { pair.0 };

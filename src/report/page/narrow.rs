@@ -1,11 +1,11 @@
-//! Pictures for screens of two widths: text keeps its size, so a phone gets a drawing of its own.
+//! Figures for two screen widths: the size of the text is fixed, so phones get a separate drawing.
 
 use crate::report::ReportError;
 use crate::report::figure::{Figure, Size};
 use crate::report::plot::{Purpose, draw};
 use crate::report::raster::described;
 
-/// Width of a drawing on a phone: a screen of 390 px less the margins of the page \[px\].
+/// Width of a drawing on a phone: a screen of 390 px minus the margins of the page \[px\].
 const NARROW: f64 = 358.0;
 
 /// The drawing for wide and the one for narrow screens.
@@ -17,8 +17,8 @@ pub(super) fn both(figure: &Figure) -> Result<[String; 2], ReportError> {
     Ok([inline(figure)?, inline(&narrowed(figure))?])
 }
 
-/// The figure with its panels below each other, as wide as a phone; a height that was asked for shrinks with the
-/// width, so that a map fits its picture.
+/// The figure with its panels below each other, at the width of a phone; a given height is reduced in
+/// proportion, so that a map fits.
 fn narrowed(figure: &Figure) -> Figure {
     let width = figure.size.width.min(NARROW);
     let shrunk = |height: f64| height * width / figure.size.width;

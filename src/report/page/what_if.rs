@@ -1,4 +1,4 @@
-//! The panel in which recordings are simulated with other values of the parameters.
+//! The panel for simulations with other values of the parameters.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD as BASE64;
@@ -10,7 +10,7 @@ use crate::report::ReportError;
 use crate::report::block::Block;
 use crate::report::what_if::{Driven, Slider, WhatIf};
 
-/// Positions of a slider on either side of the estimate.
+/// Number of slider positions on either side of the estimate.
 const POSITIONS: f64 = 100.0;
 
 #[derive(Serialize)]
@@ -64,12 +64,13 @@ impl<'a> RecordingData<'a> {
     }
 }
 
-/// Bytes of a measured speed: 65535 steps over its range, far below the noise of a sensor.
+/// Bytes per measured speed: 65535 steps over its range, far below the noise of a sensor.
 const SPEED_BYTES: usize = 2;
-/// Bytes of an input: the simulation adds up the rounding of one that stays constant (with two, 0.1 % of the error).
+/// Bytes per input: the simulation integrates the rounding error of a constant input (with two bytes, 0.1 %
+/// of the error).
 const INPUT_BYTES: usize = 3;
 
-/// A signal as whole steps of so many bytes above its least value.
+/// A signal as integer steps above its minimum, with a given number of bytes.
 #[derive(Serialize)]
 struct Signal {
     bytes: usize,
@@ -122,14 +123,14 @@ fn json(panel: &WhatIf) -> Result<String, ReportError> {
     data::json(&data, "what-if")
 }
 
-/// The function that the panels of a page call. Names that a user chose stand in its comments alone, where they
+/// The function called by the panels of a page. User-defined names appear only in its comments, where they
 /// must not end the script.
 pub(super) fn script<'a>(blocks: impl Iterator<Item = &'a Block>) -> Option<String> {
     let script = &panels(blocks).next()?.script;
     Some(script.replace("</", "< /").replace("<!", "< !").replace("<script", "< script"))
 }
 
-/// The sliders and empty shells that the script fills; without scripts nothing can be simulated.
+/// The sliders and empty elements that are filled by the script; without scripts there is no simulation.
 pub(super) fn markup(panel: &WhatIf, json: &str) -> Markup {
     html! {
         div.what-if hidden {

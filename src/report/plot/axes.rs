@@ -1,4 +1,4 @@
-//! Grid, axis lines, tick labels and what stands above a plot.
+//! Grid, axis lines, tick labels, and the header of a plot.
 
 use crate::report::ReportError;
 use crate::report::palette::{AXIS, GRID};
@@ -10,7 +10,7 @@ use super::names_below::{NamesBelow, names_below};
 use super::pen::{AXIS_LABEL, Anchor, CATEGORY, GAP, PANEL_TITLE, TICK_LABEL};
 use super::plan::{Frame, Marks, Plan, heat_map};
 
-/// Horizontal grid lines, or vertical ones where the y axis holds names.
+/// Horizontal grid lines; vertical ones if the y axis has names.
 pub(super) fn grid(canvas: &Canvas<'_>, plan: &Plan<'_>, frame: &Frame) -> Result<(), ReportError> {
     let rect = frame.rect;
     if heat_map(plan.panel).is_some() {

@@ -54,12 +54,13 @@ fn place(bars: &Bars, frame: &Frame, series: usize, category: usize) -> Place {
     let count = bars.series.len().max(1) as f64;
     let across = |share: f64| frame.y(category as f64 + 0.5 + FILLED * (share / count - 0.5));
     let (a, b) = (across(series as f64), across(series as f64 + 1.0));
-    // a sliver of paper between bars of one category
+    // a small gap between bars of one category
     let sliver = if count > 1.0 { 0.5 } else { 0.0 };
     Place { top: a.min(b) + sliver, bottom: a.max(b) - sliver }
 }
 
-/// Place of a value along the bars, within the plot; values a log axis cannot show stand at its start.
+/// Position of a value along the bars, within the plot; values that a log axis cannot represent are at its
+/// start.
 fn along(frame: &Frame, value: f64) -> f64 {
     let (rect, x) = (frame.rect, frame.x(value));
     if x.is_nan() { rect.left } else { x.clamp(rect.left, rect.right) }
@@ -102,7 +103,7 @@ fn whisker(
     Ok(())
 }
 
-/// Text behind the far end of the bar and its whisker, on a strip of paper.
+/// Text after the far end of the bar and its whisker, on a background strip.
 fn value_text(
     canvas: &Canvas<'_>,
     frame: &Frame,

@@ -1,8 +1,7 @@
-//! The sheet that plotters draws on: strokes, fills and text in CSS pixels.
+//! The drawing surface of plotters: strokes, fills and text in CSS pixels.
 //!
-//! plotters places everything on whole pixels. Drawing on a canvas eight times as large and
-//! declaring the size of the original in the header gives eighths of a pixel: smooth lines, even
-//! text.
+//! plotters rounds coordinates to whole pixels. Drawing on a canvas eight times as large and declaring the
+//! original size in the header gives a resolution of an eighth of a pixel: smooth lines, even text.
 
 use plotters::coord::Shift;
 use plotters::element::{Circle, PathElement, Polygon, Rectangle, Text};
@@ -16,7 +15,7 @@ use crate::report::polyline::{Point, Rect};
 
 use super::pen::{Anchor, Pen, SUPERSAMPLING, printable, register_fonts, rgb};
 
-/// Half an "ex" as the SVG reader counts it: what plotters adds to a vertically centred text.
+/// Half an "ex" in the SVG reader: the offset that plotters adds to a vertically centred text.
 const CENTER_SHIFT: f64 = 0.25;
 
 pub(super) struct Canvas<'a> {
@@ -135,7 +134,7 @@ fn rgba(color: Rgb, alpha: f64) -> RGBAColor {
     rgb(color).mix(alpha)
 }
 
-/// The header tells the true size, and runs of dots share their attributes.
+/// Writes the original size to the header, and merges the attributes of consecutive dots.
 pub(super) fn tidy(svg: &str, (width, height): (u32, u32)) -> String {
     let scale = SUPERSAMPLING as u32;
     let drawn = format!("width=\"{}\" height=\"{}\"", width * scale, height * scale);

@@ -1,4 +1,4 @@
-//! What the colours of a heat map show.
+//! Colour scale of a heat map.
 
 use crate::report::figure::{Axis, AxisScale, ColorMap, HeatMap};
 use crate::report::scale::Scale;
@@ -6,13 +6,13 @@ use crate::report::scale::Scale;
 /// Room to the right of the plot for the colour bar and its labels \[px\].
 pub(super) const BAR_ROOM: f64 = 82.0;
 
-/// What the colour shows.
+/// Label of the colour bar.
 pub(super) fn label(map: &HeatMap) -> String {
     let axis = Axis::linear(map.label.clone(), map.unit.clone());
     scale(map).ticks(5.0).axis_label(&axis)
 }
 
-/// The values from one end of the colours to the other; diverging ones have zero in the middle.
+/// The values from one end of the colour scale to the other; diverging scales have zero in the middle.
 pub(super) fn scale(map: &HeatMap) -> Scale {
     let axis = Axis { range: map.range, ..Axis::default() };
     let values = || map.values.iter().flatten().copied().filter(|v| v.is_finite());

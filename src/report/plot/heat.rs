@@ -11,7 +11,7 @@ use super::colour_scale::scale;
 use super::pen::{Anchor, Pen, TICK_LABEL};
 use super::plan::Frame;
 
-/// Cells reach a pixel below their later neighbours: anti-aliasing would show a seam.
+/// Cells overlap later neighbours by a pixel: otherwise anti-aliasing would show a seam.
 const OVERLAP: f64 = 1.0;
 
 fn color(map: &HeatMap, share: f64) -> Rgb {

@@ -85,7 +85,7 @@ fn polyline(
             continue;
         }
         let thinned = decimate(run, 1000);
-        // a line that goes up and down this much looks like a blot under a thick pen
+        // a line that oscillates this much would appear as a solid area with a thick stroke
         let travel: f64 = thinned.windows(2).map(|pair| (pair[1].1 - pair[0].1).abs()).sum();
         let crowded = travel > 8.0 * frame.rect.width();
         let width = if crowded { width.min(0.9) } else { width };
@@ -96,7 +96,7 @@ fn polyline(
     Ok(())
 }
 
-/// Infinite edges run to the border; a missing edge breaks the band.
+/// Infinite edges extend to the border; a missing edge interrupts the band.
 fn band(
     canvas: &Canvas<'_>,
     (x, lower, upper): (&[f64], &[f64], &[f64]),

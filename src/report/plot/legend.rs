@@ -1,4 +1,4 @@
-//! A legend in one line, or as many as it needs, without a box.
+//! A legend in one or more lines, without a box.
 
 use crate::report::ReportError;
 use crate::report::figure::{Dash, Layer, Panel};
@@ -12,10 +12,10 @@ use super::stroke::stroke;
 
 const SWATCH: f64 = 20.0;
 const BETWEEN: f64 = 18.0;
-/// From line to line \[px\].
+/// Line spacing \[px\].
 const ROW: f64 = 20.0;
 
-/// How a series looks in the legend.
+/// Symbol of a series in the legend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Sample {
     /// Dashes and width of the stroke \[px\].
@@ -24,7 +24,7 @@ pub(super) enum Sample {
     Dots,
     Patch(f64),
     Whisker,
-    /// Words only: what the colour bar shows.
+    /// Text only, for the colour bar.
     None,
 }
 
@@ -81,7 +81,7 @@ impl Entry {
     }
 }
 
-/// The entries of a panel, each once.
+/// The distinct entries of a panel.
 pub(super) fn entries(panel: &Panel) -> Vec<Entry> {
     let mut entries: Vec<Entry> = Vec::new();
     let mut add = |label: &str, role: ColourRole, sample: Sample| {
@@ -92,7 +92,7 @@ pub(super) fn entries(panel: &Panel) -> Vec<Entry> {
     };
     for layer in &panel.layers {
         match layer {
-            // thin lines are seen in a legend too
+            // thin lines are drawn thicker in the legend
             Layer::Line { label, role, dash, width, .. } => {
                 add(label, *role, Sample::Line(*dash, width.max(2.0)));
             }
@@ -116,7 +116,7 @@ pub(super) fn entries(panel: &Panel) -> Vec<Entry> {
             Layer::Text { .. } => {}
         }
     }
-    // what was drawn comes before what it is seen against
+    // data come before reference lines
     entries.sort_by_key(|entry| matches!(entry.sample, Sample::Patch(alpha) if alpha < 1.0));
     entries
 }
@@ -138,7 +138,7 @@ pub(super) fn lines(entries: &[Entry], width: f64) -> Vec<&[Entry]> {
     lines
 }
 
-/// Room of lines above all panels, with a gap below them \[px\].
+/// Height of these lines above all panels, including a gap \[px\].
 pub(super) fn height(lines: usize) -> f64 {
     if lines == 0 { 0.0 } else { lines as f64 * ROW + 8.0 }
 }

@@ -1,6 +1,6 @@
-//! A figure drawn to SVG by plotters: the only folder that imports the library.
+//! Draws a figure to SVG by plotters: the only folder that imports this library.
 //!
-//! plotters writes strokes, fills and text; scales, ticks, layout and clipping are ours, because
+//! plotters writes strokes, fills and text; scales, ticks, layout and clipping are implemented here, because
 //! its axes clamp data to the border and cannot align panels.
 
 mod axes;
@@ -28,12 +28,12 @@ use canvas::Canvas;
 use pen::{Anchor, SUBTITLE, TITLE};
 use plan::{Frame, Plan};
 
-/// Where the drawing will stand.
+/// Where the drawing is used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Purpose {
-    /// By itself: on white paper, with its title.
+    /// Separately: on a white background, with its title.
     Standalone,
-    /// On a page that writes the title and chooses the paper.
+    /// On a page that has the title and determines the background.
     Inline,
 }
 
@@ -113,7 +113,7 @@ impl Heading {
     }
 }
 
-/// Plans the panels: x ranges in step where shared, each legend entry once.
+/// Plans the panels: common x ranges if shared, and each legend entry once.
 fn plans(figure: &Figure) -> Vec<Plan<'_>> {
     let columns = figure.columns.max(1);
     let count = figure.panels.len();
@@ -139,8 +139,8 @@ fn plans(figure: &Figure) -> Vec<Plan<'_>> {
     plans
 }
 
-/// The legend of the first of several columns, taken out to stand above all panels: in its cell it would push
-/// the plots of the row down.
+/// The legend of the first of several columns, moved above all panels: within its cell it would shift the
+/// plots of the row down.
 fn common_legend(figure: &Figure, plans: &mut [Plan<'_>]) -> Vec<legend::Entry> {
     let Some(first) = plans.first_mut().filter(|_| figure.columns > 1) else { return Vec::new() };
     let (own, common) = std::mem::take(&mut first.legend)
@@ -161,7 +161,7 @@ struct Placed {
     bottom: f64,
 }
 
-/// Lays the panels out in a grid: left axes of a column and plots of a row in line.
+/// Arranges the panels in a grid with aligned axes and plots.
 fn place(figure: &Figure, plans: &mut [Plan<'_>], inner: f64, top: f64, margin: f64) -> Placed {
     let columns = figure.columns.clamp(1, plans.len().max(1));
     let cell_width = (inner - BETWEEN_COLUMNS * (columns - 1) as f64) / columns as f64;
@@ -214,7 +214,7 @@ fn place(figure: &Figure, plans: &mut [Plan<'_>], inner: f64, top: f64, margin: 
     Placed { frames, bottom: if plans.is_empty() { top } else { y - BETWEEN_ROWS } }
 }
 
-/// Room to the left and right of the plots of each column, for plots of these heights a row.
+/// Space to the left and right of the plots of each column, for these plot heights per row.
 fn sides(plans: &[Plan<'_>], columns: usize, cell_width: f64, heights: &[f64]) -> Vec<(f64, f64)> {
     (0..columns)
         .map(|column| {
@@ -227,7 +227,7 @@ fn sides(plans: &[Plan<'_>], columns: usize, cell_width: f64, heights: &[f64]) -
         .collect()
 }
 
-/// Stretches the plots to a height asked for, down to 40 px each.
+/// Scales the plots to the requested height, but not below 40 px each.
 fn stretch(figure: &Figure, heights: &mut [f64], around: &[(f64, f64)], outside: f64) {
     let Some(height) = figure.size.height.filter(|h| h.is_finite() && !heights.is_empty()) else {
         return;

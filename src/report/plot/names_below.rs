@@ -2,24 +2,24 @@
 
 use super::pen::{CATEGORY, GAP};
 
-/// Longest upright name below a plot \[px\].
+/// Longest vertical name below a plot \[px\].
 const UPRIGHT: f64 = 150.0;
-/// Names up to this length are never turned \[px\].
+/// Names up to this length are never rotated \[px\].
 const SHORT: f64 = 44.0;
 
-/// How names stand below a plot: broken into lines where they fit, else upright, and only every
-/// so many where even that is too tight.
+/// Layout of names below a plot: broken into lines if they fit, otherwise vertical, and only every n-th if
+/// space is insufficient.
 pub(super) struct NamesBelow {
     /// Lines of each name.
     pub(super) names: Vec<Vec<String>>,
     pub(super) upright: bool,
-    /// Every so many are drawn.
+    /// Every n-th name is drawn.
     pub(super) stride: usize,
-    /// Room below the plot \[px\].
+    /// Space below the plot \[px\].
     pub(super) height: f64,
 }
 
-/// The layout of `names` below a plot of that width \[px\].
+/// The layout of `names` below a plot of this width \[px\].
 pub(super) fn names_below(names: &[String], width: f64) -> NamesBelow {
     let slot = width / names.len().max(1) as f64;
     let room = slot - 8.0;
@@ -35,7 +35,7 @@ pub(super) fn names_below(names: &[String], width: f64) -> NamesBelow {
     }
     let widest = names.iter().map(|name| CATEGORY.width(name)).fold(0.0, f64::max);
     if widest <= SHORT {
-        // short names, numbers above all: rather leave some out than turn them
+        // short names, such as numbers: omit some instead of rotating them
         let names: Vec<_> = names.iter().map(|name| vec![name.clone()]).collect();
         let stride = ((widest + 8.0) / slot).ceil().max(1.0) as usize;
         let height = GAP + CATEGORY.line_height();

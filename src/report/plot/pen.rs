@@ -1,4 +1,4 @@
-//! Text: size, weight, colour and the room it takes.
+//! Text: size, weight, colour and extent.
 
 use std::sync::OnceLock;
 
@@ -30,7 +30,7 @@ pub(super) const TICK_LABEL: Pen = Pen::new(11.5, MUTED);
 pub(super) const CATEGORY: Pen = Pen::new(12.0, INK);
 pub(super) const LEGEND: Pen = Pen::new(12.0, INK);
 
-/// Which end of a text stands at its place.
+/// Which end of a text is at its position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Anchor {
     Start,
@@ -62,18 +62,18 @@ impl Pen {
         self
     }
 
-    /// Turned to be read from below.
+    /// Rotated, to be read from below.
     pub(super) const fn upright(mut self) -> Self {
         self.upright = true;
         self
     }
 
-    /// From the baseline of one line to the next \[px\].
+    /// Line spacing \[px\].
     pub(super) fn line_height(&self) -> f64 {
         1.3 * self.size
     }
 
-    /// From the middle of digits and capitals down to their baseline \[px\].
+    /// Distance from the middle of digits and capitals to the baseline \[px\].
     pub(super) fn half_capital(&self) -> f64 {
         0.36 * self.size
     }
@@ -90,13 +90,13 @@ impl Pen {
     /// Length of a text along its baseline \[px\].
     pub(super) fn width(&self, text: &str) -> f64 {
         let size = self.style().font.box_size(&printable(text));
-        // without font metrics half an em a letter is a fair guess
+        // without font metrics, half an em per letter is an estimate
         size.map_or(0.5 * self.size * text.chars().count() as f64, |(width, _)| {
             f64::from(width) / SUPERSAMPLING
         })
     }
 
-    /// The text shortened with "…" to the width.
+    /// The text, shortened with "…" to this width.
     pub(super) fn shorten(&self, text: &str, width: f64) -> String {
         if self.width(text) <= width {
             return text.to_owned();
@@ -114,7 +114,7 @@ impl Pen {
         cut(fits)
     }
 
-    /// The text broken at spaces into lines of at most the width; longer words are shortened.
+    /// The text, broken at spaces into lines of at most this width; longer words are shortened.
     pub(super) fn wrap(&self, text: &str, width: f64) -> Vec<String> {
         let mut lines: Vec<String> = Vec::new();
         for word in text.split_whitespace() {
@@ -129,7 +129,7 @@ impl Pen {
         lines
     }
 
-    /// The text in at most `most` lines: broken if that suffices, else shortened to one.
+    /// The text in at most `most` lines: broken if possible, otherwise shortened to one.
     pub(super) fn fit(&self, text: &str, width: f64, most: usize) -> Vec<String> {
         let lines = self.wrap(text, width);
         let whole = lines.iter().all(|line| !line.ends_with('…')) && lines.len() <= most;
@@ -137,7 +137,7 @@ impl Pen {
     }
 }
 
-/// Registers the two weights once for the process; plotters keeps them in a table of its own.
+/// Registers the two font weights once per process; plotters keeps them in its own table.
 pub(super) fn register_fonts() -> Result<(), ReportError> {
     static REGISTERED: OnceLock<bool> = OnceLock::new();
     let registered = *REGISTERED.get_or_init(|| {
@@ -147,7 +147,7 @@ pub(super) fn register_fonts() -> Result<(), ReportError> {
     if registered { Ok(()) } else { Err(ReportError::Font { family: FAMILY }) }
 }
 
-/// Control characters may not stand in XML.
+/// Removes control characters, which XML does not allow.
 pub(in crate::report) fn printable(text: &str) -> String {
     let forbidden = |c: char| c.is_control() || matches!(c, '\u{FFFE}' | '\u{FFFF}');
     text.chars().map(|c| if forbidden(c) { ' ' } else { c }).collect()

@@ -1,4 +1,4 @@
-//! What a panel needs before anything is drawn: its axes and the room around them.
+//! Plan of a panel before drawing: its axes and the space around them.
 
 use crate::report::figure::{AxisScale, Bars, Layer, Panel};
 use crate::report::polyline::{Point, Rect};
@@ -10,11 +10,11 @@ use super::names_below::names_below;
 use super::pen::{AXIS_LABEL, CATEGORY, GAP, LEGEND, PANEL_TITLE, TICK_LABEL};
 use super::ticks::{x_ticks, y_ticks};
 
-/// Names left of a plot take at most this share of the width.
+/// Largest share of the width for names to the left of a plot.
 const NAMES_SHARE: f64 = 0.34;
-/// Between a bar and the text at its end, and behind that \[px\].
+/// Distance between a bar and the text at its end, and after the text \[px\].
 const TEXT_GAP: f64 = 10.0;
-/// A pixel place farther out than this is as good as at infinity.
+/// Pixel coordinates beyond this are treated as infinite.
 const FAR: f64 = 1e6;
 
 /// An axis of numbers or of names.
@@ -34,13 +34,13 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// Place of an x value; NaN where it has none.
+    /// Position of an x value; NaN if it has none.
     pub(super) fn x(&self, value: f64) -> f64 {
         let place = self.rect.left + self.x.share(value) * self.rect.width();
         place.clamp(-FAR, FAR)
     }
 
-    /// Place of a y value; NaN where it has none.
+    /// Position of a y value; NaN if it has none.
     pub(super) fn y(&self, value: f64) -> f64 {
         let place = self.rect.bottom - self.y.share(value) * self.rect.height();
         place.clamp(-FAR, FAR)
@@ -52,7 +52,7 @@ impl Frame {
     }
 }
 
-/// A panel with its scales settled and its surroundings measured.
+/// A panel with its scales and the measured space around it.
 pub(super) struct Plan<'a> {
     pub(super) panel: &'a Panel,
     pub(super) x: Scale,
@@ -60,10 +60,10 @@ pub(super) struct Plan<'a> {
     pub(super) x_names: Option<Vec<String>>,
     pub(super) y_names: Option<Vec<String>>,
     pub(super) legend: Vec<Entry>,
-    /// Room above the plot for title, axis label and legend \[px\].
+    /// Space above the plot for title, axis label and legend \[px\].
     pub(super) above: f64,
     pub(super) legend_beside_label: bool,
-    /// Whether this panel carries the labels of its x axis.
+    /// Whether this panel has the labels of its x axis.
     pub(super) shows_x: bool,
 }
 
@@ -84,7 +84,7 @@ impl<'a> Plan<'a> {
             x = across(names.len());
         }
         if let Some(names) = &names.y {
-            // the first name stands at the top
+            // the first name is at the top
             let up = across(names.len());
             y = Scale { first: up.last, last: 0.0, ..up };
         }
@@ -101,7 +101,7 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// Widens one range where a unit is to be as long in x as in y.
+    /// Widens one range for equal scales in x and y.
     pub(super) fn equalise(&mut self, rect: &Rect) {
         let linear = [self.x, self.y].iter().all(|scale| scale.kind == AxisScale::Linear);
         if !self.panel.equal_units || !linear {
@@ -118,8 +118,8 @@ impl<'a> Plan<'a> {
         widen(&mut self.y, rect.height());
     }
 
-    /// Lengthens the axis of bars until the texts at their ends fit, on a plot so wide with so much room
-    /// to its right.
+    /// Extends the axis of bars until the texts at their ends fit, for this plot width and space to its
+    /// right.
     pub(super) fn fit_texts(&mut self, width: f64, right: f64) {
         let Some(bars) = bars(self.panel) else { return };
         let texts = bars.series.iter().flat_map(|series| &series.text);
@@ -144,7 +144,7 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// Height the panel would like its plot to have \[px\].
+    /// Preferred height of the plot \[px\].
     pub(super) fn wanted_height(&self, cell_width: f64, alone: bool) -> f64 {
         let is_broken = |name: &String| CATEGORY.width(name) > NAMES_SHARE * cell_width;
         match (&self.y_names, bars(self.panel)) {
@@ -166,7 +166,7 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// Room to the left of the plot for the labels of the y axis \[px\].
+    /// Space to the left of the plot for the labels of the y axis \[px\].
     pub(super) fn left(&self, cell_width: f64, height: f64) -> f64 {
         let widest = match self.y_marks(height) {
             Marks::Names(names) => {
@@ -181,7 +181,7 @@ impl<'a> Plan<'a> {
         widest + GAP + 1.0
     }
 
-    /// Room to the right of the plot \[px\]: half a tick label, or a colour bar.
+    /// Space to the right of the plot \[px\]: half a tick label, or a colour bar.
     pub(super) fn right(&self) -> f64 {
         match heat_map(self.panel) {
             Some(_) => BAR_ROOM,
@@ -189,7 +189,7 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// Room below the plot for the labels of the x axis \[px\].
+    /// Space below the plot for the labels of the x axis \[px\].
     pub(super) fn below(&self, width: f64) -> f64 {
         if !self.shows_x {
             return 8.0;
@@ -212,8 +212,8 @@ impl<'a> Plan<'a> {
         axis_label(marks, &self.panel.y)
     }
 
-    /// Settles the room above the plot: panel title, then axis label and legend in one line if both
-    /// fit, else the legend in lines of its own.
+    /// Determines the space above the plot: panel title, then axis label and legend in one line if both fit,
+    /// otherwise the legend in separate lines.
     pub(super) fn measure_above(&mut self, cell_width: f64, height: f64) {
         let title = if self.panel.title.is_empty() { 0.0 } else { PANEL_TITLE.line_height() + 4.0 };
         let label = self.y_label(&self.y_marks(height));
@@ -272,7 +272,7 @@ pub(super) fn bars(panel: &Panel) -> Option<&Bars> {
     })
 }
 
-/// Bars on a straight scale stand on zero: their length is their value.
+/// Bars on a linear scale start at zero: their length is proportional to their value.
 fn start_at_zero(scale: &mut Scale, bars: &Bars) {
     if scale.kind == AxisScale::Log {
         return;
@@ -294,7 +294,7 @@ fn ends_of(intervals: &[(f64, f64)]) -> impl Iterator<Item = f64> {
     intervals.iter().flat_map(|(lower, upper)| [*lower, *upper])
 }
 
-/// Lines over time fill their axis; dots keep off the edge.
+/// Lines over time fill their axis; dots keep a distance from the edge.
 fn x_padding(panel: &Panel) -> f64 {
     let fills = |layer: &Layer| matches!(layer, Layer::Line { .. } | Layer::Band { .. });
     if panel.layers.iter().any(fills) { 0.0 } else { 0.03 }
@@ -306,7 +306,7 @@ enum Along {
     Y,
 }
 
-/// All values of a panel along one axis that its range must hold.
+/// All values of a panel along one axis that its range must contain.
 fn extent(panel: &Panel, along: Along) -> Vec<f64> {
     let mut values = Vec::new();
     for layer in &panel.layers {

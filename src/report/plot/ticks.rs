@@ -1,10 +1,10 @@
-//! How many ticks an axis of some pixels gets.
+//! Number of ticks of an axis.
 
 use crate::report::scale::{Scale, Ticks};
 
 use super::pen::TICK_LABEL;
 
-/// Labels below which an axis is not read: two give its scale, the third shows whether it is straight.
+/// Smallest number of labels of a readable axis: two define the scale, the third shows whether it is linear.
 const FEWEST_LABELS: usize = 3;
 
 fn label_count(ticks: &Ticks) -> usize {
@@ -18,7 +18,7 @@ pub(super) fn y_ticks(scale: &Scale, height: f64) -> Ticks {
     fewest_or_more(scale, count, closest, |_| true)
 }
 
-/// As many ticks as have room for their labels.
+/// As many ticks as there is space for their labels.
 pub(super) fn x_ticks(scale: &Scale, width: f64) -> Ticks {
     let fits = |ticks: &Ticks| {
         let labelled = ticks.ticks.iter().filter(|tick| !tick.label.is_empty());
@@ -34,8 +34,8 @@ pub(super) fn x_ticks(scale: &Scale, width: f64) -> Ticks {
     fewest_or_more(scale, count, (width / 20.0).max(count), fits)
 }
 
-/// About `count` ticks; where fewer than three of them are labelled, the first denser ones of which three are
-/// and that fit, or else those that fit and have the most labels.
+/// About `count` ticks; if fewer than three of them are labelled, the first denser division with three labels
+/// that fit, or else the one with the most labels that fit.
 fn fewest_or_more(scale: &Scale, count: f64, most: f64, fits: impl Fn(&Ticks) -> bool) -> Ticks {
     let mut best = scale.ticks(count);
     let mut denser = count;

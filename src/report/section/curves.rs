@@ -1,16 +1,16 @@
-//! Columns of a study as points to draw.
+//! Curves of a study as points of a figure.
 
 use crate::math::median_high;
 use crate::recording::{Regime, is_gap};
 use crate::report::figure::{ColourRole, Layer};
 use crate::study::{MethodStudy, Performance, RecordingStudy, Study};
 
-/// A simulated speed beyond this many times the fastest measured one is not drawn: a model that
-/// diverges would flatten everything else.
+/// A simulated speed above this multiple of the fastest measured one is not drawn: a diverging model would
+/// compress everything else.
 const FAR: f64 = 5.0;
 
-/// The recording shown in detail, with its index: of those that are judged the one on which the model as given has
-/// the largest error over the noise floor.
+/// The recording shown in detail, with its index: the judged recording with the largest ratio of error to
+/// noise floor for the model as given.
 pub(super) fn shown(study: &Study) -> Option<(usize, &RecordingStudy)> {
     let excess = |r: usize| {
         let error = study.given.as_ref()?.performance.get(r)?.window_rms;
@@ -19,13 +19,13 @@ pub(super) fn shown(study: &Study) -> Option<(usize, &RecordingStudy)> {
     let judged = study.judged();
     let first = *judged.first()?;
     let worst = judged.into_iter().filter_map(|r| Some((r, excess(r)?)));
-    // of equal ones the first
+    // the first of equal ones
     let worst = worst.reduce(|best, other| if other.1 > best.1 { other } else { best });
     let index = worst.map_or(first, |(r, _)| r);
     Some((index, study.recordings.get(index)?))
 }
 
-/// How a method does on the recording shown in detail.
+/// Performance of a method on the recording shown in detail.
 pub(super) fn shown_performance<'a>(
     study: &'a Study,
     method: &'a MethodStudy,
@@ -39,7 +39,7 @@ pub(super) fn wheel(t: &[f64], rows: &[[f64; 2]], i: usize) -> Vec<(f64, f64)> {
     t.iter().zip(rows).map(|(t, row)| (*t, row[i])).collect()
 }
 
-/// Simulated speeds of one wheel over time, without what is far outside the measured ones.
+/// Simulated speeds of one wheel over time, without values far outside the measured range.
 pub(super) fn simulated(
     recording: &RecordingStudy,
     rows: &[[f64; 2]],
@@ -56,15 +56,15 @@ pub(super) fn residual(recording: &RecordingStudy, rows: &[[f64; 2]], i: usize) 
     points.into_iter().zip(&recording.omega).map(|((t, v), m)| (t, m[i] - v)).collect()
 }
 
-/// A curve over time, broken where rows are missing.
+/// A curve over time, interrupted at gaps.
 pub(super) fn broken_at_gaps(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     let times: Vec<f64> = points.iter().map(|point| point.0).collect();
     broken_where_rows_miss(&times, &points)
 }
 
-/// A curve of which each point has a time \[s\], broken where rows are missing.
+/// A curve with a time \[s\] for each point, interrupted at gaps.
 pub(super) fn broken_where_rows_miss(times: &[f64], points: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    // a curve that is broken already holds the place of the break twice
+    // an interrupted curve already contains the position of the gap twice
     let steps = times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0);
     let step = median_high(steps);
     let mut out: Vec<(f64, f64)> = Vec::with_capacity(points.len());
@@ -82,7 +82,7 @@ fn fastest(recording: &RecordingStudy) -> f64 {
     speeds.filter(|v| v.is_finite()).fold(1e-9, |most: f64, v| most.max(v.abs()))
 }
 
-/// Time ranges in which a regime holds; ranges closer than 0.1 s are joined.
+/// Time intervals in which a regime occurs; intervals closer than 0.1 s are joined.
 pub(super) fn ranges(recording: &RecordingStudy, of: impl Fn(Regime) -> bool) -> Vec<(f64, f64)> {
     const JOIN: f64 = 0.1;
     let mut ranges: Vec<(f64, f64)> = Vec::new();
@@ -108,7 +108,7 @@ pub(super) fn failing(study: &Study, recording: &RecordingStudy) -> Option<Layer
     (!ranges.is_empty()).then_some(Layer::Shade { ranges, label, role: ColourRole::Highlight })
 }
 
-/// Where 95 % of the noise of a measured speed lies.
+/// 95 % band of the noise of a measured speed.
 pub(super) fn noise_band(recording: &RecordingStudy, i: usize) -> Layer {
     let half = 1.96 * recording.noise.omega[i];
     let ends = [recording.t.first(), recording.t.last()];

@@ -1,4 +1,4 @@
-//! What the residual torque depends on, before and after what was found: which points to the missing effect.
+//! Dependence of the residual torque on variables, without and with the effects found.
 
 use super::{Section, words};
 use crate::compare::{Acting, Curve, CurveBin, Mean};
@@ -8,11 +8,11 @@ use crate::report::figure::{Axis, ColourRole, Dash, ErrorBar, Figure, Layer, Pan
 use crate::report::format;
 use crate::study::Study;
 
-/// What the residual torque depends on.
+/// Section "What the residual torque depends on".
 #[derive(Default)]
 pub struct Dependence;
 
-/// Variables drawn, those that explain most first.
+/// Number of variables drawn, those that explain most first.
 const DRAWN: usize = 3;
 
 impl Section for Dependence {
@@ -72,8 +72,8 @@ fn figure(study: &Study) -> Figure {
     figure
 }
 
-/// The variables that explain most of the model as given, the last in favour of the one that explains most of what
-/// is left, where it is none of them.
+/// The variables that explain most for the model as given; the last is replaced by the one that explains most
+/// of the remaining residual torque, if not among them.
 fn drawn(study: &Study) -> Vec<&Curve> {
     let mut drawn: Vec<&Curve> = study.curves.iter().take(DRAWN).collect();
     let left = |c: &Curve| c.share_after.unwrap_or(0.0);
@@ -90,15 +90,14 @@ fn drawn(study: &Study) -> Vec<&Curve> {
 fn caption(study: &Study) -> String {
     let line = match study.curves[0].share_after {
         Some(_) => {
-            " The line is what the effects found, with the other parameters fitted anew, add to the model."
+            " The line is the torque that the effects found, with all parameters fitted again, add to the model."
         }
         None => "",
     };
     let geometry = match study.track_is_known {
         true => "",
         false => {
-            " The track of the robot is not known: turn rate and heading are those of another track, so that their \
-             shape holds and their scale does not."
+            " The track of the robot is unknown: turn rate and heading are computed with another track, so the shape of the curves is valid, but not their scale."
         }
     };
     let acting = match study.curves.iter().all(|c| c.acting == Acting::Torque) {
@@ -110,13 +109,13 @@ fn caption(study: &Study) -> String {
         }
     };
     format!(
-        "Recorded input less what the model needs for the measured motion, behind a low-pass, in bins of a \
+        "Recorded input minus the torque that the model requires for the measured motion, after a low-pass, in bins of a \
          variable; rows near rest, where the direction of dry friction is not known, are left out. No line crosses a range without data.{line} Variables that \
          varied together in these recordings share their curves.{acting}{geometry}"
     )
 }
 
-/// The residual torque of a wheel over a variable: before, after, and what was found.
+/// The residual torque of a wheel over a variable: without and with the effects found, and their torque.
 fn panel(study: &Study, curve: &Curve, i: usize) -> Panel {
     let unit = study.drive_unit.symbol();
     let variable = curve.variable;
@@ -160,7 +159,7 @@ fn panel(study: &Study, curve: &Curve, i: usize) -> Panel {
     panel
 }
 
-/// A line through the bins, broken where there are no data between two.
+/// A line through the bins, interrupted at gaps in the data.
 fn joined(curve: &Curve, value: impl Fn(&CurveBin) -> f64) -> Vec<(f64, f64)> {
     let mut out = Vec::new();
     for bin in &curve.bins {

@@ -1,4 +1,4 @@
-//! Which effect is missing, and how sure that is.
+//! Which effect is missing, with the evidence.
 
 use super::{Depth, Section, words};
 use crate::diagnose::{Errors, Judgement, Proposal};
@@ -13,9 +13,9 @@ pub struct Diagnosis;
 
 /// Candidates drawn and described in words.
 const SHOWN: usize = 10;
-/// A candidate described in words has at least this probability, unless it is one of the first.
+/// Smallest probability of a candidate described in words, unless it is one of the first.
 const LIKELY: f64 = 0.01;
-/// That many are described in any case.
+/// Number of candidates that are always described.
 const DESCRIBED: usize = 3;
 
 impl Section for Diagnosis {
@@ -32,7 +32,7 @@ impl Section for Diagnosis {
     }
 
     fn how_to_read(&self) -> &'static str {
-        "Every effect of the catalogue is added to the model by itself; the criterion (BIC) compares them \
+        "Each effect of the catalogue is added to the model separately; the criterion (BIC) compares them \
          on the training data, and an effect is found only if it lowers the error on data that were held out."
     }
 
@@ -59,7 +59,7 @@ impl Section for Diagnosis {
 fn ranking_figure(diagnosis: &DiagnosisStudy) -> Option<Figure> {
     let mut shown: Vec<&CandidateStudy> =
         diagnosis.ranking.iter().filter(|c| c.evidence.is_finite()).collect();
-    // the one accepted first may not be the one that was screened first
+    // the candidate accepted first may differ from the one ranked first in the screening
     shown.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
     shown.truncate(SHOWN);
     shown.first()?;
@@ -88,7 +88,7 @@ fn ranking_figure(diagnosis: &DiagnosisStudy) -> Option<Figure> {
     let panel =
         Panel::new(Axis::linear("ΔBIC / 2", ""), Axis::unlabelled()).with(Layer::Bars(bars));
     let figure = Figure::new("ranking", title)
-        .with_subtitle("Each candidate added by itself; at the bars: probability among the candidates")
+        .with_subtitle("Each candidate added separately; labels: probability among the candidates")
         .with_caption(format!(
             "ΔBIC: by how much the Bayesian information criterion prefers the model with the candidate, on training \
              data; the best {} of {}. A difference of 3 in ΔBIC / 2 means odds of e³ = 20 to 1.",
@@ -121,7 +121,7 @@ fn summary(diagnosis: &DiagnosisStudy) -> Block {
     )))
 }
 
-/// Candidates, the most probable first; equally probable ones as they were screened.
+/// Candidates, the most probable first; equally probable ones in the order of the screening.
 fn by_probability(ranking: &[CandidateStudy]) -> Vec<&CandidateStudy> {
     let mut sorted: Vec<&CandidateStudy> = ranking.iter().collect();
     sorted.sort_by(|a, b| b.probability.total_cmp(&a.probability));
@@ -156,7 +156,7 @@ fn describe(candidate: &CandidateStudy, errors: &Errors) -> Text {
     text
 }
 
-/// "f_t = 0.02010 ± 0.00020 N m", which breaks before the unit alone.
+/// "f_t = 0.02010 ± 0.00020 N m", with a line break only before the unit.
 fn parameters(candidate: &CandidateStudy) -> Vec<String> {
     candidate
         .parameters
@@ -194,8 +194,7 @@ fn table(study: &Study, ranking: &[CandidateStudy]) -> Table {
         )
     });
     let caption = format!(
-        "The candidates that were fitted, best first, each added by itself; errors with it on {} data, green where \
-         they are at least 1 % lower than without it.{before}",
+        "The fitted candidates, best first, each added separately; errors with it on {} data, green if at least 1 % lower than without it.{before}",
         study.judged_words()
     );
     let mut table = Table::new(caption, columns);
@@ -219,7 +218,7 @@ fn table(study: &Study, ranking: &[CandidateStudy]) -> Table {
     table
 }
 
-/// "or back-EMF": what these data do not distinguish from a candidate; empty for nothing.
+/// "or back-EMF": effects that these data do not distinguish from a candidate; may be empty.
 fn equivalents(candidate: &CandidateStudy) -> String {
     let others = candidate.indistinguishable.iter().map(|id| words::effect_in_text(id));
     let others: Vec<String> = others.collect();
@@ -230,7 +229,7 @@ fn is_fitted(candidate: &CandidateStudy) -> bool {
     candidate.delta_bic.is_finite()
 }
 
-/// The candidates that the screening put last, in a sentence.
+/// The candidates that the screening ranked last, in a sentence.
 fn ruled_out(ranking: &[CandidateStudy]) -> Option<Block> {
     let names: Vec<String> = ranking
         .iter()
@@ -245,7 +244,7 @@ fn ruled_out(ranking: &[CandidateStudy]) -> Option<Block> {
     })
 }
 
-/// The manoeuvre that distinguishes the best two.
+/// The manoeuvre that distinguishes the two best candidates.
 fn manoeuvre(proposal: &Proposal) -> Table {
     let columns = vec![
         Column::number("Segment", ""),

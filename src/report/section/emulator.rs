@@ -109,7 +109,7 @@ struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    /// `None` where nothing was emulated.
+    /// `None` without emulated states.
     fn new(recording: &'a RecordingStudy, performance: &'a Performance) -> Option<Self> {
         let count = performance.emulator.len().min(recording.t.len());
         let is_there =
@@ -130,7 +130,7 @@ impl<'a> Run<'a> {
         (sum / self.emulated.len() as f64).sqrt()
     }
 
-    /// Emulated values; what diverged is left out.
+    /// Emulated values without diverged ones.
     fn near(&self, state: usize) -> Vec<f64> {
         let rows = 0..self.emulated.len();
         let largest = rows.map(|k| self.measured(k, state).abs()).fold(1e-9, f64::max);

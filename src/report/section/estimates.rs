@@ -1,4 +1,4 @@
-//! The parameters that each method found, with their intervals: the details behind the parameters.
+//! The estimates of each method with their intervals.
 
 mod comparison;
 mod correlations;
@@ -62,7 +62,7 @@ impl Section for Estimates {
     }
 }
 
-/// The true value of a parameter, where it is known.
+/// The true value of a parameter, if known.
 pub(super) fn truth(study: &Study, symbol: &str) -> Option<f64> {
     study.truth.iter().find(|(known, _)| known == symbol).map(|(_, value)| *value)
 }
@@ -113,7 +113,7 @@ fn row(e: &Estimate) -> Vec<Cell> {
     ]
 }
 
-/// "[0.119, 0.127]" to the digits in which the two ends differ; a common power of ten stands behind.
+/// "[0.119, 0.127]" to the digits in which the two ends differ, followed by a common power of ten.
 pub(super) fn interval(low: f64, high: f64) -> String {
     let width = high - low;
     let size = low.abs().max(high.abs());
@@ -121,7 +121,7 @@ pub(super) fn interval(low: f64, high: f64) -> String {
         if width > 0.0 { (size / width).log10().ceil().clamp(0.0, 9.0) as usize + 2 } else { 4 };
     let exponent = if size > 0.0 { size.log10().floor() as i32 } else { 0 };
     let ends = |power: i32| {
-        // both ends to the same place
+        // both ends to the same decimal place
         let decimals = (digits as i32 - 1 - (exponent - power)).max(0) as usize;
         let end = |v: f64| format::fixed(v / 10f64.powi(power), decimals);
         format!("[{}, {}]", end(low), end(high))
@@ -135,7 +135,7 @@ pub(super) fn interval(low: f64, high: f64) -> String {
     format!("{} × {}", ends(exponent), format::power_of_ten(exponent))
 }
 
-/// The true value, and how far the estimate is from it; beyond three standard errors it is marked.
+/// The true value, and the deviation of the estimate from it; above three standard errors it is marked.
 pub(super) fn against_truth(e: &Estimate, truth: Option<f64>) -> Vec<Cell> {
     let Some(truth) = truth else { return vec![Cell::text(""), Cell::text("")] };
     let errors = (e.value - truth) / e.std_error;

@@ -1,4 +1,4 @@
-//! Every recording to look into: speeds, input and residual torque in step with the robot on its path.
+//! Explorer of the recordings: speeds, input and residual torque synchronised with the position of the robot.
 
 use super::curves::{self, broken_at_gaps, simulated, wheel};
 use super::{Depth, Section, listed, what_if, words};
@@ -11,9 +11,9 @@ use crate::study::{ModelStudy, Performance, RecordingStudy, Study};
 #[derive(Default)]
 pub struct Explorer;
 
-/// Samples shown of all recordings together, and of one at most: what keeps the page below 3 MB.
+/// Largest number of samples of all recordings together, and of one: keeps the page below 3 MB.
 const SAMPLES: (usize, usize) = (4000, 1000);
-/// Recordings that can be chosen at most.
+/// Largest number of recordings that can be selected.
 const CHOICES: usize = 40;
 
 impl Section for Explorer {
@@ -52,7 +52,8 @@ impl Section for Explorer {
     }
 }
 
-/// The recordings that can be chosen: that of the other figures first, then those on which errors are judged.
+/// The recordings that can be selected: that of the other figures first, then those on which errors are
+/// judged.
 fn shown(study: &Study) -> Vec<usize> {
     let mut shown = listed::recordings(study);
     shown.retain(|&r| study.recordings[r].t.len() > 1);
@@ -75,7 +76,7 @@ fn track(study: &Study, index: usize, most: usize) -> Track {
     Track { name: seen.name(), note: seen.errors(), figure, path }
 }
 
-/// One recording under the models of the verdict, every so many samples.
+/// One recording with the models of the verdict, at a reduced number of samples.
 struct Seen<'a> {
     study: &'a Study,
     index: usize,
@@ -165,7 +166,7 @@ impl<'a> Seen<'a> {
         points.into_iter().step_by(self.stride).collect()
     }
 
-    /// Every so many points, without the jumps where the simulations of 2 s start anew.
+    /// A reduced number of points, without the jumps where the 2 s simulations restart.
     fn broken(&self, mut points: Vec<(f64, f64)>, performance: &Performance) -> Vec<(f64, f64)> {
         for start in performance.window_starts.iter().filter(|start| **start > 0) {
             let last_kept = (start - 1) / self.stride * self.stride;

@@ -1,4 +1,4 @@
-//! Measured against simulated wheel speeds on one recording, and the error of simulations of every length.
+//! Measured and simulated wheel speeds of one recording, and the error over simulations of different lengths.
 
 use super::overlay::Overlay;
 use super::{Section, words};
@@ -32,7 +32,7 @@ impl Section for Fit {
     }
 }
 
-/// Error and fit of the models over simulations of every length.
+/// Error and fit of the models over simulations of different lengths.
 fn horizons(study: &Study) -> Option<Table> {
     let given = study.given.as_ref().filter(|m| !m.horizons.is_empty())?;
     let models: Vec<(&ModelStudy, String)> = std::iter::once((given, words::given(study)))

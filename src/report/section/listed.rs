@@ -1,12 +1,12 @@
-//! Which recordings are listed one by one: of thousands, those that the model fits worst.
+//! Selection of the recordings listed individually: if there are too many, those with the largest errors.
 
 use crate::study::Study;
 
-/// Recordings that a table shows at most; `results.json` has them all.
+/// Largest number of recordings in a table; `results.json` contains all.
 pub(super) const MOST: usize = 200;
 
-/// The recordings that are listed, in their order: all of them, or the [`MOST`] whose 2 s simulation error
-/// exceeds the noise floor by the largest factor.
+/// The recordings that are listed, in their order: all, or the [`MOST`] with the largest ratio of 2 s
+/// simulation error to noise floor.
 pub(super) fn recordings(study: &Study) -> Vec<usize> {
     let mut all: Vec<usize> = (0..study.recordings.len()).collect();
     if all.len() <= MOST {
@@ -17,14 +17,14 @@ pub(super) fn recordings(study: &Study) -> Vec<usize> {
         let error = method.and_then(|m| m.performance.get(r)).map_or(f64::NAN, |p| p.window_rms);
         error / study.recordings[r].floor.window_rms
     };
-    // what is not a number counts as the largest
+    // NaN counts as the largest
     all.sort_by(|&a, &b| excess(b).total_cmp(&excess(a)));
     all.truncate(MOST);
     all.sort_unstable();
     all
 }
 
-/// What is said where not all are listed.
+/// Remark if not all are listed.
 pub(super) fn left_out(study: &Study) -> Option<String> {
     let count = study.recordings.len();
     (count > MOST).then(|| {

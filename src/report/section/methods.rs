@@ -12,7 +12,7 @@ use crate::study::{MethodStudy, Performance, Role, Study};
 #[derive(Default)]
 pub struct Methods;
 
-/// A method whose error is within this factor of the lowest is named beside it.
+/// A method with an error within this factor of the lowest is mentioned with it.
 const AS_GOOD: f64 = 1.01;
 
 impl Section for Methods {
@@ -54,7 +54,7 @@ impl Section for Methods {
     }
 }
 
-/// The paper's index beside that of the noise.
+/// The paper's index together with the contribution of noise.
 fn paper_index(study: &Study) -> Block {
     Block::paragraph(format!(
         "The paper's quality index of 0.139 rad²/s is that of its emulator in the parallel structure, for \
@@ -80,7 +80,7 @@ fn judged_sum(study: &Study, method: &MethodStudy, value: fn(&Performance) -> f6
     if method.performance.is_empty() { f64::NAN } else { study.judged().iter().map(one).sum() }
 }
 
-/// Quality index of the noise of the measured speeds alone, over the judged recordings [rad^2/s].
+/// Quality index due to the noise of the measured speeds alone, over the judged recordings [rad^2/s].
 fn sensor_noise(study: &Study) -> f64 {
     let judged = study.judged().into_iter().map(|r| &study.recordings[r]);
     judged.map(|r| r.noise.omega.iter().map(|s| s * s).sum::<f64>() * r.duration_s).sum()
@@ -165,7 +165,7 @@ fn digits(value: f64) -> Cell {
     Cell::formatted(text, value)
 }
 
-/// Root mean square relative error of the free parameters whose truth is known [%].
+/// RMS relative error of the estimated parameters with known true values [%].
 fn parameter_error(study: &Study, method: &MethodStudy) -> f64 {
     let squares: Vec<f64> = method
         .estimates
@@ -229,7 +229,7 @@ fn figure(study: &Study) -> Option<Figure> {
     Some(figure)
 }
 
-/// Whose errors these are: those of the verdict are of another fit where there is a diagnosis.
+/// States which fits these errors belong to: with a diagnosis, those of the verdict belong to other fits.
 fn fitted_by(study: &Study) -> String {
     let model = format!("The {} as each method fits it", words::given(study));
     match study.diagnosis {

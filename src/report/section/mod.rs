@@ -11,18 +11,18 @@ use super::figure::Figure;
 use crate::catalogue;
 use crate::study::Study;
 
-/// How far down the reader finds a section.
+/// Level of a section in the report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Depth {
-    /// What comes out; the first screen.
+    /// The results; the first screen.
     Summary,
-    /// What the verdict rests on.
+    /// The evidence for the verdict.
     Evidence,
-    /// Everything else, folded away.
+    /// All details, collapsed.
     Details,
 }
 
-/// A part of the report: what it shows of a study.
+/// A section of the report.
 pub trait Section: Send + Sync {
     /// Anchor on the page.
     fn id(&self) -> &'static str;
@@ -30,15 +30,15 @@ pub trait Section: Send + Sync {
     /// Heading.
     fn title(&self) -> &'static str;
 
-    /// How a newcomer reads it, in one sentence.
+    /// How to read it, in one sentence.
     fn how_to_read(&self) -> &'static str;
 
-    /// How far down the reader finds it.
+    /// Its level in the report.
     fn depth(&self) -> Depth {
         Depth::Evidence
     }
 
-    /// What it is made of; empty where the study has nothing to show, and then it is left out.
+    /// Its content; empty sections are omitted.
     fn blocks(&self, study: &Study) -> Vec<Block>;
 }
 
@@ -61,7 +61,7 @@ catalogue! {
     provenance::Provenance,
 }
 
-/// The first figure of the report, small; `None` without a fit.
+/// The first figure of the report as a small picture; `None` without a fit.
 pub(super) fn thumbnail(study: &Study) -> Option<Figure> {
     Some(overlay::Overlay::of(study)?.thumbnail())
 }

@@ -6,13 +6,13 @@ use crate::report::figure::{Axis, ColourRole, Dash, Figure, Layer, Panel, Size};
 use crate::report::format;
 use crate::study::{ModelStudy, Performance, RecordingStudy, Study};
 
-/// Length of the stretch that the first screen shows \[s\]: four simulations of 2 s.
+/// Duration of the excerpt on the first screen \[s\]: four simulations of 2 s.
 const STRETCH: f64 = 8.0;
 
-/// Figures over the time of the recording that is shown zoom together.
+/// Figures over the time of the same recording zoom together.
 pub(super) const LINK: &str = "time";
 
-/// What is drawn of one recording.
+/// Curves of one recording.
 pub(super) struct Overlay<'a> {
     study: &'a Study,
     recording: &'a RecordingStudy,
@@ -30,7 +30,7 @@ impl<'a> Overlay<'a> {
         (recording.t.len() > 1).then_some(Self { study, recording, given, completed })
     }
 
-    /// The models with their names and looks, the last on top.
+    /// The models with their names and styles, the last on top.
     fn models(&self) -> Vec<(&'a Performance, String, ColourRole, Dash)> {
         let error = |p: &Performance| format::digits(p.window_rms, 3);
         let name = words::given(self.study);
@@ -50,7 +50,7 @@ impl<'a> Overlay<'a> {
         out
     }
 
-    /// The first screen: both speeds over the stretch where the error of the model as given is largest.
+    /// The first screen: both speeds in the interval with the largest error of the model as given.
     pub(super) fn stretch(&self) -> Figure {
         let (first, last) = self.worst();
         let title = match self.completed {
@@ -79,7 +79,7 @@ impl<'a> Overlay<'a> {
         figure.linked(LINK).with_height(340.0)
     }
 
-    /// The wheel with the larger error without words, as large as a cell of a table.
+    /// The wheel with the larger error, without text, in the size of a table cell.
     pub(super) fn thumbnail(&self) -> Figure {
         let rows = || self.given.windows.iter().zip(&self.recording.omega);
         let square = |i: usize| rows().map(|(s, m)| (m[i] - s[i]).powi(2)).sum::<f64>();
@@ -91,7 +91,7 @@ impl<'a> Overlay<'a> {
         figure
     }
 
-    /// How its errors relate to those of the verdict, where it is one of several recordings.
+    /// Relation of its errors to those of the verdict, if it is one of several recordings.
     fn among(&self) -> String {
         match self.study.judged().len() {
             ..2 => String::new(),
@@ -106,7 +106,7 @@ impl<'a> Overlay<'a> {
         }
     }
 
-    /// The whole recording: both speeds and their residuals, over simulations of 2 s and free.
+    /// The whole recording: both speeds and their residuals, for simulations of 2 s and the free simulation.
     pub(super) fn whole(&self) -> Figure {
         let floor = format::digits(self.recording.floor.window_rms, 3);
         let error = |p: &Performance| format::digits(p.window_rms, 3);
@@ -141,7 +141,7 @@ impl<'a> Overlay<'a> {
             let y = Axis::linear(words::OMEGA[i], "rad/s");
             let mut speeds = self.speeds(y, i, ends, |p| &p.free);
             for layer in &mut speeds.layers {
-                // the errors at the names are those of the other panel
+                // the errors in the labels are those of the other panel
                 if let Layer::Line { label, .. } = layer
                     && let Some((name, _)) = label.split_once(": ")
                 {
@@ -164,7 +164,7 @@ impl<'a> Overlay<'a> {
         let measured = wheel(&self.recording.t, &self.recording.omega, i);
         let inside = |p: &&(f64, f64)| (range.0..=range.1).contains(&p.0);
         let mut shown: Vec<(f64, f64)> = measured.iter().filter(inside).copied().collect();
-        // a wide pale line: dots would hide what lies below them
+        // a wide pale line: dots would hide the curves below them
         let mut panel = Panel::new(x, y).with(Layer::Line {
             points: broken_at_gaps(measured),
             label: "measured".to_owned(),
@@ -203,7 +203,7 @@ impl<'a> Overlay<'a> {
         panel
     }
 
-    /// A curve without the jumps where the simulations of 2 s start anew.
+    /// A curve without the jumps where the 2 s simulations restart.
     fn broken(
         &self,
         points: Vec<(f64, f64)>,
@@ -224,7 +224,7 @@ impl<'a> Overlay<'a> {
         out
     }
 
-    /// The four simulations of 2 s in a row in which the model as given errs most.
+    /// The four consecutive 2 s simulations with the largest error of the model as given.
     fn worst(&self) -> (f64, f64) {
         let t = &self.recording.t;
         let last = t.len() - 1;
@@ -244,7 +244,7 @@ impl<'a> Overlay<'a> {
     }
 }
 
-/// The range of y of points, with a little room.
+/// The y range of points, with a margin.
 fn spread(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     let y = || points.iter().map(|p| p.1).filter(|y| y.is_finite());
     let (low, high) = (y().fold(f64::INFINITY, f64::min), y().fold(f64::NEG_INFINITY, f64::max));

@@ -1,4 +1,4 @@
-//! The parameters of the models of the verdict, before and after what was found.
+//! The parameters of the models of the verdict, without and with the effects found.
 
 use super::estimates::{interval, truth};
 use super::{Section, words};
@@ -7,11 +7,11 @@ use crate::report::block::{Block, Cell, Column, Table, Tone};
 use crate::report::format;
 use crate::study::{ParameterStudy, Study};
 
-/// Estimates of the last model, with their errors and what is not identifiable.
+/// Estimates of the last model, with their standard errors and identifiability.
 #[derive(Default)]
 pub struct Parameters;
 
-/// Standard errors from the true value beyond which an estimate is marked.
+/// Deviation from the true value, in standard errors, above which an estimate is marked.
 const FAR: f64 = 3.0;
 
 impl Section for Parameters {
@@ -89,7 +89,7 @@ fn cells(study: &Study, row: &ParameterStudy) -> Vec<Cell> {
     out
 }
 
-/// A value, and below it its interval.
+/// A value with its interval below.
 fn value(e: &Estimate, known: Option<f64>) -> Cell {
     if e.fixed {
         return Cell::number(e.value).noted("held");

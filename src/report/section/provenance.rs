@@ -1,10 +1,10 @@
-//! What is needed to repeat the run.
+//! Data required to repeat the run.
 
 use super::{Depth, Section, listed, words};
 use crate::report::block::{Block, Cell, Column, Table, Text};
 use crate::study::Study;
 
-/// What is needed to repeat the run: version, seed, checksums, the experiment file.
+/// Data required to repeat the run: version, seed, checksums, the experiment file.
 #[derive(Default)]
 pub struct Provenance;
 
@@ -61,7 +61,7 @@ impl Section for Provenance {
             return blocks;
         }
         let repeat = if study.invocation.recordings.is_empty() {
-            Text::from("To repeat the run, save this file beside its recordings and type ")
+            Text::from("To repeat the run, save this file next to its recordings and run ")
                 .code(format!("experiment {}.toml", study.experiment))
         } else {
             Text::from("To repeat the run, type ").code(study.invocation.run())

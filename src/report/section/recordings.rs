@@ -1,11 +1,11 @@
-//! What was measured, and what is odd about it.
+//! The recordings, their noise, and the findings on them.
 
 use super::{Depth, Section, listed};
 use crate::report::block::{Block, Cell, Column, Table, Text};
 use crate::report::{dead_time, format};
 use crate::study::{RecordingStudy, Study};
 
-/// What was read, conditioned and found by the quality check.
+/// The recordings, with findings of conditioning and quality check.
 #[derive(Default)]
 pub struct Recordings;
 
@@ -66,7 +66,7 @@ impl Section for Recordings {
         if remarks == 0 {
             blocks.push(Block::paragraph("The check of the recordings found no issues."));
         } else {
-            blocks.push(Block::Heading("What the check of the recordings says".to_owned()));
+            blocks.push(Block::Heading("Findings of the quality check".to_owned()));
             if findings.len() < remarks {
                 let (here, all) = (findings.len(), remarks);
                 let sentence = format!("The first {here} of {all} remarks; results.json has all.");
@@ -78,7 +78,7 @@ impl Section for Recordings {
     }
 }
 
-/// Faults of sensors and loggers that conditioning found; no table without any.
+/// Faults of sensors and loggers found by conditioning; no table if there are none.
 fn conditioning(study: &Study, shown: &[usize]) -> Option<Block> {
     let columns = vec![Column::text("Recording"), Column::text("Action"), Column::text("Finding")];
     let title = "Faults of sensors and loggers in the signals, and their correction.";

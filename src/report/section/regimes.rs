@@ -1,4 +1,4 @@
-//! In which regimes of driving the model fails.
+//! The driving regimes in which the model fails.
 
 use super::{Section, words};
 use crate::compare::Failure;
@@ -25,7 +25,7 @@ impl Section for Regimes {
     fn how_to_read(&self) -> &'static str {
         "A ratio of 1 means that noise explains the error, but an error made in one regime is carried \
          into the next until the simulation of 2 s ends; a star marks where the mean residual torque is \
-         significant at 5 % after correction for looking at all regimes (Holm)."
+         significant at 5 % after correction for multiple tests (Holm)."
     }
 
     fn blocks(&self, study: &Study) -> Vec<Block> {
@@ -77,7 +77,7 @@ fn title(study: &Study, models: &[(String, &[Failure])]) -> String {
     }
 }
 
-/// What is said where the residual torque is significant in no regime: that is no proof of a small error.
+/// Remark if the residual torque is significant in no regime, which does not prove a small error.
 fn left(failures: &[Failure]) -> String {
     let ratios = failures.iter().filter(|f| f.ratio_to_noise.is_finite());
     let largest = ratios.max_by(|a, b| a.ratio_to_noise.total_cmp(&b.ratio_to_noise));

@@ -1,4 +1,4 @@
-//! Residual analysis: what the one-step prediction errors of the model still hold.
+//! Residual analysis of the one-step prediction errors.
 
 use super::{Section, words};
 use crate::compare::Whiteness;
@@ -34,7 +34,7 @@ impl Section for Residuals {
     }
 }
 
-/// The largest correlation, of the errors with each other or with the inputs.
+/// The largest correlation, of the errors with themselves or with the inputs.
 fn largest(w: &Whiteness) -> f64 {
     let all = (0..2).flat_map(|i| w.auto[i][1..].iter().chain(&w.cross[i]));
     all.fold(0.0, |most: f64, r| most.max(r.abs()))
@@ -45,7 +45,7 @@ fn widest_bound(w: &Whiteness) -> f64 {
     w.auto_bound.iter().chain(&w.cross_bound).fold(0.0, |most: f64, b| most.max(*b))
 }
 
-/// Correlations outside their bounds, and how many there are.
+/// Number of correlations outside their bounds, and of all.
 fn outside(w: &Whiteness) -> (usize, usize) {
     let (mut count, mut all) = (0, 0);
     for i in 0..2 {
@@ -59,12 +59,10 @@ fn outside(w: &Whiteness) -> (usize, usize) {
     (count, all)
 }
 
-fn figure(study: &Study, given: &Whiteness, completed: Option<&Whiteness>) -> Figure {
-    let (last, all) = outside(completed.unwrap_or(given));
-    let expected = (0.01 * all as f64).ceil();
+fn title(study: &Study, given: &Whiteness, completed: Option<&Whiteness>) -> String {
     let bound = format::digits(widest_bound(completed.unwrap_or(given)), 2);
     let largest = |w: &Whiteness| format::digits(largest(w), 2);
-    let title = match completed {
+    match completed {
         Some(completed) => format!(
             "The largest correlation of the prediction errors is {}, and {} with {} (99 % bound {bound})",
             largest(given),
@@ -75,26 +73,36 @@ fn figure(study: &Study, given: &Whiteness, completed: Option<&Whiteness>) -> Fi
             "The largest correlation of the prediction errors is {} (99 % bound {bound})",
             largest(given)
         ),
-    };
+    }
+}
+
+/// How many correlations are outside their bounds, and how the errors are computed.
+fn caption(given: &Whiteness, completed: Option<&Whiteness>) -> String {
+    let (last, all) = outside(completed.unwrap_or(given));
+    let expected = (0.01 * all as f64).ceil();
     let outside_of = match completed {
         Some(_) => format!("{} and {last} are", outside(given).0),
         None => format!("{last} are"),
     };
+    format!(
+        "Right wheel solid, left wheel dotted; shaded: 99 % bounds. With white errors {expected:.0} of {all} \
+         correlations are expected outside; here {outside_of}. Errors over one sample show noise and sampling of the \
+         input as correlation, which the noise floor of a simulation of 2 s contains: a model at its floor may \
+         leave small ones. The noise of the filter is computed from the channels themselves, \
+         so that it cannot absorb missing effects. Errors are divided by the standard deviation that \
+         the filter predicts (RMS here: {}).",
+        rms(completed.unwrap_or(given))
+    )
+}
+
+fn figure(study: &Study, given: &Whiteness, completed: Option<&Whiteness>) -> Figure {
     let predicted = if given.speeds { "wheel speeds" } else { "wheel angles" };
-    let mut figure = Figure::new("residuals", title)
+    let mut figure = Figure::new("residuals", title(study, given, completed))
         .with_subtitle(format!(
             "Prediction errors of the {predicted} by the Kalman filter over one sample, on {} data",
             study.judged_words()
         ))
-        .with_caption(format!(
-            "Right wheel solid, left wheel dotted; shaded: 99 % bounds. White errors leave {expected:.0} of \
-             {all} correlations outside; here {outside_of}. Errors over one sample show noise and sampling of the \
-             input as correlation, which the noise floor of a simulation of 2 s contains: a model at its floor may \
-             leave small ones. The noise of the filter is that which the channels show by themselves, \
-             so that it cannot absorb what the model lacks. Errors are divided by the standard deviation that \
-             the filter predicts (rms here: {}).",
-            rms(completed.unwrap_or(given))
-        ))
+        .with_caption(caption(given, completed))
         .with_columns(2)
         .interactive()
         .with_height(470.0);

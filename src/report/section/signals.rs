@@ -1,4 +1,4 @@
-//! The recorded signals of the recording that is shown, and its path.
+//! Recorded signals and path of the recording shown in detail.
 
 use super::curves::{self, broken_at_gaps, wheel};
 use super::overlay::LINK;
@@ -116,7 +116,7 @@ fn path(study: &Study, recording: &RecordingStudy, windows: &[[f64; 2]]) -> Figu
             ColourRole::NoiseFloor,
         ),
     );
-    // what does not occur is not in the legend
+    // regimes that do not occur are not in the legend
     let occurs =
         |layer: &Layer| !matches!(layer, Layer::Points { points, .. } if points.is_empty());
     let panel = marks.into_iter().filter(occurs).fold(panel, Panel::with);
@@ -131,7 +131,7 @@ fn path(study: &Study, recording: &RecordingStudy, windows: &[[f64; 2]]) -> Figu
     figure
 }
 
-/// Error of the windows over the noise floor of the verdict, row by row, averaged over 0.2 s.
+/// Ratio of the 2 s simulation error to the noise floor of the verdict, row by row, averaged over 0.2 s.
 fn over_floor(recording: &RecordingStudy, windows: &[[f64; 2]], rows: usize) -> Vec<f64> {
     let floor = recording.floor.window_rms.max(1e-9);
     let error = |(w, simulated): (&[f64; 2], &[f64; 2])| {
@@ -177,7 +177,7 @@ fn smoothed(values: &[f64], rate: f64) -> Vec<f64> {
         .collect()
 }
 
-/// A figure of fitting height for a map of these places.
+/// A figure of suitable height for a map of these points.
 fn map_size(points: &[(f64, f64)]) -> Size {
     const WIDTH: f64 = 620.0;
     let span = |pick: fn(&(f64, f64)) -> f64| {

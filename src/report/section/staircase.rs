@@ -1,4 +1,4 @@
-//! The error as effects are added, down to the noise floor.
+//! The error as effects are added, compared with the noise floor.
 
 use super::{Section, words};
 use crate::report::block::{Block, Cell, Column, Table};
@@ -43,7 +43,7 @@ impl Section for Staircase {
             let lead = if stairs.len() > 1 {
                 "Effects found by the diagnosis, added one by one; every model fitted by the diagnosis"
             } else {
-                "The diagnosis, which fits by itself, adds no effect"
+                "The diagnosis, which uses its own fit, adds no effect"
             };
             blocks.extend(show(study, "staircase", lead, &stairs));
         }
@@ -66,7 +66,7 @@ impl Section for Staircase {
     }
 }
 
-/// One model and its error on the judged recordings.
+/// One model version and its error on the judged recordings.
 struct Stair {
     name: String,
     /// Over windows [rad/s].

@@ -1,4 +1,4 @@
-//! What comes out, in one sentence, and what to do next.
+//! The verdict in one sentence, and the recommended next step.
 
 use super::overlay::Overlay;
 use super::{Depth, Section, words};
@@ -8,9 +8,9 @@ use crate::identify::Status;
 use crate::report::block::{Block, Number, Text, Tone};
 use crate::report::verdict::sentences;
 use crate::report::{format, recommendation};
-use crate::study::{self, Grade, Role, Study};
+use crate::study::{self, Grade, MethodStudy, Role, Study};
 
-/// What is missing, with the errors that show it and what to record next.
+/// The missing effects, with the errors as evidence and the recommended next recording.
 #[derive(Default)]
 pub struct Verdict;
 
@@ -58,14 +58,14 @@ fn finding(study: &Study) -> Block {
     Block::findings(tone, sentences, causes(study))
 }
 
-/// What the effects found are in the robot.
+/// Physical causes of the effects found.
 fn causes(study: &Study) -> String {
     let effects = study.diagnosis.iter().flat_map(|d| &d.effects);
     let with_cause = effects.filter(|e| !e.cause.is_empty());
     with_cause.map(|e| format!("{}: {}.", e.title, e.cause)).collect::<Vec<_>>().join(" ")
 }
 
-/// Error, floor, ratio and grade, all of the fit that the verdict is about.
+/// Error, floor, ratio and grade of the fit on which the verdict is based.
 fn numbers(study: &Study) -> Option<Block> {
     let (model, grade) = study.last_model().zip(study.grade())?;
     let (error, floor) = (study.error_of(model), study.judged_floor());
@@ -115,7 +115,7 @@ fn numbers(study: &Study) -> Option<Block> {
     ]))
 }
 
-/// What a grade means.
+/// Meaning of a grade.
 fn means(grade: Grade) -> &'static str {
     match grade {
         Grade::AtFloor => "these recordings cannot reveal a better one",
@@ -134,7 +134,7 @@ fn tone(verdict: study::Verdict) -> Tone {
     }
 }
 
-/// The verdict where no diagnosis was asked for: the error against its floor, and where.
+/// The verdict without a diagnosis: the error compared with its floor, and the regimes.
 fn compared(study: &Study, error: f64) -> (Tone, String) {
     let ratio = error / study.judged_floor();
     if !ratio.is_finite() {
@@ -171,7 +171,7 @@ fn compared(study: &Study, error: f64) -> (Tone, String) {
     )
 }
 
-/// What a reader must know before relying on the verdict.
+/// Cautions for the use of the verdict.
 fn cautions(study: &Study) -> Vec<Block> {
     let mut blocks = Vec::new();
     let mut notice = |sentence: String, detail: &str| {
@@ -185,26 +185,9 @@ fn cautions(study: &Study) -> Vec<Block> {
              `validation`.",
         );
     }
-    // with a diagnosis the verdict rests on fits of its own
+    // with a diagnosis the verdict is based on its own fits
     if let Some(method) = study.reference_method().filter(|_| study.diagnosis.is_none()) {
-        if method.failure.is_some() || method.status != Some(Status::Converged) {
-            let sentence = format!(
-                "The fit did not converge: {} {}.",
-                words::method(study, method),
-                words::status(method)
-            );
-            notice(sentence, "Take its numbers as provisional; another method may converge.");
-        }
-        let unknown: Vec<String> = method
-            .estimates
-            .iter()
-            .filter(|e| !e.identifiable && !e.fixed)
-            .map(|e| e.symbol.clone())
-            .collect();
-        if !unknown.is_empty() {
-            let sentence = format!("Not identifiable from these data: {}.", words::list(&unknown));
-            notice(sentence, "See the parameters for what to record or to hold fixed.");
-        }
+        fit_cautions(study, method, &mut notice);
     }
     let failed: Vec<String> = study
         .methods
@@ -230,6 +213,28 @@ fn cautions(study: &Study) -> Vec<Block> {
         notice(sentence, "See Recordings, below.");
     }
     blocks
+}
+
+/// Cautions for the use of a fit: no convergence, parameters that are not identifiable.
+fn fit_cautions(study: &Study, method: &MethodStudy, notice: &mut impl FnMut(String, &str)) {
+    if method.failure.is_some() || method.status != Some(Status::Converged) {
+        let sentence = format!(
+            "The fit did not converge: {} {}.",
+            words::method(study, method),
+            words::status(method)
+        );
+        notice(sentence, "Take its numbers as provisional; another method may converge.");
+    }
+    let unknown: Vec<String> = method
+        .estimates
+        .iter()
+        .filter(|e| !e.identifiable && !e.fixed)
+        .map(|e| e.symbol.clone())
+        .collect();
+    if !unknown.is_empty() {
+        let sentence = format!("Not identifiable from these data: {}.", words::list(&unknown));
+        notice(sentence, "The section on parameters states what to record or to fix.");
+    }
 }
 
 fn next_step(study: &Study) -> Vec<Block> {
@@ -272,11 +277,11 @@ fn next_step(study: &Study) -> Vec<Block> {
     blocks
 }
 
-/// How to have effects tried.
+/// How to run a diagnosis.
 fn to_diagnose(study: &Study) -> Text {
     let text = Text::from("Next step: to learn whether an effect is missing, and which, ");
     if !study.invocation.has_file() {
-        return text.plain("ask for a diagnosis.");
+        return text.plain("run a diagnosis.");
     }
     let text = text.plain("add ").code("[diagnosis]").plain(" to the experiment file");
     let text = match effects::most_common() {
@@ -286,7 +291,7 @@ fn to_diagnose(study: &Study) -> Text {
     text.plain(".")
 }
 
-/// The command that adds an effect, behind the one that writes the experiment file where there is none yet.
+/// The command that adds an effect, preceded by the one that writes the experiment file if there is none yet.
 fn add_command(study: &Study, effect: &str, text: Text) -> Text {
     let text = match study.invocation.new_file() {
         Some(command) => text.code(command).plain(", then "),

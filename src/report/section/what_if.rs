@@ -1,4 +1,4 @@
-//! The recordings of the explorer, simulated on the page with other values of the parameters.
+//! The recordings of the explorer, simulated on the page with other parameter values.
 
 use super::words;
 use crate::effects;
@@ -9,16 +9,17 @@ use crate::report::format;
 use crate::report::what_if::{Driven, Slider, WhatIf};
 use crate::study::{ParameterStudy, Study};
 
-/// Rows held of all recordings together, which keeps the page below 3 MB.
+/// Largest number of rows of all recordings together, which keeps the page below 3 MB.
 const ROWS: usize = 24_000;
-/// Longest stretch that is simulated \[s\]: at 1 ms a step, a slider is followed without delay (taste).
+/// Longest simulated duration \[s\]: with a step of 1 ms the simulation follows a slider without delay
+/// (judgement).
 const SECONDS: f64 = 60.0;
-/// Range of a slider (taste): shares of the estimate, for the base model and for effects, which may be absent
-/// or twice as large; and standard errors at least.
+/// Range of a slider (judgement): shares of the estimate, for the base model and for effects, which may be absent
+/// or twice as large; and the smallest range in standard errors.
 const SHARES: [f64; 2] = [0.5, 1.0];
 const STD_ERRORS: f64 = 5.0;
 
-/// The panel, or why there is none; nothing without a physical model.
+/// The panel, or the reason why there is none; empty without a physical model.
 pub(super) fn blocks(study: &Study, shown: &[usize]) -> Vec<Block> {
     let (Some(data), Some(model)) = (&study.what_if, study.last_model()) else { return vec![] };
     let script = match &data.script {
@@ -39,14 +40,14 @@ pub(super) fn blocks(study: &Study, shown: &[usize]) -> Vec<Block> {
 fn slider(parameter: &ParameterStudy) -> Option<Slider> {
     let ParameterStudy { effect, meaning, estimate } = parameter;
     let (value, error) = (estimate.value, estimate.std_error);
-    // the shift of the input is in the data
+    // the shift of the input is already applied to the data
     if estimate.fixed || estimate.symbol == crate::diagnose::INPUT_SHIFT {
         return None;
     }
     let is_base = effects::BASE.contains(&effect.as_str());
     let errors = if error.is_finite() { STD_ERRORS * error } else { 0.0 };
     let half = errors.max(SHARES[usize::from(!is_base)] * value.abs());
-    // beyond zero only where the estimate does not tell its sign
+    // includes the opposite sign only if the sign of the estimate is not significant
     let is_signed = value.abs() > 2.0 * error;
     let least = if is_signed && value > 0.0 { -(value / half).min(1.0) } else { -1.0 };
     (half.is_finite() && half > 0.0).then(|| Slider {
@@ -60,7 +61,7 @@ fn slider(parameter: &ParameterStudy) -> Option<Slider> {
     })
 }
 
-/// A recording, or its first rows.
+/// A recording, or its first part.
 fn driven(study: &Study, index: usize, most: usize) -> Option<Driven> {
     let recording = &study.recordings[index];
     let data = study.what_if.as_ref()?;
@@ -84,7 +85,8 @@ fn driven(study: &Study, index: usize, most: usize) -> Option<Driven> {
     })
 }
 
-/// The panels, whose points the page computes; no layer follows the switch between the models of the report.
+/// The panels, whose points are computed by the page; no layer depends on the selection of the model in the
+/// report.
 fn figure(study: &Study) -> Figure {
     let line = |label: &str, role: ColourRole, width: f64, dash: Dash| Layer::Line {
         points: vec![(0.0, 0.0), (1.0, 1.0)],

@@ -1,4 +1,4 @@
-//! Names and phrases that several sections use.
+//! Names and phrases common to several sections.
 
 use crate::effects;
 use crate::identify::{Estimate, Status};
@@ -7,7 +7,7 @@ use crate::report::format;
 pub(super) use crate::report::format::unit;
 use crate::study::{MethodStudy, Study};
 
-/// The wheel of index 0 or 1, as a reader calls it.
+/// The wheel with index 0 or 1 in text.
 pub(super) const WHEELS: [&str; 2] = ["right wheel (1)", "left wheel (2)"];
 /// The same without its number, for narrow cells and sentences.
 pub(super) const SIDES: [&str; 2] = ["right", "left"];
@@ -33,23 +33,23 @@ pub(super) fn regime(regime: Regime) -> String {
     .to_owned()
 }
 
-/// The name of an effect in words; the id where the catalogue does not have it.
+/// The title of an effect; the id if it is not in the catalogue.
 pub(super) fn effect(id: &str) -> String {
     effects::find(id).map_or_else(|| id.replace('_', " "), |effect| effect.description().title)
 }
 
-/// The name of an effect within a sentence: without its capital, save for people.
+/// The title of an effect within a sentence: without its capital, except for names of persons.
 pub(super) fn effect_in_text(id: &str) -> String {
     format::in_text(&effect(id))
 }
 
-/// What a parameter of the catalogue means; empty for others.
+/// Meaning of a parameter of the catalogue; empty for others.
 pub(super) fn meaning(symbol: &str) -> String {
     let specs = effects::all().into_iter().flat_map(|effect| effect.parameters());
     specs.into_iter().find(|spec| spec.symbol == symbol).map_or(String::new(), |s| s.meaning)
 }
 
-/// What a reader must know of an estimate beyond the physical range of its parameter.
+/// Caution for an estimate outside the physical range of its parameter.
 pub(super) fn out_of_range(estimate: &Estimate) -> Option<String> {
     let effects = effects::all();
     let specs = effects.iter().map(|effect| (effect, effect.parameters()));
@@ -59,7 +59,7 @@ pub(super) fn out_of_range(estimate: &Estimate) -> Option<String> {
         })
         .next()?;
     let (low, high) = spec.range;
-    // ranges hold for torques in N m, not for inputs in other units
+    // ranges are valid for torques in N m, not for inputs in other units
     if spec.unit != estimate.unit {
         return None;
     }
@@ -93,7 +93,7 @@ pub(super) fn list(items: &[String]) -> String {
     }
 }
 
-/// The name of a method, with its options where another method of the study has the same name.
+/// The name of a method, with its options if another method of the study has the same name.
 pub(super) fn method(study: &Study, method: &MethodStudy) -> String {
     let same = study.methods.iter().filter(|other| other.name == method.name).count();
     if same > 1 && !method.options.is_empty() {
@@ -103,7 +103,7 @@ pub(super) fn method(study: &Study, method: &MethodStudy) -> String {
     }
 }
 
-/// How a method ended.
+/// Status of a method.
 pub(super) fn status(method: &MethodStudy) -> &'static str {
     if method.failure.is_some() {
         return "failed";
@@ -116,18 +116,18 @@ pub(super) fn status(method: &MethodStudy) -> &'static str {
     }
 }
 
-/// The model's base with the effects added to it: "base model + back-EMF".
+/// The base model with the added effects: "base model + back-EMF".
 pub(super) fn model(effects: &[String]) -> String {
     let added = effects.iter().map(|id| effect_in_text(id));
     std::iter::once("base model".to_owned()).chain(added).collect::<Vec<_>>().join(" + ")
 }
 
-/// Where the paper shows the same, for its own movement; empty for any other.
+/// Reference to the corresponding figure of the paper, for its movement; otherwise empty.
 pub(super) fn in_paper(study: &Study, figure: &str) -> String {
     if study.of_paper { format!(" The paper shows this as {figure}.") } else { String::new() }
 }
 
-/// The model as given, shortly: "base model".
+/// Short name of the model as given: "base model".
 pub(super) fn given(study: &Study) -> String {
     let is_fuzzy = study.reference_method().is_some_and(|m| m.fuzzy.is_some());
     match study.effects.is_empty() {
@@ -137,13 +137,13 @@ pub(super) fn given(study: &Study) -> String {
     }
 }
 
-/// The effects found, in words: "turning scrub and slope".
+/// The effects found: "turning scrub and slope".
 pub(super) fn found(study: &Study) -> String {
     let effects = study.diagnosis.iter().flat_map(|d| &d.effects);
     list(&effects.map(|e| format::in_text(&e.title)).collect::<Vec<_>>())
 }
 
-/// The model with what was found, shortly: "with turning scrub"; with a count where there are many.
+/// Short name of the model with the effects found: "with turning scrub"; with a count if there are many.
 pub(super) fn added(study: &Study) -> String {
     match study.diagnosis.as_ref().map_or(0, |d| d.effects.len()) {
         1 => format!("with {}", found(study)),

@@ -1,11 +1,11 @@
-//! What the residual torque depends on, in words.
+//! Text on the dependence of the residual torque.
 
 use crate::compare::{Acting, Curve};
 use crate::recording::DriveUnit;
 use crate::report::format;
 use crate::study::{DependenceStudy, is_most_of_it};
 
-/// "The residual torque depends most on the heading (72 % of it, up to 0.31 N m)." `unit`: that of the input.
+/// "The residual torque depends most on the heading (72 % of it, up to 0.31 N m)." `unit`: unit of the input.
 pub(super) fn words(dependence: &DependenceStudy, unit: DriveUnit) -> String {
     let DependenceStudy { shown, beside, tested, is_left } = dependence;
     let residual = if *is_left { "remaining residual torque" } else { "residual torque" };
@@ -38,14 +38,14 @@ pub(super) fn words(dependence: &DependenceStudy, unit: DriveUnit) -> String {
     depends + end + &beside
 }
 
-/// "72 % of it, up to 0.31 N m"; in proportion to the input "up to 31 % of the input".
+/// "72 % of it, up to 0.31 N m"; for a gain "up to 31 % of the input".
 fn amount(curve: &Curve, unit: DriveUnit) -> String {
     let largest = curve.largest_left();
     let most = match curve.acting {
         Acting::Gain => format!("up to {} of the input", format::percent(largest)),
         _ => format!("up to {} {}", format::significant(largest, 2), unit.symbol()),
     };
-    // after effects were found the share is one of the residual torque before
+    // after effects were found the share refers to the residual torque without them
     match curve.share_after {
         Some(_) => most,
         None => format!("{} of it, {most}", format::percent(curve.share_before)),

@@ -1,14 +1,14 @@
-//! Effects in words: by name, with their sizes, and with what may be logging.
+//! Text on effects: names, sizes, and what logging may explain.
 
 use crate::effects::Change;
 use crate::identify::Estimate;
 use crate::report::format;
 use crate::study::{DiagnosisStudy, FoundEffect, Logging, UnprovenEffect};
 
-/// Parameters of an effect that a sentence gives.
+/// Largest number of parameters of an effect in a sentence.
 const SIZES: usize = 2;
 
-/// The effects found, each with its size and those that these data do not distinguish from it.
+/// The effects found, each with its size and the effects that these data do not distinguish from it.
 pub(super) fn found(diagnosis: &DiagnosisStudy) -> String {
     let name = |effect: &FoundEffect| {
         let sized = sized(diagnosis, effect) + &by_logging(&effect.id, &diagnosis.logging);
@@ -33,12 +33,12 @@ pub(super) fn named(id: &str) -> String {
     format!("{} ({id})", title(id))
 }
 
-/// "12 %": the fall of the held-out error.
+/// "12 %": the reduction of the held-out error.
 pub(super) fn lowered(effect: &UnprovenEffect) -> String {
     format!("{:.0} %", 100.0 * effect.lowers)
 }
 
-/// The name of an effect of the catalogue within a sentence; the id of any other in words.
+/// The title of an effect of the catalogue within a sentence; for others the id as words.
 pub(crate) fn title(id: &str) -> String {
     let known = crate::effects::find(id).map(|effect| effect.description().title);
     known.map_or_else(|| id.replace('_', " "), |title| format::in_text(&title))
@@ -49,8 +49,8 @@ pub(super) fn shifts_input(id: &str) -> bool {
     crate::effects::find(id).is_some_and(|e| e.change() == Change::TimeShift)
 }
 
-/// "turning scrub (turning_scrub), f_t = 0.0202 N m (95 %: 0.0198 to 0.0206)"; of many parameters the
-/// first two that are estimated.
+/// "turning scrub (turning_scrub), f_t = 0.0202 N m (95 %: 0.0198 to 0.0206)"; of several parameters the
+/// first two estimated ones.
 fn sized(diagnosis: &DiagnosisStudy, effect: &FoundEffect) -> String {
     let FoundEffect { id, title, .. } = effect;
     let parameters = diagnosis.parameters.iter();
@@ -66,8 +66,8 @@ fn sized(diagnosis: &DiagnosisStudy, effect: &FoundEffect) -> String {
     }
 }
 
-/// What of a shift of the input may be no property of the actuator: half a row of an input that is held between
-/// its rows, all of it where the sensor of the speeds may be late.
+/// The part of a shift of the input that may not be a property of the actuator: half a row for an input that
+/// is held between its rows, all of it if the speed sensor may be delayed.
 fn by_logging(id: &str, logging: &Logging) -> String {
     if !shifts_input(id) {
         return String::new();

@@ -1,10 +1,10 @@
-//! The error of the last model, in words.
+//! Text on the error of the last model.
 
 use crate::diagnose::{Errors, THRESHOLDS};
 use crate::report::format;
 use crate::study::FAR_BELOW_FLOOR;
 
-/// "This removes 92 % of the error above the noise floor; …": the error with so many effects `found`.
+/// "This removes 92 % of the error above the noise floor; …": the error with this number of effects `found`.
 pub(super) fn words(errors: &Errors, found: usize) -> String {
     let ratio = errors.ratio();
     if !ratio.is_finite() {
@@ -39,8 +39,8 @@ pub(super) fn words(errors: &Errors, found: usize) -> String {
     }
 }
 
-/// What an error above the floor is beside the speed and beside the input between its rows: beside little noise a ratio
-/// says more than it means.
+/// An error above the floor compared with the speed and with the unknown input between the rows: if the noise
+/// is small, the ratio to the floor exaggerates it.
 fn in_perspective(errors: &Errors) -> String {
     match errors.ratio() > THRESHOLDS.above_floor && !errors.above_floor() {
         true => {
@@ -53,7 +53,7 @@ fn in_perspective(errors: &Errors) -> String {
     }
 }
 
-/// The share of the squared error that went, in words that do not round what is left away.
+/// The removed share of the squared error, rounded such that a remaining error is not stated as zero.
 fn removed(left: f64) -> String {
     let percent = 100.0 * (1.0 - left);
     if left > 0.0 && percent >= 99.0 { "more than 99 %".into() } else { format!("{percent:.0} %") }

@@ -1,10 +1,10 @@
-//! The evidence for a candidate, in words.
+//! Text on the evidence for a candidate.
 
 use crate::diagnose::Errors;
 use crate::study::CandidateStudy;
 
-/// "removes 92 % of the error above the noise floor, the 2 s simulation error falls from …"; of a candidate whose errors
-/// are not known, the likelihood ratios of the screening. `errors`: those of the diagnosis.
+/// "removes 92 % of the error above the noise floor, the 2 s simulation error falls from …"; for a candidate
+/// without computed errors, the likelihood ratios of the screening. `errors`: those of the diagnosis.
 #[must_use]
 pub fn evidence(candidate: &CandidateStudy, errors: &Errors) -> String {
     let CandidateStudy { before, after: Some(after), .. } = candidate else {

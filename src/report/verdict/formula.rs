@@ -1,4 +1,4 @@
-//! A formula of what the residual torque depends on, in words.
+//! Text on a formula for the residual torque.
 
 use crate::diagnose::{Errors, THRESHOLDS};
 use crate::report::format;

@@ -1,10 +1,11 @@
-//! What to do or to record next, in words.
+//! Text on the recommended next step.
 
 use super::effects::title;
 use crate::report::format;
 use crate::study::{Advice, DiagnosisStudy};
 
-/// What to do or to record next, with the manoeuvre that was written for it; `None` where there is nothing to record.
+/// The recommended next step or recording, with the manoeuvre written for it; `None` if no recording is
+/// recommended.
 #[must_use]
 pub fn recommendation(diagnosis: &DiagnosisStudy) -> Option<String> {
     let mut sentences: Vec<String> = diagnosis.next.iter().map(words).collect();

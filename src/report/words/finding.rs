@@ -1,12 +1,13 @@
-//! The sentences of what conditioning found.
+//! Sentences on the findings of conditioning.
 
+use std::borrow::Cow;
 use std::fmt;
 
 use crate::conditioning::{Action, Channel, Finding, Kind, Stated};
 use crate::math::Span;
 
-/// The factor of a gear that a ratio of speed to slope of the angle may be, and the columns whose values it turns into
-/// those of the wheel: those of the faster shaft.
+/// Possible gear ratio for a ratio of speed to derivative of the angle, and the columns that it converts to
+/// those of the wheel, i.e. the columns of the faster shaft.
 fn gear_scale(ratio: Span<f64>) -> String {
     let (key, scale) = if ratio.low() > 1.0 {
         ("dalpha", ratio.map(|ratio| 1.0 / ratio))
@@ -16,8 +17,8 @@ fn gear_scale(ratio: Span<f64>) -> String {
     format!("scale = {scale:.4} in {key}1 and {key}2")
 }
 
-/// What was found, and what is done about it unless it is switched off.
-fn words(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> (String, String) {
+/// The finding.
+fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> String {
     let ms = |s: Span<f64>| format!("{:.2} ms", s.map(|s| 1e3 * s));
     let degrees = |angle: Span<f64>| format!("{:.1}", angle.map(f64::to_degrees));
     let percent = |share: Span<f64>| share.map(|share| 100.0 * share);
@@ -26,88 +27,58 @@ fn words(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> (S
         format!("{count} {what}{plural}")
     };
     match kind {
-        Kind::MissingValues { rows, first } => (
-            format!("{} without a number in some column (first: row {first})", one(rows, "row")),
-            "left out".into(),
+        Kind::MissingValues { rows, first } => {
+            format!("{} without a number in some column (first: row {first})", one(rows, "row"))
+        }
+        Kind::SparseColumn { share } => {
+            format!("{name} has a new value in {:.1} % of the rows", percent(share))
+        }
+        Kind::HeldColumn { share } => {
+            format!("{name} has a value in {:.1} % of the rows", percent(share))
+        }
+        Kind::OwnRows { share } => {
+            format!("{name} has a new value in {:.1} % of the rows", percent(share))
+        }
+        Kind::TimeRows { rows, first } => format!(
+            "{} whose time does not exceed that before (first: row {first})",
+            one(rows, "row")
         ),
-        Kind::SparseColumn { share } => (
-            format!("{name} has a new value in {:.1} % of the rows", percent(share)),
-            "interpolated linearly between its values".into(),
-        ),
-        Kind::HeldColumn { share } => (
-            format!("{name} has a value in {:.1} % of the rows", percent(share)),
-            "each value is held until the next".into(),
-        ),
-        Kind::OwnRows { share } => (
-            format!("{name} has a new value in {:.1} % of the rows", percent(share)),
-            "the recording uses these rows; the others only fill their own columns".into(),
-        ),
-        Kind::TimeRows { rows, first } => (
-            format!(
-                "{} whose time does not exceed that before (first: row {first})",
-                one(rows, "row")
-            ),
-            "left out".into(),
-        ),
-        Kind::Jitter { share } => (
-            format!(
-                "the time stamps scatter by {:.0} % of the sampling interval about even times, at which the motion is \
+        Kind::Jitter { share } => format!(
+            "the time stamps scatter by {:.0} % of the sampling interval about even times, at which the motion is \
                  smoother",
-                percent(share)
-            ),
-            "the rows are moved to the even times".into(),
+            percent(share)
         ),
-        Kind::ClockWrap { count, row, period_s } => (
-            format!(
-                "the time jumps back {} by {period_s} s (first: row {row}), the period of a timer",
-                one(count, "time")
-            ),
-            "treated as a timer overflow: the time continues".into(),
+        Kind::ClockWrap { count, row, period_s } => format!(
+            "the time jumps back {} by {period_s} s (first: row {row}), the period of a timer",
+            one(count, "time")
         ),
-        Kind::ClockRestart { count, row, back_s } => (
-            format!(
-                "the time jumps back {} and continues from there (first: by {back_s:.3} s at row {row})",
-                one(count, "time")
-            ),
-            "treated as a restarted clock: the rows that follow begin after a gap".into(),
+        Kind::ClockRestart { count, row, back_s } => format!(
+            "the time jumps back {} and continues from there (first: by {back_s:.3} s at row {row})",
+            one(count, "time")
         ),
-        Kind::CoarseClock { tick_s, rows } => (
-            format!(
-                "the time advances in steps of {} s, each with {rows:.1} rows",
-                tick_s.map(|s| (1e6 * s).round() / 1e6)
-            ),
-            "treated as a coarse clock: the rows are spread evenly over its steps".into(),
+        Kind::CoarseClock { tick_s, rows } => format!(
+            "the time advances in steps of {} s, each with {rows:.1} rows",
+            tick_s.map(|s| (1e6 * s).round() / 1e6)
         ),
-        Kind::Stale { rows, first } => (
-            format!(
-                "{rows} rows repeat the last sample of the sensors although the wheels move; the next new sample \
+        Kind::Stale { rows, first } => format!(
+            "{rows} rows repeat the last sample of the sensors although the wheels move; the next new sample \
                  contains the missing motion (first: row {first})"
-            ),
-            "replaced by the samples that came late".into(),
         ),
         Kind::Wrapped { period_rad, turns } => {
-            (format!("{name} wraps at {period_rad:.6} rad, {turns} times"), "unwrapped".into())
+            format!("{name} wraps at {period_rad:.6} rad, {turns} times")
         }
-        Kind::Reset { row, step_rad } => (
-            format!("{name} jumps by {step_rad:+.4} rad at row {row} and stays there"),
-            "treated as a counter reset: the rest is shifted back".into(),
-        ),
-        Kind::Spikes { count, first, largest } => (
-            format!(
-                "{name} has {} (first: row {first}; the largest deviates by {})",
-                one(count, "isolated wrong sample"),
-                largest.written(|v| if v.abs() < 1e6 {
-                    format!("{v:.4}")
-                } else {
-                    format!("{v:e}")
-                })
-            ),
-            "replaced by linear interpolation".into(),
+        Kind::Reset { row, step_rad } => {
+            format!("{name} jumps by {step_rad:+.4} rad at row {row} and stays there")
+        }
+        Kind::Spikes { count, first, largest } => format!(
+            "{name} has {} (first: row {first}; the largest deviates by {})",
+            one(count, "isolated wrong sample"),
+            largest.written(|v| if v.abs() < 1e6 { format!("{v:.4}") } else { format!("{v:e}") })
         ),
         Kind::Unit { factor, unit } => {
             let other =
                 if matches!(channel, Channel::Speed(_)) { "the slope of" } else { "that of" };
-            // a length as well as a gear may be any number
+            // a length, like a gear, may have any value
             let or = if matches!(unit, "m" | "m/s") {
                 format!(
                     " (or a gear of {:.4} lies between motor and wheel: write {})",
@@ -117,145 +88,139 @@ fn words(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> (S
             } else {
                 String::new()
             };
-            (
-                format!("{name} is {factor:.4} times {other} its counterpart: it is in {unit}{or}"),
-                "converted".into(),
-            )
+            format!("{name} is {factor:.4} times {other} its counterpart: it is in {unit}{or}")
         }
-        Kind::Gear { ratio } => (
-            format!(
-                "{name} is {ratio:.4} times the slope of its counterpart, which is not the factor of a unit; for a gear between \
+        Kind::Gear { ratio } => format!(
+            "{name} is {ratio:.4} times the slope of its counterpart, which is not the factor of a unit; for a gear between \
                  motor and wheel write {}",
-                gear_scale(ratio)
-            ),
-            "left as recorded".into(),
+            gear_scale(ratio)
         ),
-        Kind::Sign => (
-            format!("{name} has the opposite sign of its counterpart and of the input"),
-            "sign reversed".into(),
-        ),
+        Kind::Sign => format!("{name} has the opposite sign of its counterpart and of the input"),
         Kind::Opposing if matches!(channel, Channel::Input(_)) => {
-            (format!("{name} acts against the motion of its wheel"), "sign reversed".into())
+            format!("{name} acts against the motion of its wheel")
         }
-        Kind::Opposing => (
-            format!("{name} runs opposite to its input and, nearly always, to the other wheel"),
-            "sign reversed".into(),
+        Kind::Opposing => {
+            format!("{name} runs opposite to its input and, nearly always, to the other wheel")
+        }
+        Kind::Exchanged => format!("{name} belongs to the other wheel, whose motion it follows"),
+        Kind::Lag { lag_s, std_error_s } => {
+            format!("{name} lags the angle by {} ± {}", ms(lag_s), ms(std_error_s))
+        }
+        Kind::Filtered { lag_s, std_error_s } => format!(
+            "{name} lags the angle by {} ± {}, more than a sample, and is smoothed",
+            ms(lag_s),
+            ms(std_error_s)
         ),
-        Kind::Exchanged => (
-            format!("{name} belongs to the other wheel, whose motion it follows"),
-            "exchanged".into(),
+        Kind::LowPass { time_s, std_error_s, or_late } => format!(
+            "{name} is low-pass filtered with a time constant of {} ± {}: friction appears as late as the input{}",
+            ms(time_s),
+            ms(std_error_s),
+            if or_late {
+                " (a late actuator fits the motion almost as well; recorded angles would show which it is)"
+            } else {
+                ""
+            }
         ),
-        Kind::Lag { lag_s, std_error_s } => (
-            format!("{name} lags the angle by {} ± {}", ms(lag_s), ms(std_error_s)),
-            "advanced by this time".into(),
+        Kind::HeldInput => format!(
+            "{name} is held between the rows: the motion follows a held input better than a linear one"
         ),
-        Kind::Filtered { lag_s, std_error_s } => (
-            format!(
-                "{name} lags the angle by {} ± {}, more than a sample, and is smoothed",
-                ms(lag_s),
-                ms(std_error_s)
-            ),
-            "not used: the speeds are computed from the angles".into(),
-        ),
-        Kind::LowPass { time_s, std_error_s, or_late } => (
-            format!(
-                "{name} is low-pass filtered with a time constant of {} ± {}: friction appears as late as the input{}",
-                ms(time_s),
-                ms(std_error_s),
-                if or_late {
-                    " (a late actuator fits the motion almost as well; recorded angles would show which it is)"
-                } else {
-                    ""
-                }
-            ),
-            "the speed before the filter is used".into(),
-        ),
-        Kind::HeldInput => (
-            format!(
-                "{name} is held between the rows: the motion follows a held input better than a linear one"
-            ),
-            "simulated as held (hold = \"linear\" interpolates between the rows)".into(),
-        ),
-        Kind::Phase { shift_s, std_error_s } => (
-            format!(
-                "{name} acts {} ± {} {} than in the mean of the recordings: its rows are at another phase of the \
+        Kind::Phase { shift_s, std_error_s } => format!(
+            "{name} acts {} ± {} {} than in the mean of the recordings: its rows are at another phase of the \
                  controller cycle",
-                ms(shift_s.map(f64::abs)),
-                ms(std_error_s),
-                if shift_s.low() > 0.0 { "later" } else { "earlier" }
-            ),
-            "shifted by this time".into(),
+            ms(shift_s.map(f64::abs)),
+            ms(std_error_s),
+            if shift_s.low() > 0.0 { "later" } else { "earlier" }
         ),
-        Kind::StartHeading { angle_rad, std_error_rad } => (
-            format!(
-                "the heading starts {} ± {} degrees from that of another recording, estimated from a torque that repeats with it",
-                degrees(angle_rad),
-                degrees(std_error_rad)
-            ),
-            "the angles are shifted".into(),
+        Kind::StartHeading { angle_rad, std_error_rad } => format!(
+            "the heading starts {} ± {} degrees from that of another recording, estimated from a torque that repeats with it",
+            degrees(angle_rad),
+            degrees(std_error_rad)
         ),
-        Kind::StartAngle { angle_rad, std_error_rad } => (
-            format!(
-                "{name} starts {} ± {} degrees from its value in another recording, estimated from a torque that repeats with it",
-                degrees(angle_rad),
-                degrees(std_error_rad)
-            ),
-            "shifted".into(),
+        Kind::StartAngle { angle_rad, std_error_rad } => format!(
+            "{name} starts {} ± {} degrees from its value in another recording, estimated from a torque that repeats with it",
+            degrees(angle_rad),
+            degrees(std_error_rad)
         ),
-        Kind::Differences { samples, lag_s } => (
-            format!(
-                "{name} is the difference of the angle over {} ({} late)",
-                one(samples, "sample"),
-                ms(lag_s)
-            ),
-            "not used: it has no information beyond the angle".into(),
+        Kind::Differences { samples, lag_s } => format!(
+            "{name} is the difference of the angle over {} ({} late)",
+            one(samples, "sample"),
+            ms(lag_s)
         ),
-        Kind::OfAngle { share } => (
-            format!(
-                "{name} was computed from the angle: a filter of it leaves {:.1} % of the noise that \
+        Kind::OfAngle { share } => format!(
+            "{name} was computed from the angle: a filter of it leaves {:.1} % of the noise that \
                  an own sensor would leave at least",
-                percent(share)
-            ),
-            "left out: it holds nothing beside the angle".into(),
+            percent(share)
         ),
-        Kind::Counts { step_rad, rows } => (
-            format!(
-                "{name} is computed from encoder counts over {}, one count is {step_rad:.6} rad",
-                one(rows, "row")
-            ),
-            "replaced by the angle that the counts add up to".into(),
+        Kind::Counts { step_rad, rows } => format!(
+            "{name} is computed from encoder counts over {}, one count is {step_rad:.6} rad",
+            one(rows, "row")
         ),
-        Kind::FewLevels { levels } => (
-            format!("{name} has {} only", one(levels, "level")),
-            "treated as a command without noise".into(),
+        Kind::FewLevels { levels } => format!("{name} has {} only", one(levels, "level")),
+        Kind::Magnitude => {
+            format!("{name} never changes its sign although its wheel is driven both ways")
+        }
+        Kind::RestOffset { mean, std_error } => {
+            format!("{name} is {mean:.5} ± {std_error:.5} while the robot stands before it starts")
+        }
+        Kind::RestNoise { sigma, time_s } => format!(
+            "{name} fluctuates by {sigma:.5} (RMS) with a correlation time of {} while the robot stands still",
+            ms(time_s)
         ),
-        Kind::Magnitude => (
-            format!("{name} never changes its sign although its wheel is driven both ways"),
-            "takes the sign of the speed".into(),
-        ),
-        Kind::RestOffset { mean, std_error } => (
-            format!("{name} is {mean:.5} ± {std_error:.5} while the robot stands before it starts"),
-            format!("possibly an offset of the sensor: `offset` of the column {name} removes it"),
-        ),
-        Kind::RestNoise { sigma, time_s } => (
-            format!(
-                "{name} fluctuates by {sigma:.5} (RMS) with a correlation time of {} while the robot stands still",
-                ms(time_s)
-            ),
-            "counted as noise of the sensor in the noise floor".into(),
-        ),
-        Kind::Refresh { period_s } => (
-            format!(
-                "the sensors give a new value every {}, less often than the rows",
-                ms(period_s)
-            ),
-            "rows that repeat a value are not counted as measurements".into(),
-        ),
-        Kind::Quantum { step } => (
-            format!("{name} is quantised in steps of {step:.6}"),
-            "modelled as noise of step/sqrt(12)".into(),
-        ),
+        Kind::Refresh { period_s } => {
+            format!("the sensors give a new value every {}, less often than the rows", ms(period_s))
+        }
+        Kind::Quantum { step } => format!("{name} is quantised in steps of {step:.6}"),
     }
+}
+
+/// The correction, unless it is disabled.
+fn done(name: &str, kind: Kind<Span<usize>, Span<f64>>) -> Cow<'static, str> {
+    let words = match kind {
+        Kind::MissingValues { .. } | Kind::TimeRows { .. } => "left out",
+        Kind::SparseColumn { .. } => "interpolated linearly between its values",
+        Kind::HeldColumn { .. } => "each value is held until the next",
+        Kind::OwnRows { .. } => {
+            "the recording uses these rows; the others only fill their own columns"
+        }
+        Kind::Jitter { .. } => "the rows are moved to the even times",
+        Kind::ClockWrap { .. } => "treated as a timer overflow: the time continues",
+        Kind::ClockRestart { .. } => {
+            "treated as a restarted clock: the rows that follow begin after a gap"
+        }
+        Kind::CoarseClock { .. } => {
+            "treated as a coarse clock: the rows are spread evenly over its steps"
+        }
+        Kind::Stale { .. } => "replaced by the samples that came late",
+        Kind::Wrapped { .. } => "unwrapped",
+        Kind::Reset { .. } => "treated as a counter reset: the rest is shifted back",
+        Kind::Spikes { .. } => "replaced by linear interpolation",
+        Kind::Unit { .. } => "converted",
+        Kind::Gear { .. } => "left as recorded",
+        Kind::Sign | Kind::Opposing => "sign reversed",
+        Kind::Exchanged => "exchanged",
+        Kind::Lag { .. } => "advanced by this time",
+        Kind::Filtered { .. } => "not used: the speeds are computed from the angles",
+        Kind::LowPass { .. } => "the speed before the filter is used",
+        Kind::HeldInput => "simulated as held (hold = \"linear\" interpolates between the rows)",
+        Kind::Phase { .. } => "shifted by this time",
+        Kind::StartHeading { .. } => "the angles are shifted",
+        Kind::StartAngle { .. } => "shifted",
+        Kind::Differences { .. } => "not used: it has no information beyond the angle",
+        Kind::OfAngle { .. } => "left out: it holds nothing beside the angle",
+        Kind::Counts { .. } => "replaced by the angle that the counts add up to",
+        Kind::FewLevels { .. } => "treated as a command without noise",
+        Kind::Magnitude => "takes the sign of the speed",
+        Kind::RestOffset { .. } => {
+            return format!(
+                "possibly an offset of the sensor: `offset` of the column {name} removes it"
+            )
+            .into();
+        }
+        Kind::RestNoise { .. } => "counted as noise of the sensor in the noise floor",
+        Kind::Refresh { .. } => "rows that repeat a value are not counted as measurements",
+        Kind::Quantum { .. } => "modelled as noise of step/sqrt(12)",
+    };
+    words.into()
 }
 
 /// Channels as the subject of a sentence.
@@ -273,7 +238,9 @@ fn subject(channels: &[Channel]) -> String {
 impl fmt::Display for Stated {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Some(channel) = self.channels.first() else { return Ok(()) };
-        let (what, done) = words(&subject(&self.channels), self.kind, *channel);
+        let name = subject(&self.channels);
+        let what = found(&name, self.kind, *channel);
+        let done = done(&name, self.kind);
         match self.action {
             Action::Corrected(key) => {
                 write!(f, "{what}; {done} ([conditioning] {key} = false switches this off)")

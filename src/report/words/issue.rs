@@ -1,4 +1,4 @@
-//! The sentences of what the check of the recordings noticed.
+//! Sentences on the issues found by the quality check.
 
 use std::fmt;
 
@@ -11,7 +11,7 @@ use crate::recording::{
 const WHEELS: [&str; 2] = ["wheel 1 (right)", "wheel 2 (left)"];
 
 impl StatedIssue {
-    /// What was seen.
+    /// The issue.
     #[must_use]
     pub fn what(&self) -> String {
         match *self {
@@ -82,7 +82,7 @@ impl StatedIssue {
         }
     }
 
-    /// What to do, or what follows from it.
+    /// The remedy, or the consequence.
     #[must_use]
     pub fn remedy(&self) -> String {
         match *self {
@@ -128,7 +128,8 @@ impl StatedIssue {
                 "the input or its sensor is at a limit; what is recorded there may not be what acts \
                  (torque saturation is an effect of the catalogue)"
             }
-            // a wheel cannot jump; an input may be commanded to, and conditioning has asked the wheel
+            // a wheel cannot jump; an input can be commanded to, and conditioning has checked the response of
+            // the wheel
             Self::Spikes { channel: Quantity::Input, .. } => {
                 "wrong samples or very short commands; the motion of the wheel does not show which"
             }
@@ -175,7 +176,7 @@ impl StatedIssue {
     }
 }
 
-/// What was seen, and what to do.
+/// The issue and its remedy.
 impl fmt::Display for StatedIssue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: {}", self.what(), self.remedy())

@@ -26,6 +26,53 @@ fn to_record(effect: &str) -> String {
         .map_or_else(|| "richer motion".into(), |e| e.description().excitation)
 }
 
+/// The note on the prediction horizon.
+fn horizon(f: &mut fmt::Formatter, seconds: f64, chosen: bool, error: f64) -> fmt::Result {
+    let meaning = if seconds == 0.0 { " (maximum likelihood)" } else { "" };
+    let how = if chosen {
+        "chosen by the 2 s simulation error of held-out pieces"
+    } else {
+        "as given; 2 s simulation error of held-out pieces"
+    };
+    if error.is_finite() {
+        let error = digits(error, 3);
+        write!(f, "Prediction horizon: {seconds} s{meaning}, {how}: {error} rad/s.")
+    } else {
+        write!(
+            f,
+            "Prediction horizon: {seconds} s{meaning}; simulations of held-out pieces diverge, so that \
+             horizons could not be compared."
+        )
+    }
+}
+
+/// The note on the error of an emulator.
+fn emulator(
+    f: &mut fmt::Formatter,
+    fed: Option<(Structure, f64)>,
+    ise: Option<f64>,
+    floor: f64,
+) -> fmt::Result {
+    match fed {
+        Some((Structure::Parallel, gain)) => {
+            write!(f, "parallel structure, K = {gain} 1/s on the wheel speeds")?
+        }
+        Some((Structure::SerialParallel, gain)) => {
+            write!(f, "serial-parallel structure, K = {gain} 1/s on the wheel speeds")?;
+        }
+        None => f.write_str("the same rules simulated freely (K = 0)")?,
+    }
+    match ise {
+        None => f.write_str(": the in-sample ISE diverges"),
+        Some(ise) if floor > 0.0 => write!(
+            f,
+            ": the in-sample ISE is {ise:.4} rad^2/s, {:.2} times the noise floor",
+            ise / floor
+        ),
+        Some(ise) => write!(f, ": the in-sample ISE is {ise:.4} rad^2/s"),
+    }
+}
+
 impl fmt::Display for Note {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
@@ -79,24 +126,7 @@ impl fmt::Display for Note {
                 "The simulation error is {ratio:.1} times the noise of the sensors: the torques are noisy or an effect is \
                  missing, and these intervals are too narrow."
             ),
-            Self::Horizon { seconds, chosen, error } => {
-                let meaning = if *seconds == 0.0 { " (maximum likelihood)" } else { "" };
-                let how = if *chosen {
-                    "chosen by the 2 s simulation error of held-out pieces"
-                } else {
-                    "as given; 2 s simulation error of held-out pieces"
-                };
-                if error.is_finite() {
-                    let error = digits(*error, 3);
-                    write!(f, "Prediction horizon: {seconds} s{meaning}, {how}: {error} rad/s.")
-                } else {
-                    write!(
-                        f,
-                        "Prediction horizon: {seconds} s{meaning}; simulations of held-out pieces diverge, so that \
-                         horizons could not be compared."
-                    )
-                }
-            }
+            Self::Horizon { seconds, chosen, error } => horizon(f, *seconds, *chosen, *error),
             Self::InputShift(late, error) => {
                 let way = if *late > 0.0 { "after" } else { "before" };
                 let (late, error) = (1e3 * late.abs(), 1e3 * error);
@@ -151,24 +181,7 @@ impl fmt::Display for Note {
                 digits(*white, 3),
                 digits(*slow, 3)
             ),
-            Self::Emulator { fed, ise, floor } => {
-                match fed {
-                    Some((Structure::Parallel, gain)) => write!(f, "parallel structure, K = {gain} 1/s on the wheel speeds")?,
-                    Some((Structure::SerialParallel, gain)) => {
-                        write!(f, "serial-parallel structure, K = {gain} 1/s on the wheel speeds")?;
-                    }
-                    None => f.write_str("the same rules simulated freely (K = 0)")?,
-                }
-                match ise {
-                    None => f.write_str(": the in-sample ISE diverges"),
-                    Some(ise) if *floor > 0.0 => write!(
-                        f,
-                        ": the in-sample ISE is {ise:.4} rad^2/s, {:.2} times the noise floor",
-                        ise / floor
-                    ),
-                    Some(ise) => write!(f, ": the in-sample ISE is {ise:.4} rad^2/s"),
-                }
-            }
+            Self::Emulator { fed, ise, floor } => emulator(f, *fed, *ise, *floor),
             Self::ExcitedRules { count, of } => write!(
                 f,
                 "{count} of {of} rules were excited by the training recordings; speeds at which no \

@@ -1,4 +1,4 @@
-//! Grades of all membership functions of an input at once, over several numbers side by side.
+//! Grades of all membership functions of an input at once, for several inputs in parallel.
 
 use std::ops::{Add, Mul, Sub};
 
@@ -7,7 +7,7 @@ use wide::f64x2;
 
 use crate::math::Lanes;
 
-/// Numbers side by side in a register.
+/// SIMD numbers.
 pub(super) trait Numbers:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
 {
@@ -18,7 +18,7 @@ pub(super) trait Numbers:
 }
 
 impl Numbers for f64x2 {
-    /// The library's function of each: of two numbers it is faster than a series in lanes.
+    /// The library function for each: for two numbers it is faster than a series in lanes.
     #[inline]
     fn exponential(self) -> Self {
         Self::new(self.to_array().map(f64::exp))
@@ -46,15 +46,16 @@ pub(super) struct Premises {
     pub(super) width: Vec<f64>,
 }
 
-/// Least sum of the grades of an input: learnt functions may leave a gap in which all underflow.
+/// Smallest sum of the grades of an input: between adapted functions there may be a gap in which all
+/// underflow.
 pub(super) const LEAST_SUM: f64 = 1e-150;
-/// Share by which spacings and widths may differ and count as even: rounding.
+/// Relative differences of spacings and widths up to which they count as equal: rounding.
 const EVEN: f64 = 1e-12;
-/// Largest square of spacing over width for which the powers below stay within the numbers.
+/// Largest square of spacing over width for which the powers below do not overflow.
 const NARROWEST: f64 = 6.0;
 
 impl Premises {
-    /// Spacing and width, where all functions have the same.
+    /// Common spacing and width of all functions, if they have any.
     fn even(&self) -> Option<(f64, f64)> {
         let (spacing, width) = (self.centre[1] - self.centre[0], self.width[0]);
         let spaced =
@@ -67,29 +68,28 @@ impl Premises {
     }
 }
 
-/// Most places whose powers, products of both inputs included, stay within the numbers:
+/// Largest number of functions for which the powers, including products of both inputs, do not overflow:
 /// exp(2 · 8 · 4 · 6) = 1e167.
 const ONE_SIDED: usize = 9;
 
-/// The membership functions of the inputs that stand side by side in a `V`; `N` places, of which those
-/// beyond the functions have a grade of zero.
+/// The membership functions of the inputs that are combined in a `V`; of the `N` entries those beyond the
+/// functions have a grade of zero.
 pub(super) enum Grades<V, const N: usize> {
-    /// Functions of one width on an even grid, up to a factor that all grades share.
+    /// Functions of equal width on a uniform grid, up to a factor common to all grades.
     ///
     /// ```text
     /// mu_(m+k)(x) / mu_m(x) = r^k q_k,   r = exp((x - c_m) d/s²),   q_k = exp(-k² d²/(2 s²))
     /// ```
-    /// with the spacing d: one exponential for all grades, where only their ratios matter. The middle m is
-    /// that of the places, so that loops have a known length. Up to [`ONE_SIDED`] places all grades are
-    /// multiplied by r^m, which leaves no division.
+    /// with the spacing d: a single exponential for all grades, if only their ratios are needed. m is the
+    /// middle entry, so that loops have a constant length. Up to [`ONE_SIDED`] entries all grades are
+    /// multiplied by r^m, which avoids the division.
     Even { centre: V, rate: V, quotient: [V; N] },
     /// Any functions: exp(factor (x - c)²).
     Any { centre: [V; N], factor: [V; N], present: [V; N] },
 }
 
 impl<V: Numbers, const N: usize> Grades<V, N> {
-    /// Puts the functions of the inputs side by side with `join`; grades are relative to each other
-    /// if `relative`.
+    /// Combines the functions of the inputs with `join`; grades are only relative if `relative`.
     pub(super) fn new<const I: usize>(
         inputs: [&Premises; I],
         relative: bool,

@@ -1,4 +1,4 @@
-//! A system laid out for many evaluations: both inputs, and both outputs, in one register each.
+//! A system arranged for many evaluations: both inputs, and both outputs, in one register each.
 
 use wide::f64x2;
 
@@ -22,27 +22,27 @@ pub(crate) struct Rules<const N: usize> {
     affine: Option<Box<[[[f64x2; 2]; N]; N]>>,
 }
 
-/// What is to be done with the rules of a system, whatever their number.
+/// An operation on the rules of a system with any number of rules.
 pub(crate) trait WithRules {
-    /// What comes out.
+    /// Result of the operation.
     type Output;
-    /// Does it.
+    /// Performs the operation.
     fn run<const N: usize>(self, rules: &Rules<N>) -> Self::Output;
 }
 
-/// Strengths along both inputs (adding up to one in the weighted average) where a step is evaluated,
-/// with the outputs and their derivatives.
+/// Strengths along both inputs (adding up to one in the weighted average) at given speeds, with the outputs
+/// and their derivatives.
 pub(crate) struct Slopes<const N: usize> {
     /// (mu_i(w1), nu_i(w2)).
     pub(crate) strength: [f64x2; N],
     /// [f31, f41] [rad/s²].
     pub(crate) value: f64x2,
-    /// Their derivatives to w1 and to w2 [1/s].
+    /// Their derivatives with respect to w1 and w2 [1/s].
     pub(crate) by: [f64x2; 2],
 }
 
 impl TakagiSugeno {
-    /// Lays the rules out and does `work` with them.
+    /// Arranges the rules and performs `work` on them.
     pub(crate) fn with_rules<W: WithRules>(&self, work: W) -> W::Output {
         match self.memberships(0).len() {
             0..=4 => work.run(&Rules::<4>::new(self)),
@@ -100,7 +100,7 @@ impl<const N: usize> Rules<N> {
     }
 
     /// The regressor of one output at `omega` from the strengths there: output = basis · consequents of that
-    /// output. Of each consequent wanted, `places` holds the functions its rule joins, and its term.
+    /// output. `places` contains, for each required consequent, the functions of its rule and its term.
     #[inline]
     pub(crate) fn basis(
         &self,
@@ -121,7 +121,7 @@ impl<const N: usize> Rules<N> {
         }
     }
 
-    /// One number of that.
+    /// One element of [`Self::basis`].
     #[inline]
     pub(crate) fn one(
         &self,
@@ -148,7 +148,7 @@ impl<const N: usize> Rules<N> {
         if self.average { sum / f64x2::splat(total(&grades)) } else { sum }
     }
 
-    /// The same from strengths that [`Self::slopes`] and [`Self::strengths`] give.
+    /// The same from strengths computed by [`Self::slopes`] or [`Self::strengths`].
     #[inline]
     fn weighed(&self, grades: &[f64x2; N], x: f64x2) -> f64x2 {
         let [a, b] = split(grades);
@@ -172,7 +172,7 @@ impl<const N: usize> Rules<N> {
         sum
     }
 
-    /// What a rule adds to its constant at `x`.
+    /// The affine part of a rule at `x`.
     #[inline]
     fn beside(&self, slopes: &[f64x2; 2], i: usize, j: usize, x: f64x2) -> f64x2 {
         let ([x1, x2], [c, _], [_, d]) =
@@ -197,7 +197,7 @@ impl<const N: usize> Rules<N> {
         let x = self.clamped(omega);
         let inside = x.simd_eq(omega).select(f64x2::ONE, f64x2::ZERO);
         let strength = self.strengths(omega);
-        // slope of the logarithm of each grade; in the average their mean is taken off
+        // derivative of the logarithm of each grade; in the weighted average their mean is subtracted
         let mut rise = self.steep;
         for k in 0..N {
             rise[k] *= (self.centre[k] - x) * inside;

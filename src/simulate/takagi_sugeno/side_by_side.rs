@@ -1,4 +1,4 @@
-//! Several systems that differ in their consequents alone, side by side.
+//! Several systems in parallel that differ only in their consequents.
 
 use pulp::Simd;
 
@@ -6,22 +6,21 @@ use super::grades::{Grades, LEAST_SUM};
 use super::{Defuzzification, TakagiSugeno};
 use crate::math::Lanes;
 
-/// Rules with constant consequents of as many systems as a register holds numbers; `N` as in
-/// [`super::Rules`].
+/// Rules with constant consequents of one system per lane; `N` as in [`super::Rules`].
 pub(crate) struct RulesSideBySide<S: Simd, const N: usize> {
     range: [(f64, f64); 2],
     grades: [Grades<Lanes<S>, N>; 2],
     average: bool,
-    /// Of each rule those of f31, then those of f41.
+    /// Consequents of each rule for f31, then for f41.
     consequents: [[[Lanes<S>; 2]; N]; N],
 }
 
 impl<S: Simd, const N: usize> RulesSideBySide<S, N> {
-    /// Systems as `system`, of constant consequents, with those of each of `thetas`; the last fills the
-    /// places that are left over.
+    /// Systems like `system`, with constant consequents from each of `thetas`; the last one fills the unused
+    /// lanes.
     ///
     /// # Panics
-    /// Without any.
+    /// If `thetas` is empty.
     pub(crate) fn new(simd: S, system: &TakagiSugeno, thetas: &[Vec<f64>]) -> Self {
         let count = system.memberships(0).len();
         let average = system.defuzzification() == Defuzzification::WeightedAverage;
@@ -63,7 +62,7 @@ impl<S: Simd, const N: usize> RulesSideBySide<S, N> {
     }
 }
 
-/// What the rules of one function of the first input add to both outputs.
+/// Contribution of the rules of one function of the first input to both outputs.
 #[inline(always)]
 fn along<S: Simd, const N: usize>(
     a: &Lanes<S>,

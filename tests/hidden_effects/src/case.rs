@@ -1,4 +1,4 @@
-//! One case of the benchmark: which robot, driven how, recorded how, and what is hidden in it.
+//! One case of the benchmark: robot, simulator, logger and hidden effects.
 
 use std::fmt;
 use std::str::FromStr;
@@ -7,16 +7,16 @@ use super::hidden::{EFFECTS, OUTSIDE};
 use super::logger::Log;
 use super::robots::Machine;
 
-/// Who drives the robot.
+/// Simulator of the motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Simulator {
-    /// The project's own: event-driven stick and slip under a controller at 1 kHz.
+    /// The program's: event-driven stick and slip under a controller at 1 kHz.
     Own,
     /// The benchmark's: other equations, integrator, friction law, controller and set-points.
     Second,
 }
 
-/// How large a hidden effect is.
+/// Size of a hidden effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Size {
     /// 3 % of the input.
@@ -40,7 +40,7 @@ impl Size {
         }
     }
 
-    /// As in the id of a case.
+    /// Name in the id of a case.
     pub fn name(self) -> &'static str {
         match self {
             Self::Weak => "weak",
@@ -50,30 +50,30 @@ impl Size {
     }
 }
 
-/// A case; its id gives all of it.
+/// A case. It is determined by its id.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
     /// Name of the robot.
     pub robot: String,
-    /// Who drives it.
+    /// Simulator.
     pub simulator: Simulator,
-    /// How it is recorded.
+    /// Logger.
     pub log: Log,
-    /// Ids of what is hidden: none, one or two effects of the catalogue, or one outside it.
+    /// Ids of the hidden effects: none, one or two of the catalogue, or one outside it.
     pub hidden: Vec<String>,
-    /// How large.
+    /// Size of the hidden effects.
     pub size: Size,
-    /// Seed of movements and noise; its remainder by three is the noise level.
+    /// Seed of movements and noise; the seed modulo 3 is the noise level.
     pub seed: u64,
 }
 
 impl Case {
-    /// Whether what is hidden stands in the catalogue.
+    /// Whether a hidden effect is outside the catalogue.
     pub fn outside(&self) -> bool {
         self.hidden.iter().any(|h| OUTSIDE.contains(&h.as_str()))
     }
 
-    /// Kind of case.
+    /// Kind of case: healthy, single, two, or outside.
     pub fn kind(&self) -> &'static str {
         match self.hidden.len() {
             0 => "healthy",
@@ -88,7 +88,7 @@ impl Case {
         (self.seed % 3) as usize
     }
 
-    /// A number for random draws, different for every case.
+    /// A seed for random draws, different for every case.
     pub fn stream(&self) -> u64 {
         // FNV-1a of the id
         let id = self.to_string();

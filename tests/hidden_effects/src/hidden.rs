@@ -1,4 +1,4 @@
-//! What is hidden: parameters of effects of a stated size, and torques that no effect of the catalogue makes.
+//! Hidden effects: parameters that give a stated size, and torques that no effect of the catalogue produces.
 
 use amigo_ident::robot::Construction;
 use rand::Rng;
@@ -8,7 +8,7 @@ use super::case::Size;
 use super::logger::{EXACT, Exact};
 use super::robots::Machine;
 
-/// Effects of the catalogue that are hidden; those that are equal by their equations stand once.
+/// Effects of the catalogue that may be hidden; of effects with equal equations only one.
 pub const EFFECTS: [&str; 24] = [
     "viscous_friction",
     "viscous_friction_1",
@@ -36,10 +36,10 @@ pub const EFFECTS: [&str; 24] = [
     "compliance",
 ];
 
-/// What is outside the catalogue.
+/// Effects outside the catalogue.
 pub const OUTSIDE: [&str; 5] = ["carpet", "resonance", "hysteresis", "load_change", "bumps"];
 
-/// Root mean squares of a motion, in whose units effects are sized.
+/// Root mean squares of a motion, which scale the effects.
 #[derive(Clone, Debug)]
 pub struct Extent {
     /// Torque [N m].
@@ -61,7 +61,7 @@ pub struct Extent {
 }
 
 impl Extent {
-    /// The extent of a simulated run.
+    /// The extent of a simulated motion.
     pub fn of(exact: &Exact) -> Self {
         let rms = |values: &mut dyn Iterator<Item = f64>| {
             let (sum, n) = values.fold((0.0, 0.0), |(s, n), v| (s + v * v, n + 1.0));
@@ -85,7 +85,7 @@ impl Extent {
         }
     }
 
-    /// Magnitude of the torque that so many of the rows do not exceed [N m].
+    /// Quantile of the torque magnitude [N m].
     fn quantile(&self, share: f64) -> f64 {
         let last = self.magnitudes.len() - 1;
         self.magnitudes[(share * last as f64) as usize]
@@ -96,8 +96,8 @@ impl Extent {
 pub type Values = Vec<(&'static str, f64)>;
 
 /// The parameters of `effect` on a robot whose healthy motion has this extent: its root mean square torque is
-/// the size's share of that of the input, as far as physics allows. Times of lags, springs and slip are
-/// those of ordinary hardware. Effects of both wheels differ between them.
+/// the size's share of that of the input, within the physical limits. Times of lags, springs and slip are
+/// those of usual hardware. Effects on both wheels differ between them.
 pub fn values(
     effect: &str,
     size: Size,
@@ -197,23 +197,23 @@ fn waves(symbols: [&'static str; 4], amplitude: f64, uneven: f64, rng: &mut ChaC
     symbols.into_iter().enumerate().map(|(n, symbol)| (symbol, value(n))).collect()
 }
 
-/// Inertia of motor and gear in front of a spring or a slipping wheel [kg m^2]: a half of the rest or so.
+/// Inertia of motor and gear in front of a spring or a slipping wheel [kg m^2]: about half of the rest.
 fn gear(smallest: f64, uneven: f64) -> f64 {
     0.6 * uneven * smallest
 }
 
-/// The construction with the motor and gear that a two-mass drivetrain has: they come on top.
+/// The construction data with motor and gear of a two-mass drivetrain added.
 pub fn with_gear(truth: &Construction, values: &Values) -> Construction {
     let gear = values.iter().find(|(symbol, _)| matches!(*symbol, "jw" | "jr"));
     Construction { iz1_kg_m2: truth.iz1_kg_m2 + gear.map_or(0.0, |(_, j)| *j), ..truth.clone() }
 }
 
-/// Torques on the wheels from outside the catalogue.
+/// Torques on the wheels that no effect of the catalogue describes.
 pub struct Outside {
     kind: String,
     /// Size [N m].
     level: f64,
-    /// Speed below which friction fades [rad/s].
+    /// Speed below which friction decreases [rad/s].
     slow: f64,
     /// Top speed [rad/s].
     top: f64,
@@ -222,7 +222,7 @@ pub struct Outside {
 }
 
 impl Outside {
-    /// `None` where nothing from outside the catalogue is hidden.
+    /// `None` where no such effect is hidden.
     pub fn of(
         hidden: &[String],
         size: Size,
@@ -238,12 +238,12 @@ impl Outside {
         Some(Self { kind, level, slow, top, bent: [0.0; 2], times })
     }
 
-    /// Share of the mass that comes on top in the second half.
+    /// Mass added in the second half, as a share of the mass.
     pub fn extra_mass(&self) -> f64 {
         if self.kind == "load_change" { 0.25 } else { 0.0 }
     }
 
-    /// Torques of the next `step` seconds [N m], that of the extra mass not among them.
+    /// Torques of the next `step` seconds [N m], without that of the added mass.
     pub fn torque(&mut self, t: f64, step: f64, heading: f64, w: [f64; 2]) -> [f64; 2] {
         let against = |w: f64| -(w / self.slow).tanh();
         match self.kind.as_str() {

@@ -1,4 +1,4 @@
-//! One case through the whole program: files, conditioning, default estimate, diagnosis.
+//! Runs one case through the whole program: files, conditioning, default estimate, diagnosis.
 
 use std::path::Path;
 
@@ -15,12 +15,12 @@ pub const BASE: [&str; 5] = ["a1", "a2", "a3", "a4", "a5"];
 
 /// A refitted candidate of the first step.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Look {
-    /// Effect.
+pub struct CandidateTest {
+    /// Id of the effect.
     pub effect: String,
     /// Reported p-value of the fall of the held-out error.
     pub p_value: f64,
-    /// Difference of the criterion (positive: better with it).
+    /// ΔBIC (positive: better with the effect).
     pub delta_bic: f64,
 }
 
@@ -39,51 +39,51 @@ pub struct Covered {
     pub covered: bool,
 }
 
-/// What was said at one rate.
+/// Result at one false-alarm rate.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Said {
-    /// The rate that was asked for.
+    /// The false-alarm rate.
     pub false_alarm: f64,
-    /// Effects named, first found first.
+    /// Effects named, in the order in which they were found.
     pub found: Vec<String>,
     /// The verdict, as in `results.json`.
     pub verdict: String,
-    /// Effects said to be likely.
+    /// Effects that are likely but not significant.
     pub likely: Vec<String>,
     /// 2 s simulation error on the held-out recording, over the floor, by model version.
     pub versions: Vec<f64>,
 }
 
-/// A case and what came out.
+/// Outcome of a case.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Outcome {
     /// Id of the case.
     pub case: String,
     /// Hidden effects with their parameters.
     pub hidden: Vec<(String, Vec<(String, f64)>)>,
-    /// At the rates that were asked for; only the first that names nothing is run.
+    /// Results by false-alarm rate; after the first that names nothing, smaller rates are not run.
     pub said: Vec<Said>,
     /// Candidates of the first step, best first.
-    pub ranking: Vec<Look>,
+    pub ranking: Vec<CandidateTest>,
     /// Default estimates of the parameters whose true values are known.
     pub estimates: Vec<Covered>,
-    /// Dead time [s], where the data show it.
+    /// Dead time [s], where it can be estimated.
     pub dead_time_s: Option<f64>,
-    /// What conditioning found, in words.
+    /// Findings of conditioning, in words.
     pub conditioning: Vec<String>,
-    /// Why there is no result.
+    /// The error where there is no result.
     pub failure: Option<String>,
     /// Wall time of the first run [s].
     pub seconds: f64,
 }
 
-/// Runs the program on the case: at the largest of `rates` first, at the smaller ones while something is named
-/// (what is not named at a larger rate is not named at a smaller one).
+/// Runs the program on the case: at the largest of `rates` first, at the smaller ones while an effect is named
+/// (an effect that is not named at a larger rate is not named at a smaller one).
 pub fn judge(case: &Case, rates: &[f64]) -> Outcome {
     or_failure(case, |out| attempt(case, rates, out))
 }
 
-/// Estimates the parameters of the case with what is hidden in the model; nothing is searched.
+/// Estimates the parameters of the case with the hidden effects in the model, without a diagnosis.
 pub fn estimate(case: &Case) -> Outcome {
     or_failure(case, |out| given(case, out))
 }
@@ -170,19 +170,23 @@ fn said(study: &Study, rate: f64) -> Result<Said, String> {
     })
 }
 
-/// A ratio that JSON can hold.
+/// A ratio that JSON can represent.
 fn ratio(value: f64) -> f64 {
     if value.is_finite() { value } else { f64::MAX }
 }
 
-/// What does not depend on the rate.
+/// The part of the outcome that does not depend on the rate.
 fn describe(out: &mut Outcome, study: &Study, scenario: &Scenario) {
     if let Some(diagnosis) = &study.diagnosis {
         let refitted = diagnosis.ranking.iter().filter(|c| {
             c.after.is_some_and(|after| after.window_rms.is_finite()) && c.delta_bic.is_finite()
         });
         out.ranking = refitted
-            .map(|c| Look { effect: c.effect.clone(), p_value: c.p_value, delta_bic: c.delta_bic })
+            .map(|c| CandidateTest {
+                effect: c.effect.clone(),
+                p_value: c.p_value,
+                delta_bic: c.delta_bic,
+            })
             .collect();
     }
     let estimates = study.methods.first().map_or(&[][..], |m| &m.estimates);
@@ -202,26 +206,26 @@ fn describe(out: &mut Outcome, study: &Study, scenario: &Scenario) {
     out.conditioning.dedup();
 }
 
-/// Whether two ids mean the same by the equations.
+/// Whether two ids have the same equations.
 pub fn same(a: &str, b: &str) -> bool {
     let twins = || find(a).map(|e| e.description().equivalent).unwrap_or_default();
     a == b || twins().iter().any(|t| t == b)
 }
 
 impl Outcome {
-    /// What was said at a rate; at the nearest larger one that was run.
+    /// Result at a rate; at the nearest larger one that was run.
     pub fn at(&self, rate: f64) -> Option<&Said> {
         self.said.iter().find(|said| (said.false_alarm - rate).abs() < 1e-9)
     }
 }
 
 impl Said {
-    /// Whether the first effect named is one that was hidden.
+    /// Whether the first effect named is a hidden one.
     pub fn named(&self, hidden: &[String]) -> bool {
         self.found.first().is_some_and(|f| hidden.iter().any(|h| same(h, f)))
     }
 
-    /// Whether what was hidden was named, and nothing else.
+    /// Whether exactly the hidden effects were named.
     pub fn exact(&self, hidden: &[String]) -> bool {
         self.found.len() == hidden.len()
             && hidden.iter().all(|h| self.found.iter().any(|f| same(h, f)))
@@ -232,7 +236,7 @@ impl Said {
         self.versions.windows(2).any(|w| w[1] > 1.000_001 * w[0])
     }
 
-    /// Whether nothing is said to be missing although the error is above 1.5 times the floor.
+    /// Whether the verdict is "nothing is missing" although the error is above 1.5 times the floor.
     pub fn silent(&self) -> bool {
         self.verdict == "model_sufficient" && self.versions.last().is_some_and(|last| *last > 1.5)
     }

@@ -1,5 +1,5 @@
-//! Robots with hidden effects: cases that are made from their id alone, by the program's own simulator and by a
-//! second one that shares no code with it, and what the program says of them. The benchmark runs all of them
+//! Robots with hidden effects: cases that are determined by their id, simulated by the program's own simulator and by a
+//! second one that shares no code with it, and the outcome of the diagnosis. The benchmark runs all of them
 //! (`benches/hidden_effects`), the tests a few (`tests/it/hidden_effects.rs`).
 
 pub mod case;

@@ -1,4 +1,4 @@
-//! What a logger writes of an exact motion: rates, noise, lags, and times that do not agree.
+//! Loggers: sampling rates, noise, lags and channels that do not agree in time.
 
 use amigo_ident::recording::Channels;
 use rand_chacha::ChaCha8Rng;
@@ -6,10 +6,10 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::robots::Machine;
 
-/// Rate of exact motions [Hz].
+/// Sampling rate of exact motions [Hz].
 pub const EXACT: f64 = 1000.0;
 
-/// A motion as it was, at [`EXACT`] rows a second.
+/// Exact motion at [`EXACT`] rows a second.
 #[derive(Clone, Debug, Default)]
 pub struct Exact {
     /// Wheel angles [rad].
@@ -23,21 +23,21 @@ pub struct Exact {
 /// How a motion is recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Log {
-    /// White noise on all channels, so many rows a second.
+    /// White noise on all channels, with the rate [Hz].
     White(u32),
     /// 100 Hz; the noise of the torques is an AR(1) process with 0.95 from row to row.
     Autocorrelated,
-    /// 100 Hz; torques half a row late against angles and speeds.
+    /// 100 Hz; torques half a row late relative to angles and speeds.
     Skewed,
     /// 100 Hz; torques are means over the row before.
     Averaged,
     /// 100 Hz; angles from an encoder, speeds are its backward differences.
     Differenced,
-    /// 100 Hz; speeds are means over the last 50 ms, angles are not late.
+    /// 100 Hz; speeds are means over the last 50 ms; angles have no delay.
     Lagging,
 }
 
-/// All kinds, the plain one first.
+/// All loggers, the plain one first.
 pub const LOGS: [Log; 11] = [
     Log::White(100),
     Log::White(20),
@@ -58,7 +58,7 @@ const COUNTS: f64 = 20.0;
 const LAG: f64 = 0.05;
 
 impl Log {
-    /// As in the id of a case.
+    /// Name in the id of a case.
     pub fn name(self) -> String {
         match self {
             Self::White(rate) => format!("{rate}hz"),
@@ -66,12 +66,12 @@ impl Log {
         }
     }
 
-    /// The logger of that name.
+    /// The logger of a name.
     pub fn of(name: &str) -> Option<Self> {
         LOGS.into_iter().find(|log| log.name() == name)
     }
 
-    /// Rows a second [Hz].
+    /// Sampling rate [Hz].
     fn rate(self) -> f64 {
         if let Self::White(rate) = self { f64::from(rate) } else { 100.0 }
     }

@@ -1,5 +1,5 @@
 //! Equations of motion of the second simulator: virtual power of frame and wheels in the coordinates of the
-//! frame, friction smoothed. They share nothing with the project's model.
+//! frame, with smoothed friction. No code is shared with the program's model.
 //!
 //! With v the speed of the middle A of the axle along the heading, b the turn rate, S the centre of
 //! mass of the frame at (-d, -e) from A (behind, to the right), and ground speeds v + l b, v - l b of the wheels:
@@ -11,30 +11,30 @@
 //! m = n + 2 m_w,   J = I_frame + n d² + 2 (m_w l² + I_diameter)
 //! wheel i             I s_i' = P_i - r_i F_i,   r_1 s_1 = v + l b,  r_2 s_2 = v - l b
 //! ```
-//! P is the motor's torque less all resistance; with a spring or slip the motor and its gear are a body of
-//! their own, J_g w' = M - resistance - P, and P what passes to the wheel.
+//! P is the motor torque less all resistance. With a spring or slip the motor and its gear are a second
+//! body, J_g w' = M - resistance - P, and P is the torque passed to the wheel.
 
 use super::hidden::Values;
 use super::robots::Machine;
 
-/// Speeds below this share of the top speed are creep: friction is tanh(w/width). A wheel that breaks away has
-/// crept to three times it, which must lie below the noise of every sensor (0.15 % of the top speed): creep that a
-/// sensor sees is an effect, and a robot with it is not healthy.
+/// Below this share of the top speed a wheel creeps: friction is tanh(w/width). A wheel that breaks away has
+/// crept at up to three times it, which must be below the noise of every sensor (0.15 % of the top speed): creep that a
+/// sensor resolves is an effect, and a robot with it is not healthy.
 const WIDTH: f64 = 1e-4;
 
 /// Frame speed and turn rate, motor angles and speeds, twists of the springs, heading.
 pub type State = [f64; 9];
-/// Places in the state: speed, turn rate, motor angle, motor speed, twist of wheel 1, heading.
+/// Indices in the state: speed, turn rate, motor angle, motor speed, twist of wheel 1, heading.
 const V: usize = 0;
 const B: usize = 1;
-/// Place of the first motor angle.
+/// Index of the first motor angle.
 pub const ANGLE: usize = 2;
-/// Place of the first motor speed.
+/// Index of the first motor speed.
 pub const SPEED: usize = 4;
 const TWIST: usize = 6;
 const HEADING: usize = 8;
 
-/// What passes between motor and wheel where both are bodies of their own.
+/// Spring, damper or slip between motor and wheel.
 #[derive(Clone, Copy, Debug)]
 struct Link {
     /// Inertia of motor and gear [kg m^2].
@@ -47,7 +47,7 @@ struct Link {
     most: f64,
 }
 
-/// What resists a motor beside the base friction, by the catalogue's symbols in brackets.
+/// Resistances of a motor beside the base friction, with the catalogue's symbols in brackets.
 #[derive(Clone, Debug)]
 struct Resistance {
     /// [b, b1, b2]
@@ -111,7 +111,7 @@ impl Resistance {
     }
 }
 
-/// A robot with all that is hidden in it.
+/// A robot with its hidden effects.
 #[derive(Clone, Debug)]
 pub struct Mechanics {
     frame: f64,
@@ -170,7 +170,7 @@ impl Mechanics {
         y
     }
 
-    /// The same with a larger frame, friction in proportion.
+    /// The same robot with a larger frame and friction in proportion.
     pub fn loaded(&self, share: f64) -> Self {
         let more = 1.0 + share;
         let level = self.level.map(|f| f * more);

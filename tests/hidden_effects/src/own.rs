@@ -1,4 +1,4 @@
-//! Motions from the project's own simulator.
+//! Motions from the program's own simulator.
 
 use amigo_ident::model::Model;
 use amigo_ident::robot::Robot;
@@ -11,7 +11,7 @@ use super::hidden::{Outside, Values};
 use super::logger::{EXACT, Exact};
 use super::robots::Machine;
 
-/// Segments up to the robot's speed and acceleration: straights, curves, pivots, reversals, rests.
+/// Segments up to the speed and acceleration of the robot: straights, curves, pivots, reversals, rests.
 fn movement(machine: &Machine, rng: &mut ChaCha8Rng, duration: f64) -> Movement {
     let (r, l1) = (machine.truth.r_m, machine.truth.l1_m);
     let rest = |blend_s, hold_s| Segment { speed_m_s: 0.0, turn_rad_s: 0.0, blend_s, hold_s };
@@ -42,8 +42,8 @@ fn movement(machine: &Machine, rng: &mut ChaCha8Rng, duration: f64) -> Movement 
     Movement { segments }
 }
 
-/// Drives `robot` with `effects` hidden in it: exact stick and slip under the project's controller at 1 kHz,
-/// which has the robot's own construction.
+/// Simulates `robot` with hidden `effects`: exact stick and slip under a controller at 1 kHz
+/// that uses the construction data of the robot.
 pub fn input(
     machine: &Machine,
     robot: Robot,

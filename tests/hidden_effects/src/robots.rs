@@ -9,22 +9,22 @@ pub const GRAVITY: f64 = 9.806_65;
 /// Largest relative error of masses, inertias and friction in the construction data that a user has.
 const UNKNOWN: f64 = 0.1;
 
-/// A robot with the way it is driven.
+/// A robot and its speed and acceleration limits.
 #[derive(Clone, Debug)]
 pub struct Machine {
     /// Name in the id of a case.
     pub name: String,
-    /// Construction data as a user has them; they go into the experiment file.
+    /// Construction data as a user has them; they are written to the experiment file.
     pub known: Construction,
-    /// The robot that is driven.
+    /// The simulated robot.
     pub truth: Construction,
     /// Top speed of a wheel [rad/s].
     pub speed: f64,
-    /// Largest wheel acceleration that is asked of it [rad/s^2].
+    /// Largest commanded wheel acceleration [rad/s^2].
     pub acceleration: f64,
 }
 
-/// Top speed [rad/s] and acceleration [rad/s^2] of a preset: data sheets and usual drivers.
+/// Top speed [rad/s] and acceleration [rad/s^2] of a preset, from data sheets and usual practice.
 fn pace(name: &str) -> (f64, f64) {
     match name {
         "amigobot" => (12.0, 12.0),
@@ -44,7 +44,7 @@ fn pace(name: &str) -> (f64, f64) {
 }
 
 impl Machine {
-    /// The robot of a name: a preset, or `random_K`. `None` if there is none.
+    /// The robot of a name: a preset, or `random_K`. `None` for other names.
     pub fn of(name: &str) -> Option<Self> {
         if let Some(number) = name.strip_prefix("random_") {
             return number.parse().ok().map(Self::random);
@@ -113,7 +113,7 @@ impl Machine {
         Self::built(&format!("random_{number}"), known, speed, acceleration)
     }
 
-    /// A robot that differs from its construction data by up to 10 %, always by the same.
+    /// A robot that differs from its construction data by up to 10 %, by the same amounts each time.
     fn built(name: &str, known: Construction, speed: f64, acceleration: f64) -> Self {
         let number = name.bytes().fold(7_u64, |h, b| h.wrapping_mul(31).wrapping_add(u64::from(b)));
         let mut rng = ChaCha8Rng::seed_from_u64(number);
@@ -133,7 +133,7 @@ impl Machine {
         Self { name: name.into(), known, truth, speed, acceleration }
     }
 
-    /// The robot that is driven.
+    /// The simulated robot.
     pub fn robot(&self) -> Robot {
         Robot::new(self.name.clone(), self.truth.clone()).expect("a machine can be built")
     }
@@ -144,7 +144,7 @@ impl Machine {
         a.a4 / (a.a1 + a.a2)
     }
 
-    /// Mass in all [kg].
+    /// Total mass [kg].
     pub fn mass(&self) -> f64 {
         self.truth.m1_kg + self.truth.m2_kg + self.truth.m4_kg
     }

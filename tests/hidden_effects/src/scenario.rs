@@ -1,4 +1,4 @@
-//! From a case to its recordings and its experiment file.
+//! Recordings and experiment file of a case.
 
 use std::path::{Path, PathBuf};
 
@@ -13,7 +13,7 @@ use super::logger::{Exact, record};
 use super::robots::Machine;
 use super::{own, second};
 
-/// Recordings that are fitted; one more is held out.
+/// Number of recordings to fit; one more is held out.
 const TRAIN: u64 = 2;
 /// Length of a recording [s].
 pub const DURATION: f64 = 25.0;
@@ -22,7 +22,7 @@ pub const DURATION: f64 = 25.0;
 pub struct Scenario {
     /// The robot.
     pub machine: Machine,
-    /// The effects of the catalogue that are hidden, with their parameters.
+    /// The hidden effects of the catalogue, with their parameters.
     pub effects: Vec<(String, Values)>,
     /// The true a1..a5.
     pub truth: [f64; 5],
@@ -30,7 +30,7 @@ pub struct Scenario {
 }
 
 impl Scenario {
-    /// Drives and records the case.
+    /// Simulates and records the case.
     pub fn new(case: &Case) -> Result<Self, String> {
         let machine = Machine::of(&case.robot).ok_or("no such robot")?;
         let mut rng = ChaCha8Rng::seed_from_u64(case.stream());
@@ -67,12 +67,12 @@ impl Scenario {
         Ok(Self { machine, effects, truth, recordings })
     }
 
-    /// Writes the recordings as Parquet, or CSV, and an experiment file that searches what is hidden; returns its path.
+    /// Writes the recordings as Parquet or CSV and an experiment file with a diagnosis; returns its path.
     pub fn write(&self, folder: &Path, csv: bool) -> Result<PathBuf, String> {
         self.write_asking(folder, csv, "[diagnosis]\ncandidates = \"all\"\n")
     }
 
-    /// Writes the recordings and an experiment file whose model has what is hidden; returns its path.
+    /// Writes the recordings and an experiment file whose model contains the hidden effects; returns its path.
     pub fn write_given(&self, folder: &Path) -> Result<PathBuf, String> {
         let ids: Vec<&str> = self.effects.iter().map(|(id, _)| id.as_str()).collect();
         self.write_asking(folder, false, &format!("[model]\neffects = {ids:?}\n"))

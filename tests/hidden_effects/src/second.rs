@@ -1,5 +1,5 @@
 //! Motions from the second simulator: explicit midpoint rule, set-points of a joystick, a PI controller
-//! with feed-forward at a rate of its own, motors with a current loop.
+//! with feed-forward at a sampling rate of its own, motors with a current loop.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -14,12 +14,12 @@ use super::robots::Machine;
 const CONTROLLERS: [u32; 4] = [100, 200, 250, 500];
 /// Steps per unit of the fastest rate; the midpoint rule is stable up to 2.
 const STEP: f64 = 0.7;
-/// Time constant of the current loop, whose torque is the one that is recorded [s].
+/// Time constant of the current loop, whose torque is recorded [s].
 const CURRENT: f64 = 0.003;
-/// Noise of the speeds that the controller sees, as a share of the top speed.
+/// Noise of the speeds that the controller measures, as a share of the top speed.
 const SEEN: f64 = 5e-4;
 
-/// Wheel speeds that a driver wants: jumps of a stick at random times behind a second-order filter.
+/// Set-points of a driver: jumps of a joystick at random times behind a second-order filter.
 struct Joystick {
     stick: [f64; 2],
     wanted: [f64; 2],
@@ -33,7 +33,7 @@ impl Joystick {
         Self { stick: [0.0; 2], wanted: [0.0; 2], rate: [0.0; 2], bandwidth: 1.0, next: 0.3 }
     }
 
-    /// Wanted speeds and accelerations after `step` seconds.
+    /// Set-points and their derivatives after `step` seconds.
     fn after(&mut self, t: f64, step: f64, end: f64, machine: &Machine, rng: &mut ChaCha8Rng) {
         if t >= self.next {
             self.jump(t, end, machine, rng);
@@ -70,7 +70,7 @@ impl Joystick {
     }
 }
 
-/// PI with feed-forward of friction and of a wheel's own inertia, both from the construction data.
+/// PI controller with feed-forward of friction and of the wheel's inertia, both from the construction data.
 struct Controller {
     step: f64,
     gain: f64,
@@ -113,7 +113,7 @@ impl Controller {
     }
 }
 
-/// What the motors' electronics make of the torques that are recorded.
+/// Effects between the recorded and the acting torque.
 struct Actuator {
     gain: f64,
     limit: f64,
@@ -139,7 +139,7 @@ impl Actuator {
         }
     }
 
-    /// The torque that acts in the next step.
+    /// The acting torque of the next step.
     fn acting(&mut self, recorded: [f64; 2]) -> [f64; 2] {
         let mut m = recorded;
         if !self.late.is_empty() {
@@ -154,7 +154,7 @@ impl Actuator {
     }
 }
 
-/// Drives `machine` with effects of these values hidden in it; `torque`: an ordinary torque [N m].
+/// Simulates `machine` with hidden effects of these values; `torque`: its usual torque [N m].
 pub fn input(
     machine: &Machine,
     values: &Values,

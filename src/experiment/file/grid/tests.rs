@@ -51,9 +51,9 @@ fn wrong_keys_and_values_are_named_with_what_was_meant() {
     let said = |text: &str| grid_axes(text).unwrap_err();
     assert!(said("noise_scal = [1]").contains("did you mean `noise_scale`?"));
     assert!(said("\"modl.effects\" = [[]]").contains("did you mean `model`?"));
-    assert!(said("seed = 3").contains("seed: = 3 is no list"));
+    assert!(said("seed = 3").contains("seed: = 3 is not a list"));
     assert!(said("seed = { cont = 3 }").contains("cont"));
-    assert!(said("seed = { count = 3, steps = 2 }").contains("is no range"));
+    assert!(said("seed = { count = 3, steps = 2 }").contains("is not a range"));
     assert!(said("noise_scale = { from = 0, to = 1, steps = 3, log = true }").contains("positive"));
     assert!(said("seed = [1]\n\"simulation.seed\" = [2]").contains("same key"));
     assert!(said("seed = { count = 100000 }\ntrain = { count = 100 }").contains("combinations"));

@@ -1,4 +1,4 @@
-//! The statistics of a grid against numbers worked out by hand.
+//! The statistics of a grid against values computed by hand.
 
 use super::super::cell::{Exact, RowStatus};
 use super::*;

@@ -38,7 +38,7 @@ pub(super) fn take_multiple(words: &mut Vec<String>) -> Option<f64> {
     Some(1.0 / many)
 }
 
-/// Takes a power of ten off the end of the words, where the unit stood behind it.
+/// Removes a power of ten from the end of the words, where the unit was before it.
 pub(super) fn take_power_of_ten(words: &mut Vec<String>) -> Option<f64> {
     let number: f64 = words.last()?.parse().ok()?;
     let power = POWERS.into_iter().find(|k| *k == number)?;

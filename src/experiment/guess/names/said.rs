@@ -1,6 +1,6 @@
-//! What a name may say.
+//! Possible interpretations of a name.
 
-/// What a column may be.
+/// Quantity of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(in crate::experiment::guess) enum Quantity {
     Time,
@@ -17,15 +17,15 @@ pub(in crate::experiment::guess) enum Quantity {
 pub(in crate::experiment::guess) enum Side {
     Right,
     Left,
-    /// A number or letter that does not say which: 0 or 1.
+    /// A number or letter without known meaning: 0 or 1.
     Numbered(usize),
 }
 
-/// What a name says.
+/// Interpretation of a name.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::experiment::guess) struct Named {
     pub(in crate::experiment::guess) quantity: Option<Quantity>,
-    /// The word that says the quantity; empty where the unit does.
+    /// The word that determines the quantity; empty if the unit does.
     pub(in crate::experiment::guess) word: String,
     pub(in crate::experiment::guess) side: Option<Side>,
     pub(in crate::experiment::guess) unit: Option<&'static str>,
@@ -37,6 +37,6 @@ pub(in crate::experiment::guess) struct Named {
     pub(in crate::experiment::guess) battery: bool,
     /// Whether it is the step between two rows.
     pub(in crate::experiment::guess) step: bool,
-    /// The words that say none of this.
+    /// The remaining words.
     pub(in crate::experiment::guess) rest: Vec<String>,
 }

@@ -1,10 +1,10 @@
-//! Units in names: in brackets, behind, in front.
+//! Units in names: in brackets, as suffix, as prefix.
 
 use super::said::Quantity;
 use super::words::{LENGTHS, WEAK, is_quantity, take_quantity};
 
-/// Takes the unit off the end of the words. A single letter stays where another word says a quantity of which it is
-/// no unit: `a` of `speed_a` is a motor.
+/// Removes the unit from the end of the words. A single letter stays where another word names a quantity with
+/// other units: `a` of `speed_a` is a motor.
 pub(super) fn unit_behind(words: &mut Vec<String>) -> Option<(&'static str, Option<Quantity>)> {
     let before = words.clone();
     // the letter of a motor and of a torque: only behind a length it is a unit
@@ -32,7 +32,8 @@ pub(super) fn unit_behind(words: &mut Vec<String>) -> Option<(&'static str, Opti
     Some(found)
 }
 
-/// The unit of more letters than one before the side at the end, `wheel_rad_s_left`, where it is no word of its quantity.
+/// A unit of several letters before the side at the end, `wheel_rad_s_left`, if it is not a word for its
+/// quantity.
 fn unit_before_side(words: &mut Vec<String>) -> Option<(&'static str, Option<Quantity>)> {
     let (last, inner) = words.split_last()?;
     crate::io::side(last)?;
@@ -47,7 +48,7 @@ fn unit_before_side(words: &mut Vec<String>) -> Option<(&'static str, Option<Qua
     Some(found)
 }
 
-/// The unit before a last letter that is a motor, and may have been taken for a unit: `current_mA.A`, `current_mA.B`.
+/// The unit before a last letter that is a motor and could be read as a unit: `current_mA.A`, `current_mA.B`.
 fn unit_before_motor(
     before: &[String],
     words: &mut Vec<String>,
@@ -68,7 +69,7 @@ fn unit_before_motor(
     Some(found)
 }
 
-/// A unit behind the words of a name: `ms` of a speed is m/s, no time.
+/// The unit at the end of a name, given its quantity: `ms` of a speed is m/s, not a time.
 fn of_its_quantity(
     found: (&'static str, Option<Quantity>),
     words: &[String],
@@ -109,7 +110,7 @@ pub(super) fn unit_in_front(name: &str) -> (Option<(&'static str, Option<Quantit
     (None, name)
 }
 
-/// The name and the unit in brackets behind it; an index is no unit.
+/// The name and the unit in brackets after it; an index is not a unit.
 pub(super) fn split_unit(name: &str) -> (&str, Option<&str>) {
     let trimmed = name.trim().trim_end_matches([']', ')']);
     match trimmed.split_once(['[', '(']) {
@@ -129,7 +130,7 @@ fn listed(text: &str) -> Option<(&'static str, Option<Quantity>)> {
     found.map(|(_, unit, of)| (*unit, *of))
 }
 
-/// Endings that make a speed of the unit of an angle, the longest first.
+/// Endings that turn the unit of an angle into that of a speed, the longest first.
 const A_SECOND: [&str; 9] =
     ["persecond", "persec", "pers", "/second", "/sec", "/s", "/per/second", "/per/sec", "/per/s"];
 

@@ -1,4 +1,4 @@
-//! Words of column names: quantities, what was commanded, what is no wheel, units.
+//! Words of column names: quantities, set-points, words that exclude a wheel, units.
 
 use super::said::Quantity;
 

@@ -63,7 +63,11 @@ fn the_period_that_a_file_states_stands_for_a_time_that_is_not_there() {
         [counted("w_r", |k| (0.1 * k as f64).sin()), counted("w_l", |k| (0.1 * k as f64).sin())];
     let mut g = guess(&log);
     assert!(g.take_period(0.01) && g.period == Some(0.01));
-    assert!(!g.questions.iter().any(|q| q.contains("time between two rows")), "{:?}", g.questions);
+    assert!(
+        !g.questions.iter().any(|q| q.contains("what is the sampling period")),
+        "{:?}",
+        g.questions
+    );
     let mut g = guess(&[counted("sample", |k| k as f64), log[0].clone()]);
     assert!(g.take_period(0.02) && g.columns[0].scale == Some(0.02) && !g.columns[0].scale_open);
     assert!(!guess(&[counted("t", |k| 0.01 * k as f64)]).take_period(0.02));

@@ -143,7 +143,9 @@ fn names_that_mean_something_else_beside_others_are_read_so() {
     // a speed of the ground beside the input, whose unit is asked
     let g = guess(&columns(&["t", "v_left", "v_right", "pwm_left", "pwm_right"]));
     assert_eq!((name_of(&g, "dalpha1"), name_of(&g, "M1")), (Some("v_right"), Some("pwm_right")));
-    assert!(g.columns.iter().any(|c| c.unit_open) && asked(&g, &["`v_right` goes up to", "m/s"]));
+    assert!(
+        g.columns.iter().any(|c| c.unit_open) && asked(&g, &["`v_right` has values up to", "m/s"])
+    );
     // and a voltage where nothing else is one
     assert_eq!(
         name_of(&guess(&columns(&["t", "wL", "wR", "v_left", "v_right"])), "M1"),

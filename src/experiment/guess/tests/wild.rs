@@ -232,7 +232,7 @@ fn outputs_of_controllers_are_inputs_where_nothing_else_is() {
     ] {
         let g = log(&["rpm_r", "rpm_l", right, left], |t| 10.0 * speed(t));
         assert_eq!(of(&g, "M1").name, right, "{:?}", g.questions);
-        assert!(g.questions.join(" ").contains("is a share of the battery's voltage"));
+        assert!(g.questions.join(" ").contains("is a share of the battery voltage"));
         let g = log(&["rpm_r", "rpm_l", right, left, "amps_r", "amps_l"], speed);
         assert_eq!(of(&g, "M1").name, "amps_r");
     }

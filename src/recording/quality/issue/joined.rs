@@ -1,4 +1,4 @@
-//! Issues that differ in their numbers alone, and what they become together.
+//! Combination of issues that differ only in their numbers.
 
 use super::unit::UnitError;
 use super::{Issue, StatedIssue, is_full_turn};
@@ -60,14 +60,14 @@ impl<C: Copy, R: Copy> Issue<C, R> {
 }
 
 impl Issue {
-    /// As it is printed.
+    /// The issue as it is printed.
     #[must_use]
     pub fn stated(self) -> StatedIssue {
         self.map(Span::of, Span::of)
     }
 }
 
-/// What a number means beyond its size.
+/// Categories of a number that determine the wording.
 #[derive(PartialEq)]
 enum Meaning {
     Size,
@@ -77,7 +77,8 @@ enum Meaning {
 }
 
 impl StatedIssue {
-    /// Widens its numbers by those of another one, where that is the same but for them; false where it is not.
+    /// Widens the ranges of its numbers by those of another issue if they differ only in numbers; otherwise
+    /// returns `false`.
     pub fn join(&mut self, other: &Self) -> bool {
         let rest = |issue: Self| (issue.map(|_| (), |_| ()), issue.meaning());
         let is_like = rest(*self) == rest(*other);
@@ -87,7 +88,7 @@ impl StatedIssue {
         is_like
     }
 
-    /// Numbers of another meaning have other words.
+    /// Numbers of different categories have different wordings.
     fn meaning(self) -> Meaning {
         match self {
             Self::ConstantInput { value, .. } if value.low() == 0.0 => Meaning::Zero,
@@ -116,7 +117,7 @@ mod tests {
 
     use super::*;
 
-    /// What two issues are together; `None` where they differ by more than numbers.
+    /// Combination of two issues; `None` if they differ in more than numbers.
     fn joined(one: Issue, other: Issue) -> Option<String> {
         let mut all = one.stated();
         all.join(&other.stated()).then(|| all.what())

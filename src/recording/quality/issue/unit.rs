@@ -1,14 +1,14 @@
-//! What a ratio of speed to slope of the angle other than one means.
+//! Interpretation of a ratio of speed to derivative of the angle other than one.
 
 use std::f64::consts::{PI, TAU};
 
-/// Greatest relative distance of a ratio from the factor of its unit (taste).
+/// Largest relative deviation of a ratio from the factor of a unit (judgement).
 const TOLERANCE: f64 = 0.03;
 
-/// The unit of a column that makes a ratio.
+/// The wrong unit that explains a ratio.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum RatioUnit {
-    /// None is wrong.
+    /// No wrong unit.
     Right,
     /// Of the speed.
     Speed(&'static str),
@@ -20,17 +20,17 @@ pub(crate) enum RatioUnit {
     Time(&'static str),
 }
 
-/// Which unit and which sign are wrong.
+/// The wrong unit and sign.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct UnitError {
-    /// `None` where the ratio is the factor of no unit.
+    /// `None` if the ratio is not the factor of a unit.
     pub(crate) unit: Option<RatioUnit>,
-    /// Whether the sign of one of the two is wrong.
+    /// Whether one of the two has the wrong sign.
     pub(crate) opposite: bool,
 }
 
 impl UnitError {
-    /// Of a ratio of speed to slope of the angle on wheels of a radius \[m\].
+    /// Interprets a ratio of speed to derivative of the angle, for wheels of this radius \[m\].
     pub(crate) fn of(ratio: f64, radius: f64) -> Self {
         let (degrees, minute) = (180.0 / PI, 60.0 / TAU);
         let known = [

@@ -1,4 +1,4 @@
-//! The fuzzy system as pictures: memberships, rules, surface.
+//! Figures of the fuzzy system: membership functions, rules, surface.
 
 use super::super::words;
 use crate::report::figure::{Axis, ColorMap, ColourRole, Figure, HeatMap, Layer, Panel};

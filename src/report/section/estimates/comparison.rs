@@ -7,8 +7,8 @@ use crate::report::figure::{Axis, BarSeries, Bars, ColourRole, Figure, Layer, Pa
 use crate::report::format;
 use crate::study::{MethodStudy, Study};
 
-/// Deviations of the estimates from the true value, or from the reference method, in percent: one panel
-/// a parameter; nothing where there is nothing to compare.
+/// Deviations of the estimates from the true value, or from the reference method, in per cent: one panel per
+/// parameter; empty if there is nothing to compare.
 pub(super) fn figure(study: &Study, physical: &[&MethodStudy]) -> Option<Figure> {
     if study.truth.is_empty() && physical.len() < 2 {
         return None;

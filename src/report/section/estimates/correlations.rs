@@ -1,11 +1,11 @@
-//! Which parameters the data can only give together.
+//! Correlations of parameters.
 
 use super::super::words;
 use crate::report::figure::{Axis, ColorMap, Figure, HeatMap, Layer, Panel, Size};
 use crate::report::format;
 use crate::study::{MethodStudy, Study};
 
-/// Correlations of the free parameters of a method; nothing for fewer than two.
+/// Correlations of the estimated parameters of a method; `None` for fewer than two.
 pub(super) fn figure(study: &Study, method: &MethodStudy) -> Option<Figure> {
     let count = method.estimates.len().min(method.correlations.len());
     let free: Vec<usize> = (0..count)

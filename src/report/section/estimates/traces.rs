@@ -54,12 +54,13 @@ fn points(trace: &Trace, curve: usize) -> Points {
     trace.at.iter().zip(&trace.values).map(|(at, row)| (*at, value(row))).collect()
 }
 
-/// What a trace shows, for its title, and the caption.
+/// Title and caption of a trace.
 fn words_of(kind: &TraceKind) -> (&'static str, &'static str) {
     match kind {
-        TraceKind::Estimates(_) => {
-            ("Estimates", "Dashed lines mark the true value where it is known, else the last one.")
-        }
+        TraceKind::Estimates(_) => (
+            "Estimates",
+            "Dashed lines mark the true value if it is known, otherwise the last one.",
+        ),
         TraceKind::Cost => ("Cost", ""),
         TraceKind::Profile => (
             "Profile likelihood",
@@ -93,7 +94,7 @@ fn of_estimate(
     let unit = method.estimates.iter().find(|e| e.symbol == symbol).map(|e| words::unit(&e.unit));
     let known = truth(study, symbol);
     let y = Axis::linear(symbol, unit.unwrap_or_default());
-    // the first guesses of a recursion would hide how it settles
+    // the initial estimates of a recursion would hide its convergence
     let y = match settled(&points, known) {
         Some((low, high)) => y.with_range(low, high),
         None => y,
@@ -109,7 +110,7 @@ fn line(points: Points) -> Layer {
     Layer::Line { points, label, role: ColourRole::Model, width: 1.4, dash: Dash::Solid }
 }
 
-/// The range of the later four fifths, with the true value and some room around.
+/// The range of the last four fifths, with the true value and a margin.
 fn settled(points: &[(f64, f64)], known: Option<f64>) -> Option<(f64, f64)> {
     let later = points[points.len() / 5..].iter().map(|p| p.1);
     let (low, high) = later
