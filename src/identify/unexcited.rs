@@ -1,4 +1,4 @@
-//! Base parameters that the movement of the recordings leaves open, held alike for every method.
+//! Base parameters that the movement of the recordings does not excite, fixed alike for every method.
 
 use super::open_loop::{OpenLoop, clearly_smaller};
 use super::start::start;
@@ -9,16 +9,20 @@ use crate::model::Model;
 use crate::model::base::{A1, A2, A3};
 use crate::recording::{Lacking, Recording, lacking};
 
-/// Fits `method` to a task with the base parameters held that the movement does not excite.
+/// Factors of the inertia that is not excited which must be distinguishable from its estimate (taste).
+const FACTORS: [f64; 2] = [0.5, 2.0];
+
+/// Fits `method` to a task with the base parameters fixed that the movement does not excite.
 ///
 /// ```text
-/// straight only:     a1 + a2 is estimated; a2 and a3 are held
-/// on the spot only:  a1 - a2 is estimated; a2 is held
+/// straight runs only:  a1 + a2 is estimated; a2 and a3 are fixed
+/// pivots only:         a1 - a2 is estimated; a2 is fixed
 /// ```
-/// A robot that is driven straight veers a little, since its wheels are not quite alike. A model without that difference
-/// takes the veer for that of its inertias, with a small standard error. They are held where the recordings hardly
-/// turn, unless a regression with them free simulates pieces that it has not seen better by more than one paired
-/// standard error. Held values keep the ratio to the estimated combination that they have where the model starts.
+/// A robot that is driven straight veers slightly, because its wheels differ. A model without that difference fits the veer
+/// with the inertias, with a small standard error. If the recordings contain hardly any turns (or hardly any travel) they are
+/// therefore fixed, unless a regression with free values simulates held-out pieces better, by more than one paired standard
+/// error, than with half or twice the inertia in question. Fixed values have the ratio to the estimated combination that
+/// they have in the construction data.
 ///
 /// # Errors
 /// As [`Identifier::identify`].
@@ -30,17 +34,17 @@ pub fn identify(method: &dyn Identifier, task: &Task) -> Result<Fit, IdentifyErr
     Ok(with_combination(fit, model, *sign, &places[1..]))
 }
 
-/// A model with what no movement excites held.
+/// A model with the parameters fixed that the movement does not excite.
 struct Unexcited {
     model: Model,
-    /// The sign of a2 in the combination that is known.
+    /// Sign of a2 in the combination that is identifiable.
     sign: f64,
-    /// Places of the parameters that are held, a2 first.
+    /// Places of the fixed parameters, a2 first.
     places: Vec<usize>,
 }
 
 impl Unexcited {
-    /// `None` where the movement excites all, where the inertias are given, and where the data show them nevertheless.
+    /// `None` if the movement excites all parameters, if the inertias are given, or if the data determine them nevertheless.
     fn of(task: &Task) -> Option<Self> {
         let (sign, places) = match lacking(task.train)? {
             Lacking::Turns => (1.0, vec![A2, A3]),
@@ -53,19 +57,28 @@ impl Unexcited {
             return None;
         }
         let (initial, found) = (task.model.initial(), start(task, "start").ok()?);
-        let combined = |p: &[f64]| p[A1] + sign * p[A2];
-        let ratio = combined(&found) / combined(&initial);
-        let hold = |model: Model, &j: &usize| {
-            model.fix(&parameters[j].spec.symbol, ratio * initial[j]).ok()
+        let combined = |p: &[f64], sign: f64| p[A1] + sign * p[A2];
+        let ratio = combined(&found, sign) / combined(&initial, sign);
+        // a2 of the estimated combination with `factor` times the other one
+        let a2 = |factor: f64| {
+            let (known, open) = (combined(&initial, sign), combined(&initial, -sign));
+            0.5 * sign * (known - factor * open)
         };
-        let model = places.iter().try_fold(task.model.clone(), hold)?;
-        let shown = shows_more(task, &Task { model: &model, ..*task });
-        (!shown).then_some(Self { model, sign, places })
+        let fixed = |factor: f64| {
+            let fix = |model: Model, &j: &usize| {
+                let value = if j == A2 { a2(factor) } else { initial[j] };
+                model.fix(&parameters[j].spec.symbol, ratio * value).ok()
+            };
+            places.iter().try_fold(task.model.clone(), fix)
+        };
+        let model = fixed(1.0)?;
+        let others: Vec<Model> = FACTORS.into_iter().filter_map(fixed).collect();
+        (!determines(task, &others)).then_some(Self { model, sign, places })
     }
 }
 
-/// The fit with a1, a2 and what else was held at `places` marked as not identifiable, and with the combination
-/// a1 + `sign` a2 that is known.
+/// The fit with a1, a2 and the parameters that were fixed at `places` marked as not identifiable, and with the combination
+/// a1 + `sign` a2 that is identifiable.
 pub(super) fn with_combination(mut fit: Fit, model: &Model, sign: f64, places: &[usize]) -> Fit {
     let [a1, a2] = [A1, A2].map(|j| fit.estimates[j].clone());
     let unknown = Unknown::Two {
@@ -92,17 +105,18 @@ pub(super) fn with_combination(mut fit: Fit, model: &Model, sign: f64, places: &
     fit
 }
 
-/// Whether a regression of torques with the parameters of `free` simulates pieces that it has not seen clearly better than
-/// one with those of `held`.
-fn shows_more(free: &Task, held: &Task) -> bool {
-    let recordings: Vec<&Recording> = free.train.iter().collect();
-    let open = OpenLoop { train: free.train, hold: free.hold, pieces: pieces(&recordings) };
-    let errors = |task: &Task| {
-        let method = TorqueRegression::default();
-        let (_, left_out) = method.left_out(&method.rows(task).ok()?, &open.pieces).ok()?;
-        Some(open.errors(task.model, &left_out))
+/// Whether a regression of torques with the free parameters of a task simulates held-out pieces clearly better than one with
+/// those of one of `others`.
+fn determines(task: &Task, others: &[Model]) -> bool {
+    let recordings: Vec<&Recording> = task.train.iter().collect();
+    let open = OpenLoop { train: task.train, hold: task.hold, pieces: pieces(&recordings) };
+    let errors = |model: &Model| {
+        let (method, task) = (TorqueRegression::default(), Task { model, ..*task });
+        let (_, left_out) = method.left_out(&method.rows(&task).ok()?, &open.pieces).ok()?;
+        Some(open.errors(model, &left_out))
     };
-    matches!((errors(free), errors(held)), (Some(free), Some(held)) if clearly_smaller(&free, &held))
+    let Some(free) = errors(task.model) else { return false };
+    others.iter().filter_map(errors).any(|other| clearly_smaller(&free, &other))
 }
 
 #[cfg(test)]
@@ -113,7 +127,7 @@ mod tests {
     use crate::robot::{Robot, State};
     use crate::simulate::{Hold, Input, Movement, NoiseLevel, Recorder, Segment, record, simulate};
 
-    /// Both wheels of an AmigoBot driven by the same torque, with more viscous friction on the right one: it veers.
+    /// Both wheels of an AmigoBot driven by the same torque, with viscous friction on the right one: it veers.
     fn veering() -> (Model, Recording) {
         let model = Model::with_effects(Robot::amigobot(), &["viscous_friction_1"]).unwrap();
         let mut p = model.initial();
@@ -168,11 +182,17 @@ mod tests {
             Segment { speed_m_s, turn_rad_s, blend_s: 0.4, hold_s: 1.6 }
         };
         let movement = Movement { segments: turns.into_iter().enumerate().map(segment).collect() };
-        let train = [record("curves", &model, &model.initial(), &movement, &recorder).unwrap()];
+        let mut truth = model.initial();
+        // a turning inertia that is 30 % smaller than that of the construction
+        (truth[A1], truth[A2]) = (truth[A1] - 0.005, truth[A2] + 0.005);
+        let train = [record("curves", &model, &truth, &movement, &recorder).unwrap()];
         assert_eq!(lacking(&train), Some(Lacking::Turns));
         let task = Task { model: &model, train: &train, hold: Hold::Linear, seed: 0 };
         let fit = identify(&*find("prediction_error").unwrap(), &task).unwrap();
         assert!(fit.estimates.iter().all(|e| e.identifiable), "{:?}", fit.notes);
+        let turning = |p: [f64; 2]| p[0] - p[1];
+        let found = turning([A1, A2].map(|j| fit.estimates[j].value));
+        assert!((found / turning([truth[A1], truth[A2]]) - 1.0).abs() < 0.1, "{found}");
     }
 
     #[test]
