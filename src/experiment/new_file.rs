@@ -320,7 +320,7 @@ mod tests {
         let header = "t,motor_r_rad_s,motor_l_rad_s,angle_r_rad,angle_l_rad,tau_r,tau_l";
         let found = drafted("gear.csv", header, row, 2000);
         assert!(
-            found.is_open && found.words.contains("does a gear lie between"),
+            found.is_open && found.words.contains("is there a gear between"),
             "{}",
             found.words
         );

@@ -194,7 +194,10 @@ proptest::proptest! {
 #[test]
 fn a_name_that_says_another_format_is_refused_with_the_right_one() {
     let e = refused("run.csv", &original("drive.wpilog"));
-    assert!(e.contains("run.csv is in another format") && e.contains("end in .wpilog"), "{e}");
+    assert!(
+        e.contains("run.csv does not have the format of its name") && e.contains("end in .wpilog"),
+        "{e}"
+    );
     let e = refused("run.mat", &original("joint_states.mcap"));
     assert!(e.contains("end in .mcap"), "{e}");
     let e = refused("run.wpilog", &original("v7.mat"));

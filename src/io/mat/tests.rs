@@ -68,7 +68,7 @@ fn other_versions_are_refused_with_how_to_save() {
     }
     // level 4 begins with the type of the first matrix
     let e = refused("x.mat", &[0; 200]);
-    assert!(e.contains("do not say level 5") && e.contains("'-v7'"), "{e}");
+    assert!(e.contains("not those of level 5") && e.contains("'-v7'"), "{e}");
 }
 
 /// A file with one variable `x` of this class, size and data, in either order of bytes.

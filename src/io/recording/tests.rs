@@ -265,7 +265,7 @@ fn missing_and_repeated_columns_are_named() {
     let e = with_line(0, "t,alpha1,alpha2,dalpha1,M1,M1,M2");
     assert!(e.contains("two columns are called `M1`"), "{e}");
     let e = with_line(0, "t,alpha1,alpha2,dalpha1 [furlongs],dalpha2,M1,M2");
-    assert!(e.contains("`furlongs` is not known"), "{e}");
+    assert!(e.contains("`furlongs` is not a known unit"), "{e}");
 }
 
 #[test]

@@ -87,7 +87,7 @@ fn a_last_record_that_was_cut_off_and_zeros_are_passed_over() {
 fn damage_is_named_with_byte_entry_and_what_was_expected() {
     let e = refused("x.wpilog", &[&printed(), &b"\x00\x01\x07\x00abcdefg"[..]].concat());
     // twelve bytes of header and 32 of the start record
-    assert!(e.contains("x.wpilog is damaged or no WPILOG file: the record at byte 44"), "{e}");
+    assert!(e.contains("x.wpilog is damaged or not a WPILOG file: the record at byte 44"), "{e}");
     assert!(e.contains("entry `test`: expected 8 bytes, found 7 bytes"), "{e}");
     let e = refused("x.wpilog", &[&printed(), &b"\x00\x02\x00\x00"[..]].concat());
     assert!(e.contains("started before, found entry 2, which was not"), "{e}");

@@ -176,7 +176,7 @@ fn names_that_mean_something_else_beside_others_are_read_so() {
         "pwm_right",
     ]));
     assert_eq!((name_of(&g, "M1"), g.drive_unit), (Some("pwm_right"), DriveUnit::Volt));
-    assert!(asked(&g, &["`current_left`", "present speeds"]), "{:?}", g.questions);
+    assert!(asked(&g, &["`current_left`", "measured speeds"]), "{:?}", g.questions);
 }
 
 #[test]
@@ -217,7 +217,7 @@ fn units_that_nothing_states_are_asked_or_printed() {
     let g = guess(&columns(&["time", "w_l", "w_r", "tau_l [Nm]", "tau_r [Nm]"]));
     let words = g.words();
     assert!(
-        words.contains("states a unit: t in s, dalpha1 in rad/s, dalpha2 in rad/s\n"),
+        words.contains("no unit is stated: t in s, dalpha1 in rad/s, dalpha2 in rad/s\n"),
         "{words}"
     );
 }

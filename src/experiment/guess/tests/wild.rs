@@ -145,11 +145,11 @@ fn numbers_of_a_few_volts_are_no_percent() {
         ]);
         g.questions.join("\n")
     };
-    assert!(logged(["motor_l", "motor_r"], |s| 6.19 * s).contains("volts, as they are taken?"));
+    assert!(logged(["motor_l", "motor_r"], |s| 6.19 * s).contains("volts, as assumed?"));
     assert!(logged(["pwm_l", "pwm_r"], |s| 6.19 * s).contains("is a share"));
     assert!(logged(["motor_l", "motor_r"], |s| (6.0 * s).round()).contains("is a share"));
-    assert!(logged(["L.u", "R.u"], |s| 170.0 * s).contains("which are no volts"));
-    assert!(!logged(["L.u", "R.u"], |s| 7000.0 * s).contains("which are no volts"));
+    assert!(logged(["L.u", "R.u"], |s| 170.0 * s).contains("which cannot be volts"));
+    assert!(!logged(["L.u", "R.u"], |s| 7000.0 * s).contains("which cannot be volts"));
 }
 
 #[test]
@@ -237,7 +237,7 @@ fn outputs_of_controllers_are_inputs_where_nothing_else_is() {
         assert_eq!(of(&g, "M1").name, "amps_r");
     }
     let g = log(&["rpm_r", "rpm_l", "pwm_pct_r", "pwm_pct_l"], speed);
-    assert!(g.questions.join(" ").contains("with 100 for the whole"), "{:?}", g.questions);
+    assert!(g.questions.join(" ").contains("with 100 for the full"), "{:?}", g.questions);
     // of one axis a command, with the column of its direction
     let dir = column("dir", |t| speed(t).signum());
     let pwm = column("pwm_cmd", |t| speed(t).abs());
