@@ -1,6 +1,8 @@
 //! The models that an experiment ended with: the one that was asked for, and the one with the effects
 //! that the diagnosis found.
 
+use nalgebra::DMatrix;
+
 use super::custom::add;
 use super::plan::Plan;
 use crate::diagnose::INPUT_SHIFT;
@@ -15,6 +17,8 @@ pub struct FittedModel {
     pub model: Model,
     /// One estimate a parameter, in the order of the model.
     pub estimates: Vec<Estimate>,
+    /// Their covariance; infinite where a parameter is not identifiable, zero where it is fixed.
+    pub covariance: DMatrix<f64>,
     /// The recorded input acts so much later than recorded, within what logging explains \[s\].
     pub input_shift_s: f64,
     /// The method that found the values.
@@ -22,7 +26,8 @@ pub struct FittedModel {
 }
 
 impl FittedModel {
-    /// Of the model of a plan with `added` effects; `None` if a parameter has no estimate.
+    /// Of the model of a plan with `added` effects, from estimates with their correlations; `None` if a parameter has
+    /// no estimate.
     ///
     /// # Errors
     /// Effects that neither the catalogue nor the plan has.
@@ -30,17 +35,22 @@ impl FittedModel {
         plan: &Plan,
         added: &[String],
         estimates: &[Estimate],
+        correlations: &[Vec<f64>],
         method: &str,
     ) -> Result<Option<Self>, ModelError> {
         let mut model = plan.model.clone();
         for id in added {
             model = add(&model, id, &plan.own)?;
         }
-        let of = |symbol: &String| estimates.iter().find(|e| e.symbol == *symbol).cloned();
-        let found: Option<Vec<Estimate>> = model.symbols().iter().map(of).collect();
-        let shift = of(&INPUT_SHIFT.to_owned()).map_or(0.0, |e| e.value);
+        let place = |symbol: &str| estimates.iter().position(|e| e.symbol == symbol);
+        let places: Option<Vec<usize>> = model.symbols().iter().map(|s| place(s)).collect();
+        let input_shift_s = place(INPUT_SHIFT).map_or(0.0, |k| estimates[k].value);
         let method = method.to_owned();
-        Ok(found.map(|estimates| Self { model, estimates, input_shift_s: shift, method }))
+        Ok(places.map(|places| {
+            let covariance = covariance(estimates, correlations, &places);
+            let estimates = places.iter().map(|&k| estimates[k].clone()).collect();
+            Self { model, estimates, covariance, input_shift_s, method }
+        }))
     }
 
     /// One value a parameter.
@@ -48,6 +58,20 @@ impl FittedModel {
     pub fn values(&self) -> Vec<f64> {
         self.estimates.iter().map(|e| e.value).collect()
     }
+}
+
+/// Covariance of some of the estimates; those without a correlation count as independent.
+fn covariance(estimates: &[Estimate], correlations: &[Vec<f64>], places: &[usize]) -> DMatrix<f64> {
+    DMatrix::from_fn(places.len(), places.len(), |i, j| {
+        let (i, j) = (places[i], places[j]);
+        let errors = estimates[i].std_error * estimates[j].std_error;
+        let stated = correlations.get(i).and_then(|row| row.get(j)).filter(|c| c.is_finite());
+        match (i == j, stated) {
+            (true, _) => errors,
+            (false, Some(correlation)) if errors.is_finite() => correlation * errors,
+            (false, _) => 0.0,
+        }
+    })
 }
 
 /// The models of a finished experiment.
@@ -66,11 +90,12 @@ impl FittedModels {
     /// Effects that neither the catalogue nor the plan has.
     pub fn of(plan: &Plan, study: &Study) -> Result<Option<Self>, ModelError> {
         let Some(method) = study.reference_method() else { return Ok(None) };
-        let given = FittedModel::new(plan, &[], &method.estimates, &method.name)?;
+        let given =
+            FittedModel::new(plan, &[], &method.estimates, &method.correlations, &method.name)?;
         let diagnosis = study.diagnosis.as_ref().filter(|d| !d.found.is_empty());
         let of = |d: &DiagnosisStudy| {
             let estimates: Vec<_> = d.parameters.iter().map(|p| p.estimate.clone()).collect();
-            FittedModel::new(plan, &d.found, &estimates, "diagnosis")
+            FittedModel::new(plan, &d.found, &estimates, &d.correlations, "diagnosis")
         };
         let found = diagnosis.map(of).transpose()?;
         Ok(given.map(|given| Self { given, found: found.flatten() }))

@@ -192,6 +192,7 @@ fn diagnosis(study: &Study, d: &DiagnosisStudy) -> Value {
         "found": d.found,
         "likely": d.likely().iter().map(|effect| &effect.id).collect::<Vec<_>>(),
         "parameters": d.parameters.iter().map(|p| estimate(&p.estimate)).collect::<Vec<_>>(),
+        "correlations": d.correlations,
         "thresholds": crate::diagnose::THRESHOLDS,
         "ranking": ranking,
         "staircase": d.staircase,

@@ -97,6 +97,8 @@ pub struct DiagnosisStudy {
     pub dependence: Option<DependenceStudy>,
     /// Parameters of the last model: that of the experiment with all effects found.
     pub parameters: Vec<ParameterStudy>,
+    /// Correlations of these estimates, row by row.
+    pub correlations: Vec<Vec<f64>>,
     /// Candidates of the first step, best first.
     pub ranking: Vec<CandidateStudy>,
     /// Error with each effect found.
