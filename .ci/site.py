@@ -14,7 +14,8 @@ import markdown
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = ["README.md", "docs/guide.md", "docs/install.md", "docs/files.md", "docs/methods.md", "docs/export.md", "docs/python.md",
          "docs/library.md", "docs/grids.md", "docs/recordings.md", "docs/paper.md", "docs/effects/README.md",
-         "docs/other_simulators.md", "docs/hidden_effects.md", "docs/robustness.md", "docs/speed.md", "docs/thresholds.md",
+         "docs/other_simulators.md", "docs/hidden_effects.md", "benchmarks/hidden_effects/README.md", "benchmarks/emps/README.md",
+         "benchmarks/estimators/README.md", "docs/robustness.md", "docs/speed.md", "docs/thresholds.md",
          "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md"]  # fmt: skip
 
 STYLE = """

@@ -24,6 +24,21 @@ class Experiment:
         """
         return cls(_native.Plan.load(os.fspath(path), list(set)))
 
+    @classmethod
+    def from_recordings(
+        cls, paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]], set: Iterable[str] = ()
+    ) -> Experiment:
+        """Recordings with columns of any names, as the command ``experiment run_1.csv run_2.csv`` takes them: columns and
+        units are found out by names and values, some recordings are kept for validation, a diagnosis is asked for.
+        :attr:`warnings` begins with what was taken for what.
+
+        :param set: overrides ``"KEY=VALUE"``, as in :meth:`from_toml`; also answers to what the columns do not say.
+        :raises InputError: with what the columns do not say.
+        """
+        one = isinstance(paths, (str, os.PathLike))
+        listed: list[str | os.PathLike[str]] = [paths] if one else list(paths)  # type: ignore[list-item, arg-type]
+        return cls(_native.Plan.of_recordings([os.fspath(p) for p in listed], list(set)))
+
     @property
     def name(self) -> str:
         """Name of its folder of results."""

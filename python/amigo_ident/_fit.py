@@ -11,7 +11,7 @@ import numpy.typing as npt
 import polars as pl
 
 from . import _native
-from ._recording import Recording, RecordingLike, common_robot, recording_list
+from ._recording import Recording, RecordingLike, common, recording_list
 from ._settings import EffectLike, Settings, effect_list
 
 
@@ -49,6 +49,11 @@ class Fit:
     def seconds(self) -> float:
         """Wall time [s]."""
         return self._native.seconds
+
+    @property
+    def hold(self) -> str:
+        """The input between two samples as it was fitted: ``"linear"`` or ``"constant"``."""
+        return self._native.hold
 
     @property
     def parameters(self) -> pl.DataFrame:
@@ -102,7 +107,6 @@ class Fit:
             np.ascontiguousarray(inputs, dtype=np.float64).tobytes(),
             list(alpha0),
             list(dalpha0),
-            self._settings.hold == "linear",
         )
         return np.frombuffer(alpha).reshape(-1, 2), np.frombuffer(dalpha).reshape(-1, 2)
 
@@ -152,7 +156,7 @@ def identify(
     method: str = "prediction_error",
     *,
     fixed: Mapping[str, float | str] | None = None,
-    hold: str = "linear",
+    hold: str | None = None,
     **options: Any,
 ) -> Fit:
     """Identifies the parameters of a model.
@@ -162,13 +166,16 @@ def identify(
         :func:`effects`, or :class:`Effect` for a formula of your own.
     :param method: a name of :func:`methods`; further keywords are its options.
     :param fixed: parameters held at a value, or at ``"construction"``.
-    :param hold: the input between two samples: ``"linear"`` or ``"constant"``.
+    :param hold: the input between two samples: ``"linear"`` or ``"constant"``; unless given, linear where the motion does not
+        show that it is held (:attr:`Fit.hold`).
     :raises InputError: unknown names, wrong values.
     :raises RunError: there is no fit; the message says which motion to record.
     """
     train = recording_list(recordings, "recordings")
+    robot, conditioning = common(train)
     settings = Settings(
-        robot=common_robot(train),
+        robot=robot,
+        conditioning=conditioning,
         effects=effect_list(effects),
         fixed=dict(fixed or {}),
         method=method,

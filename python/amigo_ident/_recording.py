@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any, Union
 
 import numpy as np
@@ -40,6 +41,20 @@ def _time_index(df: Any, names: list[Any]) -> str | None:
     return None if name in names else name
 
 
+@contextmanager
+def _columns_named() -> Iterator[None]:
+    """Adds to the words of the command line, which name the experiment file, where Python names columns."""
+    try:
+        yield
+    except InputError as e:
+        if "there is no column" not in str(e):
+            raise
+        raise InputError(
+            f"{e} (in Python: the argument columns={{\"t\": \"…\"}}, or Experiment.from_recordings(paths), which finds the "
+            "columns out)"
+        ) from None
+
+
 class Recording:
     """A checked recording: wheel angles and speeds, and the input that drove the wheels.
 
@@ -47,9 +62,12 @@ class Recording:
     what was found. A recording is never changed.
     """
 
-    def __init__(self, native: _native.Recording, robot: RobotLike) -> None:
+    def __init__(
+        self, native: _native.Recording, robot: RobotLike, conditioning: Mapping[str, bool]
+    ) -> None:
         self._native = native
         self._robot = robot
+        self._conditioning = conditioning
 
     @classmethod
     def read(
@@ -58,8 +76,11 @@ class Recording:
         columns: Columns | None = None,
         drive_unit: str = "N m",
         robot: RobotLike = None,
+        conditioning: Mapping[str, bool] | None = None,
     ) -> Recording:
         """Reads CSV, Parquet, WPILOG, MCAP, MAT or SysId JSON.
+
+        The columns must have these names, or be named. :meth:`Experiment.from_recordings` finds them out by itself.
 
         :param columns: where names or units differ from ``t`` [s], ``alpha1``, ``alpha2`` [rad], ``dalpha1``,
             ``dalpha2`` [rad/s], ``M1``, ``M2`` [``drive_unit``]: ``{"dalpha1": "right"}`` or
@@ -67,12 +88,20 @@ class Recording:
         :param drive_unit: unit of the input: ``"N m"``, ``"V"`` or ``"A"``; inertias and frictions come out per
             that unit.
         :param robot: name of a preset (``"amigobot"``, ``"unknown"``) or construction data (``l1_m``, ``r_m``, …).
+        :param conditioning: what is not to be corrected, ``{"spikes": False}``; keys as in ``[conditioning]`` of an
+            experiment file.
         :raises InputError: with file, row and column.
         """
-        native = _native.Recording.read(
-            os.fspath(path), json.dumps(dict(columns or {})), drive_unit, json.dumps(robot_keys(robot))
-        )
-        return cls(native, robot)
+        corrected = dict(conditioning or {})
+        with _columns_named():
+            native = _native.Recording.read(
+                os.fspath(path),
+                json.dumps(dict(columns or {})),
+                drive_unit,
+                json.dumps(robot_keys(robot)),
+                json.dumps(corrected),
+            )
+        return cls(native, robot, corrected)
 
     @classmethod
     def from_frame(
@@ -82,6 +111,7 @@ class Recording:
         drive_unit: str = "N m",
         robot: RobotLike = None,
         name: str = "frame",
+        conditioning: Mapping[str, bool] | None = None,
     ) -> Recording:
         """Takes a polars or pandas frame, a pyarrow table, or a mapping of names to arrays.
 
@@ -103,15 +133,18 @@ class Recording:
             except (TypeError, ValueError) as e:
                 raise InputError(f"{name}: column `{column}` has no numbers: {e}") from e
 
-        native = _native.Recording.of_table(
-            name,
-            [str(n) for n in names],
-            fetch,
-            json.dumps(dict(columns or {})),
-            drive_unit,
-            json.dumps(robot_keys(robot)),
-        )
-        return cls(native, robot)
+        corrected = dict(conditioning or {})
+        with _columns_named():
+            native = _native.Recording.of_table(
+                name,
+                [str(n) for n in names],
+                fetch,
+                json.dumps(dict(columns or {})),
+                drive_unit,
+                json.dumps(robot_keys(robot)),
+                json.dumps(corrected),
+            )
+        return cls(native, robot, corrected)
 
     @classmethod
     def from_arrays(
@@ -123,6 +156,7 @@ class Recording:
         drive_unit: str = "N m",
         robot: RobotLike = None,
         name: str = "arrays",
+        conditioning: Mapping[str, bool] | None = None,
     ) -> Recording:
         """Takes arrays: ``t`` [s] of n values; ``inputs`` [``drive_unit``], ``dalpha`` [rad/s] and ``alpha`` [rad]
         of shape (n, 2), right wheel first. Angles or speeds may be missing, not both."""
@@ -135,7 +169,7 @@ class Recording:
             if array.ndim != 2 or array.shape[1] != 2:
                 raise InputError(f"{name}: {key} has the shape {array.shape}; expected (n, 2)")
             table[f"{key}1"], table[f"{key}2"] = array[:, 0], array[:, 1]
-        return cls.from_frame(table, None, drive_unit, robot, name)
+        return cls.from_frame(table, None, drive_unit, robot, name, conditioning)
 
     @property
     def name(self) -> str:
@@ -233,14 +267,19 @@ def recording_list(
     return [one(item) for item in recordings]
 
 
-def common_robot(recordings: list[Recording]) -> RobotLike:
-    """The robot of all recordings."""
+def common(recordings: list[Recording]) -> tuple[RobotLike, Mapping[str, bool]]:
+    """Robot and conditioning of all recordings."""
     if not recordings:
         raise InputError("recordings: none is given; at least one is needed to fit")
-    robot = recordings[0]._robot
+    first = recordings[0]
     for other in recordings[1:]:
-        if other._robot != robot:
+        if other._robot != first._robot:
             raise InputError(
-                f"{recordings[0].name} and {other.name} are of different robots ({robot!r}, {other._robot!r})"
+                f"{first.name} and {other.name} are of different robots ({first._robot!r}, {other._robot!r})"
             )
-    return robot
+        if other._conditioning != first._conditioning:
+            raise InputError(
+                f"{first.name} and {other.name} have different conditioning ({first._conditioning!r}, "
+                f"{other._conditioning!r})"
+            )
+    return first._robot, first._conditioning

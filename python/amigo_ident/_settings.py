@@ -64,7 +64,8 @@ class Settings:
     fixed: Mapping[str, Any] = field(default_factory=dict)
     method: str = "prediction_error"
     options: Mapping[str, Any] = field(default_factory=dict)
-    hold: str = "linear"
+    conditioning: Mapping[str, bool] = field(default_factory=dict)
+    hold: str | None = None
 
     def keys(self, diagnosis: Mapping[str, Any] | None = None) -> str:
         """The keys of an experiment file as JSON."""
@@ -77,6 +78,7 @@ class Settings:
                 "custom": [e._keys() for e in own],
             },
             "robot": robot_keys(self.robot),
+            "conditioning": dict(self.conditioning),
             "method": [{"name": self.method, **self.options}],
         }
         if diagnosis is not None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 import json
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ import polars as pl
 
 from . import _native
 from ._fit import PARAMETERS, Fit, plan
-from ._recording import RecordingLike, common_robot, recording_list
+from ._recording import RecordingLike, common, recording_list
 from ._settings import Effect, EffectLike, Settings, effect_list
 
 
@@ -226,7 +226,7 @@ def compare(fit: Fit, validation: RecordingLike | Iterable[RecordingLike]) -> Co
     :param validation: recordings, paths, or frames.
     """
     held = recording_list(validation, "validation")
-    common_robot(fit._train + held)
+    common(fit._train + held)
     made = plan(fit._settings, fit._train, held)
     return Comparison(made.compare(fit._native), made)
 
@@ -236,11 +236,11 @@ def diagnose(
     validation: RecordingLike | Iterable[RecordingLike] | None = None,
     effects: EffectLike | Iterable[EffectLike] = (),
     *,
-    candidates: str | Sequence[EffectLike] = "all",
+    candidates: EffectLike | Iterable[EffectLike] = "all",
     false_alarm: float = 0.05,
     max_effects: int = 3,
     fixed: Mapping[str, float | str] | None = None,
-    hold: str = "linear",
+    hold: str | None = None,
     method: str = "prediction_error",
     **options: Any,
 ) -> Diagnosis:
@@ -249,16 +249,18 @@ def diagnose(
     :param recordings: recordings to fit, paths, or frames.
     :param validation: held-out recordings; without any, the training recordings are cross-validated.
     :param effects: effects that the model has already.
-    :param candidates: effects to try: ``"all"``, or ids and formulas.
+    :param candidates: effects to try: ``"all"``, or ids and formulas of one or several.
     :param false_alarm: largest probability that an effect is named where none is missing.
     :param max_effects: most effects that are added.
     """
     train = recording_list(recordings, "recordings")
     held = recording_list(validation, "validation")
-    asked = candidates if isinstance(candidates, str) else list(candidates)
-    ids = asked if isinstance(asked, str) else [e.id if isinstance(e, Effect) else e for e in asked]
+    asked = () if candidates == "all" else effect_list(candidates)
+    ids = "all" if candidates == "all" else [e.id if isinstance(e, Effect) else e for e in asked]
+    robot, conditioning = common(train + held)
     settings = Settings(
-        robot=common_robot(train + held),
+        robot=robot,
+        conditioning=conditioning,
         effects=effect_list(effects),
         custom=[e for e in asked if isinstance(e, Effect)],
         fixed=dict(fixed or {}),

@@ -13,6 +13,7 @@ use crate::error::{json, wrong};
 pub(crate) struct Fit {
     pub(crate) fit: amigo_ident::identify::Fit,
     pub(crate) seconds: f64,
+    pub(crate) hold: Hold,
 }
 
 type Motion<'py> = (Bound<'py, PyBytes>, Bound<'py, PyBytes>);
@@ -39,6 +40,15 @@ impl Fit {
         self.seconds
     }
 
+    /// The input between two rows, as it was fitted.
+    #[getter]
+    fn hold(&self) -> &'static str {
+        match self.hold {
+            Hold::Linear => "linear",
+            Hold::Constant => "constant",
+        }
+    }
+
     /// The parameters as JSON.
     fn estimates(&self) -> PyResult<String> {
         json(&self.fit.estimates)
@@ -58,7 +68,6 @@ impl Fit {
         input: &[u8],
         alpha: [f64; 2],
         dalpha: [f64; 2],
-        linear: bool,
     ) -> PyResult<Motion<'py>> {
         let (t, input) = (values(t)?, values(input)?);
         if t.len() < 2 || input.len() != 2 * t.len() {
@@ -76,10 +85,9 @@ impl Fit {
         if let Some(k) = rows.iter().position(|row| !row.iter().all(|m| m.is_finite())) {
             return Err(wrong(&format!("inputs[{k}] = {:?}; expected finite numbers", rows[k])));
         }
-        let hold = if linear { Hold::Linear } else { Hold::Constant };
         let start = State { alpha, omega: dalpha };
         let motion = py.allow_threads(|| {
-            self.fit.dynamics.simulate(&Input { t: &t, torque: &rows, hold }, start)
+            self.fit.dynamics.simulate(&Input { t: &t, torque: &rows, hold: self.hold }, start)
         });
         let motion = motion.map_err(|e| crate::error::failed(&e.into()))?;
         let alpha: Vec<[f64; 2]> = motion.iter().map(|s| s.alpha).collect();

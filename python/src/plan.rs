@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use amigo_ident::experiment::{self, MethodFit};
+use amigo_ident::experiment::{self, MethodFit, Unread};
 use amigo_ident::simulate::Hold;
 use amigo_ident::study::Role;
 use pyo3::prelude::*;
@@ -23,7 +23,9 @@ fn hold(text: &str) -> PyResult<Hold> {
     match text {
         "linear" => Ok(Hold::Linear),
         "constant" => Ok(Hold::Constant),
-        _ => Err(wrong(&format!("hold = {text:?}; expected \"linear\" or \"constant\""))),
+        _ => Err(wrong(&format!(
+            "hold = {text:?}; expected \"linear\" or \"constant\", or None to leave it to the data"
+        ))),
     }
 }
 
@@ -37,18 +39,27 @@ impl Plan {
         keys: &str,
         train: Vec<Py<Recording>>,
         validation: Vec<Py<Recording>>,
-        hold: &str,
+        hold: Option<&str>,
     ) -> PyResult<Self> {
-        let of = |role: Role, all: Vec<Py<Recording>>| {
-            all.into_iter().map(move |r| {
-                let measured = r.get().measured.clone();
-                experiment::MeasuredRecording { role, ..measured }
-            })
+        let measured = |(role, r): (Role, &Py<Recording>)| experiment::MeasuredRecording {
+            role,
+            ..r.get().measured.clone()
         };
-        let recordings: Vec<_> =
-            of(Role::Train, train).chain(of(Role::Validation, validation)).collect();
-        let (keys, hold) = (table(keys)?, self::hold(hold)?);
-        let plan = py.allow_threads(|| experiment::plan_of(name, &keys, recordings, hold));
+        let train = train.iter().map(|r| (Role::Train, r));
+        let all: Vec<_> = train.chain(validation.iter().map(|r| (Role::Validation, r))).collect();
+        let unread: Vec<&Unread> = all.iter().map(|(_, r)| &r.get().unread).collect();
+        let measured: Vec<_> = all.iter().copied().map(measured).collect();
+        let (keys, hold) = (table(keys)?, hold.map(self::hold).transpose()?);
+        let plan = py.allow_threads(|| {
+            experiment::plan_of(name, &keys, experiment::together(&unread, measured)?, hold)
+        });
+        Ok(Self { plan: Arc::new(plan.map_err(|e| raise(&e))?) })
+    }
+
+    /// Recordings whose columns are found out by names and values.
+    #[staticmethod]
+    fn of_recordings(py: Python<'_>, paths: Vec<PathBuf>, set: Vec<String>) -> PyResult<Self> {
+        let plan = py.allow_threads(|| experiment::load_recordings(&paths, &set));
         Ok(Self { plan: Arc::new(plan.map_err(|e| raise(&e))?) })
     }
 
@@ -83,7 +94,9 @@ impl Plan {
     fn fit(&self, py: Python<'_>) -> PyResult<Fit> {
         let made = py.allow_threads(|| experiment::fits(&self.plan));
         match made.into_iter().next() {
-            Some(MethodFit { fit: Ok(fit), seconds }) => Ok(Fit { fit, seconds }),
+            Some(MethodFit { fit: Ok(fit), seconds }) => {
+                Ok(Fit { fit, seconds, hold: self.plan.hold })
+            }
             Some(MethodFit { fit: Err(reason), .. }) => {
                 Err(failed(&experiment::RunError::NoFit(vec![reason])))
             }

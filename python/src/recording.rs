@@ -2,9 +2,8 @@
 
 use std::path::PathBuf;
 
-use amigo_ident::experiment::{ExperimentError, MeasuredRecording, Reading, robot_of};
+use amigo_ident::experiment::{MeasuredRecording, Reading, Unread, robot_of};
 use amigo_ident::recording::DriveUnit;
-use amigo_ident::robot::Robot;
 use amigo_ident::study::Role;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -12,10 +11,18 @@ use pyo3::types::PyBytes;
 use crate::array;
 use crate::error::{internal, raise, table, wrong};
 
-/// A checked recording.
+/// A checked recording, and where it comes from: beside others of its logger it is read again where they show more.
 #[pyclass(frozen)]
 pub(crate) struct Recording {
     pub(crate) measured: MeasuredRecording,
+    pub(crate) unread: Unread,
+}
+
+impl Recording {
+    fn of(py: Python<'_>, unread: Unread) -> PyResult<Self> {
+        let measured = py.allow_threads(|| unread.read(Role::Train)).map_err(|e| raise(&e))?;
+        Ok(Self { measured, unread })
+    }
 }
 
 fn unit(text: &str) -> PyResult<DriveUnit> {
@@ -25,11 +32,11 @@ fn unit(text: &str) -> PyResult<DriveUnit> {
         .ok_or_else(|| wrong(&format!("drive_unit = {text:?}; expected \"N m\", \"V\" or \"A\"")))
 }
 
-fn reading(columns: &str, drive_unit: &str, robot: &str) -> PyResult<Reading> {
-    let robot = table(robot)?;
-    let robot = if robot.is_empty() { Ok(Robot::amigobot()) } else { robot_of(&robot) };
-    let reading = Reading::new(robot.map_err(|e| raise(&e))?, unit(drive_unit)?);
-    reading.with_columns(&table(columns)?).map_err(|e| raise(&e))
+fn reading(columns: &str, drive_unit: &str, robot: &str, conditioning: &str) -> PyResult<Reading> {
+    let robot = robot_of(&table(robot)?).map_err(|e| raise(&e))?;
+    let reading = Reading::new(robot, unit(drive_unit)?);
+    let reading = reading.with_columns(&table(columns)?).map_err(|e| raise(&e))?;
+    reading.with_conditioning(&table(conditioning)?).map_err(|e| raise(&e))
 }
 
 #[pymethods]
@@ -42,15 +49,14 @@ impl Recording {
         columns: &str,
         unit: &str,
         robot: &str,
+        conditioning: &str,
     ) -> PyResult<Self> {
-        let reading = reading(columns, unit, robot)?;
-        let measured =
-            py.allow_threads(|| reading.file(Role::Train, &path)).map_err(|e| raise(&e))?;
-        Ok(Self { measured })
+        Self::of(py, Unread::file(reading(columns, unit, robot, conditioning)?, &path))
     }
 
     /// Takes the columns that are needed of a table: `fetch(name)` gives one as the bytes of an array of float64.
     #[staticmethod]
+    #[expect(clippy::too_many_arguments, reason = "the keywords of Python")]
     fn of_table(
         py: Python<'_>,
         name: &str,
@@ -59,17 +65,16 @@ impl Recording {
         columns: &str,
         unit: &str,
         robot: &str,
+        conditioning: &str,
     ) -> PyResult<Self> {
-        let reading = reading(columns, unit, robot)?;
+        let reading = reading(columns, unit, robot, conditioning)?;
         let needed = reading.needed(name, &names).map_err(|e| raise(&e))?;
         let mut values = Vec::with_capacity(needed.len());
         for column in needed {
             let bytes = fetch.call1((&column,))?.downcast_into::<PyBytes>()?;
             values.push((column, array::values(bytes.as_bytes())?));
         }
-        let made: Result<MeasuredRecording, ExperimentError> =
-            py.allow_threads(|| reading.table(Role::Train, name, &values));
-        Ok(Self { measured: made.map_err(|e| raise(&e))? })
+        Self::of(py, Unread::table(reading, name, values))
     }
 
     #[getter]

@@ -99,6 +99,71 @@ def test_a_fit_and_its_comparison_have_the_numbers_of_the_command_line(source, s
     assert comparison.failures.height == len(compared["failures"])
 
 
+def fitted(experiment, folder, files):
+    """The first method of the command line on files of a folder."""
+    listed = ", ".join(f'"{folder}/{name}"' for name in files)
+    text = f'[recordings]\ntrain = [{listed}]\n[[method]]\nname = "prediction_error"\n'
+    return results_of(experiment, folder, text)["methods"][0]
+
+
+def same_numbers(fit, method):
+    values = {p["symbol"]: (p["value"], p["std_error"]) for p in method["parameters"]}
+    own = zip(fit.parameters["symbol"], zip(fit.parameters["value"], fit.parameters["std_error"]))
+    assert dict(own) == values
+
+
+@pytest.mark.parametrize("source", [as_path, as_polars])
+def test_recordings_of_one_logger_are_read_together(source, experiment, slope, tmp_path):
+    """A recording too short to show the noise of its sensors has that of the long one."""
+    table = pl.read_csv(slope / "train_1.csv")
+    table.write_csv(tmp_path / "long.csv")
+    rough = np.random.default_rng(1).normal(0, 0.05, table.height)
+    table.with_columns(dalpha1=table["dalpha1"] + rough)[2000:2600].write_csv(tmp_path / "short.csv")
+    files = ["long.csv", "short.csv"]
+    taken = [source(tmp_path / name) for name in files]
+    same_numbers(ai.identify(taken), fitted(experiment, tmp_path, files))
+
+
+def test_a_held_input_is_recognised_as_by_the_command_line(experiment, slope, tmp_path):
+    """50 Hz, and the input jumps at every row."""
+    table = pl.read_csv(slope / "train_1.csv")[::4]
+    held = ai.identify(slope / "train_1.csv", hold="constant", method="weak_form")
+    t, inputs = table["t"].to_numpy(), table["M1", "M2"].to_numpy()
+    inputs = inputs + np.random.default_rng(2).normal(0, 0.1, inputs.shape)
+    alpha, dalpha = held.simulate(t, inputs)
+    noise = np.random.default_rng(3)
+    alpha, dalpha = alpha + noise.normal(0, 5e-4, alpha.shape), dalpha + noise.normal(0, 5e-3, alpha.shape)
+    columns = {"t": t, "M1": inputs[:, 0], "M2": inputs[:, 1]}
+    for i in (0, 1):
+        columns |= {f"alpha{i + 1}": alpha[:, i], f"dalpha{i + 1}": dalpha[:, i]}
+    pl.DataFrame(columns).write_csv(tmp_path / "held.csv")
+    fit = ai.identify(tmp_path / "held.csv")
+    assert fit.hold == "constant" and ai.identify(tmp_path / "held.csv", hold="linear").hold == "linear"
+    same_numbers(fit, fitted(experiment, tmp_path, ["held.csv"]))
+
+
+def test_columns_of_any_names_are_found_out_as_by_the_command_line(experiment, slope, tmp_path):
+    rpm = 60 / (2 * np.pi)
+    for k in (1, 2):
+        table = pl.read_csv(slope / f"train_{k}.csv")
+        other = {"time_ms": 1000 * table["t"]}
+        for side, i in (("right", 1), ("left", 2)):
+            other |= {f"{side}_rpm": rpm * table[f"dalpha{i}"], f"{side}_torque_Nm": table[f"M{i}"]}
+        pl.DataFrame(other).write_csv(tmp_path / f"run_{k}.csv")
+    asked = ["diagnosis.candidates=['slope']", "diagnosis.max_effects=1"]
+    paths = [tmp_path / f"run_{k}.csv" for k in (1, 2)]
+    loaded = ai.Experiment.from_recordings(paths, set=asked)
+    assert "right_rpm" in loaded.warnings[0]
+    study = loaded.run()
+    options = [word for key in asked for word in ("--set", key)]
+    ran = experiment("run_1.csv", "run_2.csv", "--quiet", *options, cwd=tmp_path)
+    assert ran.returncode == 0, ran.stderr
+    expected = json.loads((tmp_path / "reports/run_1/results.json").read_text())
+    assert without_times(study.results) == without_times(expected)
+    with pytest.raises(ai.InputError, match="none is given"):
+        ai.Experiment.from_recordings([])
+
+
 def test_an_experiment_file_gives_what_the_command_line_gives(experiment, slope, expected, tmp_path):
     file = tmp_path / "slope.toml"
     file.write_text(FILE.format(slope=slope))

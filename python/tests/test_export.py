@@ -144,6 +144,9 @@ def test_gains_are_those_of_the_equations_and_the_code_gives_the_torque_of_the_m
     assert gains["linear"]["kS"] == pytest.approx(0.5 * (values["a4"] + values["a5"]), rel=1e-6)
     assert gains["linear"]["kA"] == pytest.approx((values["a1"] + values["a2"]) / r, rel=1e-9)
     assert gains["angular"]["kA"] == pytest.approx((values["a1"] - values["a2"]) * track / 2 / r, rel=1e-9)
+    assert gains["not_identified"] == [] and gains["moment_of_inertia_kg_m2"]["value"] > 0
+    for mode in ("linear", "angular"):
+        assert 0 < gains["std_error"][mode]["kA"] < 0.1 * gains[mode]["kA"]
     code: dict = {}
     exec((folder / "feedforward.py").read_text(), code)
     right, left = code["feedforward"](0.5, 1.0, 0.0, 0.0)

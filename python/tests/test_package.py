@@ -98,6 +98,18 @@ def test_what_the_catalogue_does_not_have_is_an_effect_to_add(train):
     assert all(np.isfinite(fit[symbol]) for symbol in study.formula.parameters)
 
 
+def test_corrections_can_be_left_out(slope):
+    table = pl.read_csv(slope / "train_1.csv")
+    wrong = table.with_columns(dalpha1=pl.when(pl.int_range(pl.len()) == 900).then(400.0).otherwise("dalpha1"))
+    corrected = ai.Recording.from_frame(wrong)
+    assert abs(corrected.dalpha[900, 0]) < 50 and any("spike" in found for found in corrected.findings)
+    assert ai.Recording.from_frame(wrong, conditioning={"spikes": False}).dalpha[900, 0] == 400
+    with pytest.raises(ai.InputError, match="spike"):
+        ai.Recording.from_frame(wrong, conditioning={"spike": False})
+    with pytest.raises(ai.InputError, match="different conditioning"):
+        ai.identify([wrong, ai.Recording.from_frame(wrong, conditioning={"spikes": False})])
+
+
 def test_errors_name_what_was_found_and_what_is_expected(slope, train, fit, tmp_path):
     with pytest.raises(ai.InputError, match="no effect is called|unknown effect|did you mean `slope`"):
         ai.identify(train, effects=["slop"])
@@ -115,6 +127,8 @@ def test_errors_name_what_was_found_and_what_is_expected(slope, train, fit, tmp_
         fit.simulate([0.0, 0.0], np.zeros((2, 2)))
     with pytest.raises(ai.InputError, match=r"shape \(2, 2\)"):
         fit.simulate([0.0, 1.0], np.zeros((3, 2)))
+    with pytest.raises(ai.InputError, match=r"columns=.*from_recordings"):
+        ai.Recording.from_frame(pl.DataFrame({"time": [0.0], "dalpha1": [0.0], "dalpha2": [0.0], "M1": [0.0]}))
     with pytest.raises(ValueError):  # an InputError is one
         ai.identify([])
     still = np.zeros((200, 2))

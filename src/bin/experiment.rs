@@ -9,14 +9,19 @@ use amigo_ident::catalogue::nearest;
 use amigo_ident::experiment::{self, Done, ExportFormat, Outcome, Plan, RunOptions, Shard};
 use amigo_ident::{effects, identify};
 use clap::{CommandFactory, Parser, Subcommand};
+use clap_mangen::Man;
 use rayon::prelude::*;
+
+/// What a user types first.
+const START: &str = "experiment new LOG.csv -o my.toml; experiment my.toml";
+/// What the exit codes mean.
+const EXIT: &str = "0 done, 1 an experiment failed, 2 wrong usage, file or data";
 
 /// Identify a two-wheel robot from its logs, see where the model fails, and learn which physical
 /// effect is missing.
 #[derive(Parser)]
 #[command(name = "experiment", version, args_conflicts_with_subcommands = true)]
-#[command(after_help = "Start with: experiment new LOG.csv -o my.toml; experiment my.toml\n\
-                        Exit codes: 0 done, 1 an experiment failed, 2 wrong usage, file or data")]
+#[command(after_help = format!("Start with: {START}\nExit codes: {EXIT}"))]
 struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
@@ -208,23 +213,28 @@ fn print(text: &str) -> ExitCode {
     ExitCode::SUCCESS
 }
 
-/// The manual page of the program, followed by those of its commands.
+/// The manual page, with a section for every command.
 fn manual() -> ExitCode {
-    let mut page = Vec::new();
+    let text = |write: &dyn Fn(&mut Vec<u8>) -> std::io::Result<()>| {
+        let mut out = vec![];
+        let _ = write(&mut out); // a vector takes all that is written
+        String::from_utf8_lossy(&out).into_owned()
+    };
+    let sections = |of: &Man| {
+        text(&|out| of.render_synopsis_section(out).and_then(|()| of.render_options_section(out)))
+    };
+    let headed = |head: &str, body: &str| format!(".SH \"{head}\"\n{body}\n").replace('-', "\\-");
     let main = Cli::command();
-    let commands = main.get_subcommands().cloned().map(|c| {
-        let name = format!("experiment-{}", c.get_name());
-        c.display_name(name)
-    });
-    let mut all = std::iter::once(main.clone()).chain(commands);
-    let rendered = all.try_for_each(|c| clap_mangen::Man::new(c).render(&mut page));
-    match rendered {
-        Ok(()) => print(&String::from_utf8_lossy(&page)),
-        Err(e) => {
-            eprintln!("error: {e}");
-            ExitCode::from(FAILED)
-        }
+    let whole = Man::new(main.clone());
+    let mut page =
+        text(&|out| whole.render_title(out).and_then(|()| whole.render_name_section(out)));
+    page += &(sections(&whole) + &headed("EXAMPLE", START) + &headed("EXIT STATUS", EXIT));
+    for command in main.get_subcommands().filter(|c| c.get_name() != "help") {
+        let name = format!("experiment {}", command.get_name());
+        page += &headed(&name, &command.get_about().map(ToString::to_string).unwrap_or_default());
+        page += &sections(&Man::new(command.clone().bin_name(name))).replace(".SH ", ".SS ");
     }
+    print(&page)
 }
 
 fn print_or_complain(result: Result<String, experiment::ExperimentError>) -> ExitCode {

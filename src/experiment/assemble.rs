@@ -175,7 +175,7 @@ mod tests {
                     [diagnosis]\nmax_effects = 1";
         let read = || recordings(&["train_1"], &["validation"]);
         let by_keys =
-            plan_of("mine", &toml::from_str(keys).unwrap(), read(), Hold::Linear).unwrap();
+            plan_of("mine", &toml::from_str(keys).unwrap(), read(), Some(Hold::Linear)).unwrap();
         let method = WeakForm { half_width_s: Some(0.24), ..WeakForm::default() };
         let options = PlanOptions {
             methods: vec![MethodPlan::new(method)],

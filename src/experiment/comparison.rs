@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::error::RunError;
@@ -10,6 +9,7 @@ use super::fits::MethodFit;
 use super::plan::{MeasuredRecording, MethodPlan, Plan};
 use crate::compare::{Floor, angle_rms, ise, noise_floor, simulate_recording, window_rms};
 use crate::identify::{Fit, IdentifyError};
+use crate::math::correlations;
 use crate::recording::Recording;
 use crate::robot::{State, kinematics};
 use crate::simulate::{Dynamics, PhysicalDynamics, SimulateError, Structure, emulate};
@@ -156,12 +156,6 @@ fn method_study(
         performance: plan.recordings.iter().map(on).collect::<Result<_, _>>()?,
         ..nothing
     })
-}
-
-fn correlations(covariance: &DMatrix<f64>) -> Vec<Vec<f64>> {
-    let n = covariance.nrows();
-    let scale: Vec<f64> = (0..n).map(|j| covariance[(j, j)].sqrt()).collect();
-    (0..n).map(|i| (0..n).map(|j| covariance[(i, j)] / (scale[i] * scale[j])).collect()).collect()
 }
 
 fn performance(

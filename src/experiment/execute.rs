@@ -103,9 +103,13 @@ pub fn load(file: &Path, set: &[String]) -> Result<Plan, ExperimentError> {
 ///
 /// # Errors
 /// Recordings that cannot be read, and questions that only the user can answer.
-fn load_recordings(recordings: &[PathBuf], set: &[String]) -> Result<Plan, ExperimentError> {
+pub fn load_recordings(recordings: &[PathBuf], set: &[String]) -> Result<Plan, ExperimentError> {
+    let Some(first) = recordings.first() else {
+        let message = "none is given; at least one is needed to fit".into();
+        return Err(ExperimentError::Meaning { file: "recordings".into(), message });
+    };
     let draft = super::new_file::draft(recordings, Path::new(""))?;
-    let file = recordings[0].file_stem().map_or_else(|| "experiment".into(), PathBuf::from);
+    let file = first.file_stem().map_or_else(|| "experiment".into(), PathBuf::from);
     let file = file.with_extension("toml");
     let name = file.display().to_string();
     if draft.is_open && ExperimentFile::parse(&name, &draft.text, set).is_err() {
@@ -116,7 +120,7 @@ fn load_recordings(recordings: &[PathBuf], set: &[String]) -> Result<Plan, Exper
             out: None,
         };
         return Err(ExperimentError::Meaning {
-            file: typed(&recordings[0]),
+            file: first.display().to_string(),
             message: format!(
                 "the columns do not determine everything that is needed.\n{}Answer it in a file: {}",
                 draft.words,

@@ -10,7 +10,9 @@ use super::execute::load;
 use super::fitted::{FittedModel, FittedModels};
 use super::overlay::{Overlay, overlay};
 use super::plan::Plan;
-use crate::export::{Gains, Identified, Operation, Simulator, gains_files, mjcf, urdf_sdf};
+use crate::export::{
+    GainErrors, Gains, Identified, Operation, Simulator, gains_files, mjcf, urdf_sdf,
+};
 use crate::identify::Estimate;
 use crate::io::{
     ResultFolder, TableColumn, make_folder, write_csv_table, write_mcap_table, write_parquet_table,
@@ -158,8 +160,11 @@ impl<'a> Robot<'a> {
             ExportFormat::Urdf => simulator(urdf_sdf(&it, self.operation.time)),
             ExportFormat::Gains => {
                 let gains = Gains::of(it.model, it.values, &self.operation);
+                let errors =
+                    GainErrors::of(it.model, it.values, &self.fitted.covariance, &self.operation);
                 let left_out = gains.left_out.clone();
-                (gains_files(&it, &gains, &self.operation), left_out, vec![])
+                let notes = errors.not_identified(&gains, it.drive_unit);
+                (gains_files(&it, &gains, &errors, &self.operation), left_out, notes)
             }
             ExportFormat::Csv | ExportFormat::Parquet | ExportFormat::Mcap => {
                 return (vec![], vec![]);
@@ -271,11 +276,18 @@ fn last_run(plan: &Plan, out: &Path) -> Result<FittedModels, ExperimentError> {
     let found = listed(&diagnosis["found"]).filter_map(|id| id.as_str().map(str::to_owned));
     let found: Vec<String> = found.collect();
     let with: Vec<Estimate> = listed(&diagnosis["parameters"]).map(estimate).collect();
-    let of = |added: &[String], values: &[Estimate], method: &str| {
-        FittedModel::new(plan, added, values, method).map_err(|e| wrong(e.to_string()))
+    let fitted = listed(&results["methods"]).find(|m| m["method"].as_str() == Some(method));
+    let fitted = fitted.unwrap_or(&Value::Null);
+    let combinations: Vec<Combination> = listed(&fitted["combinations"])
+        .filter_map(|c| serde_json::from_value(c.clone()).ok())
+        .collect();
+    let of = |added: &[String], values: &[Estimate], from: &Value, method: &str| {
+        let correlations = matrix(&from["correlations"]);
+        FittedModel::new(plan, added, values, (&correlations, &combinations), method)
+            .map_err(|e| wrong(e.to_string()))
     };
-    let given = of(&[], &given, method)?.ok_or_else(missing)?;
-    let found = if found.is_empty() { None } else { of(&found, &with, "diagnosis")? };
+    let given = of(&[], &given, fitted, method)?.ok_or_else(missing)?;
+    let found = if found.is_empty() { None } else { of(&found, &with, diagnosis, "diagnosis")? };
     Ok(FittedModels { given, found })
 }
 
@@ -295,6 +307,12 @@ fn changed_since(plan: &Plan, folder: &ResultFolder, results: &Value) -> Option<
 /// The entries of a list; empty for other values.
 fn listed(value: &Value) -> impl Iterator<Item = &Value> {
     value.as_array().into_iter().flatten()
+}
+
+/// Rows of numbers; what is none is NaN.
+fn matrix(value: &Value) -> Vec<Vec<f64>> {
+    let row = |row: &Value| listed(row).map(|x| x.as_f64().unwrap_or(f64::NAN)).collect();
+    listed(value).map(row).collect()
 }
 
 /// A parameter as `model.json` and `results.json` write it.

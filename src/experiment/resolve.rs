@@ -68,7 +68,8 @@ pub(super) fn resolve_with(
 }
 
 /// The experiment described by a file with these `keys`, on recordings that are already read.
-/// `name` replaces that of the file; `[recordings]` and `[simulation]` are not allowed among the keys.
+/// `name` replaces that of the file; `[recordings]` and `[simulation]` are not allowed among the keys. `hold` is the input
+/// between the rows; `None` determines it from the data, like a file without `recordings.hold`.
 ///
 /// # Errors
 /// Errors in the keys.
@@ -76,11 +77,11 @@ pub(super) fn resolve_with(
 /// # Examples
 /// ```
 /// use amigo_ident::experiment::{Reading, compare, fits, plan_of};
-/// use amigo_ident::{recording::DriveUnit, robot::Robot, simulate::Hold, study::Role};
+/// use amigo_ident::{recording::DriveUnit, robot::Robot, study::Role};
 /// let reading = Reading::new(Robot::amigobot(), DriveUnit::NewtonMetre);
 /// let train = reading.file(Role::Train, "recordings/simulated_3d/slope/train_1.csv".as_ref())?;
 /// let keys = toml::from_str("model.effects = [\"slope\"]\nmethod = [{ name = \"weak_form\" }]")?;
-/// let plan = plan_of("slope", &keys, vec![train], Hold::Linear)?;
+/// let plan = plan_of("slope", &keys, vec![train], None)?;
 /// let comparison = compare(&plan, &fits(&plan))?;
 /// let (judged, weak_form) = (comparison.judged(), &comparison.methods[0]);
 /// assert!(judged.window_rms(&weak_form.performance) < 2.0 * judged.floor());
@@ -90,7 +91,7 @@ pub fn plan_of(
     name: &str,
     keys: &Table,
     recordings: Vec<MeasuredRecording>,
-    hold: Hold,
+    hold: Option<Hold>,
 ) -> Result<Plan, ExperimentError> {
     let wrong = |message: String| ExperimentError::Meaning { file: name.into(), message };
     for key in ["recordings", "simulation", "grid"] {
@@ -101,7 +102,7 @@ pub fn plan_of(
     let file = ExperimentFile::from_table(keys).map_err(wrong)?;
     file.check_keys(name)?;
     let text = toml::to_string(keys).map_err(|e| wrong(e.to_string()))?;
-    let source = Source { hold: Some(hold), ..Source::given(recordings) };
+    let source = Source { hold, ..Source::given(recordings) };
     plan(Path::new(name), &text, &file, |_, _| Ok(source)).map_err(|e| e.of(name))
 }
 

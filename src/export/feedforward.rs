@@ -3,19 +3,26 @@
 use serde_json::{Value, json};
 
 use super::document::Identified;
+use super::gain_errors::GainErrors;
 use super::gains::{Gains, Operation};
 use crate::recording::DriveUnit;
 
 /// `gains.json`, and the feed-forward as code: `feedforward.c`, `feedforward.py`, `Feedforward.java`.
 #[must_use]
-pub fn gains_files(it: &Identified, gains: &Gains, operation: &Operation) -> Vec<(String, String)> {
-    let data = serde_json::to_string_pretty(&json(it, gains, operation)).unwrap_or_default() + "\n";
+pub fn gains_files(
+    it: &Identified,
+    gains: &Gains,
+    errors: &GainErrors,
+    operation: &Operation,
+) -> Vec<(String, String)> {
+    let data = json(it, gains, errors, operation);
+    let data = serde_json::to_string_pretty(&data).unwrap_or_default() + "\n";
     let mut files = vec![("gains.json".to_owned(), data)];
-    files.extend(code(it, gains));
+    files.extend(code(it, gains, errors));
     files
 }
 
-fn json(it: &Identified, gains: &Gains, operation: &Operation) -> Value {
+fn json(it: &Identified, gains: &Gains, errors: &GainErrors, operation: &Operation) -> Value {
     let robot = it.model.robot();
     let (c, unit) = (&robot.construction, it.drive_unit.symbol());
     let (r, l1) = (robot.r(), robot.l1());
@@ -27,6 +34,18 @@ fn json(it: &Identified, gains: &Gains, operation: &Operation) -> Value {
         2.0 * (l1 / r).powi(2) * gains.wheel_turning.ka
     } else {
         mass * l1 * l1 * ratio
+    };
+    let [straight, turning] = errors.shows_inertia(gains);
+    let (inertia, source) = match (turning && (torque || straight), torque) {
+        (false, _) => (None, "not identified by these recordings".to_owned()),
+        (true, true) => {
+            let words = "identified; about the middle of the axle, wheels and rotors reflected";
+            (Some(inertia), words.to_owned())
+        }
+        (true, false) => {
+            let words = "identified ratio of angular to linear kA, times a mass of";
+            (Some(inertia), format!("{words} {mass} kg of the construction data"))
+        }
     };
     json!({
         "experiment": it.experiment,
@@ -44,11 +63,9 @@ fn json(it: &Identified, gains: &Gains, operation: &Operation) -> Value {
         "wheel_radius_m": { "value": r, "source": "construction data" },
         "track_width_m": { "value": 2.0 * l1,
             "source": "construction data: recordings of the wheels alone do not identify it" },
-        "moment_of_inertia_kg_m2": { "value": inertia, "source": if torque {
-            "identified; about the middle of the axle, wheels and rotors reflected".to_owned()
-        } else {
-            format!("identified ratio of angular to linear kA, times a mass of {mass} kg of the construction data")
-        } },
+        "moment_of_inertia_kg_m2": { "value": inertia, "source": source },
+        "std_error": { "linear": errors.linear, "angular": errors.angular },
+        "not_identified": errors.not_identified(gains, it.drive_unit),
         "dead_time_s": gains.dead_time,
         "control_period_s": operation.period,
         "top_speed_rad_s": operation.top_speed,
@@ -59,17 +76,17 @@ fn json(it: &Identified, gains: &Gains, operation: &Operation) -> Value {
 }
 
 /// `feedforward.c`, `feedforward.py` and `Feedforward.java` (WPILib).
-fn code(it: &Identified, gains: &Gains) -> Vec<(String, String)> {
+fn code(it: &Identified, gains: &Gains, errors: &GainErrors) -> Vec<(String, String)> {
     [
         ("feedforward.c", include_str!("frame/feedforward.c"), "//"),
         ("feedforward.py", include_str!("frame/feedforward.py"), "#"),
         ("Feedforward.java", include_str!("frame/Feedforward.java"), "//"),
     ]
-    .map(|(name, frame, sign)| (name.to_owned(), filled(frame, sign, it, gains)))
+    .map(|(name, frame, sign)| (name.to_owned(), filled(frame, sign, it, gains, errors)))
     .into()
 }
 
-fn filled(frame: &str, sign: &str, it: &Identified, gains: &Gains) -> String {
+fn filled(frame: &str, sign: &str, it: &Identified, gains: &Gains, errors: &GainErrors) -> String {
     let robot = it.model.robot();
     let unit = it.drive_unit.symbol();
     let mut header = vec![
@@ -82,6 +99,7 @@ fn filled(frame: &str, sign: &str, it: &Identified, gains: &Gains) -> String {
     let left =
         gains.left_out.iter().map(|l| format!("Not in the gains: {}: {}.", l.effect, l.reason));
     header.extend(left);
+    header.extend(errors.not_identified(gains, it.drive_unit));
     let header: Vec<String> = header
         .iter()
         .map(|line| format!("{sign} {}", line.replace(['\n', '\r', '\\'], " ")))

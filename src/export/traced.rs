@@ -78,15 +78,18 @@ pub fn trace(model: &Model, p: &[f64]) -> Result<Traced, Vec<Obstacle>> {
     let every: Vec<usize> = (0..model.effects().len()).collect();
     let memory = |kind: Memory| every.iter().copied().find(|&e| memory(model, e, p) == Some(kind));
     let (lag, delay) = (memory(Memory::Lag), memory(Memory::Delay));
-    // indices of the first and the last effect that is a lag or a delay
-    let (from, to) = span(model, p).unwrap_or((every.len(), every.len()));
+    // a delay commutes with a lag and with what changes the input at one instant, so that only the place of the lag counts
+    let place = lag.or(delay).unwrap_or(every.len());
+    let others = |e: &usize| Some(*e) != lag && Some(*e) != delay;
+    let (before, behind): (Vec<usize>, Vec<usize>) =
+        every.iter().copied().filter(others).partition(|e| *e < place);
     let parameter = |e: usize| model.slots(e).start;
     Ok(Traced {
         terms: formula(model, p, |x| numbers(&x.separated().wheel)),
         body: formula(model, p, |x| x.separated().body.map_or(vec![], |b| b.rates.to_vec())),
         fastest: formula(model, p, |x| vec![x.separated().body.map_or(0.0.into(), |b| b.fastest)]),
-        input: input(model, 0..from, p),
-        behind: input(model, to + 1..every.len(), p),
+        input: input(model, &before, p),
+        behind: input(model, &behind, p),
         lag: lag.map(parameter),
         delay: delay.map(parameter),
     })
@@ -122,31 +125,18 @@ fn memory(model: &Model, e: usize, p: &[f64]) -> Option<Memory> {
     Some(if rise[25][0] > 0.1 { Memory::Lag } else { Memory::Delay })
 }
 
-/// Indices of the first and the last effect that is a lag or a delay.
-fn span(model: &Model, p: &[f64]) -> Option<(usize, usize)> {
-    let mut remember = (0..model.effects().len()).filter(|&e| memory(model, e, p).is_some());
-    let first = remember.next()?;
-    Some((first, remember.next_back().unwrap_or(first)))
-}
-
 /// Why effect number `e` cannot be exported, if it cannot.
 fn obstacle(model: &Model, e: usize, p: &[f64]) -> Option<&'static str> {
     let terms = formula(model, p, |x| {
         let coupling = x.coupling(e).map(|c| vec![c.rotor, c.stiffness, c.damping]);
         [numbers(&x.sum([e], &x.motion)), coupling.unwrap_or_default()].concat()
     });
-    let input = input(model, e..e + 1, p);
+    let input = input(model, &[e], p);
     if memory(model, e, p).is_some() {
         return None;
     }
     if input.depends_on(0) || input.depends_on(1) {
         return Some("the torque that acts depends on earlier torques, and by no lag or delay");
-    }
-    let between = span(model, p).is_some_and(|(first, last)| (first..last).contains(&e));
-    if between && model.effects()[e].acts_on_input() {
-        return Some(
-            "it acts on the input between a lag and a delay; place it before or after both",
-        );
     }
     if terms.read || input.read {
         return Some("its equation branches on a value");
@@ -230,11 +220,11 @@ fn formula(model: &Model, p: &[f64], f: impl Fn(&Place) -> Vec<Symbol>) -> Formu
 }
 
 /// Two samples are given, so that a dependence on the first is visible in the second.
-fn input(model: &Model, effects: std::ops::Range<usize>, p: &[f64]) -> Formula {
+fn input(model: &Model, effects: &[usize], p: &[f64]) -> Formula {
     record(&[&RECORDED, p].concat(), |x| {
         let (m, p) = x.split_at(TORQUES);
         let mut m: Vec<[Symbol; 2]> = vec![[m[0], m[1]], [m[2], m[3]]];
-        for e in effects.clone() {
+        for &e in effects {
             let effect: &dyn Effect = &*model.effects()[e];
             if let Some(changed) = effect.input_symbolic(&[0.0, 0.01], &m, &p[model.slots(e)]) {
                 m = changed;
@@ -351,6 +341,8 @@ mod tests {
         assert_eq!(limited(&[limit, lag, delay]), Ok((true, false)));
         assert_eq!(limited(&[lag, delay, limit]), Ok((false, true)));
         assert_eq!(limited(&[lag, limit]), Ok((false, true)));
-        assert_eq!(limited(&[lag, limit, delay]).unwrap_err()[0].effect, limit);
+        // the delay commutes with the limit, the lag does not
+        assert_eq!(limited(&[lag, limit, delay]), Ok((false, true)));
+        assert_eq!(limited(&[delay, limit, lag]), Ok((true, false)));
     }
 }

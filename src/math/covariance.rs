@@ -82,6 +82,14 @@ pub fn raise_errors(covariance: &mut DMatrix<f64>, errors: &DVector<f64>) {
     covariance.component_mul_assign(&(&stretch * stretch.transpose()));
 }
 
+/// Correlations of a covariance, row by row: `C_ij / sqrt(C_ii C_jj)`, no number where a variance is zero or infinite.
+#[must_use]
+pub fn correlations(covariance: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    let n = covariance.nrows();
+    let scale: Vec<f64> = (0..n).map(|j| covariance[(j, j)].sqrt()).collect();
+    (0..n).map(|i| (0..n).map(|j| covariance[(i, j)] / (scale[i] * scale[j])).collect()).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::least_squares::fit;

@@ -31,7 +31,7 @@ mod symbol;
 
 pub use banded::BandedCholesky;
 pub(crate) use correlation::correlation;
-pub use covariance::{clustered_covariance, raise_errors, sandwich};
+pub use covariance::{clustered_covariance, correlations, raise_errors, sandwich};
 pub use descent::{MinimiseOptions, Minimum, MinimumStatus, Quadratic, minimise};
 pub use error::MathError;
 pub use expression::{Expression, ExpressionError};

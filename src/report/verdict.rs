@@ -183,6 +183,7 @@ mod tests {
             differs: None,
             dependence: None,
             parameters: vec![],
+            correlations: vec![],
             ranking: vec![],
             staircase: vec![],
             next: vec![],

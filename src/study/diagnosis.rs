@@ -99,6 +99,8 @@ pub struct DiagnosisStudy {
     pub dependence: Option<DependenceStudy>,
     /// Parameters of the last model: that of the experiment with all effects found.
     pub parameters: Vec<ParameterStudy>,
+    /// Correlations of these estimates, row by row.
+    pub correlations: Vec<Vec<f64>>,
     /// Candidates of the first step, in the order of their ranking.
     pub ranking: Vec<CandidateStudy>,
     /// Error after each effect found.

@@ -60,6 +60,21 @@ pub struct MethodStudy {
     pub fuzzy: Option<FuzzyStudy>,
 }
 
+/// `first + weight second` with its standard error, in the unit of both parameters.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Combination {
+    /// Symbol of the first parameter.
+    pub first: String,
+    /// Symbol of the second parameter.
+    pub second: String,
+    /// Factor of the second parameter.
+    pub weight: f64,
+    /// Estimate of the combination.
+    pub value: f64,
+    /// Its standard error.
+    pub std_error: f64,
+}
+
 impl MethodStudy {
     /// A method without results, with its name, title, options and wall time \[s\].
     #[must_use]
@@ -92,16 +107,30 @@ impl MethodStudy {
         (stalled || nothing) && !self.gives_combination()
     }
 
+    /// Combinations of two parameters that are identifiable where neither of the two is.
+    #[must_use]
+    pub fn combinations(&self) -> Vec<Combination> {
+        let of = |note: &Note| match note {
+            Note::Unknown {
+                unknown: Unknown::Two { first, second, weight, value, std_error },
+                ..
+            } => Some(Combination {
+                first: first.clone(),
+                second: second.clone(),
+                weight: *weight,
+                value: *value,
+                std_error: *std_error,
+            }),
+            _ => None,
+        };
+        self.notes.iter().filter_map(of).collect()
+    }
+
     /// Whether a combination of the inertias is identifiable, as on straight runs, or sums over both wheels, as for a
     /// single axis.
     fn gives_combination(&self) -> bool {
-        self.notes.iter().any(|note| match note {
-            Note::Unknown { unknown: Unknown::Two { first, second, .. }, .. } => {
-                [first, second] == ["a1", "a2"]
-            }
-            Note::SingleAxis(_) => true,
-            _ => false,
-        })
+        let single_axis = self.notes.iter().any(|note| matches!(note, Note::SingleAxis(_)));
+        single_axis || self.combinations().iter().any(|c| [&c.first, &c.second] == ["a1", "a2"])
     }
 }
 

@@ -21,7 +21,7 @@ pub use formula::{Coefficient, FormulaStudy};
 pub use grouped::grouped;
 pub use invocation::{Invocation, shell_word};
 pub use judged::Judged;
-pub use method::{FuzzyStudy, MethodStudy, Performance};
+pub use method::{Combination, FuzzyStudy, MethodStudy, Performance};
 pub use model::{
     FAR_BELOW_FLOOR, FoundEffect, Grade, ModelStudy, ParameterStudy, UnprovenEffect, parameters_of,
 };

@@ -9,6 +9,7 @@ use crate::diagnose::{
     difference, likely, withheld,
 };
 use crate::filter::{Likelihood, prepare};
+use crate::math::correlations;
 use crate::recording::Recording;
 use crate::simulate::{Hold, SimulateError};
 use crate::study::{
@@ -137,6 +138,7 @@ impl<'a> Concluded<'a> {
             differs: self.differs.clone(),
             dependence,
             parameters: parameters_of(diagnosis.last(), logging.unit),
+            correlations: correlations(&diagnosis.last().covariance),
             ranking: ranking(diagnosis, judge, self.before)?,
             staircase: staircase(diagnosis, judge, self.before)?,
             next,

@@ -1,5 +1,9 @@
 //! The written functions, run by their own interpreters, against the program.
 
+use std::sync::Arc;
+
+use amigo_ident::effects::{Description, Energy, Motion, ParameterSpec, Physics, Terms};
+use amigo_ident::math::Real;
 use amigo_ident::model::Model;
 use amigo_ident::robot::Robot;
 
@@ -97,18 +101,48 @@ fn the_javascript_function_moves_as_the_program_does() {
     }
 }
 
+/// Friction whose equation is another above a speed.
+struct Branching;
+
+impl Physics for Branching {
+    fn description(&self) -> Description {
+        Description {
+            id: "branching".into(),
+            title: "Branching friction".into(),
+            equation: "k_b above 1 rad/s".into(),
+            cause: String::new(),
+            signature: String::new(),
+            excitation: String::new(),
+            equivalent: vec![],
+        }
+    }
+
+    fn parameters(&self) -> Vec<ParameterSpec> {
+        vec![ParameterSpec::linear("k_b", "size", "N m", (0.0, 1.0), 0.01)]
+    }
+
+    fn energy(&self) -> Energy {
+        Energy::Dissipates
+    }
+
+    fn terms<T: Real>(&self, x: &Motion<T>, p: &[T]) -> Terms<T> {
+        let torque = if x.omega[0].value() > 1.0 { p[0] } else { T::from(0.0) };
+        Terms { torque: [torque, torque], ..Terms::zero() }
+    }
+}
+
 #[test]
 fn a_model_that_is_no_function_is_written_as_data_with_the_reason() {
-    let ids = ["viscous_friction", "actuator_lag", "torque_saturation", "actuator_delay"];
-    let model = Model::with_effects(Robot::amigobot(), &ids).unwrap();
+    let base = Model::with_effects(Robot::amigobot(), &["viscous_friction"]).unwrap();
+    let model = base.add_effect(Arc::new(Branching)).unwrap();
     let written = written(&model);
     assert_eq!(written.len(), 1);
     let data: serde_json::Value = serde_json::from_str(&written[0].1).unwrap();
     assert_eq!((&data["schema"], &data["exported"]), (&1.into(), &false.into()));
     let obstacles = data["obstacles"].as_array().unwrap();
     let effects: Vec<&str> = obstacles.iter().map(|o| o["effect"].as_str().unwrap()).collect();
-    assert_eq!(effects, &ids[2..3]);
-    assert!(obstacles[0]["reason"].as_str().unwrap().contains("between a lag and a delay"));
+    assert_eq!(effects, ["branching"]);
+    assert!(obstacles[0]["reason"].as_str().unwrap().contains("branches on a value"));
     assert_eq!(data["effects"][3]["parameters"][0]["symbol"], "b");
     assert_eq!(data["effects"][0]["parameters"][0]["std_error"], 1e-3);
     assert_eq!(data["robot"]["construction"]["r_m"], Robot::amigobot().r());
@@ -124,7 +158,7 @@ fn every_effect_of_the_catalogue_is_written() {
 }
 
 #[test]
-fn an_experiment_leaves_the_model_and_takes_back_functions_that_no_longer_hold() {
+fn an_experiment_leaves_the_model_and_takes_back_what_no_longer_holds() {
     let folder = Folder::new();
     folder.write("run.csv", csv(&motion()));
     let functions = ["model.py", "model.m", "model.c", "model.mo", "model.js"];
@@ -142,13 +176,11 @@ fn an_experiment_leaves_the_model_and_takes_back_functions_that_no_longer_hold()
         read("report.html").contains("model.json, model.py, model.m, model.c, model.mo, model.js")
     );
 
-    let between = "[\"actuator_lag\", \"torque_saturation\", \"actuator_delay\"]";
-    folder.write("small.toml", on("run.csv") + &format!("\n[model]\neffects = {between}\n"));
+    // a fuzzy system is no model of the robot's parameters
+    folder.write("small.toml", on("run.csv").replace("prediction_error", "fuzzy_least_squares"));
     folder.run(&["small.toml"]).says(0, &[]);
-    let data: serde_json::Value = serde_json::from_str(&read("model.json")).unwrap();
-    assert_eq!(data["exported"], false);
-    assert!(!functions.iter().any(|name| folder.has(&format!("reports/small/{name}"))));
-    assert!(read("report.html").contains("not written as a function (torque_saturation: "));
+    assert!(!folder.has("reports/small/model.json"));
+    assert!(read("model.py").contains("method fuzzy_least_squares"));
 }
 
 #[test]

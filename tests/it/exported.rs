@@ -3,7 +3,7 @@
 use std::process::Command;
 use std::sync::Arc;
 
-use amigo_ident::effects::{Custom, CustomDefinition, Motion, ParameterSpec, Terms};
+use amigo_ident::effects::{self, Custom, CustomDefinition, Motion, ParameterSpec, Terms};
 use amigo_ident::export::{FuzzyIdentified, Identified, files, fuzzy_files};
 use amigo_ident::model::Model;
 use amigo_ident::recording::DriveUnit;
@@ -30,10 +30,10 @@ const EFFECTS: [&str; 17] = [
     "wheel_radius_mismatch",
     "lateral_com",
     "torque_gain",
-    "torque_saturation",
     "actuator_lag",
+    // behind the lag, where the order matters; a delay commutes with it
+    "torque_saturation",
     "actuator_delay",
-    // behind the lag, where its order matters
     "backlash_deadzone",
 ];
 
@@ -51,6 +51,17 @@ pub(crate) fn model() -> Model {
     };
     let custom = Custom::new("odd_drag", definition).unwrap();
     Model::with_effects(Robot::amigobot(), &EFFECTS).unwrap().add_effect(Arc::new(custom)).unwrap()
+}
+
+/// The effects of the catalogue that no other of these models has.
+fn others() -> Model {
+    let base = Model::base(Robot::amigobot());
+    let known = [base.effect_ids(), EFFECTS.map(String::from).to_vec()].concat();
+    let left =
+        effects::all().into_iter().map(|effect| effect.id()).filter(|id| !known.contains(id));
+    // two second bodies cannot be in one model
+    left.filter(|id| !matches!(id.as_str(), "wheel_slip" | "compliance"))
+        .fold(base, |model, id| model.add(&id).unwrap())
 }
 
 /// Two-mass drivetrains with effects on wheels, body and input; the slip relaxes within 0.3 ms, which takes
@@ -92,7 +103,7 @@ pub(crate) enum Exported {
 pub(crate) fn models() -> Vec<Exported> {
     let physical = std::iter::once(model()).chain(two_mass()).map(Exported::Physical);
     let fuzzy = [Consequents::Constant, Consequents::Affine].map(fuzzy).map(Exported::Fuzzy);
-    physical.chain(fuzzy).collect()
+    physical.chain(fuzzy).chain([Exported::Physical(others())]).collect()
 }
 
 impl Exported {

@@ -254,6 +254,21 @@ fn the_catalogues_list_all_and_tell_one_in_full() {
 }
 
 #[test]
+fn the_manual_page_has_one_title_and_every_command_with_its_options() {
+    let folder = Folder::new();
+    let page = folder.run(&["man"]);
+    let commands = ["new", "run", "add", "check", "export", "merge", "effects", "methods"];
+    let heads = commands.map(|c| format!(".SH \"experiment {c}\""));
+    let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
+    page.says(0, &[&heads[..], &["EXIT STATUS", ".SS OPTIONS", "experiment new"]].concat());
+    let titles: Vec<&str> = page.out.lines().filter(|line| line.starts_with(".TH")).collect();
+    assert!(titles.len() == 1 && titles[0].starts_with(".TH experiment 1"), "{titles:?}");
+    for shell in ["bash", "zsh", "fish"] {
+        folder.run(&["completions", shell]).says(0, &["export", "completions"]);
+    }
+}
+
+#[test]
 fn new_writes_a_file_that_check_accepts_and_that_is_never_overwritten() {
     let folder = Folder::new();
     folder.write("a.csv", csv(&motion())).write("b.csv", csv(&motion()));

@@ -131,7 +131,7 @@ fn the_modelica_model_moves_in_rumoca_as_the_program_does() {
     }
     // it interprets: the slip, which takes several parts a step, and affine rules would take minutes
     let models = models();
-    for model in [&models[0], &models[2], &models[3]] {
+    for model in [&models[0], &models[2], &models[3], &models[5]] {
         let folder = prepared(model, "test.mo", &modelica());
         folder.write("main.py", RUMOCA);
         run(&folder, "python3", &["main.py"]);

@@ -9,7 +9,7 @@ use super::logger::{EXACT, Exact};
 use super::robots::Machine;
 
 /// Effects of the catalogue that may be hidden; of effects with equal equations only one.
-pub const EFFECTS: [&str; 24] = [
+pub const EFFECTS: [&str; 25] = [
     "viscous_friction",
     "viscous_friction_1",
     "viscous_friction_2",
@@ -34,6 +34,7 @@ pub const EFFECTS: [&str; 24] = [
     "load_transfer_friction",
     "wheel_slip",
     "compliance",
+    "sliding_caster",
 ];
 
 /// Effects outside the catalogue.
@@ -143,6 +144,7 @@ pub fn values(
         "turning_scrub" => vec![("f_t", torque)],
         "yaw_viscous" => vec![("d_y", torque / extent.turning)],
         "caster_drag" => vec![("f_c", torque)],
+        "sliding_caster" => vec![("f_k", torque), ("d_k", rng.random_range(0.6..1.6))],
         // not farther to the side than a quarter of the smallest inertia
         "lateral_com" => {
             vec![("m", side * (torque / extent.acceleration).min(0.25 * smallest))]

@@ -84,6 +84,8 @@ struct Resistance {
     caster: f64,
     /// [g_c, g_s]
     slope: [f64; 2],
+    /// [f_k, d_k]
+    sliding: [f64; 2],
 }
 
 impl Resistance {
@@ -107,6 +109,7 @@ impl Resistance {
             yaw: of("d_y"),
             caster: of("f_c"),
             slope: [of("g_c"), of("g_s")],
+            sliding: [of("f_k"), of("d_k")],
         }
     }
 }
@@ -180,8 +183,9 @@ impl Mechanics {
     /// The fastest rate of the equations [1/s]: friction near rest, or the link.
     pub fn rate(&self) -> f64 {
         let h = &self.resistance;
-        let level =
-            self.level[0].max(self.level[1]) + h.sticky + h.warm + 2.0 * (h.scrub + h.caster);
+        let [slide, distance] = h.sliding;
+        let shared = h.scrub + h.caster + slide * (1.0 + distance * distance);
+        let level = self.level[0].max(self.level[1]) + h.sticky + h.warm + 2.0 * shared;
         let (r, l) = (self.radius[1], self.half_track);
         let turning = self.yaw + self.frame * self.behind.powi(2) + 2.0 * self.wheel * l * l;
         let straight = 0.5 * r * r * (self.frame + 2.0 * self.wheel);
@@ -234,6 +238,19 @@ impl Mechanics {
         [-pull * mass * away.cos(), -pull * self.frame * self.behind * away.sin()]
     }
 
+    /// Force along the heading [N] and torque about A [N m] of a caster that slides behind the axle, against its velocity.
+    fn slide(&self, v: f64, b: f64) -> [f64; 2] {
+        let [level, share] = self.resistance.sliding;
+        if level == 0.0 {
+            return [0.0; 2];
+        }
+        // f_k = F r/2; the contact moves at (v, -distance b)
+        let (force, distance) = (2.0 * level / self.radius[0], share * self.half_track);
+        let across = distance * b;
+        let speed = v.hypot(across).hypot(self.width * self.radius[0]);
+        [-force * v / speed, -force * distance * across / speed]
+    }
+
     /// Rates of the state under motor torques [N m].
     pub fn rates(&self, t: f64, y: &State, motor: [f64; 2]) -> State {
         let (v, b, l) = (y[V], y[B], self.half_track);
@@ -264,10 +281,10 @@ impl Mechanics {
         let (n, d, e, l) = (self.frame, self.behind, self.right, self.half_track);
         let [r1, r2] = self.radius;
         let (i1, i2) = (spin / (r1 * r1), spin / (r2 * r2));
-        let [pull, twist] = self.weight(heading);
+        let ([pull, twist], [drag, back]) = (self.weight(heading), self.slide(v, b));
         let [f1, f2] = [passed[0] / r1, passed[1] / r2];
-        let along = f1 + f2 + pull - n * d * b * b;
-        let about = l * (f1 - f2) + twist + n * d * v * b;
+        let along = f1 + f2 + pull + drag - n * d * b * b;
+        let about = l * (f1 - f2) + twist + back + n * d * v * b;
         let m = n + 2.0 * self.wheel + i1 + i2;
         let cross = n * e + l * (i1 - i2);
         let j = self.yaw + n * (d * d + e * e) + l * l * (2.0 * self.wheel + i1 + i2);

@@ -204,6 +204,7 @@ fn diagnosis() -> DiagnosisStudy {
         differs: None,
         dependence: None,
         parameters: vec![],
+        correlations: vec![],
         found: vec!["turning_scrub".to_owned()],
         ranking: vec![
             candidate("turning_scrub", 1.0, 0.05),
