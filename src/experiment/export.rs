@@ -19,6 +19,7 @@ use crate::io::{
     write_whole,
 };
 use crate::recording::Recording;
+use crate::study::Combination;
 
 /// A format of `experiment export`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -23,7 +23,7 @@ pub(super) fn what_if(
     };
     let method =
         if diagnosis.is_some() { "diagnosis" } else { &comparison.reference_method().name };
-    let fitted = FittedModel::new(plan, found, &estimates, &[], method).ok()??;
+    let fitted = FittedModel::new(plan, found, &estimates, (&[], &[]), method).ok()??;
     let performances = plan.recordings.iter().zip(&last.performance);
     Some(WhatIfStudy {
         script: script(plan, &fitted),
