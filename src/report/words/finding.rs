@@ -38,6 +38,13 @@ fn words(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> (S
             format!("{name} has a value in {:.1} % of the rows", percent(share)),
             "each value is held until the next".into(),
         ),
+        Kind::SlowPair { share } => (
+            format!(
+                "{name} has a new value in {:.1} % of the rows, less often than the other sensor of the wheel",
+                percent(share)
+            ),
+            "left out".into(),
+        ),
         Kind::OwnRows { share } => (
             format!("{name} has a new value in {:.1} % of the rows", percent(share)),
             "the recording uses these rows; the others only fill their own columns".into(),
@@ -77,6 +84,16 @@ fn words(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> (S
                 tick_s.map(|s| (1e6 * s).round() / 1e6)
             ),
             "treated as a coarse clock: the rows are spread evenly over its steps".into(),
+        ),
+        Kind::Batches { rows } => (
+            format!("the rows have time stamps in batches of {rows:.1} rows on average"),
+            "treated as stamps of a receiver: the rows are moved to even times".into(),
+        ),
+        Kind::Frozen { rows, first } => (
+            format!(
+                "{name} keeps its last value in {rows} rows while the wheel stands still (first: row {first})"
+            ),
+            "these rows are left out".into(),
         ),
         Kind::Stale { rows, first } => (
             format!(
