@@ -44,6 +44,9 @@ pub fn new_file(recordings: &[PathBuf], output: Option<&Path>) -> Result<String,
     Ok(format!("wrote {file}\n{}{next}\n", draft.words))
 }
 
+/// What is said of a recording that the columns as they are guessed cannot read; the question says why.
+const UNREAD: &str = "can be read when the questions below are answered";
+
 /// A file that is not written yet.
 pub(super) struct Draft {
     pub(super) text: String,
@@ -75,9 +78,8 @@ pub(super) fn draft(recordings: &[PathBuf], folder: &Path) -> Result<Draft, Expe
                 (seen(&recording, &findings, kind), Some(kind))
             }
             Err(reason) => {
-                let said = format!("not read yet: {reason}");
                 unread.get_or_insert(format!("{}: {reason}", path.to_string_lossy()));
-                (vec![said], None)
+                (vec![UNREAD.to_owned()], None)
             }
         };
         let name = path.to_string_lossy();
