@@ -9,7 +9,7 @@ use crate::identify::{IdentifyError, Note, Task, start};
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::PhysicalDynamics;
-use crate::study::{DiagnosisStudy, MethodStudy, Role, is_undetermined};
+use crate::study::{DiagnosisStudy, MethodStudy, Role, Undetermined, undetermined};
 use crate::verdict::{Basis, Settled};
 
 /// A comparison with its diagnosis, where the plan asks for one.
@@ -108,7 +108,7 @@ fn with_basis<T>(
         false_alarm: asked.settings.false_alarm,
         slow_moment: asked.slow_moment,
         seed: plan.seed,
-        is_stalled: stalled_without_inertia(comparison),
+        undetermined: unknown(comparison),
     })
 }
 
@@ -139,9 +139,9 @@ fn search(
     crate::diagnose::diagnose(&model, &starts, &data, &settings)
 }
 
-/// Whether the preferred fit stalled where a1 is not identifiable, though wheels turn against each other.
-fn stalled_without_inertia(comparison: &Comparison) -> bool {
-    is_undetermined(&comparison.recordings, Some(comparison.reference_method()))
+/// Why the preferred fit is not determined by the recordings.
+fn unknown(comparison: &Comparison) -> Option<Undetermined> {
+    undetermined(&comparison.recordings, Some(comparison.reference_method()))
 }
 
 /// The model with what the data do not identify held where the preferred fit holds it: a fit that is free to
@@ -150,7 +150,7 @@ fn stalled_without_inertia(comparison: &Comparison) -> bool {
 fn with_held(plan: &Plan, train: &[Recording], comparison: &Comparison) -> Model {
     let mut model = plan.model.clone();
     // where a descent went astray and stalled tells nothing of the data
-    if train.iter().all(Recording::is_single_axis) || stalled_without_inertia(comparison) {
+    if train.iter().all(Recording::is_single_axis) || unknown(comparison).is_some() {
         return model;
     }
     let estimates = &comparison.reference_method().estimates;

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::undetermined::Undetermined;
 use super::{DependenceStudy, FormulaStudy, FoundEffect, ParameterStudy, UnprovenEffect};
 use crate::diagnose::{Difference, Errors, Judgement, Proposal};
 use crate::identify::Estimate;
@@ -111,16 +112,16 @@ pub struct DiagnosisStudy {
     pub effects: Vec<FoundEffect>,
     /// What the residual torque depends on as a formula, where that lowers the error.
     pub formula: Option<FormulaStudy>,
-    /// Whether the columns do not determine the model, so that nothing else here holds.
-    pub is_undetermined: bool,
+    /// Why the recordings do not determine the model, so that nothing else here holds; `None` where they do.
+    pub undetermined: Option<Undetermined>,
 }
 
 impl DiagnosisStudy {
     /// The effect that is likely: that of a verdict which says so, and otherwise one beside it. Beside a formula none of
-    /// the catalogue is, and none where the columns do not determine the model.
+    /// the catalogue is, and none where the recordings do not determine the model.
     #[must_use]
     pub fn likely(&self) -> Option<&UnprovenEffect> {
-        let open = self.formula.is_none() && !self.is_undetermined;
+        let open = self.formula.is_none() && self.undetermined.is_none();
         self.unproven.as_ref().filter(|_| open || self.verdict == Verdict::EffectLikely)
     }
 }
@@ -160,6 +161,11 @@ pub struct Logging {
 pub enum Advice {
     /// The columns do not determine the model: names and units of the columns are to be checked.
     CheckColumns,
+    /// The rows are too slow for the inertias.
+    RecordFaster {
+        /// Rows a second that would do.
+        rate: usize,
+    },
     /// A recording that would prove an effect.
     Prove {
         /// That which is likely or withheld.

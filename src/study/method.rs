@@ -1,5 +1,6 @@
 //! What the methods of an experiment found.
 
+use super::undetermined::Undetermined;
 use crate::identify::{Estimate, IdentifyError, Note, Status, Trace, Work};
 use crate::model::base::{A1, A2, A4, A5};
 
@@ -87,6 +88,17 @@ impl MethodStudy {
     pub fn is_undetermined(&self) -> bool {
         let a1 = self.estimates.get(A1);
         self.status == Some(Status::Stalled) && a1.is_some_and(|e| !e.identifiable && !e.fixed)
+    }
+
+    /// What the input between its rows leaves open of the inertias, where that is the larger part of them.
+    #[must_use]
+    pub fn undetermined_between_rows(&self) -> Option<Undetermined> {
+        self.notes.iter().find_map(|note| match note {
+            &Note::BetweenRows { share, step_s, rate, .. } => {
+                Some(Undetermined::BetweenRows { share, step_s, rate })
+            }
+            _ => None,
+        })
     }
 
     /// Whether none of the inertias and dry frictions of the base model is identifiable, and none was given.

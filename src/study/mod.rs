@@ -11,6 +11,7 @@ mod invocation;
 mod judged;
 mod method;
 mod model;
+mod undetermined;
 mod what_if;
 
 pub use dependence::{DependenceStudy, is_most_of_it, is_plain, most_pointing};
@@ -25,6 +26,7 @@ pub use method::{FuzzyStudy, MethodStudy, Performance};
 pub use model::{
     FAR_BELOW_FLOOR, FoundEffect, Grade, ModelStudy, ParameterStudy, UnprovenEffect, parameters_of,
 };
+pub use undetermined::Undetermined;
 pub use what_if::{Start, WhatIfStudy};
 
 use serde::Serialize;
@@ -219,23 +221,23 @@ impl Study {
         Judged::of(&self.recordings).top_speed()
     }
 
-    /// How good the last model is; `None` without a fit. A model that the columns do not determine is not usable,
+    /// How good the last model is; `None` without a fit. A model that the recordings do not determine is not usable,
     /// whatever its error.
     #[must_use]
     pub fn grade(&self) -> Option<Grade> {
         let model = self.last_model()?;
-        if self.is_undetermined() {
+        if self.undetermined().is_some() {
             return Some(Grade::NotUsable);
         }
         Some(Grade::of(self.error_of(model), self.judged_floor(), self.top_speed()))
     }
 
-    /// Whether the columns do not determine the model.
+    /// Why the recordings do not determine the model; `None` where they do.
     #[must_use]
-    pub fn is_undetermined(&self) -> bool {
+    pub fn undetermined(&self) -> Option<Undetermined> {
         match &self.diagnosis {
-            Some(diagnosis) => diagnosis.is_undetermined,
-            None => is_undetermined(&self.recordings, self.reference_method()),
+            Some(diagnosis) => diagnosis.undetermined,
+            None => undetermined(&self.recordings, self.reference_method()),
         }
     }
 
@@ -246,16 +248,24 @@ impl Study {
     }
 }
 
-/// Whether the columns of `recordings` do not determine the model that the `reference` method fitted: though the wheels
-/// turn against each other the descent stalled without a1, or nothing of the base model is identifiable. On runs straight
-/// ahead, as those of a single axis, a1 + a2 is found and a1 is not; of a single axis sums alone are.
+/// Why `recordings` do not determine the model that the `reference` method fitted: its inertias may be those of the input
+/// between the rows; or the columns are others, where the descent stalled without a1 though the wheels turn against each
+/// other, or nothing of the base model is identifiable. On runs straight ahead, as those of a single axis, a1 + a2 is found
+/// and a1 is not; of a single axis sums alone are.
 #[must_use]
-pub fn is_undetermined(recordings: &[RecordingStudy], reference: Option<&MethodStudy>) -> bool {
+pub fn undetermined(
+    recordings: &[RecordingStudy],
+    reference: Option<&MethodStudy>,
+) -> Option<Undetermined> {
+    let method = reference?;
+    if let Some(between_rows) = method.undetermined_between_rows() {
+        return Some(between_rows);
+    }
     let rows = || recordings.iter().flat_map(|r| &r.omega);
     let is_single_axis = rows().all(|w| w[0] == w[1]);
-    reference.is_some_and(|method| {
-        turns(rows()) && method.is_undetermined() || !is_single_axis && method.identifies_nothing()
-    })
+    let of_columns =
+        turns(rows()) && method.is_undetermined() || !is_single_axis && method.identifies_nothing();
+    of_columns.then_some(Undetermined::Columns)
 }
 
 /// Whether wheels turn against each other, of whose speeds these are the rows.

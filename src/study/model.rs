@@ -82,8 +82,10 @@ pub struct FoundEffect {
 pub struct UnprovenEffect {
     /// As in the catalogue.
     pub id: String,
-    /// Fall of the held-out error with it (root mean square over all windows), as a share.
+    /// Fall of the error of held-out windows of 1 s with it (root mean square over all of them), as a share.
     pub lowers: f64,
+    /// Whether no recording is held out, and parts of the training recordings were in turn.
+    pub crossed: bool,
 }
 
 /// Error over the floor below which the floor is the most that noise and the input between its rows may make, and not

@@ -12,7 +12,7 @@ pub(crate) use self::settled::Settled;
 use crate::diagnose::{Diagnosis, Settings};
 use crate::recording::Recording;
 use crate::simulate::{Hold, SimulateError};
-use crate::study::DiagnosisStudy;
+use crate::study::{DiagnosisStudy, Undetermined};
 
 /// What a verdict rests on beside the diagnosis.
 #[derive(Clone, Copy, Debug)]
@@ -29,9 +29,9 @@ pub struct Basis<'a> {
     pub slow_moment: bool,
     /// Seed of the proposed manoeuvre.
     pub seed: u64,
-    /// Whether an estimate of the model as given stalled without an identifiable a1, though the wheels turn against each
-    /// other. Unless the diagnosis identifies a1, the columns do not determine the model then.
-    pub is_stalled: bool,
+    /// Why the recordings do not determine an estimate of the model as given. If it is the columns, the diagnosis may
+    /// identify a1 all the same.
+    pub undetermined: Option<Undetermined>,
 }
 
 impl<'a> Basis<'a> {
@@ -39,8 +39,8 @@ impl<'a> Basis<'a> {
     #[must_use]
     pub fn new(train: &'a [Recording], validation: &'a [Recording], hold: Hold) -> Self {
         let Settings { false_alarm, .. } = Settings::default();
-        let (slow_moment, seed, is_stalled) = (true, 0, false);
-        Self { train, validation, hold, false_alarm, slow_moment, seed, is_stalled }
+        let (slow_moment, seed, undetermined) = (true, 0, None);
+        Self { train, validation, hold, false_alarm, slow_moment, seed, undetermined }
     }
 
     /// The recordings whose error is judged.

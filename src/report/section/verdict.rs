@@ -6,7 +6,7 @@ use crate::diagnose::THRESHOLDS;
 use crate::effects;
 use crate::identify::Status;
 use crate::report::block::{Block, Number, Text, Tone};
-use crate::report::{format, recommendation, sentence};
+use crate::report::{format, not_determined, recommendation, sentence};
 use crate::study::{self, Grade, Role, Study};
 
 /// What is missing, with the errors that show it and what to record next.
@@ -93,6 +93,10 @@ fn numbers(study: &Study) -> Option<Block> {
         ),
         false => ("the error due to noise alone", means(grade)),
     };
+    let meaning = match study.undetermined() {
+        Some(_) => "its parameters cannot be determined from these recordings",
+        None => meaning,
+    };
     let judged = format!("on {} data; {holds}", study.judged_words());
     let is = match &study.completed {
         Some(_) => format!("{} the model is", format::capital(&words::added(study))),
@@ -132,6 +136,9 @@ fn tone(verdict: study::Verdict) -> Tone {
 
 /// The verdict where no diagnosis was asked for: the error against its floor, and where.
 fn compared(study: &Study, error: f64) -> (Tone, String) {
+    if let Some(why) = study.undetermined() {
+        return (Tone::Bad, not_determined(why));
+    }
     let ratio = error / study.judged_floor();
     if !ratio.is_finite() {
         return (Tone::Bad, "The simulation of the fitted model diverges.".to_owned());

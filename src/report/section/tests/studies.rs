@@ -220,7 +220,7 @@ fn diagnosis() -> DiagnosisStudy {
             indistinguishable: vec![],
         }],
         formula: None,
-        is_undetermined: false,
+        undetermined: None,
     }
 }
 
